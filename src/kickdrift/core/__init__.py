@@ -1,0 +1,1 @@
+"""The ground floor: compile flags, errors, outcomes, constants."""

@@ -1,0 +1,47 @@
+"""Errors are sentences: the argument, its value, why it cannot be, and what to do instead."""
+
+import difflib
+from collections.abc import Iterable
+
+
+class KickdriftError(Exception):
+    """Everything that kickdrift raises on purpose."""
+
+
+class ArgumentError(KickdriftError, ValueError):
+    """An argument that cannot be used, found before any work was done."""
+
+
+class UnknownNameError(ArgumentError):
+    """A method, system or body that is not in the catalogue."""
+
+
+class MethodMismatchError(ArgumentError):
+    """A method whose order would be lost on the structure of the system."""
+
+
+class MissingExtraError(KickdriftError, ImportError):
+    """An optional dependency that is not installed."""
+
+
+class FileFormatError(KickdriftError):
+    """A file that is not what it should be."""
+
+
+class InterpretedWarning(UserWarning):
+    """A user's function that Numba cannot compile, and so runs interpreted."""
+
+
+def unknown_name(argument: str, value: str, known: Iterable[str]) -> UnknownNameError:
+    """Build the error for a name that is not in a catalogue, with the nearest ones that are."""
+    known = sorted(known)
+    near = difflib.get_close_matches(str(value), known, n=3, cutoff=0.4)
+    hint = f"did you mean {' or '.join(repr(name) for name in near)}?" if near else f"known: {', '.join(known)}."
+    return UnknownNameError(f"{argument}={value!r} is not known; {hint}")
+
+
+def missing_extra(feature: str, package: str, extra: str) -> MissingExtraError:
+    """Build the error for an optional dependency, with the command that installs it."""
+    return MissingExtraError(
+        f"{feature} needs the package {package!r}, which is not installed; run: pip install 'kickdrift[{extra}]'"
+    )

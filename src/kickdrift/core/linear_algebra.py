@@ -1,0 +1,62 @@
+"""Small dense linear algebra for compiled flows, in place and without allocation."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.compilation import compiled
+
+Floats = NDArray[np.float64]
+
+
+@compiled
+def lu_factor(matrix: Floats, pivots: Floats) -> bool:
+    """Factor a square matrix, given as n*n numbers row by row, in place with partial pivoting.
+
+    Parameters
+    ----------
+    matrix : (n*n,) array
+        Overwritten by the factors.
+    pivots : (n,) array
+        Filled with the row exchanged at each column.
+
+    Returns
+    -------
+    bool
+        False for a matrix that is singular to working precision.
+
+    Notes
+    -----
+    Golub, Van Loan, Matrix Computations, 4th ed. (2013), algorithm 3.4.1.
+    """
+    n = pivots.size
+    for k in range(n):
+        p = k
+        for i in range(k + 1, n):
+            if abs(matrix[i * n + k]) > abs(matrix[p * n + k]):
+                p = i
+        pivots[k] = p
+        if not abs(matrix[p * n + k]) > 0.0:
+            return False
+        for j in range(n):
+            matrix[k * n + j], matrix[p * n + j] = matrix[p * n + j], matrix[k * n + j]
+        for i in range(k + 1, n):
+            matrix[i * n + k] /= matrix[k * n + k]
+            for j in range(k + 1, n):
+                matrix[i * n + j] -= matrix[i * n + k] * matrix[k * n + j]
+    return True
+
+
+@compiled
+def lu_solve(matrix: Floats, pivots: Floats, b: Floats) -> None:
+    """Overwrite b, of n numbers, with the solution of the system that `lu_factor` factored."""
+    n = pivots.size
+    for k in range(n):
+        p = int(pivots[k])
+        b[k], b[p] = b[p], b[k]
+    for i in range(n):
+        for j in range(i):
+            b[i] -= matrix[i * n + j] * b[j]
+    for i in range(n - 1, -1, -1):
+        for j in range(i + 1, n):
+            b[i] -= matrix[i * n + j] * b[j]
+        b[i] /= matrix[i * n + i]

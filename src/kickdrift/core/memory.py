@@ -1,0 +1,86 @@
+"""Views of memory that cost nothing: what compiled flows and the loop pass to each other.
+
+Passing four arrays to a function by value costs 7 ns a call (each is seven machine words); passing the address of a
+block that describes them costs 2 ns, and the views made from it vanish when the compiler inlines them.
+"""
+
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import carray, types
+from numba.core import cgutils
+from numba.extending import intrinsic
+from numpy.typing import NDArray
+
+from kickdrift.core.compilation import compiled
+
+_FLOATS = types.CPointer(types.float64)
+_WORD = ir.IntType(64)
+
+SIZE = 0  # bound by the caller of `small_arrays`
+
+
+@intrinsic
+def _word(typing_context: Any, block: Any, index: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        words = builder.inttoptr(arguments[0], _WORD.as_pointer())
+        return builder.load(builder.gep(words, [arguments[1]]))
+
+    return types.intp(types.intp, types.intp), generate
+
+
+@intrinsic
+def _floats_at(typing_context: Any, address: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.inttoptr(arguments[0], context.get_value_type(_FLOATS))
+
+    return _FLOATS(types.intp), generate
+
+
+@intrinsic
+def _floats_of(typing_context: Any, array: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return context.make_array(signature.args[0])(context, builder, arguments[0]).data
+
+    return _FLOATS(array), generate
+
+
+@intrinsic(prefer_literal=True)
+def floats_on_stack(typing_context: Any, size: Any) -> Any:
+    """Pointer to a fresh local buffer of a constant number of floats, which the compiler can keep in registers."""
+    count = size.literal_value
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        storage = cgutils.alloca_once(builder, ir.ArrayType(ir.DoubleType(), count))
+        return builder.bitcast(storage, context.get_value_type(_FLOATS))
+
+    return _FLOATS(size), generate
+
+
+@compiled(inline=True)
+def arrays(block: int) -> Any:
+    """Return the one-dimensional arrays x, v, params and work that a `state_block` describes."""
+    return (
+        carray(_floats_at(_word(block, 0)), (_word(block, 1),)),
+        carray(_floats_at(_word(block, 2)), (_word(block, 3),)),
+        carray(_floats_at(_word(block, 4)), (_word(block, 5),)),
+        carray(_floats_at(_word(block, 6)), (_word(block, 7),)),
+    )
+
+
+def small_arrays(block: int) -> Any:
+    """Do the same for a state of SIZE numbers, a constant of the compilation: loops over them are unrolled."""
+    x, v, params, work = arrays(block)
+    return carray(_floats_of(x), (SIZE,)), carray(_floats_of(v), (SIZE,)), params, work
+
+
+@compiled(inline=True)
+def shaped(array: NDArray[np.float64], shape: tuple[int, ...]) -> Any:
+    """Return a view of a one-dimensional array in another shape (``reshape`` calls into C, at 10 ns a call)."""
+    return carray(_floats_of(array), shape)
+
+
+def state_block(*members: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Addresses and sizes of the arrays of a state, for `arrays`. The caller keeps the arrays alive."""
+    return np.array([word for member in members for word in (member.ctypes.data, member.size)], dtype=np.intp)

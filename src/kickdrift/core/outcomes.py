@@ -1,0 +1,17 @@
+"""How a run can end. The value of an outcome is its sentence."""
+
+from enum import Enum
+
+
+class Outcome(Enum):
+    """The ways in which a run ends; `Outcome.value` is the sentence for people."""
+
+    COMPLETED = "The end of t_span was reached."
+    INTERRUPTED = "Interrupted by the user; everything up to the interruption is kept."
+    NOT_FINITE = "The state became infinite or not a number; the solution ends with the last good state."
+    NOT_CONVERGED = "The equations of an implicit step were not solved; the solution ends with the last good state."
+
+    @property
+    def success(self) -> bool:
+        """Whether the run did all that was asked."""
+        return self is Outcome.COMPLETED

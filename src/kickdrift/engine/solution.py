@@ -1,0 +1,170 @@
+"""What a run leaves: the states, what they conserve, and how the run went."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.errors import KickdriftError
+from kickdrift.core.outcomes import Outcome
+
+Floats = NDArray[np.float64]
+
+
+class Invariants(Mapping[str, Floats]):
+    """Conserved quantities by name, each evaluated when it is first asked for."""
+
+    def __init__(self, names: tuple[str, ...], evaluate: Callable[[str], Floats]) -> None:
+        self._names = names
+        self._evaluate = evaluate
+        self._known: dict[str, Floats] = {}
+
+    def __getitem__(self, name: str) -> Floats:
+        if name not in self._names:
+            raise KeyError(name)
+        if name not in self._known:
+            self._known[name] = self._evaluate(name)
+        return self._known[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    def __repr__(self) -> str:
+        return f"Invariants({', '.join(self._names)})"
+
+
+@dataclass(frozen=True)
+class Description:
+    """What was run: words for reports, files and pictures.
+
+    Attributes
+    ----------
+    system, method : str
+        Names.
+    order : int
+        Stated order of the method.
+    word : str
+        The word of the method.
+    compensated : bool
+        Whether the sums carried what they rounded off.
+    dimensions : tuple of str
+        Names of the axes of the state.
+    coordinates : mapping of str to list
+        Labels along those axes.
+    units : mapping of str to str
+        Units of t, x and v and of the invariants by name.
+    source : str
+        Where the system is from.
+    """
+
+    system: str
+    method: str
+    order: int
+    word: str
+    compensated: bool
+    dimensions: tuple[str, ...] = ()
+    coordinates: Mapping[str, Any] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    source: str = ""
+
+
+@dataclass(frozen=True)
+class Presenters:
+    """What a solution can do on the floors above: the package hands it down when it is imported."""
+
+    plot: Callable[..., Any]
+    save: Callable[..., Path]
+    to_xarray: Callable[..., Any]
+    report: Callable[..., str]
+
+
+@dataclass(frozen=True)
+class Solution:
+    """States of a system at the times kept, and how the run went.
+
+    Attributes
+    ----------
+    t : (T,) array
+        Times kept.
+    x, v : (T, *shape) array
+        Positions and velocities, in the shape of x0.
+    invariants : mapping of str to array
+        Conserved quantities at those times, (T,) or (T, size).
+    status : Outcome
+        How the run ended.
+    message : str
+        The same as a sentence, with time and step where it did not reach the end.
+    step : float
+        The step used, with its sign; at most the step asked for.
+    n_steps : int
+        Steps done.
+    n_force_evaluations : int
+        Evaluations of the acceleration.
+    wall_time : float
+        Seconds in the loop, compilation not counted.
+    about : Description
+        What was run.
+    """
+
+    t: Floats
+    x: Floats
+    v: Floats
+    invariants: Mapping[str, Floats]
+    status: Outcome
+    message: str
+    step: float
+    n_steps: int
+    n_force_evaluations: int
+    wall_time: float
+    about: Description
+
+    presenters: ClassVar[Presenters]
+
+    @property
+    def success(self) -> bool:
+        """Whether the end of t_span was reached."""
+        return self.status.success
+
+    @property
+    def energy(self) -> Floats:
+        """Energy at the times kept, shape (T,).
+
+        Raises
+        ------
+        KickdriftError
+            If the system does not say its energy.
+        """
+        if "energy" not in self.invariants:
+            raise KickdriftError(
+                f"{self.about.system!r} does not say its energy; describe it as"
+                " kd.SecondOrder(acceleration, energy=...) to have it."
+            )
+        return self.invariants["energy"]
+
+    def report(self) -> str:
+        """Return how the run went, as a text of a line per fact."""
+        return self.presenters.report(self)
+
+    def plot(self, path: str | Path | None = None) -> Any:
+        """Draw trajectory and energy error; returns the matplotlib figure, and writes it to `path` if given."""
+        return self.presenters.plot(self, path)
+
+    def save(self, path: str | Path) -> Path:
+        """Write everything to one ``.npz`` file of plain arrays, for `kickdrift.load`; returns its path."""
+        return self.presenters.save(self, path)
+
+    def to_xarray(self) -> Any:
+        """Return an `xarray.Dataset` with named dimensions and units."""
+        return self.presenters.to_xarray(self)
+
+    def __repr__(self) -> str:
+        return (
+            f"<Solution of {self.about.system} by {self.about.method}: {self.t.size} times from {self.t[0]:g} to"
+            f" {self.t[-1]:g}, {self.n_steps} steps of {self.step:g}, {self.status.name.lower()}>"
+        )

@@ -1,0 +1,155 @@
+"""From a user's Python functions to a system: by the names of their arguments, compiled where Numba can."""
+
+import inspect
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+import numba
+import numpy as np
+from numba import types
+from numba.core.errors import NumbaError
+from numpy.typing import NDArray
+
+from kickdrift.core import memory
+from kickdrift.core.compilation import Function, compile_for, compiled
+from kickdrift.core.errors import ArgumentError, InterpretedWarning, KickdriftError
+from kickdrift.systems.system import Quantity, SecondOrder, System
+
+Floats = NDArray[np.float64]
+_NAMES = ("t", "x", "v", "params", "out")
+_VECTOR = types.Array(types.float64, 1, "C")
+FLAT = types.void(types.float64, _VECTOR, _VECTOR, _VECTOR, _VECTOR)
+
+
+def adopt(problem: SecondOrder | Function, t0: float, x0: Floats, v0: Floats, params: Floats, compile_: bool) -> System:
+    """Make a system of a user's functions and start.
+
+    Raises
+    ------
+    ArgumentError
+        For a function with other argument names, or whose result does not have the shape of x0.
+    """
+    described = problem if isinstance(problem, SecondOrder) else SecondOrder(problem)
+    names = _argument_names(described.acceleration, "the acceleration", allowed=_NAMES)
+    function, native = _flat(described.acceleration, names, x0.shape, compile_)
+    _try_once(described.acceleration, function, t0, x0, v0, params)
+    quantities = {}
+    given = {"energy": described.energy, **described.invariants}
+    for name, quantity in given.items():
+        if quantity is not None:
+            quantity_names = _argument_names(quantity, f"the function for {name!r}", allowed=_NAMES[:4])
+            flat, _ = _flat(quantity, quantity_names, x0.shape, compile_, result_shape=())
+            _try_once(quantity, flat, t0, x0, v0, params, size=1)
+            quantities[name] = Quantity(flat)
+    return System(
+        name=getattr(described.acceleration, "__name__", "function").strip("<>"),
+        acceleration=function,
+        x0=x0,
+        v0=v0,
+        params=params,
+        quantities=quantities,
+        velocity_dependent="v" in names,
+        native=native,
+    )
+
+
+def _argument_names(function: Any, role: str, allowed: tuple[str, ...]) -> list[str]:
+    if not callable(function):
+        raise ArgumentError(
+            f"{role} is {function!r}, which is not a function; give a function of {', '.join(allowed)}."
+        )
+    python = getattr(function, "py_func", function)
+    try:
+        parameters = inspect.signature(python).parameters.values()
+    except (TypeError, ValueError):
+        raise ArgumentError(
+            f"{role} {function!r} does not tell the names of its arguments; wrap it: lambda x: ..."
+        ) from None
+    required = [p.name for p in parameters if p.default is p.empty or p.name in allowed]
+    unknown = [name for name in required if name not in allowed]
+    if unknown or any(p.kind in (p.VAR_POSITIONAL, p.VAR_KEYWORD, p.KEYWORD_ONLY) for p in parameters):
+        raise ArgumentError(
+            f"{role} {python.__name__}({', '.join(str(p) for p in parameters)}) has arguments that kickdrift does not"
+            f" know; name them {', '.join(allowed)} (any of them, in any order), and pass numbers as args=(...)."
+        )
+    if not required:
+        raise ArgumentError(f"{role} {python.__name__}() has no arguments; give it at least x.")
+    return required
+
+
+_TEMPLATE = """
+def adapted(t, x, v, params, out):
+    {statement}
+"""
+
+
+def _flat(
+    function: Function, names: list[str], shape: tuple[int, ...], compile_: bool, result_shape: Any = None
+) -> tuple[Function, bool]:
+    """Adapt a function to ``(t, x, v, params, out)`` over one-dimensional arrays; also whether it is compiled."""
+    result_shape = shape if result_shape is None else result_shape
+    views = {name: name for name in _NAMES}
+    if shape == ():
+        views |= {"x": "x[0]", "v": "v[0]"}
+    elif len(shape) > 1:
+        views |= {name: f"shaped({name}, SHAPE)" for name in ("x", "v", "out")}
+    call = f"function({', '.join(f'{name}={views[name]}' for name in names)})"
+    if "out" in names:
+        statement = call
+    elif result_shape == ():
+        statement = f"out[0] = {call}"
+    elif len(shape) > 1:
+        statement = f"shaped(out, SHAPE)[...] = asarray({call})"
+    else:
+        statement = f"out[:] = asarray({call})"
+    scope: dict[str, Any] = {"SHAPE": shape, "asarray": np.asarray}
+    exec(_TEMPLATE.format(statement=statement), scope)  # noqa: S102 - our own template, above
+    adapted: Function = scope["adapted"]
+    python = getattr(function, "py_func", function)
+    if compile_:
+        dispatcher = function if hasattr(function, "py_func") else compiled(cached=False)(python)
+        scope |= {"function": dispatcher, "shaped": memory.shaped}
+        try:
+            return compile_for(FLAT, adapted, cached=False), True
+        except (NumbaError, NotImplementedError, TypeError, ValueError, AttributeError, KeyError, IndexError) as error:
+            _warn_interpreted(python, error)
+    scope |= {"function": python, "shaped": lambda array, to: array.reshape(to)}
+    return adapted, False
+
+
+def _warn_interpreted(function: Function, error: Exception) -> None:
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    reason = next(
+        (line for line in lines if not line.startswith(("Failed in", "During:", "File "))), type(error).__name__
+    )
+    warnings.warn(
+        f"{function.__name__} runs interpreted, about a hundred times slower, because Numba {numba.__version__} cannot"
+        f" compile it: {reason} Use only NumPy and math functions and numbers passed as args=(...), or pass"
+        " compile=False to run it interpreted without this warning.",
+        InterpretedWarning,
+        stacklevel=5,
+    )
+
+
+def _try_once(
+    original: Any,
+    function: Callable[..., None],
+    t: float,
+    x: Floats,
+    v: Floats,
+    params: Floats,
+    size: int | None = None,
+) -> None:
+    """Call a function at the start, so that what is wrong with it is an error before any work is done."""
+    out = np.zeros(x.size if size is None else size)
+    name = getattr(original, "__name__", repr(original))
+    try:
+        function(t, x.reshape(-1).copy(), v.reshape(-1).copy(), params, out)
+    except KickdriftError:
+        raise
+    except Exception as error:
+        raise ArgumentError(
+            f"{name} failed at the start, x0 of shape {x.shape}: {type(error).__name__}: {error}. It must return"
+            f" {'an array of that shape' if size is None else 'one number'}."
+        ) from error

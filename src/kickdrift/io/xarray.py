@@ -1,0 +1,41 @@
+"""Solutions as labelled arrays."""
+
+from typing import Any
+
+from kickdrift.core.errors import missing_extra
+from kickdrift.engine.solution import Solution
+
+
+def to_xarray(solution: Solution) -> Any:
+    """Return a solution as an `xarray.Dataset` with named dimensions, labels and units.
+
+    Raises
+    ------
+    MissingExtraError
+        If xarray is not installed.
+    """
+    try:
+        import xarray as xr
+    except ImportError:
+        raise missing_extra("Solution.to_xarray", "xarray", "xarray") from None
+    about, dims = solution.about, ("time", *solution.about.dimensions)
+    units = about.units
+
+    def variable(values: Any, names: tuple[str, ...], of: str) -> Any:
+        return xr.Variable(names, values, attrs={"units": units[of]} if of in units else {})
+
+    data = {"x": variable(solution.x, dims, "x"), "v": variable(solution.v, dims, "v")}
+    for name, values in solution.invariants.items():
+        key = name.replace(" ", "_")
+        data[key] = variable(values, ("time",) if values.ndim == 1 else ("time", f"{key}_component"), name)
+    return xr.Dataset(
+        data,
+        coords={"time": variable(solution.t, ("time",), "t"), **{k: list(v) for k, v in about.coordinates.items()}},
+        attrs={
+            "system": about.system,
+            "method": about.method,
+            "step": solution.step,
+            "status": solution.status.name,
+            "source": about.source,
+        },
+    )

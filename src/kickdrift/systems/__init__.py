@@ -1,0 +1,58 @@
+"""The systems: what moves. A new one is a file of its own and a line in the catalogue."""
+
+from collections.abc import Callable
+
+from kickdrift.core.errors import unknown_name
+from kickdrift.systems.benchmarks_game import benchmarks_game
+from kickdrift.systems.harmonic_oscillator import harmonic_oscillator
+from kickdrift.systems.kepler import kepler
+from kickdrift.systems.nbody import nbody
+from kickdrift.systems.pendulum import pendulum
+from kickdrift.systems.solar_system import ephemeris, solar_system
+from kickdrift.systems.system import Quantity, SecondOrder, System
+
+__all__ = [
+    "Quantity",
+    "SecondOrder",
+    "System",
+    "benchmarks_game",
+    "catalogue",
+    "ephemeris",
+    "get",
+    "harmonic_oscillator",
+    "kepler",
+    "nbody",
+    "pendulum",
+    "solar_system",
+]
+
+_CATALOGUE: dict[str, Callable[[], System]] = {
+    "harmonic-oscillator": harmonic_oscillator,
+    "pendulum": pendulum,
+    "kepler": kepler,
+    "solar-system": solar_system,
+    "benchmarks-game": benchmarks_game,
+}
+
+
+def catalogue() -> dict[str, Callable[[], System]]:
+    """Return the systems that have a default start, by name: functions that make them.
+
+    Returns
+    -------
+    dict of str to callable
+    """
+    return dict(_CATALOGUE)
+
+
+def get(name: str) -> System:
+    """Make a system of the catalogue, with its default start.
+
+    Raises
+    ------
+    UnknownNameError
+        For a name that is not in the catalogue; the sentence names the nearest ones.
+    """
+    if name not in _CATALOGUE:
+        raise unknown_name("system", name, _CATALOGUE)
+    return _CATALOGUE[name]()

@@ -1,0 +1,96 @@
+"""The Kepler problem in the plane: x'' = -mu x / |x|^3."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.errors import ArgumentError
+from kickdrift.systems.system import Quantity, System, start
+
+Floats = NDArray[np.float64]
+
+
+@compiled
+def _acceleration(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    r2 = x[0] * x[0] + x[1] * x[1]
+    f = -params[0] / (r2 * math.sqrt(r2))
+    out[0] = f * x[0]
+    out[1] = f * x[1]
+
+
+@compiled
+def _energy(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    out[0] = 0.5 * (v[0] * v[0] + v[1] * v[1]) - params[0] / math.sqrt(x[0] * x[0] + x[1] * x[1])
+
+
+@compiled
+def _angular_momentum(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    out[0] = x[0] * v[1] - x[1] * v[0]
+
+
+def kepler(eccentricity: float = 0.6, semi_major_axis: float = 1.0, mu: float = 1.0) -> System:
+    """Make a body on an elliptic orbit, starting at the pericentre; the state has shape (2,).
+
+    Parameters
+    ----------
+    eccentricity : float
+        At least 0 and below 1.
+    semi_major_axis : float
+        Half the length of the orbit.
+    mu : float
+        Gravitational parameter. The period is 2 pi sqrt(semi_major_axis^3 / mu).
+
+    Raises
+    ------
+    ArgumentError
+        For an eccentricity that is not an ellipse's, or an axis or `mu` that is not positive.
+    """
+    if not 0 <= eccentricity < 1:
+        raise ArgumentError(f"eccentricity={eccentricity!r} must be at least 0 and below 1; the orbit is an ellipse.")
+    for name, value in (("semi_major_axis", semi_major_axis), ("mu", mu)):
+        if not (math.isfinite(value) and value > 0):
+            raise ArgumentError(f"{name}={value!r} must be positive and finite.")
+    e, a = eccentricity, semi_major_axis
+    mean_motion = math.sqrt(mu / a**3)
+
+    def exact(t: Floats) -> tuple[Floats, Floats]:
+        # Murray, Dermott, Solar System Dynamics (1999), eqs. (2.41) and (2.43).
+        anomaly = eccentric_anomaly(mean_motion * np.asarray(t, dtype=np.float64), e)
+        c, s, minor = np.cos(anomaly), np.sin(anomaly), math.sqrt(1 - e * e)
+        rate = mean_motion / (1 - e * c)
+        return np.stack([a * (c - e), a * minor * s], -1), np.stack([-a * rate * s, a * minor * rate * c], -1)
+
+    return System(
+        name="kepler",
+        acceleration=_acceleration,
+        x0=start([a * (1 - e), 0.0]),
+        v0=start([0.0, math.sqrt(mu / a * (1 + e) / (1 - e))]),
+        params=np.array([mu]),
+        quantities={"energy": Quantity(_energy), "angular momentum": Quantity(_angular_momentum)},
+        exact=exact,
+        packaged=True,
+        dimensions=("space",),
+        coordinates={"space": ["x", "y"]},
+        source="Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed. (2006), section I.2.3",
+    )
+
+
+def eccentric_anomaly(mean_anomaly: Floats, eccentricity: float) -> Floats:
+    """Solve Kepler's equation E - e sin E = M for arrays of M, to rounding.
+
+    Newton's method from E = M + e sin M / (1 - e + e cos M bounded) would need care near e = 1; the start
+    E = pi on (0, pi), where E - e sin E is convex, converges from one side for every eccentricity below 1.
+    """
+    turns = np.round(mean_anomaly / (2 * math.pi))
+    m = mean_anomaly - 2 * math.pi * turns
+    sign, m = np.sign(m), np.abs(m)
+    e, anomaly = eccentricity, np.full_like(m, math.pi)
+    for _ in range(60):
+        correction = (anomaly - e * np.sin(anomaly) - m) / (1 - e * np.cos(anomaly))
+        anomaly = anomaly - correction
+        if np.all(np.abs(correction) <= 4e-16 * np.maximum(anomaly, 1e-300)):
+            break
+    solved: Floats = sign * anomaly + 2 * math.pi * turns
+    return solved

@@ -1,0 +1,142 @@
+"""Direct N-body: every body attracts every other."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.errors import ArgumentError
+from kickdrift.systems import gravity
+from kickdrift.systems.system import Quantity, System
+
+Floats = NDArray[np.float64]
+
+# params is [G, softening^2, Gm_0, ..., Gm_(N-1)]; `gravity` takes it from the softening on.
+
+
+@compiled
+def _kick(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    gravity.add_gravity_pairwise(h, x, params[1:], v)
+
+
+@compiled
+def _few(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    out[:] = 0.0
+    gravity.add_gravity_pairwise(1.0, x, params[1:], out)
+
+
+@compiled
+def _many(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    out[:] = 0.0
+    gravity.add_gravity_tiled(1.0, x, params[1:], out)
+
+
+@compiled
+def _many_threaded(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    out[:] = 0.0
+    gravity.add_gravity_threaded(1.0, x, params[1:], out)
+
+
+@compiled
+def _energy(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    out[0] = gravity.energy(x, v, params[1:], params[0])
+
+
+@compiled
+def _momentum(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    gravity.momentum(x, v, params[1:], params[0], out)
+
+
+@compiled
+def _angular_momentum(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    gravity.angular_momentum(x, v, params[1:], params[0], out)
+
+
+QUANTITIES = {
+    "energy": Quantity(_energy),
+    "momentum": Quantity(_momentum, 3),
+    "angular momentum": Quantity(_angular_momentum, 3),
+}
+_FEW = 64  # bodies up to which a scalar loop over the pairs is faster than tiles
+_WORTH_THREADS = 512  # bodies from which a second thread pays
+
+
+def nbody(
+    masses: ArrayLike,
+    x0: ArrayLike,
+    v0: ArrayLike,
+    G: float = 1.0,
+    softening: float = 0.0,
+    names: Sequence[str] | None = None,
+    threads: bool = True,
+) -> System:
+    """Make a system of N bodies under Newtonian gravity, summed directly; the state has shape (N, 3).
+
+    Parameters
+    ----------
+    masses : (N,) array_like
+        Masses, at least 0; a body without mass is attracted and does not attract.
+    x0, v0 : (N, 3) array_like
+        Positions and velocities.
+    G : float
+        Gravitational constant in the units of the rest.
+    softening : float
+        Plummer softening length: distances enter as sqrt(r^2 + softening^2).
+    names : sequence of str, optional
+        Names of the bodies.
+    threads : bool
+        Whether large systems use the threads that Numba has. The numbers are the same, to the bit, for any number.
+
+    Raises
+    ------
+    ArgumentError
+        For shapes that do not match, negative masses, or a negative G or softening.
+    """
+    gm, positions, velocities = _checked(masses, x0, v0, G, softening)
+    n = gm.size
+    labels = list(names) if names is not None else [str(i) for i in range(n)]
+    if len(labels) != n or len(set(labels)) != n:
+        raise ArgumentError(f"names={labels!r} must be {n} different names, one for each body.")
+    many = _many_threaded if threads and n >= _WORTH_THREADS else _many
+    return System(
+        name="nbody",
+        acceleration=_few if n <= _FEW else many,
+        kick=_kick if n <= _FEW else None,
+        x0=positions,
+        v0=velocities,
+        params=np.concatenate([[G, softening**2], gm]),
+        quantities=QUANTITIES,
+        packaged=True,
+        dimensions=("body", "space"),
+        coordinates={"body": labels, "space": ["x", "y", "z"]},
+        source="Aarseth, Gravitational N-Body Simulations (2003), section 2.2",
+    )
+
+
+def _checked(
+    masses: ArrayLike, x0: ArrayLike, v0: ArrayLike, G: float, softening: float
+) -> tuple[Floats, Floats, Floats]:
+    try:
+        m, x, v = (np.array(value, dtype=np.float64, order="C") for value in (masses, x0, v0))
+    except (TypeError, ValueError) as error:
+        raise ArgumentError(f"masses, x0 and v0 must be arrays of numbers: {error}.") from None
+    if m.ndim != 1 or m.size == 0:
+        raise ArgumentError(f"masses has shape {m.shape}; give a list of one mass for each body.")
+    for name, value in (("x0", x), ("v0", v)):
+        if value.shape != (m.size, 3):
+            raise ArgumentError(f"{name} has shape {value.shape}, but {m.size} masses need shape ({m.size}, 3).")
+        if not np.isfinite(value).all():
+            raise ArgumentError(f"{name} of body {int(np.argwhere(~np.isfinite(value))[0][0])} is not finite.")
+    if not (np.isfinite(m).all() and (m >= 0).all()):
+        raise ArgumentError(
+            f"masses[{int(np.argwhere(~(m >= 0) | ~np.isfinite(m))[0][0])}] must be finite and at least 0."
+        )
+    if not (math.isfinite(G) and G > 0):
+        raise ArgumentError(f"G={G!r} must be positive and finite.")
+    if not (math.isfinite(softening) and softening >= 0):
+        raise ArgumentError(f"softening={softening!r} must be finite and at least 0.")
+    if softening == 0 and len(np.unique(x, axis=0)) < m.size:
+        raise ArgumentError("x0 has two bodies at the same place; move one, or give a softening.")
+    return G * m, x, v
