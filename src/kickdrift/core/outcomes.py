@@ -9,6 +9,7 @@ class Outcome(Enum):
     COMPLETED = "The end of t_span was reached."
     INTERRUPTED = "Interrupted by the user; everything up to the interruption is kept."
     NOT_FINITE = "The state became infinite or not a number; the solution ends with the last good state."
+    FAILED = "A function raised an error; the solution ends with the last good state."
     NOT_CONVERGED = "The equations of an implicit step were not solved; the solution ends with the last good state."
 
     @property

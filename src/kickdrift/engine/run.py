@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from tqdm import tqdm
 
 from kickdrift.core.memory import state_block
 from kickdrift.core.outcomes import Outcome
@@ -16,11 +15,12 @@ from kickdrift.engine.flows import EVALUATIONS, TROUBLE
 from kickdrift.engine.grid import Grid
 from kickdrift.engine.implicit import implicit_work_size
 from kickdrift.engine.program import Program
+from kickdrift.engine.progress import Bar, compiling_announced
 from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
+Failure = tuple[Outcome, str]  # and what there is to say about its cause
 _CHUNK_SECONDS = 0.1  # how long Ctrl-C waits
-_SHORT_RUN_SECONDS = 2.0  # runs expected to be shorter show no bar
 
 
 @dataclass
@@ -46,6 +46,15 @@ class State:
 
 
 @dataclass(frozen=True)
+class Good:
+    """A state worth keeping: the copy, the step after which it was made, and the rows filled by then."""
+
+    state: State
+    step: int
+    saved: int
+
+
+@dataclass(frozen=True)
 class Ending:
     """How a run ended: its outcome and sentence, steps done, rows filled, evaluations, and seconds in the loop."""
 
@@ -66,8 +75,11 @@ class Run:
         The rows, filled as the run goes; one more than the grid's if the run ends early between two of them.
     """
 
-    def __init__(self, system: System, program: Program, grid: Grid, compensated: bool) -> None:
+    def __init__(
+        self, system: System, program: Program, grid: Grid, compensated: bool, progress: bool | None = None
+    ) -> None:
         self.system, self.program, self.grid = system, program, grid
+        self._progress = sys.stderr.isatty() if progress is None else progress
         n = system.x0.size
         implicit = any(name.startswith("implicit") for name in program.flows)
         work = np.zeros(implicit_work_size(n) if implicit else 3 * n + 3)
@@ -75,12 +87,16 @@ class Run:
         self.xs = np.empty((grid.save_steps.size, n))
         self.vs = np.empty((grid.save_steps.size, n))
         names = program.flows + ("accelerate",) * program.primed
-        flows = tuple(letters.build(name, system, compensated) for name in names)
+        with compiling_announced(loop.advance, self._progress and system.native):
+            self._make_ready(names, compensated)
+
+    def _make_ready(self, names: tuple[str, ...], compensated: bool) -> None:
+        flows = tuple(letters.build(name, self.system, compensated) for name in names)
         self._flows = flows + (flows[0],) * (loop.MOST_FLOWS - len(flows))
-        members = (self.state.x, self.state.v, system.params, work)
+        members = (self.state.x, self.state.v, self.system.params, self.state.work)
         self._block = state_block(*members)
-        self._advance: Any = loop.advance if system.native else loop.advance.py_func  # type: ignore[attr-defined]
-        self._address: Any = self._block.ctypes.data if system.native else members
+        self._advance: Any = loop.advance if self.system.native else loop.advance.py_func  # type: ignore[attr-defined]
+        self._address: Any = self._block.ctypes.data if self.system.native else members
         self._run(0, 0, 0)  # compiles, or loads from the cache
 
     def _run(self, first: int, last: int, saved: int) -> tuple[int, int]:
@@ -104,123 +120,89 @@ class Run:
             self.vs,
         )
 
-    def _prime(self) -> None:
-        """Evaluate the acceleration at the start, as a step of one letter of no length."""
-        self._advance(
-            self._flows,
-            np.array([len(self.program.flows)]),
-            np.zeros(1),
-            np.zeros(1),
-            self.grid.t0,
-            self.grid.step,
-            0,
-            1,
-            self._address,
-            self.state.x,
-            self.state.v,
-            self.state.work,
-            self.grid.save_steps[:0],
-            0,
-            self.xs,
-            self.vs,
-        )
+    def _prime(self) -> Failure | None:
+        """Evaluate the acceleration at the start."""
+        t, accelerate = self.grid.t0, self._flows[len(self.program.flows)]
+        try:
+            accelerate(t, 0.0, self._address)
+        except Exception as error:
+            return Outcome.FAILED, f" The error was {type(error).__name__}: {error}."
+        return None
 
-    def go(self, progress: bool | None) -> Ending:
+    def go(self) -> Ending:
         """Run to the end of the grid, or as far as it goes; what was done is kept in any case."""
         grid, state = self.grid, self.state
         started = time.perf_counter()
-        step = saved = 0
-        outcome = Outcome.COMPLETED
-        if grid.save_steps[0] == 0:
-            self.xs[0], self.vs[0] = state.x, state.v
-            saved = 1
-        before, before_step, before_saved = state.copy(), 0, saved
-        bar = _Bar(grid.n_steps, progress)
+        good = Good(state.copy(), 0, 0)
+        outcome, cause = Outcome.COMPLETED, ""
+        bar = Bar(grid.n_steps, self._progress)
         chunk = 1
         try:
-            if self.program.primed:
-                self._prime()
-            while step < grid.n_steps:
-                before, before_step, before_saved = state.copy(), step, saved
+            failure = self._prime() if self.program.primed else None
+            if grid.save_steps[0] == 0:
+                self.xs[0], self.vs[0] = state.x, state.v
+            good = Good(state.copy(), 0, int(grid.save_steps[0] == 0))
+            while failure is None and good.step < grid.n_steps:
                 chunk_started = time.perf_counter()
-                target = min(step + chunk, grid.n_steps)
-                step, saved = self._run(step, target, saved)
-                if not state.finite:
-                    outcome = Outcome.NOT_FINITE
-                    step, saved = self._last_finite(before, before_step, before_saved, target)
+                target = min(good.step + chunk, grid.n_steps)
+                saved, failure = self._attempt(good, target)
+                if failure is not None:
+                    good = self._last_good(good, target)
+                    _, failure = self._attempt(good, good.step + 1)
                     break
-                if step < target:
-                    outcome = Outcome.NOT_CONVERGED
-                    break
-                seconds = time.perf_counter() - chunk_started
-                chunk = max(1, min(10 * chunk, int(chunk * _CHUNK_SECONDS / max(seconds, 1e-9))))
-                bar.show(step, time.perf_counter() - started)
+                good = Good(state.copy(), target, saved)
+                now = time.perf_counter()
+                chunk = max(1, min(10 * chunk, int(chunk * _CHUNK_SECONDS / max(now - chunk_started, 1e-9))))
+                bar.show(target, now - started)
+            if failure is not None:
+                outcome, cause = failure
         except KeyboardInterrupt:
+            # It may have come in the middle of a chunk, or between its end and the note of it.
             outcome = Outcome.INTERRUPTED
-            if not self.system.native:
-                # The interpreter stops anywhere, also in the middle of a step: go back to the last whole chunk.
-                state.restore(before)
-                step, saved = before_step, before_saved
         finally:
             bar.close()
-        wall_time = time.perf_counter() - started
-        return self._ending(outcome, step, self._keep_last(step, saved), wall_time)
+        state.restore(good.state)
+        return self._ending(outcome, cause, good.step, self._keep_last(good), time.perf_counter() - started)
 
-    def _last_finite(self, before: State, good: int, saved: int, bad: int) -> tuple[int, int]:
-        """Find the last finite state by halves: what is not finite stays so, and every rerun gives the same bits."""
-        while bad - good > 1:
-            self.state.restore(before)
-            middle = (good + bad) // 2
-            reached, rows = self._run(good, middle, saved)
-            if self.state.finite and reached == middle:
-                before, good, saved = self.state.copy(), middle, rows
+    def _attempt(self, good: Good, target: int) -> tuple[int, Failure | None]:
+        """Run from a good state, and say how many rows are filled and what went wrong, if anything did."""
+        try:
+            reached, saved = self._run(good.step, target, good.saved)
+        except Exception as error:
+            return good.saved, (Outcome.FAILED, f" The error was {type(error).__name__}: {error}.")
+        if reached < target:
+            return saved, (Outcome.NOT_CONVERGED, f" The residual was {self.state.work[TROUBLE]:.3g}.")
+        if not self.state.finite:
+            return saved, (Outcome.NOT_FINITE, "")
+        return saved, None
+
+    def _last_good(self, good: Good, bad: int) -> Good:
+        """Find the last good state by halves: what is not finite stays so, and every rerun gives the same bits."""
+        while bad - good.step > 1:
+            middle = (good.step + bad) // 2
+            self.state.restore(good.state)
+            saved, failure = self._attempt(good, middle)
+            if failure is None:
+                good = Good(self.state.copy(), middle, saved)
             else:
                 bad = middle
-        self.state.restore(before)
-        return good, saved
+        self.state.restore(good.state)
+        return good
 
-    def _keep_last(self, step: int, saved: int) -> int:
+    def _keep_last(self, good: Good) -> int:
         """Add the state reached as a last row, if the run ended between two rows of the grid."""
-        save_steps = self.grid.save_steps
-        if step < self.grid.n_steps and saved < save_steps.size and (saved == 0 or save_steps[saved - 1] != step):
-            self.xs[saved], self.vs[saved] = self.state.x, self.state.v
-            saved += 1
-        return saved
+        save_steps, saved = self.grid.save_steps, good.saved
+        if good.step == self.grid.n_steps or (saved > 0 and save_steps[saved - 1] == good.step):
+            return saved
+        self.xs[saved], self.vs[saved] = good.state.x, good.state.v
+        return saved + 1
 
-    def _ending(self, outcome: Outcome, step: int, saved: int, wall_time: float) -> Ending:
+    def _ending(self, outcome: Outcome, cause: str, step: int, saved: int, wall_time: float) -> Ending:
         message = outcome.value
-        t = self.grid.t0 + step * self.grid.step
-        if outcome is Outcome.INTERRUPTED:
-            message += f" It came at t={t:g}, after {step} of {self.grid.n_steps} steps."
-        elif outcome is Outcome.NOT_FINITE:
-            message += f" That is at t={t!r}, after step {step} of {self.grid.n_steps}; try a smaller step."
-        elif outcome is Outcome.NOT_CONVERGED:
-            residual = self.state.work[TROUBLE]
-            message += (
-                f" That is at t={t!r}, after step {step} of {self.grid.n_steps}; the residual was {residual:.3g}."
-                " Try a smaller step."
-            )
+        if outcome is not Outcome.COMPLETED:
+            t = self.grid.t0 + step * self.grid.step
+            message += f" It ends at t={t!r}, after {step} of {self.grid.n_steps} steps.{cause}"
+        if outcome in (Outcome.NOT_FINITE, Outcome.NOT_CONVERGED):
+            message += " Try a smaller step."
         evaluations = step * self.program.evaluations + int(self.program.primed) + int(self.state.work[EVALUATIONS])
         return Ending(outcome, message, step, saved, evaluations, wall_time)
-
-
-class _Bar:
-    """A progress bar that appears only once a run turns out to be long."""
-
-    def __init__(self, n_steps: int, wanted: bool | None) -> None:
-        self._n_steps = n_steps
-        self._wanted = sys.stderr.isatty() if wanted is None else wanted
-        self._always = wanted is True
-        self._bar: Any = None
-
-    def show(self, step: int, seconds: float) -> None:
-        if not self._wanted:
-            return
-        if self._bar is None and (self._always or seconds * self._n_steps / step > _SHORT_RUN_SECONDS):
-            self._bar = tqdm(total=self._n_steps, unit="step", unit_scale=True, leave=False, file=sys.stderr)
-        if self._bar is not None:
-            self._bar.update(step - self._bar.n)
-
-    def close(self) -> None:
-        if self._bar is not None:
-            self._bar.close()

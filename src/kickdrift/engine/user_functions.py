@@ -103,7 +103,7 @@ def _flat(
         statement = f"shaped(out, SHAPE)[...] = asarray({call})"
     else:
         statement = f"out[:] = asarray({call})"
-    scope: dict[str, Any] = {"SHAPE": shape, "asarray": np.asarray}
+    scope: dict[str, Any] = {"__name__": __name__, "SHAPE": shape, "asarray": np.asarray}
     exec(_TEMPLATE.format(statement=statement), scope)  # noqa: S102 - our own template, above
     adapted: Function = scope["adapted"]
     python = getattr(function, "py_func", function)

@@ -7,8 +7,8 @@ from kickdrift.methods.record import Kind, Letter, Method, alternating, word
 __all__ = ["Kind", "Letter", "Method", "alternating", "catalogue", "get", "word"]
 
 _TABLES = (euler, stormer_verlet, forest_ruth, blanes_moan, implicit_midpoint)
-_CATALOGUE = {method.name: method for table in _TABLES for method in table.METHODS}
-_ALIASES = {alias: method for method in _CATALOGUE.values() for alias in method.aliases}
+_CATALOGUE: dict[str, Method] = {method.name: method for table in _TABLES for method in table.METHODS}
+_ALIASES: dict[str, Method] = {alias: method for method in _CATALOGUE.values() for alias in method.aliases}
 
 
 def catalogue() -> dict[str, Method]:
@@ -31,7 +31,8 @@ def get(name: str | Method) -> Method:
     """
     if isinstance(name, Method):
         return name
-    names = _CATALOGUE | _ALIASES
-    if not isinstance(name, str) or name not in names:
-        raise unknown_name("method", name, names)
-    return names[name]
+    if name in _CATALOGUE:
+        return _CATALOGUE[name]
+    if name in _ALIASES:
+        return _ALIASES[name]
+    raise unknown_name("method", name, [*_CATALOGUE, *_ALIASES])

@@ -1,0 +1,49 @@
+"""What a run says on standard error while it goes: that it compiles, and how far it is."""
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from tqdm import tqdm
+
+_SHORT_RUN_SECONDS = 2.0  # runs expected to be shorter show no bar
+
+
+class Bar:
+    """A progress bar that appears only once a run turns out to be long."""
+
+    def __init__(self, n_steps: int, wanted: bool) -> None:
+        self._n_steps, self._wanted = n_steps, wanted
+        self._bar: Any = None
+
+    def show(self, step: int, seconds: float) -> None:
+        """Say that `step` steps took so many seconds."""
+        if self._wanted and self._bar is None and seconds * self._n_steps / step > _SHORT_RUN_SECONDS:
+            self._bar = tqdm(total=self._n_steps, unit="step", unit_scale=True, leave=False, file=sys.stderr)
+        if self._bar is not None:
+            self._bar.update(step - self._bar.n)
+
+    def close(self) -> None:
+        """Take the bar away."""
+        if self._bar is not None:
+            self._bar.close()
+
+
+@contextmanager
+def compiling_announced(kernel: Any, wanted: bool) -> Iterator[None]:
+    """Say that a first run compiles, and then how long that took; later runs find the code on disk and say nothing."""
+    cold = wanted and not kernel.signatures and not is_cached(kernel)
+    if cold:
+        print("kickdrift: compiling, once on this machine; it takes some seconds ...", file=sys.stderr, flush=True)
+    started = time.perf_counter()
+    yield
+    if cold:
+        print(f"kickdrift: compiled in {time.perf_counter() - started:.1f} s.", file=sys.stderr, flush=True)
+
+
+def is_cached(kernel: Any) -> bool:
+    """Whether compiled code of a kernel lies in the cache on disk."""
+    return any(Path(kernel.stats.cache_path).glob(f"*{kernel.__name__}*.nbi"))
