@@ -13,16 +13,14 @@ Every compiled function of kickdrift goes through `compiled` or `specialise`. Fl
 import hashlib
 import types
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast, overload
 
 import numba
 from numba.core.errors import NumbaExperimentalFeatureWarning
-
-# First-class functions in a tuple are what the engine is built on; Numba calls them experimental at every compilation.
-warnings.filterwarnings("ignore", category=NumbaExperimentalFeatureWarning)
 
 _REORDERED = {"reassoc", "contract", "nsz", "arcp", "afn"}
 
@@ -69,6 +67,14 @@ def compile_for(signature: Any, function: F, *, cached: bool) -> F:
     dispatcher.compile(signature)
     dispatcher.disable_compile()
     return cast(F, dispatcher)
+
+
+@contextmanager
+def first_class_functions() -> Iterator[None]:
+    """Compile code that calls functions it is given: what the engine is built on, and Numba warns is experimental."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
+        yield
 
 
 def specialise(template: Function, name: str, **bindings: Any) -> Function:

@@ -5,7 +5,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.compilation import compile_for, compiled, specialise, specialised_name, unbound
+from kickdrift.core.compilation import (
+    compile_for,
+    compiled,
+    first_class_functions,
+    specialise,
+    specialised_name,
+    unbound,
+)
 from kickdrift.engine.user_functions import FLAT
 from kickdrift.systems.system import Quantity, System
 
@@ -35,13 +42,12 @@ def evaluate(system: System, name: str, t: Floats, x: Floats, v: Floats) -> Floa
     quantity: Quantity = system.quantities[name]
     xs, vs = x.reshape(t.size, -1), v.reshape(t.size, -1)
     out = np.zeros((t.size, quantity.size))
+    function, loop = quantity.function, _evaluate
     if system.packaged:
-        entry = specialise(_entry, specialised_name(quantity.function), function=quantity.function)
-        _evaluate(compile_for(FLAT, entry, cached=True), t, xs, vs, system.params, out)
-    else:
-        # A user's function is compiled to this signature already, or is Python.
-        loop: Any = _evaluate
-        if not hasattr(quantity.function, "py_func"):
-            loop = loop.py_func
-        loop(quantity.function, t, xs, vs, system.params, out)
+        entry = specialise(_entry, specialised_name(function), function=function)
+        function = compile_for(FLAT, entry, cached=True)
+    elif not hasattr(function, "py_func"):
+        loop = _evaluate.py_func  # type: ignore[attr-defined]
+    with first_class_functions():
+        loop(function, t, xs, vs, system.params, out)
     return out[:, 0] if quantity.size == 1 else out

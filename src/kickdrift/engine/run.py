@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.compilation import first_class_functions
 from kickdrift.core.memory import state_block
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import letters, loop
@@ -87,7 +88,7 @@ class Run:
         self.xs = np.empty((grid.save_steps.size, n))
         self.vs = np.empty((grid.save_steps.size, n))
         names = program.flows + ("accelerate",) * program.primed
-        with compiling_announced(loop.advance, self._progress and system.native):
+        with compiling_announced(loop.advance, self._progress and system.native), first_class_functions():
             self._make_ready(names, compensated)
 
     def _make_ready(self, names: tuple[str, ...], compensated: bool) -> None:
@@ -98,6 +99,9 @@ class Run:
         self._advance: Any = loop.advance if self.system.native else loop.advance.py_func  # type: ignore[attr-defined]
         self._address: Any = self._block.ctypes.data if self.system.native else members
         self._run(0, 0, 0)  # compiles, or loads from the cache
+        if self.system.native:
+            # The compiled entry itself: working out the types of the flows at every chunk would warn every time.
+            self._advance = loop.advance.get_overload(loop.advance.signatures[0])  # type: ignore[attr-defined]
 
     def _run(self, first: int, last: int, saved: int) -> tuple[int, int]:
         program, grid, state = self.program, self.grid, self.state
@@ -167,7 +171,8 @@ class Run:
     def _attempt(self, good: Good, target: int) -> tuple[int, Failure | None]:
         """Run from a good state, and say how many rows are filled and what went wrong, if anything did."""
         try:
-            reached, saved = self._run(good.step, target, good.saved)
+            with np.errstate(all="ignore"):  # what is not finite is an outcome, interpreted as compiled
+                reached, saved = self._run(good.step, target, good.saved)
         except Exception as error:
             return good.saved, (Outcome.FAILED, f" The error was {type(error).__name__}: {error}.")
         if reached < target:

@@ -114,8 +114,15 @@ def _flat(
             return compile_for(FLAT, adapted, cached=False), True
         except (NumbaError, NotImplementedError, TypeError, ValueError, AttributeError, KeyError, IndexError) as error:
             _warn_interpreted(python, error)
-    scope |= {"function": python, "shaped": lambda array, to: array.reshape(to)}
+    scope |= {"function": python, "shaped": lambda array, to: array.reshape(to), "asarray": _returned}
     return adapted, False
+
+
+def _returned(value: Any) -> Any:
+    """Refuse None, which NumPy takes for a NaN: the function forgot to return, or lacks the argument `out`."""
+    if value is None:
+        raise TypeError("it returned None")
+    return np.asarray(value)
 
 
 def _warn_interpreted(function: Function, error: Exception) -> None:
@@ -128,7 +135,7 @@ def _warn_interpreted(function: Function, error: Exception) -> None:
         f" compile it: {reason} Use only NumPy and math functions and numbers passed as args=(...), or pass"
         " compile=False to run it interpreted without this warning.",
         InterpretedWarning,
-        stacklevel=5,
+        stacklevel=6,
     )
 
 
@@ -145,7 +152,8 @@ def _try_once(
     out = np.zeros(x.size if size is None else size)
     name = getattr(original, "__name__", repr(original))
     try:
-        function(t, x.reshape(-1).copy(), v.reshape(-1).copy(), params, out)
+        with np.errstate(all="ignore"):
+            function(t, x.reshape(-1).copy(), v.reshape(-1).copy(), params, out)
     except KickdriftError:
         raise
     except Exception as error:

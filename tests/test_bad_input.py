@@ -1,0 +1,178 @@
+"""Bad input: one clear error, with the argument, its value and the remedy, before any work is done."""
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+import kickdrift as kd
+from kickdrift.core.errors import ArgumentError
+
+GOOD = {"t_span": (0.0, 1.0), "x0": [1.0, 0.0], "v0": [0.0, 1.0], "step": 0.1, "compile": False}
+
+
+def spring(x):
+    return -x
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"x0": None}, "x0 is missing"),
+        ({"v0": None}, "v0 is missing"),
+        ({"x0": [1.0, 2.0, 3.0]}, r"v0 has shape \(2,\) but x0 has shape \(3,\)"),
+        ({"v0": 1.0}, "v0 has shape"),
+        ({"x0": [], "v0": []}, "empty"),
+        ({"x0": [np.nan, 0.0]}, "x0 is nan at index"),
+        ({"v0": [0.0, np.inf]}, r"v0 is inf at index \(1,\)"),
+        ({"x0": ["a", "b"]}, "x0=.*not an array of numbers"),
+        ({"x0": [1j, 2]}, "complex"),
+        ({"x0": [[1.0], [2.0, 3.0]]}, "not an array of numbers"),
+        ({"step": 0}, "step=0 must be positive"),
+        ({"step": -0.1}, "step=-0.1 must be positive.*direction is that of t_span"),
+        ({"step": np.nan}, "step=nan must be positive"),
+        ({"step": np.inf}, "step=inf must be positive"),
+        ({"step": "fast"}, "step='fast' must be a number"),
+        ({"step": None}, "step=None must be a number"),
+        ({"step": 2.0}, "step=2.0 is larger than t_span"),
+        ({"step": 1e-18}, "more than float64 counts"),
+        ({"t_span": (0.0, 0.0)}, "is empty"),
+        ({"t_span": (0.0, np.nan)}, "must be finite"),
+        ({"t_span": (0.0, np.inf)}, "must be finite"),
+        ({"t_span": (0.0,)}, "two numbers"),
+        ({"t_span": (0.0, 1.0, 2.0)}, "two numbers"),
+        ({"t_span": 3.0}, "two numbers"),
+        ({"t_span": ("a", "b")}, "two numbers"),
+        ({"t_span": (1e20, 1e20 + 1), "step": 0.1}, "is empty"),
+        ({"method": "leapfrg"}, "method='leapfrg' is not known; did you mean 'leapfrog'"),
+        ({"method": "qqq"}, "known: "),
+        ({"method": None}, "method=None is not known"),
+        ({"method": 3}, "method=3 is not known"),
+        ({"t_eval": [2.0]}, r"t_eval=.*2.0.* lies outside t_span"),
+        ({"t_eval": [-0.1]}, "lies outside"),
+        ({"t_eval": [np.nan]}, "lies outside"),
+        ({"t_eval": [0.2, 0.1]}, "must be ordered"),
+        ({"t_eval": [0.1, 0.1]}, "without repetitions"),
+        ({"t_eval": [0.05]}, "t_eval=0.05 is not on the grid.*nearest grid time is 0.0"),
+        ({"t_eval": []}, "at least one time"),
+        ({"t_eval": [[0.1]]}, "at least one time"),
+        ({"t_eval": 0.5}, "at least one time"),
+        ({"t_eval": "now"}, "list of times"),
+        ({"t_eval": [0.1], "save_every": 2}, "give one"),
+        ({"save_every": 0}, "save_every=0 must be a positive whole number"),
+        ({"save_every": -1}, "positive whole number"),
+        ({"save_every": 1.5}, "positive whole number"),
+        ({"save_every": True}, "positive whole number"),
+        ({"step": 1e-9}, "save_every=None keeps all 1000000001 steps.*give save_every="),
+        ({"args": "k"}, "args='k' must be numbers"),
+        ({"args": [[1.0]]}, "flat list"),
+    ],
+)
+def test_bad_arguments(change, says):
+    with pytest.raises(ArgumentError, match=says):
+        kd.solve(spring, **{**GOOD, **change})
+
+
+@pytest.mark.parametrize(
+    ("function", "says"),
+    [
+        (3.0, "not a function"),
+        ("kepler", "not a function"),
+        (None, "not a function"),
+        (lambda: 0.0, "no arguments"),
+        (lambda q: -q, "does not know; name them t, x, v, params, out"),
+        (lambda x, k: -k * x, "pass numbers as args"),
+        (lambda *args: 0.0, "does not know"),
+        (lambda x, **options: -x, "does not know"),
+        (lambda x: np.zeros(3), "must return an array of that shape"),
+        (lambda x: "no", "must return"),
+        (lambda x: None, "must return"),
+        (lambda x: 1 / 0, "ZeroDivisionError"),
+        (lambda x: x.shape[5], "IndexError"),
+        (kd.SecondOrder(spring, energy=lambda x: x), "must return one number"),
+        (kd.SecondOrder(spring, energy=lambda x, out: 0.0), "does not know"),
+        (kd.SecondOrder(spring, energy=3.0), "not a function"),
+    ],
+)
+def test_bad_functions(function, says):
+    with pytest.raises(ArgumentError, match=says):
+        kd.solve(function, **GOOD)
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (lambda: kd.systems.harmonic_oscillator(omega=0.0), "omega=0.0"),
+        (lambda: kd.systems.harmonic_oscillator(omega=np.nan), "omega=nan"),
+        (lambda: kd.systems.pendulum(amplitude=4.0), "amplitude=4.0"),
+        (lambda: kd.systems.pendulum(omega=-1.0), "omega=-1.0"),
+        (lambda: kd.systems.kepler(eccentricity=1.0), "eccentricity=1.0"),
+        (lambda: kd.systems.kepler(eccentricity=-0.1), "eccentricity=-0.1"),
+        (lambda: kd.systems.kepler(mu=0.0), "mu=0.0"),
+        (lambda: kd.systems.kepler(semi_major_axis=-1.0), "semi_major_axis=-1.0"),
+        (lambda: kd.systems.solar_system(["Sun", "Vulcan"]), "bodies='Vulcan' is not known; "),
+        (lambda: kd.systems.solar_system(["Sun", "sun"]), "'Sun' twice"),
+        (lambda: kd.systems.solar_system([]), "at least one name"),
+        (lambda: kd.systems.solar_system("Sun"), "must be a list"),
+        (lambda: kd.systems.get("keppler"), "did you mean 'kepler'"),
+        (lambda: kd.systems.nbody([1.0], np.zeros((2, 3)), np.zeros((2, 3))), r"x0 has shape \(2, 3\), but 1 masses"),
+        (lambda: kd.systems.nbody([1.0, 1.0], np.zeros((2, 2)), np.zeros((2, 2))), "x0 has shape"),
+        (lambda: kd.systems.nbody([1.0, -1.0], np.eye(3)[:2], np.zeros((2, 3))), r"masses\[1\]"),
+        (lambda: kd.systems.nbody([1.0, np.nan], np.eye(3)[:2], np.zeros((2, 3))), r"masses\[1\]"),
+        (lambda: kd.systems.nbody([1.0, 1.0], np.ones((2, 3)), np.zeros((2, 3))), "same place"),
+        (lambda: kd.systems.nbody([], [], []), "masses has shape"),
+        (lambda: kd.systems.nbody(["a"], [[0, 0, 0]], [[0, 0, 0]]), "arrays of numbers"),
+        (lambda: kd.systems.nbody([1.0], [[0, 0, np.inf]], [[0, 0, 0]]), "x0 of body 0 is not finite"),
+        (lambda: kd.systems.nbody([1.0], [[0, 0, 0]], [[0, 0, 0]], G=-1.0), "G=-1.0"),
+        (lambda: kd.systems.nbody([1.0], [[0, 0, 0]], [[0, 0, 0]], softening=-1.0), "softening=-1.0"),
+        (lambda: kd.systems.nbody([1.0], [[0, 0, 0]], [[0, 0, 0]], names=["a", "b"]), "names="),
+    ],
+)
+def test_bad_systems(make, says):
+    with pytest.raises(ArgumentError, match=says):
+        make()
+
+
+def test_a_system_keeps_its_shape_and_its_parameters():
+    with pytest.raises(ArgumentError, match="states of shape"):
+        kd.solve(kd.systems.kepler(), (0.0, 1.0), [1.0], [0.0], step=0.1)
+    with pytest.raises(ArgumentError, match="its own parameters"):
+        kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.1, args=(1.0,))
+
+
+def test_every_error_is_a_kickdrift_error_and_says_a_sentence():
+    with pytest.raises(kd.KickdriftError) as caught:
+        kd.solve(spring, **{**GOOD, "step": -1})
+    assert str(caught.value).endswith(".")
+
+
+numbers = st.one_of(st.floats(), st.integers(-3, 3), st.just(0.1))
+shapes = hnp.array_shapes(min_dims=0, max_dims=3, min_side=0, max_side=3)
+
+
+@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(
+    x0=st.one_of(numbers, shapes.flatmap(lambda shape: hnp.arrays(float, shape))),
+    v0=st.one_of(numbers, shapes.flatmap(lambda shape: hnp.arrays(float, shape))),
+    t_span=st.tuples(numbers, numbers),
+    step=numbers,
+    method=st.sampled_from([*kd.methods.catalogue(), "nonsense"]),
+    compensated=st.booleans(),
+)
+def test_solve_gives_a_solution_or_a_kickdrift_error(x0, v0, t_span, step, method, compensated):
+    count = abs(t_span[1] - t_span[0]) / abs(step) if step else 0.0
+    if 1000 < count < np.inf:
+        step = abs(t_span[1] - t_span[0]) / 1000  # keep the interpreted runs short
+    try:
+        with np.errstate(all="ignore"):
+            solution = kd.solve(
+                spring, t_span, x0, v0, step=step, method=method, compensated=compensated, compile=False
+            )
+    except kd.KickdriftError:
+        return
+    assert np.isfinite(solution.x).all()
+    assert np.isfinite(solution.v).all()
+    assert solution.x.shape == (solution.t.size, *np.shape(x0))
+    assert (np.diff(solution.t) * np.sign(solution.step) > 0).all()
+    assert solution.success == (solution.t[-1] == float(t_span[1]))

@@ -1,0 +1,153 @@
+"""How runs end: interrupted, not finite, failed, not converged; what was done is kept."""
+
+import math
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import kickdrift as kd
+from kickdrift.engine import run as run_module
+
+OPTIONS = {"x0": 1.0, "v0": 0.0, "step": 0.01}
+
+
+def forced_until_one(t, x):
+    return -x if t < 1.0 else math.inf
+
+
+def failing_at_one(t, x):
+    if t >= 1.0:
+        raise ValueError("too late")
+    return -x
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+@pytest.mark.parametrize(
+    ("function", "outcome", "cause"),
+    [
+        (forced_until_one, kd.Outcome.NOT_FINITE, "Try a smaller step"),
+        (failing_at_one, kd.Outcome.FAILED, "ValueError: too late"),
+    ],
+)
+@pytest.mark.parametrize("method", ["kick-drift", "velocity-verlet"])
+def test_a_run_ends_at_the_last_good_state(function, outcome, cause, compiled, method):
+    s = kd.solve(function, t_span=(0.0, 3.0), compile=compiled, method=method, **OPTIONS)
+    good = 100 if method == "kick-drift" else 99  # Verlet's second kick sees the end of the step
+    assert s.status is outcome
+    assert not s.success
+    assert s.n_steps == good
+    assert s.t[-1] == pytest.approx(good * 0.01)
+    assert cause in s.message
+    assert f"after {good} of 300 steps" in s.message
+    whole = kd.solve(kd.systems.harmonic_oscillator(), (0.0, 3.0), step=0.01, method=method)
+    assert np.array_equal(s.x, whole.x[: good + 1])
+    assert np.isfinite(s.v).all()
+
+
+def test_the_last_good_state_is_kept_between_two_saved_times():
+    s = kd.solve(forced_until_one, t_span=(0.0, 3.0), save_every=30, compile=False, **OPTIONS)
+    assert np.allclose(s.t, [0.0, 0.3, 0.6, 0.9, 1.0])
+    late = kd.solve(forced_until_one, t_span=(0.0, 3.0), t_eval=[2.0], compile=False, **OPTIONS)
+    assert np.allclose(late.t, [1.0])
+
+
+def test_a_first_step_that_fails_leaves_the_start():
+    s = kd.solve(lambda t, x: math.inf * x, t_span=(0.0, 1.0), compile=False, **OPTIONS)
+    assert s.status is kd.Outcome.NOT_FINITE
+    assert s.t.tolist() == [0.0]
+
+
+def test_an_implicit_step_that_is_not_solved_says_its_residual():
+    # x'' = -sqrt(|x|) is not differentiable at 0; a huge factor puts every stage there.
+    s = kd.solve(
+        lambda x: -1e9 * math.copysign(1.0, x), (0.0, 1.0), 1e-3, 0.0, step=0.5, method="implicit-euler", compile=False
+    )
+    assert s.status is kd.Outcome.NOT_CONVERGED
+    assert "residual was" in s.message
+    assert s.x.tolist() == [1e-3]
+
+
+def test_an_implicit_step_is_solved_to_rounding():
+    kepler = kd.systems.kepler(0.6)
+    s = kd.solve(kepler, (0.0, 200.0), step=0.01, method="implicit-midpoint")
+    # The midpoint rule conserves quadratic invariants, so that the angular momentum shows a solver that stops early.
+    assert np.ptp(s.invariants["angular momentum"]) < 1e-13
+    euler = kd.solve(kepler, (0.0, 200.0), step=0.01, method="implicit-euler")
+    assert np.ptp(euler.invariants["angular momentum"]) > 0.1
+
+
+def test_interruption_keeps_whole_chunks(monkeypatch):
+    monkeypatch.setattr(run_module, "_CHUNK_SECONDS", 1e-5)
+    attempt, calls = run_module.Run._attempt, []
+
+    def interrupted(self, good, target):
+        calls.append(target)
+        result = attempt(self, good, target)
+        if len(calls) == 5:
+            raise KeyboardInterrupt  # after the work of the chunk, before anyone took note of it
+        return result
+
+    monkeypatch.setattr(run_module.Run, "_attempt", interrupted)
+    s = kd.solve(kd.systems.kepler(), (0.0, 100.0), step=0.01)
+    monkeypatch.undo()
+    assert s.status is kd.Outcome.INTERRUPTED
+    assert s.n_steps == calls[3]
+    assert s.t[-1] == pytest.approx(calls[3] * 0.01)
+    whole = kd.solve(kd.systems.kepler(), (0.0, 100.0), step=0.01)
+    assert np.array_equal(s.x, whole.x[: s.t.size])
+
+
+def test_chunks_change_no_bit(monkeypatch):
+    options = {"t_span": (0.0, 20.0), "step": 0.01, "method": "velocity-verlet"}
+    whole = kd.solve(kd.systems.kepler(), **options)
+    monkeypatch.setattr(run_module, "_CHUNK_SECONDS", 1e-9)
+    assert np.array_equal(whole.x, kd.solve(kd.systems.kepler(), **options).x)
+
+
+def test_a_real_ctrl_c_returns_what_is_done():
+    kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.01)  # compiled before the clock starts
+    timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    s = kd.solve(kd.systems.kepler(), (0.0, 1e7), step=0.001, save_every=10**6)
+    timer.join()
+    assert s.status is kd.Outcome.INTERRUPTED
+    assert 0 < s.n_steps < 10**10
+    assert np.isfinite(s.x).all()
+
+
+def test_progress_shows_on_request_and_not_otherwise(capsys):
+    kepler = kd.systems.kepler()
+    kd.solve(kepler, (0.0, 30_000.0), step=0.01, save_every=10**9)
+    assert capsys.readouterr().err == ""
+
+    def slow(x):
+        time.sleep(0.002)
+        return -x
+
+    kd.solve(slow, (0.0, 1.2), 1.0, 0.0, step=0.001, compile=False, progress=True)
+    assert "step" in capsys.readouterr().err
+    kd.solve(slow, (0.0, 0.01), 1.0, 0.0, step=0.001, compile=False, progress=True)
+    assert capsys.readouterr().err == ""
+
+
+def test_the_first_compilation_is_announced(tmp_path):
+    code = "import kickdrift as kd; kd.solve(kd.systems.kepler(), (0, 1), step=0.1, progress=True)"
+    said = []
+    for _ in range(2):
+        done = subprocess.run(
+            [sys.executable, "-c", code],
+            env={**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)},
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        said.append(done.stderr)
+    assert "compiling, once" in said[0]
+    assert "compiled in" in said[0]
+    assert said[1] == ""

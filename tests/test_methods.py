@@ -1,0 +1,97 @@
+"""The tables, and what a method refuses to be."""
+
+from fractions import Fraction
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import kickdrift as kd
+from kickdrift.core.errors import ArgumentError, UnknownNameError
+from kickdrift.methods import Kind, Letter, Method, alternating, word
+
+K, D = Letter.KICK, Letter.DRIFT
+
+
+def method(letters, symmetric=False, order=1, name="mine"):
+    return Method(name=name, order=order, word=letters, symmetric=symmetric, kind=Kind.GENERAL, source="a test")
+
+
+@pytest.mark.parametrize(
+    ("alias", "name"),
+    [
+        ("semi-implicit-euler", "kick-drift"),
+        ("symplectic-euler", "kick-drift"),
+        ("euler-cromer", "kick-drift"),
+        ("leapfrog", "velocity-verlet"),
+        ("stormer-verlet", "velocity-verlet"),
+        ("yoshida-4", "forest-ruth-4"),
+    ],
+)
+def test_aliases_resolve(alias, name):
+    assert kd.methods.get(alias) is kd.methods.catalogue()[name]
+
+
+def test_names_and_aliases_are_unique_and_kebab_case():
+    names = [n for m in kd.methods.catalogue().values() for n in (m.name, *m.aliases)]
+    assert len(names) == len(set(names))
+    assert all(n == n.lower() and " " not in n and "_" not in n for n in names)
+
+
+@pytest.mark.parametrize("record", kd.methods.catalogue().values(), ids=lambda m: m.name)
+def test_every_table_is_exact_and_cited(record):
+    for letter in {letter for letter, _ in record.word}:
+        assert sum(weight for other, weight in record.word if other is letter) == 1
+    assert record.source
+    assert record.symmetric == (record.order % 2 == 0)
+
+
+def test_forest_ruth_weights_to_thirty_digits():
+    # 1 / (2 - 2^(1/3)): Forest and Ruth, Physica D 43, 105 (1990); digits by mpmath.
+    import mpmath
+
+    with mpmath.workdps(50):
+        outer = 1 / (2 - mpmath.cbrt(2))
+        weight = kd.methods.get("forest-ruth-4").word[1][1]
+        assert abs(mpmath.mpf(weight.numerator) / weight.denominator - outer) < mpmath.mpf(10) ** -40
+
+
+def test_unknown_name_offers_the_nearest():
+    with pytest.raises(UnknownNameError, match="'leapfrog'"):
+        kd.methods.get("leapfrg")
+
+
+@pytest.mark.parametrize(
+    ("letters", "symmetric", "order", "reason"),
+    [
+        ((), False, 1, "empty"),
+        (word((K, "1/2"), (D, 1)), False, 1, "add up to 0.5"),
+        (word((K, 1), (D, "0.99999999999999999")), False, 1, "not to 1"),
+        (word((K, 1), (D, 1)), True, 1, "not a palindrome"),
+        (word((K, "1/2"), (D, 1), (K, "1/2")), False, 2, "is a palindrome"),
+        (word((K, 1)), False, 1, "kicks and drifts"),
+        (word((K, 1), (Letter.IMPLICIT_EULER, 1)), False, 1, "kicks and drifts"),
+        (word((Letter.EXPLICIT_EULER, 1)), True, 1, "not a palindrome"),
+        (word((K, 1), (D, 1)), False, 0, "at least 1"),
+    ],
+)
+def test_a_wrong_method_cannot_exist(letters, symmetric, order, reason):
+    with pytest.raises(ArgumentError, match=reason):
+        method(letters, symmetric, order)
+
+
+@given(st.lists(st.fractions(min_value=-2, max_value=2, max_denominator=1000), min_size=1, max_size=6))
+def test_any_weights_that_add_up_make_a_method(kicks):
+    kicks = [*kicks, 1 - sum(kicks)]
+    drifts = [Fraction(1, len(kicks))] * len(kicks)
+    made = method(alternating(K, [w for pair in zip(kicks, drifts, strict=True) for w in pair]), symmetric=False)
+    assert made.explicit
+    assert made.spelling.count("D") == len(kicks)
+
+
+def test_a_method_of_ones_own_runs():
+    mine = method(word((D, "1/4"), (K, "1/2"), (D, "1/2"), (K, "1/2"), (D, "1/4")), symmetric=True, order=2)
+    problem = kd.systems.harmonic_oscillator()
+    solution = kd.solve(problem, (0.0, 1.0), step=0.01, method=mine)
+    assert abs(solution.x[-1] - problem.exact(solution.t)[0][-1]) < 1e-5
+    assert solution.about.method == "mine"

@@ -1,0 +1,127 @@
+"""Users' functions: compiled by the names of their arguments, interpreted where Numba cannot, warned about once."""
+
+import json
+import warnings
+
+import numpy as np
+import pytest
+
+import kickdrift as kd
+from kickdrift.core.errors import ArgumentError, InterpretedWarning
+
+SPAN = {"t_span": (0.0, 1.0), "step": 0.1}
+
+
+def with_x(x):
+    return -x
+
+
+def with_t_and_x(t, x):
+    return -x + 0.0 * t
+
+
+def with_everything(params, v, x, t):
+    return -params[0] * x + 0.0 * v + 0.0 * t
+
+
+def into_out(x, out):
+    out[:] = -x
+
+
+def as_list(x):
+    return [-x[0], -x[1]]
+
+
+def as_tuple(x):
+    return (-x[0], -x[1])
+
+
+@pytest.mark.parametrize("function", [with_x, with_t_and_x, with_everything, into_out, as_list, as_tuple])
+def test_argument_names_and_results(function):
+    reference = kd.solve(kd.systems.harmonic_oscillator(), **SPAN)
+    args = (1.0,) if function is with_everything else ()
+    s = kd.solve(function, x0=[1.0, 2.0], v0=[0.0, 0.0], args=args, **SPAN)
+    assert np.array_equal(s.x[:, 0], reference.x)
+    assert np.array_equal(s.x[:, 1], 2 * reference.x)
+
+
+def into_planes(x, out):
+    for i in range(x.shape[0]):
+        for j in range(x.shape[1]):
+            out[i, j] = -x[i, j]
+
+
+def test_planes_arrive_as_planes():
+    s = kd.solve(into_planes, x0=np.ones((2, 3)), v0=np.zeros((2, 3)), **SPAN)
+    assert np.array_equal(s.x[:, 1, 2], kd.solve(kd.systems.harmonic_oscillator(), **SPAN).x)
+
+
+def test_a_result_that_broadcasts_is_taken():
+    fall = kd.solve(lambda x: np.array([0.0, 0.0, -9.81]), x0=np.zeros((5, 3)), v0=np.zeros((5, 3)), **SPAN)
+    assert np.allclose(fall.v[-1], [0.0, 0.0, -9.81])
+
+
+def test_a_jitted_function_is_used_as_it_is():
+    from numba import njit
+
+    s = kd.solve(njit(with_x), x0=1.0, v0=0.0, **SPAN)
+    assert np.array_equal(s.x, kd.solve(kd.systems.harmonic_oscillator(), **SPAN).x)
+
+
+class Spring:
+    def __call__(self, x):
+        return -x
+
+
+def test_methods_and_callable_objects_work_interpreted():
+    reference = kd.solve(kd.systems.harmonic_oscillator(), **SPAN)
+    assert np.array_equal(kd.solve(Spring(), x0=1.0, v0=0.0, compile=False, **SPAN).x, reference.x)
+    assert np.array_equal(kd.solve(Spring().__call__, x0=1.0, v0=0.0, compile=False, **SPAN).x, reference.x)
+
+
+def uncompilable(x):
+    return -json.loads("1.0") * x
+
+
+def test_what_numba_cannot_compile_runs_interpreted_with_one_warning():
+    with pytest.warns(InterpretedWarning, match="uncompilable runs interpreted.*compile=False") as caught:
+        s = kd.solve(uncompilable, x0=1.0, v0=0.0, **SPAN)
+    assert len(caught) == 1
+    assert caught[0].filename == __file__
+    assert np.array_equal(s.x, kd.solve(kd.systems.harmonic_oscillator(), **SPAN).x)
+
+
+def test_compile_false_silences_the_warning():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        kd.solve(uncompilable, x0=1.0, v0=0.0, compile=False, **SPAN)
+
+
+def test_compiled_wrong_shapes_are_errors_before_the_run():
+    with pytest.raises(ArgumentError, match="must return an array of that shape"):
+        kd.solve(lambda x: np.zeros(3), x0=[1.0, 0.0], v0=[0.0, 0.0], **SPAN)
+
+
+def test_energy_and_invariants_of_a_users_system():
+    def energy(x, v, params):
+        return 0.5 * (v @ v + params[0] * (x @ x))
+
+    def angular_momentum(x, v):
+        return x[0] * v[1] - x[1] * v[0]
+
+    problem = kd.SecondOrder(
+        lambda x, params: -params[0] * x, energy=energy, invariants={"angular momentum": angular_momentum}
+    )
+    for compiled in (True, False):
+        s = kd.solve(problem, x0=[1.0, 0.0], v0=[0.0, 0.5], args=(4.0,), compile=compiled, **SPAN)
+        assert s.energy[0] == 0.5 * (0.25 + 4.0)
+        assert np.allclose(s.invariants["angular momentum"], 0.5, rtol=1e-14)
+        assert list(s.invariants) == ["energy", "angular momentum"]
+
+
+def test_without_an_energy_the_error_says_how_to_give_one():
+    s = kd.solve(with_x, x0=1.0, v0=0.0, compile=False, **SPAN)
+    with pytest.raises(kd.KickdriftError, match=r"kd\.SecondOrder\(acceleration, energy="):
+        _ = s.energy
+    with pytest.raises(KeyError):
+        s.invariants["energy"]
