@@ -24,8 +24,8 @@ def test_worked_example():
     solution = kd.solve(spring, t_span=(0.0, 0.4), x0=1.0, v0=0.0, step=0.1)
     assert [f"{x:.4f}" for x in solution.x[1:]] == ["0.9900", "0.9701", "0.9405", "0.9015"]
     assert [f"{v:.4f}" for v in solution.v[1:]] == ["-0.1000", "-0.1990", "-0.2960", "-0.3901"]
-    # In exact fractions x^2 + v^2 is 0.9901, 0.980695..., 0.972160..., 0.964836...; the table that this example is known
-    # by prints the last two as 0.9721 and 0.9649, off by less than one in the last place.
+    # In exact fractions x^2 + v^2 is 0.9901, 0.980695..., 0.972160..., 0.964836...; where the example is
+    # printed with 0.9721 and 0.9649 the last digit comes from numbers rounded before.
     assert [f"{e:.4f}" for e in solution.x[1:] ** 2 + solution.v[1:] ** 2] == ["0.9901", "0.9807", "0.9722", "0.9648"]
     assert solution.status is kd.Outcome.COMPLETED
     assert solution.success

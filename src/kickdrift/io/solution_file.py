@@ -73,7 +73,7 @@ def load(path: str | Path) -> Solution:
         If there is no such file, or it is not a solution.
     """
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with Path(path).open("rb") as handle, np.load(handle, allow_pickle=False) as file:
             head = json.loads(str(file["header"]))
             arrays: dict[str, Any] = {name: file[name] for name in file.files if name != "header"}
         if head["format"] != _FORMAT:

@@ -1,0 +1,65 @@
+"""The floors hold, and the front door stays light."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import kickdrift as kd
+
+ROOT = Path(__file__).parent.parent
+
+
+def python(code):
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip()
+
+
+def test_imports_go_down_only():
+    lint = Path(sys.executable).parent / "lint-imports"
+    done = subprocess.run([lint, "--no-cache"], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout
+
+
+def test_a_sideways_import_would_be_caught(tmp_path):
+    package = tmp_path / "storeys"
+    (package / "above").mkdir(parents=True)
+    for folder in (package, package / "above"):
+        (folder / "__init__.py").touch()
+    (package / "below.py").write_text("from storeys import above\n")
+    (tmp_path / ".importlinter").write_text(
+        "[importlinter]\nroot_package = storeys\n[importlinter:contract:1]\nname = down\ntype = layers\n"
+        "layers =\n    storeys.above\n    storeys.below\n"
+    )
+    lint = Path(sys.executable).parent / "lint-imports"
+    done = subprocess.run([lint, "--no-cache"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 1, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("heavy", ["matplotlib", "scipy.special", "xarray", "typer", "pydantic", "pandas"])
+def test_importing_kickdrift_imports_nothing_heavy(heavy):
+    assert python(f"import sys, kickdrift; print({heavy!r} in sys.modules)") == "False"
+
+
+def test_importing_kickdrift_changes_no_warning_filter():
+    assert (
+        python(
+            "import numpy, numba, warnings; a = list(warnings.filters); import kickdrift; print(a == warnings.filters)"
+        )
+        == "True"
+    )
+
+
+def test_promised_names_are_there():
+    for name in ("solve", "System", "SecondOrder", "Solution", "KickdriftError", "Outcome", "load"):
+        assert name in kd.__all__
+        assert getattr(kd, name).__doc__
+    for name in ("nbody", "solar_system", "kepler", "catalogue"):
+        assert callable(getattr(kd.systems, name))
+    for name in ("observed_order", "stability_limit", "energy_error", "symplecticity_defect"):
+        assert callable(getattr(kd.analysis, name))
+
+
+def test_no_file_is_long():
+    lengths = {path: path.read_text().count("\n") for path in (ROOT / "src").rglob("*.py")}
+    assert {path.name: n for path, n in lengths.items() if n > 300} == {}

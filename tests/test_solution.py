@@ -1,0 +1,148 @@
+"""Solutions on disk, as labelled arrays, and as a report."""
+
+import json
+import pickle
+import zipfile
+
+import numpy as np
+import pytest
+
+import kickdrift as kd
+from kickdrift.core.errors import FileFormatError, MissingExtraError
+
+
+@pytest.fixture(scope="module")
+def planets():
+    return kd.solve(kd.systems.solar_system(["Sun", "Earth", "Jupiter"]), (0.0, 100.0), step=1.0, save_every=10)
+
+
+def test_saved_and_loaded_solutions_are_equal(planets, tmp_path):
+    path = planets.save(tmp_path / "planets")
+    assert path == tmp_path / "planets.npz"
+    loaded = kd.load(path)
+    for name in ("t", "x", "v", "energy"):
+        assert np.array_equal(getattr(loaded, name), getattr(planets, name))
+    assert set(loaded.invariants) == {"energy", "momentum", "angular momentum"}
+    for name in ("status", "message", "step", "n_steps", "n_force_evaluations", "wall_time", "about"):
+        assert getattr(loaded, name) == getattr(planets, name)
+    assert loaded.report() == planets.report()
+    assert loaded.save(tmp_path / "again").exists()
+
+
+def test_other_tools_open_the_file(planets, tmp_path):
+    with np.load(planets.save(tmp_path / "planets.npz"), allow_pickle=False) as file:
+        assert file["x"].shape == (11, 3, 3)
+        assert json.loads(str(file["header"]))["about"]["coordinates"]["body"] == ["Sun", "Earth", "Jupiter"]
+
+
+def test_saving_twice_replaces_and_leaves_nothing_else(planets, tmp_path):
+    planets.save(tmp_path / "a.npz")
+    planets.save(tmp_path / "a.npz")
+    assert [p.name for p in tmp_path.iterdir()] == ["a.npz"]
+
+
+def _text(path):
+    path.write_text("not a solution")
+
+
+def _pickle(path):
+    path.write_bytes(pickle.dumps({"t": [1]}))
+
+
+def _object_array(path):
+    np.savez(path, header=np.array([{}], dtype=object))
+
+
+def _foreign_arrays(path):
+    np.savez(path, a=np.zeros(3))
+
+
+def _bad_header(path):
+    np.savez(path, header=np.array("{"))
+
+
+def _other_format(path):
+    np.savez(path, header=np.array(json.dumps({"format": "something else"})))
+
+
+def _empty_zip(path):
+    zipfile.ZipFile(path, "w").close()
+
+
+def _single_array(path):
+    with path.open("wb") as file:
+        np.save(file, np.zeros(3))
+
+
+def _empty(path):
+    path.touch()
+
+
+@pytest.mark.parametrize(
+    "write",
+    [_text, _pickle, _object_array, _foreign_arrays, _bad_header, _other_format, _empty_zip, _single_array, _empty],
+)
+def test_files_that_are_not_ours_are_refused(write, tmp_path):
+    path = tmp_path / "other.npz"
+    write(path)
+    with pytest.raises(FileFormatError, match="is not a kickdrift solution"):
+        kd.load(path)
+
+
+def test_truncated_files_are_refused(planets, tmp_path):
+    path = planets.save(tmp_path / "a.npz")
+    path.write_bytes(path.read_bytes()[:-200])
+    with pytest.raises(FileFormatError):
+        kd.load(path)
+
+
+def test_shapes_that_do_not_match_are_refused(planets, tmp_path):
+    path = planets.save(tmp_path / "a.npz")
+    with np.load(path) as file:
+        arrays = {name: file[name] for name in file.files}
+    arrays["x"] = arrays["x"][:-1]
+    with path.open("wb") as out:
+        np.savez(out, **arrays)
+    with pytest.raises(FileFormatError, match="have shapes"):
+        kd.load(path)
+
+
+def test_missing_files_and_folders_are_errors(planets, tmp_path):
+    with pytest.raises(FileFormatError, match="cannot be read"):
+        kd.load(tmp_path / "missing.npz")
+    with pytest.raises(FileFormatError, match="cannot be written"):
+        planets.save(tmp_path / "missing" / "a.npz")
+
+
+def test_labelled_arrays_have_names_and_units(planets):
+    data = planets.to_xarray()
+    assert data.x.dims == ("time", "body", "space")
+    assert data.x.attrs["units"] == "au"
+    assert data.time.attrs["units"] == "day"
+    assert np.array_equal(data.x.sel(body="Earth", space="y"), planets.x[:, 1, 1])
+    assert data.energy.dims == ("time",)
+    assert data.angular_momentum.shape == (11, 3)
+    scalar = kd.solve(kd.systems.pendulum(), (0.0, 1.0), step=0.1).to_xarray()
+    assert scalar.x.dims == ("time",)
+    plain = kd.solve(lambda x: -x, (0.0, 1.0), np.ones((2, 3)), np.zeros((2, 3)), step=0.5, compile=False).to_xarray()
+    assert plain.x.dims == ("time", "axis_0", "axis_1")
+
+
+def test_without_xarray_the_error_names_the_extra(planets, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "xarray", None)
+    with pytest.raises(MissingExtraError, match=r"pip install 'kickdrift\[xarray\]'"):
+        planets.to_xarray()
+
+
+def test_the_report_says_what_was_asked_for(planets):
+    text = planets.report()
+    for word in ("solar-system", "kick-drift, order 1", "K D", "100", "ns a step", "energy error", "energy drift"):
+        assert word in text
+    assert "angular momentum error" in text
+    assert "day" in text
+
+
+def test_the_report_of_a_function_without_energy_leaves_it_out():
+    text = kd.solve(lambda x: -x, (0.0, 1.0), 1.0, 0.0, step=0.5, compile=False).report()
+    assert "energy" not in text
+    assert "force evaluations" in text
