@@ -12,15 +12,12 @@ Every compiled function of kickdrift goes through `compiled` or `specialise`. Fl
 
 import hashlib
 import types
-import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar, cast, overload
+from typing import Any, TypeVar, overload
 
 import numba
-from numba.core.errors import NumbaExperimentalFeatureWarning
 
 _REORDERED = {"reassoc", "contract", "nsz", "arcp", "afn"}
 
@@ -59,22 +56,6 @@ def compiled(
         return dispatcher
 
     return decorate if function is None else decorate(function)
-
-
-def compile_for(signature: Any, function: F, *, cached: bool) -> F:
-    """Compile a function for one signature only, so that Numba passes it as a first-class function."""
-    dispatcher: Any = compiled(cached=cached)(function)
-    dispatcher.compile(signature)
-    dispatcher.disable_compile()
-    return cast(F, dispatcher)
-
-
-@contextmanager
-def first_class_functions() -> Iterator[None]:
-    """Compile code that calls functions it is given: what the engine is built on, and Numba warns is experimental."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
-        yield
 
 
 def specialise(template: Function, name: str, **bindings: Any) -> Function:

@@ -3,14 +3,11 @@
 from collections.abc import Callable
 from typing import Any
 
-from numba import types
-
 from kickdrift.core import memory
-from kickdrift.core.compilation import Function, compile_for, compiled, specialise, specialised_name, unbound
+from kickdrift.core.compilation import Function, compiled, specialise, specialised_name, unbound
 from kickdrift.engine import flows, implicit
 from kickdrift.systems.system import System
 
-LETTER = types.void(types.float64, types.float64, types.intp)
 _SMALL = 8  # numbers of a state up to which the accelerations pass in registers
 
 _TEMPLATES: dict[str, Function] = {
@@ -44,7 +41,7 @@ def build(name: str, system: System, compensated: bool) -> Function:
         arrays=small if n <= _SMALL else memory.arrays,
         flow=_bind(name, system, compensated),
     )
-    return compile_for(LETTER, letter, cached=system.packaged)
+    return compiled(cached=system.packaged)(letter)
 
 
 def _bind(name: str, system: System, compensated: bool) -> Function:

@@ -3,13 +3,17 @@
 from typing import Any
 
 import numpy as np
+from numba import types
 from numpy.typing import NDArray
 
-from kickdrift.core.compilation import compiled
+from kickdrift.core.calls import call_interpreted, caller
+from kickdrift.core.compilation import compiled, specialise
 from kickdrift.engine.flows import TROUBLE
 
 Floats = NDArray[np.float64]
-MOST_FLOWS = 4  # the tuple of flows has one length, so that the loop is compiled once
+LETTER = types.none(types.float64, types.float64, types.intp)
+
+call = caller(LETTER)
 
 
 @compiled
@@ -43,7 +47,7 @@ def advance(
     for step in range(first, last):
         t = t0 + step * h
         for k in range(letters.size):
-            flows[letters[k]](t + offsets[k] * h, weights[k] * h, state)
+            call(flows[letters[k]], (t + offsets[k] * h, weights[k] * h, state))
         if work[TROUBLE] != 0.0:
             return step, saved
         if saved < save_steps.size and save_steps[saved] == step + 1:
@@ -51,3 +55,6 @@ def advance(
             vs[saved] = v
             saved += 1
     return last, saved
+
+
+advance_interpreted = specialise(advance.py_func, "advance_interpreted", call=call_interpreted)  # type: ignore[attr-defined]

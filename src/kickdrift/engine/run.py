@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.compilation import first_class_functions
+from kickdrift.core.calls import address_of
 from kickdrift.core.memory import state_block
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import letters, loop
@@ -88,20 +88,22 @@ class Run:
         self.xs = np.empty((grid.save_steps.size, n))
         self.vs = np.empty((grid.save_steps.size, n))
         names = program.flows + ("accelerate",) * program.primed
-        with compiling_announced(loop.advance, self._progress and system.native), first_class_functions():
+        with compiling_announced(loop.advance, self._progress and system.native):
             self._make_ready(names, compensated)
 
     def _make_ready(self, names: tuple[str, ...], compensated: bool) -> None:
-        flows = tuple(letters.build(name, self.system, compensated) for name in names)
-        self._flows = flows + (flows[0],) * (loop.MOST_FLOWS - len(flows))
+        """Build the letters, and compile or load everything that the run needs."""
         members = (self.state.x, self.state.v, self.system.params, self.state.work)
-        self._block = state_block(*members)
-        self._advance: Any = loop.advance if self.system.native else loop.advance.py_func  # type: ignore[attr-defined]
-        self._address: Any = self._block.ctypes.data if self.system.native else members
-        self._run(0, 0, 0)  # compiles, or loads from the cache
+        self._letters = [letters.build(name, self.system, compensated) for name in names]
+        self._advance: Any = loop.advance_interpreted
+        self._flows: Any = self._letters
+        self._address: Any = members
         if self.system.native:
-            # The compiled entry itself: working out the types of the flows at every chunk would warn every time.
-            self._advance = loop.advance.get_overload(loop.advance.signatures[0])  # type: ignore[attr-defined]
+            self._advance = loop.advance
+            self._flows = np.array([address_of(letter, loop.LETTER) for letter in self._letters])
+            self._block = state_block(*members)
+            self._address = self._block.ctypes.data
+        self._run(0, 0, 0)
 
     def _run(self, first: int, last: int, saved: int) -> tuple[int, int]:
         program, grid, state = self.program, self.grid, self.state
@@ -126,9 +128,9 @@ class Run:
 
     def _prime(self) -> Failure | None:
         """Evaluate the acceleration at the start."""
-        t, accelerate = self.grid.t0, self._flows[len(self.program.flows)]
+        accelerate = self._letters[len(self.program.flows)]
         try:
-            accelerate(t, 0.0, self._address)
+            accelerate(self.grid.t0, 0.0, self._address)
         except Exception as error:
             return Outcome.FAILED, f" The error was {type(error).__name__}: {error}."
         return None

@@ -12,14 +12,14 @@ from numba.core.errors import NumbaError
 from numpy.typing import NDArray
 
 from kickdrift.core import memory
-from kickdrift.core.compilation import Function, compile_for, compiled
+from kickdrift.core.compilation import Function, compiled
 from kickdrift.core.errors import ArgumentError, InterpretedWarning, KickdriftError
 from kickdrift.systems.system import Quantity, SecondOrder, System
 
 Floats = NDArray[np.float64]
 _NAMES = ("t", "x", "v", "params", "out")
 _VECTOR = types.Array(types.float64, 1, "C")
-FLAT = types.void(types.float64, _VECTOR, _VECTOR, _VECTOR, _VECTOR)
+FLAT = types.none(types.float64, _VECTOR, _VECTOR, _VECTOR, _VECTOR)
 
 
 def adopt(problem: SecondOrder | Function, t0: float, x0: Floats, v0: Floats, params: Floats, compile_: bool) -> System:
@@ -110,10 +110,13 @@ def _flat(
     if compile_:
         dispatcher = function if hasattr(function, "py_func") else compiled(cached=False)(python)
         scope |= {"function": dispatcher, "shaped": memory.shaped}
+        native: Any = compiled(cached=False)(adapted)
         try:
-            return compile_for(FLAT, adapted, cached=False), True
+            native.compile(FLAT)
         except (NumbaError, NotImplementedError, TypeError, ValueError, AttributeError, KeyError, IndexError) as error:
             _warn_interpreted(python, error)
+        else:
+            return native, True
     scope |= {"function": python, "shaped": lambda array, to: array.reshape(to), "asarray": _returned}
     return adapted, False
 
