@@ -115,6 +115,7 @@ def test_bad_functions(function, says):
         (lambda: kd.systems.solar_system(["Sun", "sun"]), "'Sun' twice"),
         (lambda: kd.systems.solar_system([]), "at least one name"),
         (lambda: kd.systems.solar_system("Sun"), "must be a list"),
+        (lambda: kd.System("mine", spring, np.zeros(1), np.zeros(1)), "is not compiled"),
         (lambda: kd.systems.get("keppler"), "did you mean 'kepler'"),
         (lambda: kd.systems.nbody([1.0], np.zeros((2, 3)), np.zeros((2, 3))), r"x0 has shape \(2, 3\), but 1 masses"),
         (lambda: kd.systems.nbody([1.0, 1.0], np.zeros((2, 2)), np.zeros((2, 2))), "x0 has shape"),

@@ -126,13 +126,22 @@ def test_progress_shows_on_request_and_not_otherwise(capsys):
     kd.solve(kepler, (0.0, 30_000.0), step=0.01, save_every=10**9)
     assert capsys.readouterr().err == ""
 
+    kd.solve(kepler, (0.0, 1.0), step=0.01, progress=True)
+    assert "step" in capsys.readouterr().err
+
+
+def test_on_a_terminal_only_long_runs_show_progress(capsys, monkeypatch):
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+
     def slow(x):
         time.sleep(0.002)
         return -x
 
-    kd.solve(slow, (0.0, 1.2), 1.0, 0.0, step=0.001, compile=False, progress=True)
+    kd.solve(slow, (0.0, 0.01), 1.0, 0.0, step=0.001, compile=False)
+    assert capsys.readouterr().err == ""
+    kd.solve(slow, (0.0, 1.2), 1.0, 0.0, step=0.001, compile=False)
     assert "step" in capsys.readouterr().err
-    kd.solve(slow, (0.0, 0.01), 1.0, 0.0, step=0.001, compile=False, progress=True)
+    kd.solve(slow, (0.0, 1.2), 1.0, 0.0, step=0.001, compile=False, progress=False)
     assert capsys.readouterr().err == ""
 
 
@@ -150,4 +159,4 @@ def test_the_first_compilation_is_announced(tmp_path):
         said.append(done.stderr)
     assert "compiling, once" in said[0]
     assert "compiled in" in said[0]
-    assert said[1] == ""
+    assert "compil" not in said[1]

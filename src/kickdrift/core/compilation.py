@@ -44,15 +44,19 @@ def compiled(
     ``inline`` forces the function into its callers: for the small steps of a hot loop.
     """
 
+    options = {
+        "error_model": "numpy",
+        "nogil": True,
+        "fastmath": _REORDERED if fast else False,
+        "parallel": parallel,
+        "forceinline": inline,
+    }
+
     def decorate(python_function: F) -> F:
-        dispatcher: F = numba.njit(
-            error_model="numpy",
-            nogil=True,
-            fastmath=_REORDERED if fast else False,
-            parallel=parallel,
-            cache=cached,
-            forceinline=inline,
-        )(python_function)
+        try:
+            dispatcher: F = numba.njit(cache=cached, **options)(python_function)
+        except RuntimeError:  # Numba finds no folder that it can write its cache to
+            dispatcher = numba.njit(**options)(python_function)
         return dispatcher
 
     return decorate if function is None else decorate(function)

@@ -10,6 +10,8 @@ slowly, the matrix I - s da/du is formed by differences and kept until it contra
 until the increments stop shrinking: a looser end would make the energy drift.
 (Hairer, Wanner, Solving Ordinary Differential Equations II, 2nd ed., section IV.8.)
 
+The functions are templates: see `kickdrift.engine.flows`; `solve_stage` and what it calls are bound like the rest.
+
 Layout of ``work`` from 3 n on: u, trial position, increment, pivots, matrix (n*n), and at -3 whether there is a matrix.
 """
 
@@ -31,9 +33,6 @@ _MOST_ITERATIONS = 50
 acceleration: Callable[..., None] = unbound
 add_to_x: Callable[..., None] = unbound
 add_to_v: Callable[..., None] = unbound
-solve_stage: Callable[..., bool] = unbound
-stage_residual: Callable[..., None] = unbound
-form_matrix: Callable[..., bool] = unbound
 
 
 def implicit_work_size(n: int) -> int:
@@ -57,7 +56,7 @@ def implicit_midpoint(t: float, h: float, x: Floats, v: Floats, params: Floats, 
         add_to_v(v, h, work[:n], work)
 
 
-def solve_stage_template(t: float, s: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:
+def solve_stage(t: float, s: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:
     """Solve the stage equation; leaves u and its acceleration in work, or the residual at TROUBLE."""
     n = x.size
     u, increment = work[3 * n : 4 * n], work[5 * n : 6 * n]
@@ -93,7 +92,7 @@ def solve_stage_template(t: float, s: float, x: Floats, v: Floats, params: Float
     return False
 
 
-def stage_residual_template(t: float, s: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+def stage_residual(t: float, s: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Leave v + s a(t, x + s u, u) - u as the increment of a fixed-point iteration."""
     n = x.size
     a, u, trial, increment = work[:n], work[3 * n : 4 * n], work[4 * n : 5 * n], work[5 * n : 6 * n]
@@ -105,7 +104,7 @@ def stage_residual_template(t: float, s: float, x: Floats, v: Floats, params: Fl
         increment[i] = (v[i] - u[i]) + s * a[i]
 
 
-def form_matrix_template(t: float, s: float, x: Floats, params: Floats, work: Floats) -> bool:
+def form_matrix(t: float, s: float, x: Floats, params: Floats, work: Floats) -> bool:
     """Form and factor I - s da/du at u by forward differences, one evaluation a column."""
     n = x.size
     a, u, trial, column = work[:n], work[3 * n : 4 * n], work[4 * n : 5 * n], work[5 * n : 6 * n]

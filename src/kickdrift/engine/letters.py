@@ -59,10 +59,10 @@ def _bind(name: str, system: System, compensated: bool) -> Function:
         template = flows.kick_small
     bindings: dict[str, Any] = {"acceleration": system.acceleration, "SIZE": system.x0.size}
     if name.startswith("implicit"):
-        residual = bind(implicit.stage_residual_template, acceleration=system.acceleration)
-        matrix = bind(implicit.form_matrix_template, acceleration=system.acceleration)
+        residual = bind(implicit.stage_residual, acceleration=system.acceleration)
+        matrix = bind(implicit.form_matrix, acceleration=system.acceleration)
         bindings["solve_stage"] = bind(
-            implicit.solve_stage_template, stage_residual=residual, form_matrix=matrix, acceleration=system.acceleration
+            implicit.solve_stage, stage_residual=residual, form_matrix=matrix, acceleration=system.acceleration
         )
     return bind(template, **bindings, **_sums(native, compensated))
 

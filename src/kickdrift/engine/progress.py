@@ -13,15 +13,17 @@ _SHORT_RUN_SECONDS = 2.0  # runs expected to be shorter show no bar
 
 
 class Bar:
-    """A progress bar that appears only once a run turns out to be long."""
+    """A progress bar: always, never, or (None) on a terminal once a run turns out to be long."""
 
-    def __init__(self, n_steps: int, wanted: bool) -> None:
-        self._n_steps, self._wanted = n_steps, wanted
+    def __init__(self, n_steps: int, wanted: bool | None) -> None:
+        self._n_steps = n_steps
+        self._possible = announces(wanted)
+        self._from_seconds = 0.0 if wanted else _SHORT_RUN_SECONDS
         self._bar: Any = None
 
     def show(self, step: int, seconds: float) -> None:
         """Say that `step` steps took so many seconds."""
-        if self._wanted and self._bar is None and seconds * self._n_steps / step > _SHORT_RUN_SECONDS:
+        if self._possible and self._bar is None and seconds * self._n_steps / step > self._from_seconds:
             self._bar = tqdm(total=self._n_steps, unit="step", unit_scale=True, leave=False, file=sys.stderr)
         if self._bar is not None:
             self._bar.update(step - self._bar.n)
@@ -32,10 +34,15 @@ class Bar:
             self._bar.close()
 
 
+def announces(wanted: bool | None) -> bool:
+    """Whether a run says anything at all: as wanted, or where None, on a terminal."""
+    return sys.stderr.isatty() if wanted is None else wanted
+
+
 @contextmanager
-def compiling_announced(kernel: Any, wanted: bool) -> Iterator[None]:
+def compiling_announced(kernel: Any, wanted: bool | None) -> Iterator[None]:
     """Say that a first run compiles, and then how long that took; later runs find the code on disk and say nothing."""
-    cold = wanted and not kernel.signatures and not is_cached(kernel)
+    cold = announces(wanted) and not kernel.signatures and not is_cached(kernel)
     if cold:
         print("kickdrift: compiling, once on this machine; it takes some seconds ...", file=sys.stderr, flush=True)
     started = time.perf_counter()

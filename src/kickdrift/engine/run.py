@@ -1,6 +1,5 @@
 """A run: the loop in chunks, with progress, interruption, and an end at the last good state."""
 
-import sys
 import time
 from dataclasses import dataclass
 from typing import Any
@@ -80,7 +79,7 @@ class Run:
         self, system: System, program: Program, grid: Grid, compensated: bool, progress: bool | None = None
     ) -> None:
         self.system, self.program, self.grid = system, program, grid
-        self._progress = sys.stderr.isatty() if progress is None else progress
+        self._progress = progress
         n = system.x0.size
         implicit = any(name.startswith("implicit") for name in program.flows)
         work = np.zeros(implicit_work_size(n) if implicit else 3 * n + 3)
@@ -88,7 +87,7 @@ class Run:
         self.xs = np.empty((grid.save_steps.size, n))
         self.vs = np.empty((grid.save_steps.size, n))
         names = program.flows + ("accelerate",) * program.primed
-        with compiling_announced(loop.advance, self._progress and system.native):
+        with compiling_announced(loop.advance, progress if system.native else False):
             self._make_ready(names, compensated)
 
     def _make_ready(self, names: tuple[str, ...], compensated: bool) -> None:

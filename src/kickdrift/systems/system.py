@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kickdrift.core.errors import ArgumentError
+
 Floats = NDArray[np.float64]
 Function = Callable[..., Any]
 
@@ -82,6 +84,13 @@ class System:
     coordinates: Mapping[str, Any] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     source: str = ""
+
+    def __post_init__(self) -> None:
+        if self.native and not hasattr(self.acceleration, "py_func"):
+            raise ArgumentError(
+                f"acceleration={self.acceleration!r} of {self.name!r} is not compiled; decorate it with numba.njit, or"
+                " describe the system by Python functions as kd.SecondOrder."
+            )
 
 
 @dataclass(frozen=True)
