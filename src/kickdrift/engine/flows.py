@@ -32,6 +32,11 @@ add_to_v: Callable[..., None] = unbound
 SIZE = 0
 
 
+def work_size(n: int) -> int:
+    """Numbers of work that a state of n numbers needs."""
+    return 3 * n + 2
+
+
 def kick(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Advance v by h under the acceleration at (t, x, v)."""
     a = work[: x.size]

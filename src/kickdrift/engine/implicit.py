@@ -35,7 +35,7 @@ add_to_x: Callable[..., None] = unbound
 add_to_v: Callable[..., None] = unbound
 
 
-def implicit_work_size(n: int) -> int:
+def work_size(n: int) -> int:
     """Numbers of work that a state of n numbers needs, the three at the end included."""
     return 7 * n + n * n + 3
 

@@ -5,20 +5,11 @@ from typing import Any
 
 from kickdrift.core import memory
 from kickdrift.core.compilation import Function, compiled, specialise, specialised_name, unbound
-from kickdrift.engine import flows, implicit
+from kickdrift.engine import flows
+from kickdrift.engine.flow_table import FLOWS
 from kickdrift.systems.system import System
 
 _SMALL = 8  # numbers of a state up to which the accelerations pass in registers
-
-_TEMPLATES: dict[str, Function] = {
-    "kick": flows.kick,
-    "rekick": flows.rekick,
-    "accelerate": flows.accelerate,
-    "drift": flows.drift,
-    "explicit-euler": flows.explicit_euler,
-    "implicit-euler": implicit.implicit_euler,
-    "implicit-midpoint": implicit.implicit_midpoint,
-}
 
 arrays: Callable[[Any], Any] = unbound
 flow: Callable[..., None] = unbound
@@ -29,42 +20,41 @@ def _letter(t: float, h: float, state: Any) -> None:
     flow(t, h, x, v, params, work)
 
 
-def build(name: str, system: System, compensated: bool) -> Function:
-    """Bind the flow `name` to a system: compiled where the system is native, for the interpreter where not."""
+def build(name: str, system: System, compensated: bool, primed: bool) -> Function:
+    """Bind the flow `name` to a system: compiled where the system is native, for the interpreter where not.
+
+    A system's own kick leaves no acceleration behind, so it serves where a step is not `primed` with one.
+    """
     if not system.native:
         return specialise(_letter, "letter", arrays=lambda state: state, flow=_bind(name, system, compensated))
     n = system.x0.size
+    if name == "kick" and system.kick is not None and not compensated and not primed:
+        flow, kind = system.kick, "own"
+    else:
+        flow, kind = _bind(name, system, compensated), "compensated" if compensated else "plain"
     small = compiled(cached=False, inline=True)(specialise(memory.small_arrays, "small_arrays", SIZE=n))
+    forceless = FLOWS[name].forceless
     letter = specialise(
         _letter,
-        specialised_name(system.acceleration, name, str(n) if n <= _SMALL else "n", "k" if compensated else "p"),
+        specialised_name(flow if forceless else system.acceleration, name, str(n) if n <= _SMALL else "n", kind),
         arrays=small if n <= _SMALL else memory.arrays,
-        flow=_bind(name, system, compensated),
+        flow=flow,
     )
-    return compiled(cached=system.packaged)(letter)
+    return compiled(cached=system.packaged or forceless)(letter)
 
 
 def _bind(name: str, system: System, compensated: bool) -> Function:
-    native = system.native
+    native, n = system.native, system.x0.size
 
-    def bind(template: Function, **bindings: Any) -> Function:
-        bound = specialise(template, template.__name__, **bindings)
-        return compiled(cached=False, inline=True)(bound) if native else bound
+    def bound(template: Function) -> Function:
+        function = specialise(template, template.__name__, **bindings)
+        return compiled(cached=False, inline=True)(function) if native else function
 
-    if name == "own-kick":
-        assert system.kick is not None
-        return system.kick
-    template = _TEMPLATES[name]
-    if name == "kick" and native and system.x0.size <= _SMALL:
-        template = flows.kick_small
-    bindings: dict[str, Any] = {"acceleration": system.acceleration, "SIZE": system.x0.size}
-    if name.startswith("implicit"):
-        residual = bind(implicit.stage_residual, acceleration=system.acceleration)
-        matrix = bind(implicit.form_matrix, acceleration=system.acceleration)
-        bindings["solve_stage"] = bind(
-            implicit.solve_stage, stage_residual=residual, form_matrix=matrix, acceleration=system.acceleration
-        )
-    return bind(template, **bindings, **_sums(native, compensated))
+    bindings: dict[str, Any] = {"acceleration": system.acceleration, "SIZE": n, **_sums(native, compensated)}
+    for part in FLOWS[name].parts:
+        bindings[part.__name__] = bound(part)
+    small = name == "kick" and native and n <= _SMALL
+    return bound(flows.kick_small if small else FLOWS[name].template)
 
 
 def _sums(native: bool, compensated: bool) -> dict[str, Function]:

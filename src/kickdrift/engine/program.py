@@ -6,6 +6,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.engine.flow_table import FLOWS
 from kickdrift.methods import Letter, Method
 from kickdrift.systems.system import System
 
@@ -17,7 +18,7 @@ class Program:
     Attributes
     ----------
     flows : tuple of str
-        Names of the flows that the step uses, see `kickdrift.engine.letters`.
+        Names of the flows that the step uses, see `kickdrift.engine.flow_table`.
     letters : (L,) array of int
         The step: indices into `flows`.
     weights : (L,) array
@@ -38,7 +39,7 @@ class Program:
     primed: bool
 
 
-def compose(method: Method, system: System, compensated: bool) -> Program:
+def compose(method: Method, system: System) -> Program:
     """Work out the step of a method on a system.
 
     A kick at the start of a step sees the position and the time that the kick at the end of the step before has seen.
@@ -49,19 +50,17 @@ def compose(method: Method, system: System, compensated: bool) -> Program:
     primed = not system.velocity_dependent and len(names) > 1 and names[0] == names[-1] == Letter.KICK.value
     if primed:
         names[0] = "rekick"
-    elif system.kick is not None and not compensated:
-        names = ["own-kick" if name == Letter.KICK.value else name for name in names]
     clock, offsets = Fraction(0), []
     for letter, weight in method.word:
         offsets.append(float(clock))
         # The clock moves with the drift: a kick sees the time of the positions that it sees.
-        clock += weight if letter is not Letter.KICK else 0
+        clock += weight * FLOWS[letter.value].moves_clock
     flows = tuple(dict.fromkeys(names))
     return Program(
         flows=flows,
         letters=np.array([flows.index(name) for name in names]),
         weights=np.array([float(weight) for _, weight in method.word]),
         offsets=np.array(offsets),
-        evaluations=sum(name in ("kick", "own-kick", "explicit-euler") for name in names),
+        evaluations=sum(FLOWS[name].evaluations for name in names),
         primed=primed,
     )

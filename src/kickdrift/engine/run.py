@@ -11,9 +11,9 @@ from kickdrift.core.calls import address_of
 from kickdrift.core.memory import state_block
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import letters, loop
+from kickdrift.engine.flow_table import FLOWS
 from kickdrift.engine.flows import EVALUATIONS, TROUBLE
 from kickdrift.engine.grid import Grid
-from kickdrift.engine.implicit import implicit_work_size
 from kickdrift.engine.program import Program
 from kickdrift.engine.progress import Bar, compiling_announced
 from kickdrift.systems.system import System
@@ -81,8 +81,7 @@ class Run:
         self.system, self.program, self.grid = system, program, grid
         self._progress = progress
         n = system.x0.size
-        implicit = any(name.startswith("implicit") for name in program.flows)
-        work = np.zeros(implicit_work_size(n) if implicit else 3 * n + 3)
+        work = np.zeros(max(FLOWS[name].work_size(n) for name in program.flows))
         self.state = State(system.x0.reshape(-1).copy(), system.v0.reshape(-1).copy(), work)
         self.xs = np.empty((grid.save_steps.size, n))
         self.vs = np.empty((grid.save_steps.size, n))
@@ -93,7 +92,7 @@ class Run:
     def _make_ready(self, names: tuple[str, ...], compensated: bool) -> None:
         """Build the letters, and compile or load everything that the run needs."""
         members = (self.state.x, self.state.v, self.system.params, self.state.work)
-        self._letters = [letters.build(name, self.system, compensated) for name in names]
+        self._letters = [letters.build(name, self.system, compensated, self.program.primed) for name in names]
         self._advance: Any = loop.advance_interpreted
         self._flows: Any = self._letters
         self._address: Any = members

@@ -97,7 +97,7 @@ def solve(
     system = _system(problem, grid.t0, x, v, _parameters(args), compile)
     _check_fit(chosen, system)
     compensated = bool(compensated)
-    run = Run(system, compose(chosen, system, compensated), grid, compensated, progress)
+    run = Run(system, compose(chosen, system), grid, compensated, progress)
     ending = run.go()
     t = grid.times[: ending.saved].copy()
     if ending.outcome is not Outcome.COMPLETED and ending.saved:
