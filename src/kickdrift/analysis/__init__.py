@@ -1,1 +1,19 @@
 """Judging runs: order, stability, energy, symplecticity."""
+
+from kickdrift.analysis.energy import energy_drift, energy_error, largest_energy_error, modified_energy
+from kickdrift.analysis.order import ObservedOrder, observed_order
+from kickdrift.analysis.stability import amplification_factor, one_step_matrix, stability_limit
+from kickdrift.analysis.symplecticity import symplecticity_defect
+
+__all__ = [
+    "ObservedOrder",
+    "amplification_factor",
+    "energy_drift",
+    "energy_error",
+    "largest_energy_error",
+    "modified_energy",
+    "observed_order",
+    "one_step_matrix",
+    "stability_limit",
+    "symplecticity_defect",
+]

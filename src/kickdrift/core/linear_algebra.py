@@ -26,7 +26,7 @@ def lu_factor(matrix: Floats, pivots: Floats) -> bool:
 
     Notes
     -----
-    Golub, Van Loan, Matrix Computations, 4th ed. (2013), algorithm 3.4.1.
+    Golub, Van Loan, Matrix Computations, 4th ed. (2013), section 3.4.
     """
     n = pivots.size
     for k in range(n):

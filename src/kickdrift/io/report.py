@@ -1,8 +1,6 @@
 """The report of a run: a fact a line."""
 
-import numpy as np
-from numpy.typing import NDArray
-
+from kickdrift.analysis.energy import drift, largest_error
 from kickdrift.engine.solution import Solution
 
 
@@ -33,21 +31,3 @@ def report(solution: Solution) -> str:
     rows.append(("outcome", solution.message))
     width = max(len(name) for name, _ in rows)
     return "\n".join(f"{name:<{width}}  {value}" for name, value in rows)
-
-
-def largest_error(values: NDArray[np.float64]) -> tuple[float, bool]:
-    """Return the largest deviation from the start, and whether it is relative to it."""
-    deviation = (
-        float(np.abs(values - values[0]).max())
-        if values.ndim == 1
-        else float(np.linalg.norm(values - values[0], axis=1).max())
-    )
-    start = float(np.linalg.norm(values[0]))
-    return (deviation / start, True) if start > 0 else (deviation, False)
-
-
-def drift(t: NDArray[np.float64], energy: NDArray[np.float64]) -> float:
-    """Return the slope of the relative energy error over time."""
-    scale = abs(energy[0]) if energy[0] != 0 else 1.0
-    error, centred = (energy - energy[0]) / scale, t - t.mean()
-    return float(centred @ (error - error.mean()) / (centred @ centred))

@@ -18,6 +18,6 @@ METHODS = (
         word=alternating(K, [*_half, _kicks[-1], *reversed(_half)]),
         symmetric=True,
         kind=Kind.NYSTROM,
-        source="Blanes, Moan, J. Comput. Appl. Math. 142, 313 (2002), table 3, SRKN_6^b",
+        source="Blanes, Moan, J. Comput. Appl. Math. 142, 313 (2002), SRKN_6^b",
     ),
 )

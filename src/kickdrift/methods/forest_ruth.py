@@ -21,7 +21,7 @@ METHODS = (
         word=alternating(D, [_drifts[0], _outer, _drifts[1], _inner, _drifts[1], _outer, _drifts[0]]),
         symmetric=True,
         kind=Kind.SEPARABLE,
-        source="Forest, Ruth, Physica D 43, 105 (1990), eq. (4.8); Yoshida, Phys. Lett. A 150, 262 (1990), eq. (4.3)",
+        source="Forest, Ruth, Physica D 43, 105 (1990); Yoshida, Phys. Lett. A 150, 262 (1990)",
         aliases=("yoshida-4",),
     ),
 )

@@ -2,7 +2,7 @@
 
 from kickdrift.methods.record import D, K, Kind, Method, word
 
-_SOURCE = "Verlet, Phys. Rev. 159, 98 (1967); Hairer, Lubich, Wanner, Acta Numerica 12, 399 (2003), eq. (1.5)"
+_SOURCE = "Verlet, Phys. Rev. 159, 98 (1967); Hairer, Lubich, Wanner, Acta Numerica 12, 399 (2003)"
 
 METHODS = (
     Method(

@@ -1,7 +1,7 @@
-"""What people look at: pictures by matplotlib."""
+"""What people look at: pictures by matplotlib, which is imported when the first one is drawn."""
 
-from typing import Any
+from kickdrift.plots.energy import plot_energy_comparison
+from kickdrift.plots.solution import plot_solution
+from kickdrift.plots.stability import plot_stability_region
 
-
-def plot_solution(solution: Any, path: Any = None) -> Any:
-    raise NotImplementedError
+__all__ = ["plot_energy_comparison", "plot_solution", "plot_stability_region"]

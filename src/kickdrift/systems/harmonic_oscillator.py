@@ -53,5 +53,5 @@ def harmonic_oscillator(omega: float = 1.0, x0: float = 1.0, v0: float = 0.0) ->
         quantities={"energy": Quantity(_energy)},
         exact=exact,
         packaged=True,
-        source="Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed. (2006), section I.1.1",
+        source="Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed. (2006), section I.1",
     )

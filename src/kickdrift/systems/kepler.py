@@ -56,7 +56,7 @@ def kepler(eccentricity: float = 0.6, semi_major_axis: float = 1.0, mu: float = 
     mean_motion = math.sqrt(mu / a**3)
 
     def exact(t: Floats) -> tuple[Floats, Floats]:
-        # Murray, Dermott, Solar System Dynamics (1999), eqs. (2.41) and (2.43).
+        # Murray, Dermott, Solar System Dynamics (1999), section 2.4.
         anomaly = eccentric_anomaly(mean_motion * np.asarray(t, dtype=np.float64), e)
         c, s, minor = np.cos(anomaly), np.sin(anomaly), math.sqrt(1 - e * e)
         rate = mean_motion / (1 - e * c)

@@ -111,7 +111,7 @@ def nbody(
         packaged=True,
         dimensions=("body", "space"),
         coordinates={"body": labels, "space": ["x", "y", "z"]},
-        source="Aarseth, Gravitational N-Body Simulations (2003), section 2.2",
+        source="Aarseth, Gravitational N-Body Simulations (2003)",
     )
 
 

@@ -45,7 +45,7 @@ def pendulum(amplitude: float = 2.0, omega: float = 1.0) -> System:
         raise ArgumentError(f"omega={omega!r} must be positive and finite.")
 
     def exact(t: Floats) -> tuple[Floats, Floats]:
-        # x = 2 asin(k sn(K - omega t, k)), k = sin(amplitude / 2): Ochs, Eur. J. Phys. 32, 479 (2011), eq. (13).
+        # x = 2 asin(k sn(K - omega t, k)), k = sin(amplitude / 2): Ochs, Eur. J. Phys. 32, 479 (2011).
         from scipy.special import ellipj, ellipk
 
         k = math.sin(0.5 * amplitude)
