@@ -1,0 +1,110 @@
+"""The commands and their options: what they say about themselves, and what to do where one goes wrong."""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+import kickdrift
+from kickdrift.cli import BAD_INPUT, INTERRUPTED, help_texts
+from kickdrift.cli.output import say
+from kickdrift.cli.plan import Options, make_plan
+from kickdrift.core.errors import KickdriftError
+
+
+class _Commands(TyperGroup):
+    """Turns what kickdrift raises on purpose into one line and an exit code."""
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except KickdriftError as error:
+            say(str(error))
+            raise typer.Exit(BAD_INPUT) from None
+        except KeyboardInterrupt:
+            say("interrupted.")
+            raise typer.Exit(INTERRUPTED) from None
+
+
+app = typer.Typer(
+    cls=_Commands,
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+DurationOption = Annotated[
+    str | None, typer.Option(help="How long: in the system's unit of time, or with one, such as '10 years'.")
+]
+YearsOption = Annotated[str | None, typer.Option(help="The same in years of 365.25 days.")]
+StepOption = Annotated[str | None, typer.Option(help="Largest step, likewise: 0.01, '0.5 day', '6 h'.")]
+OutputOption = Annotated[
+    Path, typer.Option(help="Folder for the files; made if missing, files of the same name are replaced.")
+]
+
+
+class Catalogue(StrEnum):
+    """What `list` lists."""
+
+    METHODS = "methods"
+    SYSTEMS = "systems"
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        print(f"kickdrift {kickdrift.__version__}")
+        raise typer.Exit
+
+
+@app.callback(help=help_texts.KICKDRIFT)
+def _kickdrift(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version and end.")
+    ] = False,
+) -> None:
+    """Mechanics in time, structure first."""
+
+
+@app.command(help=help_texts.RUN, short_help="Run a system, report on it, keep and draw it.")
+def run(
+    target: Annotated[str, typer.Argument(help="A system (see: kickdrift list systems), or a .toml file.")],
+    duration: DurationOption = None,
+    years: YearsOption = None,
+    step: StepOption = None,
+    method: Annotated[str | None, typer.Option(help="A method (see: kickdrift list methods).")] = None,
+    bodies: Annotated[str | None, typer.Option(help="Of the solar system, such as 'Sun,Earth,Jupiter'.")] = None,
+    save_every: Annotated[str | None, typer.Option(help="Steps between the states kept; some 4000 are, else.")] = None,
+    output: OutputOption = Path("kickdrift-output"),
+    quiet: Annotated[bool, typer.Option("--quiet", help="Write the files and print errors only.")] = False,
+) -> None:
+    """Run a system, report on it, and write <system>.npz and <system>.png."""
+    from kickdrift.cli.run import run as do
+
+    options = Options(duration, years, step, method, bodies, save_every)
+    raise typer.Exit(do(make_plan(target, options), output, quiet))
+
+
+@app.command(help=help_texts.COMPARE, short_help="Run the first four methods side by side.")
+def compare(
+    system: Annotated[str, typer.Argument(help="A system (see: kickdrift list systems), or a .toml file.")],
+    duration: DurationOption = None,
+    years: YearsOption = None,
+    step: StepOption = None,
+    output: OutputOption = Path("kickdrift-output"),
+) -> None:
+    """Run explicit, implicit and semi-implicit Euler and Stoermer-Verlet with the same step."""
+    from kickdrift.cli.compare import compare as do
+
+    options = Options(duration, years, step)
+    raise typer.Exit(do(make_plan(system, options, comparison=True), output))
+
+
+@app.command("list", help=help_texts.LIST, short_help="List the methods or the systems.")
+def list_(what: Annotated[Catalogue, typer.Argument(help="Which catalogue.")]) -> None:
+    """List the methods or the systems; whole lines where the output is piped."""
+    from kickdrift.cli import listing
+
+    (listing.list_methods if what is Catalogue.METHODS else listing.list_systems)()

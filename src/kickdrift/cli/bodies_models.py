@@ -1,0 +1,70 @@
+"""What a bodies file may hold: a model for each of its tables, which takes nothing else."""
+
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator
+
+from kickdrift import methods
+
+Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True)
+
+    @field_validator("*")
+    @classmethod
+    def _printable(cls, value: Any) -> Any:
+        # Texts of strangers go to the terminal, where a control character is a command.
+        if isinstance(value, str) and not value.isprintable():
+            raise ValueError("it has characters that cannot be printed; leave them out.")
+        return value
+
+
+class Body(_Strict):
+    """A body at the start."""
+
+    name: Annotated[str, Field(min_length=1)]
+    mass: Annotated[float, Field(ge=0)]
+    position: Vector
+    velocity: Vector
+
+
+class Units(_Strict):
+    """Labels; they convert nothing, but a known unit of time lets durations be given in others."""
+
+    time: str = ""
+    length: str = ""
+    mass: str = ""
+
+
+class Run(_Strict):
+    """How to run where the command line does not say; times in the file's own unit."""
+
+    duration: float | None = None
+    step: Annotated[float, Field(gt=0)] | None = None
+    method: str | None = None
+    save_every: Annotated[int, Field(ge=1)] | None = None
+
+    @field_validator("method")
+    @classmethod
+    def _known(cls, value: str | None) -> str | None:
+        return None if value is None else methods.get(value).name
+
+
+class BodiesFile(_Strict):
+    """The whole file."""
+
+    bodies: Annotated[list[Body], Field(min_length=1)]
+    G: Annotated[float, Field(gt=0)] = 1.0
+    softening: Annotated[float, Field(ge=0)] = 0.0
+    units: Units = Units()
+    run: Run = Run()
+
+
+TABLES: dict[tuple[str, ...], tuple[str, type[BaseModel]]] = {
+    (): ("the top of the file", BodiesFile),
+    ("units",): ("[units]", Units),
+    ("run",): ("[run]", Run),
+    ("bodies",): ("[[bodies]]", Body),
+}

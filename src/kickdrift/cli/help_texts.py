@@ -1,0 +1,90 @@
+"""What ``--help`` says; a paragraph that begins with a backspace keeps its lines."""
+
+SAMPLE_TOML = """\
+G = 39.4769264                # constant of gravitation (1)
+softening = 0.0               # softening length (0)
+
+[units]                       # labels
+time = "year"
+length = "au"
+mass = "solar mass"
+
+[run]                         # what the command line does not say
+duration = 100.0
+step = 0.001
+method = "stormer-verlet"
+save_every = 100
+
+[[bodies]]
+name = "Sun"
+mass = 1.0
+position = [0.0, 0.0, 0.0]
+velocity = [0.0, 0.0, 0.0]
+
+[[bodies]]
+name = "Earth"
+mass = 3e-6
+position = [1.0, 0.0, 0.0]
+velocity = [0.0, 6.2831853, 0.0]
+"""
+
+SAMPLE_CSV = """\
+name,mass,x,y,z,vx,vy,vz
+Sun,1.0,0,0,0,0,0,0
+Earth,3e-6,1,0,0,0,6.2831853,0
+"""
+
+KICKDRIFT = """Mechanics in time, structure first.
+
+\b
+  kickdrift run solar-system      a hundred years, compared with JPL's positions
+  kickdrift run bodies.toml       bodies of your own
+  kickdrift compare kepler        Euler's methods and Stoermer-Verlet side by side
+  kickdrift list methods
+
+Exit codes: 0 done, 2 input that cannot be used, 3 a run that failed on its way, 130 interrupted.
+"""
+
+
+def _literal(text: str) -> str:
+    return "\n\n".join("\b\n" + "\n".join(f"  {line}" for line in part.splitlines()) for part in text.split("\n\n"))
+
+
+RUN = f"""Run a system, report on it, and write <system>.npz and <system>.png.
+
+The solar system runs for 100 years by default, and is compared with the positions of JPL's DE421 at J2000 and up to
+ten years later. Ctrl-C ends a run early; what is done is written.
+
+\b
+  kickdrift run solar-system
+  kickdrift run solar-system --years 10 --step "0.125 day" --method leapfrog
+  kickdrift run solar-system --bodies "Sun,Earth,Jupiter" --output earth
+  kickdrift run kepler --duration 1000 --step 0.001
+  kickdrift run bodies.toml
+
+A bodies file, bodies.toml, holds these keys; all but the bodies may be left out, and any other is an error:
+
+{_literal(SAMPLE_TOML)}
+
+With bodies = "bodies.csv" at its top instead, they are read from that file beside it:
+
+{_literal(SAMPLE_CSV)}
+"""
+
+COMPARE = """Run explicit, implicit and semi-implicit Euler and Stoermer-Verlet with the same step.
+
+Shows the largest relative energy error, its drift, what each costs and, where the exact solution is known, the error
+in position at the end; draws the energy errors in <system>-energy.png.
+
+\b
+  kickdrift compare kepler
+  kickdrift compare pendulum --step 0.2 --duration 500
+  kickdrift compare solar-system --years 1 --step "0.01 day"
+"""
+
+LIST = """List the methods or the systems; whole lines where the output is piped.
+
+\b
+  kickdrift list methods
+  kickdrift list systems | grep -w yes
+"""

@@ -1,0 +1,48 @@
+"""``kickdrift list``: the catalogues as tables."""
+
+from kickdrift import methods, systems
+from kickdrift.cli.output import show_table
+from kickdrift.engine.program import compose
+from kickdrift.methods import Method
+from kickdrift.scenes import DEFAULTS, Defaults
+
+
+def list_methods() -> None:
+    """Show every method and what it is."""
+    columns = ("name", "order", "symmetric", "evaluations", "aliases", "for", "word", "source")
+    show_table(columns, [_method_row(method) for method in methods.catalogue().values()])
+
+
+def _method_row(method: Method) -> list[str]:
+    evaluations = compose(method, systems.harmonic_oscillator()).evaluations
+    return [
+        method.name,
+        f"{method.order}",
+        "yes" if method.symmetric else "no",
+        f"{evaluations}" if method.explicit else "iterated",
+        ", ".join(method.aliases) or "-",
+        method.kind.value,
+        method.spelling,
+        method.source,
+    ]
+
+
+def list_systems() -> None:
+    """Show every system with a default start, and how it is run by default."""
+    columns = ("name", "state", "time", "duration", "step", "method", "conserved", "exact", "source")
+    show_table(columns, [_system_row(name, make()) for name, make in systems.catalogue().items()])
+
+
+def _system_row(name: str, system: systems.System) -> list[str]:
+    defaults = DEFAULTS.get(name, Defaults())
+    return [
+        name,
+        "x".join(str(size) for size in system.x0.shape) or "scalar",
+        system.units.get("t", "-"),
+        f"{defaults.duration:g}",
+        f"{defaults.step:g}",
+        defaults.method,
+        ", ".join(system.quantities) or "-",
+        "no" if system.exact is None else "yes",
+        system.source,
+    ]

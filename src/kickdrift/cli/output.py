@@ -1,0 +1,46 @@
+"""What the command line writes: files in a folder, tables on the terminal, and a line at a time about the run."""
+
+import shutil
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from kickdrift.core.errors import ArgumentError
+
+
+def prepare_folder(folder: Path) -> Path:
+    """Make a folder and write into it for a test, before any work is done.
+
+    Raises
+    ------
+    ArgumentError
+        If it cannot be made or written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=folder, prefix=".kickdrift-"):
+            pass
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise ArgumentError(f"--output={str(folder)!r} cannot be written: {reason}; choose another folder.") from None
+    return folder
+
+
+def say(sentence: str) -> None:
+    """Print a line on standard error, where what is about the run goes."""
+    print(f"kickdrift: {sentence}", file=sys.stderr, flush=True)
+
+
+def show_table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Print a table; on a terminal too narrow for it a block of lines for each row, whole lines where it is piped."""
+    widths = [max(len(line[i]) for line in (columns, *rows)) for i in range(len(columns))]
+    if sys.stdout.isatty() and sum(widths) + 2 * len(widths) > shutil.get_terminal_size().columns:
+        label = max(len(column) for column in columns)
+        for name, *cells in rows:
+            print(name)
+            for column, cell in zip(columns[1:], cells, strict=True):
+                print(f"  {column:<{label}}  {cell}")
+        return
+    for line in (columns, *rows):
+        print("  ".join(f"{cell:<{width}}" for cell, width in zip(line, widths, strict=True)).rstrip())

@@ -1,0 +1,147 @@
+"""From the arguments of the command line to a run that can be done, or one sentence why not."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from kickdrift import methods
+from kickdrift.cli.times import parse_time
+from kickdrift.core.errors import ArgumentError, unknown_name
+from kickdrift.methods import Method
+from kickdrift.scenes import DEFAULTS, Defaults
+from kickdrift.systems import System, catalogue, solar_system
+
+SOLAR_SYSTEM = "solar-system"
+
+
+@dataclass(frozen=True)
+class Options:
+    """What the command line was given; None for what it was not."""
+
+    duration: str | None = None
+    years: str | None = None
+    step: str | None = None
+    method: str | None = None
+    bodies: str | None = None
+    save_every: str | None = None
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A run: times in the unit of the system."""
+
+    system: System
+    duration: float
+    step: float
+    method: Method
+    save_every: int | None
+    jpl: bool  # whether JPL's positions are there to compare with
+
+    @property
+    def in_words(self) -> str:
+        """What will be run."""
+        unit = self.system.units.get("t", "")
+        bodies = f" ({self.system.x0.shape[0]} bodies)" if "body" in self.system.coordinates else ""
+        span = f"{self.duration:g} {unit}".strip()
+        return f"{self.system.name}{bodies}, {span} in steps of {self.step:g}"
+
+
+@dataclass(frozen=True)
+class _Wishes:
+    """What a system is run with where the command line does not say."""
+
+    duration: float | None
+    step: float | None
+    method: str
+    save_every: int | None = None
+
+
+def make_plan(target: str, options: Options, *, comparison: bool = False) -> Plan:
+    """Work out what to run, without doing any of it.
+
+    Parameters
+    ----------
+    target : str
+        Name of a system, or path of a bodies file.
+    options : Options
+    comparison : bool
+        Whether several methods will run side by side, for which systems have defaults of their own.
+
+    Raises
+    ------
+    KickdriftError
+        For arguments that cannot be used.
+    """
+    is_file = target.lower().endswith(".toml")
+    if options.bodies is not None and target != SOLAR_SYSTEM:
+        raise ArgumentError(f"--bodies={options.bodies!r} is for {SOLAR_SYSTEM!r} alone; leave it out.")
+    system, wishes = _own_bodies(Path(target)) if is_file else _catalogued(target, options, comparison)
+    unit = system.units.get("t", "")
+    return Plan(
+        system=system,
+        duration=_duration(options, wishes, unit, target),
+        step=_step(options, wishes, unit, target),
+        method=methods.get(wishes.method if options.method is None else options.method),
+        save_every=_save_every(options, wishes),
+        jpl=target == SOLAR_SYSTEM,
+    )
+
+
+def _own_bodies(path: Path) -> tuple[System, _Wishes]:
+    from kickdrift.cli.bodies_file import load_bodies_file  # pydantic takes 0.1 s that the other runs need not wait
+
+    own = load_bodies_file(path)
+    run = own.run
+    return own.system, _Wishes(run.duration, run.step, run.method or Defaults().method, run.save_every)
+
+
+def _catalogued(name: str, options: Options, comparison: bool) -> tuple[System, _Wishes]:
+    systems = catalogue()
+    if name not in systems:
+        if Path(name).exists():
+            raise ArgumentError(
+                f"TARGET={name!r} is neither a system nor a bodies file; give a .toml file or one of"
+                f" {', '.join(systems)}."
+            )
+        raise unknown_name("TARGET", name, systems)
+    defaults = DEFAULTS.get(name, Defaults())
+    duration, step = defaults.comparison if comparison else (defaults.duration, defaults.step)
+    system = systems[name]() if options.bodies is None else solar_system(options.bodies.split(","))
+    return system, _Wishes(duration, step, defaults.method)
+
+
+def _duration(options: Options, wishes: _Wishes, unit: str, target: str) -> float:
+    if options.years is not None:
+        if options.duration is not None:
+            raise ArgumentError(
+                f"--years={options.years!r} and --duration={options.duration!r} are both given; drop one."
+            )
+        return parse_time("--years", options.years, unit, bare="year")
+    if options.duration is not None:
+        return parse_time("--duration", options.duration, unit)
+    return _given("duration", wishes.duration, target)
+
+
+def _step(options: Options, wishes: _Wishes, unit: str, target: str) -> float:
+    if options.step is None:
+        return _given("step", wishes.step, target)
+    step = parse_time("--step", options.step, unit)
+    if step < 0:
+        raise ArgumentError(f"--step={options.step!r} must be positive; the direction is that of the duration.")
+    return step
+
+
+def _save_every(options: Options, wishes: _Wishes) -> int | None:
+    if options.save_every is None:
+        return wishes.save_every
+    if not re.fullmatch(r"0*[1-9][0-9]{0,17}", options.save_every, re.ASCII):
+        raise ArgumentError(f"--save-every={options.save_every!r} must be a positive whole number of steps.")
+    return int(options.save_every)
+
+
+def _given(name: str, value: float | None, target: str) -> float:
+    if value is None:
+        raise ArgumentError(
+            f"--{name} is missing, and {target} does not say it; give one, or add it to its [run] table."
+        )
+    return value

@@ -1,0 +1,92 @@
+"""``kickdrift run``: one system by one method, kept, reported and drawn."""
+
+from pathlib import Path
+
+from kickdrift.cli import DONE, FAILED, INTERRUPTED
+from kickdrift.cli.compiling import compile_ahead
+from kickdrift.cli.output import prepare_folder, say, show_table
+from kickdrift.cli.plan import Plan
+from kickdrift.core.errors import ArgumentError
+from kickdrift.core.outcomes import Outcome
+from kickdrift.engine.solution import Solution
+from kickdrift.engine.solve import solve
+from kickdrift.scenes import NEWTONIAN_FLOOR, distances_to_jpl, jpl_days, kept_times
+from kickdrift.systems import ephemeris
+
+
+def run(plan: Plan, folder: Path, quiet: bool) -> int:
+    """Do a run, write ``<system>.npz`` and ``<system>.png`` into a folder, and return the exit code.
+
+    A run that ends early is written and reported all the same.
+    """
+    times, missed = kept_times(plan.duration, plan.step, plan.save_every, jpl_days() if plan.jpl else ())
+    prepare_folder(folder)
+    if not quiet:
+        say(f"{plan.in_words} by {plan.method.name}")
+        _say_missed(missed, plan)
+    compile_ahead(plan.system, plan.step, plan.method, quiet)
+    solution = solve(
+        plan.system,
+        (0.0, plan.duration),
+        step=plan.step,
+        method=plan.method,
+        t_eval=times,
+        progress=False if quiet else None,
+    )
+    try:
+        kept = solution.save(folder / f"{plan.system.name}.npz")
+    finally:
+        if not quiet:
+            _show(solution, plan)
+    picture = folder / f"{plan.system.name}.png"
+    solution.plot(picture)
+    if not quiet:
+        print(f"\nwritten: {kept}, {picture}")
+    return exit_code(solution)
+
+
+def exit_code(solution: Solution) -> int:
+    """Say how a run that did not reach its end ended, and return the exit code of the outcome."""
+    if solution.success:
+        return DONE
+    say(solution.message)
+    return INTERRUPTED if solution.status is Outcome.INTERRUPTED else FAILED
+
+
+def _say_missed(missed: list[float], plan: Plan) -> None:
+    if missed:
+        days = ", ".join(f"{day:g}" for day in missed)
+        say(
+            f"JPL's epochs {days} (days after J2000) fall between two of the equal steps that cover the span;"
+            " with --years a whole number and --step '0.25 day' or half of it, none does."
+        )
+
+
+def _show(solution: Solution, plan: Plan) -> None:
+    print(solution.report())
+    if plan.jpl:
+        print()
+        _show_distances(solution)
+
+
+def _show_distances(solution: Solution) -> None:
+    try:
+        bodies, days, km = distances_to_jpl(solution)
+    except ArgumentError as error:
+        say(f"no comparison with JPL: {error}")
+        return
+    if not bodies:
+        return
+    print("distance to JPL's positions (DE421), both taken from the Sun, in km, by days after J2000")
+    rows = [
+        [body, *(f"{distance:.3g}" if distance < 1e3 else f"{distance:.0f}" for distance in row)]
+        for body, row in zip(bodies, km, strict=True)
+    ]
+    show_table(["body", *(f"{day:g}" for day in days)], rows)
+    missing = [body for body in ephemeris().bodies if body not in ("Sun", *bodies)]
+    if missing:
+        print(f"The pull of {', '.join(missing)} is left out, and so are general relativity and the asteroids.")
+        return
+    print("What is left is general relativity and the asteroids: integrated without error, Newton's point masses miss")
+    for day, floor in NEWTONIAN_FLOOR.items():
+        print(f"  after {day:g} days {', '.join(f'{body} by {km:g}' for body, km in floor.items())} km")

@@ -1,0 +1,393 @@
+"""The command line: what it writes and says, its exit codes, and what it refuses."""
+
+import os
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import kickdrift as kd
+from kickdrift import cli
+from kickdrift.cli import compiling, help_texts
+from kickdrift.cli.app import app
+from kickdrift.cli.times import parse_time
+from kickdrift.core.errors import ArgumentError
+from kickdrift.engine.progress import Bar
+from kickdrift.scenes import planets
+
+COLLISION = """\
+run = {duration = 10.0, step = 1.0, method = "drift-kick"}
+bodies = [
+    {name = "a", mass = 0.0, position = [3, 0, 0], velocity = [-1, 0, 0]},
+    {name = "b", mass = 0.0, position = [-3, 0, 0], velocity = [1, 0, 0]},
+]
+"""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def call(*arguments):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments], prog_name="kickdrift")
+
+
+def process(*arguments, **options):
+    command = [sys.executable, *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False, **options)
+
+
+def test_solar_system_is_kept_reported_drawn_and_compared(folder):
+    result = call("run", "solar-system", "--years", 1)
+    assert result.exit_code == cli.DONE, result.output
+    kept = kd.load(folder / "kickdrift-output" / "solar-system.npz")
+    assert np.array_equal(kept.x, planets(1.0).x)
+    assert (folder / "kickdrift-output" / "solar-system.png").read_bytes().startswith(b"\x89PNG")
+    assert result.stderr.splitlines()[0] == (
+        "kickdrift: solar-system (11 bodies), 365.25 day in steps of 0.25 by blanes-moan-srkn6b"
+    )
+    assert "energy error" in result.stdout
+    rows = {line.split()[0]: line.split()[1:] for line in result.stdout.splitlines() if line}
+    assert rows["body"] == ["0", "1", "10", "100", "365.25"]
+    assert rows["Mercury"][-1] == "57.6"
+    assert "general relativity" in result.stdout
+
+
+def test_options_choose_span_step_method_bodies_and_folder(folder):
+    result = call(
+        *("run", "solar-system", "--duration", "2 years", "--step", "6 h", "--method", "leapfrog"),
+        *("--bodies", "sun, earth,Jupiter", "--output", folder / "a" / "b", "--save-every", "1461"),
+    )
+    assert result.exit_code == cli.DONE, result.output
+    kept = kd.load(folder / "a" / "b" / "solar-system.npz")
+    assert kept.about.coordinates["body"] == ["Sun", "Earth", "Jupiter"]
+    assert (kept.step, kept.n_steps, kept.about.method) == (0.25, 2922, "velocity-verlet")
+    assert kept.t.tolist() == [0.0, 1.0, 10.0, 100.0, 365.25, 730.5]
+    assert "The pull of Mercury, Venus, Moon, Mars, Saturn, Uranus, Neptune, Pluto is left out" in result.stdout
+
+
+def test_what_cannot_be_compared_is_said(folder):
+    result = call("run", "solar-system", "--bodies", "Earth,Jupiter", "--years", 1)
+    assert result.exit_code == cli.DONE
+    assert "no comparison with JPL" in result.stderr
+    assert "add Sun" in result.stderr
+    result = call("run", "solar-system", "--years", 0.5)
+    assert result.exit_code == cli.DONE
+    assert "JPL's epochs 1, 10, 100 (days after J2000) fall between two of the equal steps" in result.stderr
+
+
+def test_quiet_writes_files_only(folder, monkeypatch):
+    monkeypatch.setattr(compiling, "is_cached", lambda kernel: False)
+    result = call("run", "kepler", "--duration", 1, "--quiet")
+    assert (result.exit_code, result.output) == (cli.DONE, "")
+    assert {path.name for path in (folder / "kickdrift-output").iterdir()} == {"kepler.npz", "kepler.png"}
+
+
+def test_an_empty_cache_is_announced(folder, monkeypatch):
+    monkeypatch.setattr(compiling, "is_cached", lambda kernel: True)
+    assert "compil" not in call("run", "kepler", "--duration", 1).stderr
+    monkeypatch.setattr(compiling, "is_cached", lambda kernel: False)
+    announced = call("run", "kepler", "--duration", 1).stderr.splitlines()
+    assert announced[0].startswith("kickdrift: kepler")
+    assert "compiling once on this machine, about" in announced[1]
+    assert "compiled in" in announced[2]
+
+
+@pytest.mark.parametrize("name", ["harmonic-oscillator", "pendulum", "kepler", "benchmarks-game"])
+def test_every_system_runs_by_name(folder, name):
+    result = call("run", name, "--duration", 1)
+    assert result.exit_code == cli.DONE, result.output
+    assert kd.load(folder / "kickdrift-output" / f"{name}.npz").t[-1] == 1.0
+
+
+def test_own_bodies_run_as_their_file_says_and_options_overrule_it(folder):
+    (folder / "two.toml").write_text(help_texts.SAMPLE_TOML)
+    result = call("run", "two.toml")
+    assert result.exit_code == cli.DONE, result.output
+    kept = kd.load(folder / "kickdrift-output" / "two.npz")
+    assert (kept.t[-1], kept.step, kept.n_steps) == (100.0, 0.001, 100_000)
+    assert kept.t.size == 1001
+    assert kept.about.coordinates["body"] == ["Sun", "Earth"]
+    result = call("run", "two.toml", "--years", 1, "--step", "3652.5 d", "--method", "kick-drift")
+    assert result.exit_code == cli.BAD_INPUT
+    assert "step=10.0 is larger than t_span" in result.stderr
+    result = call("run", "two.toml", "--years", 1, "--step", "1 d", "--method", "kick-drift", "--save-every", 1)
+    assert result.exit_code == cli.DONE
+    kept = kd.load(folder / "kickdrift-output" / "two.npz")
+    assert (kept.n_steps, kept.t[-1], kept.about.method) == (366, 1.0, "kick-drift")
+
+
+def test_a_file_named_like_a_system_is_not_that_system(folder):
+    (folder / "solar-system.toml").write_text(help_texts.SAMPLE_TOML)
+    result = call("run", "solar-system.toml", "--duration", 1)
+    assert result.exit_code == cli.DONE
+    assert "JPL" not in result.output
+
+
+def test_compare_shows_four_methods_and_a_picture(folder):
+    result = call("compare", "harmonic-oscillator", "--step", 0.1, "--duration", 100)
+    assert result.exit_code == cli.DONE, result.output
+    assert (folder / "kickdrift-output" / "harmonic-oscillator-energy.png").read_bytes().startswith(b"\x89PNG")
+    head, *rows = result.stdout.splitlines()[:5]
+    assert head.split("  ")[0] == "method"
+    table = {row.split()[0]: row.split()[1:] for row in rows}
+    assert list(table) == ["explicit-euler", "implicit-euler", "kick-drift", "velocity-verlet"]
+    errors = [float(cells[0]) for cells in table.values()]
+    # (1 + h^2)^n - 1 and 1 - (1 + h^2)^-n for explicit and implicit Euler, n = 1000; h/2 and h^2/4 for the other two.
+    assert errors == pytest.approx([1.01**1000 - 1, 1 - 1.01**-1000, 0.0526, 0.0025], rel=0.02)
+    assert [cells[2] for cells in table.values()][0::2] == ["1000", "1000"]
+    assert table["velocity-verlet"][2] == "1001"
+    assert float(table["velocity-verlet"][4]) < float(table["kick-drift"][4]) < float(table["explicit-euler"][4])
+    assert all(cells[-1] == "done" for cells in table.values())
+
+
+def test_compare_shows_how_far_a_method_came(folder):
+    result = call("compare", "kepler", "--step", 0.01, "--duration", 20)
+    assert result.exit_code == cli.DONE, result.output
+    assert "not converged at t=6.82" in result.stdout
+
+
+def test_lists_hold_the_whole_catalogues():
+    methods = call("list", "methods")
+    systems = call("list", "systems")
+    assert methods.exit_code == systems.exit_code == cli.DONE
+    for method in kd.methods.catalogue().values():
+        line = next(line for line in methods.stdout.splitlines() if line.startswith(f"{method.name} "))
+        for cell in (method.name, *method.aliases, method.spelling, method.source, method.kind.value):
+            assert cell in line
+    assert [line.split()[0] for line in systems.stdout.splitlines()[1:]] == list(kd.systems.catalogue())
+    evaluations = {line.split()[0]: line.split()[3] for line in methods.stdout.splitlines()}
+    assert (evaluations["velocity-verlet"], evaluations["blanes-moan-srkn6b"]) == ("1", "6")
+    assert evaluations["implicit-euler"] == "iterated"
+
+
+def test_a_narrow_terminal_gets_blocks(monkeypatch, capsys):
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True, raising=False)
+    monkeypatch.setenv("COLUMNS", "20")
+    cli.output.show_table(("name", "word"), [("velocity-verlet", "K/2 D K/2")])
+    assert capsys.readouterr().out == "velocity-verlet\n  word  K/2 D K/2\n"
+
+
+@pytest.mark.parametrize("arguments", [("--help",), ("run", "--help"), ("compare", "--help"), ("list", "--help")])
+def test_help_has_examples(arguments):
+    result = call(*arguments)
+    assert result.exit_code == cli.DONE
+    assert "\n    kickdrift " in result.stdout
+    if arguments[0] == "run":
+        assert all(f"    {line}".rstrip() in result.stdout for line in help_texts.SAMPLE_TOML.splitlines())
+
+
+def test_version():
+    result = call("--version")
+    assert (result.exit_code, result.stdout) == (cli.DONE, f"kickdrift {kd.__version__}\n")
+
+
+REFUSED = {
+    ("run", "solar-sytem"): ["TARGET='solar-sytem'", "'solar-system'"],
+    ("run", "notes.txt"): ["TARGET='notes.txt'", "neither a system nor a bodies file", ".toml"],
+    ("run", "missing.toml"): ["missing.toml", "No such file"],
+    ("run", "folder.toml"): ["folder.toml", "is not a file"],
+    ("run", "zip.toml"): ["zip.toml", "not UTF-8"],
+    ("run", "typo.toml"): ["typo.toml:3", "'mas'", "did you mean 'mass'"],
+    ("run", "empty-run.toml"): ["--duration", "empty-run.toml", "[run]"],
+    ("run", "empty-run.toml", "--duration", "1"): ["--step", "empty-run.toml", "[run]"],
+    ("run", "kepler", "--step", "fast"): ["--step='fast'", "'0.5 day'"],
+    ("run", "kepler", "--step", ""): ["--step=''"],
+    ("run", "kepler", "--step", "0"): ["--step='0'", "not zero"],
+    ("run", "kepler", "--step=-0.1"): ["--step='-0.1'", "positive"],
+    ("run", "kepler", "--step", "1e999"): ["--step='1e999'", "finite"],
+    ("run", "kepler", "--step", "1e-300"): ["step=1e-300", "larger"],
+    ("run", "kepler", "--step", "200"): ["step=200.0", "smaller"],
+    ("run", "kepler", "--step", "1 day"): ["--step='1 day'", "no unit of time", "number alone"],
+    ("run", "benchmarks-game", "--step", "1 day"): ["--step='1 day'", "year of 365.24 days", "number alone"],
+    ("run", "solar-system", "--step", "1 parsec"): ["--step='1 parsec'", "'parsec'", "hour"],
+    ("run", "solar-system", "--step", "1 2 day"): ["--step='1 2 day'", "is not a time"],
+    ("run", "kepler", "--duration", "0"): ["--duration='0'", "not zero"],
+    ("run", "kepler", "--duration", "nan"): ["--duration='nan'", "is not a time"],
+    ("run", "kepler", "--years", "1"): ["--years", "no unit of time"],
+    ("run", "solar-system", "--years", "many"): ["--years='many'", "give a number"],
+    ("run", "solar-system", "--years", "0"): ["--years", "not zero"],
+    ("run", "solar-system", "--years", "nan"): ["--years", "nan"],
+    ("run", "solar-system", "--years", "1", "--duration", "5"): ["--years='1'", "--duration='5'", "drop one"],
+    ("run", "kepler", "--method", "leapfrg"): ["method='leapfrg'", "'leapfrog'"],
+    ("run", "solar-system", "--bodies", "Sun,Erth"): ["bodies='Erth'", "'Earth'"],
+    ("run", "solar-system", "--bodies", "Sun,sun"): ["'Sun' twice"],
+    ("run", "solar-system", "--bodies", ""): ["bodies=''"],
+    ("run", "kepler", "--bodies", "Sun"): ["--bodies='Sun'", "'solar-system'"],
+    ("run", "kepler", "--save-every", "0"): ["--save-every='0'", "positive"],
+    ("run", "kepler", "--save-every", "1.5"): ["--save-every='1.5'", "whole number"],
+    ("run", "kepler", "--output", "notes.txt"): ["--output='notes.txt'", "cannot be written", "another folder"],
+    ("run", "kepler", "--output", "notes.txt/below"): ["--output='notes.txt/below'", "Not a directory"],
+    ("run", "kepler", "--output", "/proc/kickdrift"): ["--output='/proc/kickdrift'", "cannot be written"],
+    ("compare", "keplr"): ["TARGET='keplr'", "'kepler'"],
+    ("compare", "kepler", "--step", "2 h"): ["--step='2 h'"],
+    ("compare", "kepler", "--output", "notes.txt"): ["--output='notes.txt'", "another folder"],
+}
+
+
+@pytest.mark.parametrize("arguments", REFUSED, ids=" ".join)
+def test_bad_input_is_one_sentence_before_any_work(folder, arguments):
+    (folder / "notes.txt").write_text("notes")
+    (folder / "folder.toml").mkdir()
+    (folder / "zip.toml").write_bytes(b"PK\x03\x04\xff")
+    (folder / "typo.toml").write_text('[[bodies]]\nname = "a"\nmas = 1\n')
+    (folder / "empty-run.toml").write_text(COLLISION.partition("\n")[2])
+    before = sorted(folder.iterdir())
+    result = call(*arguments)
+    assert result.exit_code == cli.BAD_INPUT
+    assert result.stdout == ""
+    assert result.stderr.startswith("kickdrift: ")
+    assert result.stderr.count("\n") == 1
+    for part in REFUSED[arguments]:
+        assert part in result.stderr
+    assert sorted(folder.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        (("run", "kepler", "--stpe", "1"), "--step"),
+        (("run",), "target"),
+        (("list", "planets"), "'planets'"),
+        (("fly",), "'fly'"),
+    ],
+)
+def test_usage_that_cannot_be_parsed(folder, arguments, named):
+    result = call(*arguments)
+    assert result.exit_code == cli.BAD_INPUT
+    assert named.lower() in result.stderr.lower()
+    assert not list(folder.iterdir())
+
+
+def test_a_run_that_fails_keeps_what_it_has(folder):
+    (folder / "collision.toml").write_text(COLLISION)
+    result = call("run", "collision.toml")
+    assert result.exit_code == cli.FAILED
+    assert "not a number" in result.stderr.splitlines()[-1]
+    kept = kd.load(folder / "kickdrift-output" / "collision.npz")
+    assert kept.status is kd.Outcome.NOT_FINITE
+    assert kept.t.tolist() == [0.0, 1.0, 2.0]
+    assert kept.x[-1, :, 0].tolist() == [1.0, -1.0]
+    assert (folder / "kickdrift-output" / "collision.png").exists()
+    assert "outcome" in result.stdout
+
+
+def test_an_implicit_step_that_is_not_solved(folder):
+    result = call("run", "kepler", "--method", "implicit-euler")
+    assert result.exit_code == cli.FAILED
+    assert "smaller step" in result.stderr
+    assert kd.load(folder / "kickdrift-output" / "kepler.npz").status is kd.Outcome.NOT_CONVERGED
+
+
+def interrupt(bar, step, seconds):
+    if step > 1000:
+        raise KeyboardInterrupt
+
+
+def test_an_interrupted_run_keeps_what_it_has(folder, monkeypatch):
+    monkeypatch.setattr(Bar, "show", interrupt)
+    result = call("run", "solar-system")
+    assert result.exit_code == cli.INTERRUPTED
+    kept = kd.load(folder / "kickdrift-output" / "solar-system.npz")
+    assert kept.status is kd.Outcome.INTERRUPTED
+    assert 1000 < kept.n_steps < 146_100
+    assert (folder / "kickdrift-output" / "solar-system.png").exists()
+    assert "Mercury" in result.stdout
+    assert "Interrupted by the user" in result.stderr
+
+
+def test_an_interrupted_comparison_shows_what_it_has(folder, monkeypatch):
+    monkeypatch.setattr(Bar, "show", interrupt)
+    result = call("compare", "kepler")
+    assert result.exit_code == cli.INTERRUPTED
+    assert "explicit-euler" in result.stdout
+    assert "implicit-euler" not in result.stdout
+    assert "interrupted at t=" in result.stdout
+
+
+def test_an_interruption_outside_the_loop(folder, monkeypatch):
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("kickdrift.cli.run.compile_ahead", stop)
+    result = call("run", "kepler")
+    assert result.exit_code == cli.INTERRUPTED
+    assert result.stderr.splitlines()[-1] == "kickdrift: interrupted."
+
+
+def test_files_of_the_same_name_are_replaced_and_others_stay(folder):
+    (folder / "kickdrift-output").mkdir()
+    (folder / "kickdrift-output" / "kepler.npz").write_text("mine")
+    (folder / "kickdrift-output" / "notes.txt").write_text("mine")
+    assert call("run", "kepler", "--duration", 1).exit_code == cli.DONE
+    names = {path.name for path in (folder / "kickdrift-output").iterdir()}
+    assert names == {"kepler.npz", "kepler.png", "notes.txt"}
+    assert kd.load(folder / "kickdrift-output" / "kepler.npz").success
+
+
+def test_a_solution_that_cannot_be_written_is_reported_all_the_same(folder, monkeypatch):
+    def full(solution, path):
+        raise kd.KickdriftError(f"path={str(path)!r} cannot be written: No space left on device.")
+
+    monkeypatch.setattr(kd.Solution, "presenters", replace(kd.Solution.presenters, save=full))
+    result = call("run", "kepler", "--duration", 1)
+    assert result.exit_code == cli.BAD_INPUT
+    assert "energy error" in result.stdout
+    assert "No space left" in result.stderr
+
+
+def test_without_typer_one_line_names_the_extra(monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "typer", None)
+    assert cli.main() == cli.BAD_INPUT
+    assert capsys.readouterr().err == (
+        "kickdrift: the command line needs the package 'typer', which is not installed;"
+        " run: pip install 'kickdrift[cli]'\n"
+    )
+
+
+def test_what_only_some_commands_need_is_not_imported():
+    code = "import kickdrift.cli.app, sys; sys.exit(bool({'matplotlib', 'pydantic', 'rich'} & set(sys.modules)))"
+    assert process("-c", code).returncode == 0
+
+
+def test_as_a_module_and_piped(tmp_path):
+    environment = os.environ | {"COLUMNS": "20"}
+    result = process("-m", "kickdrift", "list", "methods", env=environment)
+    assert result.returncode == 0
+    assert "blanes-moan-srkn6b  4" in result.stdout
+    result = process("-m", "kickdrift", "run", "pendulum", "--duration", "1", "--output", str(tmp_path))
+    assert result.returncode == 0, result.stderr
+    assert kd.load(tmp_path / "pendulum.npz").t[-1] == 1.0
+    result = process("-m", "kickdrift", "run", "pendulm")
+    assert (result.returncode, result.stdout) == (2, "")
+    assert "'pendulum'" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("text", "own_unit", "value"),
+    [
+        ("0.5", "", 0.5),
+        ("0.5", "day", 0.5),
+        ("0.5 day", "day", 0.5),
+        ("12h", "day", 0.5),
+        (" 12 hours ", "day", 0.5),
+        ("1440 min", "day", 1.0),
+        ("86400 s", "d", 1.0),
+        ("1 yr", "day", 365.25),
+        ("1 Year", "year", 1.0),
+        ("-2.5e1 days", "day", -25.0),
+        (".5 fortnight", "fortnight", 0.5),
+    ],
+)
+def test_times(text, own_unit, value):
+    assert parse_time("--step", text, own_unit) == value
+
+
+def test_a_unit_needs_one_to_convert_to():
+    with pytest.raises(ArgumentError, match="counts time in 'fortnight'"):
+        parse_time("--step", "1 day", "fortnight")
