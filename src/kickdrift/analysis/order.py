@@ -1,0 +1,152 @@
+"""The order of a method as a run shows it."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kickdrift import methods
+from kickdrift.core.errors import ArgumentError, KickdriftError
+from kickdrift.engine.solution import Solution
+from kickdrift.engine.solve import solve
+from kickdrift.engine.user_functions import adopt
+from kickdrift.systems.system import SecondOrder, System, start
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ObservedOrder:
+    """How the error falls with the step.
+
+    Attributes
+    ----------
+    method : str
+        Name of the method.
+    steps : (S,) array
+        Sizes of the steps used, largest first.
+    errors : (S,) array
+        Largest error in x and v at the end of the span.
+    order : float
+        Slope of the least-squares line through log(errors) over log(steps).
+    """
+
+    method: str
+    steps: Floats
+    errors: Floats
+    order: float
+
+    @property
+    def between(self) -> Floats:
+        """Orders from each step to the next, shape (S - 1,): equal ones show that the steps are small enough."""
+        slopes: Floats = np.diff(np.log(self.errors)) / np.diff(np.log(self.steps))
+        return slopes
+
+
+def observed_order(
+    problem: System | SecondOrder | Callable[..., Any],
+    method: str | methods.Method,
+    t_span: Sequence[float],
+    steps: Sequence[float],
+    x0: ArrayLike | None = None,
+    v0: ArrayLike | None = None,
+    *,
+    reference: tuple[ArrayLike, ArrayLike] | None = None,
+    args: Sequence[float] = (),
+    compile: bool = True,  # noqa: A002 - as in `solve`
+) -> ObservedOrder:
+    """Measure the order of a method on a problem: the slope of the error over the step.
+
+    Parameters
+    ----------
+    problem, method, t_span, x0, v0, args, compile
+        As for `kickdrift.solve`. A Python function runs interpreted in a few seconds what takes longer to compile once
+        for each step: up to some 10,000 steps in all, give ``compile=False``.
+    steps : sequence of float
+        At least two, each the largest allowed, as for `kickdrift.solve`.
+    reference : (x, v), optional
+        State at the end of the span. By default the exact solution of the system where it has one that starts with
+        `t_span` at 0, or else a run of DOP853 at a relative tolerance of 1e-13: errors should lie above 1e-11.
+
+    Returns
+    -------
+    ObservedOrder
+
+    Raises
+    ------
+    ArgumentError
+        For fewer than two different steps.
+    KickdriftError
+        If a run does not reach the end, or hits the reference exactly.
+
+    Notes
+    -----
+    DOP853: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, 2nd ed. (1993), section II.5.
+    """
+    runs = [
+        solve(
+            problem,
+            t_span,
+            x0,
+            v0,
+            step=step,
+            method=method,
+            save_every=2**60,
+            args=args,
+            compile=compile,
+            progress=False,
+        )
+        for step in steps
+    ]
+    for run in runs:
+        if not run.success:
+            raise KickdriftError(f"steps={run.step!r} has no order to show: {run.message}")
+    sizes = np.array([abs(run.step) for run in runs])
+    if np.unique(sizes).size < 2:
+        raise ArgumentError(f"steps={list(steps)!r} make {np.unique(sizes).size} different step; a slope needs two.")
+    x, v = reference if reference is not None else _reference(problem, runs[0], x0 is None and v0 is None, args)
+    errors = np.array([_error(run, x, v) for run in runs])
+    largest_first = np.argsort(-sizes)
+    sizes, errors = sizes[largest_first], errors[largest_first]
+    slope, _ = np.polyfit(np.log(sizes), np.log(errors), 1)
+    return ObservedOrder(runs[0].about.method, sizes, errors, float(slope))
+
+
+def _error(run: Solution, x: ArrayLike, v: ArrayLike) -> float:
+    error = float(max(np.abs(run.x[-1] - x).max(), np.abs(run.v[-1] - v).max()))
+    if error == 0:
+        raise KickdriftError(f"steps={run.step!r} has no error against the reference; give larger steps.")
+    return error
+
+
+def _reference(problem: Any, run: Solution, own_start: bool, args: Sequence[float]) -> tuple[Any, Any]:
+    if isinstance(problem, System) and problem.exact is not None and own_start and run.t[0] == 0:
+        x, v = problem.exact(run.t[-1:])
+        return x[0], v[0]
+    system = problem
+    if not isinstance(problem, System):
+        system = adopt(problem, float(run.t[0]), run.x[0], run.v[0], start(args).reshape(-1), compile_=False)
+    return _dop853(system, run)
+
+
+def _dop853(system: System, run: Solution) -> tuple[Floats, Floats]:
+    from scipy.integrate import solve_ivp
+
+    shape, n = run.x[0].shape, run.x[0].size
+
+    def rates(t: float, y: Floats) -> Floats:
+        out = np.empty(2 * n)
+        out[:n] = y[n:]
+        system.acceleration(t, y[:n], y[n:], system.params, out[n:])
+        return out
+
+    y0 = np.concatenate([run.x[0].reshape(-1), run.v[0].reshape(-1)])
+    # An absolute tolerance for each of x and v: their units differ.
+    scales = np.repeat([np.abs(y0[:n]).max(), np.abs(y0[n:]).max()], n)
+    atol = 1e-14 * np.where(scales > 0, scales, 1.0)
+    end = solve_ivp(rates, (run.t[0], run.t[-1]), y0, method="DOP853", rtol=1e-13, atol=atol, t_eval=run.t[-1:])
+    if not end.success:
+        raise KickdriftError(f"reference=None could not be computed by DOP853: {end.message} Give a reference.")
+    return end.y[:n, -1].reshape(shape), end.y[n:, -1].reshape(shape)

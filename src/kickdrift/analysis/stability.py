@@ -1,0 +1,161 @@
+"""Linear stability: the matrix of one step on the oscillator, and the amplification factor for y' = lambda y."""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kickdrift import methods
+from kickdrift.analysis.one_step import take_step
+from kickdrift.core.errors import ArgumentError
+from kickdrift.methods import Letter
+from kickdrift.systems.system import System
+
+Floats = NDArray[np.float64]
+
+# Above the rounding of trace and determinant, 1e-15, and below the 1.6e-11 that the midpoint rule has in hand at 1e6.
+_TOLERANCE = 1e-12
+_SMALLEST, _LARGEST = 1e-3, 1e6
+# Up to 20 the spacing of 0.05 is a third of the distance between the extrema of the traces of the catalogue's words.
+_PROBES = np.concatenate([np.arange(1, 400) * 0.05, np.geomspace(20.0, _LARGEST, 50)])
+
+_FACTORS: dict[Letter, Callable[[Any], Any]] = {
+    Letter.EXPLICIT_EULER: lambda z: 1 + z,
+    Letter.IMPLICIT_EULER: lambda z: 1 / (1 - z),
+    Letter.IMPLICIT_MIDPOINT: lambda z: (1 + z / 2) / (1 - z / 2),
+}
+
+
+def one_step_matrix(method: str | methods.Method, h_omega: float, damping: float = 0.0) -> Floats:
+    """Return the matrix of one step on the oscillator x'' = -omega^2 x - 2 damping omega x', found by running it.
+
+    Parameters
+    ----------
+    method : str or Method
+        Name of a method.
+    h_omega : float
+        Step times angular frequency, positive.
+    damping : float
+        Damping ratio: 0 for none, 1 for critical.
+
+    Returns
+    -------
+    (2, 2) array
+        The matrix that takes (x, v / omega) to its value a step later.
+
+    Raises
+    ------
+    ArgumentError
+        If `h_omega` is not positive and finite, or `damping` negative.
+    MethodMismatchError
+        For a damping with a method that has no place for velocity-dependent accelerations.
+    """
+    if not (math.isfinite(h_omega) and h_omega > 0):
+        raise ArgumentError(f"h_omega={h_omega!r} must be positive and finite; it is the step times omega.")
+    if not (math.isfinite(damping) and damping >= 0):
+        raise ArgumentError(f"damping={damping!r} must be finite and at least 0; it is the damping ratio.")
+    # Two oscillators with omega = 1 that do not see each other: each start is a column.
+    starts = np.array([1.0, 0.0]), np.array([0.0, 1.0])
+    return np.array(take_step(_oscillators(float(damping)), method, float(h_omega), *starts))
+
+
+def _oscillators(damping: float) -> System:
+    def acceleration(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+        out[:] = -x if damping == 0 else -x - 2 * damping * v
+
+    return System("oscillator", acceleration, np.zeros(2), np.zeros(2), velocity_dependent=damping > 0, native=False)
+
+
+def stability_limit(method: str | methods.Method, damping: float = 0.0) -> float:
+    """Return the step times omega up to which the oscillator x'' = -omega^2 x - 2 damping omega x' does not grow.
+
+    It is where the spectral radius of `one_step_matrix` first leaves 1, coming from small steps: there may be stable
+    intervals beyond.
+
+    Parameters
+    ----------
+    method : str or Method
+        Name of a method.
+    damping : float
+        Damping ratio: 0 for none, 1 for critical.
+
+    Returns
+    -------
+    float
+        To about 1e-12. 0.0 if a step of ``h omega = 1e-3`` grows already. ``inf`` if every step that was tried up to
+        1e6 is stable, and so are the largest traces between them: evidence, not proof.
+
+    Raises
+    ------
+    MethodMismatchError
+        For a damping with a method that has no place for velocity-dependent accelerations.
+
+    Notes
+    -----
+    Both eigenvalues lie in the unit circle where |trace| <= 1 + det and det <= 1 (Jury, Theory and Application of the
+    z-Transform Method, 1964). Unlike the spectral radius, trace and determinant are smooth functions of
+    the step, so that a window of instability between two probes shows as a maximum of the trace there.
+    """
+    from scipy.optimize import brentq, minimize_scalar
+
+    def excesses(h_omega: float) -> tuple[float, float]:
+        matrix = one_step_matrix(method, h_omega, damping)
+        trace, determinant = abs(float(np.trace(matrix))), float(np.linalg.det(matrix))
+        return trace - 1 - determinant - _TOLERANCE, determinant - 1 - _TOLERANCE
+
+    def limit_between(stable: float, unstable: float) -> float:
+        return float(brentq(lambda h: max(excesses(h)), stable, unstable, xtol=1e-14))
+
+    if max(excesses(_SMALLEST)) > 0:
+        return 0.0
+    steps, traces = [_SMALLEST], [excesses(_SMALLEST)[0]]
+    for probe in _PROBES:
+        here = excesses(probe)
+        if max(here) > 0:
+            return limit_between(steps[-1], probe)
+        if len(traces) > 1 and traces[-2] < traces[-1] > here[0]:
+            peak = minimize_scalar(lambda h: -excesses(h)[0], bounds=(steps[-2], probe), method="bounded").x
+            if max(excesses(peak)) > 0:
+                return limit_between(steps[-2], peak)
+        steps.append(probe)
+        traces.append(here[0])
+    return math.inf
+
+
+def amplification_factor(method: str | methods.Method, z: ArrayLike) -> NDArray[np.complex128] | np.complex128:
+    """Return R(z), by which one step of size h multiplies y in y' = lambda y, with z = h lambda.
+
+    Parameters
+    ----------
+    method : str or Method
+        ``"explicit-euler"``, ``"implicit-euler"``, ``"implicit-midpoint"``, or another method of one of their flows.
+    z : array_like
+        Complex numbers.
+
+    Returns
+    -------
+    complex array of the shape of z
+        Infinite at a pole.
+
+    Raises
+    ------
+    ArgumentError
+        For a word of kicks and drifts: it treats position and velocity differently, and has no meaning for one y.
+
+    Notes
+    -----
+    R is 1 + z, 1 / (1 - z) and (1 + z/2) / (1 - z/2). Hairer, Wanner, Solving Ordinary Differential Equations II,
+    2nd ed. (1996), section IV.3.
+    """
+    chosen = methods.get(method)
+    letter = chosen.word[0][0]
+    if letter not in _FACTORS:
+        raise ArgumentError(
+            f"method={chosen.name!r} has no amplification factor: its kicks and drifts need a position and a velocity;"
+            f" use one_step_matrix({chosen.name!r}, h_omega)."
+        )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        factor: NDArray[np.complex128] = _FACTORS[letter](np.asarray(z, dtype=np.complex128))
+    return factor

@@ -1,0 +1,106 @@
+"""Symplecticity of one step."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kickdrift import methods
+from kickdrift.analysis.one_step import take_step
+from kickdrift.core.errors import ArgumentError
+from kickdrift.systems.system import SecondOrder, System, start
+
+Floats = NDArray[np.float64]
+
+# Central differences of order six: f'(0) ~ sum w_k (f(k e) - f(-k e)) / e (Fornberg, Math. Comp. 51, 699 (1988)).
+_STENCIL = ((1, 3 / 4), (2, -3 / 20), (3, 1 / 60))
+
+
+def symplecticity_defect(
+    problem: System | SecondOrder | Callable[..., Any],
+    method: str | methods.Method,
+    step: float,
+    at: tuple[ArrayLike, ArrayLike] | None = None,
+    *,
+    t: float = 0.0,
+    masses: ArrayLike = 1.0,
+    increment: float = 2e-3,
+) -> float:
+    """Return max |J' Omega J - Omega|, with J the Jacobian of one step by central differences of order six.
+
+    Parameters
+    ----------
+    problem : System, SecondOrder or callable
+        As for `kickdrift.solve`.
+    method : str or Method
+        Name of a method.
+    step : float
+        Size of the step, with its sign.
+    at : (x, v), optional
+        Where; the start of the system if it has one. With d numbers to a state the step is run 12 d times.
+    t : float
+        When, for a force that depends on time.
+    masses : array_like
+        Of a shape that broadcasts to the state: the two-form is sum_i m_i dx_i ^ dv_i, so bodies of different masses
+        need theirs.
+    increment : float
+        Of the differences: in x in terms of the largest number in x, or of the largest in step * v if that is larger;
+        in v that over the step. A much shorter length, such as a close pair's, wants a smaller one.
+
+    Returns
+    -------
+    float
+        Zero for a symplectic step, up to rounding, about 1e-16 / `increment`, and truncation: at most 1e-13 for the
+        pendulum and 5e-13 for the Kepler problem with an eccentricity of 0.6 at steps up to 0.1.
+
+    Raises
+    ------
+    ArgumentError
+        For masses or a place that do not fit, or an increment that is not positive.
+
+    Notes
+    -----
+    Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed. (2006), section VI.2.
+    """
+    if not 0 < increment < 1:
+        raise ArgumentError(f"increment={increment!r} must lie between 0 and 1; 2e-3 suits most problems.")
+    x, v = _place(problem, at)
+    try:
+        m = np.broadcast_to(np.asarray(masses, dtype=np.float64), x.shape).reshape(-1)
+    except ValueError:
+        raise ArgumentError(
+            f"masses of shape {np.shape(masses)} do not fit states of shape {x.shape}; for (N, 3) give (N, 1)."
+        ) from None
+    size = x.size
+    jacobian = _jacobian(lambda x, v: take_step(problem, method, step, x, v, t), x, v, step, increment)
+    omega = np.zeros((2 * size, 2 * size))
+    omega[:size, size:], omega[size:, :size] = np.diag(m), -np.diag(m)
+    return float(np.abs(jacobian.T @ omega @ jacobian - omega).max())
+
+
+def _place(problem: Any, at: tuple[ArrayLike, ArrayLike] | None) -> tuple[Floats, Floats]:
+    if at is not None:
+        x, v = at
+        return start(x), start(v)
+    if not isinstance(problem, System):
+        raise ArgumentError("at is missing; a function has no start of its own: give at=(x, v).")
+    return problem.x0, problem.v0
+
+
+def _jacobian(
+    map_: Callable[[Floats, Floats], tuple[Any, Any]], x: Floats, v: Floats, step: float, increment: float
+) -> Floats:
+    def image(y: Floats) -> Floats:
+        return np.concatenate([np.ravel(part) for part in map_(*y.reshape(2, *x.shape))])
+
+    y = np.concatenate([x.reshape(-1), v.reshape(-1)])
+    # Velocities change by what moves x as far in a step as it changes itself: both leave the same rounding in J.
+    length = max(float(np.abs(x).max()), abs(step) * float(np.abs(v).max())) or 1.0
+    scales = np.repeat([length, length / abs(step)], x.size)
+    columns = []
+    for j in range(y.size):
+        change = np.zeros_like(y)
+        change[j] = increment * scales[j]
+        columns.append(sum(w * (image(y + k * change) - image(y - k * change)) for k, w in _STENCIL) / change[j])
+    return np.stack(columns, axis=1)

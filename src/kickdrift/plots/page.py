@@ -1,0 +1,77 @@
+"""How every picture looks: size, type, colours, and how it is written to a file.
+
+Figures are made without pyplot: nothing global changes, no window opens, and threads may draw.
+"""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from kickdrift.core.errors import FileFormatError, missing_extra
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# Okabe, Ito, Color Universal Design (2008), in an order in which neighbours differ in lightness too; without yellow,
+# which is too light for a line.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
+INK, FAINT = "#222222", "#888888"
+_DPI = 200
+
+
+def new_figure(width: float, height: float, title: str) -> "Figure":
+    """Make an empty page, in inches, with a title at its upper left.
+
+    Raises
+    ------
+    MissingExtraError
+        If matplotlib is not installed.
+    """
+    try:
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise missing_extra("Drawing", "matplotlib", "cli") from None
+    figure = Figure(figsize=(width, height), layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.08, h_pad=0.08, wspace=0.04)  # type: ignore[union-attr, call-arg]
+    figure.suptitle(title, x=0.015, ha="left", fontsize=11.5, color=INK)
+    return figure
+
+
+def dress(axes: "Axes", x: str, y: str, title: str = "") -> None:
+    """Label a panel, and leave out of its frame what carries nothing."""
+    axes.set_xlabel(x, color=INK)
+    axes.set_ylabel(y, color=INK)
+    axes.set_title(title, loc="left", fontsize=10, color=INK)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.spines[["left", "bottom"]].set_color(FAINT)
+    axes.tick_params(color=FAINT, labelcolor=INK, labelsize=9)
+    axes.grid(color="#e6e6e6", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.locator_params(axis="x", nbins=7)
+
+
+def label(name: str, unit: str | None) -> str:
+    """Name of an axis with its unit, if it has one."""
+    return f"{name} ({unit})" if unit else name
+
+
+def keep(figure: "Figure", path: str | Path | None) -> "Figure":
+    """Write a figure to a file, if there is a path; the ending says the format.
+
+    Raises
+    ------
+    FileFormatError
+        If the file cannot be written there, or the ending is no format of matplotlib.
+    """
+    if path is not None:
+        try:
+            figure.savefig(path, dpi=_DPI)
+        except OSError as error:
+            raise FileFormatError(_unwritable(path, error.strerror or error, "choose another folder.")) from None
+        except ValueError as error:
+            raise FileFormatError(_unwritable(path, error, "end it in .png, .pdf or .svg.")) from None
+    return figure
+
+
+def _unwritable(path: Any, reason: Any, remedy: str) -> str:
+    return f"path={str(path)!r} cannot be written: {reason}; {remedy}"

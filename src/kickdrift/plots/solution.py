@@ -1,0 +1,59 @@
+"""The picture of a solution: trajectory and energy error."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from kickdrift.engine.solution import Solution
+from kickdrift.plots import trajectory
+from kickdrift.plots.energy import draw_energy_error
+from kickdrift.plots.page import keep, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def plot_solution(solution: Solution, path: str | Path | None = None) -> "Figure":
+    """Draw the trajectory and, for a system that says its energy, the energy error.
+
+    A state of one number is drawn over time, one of two or three as an orbit in the plane, and bodies, of shape (N, 2)
+    or (N, 3), as orbits seen from the z axis; named bodies whose orbits would be lost beside the others have a panel of
+    their own. Other states are drawn number by number over time.
+
+    Parameters
+    ----------
+    solution : Solution
+        At least one time.
+    path : path, optional
+        Where to write the picture; the ending says the format.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    FileFormatError
+        If the file cannot be written.
+    MissingExtraError
+        If matplotlib is not installed.
+    """
+    about, parts = solution.about, trajectory.panels(solution)
+    has_energy = "energy" in solution.invariants
+    unit = f" {about.units['t']}" if about.units.get("t") else ""
+    figure = new_figure(
+        4.6 * (len(parts) + has_energy),
+        4.4,
+        f"{about.system} by {about.method}: {solution.n_steps} steps of {solution.step:g}{unit}",
+    )
+    grid = figure.subplots(1, len(parts) + has_energy, squeeze=False)[0]
+    for i, bodies in enumerate(parts):
+        if bodies is None:
+            trajectory.draw_coordinates(grid[i], solution)
+        else:
+            trajectory.draw_bodies(grid[i], bodies, solution, trajectory.title_of(i, parts))
+    if has_energy:
+        draw_energy_error(grid[-1], solution)
+    if len(parts) == 2:
+        figure.draw_without_rendering()
+        trajectory.mark_inner(grid[1], grid[0])
+    return keep(figure, path)

@@ -1,0 +1,185 @@
+"""Trajectories: a coordinate over time, an orbit in the plane, or many bodies seen from the z axis."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.engine.solution import Solution
+from kickdrift.plots.page import COLOURS, FAINT, INK, dress, label
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Floats = NDArray[np.float64]
+_MOST_POINTS = 20_000  # of all bodies together; more change nothing that can be seen
+_MOST_NAMES = 30
+_MOST_COORDINATES = len(COLOURS)
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """Paths of some bodies in the plane.
+
+    Attributes
+    ----------
+    names : tuple of str
+        One for each body; empty for bodies without.
+    paths : (T, N, 2) array
+        Where they were.
+    radius : (N,) array
+        Largest distance from the centre of all.
+    """
+
+    names: tuple[str, ...]
+    paths: Floats
+    radius: Floats
+
+    def take(self, which: NDArray[np.intp]) -> "Bodies":
+        """Return some of them."""
+        names = tuple(self.names[i] for i in which) if self.names else ()
+        return Bodies(names, self.paths[:, which], self.radius[which])
+
+
+def panels(solution: Solution) -> list[Bodies | None]:
+    """Say what to draw: a panel of bodies, two of them where some orbits are tiny, or None for a graph over time."""
+    shape = solution.x.shape[1:]
+    if not shape or shape[-1] not in (2, 3) or len(shape) > 2:
+        return [None]
+    positions = solution.x.reshape(solution.t.size, -1, shape[-1])[:, :, :2]
+    stride = -(-positions.shape[0] * positions.shape[1] // _MOST_POINTS)
+    paths = np.concatenate([positions[:-1:stride], positions[-1:]])
+    # The median of the bodies, so that a few far ones on part of an orbit do not move it.
+    centre = np.median(paths.mean(axis=0), axis=0)
+    radius = np.linalg.norm(paths - centre, axis=2).max(axis=0)
+    names = solution.about.coordinates.get("body", ())
+    everyone = Bodies(tuple(names) if 1 < len(names) <= _MOST_NAMES else (), paths, radius)
+    inner = _inner(radius) if everyone.names else None
+    if inner is None:
+        return [everyone]
+    outer = np.setdiff1d(np.arange(radius.size), inner)
+    return [everyone.take(inner), everyone.take(np.concatenate([[np.argmin(radius)], outer]))]
+
+
+def _inner(radius: Floats) -> NDArray[np.intp] | None:
+    """Bodies to draw by themselves: those below the widest gap, if they would be lost beside the others."""
+    order = np.argsort(radius)
+    sizes = np.maximum(radius[order], 1e-300)
+    # The innermost body may be the one that all others go round; a panel of it alone shows nothing.
+    ratios = sizes[2:] / sizes[1:-1]
+    if ratios.size == 0 or sizes[-1] < 12 * sizes[1] or ratios.max() < 2:
+        return None
+    return order[: int(np.argmax(ratios)) + 2]
+
+
+def draw_coordinates(axes: "Axes", solution: Solution) -> None:
+    """Draw positions over time, a line for each number of the state."""
+    units = solution.about.units
+    values = solution.x.reshape(solution.t.size, -1)
+    stride = -(-values.shape[0] // _MOST_POINTS)
+    many = values.shape[1] > _MOST_COORDINATES
+    for i in range(values.shape[1]):
+        place = ", ".join(str(k) for k in np.unravel_index(i, solution.x.shape[1:]))
+        axes.plot(
+            solution.t[::stride],
+            values[::stride, i],
+            color=COLOURS[0 if many else i],
+            alpha=0.3 if many else 0.9,
+            linewidth=0.9,
+            label=f"x[{place}]",
+        )
+    dress(axes, label("t", units.get("t")), label("x", units.get("x")), "trajectory")
+    axes.margins(x=0)
+    if values.shape[1] > 1 and not many:
+        axes.legend(loc="upper left", bbox_to_anchor=(1, 1), frameon=False, fontsize=8)
+
+
+def draw_bodies(axes: "Axes", bodies: Bodies, solution: Solution, title: str) -> None:
+    """Draw orbits to scale, with a dot where each body ends and its name beside it."""
+    unit = solution.about.units.get("x")
+    space = solution.about.coordinates.get("space", ("x", "y"))
+    crowd, colours = bodies.radius.size > _MOST_NAMES, _colours(bodies)
+    for i in range(bodies.radius.size):
+        x, y = bodies.paths[:, i].T
+        colour = colours[i]
+        style = {"linewidth": 0.8} if _smooth(bodies.paths[:, i]) else {"linestyle": "", "marker": ".", "markersize": 1}
+        axes.plot(x, y, color=colour, alpha=0.25 if crowd else 0.75, **style)
+        axes.plot(x[-1], y[-1], "o", color=colour, markersize=2 if crowd else 5, markeredgecolor="white")
+    if bodies.radius.size == 1:
+        axes.plot(*bodies.paths[0, 0], "o", markerfacecolor="white", markeredgecolor=COLOURS[0], markersize=5)
+    dress(axes, label(space[0], unit), label(space[1], unit), title)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.margins(0.14 if bodies.names else 0.08)
+    if bodies.names:
+        _write_names(axes, bodies)
+
+
+def _colours(bodies: Bodies) -> list[str]:
+    """Choose a colour for each body; black for one in the middle of the others."""
+    if bodies.radius.size > _MOST_NAMES:
+        return [COLOURS[0]] * bodies.radius.size
+    colours = [COLOURS[i % (len(COLOURS) - 1)] for i in range(bodies.radius.size)]
+    middle = int(np.argmin(bodies.radius))
+    if bodies.radius[middle] < 0.1 * bodies.radius.max():
+        colours = [*colours[:middle], INK, *colours[middle:-1]]
+    return colours
+
+
+def _smooth(path: Floats) -> bool:
+    """Whether straight lines between the points follow the path: they do not where it turns by half a radian."""
+    chords = np.diff(path, axis=0)
+    headings = np.arctan2(chords[:, 1], chords[:, 0])
+    turns = np.abs((np.diff(headings) + np.pi) % (2 * np.pi) - np.pi)
+    return turns.size == 0 or float(np.median(turns)) < 0.5
+
+
+def _write_names(axes: "Axes", bodies: Bodies) -> None:
+    from matplotlib.patheffects import withStroke
+
+    ends = bodies.paths[-1]
+    middle = int(np.argmin(bodies.radius))
+    distances = np.linalg.norm(ends - ends[middle], axis=1)
+    nearest = ends[np.argsort(distances)[1]]
+    for group in _neighbours(ends, 0.06 * float(bodies.radius.max())):
+        place = ends[group].mean(axis=0)
+        # Outwards, where no other name is; the one in the middle has its name on the far side of its nearest.
+        outward = ends[middle] - nearest if middle in group else place - ends[middle]
+        direction = outward / max(float(np.linalg.norm(outward)), 1e-300)
+        axes.annotate(
+            ", ".join(bodies.names[i] for i in group),
+            place,
+            xytext=7 * direction,
+            textcoords="offset points",
+            ha="left" if direction[0] > 0.4 else "right" if direction[0] < -0.4 else "center",
+            va="bottom" if direction[1] > 0.4 else "top" if direction[1] < -0.4 else "center",
+            fontsize=8.5,
+            color=INK,
+            path_effects=[withStroke(linewidth=2.5, foreground="white")],
+        )
+
+
+def _neighbours(points: Floats, distance: float) -> list[list[int]]:
+    """Group points that are nearer to the first of a group than a distance: their names go into one line."""
+    groups: list[list[int]] = []
+    for i, point in enumerate(points):
+        near = next((g for g in groups if np.linalg.norm(points[g[0]] - point) < distance), None)
+        if near is None:
+            groups.append([i])
+        else:
+            near.append(i)
+    return groups
+
+
+def mark_inner(axes: "Axes", inner: "Axes") -> None:
+    """Draw the frame of the panel of the inner bodies into that of the outer ones."""
+    from matplotlib.patches import Rectangle
+
+    (x0, x1), (y0, y1) = inner.get_xlim(), inner.get_ylim()
+    axes.add_patch(Rectangle((x0, y0), x1 - x0, y1 - y0, fill=False, edgecolor=FAINT, linewidth=0.8, linestyle=":"))
+
+
+def title_of(position: int, of: Sequence[Bodies | None]) -> str:
+    """Name a panel of bodies."""
+    return ("inner bodies", "outer bodies")[position] if len(of) == 2 else "trajectory"
