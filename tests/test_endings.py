@@ -146,8 +146,8 @@ def test_on_a_terminal_only_long_runs_show_progress(capsys, monkeypatch):
 
 
 def test_the_first_compilation_is_announced(tmp_path):
-    code = "import kickdrift as kd; kd.solve(kd.systems.kepler(), (0, 1), step=0.1, progress=True)"
-    said = []
+    code = "import kickdrift as kd; kd.solve(kd.systems.kepler(), (0, 1), step=0.1, progress=True).energy"
+    said, kept = [], []
     for _ in range(2):
         done = subprocess.run(
             [sys.executable, "-c", code],
@@ -157,6 +157,8 @@ def test_the_first_compilation_is_announced(tmp_path):
             check=True,
         )
         said.append(done.stderr)
+        kept.append(sorted(path.name for path in tmp_path.rglob("*.nb?")))
     assert "compiling, once" in said[0]
     assert "compiled in" in said[0]
     assert "compil" not in said[1]
+    assert kept[0] == kept[1]

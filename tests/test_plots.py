@@ -85,9 +85,17 @@ def test_other_states_are_drawn_number_by_number(shape, lines):
 
 def test_an_orbit_kept_too_rarely_is_drawn_as_dots():
     kepler = kd.systems.kepler(0.6)
-    often, rarely = (solved(kepler, end=60.0, step=0.05, save_every=n) for n in (1, 40))
+    often, rarely = (solved(kepler, end=60.0, step=0.05, save_every=n) for n in (1, 60))
     assert often.plot().axes[0].lines[0].get_linestyle() == "-"
     assert rarely.plot().axes[0].lines[0].get_linestyle() == "None"
+
+
+def test_an_orbit_kept_rarely_is_filled_up_to_a_curve():
+    s = solved(kd.systems.kepler(0.0), end=60.0, step=0.01, save_every=80)
+    drawn = s.plot().axes[0].lines[0].get_xydata()
+    assert abs(np.linalg.norm(drawn, axis=1) - 1.0).max() < 0.01
+    chords = 0.5 * (s.x[1:] + s.x[:-1])
+    assert abs(np.linalg.norm(chords, axis=1) - 1.0).max() > 0.05
 
 
 def test_a_long_run_keeps_its_extremes():

@@ -1,17 +1,16 @@
 """kickdrift: mechanics in time, structure first.
 
 ``kickdrift.solve`` integrates x'' = a(t, x, v); ``kickdrift.systems`` and ``kickdrift.methods`` are the catalogues,
-``kickdrift.analysis`` judges runs, ``kickdrift.load`` reads a saved solution.
+``kickdrift.analysis`` judges runs, ``kickdrift.plots`` draws them, ``kickdrift.load`` reads a saved solution.
 """
 
-from kickdrift import analysis, methods, systems
+from kickdrift import analysis, methods, plots, systems
 from kickdrift.core.errors import KickdriftError
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.solution import Presenters, Solution
 from kickdrift.engine.solve import solve
 from kickdrift.io import load, save, to_xarray
 from kickdrift.io.report import report
-from kickdrift.plots import plot_solution
 from kickdrift.systems import SecondOrder, System
 
 __all__ = [
@@ -23,6 +22,7 @@ __all__ = [
     "analysis",
     "load",
     "methods",
+    "plots",
     "solve",
     "systems",
 ]
@@ -30,4 +30,4 @@ __all__ = [
 __version__ = "0.1.0"
 
 # A solution saves, draws and reports itself with what lives on the floors above the engine.
-Solution.presenters = Presenters(plot=plot_solution, save=save, to_xarray=to_xarray, report=report)
+Solution.presenters = Presenters(plot=plots.plot_solution, save=save, to_xarray=to_xarray, report=report)

@@ -62,12 +62,12 @@ def drift(t: Floats, energy: Floats) -> float:
         return float(centred @ (error - error.mean()) / (centred @ centred))
 
 
-def largest_error(values: Floats) -> tuple[float, bool]:
-    """Return the largest deviation of a quantity, (T,) or (T, size), from its start, and whether it is relative."""
+def largest_error(values: Floats) -> tuple[float, float | None]:
+    """Return the largest deviation of a quantity, (T,) or (T, size), from its start, and its ratio to a start not 0."""
     deviation = values - values[0]
     sizes = np.abs(deviation) if values.ndim == 1 else np.linalg.norm(deviation, axis=1)
     start, largest = float(np.linalg.norm(values[0])), float(sizes.max())
-    return (largest / start, True) if start > 0 else (largest, False)
+    return largest, largest / start if start > 0 else None
 
 
 def _relative(energy: Floats) -> Floats:

@@ -43,7 +43,6 @@ def compiled(
 
     ``inline`` forces the function into its callers: for the small steps of a hot loop.
     """
-
     options = {
         "error_model": "numpy",
         "nogil": True,

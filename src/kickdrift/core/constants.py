@@ -20,4 +20,3 @@ JULIAN_YEAR = Constant(365.25, "day", "IAU style manual (exact)")
 GAUSSIAN_GRAVITATIONAL_CONSTANT = Constant(
     0.01720209895, "au^(3/2) solar mass^(-1/2) / day", "IAU 1976 System of Astronomical Constants (exact)"
 )
-STANDARD_GRAVITY = Constant(9.80665, "m/s^2", "3rd General Conference on Weights and Measures, 1901 (exact)")

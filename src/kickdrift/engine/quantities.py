@@ -41,7 +41,8 @@ def evaluate(system: System, name: str, t: Floats, x: Floats, v: Floats) -> Floa
     xs, vs = x.reshape(t.size, -1), v.reshape(t.size, -1)
     out = np.zeros((t.size, quantity.size))
     if not hasattr(quantity.function, "py_func"):
-        _evaluate_interpreted(quantity.function, t, xs, vs, system.params, out)
+        with np.errstate(all="ignore"):
+            _evaluate_interpreted(quantity.function, t, xs, vs, system.params, out)
     else:
         entry = specialise(_entry, specialised_name(quantity.function), function=quantity.function)
         native = compiled(cached=system.packaged)(entry)

@@ -7,8 +7,7 @@ from kickdrift.engine.solution import Solution
 def report(solution: Solution) -> str:
     """Say what was run, what it cost, and how well the conserved quantities were conserved.
 
-    Errors are the largest at the times kept: relative to the start, absolute where the start is zero. The drift is the
-    slope of a straight line through the energy errors.
+    Errors are the largest at the times kept. The drift is the slope of a straight line through the energy errors.
     """
     about, unit = solution.about, solution.about.units.get("t", "")
     per_step = solution.wall_time / max(solution.n_steps, 1) * 1e9
@@ -23,8 +22,9 @@ def report(solution: Solution) -> str:
         ("sums", "compensated" if about.compensated else "plain"),
     ]
     for name, values in solution.invariants.items():
-        error, relative = largest_error(values)
-        rows.append((f"{name} error", f"{error:.3e}{' (relative)' if relative else ' (absolute)'}"))
+        absolute, relative = largest_error(values)
+        size = f"{absolute:.3e} {about.units.get(name, '')}".rstrip()
+        rows.append((f"{name} error", f"{relative:.3e} of the start, {size}" if relative is not None else size))
         if name == "energy" and solution.t.size > 1:
             per = f" per {unit}" if unit else " per unit of time"
             rows.append(("energy drift", f"{drift(solution.t, values):+.3e}{per}"))

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Floats = NDArray[np.float64]
-_MOST_POINTS = 20_000  # of all bodies together; more change nothing that can be seen
+_MOST_POINTS = 50_000  # of all bodies together; more change nothing that can be seen
+_SMOOTH_TURN = 0.2  # radians between two points that the eye takes for a curve
+_LOST_TURN = 2.0  # radians between two states that do not say any more which way the body went
 _MOST_NAMES = 30
 _MOST_COORDINATES = len(COLOURS)
 
@@ -27,20 +29,24 @@ class Bodies:
     ----------
     names : tuple of str
         One for each body; empty for bodies without.
-    paths : (T, N, 2) array
-        Where they were.
+    t : (T,) array
+        Times.
+    paths, velocities : (T, N, 2) array
+        Where they were, and how they moved.
     radius : (N,) array
         Largest distance from the centre of all.
     """
 
     names: tuple[str, ...]
+    t: Floats
     paths: Floats
+    velocities: Floats
     radius: Floats
 
     def take(self, which: NDArray[np.intp]) -> "Bodies":
         """Return some of them."""
         names = tuple(self.names[i] for i in which) if self.names else ()
-        return Bodies(names, self.paths[:, which], self.radius[which])
+        return Bodies(names, self.t, self.paths[:, which], self.velocities[:, which], self.radius[which])
 
 
 def panels(solution: Solution) -> list[Bodies | None]:
@@ -48,14 +54,16 @@ def panels(solution: Solution) -> list[Bodies | None]:
     shape = solution.x.shape[1:]
     if not shape or shape[-1] not in (2, 3) or len(shape) > 2:
         return [None]
-    positions = solution.x.reshape(solution.t.size, -1, shape[-1])[:, :, :2]
-    stride = -(-positions.shape[0] * positions.shape[1] // _MOST_POINTS)
-    paths = np.concatenate([positions[:-1:stride], positions[-1:]])
+    n_bodies = solution.x[0].size // shape[-1]
+    stride = -(-solution.t.size * n_bodies // _MOST_POINTS)
+    rows = np.append(np.arange(0, solution.t.size - 1, stride), solution.t.size - 1)
+    paths, velocities = (a[rows].reshape(rows.size, n_bodies, -1)[:, :, :2] for a in (solution.x, solution.v))
     # The median of the bodies, so that a few far ones on part of an orbit do not move it.
     centre = np.median(paths.mean(axis=0), axis=0)
     radius = np.linalg.norm(paths - centre, axis=2).max(axis=0)
     names = solution.about.coordinates.get("body", ())
-    everyone = Bodies(tuple(names) if 1 < len(names) <= _MOST_NAMES else (), paths, radius)
+    names = tuple(names) if 1 < len(names) <= _MOST_NAMES else ()
+    everyone = Bodies(names, solution.t[rows], paths, velocities, radius)
     inner = _inner(radius) if everyone.names else None
     if inner is None:
         return [everyone]
@@ -102,9 +110,11 @@ def draw_bodies(axes: "Axes", bodies: Bodies, solution: Solution, title: str) ->
     space = solution.about.coordinates.get("space", ("x", "y"))
     crowd, colours = bodies.radius.size > _MOST_NAMES, _colours(bodies)
     for i in range(bodies.radius.size):
-        x, y = bodies.paths[:, i].T
+        curve = _curve(bodies.t, bodies.paths[:, i], bodies.velocities[:, i])
+        x, y = (bodies.paths[:, i] if curve is None else curve).T
         colour = colours[i]
-        style = {"linewidth": 0.8} if _smooth(bodies.paths[:, i]) else {"linestyle": "", "marker": ".", "markersize": 1}
+        dots = {"linestyle": "", "marker": ".", "markersize": 1}
+        style: dict[str, Any] = {"linewidth": 0.8} if curve is not None else dots
         axes.plot(x, y, color=colour, alpha=0.25 if crowd else 0.75, **style)
         axes.plot(x[-1], y[-1], "o", color=colour, markersize=2 if crowd else 5, markeredgecolor="white")
     if bodies.radius.size == 1:
@@ -127,12 +137,20 @@ def _colours(bodies: Bodies) -> list[str]:
     return colours
 
 
-def _smooth(path: Floats) -> bool:
-    """Whether straight lines between the points follow the path: they do not where it turns by half a radian."""
-    chords = np.diff(path, axis=0)
-    headings = np.arctan2(chords[:, 1], chords[:, 0])
-    turns = np.abs((np.diff(headings) + np.pi) % (2 * np.pi) - np.pi)
-    return turns.size == 0 or float(np.median(turns)) < 0.5
+def _curve(t: Floats, path: Floats, velocity: Floats) -> Floats | None:
+    """Fill a path up by cubic Hermite interpolation where it turns between its points; None where it is lost."""
+    ahead, behind = velocity[1:], velocity[:-1]
+    crosses = behind[:, 0] * ahead[:, 1] - behind[:, 1] * ahead[:, 0]
+    turns = np.abs(np.arctan2(crosses, (ahead * behind).sum(axis=1)))
+    turn = float(np.median(turns)) if turns.size else 0.0
+    if turn > _LOST_TURN:
+        return None
+    pieces = max(1, int(np.ceil(turn / _SMOOTH_TURN)))
+    s = (np.arange(pieces) / pieces)[:, None]
+    h, start, end = np.diff(t)[:, None, None], path[:-1, None], path[1:, None]
+    slopes = (1 - s) * h * behind[:, None] - s * h * ahead[:, None]
+    inside = (1 - s) * start + s * end + s * (1 - s) * ((1 - 2 * s) * (start - end) + slopes)
+    return np.concatenate([inside.reshape(-1, 2), path[-1:]])
 
 
 def _write_names(axes: "Axes", bodies: Bodies) -> None:
