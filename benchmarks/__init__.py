@@ -1,0 +1,1 @@
+"""The benchmarks: one command, ``python -m benchmarks``, makes one Markdown table."""

@@ -1,0 +1,100 @@
+"""What a user waits for before the first step: import, and the first run of the main job, cold and warm."""
+
+import contextlib
+import importlib.util
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import kickdrift as kd
+from benchmarks.implicit_euler import duffing
+from benchmarks.table import Row, at_most, measured, skipped
+
+JOB = [sys.executable, "-m", "kickdrift", "run", "solar-system"]
+_IMPORT = """
+import time
+started = time.perf_counter()
+import numpy, numba
+between = time.perf_counter()
+import kickdrift
+print(between - started, time.perf_counter() - between)
+"""
+
+
+def compare(rounds: int) -> list[Row]:
+    """Seconds to import, and to the first output and the end of the main job."""
+    return [*_import(rounds), *_set_up(rounds), *_first_run(min(rounds, 3))]
+
+
+def _import(rounds: int) -> list[Row]:
+    samples = []
+    for _ in range(rounds + 1):
+        printed = subprocess.run([sys.executable, "-c", _IMPORT], check=True, capture_output=True, text=True).stdout
+        samples.append([float(part) for part in printed.split()])
+    below, ours = zip(*samples[1:], strict=True)  # the first fills the file cache
+    return [
+        measured("import kickdrift, after numpy and numba", ours, at_most(0.4, "s")),
+        measured("the same / import numpy, numba", [a / b for a, b in zip(ours, below, strict=True)]),
+    ]
+
+
+def _set_up(rounds: int) -> list[Row]:
+    return [
+        measured(
+            f"set-up of a user's function, {method}",
+            [_seconds_before_stepping(method) for _ in range(rounds + 1)][1:],
+            unit="s",
+            note="everything of a run of ten steps but the steps; the engine is compiled already",
+        )
+        for method in ("semi-implicit-euler", "implicit-euler")
+    ]
+
+
+def _seconds_before_stepping(method: str) -> float:
+    started = time.perf_counter()
+    solution = kd.solve(duffing, (0.0, 0.1), 1.5, 0.0, step=0.01, method=method, progress=False)
+    return time.perf_counter() - started - solution.wall_time
+
+
+def _first_run(rounds: int) -> list[Row]:
+    if importlib.util.find_spec("kickdrift.__main__") is None:
+        return [skipped("first run", "this kickdrift has no command line")]
+    if os.name != "posix":
+        return [skipped("first run", "timed on a pseudo-terminal, which this system does not have")]
+    cold, warm = [], []
+    for _ in range(rounds):
+        with tempfile.TemporaryDirectory() as folder:
+            cold.append(_timed_job(Path(folder)))
+            warm.append(_timed_job(Path(folder)))
+    if not all(done for _, _, done in cold + warm):
+        return [skipped("first run", f"{' '.join(JOB[1:])} failed")]
+    return [
+        measured("main job, cold: first output", [first for first, _, _ in cold], at_most(2, "s")),
+        measured("main job, cold: done", [end for _, end, _ in cold], at_most(15, "s")),
+        measured("main job, warm: done", [end for _, end, _ in warm], at_most(3, "s")),
+        measured("main job, cold / warm", [c[1] / w[1] for c, w in zip(cold, warm, strict=True)]),
+    ]
+
+
+def _timed_job(folder: Path) -> tuple[float, float, bool]:
+    """Seconds to the first output and to the end of the main job, in a folder that is also Numba's cache.
+
+    On a pseudo-terminal, as a person runs it: into a pipe, Python would keep its first lines back.
+    """
+    import pty
+
+    ours, theirs = pty.openpty()
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder / "numba")}
+    outputs: list[float] = []
+    started = time.perf_counter()
+    with subprocess.Popen(JOB, cwd=folder, env=environment, stdin=theirs, stdout=theirs, stderr=theirs) as job:
+        os.close(theirs)
+        with contextlib.suppress(OSError):  # how Linux says that the other end is closed
+            while os.read(ours, 65536):
+                outputs.append(time.perf_counter() - started)
+    end = time.perf_counter() - started
+    os.close(ours)
+    return min(outputs, default=end), end, job.returncode == 0
