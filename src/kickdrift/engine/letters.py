@@ -1,6 +1,7 @@
 """Letters: flows bound to a system and compiled to what the loop calls, ``letter(t, h, state)``."""
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any
 
 from kickdrift.core import memory
@@ -25,32 +26,41 @@ def build(name: str, system: System, compensated: bool, primed: bool) -> Functio
 
     A system's own kick leaves no acceleration behind, so it serves where a step is not `primed` with one.
     """
-    if not system.native:
-        return specialise(_letter, "letter", arrays=lambda state: state, flow=_bind(name, system, compensated))
     n = system.x0.size
-    if name == "kick" and system.kick is not None and not compensated and not primed:
-        flow, kind = system.kick, "own"
-    else:
-        flow, kind = _bind(name, system, compensated), "compensated" if compensated else "plain"
+    if not system.native:
+        flow = _bind(name, system.acceleration, False, n, compensated)
+        return specialise(_letter, "letter", arrays=lambda state: state, flow=flow)
+    own = system.kick if name == "kick" and not compensated and not primed else None
+    return _native(name, system.acceleration, own, min(n, _SMALL + 1), compensated, system.packaged)
+
+
+@lru_cache(maxsize=256)
+def _native(
+    name: str, acceleration: Function, own: Function | None, n: int, compensated: bool, packaged: bool
+) -> Function:
+    flow = own or _bind(name, acceleration, True, n, compensated)
     small = compiled(cached=False, inline=True)(specialise(memory.small_arrays, "small_arrays", SIZE=n))
     forceless = FLOWS[name].forceless
     letter = specialise(
         _letter,
-        specialised_name(flow if forceless else system.acceleration, name, str(n) if n <= _SMALL else "n", kind),
+        specialised_name(
+            flow if forceless else acceleration,
+            name,
+            str(n) if n <= _SMALL else "n",
+            "own" if own else "compensated" if compensated else "plain",
+        ),
         arrays=small if n <= _SMALL else memory.arrays,
         flow=flow,
     )
-    return compiled(cached=system.packaged or forceless)(letter)
+    return compiled(cached=packaged or forceless)(letter)
 
 
-def _bind(name: str, system: System, compensated: bool) -> Function:
-    native, n = system.native, system.x0.size
-
+def _bind(name: str, acceleration: Function, native: bool, n: int, compensated: bool) -> Function:
     def bound(template: Function) -> Function:
         function = specialise(template, template.__name__, **bindings)
         return compiled(cached=False, inline=True)(function) if native else function
 
-    bindings: dict[str, Any] = {"acceleration": system.acceleration, "SIZE": n, **_sums(native, compensated)}
+    bindings: dict[str, Any] = {"acceleration": acceleration, "SIZE": n, **_sums(native, compensated)}
     for part in FLOWS[name].parts:
         bindings[part.__name__] = bound(part)
     small = name == "kick" and native and n <= _SMALL

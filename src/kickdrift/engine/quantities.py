@@ -1,12 +1,13 @@
 """Conserved quantities along a solution."""
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.calls import address_of, call_interpreted, caller
-from kickdrift.core.compilation import compiled, specialise, specialised_name, unbound
+from kickdrift.core.compilation import Function, compiled, specialise, specialised_name, unbound
 from kickdrift.engine.user_functions import FLAT
 from kickdrift.systems.system import System
 
@@ -29,6 +30,11 @@ def _entry(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     function(t, x, v, params, out)
 
 
+@lru_cache(maxsize=256)
+def _native(quantity: Function, packaged: bool) -> Function:
+    return compiled(cached=packaged)(specialise(_entry, specialised_name(quantity), function=quantity))
+
+
 def evaluate(system: System, name: str, t: Floats, x: Floats, v: Floats) -> Floats:
     """Evaluate a conserved quantity of a system at each of T states.
 
@@ -44,7 +50,6 @@ def evaluate(system: System, name: str, t: Floats, x: Floats, v: Floats) -> Floa
         with np.errstate(all="ignore"):
             _evaluate_interpreted(quantity.function, t, xs, vs, system.params, out)
     else:
-        entry = specialise(_entry, specialised_name(quantity.function), function=quantity.function)
-        native = compiled(cached=system.packaged)(entry)
+        native = _native(quantity.function, system.packaged)
         _evaluate(address_of(native, FLAT), t, xs, vs, system.params, out)
     return out[:, 0] if quantity.size == 1 else out

@@ -2,8 +2,10 @@
 
 import inspect
 import warnings
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any, cast
 
 import numba
 import numpy as np
@@ -14,6 +16,7 @@ from numpy.typing import NDArray
 from kickdrift.core import memory
 from kickdrift.core.compilation import Function, compiled
 from kickdrift.core.errors import ArgumentError, InterpretedWarning, KickdriftError
+from kickdrift.engine.frozen import frozen
 from kickdrift.systems.system import Quantity, SecondOrder, System
 
 Floats = NDArray[np.float64]
@@ -103,22 +106,39 @@ def _flat(
         statement = f"shaped(out, SHAPE)[...] = asarray({call})"
     else:
         statement = f"out[:] = asarray({call})"
-    scope: dict[str, Any] = {"__name__": __name__, "SHAPE": shape, "asarray": np.asarray}
-    exec(_TEMPLATE.format(statement=statement), scope)  # noqa: S102 - our own template, above
-    adapted: Function = scope["adapted"]
     python = getattr(function, "py_func", function)
     if compile_:
-        dispatcher = function if hasattr(function, "py_func") else compiled(cached=False)(python)
-        scope |= {"function": dispatcher, "shaped": memory.shaped}
-        native: Any = compiled(cached=False)(adapted)
         try:
-            native.compile(FLAT)
+            return _compiled(Frozen(frozen(function) or object(), function), statement, shape), True
         except (NumbaError, NotImplementedError, TypeError, ValueError, AttributeError, KeyError, IndexError) as error:
             _warn_interpreted(python, error)
-        else:
-            return native, True
-    scope |= {"function": python, "shaped": lambda array, to: array.reshape(to), "asarray": _returned}
-    return adapted, False
+    reshape = np.reshape
+    return _adapted(statement, function=python, SHAPE=shape, shaped=reshape, asarray=_returned), False
+
+
+def _adapted(statement: str, **names: Any) -> Function:
+    scope: dict[str, Any] = {"__name__": __name__, **names}
+    exec(_TEMPLATE.format(statement=statement), scope)  # noqa: S102 - our own template, above
+    adapted: Function = scope["adapted"]
+    return adapted
+
+
+@dataclass(frozen=True)
+class Frozen:
+    """A function, equal to another if Numba compiles both to the same."""
+
+    key: Hashable
+    function: Function = field(compare=False)
+
+
+@lru_cache(maxsize=128)
+def _compiled(function: Frozen, statement: str, shape: tuple[int, ...]) -> Function:
+    given = function.function
+    inner = given if hasattr(given, "py_func") else compiled(cached=False)(given)
+    adapted = _adapted(statement, function=inner, SHAPE=shape, shaped=memory.shaped, asarray=np.asarray)
+    native: Any = compiled(cached=False)(adapted)
+    native.compile(FLAT)
+    return cast(Function, native)
 
 
 def _returned(value: Any) -> Any:
