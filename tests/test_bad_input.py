@@ -177,3 +177,20 @@ def test_solve_gives_a_solution_or_a_kickdrift_error(x0, v0, t_span, step, metho
     assert solution.x.shape == (solution.t.size, *np.shape(x0))
     assert (np.diff(solution.t) * np.sign(solution.step) > 0).all()
     assert solution.success == (solution.t[-1] == float(t_span[1]))
+
+
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(
+    state=st.sampled_from([(), (1,), (3,), (2, 3)]).flatmap(lambda shape: hnp.arrays(float, (2, *shape))),
+    t_span=st.tuples(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6)),
+    steps=st.floats(0.5, 1000),
+    method=st.sampled_from(["kick-drift", "velocity-verlet"]),
+)
+def test_compiled_runs_give_a_solution_or_a_kickdrift_error(state, t_span, steps, method):
+    try:
+        solution = kd.solve(spring, t_span, state[0], state[1], step=abs(t_span[1] - t_span[0]) / steps, method=method)
+    except kd.KickdriftError:
+        return
+    assert np.isfinite(solution.x).all()
+    assert solution.success or solution.status is kd.Outcome.NOT_FINITE
+    assert abs(solution.step) * solution.n_steps <= abs(t_span[1] - t_span[0]) * (1 + 1e-12)
