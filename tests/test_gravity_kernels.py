@@ -134,7 +134,7 @@ def test_not_a_number_is_seen(kernel: Kernel) -> None:
     assert not np.isfinite(evaluated(kernel, x, params)).any(where=np.arange(x.size) % 3 == 0)
 
 
-@pytest.mark.parametrize("n", [1, 100, 128, 129, 256, 257, 300, 512, 641, 1000, 1500])
+@pytest.mark.parametrize("n", [1, 100, 128, 129, 256, 257, 300, 512, 641, 1000, 1500, 2049, 5003])
 def test_same_bits_for_any_number_of_threads(n: int) -> None:
     x, params = bodies(n)
     serial = evaluated(gravity.add_gravity_tiled, x, params)
@@ -158,28 +158,35 @@ def test_another_order_of_the_sums_has_other_bits() -> None:
     np.testing.assert_allclose(backwards, serial, rtol=0, atol=1e-13 * np.abs(serial).max())
 
 
-@pytest.mark.parametrize("count", range(1, 12))
-def test_every_two_tiles_meet_once_and_no_tile_plays_twice_in_a_round(
-    count: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.mark.parametrize("n", [0, 1, 128, 129, 300, 600, 1000, 2048, 2049, 5000])
+def test_every_two_tiles_meet_once_and_groups_share_no_sums(n: int, monkeypatch: pytest.MonkeyPatch) -> None:
     met, alone = [], []
-    monkeypatch.setattr(gravity, "_between_tiles", lambda a, b, *sizes: met.append((tile_of(a), tile_of(b))))
-    monkeypatch.setattr(gravity, "_within_tile", lambda a, size, softening2: alone.append(tile_of(a)))
 
-    def tile_of(tile: Floats) -> int | None:
-        return int(tile[0]) if tile.size else None
+    def between(a: Floats, b: Floats, sums_a: Floats, sums_b: Floats, *sizes: float) -> None:
+        met.append({int(a[0]), int(b[0])})
+        assert np.shares_memory(sums_a, sums[group, 0])
+        assert np.shares_memory(sums_b, sums[group])
+        assert not np.shares_memory(sums_a, sums_b)
 
-    tiles = np.repeat(np.arange(float(count)), gravity._TILE_SIZE)
-    params = np.zeros(1 + count * gravity.TILE)
-    meetings = (count + 1) // 2
-    for r in range(2 * meetings - 1):
-        for m in range(meetings):
-            gravity._meet.py_func(tiles, params, 2 * meetings - 1, r, m)
-        playing = [tile for pair in met[-meetings:] for tile in pair]
-        assert len(set(playing)) == len(playing) == 2 * meetings
-    pairs = [frozenset(pair) for pair in met if None not in pair]
-    assert len(pairs) == len(set(pairs)) == count * (count - 1) // 2
-    assert sorted(tile for tile in alone if tile is not None) == list(range(count))
+    monkeypatch.setattr(gravity, "_between_tiles", between)
+    monkeypatch.setattr(gravity, "_within_tile", lambda a, *others: alone.append(int(a[0])))
+    x, params = bodies(n)
+    tiles, sums = gravity._packed(x, params)
+    tiles[:, 0] = np.arange(len(tiles))
+    ahead = [gravity._groups_ahead(group, len(sums)) for group in range(len(sums))]
+    for group in range(len(sums)):
+        gravity._sum_half_ring.py_func(group, tiles, sums, params)
+    count = len(tiles)
+    assert sorted(map(sorted, met)) == [[i, j] for i in range(count) for j in range(i + 1, count)]
+    assert sorted(alone) == list(range(count))
+    # Work is even: groups meet as many others but for one, and so do the two halves of the ring, one for each thread.
+    assert max(ahead) - min(ahead) <= 1
+    half = len(ahead) // 2
+    assert half == 0 or abs(sum(ahead[:half]) - sum(ahead[half:])) <= 1
+    sizes = [gravity._members(t, count, params)[1] for t in range(count)]
+    assert sum(sizes) == n
+    assert max(sizes, default=0) <= gravity.TILE
+    assert max(sizes, default=0) - min(sizes, default=0) < 2 * gravity._LANES
 
 
 def packed_instructions(function: Kernel, *types: Any, **flags: Any) -> dict[str, int]:
@@ -200,8 +207,8 @@ def has_wide_vectors() -> bool:
 def test_kernels_are_vectorised() -> None:
     # Losing the vectors changes no result, only the speed.
     array, size, number = numba.float64[::1], numba.int64, numba.float64
-    tile_pair = (gravity._between_tiles, array, array, size, size, number)
-    self_pair = (gravity._within_tile, array, size, number)
+    tile_pair = (gravity._between_tiles, array, array, array, array, size, size, number)
+    self_pair = (gravity._within_tile, array, array, size, number)
     assert min(packed_instructions(*tile_pair).values()) >= 1
     assert packed_instructions(*tile_pair)["fma"] >= 20
     assert min(packed_instructions(*self_pair).values()) >= 1
@@ -241,25 +248,27 @@ def test_invariants_in_extended_precision(n: int, softening: float) -> None:
 def test_python_bodies_say_the_same(kernel: Kernel, monkeypatch: pytest.MonkeyPatch) -> None:
     x, params = bodies(11, 0.01)
     compiled = evaluated(kernel, x, params)
-    for name in ("_meet", "_between_tiles", "_within_tile", "_packed", "_add_accelerations", "_whole_vectors", "_add"):
-        monkeypatch.setattr(gravity, name, getattr(gravity, name).py_func)
+    for name, function in vars(gravity).copy().items():
+        if name.startswith("_") and hasattr(function, "py_func"):
+            monkeypatch.setattr(gravity, name, function.py_func)
     np.testing.assert_allclose(evaluated(kernel.py_func, x, params), compiled, rtol=1e-13)
 
 
-def test_python_body_of_two_tiles_says_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_python_body_of_two_tiles_says_the_same() -> None:
     x, params = bodies(11, 0.01)
     forces = evaluated(gravity.add_gravity_pairwise, x, params)
-    a, b = np.zeros(gravity._TILE_SIZE), np.zeros(gravity._TILE_SIZE)
+    a, b = np.zeros((2, gravity._TILE_SIZE))
+    sums_a, sums_b = np.zeros((2, gravity._SUMS_SIZE))
     for tile, members in ((a, range(7)), (b, range(7, 11))):
         for lane, body in enumerate(members):
             tile[[gravity._X + lane, gravity._Y + lane, gravity._Z + lane]] = x[3 * body : 3 * body + 3]
             tile[gravity._GM + lane] = params[1 + body]
         tile[gravity._X + len(members) : gravity._X + 8] = gravity._FAR_AWAY
-    gravity._within_tile.py_func(a, 7, params[0])
-    gravity._within_tile.py_func(b, 4, params[0])
-    gravity._between_tiles.py_func(a, b, 7, 4, params[0])
+    gravity._within_tile.py_func(a, sums_a, 7, params[0])
+    gravity._within_tile.py_func(b, sums_b, 4, params[0])
+    gravity._between_tiles.py_func(a, b, sums_a, sums_b, 7, 4, params[0])
     lanes = [
-        np.stack([tile[field : field + n] for field in (gravity._AX, gravity._AY, gravity._AZ)], axis=1)
-        for tile, n in ((a, 7), (b, 4))
+        np.stack([sums[field : field + n] for field in (gravity._X, gravity._Y, gravity._Z)], axis=1)
+        for sums, n in ((sums_a, 7), (sums_b, 4))
     ]
     np.testing.assert_allclose(np.concatenate(lanes).ravel(), forces, rtol=1e-12)
