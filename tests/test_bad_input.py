@@ -1,5 +1,7 @@
 """Bad input: one clear error, with the argument, its value and the remedy, before any work is done."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -13,6 +15,15 @@ GOOD = {"t_span": (0.0, 1.0), "x0": [1.0, 0.0], "v0": [0.0, 1.0], "step": 0.1, "
 
 
 def spring(x):
+    return -x
+
+
+def _adds_to_out(x, out):
+    out[:] -= x
+
+
+def _changes_x(x):
+    x += 1.0
     return -x
 
 
@@ -65,6 +76,11 @@ def spring(x):
         ({"save_every": 1.5}, "positive whole number"),
         ({"save_every": True}, "positive whole number"),
         ({"step": 1e-9}, "save_every=None keeps all 1000000001 steps.*give save_every="),
+        ({"t_eval": [0.1, 0.2, 0.3, 0.1 * 3]}, "are one time on the grid"),
+        ({"t_span": (1e16, 1e16 + 100), "step": 1.0}, "is lost beside times of"),
+        ({"step": 1e-14, "save_every": 1}, "need more memory than there is"),
+        ({"method": ["leapfrog"]}, "is not known"),
+        ({"args": (1.0, np.nan)}, "must be finite"),
         ({"args": "k"}, "args='k' must be numbers"),
         ({"args": [[1.0]]}, "flat list"),
     ],
@@ -77,10 +93,13 @@ def test_bad_arguments(change, says):
 @pytest.mark.parametrize(
     ("function", "says"),
     [
-        (3.0, "not a function"),
-        ("kepler", "not a function"),
-        (None, "not a function"),
+        (3.0, "not a function or a system"),
+        ("kepler", "not a function or a system"),
+        (None, "not a function or a system"),
         (lambda: 0.0, "no arguments"),
+        (kd.systems.kepler, "function that makes a system; call it"),
+        (_adds_to_out, "must overwrite all of them"),
+        (_changes_x, "changes x"),
         (lambda q: -q, "does not know; name them t, x, v, params, out"),
         (lambda x, k: -k * x, "pass numbers as args"),
         (lambda *args: 0.0, "does not know"),
@@ -116,6 +135,8 @@ def test_bad_functions(function, says):
         (lambda: kd.systems.solar_system([]), "at least one name"),
         (lambda: kd.systems.solar_system("Sun"), "must be a list"),
         (lambda: kd.System("mine", spring, np.zeros(1), np.zeros(1)), "is not compiled"),
+        (lambda: dataclasses.replace(kd.systems.kepler(), v0=np.zeros(3)), "must be equal"),
+        (lambda: kd.systems.get(["a"]), "is not known"),
         (lambda: kd.systems.get("keppler"), "did you mean 'kepler'"),
         (lambda: kd.systems.nbody([1.0], np.zeros((2, 3)), np.zeros((2, 3))), r"x0 has shape \(2, 3\), but 1 masses"),
         (lambda: kd.systems.nbody([1.0, 1.0], np.zeros((2, 2)), np.zeros((2, 2))), "x0 has shape"),

@@ -162,3 +162,64 @@ def test_the_first_compilation_is_announced(tmp_path):
     assert "compiled in" in said[0]
     assert "compil" not in said[1]
     assert kept[0] == kept[1]
+
+
+REST = {"step": 0.1, "compile": False}
+
+
+@pytest.mark.parametrize("method", ["implicit-euler", "implicit-midpoint"])
+@pytest.mark.parametrize(
+    ("force", "x0", "end", "rest"),
+    [
+        (lambda x, v: -100 * (x - 1 / 3) - 20 * v, 1.0, 20.0, 1 / 3),
+        (lambda x, v: -100 * x - 9.81 - 20 * v, 0.0, 20.0, -0.0981),
+        (lambda x, v: math.sin(x) - 0.5 * v, 1.0, 300.0, math.pi),
+    ],
+)
+def test_implicit_methods_come_to_rest_anywhere(force, x0, end, rest, method):
+    s = kd.solve(force, (0.0, end), x0, 0.0, method=method, **REST)
+    assert s.success, s.message
+    assert s.x[-1] == pytest.approx(rest, abs=1e-6)
+
+
+@pytest.mark.parametrize("method", ["implicit-euler", "implicit-midpoint"])
+@pytest.mark.parametrize(("k", "at"), [(100.0, 1 / 3), (1e8, 1 / 3), (100.0, -0.0981)])
+def test_implicit_methods_solve_stiff_linear_steps_away_from_zero(k, at, method):
+    s = kd.solve(lambda x: -k * x + k * at, (0.0, 20.0), 0.0, 0.0, method=method, **REST)
+    assert s.success, s.message
+    assert np.abs(s.x - at).max() <= abs(at) * (1 + 1e-6)
+
+
+@pytest.mark.parametrize("t_eval", [[0.1], [0.0, 0.1]])
+def test_a_run_that_ends_after_its_last_wanted_time_keeps_the_state_reached(t_eval):
+    s = kd.solve(forced_until_one, t_span=(0.0, 3.0), t_eval=t_eval, compile=False, **OPTIONS)
+    assert np.allclose(s.t, [*t_eval, 1.0])
+
+
+def test_a_failure_that_does_not_repeat_is_still_a_failure():
+    calls = []
+
+    def once(x):
+        calls.append(1)
+        if len(calls) == 50:
+            raise ValueError("once")
+        return -x
+
+    s = kd.solve(once, t_span=(0.0, 3.0), compile=False, **OPTIONS)
+    assert s.status is kd.Outcome.FAILED
+    assert "ValueError: once" in s.message
+    assert s.n_steps < 300
+
+
+def test_threads_start_in_processes_that_find_everything_compiled(tmp_path):
+    code = (
+        "import numpy as np, kickdrift as kd; x = np.random.default_rng(0).normal(size=(300, 3));"
+        "kd.solve(kd.systems.nbody(np.ones(300), x, 0 * x, threads=True), (0, 0.1), step=0.1, compensated={})"
+    )
+    for compensated in (True, False, False, True):
+        subprocess.run(
+            [sys.executable, "-c", code.format(compensated)],
+            env={**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)},
+            check=True,
+            capture_output=True,
+        )

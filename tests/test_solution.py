@@ -1,5 +1,6 @@
 """Solutions on disk, as labelled arrays, and as a report."""
 
+import contextlib
 import json
 import pickle
 import zipfile
@@ -105,6 +106,24 @@ def test_shapes_that_do_not_match_are_refused(planets, tmp_path):
         np.savez(out, **arrays)
     with pytest.raises(FileFormatError, match="have shapes"):
         kd.load(path)
+
+
+def test_damaged_files_are_refused_or_read(planets, tmp_path):
+    path = planets.save(tmp_path / "a.npz")
+    whole = path.read_bytes()
+    rng = np.random.default_rng(5)
+    for position in rng.integers(0, len(whole), 200):
+        damaged = bytearray(whole)
+        damaged[position] ^= 1 << int(rng.integers(8))
+        path.write_bytes(damaged)
+        with contextlib.suppress(FileFormatError):
+            kd.load(path).report()
+
+
+@pytest.mark.parametrize("name", ["", ".", "/", "..", "a" * 300, "a\0b"])
+def test_paths_that_name_no_file_are_errors(planets, name):
+    with pytest.raises(FileFormatError):
+        planets.save(name)
 
 
 def test_missing_files_and_folders_are_errors(planets, tmp_path):

@@ -1,6 +1,7 @@
 """`solve` on what people start with: the worked example, shapes, grids, and what is counted."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -156,6 +157,8 @@ def test_runs_repeat_to_the_bit():
         ((0, 1), 1, 1),
         ((5, 2), 0.5, 6),
         ((-1e6, -1e6 + 1), 0.1, 10),
+        ((20, 20.1), 0.1, 1),
+        ((20, 20.3), 0.1, 3),
     ],
 )
 def test_a_whole_number_of_equal_steps_covers_the_span(t_span, step, n_steps):
@@ -281,6 +284,20 @@ def test_args_arrive_as_params():
         kd.solve(pull, (0.0, 1.0), 1.0, 0.0, step=0.1, args=(4, 0)).x,
         kd.solve(kd.systems.harmonic_oscillator(2.0), (0.0, 1.0), step=0.1).x,
     )
+
+
+def test_systems_with_other_numbers_are_given_to_compiled_code_as_floats():
+    whole = replace(kd.systems.kepler(), params=np.array([1]), x0=[1, 0], v0=np.array([0, 1], dtype=np.float32))
+    s = kd.solve(whole, (0.0, 1.0), step=0.01, method="leapfrog")
+    assert np.allclose(s.x[-1], [math.cos(1.0), math.sin(1.0)], atol=1e-4)
+
+
+def test_states_cannot_be_changed_under_the_invariants():
+    s = kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.1)
+    for array in (s.t, s.x, s.v):
+        with pytest.raises(ValueError, match="read-only"):
+            array *= 2
+    assert s.energy[0] == -0.5
 
 
 def test_repr_says_what_it_is():

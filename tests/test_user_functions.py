@@ -2,6 +2,7 @@
 
 import json
 import warnings
+from functools import partial
 
 import numpy as np
 import pytest
@@ -77,6 +78,20 @@ def test_methods_and_callable_objects_work_interpreted():
     reference = kd.solve(kd.systems.harmonic_oscillator(), **SPAN)
     assert np.array_equal(kd.solve(Spring(), x0=1.0, v0=0.0, compile=False, **SPAN).x, reference.x)
     assert np.array_equal(kd.solve(Spring().__call__, x0=1.0, v0=0.0, compile=False, **SPAN).x, reference.x)
+
+
+def pulled_by(x, k):
+    return -k * x
+
+
+def test_partials_work():
+    half = partial(pulled_by, k=1.0)
+    s = kd.solve(half, x0=1.0, v0=0.0, compile=False, **SPAN)
+    assert np.array_equal(s.x, kd.solve(kd.systems.harmonic_oscillator(), **SPAN).x)
+    with pytest.warns(InterpretedWarning, match="partial runs interpreted"):
+        kd.solve(half, x0=1.0, v0=0.0, **SPAN)
+    with pytest.warns(InterpretedWarning, match="Spring runs interpreted"):
+        kd.solve(Spring(), x0=1.0, v0=0.0, **SPAN)
 
 
 def uncompilable(x):

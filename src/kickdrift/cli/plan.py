@@ -1,5 +1,6 @@
 """From the arguments of the command line to a run that can be done, or one sentence why not."""
 
+import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -98,7 +99,7 @@ def _own_bodies(path: Path) -> tuple[System, _Wishes]:
 def _catalogued(name: str, options: Options, comparison: bool) -> tuple[System, _Wishes]:
     systems = catalogue()
     if name not in systems:
-        if Path(name).exists():
+        if os.path.exists(name):
             raise ArgumentError(
                 f"TARGET={name!r} is neither a system nor a bodies file; give a .toml file or one of"
                 f" {', '.join(systems)}."

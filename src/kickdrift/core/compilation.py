@@ -86,6 +86,11 @@ def specialised_name(function: Function, *details: str) -> str:
     return "_".join(parts).replace(".", "_").replace("-", "_").replace("<", "").replace(">", "")
 
 
+def comes_with_kickdrift(function: Function) -> bool:
+    """Whether a function's source is in `_source_digest`, so that its specialisations may be cached on disk."""
+    return str(getattr(function, "py_func", function).__module__).startswith("kickdrift.systems.")
+
+
 @cache
 def _source_digest() -> str:
     """Digest of the sources of the floors that hold compiled code."""

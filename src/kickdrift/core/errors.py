@@ -32,7 +32,7 @@ class InterpretedWarning(UserWarning):
     """A user's function that Numba cannot compile, and so runs interpreted."""
 
 
-def unknown_name(argument: str, value: str, known: Iterable[str]) -> UnknownNameError:
+def unknown_name(argument: str, value: object, known: Iterable[str]) -> UnknownNameError:
     """Build the error for a name that is not in a catalogue, with the nearest ones that are."""
     known = sorted(known)
     near = difflib.get_close_matches(str(value), known, n=3, cutoff=0.4)

@@ -52,7 +52,7 @@ def _of_value(value: Any, callers: tuple[Any, ...]) -> Hashable:
     if isinstance(value, _PLAIN):
         return type(value), value
     if isinstance(value, tuple):
-        return tuple(_of_value(member, callers) for member in value)
+        return type(value), tuple(_of_value(member, callers) for member in value)
     if isinstance(value, _NAMED) or any(value is module for module in _STEADY):
         return cast(Hashable, value)
     return _of_function(value, callers)

@@ -46,9 +46,14 @@ def lay_grid(
         For a span or step that cannot be, times off the grid, or more rows than fit in memory.
     """
     t0, t1 = _span(t_span)
-    largest = _largest_step(step, abs(t1 - t0))
-    # A quotient a few roundings above a whole number is that number: 1.1 / 0.1 = 11.000000000000002.
-    n_steps = math.ceil(abs(t1 - t0) / largest * (1 - 8 * np.finfo(float).eps))
+    length, farthest = abs(t1 - t0), max(abs(t0), abs(t1))
+    # A quotient a few roundings above a whole number is that number: 1.1 / 0.1 = 11.000000000000002. The length has
+    # the rounding of the times in it: 20.1 - 20 = 0.10000000000000142.
+    rounding = np.finfo(float).eps * (8 + 4 * farthest / length)
+    largest = _largest_step(step, length, rounding)
+    n_steps = max(1, math.ceil(length / largest * (1 - rounding)))
+    if length / n_steps < 4 * np.spacing(farthest):
+        raise ArgumentError(f"step={step!r} is lost beside times of {farthest!r}; count time from a nearer origin.")
     h = (t1 - t0) / n_steps
     if t_eval is not None:
         if save_every is not None:
@@ -77,7 +82,7 @@ def _span(t_span: Sequence[float]) -> tuple[float, float]:
     return t0, t1
 
 
-def _largest_step(step: float, length: float) -> float:
+def _largest_step(step: float, length: float, rounding: float) -> float:
     try:
         value = float(step)
     except (TypeError, ValueError):
@@ -85,7 +90,7 @@ def _largest_step(step: float, length: float) -> float:
     if not (math.isfinite(value) and value > 0):
         remedy = "give its size; the direction is that of t_span." if value < 0 else "give a positive number."
         raise ArgumentError(f"step={step!r} must be positive and finite; {remedy}")
-    if value > length * (1 + 1e-12):
+    if value > length * (1 + 1e-12 + rounding):
         raise ArgumentError(f"step={step!r} is larger than t_span, which is {length!r} long; give a smaller step.")
     if length / value > 2**53:
         raise ArgumentError(
@@ -125,6 +130,12 @@ def _wanted_times(
     if (np.diff(times) * np.sign(h) <= 0).any():
         raise ArgumentError("t_eval must be ordered from the start to the end of t_span, without repetitions; sort it.")
     save_steps = np.rint(positions).astype(np.int64)
+    if (np.diff(save_steps) == 0).any():
+        i = int(np.argmax(np.diff(save_steps) == 0))
+        raise ArgumentError(
+            f"t_eval={float(times[i])!r} and {float(times[i + 1])!r} are one time on the grid of steps of {abs(h)!r};"
+            " leave one out."
+        )
     # A time on the grid differs from it by rounding alone.
     rounding = 1e-9 + 4 * np.finfo(float).eps * np.maximum(abs(times), max(abs(t0), abs(t1))) / abs(h)
     off = abs(positions - save_steps) > rounding

@@ -26,7 +26,7 @@ from kickdrift.engine.flows import EVALUATIONS, TROUBLE
 
 Floats = NDArray[np.float64]
 HAS_MATRIX = -3
-_ROUNDING = 1e-12  # increments this small against the velocity, and no longer shrinking, are rounding
+_ROUNDING = 1e-12  # of an increment against the velocity
 _SLOW = 0.3  # a contraction slower than this is worth n evaluations for a new matrix
 _MOST_ITERATIONS = 50
 
@@ -69,15 +69,17 @@ def solve_stage(t: float, s: float, x: Floats, v: Floats, params: Floats, work: 
         if work[HAS_MATRIX] != 0.0:
             lu_solve(matrix, pivots, increment)
         size = largest(increment)
-        scale = max(largest(u), s * largest(work[:n]))
+        scale = max(largest(u), abs(s) * largest(work[:n]))
+        # Below this, increments are rounding: of the velocity, or of the position that its change is lost in.
+        floor = max(_ROUNDING * scale, 4e-16 * largest(x) / abs(s))
         if not np.isfinite(size):
             break
         shrinking = size < previous
-        if shrinking or size > _ROUNDING * scale:
+        if shrinking or size > floor:
             u += increment
-        if size == 0.0 or (not shrinking and size <= _ROUNDING * scale):
+        if size == 0.0 or (not shrinking and size <= floor):
             return True
-        if iteration > 0 and size > _SLOW * previous and size > _ROUNDING * scale:
+        if iteration > 0 and size > _SLOW * previous and size > floor:
             if fresh and not shrinking:
                 break
             if not form_matrix(t, s, x, params, work):
@@ -86,6 +88,8 @@ def solve_stage(t: float, s: float, x: Floats, v: Floats, params: Floats, work: 
             previous = np.inf
         else:
             previous = size
+        if iteration == _MOST_ITERATIONS - 1 and size <= floor:
+            return True
     stage_residual(t, s, x, v, params, work)
     residual = largest(increment)
     work[TROUBLE] = residual if residual > 0.0 else np.inf
@@ -112,7 +116,7 @@ def form_matrix(t: float, s: float, x: Floats, params: Floats, work: Floats) -> 
     for i in range(n):
         trial[i] = x[i] + s * u[i]
     acceleration(t, trial, u, params, a)
-    scale = max(largest(u), largest(x) / abs(s))
+    scale = max(largest(u), largest(x) / abs(s), abs(s) * largest(a))
     for j in range(n):
         kept_u, kept_trial = u[j], trial[j]
         difference = 1.5e-8 * (scale if scale > 0.0 else 1.0)

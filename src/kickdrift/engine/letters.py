@@ -5,7 +5,7 @@ from functools import lru_cache
 from typing import Any
 
 from kickdrift.core import memory
-from kickdrift.core.compilation import Function, compiled, specialise, specialised_name, unbound
+from kickdrift.core.compilation import Function, comes_with_kickdrift, compiled, specialise, specialised_name, unbound
 from kickdrift.engine import flows
 from kickdrift.engine.flow_table import FLOWS
 from kickdrift.systems.system import System
@@ -52,7 +52,7 @@ def _native(
         arrays=small if n <= _SMALL else memory.arrays,
         flow=flow,
     )
-    return compiled(cached=packaged or forceless)(letter)
+    return compiled(cached=forceless or (packaged and comes_with_kickdrift(acceleration)))(letter)
 
 
 def _bind(name: str, acceleration: Function, native: bool, n: int, compensated: bool) -> Function:

@@ -53,4 +53,5 @@ def compiling_announced(kernel: Any, wanted: bool | None) -> Iterator[None]:
 
 def is_cached(kernel: Any) -> bool:
     """Whether compiled code of a kernel lies in the cache on disk."""
-    return any(Path(kernel.stats.cache_path).glob(f"*{kernel.__name__}*.nbi"))
+    folder = kernel.stats.cache_path  # None where Numba finds no folder that it can write to
+    return folder is not None and any(Path(folder).glob(f"*{kernel.__name__}*.nbi"))

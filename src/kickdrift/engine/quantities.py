@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.calls import address_of, call_interpreted, caller
-from kickdrift.core.compilation import Function, compiled, specialise, specialised_name, unbound
+from kickdrift.core.compilation import Function, comes_with_kickdrift, compiled, specialise, specialised_name, unbound
 from kickdrift.engine.user_functions import FLAT
 from kickdrift.systems.system import System
 
@@ -32,7 +32,9 @@ def _entry(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
 
 @lru_cache(maxsize=256)
 def _native(quantity: Function, packaged: bool) -> Function:
-    return compiled(cached=packaged)(specialise(_entry, specialised_name(quantity), function=quantity))
+    return compiled(cached=packaged and comes_with_kickdrift(quantity))(
+        specialise(_entry, specialised_name(quantity), function=quantity)
+    )
 
 
 def evaluate(system: System, name: str, t: Floats, x: Floats, v: Floats) -> Floats:

@@ -83,8 +83,8 @@ class Run:
         n = system.x0.size
         work = np.zeros(max(FLOWS[name].work_size(n) for name in program.flows))
         self.state = State(system.x0.reshape(-1).copy(), system.v0.reshape(-1).copy(), work)
-        self.xs = np.empty((grid.save_steps.size, n))
-        self.vs = np.empty((grid.save_steps.size, n))
+        self.xs = np.empty((grid.save_steps.size + 1, n))
+        self.vs = np.empty((grid.save_steps.size + 1, n))
         names = program.flows + ("accelerate",) * program.primed
         with compiling_announced(loop.advance, progress if system.native else False):
             self._make_ready(names, compensated)
@@ -128,7 +128,8 @@ class Run:
         """Evaluate the acceleration at the start."""
         accelerate = self._letters[len(self.program.flows)]
         try:
-            accelerate(self.grid.t0, 0.0, self._address)
+            with np.errstate(all="ignore"):
+                accelerate(self.grid.t0, 0.0, self._address)
         except Exception as error:
             return Outcome.FAILED, f" The error was {type(error).__name__}: {error}."
         return None
@@ -152,7 +153,8 @@ class Run:
                 saved, failure = self._attempt(good, target)
                 if failure is not None:
                     good = self._last_good(good, target)
-                    _, failure = self._attempt(good, good.step + 1)
+                    _, repeated = self._attempt(good, good.step + 1)
+                    failure = repeated or failure  # a function may fail once and not again
                     break
                 good = Good(state.copy(), target, saved)
                 now = time.perf_counter()

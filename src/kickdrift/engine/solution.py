@@ -84,7 +84,7 @@ class Presenters:
     report: Callable[..., str]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Solution:
     """States of a system at the times kept, and how the run went.
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kickdrift import methods
+from kickdrift import methods, systems
 from kickdrift.core.errors import ArgumentError, MethodMismatchError
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import quantities
@@ -32,7 +32,7 @@ def solve(
     method: str | methods.Method = "semi-implicit-euler",
     t_eval: ArrayLike | None = None,
     save_every: int | None = None,
-    args: Sequence[float] = (),
+    args: Sequence[float] | None = None,
     compensated: bool = True,
     compile: bool = True,  # noqa: A002 - a promised name
     progress: bool | None = None,
@@ -56,7 +56,7 @@ def solve(
         Times to keep, on the grid of steps.
     save_every : int, optional
         Keep every so manieth step, and the last; every step if neither this nor `t_eval` is given.
-    args : sequence of float
+    args : sequence of float, optional
         Numbers that the function gets as ``params``.
     compensated : bool
         Whether the sums for x and v carry what they round off (Kahan), so that rounding does not grow with the number
@@ -93,17 +93,24 @@ def solve(
     """
     chosen = methods.get(method)
     x, v = _start(problem, x0, v0)
-    grid = lay_grid(t_span, step, t_eval, save_every, x.size)
-    system = _system(problem, grid.t0, x, v, _parameters(args), compile)
-    _check_fit(chosen, system)
-    compensated = bool(compensated)
-    run = Run(system, compose(chosen, system), grid, compensated, progress)
+    params, compensated = _parameters(args), bool(compensated)
+    try:
+        grid = lay_grid(t_span, step, t_eval, save_every, x.size)
+        system = _system(problem, grid.t0, x, v, params, compile)
+        _check_fit(chosen, system)
+        run = Run(system, compose(chosen, system), grid, compensated, progress)
+    except MemoryError as error:
+        raise ArgumentError(
+            f"step={step!r} and save_every={save_every!r} need more memory than there is ({error}); keep fewer steps."
+        ) from None
     ending = run.go()
-    t = grid.times[: ending.saved].copy()
+    t = np.append(grid.times, grid.times[-1])[: ending.saved]
     if ending.outcome is not Outcome.COMPLETED and ending.saved:
         t[-1] = grid.t0 + ending.n_steps * grid.step
     shape = (ending.saved, *x.shape)
     xs, vs = run.xs[: ending.saved].reshape(shape), run.vs[: ending.saved].reshape(shape)
+    for kept in (t, xs, vs):
+        kept.flags.writeable = False  # invariants are evaluated later, from the same numbers
     return Solution(
         t=t,
         x=xs,
@@ -120,6 +127,12 @@ def solve(
 
 
 def _start(problem: Any, x0: ArrayLike | None, v0: ArrayLike | None) -> tuple[Floats, Floats]:
+    if not isinstance(problem, System | SecondOrder) and not callable(problem):
+        raise ArgumentError(
+            f"problem={problem!r} is not a function or a system; give one, such as kd.systems.get('kepler')."
+        )
+    if problem in systems.catalogue().values():
+        raise ArgumentError(f"problem={problem.__name__} is the function that makes a system; call it.")
     given = {"x0": x0, "v0": v0}
     if isinstance(problem, System):
         given = {"x0": problem.x0 if x0 is None else x0, "v0": problem.v0 if v0 is None else v0}
@@ -151,15 +164,17 @@ def _floats(name: str, value: ArrayLike | None) -> Floats:
     return array
 
 
-def _parameters(args: Sequence[float]) -> Floats:
+def _parameters(args: Sequence[float] | None) -> Floats:
     try:
-        params = np.atleast_1d(np.array(args, dtype=np.float64))
+        params = np.atleast_1d(np.array(() if args is None else args, dtype=np.float64))
     except (TypeError, ValueError):
         raise ArgumentError(
             f"args={args!r} must be numbers; the function gets them as the float array params."
         ) from None
     if params.ndim != 1:
         raise ArgumentError(f"args has shape {params.shape}; give a flat list of numbers.")
+    if not np.isfinite(params).all():
+        raise ArgumentError(f"args={args!r} must be finite.")
     return params
 
 

@@ -36,7 +36,7 @@ def adopt(problem: SecondOrder | Function, t0: float, x0: Floats, v0: Floats, pa
     described = problem if isinstance(problem, SecondOrder) else SecondOrder(problem)
     names = _argument_names(described.acceleration, "the acceleration", allowed=_NAMES)
     function, native = _flat(described.acceleration, names, x0.shape, compile_)
-    _try_once(described.acceleration, function, t0, x0, v0, params)
+    _try_once(described.acceleration, function, t0, x0, v0, params, writes="out" in names)
     quantities = {}
     given = {"energy": described.energy, **described.invariants}
     for name, quantity in given.items():
@@ -46,7 +46,7 @@ def adopt(problem: SecondOrder | Function, t0: float, x0: Floats, v0: Floats, pa
             _try_once(quantity, flat, t0, x0, v0, params, size=1)
             quantities[name] = Quantity(flat)
     return System(
-        name=getattr(described.acceleration, "__name__", "function").strip("<>"),
+        name=name_of(described.acceleration).strip("<>"),
         acceleration=function,
         x0=x0,
         v0=v0,
@@ -71,13 +71,13 @@ def _argument_names(function: Any, role: str, allowed: tuple[str, ...]) -> list[
         ) from None
     required = [p.name for p in parameters if p.default is p.empty or p.name in allowed]
     unknown = [name for name in required if name not in allowed]
-    if unknown or any(p.kind in (p.VAR_POSITIONAL, p.VAR_KEYWORD, p.KEYWORD_ONLY) for p in parameters):
+    if unknown or any(p.kind in (p.VAR_POSITIONAL, p.VAR_KEYWORD) for p in parameters):
         raise ArgumentError(
-            f"{role} {python.__name__}({', '.join(str(p) for p in parameters)}) has arguments that kickdrift does not"
+            f"{role} {name_of(python)}({', '.join(str(p) for p in parameters)}) has arguments that kickdrift does not"
             f" know; name them {', '.join(allowed)} (any of them, in any order), and pass numbers as args=(...)."
         )
     if not required:
-        raise ArgumentError(f"{role} {python.__name__}() has no arguments; give it at least x.")
+        raise ArgumentError(f"{role} {name_of(python)}() has no arguments; give it at least x.")
     return required
 
 
@@ -141,6 +141,11 @@ def _compiled(function: Frozen, statement: str, shape: tuple[int, ...]) -> Funct
     return cast(Function, native)
 
 
+def name_of(function: Any) -> str:
+    """Name a function, or the type of another callable."""
+    return str(getattr(function, "__name__", type(function).__name__))
+
+
 def _returned(value: Any) -> Any:
     """Refuse None, which NumPy takes for a NaN: the function forgot to return, or lacks the argument `out`."""
     if value is None:
@@ -154,7 +159,7 @@ def _warn_interpreted(function: Function, error: Exception) -> None:
         (line for line in lines if not line.startswith(("Failed in", "During:", "File "))), type(error).__name__
     )
     warnings.warn(
-        f"{function.__name__} runs interpreted, about a hundred times slower, because Numba {numba.__version__} cannot"
+        f"{name_of(function)} runs interpreted, about a hundred times slower, because Numba {numba.__version__} cannot"
         f" compile it: {reason} Use only NumPy and math functions and numbers passed as args=(...), or pass"
         " compile=False to run it interpreted without this warning.",
         InterpretedWarning,
@@ -170,13 +175,17 @@ def _try_once(
     v: Floats,
     params: Floats,
     size: int | None = None,
+    writes: bool = False,
 ) -> None:
     """Call a function at the start, so that what is wrong with it is an error before any work is done."""
     out = np.zeros(x.size if size is None else size)
-    name = getattr(original, "__name__", repr(original))
+    name, given = name_of(original), [x.reshape(-1).copy(), v.reshape(-1).copy(), params.copy()]
     try:
         with np.errstate(all="ignore"):
-            function(t, x.reshape(-1).copy(), v.reshape(-1).copy(), params, out)
+            function(t, *given, out)
+            other = np.ones_like(out)
+            if writes:
+                function(t, *given, other)
     except KickdriftError:
         raise
     except Exception as error:
@@ -184,3 +193,10 @@ def _try_once(
             f"{name} failed at the start, x0 of shape {x.shape}: {type(error).__name__}: {error}. It must return"
             f" {'an array of that shape' if size is None else 'one number'}."
         ) from error
+    if writes and not np.array_equal(out, other, equal_nan=True):
+        raise ArgumentError(
+            f"{name} leaves numbers of `out` as they were, or adds to them; it must overwrite all of them."
+        )
+    for label, kept, array in zip(("x", "v", "params"), (x.reshape(-1), v.reshape(-1), params), given, strict=True):
+        if not np.array_equal(kept, array):
+            raise ArgumentError(f"{name} changes {label}; compute the acceleration from a copy.")

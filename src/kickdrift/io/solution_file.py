@@ -2,7 +2,10 @@
 
 import json
 import os
+import tokenize
 import zipfile
+import zlib
+from contextlib import suppress
 from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
@@ -15,6 +18,11 @@ from kickdrift.engine.solution import Description, Invariants, Solution
 
 _FORMAT = "kickdrift solution 1"
 _INVARIANT = "invariant: "
+# What NumPy, zip and JSON raise on files that are damaged or not ours.
+_FOREIGN = (
+    *(ArithmeticError, AttributeError, EOFError, LookupError, MemoryError, NotImplementedError, RecursionError),
+    *(RuntimeError, SyntaxError, TypeError, ValueError, zipfile.BadZipFile, zlib.error, tokenize.TokenError),
+)
 
 
 def save(solution: Solution, path: str | Path) -> Path:
@@ -36,9 +44,7 @@ def save(solution: Solution, path: str | Path) -> Path:
     FileFormatError
         If the file cannot be written there.
     """
-    target = Path(path)
-    if target.suffix != ".npz":
-        target = target.with_name(target.name + ".npz")
+    target = _target(path)
     head = {
         "format": _FORMAT,
         "status": solution.status.name,
@@ -57,11 +63,19 @@ def save(solution: Solution, path: str | Path) -> Path:
             np.savez_compressed(file, allow_pickle=False, header=np.array(json.dumps(head)), **arrays)
         partial.replace(target)
     except OSError as error:
-        partial.unlink(missing_ok=True)
+        with suppress(OSError):
+            partial.unlink(missing_ok=True)
         raise FileFormatError(
             f"path={str(path)!r} cannot be written: {error.strerror}; choose another folder."
         ) from None
     return target
+
+
+def _target(path: str | Path) -> Path:
+    target = Path(path)
+    if target.name in ("", "..") or "\0" in str(path):
+        raise FileFormatError(f"path={str(path)!r} does not name a file; give a name such as 'run.npz'.")
+    return target if target.suffix == ".npz" else target.with_name(target.name + ".npz")
 
 
 def load(path: str | Path) -> Solution:
@@ -81,7 +95,7 @@ def load(path: str | Path) -> Solution:
         return _assemble(head, arrays)
     except OSError as error:
         raise FileFormatError(f"path={str(path)!r} cannot be read: {error.strerror or error}.") from None
-    except (KeyError, ValueError, TypeError, AttributeError, EOFError, zipfile.BadZipFile) as error:
+    except _FOREIGN as error:
         raise FileFormatError(
             f"path={str(path)!r} is not a kickdrift solution ({type(error).__name__}: {error});"
             " give a file that Solution.save wrote."
@@ -93,7 +107,11 @@ def _assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Solution:
     about["dimensions"] = tuple(about["dimensions"])
     kept = {name.removeprefix(_INVARIANT): a for name, a in arrays.items() if name.startswith(_INVARIANT)}
     t, x, v = arrays["t"], arrays["x"], arrays["v"]
-    if not (t.ndim == 1 and x.shape == v.shape and x.shape[:1] == t.shape):
+    if any(array.dtype != np.float64 for array in (t, x, v, *kept.values())):
+        raise ValueError("its arrays are not float64")
+    if any(values.shape[:1] != t.shape for values in kept.values()):
+        raise ValueError("an invariant has another number of times")
+    if not (t.ndim == 1 and t.size and x.shape == v.shape and x.shape[:1] == t.shape):
         raise ValueError(f"t, x and v have shapes {t.shape}, {x.shape} and {v.shape}")
     return Solution(
         t=t,

@@ -31,6 +31,8 @@ def get(name: str | Method) -> Method:
     """
     if isinstance(name, Method):
         return name
+    if not isinstance(name, str):
+        raise unknown_name("method", name, [*_CATALOGUE, *_ALIASES])
     if name in _CATALOGUE:
         return _CATALOGUE[name]
     if name in _ALIASES:

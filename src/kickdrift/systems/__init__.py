@@ -53,6 +53,6 @@ def get(name: str) -> System:
     UnknownNameError
         For a name that is not in the catalogue; the sentence names the nearest ones.
     """
-    if name not in _CATALOGUE:
+    if not isinstance(name, str) or name not in _CATALOGUE:
         raise unknown_name("system", name, _CATALOGUE)
     return _CATALOGUE[name]()

@@ -80,8 +80,8 @@ def kepler(eccentricity: float = 0.6, semi_major_axis: float = 1.0, mu: float = 
 def eccentric_anomaly(mean_anomaly: Floats, eccentricity: float) -> Floats:
     """Solve Kepler's equation E - e sin E = M for arrays of M, to rounding.
 
-    Newton's method from E = M + e sin M / (1 - e + e cos M bounded) would need care near e = 1; the start
-    E = pi on (0, pi), where E - e sin E is convex, converges from one side for every eccentricity below 1.
+    Newton's method from E = pi on (0, pi), where E - e sin E is convex, converges from one side for every eccentricity
+    below 1.
     """
     turns = np.round(mean_anomaly / (2 * math.pi))
     m = mean_anomaly - 2 * math.pi * turns

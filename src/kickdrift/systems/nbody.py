@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from numba.np.ufunc.parallel import _launch_threads
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.compilation import compiled
@@ -13,43 +14,44 @@ from kickdrift.systems.system import Quantity, System
 
 Floats = NDArray[np.float64]
 
-# params is [G, softening^2, Gm_0, ..., Gm_(N-1)]; `gravity` takes it from the softening on.
+# params is [G, softening^2, Gm_0, ..., Gm_(N-1)]; `gravity` takes it from the softening on. Not cached: Numba
+# watches the file of a cached function for changes, and not those of the functions that it calls.
 
 
-@compiled
+@compiled(cached=False)
 def _kick(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     gravity.add_gravity_pairwise(h, x, params[1:], v)
 
 
-@compiled
+@compiled(cached=False)
 def _few(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     out[:] = 0.0
     gravity.add_gravity_pairwise(1.0, x, params[1:], out)
 
 
-@compiled
+@compiled(cached=False)
 def _many(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     out[:] = 0.0
     gravity.add_gravity_tiled(1.0, x, params[1:], out)
 
 
-@compiled
+@compiled(cached=False)
 def _many_threaded(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     out[:] = 0.0
     gravity.add_gravity_threaded(1.0, x, params[1:], out)
 
 
-@compiled
+@compiled(cached=False)
 def _energy(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     out[0] = gravity.energy(x, v, params[1:], params[0])
 
 
-@compiled
+@compiled(cached=False)
 def _momentum(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     gravity.momentum(x, v, params[1:], params[0], out)
 
 
-@compiled
+@compiled(cached=False)
 def _angular_momentum(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     gravity.angular_momentum(x, v, params[1:], params[0], out)
 
@@ -96,9 +98,12 @@ def nbody(
     """
     gm, positions, velocities = _checked(masses, x0, v0, G, softening)
     n = gm.size
-    labels = list(names) if names is not None else [str(i) for i in range(n)]
+    labels = [str(name) for name in names] if names is not None else [str(i) for i in range(n)]
     if len(labels) != n or len(set(labels)) != n:
         raise ArgumentError(f"names={labels!r} must be {n} different names, one for each body.")
+    if threads:
+        # Code from the cache on disk looks for the thread pool and does not start it.
+        _launch_threads()
     many = _many_threaded if threads else _many
     return System(
         name="nbody",

@@ -32,7 +32,7 @@ class Quantity:
     unit: str = ""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class System:
     """A mechanical system x'' = a(t, x, v), with a start.
 
@@ -86,6 +86,13 @@ class System:
     source: str = ""
 
     def __post_init__(self) -> None:
+        for name in ("x0", "v0", "params"):
+            object.__setattr__(self, name, start(getattr(self, name)))  # compiled code is given their addresses
+        if self.x0.shape != self.v0.shape or self.params.ndim != 1:
+            raise ArgumentError(
+                f"x0, v0 and params of {self.name!r} have shapes {self.x0.shape}, {self.v0.shape} and"
+                f" {self.params.shape}; the first two must be equal, and params a list."
+            )
         if self.native and not hasattr(self.acceleration, "py_func"):
             raise ArgumentError(
                 f"acceleration={self.acceleration!r} of {self.name!r} is not compiled; decorate it with numba.njit, or"
