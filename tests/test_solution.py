@@ -30,6 +30,12 @@ def test_saved_and_loaded_solutions_are_equal(planets, tmp_path):
     assert loaded.save(tmp_path / "again").exists()
 
 
+def test_solutions_travel_between_processes(planets):
+    copy = pickle.loads(pickle.dumps(planets))
+    assert np.array_equal(copy.x, planets.x)
+    assert np.array_equal(copy.energy, planets.energy)
+
+
 def test_other_tools_open_the_file(planets, tmp_path):
     with np.load(planets.save(tmp_path / "planets.npz"), allow_pickle=False) as file:
         assert file["x"].shape == (11, 3, 3)

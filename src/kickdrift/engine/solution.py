@@ -35,6 +35,10 @@ class Invariants(Mapping[str, Floats]):
     def __len__(self) -> int:
         return len(self._names)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Pickled by value: the system may hold functions that cannot be.
+        return Invariants, (self._names, dict(self).__getitem__)
+
     def __repr__(self) -> str:
         return f"Invariants({', '.join(self._names)})"
 
