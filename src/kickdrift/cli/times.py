@@ -66,6 +66,6 @@ def _own_units_in(argument: str, text: str, unit: str, own_unit: str) -> float:
     if own_unit.lower() not in _SECONDS:
         own = f"counts time in {own_unit!r}" if own_unit else "has no unit of time"
         raise ArgumentError(
-            f"{argument}={text!r} is in units, but the system {own}; give --duration or --step as a bare number."
+            f"{argument}={text!r} is in units, but the system {own}; give --duration or --step as a number alone."
         )
     return _SECONDS[unit.lower()] / _SECONDS[own_unit.lower()]
