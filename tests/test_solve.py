@@ -231,7 +231,7 @@ def test_velocity_dependent_kicks_are_evaluated_anew():
 
 
 def test_methods_that_would_lose_their_order_are_refused():
-    with pytest.raises(MethodMismatchError, match="implicit-midpoint"):
+    with pytest.raises(MethodMismatchError, match="implicit-verlet"):
         kd.solve(lambda x, v: -x - 0.1 * v, (0.0, 1.0), 1.0, 0.0, step=0.01, method="velocity-verlet", compile=False)
 
 

@@ -1,7 +1,8 @@
 """kickdrift: mechanics in time, structure first.
 
-``kickdrift.solve`` integrates x'' = a(t, x, v); ``kickdrift.systems`` and ``kickdrift.methods`` are the catalogues,
-``kickdrift.analysis`` judges runs, ``kickdrift.plots`` draws them, ``kickdrift.load`` reads a saved solution.
+``kickdrift.solve`` integrates accelerations, Hamiltonians and other equations of motion; ``kickdrift.systems`` and
+``kickdrift.methods`` are the catalogues, ``kickdrift.analysis`` judges runs, ``kickdrift.plots`` draws them,
+``kickdrift.load`` reads a saved solution.
 """
 
 from kickdrift import analysis, methods, plots, systems
@@ -11,12 +12,33 @@ from kickdrift.engine.solution import Presenters, Solution
 from kickdrift.engine.solve import solve
 from kickdrift.io import load, save, to_xarray
 from kickdrift.io.report import report
-from kickdrift.systems import SecondOrder, System
+from kickdrift.systems import (
+    ChargedParticle,
+    Constrained,
+    Damped,
+    FirstOrder,
+    Hamiltonian,
+    Langevin,
+    Newtonian,
+    Partitioned,
+    SecondOrder,
+    Separable,
+    System,
+)
 
 __all__ = [
+    "ChargedParticle",
+    "Constrained",
+    "Damped",
+    "FirstOrder",
+    "Hamiltonian",
     "KickdriftError",
+    "Langevin",
+    "Newtonian",
     "Outcome",
+    "Partitioned",
     "SecondOrder",
+    "Separable",
     "Solution",
     "System",
     "analysis",

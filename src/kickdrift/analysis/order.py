@@ -9,10 +9,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift import methods
 from kickdrift.core.errors import ArgumentError, KickdriftError
+from kickdrift.engine.adoption import adopt
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.solve import solve
-from kickdrift.engine.user_functions import adopt
-from kickdrift.systems.system import SecondOrder, System, start
+from kickdrift.systems.problem import Problem
+from kickdrift.systems.system import System, start
 
 Floats = NDArray[np.float64]
 
@@ -46,7 +47,7 @@ class ObservedOrder:
 
 
 def observed_order(
-    problem: System | SecondOrder | Callable[..., Any],
+    problem: System | Problem | Callable[..., Any],
     method: str | methods.Method,
     t_span: Sequence[float],
     steps: Sequence[float],
@@ -67,8 +68,9 @@ def observed_order(
     steps : sequence of float
         At least two, each the largest allowed, as for `kickdrift.solve`.
     reference : (x, v), optional
-        State at the end of the span. By default the exact solution of the system where it has one that starts with
-        `t_span` at 0, or else a run of DOP853 at a relative tolerance of 1e-13: errors should lie above 1e-11.
+        State at the end of the span, v empty for first-order equations. By default the exact solution of the system
+        where it has one that starts with `t_span` at 0, or else a run of DOP853 at a relative tolerance of 1e-13:
+        errors should lie above 1e-11.
 
     Returns
     -------
@@ -115,7 +117,7 @@ def observed_order(
 
 
 def _error(run: Solution, x: ArrayLike, v: ArrayLike) -> float:
-    error = float(max(np.abs(run.x[-1] - x).max(), np.abs(run.v[-1] - v).max()))
+    error = float(max(np.abs(run.x[-1] - x).max(), np.abs(run.v[-1] - v).max(initial=0.0)))
     if error == 0:
         raise KickdriftError(f"steps={run.step!r} has no error against the reference; give larger steps.")
     return error
@@ -134,19 +136,23 @@ def _reference(problem: Any, run: Solution, own_start: bool, args: Sequence[floa
 def _dop853(system: System, run: Solution) -> tuple[Floats, Floats]:
     from scipy.integrate import solve_ivp
 
-    shape, n = run.x[0].shape, run.x[0].size
+    n = run.x[0].size
 
     def rates(t: float, y: Floats) -> Floats:
-        out = np.empty(2 * n)
-        out[:n] = y[n:]
-        system.acceleration(t, y[:n], y[n:], system.params, out[n:])
+        x, v, out = y[:n], y[n:], np.empty(y.size)
+        if system.velocity is None:
+            out[:n] = v
+        else:
+            system.velocity(t, x, v, system.params, out[:n])
+        if v.size > 0:
+            system.acceleration(t, x, v, system.params, out[n:])
         return out
 
-    y0 = np.concatenate([run.x[0].reshape(-1), run.v[0].reshape(-1)])
+    parts = run.x[0].reshape(-1), run.v[0].reshape(-1)
     # An absolute tolerance for each of x and v: their units differ.
-    scales = np.repeat([np.abs(y0[:n]).max(), np.abs(y0[n:]).max()], n)
-    atol = 1e-14 * np.where(scales > 0, scales, 1.0)
-    end = solve_ivp(rates, (run.t[0], run.t[-1]), y0, method="DOP853", rtol=1e-13, atol=atol, t_eval=run.t[-1:])
+    scales = np.concatenate([np.full(part.size, np.abs(part).max(initial=0.0) or 1.0) for part in parts])
+    times = {"t_span": (run.t[0], run.t[-1]), "t_eval": run.t[-1:]}
+    end = solve_ivp(rates, y0=np.concatenate(parts), method="DOP853", rtol=1e-13, atol=1e-14 * scales, **times)
     if not end.success:
         raise KickdriftError(f"reference=None could not be computed by DOP853: {end.message} Give a reference.")
-    return end.y[:n, -1].reshape(shape), end.y[n:, -1].reshape(shape)
+    return end.y[:n, -1].reshape(run.x[0].shape), end.y[n:, -1].reshape(run.v[0].shape)

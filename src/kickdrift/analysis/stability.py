@@ -1,8 +1,6 @@
 """Linear stability: the matrix of one step on the oscillator, and the amplification factor for y' = lambda y."""
 
 import math
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift import methods
 from kickdrift.analysis.one_step import take_step
 from kickdrift.core.errors import ArgumentError
-from kickdrift.methods import Letter
+from kickdrift.core.kinds import Kind
 from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
@@ -20,12 +18,6 @@ _TOLERANCE = 1e-12
 _SMALLEST, _LARGEST = 1e-3, 1e6
 # Up to 20 the spacing of 0.05 is a third of the distance between the extrema of the traces of the catalogue's words.
 _PROBES = np.concatenate([np.arange(1, 400) * 0.05, np.geomspace(20.0, _LARGEST, 50)])
-
-_FACTORS: dict[Letter, Callable[[Any], Any]] = {
-    Letter.EXPLICIT_EULER: lambda z: 1 + z,
-    Letter.IMPLICIT_EULER: lambda z: 1 / (1 - z),
-    Letter.IMPLICIT_MIDPOINT: lambda z: (1 + z / 2) / (1 - z / 2),
-}
 
 
 def one_step_matrix(method: str | methods.Method, h_omega: float, damping: float = 0.0) -> Floats:
@@ -65,7 +57,14 @@ def _oscillators(damping: float) -> System:
     def acceleration(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
         out[:] = -x if damping == 0 else -x - 2 * damping * v
 
-    return System("oscillator", acceleration, np.zeros(2), np.zeros(2), velocity_dependent=damping > 0, native=False)
+    return System(
+        "oscillator",
+        acceleration,
+        np.zeros(2),
+        np.zeros(2),
+        kind=Kind.VELOCITY_DEPENDENT if damping > 0 else Kind.NEWTONIAN,
+        native=False,
+    )
 
 
 def stability_limit(method: str | methods.Method, damping: float = 0.0) -> float:
@@ -130,7 +129,7 @@ def amplification_factor(method: str | methods.Method, z: ArrayLike) -> NDArray[
     Parameters
     ----------
     method : str or Method
-        ``"explicit-euler"``, ``"implicit-euler"``, ``"implicit-midpoint"``, or another method of one of their flows.
+        A Runge-Kutta method, such as ``"explicit-euler"``, ``"implicit-midpoint"`` or ``"gauss-4"``.
     z : array_like
         Complex numbers.
 
@@ -142,20 +141,24 @@ def amplification_factor(method: str | methods.Method, z: ArrayLike) -> NDArray[
     Raises
     ------
     ArgumentError
-        For a word of kicks and drifts: it treats position and velocity differently, and has no meaning for one y.
+        For a word of kicks and drifts: it treats position and velocity differently, and has no meaning for one y. So
+        does a tableau with other weights for v.
 
     Notes
     -----
-    R is 1 + z, 1 / (1 - z) and (1 + z/2) / (1 - z/2). Hairer, Wanner, Solving Ordinary Differential Equations II,
-    2nd ed. (1996), section IV.3.
+    R(z) = det(I - z A + z 1 b') / det(I - z A): 1 + z, 1 / (1 - z) and (1 + z/2) / (1 - z/2) for the explicit and the
+    implicit Euler method and the midpoint rule. Hairer, Wanner, Solving Ordinary Differential Equations II, 2nd ed.
+    (1996), section IV.3.
     """
     chosen = methods.get(method)
-    letter = chosen.word[0][0]
-    if letter not in _FACTORS:
+    if chosen.tableau is None or chosen.tableau().a_of_v is not None:
         raise ArgumentError(
-            f"method={chosen.name!r} has no amplification factor: its kicks and drifts need a position and a velocity;"
-            f" use one_step_matrix({chosen.name!r}, h_omega)."
+            f"method={chosen.name!r} has no amplification factor: it treats position and velocity differently; use"
+            f" one_step_matrix({chosen.name!r}, h_omega)."
         )
+    a, b = (np.array(part, dtype=np.float64) for part in (chosen.tableau().a, chosen.tableau().b))
+    values = np.asarray(z, dtype=np.complex128)[..., None, None]
+    matrix = np.eye(b.size) - values * a
     with np.errstate(divide="ignore", invalid="ignore"):
-        factor: NDArray[np.complex128] = _FACTORS[letter](np.asarray(z, dtype=np.complex128))
+        factor: NDArray[np.complex128] = np.linalg.det(matrix + values * b) / np.linalg.det(matrix)
     return factor

@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift import methods
 from kickdrift.analysis.one_step import take_step
 from kickdrift.core.errors import ArgumentError
-from kickdrift.systems.system import SecondOrder, System, start
+from kickdrift.systems.problem import Problem
+from kickdrift.systems.system import System, start
 
 Floats = NDArray[np.float64]
 
@@ -18,7 +19,7 @@ _STENCIL = ((1, 3 / 4), (2, -3 / 20), (3, 1 / 60))
 
 
 def symplecticity_defect(
-    problem: System | SecondOrder | Callable[..., Any],
+    problem: System | Problem | Callable[..., Any],
     method: str | methods.Method,
     step: float,
     at: tuple[ArrayLike, ArrayLike] | None = None,

@@ -2,7 +2,7 @@
 
 from kickdrift import methods, systems
 from kickdrift.cli.output import show_table
-from kickdrift.engine.program import compose
+from kickdrift.engine.program import evaluations_of
 from kickdrift.methods import Method
 from kickdrift.scenes import DEFAULTS, Defaults
 
@@ -14,12 +14,11 @@ def list_methods() -> None:
 
 
 def _method_row(method: Method) -> list[str]:
-    evaluations = compose(method, systems.harmonic_oscillator()).evaluations
     return [
         method.name,
         f"{method.order}",
         "yes" if method.symmetric else "no",
-        f"{evaluations}" if method.explicit else "iterated",
+        f"{evaluations_of(method)}" if method.explicit else "iterated",
         ", ".join(method.aliases) or "-",
         method.kind.value,
         method.spelling,

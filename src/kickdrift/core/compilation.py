@@ -97,6 +97,6 @@ def _source_digest() -> str:
     package = Path(__file__).parent.parent
     digest = hashlib.sha256()
     for floor in ("core", "systems", "engine"):
-        for path in sorted((package / floor).glob("*.py")):
+        for path in sorted((package / floor).rglob("*.py")):
             digest.update(path.read_bytes())
     return digest.hexdigest()[:16]

@@ -60,3 +60,43 @@ def lu_solve(matrix: Floats, pivots: Floats, b: Floats) -> None:
         for j in range(i + 1, n):
             b[i] -= matrix[i * n + j] * b[j]
         b[i] /= matrix[i * n + i]
+
+
+@compiled
+def independent(products: Floats, order: Floats, least: float) -> int:
+    """Choose independent ones of m vectors by their scalar products, and return how many.
+
+    Parameters
+    ----------
+    products : (m*m,) array
+        Scalar products of each vector with each; overwritten.
+    order : (m,) array
+        Filled with the numbers of the vectors, those chosen first: at each turn the one farthest from the span of those
+        before it.
+    least : float
+        Squared distance from that span above which a vector is independent.
+
+    Notes
+    -----
+    Cholesky's factorisation with diagonal pivoting: Golub, Van Loan, Matrix Computations, 4th ed. (2013), section 4.2.8.
+    """
+    m = order.size
+    for k in range(m):
+        order[k] = k
+    for k in range(m):
+        p = k
+        for i in range(k + 1, m):
+            if products[i * m + i] > products[p * m + p]:
+                p = i
+        order[k], order[p] = order[p], order[k]
+        for j in range(m):
+            products[k * m + j], products[p * m + j] = products[p * m + j], products[k * m + j]
+        for i in range(m):
+            products[i * m + k], products[i * m + p] = products[i * m + p], products[i * m + k]
+        if not products[k * m + k] > least:
+            return k
+        for i in range(k + 1, m):
+            share = products[i * m + k] / products[k * m + k]
+            for j in range(k + 1, m):
+                products[i * m + j] -= share * products[k * m + j]
+    return m

@@ -49,7 +49,7 @@ def lay_grid(
     length, farthest = abs(t1 - t0), max(abs(t0), abs(t1))
     # A quotient a few roundings above a whole number is that number: 1.1 / 0.1 = 11.000000000000002. The length has
     # the rounding of the times in it: 20.1 - 20 = 0.10000000000000142.
-    rounding = np.finfo(float).eps * (8 + 4 * farthest / length)
+    rounding = np.finfo(float).eps * (8 + 4 * (farthest / length))
     largest = _largest_step(step, length, rounding)
     n_steps = max(1, math.ceil(length / largest * (1 - rounding)))
     if length / n_steps < 4 * np.spacing(farthest):

@@ -5,9 +5,12 @@ from functools import lru_cache
 from typing import Any
 
 from kickdrift.core import memory
+from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function, comes_with_kickdrift, compiled, specialise, specialised_name, unbound
-from kickdrift.engine import flows
-from kickdrift.engine.flow_table import FLOWS
+from kickdrift.engine.flows import kick_drift, layout
+from kickdrift.engine.flows.sums import sums
+from kickdrift.engine.flows.table import FLOWS, Flow
+from kickdrift.engine.program import Program
 from kickdrift.systems.system import System
 
 _SMALL = 8  # numbers of a state up to which the accelerations pass in registers
@@ -21,59 +24,93 @@ def _letter(t: float, h: float, state: Any) -> None:
     flow(t, h, x, v, params, work)
 
 
-def build(name: str, system: System, compensated: bool, primed: bool) -> Function:
+def functions_of(system: System, program: Program) -> dict[str, Function]:
+    """Return what the flows of a program call, by the names of `kickdrift.engine.flows.layout.PARTS`."""
+    functions = {"acceleration": system.acceleration, **system.parts}
+    if system.velocity is not None:
+        functions["velocity"] = system.velocity
+    if program.split:
+        functions["acceleration"] = system.parts["remainder"]
+    return functions
+
+
+def addresses_of(functions: dict[str, Function]) -> dict[str, int]:
+    """Compile the functions of a native system, and return their addresses."""
+    return {name: address_of(function, layout.FLAT) for name, function in functions.items()}
+
+
+def build(name: str, system: System, program: Program, compensated: bool) -> Function:
     """Bind the flow `name` to a system: compiled where the system is native, for the interpreter where not.
 
-    A system's own kick leaves no acceleration behind, so it serves where a step is not `primed` with one.
+    A system's own kick leaves no acceleration behind, so it serves where none is used again.
     """
     n = system.x0.size
+    functions = functions_of(system, program)
+    known = _own_flow(system.flows[name]) if name in system.flows else FLOWS[name]
     if not system.native:
-        flow = _bind(name, system.acceleration, False, n, compensated)
-        return specialise(_letter, "letter", arrays=lambda state: state, flow=flow)
-    own = system.kick if name == "kick" and not compensated and not primed else None
-    return _native(name, system.acceleration, own, min(n, _SMALL + 1), compensated, system.packaged)
+        bound = _interpreted(known, functions, compensated)
+        return specialise(_letter, "letter", arrays=lambda state: state, flow=bound)
+    inlined = tuple(functions[role] for role in known.inlined)
+    own = None
+    if name == "kick" and not (compensated or program.split or "rekick" in program.flows):
+        own = system.kick
+    # Flows with parts are large: compiled once for all sizes. First-order systems have no v of n numbers.
+    size = _SMALL + 1 if known.parts or system.v0.size != n else min(n, _SMALL + 1)
+    return _native(known, name, inlined, own, size, compensated, system.packaged)
+
+
+@lru_cache(maxsize=64)
+def _own_flow(template: Function) -> Flow:
+    return Flow(template)
 
 
 @lru_cache(maxsize=256)
 def _native(
-    name: str, acceleration: Function, own: Function | None, n: int, compensated: bool, packaged: bool
+    known: Flow,
+    name: str,
+    inlined: tuple[Function, ...],
+    own: Function | None,
+    n: int,
+    compensated: bool,
+    packaged: bool,
 ) -> Function:
-    flow = own or _bind(name, acceleration, True, n, compensated)
-    small = compiled(cached=False, inline=True)(specialise(memory.small_arrays, "small_arrays", SIZE=n))
-    forceless = FLOWS[name].forceless
+    template = kick_drift.kick_small if name == "kick" and n <= _SMALL else known.template
+    bindings: dict[str, Any] = {
+        "SIZE": n,
+        **sums(native=True, compensated=compensated),
+        **dict(zip(known.inlined, inlined, strict=True)),
+    }
+    if not inlined:
+        bindings |= {f"{part}_at": layout.part_by_address(part) for part in layout.PARTS}
+    for part, function in known.parts.items():
+        # Not forced inline: the implicit Runge-Kutta flow compiles in a third of the time.
+        bindings[part] = compiled(cached=False)(specialise(function, part, **bindings))
+    bound = own or _inline(specialise(template, template.__name__, **bindings))
+    small = _inline(specialise(memory.small_arrays, "small_arrays", SIZE=n))
     letter = specialise(
         _letter,
         specialised_name(
-            flow if forceless else acceleration,
+            (own or inlined[0]) if inlined else template,
             name,
             str(n) if n <= _SMALL else "n",
             "own" if own else "compensated" if compensated else "plain",
         ),
         arrays=small if n <= _SMALL else memory.arrays,
-        flow=flow,
+        flow=bound,
     )
-    return compiled(cached=forceless or (packaged and comes_with_kickdrift(acceleration)))(letter)
+    return compiled(cached=not inlined or (packaged and comes_with_kickdrift(inlined[0])))(letter)
 
 
-def _bind(name: str, acceleration: Function, native: bool, n: int, compensated: bool) -> Function:
-    def bound(template: Function) -> Function:
-        function = specialise(template, template.__name__, **bindings)
-        return compiled(cached=False, inline=True)(function) if native else function
-
-    bindings: dict[str, Any] = {"acceleration": acceleration, "SIZE": n, **_sums(native, compensated)}
-    for part in FLOWS[name].parts:
-        bindings[part.__name__] = bound(part)
-    small = name == "kick" and native and n <= _SMALL
-    return bound(flows.kick_small if small else FLOWS[name].template)
+def _inline(function: Function) -> Function:
+    return compiled(cached=False, inline=True)(function)
 
 
-def _sums(native: bool, compensated: bool) -> dict[str, Function]:
-    if compensated and native:
-        return {"add_to_x": flows.add_to_x_compensated, "add_to_v": flows.add_to_v_compensated}
-    if compensated:
-        return {
-            "add_to_x": flows.add_to_x_compensated_interpreted,
-            "add_to_v": flows.add_to_v_compensated_interpreted,
-        }
-    add = flows.add if native else flows.add_interpreted
-    return {"add_to_x": add, "add_to_v": add}
+def _interpreted(known: Flow, functions: dict[str, Function], compensated: bool) -> Function:
+    bindings: dict[str, Any] = {
+        **sums(native=False, compensated=compensated),
+        **{role: functions[role] for role in known.inlined},
+        **{f"{name}_at": layout.part_interpreted(function) for name, function in functions.items()},
+    }
+    for part, function in known.parts.items():
+        bindings[part] = specialise(function, part, **bindings)
+    return specialise(known.template, known.template.__name__, **bindings)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.calls import call_interpreted, caller
 from kickdrift.core.compilation import compiled, specialise
-from kickdrift.engine.flows import TROUBLE
+from kickdrift.engine.flows.layout import TROUBLE
 
 Floats = NDArray[np.float64]
 LETTER = types.none(types.float64, types.float64, types.intp)

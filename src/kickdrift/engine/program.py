@@ -6,8 +6,10 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.engine.flow_table import FLOWS
+from kickdrift.core.kinds import Kind
+from kickdrift.engine.flows.table import FLOWS
 from kickdrift.methods import Letter, Method
+from kickdrift.methods.record import Word
 from kickdrift.systems.system import System
 
 
@@ -27,8 +29,12 @@ class Program:
         Clock of each letter, in steps from the start of the step.
     evaluations : int
         Force evaluations of a step, those inside implicit flows not counted.
-    primed : bool
-        Whether the acceleration at the start is evaluated once, before the first step.
+    primers : tuple of str
+        Names of the flows that run once before the first step, moving nothing.
+    split : bool
+        Whether the kicks have only the remainder of the acceleration.
+    coefficients : (C,) array
+        What the flows need to know of the method.
     """
 
     flows: tuple[str, ...]
@@ -36,31 +42,122 @@ class Program:
     weights: NDArray[np.float64]
     offsets: NDArray[np.float64]
     evaluations: int
-    primed: bool
+    primers: tuple[str, ...]
+    split: bool
+    coefficients: NDArray[np.float64]
 
 
-def compose(method: Method, system: System) -> Program:
-    """Work out the step of a method on a system.
+def compose(method: Method, system: System, word: Word | None = None) -> Program:
+    """Work out the step of a method on a system, or what another word of its letters does.
 
-    A kick at the start of a step sees the position and the time that the kick at the end of the step before has seen.
-    Where the acceleration does not depend on the velocity it is not evaluated again. That saves the evaluation but not
-    the kick itself, so that the numbers do not depend on which steps are saved.
+    A letter becomes the flow that it is for the kind of problem: an adjoint kick is a kick where the acceleration does
+    not depend on the velocity, and the drift of a first-order system is the sweep over its components.
+
+    The clock moves with the drift: a kick sees the time of the positions that it sees. The rate of x sees the time of
+    the velocities in the same way: the clock that moves with the kicks. (For a Hamiltonian T(p, t) + V(q, t) these are
+    two more pairs of conjugate variables, and the split parts stay exactly solvable.)
+
+    A kick that sees the same position and time as the kick before it, be that at the end of the step before, does not
+    evaluate the acceleration again. That saves the evaluation but not the kick itself, so that the numbers do not
+    depend on which steps are saved.
     """
-    names = [letter.value for letter, _ in method.word]
-    primed = not system.velocity_dependent and len(names) > 1 and names[0] == names[-1] == Letter.KICK.value
-    if primed:
-        names[0] = "rekick"
-    clock, offsets = Fraction(0), []
-    for letter, weight in method.word:
-        offsets.append(float(clock))
-        # The clock moves with the drift: a kick sees the time of the positions that it sees.
-        clock += weight * FLOWS[letter.value].moves_clock
+    spelled = _spell(method, system, method.word if word is None else word)
+    names = [name for name, _, _ in spelled]
+    primed = False
+    if not _kicks_see_velocity(method, system):
+        names, primed = _reuse_accelerations(names)
     flows = tuple(dict.fromkeys(names))
+    primers = ("accelerate",) * primed + tuple(dict.fromkeys(FLOWS[name].primer for name in flows if FLOWS[name].primer))
     return Program(
         flows=flows,
         letters=np.array([flows.index(name) for name in names]),
-        weights=np.array([float(weight) for _, weight in method.word]),
-        offsets=np.array(offsets),
+        weights=np.array([float(weight) for _, weight, _ in spelled]),
+        offsets=np.array([float(offset) for _, _, offset in spelled]),
         evaluations=sum(FLOWS[name].evaluations for name in names),
-        primed=primed,
+        primers=primers,
+        split=_split(method, system),
+        coefficients=_coefficients(method),
     )
+
+
+def evaluations_of(method: Method) -> int:
+    """Force evaluations of a step of an explicit method, on the plainest problem of its kind."""
+    if method.tableau is not None:
+        return method.tableau().stages
+    kind = Kind.NEWTONIAN if method.kind.includes(Kind.NEWTONIAN) else method.kind
+    nothing = np.zeros(1)
+    plainest = System("", abs, nothing, nothing, kind=kind, parts={"remainder": abs}, native=False)
+    return compose(method, plainest).evaluations
+
+
+def _spell(method: Method, system: System, word: Word) -> list[tuple[str, Fraction, Fraction]]:
+    """Flow, share and clock of each letter; neighbours that do the same are merged."""
+    x_clock = v_clock = Fraction(0)
+    spelled: list[tuple[str, Fraction, Fraction]] = []
+    for letter, weight in word:
+        name = _flow_of(letter, system, method)
+        if name is None:
+            continue
+        flow = FLOWS[name]
+        clock = v_clock if name in ("drift-along", "adjoint-drift") else x_clock
+        if spelled and spelled[-1][0] == name and name in _MERGING and flow.moves_x != flow.moves_v:
+            spelled[-1] = name, spelled[-1][1] + weight, spelled[-1][2]
+        else:
+            spelled.append((name, weight, clock))
+            if name == "kick" and "jump" in system.parts and _split(method, system):
+                spelled.append(("jump", weight, clock))
+        x_clock += weight * (flow.moves_x and flow.timed)
+        v_clock += weight * (flow.moves_v and flow.timed)
+    return spelled
+
+
+_MERGING = ("kick", "drift")
+
+
+def _flow_of(letter: Letter, system: System, method: Method) -> str | None:
+    kick, drift = letter.share == "kick", letter.share == "drift"
+    if system.kind is Kind.FIRST_ORDER:
+        sweeps = {Letter.DRIFT: "sweep", Letter.ADJOINT_DRIFT: "adjoint-sweep"}
+        return None if kick else sweeps.get(letter, letter.value)
+    if letter is Letter.ADJOINT_KICK and not _kicks_see_velocity(method, system):
+        return "kick"
+    if drift and system.velocity is None:
+        return "drift"
+    if drift and (letter is Letter.DRIFT or Kind.SEPARABLE.includes(system.kind)):
+        return "drift-along"
+    return letter.value
+
+
+def _split(method: Method, system: System) -> bool:
+    """Whether the kicks have only what is left of the acceleration, another flow of the word having the rest."""
+    shares = {letter.share for letter in method.letters}
+    return "remainder" in system.parts and "kick" in shares and not shares <= {"kick", "drift"}
+
+
+def _kicks_see_velocity(method: Method, system: System) -> bool:
+    if _split(method, system) or system.kind in (Kind.CONSTRAINED, Kind.LANGEVIN):
+        return False
+    return not Kind.SEPARABLE.includes(system.kind)
+
+
+def _reuse_accelerations(names: list[str]) -> tuple[list[str], bool]:
+    """Replace kicks by rekicks where the acceleration is known; also whether the first of a step is one."""
+
+    def walk(known: bool) -> tuple[list[str], bool]:
+        replaced = []
+        for name in names:
+            replaced.append("rekick" if name == "kick" and known else name)
+            known = name == "kick" or (known and not FLOWS[name].moves_x and FLOWS[name].keeps_acceleration)
+        return replaced, known
+
+    once, known = walk(False)
+    if not known:
+        return once, False
+    again, _ = walk(True)
+    return again, again != once
+
+
+def _coefficients(method: Method) -> NDArray[np.float64]:
+    if method.tableau is not None:
+        return method.tableau().numbers
+    return np.array([float(parameter) for parameter in method.parameters])

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.calls import address_of, call_interpreted, caller
 from kickdrift.core.compilation import Function, comes_with_kickdrift, compiled, specialise, specialised_name, unbound
-from kickdrift.engine.user_functions import FLAT
+from kickdrift.engine.flows.layout import FLAT
 from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
@@ -46,7 +46,7 @@ def evaluate(system: System, name: str, t: Floats, x: Floats, v: Floats) -> Floa
         Shape (T,) for a scalar, (T, size) for a vector.
     """
     quantity = system.quantities[name]
-    xs, vs = x.reshape(t.size, -1), v.reshape(t.size, -1)
+    xs, vs = x.reshape(t.size, system.x0.size), v.reshape(t.size, system.v0.size)
     out = np.zeros((t.size, quantity.size))
     if not hasattr(quantity.function, "py_func"):
         with np.errstate(all="ignore"):

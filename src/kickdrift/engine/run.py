@@ -11,8 +11,8 @@ from kickdrift.core.calls import address_of
 from kickdrift.core.memory import state_block
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import letters, loop
-from kickdrift.engine.flow_table import FLOWS
-from kickdrift.engine.flows import EVALUATIONS, TROUBLE
+from kickdrift.engine.flows.layout import EVALUATIONS, TROUBLE, lay_out
+from kickdrift.engine.flows.table import FLOWS
 from kickdrift.engine.grid import Grid
 from kickdrift.engine.program import Program
 from kickdrift.engine.progress import Bar, compiling_announced
@@ -80,23 +80,28 @@ class Run:
     ) -> None:
         self.system, self.program, self.grid = system, program, grid
         self._progress = progress
-        n = system.x0.size
-        work = np.zeros(max(FLOWS[name].work_size(n) for name in program.flows))
-        self.state = State(system.x0.reshape(-1).copy(), system.v0.reshape(-1).copy(), work)
-        self.xs = np.empty((grid.save_steps.size + 1, n))
-        self.vs = np.empty((grid.save_steps.size + 1, n))
-        names = program.flows + ("accelerate",) * program.primed
+        self.state = State(system.x0.reshape(-1).copy(), system.v0.reshape(-1).copy(), np.zeros(0))
+        rows = grid.save_steps.size + 1
+        self.xs, self.vs = np.empty((rows, self.state.x.size)), np.empty((rows, self.state.v.size))
+        names = program.flows + program.primers
         with compiling_announced(loop.advance, progress if system.native else False):
             self._make_ready(names, compensated)
 
     def _make_ready(self, names: tuple[str, ...], compensated: bool) -> None:
         """Build the letters, and compile or load everything that the run needs."""
-        members = (self.state.x, self.state.v, self.system.params, self.state.work)
-        self._letters = [letters.build(name, self.system, compensated, self.program.primed) for name in names]
+        system, program, state = self.system, self.program, self.state
+        functions = letters.functions_of(system, program)
+        addresses = letters.addresses_of(functions) if system.native else dict.fromkeys(functions, 1)
+        n = state.x.size
+        memory_size = max(FLOWS[name].memory(n, program.coefficients, system.params) for name in names if name in FLOWS)
+        state.work = lay_out(n, program.coefficients, memory_size, addresses)
+        members = (state.x, state.v, system.params, state.work)
+        self._blank = state.work.copy()
+        self._letters = [letters.build(name, system, program, compensated) for name in names]
         self._advance: Any = loop.advance_interpreted
         self._flows: Any = self._letters
         self._address: Any = members
-        if self.system.native:
+        if system.native:
             self._advance = loop.advance
             self._flows = np.array([address_of(letter, loop.LETTER) for letter in self._letters])
             self._block = state_block(*members)
@@ -124,12 +129,19 @@ class Run:
             self.vs,
         )
 
+    def step_from(self, step: int, x: Floats, v: Floats) -> tuple[Floats, Floats]:
+        """Do the step of this number from a state of one's own, to which nothing is carried over."""
+        self.state.restore(State(x.reshape(-1), v.reshape(-1), self._blank))
+        with np.errstate(all="ignore"):
+            self._run(step, step + 1, 0)
+        return self.state.x.reshape(x.shape).copy(), self.state.v.reshape(v.shape).copy()
+
     def _prime(self) -> Failure | None:
-        """Evaluate the acceleration at the start."""
-        accelerate = self._letters[len(self.program.flows)]
+        """Make ready what the first step finds as the step before would have left it."""
         try:
             with np.errstate(all="ignore"):
-                accelerate(self.grid.t0, 0.0, self._address)
+                for primer in self._letters[len(self.program.flows) :]:
+                    primer(self.grid.t0, 0.0, self._address)
         except Exception as error:
             return Outcome.FAILED, f" The error was {type(error).__name__}: {error}."
         return None
@@ -143,7 +155,7 @@ class Run:
         bar = Bar(grid.n_steps, self._progress)
         chunk = 1
         try:
-            failure = self._prime() if self.program.primed else None
+            failure = self._prime()
             if grid.save_steps[0] == 0:
                 self.xs[0], self.vs[0] = state.x, state.v
             good = Good(state.copy(), 0, int(grid.save_steps[0] == 0))
@@ -211,5 +223,6 @@ class Run:
             message += f" It ends at t={t!r}, after {step} of {self.grid.n_steps} steps.{cause}"
         if outcome in (Outcome.NOT_FINITE, Outcome.NOT_CONVERGED):
             message += " Try a smaller step."
-        evaluations = step * self.program.evaluations + int(self.program.primed) + int(self.state.work[EVALUATIONS])
+        evaluations = step * self.program.evaluations + sum(FLOWS[name].evaluations for name in self.program.primers)
+        evaluations += int(self.state.work[EVALUATIONS])
         return Ending(outcome, message, step, saved, evaluations, wall_time)

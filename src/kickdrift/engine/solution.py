@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import KickdriftError
+from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
 
 Floats = NDArray[np.float64]
@@ -51,6 +52,8 @@ class Description:
     ----------
     system, method : str
         Names.
+    kind : str
+        Name of the `Kind` of problem.
     order : int
         Stated order of the method.
     word : str
@@ -69,6 +72,7 @@ class Description:
 
     system: str
     method: str
+    kind: str
     order: int
     word: str
     compensated: bool
@@ -76,6 +80,12 @@ class Description:
     coordinates: Mapping[str, Any] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     source: str = ""
+
+    @property
+    def v_is_velocity(self) -> bool:
+        """Whether v is the rate of x; for Hamiltonians it is p, and first-order equations have none."""
+        kind = Kind[self.kind]
+        return Kind.VELOCITY_DEPENDENT.includes(kind) or kind in (Kind.CONSTRAINED, Kind.LANGEVIN)
 
 
 @dataclass(frozen=True)
@@ -97,7 +107,8 @@ class Solution:
     t : (T,) array
         Times kept.
     x, v : (T, *shape) array
-        Positions and velocities, in the shape of x0.
+        Positions and velocities, in the shape of x0. For Hamiltonians they are q and p, and go by these names, too;
+        first-order equations have x alone, which is y.
     invariants : mapping of str to array
         Conserved quantities at those times, (T,) or (T, size).
     status : Outcome
@@ -114,6 +125,8 @@ class Solution:
         Seconds in the loop, compilation not counted.
     about : Description
         What was run.
+    derived : mapping of str to array
+        What else follows from the states, by name, each evaluated when it is first asked for.
     """
 
     t: Floats
@@ -127,6 +140,7 @@ class Solution:
     n_force_evaluations: int
     wall_time: float
     about: Description
+    derived: Mapping[str, Floats] = field(default_factory=dict)
 
     presenters: ClassVar[Presenters]
 
@@ -150,6 +164,41 @@ class Solution:
                 " kd.SecondOrder(acceleration, energy=...) to have it."
             )
         return self.invariants["energy"]
+
+    @property
+    def multipliers(self) -> Floats:
+        """Multipliers lambda of the constraints at the times kept, shape (T, m), from the states at those times.
+
+        The force of the constraints g(x) = 0 is ``-G.T @ lambda`` with the Jacobian G = dg/dx: lambda is positive where
+        they pull towards smaller g. Redundant constraints share a force with the smallest multipliers, each measured
+        by the length of its gradient.
+
+        Raises
+        ------
+        KickdriftError
+            If the system has no constraints.
+        """
+        if "multipliers" not in self.derived:
+            raise KickdriftError(
+                f"{self.about.system!r} has no constraints, and so no multipliers; kd.Constrained(force, constraint)"
+                " describes a problem that has."
+            )
+        return self.derived["multipliers"]
+
+    @property
+    def q(self) -> Floats:
+        """Positions under the name that they have in Hamiltonians: x."""
+        return self.x
+
+    @property
+    def p(self) -> Floats:
+        """Momenta of a Hamiltonian: v."""
+        return self.v
+
+    @property
+    def y(self) -> Floats:
+        """States of first-order equations: x."""
+        return self.x
 
     def report(self) -> str:
         """Return how the run went, as a text of a line per fact."""

@@ -9,27 +9,32 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift import methods, systems
-from kickdrift.core.errors import ArgumentError, MethodMismatchError
+from kickdrift.core.errors import ArgumentError
+from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
-from kickdrift.engine import quantities
+from kickdrift.engine import multipliers, quantities
+from kickdrift.engine.adoption import adopt
+from kickdrift.engine.fit import AUTO, check_direction, choose
 from kickdrift.engine.grid import lay_grid
+from kickdrift.engine.inside import Inside
 from kickdrift.engine.program import compose
 from kickdrift.engine.run import Run
 from kickdrift.engine.solution import Description, Invariants, Solution
-from kickdrift.engine.user_functions import adopt
-from kickdrift.systems.system import SecondOrder, System, start
+from kickdrift.systems.problem import Problem
+from kickdrift.systems.system import System, start
 
 Floats = NDArray[np.float64]
 
 
 def solve(
-    problem: System | SecondOrder | Callable[..., Any],
+    problem: System | Problem | Callable[..., Any],
     t_span: Sequence[float],
     x0: ArrayLike | None = None,
     v0: ArrayLike | None = None,
     *,
     step: float,
     method: str | methods.Method = "semi-implicit-euler",
+    order: int | None = None,
     t_eval: ArrayLike | None = None,
     save_every: int | None = None,
     args: Sequence[float] | None = None,
@@ -37,21 +42,27 @@ def solve(
     compile: bool = True,  # noqa: A002 - a promised name
     progress: bool | None = None,
 ) -> Solution:
-    """Integrate x'' = a(t, x, v) with a fixed step.
+    """Integrate a mechanical system, or other equations of motion, with a fixed step.
 
     Parameters
     ----------
-    problem : System, SecondOrder or callable
-        A system of `kickdrift.systems`, or a function for the acceleration. The names of its arguments declare its
-        structure: ``x``, ``t``, ``v``, ``params`` (the float array of `args`), ``out`` (written in place).
+    problem : System, Problem or callable
+        A system of `kickdrift.systems`; a description by functions, such as `kickdrift.SecondOrder`,
+        `kickdrift.Hamiltonian` or `kickdrift.FirstOrder`; or a function for the acceleration. The names of its
+        arguments declare its structure: ``x``, ``t``, ``v``, ``params`` (the float array of `args`), ``out`` (written in
+        place).
     t_span : (float, float)
         Start and end; the end may lie before the start.
     x0, v0 : array_like
-        Start, of any one shape; a scalar makes the function get and return floats. A system brings its own.
+        Start, of any one shape; a scalar makes the function get and return floats. A system brings its own. For
+        Hamiltonians they are q and p; first-order equations have no v0.
     step : float
         Largest step allowed. A whole number of equal steps covers `t_span`; the step used is ``solution.step``.
     method : str or Method
-        Name of a method, see ``kickdrift.methods.catalogue()``.
+        Name of a method, see ``kickdrift.methods.catalogue()``; ``"auto"`` takes the one that is best for the kind of
+        problem, of the wanted `order`.
+    order : int, optional
+        For ``method="auto"``: the least order wanted, by default 4, or the highest that there is for the problem.
     t_eval : array_like, optional
         Times to keep, on the grid of steps.
     save_every : int, optional
@@ -75,7 +86,7 @@ def solve(
     ArgumentError
         For an argument that cannot be used, before any work is done.
     MethodMismatchError
-        For a method that would lose its order on a velocity-dependent acceleration.
+        For a method that would lose its order on the problem.
 
     Warns
     -----
@@ -91,14 +102,17 @@ def solve(
     >>> sol.x.shape
     (10001, 2)
     """
-    chosen = methods.get(method)
+    _check_method(method, order)
     x, v = _start(problem, x0, v0)
     params, compensated = _parameters(args), bool(compensated)
     try:
         grid = lay_grid(t_span, step, t_eval, save_every, x.size)
         system = _system(problem, grid.t0, x, v, params, compile)
-        _check_fit(chosen, system)
-        run = Run(system, compose(chosen, system), grid, compensated, progress)
+        chosen = choose(method, order, system)
+        check_direction(chosen, grid.step)
+        program = compose(chosen, system)
+        inside = Inside(system, chosen, program, grid, compensated)
+        run = Run(inside.system, program, grid, compensated, progress)
     except MemoryError as error:
         raise ArgumentError(
             f"step={step!r} and save_every={save_every!r} need more memory than there is ({error}); keep fewer steps."
@@ -107,8 +121,7 @@ def solve(
     t = np.append(grid.times, grid.times[-1])[: ending.saved]
     if ending.outcome is not Outcome.COMPLETED and ending.saved:
         t[-1] = grid.t0 + ending.n_steps * grid.step
-    shape = (ending.saved, *x.shape)
-    xs, vs = run.xs[: ending.saved].reshape(shape), run.vs[: ending.saved].reshape(shape)
+    xs, vs = inside.leave(run, ending)
     for kept in (t, xs, vs):
         kept.flags.writeable = False  # invariants are evaluated later, from the same numbers
     return Solution(
@@ -123,27 +136,48 @@ def solve(
         n_force_evaluations=ending.evaluations,
         wall_time=ending.wall_time,
         about=_describe(system, chosen, compensated),
+        derived=_derived(system, t, xs, vs),
     )
 
 
+def _derived(system: System, t: Floats, xs: Floats, vs: Floats) -> Invariants:
+    constrained = system.kind is Kind.CONSTRAINED
+    return Invariants(("multipliers",) * constrained, lambda name: multipliers.evaluate(system, t, xs, vs))
+
+
+def _check_method(method: Any, order: Any) -> None:
+    if method != AUTO:
+        methods.get(method)
+        if order is not None:
+            raise ArgumentError(f"order={order!r} is for method='auto'; {method!r} has its own. Leave it out.")
+    elif order is not None and (isinstance(order, bool) or not isinstance(order, int | np.integer) or order < 1):
+        raise ArgumentError(f"order={order!r} must be a positive whole number.")
+
+
 def _start(problem: Any, x0: ArrayLike | None, v0: ArrayLike | None) -> tuple[Floats, Floats]:
-    if not isinstance(problem, System | SecondOrder) and not callable(problem):
+    if not isinstance(problem, System | Problem) and not callable(problem):
         raise ArgumentError(
             f"problem={problem!r} is not a function or a system; give one, such as kd.systems.get('kepler')."
         )
     if problem in systems.catalogue().values():
         raise ArgumentError(f"problem={problem.__name__} is the function that makes a system; call it.")
-    given = {"x0": x0, "v0": v0}
     if isinstance(problem, System):
-        given = {"x0": problem.x0 if x0 is None else x0, "v0": problem.v0 if v0 is None else v0}
-    arrays = {name: _floats(name, value) for name, value in given.items()}
-    x, v = arrays["x0"], arrays["v0"]
-    if x.shape != v.shape:
-        raise ArgumentError(f"v0 has shape {v.shape} but x0 has shape {x.shape}; give one velocity to each position.")
+        x0, v0 = problem.x0 if x0 is None else x0, problem.v0 if v0 is None else v0
+        has_velocity = problem.kind is not Kind.FIRST_ORDER
+    else:
+        has_velocity = getattr(problem, "has_velocity", True)
+        if not has_velocity and v0 is not None:
+            raise ArgumentError(f"v0={v0!r} given, but first-order equations have only x0, the start of y.")
+    x = _floats("x0", x0)
     if x.size == 0:
         raise ArgumentError(f"x0 of shape {x.shape} is empty; give at least one number.")
     if isinstance(problem, System) and x.shape != problem.x0.shape:
         raise ArgumentError(f"x0 has shape {x.shape} but {problem.name!r} has states of shape {problem.x0.shape}.")
+    if not has_velocity:
+        return x, np.zeros(0)
+    v = _floats("v0", v0)
+    if x.shape != v.shape:
+        raise ArgumentError(f"v0 has shape {v.shape} but x0 has shape {x.shape}; give one velocity to each position.")
     return x, v
 
 
@@ -190,21 +224,12 @@ def _system(problem: Any, t0: float, x: Floats, v: Floats, params: Floats, compi
     return adopt(problem, t0, x, v, params, compile_)
 
 
-def _check_fit(method: methods.Method, system: System) -> None:
-    if system.velocity_dependent and method.kind is not methods.Kind.GENERAL:
-        fitting = [m for m in methods.catalogue().values() if m.kind is methods.Kind.GENERAL]
-        best = max(fitting, key=lambda m: (min(m.order, method.order), m.explicit))
-        raise MethodMismatchError(
-            f"method={method.name!r} has order {method.order} for {method.kind.value}, but the acceleration of"
-            f" {system.name!r} depends on v, and the order would fall to 1; use {best.name!r} (order {best.order})."
-        )
-
-
 def _describe(system: System, method: methods.Method, compensated: bool) -> Description:
     units = dict(system.units) | {name: quantity.unit for name, quantity in system.quantities.items() if quantity.unit}
     return Description(
         system=system.name,
         method=method.name,
+        kind=system.kind.name,
         order=method.order,
         word=method.spelling,
         compensated=compensated,

@@ -1,63 +1,33 @@
-"""From a user's Python functions to a system: by the names of their arguments, compiled where Numba can."""
+"""A user's Python functions as the engine calls them: by the names of their arguments, compiled where Numba can."""
 
 import inspect
 import warnings
-from collections.abc import Callable, Hashable
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
+from itertools import takewhile
 from typing import Any, cast
 
 import numba
 import numpy as np
-from numba import types
 from numba.core.errors import NumbaError
-from numpy.typing import NDArray
 
 from kickdrift.core import memory
 from kickdrift.core.compilation import Function, compiled
-from kickdrift.core.errors import ArgumentError, InterpretedWarning, KickdriftError
+from kickdrift.core.errors import ArgumentError, InterpretedWarning
+from kickdrift.engine.flows.layout import FLAT
 from kickdrift.engine.frozen import frozen
-from kickdrift.systems.system import Quantity, SecondOrder, System
-
-Floats = NDArray[np.float64]
-_NAMES = ("t", "x", "v", "params", "out")
-_VECTOR = types.Array(types.float64, 1, "C")
-FLAT = types.none(types.float64, _VECTOR, _VECTOR, _VECTOR, _VECTOR)
+from kickdrift.systems.problem import name_of
 
 
-def adopt(problem: SecondOrder | Function, t0: float, x0: Floats, v0: Floats, params: Floats, compile_: bool) -> System:
-    """Make a system of a user's functions and start.
+def argument_names(function: Any, role: str, allowed: Sequence[str]) -> list[str]:
+    """Return the names of a function's arguments.
 
     Raises
     ------
     ArgumentError
-        For a function with other argument names, or whose result does not have the shape of x0.
+        If it is not a function, does not tell them, or has others than those allowed.
     """
-    described = problem if isinstance(problem, SecondOrder) else SecondOrder(problem)
-    names = _argument_names(described.acceleration, "the acceleration", allowed=_NAMES)
-    function, native = _flat(described.acceleration, names, x0.shape, compile_)
-    _try_once(described.acceleration, function, t0, x0, v0, params, writes="out" in names)
-    quantities = {}
-    given = {"energy": described.energy, **described.invariants}
-    for name, quantity in given.items():
-        if quantity is not None:
-            quantity_names = _argument_names(quantity, f"the function for {name!r}", allowed=_NAMES[:4])
-            flat, _ = _flat(quantity, quantity_names, x0.shape, compile_, result_shape=())
-            _try_once(quantity, flat, t0, x0, v0, params, size=1)
-            quantities[name] = Quantity(flat)
-    return System(
-        name=name_of(described.acceleration).strip("<>"),
-        acceleration=function,
-        x0=x0,
-        v0=v0,
-        params=params,
-        quantities=quantities,
-        velocity_dependent="v" in names,
-        native=native,
-    )
-
-
-def _argument_names(function: Any, role: str, allowed: tuple[str, ...]) -> list[str]:
     if not callable(function):
         raise ArgumentError(
             f"{role} is {function!r}, which is not a function; give a function of {', '.join(allowed)}."
@@ -77,8 +47,58 @@ def _argument_names(function: Any, role: str, allowed: tuple[str, ...]) -> list[
             f" know; name them {', '.join(allowed)} (any of them, in any order), and pass numbers as args=(...)."
         )
     if not required:
-        raise ArgumentError(f"{role} {name_of(python)}() has no arguments; give it at least x.")
+        raise ArgumentError(f"{role} {name_of(python)}() has no arguments; give it at least {allowed[1]}.")
     return required
+
+
+MEANINGS = {"q": "x", "y": "x", "p": "v"}
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The shapes of a state and of a result, and how many of the params are the user's."""
+
+    state: tuple[int, ...]
+    result: tuple[int, ...]
+    n_args: int
+
+    def statement(self, names: list[str]) -> str:
+        """Spell the call of a function of these arguments."""
+        views = {name: self._view(name) for name in names}
+        call = f"function({', '.join(f'{name}={view}' for name, view in views.items())})"
+        if "out" in names:
+            return call
+        if "i" in names:
+            return f"out[int(v[0])] = {call}"
+        if self.result == ():
+            return f"out[0] = {call}"
+        return f"{'out[:]' if len(self.result) == 1 else 'shaped(out, RESULT)[...]'} = asarray({call})"
+
+    def _view(self, name: str) -> str:
+        meaning = MEANINGS.get(name, name)
+        shape = {"x": self.state, "v": self.state, "out": self.result}.get(meaning, (0,))
+        if meaning == "i":
+            return "int(v[0])"
+        if meaning == "params":
+            return "params[:N_ARGS]"
+        if meaning in ("x", "v") and shape == ():
+            return f"{meaning}[0]"
+        if len(shape) > 1:
+            return f"shaped({meaning}, {'RESULT' if meaning == 'out' else 'STATE'})"
+        return meaning
+
+    def adapted(self, statement: str, **names: Any) -> Function:
+        """Define the function of this statement."""
+        scope: dict[str, Any] = {
+            "__name__": __name__,
+            "STATE": self.state,
+            "RESULT": self.result,
+            "N_ARGS": self.n_args,
+            **names,
+        }
+        exec(_TEMPLATE.format(statement=statement), scope)  # noqa: S102 - our own template, below
+        adapted: Function = scope["adapted"]
+        return adapted
 
 
 _TEMPLATE = """
@@ -87,40 +107,16 @@ def adapted(t, x, v, params, out):
 """
 
 
-def _flat(
-    function: Function, names: list[str], shape: tuple[int, ...], compile_: bool, result_shape: Any = None
-) -> tuple[Function, bool]:
+def flatten(function: Function, names: list[str], layout: Layout, compile_: bool) -> tuple[Function, bool]:
     """Adapt a function to ``(t, x, v, params, out)`` over one-dimensional arrays; also whether it is compiled."""
-    result_shape = shape if result_shape is None else result_shape
-    views = {name: name for name in _NAMES}
-    if shape == ():
-        views |= {"x": "x[0]", "v": "v[0]"}
-    elif len(shape) > 1:
-        views |= {name: f"shaped({name}, SHAPE)" for name in ("x", "v", "out")}
-    call = f"function({', '.join(f'{name}={views[name]}' for name in names)})"
-    if "out" in names:
-        statement = call
-    elif result_shape == ():
-        statement = f"out[0] = {call}"
-    elif len(shape) > 1:
-        statement = f"shaped(out, SHAPE)[...] = asarray({call})"
-    else:
-        statement = f"out[:] = asarray({call})"
-    python = getattr(function, "py_func", function)
+    statement = layout.statement(names)
     if compile_:
         try:
-            return _compiled(Frozen(frozen(function) or object(), function), statement, shape), True
-        except (NumbaError, NotImplementedError, TypeError, ValueError, AttributeError, KeyError, IndexError) as error:
-            _warn_interpreted(python, error)
-    reshape = np.reshape
-    return _adapted(statement, function=python, SHAPE=shape, shaped=reshape, asarray=_returned), False
-
-
-def _adapted(statement: str, **names: Any) -> Function:
-    scope: dict[str, Any] = {"__name__": __name__, **names}
-    exec(_TEMPLATE.format(statement=statement), scope)  # noqa: S102 - our own template, above
-    adapted: Function = scope["adapted"]
-    return adapted
+            return _compiled(Frozen(frozen(function) or object(), function), statement, layout), True
+        except (NumbaError, NotImplementedError, TypeError, ValueError, AttributeError, LookupError) as error:
+            _warn_interpreted(function, error)
+    python = getattr(function, "py_func", function)
+    return layout.adapted(statement, function=python, shaped=np.reshape, asarray=_returned), False
 
 
 @dataclass(frozen=True)
@@ -132,18 +128,13 @@ class Frozen:
 
 
 @lru_cache(maxsize=128)
-def _compiled(function: Frozen, statement: str, shape: tuple[int, ...]) -> Function:
+def _compiled(function: Frozen, statement: str, layout: Layout) -> Function:
     given = function.function
     inner = given if hasattr(given, "py_func") else compiled(cached=False)(given)
-    adapted = _adapted(statement, function=inner, SHAPE=shape, shaped=memory.shaped, asarray=np.asarray)
+    adapted = layout.adapted(statement, function=inner, shaped=memory.shaped, asarray=np.asarray)
     native: Any = compiled(cached=False)(adapted)
     native.compile(FLAT)
     return cast(Function, native)
-
-
-def name_of(function: Any) -> str:
-    """Name a function, or the type of another callable."""
-    return str(getattr(function, "__name__", type(function).__name__))
 
 
 def _returned(value: Any) -> Any:
@@ -159,44 +150,17 @@ def _warn_interpreted(function: Function, error: Exception) -> None:
         (line for line in lines if not line.startswith(("Failed in", "During:", "File "))), type(error).__name__
     )
     warnings.warn(
-        f"{name_of(function)} runs interpreted, about a hundred times slower, because Numba {numba.__version__} cannot"
-        f" compile it: {reason} Use only NumPy and math functions and numbers passed as args=(...), or pass"
-        " compile=False to run it interpreted without this warning.",
+        f"{name_of(getattr(function, 'py_func', function))} runs interpreted, about a hundred times slower, because"
+        f" Numba {numba.__version__} cannot compile it: {reason} Use only NumPy and math functions and numbers passed as"
+        " args=(...), or pass compile=False to run it interpreted without this warning.",
         InterpretedWarning,
-        stacklevel=6,
+        stacklevel=_depth_of_caller(),
     )
 
 
-def _try_once(
-    original: Any,
-    function: Callable[..., None],
-    t: float,
-    x: Floats,
-    v: Floats,
-    params: Floats,
-    size: int | None = None,
-    writes: bool = False,
-) -> None:
-    """Call a function at the start, so that what is wrong with it is an error before any work is done."""
-    out = np.zeros(x.size if size is None else size)
-    name, given = name_of(original), [x.reshape(-1).copy(), v.reshape(-1).copy(), params.copy()]
-    try:
-        with np.errstate(all="ignore"):
-            function(t, *given, out)
-            other = np.ones_like(out)
-            if writes:
-                function(t, *given, other)
-    except KickdriftError:
-        raise
-    except Exception as error:
-        raise ArgumentError(
-            f"{name} failed at the start, x0 of shape {x.shape}: {type(error).__name__}: {error}. It must return"
-            f" {'an array of that shape' if size is None else 'one number'}."
-        ) from error
-    if writes and not np.array_equal(out, other, equal_nan=True):
-        raise ArgumentError(
-            f"{name} leaves numbers of `out` as they were, or adds to them; it must overwrite all of them."
-        )
-    for label, kept, array in zip(("x", "v", "params"), (x.reshape(-1), v.reshape(-1), params), given, strict=True):
-        if not np.array_equal(kept, array):
-            raise ArgumentError(f"{name} changes {label}; compute the acceleration from a copy.")
+def _depth_of_caller() -> int:
+    """How far up the first frame outside kickdrift is, for a warning that points there."""
+    package = __name__.split(".")[0] + "."
+    frames = inspect.stack(context=0)[1:]
+    inside = takewhile(lambda frame: f"{frame.frame.f_globals.get('__name__')}.".startswith(package), frames)
+    return len(list(inside)) + 1

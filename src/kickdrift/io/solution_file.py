@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 
 from kickdrift.core.errors import FileFormatError
+from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.solution import Description, Invariants, Solution
 
 _FORMAT = "kickdrift solution 1"
-_INVARIANT = "invariant: "
+_INVARIANT, _DERIVED = "invariant: ", "derived: "
 # What NumPy, zip and JSON raise on files that are damaged or not ours.
 _FOREIGN = (
     *(ArithmeticError, AttributeError, EOFError, LookupError, MemoryError, NotImplementedError, RecursionError),
@@ -57,6 +58,7 @@ def save(solution: Solution, path: str | Path) -> Path:
     }
     arrays = {"t": solution.t, "x": solution.x, "v": solution.v}
     arrays |= {_INVARIANT + name: values for name, values in solution.invariants.items()}
+    arrays |= {_DERIVED + name: values for name, values in solution.derived.items()}
     partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
     try:
         with partial.open("wb") as file:
@@ -105,13 +107,15 @@ def load(path: str | Path) -> Solution:
 def _assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Solution:
     about = {f.name: head["about"][f.name] for f in fields(Description)}
     about["dimensions"] = tuple(about["dimensions"])
+    about["kind"] = Kind[about["kind"]].name
     kept = {name.removeprefix(_INVARIANT): a for name, a in arrays.items() if name.startswith(_INVARIANT)}
+    derived = {name.removeprefix(_DERIVED): a for name, a in arrays.items() if name.startswith(_DERIVED)}
     t, x, v = arrays["t"], arrays["x"], arrays["v"]
-    if any(array.dtype != np.float64 for array in (t, x, v, *kept.values())):
+    if any(array.dtype != np.float64 for array in (t, x, v, *kept.values(), *derived.values())):
         raise ValueError("its arrays are not float64")
-    if any(values.shape[:1] != t.shape for values in kept.values()):
+    if any(values.shape[:1] != t.shape for values in (*kept.values(), *derived.values())):
         raise ValueError("an invariant has another number of times")
-    if not (t.ndim == 1 and t.size and x.shape == v.shape and x.shape[:1] == t.shape):
+    if not (t.ndim == 1 and t.size and v.shape in (x.shape, (t.size, 0)) and x.shape[:1] == t.shape):
         raise ValueError(f"t, x and v have shapes {t.shape}, {x.shape} and {v.shape}")
     return Solution(
         t=t,
@@ -125,4 +129,5 @@ def _assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Solution:
         n_force_evaluations=int(head["n_force_evaluations"]),
         wall_time=float(head["wall_time"]),
         about=Description(**about),
+        derived=derived,
     )

@@ -24,7 +24,9 @@ def to_xarray(solution: Solution) -> Any:
     def variable(values: Any, names: tuple[str, ...], of: str) -> Any:
         return xr.Variable(names, values, attrs={"units": units[of]} if of in units else {})
 
-    data = {"x": variable(solution.x, dims, "x"), "v": variable(solution.v, dims, "v")}
+    data = {"x": variable(solution.x, dims, "x")}
+    if solution.v.shape == solution.x.shape:  # first-order equations have no v
+        data["v"] = variable(solution.v, dims, "v")
     for name, values in solution.invariants.items():
         key = name.replace(" ", "_")
         data[key] = variable(values, ("time",) if values.ndim == 1 else ("time", f"{key}_component"), name)

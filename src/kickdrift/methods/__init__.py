@@ -1,12 +1,83 @@
 """The methods: tables, found by name."""
 
 from kickdrift.core.errors import unknown_name
-from kickdrift.methods import blanes_moan, euler, forest_ruth, implicit_midpoint, stormer_verlet
-from kickdrift.methods.record import Kind, Letter, Method, alternating, word
+from kickdrift.core.kinds import Kind
+from kickdrift.methods import (
+    blanes_moan,
+    calvo_sanz,
+    charged,
+    chin,
+    constrained,
+    damped,
+    diagonally_implicit,
+    euler,
+    explicit_runge_kutta,
+    forest_ruth,
+    gauss,
+    implicit_midpoint,
+    kahan_li,
+    langevin,
+    lobatto,
+    mclachlan,
+    mclachlan_atela,
+    okunbor_skeel,
+    omelyan,
+    preference,
+    ruth,
+    sofroniou_spaletta,
+    stormer_verlet,
+    suzuki,
+    teloy,
+    wisdom_holman,
+    yoshida,
+)
+from kickdrift.methods.letter import Letter
+from kickdrift.methods.record import Method, alternating, composition, palindrome, rows, word
+from kickdrift.methods.tableau import Tableau
 
-__all__ = ["Kind", "Letter", "Method", "alternating", "catalogue", "get", "word"]
+__all__ = [
+    "Kind",
+    "Letter",
+    "Method",
+    "Tableau",
+    "alternating",
+    "catalogue",
+    "composition",
+    "get",
+    "palindrome",
+    "preferred",
+    "rows",
+    "word",
+]
 
-_TABLES = (euler, stormer_verlet, forest_ruth, blanes_moan, implicit_midpoint)
+_TABLES = (
+    euler,
+    stormer_verlet,
+    ruth,
+    mclachlan_atela,
+    calvo_sanz,
+    forest_ruth,
+    omelyan,
+    chin,
+    mclachlan,
+    blanes_moan,
+    suzuki,
+    yoshida,
+    kahan_li,
+    okunbor_skeel,
+    teloy,
+    sofroniou_spaletta,
+    implicit_midpoint,
+    gauss,
+    lobatto,
+    diagonally_implicit,
+    explicit_runge_kutta,
+    damped,
+    charged,
+    langevin,
+    constrained,
+    wisdom_holman,
+)
 _CATALOGUE: dict[str, Method] = {method.name: method for table in _TABLES for method in table.METHODS}
 _ALIASES: dict[str, Method] = {alias: method for method in _CATALOGUE.values() for alias in method.aliases}
 
@@ -19,6 +90,24 @@ def catalogue() -> dict[str, Method]:
     dict of str to Method
     """
     return dict(_CATALOGUE)
+
+
+def preferred(kind: Kind, order: int | None = None) -> Method:
+    """Choose a method by the kind of problem and the order wanted, as ``solve(..., method="auto", order=order)`` does.
+
+    Parameters
+    ----------
+    kind : Kind
+        What moves.
+    order : int, optional
+        The least order wanted; by default 4, or the highest that there is for the kind.
+
+    Raises
+    ------
+    MethodMismatchError
+        If no method for the kind has an order so high.
+    """
+    return preference.preferred(kind, order, _CATALOGUE)
 
 
 def get(name: str | Method) -> Method:

@@ -1,14 +1,22 @@
 """The implicit midpoint rule."""
 
-from kickdrift.methods.record import Kind, Letter, Method, word
+from fractions import Fraction
+
+from kickdrift.core.kinds import Kind
+from kickdrift.methods.euler import HAIRER_LUBICH_WANNER
+from kickdrift.methods.letter import Letter
+from kickdrift.methods.record import Method, word
+from kickdrift.methods.tableau import Tableau
 
 METHODS = (
     Method(
         name="implicit-midpoint",
         order=2,
-        word=word((Letter.IMPLICIT_MIDPOINT, 1)),
+        word=word((Letter.IMPLICIT_RUNGE_KUTTA, 1)),
         symmetric=True,
-        kind=Kind.GENERAL,
-        source="Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed. (2006), eq. (I.1.7)",
+        kind=Kind.FIRST_ORDER,
+        source=f"{HAIRER_LUBICH_WANNER}, eq. (I.1.7)",
+        aliases=("gauss-2",),
+        tableau=lambda: Tableau(a=[[Fraction(1, 2)]], b=[1]),
     ),
 )

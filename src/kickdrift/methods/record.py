@@ -1,39 +1,20 @@
 """What a method is: a word over flows, with exact weights."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
-from enum import Enum
 from fractions import Fraction
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.core.kinds import Kind
+from kickdrift.methods.letter import WHOLES, Letter
+from kickdrift.methods.tableau import Tableau
 
 Weight = Fraction | Decimal | str | int
-
-
-class Kind(Enum):
-    """What a method needs of the acceleration to have its order. The value is the sentence for people."""
-
-    GENERAL = "any acceleration a(t, x, v)"
-    SEPARABLE = "accelerations a(t, x) that do not depend on the velocity"
-    NYSTROM = "accelerations a(t, x) that do not depend on the velocity, with x' = v"
-
-
-class Letter(Enum):
-    """The flows that words are spelled with, by the name of the flow in the engine."""
-
-    KICK = "kick"
-    DRIFT = "drift"
-    EXPLICIT_EULER = "explicit-euler"
-    IMPLICIT_EULER = "implicit-euler"
-    IMPLICIT_MIDPOINT = "implicit-midpoint"
-
-    @property
-    def self_adjoint(self) -> bool:
-        """Whether the flow over -h undoes the flow over h."""
-        return self in (Letter.KICK, Letter.DRIFT, Letter.IMPLICIT_MIDPOINT)
-
+Word = tuple[tuple[Letter, Fraction], ...]
 
 K, D = Letter.KICK, Letter.DRIFT
+ADJOINT_K, ADJOINT_D = Letter.ADJOINT_KICK, Letter.ADJOINT_DRIFT
 
 
 @dataclass(frozen=True)
@@ -51,71 +32,154 @@ class Method:
     symmetric : bool
         Whether a step over -h undoes a step over h.
     kind : Kind
-        The accelerations for which the order holds.
+        The widest kind of problem that it is made for: its order holds there, and its error is as small as stated.
     source : str
         Where the coefficients are from.
     aliases : tuple of str
         Other names.
+    tableau : callable, optional
+        Returns the `Tableau` of a Runge-Kutta method.
+    parameters : tuple of numbers
+        What else the flows of the word need to know.
+    counterpart : str
+        Name of the method that goes under the same name for Hamiltonians that are not separable.
+    generalised_order : tuple of int
+        For problems A + e B with a small e: the order to which the error vanishes of the terms with e, e^2, ..., as in
+        (8, 6, 4) for e h^8 + e^2 h^6 + e^3 h^4.
+    corrector : tuple of (Letter, Fraction)
+        Another word of the same letters, none of which advances: done once, before the first step, and undone on
+        whatever is kept.
     """
 
     name: str
     order: int
-    word: tuple[tuple[Letter, Fraction], ...]
+    word: Word
     symmetric: bool
     kind: Kind
     source: str
     aliases: tuple[str, ...] = ()
+    tableau: Callable[[], Tableau] | None = None
+    parameters: tuple[Fraction | int, ...] = ()
+    counterpart: str = ""
+    generalised_order: tuple[int, ...] = ()
+    corrector: Word = ()
 
     def __post_init__(self) -> None:
         if not self.word:
             raise ArgumentError(f"word of {self.name!r} is empty; a method has at least one flow.")
         if self.order < 1:
             raise ArgumentError(f"order={self.order!r} of {self.name!r} must be at least 1.")
-        for letter in {letter for letter, _ in self.word}:
-            total = sum(weight for other, weight in self.word if other is letter)
+        self._check_shares()
+        self._check_corrector()
+        if self.tableau is None and self.symmetric != self._palindrome:
+            is_one = "a palindrome" if self._palindrome else "not a palindrome"
+            raise ArgumentError(f"symmetric={self.symmetric} of {self.name!r}: its word is {is_one}.")
+
+    def _check_shares(self) -> None:
+        totals: dict[str, Fraction] = {}
+        for letter, weight in self.word:
+            totals[letter.share] = totals.get(letter.share, Fraction(0)) + weight
+        for share, total in totals.items():
             if total != 1:
                 raise ArgumentError(
-                    f"word of {self.name!r}: the weights of {letter.value!r} add up to {float(total)!r}, not to 1;"
+                    f"word of {self.name!r}: the weights of {share!r} add up to {float(total)!r}, not to 1;"
                     " give exact fractions, or derive one weight from the others."
                 )
-        letters = {letter for letter, _ in self.word}
-        if letters not in ({K, D}, *({single} for single in Letter if single not in (K, D))):
-            spelled = ", ".join(sorted(letter.value for letter in letters))
+        if frozenset(totals) not in WHOLES:
             raise ArgumentError(
-                f"word of {self.name!r} has the flows {spelled}; a step needs kicks and drifts, or one whole-step flow."
+                f"word of {self.name!r} has the flows {', '.join(sorted(totals))}; a step needs kicks and drifts, or"
+                " another set of flows that make up the whole dynamics."
             )
-        palindrome = self.word == self.word[::-1] and all(letter.self_adjoint for letter in letters)
-        if self.symmetric != palindrome:
-            raise ArgumentError(
-                f"symmetric={self.symmetric} of {self.name!r}: its word is {'' if palindrome else 'not '}a palindrome."
-            )
+
+    def _check_corrector(self) -> None:
+        for share in {letter.share for letter, _ in self.corrector}:
+            total = sum((weight for letter, weight in self.corrector if letter.share == share), Fraction(0))
+            if total != 0:
+                raise ArgumentError(
+                    f"corrector of {self.name!r}: the weights of {share!r} add up to {float(total)!r}, not to 0; a"
+                    " corrector changes the state and does not advance it."
+                )
+        if not {letter for letter, _ in self.corrector} <= self.letters:
+            raise ArgumentError(f"corrector of {self.name!r} has letters that its word has not; use those of the word.")
+
+    @property
+    def _palindrome(self) -> bool:
+        """Whether the word reads the same backwards with each letter's adjoint.
+
+        A kick and its adjoint are the same flow where the acceleration does not depend on the velocity, and so are
+        drifts for separable problems.
+        """
+        moving = [(letter, weight) for letter, weight in self.word if not letter.projection]
+        same = Kind.SEPARABLE.includes(self.kind) or any(letter.share not in ("kick", "drift") for letter in self.letters)
+        backwards = [(letter if same else letter.adjoint, weight) for letter, weight in reversed(moving)]
+        return moving == backwards and all(letter.adjoint is not None for letter, _ in moving)
 
     @property
     def explicit(self) -> bool:
-        """Whether a step needs no solver."""
-        return not {letter for letter, _ in self.word} & {Letter.IMPLICIT_EULER, Letter.IMPLICIT_MIDPOINT}
+        """Whether a step needs no solver on any problem of its kind."""
+        return not any(letter.implicit for letter, _ in self.word)
+
+    @property
+    def letters(self) -> frozenset[Letter]:
+        """The letters of the word."""
+        return frozenset(letter for letter, _ in self.word)
 
     @property
     def spelling(self) -> str:
         """The word for people, such as ``K/2 D K/2``."""
-        return " ".join(_spell(letter, weight) for letter, weight in self.word)
+        return " ".join(_spell(letter.symbol, weight) for letter, weight in self.word)
 
 
-def _spell(letter: Letter, weight: Fraction) -> str:
-    name = {K: "K", D: "D"}.get(letter, letter.value)
+def _spell(symbol: str, weight: Fraction) -> str:
     if weight == 1:
-        return name
+        return symbol
     if weight.numerator == 1 and weight.denominator < 100:
-        return f"{name}/{weight.denominator}"
-    return f"{name}({float(weight):.6g})"
+        return f"{symbol}/{weight.denominator}"
+    return f"{symbol}({float(weight):.6g})"
 
 
-def word(*letters: tuple[Letter, Weight]) -> tuple[tuple[Letter, Fraction], ...]:
+def word(*letters: tuple[Letter, Weight]) -> Word:
     """Spell a word with exact weights, given as fractions, decimals or their strings."""
     return tuple((letter, Fraction(weight)) for letter, weight in letters)
 
 
-def alternating(first: Letter, weights: list[Fraction]) -> tuple[tuple[Letter, Fraction], ...]:
-    """Spell a word of kicks and drifts in turns."""
-    other = D if first is K else K
-    return tuple((first if i % 2 == 0 else other, weight) for i, weight in enumerate(weights))
+def alternating(first: Letter, weights: Sequence[Weight], second: Letter | None = None) -> Word:
+    """Spell a word of two letters in turns: kicks and drifts, unless `second` says otherwise."""
+    other = second or (D if first is K else K)
+    return word(*((first if i % 2 == 0 else other, weight) for i, weight in enumerate(weights)))
+
+
+def rows(first: Letter, own: Sequence[Weight], others: Sequence[Weight]) -> Word:
+    """Spell a word of kicks and drifts in turns by the weights of `first` and of the other, each without the last.
+
+    The two left out follow from the sums, so the clock is exact whatever the printed digits leave over.
+    """
+    weights = [Fraction(0)] * (len(own) + len(others) + 2)
+    for start, given in enumerate((own, others)):
+        printed = [Fraction(weight) for weight in given]
+        weights[start::2] = [*printed, 1 - sum(printed, Fraction(0))]
+    return alternating(first, weights)
+
+
+def palindrome(first: Letter, weights: Sequence[Weight], second: Letter | None = None) -> Word:
+    """Spell a symmetric word of two letters in turns by its first half, without the last weight of each letter.
+
+    The two left out follow from the sums: half of 1 for the letter beside the middle, 1 for the letter in it. What
+    printed digits leave over so goes to the middle, and the clock is exact.
+    """
+    given = [Fraction(weight) for weight in weights]
+    inner, middle = Fraction(1, 2) - sum(given[-2::-2], Fraction(0)), 1 - 2 * sum(given[-1::-2], Fraction(0))
+    half = [*given, inner]
+    return alternating(first, [*half, middle, *reversed(half)], second)
+
+
+def composition(base: Word, weights: Sequence[Weight]) -> Word:
+    """Spell a composition of steps: a step of `base` for each weight, neighbours of the same letter merged."""
+    spelled: list[tuple[Letter, Fraction]] = []
+    for share in [Fraction(weight) for weight in weights]:
+        for letter, weight in base:
+            if spelled and spelled[-1][0] is letter:
+                spelled[-1] = letter, spelled[-1][1] + share * weight
+            else:
+                spelled.append((letter, share * weight))
+    return tuple(spelled)

@@ -1,8 +1,8 @@
-"""The Stoermer-Verlet method in its two forms."""
+"""The two forms of the Stoermer-Verlet method, and the one for partitioned equations."""
 
-from kickdrift.methods.record import D, K, Kind, Method, word
-
-_SOURCE = "Verlet, Phys. Rev. 159, 98 (1967); Hairer, Lubich, Wanner, Acta Numerica 12, 399 (2003)"
+from kickdrift.core.kinds import Kind
+from kickdrift.methods.euler import HAIRER_LUBICH_WANNER
+from kickdrift.methods.record import ADJOINT_D, ADJOINT_K, D, K, Method, word
 
 METHODS = (
     Method(
@@ -11,8 +11,9 @@ METHODS = (
         word=word((K, "1/2"), (D, 1), (K, "1/2")),
         symmetric=True,
         kind=Kind.SEPARABLE,
-        source=_SOURCE,
-        aliases=("stormer-verlet", "leapfrog", "kick-drift-kick"),
+        source=f"Verlet, Phys. Rev. 159, 98 (1967); {HAIRER_LUBICH_WANNER}, eq. (I.1.17)",
+        aliases=("stormer-verlet", "leapfrog"),
+        counterpart="implicit-verlet",
     ),
     Method(
         name="position-verlet",
@@ -20,7 +21,24 @@ METHODS = (
         word=word((D, "1/2"), (K, 1), (D, "1/2")),
         symmetric=True,
         kind=Kind.SEPARABLE,
-        source=f"{_SOURCE}, the dual form; Tuckerman, Berne, Martyna, J. Chem. Phys. 97, 1990 (1992)",
-        aliases=("drift-kick-drift",),
+        source=f"{HAIRER_LUBICH_WANNER}, section I.1.4",
+        counterpart="implicit-position-verlet",
+    ),
+    Method(
+        name="implicit-verlet",
+        order=2,
+        word=word((ADJOINT_K, "1/2"), (D, "1/2"), (ADJOINT_D, "1/2"), (K, "1/2")),
+        symmetric=True,
+        kind=Kind.FIRST_ORDER,
+        source=f"{HAIRER_LUBICH_WANNER}, eq. (VI.3.4)",
+        aliases=("lobatto-iiia-iiib-2", "composition-diagonal-2"),
+    ),
+    Method(
+        name="implicit-position-verlet",
+        order=2,
+        word=word((ADJOINT_D, "1/2"), (K, "1/2"), (ADJOINT_K, "1/2"), (D, "1/2")),
+        symmetric=True,
+        kind=Kind.FIRST_ORDER,
+        source=f"{HAIRER_LUBICH_WANNER}, eq. (VI.3.5)",
     ),
 )

@@ -57,7 +57,13 @@ def panels(solution: Solution) -> list[Bodies | None]:
     n_bodies = solution.x[0].size // shape[-1]
     stride = -(-solution.t.size * n_bodies // _MOST_POINTS)
     rows = np.append(np.arange(0, solution.t.size - 1, stride), solution.t.size - 1)
-    paths, velocities = (a[rows].reshape(rows.size, n_bodies, -1)[:, :, :2] for a in (solution.x, solution.v))
+    paths = solution.x[rows].reshape(rows.size, n_bodies, -1)[:, :, :2]
+    if solution.about.v_is_velocity:
+        velocities = solution.v[rows].reshape(rows.size, n_bodies, -1)[:, :, :2]
+    elif rows.size > 1:
+        velocities = np.gradient(paths, solution.t[rows], axis=0)
+    else:
+        velocities = np.zeros_like(paths)
     # The median of the bodies, so that a few far ones on part of an orbit do not move it.
     centre = np.median(paths.mean(axis=0), axis=0)
     radius = np.linalg.norm(paths - centre, axis=2).max(axis=0)

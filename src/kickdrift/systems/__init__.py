@@ -4,16 +4,35 @@ from collections.abc import Callable
 
 from kickdrift.core.errors import unknown_name
 from kickdrift.systems.benchmarks_game import benchmarks_game
+from kickdrift.systems.charged import ChargedParticle
+from kickdrift.systems.constrained import Constrained
+from kickdrift.systems.damped import Damped
+from kickdrift.systems.first_order import FirstOrder
+from kickdrift.systems.hamiltonian import Hamiltonian, Partitioned, Separable
 from kickdrift.systems.harmonic_oscillator import harmonic_oscillator
 from kickdrift.systems.kepler import kepler
+from kickdrift.systems.langevin import Langevin
 from kickdrift.systems.nbody import nbody
 from kickdrift.systems.pendulum import pendulum
+from kickdrift.systems.planetary import planetary
+from kickdrift.systems.problem import Problem
+from kickdrift.systems.second_order import Newtonian, SecondOrder
 from kickdrift.systems.solar_system import ephemeris, solar_system
-from kickdrift.systems.system import Quantity, SecondOrder, System
+from kickdrift.systems.system import Quantity, System
 
 __all__ = [
+    "ChargedParticle",
+    "Constrained",
+    "Damped",
+    "FirstOrder",
+    "Hamiltonian",
+    "Langevin",
+    "Newtonian",
+    "Partitioned",
+    "Problem",
     "Quantity",
     "SecondOrder",
+    "Separable",
     "System",
     "benchmarks_game",
     "catalogue",
@@ -23,6 +42,7 @@ __all__ = [
     "kepler",
     "nbody",
     "pendulum",
+    "planetary",
     "solar_system",
 ]
 

@@ -14,46 +14,51 @@ from kickdrift.systems.system import Quantity, System
 
 Floats = NDArray[np.float64]
 
-# params is [G, softening^2, Gm_0, ..., Gm_(N-1)]; `gravity` takes it from the softening on. Not cached: Numba
+# params begins with G, softening^2, Gm_0, ..., Gm_(N-1); `gravity` takes them from the softening on. Not cached: Numba
 # watches the file of a cached function for changes, and not those of the functions that it calls.
+
+
+@compiled(cached=False, inline=True)
+def _from_softening(x: Floats, params: Floats) -> Floats:
+    return params[1 : 2 + x.size // 3]
 
 
 @compiled(cached=False)
 def _kick(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    gravity.add_gravity_pairwise(h, x, params[1:], v)
+    gravity.add_gravity_pairwise(h, x, _from_softening(x, params), v)
 
 
 @compiled(cached=False)
 def _few(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     out[:] = 0.0
-    gravity.add_gravity_pairwise(1.0, x, params[1:], out)
+    gravity.add_gravity_pairwise(1.0, x, _from_softening(x, params), out)
 
 
 @compiled(cached=False)
 def _many(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     out[:] = 0.0
-    gravity.add_gravity_tiled(1.0, x, params[1:], out)
+    gravity.add_gravity_tiled(1.0, x, _from_softening(x, params), out)
 
 
 @compiled(cached=False)
 def _many_threaded(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     out[:] = 0.0
-    gravity.add_gravity_threaded(1.0, x, params[1:], out)
+    gravity.add_gravity_threaded(1.0, x, _from_softening(x, params), out)
 
 
 @compiled(cached=False)
 def _energy(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
-    out[0] = gravity.energy(x, v, params[1:], params[0])
+    out[0] = gravity.energy(x, v, _from_softening(x, params), params[0])
 
 
 @compiled(cached=False)
 def _momentum(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
-    gravity.momentum(x, v, params[1:], params[0], out)
+    gravity.momentum(x, v, _from_softening(x, params), params[0], out)
 
 
 @compiled(cached=False)
 def _angular_momentum(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
-    gravity.angular_momentum(x, v, params[1:], params[0], out)
+    gravity.angular_momentum(x, v, _from_softening(x, params), params[0], out)
 
 
 QUANTITIES = {
@@ -61,7 +66,7 @@ QUANTITIES = {
     "momentum": Quantity(_momentum, 3),
     "angular momentum": Quantity(_angular_momentum, 3),
 }
-_FEW = 31  # bodies up to which a loop over the pairs is faster than tiles (measured: even at 28)
+FEW = 31  # bodies up to which a loop over the pairs is faster than tiles (measured: even at 28)
 
 
 def nbody(
@@ -107,8 +112,8 @@ def nbody(
     many = _many_threaded if threads else _many
     return System(
         name="nbody",
-        acceleration=_few if n <= _FEW else many,
-        kick=_kick if n <= _FEW else None,
+        acceleration=_few if n <= FEW else many,
+        kick=_kick if n <= FEW else None,
         x0=positions,
         v0=velocities,
         params=np.concatenate([[G, softening**2], gm]),

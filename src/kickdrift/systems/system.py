@@ -1,4 +1,4 @@
-"""What moves: the record of a system, and the description of one by a user's functions."""
+"""What moves: the record of a system."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.core.kinds import Kind
 
 Floats = NDArray[np.float64]
 Function = Callable[..., Any]
@@ -32,20 +33,36 @@ class Quantity:
     unit: str = ""
 
 
+@dataclass(frozen=True)
+class Frame:
+    """Linear coordinates in which the parts of a split are solved; nobody outside of the loop sees them.
+
+    Attributes
+    ----------
+    enter, leave : callable
+        Take and return positions and velocities, arrays of shape (..., *shape of x0); one undoes the other.
+    """
+
+    enter: Callable[[Floats, Floats], tuple[Floats, Floats]]
+    leave: Callable[[Floats, Floats], tuple[Floats, Floats]]
+
+
 @dataclass(frozen=True, eq=False)
 class System:
-    """A mechanical system x'' = a(t, x, v), with a start.
+    """A mechanical system x' = velocity, v' = acceleration, with a start.
+
+    All functions are ``function(t, x, v, params, out)`` over one-dimensional arrays, however the state is shaped.
 
     Attributes
     ----------
     name : str
         Kebab-case name.
     acceleration : callable
-        ``acceleration(t, x, v, params, out)`` over one-dimensional arrays, however the state is shaped.
+        Writes v'.
     x0, v0 : array
-        Start, in the shape that the solution has.
+        Start, in the shape that the solution has. For Hamiltonians they are q and p; a first-order system has no v.
     params : (P,) array
-        What `acceleration` and the conserved quantities get as `params`.
+        What the functions get as `params`.
     quantities : mapping of str to Quantity
         What is conserved; ``"energy"`` among them where there is one.
     exact : callable, optional
@@ -53,10 +70,20 @@ class System:
     kick : callable, optional
         A flow ``kick(t, h, x, v, params, work)`` that adds h times the acceleration to v faster than through an array
         of accelerations; used where neither the sums are compensated nor the accelerations needed again.
-    velocity_dependent : bool
-        Whether the acceleration depends on the velocity.
+    kind : Kind
+        The form of the equations.
+    velocity : callable, optional
+        Writes x', where it is not v.
+    parts : mapping of str to callable
+        Further functions that flows call, by the names in `kickdrift.engine.flows.layout`; ``"remainder"`` among them
+        is the acceleration that is left to the kicks where another flow has the rest, and ``"jump"`` the rate of x
+        that is left to them, under which that acceleration does not change.
+    frame : Frame, optional
+        The coordinates in which the remainder and the other flow work, where they are not those of x0.
+    flows : mapping of str to callable
+        Flows of its own, by the names of the letters: templates as in `kickdrift.engine.flows`.
     native : bool
-        Whether `acceleration` can be compiled; False for Python functions that Numba cannot compile.
+        Whether all these functions are compiled; False for Python functions that Numba cannot compile.
     packaged : bool
         Whether the compiled code may be cached on disk: for systems that come with kickdrift.
     dimensions : tuple of str
@@ -77,7 +104,11 @@ class System:
     quantities: Mapping[str, Quantity] = field(default_factory=dict)
     exact: Callable[[Floats], tuple[Floats, Floats]] | None = None
     kick: Function | None = None
-    velocity_dependent: bool = False
+    kind: Kind = Kind.NEWTONIAN
+    velocity: Function | None = None
+    parts: Mapping[str, Function] = field(default_factory=dict)
+    frame: Frame | None = None
+    flows: Mapping[str, Function] = field(default_factory=dict)
     native: bool = True
     packaged: bool = False
     dimensions: tuple[str, ...] = ()
@@ -88,46 +119,20 @@ class System:
     def __post_init__(self) -> None:
         for name in ("x0", "v0", "params"):
             object.__setattr__(self, name, start(getattr(self, name)))  # compiled code is given their addresses
-        if self.x0.shape != self.v0.shape or self.params.ndim != 1:
+        fitting = self.v0.size == 0 if self.kind is Kind.FIRST_ORDER else self.x0.shape == self.v0.shape
+        if not fitting or self.params.ndim != 1:
             raise ArgumentError(
                 f"x0, v0 and params of {self.name!r} have shapes {self.x0.shape}, {self.v0.shape} and"
-                f" {self.params.shape}; the first two must be equal, and params a list."
+                f" {self.params.shape}; the first two must be equal (v0 empty for first-order equations), and params a"
+                " list."
             )
-        if self.native and not hasattr(self.acceleration, "py_func"):
-            raise ArgumentError(
-                f"acceleration={self.acceleration!r} of {self.name!r} is not compiled; decorate it with numba.njit, or"
-                " describe the system by Python functions as kd.SecondOrder."
-            )
-
-
-@dataclass(frozen=True)
-class SecondOrder:
-    """x'' = f by Python functions: an acceleration and, if there are, what it conserves.
-
-    The names of a function's arguments declare its structure: ``x`` (position), ``t`` (time: forced), ``v``
-    (velocity-dependent), ``params`` (a float array), and, for the acceleration, ``out`` (written in place instead of
-    returning). Arrays arrive in the shape of x0; a scalar state arrives as a float.
-
-    Parameters
-    ----------
-    acceleration : callable
-        Returns the acceleration, of the shape of x0 or one that broadcasts to it, or writes it into `out`.
-    energy : callable, optional
-        Returns the energy, a number.
-    invariants : mapping of str to callable, optional
-        Other conserved numbers by name.
-
-    Examples
-    --------
-    >>> import kickdrift as kd
-    >>> spring = kd.SecondOrder(lambda x: -x, energy=lambda x, v: 0.5 * (v * v + x * x))
-    >>> kd.solve(spring, t_span=(0.0, 1.0), x0=1.0, v0=0.0, step=0.01, compile=False).energy[0]
-    np.float64(0.5)
-    """
-
-    acceleration: Function
-    energy: Function | None = None
-    invariants: Mapping[str, Function] = field(default_factory=dict)
+        named = {"acceleration": self.acceleration, "velocity": self.velocity, **self.parts}
+        for name, function in named.items():
+            if self.native and function is not None and not hasattr(function, "py_func"):
+                raise ArgumentError(
+                    f"{name}={function!r} of {self.name!r} is not compiled; decorate it with numba.njit, or describe"
+                    " the system by Python functions, as kd.SecondOrder and the like."
+                )
 
 
 def start(value: ArrayLike) -> Floats:

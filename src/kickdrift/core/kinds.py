@@ -1,0 +1,51 @@
+"""The kinds of problem, and which includes which."""
+
+from enum import Enum
+
+
+class Kind(Enum):
+    """What moves, by the form of its equations. The value is the phrase for people.
+
+    A kind includes the more special ones below it, and a method that has its order on a kind has it on those, too. ::
+
+        FIRST_ORDER
+          PARTITIONED
+            HAMILTONIAN
+              SEPARABLE
+                NEWTONIAN
+                  NEARLY_KEPLERIAN
+            VELOCITY_DEPENDENT
+              NEWTONIAN ...
+              DAMPED
+              CHARGED
+        CONSTRAINED
+        LANGEVIN
+    """
+
+    FIRST_ORDER = "first-order equations y' = f(t, y)"
+    PARTITIONED = "partitioned equations x' = f(t, x, v), v' = g(t, x, v)"
+    HAMILTONIAN = "Hamiltonians H(q, p), separable or not"
+    SEPARABLE = "separable Hamiltonians T(p) + V(q)"
+    VELOCITY_DEPENDENT = "accelerations a(t, x, v)"
+    NEWTONIAN = "accelerations a(t, x)"
+    DAMPED = "accelerations a(t, x) - c v with linear damping"
+    CHARGED = "charges in electric and magnetic fields"
+    NEARLY_KEPLERIAN = "light bodies around a heavy one"
+    CONSTRAINED = "accelerations a(t, x) with constraints g(x) = 0"
+    LANGEVIN = "Langevin dynamics: forces, friction and noise"
+
+    def includes(self, other: "Kind") -> bool:
+        """Whether a problem of the other kind is one of this kind, too."""
+        return self is other or any(self.includes(parent) for parent in _PARENTS.get(other, ()))
+
+
+_PARENTS = {
+    Kind.PARTITIONED: (Kind.FIRST_ORDER,),
+    Kind.HAMILTONIAN: (Kind.PARTITIONED,),
+    Kind.SEPARABLE: (Kind.HAMILTONIAN,),
+    Kind.VELOCITY_DEPENDENT: (Kind.PARTITIONED,),
+    Kind.NEWTONIAN: (Kind.SEPARABLE, Kind.VELOCITY_DEPENDENT),
+    Kind.DAMPED: (Kind.VELOCITY_DEPENDENT,),
+    Kind.CHARGED: (Kind.VELOCITY_DEPENDENT,),
+    Kind.NEARLY_KEPLERIAN: (Kind.NEWTONIAN,),
+}

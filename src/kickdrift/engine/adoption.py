@@ -1,0 +1,127 @@
+"""From a user's problem to a system."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.compilation import Function, compiled, specialise
+from kickdrift.core.errors import ArgumentError, KickdriftError
+from kickdrift.engine.flows.layout import FLAT
+from kickdrift.engine.user_functions import MEANINGS, Layout, argument_names, flatten
+from kickdrift.systems.problem import Adapted, Problem, name_of
+from kickdrift.systems.second_order import SecondOrder
+from kickdrift.systems.system import Quantity, System
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Start:
+    """A start, and the hands that adapt functions to it: an `Adapter`."""
+
+    t0: float
+    x0: Floats
+    v0: Floats
+    args: Floats
+    compile_: bool
+
+    def adapt(
+        self,
+        function: Any,
+        role: str,
+        names: Sequence[str] = ("t", "x", "v", "params", "out"),
+        shape: tuple[int, ...] | None = None,
+    ) -> Adapted:
+        """Adapt a function and try it once, see `kickdrift.systems.problem.Adapter`."""
+        given = argument_names(function, role, names)
+        layout = Layout(self.x0.shape, self.x0.shape if shape is None else shape, self.args.size)
+        flat, native = flatten(function, given, layout, self.compile_)
+        self._try_once(function, flat, given, shape)
+        return Adapted(flat, frozenset(MEANINGS.get(name, name) for name in given), native)
+
+    def shape_of(self, function: Any, role: str, names: Sequence[str]) -> tuple[int, ...]:
+        """Return the shape of what a function returns, see `kickdrift.systems.problem.Adapter`."""
+        state = {
+            name: float(array) if array.shape == () else array.copy()
+            for name, array in (("x", self.x0), ("v", self.v0), ("params", self.args))
+        }
+        given = {name: state[MEANINGS.get(name, name)] for name in argument_names(function, role, names)}
+        try:
+            with np.errstate(all="ignore"):
+                returned = np.asarray(getattr(function, "py_func", function)(**given), dtype=np.float64)
+        except Exception as error:
+            raise ArgumentError(
+                f"{name_of(function)} failed at the start, x0 of shape {self.x0.shape}: {type(error).__name__}: {error}."
+            ) from error
+        return returned.shape
+
+    def quantities(self, energy: Function | None, invariants: Mapping[str, Function]) -> dict[str, Quantity]:
+        """Adapt conserved quantities: numbers."""
+        given = {"energy": energy, **invariants}
+        return {
+            name: Quantity(self.adapt(function, f"the function for {name!r}", self._quantity_names, ()).function)
+            for name, function in given.items()
+            if function is not None
+        }
+
+    @property
+    def _quantity_names(self) -> tuple[str, ...]:
+        return ("t", "x", "v", "params", "q", "p") if self.v0.size else ("t", "y", "x", "params")
+
+    def bind(self, template: Function, **functions: Function) -> Function:
+        """Bind functions to the global names of a template: compiled if all of them are."""
+        if all(hasattr(function, "py_func") for function in functions.values()):
+            return _bound(template, tuple(functions.items()))
+        return specialise(template, template.__name__.lstrip("_"), **functions)
+
+    def _try_once(self, original: Any, function: Function, names: list[str], shape: tuple[int, ...] | None) -> None:
+        """Call a function at the start, so that what is wrong with it is an error before any work is done."""
+        x, v = self.x0.reshape(-1), self.v0.reshape(-1)
+        size = x.size if shape is None else math.prod(shape)
+        out, other = np.zeros(size), np.ones(size)
+        second = np.zeros(1) if "i" in names else v
+        name, given = name_of(original), [x.copy(), second.copy(), self.args.copy()]
+        try:
+            with np.errstate(all="ignore"):
+                function(self.t0, *given, out)
+                if "out" in names:
+                    function(self.t0, *given, other)
+        except KickdriftError:
+            raise
+        except Exception as error:
+            wanted = "one number" if shape == () or "i" in names else f"an array of shape {shape}"
+            raise ArgumentError(
+                f"{name} failed at the start, x0 of shape {self.x0.shape}: {type(error).__name__}: {error}. It must"
+                f" return {'an array of that shape' if shape is None and 'i' not in names else wanted}."
+            ) from error
+        if "out" in names and not np.array_equal(out, other, equal_nan=True):
+            raise ArgumentError(
+                f"{name} leaves numbers of `out` as they were, or adds to them; it must overwrite all of them."
+            )
+        for label, kept, array in zip(("x", "v", "params"), (x, second, self.args), given, strict=True):
+            if not np.array_equal(kept, array):
+                raise ArgumentError(f"{name} changes {label}; compute from a copy.")
+
+
+@lru_cache(maxsize=128)
+def _bound(template: Function, functions: tuple[tuple[str, Function], ...]) -> Function:
+    native: Any = compiled(cached=False)(specialise(template, template.__name__.lstrip("_"), **dict(functions)))
+    native.compile(FLAT)
+    return cast(Function, native)
+
+
+def adopt(problem: Problem | Function, t0: float, x0: Floats, v0: Floats, args: Floats, compile_: bool) -> System:
+    """Make a system of a user's functions and start.
+
+    Raises
+    ------
+    ArgumentError
+        For a function with other argument names, or whose result does not have the shape that it should have.
+    """
+    described = problem if isinstance(problem, Problem) else SecondOrder(problem)
+    return described.system(Start(t0, x0, v0, args, compile_))

@@ -1,0 +1,55 @@
+"""Whether a method fits a system, and which one does."""
+
+from kickdrift import methods
+from kickdrift.core.errors import ArgumentError, MethodMismatchError
+from kickdrift.core.kinds import Kind
+from kickdrift.methods import Letter, Method
+from kickdrift.systems.system import System
+
+
+AUTO = "auto"
+
+
+def choose(method: str | Method, order: int | None, system: System) -> Method:
+    """Find the method to run a system by: by name, or for ``"auto"`` by the kind of the system and the order wanted.
+
+    For Hamiltonians that are not separable it is what goes under the name there.
+
+    Raises
+    ------
+    MethodMismatchError
+        If the method would lose its order on the system, or needs a flow that the system does not have, or if there is
+        none of the order wanted.
+    """
+    if method == AUTO:
+        return methods.preferred(system.kind, order)
+    named = methods.get(method)
+    if system.kind is Kind.HAMILTONIAN and named.counterpart:
+        return methods.get(named.counterpart)
+    if named.kind.includes(system.kind):
+        return named
+    candidates = [other for other in methods.catalogue().values() if other.kind.includes(system.kind)]
+    best = min(
+        candidates,
+        key=lambda other: (abs(other.order - named.order), not other.symmetric, not system.kind.includes(other.kind)),
+    )
+    raise MethodMismatchError(
+        f"method={named.name!r} is for {named.kind.value}, but {system.name!r} has {system.kind.value}: there it would"
+        f" lose its order, or has no flow for a part of it; use {best.name!r} (order {best.order})."
+    )
+
+
+def check_direction(method: Method, step: float) -> None:
+    """Refuse noise that would run backwards.
+
+    Raises
+    ------
+    ArgumentError
+        If a letter with noise has a share of the step that is negative.
+    """
+    for letter, weight in method.word:
+        if letter in (Letter.THERMOSTAT, Letter.NOISE) and float(weight) * step < 0:
+            raise ArgumentError(
+                f"method={method.name!r} has {letter.symbol!r} for {float(weight) * step!r}, backwards in time, where"
+                " noise has no meaning; give a t_span that runs forwards, and a word without negative shares of it."
+            )

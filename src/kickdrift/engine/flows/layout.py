@@ -1,0 +1,113 @@
+"""Where flows keep numbers between calls: the layout of ``work``.
+
+For a state of n numbers::
+
+    0        accelerations of the last kick
+    n        what the sums for x have rounded off
+    2 n      what the sums for v have rounded off
+    3 n      rate of x where it is not v, or else what a flow is about to add to v, see `change_of_v`
+    4 n      coefficients of the method
+    memory   what the flows of the step need, see `memory`
+    -TAIL    single numbers, below
+"""
+
+from typing import Any
+
+import numpy as np
+from numba import types
+from numpy.typing import NDArray
+
+from kickdrift.core.calls import caller
+from kickdrift.core.compilation import Function, compiled, specialise
+
+Floats = NDArray[np.float64]
+
+_VECTOR = types.Array(types.float64, 1, "C")
+FLAT = types.none(types.float64, _VECTOR, _VECTOR, _VECTOR, _VECTOR)
+"""Signature of the functions of a system: ``function(t, x, v, params, out)``."""
+
+PARTS = (
+    "acceleration",
+    "velocity",
+    "remainder",
+    "jump",
+    "component",
+    "velocity_jacobian",
+    "magnetic_field",
+    "constraints",
+    "constraint_jacobian",
+)
+"""The functions that a system may have; flows call them as ``acceleration_at(t, x, v, params, work, out)``, say."""
+
+TAIL = 6 + len(PARTS)
+TROUBLE = -1  # residual of a solve that failed, zero if none
+EVALUATIONS = -2  # force evaluations counted by flows whose number varies
+MEMORY = -3  # where memory starts
+KEPT_BY, KEPT_FOR = -4, -5  # the flow and the step that the matrix kept in memory belongs to, zero if none is kept
+DRAWN = -6  # random numbers drawn so far
+_FIRST_PART = -TAIL
+
+SLOT = 0  # bound by `part_by_address`
+call = caller(FLAT)
+
+
+@compiled(inline=True)
+def coefficients_at(n: int) -> int:
+    """Return the index in work where the coefficients of the method start."""
+    return 4 * n
+
+
+@compiled(inline=True)
+def change_of_v(n: int, work: Floats) -> Floats:
+    """Return the part of work in which a flow may prepare what it adds to v, in systems where x' is v."""
+    return work[3 * n : 4 * n]
+
+
+@compiled(inline=True)
+def memory(work: Floats) -> Floats:
+    """Return the part of work that is for the flows of the step."""
+    return work[int(work[MEMORY]) : work.size - TAIL]
+
+
+def lay_out(n: int, coefficients: Floats, memory_size: int, addresses: dict[str, int]) -> Floats:
+    """Make the work of a run: coefficients and addresses of the parts filled in, the rest zero."""
+    start = coefficients_at(n) + coefficients.size
+    work = np.zeros(start + memory_size + TAIL)
+    work[coefficients_at(n) : start] = coefficients
+    work[MEMORY] = start
+    for name, address in addresses.items():
+        work[_slot(name) :].view(np.int64)[0] = address
+    return work
+
+
+def _slot(name: str) -> int:
+    return _FIRST_PART + PARTS.index(name)
+
+
+VELOCITY, COMPONENT = _slot("velocity"), _slot("component")
+CONSTRAINT_JACOBIAN = _slot("constraint_jacobian")
+
+
+@compiled(inline=True)
+def has_part(slot: int, work: Floats) -> bool:
+    """Whether the system has the function of this slot; x' is v where it has no velocity."""
+    return bool(work[slot] != 0.0)
+
+
+def _at(t: float, x: Floats, v: Floats, params: Floats, work: Floats, out: Floats) -> None:
+    slot = work.size + SLOT
+    call(work[slot : slot + 1].view(np.int64)[0], (t, x, v, params, out))
+
+
+def part_by_address(name: str) -> Function:
+    """Make the compiled function that calls a part of whatever system runs, by its address in work."""
+    return compiled(cached=False, inline=True)(specialise(_at, f"{name}_at", SLOT=_slot(name)))
+
+
+def part_interpreted(function: Function) -> Function:
+    """Make the same for the interpreter, where the function is known."""
+
+    def at(t: float, x: Any, v: Any, params: Any, work: Any, out: Any) -> None:
+        function(t, x, v, params, out)
+
+    return at

@@ -1,0 +1,130 @@
+"""The table of flows: what the engine knows of each. A new flow is its function and a line here."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.compilation import Function
+from kickdrift.engine.flows import adjoint, constraints, damping, implicit, kepler, kick_drift, magnetic, noise, runge_kutta
+
+
+@dataclass(frozen=True, eq=False)
+class Flow:
+    """A flow, as a template and what must be known to run it.
+
+    Attributes
+    ----------
+    template : callable
+        ``template(t, h, x, v, params, work)``. Bound into it are ``add_to_x`` and ``add_to_v``, the functions of
+        `parts`, and those of the system: compiled into it under the names in `inlined`, or called by their addresses
+        as ``acceleration_at(t, x, v, params, work, out)`` and so on, see `kickdrift.engine.flows.layout`. A flow with
+        nothing inlined is compiled once for all systems.
+    inlined : tuple of str
+        ``"acceleration"`` or ``"velocity"``, for the flows of which every nanosecond counts.
+    parts : mapping of str to callable
+        Templates that it calls, by the names that they have in it, each after those that it calls itself.
+    evaluations : int
+        Force evaluations each time, those that it counts itself in work left out.
+    moves_x, moves_v : bool
+        What it moves.
+    timed : bool
+        Whether the clock moves with x; not where x is put right at one time.
+    keeps_acceleration : bool
+        Whether it leaves the acceleration of the last kick in work.
+    memory : callable
+        Numbers of memory for a state of n numbers, the coefficients of the method, and the params of the system.
+    primer : str
+        Name of a flow that makes the memory ready before the first step, empty for none.
+    """
+
+    template: Function
+    inlined: tuple[str, ...] = ()
+    parts: Mapping[str, Function] = field(default_factory=dict)
+    evaluations: int = 0
+    moves_x: bool = False
+    moves_v: bool = False
+    timed: bool = True
+    keeps_acceleration: bool = True
+    memory: Callable[[int, NDArray[np.float64], NDArray[np.float64]], int] = lambda n, coefficients, params: 0
+    primer: str = ""
+
+
+def _solving(residual: Function, **parts: Function) -> dict[str, Function]:
+    return {**parts, "residual": residual, "form_matrix": implicit.form_matrix_by_differences, "solve": implicit.solve}
+
+
+def _projecting(leave_over: Function, renew: Function) -> dict[str, Function]:
+    return {
+        "jacobian": constraints.jacobian_here,
+        "linearise": constraints.linearise_constraints,
+        "leave_over": leave_over,
+        "renew": renew,
+        "project": constraints.project_state,
+    }
+
+
+FLOWS = {
+    "kick": Flow(kick_drift.kick, inlined=("acceleration",), evaluations=1, moves_v=True),
+    "rekick": Flow(kick_drift.rekick, moves_v=True),
+    "accelerate": Flow(kick_drift.accelerate, inlined=("acceleration",), evaluations=1),
+    "drift": Flow(kick_drift.drift, moves_x=True),
+    "drift-along": Flow(kick_drift.drift_along, inlined=("velocity",), moves_x=True),
+    "adjoint-kick": Flow(
+        adjoint.adjoint_kick,
+        parts=_solving(adjoint.kick_residual),
+        moves_v=True,
+        keeps_acceleration=False,
+        memory=adjoint.memory_size,
+    ),
+    "adjoint-drift": Flow(
+        adjoint.adjoint_drift,
+        parts=_solving(adjoint.drift_residual),
+        moves_x=True,
+        memory=adjoint.memory_size,
+    ),
+    "damp": Flow(damping.damp, moves_v=True),
+    "rotate": Flow(magnetic.rotate, moves_v=True),
+    "boris-rotate": Flow(magnetic.boris_rotate, moves_v=True),
+    "thermostat": Flow(noise.thermostat, moves_v=True),
+    "noise": Flow(noise.noise, moves_v=True),
+    "kepler": Flow(kepler.kepler, moves_x=True, moves_v=True),
+    "jump": Flow(kepler.jump),  # moves x by what neither the clock nor the acceleration of the kicks sees
+    "runge-kutta": Flow(
+        runge_kutta.runge_kutta,
+        parts={"evaluate": runge_kutta.evaluate, "advance": runge_kutta.advance},
+        moves_x=True,
+        moves_v=True,
+        memory=runge_kutta.explicit_memory,
+    ),
+    "implicit-runge-kutta": Flow(
+        runge_kutta.implicit_runge_kutta,
+        parts=_solving(runge_kutta.stage_residual, evaluate=runge_kutta.evaluate, advance=runge_kutta.advance),
+        moves_x=True,
+        moves_v=True,
+        memory=runge_kutta.implicit_memory,
+    ),
+    "linearise-constraints": Flow(
+        constraints.linearise_constraints,
+        parts={"jacobian": constraints.jacobian_here},
+        memory=constraints.memory_size,
+    ),
+    "constrain-positions": Flow(
+        constraints.constrain_positions,
+        parts=_projecting(constraints.positions_left_over, constraints.renew_at_positions),
+        moves_x=True,
+        moves_v=True,
+        timed=False,
+        memory=constraints.memory_size,
+        primer="linearise-constraints",
+    ),
+    "constrain-velocities": Flow(
+        constraints.constrain_velocities,
+        parts=_projecting(constraints.velocities_left_over, constraints.renew_nothing),
+        moves_v=True,
+        timed=False,
+        memory=constraints.memory_size,
+        primer="linearise-constraints",
+    ),
+}

@@ -1,0 +1,101 @@
+"""The letters that methods are spelled with: flows, by the name that the engine knows them by."""
+
+from enum import Enum
+
+
+class Letter(Enum):
+    """A flow; the value is its name in the engine."""
+
+    KICK = "kick"
+    DRIFT = "drift"
+    ADJOINT_KICK = "adjoint-kick"
+    ADJOINT_DRIFT = "adjoint-drift"
+    LINEARLY_IMPLICIT_KICK = "linearly-implicit-kick"
+    GRADIENT_KICK = "gradient-kick"
+    DAMP = "damp"
+    ROTATE = "rotate"
+    BORIS_ROTATE = "boris-rotate"
+    THERMOSTAT = "thermostat"
+    NOISE = "noise"
+    KEPLER = "kepler"
+    CONSTRAIN_POSITIONS = "constrain-positions"
+    CONSTRAIN_VELOCITIES = "constrain-velocities"
+    DOUBLED_KICK = "doubled-kick"
+    DOUBLED_DRIFT = "doubled-drift"
+    DOUBLED_BINDING = "doubled-binding"
+    RUNGE_KUTTA = "runge-kutta"
+    IMPLICIT_RUNGE_KUTTA = "implicit-runge-kutta"
+    EXTRAPOLATION = "extrapolation"
+
+    @property
+    def adjoint(self) -> "Letter | None":
+        """The flow whose step over -h undoes a step over h; None where no letter does."""
+        return _ADJOINTS.get(self, self)
+
+    @property
+    def share(self) -> str:
+        """What the letter takes a share of: in a word, the shares of each of these add up to 1."""
+        return _SHARES.get(self, self.value)
+
+    @property
+    def projection(self) -> bool:
+        """Whether it moves a state back to its constraints, and does nothing to one that fulfils them."""
+        return self in (Letter.CONSTRAIN_POSITIONS, Letter.CONSTRAIN_VELOCITIES)
+
+    @property
+    def implicit(self) -> bool:
+        """Whether it solves an equation that the acceleration is part of."""
+        return self in (Letter.ADJOINT_KICK, Letter.ADJOINT_DRIFT, Letter.IMPLICIT_RUNGE_KUTTA)
+
+    @property
+    def symbol(self) -> str:
+        """One sign or two for people."""
+        return _SYMBOLS.get(self, self.value)
+
+
+_ADJOINTS = {
+    Letter.KICK: Letter.ADJOINT_KICK,
+    Letter.ADJOINT_KICK: Letter.KICK,
+    Letter.DRIFT: Letter.ADJOINT_DRIFT,
+    Letter.ADJOINT_DRIFT: Letter.DRIFT,
+    Letter.LINEARLY_IMPLICIT_KICK: None,
+    Letter.NOISE: None,
+    Letter.RUNGE_KUTTA: None,
+    Letter.EXTRAPOLATION: None,
+}
+
+_SHARES = {
+    Letter.ADJOINT_KICK: "kick",
+    Letter.LINEARLY_IMPLICIT_KICK: "kick",
+    Letter.GRADIENT_KICK: "kick",
+    Letter.ADJOINT_DRIFT: "drift",
+    Letter.BORIS_ROTATE: "rotate",
+}
+
+_SYMBOLS = {
+    Letter.KICK: "K",
+    Letter.DRIFT: "D",
+    Letter.ADJOINT_KICK: "K*",
+    Letter.ADJOINT_DRIFT: "D*",
+    Letter.CONSTRAIN_POSITIONS: "P",
+    Letter.CONSTRAIN_VELOCITIES: "Q",
+}
+
+WHOLES = tuple(
+    frozenset(shares)
+    for shares in (
+        ("kick", "drift"),
+        ("kick", "drift", "damp"),
+        ("kick", "drift", "rotate"),
+        ("kick", "drift", "thermostat"),
+        ("kick", "drift", "constrain-positions"),
+        ("kick", "drift", "constrain-positions", "constrain-velocities"),
+        ("kick", "kepler"),
+        ("doubled-kick", "doubled-drift", "doubled-binding"),
+        ("runge-kutta",),
+        ("implicit-runge-kutta",),
+        ("noise", "implicit-runge-kutta"),
+        ("extrapolation",),
+    )
+)
+"""The sets of shares that make up the whole dynamics of some kind of problem."""

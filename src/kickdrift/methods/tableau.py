@@ -1,0 +1,105 @@
+"""The coefficients of a Runge-Kutta method, partitioned if x and v have their own."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.errors import ArgumentError
+
+_ROUNDING = 1e-13
+
+
+@dataclass(frozen=True)
+class Tableau:
+    """The Butcher tableau of s stages; refuses to exist if its rows do not add up.
+
+    Attributes
+    ----------
+    a : s sequences of s numbers
+        Weights of the slopes in the stages, for x.
+    b : sequence of s numbers
+        Weights of the slopes in the step, for x.
+    a_of_v, b_of_v : the same for v, optional
+        Where v has weights of its own (Hairer, Lubich, Wanner, Geometric Numerical Integration, section II.2).
+    """
+
+    a: Sequence[Sequence[Fraction | float]]
+    b: Sequence[Fraction | float]
+    a_of_v: Sequence[Sequence[Fraction | float]] | None = None
+    b_of_v: Sequence[Fraction | float] | None = None
+
+    def __post_init__(self) -> None:
+        for a, b in ((self._a, self._b), (self._a_of_v, self._b_of_v)):
+            if a.shape != (b.size, b.size) or b.shape != self._b.shape:
+                raise ArgumentError(f"a has shape {a.shape} but b has {b.size} weights; a tableau is square.")
+            if abs(b.sum() - 1) > _ROUNDING:
+                raise ArgumentError(f"b={b.tolist()!r} adds up to {b.sum()!r}, not to 1.")
+
+    @property
+    def _a(self) -> NDArray[np.float64]:
+        return np.array([[float(w) for w in row] for row in self.a])
+
+    @property
+    def _b(self) -> NDArray[np.float64]:
+        return np.array([float(w) for w in self.b])
+
+    @property
+    def _a_of_v(self) -> NDArray[np.float64]:
+        return self._a if self.a_of_v is None else np.array([[float(w) for w in row] for row in self.a_of_v])
+
+    @property
+    def _b_of_v(self) -> NDArray[np.float64]:
+        return self._b if self.b_of_v is None else np.array([float(w) for w in self.b_of_v])
+
+    @property
+    def stages(self) -> int:
+        """How many stages there are."""
+        return len(self.b)
+
+    @property
+    def explicit(self) -> bool:
+        """Whether each stage needs only those before it."""
+        return not (np.triu(self._a).any() or np.triu(self._a_of_v).any())
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether a step over -h undoes a step over h (Hairer, Lubich, Wanner, theorem V.2.3)."""
+        return all(
+            np.allclose(a + a[::-1, ::-1], np.broadcast_to(b, a.shape), rtol=0, atol=_ROUNDING)
+            and np.allclose(b, b[::-1], rtol=0, atol=_ROUNDING)
+            for a, b in ((self._a, self._b), (self._a_of_v, self._b_of_v))
+        )
+
+    @property
+    def symplectic(self) -> bool:
+        """Whether b_i A_ij + B_j a_ji = b_i B_j, with b and a for x, B and A for v (theorem VI.4.6 there)."""
+        b, b_of_v = self._b, self._b_of_v
+        defect = b[:, None] * self._a_of_v + (b_of_v[:, None] * self._a).T - np.outer(b, b_of_v)
+        return bool(np.abs(defect).max() < _ROUNDING and np.abs(b - b_of_v).max() < _ROUNDING)
+
+    @property
+    def onward(self) -> NDArray[np.float64]:
+        """Weights of the slopes of a step in the stages of the next one, as the polynomial through the slopes has it.
+
+        Row i has the integrals from 1 to 1 + c_i of the polynomials that are 1 at one node and 0 at the others. Zeros
+        where nodes coincide, and for explicit tableaux.
+        """
+        nodes, powers = self._a.sum(axis=1), np.arange(1, self.stages + 1)
+        if self.explicit or np.unique(nodes).size < nodes.size:
+            return np.zeros_like(self._a)
+        integrals = ((1 + nodes[:, None]) ** powers - 1) / powers
+        solved: NDArray[np.float64] = np.linalg.solve((nodes[:, None] ** (powers - 1)).T, integrals.T).T
+        return solved
+
+    @property
+    def numbers(self) -> NDArray[np.float64]:
+        """What the engine reads: s, the nodes, a and b for x, a and b for v, and `onward`, matrices row by row.
+
+        Time is one of the positions: its nodes are those of x.
+        """
+        a, a_of_v = self._a, self._a_of_v
+        matrices = (a.sum(axis=1), a.ravel(), self._b, a_of_v.ravel(), self._b_of_v, self.onward.ravel())
+        return np.concatenate([[float(self.stages)], *matrices])

@@ -1,0 +1,124 @@
+"""m x'' = F - G^T lambda with holonomic constraints g(x) = 0, by Python functions."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.core.kinds import Kind
+from kickdrift.systems.consistency import check
+from kickdrift.systems.constraints import Constraints
+from kickdrift.systems.problem import Adapter, Floats, Function, Problem, name_of
+from kickdrift.systems.second_order import divided_by_mass, masses_of
+from kickdrift.systems.system import System
+
+_POSITION = ("x", "q", "params")
+
+
+@dataclass(frozen=True)
+class Constrained(Problem):
+    """m x'' = F(t, x) - G(x)^T lambda with constraints g(x) = 0 and G = dg/dx, by Python functions.
+
+    The constraint forces -G^T lambda do what it takes to keep g(x) = 0; their multipliers lambda are the solution's
+    ``multipliers``. Methods: ``rattle``, ``shake``, ``projected-kick-drift``. Each step solves for the constraints until
+    rounding, some 1e-16 of the size of x; a step that cannot ends the run with a sentence.
+
+    Parameters
+    ----------
+    force : callable
+        F: returns the force, of the shape of x0, or writes it into ``out``. Arguments: ``x``, ``t``, ``params``,
+        ``out``.
+    constraint : callable
+        g: returns the numbers that are zero where the constraints are fulfilled, shape (m,), or one number. Arguments:
+        ``x``, ``params``.
+    mass : array_like
+        Positive, of a shape that broadcasts to x0: for states (N, 3) a number, or (N, 1).
+    jacobian : callable, optional
+        G: returns the derivatives of g by x, shape (m, *shape of x0), or the shape of x0 for one number, or writes
+        them into ``out``. It is compared with differences of g at x0 and near it. Without it, differences of fourth
+        order over 1e-4 of the size of x0 take its place: 4 n evaluations of g a step, and G to some 1e-12 where g is
+        smooth over such distances and all of x has one unit. The constraints are kept as exactly as with it; the
+        velocities are tangent, and the energy keeps from drifting, up to that error.
+    energy : callable, optional
+        Returns the energy, a number; the constraint forces do no work.
+    invariants : mapping of str to callable, optional
+        Other conserved numbers by name.
+
+    Raises
+    ------
+    ArgumentError
+        For a force that depends on the velocity; a Jacobian with a wrong entry; a start with g(x0) or G v0 not zero.
+        Constraints that say the same twice are accepted, and share the force with the smallest multipliers, each
+        measured by the length of its gradient. Refused with the rank found are constraints whose gradient vanishes,
+        that are nearly but not quite dependent, or that are dependent at x0 alone, a singular configuration.
+
+    Notes
+    -----
+    Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed. (2006), section VII.1.
+
+    Examples
+    --------
+    A pendulum of length 1 in the plane, in Cartesian coordinates:
+
+    >>> import numpy as np, kickdrift as kd
+    >>> pendulum = kd.Constrained(
+    ...     force=lambda x: np.array([0.0, -9.81]),
+    ...     constraint=lambda x: x[0] ** 2 + x[1] ** 2 - 1,
+    ...     energy=lambda x, v: 0.5 * (v[0] ** 2 + v[1] ** 2) + 9.81 * x[1],
+    ... )
+    >>> sol = kd.solve(pendulum, (0.0, 10.0), x0=[1, 0], v0=[0, 0], method="rattle", step=0.01, compile=False)
+    >>> bool(abs(np.hypot(*sol.x.T) - 1).max() < 1e-12), bool(abs(sol.energy).max() < 1e-2)
+    (True, True)
+    """
+
+    force: Function
+    constraint: Function
+    mass: ArrayLike = 1.0
+    jacobian: Function | None = None
+    energy: Function | None = None
+    invariants: Mapping[str, Function] = field(default_factory=dict)
+
+    def system(self, adapter: Adapter) -> System:
+        """Make the system."""
+        force = adapter.adapt(self.force, "the force")
+        if "v" in force.names:
+            raise ArgumentError(
+                f"force={name_of(self.force)} has an argument v, but methods for constraints keep their order for forces"
+                " of t and x alone; leave friction and drag out, or use coordinates without constraints, such as angles,"
+                " with kd.SecondOrder."
+            )
+        shape = adapter.shape_of(self.constraint, "the constraint", _POSITION)
+        if len(shape) > 1 or 0 in shape:
+            raise ArgumentError(
+                f"constraint={name_of(self.constraint)} returns an array of shape {shape}; give the constraints as one"
+                " number or a list of them."
+            )
+        constraint = adapter.adapt(self.constraint, "the constraint", _POSITION, shape)
+        adapted = [force, constraint]
+        parts = {"constraints": constraint.function}
+        if self.jacobian is not None:
+            of_jacobian = (*shape, *adapter.x0.shape)
+            jacobian = adapter.adapt(self.jacobian, "the jacobian", (*_POSITION, "out"), of_jacobian)
+            adapted.append(jacobian)
+            parts["constraint_jacobian"] = jacobian.function
+        made = System(
+            name=name_of(self.constraint),
+            acceleration=adapter.bind(divided_by_mass, force=force.function),
+            x0=adapter.x0,
+            v0=adapter.v0,
+            params=self._params(adapter, shape),
+            quantities=adapter.quantities(self.energy, self.invariants),
+            kind=Kind.CONSTRAINED,
+            parts=parts,
+            native=all(function.native for function in adapted),
+        )
+        check(Constraints(made), adapter.x0.reshape(-1), adapter.v0.reshape(-1))
+        return made
+
+    def _params(self, adapter: Adapter, shape: tuple[int, ...]) -> Floats:
+        """Append the number of constraints, a length that differences are measured by, and the inverse masses."""
+        length = float(abs(adapter.x0).max()) or 1.0
+        inverse_masses = 1 / masses_of(self.mass, adapter.x0.shape)
+        return np.concatenate([adapter.args, [shape[0] if shape else 1, length], inverse_masses])

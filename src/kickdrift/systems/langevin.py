@@ -1,0 +1,113 @@
+"""Langevin dynamics: m dv = F(t, x) dt - gamma m v dt + sqrt(2 gamma kT m) dW, dx = v dt, by a Python function."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kickdrift.core.compilation import unbound
+from kickdrift.core.errors import ArgumentError
+from kickdrift.core.kinds import Kind
+from kickdrift.systems.damped import at_least_zero
+from kickdrift.systems.problem import Adapter, Floats, Function, Problem, name_of
+from kickdrift.systems.second_order import masses_of
+from kickdrift.systems.system import System
+
+force: Function = unbound
+remainder: Function = unbound
+
+_HALF_WORD = 2**32  # a float64 holds 53 bits: the seed goes into two of them
+
+
+@dataclass(frozen=True)
+class Langevin(Problem):
+    """Langevin dynamics: a force by a Python function, friction, and the noise that belongs to it at a temperature.
+
+    dx = v dt, m dv = F(t, x) dt - gamma m v dt + sqrt(2 gamma kT m) dW.
+
+    Parameters
+    ----------
+    force : callable
+        F. The arguments that it names are ``x``, ``t``, ``params``, and ``out`` (written in place instead of
+        returning).
+    friction : array_like
+        gamma, at least 0, of a shape that broadcasts to x0: a rate, one over time.
+    temperature : float
+        kT, at least 0, in units of energy.
+    mass : array_like
+        m, positive, of a shape that broadcasts to x0: for states (N, 3) a number, or (N, 1).
+    seed : int
+        From 0 to 2**64 - 1. The same seed gives the same noise, to the bit: whatever is saved, and on any number of
+        threads. Runs that are to be independent need seeds of their own, and so does a run that goes on where another
+        ended: with the same seed it would meet the same noise again.
+    energy : callable, optional
+        Of x, v and so on, as for `kickdrift.SecondOrder`; it is not conserved.
+
+    Raises
+    ------
+    ArgumentError
+        For friction or a temperature below 0, masses that are not positive, shapes that do not fit the state, or a seed
+        that is not such an integer.
+
+    Notes
+    -----
+    ``method="baoab"`` has the most accurate positions: those of a harmonic oscillator have the exact distribution at
+    every stable step, up to h omega = 2. Their orders are weak orders, of averages. Numbers drawn: see
+    `kickdrift.core.random`.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> double_well = kd.Langevin(lambda x: 4 * x * (1 - x * x), friction=1.0, temperature=0.4, seed=7)
+    >>> sol = kd.solve(double_well, (0.0, 20.0), x0=1.0, v0=0.0, step=0.1, method="baoab", compile=False)
+    >>> sol.x.shape
+    (201,)
+    """
+
+    force: Function
+    friction: ArrayLike
+    temperature: float
+    mass: ArrayLike = 1.0
+    seed: int = 0
+    energy: Function | None = None
+
+    def system(self, adapter: Adapter) -> System:
+        """Make the system.
+
+        Its last params, for n numbers to a state: n inverse masses, n frictions, n variances kT / m of the velocities,
+        and the lower and the upper half of the seed.
+        """
+        adapted = adapter.adapt(self.force, "the force", ("t", "x", "params", "out"))
+        shape = adapter.x0.shape
+        inverse_masses = 1 / masses_of(self.mass, shape)
+        friction = at_least_zero("friction", self.friction, shape)
+        variances = at_least_zero("temperature", self.temperature, ()) * inverse_masses
+        rest = adapter.bind(_divided_by_mass, force=adapted.function)
+        return System(
+            name=name_of(self.force),
+            acceleration=adapter.bind(_with_friction, remainder=rest),
+            x0=adapter.x0,
+            v0=adapter.v0,
+            params=np.concatenate([adapter.args, inverse_masses, friction, variances, _halves(self.seed)]),
+            quantities=adapter.quantities(self.energy, {}),
+            kind=Kind.LANGEVIN,
+            parts={"remainder": rest},
+            native=adapted.native,
+        )
+
+
+def _divided_by_mass(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    force(t, x, v, params, out)
+    out *= params[params.size - 2 - 3 * x.size : params.size - 2 - 2 * x.size]
+
+
+def _with_friction(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    remainder(t, x, v, params, out)
+    out -= params[params.size - 2 - 2 * x.size : params.size - 2 - x.size] * v
+
+
+def _halves(seed: int) -> Floats:
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or not 0 <= seed < _HALF_WORD**2:
+        raise ArgumentError(f"seed={seed!r} must be an integer from 0 to 2**64 - 1.")
+    high, low = divmod(int(seed), _HALF_WORD)
+    return np.array([low, high], dtype=np.float64)

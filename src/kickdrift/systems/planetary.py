@@ -1,0 +1,83 @@
+"""Planets around a heavy body, split into Kepler problems and the little that is left."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kickdrift.core.errors import ArgumentError, unknown_name
+from kickdrift.core.kinds import Kind
+from kickdrift.systems.heliocentric import DEMOCRATIC_HELIOCENTRIC
+from kickdrift.systems.jacobi import JACOBI
+from kickdrift.systems.nbody import nbody
+from kickdrift.systems.system import System
+
+_SPLITTINGS = {"jacobi": JACOBI, "democratic-heliocentric": DEMOCRATIC_HELIOCENTRIC}
+
+
+def planetary(
+    masses: ArrayLike,
+    x0: ArrayLike,
+    v0: ArrayLike,
+    G: float = 1.0,
+    splitting: str = "jacobi",
+    names: Sequence[str] | None = None,
+) -> System:
+    """Make a system of light bodies around a heavy one, the first; the state has shape (N, 3).
+
+    It is `nbody` with more: methods such as ``"wisdom-holman"`` and ``"blanes-aba-1064"`` solve the Kepler problems
+    exactly, and only what is left is in the step. With e the mass of the planets over that of the first body their error
+    is e times smaller. All other methods run as they do on `nbody`. States are those of `nbody` in any case.
+
+    Parameters
+    ----------
+    masses : (N,) array_like
+        Masses, at least 0, the first the largest.
+    x0, v0 : (N, 3) array_like
+        Positions and velocities, in any inertial frame.
+    G : float
+        Gravitational constant in the units of the rest.
+    splitting : str
+        Into which Kepler problems: ``"jacobi"``, where the bodies should come by their distance and what is left is
+        smaller; or ``"democratic-heliocentric"``, where their order does not matter, and they may pass each other.
+    names : sequence of str, optional
+        Names of the bodies.
+
+    Raises
+    ------
+    ArgumentError
+        As for `nbody`, and for fewer than two bodies, a first one that is not the heaviest, or one that is where the
+        first is.
+    UnknownNameError
+        For a splitting that is not known.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> x0, v0 = [[0, 0, 0], [1, 0, 0], [0, 2, 0]], [[0, 0, 0], [0, 1, 0], [-0.7, 0, 0]]
+    >>> system = kd.systems.planetary([1, 1e-3, 1e-3], x0, v0)
+    >>> sol = kd.solve(system, (0.0, 100.0), step=0.1, method="wisdom-holman")
+    >>> bool(abs(sol.energy / sol.energy[0] - 1).max() < 1e-5)
+    True
+    """
+    if splitting not in _SPLITTINGS:
+        raise unknown_name("splitting", splitting, _SPLITTINGS)
+    system = nbody(masses, x0, v0, G, names=names)
+    chosen, gm = _SPLITTINGS[splitting], system.params[2:]
+    if gm.size < 2:
+        raise ArgumentError(f"masses has {gm.size} body; a planetary system has at least two.")
+    if not gm[0] > 0 or gm.argmax() != 0:
+        raise ArgumentError(
+            f"masses[{int(gm.argmax())}] is the largest, or all are 0; put the heaviest body first, the others are to"
+            " move around it."
+        )
+    return replace(
+        system,
+        name="planetary",
+        kind=Kind.NEARLY_KEPLERIAN,
+        params=np.concatenate([system.params, chosen.params(gm)]),
+        parts={"remainder": chosen.remainder(gm.size), **chosen.parts},
+        frame=chosen.frame(gm),
+        source="Wisdom, Holman, Astron. J. 102, 1528 (1991)",
+    )

@@ -1,0 +1,77 @@
+"""Problems described by a user's Python functions, and what the engine lends them to become a system."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.systems.system import Quantity, System
+
+Floats = NDArray[np.float64]
+Function = Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Adapted:
+    """A user's function as the engine calls it, ``function(t, x, v, params, out)`` over one-dimensional arrays.
+
+    Attributes
+    ----------
+    function : callable
+    names : frozenset of str
+        What it depends on: ``"t"``, ``"x"``, ``"v"``, ``"params"``, ``"out"``, whatever the user calls x and v.
+    native : bool
+        Whether it is compiled.
+    """
+
+    function: Function
+    names: frozenset[str]
+    native: bool
+
+
+class Adapter(Protocol):
+    """What the engine lends to a problem: a start, and hands that adapt functions to it."""
+
+    t0: float
+    x0: Floats
+    v0: Floats
+    args: Floats
+
+    def adapt(
+        self,
+        function: Any,
+        role: str,
+        names: Sequence[str] = ("t", "x", "v", "params", "out"),
+        shape: tuple[int, ...] | None = None,
+    ) -> Adapted:
+        """Adapt a function that gives an array of a shape, that of the state if none is given, and try it once.
+
+        The names are those that its arguments may have; q and y stand for x, p for v.
+        """
+
+    def shape_of(self, function: Any, role: str, names: Sequence[str]) -> tuple[int, ...]:
+        """Call a function at the start, and return the shape of what it returns."""
+
+    def quantities(self, energy: Function | None, invariants: Mapping[str, Function]) -> dict[str, Quantity]:
+        """Adapt conserved quantities."""
+
+    def bind(self, template: Function, **functions: Function) -> Function:
+        """Bind functions to the global names of a template: compiled if all of them are."""
+
+
+class Problem(ABC):
+    """A problem described by Python functions. A new kind of description is a subclass in a file of its own."""
+
+    has_velocity: ClassVar[bool] = True
+
+    @abstractmethod
+    def system(self, adapter: Adapter) -> System:
+        """Make the system."""
+
+
+def name_of(function: Any) -> str:
+    """Name a function, or the type of another callable."""
+    return str(getattr(function, "__name__", type(function).__name__)).strip("<>")

@@ -1,0 +1,132 @@
+"""x'' = f, by Python functions."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kickdrift.core.compilation import unbound
+from kickdrift.core.errors import ArgumentError
+from kickdrift.core.kinds import Kind
+from kickdrift.systems.problem import Adapter, Floats, Function, Problem, name_of
+from kickdrift.systems.system import System
+
+force: Function = unbound
+
+
+@dataclass(frozen=True)
+class SecondOrder(Problem):
+    """x'' = f by Python functions: an acceleration and, if there are, what it conserves.
+
+    The names of a function's arguments declare its structure: ``x`` (position), ``t`` (time: forced), ``v``
+    (velocity-dependent), ``params`` (a float array), and, for the acceleration, ``out`` (written in place instead of
+    returning). Arrays arrive in the shape of x0; a scalar state arrives as a float.
+
+    Parameters
+    ----------
+    acceleration : callable
+        Returns the acceleration, of the shape of x0 or one that broadcasts to it, or writes it into `out`.
+    energy : callable, optional
+        Returns the energy, a number.
+    invariants : mapping of str to callable, optional
+        Other conserved numbers by name.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> spring = kd.SecondOrder(lambda x: -x, energy=lambda x, v: 0.5 * (v * v + x * x))
+    >>> kd.solve(spring, t_span=(0.0, 1.0), x0=1.0, v0=0.0, step=0.01, compile=False).energy[0]
+    np.float64(0.5)
+    """
+
+    acceleration: Function
+    energy: Function | None = None
+    invariants: Mapping[str, Function] = field(default_factory=dict)
+
+    def system(self, adapter: Adapter) -> System:
+        """Make the system."""
+        acceleration = adapter.adapt(self.acceleration, "the acceleration")
+        return System(
+            name=name_of(self.acceleration),
+            acceleration=acceleration.function,
+            x0=adapter.x0,
+            v0=adapter.v0,
+            params=adapter.args,
+            quantities=adapter.quantities(self.energy, self.invariants),
+            kind=Kind.VELOCITY_DEPENDENT if "v" in acceleration.names else Kind.NEWTONIAN,
+            native=acceleration.native,
+        )
+
+
+@dataclass(frozen=True)
+class Newtonian(Problem):
+    """m x'' = F by Python functions: a force and the masses.
+
+    Parameters
+    ----------
+    force : callable
+        Returns the force, or writes it into ``out``; its arguments are those of `SecondOrder`.
+    mass : array_like
+        Positive, of a shape that broadcasts to x0: for states (N, 3) a number, or (N, 1).
+    energy, invariants
+        As for `SecondOrder`.
+
+    Raises
+    ------
+    ArgumentError
+        For masses that are not positive, or do not fit the state.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> spring = kd.Newtonian(lambda x: -8 * x, mass=2.0)
+    >>> kd.solve(spring, t_span=(0.0, 1.0), x0=1.0, v0=0.0, step=0.5, method="leapfrog", compile=False).x
+    array([ 1. ,  0.5, -0.5])
+    """
+
+    force: Function
+    mass: ArrayLike = 1.0
+    energy: Function | None = None
+    invariants: Mapping[str, Function] = field(default_factory=dict)
+
+    def system(self, adapter: Adapter) -> System:
+        """Make the system."""
+        adapted = adapter.adapt(self.force, "the force")
+        return System(
+            name=name_of(self.force),
+            acceleration=adapter.bind(divided_by_mass, force=adapted.function),
+            x0=adapter.x0,
+            v0=adapter.v0,
+            params=np.concatenate([adapter.args, 1 / masses_of(self.mass, adapter.x0.shape)]),
+            quantities=adapter.quantities(self.energy, self.invariants),
+            kind=Kind.VELOCITY_DEPENDENT if "v" in adapted.names else Kind.NEWTONIAN,
+            native=adapted.native,
+        )
+
+
+def divided_by_mass(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    """Write the acceleration under a force; the inverse masses are the last params."""
+    force(t, x, v, params, out)
+    out *= params[params.size - x.size :]
+
+
+def masses_of(mass: ArrayLike, shape: tuple[int, ...]) -> Floats:
+    """Return one mass to each number of a state of this shape.
+
+    Raises
+    ------
+    ArgumentError
+        For masses that are not positive and finite numbers, or whose shape does not broadcast.
+    """
+    try:
+        given = np.asarray(mass, dtype=np.float64)
+        masses = np.broadcast_to(given, shape).reshape(-1).copy()
+    except (TypeError, ValueError) as error:
+        raise ArgumentError(
+            f"mass={mass!r} does not fit states of shape {shape}: {error}; give a number, or for states (N, 3) an"
+            " array of shape (N, 1)."
+        ) from None
+    if not (np.isfinite(masses).all() and (masses > 0).all()):
+        raise ArgumentError(f"mass={mass!r} must be positive and finite.")
+    return masses

@@ -1,0 +1,156 @@
+"""Which method runs on which kind of problem: the whole product, and what ``method="auto"`` takes."""
+
+import numpy as np
+import pytest
+
+import kickdrift as kd
+from kickdrift.core.errors import ArgumentError, MethodMismatchError
+from kickdrift.methods import Kind
+
+METHODS = kd.methods.catalogue()
+
+
+# A problem of each kind, small and smooth, as keyword arguments of solve.
+PROBLEMS = {
+    Kind.FIRST_ORDER: {"problem": kd.FirstOrder(lambda y: np.array([y[1], -y[0]])), "x0": [1.0, 0.0]},
+    Kind.PARTITIONED: {
+        "problem": kd.Partitioned(lambda x, v: x * (1 - v), lambda x, v: v * (x - 1)),
+        "x0": 0.5,
+        "v0": 1.5,
+    },
+    Kind.HAMILTONIAN: {
+        "problem": kd.Hamiltonian(dHdq=lambda q, p: q * (1 + p * p), dHdp=lambda q, p: p * (1 + q * q)),
+        "x0": 0.5,
+        "v0": 0.5,
+    },
+    Kind.SEPARABLE: {
+        "problem": kd.Separable(lambda p: p / np.sqrt(1 + p * p), lambda q: q),
+        "x0": 0.5,
+        "v0": 0.5,
+    },
+    Kind.VELOCITY_DEPENDENT: {"problem": lambda x, v: -x - 0.1 * v * abs(v), "x0": 1.0, "v0": 0.5},
+    Kind.NEWTONIAN: {"problem": lambda x: -x - x**3, "x0": 1.0, "v0": 0.5},
+    Kind.DAMPED: {"problem": kd.Damped(lambda x: -x, damping=0.1), "x0": 1.0, "v0": 0.5},
+    Kind.CHARGED: {
+        "problem": kd.ChargedParticle(1.0, lambda x: np.array([0.0, 0.0, 1.0 + x[0]]), lambda x: -0.1 * x),
+        "x0": [1.0, 0.0, 0.0],
+        "v0": [0.0, 0.5, 0.1],
+    },
+    Kind.NEARLY_KEPLERIAN: {
+        "problem": kd.systems.planetary(
+            [1.0, 1e-3, 1e-3],
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [-2.0, 0.0, 0.0]],
+            [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -0.7, 0.0]],
+        )
+    },
+    Kind.CONSTRAINED: {
+        "problem": kd.Constrained(lambda x: np.array([0.0, -1.0]), lambda x: x[0] ** 2 + x[1] ** 2 - 1),
+        "x0": [1.0, 0.0],
+        "v0": [0.0, 0.5],
+    },
+    Kind.LANGEVIN: {
+        "problem": kd.Langevin(lambda x: -x, friction=1.0, temperature=1.0),
+        "x0": 1.0,
+        "v0": 0.5,
+    },
+}
+
+# Rows: what a method is for. Columns, in the order of the enumeration: the problems on which it runs.
+RUNS_ON = {
+    #                         F P H S V N D C K X L
+    Kind.FIRST_ORDER: "       1 1 1 1 1 1 1 1 1 0 0",
+    Kind.PARTITIONED: "       0 1 1 1 1 1 1 1 1 0 0",
+    Kind.HAMILTONIAN: "       0 0 1 1 0 1 0 0 1 0 0",
+    Kind.SEPARABLE: "         0 0 0 1 0 1 0 0 1 0 0",
+    Kind.VELOCITY_DEPENDENT: "0 0 0 0 1 1 1 1 1 0 0",
+    Kind.NEWTONIAN: "         0 0 0 0 0 1 0 0 1 0 0",
+    Kind.DAMPED: "            0 0 0 0 0 0 1 0 0 0 0",
+    Kind.CHARGED: "           0 0 0 0 0 0 0 1 0 0 0",
+    Kind.NEARLY_KEPLERIAN: "  0 0 0 0 0 0 0 0 1 0 0",
+    Kind.CONSTRAINED: "       0 0 0 0 0 0 0 0 0 1 0",
+    Kind.LANGEVIN: "          0 0 0 0 0 0 0 0 0 0 1",
+}
+
+
+def solve(kind, method, **options):
+    return kd.solve(t_span=(0.0, 0.02), step=0.01, method=method, compile=False, **PROBLEMS[kind], **options)
+
+
+def test_the_table_and_the_problems_are_complete():
+    assert set(RUNS_ON) == set(PROBLEMS) == set(Kind)
+    assert {len(row.split()) for row in RUNS_ON.values()} == {len(Kind)}
+    assert list(Kind) == list(PROBLEMS)
+
+
+@pytest.mark.parametrize("kind", Kind, ids=lambda kind: kind.name.lower())
+@pytest.mark.parametrize("method", METHODS.values(), ids=lambda method: method.name)
+def test_every_pair_of_method_and_problem_runs_or_is_refused(method, kind):
+    runs = RUNS_ON[method.kind].split()[list(Kind).index(kind)] == "1"
+    if runs or (kind is Kind.HAMILTONIAN and method.counterpart):
+        solution = solve(kind, method.name)
+        assert solution.success
+        assert solution.about.kind == kind.name
+        assert solution.about.method == (method.name if runs and not method.counterpart else solution.about.method)
+        return
+    with pytest.raises(MethodMismatchError, match=f"method='{method.name}' is for .*; use ") as refusal:
+        solve(kind, method.name)
+    instead = str(refusal.value).split("use '")[1].split("'")[0]
+    assert solve(kind, instead).success
+
+
+@pytest.mark.parametrize(
+    ("name", "stands_for"),
+    [
+        ("semi-implicit-euler", "implicit-kick-drift"),
+        ("drift-kick", "implicit-drift-kick"),
+        ("stormer-verlet", "implicit-verlet"),
+        ("position-verlet", "implicit-position-verlet"),
+    ],
+)
+def test_classical_names_mean_their_implicit_forms_for_hamiltonians_that_are_not_separable(name, stands_for):
+    assert solve(Kind.HAMILTONIAN, name).about.method == stands_for
+
+
+@pytest.mark.parametrize(
+    ("kind", "order", "name"),
+    [
+        (Kind.NEWTONIAN, 1, "velocity-verlet"),
+        (Kind.NEWTONIAN, 2, "velocity-verlet"),
+        (Kind.NEWTONIAN, 4, "blanes-moan-srkn6b"),
+        (Kind.NEWTONIAN, None, "blanes-moan-srkn6b"),
+        (Kind.NEWTONIAN, 5, "blanes-moan-srkn11b"),
+        (Kind.NEWTONIAN, 6, "blanes-moan-srkn11b"),
+        (Kind.NEWTONIAN, 8, "kahan-li-8"),
+        (Kind.NEWTONIAN, 10, "sofroniou-spaletta-10"),
+        (Kind.SEPARABLE, 4, "blanes-moan-s6"),
+        (Kind.SEPARABLE, 6, "blanes-moan-s10"),
+        (Kind.SEPARABLE, 8, "kahan-li-8"),
+    ],
+)
+def test_auto_takes_what_is_best_for_the_structure_and_order(kind, order, name):
+    assert solve(kind, "auto", order=order).about.method == name
+    assert kd.methods.preferred(kind, order).name == name
+
+
+@pytest.mark.parametrize("kind", Kind, ids=lambda kind: kind.name.lower())
+def test_auto_runs_on_every_kind(kind):
+    solution = solve(kind, "auto")
+    assert solution.success
+    assert solution.about.order >= 2
+
+
+@pytest.mark.parametrize("kind", Kind, ids=lambda kind: kind.name.lower())
+def test_auto_refuses_an_order_that_there_is_not(kind):
+    with pytest.raises(MethodMismatchError, match=r"order=12 is higher than .* the highest is "):
+        solve(kind, "auto", order=12)
+
+
+@pytest.mark.parametrize("order", [0, -2, 2.5, "4", True])
+def test_an_order_that_is_none_is_refused(order):
+    with pytest.raises(ArgumentError, match="order="):
+        solve(Kind.NEWTONIAN, "auto", order=order)
+
+
+def test_an_order_without_auto_is_refused():
+    with pytest.raises(ArgumentError, match="order=4 is for method='auto'"):
+        solve(Kind.NEWTONIAN, "velocity-verlet", order=4)
