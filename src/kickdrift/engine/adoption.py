@@ -53,12 +53,15 @@ class Start:
         given = {name: state[MEANINGS.get(name, name)] for name in argument_names(function, role, names)}
         try:
             with np.errstate(all="ignore"):
-                returned = np.asarray(getattr(function, "py_func", function)(**given), dtype=np.float64)
+                returned = getattr(function, "py_func", function)(**given)
+            if returned is None:
+                raise TypeError("it returned None")
+            return np.shape(returned)
         except Exception as error:
             raise ArgumentError(
-                f"{name_of(function)} failed at the start, x0 of shape {self.x0.shape}: {type(error).__name__}: {error}."
+                f"{name_of(function)} failed at the start, x0 of shape {self.x0.shape}: {type(error).__name__}:"
+                f" {error}. It must return numbers."
             ) from error
-        return returned.shape
 
     def quantities(self, energy: Function | None, invariants: Mapping[str, Function]) -> dict[str, Quantity]:
         """Adapt conserved quantities: numbers."""

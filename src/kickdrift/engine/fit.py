@@ -6,7 +6,6 @@ from kickdrift.core.kinds import Kind
 from kickdrift.methods import Letter, Method
 from kickdrift.systems.system import System
 
-
 AUTO = "auto"
 
 

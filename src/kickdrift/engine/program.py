@@ -47,8 +47,12 @@ class Program:
     coefficients: NDArray[np.float64]
 
 
-def compose(method: Method, system: System, word: Word | None = None) -> Program:
+def compose(
+    method: Method, system: System, word: Word | None = None, clock: Fraction = Fraction(0), repeated: bool = True
+) -> Program:
     """Work out the step of a method on a system, or what another word of its letters does.
+
+    Such a word may begin at another time of the step, and may be done once instead of over and over.
 
     A letter becomes the flow that it is for the kind of problem: an adjoint kick is a kick where the acceleration does
     not depend on the velocity, and the drift of a first-order system is the sweep over its components.
@@ -61,13 +65,15 @@ def compose(method: Method, system: System, word: Word | None = None) -> Program
     evaluate the acceleration again. That saves the evaluation but not the kick itself, so that the numbers do not
     depend on which steps are saved.
     """
-    spelled = _spell(method, system, method.word if word is None else word)
+    spelled = _spell(method, system, method.word if word is None else word, clock)
     names = [name for name, _, _ in spelled]
     primed = False
     if not _kicks_see_velocity(method, system):
-        names, primed = _reuse_accelerations(names)
+        names, primed = _reuse_accelerations(names, repeated)
     flows = tuple(dict.fromkeys(names))
-    primers = ("accelerate",) * primed + tuple(dict.fromkeys(FLOWS[name].primer for name in flows if FLOWS[name].primer))
+    primers = ("accelerate",) * primed + tuple(
+        dict.fromkeys(FLOWS[name].primer for name in flows if FLOWS[name].primer)
+    )
     return Program(
         flows=flows,
         letters=np.array([flows.index(name) for name in names]),
@@ -90,16 +96,16 @@ def evaluations_of(method: Method) -> int:
     return compose(method, plainest).evaluations
 
 
-def _spell(method: Method, system: System, word: Word) -> list[tuple[str, Fraction, Fraction]]:
+def _spell(method: Method, system: System, word: Word, x_clock: Fraction) -> list[tuple[str, Fraction, Fraction]]:
     """Flow, share and clock of each letter; neighbours that do the same are merged."""
-    x_clock = v_clock = Fraction(0)
+    v_clock = Fraction(0)
     spelled: list[tuple[str, Fraction, Fraction]] = []
     for letter, weight in word:
         name = _flow_of(letter, system, method)
         if name is None:
             continue
         flow = FLOWS[name]
-        clock = v_clock if name in ("drift-along", "adjoint-drift") else x_clock
+        clock = v_clock if name in ("drift-along", "adjoint-drift", "doubled-drift") else x_clock
         if spelled and spelled[-1][0] == name and name in _MERGING and flow.moves_x != flow.moves_v:
             spelled[-1] = name, spelled[-1][1] + weight, spelled[-1][2]
         else:
@@ -140,7 +146,7 @@ def _kicks_see_velocity(method: Method, system: System) -> bool:
     return not Kind.SEPARABLE.includes(system.kind)
 
 
-def _reuse_accelerations(names: list[str]) -> tuple[list[str], bool]:
+def _reuse_accelerations(names: list[str], repeated: bool) -> tuple[list[str], bool]:
     """Replace kicks by rekicks where the acceleration is known; also whether the first of a step is one."""
 
     def walk(known: bool) -> tuple[list[str], bool]:
@@ -151,7 +157,7 @@ def _reuse_accelerations(names: list[str]) -> tuple[list[str], bool]:
         return replaced, known
 
     once, known = walk(False)
-    if not known:
+    if not (known and repeated):
         return once, False
     again, _ = walk(True)
     return again, again != once

@@ -22,6 +22,7 @@ _PREFERRED: dict[Kind, tuple[str, ...]] = {
     Kind.DAMPED: ("conformal-verlet", "blanes-moan-conformal-4", "blanes-moan-conformal-6"),
     Kind.CHARGED: ("boris", "blanes-moan-gyration-4", "blanes-moan-gyration-6"),
     Kind.LANGEVIN: ("baoab",),
+    Kind.NEARLY_KEPLERIAN: ("wisdom-holman", "blanes-aba-1064", "blanes-moan-srkn11b", "kahan-li-8"),
     Kind.HAMILTONIAN: _SYMPLECTIC_RUNGE_KUTTA,
     Kind.PARTITIONED: _SYMPLECTIC_RUNGE_KUTTA,
     Kind.FIRST_ORDER: _SYMPLECTIC_RUNGE_KUTTA,

@@ -84,7 +84,7 @@ def _slot(name: str) -> int:
     return _FIRST_PART + PARTS.index(name)
 
 
-VELOCITY, COMPONENT = _slot("velocity"), _slot("component")
+VELOCITY, COMPONENT, VELOCITY_JACOBIAN = _slot("velocity"), _slot("component"), _slot("velocity_jacobian")
 CONSTRAINT_JACOBIAN = _slot("constraint_jacobian")
 
 

@@ -35,11 +35,10 @@ def noise(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats
     add_to_v(v, 1.0, change, work)
 
 
-@compiled
-def draw(params: Floats, work: Floats, change: Floats) -> None:
-    """Write the next draw of normal numbers."""
+def draw(params: Floats, work: Floats, out: Floats) -> None:
+    """Write the next draw of normal numbers: a part of the flows, which is compiled into them."""
     low, high = np.uint64(params[params.size - 2]), np.uint64(params[params.size - 1])
-    fill_normal(low | (high << np.uint64(32)), np.uint64(work[DRAWN]), change)
+    fill_normal(low | (high << np.uint64(32)), np.uint64(work[DRAWN]), out)
     work[DRAWN] += 1.0
 
 
