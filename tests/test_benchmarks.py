@@ -1,7 +1,9 @@
 """The benchmarks: the arithmetic of the rows, the table, and that C does the work that kickdrift does."""
 
+import math
 import shutil
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -150,3 +152,212 @@ def test_every_nonlinear_system_of_the_catalogue_is_compared():
     from benchmarks.implicit_euler import cases
 
     assert set(cases()) == set(kd.systems.catalogue()) - {"harmonic-oscillator"} | {"duffing"}
+
+
+def power_law(order, work=(1.0, 10.0, 100.0, 1000.0)):
+    return np.array(work), np.array(work) ** -float(order)
+
+
+def test_errors_are_interpolated_by_their_logarithms():
+    from benchmarks.precision.curves import error_at
+
+    work, errors = power_law(4)
+    assert error_at(work, errors, 30.0) == pytest.approx(30.0**-4, rel=1e-12)
+    assert np.interp(30.0, work, errors) > 60 * 30.0**-4  # which a straight line between the runs would give
+    assert error_at(work, errors, 1e5) == pytest.approx(errors[-1], rel=1e-12)
+    assert error_at(work, errors, 0.9) == np.inf
+
+
+def test_work_is_interpolated_by_its_logarithm():
+    from benchmarks.precision.curves import error_at, work_for
+
+    work, errors = power_law(4)
+    assert work_for(work, errors, 30.0**-4) == pytest.approx(30.0, rel=1e-12)
+    assert work_for(work, errors, error_at(work, errors, 7.0)) == pytest.approx(7.0, rel=1e-12)
+    assert work_for(work, errors, 2.0) == work[0]
+    assert work_for(work, errors, 1e-13) == np.inf
+
+
+def test_failed_runs_and_runs_that_rounding_made_worse_do_not_count():
+    from benchmarks.precision.curves import error_at, work_for
+
+    work, errors = power_law(2)
+    worse = np.array([np.inf, *errors, 1e-3])
+    longer = np.array([0.5, *work, 1e4])
+    assert error_at(longer, worse, 30.0) == pytest.approx(30.0**-2, rel=1e-12)
+    assert error_at(longer, worse, 1e4) == pytest.approx(errors[-1], rel=1e-12)
+    assert error_at(longer, worse, 0.7) == np.inf
+    assert work_for(longer, worse, 1e-3) == pytest.approx(10**1.5, rel=1e-12)
+    assert work_for(work, np.full(4, np.inf), 0.1) == np.inf
+
+
+def curve(label, order, slowness, rounds=3):
+    from benchmarks.precision.curves import Curve
+
+    work, errors = power_law(order)
+    return Curve(label, errors, work, slowness * np.tile(work, (rounds, 1)))
+
+
+def test_a_peer_ten_times_slower_is_off_by_ten_to_the_order_at_equal_time():
+    from benchmarks.precision import curves
+
+    ours = [curve("kickdrift two", 2, 1.0), curve("kickdrift four", 4, 1.0)]
+    for slowness, errors, times in ((1.0, 1.0, 1.0), (10.0, 1e4, 10.0), (0.5, 1 / 16, 0.5)):
+        found = curves.compare(curve("peer", 4, slowness), 2, ours)
+        np.testing.assert_allclose(found.errors, errors, rtol=1e-9)
+        np.testing.assert_allclose(found.times, times, rtol=1e-9)
+        assert found.best == "kickdrift four"
+
+
+def test_runs_beyond_ours_are_not_extrapolated():
+    from benchmarks.precision import curves
+
+    ours = [curve("kickdrift four", 4, 1.0)]
+    quick = curves.compare(curve("quick", 4, 0.5), 0, ours)
+    assert quick.errors.tolist() == [0.0] * 3
+    exact = curves.compare(curve("exact", 5, 1.0), 3, ours)
+    assert exact.times.tolist() == [0.0] * 3
+    assert (exact.errors < 1).all()
+
+
+def test_the_nearest_run_is_found_by_the_logarithm():
+    from benchmarks.precision.curves import nearest
+
+    found = curve("four", 4, 1.0)  # errors 1, 1e-4, 1e-8, 1e-12
+    assert [nearest(found, error) for error in (0.9, 2e-3, 0.5e-4, 3e-10, 1e-17)] == [0, 1, 1, 2, 3]
+
+
+@pytest.fixture(scope="module")
+def precision_cases():
+    from benchmarks.precision.cases import every_case
+
+    return every_case()
+
+
+def test_every_kind_has_a_case_with_the_methods_that_auto_takes(precision_cases):
+    assert {case.kind for case in precision_cases} == set(kd.methods.Kind)
+    assert len({case.name for case in precision_cases}) == len(precision_cases)
+    for case in precision_cases:
+        assert all(kd.methods.get(name).kind.includes(case.kind) for name in case.methods)
+        assert kd.methods.preferred(case.kind).name in case.methods
+        assert len({peer.label for peer in case.peers}) == len(case.peers) > 0
+
+
+def test_a_case_is_the_same_problem_for_kickdrift_and_its_peers(precision_cases):
+    from benchmarks.precision.laws import expressed
+
+    for case in precision_cases:
+        if case.kind is kd.methods.Kind.LANGEVIN:
+            continue  # peers get the force of its own
+
+        def rates(t, y, case=case):
+            return np.array(expressed(case.law, math, len(case.x0), t, y))
+
+        span = case.span / 5000
+        start = () if isinstance(case.problem, kd.System) else (case.x0, case.v0) if case.v0 else (case.x0,)
+        method = {kd.methods.Kind.CONSTRAINED: "rattle"}.get(case.kind, "gauss-4")
+        compiled = isinstance(case.problem, kd.System)
+        found = kd.solve(case.problem, (0.0, span), *start, step=span / 8, method=method, compile=compiled)
+        end = np.concatenate([found.x[-1].ravel(), found.v[-1].ravel()])
+        law = kd.FirstOrder(rates)
+        wanted = kd.solve(law, (0.0, span), case.start, step=span / 8, method="gauss-4", compile=False).x[-1]
+        moved = np.abs(wanted - case.start).max()
+        assert np.abs(end - wanted).max() < 1e-4 * moved, case.name
+
+
+def small(case):
+    return replace(case, span=10.0, evaluations=(400.0, 1600.0), peers=())
+
+
+def test_runs_get_the_evaluations_and_tolerances_of_the_case(precision_cases):
+    from benchmarks.precision.case import Contestant
+    from benchmarks.precision.measure import values
+
+    case = small(precision_cases[0])
+    assert values(case, Contestant("a b", None, cost=8.0, count=3)).tolist() == [50, 100, 200]
+    assert values(case, Contestant("a b", None, cost=8.0, limit=800.0, count=2)).tolist() == [50, 100]
+    np.testing.assert_allclose(values(case, Contestant("a b", None, limit=1e-8, count=3)), [1e-4, 1e-6, 1e-8])
+
+
+def test_who_is_missing_is_said_and_who_does_other_work_is_found(precision_cases):
+    from benchmarks.precision import measure, ours
+    from benchmarks.precision.case import Contestant, Run
+    from benchmarks.table import Missing
+
+    def absent(case):
+        raise Missing("pip install kickdrift[bench]")
+
+    def other_work(case):
+        return lambda value, keep: Run(1e-3, np.array([[0.1, 0.0, 0.0, 0.7]]), value)
+
+    case = small(precision_cases[0])
+    own = ours.contestant(case, "blanes-moan-srkn6b", count=2)
+    found, missing = measure.curves(case, [own, Contestant("absent Method", absent)], rounds=1)
+    assert missing == {"absent Method": "pip install kickdrift[bench]"}
+    assert [curve.label for curve in found] == ["kickdrift blanes-moan-srkn6b"]
+    assert found[0].seconds.shape == (1, 2)
+    assert found[0].errors[0] > 10 * found[0].errors[1] > 0
+    np.testing.assert_allclose(found[0].evaluations, case.evaluations, rtol=0.05)
+    with pytest.raises(AssertionError, match="same work"):
+        measure.curves(case, [Contestant("wrong Method", other_work, cost=1.0)], rounds=1)
+
+
+def test_the_reference_of_a_case_is_the_exact_end(precision_cases):
+    from benchmarks.precision import ours
+
+    [kepler] = [case for case in precision_cases if case.name == "kepler"]
+    turn = replace(kepler, span=2 * np.pi, end=())
+    np.testing.assert_allclose(ours.reference(turn), kepler.end, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(ours.reference(kepler), kepler.end)
+
+
+def test_the_best_other_method_is_found_between_chaos_and_rounding():
+    from benchmarks.precision.preference import best_other
+
+    chosen = np.array([0.5, 1e-4, 1e-8, 1e-13])
+    others = {"a": chosen * [1e-3, 2, 2, 1e-3], "b": chosen * [1, 8, 0.1, 1], "c": chosen * [1, 1, 3, 1]}
+    name, ratios = best_other(chosen, others)
+    assert name == "b"
+    np.testing.assert_allclose(ratios, [8, 0.1])
+    name, ratios = best_other(chosen, {"a": others["a"], "c": others["c"]})
+    assert name == "c"
+    assert best_other(chosen, {})[0] == ""
+
+
+def test_rivals_are_words_of_kicks_and_drifts_that_have_the_order():
+    from benchmarks.precision.preference import rivals
+
+    Kind = kd.methods.Kind
+    names = {method.name for method in rivals(Kind.SEPARABLE, 6)}
+    assert {"blanes-moan-s10", "yoshida-6"} < names
+    assert not names & {"blanes-moan-srkn11b", "gauss-6", "yoshida-8"}
+    assert "blanes-moan-srkn11b" in {method.name for method in rivals(Kind.NEWTONIAN, 6)}
+
+
+def test_a_picture_names_every_line_once_and_is_small(precision_cases, tmp_path):
+    from benchmarks.precision import picture
+
+    kickdrift = [curve(f"kickdrift order-{order}", order, 0.01) for order in (2, 3, 4)]
+    peers = [curve(f"heyoka {order}", order, 0.1) for order in (2, 3, 4)]
+    path = tmp_path / "pictures" / "case.png"
+    picture.draw(precision_cases[0], kickdrift, peers, path)
+    assert path.read_bytes().startswith(b"\x89PNG")
+    assert path.stat().st_size < 150_000
+
+
+def test_labels_do_not_lie_on_each_other():
+    from benchmarks.precision.labels import Label, place
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6, 4))
+    FigureCanvasAgg(figure)
+    axes = figure.subplots()
+    axes.set(xscale="log", yscale="log", xlim=(0.1, 1e5), ylim=(1e-13, 10))
+    work, errors = power_law(3)
+    labels = [Label(f"method {i}", "black", i == 0, work, errors * (1 + 0.1 * i)) for i in range(5)]
+    place(axes, labels)
+    boxes = [text.get_window_extent() for text in axes.texts]
+    assert sorted(text.get_text() for text in axes.texts) == [label.text for label in labels]
+    assert not any(one.overlaps(other) for i, one in enumerate(boxes) for other in boxes[:i])
+    assert all(axes.get_window_extent().contains(*corner) for box in boxes for corner in (box.min, box.max))

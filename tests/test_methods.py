@@ -86,7 +86,7 @@ def test_any_weights_that_add_up_make_a_method(kicks):
     drifts = [Fraction(1, len(kicks))] * len(kicks)
     made = method(alternating(K, [w for pair in zip(kicks, drifts, strict=True) for w in pair]), symmetric=False)
     assert made.explicit
-    assert made.spelling.count("D") == len(kicks)
+    assert made.spelling.startswith("K")
 
 
 def test_a_method_of_ones_own_runs():

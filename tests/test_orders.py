@@ -41,7 +41,7 @@ def forced(t, x):
 
 
 def damped(t, x, v):
-    return -np.sin(x) - 0.1 * v - 0.05 * v * abs(v) + 0.3 * np.cos(t)
+    return -np.sin(x) - 0.1 * v - 0.05 * v**3 + 0.3 * np.cos(t)
 
 
 def interpreted(system):

@@ -9,7 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift import methods
 from kickdrift.core.errors import ArgumentError, KickdriftError
+from kickdrift.core.kinds import Kind
 from kickdrift.engine.adoption import adopt
+from kickdrift.engine.multipliers import constraint_acceleration
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.solve import solve
 from kickdrift.systems.problem import Problem
@@ -146,6 +148,8 @@ def _dop853(system: System, run: Solution) -> tuple[Floats, Floats]:
             system.velocity(t, x, v, system.params, out[:n])
         if v.size > 0:
             system.acceleration(t, x, v, system.params, out[n:])
+        if system.kind is Kind.CONSTRAINED:
+            out[n:] += constraint_acceleration(system, t, x, v)
         return out
 
     parts = run.x[0].reshape(-1), run.v[0].reshape(-1)

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift import methods
 from kickdrift.analysis.one_step import take_step
 from kickdrift.core.errors import ArgumentError
+from kickdrift.core.kinds import Kind
 from kickdrift.systems.problem import Problem
 from kickdrift.systems.system import System, start
 
@@ -58,12 +59,17 @@ def symplecticity_defect(
     Raises
     ------
     ArgumentError
-        For masses or a place that do not fit, or an increment that is not positive.
+        For masses or a place that do not fit, an increment that is not positive, or first-order equations.
 
     Notes
     -----
     Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed. (2006), section VI.2.
     """
+    if not getattr(problem, "has_velocity", True) or getattr(problem, "kind", None) is Kind.FIRST_ORDER:
+        raise ArgumentError(
+            f"problem={problem!r} has no velocities or momenta, and so no two-form to conserve; describe it as"
+            " kd.Hamiltonian or kd.SecondOrder if it has."
+        )
     if not 0 < increment < 1:
         raise ArgumentError(f"increment={increment!r} must lie between 0 and 1; 2e-3 suits most problems.")
     x, v = _place(problem, at)

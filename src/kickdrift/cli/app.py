@@ -74,7 +74,7 @@ def run(
     duration: DurationOption = None,
     years: YearsOption = None,
     step: StepOption = None,
-    method: Annotated[str | None, typer.Option(help="A method (see: kickdrift list methods).")] = None,
+    method: Annotated[str | None, typer.Option(help="A method (see: kickdrift list methods), or auto.")] = None,
     bodies: Annotated[str | None, typer.Option(help="Of the solar system, such as 'Sun,Earth,Jupiter'.")] = None,
     save_every: Annotated[str | None, typer.Option(help="Steps between the states kept; some 4000 are, else.")] = None,
     output: OutputOption = Path("kickdrift-output"),

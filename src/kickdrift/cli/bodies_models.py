@@ -5,6 +5,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from kickdrift import methods
+from kickdrift.engine.fit import AUTO
 
 Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
 
@@ -49,7 +50,7 @@ class Run(_Strict):
     @field_validator("method")
     @classmethod
     def _known(cls, value: str | None) -> str | None:
-        return None if value is None else methods.get(value).name
+        return value if value in (None, AUTO) else methods.get(str(value)).name
 
 
 class BodiesFile(_Strict):

@@ -5,9 +5,9 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from kickdrift import methods
 from kickdrift.cli.times import parse_time
 from kickdrift.core.errors import ArgumentError, unknown_name
+from kickdrift.engine.fit import choose
 from kickdrift.methods import Method
 from kickdrift.scenes import DEFAULTS, Defaults
 from kickdrift.systems import System, catalogue, solar_system
@@ -82,7 +82,7 @@ def make_plan(target: str, options: Options, *, comparison: bool = False) -> Pla
         system=system,
         duration=_duration(options, wishes, unit, target),
         step=_step(options, wishes, unit, target),
-        method=methods.get(wishes.method if options.method is None else options.method),
+        method=choose(wishes.method if options.method is None else options.method, None, system),
         save_every=_save_every(options, wishes),
         jpl=target == SOLAR_SYSTEM,
     )

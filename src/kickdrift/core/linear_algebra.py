@@ -78,7 +78,7 @@ def independent(products: Floats, order: Floats, least: float) -> int:
 
     Notes
     -----
-    Cholesky's factorisation with diagonal pivoting: Golub, Van Loan, Matrix Computations, 4th ed. (2013), section 4.2.8.
+    Cholesky's method with diagonal pivoting: Golub, Van Loan, Matrix Computations, 4th ed. (2013), section 4.2.8.
     """
     m = order.size
     for k in range(m):

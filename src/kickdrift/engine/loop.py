@@ -57,4 +57,34 @@ def advance(
     return last, saved
 
 
+@compiled
+def change(
+    flows: Any,
+    letters: NDArray[np.int64],
+    weights: Floats,
+    offsets: Floats,
+    t0: float,
+    h: float,
+    steps: NDArray[np.int64],
+    state: Any,
+    x: Floats,
+    v: Floats,
+    work: Floats,
+    blank: Floats,
+    xs: Floats,
+    vs: Floats,
+) -> None:
+    """Overwrite each row of xs and vs by what a step from it gives, beginning with blank work; NaN if a flow fails."""
+    for row in range(steps.size):
+        x[:] = xs[row]
+        v[:] = vs[row]
+        work[:] = blank
+        t = t0 + steps[row] * h
+        for k in range(letters.size):
+            call(flows[letters[k]], (t + offsets[k] * h, weights[k] * h, state))
+        xs[row] = x if work[TROUBLE] == 0.0 else np.full(x.size, np.nan)
+        vs[row] = v if work[TROUBLE] == 0.0 else np.full(v.size, np.nan)
+
+
 advance_interpreted = specialise(advance.py_func, "advance_interpreted", call=call_interpreted)  # type: ignore[attr-defined]
+change_interpreted = specialise(change.py_func, "change_interpreted", call=call_interpreted)  # type: ignore[attr-defined]

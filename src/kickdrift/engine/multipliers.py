@@ -31,10 +31,17 @@ def evaluate(system: System, t: Floats, x: Floats, v: Floats) -> Floats:
     return np.concatenate([_of_rows(Constraints(system), t[rows], xs[rows], vs[rows]) for rows in chunks])
 
 
+def constraint_acceleration(system: System, t: float, x: Floats, v: Floats) -> Floats:
+    """Return what the constraints add to the acceleration at one state, shape (n,)."""
+    constraints, multipliers = Constraints(system), evaluate(system, np.array([t]), x[None], v[None])[0]
+    added: Floats = -constraints.inverse_masses * (multipliers @ constraints.jacobian(x))
+    return added
+
+
 def _of_rows(constraints: Constraints, t: Floats, xs: Floats, vs: Floats) -> Floats:
     root = np.sqrt(constraints.inverse_masses)
     rows, lengths = constraints.scaled(np.array([constraints.jacobian(x) for x in xs]))
-    inverse = np.linalg.pinv(rows, rcond=INDEPENDENT)
+    inverse = np.asarray(np.linalg.pinv(rows, rcond=INDEPENDENT), dtype=np.float64)
     tangent = vs - root * _times(inverse, _times(rows, vs / root))
     accelerations = np.zeros_like(xs)
     for i in range(t.size):

@@ -120,11 +120,17 @@ def _spell(method: Method, system: System, word: Word, x_clock: Fraction) -> lis
 _MERGING = ("kick", "drift")
 
 
+_SWEEPS = {
+    Letter.DRIFT: "sweep",
+    Letter.ADJOINT_DRIFT: "adjoint-sweep",
+    Letter.EXTRAPOLATION: "extrapolated-sweeps",
+}
+
+
 def _flow_of(letter: Letter, system: System, method: Method) -> str | None:
     kick, drift = letter.share == "kick", letter.share == "drift"
     if system.kind is Kind.FIRST_ORDER:
-        sweeps = {Letter.DRIFT: "sweep", Letter.ADJOINT_DRIFT: "adjoint-sweep"}
-        return None if kick else sweeps.get(letter, letter.value)
+        return None if kick else _SWEEPS.get(letter, letter.value)
     if letter is Letter.ADJOINT_KICK and not _kicks_see_velocity(method, system):
         return "kick"
     if drift and system.velocity is None:

@@ -129,12 +129,27 @@ class Run:
             self.vs,
         )
 
-    def step_from(self, step: int, x: Floats, v: Floats) -> tuple[Floats, Floats]:
-        """Do the step of this number from a state of one's own, to which nothing is carried over."""
-        self.state.restore(State(x.reshape(-1), v.reshape(-1), self._blank))
+    def change(self, steps: NDArray[np.int64], xs: Floats, vs: Floats) -> None:
+        """Do a step, of the number given, from each of the rows and overwrite it; nothing is carried over."""
+        program, grid, state = self.program, self.grid, self.state
+        change = loop.change if self.system.native else loop.change_interpreted
         with np.errstate(all="ignore"):
-            self._run(step, step + 1, 0)
-        return self.state.x.reshape(x.shape).copy(), self.state.v.reshape(v.shape).copy()
+            change(
+                self._flows,
+                program.letters,
+                program.weights,
+                program.offsets,
+                grid.t0,
+                grid.step,
+                steps,
+                self._address,
+                state.x,
+                state.v,
+                state.work,
+                self._blank,
+                xs,
+                vs,
+            )
 
     def _prime(self) -> Failure | None:
         """Make ready what the first step finds as the step before would have left it."""

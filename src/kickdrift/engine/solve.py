@@ -17,7 +17,6 @@ from kickdrift.engine.adoption import adopt
 from kickdrift.engine.fit import AUTO, check_direction, choose
 from kickdrift.engine.grid import lay_grid
 from kickdrift.engine.inside import Inside
-from kickdrift.engine.program import compose
 from kickdrift.engine.run import Run
 from kickdrift.engine.solution import Description, Invariants, Solution
 from kickdrift.systems.problem import Problem
@@ -110,9 +109,8 @@ def solve(
         system = _system(problem, grid.t0, x, v, params, compile)
         chosen = choose(method, order, system)
         check_direction(chosen, grid.step)
-        program = compose(chosen, system)
-        inside = Inside(system, chosen, program, grid, compensated)
-        run = Run(inside.system, program, grid, compensated, progress)
+        inside = Inside(system, chosen, grid, compensated)
+        run = Run(inside.system, inside.program, grid, compensated, progress)
     except MemoryError as error:
         raise ArgumentError(
             f"step={step!r} and save_every={save_every!r} need more memory than there is ({error}); keep fewer steps."
@@ -133,7 +131,7 @@ def solve(
         message=ending.message,
         step=grid.step,
         n_steps=ending.n_steps,
-        n_force_evaluations=ending.evaluations,
+        n_force_evaluations=ending.evaluations + inside.evaluations,
         wall_time=ending.wall_time,
         about=_describe(system, chosen, compensated),
         derived=_derived(system, t, xs, vs),

@@ -7,13 +7,16 @@ from kickdrift.methods import (
     calvo_sanz,
     charged,
     chin,
+    composition_diagonal,
     constrained,
     damped,
     diagonally_implicit,
+    doubled,
     euler,
     explicit_runge_kutta,
     forest_ruth,
     gauss,
+    implicit_damping,
     implicit_midpoint,
     kahan_li,
     langevin,
@@ -31,6 +34,7 @@ from kickdrift.methods import (
     wisdom_holman,
     yoshida,
 )
+from kickdrift.methods.doubled import tao
 from kickdrift.methods.letter import Letter
 from kickdrift.methods.record import Method, alternating, composition, palindrome, rows, word
 from kickdrift.methods.tableau import Tableau
@@ -47,6 +51,7 @@ __all__ = [
     "palindrome",
     "preferred",
     "rows",
+    "tao",
     "word",
 ]
 
@@ -72,6 +77,9 @@ _TABLES = (
     lobatto,
     diagonally_implicit,
     explicit_runge_kutta,
+    composition_diagonal,
+    doubled,
+    implicit_damping,
     damped,
     charged,
     langevin,

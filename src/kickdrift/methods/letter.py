@@ -45,7 +45,13 @@ class Letter(Enum):
     @property
     def implicit(self) -> bool:
         """Whether it solves an equation that the acceleration is part of."""
-        return self in (Letter.ADJOINT_KICK, Letter.ADJOINT_DRIFT, Letter.IMPLICIT_RUNGE_KUTTA)
+        return self in (
+            Letter.ADJOINT_KICK,
+            Letter.ADJOINT_DRIFT,
+            Letter.LINEARLY_IMPLICIT_KICK,
+            Letter.IMPLICIT_RUNGE_KUTTA,
+            Letter.EXTRAPOLATION,
+        )
 
     @property
     def symbol(self) -> str:

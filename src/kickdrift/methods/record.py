@@ -10,6 +10,8 @@ from kickdrift.core.kinds import Kind
 from kickdrift.methods.letter import WHOLES, Letter
 from kickdrift.methods.tableau import Tableau
 
+_LONGEST_SPELLING = 9  # letters
+
 Weight = Fraction | Decimal | str | int
 Word = tuple[tuple[Letter, Fraction], ...]
 
@@ -26,7 +28,7 @@ class Method:
     name : str
         Kebab-case: author, kind, order.
     order : int
-        Order of the global error, on the problems of `kind`.
+        Order of the global error, on the problems of `kind`; for Langevin dynamics that of averages, the weak order.
     word : tuple of (Letter, Fraction)
         The flows of one step, first to last, each with its share of the step.
     symmetric : bool
@@ -126,8 +128,11 @@ class Method:
 
     @property
     def spelling(self) -> str:
-        """The word for people, such as ``K/2 D K/2``."""
-        return " ".join(_spell(letter.symbol, weight) for letter, weight in self.word)
+        """The word for people, such as ``K/2 D K/2``; the middle of a long one is left out."""
+        spelled = [_spell(letter.symbol, weight) for letter, weight in self.word]
+        if len(spelled) > _LONGEST_SPELLING:
+            spelled[3:-3] = [f"... ({len(spelled)} letters) ..."]
+        return " ".join(spelled)
 
 
 def _spell(symbol: str, weight: Fraction) -> str:

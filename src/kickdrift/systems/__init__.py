@@ -13,6 +13,7 @@ from kickdrift.systems.harmonic_oscillator import harmonic_oscillator
 from kickdrift.systems.kepler import kepler
 from kickdrift.systems.langevin import Langevin
 from kickdrift.systems.nbody import nbody
+from kickdrift.systems.outer_solar_system import outer_solar_system
 from kickdrift.systems.pendulum import pendulum
 from kickdrift.systems.planetary import planetary
 from kickdrift.systems.problem import Problem
@@ -41,6 +42,7 @@ __all__ = [
     "harmonic_oscillator",
     "kepler",
     "nbody",
+    "outer_solar_system",
     "pendulum",
     "planetary",
     "solar_system",
@@ -51,6 +53,7 @@ _CATALOGUE: dict[str, Callable[[], System]] = {
     "pendulum": pendulum,
     "kepler": kepler,
     "solar-system": solar_system,
+    "outer-solar-system": outer_solar_system,
     "benchmarks-game": benchmarks_game,
 }
 

@@ -22,8 +22,8 @@ class Constrained(Problem):
     """m x'' = F(t, x) - G(x)^T lambda with constraints g(x) = 0 and G = dg/dx, by Python functions.
 
     The constraint forces -G^T lambda do what it takes to keep g(x) = 0; their multipliers lambda are the solution's
-    ``multipliers``. Methods: ``rattle``, ``shake``, ``projected-kick-drift``. Each step solves for the constraints until
-    rounding, some 1e-16 of the size of x; a step that cannot ends the run with a sentence.
+    ``multipliers``. Methods: ``rattle``, ``shake``, ``projected-kick-drift``. Each step solves for the constraints down
+    to rounding, some 1e-16 of the size of x; a step that cannot ends the run with a sentence.
 
     Parameters
     ----------
@@ -85,9 +85,9 @@ class Constrained(Problem):
         force = adapter.adapt(self.force, "the force")
         if "v" in force.names:
             raise ArgumentError(
-                f"force={name_of(self.force)} has an argument v, but methods for constraints keep their order for forces"
-                " of t and x alone; leave friction and drag out, or use coordinates without constraints, such as angles,"
-                " with kd.SecondOrder."
+                f"force={name_of(self.force)} has an argument v, but methods for constraints keep their order for"
+                " forces of t and x alone; leave out what depends on the velocity, or use kd.SecondOrder in coordinates"
+                " that need no constraints, such as angles."
             )
         shape = adapter.shape_of(self.constraint, "the constraint", _POSITION)
         if len(shape) > 1 or 0 in shape:

@@ -50,7 +50,7 @@ def _remainder(bodies: int) -> Function:
 
 def _weights(gm: Floats) -> Floats:
     """m_i / m_0, 0 for body 0."""
-    shares = gm / gm[0]
+    shares: Floats = gm / gm[0]
     shares[0] = 0.0
     return shares
 
@@ -79,6 +79,4 @@ def _frame(gm: Floats) -> Frame:
     return Frame(enter, leave)
 
 
-DEMOCRATIC_HELIOCENTRIC = Splitting(
-    weights=_weights, mu=_mu, frame=_frame, remainder=_remainder, parts={"jump": _jump}
-)
+DEMOCRATIC_HELIOCENTRIC = Splitting(weights=_weights, mu=_mu, frame=_frame, remainder=_remainder, parts={"jump": _jump})

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError
+from kickdrift.core.kinds import Kind
 from kickdrift.systems.system import Quantity, System, start
 
 Floats = NDArray[np.float64]
@@ -21,6 +22,11 @@ def _acceleration(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -
 
 
 @compiled
+def _nothing(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    out[:] = 0.0
+
+
+@compiled
 def _energy(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     out[0] = 0.5 * (v[0] * v[0] + v[1] * v[1]) - params[0] / math.sqrt(x[0] * x[0] + x[1] * x[1])
 
@@ -32,6 +38,8 @@ def _angular_momentum(t: float, x: Floats, v: Floats, params: Floats, out: Float
 
 def kepler(eccentricity: float = 0.6, semi_major_axis: float = 1.0, mu: float = 1.0) -> System:
     """Make a body on an elliptic orbit, starting at the pericentre; the state has shape (2,).
+
+    ``method="wisdom-holman"`` is exact here, but for rounding.
 
     Parameters
     ----------
@@ -70,6 +78,8 @@ def kepler(eccentricity: float = 0.6, semi_major_axis: float = 1.0, mu: float = 
         params=np.array([mu]),
         quantities={"energy": Quantity(_energy), "angular momentum": Quantity(_angular_momentum)},
         exact=exact,
+        kind=Kind.NEARLY_KEPLERIAN,
+        parts={"remainder": _nothing},
         packaged=True,
         dimensions=("space",),
         coordinates={"space": ["x", "y"]},

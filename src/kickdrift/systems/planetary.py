@@ -27,8 +27,8 @@ def planetary(
     """Make a system of light bodies around a heavy one, the first; the state has shape (N, 3).
 
     It is `nbody` with more: methods such as ``"wisdom-holman"`` and ``"blanes-aba-1064"`` solve the Kepler problems
-    exactly, and only what is left is in the step. With e the mass of the planets over that of the first body their error
-    is e times smaller. All other methods run as they do on `nbody`. States are those of `nbody` in any case.
+    exactly, so that their errors are as small as what is left, by the mass of the planets over that of the first body.
+    All other methods run as they do on `nbody`, and states are those of `nbody` in any case.
 
     Parameters
     ----------

@@ -35,10 +35,21 @@ class Adapted:
 class Adapter(Protocol):
     """What the engine lends to a problem: a start, and hands that adapt functions to it."""
 
-    t0: float
-    x0: Floats
-    v0: Floats
-    args: Floats
+    @property
+    def t0(self) -> float:
+        """Time of the start."""
+
+    @property
+    def x0(self) -> Floats:
+        """Position of the start."""
+
+    @property
+    def v0(self) -> Floats:
+        """Velocity of the start."""
+
+    @property
+    def args(self) -> Floats:
+        """What the user's functions get as params."""
 
     def adapt(
         self,

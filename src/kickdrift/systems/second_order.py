@@ -11,6 +11,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 from kickdrift.systems.problem import Adapter, Floats, Function, Problem, name_of
 from kickdrift.systems.system import System
+from kickdrift.systems.velocity_jacobian import adapt_velocity_jacobian, jacobian_divided_by_mass
 
 force: Function = unbound
 
@@ -31,6 +32,15 @@ class SecondOrder(Problem):
         Returns the energy, a number.
     invariants : mapping of str to callable, optional
         Other conserved numbers by name.
+    velocity_jacobian : callable, optional
+        Returns the derivatives of the acceleration with respect to v, shape (n, n) for states of n numbers, row i those
+        of number i of the acceleration; it has the arguments of the acceleration. Linearly implicit methods form it by
+        differences otherwise, at n evaluations a step.
+
+    Raises
+    ------
+    ArgumentError
+        For a `velocity_jacobian` that differences contradict at the start.
 
     Examples
     --------
@@ -43,10 +53,15 @@ class SecondOrder(Problem):
     acceleration: Function
     energy: Function | None = None
     invariants: Mapping[str, Function] = field(default_factory=dict)
+    velocity_jacobian: Function | None = None
 
     def system(self, adapter: Adapter) -> System:
         """Make the system."""
         acceleration = adapter.adapt(self.acceleration, "the acceleration")
+        parts, native = {}, acceleration.native
+        if self.velocity_jacobian is not None:
+            jacobian = adapt_velocity_jacobian(self.velocity_jacobian, acceleration, adapter)
+            parts, native = {"velocity_jacobian": jacobian.function}, native and jacobian.native
         return System(
             name=name_of(self.acceleration),
             acceleration=acceleration.function,
@@ -55,7 +70,8 @@ class SecondOrder(Problem):
             params=adapter.args,
             quantities=adapter.quantities(self.energy, self.invariants),
             kind=Kind.VELOCITY_DEPENDENT if "v" in acceleration.names else Kind.NEWTONIAN,
-            native=acceleration.native,
+            parts=parts,
+            native=native,
         )
 
 
@@ -71,11 +87,13 @@ class Newtonian(Problem):
         Positive, of a shape that broadcasts to x0: for states (N, 3) a number, or (N, 1).
     energy, invariants
         As for `SecondOrder`.
+    velocity_jacobian : callable, optional
+        As for `SecondOrder`, with the derivatives of the force.
 
     Raises
     ------
     ArgumentError
-        For masses that are not positive, or do not fit the state.
+        For masses that are not positive, or do not fit the state, or a wrong `velocity_jacobian`.
 
     Examples
     --------
@@ -89,10 +107,16 @@ class Newtonian(Problem):
     mass: ArrayLike = 1.0
     energy: Function | None = None
     invariants: Mapping[str, Function] = field(default_factory=dict)
+    velocity_jacobian: Function | None = None
 
     def system(self, adapter: Adapter) -> System:
         """Make the system."""
         adapted = adapter.adapt(self.force, "the force")
+        parts, native = {}, adapted.native
+        if self.velocity_jacobian is not None:
+            given = adapt_velocity_jacobian(self.velocity_jacobian, adapted, adapter)
+            divided = adapter.bind(jacobian_divided_by_mass, jacobian=given.function)
+            parts, native = {"velocity_jacobian": divided}, native and given.native
         return System(
             name=name_of(self.force),
             acceleration=adapter.bind(divided_by_mass, force=adapted.function),
@@ -101,7 +125,8 @@ class Newtonian(Problem):
             params=np.concatenate([adapter.args, 1 / masses_of(self.mass, adapter.x0.shape)]),
             quantities=adapter.quantities(self.energy, self.invariants),
             kind=Kind.VELOCITY_DEPENDENT if "v" in adapted.names else Kind.NEWTONIAN,
-            native=adapted.native,
+            parts=parts,
+            native=native,
         )
 
 

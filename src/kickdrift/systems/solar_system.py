@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError, unknown_name
 from kickdrift.systems.nbody import nbody
+from kickdrift.systems.planetary import planetary
 from kickdrift.systems.system import Quantity, System
 
 Floats = NDArray[np.float64]
@@ -62,7 +63,7 @@ def ephemeris() -> Ephemeris:
     )
 
 
-def solar_system(bodies: Sequence[str] | None = None) -> System:
+def solar_system(bodies: Sequence[str] | None = None, splitting: str | None = None) -> System:
     """Make the solar system at J2000 (Julian date 2451545.0 TDB), in au and days; the state has shape (N, 3).
 
     Point masses under Newtonian gravity, barycentric, on the equatorial axes of the ICRF. Planets from Mars on stand
@@ -73,11 +74,16 @@ def solar_system(bodies: Sequence[str] | None = None) -> System:
     bodies : sequence of str, optional
         Which bodies: Sun, Mercury, Venus, Earth, Moon, Mars, Jupiter, Saturn, Uranus, Neptune, Pluto; all by default.
         Case does not matter. With the Earth but without the Moon, the Earth stands for the barycentre of both.
+    splitting : str, optional
+        As for `planetary`, of which the system then is one: give the Sun first, and leave out the Moon, which is not on
+        an orbit around the Sun that the Earth disturbs little.
 
     Raises
     ------
     ArgumentError
         For a body that is not known, named twice, or a list without any.
+    UnknownNameError
+        For a splitting that is not known.
     """
     sky = ephemeris()
     chosen = _choose(bodies, sky.bodies)
@@ -88,7 +94,11 @@ def solar_system(bodies: Sequence[str] | None = None) -> System:
         pair = [sky.bodies.index("Earth"), sky.bodies.index("Moon")]
         share = sky.gm[pair] / sky.gm[pair].sum()
         gm[earth], x[earth], v[earth] = sky.gm[pair].sum(), share @ sky.x[0, pair], share @ sky.v[0, pair]
-    system = nbody(masses=gm, x0=x, v0=v, G=1.0, names=names)
+    system = (
+        nbody(masses=gm, x0=x, v0=v, G=1.0, names=names)
+        if splitting is None
+        else planetary(masses=gm, x0=x, v0=v, G=1.0, splitting=splitting, names=names)
+    )
     units = {"energy": "au^5/day^4", "momentum": "au^4/day^3", "angular momentum": "au^5/day^3"}
     return replace(
         system,

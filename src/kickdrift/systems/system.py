@@ -126,6 +126,11 @@ class System:
                 f" {self.params.shape}; the first two must be equal (v0 empty for first-order equations), and params a"
                 " list."
             )
+        if self.kind is Kind.NEARLY_KEPLERIAN and "remainder" not in self.parts:
+            raise ArgumentError(
+                f"parts={sorted(self.parts)!r} of {self.name!r} has no 'remainder', the acceleration that is left to"
+                " the kicks beside the Kepler flow; give it, or make the kind NEWTONIAN."
+            )
         named = {"acceleration": self.acceleration, "velocity": self.velocity, **self.parts}
         for name, function in named.items():
             if self.native and function is not None and not hasattr(function, "py_func"):

@@ -2,9 +2,9 @@
 
 It starts with the identity for a matrix, a fixed-point iteration that needs no Jacobian at small steps. Where that
 contracts slowly, I - dPhi/dz is formed by differences and kept, step after step, until it contracts slowly in its turn.
-The iteration goes on until the increments stop shrinking: a looser end would make the energy drift. (Hairer, Wanner,
-Solving Ordinary Differential Equations II, 2nd ed., section IV.8; Hairer, Lubich, Wanner, Geometric Numerical
-Integration, 2nd ed., section VIII.6.)
+A Newton step after which the next increment is larger is halved until it is not. The iteration goes on until the
+increments stop shrinking: a looser end would make the energy drift. (Hairer, Wanner, Solving Ordinary Differential
+Equations II, 2nd ed., section IV.8; Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed., section VIII.6.)
 
 A flow that solves so is a template with a part ``residual``, which leaves Phi(z) - z as the increment, and the scales.
 `solve` and `form_matrix` are bound to it by `kickdrift.engine.letters`.
@@ -65,14 +65,16 @@ def solve(keeper: int, t: float, h: float, x: Floats, v: Floats, params: Floats,
     z, increment, last = unknowns(m, work), increments(m, work), head[_HEAD + 2 * m : _HEAD + 3 * m]
     pivots, matrix = head[_HEAD + 3 * m : _HEAD + 4 * m], head[_HEAD + 4 * m : solver_memory(m)]
     kept = work[KEPT_BY] == keeper and work[KEPT_FOR] == h
-    size = missing = previous = np.inf
+    missing = previous = np.inf
     head[4] = 0.0
-    rounding = forming = moved = newton = halved = False
+    rounding = forming = moved = newton = False
     for _ in range(MOST_ITERATIONS):
         residual(t, h, x, v, params, work)
         if head[4] == 0.0:
             head[4], head[5] = head[2], head[3]
         missing = relative_size(increment, head, 2)
+        if missing == 0.0:
+            return True
         formed = forming
         if forming:
             kept = form_matrix(t, h, x, v, params, work)
@@ -84,24 +86,22 @@ def solve(keeper: int, t: float, h: float, x: Floats, v: Floats, params: Floats,
             lu_solve(matrix, pivots, increment)
         size = relative_size(increment, head, 4)
         shrinking, rounding = size < previous, relative_size(increment, head, 2) <= ROUNDING
-        if size == 0.0 or (rounding and not shrinking):
+        if rounding and not shrinking:
             return True
         if shrinking:
             forming = size > _SLOW * previous and not rounding
-            if not (forming and halved):
-                proceed(z, increment, last)
-                moved, newton = True, formed
-            previous, halved = size, False
+            proceed(z, increment, last)
+            moved, newton, previous = True, formed, size
         elif not moved:
             break
         else:
             # A step of Newton's was too long, and half of it may do. Any other wants a matrix from where it began.
-            retreat(z, 0.0 if newton and np.isfinite(size) else 0.5 if newton else 1.0, last)
-            forming, halved = True, False
+            retreat(z, 0.5 if newton else 1.0, last)
+            forming = not newton
     if rounding:
         return True
     work[KEPT_BY] = 0.0
-    work[TROUBLE] = missing if missing > 0.0 else np.inf
+    work[TROUBLE] = missing if np.isfinite(missing) else np.inf
     return False
 
 

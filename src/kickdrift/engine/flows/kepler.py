@@ -8,7 +8,7 @@ beta = 2 mu / r0 - v^2, eta = x . v, zeta = mu - beta r0 and the functions G_n(X
 
     h = r0 X + eta G_2 + zeta G_3,    r = dh/dX = r0 + eta G_1 + zeta G_2
 
-is solved for X. Then x and v change by f x + g v and f' x + g' v with f = -mu G_2 / r0, g = h - mu G_3,
+is solved for X. Then x and v change by f x + g v and f' x + g' v with f = -mu G_2 / r0, g = r0 G_1 + eta G_2,
 f' = -mu G_1 / (r0 r) and g' = -mu G_2 / r. (These are Gauss' functions less what they are at h = 0: differences are
 what the compensated sums want.)
 
@@ -33,10 +33,14 @@ add_to_x: Callable[..., None] = unbound
 add_to_v: Callable[..., None] = unbound
 jump_at: Callable[..., None] = unbound
 
-_SMALL = 0.5  # |beta X^2| up to which the series are summed
+_C2 = tuple(1 / math.factorial(2 * k + 2) for k in range(8))  # c_n(z) = sum_k (-z)^k / (2 k + n)!
+_C3 = tuple(1 / math.factorial(2 * k + 3) for k in range(8))
+_SIXTH = 1 / 6
+_SMALL = 0.25  # |beta X^2| up to which the series are summed: the first term left out is 3e-21 of the sum
 _CLOSE = 1e-5  # how far the last correction may reach, in units of the length on which r changes
 _MOST_ITERATIONS = 200
 _BISECT_AFTER = 30
+_LEAST_DISTANCE = 1e-14  # in units of the terms that make it up
 _LARGEST_EXPONENT = 700.0  # of a hyperbola: exp(709) is the largest number
 
 
@@ -77,47 +81,41 @@ def jump(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats)
 
 @compiled(inline=True)
 def stiefel_functions(beta: float, X: float) -> tuple[float, float, float, float]:
-    """Return G_0 to G_3 of X."""
-    z = beta * X * X
-    if abs(z) < _SMALL:
-        c2 = 1.0 / 20922789888000.0
-        c2 = 1.0 / 87178291200.0 - z * c2
-        c2 = 1.0 / 479001600.0 - z * c2
-        c2 = 1.0 / 3628800.0 - z * c2
-        c2 = 1.0 / 40320.0 - z * c2
-        c2 = 1.0 / 720.0 - z * c2
-        c2 = 1.0 / 24.0 - z * c2
-        c2 = 1.0 / 2.0 - z * c2
-        c3 = 1.0 / 355687428096000.0
-        c3 = 1.0 / 1307674368000.0 - z * c3
-        c3 = 1.0 / 6227020800.0 - z * c3
-        c3 = 1.0 / 39916800.0 - z * c3
-        c3 = 1.0 / 362880.0 - z * c3
-        c3 = 1.0 / 5040.0 - z * c3
-        c3 = 1.0 / 120.0 - z * c3
-        c3 = 1.0 / 6.0 - z * c3
-        g2, g3 = X * X * c2, X * X * X * c3
-        return 1.0 - beta * g2, X - beta * g3, g2, g3
-    s = math.sqrt(abs(beta))
-    angle = s * X
-    if z > 0.0:
-        g0, g1, half = math.cos(angle), math.sin(angle) / s, math.sin(0.5 * angle)
-    else:
-        g0, g1, half = math.cosh(angle), math.sinh(angle) / s, math.sinh(0.5 * angle)
-    return g0, g1, 2.0 * half * half / abs(beta), (X - g1) / beta
+    """Return G_0 to G_3 of X: series for a part of it, doubled until it is the whole, at least once.
+
+    The constants of the series have errors of rounding that are the same in every step. Doubled, they hardly matter to
+    G_1^2 = G_2 (2 - beta G_2), which is what energy and angular momentum hang on.
+    """
+    y, doublings = 0.5 * X, 1
+    while abs(beta * y * y) > _SMALL:
+        y, doublings = 0.5 * y, doublings + 1
+    z = beta * y * y
+    zz = z * z
+    c2 = (_C2[0] - z * _C2[1]) + zz * (_C2[2] - z * _C2[3])
+    c2 += zz * zz * ((_C2[4] - z * _C2[5]) + zz * (_C2[6] - z * _C2[7]))
+    c3 = (_C3[0] - z * _C3[1]) + zz * (_C3[2] - z * _C3[3])
+    c3 += zz * zz * ((_C3[4] - z * _C3[5]) + zz * (_C3[6] - z * _C3[7]))
+    g2, g3 = y * y * c2, y * y * y * c3
+    g0, g1 = 1.0 - beta * g2, y - beta * g3
+    for _ in range(doublings):
+        g3 = 2.0 * (g3 + g1 * g2)
+        g2, g1 = 2.0 * g1 * g1, 2.0 * g0 * g1
+        g0 = 1.0 - beta * g2
+    return g0, g1, g2, g3
 
 
 @compiled(inline=True)
 def gauss_functions(mu: float, h: float, r0: float, eta: float, v2: float) -> tuple[float, float, float, float, float]:
-    """Return f, g, f', g', and a positive number if h was not reached.
+    """Return f, g, f', g', and zero if all went well.
 
-    A function is close to its root when the correction is small on the length over which r changes. The last one is
-    not iterated: it and its effect on the G_n follow from their Taylor series.
+    X is close to the solution when what Newton's method adds to it is small on the length over which r changes. Then
+    the correction, and what it does to the G_n, follow from their Taylor series: a step that is short for the orbit
+    takes one evaluation of the G_n.
     """
-    if not (0.0 < r0 < math.inf and v2 < math.inf):
-        return math.nan, math.nan, math.nan, math.nan, 0.0
-    inverse_r0 = 1.0 / r0
+    inverse_r0 = 1.0 / r0 if r0 > 0.0 else math.inf
     beta = 2.0 * mu * inverse_r0 - v2
+    if not abs(beta) < math.inf:
+        return math.nan, math.nan, math.nan, math.nan, 0.0
     zeta = mu - beta * r0
     if beta > 0.0 and h * h * (beta * beta * beta) > math.pi**2 * mu * mu:  # half a period
         period = 2.0 * math.pi * mu / (beta * math.sqrt(beta))
@@ -138,7 +136,7 @@ def gauss_functions(mu: float, h: float, r0: float, eta: float, v2: float) -> tu
             curved = 0.5 * slope * inverse_r * newton
             bent = (zeta * g0 - beta * eta * g1) * inverse_r * newton * newton
             if abs(curved) < _CLOSE and abs(bent) < _CLOSE**2 and abs(beta) * newton * newton < _CLOSE**2:
-                delta = newton * (1.0 - curved * (1.0 - 2.0 * curved) - bent / 6.0)
+                delta = newton * (1.0 - curved * (1.0 - 2.0 * curved) - _SIXTH * bent)
                 trouble = 0.0
                 break
         if left > 0.0:
@@ -150,25 +148,28 @@ def gauss_functions(mu: float, h: float, r0: float, eta: float, v2: float) -> tu
             trouble = 0.0
             break
         X = closer
-    d1, d2, d3 = delta - beta * delta**3 / 6.0, delta * delta / 2.0, delta**3 / 6.0
-    g3 += g1 * d2 + g2 * d1 + d3
+    d2, d3 = 0.5 * delta * delta, _SIXTH * delta * delta * delta
+    d1 = delta - beta * d3
     g2 += g1 * d1 + (1.0 - beta * g2) * d2
     g1 += g0 * d1 - beta * g1 * d2
     r = r0 + eta * g1 + zeta * g2
-    f, df = -mu * g2 * inverse_r0, -mu * g1 * inverse_r0 / r
-    return f, forwards * (h - mu * g3), forwards * df, -mu * g2 / r, trouble
+    if not r > _LEAST_DISTANCE * (r0 + abs(eta * g1) + abs(zeta * g2)):
+        trouble = 1.0  # a collision: what is left of r is rounding
+    rate = -mu / r
+    f, g = -mu * inverse_r0 * g2, r0 * g1 + eta * g2
+    return f, forwards * g, forwards * rate * inverse_r0 * g1, rate * g2, trouble
 
 
 @compiled(inline=True)
 def first_guess(
     mu: float, h: float, inverse_r0: float, eta: float, beta: float, zeta: float
 ) -> tuple[float, float, float]:
-    """Return where to look for X, and between what it is."""
+    """Return the first X, a lower bound and an upper one."""
     straight, u, w = h * inverse_r0, eta * inverse_r0, zeta * inverse_r0
     turn, bend = u * straight, w * straight * straight
     high = math.inf
     if abs(turn) < 0.3 and abs(bend) < 0.1:
-        return straight * (1.0 - 0.5 * turn * (1.0 - turn) - bend / 6.0), 0.0, high
+        return straight * (1.0 - 0.5 * turn * (1.0 - turn) - _SIXTH * bend), 0.0, high
     if beta > 0.0:
         high = 2.0 * math.pi / math.sqrt(beta)
         return h * beta / mu, 0.0, high

@@ -161,7 +161,7 @@ def stages(s: int, n: int, n_v: int, general: bool, work: Floats) -> tuple[Float
     return (z[: s * n], z[s * n :], first, v_rates, total) if general else (first, z, z, v_rates, total)
 
 
-@compiled
+@compiled(inline=True)
 def combine(weights: Floats, rates: Floats, total: Floats) -> None:
     """Write the sum of weights times rates, of as many numbers each as the total has."""
     n = total.size

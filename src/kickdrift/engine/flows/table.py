@@ -7,7 +7,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import Function
-from kickdrift.engine.flows import adjoint, constraints, damping, implicit, kepler, kick_drift, magnetic, noise, runge_kutta
+from kickdrift.engine.flows import (
+    adjoint,
+    constraint_rows,
+    constraints,
+    damping,
+    doubled,
+    extrapolation,
+    gradient_kick,
+    implicit,
+    kepler,
+    kick_drift,
+    linearly_implicit,
+    magnetic,
+    noise,
+    runge_kutta,
+    sweep,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,10 +103,81 @@ FLOWS = {
     "damp": Flow(damping.damp, moves_v=True),
     "rotate": Flow(magnetic.rotate, moves_v=True),
     "boris-rotate": Flow(magnetic.boris_rotate, moves_v=True),
-    "thermostat": Flow(noise.thermostat, moves_v=True),
-    "noise": Flow(noise.noise, moves_v=True),
+    "thermostat": Flow(noise.thermostat, parts={"draw": noise.draw}, moves_v=True),
+    "noise": Flow(noise.noise, parts={"draw": noise.draw}, moves_v=True),
     "kepler": Flow(kepler.kepler, moves_x=True, moves_v=True),
     "jump": Flow(kepler.jump),  # moves x by what neither the clock nor the acceleration of the kicks sees
+    "sweep": Flow(
+        sweep.sweep,
+        parts={"evaluate_component": sweep.evaluate_component},
+        moves_x=True,
+        memory=sweep.memory_size,
+    ),
+    "adjoint-sweep": Flow(
+        sweep.adjoint_sweep,
+        parts={"evaluate_component": sweep.evaluate_component, "solve_component": sweep.solve_component},
+        moves_x=True,
+        memory=sweep.memory_size,
+    ),
+    "extrapolation": Flow(
+        extrapolation.extrapolate,
+        parts={
+            "kick_residual": adjoint.kick_residual,
+            "drift_residual": adjoint.drift_residual,
+            **_solving(extrapolation.half_residual),
+            "adjoint_kick": adjoint.adjoint_kick,
+            "adjoint_drift": adjoint.adjoint_drift,
+            "take_symmetric_step": extrapolation.take_kicks_and_drifts,
+        },
+        moves_x=True,
+        moves_v=True,
+        memory=extrapolation.memory_size,
+    ),
+    "extrapolated-sweeps": Flow(
+        extrapolation.extrapolate,
+        parts={
+            "evaluate_component": sweep.evaluate_component,
+            "solve_component": sweep.solve_component,
+            "sweep": sweep.sweep,
+            "adjoint_sweep": sweep.adjoint_sweep,
+            "take_symmetric_step": extrapolation.take_sweeps,
+        },
+        moves_x=True,
+        memory=extrapolation.memory_size,
+    ),
+    "double": Flow(doubled.double, memory=doubled.memory_size),
+    "doubled-kick": Flow(
+        doubled.doubled_kick,
+        parts={"evaluate": doubled.evaluate},
+        evaluations=1,
+        moves_v=True,
+        keeps_acceleration=False,
+        memory=doubled.memory_size,
+        primer="double",
+    ),
+    "doubled-drift": Flow(
+        doubled.doubled_drift,
+        parts={"evaluate": doubled.evaluate},
+        evaluations=1,
+        moves_x=True,
+        keeps_acceleration=False,
+        memory=doubled.memory_size,
+        primer="double",
+    ),
+    "doubled-binding": Flow(
+        doubled.doubled_binding,
+        keeps_acceleration=False,
+        memory=doubled.memory_size,
+        primer="double",
+    ),
+    "linearly-implicit-kick": Flow(
+        linearly_implicit.linearly_implicit_kick,
+        parts={"form_velocity_jacobian": linearly_implicit.form_velocity_jacobian},
+        moves_v=True,
+        keeps_acceleration=False,
+        memory=linearly_implicit.memory_size,
+    ),
+    "gradient-kick": Flow(gradient_kick.gradient_kick, evaluations=2, moves_v=True, keeps_acceleration=False),
     "runge-kutta": Flow(
         runge_kutta.runge_kutta,
         parts={"evaluate": runge_kutta.evaluate, "advance": runge_kutta.advance},
@@ -108,7 +195,7 @@ FLOWS = {
     "linearise-constraints": Flow(
         constraints.linearise_constraints,
         parts={"jacobian": constraints.jacobian_here},
-        memory=constraints.memory_size,
+        memory=constraint_rows.memory_size,
     ),
     "constrain-positions": Flow(
         constraints.constrain_positions,
@@ -116,7 +203,7 @@ FLOWS = {
         moves_x=True,
         moves_v=True,
         timed=False,
-        memory=constraints.memory_size,
+        memory=constraint_rows.memory_size,
         primer="linearise-constraints",
     ),
     "constrain-velocities": Flow(
@@ -124,7 +211,7 @@ FLOWS = {
         parts=_projecting(constraints.velocities_left_over, constraints.renew_nothing),
         moves_v=True,
         timed=False,
-        memory=constraints.memory_size,
+        memory=constraint_rows.memory_size,
         primer="linearise-constraints",
     ),
 }

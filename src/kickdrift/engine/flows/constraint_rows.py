@@ -1,0 +1,162 @@
+"""The Jacobian of constraints in memory, and what the flows compute of it.
+
+Layout of params: those of the system's functions, the number m of constraints, a length that differences are measured
+by, the inverse masses (n).
+
+Layout of memory::
+
+    0     number of rows with a multiplier
+    1     Jacobian where the next drift starts (m n)
+          lengths of its rows (m), sums of their sizes (m), their order, those with a multiplier first (m)
+          S, factored (m m), pivots (m)
+          left over (m), multipliers (m), increment (n), its total (n), state reached (n)
+          another Jacobian (m n), S of all rows (m m), room for differences (2 m)
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.linear_algebra import independent, lu_factor
+from kickdrift.engine.flows.implicit import scale
+
+Floats = NDArray[np.float64]
+_INDEPENDENT = 1e-12  # squared distance of a row from the span of others
+
+
+def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
+    """Numbers of memory for a state of n numbers."""
+    m = count(n, params)
+    return 1 + 2 * m * n + 2 * m * m + 8 * m + 3 * n
+
+
+@compiled(inline=True)
+def count(n: int, params: Floats) -> int:
+    """Return the number of constraints."""
+    return int(params[params.size - n - 2])
+
+
+@compiled(inline=True)
+def rows_of(n: int, m: int, own: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return the Jacobian, lengths of its rows, sums of their sizes, and their order."""
+    lengths = 1 + m * n
+    sums, order = lengths + m, lengths + 2 * m
+    return own[1:lengths], own[lengths:sums], own[sums:order], own[order : order + m]
+
+
+@compiled(inline=True)
+def factored(n: int, m: int, own: Floats) -> tuple[Floats, Floats]:
+    """Return S and its pivots, for the rows with a multiplier."""
+    rank, start = int(own[0]), 1 + m * n + 3 * m
+    pivots = start + m * m
+    return own[start : start + rank * rank], own[pivots : pivots + rank]
+
+
+@compiled(inline=True)
+def iterated(n: int, m: int, own: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """Return what is left over, the multipliers, the increment, its total, and the state reached."""
+    left = 1 + m * n + m * m + 4 * m
+    multipliers, increment = left + m, left + 2 * m
+    total, reached = increment + n, increment + 2 * n
+    return (
+        own[left:multipliers],
+        own[multipliers:increment],
+        own[increment:total],
+        own[total:reached],
+        own[reached : reached + n],
+    )
+
+
+@compiled(inline=True)
+def spare(n: int, m: int, own: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return room for another Jacobian, for S of all rows, and for differences."""
+    rows = 1 + m * n + m * m + 6 * m + 3 * n
+    products, above, below = rows + m * n, rows + m * n + m * m, rows + m * n + m * m + m
+    return own[rows:products], own[products:above], own[above:below], own[below : below + m]
+
+
+@compiled
+def measure(rows: Floats, params: Floats, lengths: Floats, sums: Floats) -> None:
+    """Write lengths in the metric of the inverse masses, and sums of sizes; 1 for a row of zeros."""
+    m = lengths.size
+    n = rows.size // m
+    for i in range(m):
+        square = total = 0.0
+        for j in range(n):
+            square += rows[i * n + j] ** 2 * params[params.size - n + j]
+            total += abs(rows[i * n + j])
+        lengths[i] = scale(np.sqrt(square), 0.0)
+        sums[i] = scale(total, 0.0)
+
+
+@compiled
+def multiply(left: Floats, right: Floats, lengths: Floats, params: Floats, products: Floats) -> None:
+    """Write left M^-1 right^T, both by the lengths of rows."""
+    m = lengths.size
+    n = left.size // m
+    for i in range(m):
+        for k in range(m):
+            product = 0.0
+            for j in range(n):
+                product += left[i * n + j] * right[k * n + j] * params[params.size - n + j]
+            products[i * m + k] = product / (lengths[i] * lengths[k])
+
+
+@compiled
+def factor_rows(n: int, m: int, params: Floats, own: Floats) -> bool:
+    """Measure the rows of the Jacobian, choose those that get a multiplier, and factor S."""
+    rows, lengths, sums, order = rows_of(n, m, own)
+    _, products, _, _ = spare(n, m, own)
+    measure(rows, params, lengths, sums)
+    multiply(rows, rows, lengths, params, products)
+    own[0] = m
+    matrix, _ = factored(n, m, own)
+    for k in range(m * m):
+        matrix[k] = products[k]
+    own[0] = independent(matrix, order, _INDEPENDENT)
+    return factor_products(n, m, own)
+
+
+@compiled
+def factor_with(left: Floats, n: int, m: int, params: Floats, own: Floats) -> bool:
+    """Factor S with another Jacobian on its left."""
+    rows, lengths, _, _ = rows_of(n, m, own)
+    _, products, _, _ = spare(n, m, own)
+    multiply(left, rows, lengths, params, products)
+    return factor_products(n, m, own)
+
+
+@compiled
+def factor_products(n: int, m: int, own: Floats) -> bool:
+    """Factor what S of all rows says of those with a multiplier."""
+    _, _, _, order = rows_of(n, m, own)
+    _, products, _, _ = spare(n, m, own)
+    matrix, pivots = factored(n, m, own)
+    for k in range(pivots.size):
+        for q in range(pivots.size):
+            matrix[k * pivots.size + q] = products[int(order[k]) * m + int(order[q])]
+    return lu_factor(matrix, pivots)
+
+
+@compiled
+def push(rows: Floats, lengths: Floats, order: Floats, multipliers: Floats, params: Floats, out: Floats) -> None:
+    """Write M^-1 G^T times multipliers of the scaled rows that have one."""
+    n = out.size
+    out[:] = 0.0
+    for k in range(multipliers.size):
+        i = int(order[k])
+        for j in range(n):
+            out[j] += rows[i * n + j] * (multipliers[k] / lengths[i])
+    for j in range(n):
+        out[j] *= params[params.size - n + j]
+
+
+@compiled
+def farthest(left: Floats, sums: Floats) -> float:
+    """Largest change of a number of the state that what is left over asks for; NaN where there is one."""
+    greatest = 0.0
+    for i in range(left.size):
+        size = abs(left[i]) / sums[i]
+        if not size <= greatest:
+            greatest = size
+    return greatest

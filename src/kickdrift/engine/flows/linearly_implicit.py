@@ -1,0 +1,65 @@
+"""A kick that is implicit in the velocity, but for linear forces only: one step of Newton's, and a linear equation.
+
+Where damping is stiff, it is stable at any step (MuJoCo's implicit integrator; the linearly implicit Euler method of
+Hairer, Wanner, Solving Ordinary Differential Equations II, 2nd ed. (1996), section IV.9). A template, see
+`kickdrift.engine.flows.kick_drift`.
+
+Memory: a matrix (n * n), pivots (n), and a displaced velocity (n).
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.compilation import unbound
+from kickdrift.core.linear_algebra import lu_factor, lu_solve
+from kickdrift.engine.flows.implicit import copy, largest, scale
+from kickdrift.engine.flows.layout import EVALUATIONS, TROUBLE, VELOCITY_JACOBIAN, change_of_v, has_part, memory
+
+Floats = NDArray[np.float64]
+
+acceleration_at: Callable[..., None] = unbound
+velocity_jacobian_at: Callable[..., None] = unbound
+add_to_v: Callable[..., None] = unbound
+
+
+def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
+    """Numbers of memory for a state of n numbers."""
+    return n * n + 2 * n
+
+
+def linearly_implicit_kick(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    """Advance v by h u, with (1 - h da/dv) u = a at (t, x, v)."""
+    n, own = x.size, memory(work)
+    matrix, pivots, u = own[: n * n], own[n * n : n * n + n], change_of_v(n, work)
+    acceleration_at(t, x, v, params, work, work[:n])
+    work[EVALUATIONS] += 1.0
+    if has_part(VELOCITY_JACOBIAN, work):
+        velocity_jacobian_at(t, x, v, params, work, matrix)
+    else:
+        form_velocity_jacobian(t, h, x, v, params, work)
+    for i in range(n):
+        for j in range(n):
+            matrix[i * n + j] = (1.0 if i == j else 0.0) - h * matrix[i * n + j]
+    if not lu_factor(matrix, pivots):
+        work[TROUBLE] = np.inf
+        return
+    copy(work[:n], u)
+    lu_solve(matrix, pivots, u)
+    add_to_v(v, h, u, work)
+
+
+def form_velocity_jacobian(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    """Form da/dv by forward differences, one evaluation a column, beside the acceleration in work."""
+    n, own = x.size, memory(work)
+    a, displaced_a, displaced = work[:n], change_of_v(n, work), own[n * n + n : n * n + 2 * n]
+    size = scale(largest(v), abs(h) * largest(a))
+    copy(v, displaced)
+    for j in range(n):
+        displaced[j] = v[j] + 1.5e-8 * size
+        acceleration_at(t, x, displaced, params, work, displaced_a)
+        work[EVALUATIONS] += 1.0
+        for i in range(n):
+            own[i * n + j] = (displaced_a[i] - a[i]) / (displaced[j] - v[j])
+        displaced[j] = v[j]

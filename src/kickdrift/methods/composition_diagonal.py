@@ -1,0 +1,23 @@
+"""The composition diagonal method, extrapolated: for first-order equations, friction, and chaos without structure.
+
+The method itself, of order 2, is ``implicit-verlet``. Extrapolation gives its structure up for the order.
+"""
+
+from kickdrift.core.kinds import Kind
+from kickdrift.methods.letter import Letter
+from kickdrift.methods.record import Method, word
+
+
+def _extrapolated(rows: int) -> Method:
+    return Method(
+        name=f"composition-diagonal-{2 * rows}",
+        order=2 * rows,
+        word=word((Letter.EXTRAPOLATION, 1)),
+        symmetric=False,
+        kind=Kind.FIRST_ORDER,
+        source="Butusov, Tutueva, Fedoseev, Terentev, Karimov, Mathematics 8, 943 (2020)",
+        parameters=(rows,),
+    )
+
+
+METHODS = tuple(_extrapolated(rows) for rows in (2, 3, 4))

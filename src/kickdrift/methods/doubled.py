@@ -1,0 +1,70 @@
+"""Explicit methods for Hamiltonians that are not separable, in a doubled phase space."""
+
+import math
+from decimal import Decimal, localcontext
+from fractions import Fraction
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.core.kinds import Kind
+from kickdrift.methods.letter import Letter
+from kickdrift.methods.record import Method, composition, word
+
+_A, _B, _C = Letter.DOUBLED_KICK, Letter.DOUBLED_DRIFT, Letter.DOUBLED_BINDING
+_BINDING = 20
+
+
+def tao(order: int = 2, binding: float = _BINDING) -> Method:
+    """Make the method of an order for a binding constant.
+
+    It moves two copies of the state, bound to each other by a spring in phase space that turns their differences at
+    the angular frequency 2 `binding`. It conserves a symplectic form of both together, and its energy error stays
+    bounded for as long as the copies stay together. For that
+
+    - q and p want units in which they are about as large: the spring weighs both alike;
+    - `binding` must be larger than the rates of the motion, and far larger than those at which its trajectories part:
+      too small a constant shows as an energy that wanders off;
+    - step^order * binding must be well below 1.
+
+    Parameters
+    ----------
+    order : int
+        2, 4, 6, ...; each has five times the evaluations of the one before. At equal cost Suzuki's five steps have a
+        tenth of the error of the triple jump on Tao's first example.
+    binding : float
+        Tao's omega, positive, per unit of time.
+
+    Returns
+    -------
+    Method
+
+    Raises
+    ------
+    ArgumentError
+        For an order that is not even and positive, or a binding that is not positive and finite.
+
+    References
+    ----------
+    Tao, Phys. Rev. E 94, 043303 (2016), eq. 5; Suzuki, Phys. Lett. A 146, 319 (1990).
+    """
+    if isinstance(order, bool) or not isinstance(order, int) or order < 2 or order % 2:
+        raise ArgumentError(f"order={order!r} must be 2, 4 or another even number; the method is symmetric.")
+    if not 0 < binding < math.inf:
+        raise ArgumentError(f"binding={binding!r} must be positive and finite; {_BINDING} suits rates of about 1.")
+    spelled = word((_A, "1/2"), (_B, "1/2"), (_C, 1), (_B, "1/2"), (_A, "1/2"))
+    with localcontext() as context:
+        context.prec = 60
+        for lower in range(2, order, 2):
+            outer = Fraction(1 / (4 - Decimal(4) ** (1 / Decimal(lower + 1))))
+            spelled = composition(spelled, [outer, outer, 1 - 4 * outer, outer, outer])
+    return Method(
+        name=f"tao-{order}" if binding == _BINDING else f"tao-{order}-binding-{binding:g}",
+        order=order,
+        word=spelled,
+        symmetric=True,
+        kind=Kind.HAMILTONIAN,
+        source="Tao, Phys. Rev. E 94, 043303 (2016); composed as by Suzuki, Phys. Lett. A 146, 319 (1990)",
+        parameters=(Fraction(binding),),
+    )
+
+
+METHODS = (tao(2), tao(4))

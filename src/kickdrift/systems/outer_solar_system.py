@@ -1,0 +1,49 @@
+"""The outer solar system of Hairer, Lubich and Wanner: Sun, four giant planets and Pluto, in au and days."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from kickdrift.systems.planetary import planetary
+from kickdrift.systems.system import System
+
+# Mass (Sun = 1), position (au), velocity (au/day) on 5 September 1994; the inner planets are in the mass of the Sun.
+_BODIES = {
+    "Sun": (1.00000597682, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
+    "Jupiter": (
+        0.000954786104043,
+        (-3.5023653, -3.8169847, -1.5507963),
+        (0.00565429, -0.00412490, -0.00190589),
+    ),
+    "Saturn": (0.000285583733151, (9.0755314, -3.0458353, -1.6483708), (0.00168318, 0.00483525, 0.00192462)),
+    "Uranus": (
+        0.0000437273164546,
+        (8.3101420, -16.2901086, -7.2521278),
+        (0.00354178, 0.00137102, 0.00055029),
+    ),
+    "Neptune": (
+        0.0000517759138449,
+        (11.4707666, -25.7294829, -10.8169456),
+        (0.00288930, 0.00114527, 0.00039677),
+    ),
+    "Pluto": (1 / 1.3e8, (-15.5387357, -25.2225594, -3.1902382), (0.00276725, -0.00170702, -0.00136504)),
+}
+
+
+def outer_solar_system(splitting: str = "jacobi") -> System:
+    """Make the outer solar system of Hairer, Lubich and Wanner; the state has shape (6, 3).
+
+    The energy is -3.215453183208163e-8 at the start. Jupiter's period is 4332.6 days.
+
+    Parameters
+    ----------
+    splitting : str
+        As for `planetary`.
+    """
+    masses, x, v = (np.array([body[i] for body in _BODIES.values()]) for i in range(3))
+    return replace(
+        planetary(masses, x, v, G=2.95912208286e-4, splitting=splitting, names=list(_BODIES)),
+        name="outer-solar-system",
+        units={"t": "day", "x": "au", "v": "au/day"},
+        source="Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed. (2006), section I.2.4",
+    )
