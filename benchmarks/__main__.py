@@ -11,43 +11,64 @@ from pathlib import Path
 
 import llvmlite.binding
 
-from benchmarks import against_c, gravity, implicit_euler, kepler, startup
+from benchmarks import against_c, gravity, implicit_euler, kepler, precision, startup, wisdom_holman
 from benchmarks.table import Missing, Row, markdown, skipped
 
 COMPARISONS: dict[str, tuple[str, Callable[[int], list[Row]]]] = {
     "c": ("Benchmarks Game: a step", against_c.compare),
     "kepler": ("Kepler, a user's function: a step", kepler.compare),
+    "wisdom-holman": ("Outer solar system by Wisdom-Holman: a step", wisdom_holman.compare),
     "gravity": ("Direct N-body: an interaction", gravity.compare),
     "implicit": ("Implicit against semi-implicit Euler", implicit_euler.compare),
     "startup": ("Before the first step", startup.compare),
 }
-_PACKAGES = ("kickdrift", "numpy", "numba", "rebound", "diffrax", "jax", "symplecta")
+_PRECISION = "precision"
+NAMES = (*COMPARISONS, _PRECISION)
+_PACKAGES = (
+    "kickdrift",
+    "numpy",
+    "numba",
+    "scipy",
+    "rebound",
+    "diffrax",
+    "jax",
+    "heyoka",
+    "pyhamsys",
+    "symplecta",
+    "desolver",
+)
 
 
 def main() -> None:
     """Read the arguments, run, and write."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
-    parser.add_argument("--only", choices=COMPARISONS, action="append", help="run this comparison; may be repeated")
+    parser.add_argument("--only", choices=NAMES, action="append", help="run this comparison; may be repeated")
     parser.add_argument("--rounds", type=int, default=9, help="how often each contestant comes (default: 9)")
     parser.add_argument("--output", type=Path, help="write the table to this file instead of the terminal")
+    parser.add_argument("--pictures", type=Path, help="draw those of work and precision into this folder")
     arguments = parser.parse_args()
     if arguments.rounds < 1:
         parser.error("--rounds must be at least 1")
-    sections = []
-    for name in arguments.only or COMPARISONS:
+    sections: list[tuple[str, list[Row]]] = []
+    for name in arguments.only or NAMES:
         started = time.perf_counter()
-        title, compare = COMPARISONS[name]
-        try:
-            rows = compare(arguments.rounds)
-        except Missing as missing:
-            rows = [skipped(title, str(missing))]
-        sections.append((title, rows))
-        print(f"{title}: {time.perf_counter() - started:.0f} s", file=sys.stderr)
+        sections.extend(_sections(name, arguments.rounds, arguments.pictures))
+        print(f"{name}: {time.perf_counter() - started:.0f} s", file=sys.stderr)
     text = f"{_circumstances(arguments.rounds)}\n\n{markdown(sections)}"
     if arguments.output is None:
         print(text, end="")
     else:
         arguments.output.write_text(text, encoding="utf-8")
+
+
+def _sections(name: str, rounds: int, pictures: Path | None) -> list[tuple[str, list[Row]]]:
+    if name == _PRECISION:
+        return precision.sections(rounds, pictures)
+    title, compare = COMPARISONS[name]
+    try:
+        return [(title, compare(rounds))]
+    except Missing as missing:
+        return [(title, [skipped(title, str(missing))])]
 
 
 def _circumstances(rounds: int) -> str:

@@ -55,6 +55,7 @@ _CHOICES: dict[str, dict[str, float]] = {
     "pendulum": {"error": 1e-4},
     "solar-system": {"step": 2e-3, "span": 27.5, "error": 1e-5},
     "benchmarks-game": {"span": 12.0},
+    "outer-solar-system": {"step": 0.1, "span": 4332.6, "error": 1e-2},
 }
 
 
