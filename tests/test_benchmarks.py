@@ -206,7 +206,7 @@ def test_a_peer_ten_times_slower_is_off_by_ten_to_the_order_at_equal_time():
         found = curves.compare(curve("peer", 4, slowness), 2, ours)
         np.testing.assert_allclose(found.errors, errors, rtol=1e-9)
         np.testing.assert_allclose(found.times, times, rtol=1e-9)
-        assert found.best == "kickdrift four"
+        assert found.most_exact == found.quickest == "kickdrift four"
 
 
 def test_runs_beyond_ours_are_not_extrapolated():
@@ -215,6 +215,7 @@ def test_runs_beyond_ours_are_not_extrapolated():
     ours = [curve("kickdrift four", 4, 1.0)]
     quick = curves.compare(curve("quick", 4, 0.5), 0, ours)
     assert quick.errors.tolist() == [0.0] * 3
+    assert quick.quickest == "kickdrift four"
     exact = curves.compare(curve("exact", 5, 1.0), 3, ours)
     assert exact.times.tolist() == [0.0] * 3
     assert (exact.errors < 1).all()

@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 import kickdrift as kd
 from kickdrift.core import linear_algebra
 from kickdrift.core.compilation import specialise, unbound
-from kickdrift.engine import flows, implicit
+from kickdrift.engine.flows import implicit, kick_drift, sums
 
-KERNELS = [linear_algebra.lu_factor, linear_algebra.lu_solve, flows.add, implicit.largest]
+KERNELS = [linear_algebra.lu_factor, linear_algebra.lu_solve, sums.add, implicit.largest]
 
 
 @pytest.mark.parametrize("body", [True, False], ids=["interpreted", "compiled"])
@@ -42,9 +42,9 @@ def test_sums_are_the_same_compiled_interpreted_and_as_arrays(values, h):
     rate = np.array(values)
     n = rate.size
     pairs = [
-        (flows.add, flows.add_interpreted),
-        (flows.add_to_x_compensated, flows.add_to_x_compensated_interpreted),
-        (flows.add_to_v_compensated, flows.add_to_v_compensated_interpreted),
+        (sums.add, sums.add_interpreted),
+        (sums.add_to_x_compensated, sums.add_to_x_compensated_interpreted),
+        (sums.add_to_v_compensated, sums.add_to_v_compensated_interpreted),
     ]
     for kernel, whole in pairs:
         results = []
@@ -59,9 +59,9 @@ def test_sums_are_the_same_compiled_interpreted_and_as_arrays(values, h):
 
 def test_the_python_bodies_of_the_sums():
     y, work, rate = np.ones(2), np.zeros(9), np.array([1.0, 2.0])
-    flows.add.py_func(y, 0.5, rate, work)
+    sums.add.py_func(y, 0.5, rate, work)
     assert y.tolist() == [1.5, 2.0]
-    flows._add_compensated.py_func(y, 1e-17, rate, work[2:4])
+    sums._add_compensated.py_func(y, 1e-17, rate, work[2:4])
     assert y.tolist() == [1.5, 2.0]
     assert work[2:4].tolist() == [-1e-17, -2e-17]
 
@@ -91,7 +91,7 @@ def test_largest_sees_nan():
 
 def test_an_unbound_template_says_so():
     with pytest.raises(NotImplementedError, match="specialise it first"):
-        flows.drift(0.0, 0.1, np.zeros(1), np.zeros(1), np.zeros(0), np.zeros(6))
-    assert specialise(flows.drift, "mine", add_to_x=lambda *a: None).__name__ == "mine"
+        kick_drift.drift(0.0, 0.1, np.zeros(1), np.zeros(1), np.zeros(0), np.zeros(6))
+    assert specialise(kick_drift.drift, "mine", add_to_x=lambda *a: None).__name__ == "mine"
     with pytest.raises(NotImplementedError):
         unbound()

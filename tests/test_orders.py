@@ -1,7 +1,7 @@
 """The order of every method in the catalogue, measured two-sided by the engine on problems that leave no term out.
 
 Words of kicks and drifts of higher orders are measured in `test_tables`, in extended precision, which also shows that
-the engine does what they say.
+the engine does what they say; the highest Runge-Kutta methods and extrapolations have tests of their own.
 """
 
 from dataclasses import dataclass, replace
@@ -63,7 +63,7 @@ PROBLEMS = {
     "forced": Problem(Kind.NEWTONIAN, forced, 0.7, 0.3, 5.0, 0.5, lambda t, x, v: (v, forced(t, x))),
     "damped": Problem(Kind.VELOCITY_DEPENDENT, damped, 2.0, 0.5, 5.0, 0.5, lambda t, x, v: (v, damped(t, x, v))),
     "relativistic": Problem(
-        *(Kind.SEPARABLE, relativistic, 1.0, 2.0, 5.0, 0.5),
+        *(Kind.SEPARABLE, relativistic, 0.5, 1.0, 4.0, 0.5),
         lambda t, q, p: (p / np.sqrt(1 + p * p) * (1 + 0.1 * np.sin(t)), -q - q**3 + np.cos(2 * t)),
     ),
     "entangled": Problem(
@@ -82,7 +82,7 @@ PAIRS = [
     (method, name)
     for method in CATALOGUE.values()
     for name, problem in PROBLEMS.items()
-    if method.kind.includes(problem.kind) and (method.order <= 4 or not method.letters <= {K, D})
+    if method.kind.includes(problem.kind) and (method.order <= 4 or (method.order <= 6 and method.tableau is not None))
 ]
 
 

@@ -34,9 +34,11 @@ def functions_of(system: System, program: Program) -> dict[str, Function]:
     return functions
 
 
-def addresses_of(functions: dict[str, Function]) -> dict[str, int]:
-    """Compile the functions of a native system, and return their addresses."""
-    return {name: address_of(function, layout.FLAT) for name, function in functions.items()}
+def addresses_of(functions: dict[str, Function], flows: tuple[str, ...]) -> dict[str, int]:
+    """Compile the functions of a native system that the flows call by address, and return their addresses."""
+    templates = [t for name in flows for t in (FLOWS[name].template, *FLOWS[name].parts.values())]
+    called = {global_name for template in templates for global_name in template.__code__.co_names}
+    return {name: address_of(function, layout.FLAT) for name, function in functions.items() if f"{name}_at" in called}
 
 
 def build(name: str, system: System, program: Program, compensated: bool) -> Function:
@@ -46,7 +48,7 @@ def build(name: str, system: System, program: Program, compensated: bool) -> Fun
     """
     n = system.x0.size
     functions = functions_of(system, program)
-    known = _own_flow(system.flows[name]) if name in system.flows else FLOWS[name]
+    known = FLOWS[name]
     if not system.native:
         bound = _interpreted(known, functions, compensated)
         return specialise(_letter, "letter", arrays=lambda state: state, flow=bound)
@@ -57,11 +59,6 @@ def build(name: str, system: System, program: Program, compensated: bool) -> Fun
     # Flows with parts are large: compiled once for all sizes. First-order systems have no v of n numbers.
     size = _SMALL + 1 if known.parts or system.v0.size != n else min(n, _SMALL + 1)
     return _native(known, name, inlined, own, size, compensated, system.packaged)
-
-
-@lru_cache(maxsize=64)
-def _own_flow(template: Function) -> Flow:
-    return Flow(template)
 
 
 @lru_cache(maxsize=256)

@@ -20,7 +20,7 @@ class Program:
     Attributes
     ----------
     flows : tuple of str
-        Names of the flows that the step uses, see `kickdrift.engine.flow_table`.
+        Names of the flows that the step uses, see `kickdrift.engine.flows.table`.
     letters : (L,) array of int
         The step: indices into `flows`.
     weights : (L,) array

@@ -48,8 +48,8 @@ def solve(
     problem : System, Problem or callable
         A system of `kickdrift.systems`; a description by functions, such as `kickdrift.SecondOrder`,
         `kickdrift.Hamiltonian` or `kickdrift.FirstOrder`; or a function for the acceleration. The names of its
-        arguments declare its structure: ``x``, ``t``, ``v``, ``params`` (the float array of `args`), ``out`` (written in
-        place).
+        arguments declare its structure: ``x``, ``t``, ``v``, ``params`` (the float array of `args`), ``out`` (written
+        in place).
     t_span : (float, float)
         Start and end; the end may lie before the start.
     x0, v0 : array_like

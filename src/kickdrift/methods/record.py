@@ -112,7 +112,9 @@ class Method:
         drifts for separable problems.
         """
         moving = [(letter, weight) for letter, weight in self.word if not letter.projection]
-        same = Kind.SEPARABLE.includes(self.kind) or any(letter.share not in ("kick", "drift") for letter in self.letters)
+        same = Kind.SEPARABLE.includes(self.kind) or any(
+            letter.share not in ("kick", "drift") for letter in self.letters
+        )
         backwards = [(letter if same else letter.adjoint, weight) for letter, weight in reversed(moving)]
         return moving == backwards and all(letter.adjoint is not None for letter, _ in moving)
 

@@ -14,51 +14,46 @@ from kickdrift.systems.system import Quantity, System
 
 Floats = NDArray[np.float64]
 
-# params begins with G, softening^2, Gm_0, ..., Gm_(N-1); `gravity` takes them from the softening on. Not cached: Numba
+# params is [G, softening^2, Gm_0, ..., Gm_(N-1)]; `gravity` takes it from the softening on. Not cached: Numba
 # watches the file of a cached function for changes, and not those of the functions that it calls.
-
-
-@compiled(cached=False, inline=True)
-def _from_softening(x: Floats, params: Floats) -> Floats:
-    return params[1 : 2 + x.size // 3]
 
 
 @compiled(cached=False)
 def _kick(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    gravity.add_gravity_pairwise(h, x, _from_softening(x, params), v)
+    gravity.add_gravity_pairwise(h, x, params[1:], v)
 
 
 @compiled(cached=False)
 def _few(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     out[:] = 0.0
-    gravity.add_gravity_pairwise(1.0, x, _from_softening(x, params), out)
+    gravity.add_gravity_pairwise(1.0, x, params[1:], out)
 
 
 @compiled(cached=False)
 def _many(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     out[:] = 0.0
-    gravity.add_gravity_tiled(1.0, x, _from_softening(x, params), out)
+    gravity.add_gravity_tiled(1.0, x, params[1:], out)
 
 
 @compiled(cached=False)
 def _many_threaded(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     out[:] = 0.0
-    gravity.add_gravity_threaded(1.0, x, _from_softening(x, params), out)
+    gravity.add_gravity_threaded(1.0, x, params[1:], out)
 
 
 @compiled(cached=False)
 def _energy(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
-    out[0] = gravity.energy(x, v, _from_softening(x, params), params[0])
+    out[0] = gravity.energy(x, v, params[1:], params[0])
 
 
 @compiled(cached=False)
 def _momentum(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
-    gravity.momentum(x, v, _from_softening(x, params), params[0], out)
+    gravity.momentum(x, v, params[1:], params[0], out)
 
 
 @compiled(cached=False)
 def _angular_momentum(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
-    gravity.angular_momentum(x, v, _from_softening(x, params), params[0], out)
+    gravity.angular_momentum(x, v, params[1:], params[0], out)
 
 
 QUANTITIES = {

@@ -2,16 +2,22 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+from kickdrift.core.compilation import Function, compiled, specialise, unbound
 from kickdrift.core.errors import ArgumentError, unknown_name
 from kickdrift.core.kinds import Kind
 from kickdrift.systems.heliocentric import DEMOCRATIC_HELIOCENTRIC
 from kickdrift.systems.jacobi import JACOBI
 from kickdrift.systems.nbody import nbody
 from kickdrift.systems.system import System
+
+Floats = NDArray[np.float64]
+
+function: Function = unbound
 
 _SPLITTINGS = {"jacobi": JACOBI, "democratic-heliocentric": DEMOCRATIC_HELIOCENTRIC}
 
@@ -76,8 +82,32 @@ def planetary(
         system,
         name="planetary",
         kind=Kind.NEARLY_KEPLERIAN,
+        acceleration=_of_bodies(system.acceleration),
+        kick=None if system.kick is None else _kick_of_bodies(system.kick),
+        quantities={name: replace(q, function=_of_bodies(q.function)) for name, q in system.quantities.items()},
         params=np.concatenate([system.params, chosen.params(gm)]),
         parts={"remainder": chosen.remainder(gm.size), **chosen.parts},
         frame=chosen.frame(gm),
         source="Wisdom, Holman, Astron. J. 102, 1528 (1991)",
     )
+
+
+# The functions of `nbody` take all params for masses; here the numbers of the splitting come after them.
+
+
+@cache
+def _of_bodies(of_nbody: Function) -> Function:
+    return compiled(cached=False)(specialise(_without_splitting, f"{of_nbody.__name__}_of_bodies", function=of_nbody))
+
+
+def _without_splitting(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    function(t, x, v, params[: 2 + x.size // 3], out)
+
+
+@cache
+def _kick_of_bodies(of_nbody: Function) -> Function:
+    return compiled(cached=False)(specialise(_kick_without_splitting, "kick_of_bodies", function=of_nbody))
+
+
+def _kick_without_splitting(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    function(t, h, x, v, params[: 2 + x.size // 3], work)

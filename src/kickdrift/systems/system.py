@@ -80,8 +80,6 @@ class System:
         that is left to them, under which that acceleration does not change.
     frame : Frame, optional
         The coordinates in which the remainder and the other flow work, where they are not those of x0.
-    flows : mapping of str to callable
-        Flows of its own, by the names of the letters: templates as in `kickdrift.engine.flows`.
     native : bool
         Whether all these functions are compiled; False for Python functions that Numba cannot compile.
     packaged : bool
@@ -108,7 +106,6 @@ class System:
     velocity: Function | None = None
     parts: Mapping[str, Function] = field(default_factory=dict)
     frame: Frame | None = None
-    flows: Mapping[str, Function] = field(default_factory=dict)
     native: bool = True
     packaged: bool = False
     dimensions: tuple[str, ...] = ()
