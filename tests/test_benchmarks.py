@@ -316,12 +316,11 @@ def test_the_best_other_method_is_found_between_chaos_and_rounding():
     from benchmarks.precision.preference import best_other
 
     chosen = np.array([0.5, 1e-4, 1e-8, 1e-13])
-    others = {"a": chosen * [1e-3, 2, 2, 1e-3], "b": chosen * [1, 8, 0.1, 1], "c": chosen * [1, 1, 3, 1]}
+    others = {"a": chosen * [1e-3, 2, 2, 1e-3], "b": chosen * [1, 8, 0.1, 1], "c": chosen * [1, 1.9, 3, 1]}
     name, ratios = best_other(chosen, others)
     assert name == "b"
     np.testing.assert_allclose(ratios, [8, 0.1])
-    name, ratios = best_other(chosen, {"a": others["a"], "c": others["c"]})
-    assert name == "c"
+    assert best_other(chosen, {"a": others["a"], "c": others["c"]})[0] == "a"
     assert best_other(chosen, {})[0] == ""
 
 
@@ -354,7 +353,7 @@ def test_labels_do_not_lie_on_each_other():
     figure = Figure(figsize=(6, 4))
     FigureCanvasAgg(figure)
     axes = figure.subplots()
-    axes.set(xscale="log", yscale="log", xlim=(0.1, 1e5), ylim=(1e-13, 10))
+    axes.set(xscale="log", yscale="log", xlim=(0.5, 2e3), ylim=(1e-10, 10))
     work, errors = power_law(3)
     labels = [Label(f"method {i}", "black", i == 0, work, errors * (1 + 0.1 * i)) for i in range(5)]
     place(axes, labels)
