@@ -2,6 +2,7 @@
 
 from kickdrift import methods, systems
 from kickdrift.cli.output import show_table
+from kickdrift.core.kinds import Kind
 from kickdrift.engine.program import evaluations_of
 from kickdrift.methods import Method
 from kickdrift.scenes import DEFAULTS, Defaults
@@ -20,7 +21,7 @@ def _method_row(method: Method) -> list[str]:
         "yes" if method.symmetric else "no",
         f"{evaluations_of(method)}" if method.explicit else "iterated",
         ", ".join(method.aliases) or "-",
-        method.kind.value,
+        "all but constraints and noise" if method.kind is Kind.FIRST_ORDER else method.kind.value,
         method.spelling,
         method.source,
     ]
