@@ -63,6 +63,7 @@ DEFAULTS: dict[str, Defaults] = {
     "pendulum": Defaults(comparison=(100.0, 0.05)),
     "kepler": Defaults(comparison=(50.0, 0.001)),
     "solar-system": Defaults(YEARS * JULIAN_YEAR.value, STEP, METHOD, comparison=(JULIAN_YEAR.value, 0.005)),
+    "outer-solar-system": Defaults(200_000.0, 50.0, "wisdom-holman", comparison=(20_000.0, 2.0)),
     "benchmarks-game": Defaults(1000.0, 0.01, "semi-implicit-euler", comparison=(50.0, 0.002)),
 }
 
