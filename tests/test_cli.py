@@ -14,10 +14,10 @@ import kickdrift as kd
 from kickdrift import cli
 from kickdrift.cli import compiling, help_texts
 from kickdrift.cli.app import app
-from kickdrift.methods import Kind
 from kickdrift.cli.times import parse_time
 from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.progress import Bar
+from kickdrift.methods import Kind
 from kickdrift.scenes import planets
 
 COLLISION = """\
@@ -160,11 +160,13 @@ def test_lists_hold_the_whole_catalogues():
     assert methods.exit_code == systems.exit_code == cli.DONE
     for method in kd.methods.catalogue().values():
         line = next(line for line in methods.stdout.splitlines() if line.startswith(f"{method.name} "))
-        for cell in (method.name, *method.aliases, method.spelling, method.source):
+        for cell in (method.name, *method.aliases, method.source):
             assert cell in line
         assert ("all but constraints and noise" if method.kind is Kind.FIRST_ORDER else method.kind.value) in line
     assert [line.split()[0] for line in systems.stdout.splitlines()[1:]] == list(kd.systems.catalogue())
-    evaluations = {line.split()[0]: line.split()[3] for line in methods.stdout.splitlines()}
+    evaluations = {
+        line.split()[0]: line.split()[3] for line in methods.stdout.splitlines() if "(" not in line.split()[2]
+    }
     assert (evaluations["velocity-verlet"], evaluations["blanes-moan-srkn6b"]) == ("1", "6")
     assert evaluations["implicit-euler"] == "iterated"
 

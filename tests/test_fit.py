@@ -154,3 +154,22 @@ def test_an_order_that_is_none_is_refused(order):
 def test_an_order_without_auto_is_refused():
     with pytest.raises(ArgumentError, match="order=4 is for method='auto'"):
         solve(Kind.NEWTONIAN, "velocity-verlet", order=4)
+
+
+@pytest.mark.parametrize(
+    ("kind", "order", "name"),
+    [
+        (Kind.NEWTONIAN, None, "kick-drift"),
+        (Kind.FIRST_ORDER, None, "kick-drift"),
+        (Kind.CONSTRAINED, None, "rattle"),
+        (Kind.LANGEVIN, None, "baoab"),
+        (Kind.NEWTONIAN, 6, "blanes-moan-srkn11b"),
+    ],
+)
+def test_without_a_method_it_is_semi_implicit_euler_or_what_fits(kind, order, name):
+    assert solve(kind, None, order=order).about.method == name
+
+
+def test_a_refusal_names_the_description_that_would_fit():
+    with pytest.raises(MethodMismatchError, match=r"use 'implicit-verlet' \(order 2\), or describe it as kd.Charged"):
+        solve(Kind.VELOCITY_DEPENDENT, "boris")

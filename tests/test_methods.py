@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError, UnknownNameError
-from kickdrift.methods import Kind, Letter, Method, alternating, word
+from kickdrift.methods import Kind, Letter, Method, Tableau, alternating, word
 
 K, D = Letter.KICK, Letter.DRIFT
 
@@ -71,7 +71,6 @@ def test_unknown_name_offers_the_nearest():
         (word((K, "1/2"), (D, 1), (K, "1/2")), False, 2, "is a palindrome"),
         (word((K, 1)), False, 1, "kicks and drifts"),
         (word((K, 1), (Letter.IMPLICIT_RUNGE_KUTTA, 1)), False, 1, "kicks and drifts"),
-        (word((Letter.RUNGE_KUTTA, 1)), True, 1, "not a palindrome"),
         (word((K, 1), (D, 1)), False, 0, "at least 1"),
     ],
 )
@@ -95,3 +94,44 @@ def test_a_method_of_ones_own_runs():
     solution = kd.solve(problem, (0.0, 1.0), step=0.01, method=mine)
     assert abs(solution.x[-1] - problem.exact(solution.t)[0][-1]) < 1e-5
     assert solution.about.method == "mine"
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ({"word": word((K, 1), (D, 1), (Letter.ROTATE, 1))}, "'rotate' needs charges"),
+        ({"word": word((K, 1), (D, 1), (Letter.THERMOSTAT, 1))}, "'thermostat' needs Langevin"),
+        ({"word": word((K, 1), (Letter.KEPLER, 1))}, "'kepler' needs light bodies"),
+        ({"kind": Kind.CONSTRAINED}, "none of its flows is for that"),
+        ({"kind": Kind.LANGEVIN}, "none of its flows is for that"),
+        ({"word": word((Letter.RUNGE_KUTTA, 1))}, "a Runge-Kutta flow has one"),
+        ({"tableau": lambda: Tableau([[0]], [1])}, "a Runge-Kutta flow has one"),
+        ({"word": word((Letter.EXTRAPOLATION, 1))}, "its flows need 1"),
+        ({"parameters": (1,)}, "its flows need 0"),
+    ],
+)
+def test_a_method_whose_flows_lack_what_they_need_cannot_exist(change, reason):
+    given = {"word": word((K, 1), (D, 1)), "kind": Kind.NEWTONIAN, "symmetric": False, "order": 1}
+    with pytest.raises(ArgumentError, match=reason):
+        Method(name="mine", source="a test", **{**given, **change})
+
+
+@pytest.mark.parametrize(
+    ("letter", "symmetric", "reason"),
+    [
+        (Letter.RUNGE_KUTTA, True, "tableau of 'mine' is implicit"),
+        (Letter.IMPLICIT_RUNGE_KUTTA, False, "its tableau says True"),
+    ],
+)
+def test_a_tableau_that_does_not_fit_is_refused_when_it_is_needed(letter, symmetric, reason):
+    mine = Method(
+        name="mine",
+        order=2,
+        word=word((letter, 1)),
+        symmetric=symmetric,
+        kind=Kind.FIRST_ORDER,
+        source="a test",
+        tableau=lambda: Tableau([[Fraction(1, 2)]], [1]),
+    )
+    with pytest.raises(ArgumentError, match=reason):
+        kd.solve(lambda x: -x, (0.0, 1.0), 1.0, 0.0, step=0.1, method=mine, compile=False)

@@ -94,8 +94,8 @@ def test_writing_into_out_is_returning(compile):  # noqa: A002
 
 
 @interpreted_or_compiled
-def test_masses_broadcast_to_bodies(compile):  # noqa: A002
-    masses = np.array([[1.0], [4.0]])
+@pytest.mark.parametrize("masses", [[[1.0], [4.0]], [1.0, 4.0]], ids=str)
+def test_masses_are_those_of_bodies(compile, masses):  # noqa: A002
     run = kd.solve(
         kd.Newtonian(lambda x, params: -params[0] * x, mass=masses),
         x0=np.ones((2, 3)),
@@ -195,6 +195,13 @@ def test_first_order_equations_refuse_a_velocity():
         kd.solve(kd.FirstOrder(lambda y: y), x0=1.0, v0=0.0, **SPAN)
     with pytest.raises(ArgumentError, match=r"rates lambda\(v\) has arguments"):
         kd.solve(kd.FirstOrder(lambda v: v), x0=1.0, **SPAN)
+
+
+def test_as_many_masses_as_bodies_and_dimensions_are_those_of_the_bodies():
+    run = kd.solve(
+        kd.Newtonian(lambda x: np.ones((2, 2)), mass=[1.0, 2.0]), x0=np.zeros((2, 2)), v0=np.zeros((2, 2)), **SPAN
+    )
+    assert run.x[-1] == pytest.approx(np.array([[0.55, 0.55], [0.275, 0.275]]))
 
 
 def test_a_problem_needs_a_start():

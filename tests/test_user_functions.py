@@ -113,7 +113,7 @@ def test_compile_false_silences_the_warning():
 
 
 def test_compiled_wrong_shapes_are_errors_before_the_run():
-    with pytest.raises(ArgumentError, match="must return an array of that shape"):
+    with pytest.raises(ArgumentError, match="must return an array of shape"):
         kd.solve(lambda x: np.zeros(3), x0=[1.0, 0.0], v0=[0.0, 0.0], **SPAN)
 
 

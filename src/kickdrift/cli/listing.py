@@ -10,19 +10,18 @@ from kickdrift.scenes import DEFAULTS, Defaults
 
 def list_methods() -> None:
     """Show every method and what it is."""
-    columns = ("name", "order", "symmetric", "evaluations", "aliases", "for", "word", "source")
+    columns = ("name", "order", "symmetric", "evaluations", "for", "aliases", "source")
     show_table(columns, [_method_row(method) for method in methods.catalogue().values()])
 
 
 def _method_row(method: Method) -> list[str]:
     return [
         method.name,
-        f"{method.order}",
+        f"{method.order} {method.generalised_order}" if method.generalised_order else f"{method.order}",
         "yes" if method.symmetric else "no",
         f"{evaluations_of(method)}" if method.explicit else "iterated",
-        ", ".join(method.aliases) or "-",
         "all but constraints and noise" if method.kind is Kind.FIRST_ORDER else method.kind.value,
-        method.spelling,
+        ", ".join(method.aliases) or "-",
         method.source,
     ]
 

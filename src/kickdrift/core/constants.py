@@ -15,8 +15,4 @@ class Constant:
         return self.value
 
 
-ASTRONOMICAL_UNIT = Constant(149_597_870.7, "km", "IAU 2012 Resolution B2 (exact)")
 JULIAN_YEAR = Constant(365.25, "day", "IAU style manual (exact)")
-GAUSSIAN_GRAVITATIONAL_CONSTANT = Constant(
-    0.01720209895, "au^(3/2) solar mass^(-1/2) / day", "IAU 1976 System of Astronomical Constants (exact)"
-)

@@ -41,7 +41,7 @@ class Start:
         given = argument_names(function, role, names)
         layout = Layout(self.x0.shape, self.x0.shape if shape is None else shape, self.args.size)
         flat, native = flatten(function, given, layout, self.compile_)
-        self._try_once(function, flat, given, shape)
+        self._try_once(function, role, flat, given, shape)
         return Adapted(flat, frozenset(MEANINGS.get(name, name) for name in given), native)
 
     def shape_of(self, function: Any, role: str, names: Sequence[str]) -> tuple[int, ...]:
@@ -82,13 +82,15 @@ class Start:
             return _bound(template, tuple(functions.items()))
         return specialise(template, template.__name__.lstrip("_"), **functions)
 
-    def _try_once(self, original: Any, function: Function, names: list[str], shape: tuple[int, ...] | None) -> None:
+    def _try_once(
+        self, original: Any, role: str, function: Function, names: list[str], shape: tuple[int, ...] | None
+    ) -> None:
         """Call a function at the start, so that what is wrong with it is an error before any work is done."""
         x, v = self.x0.reshape(-1), self.v0.reshape(-1)
         size = x.size if shape is None else math.prod(shape)
         out, other = np.zeros(size), np.ones(size)
         second = np.zeros(1) if "i" in names else v
-        name, given = name_of(original), [x.copy(), second.copy(), self.args.copy()]
+        name, given = f"{role}, {name_of(original)},", [x.copy(), second.copy(), self.args.copy()]
         try:
             with np.errstate(all="ignore"):
                 function(self.t0, *given, out)
@@ -97,10 +99,10 @@ class Start:
         except KickdriftError:
             raise
         except Exception as error:
-            wanted = "one number" if shape == () or "i" in names else f"an array of shape {shape}"
+            wanted = "one number" if shape == () or "i" in names else f"an array of shape {shape or self.x0.shape}"
             raise ArgumentError(
-                f"{name} failed at the start, x0 of shape {self.x0.shape}: {type(error).__name__}: {error}. It must"
-                f" return {'an array of that shape' if shape is None and 'i' not in names else wanted}."
+                f"{name} failed at the start, x0 of shape {self.x0.shape}: {type(error).__name__}:"
+                f" {str(error).rstrip('.')}. It must return {wanted}."
             ) from error
         if "out" in names and not np.array_equal(out, other, equal_nan=True):
             raise ArgumentError(

@@ -9,10 +9,14 @@ from kickdrift.systems.system import System
 AUTO = "auto"
 
 
-def choose(method: str | Method, order: int | None, system: System) -> Method:
+DEFAULT = "semi-implicit-euler"
+
+
+def choose(method: str | Method | None, order: int | None, system: System) -> Method:
     """Find the method to run a system by: by name, or for ``"auto"`` by the kind of the system and the order wanted.
 
-    For Hamiltonians that are not separable it is what goes under the name there.
+    None is the semi-implicit Euler method, or ``"auto"`` where that does not apply or an order is wanted. For
+    Hamiltonians that are not separable it is what goes under the name there.
 
     Raises
     ------
@@ -20,6 +24,8 @@ def choose(method: str | Method, order: int | None, system: System) -> Method:
         If the method would lose its order on the system, or needs a flow that the system does not have, or if there is
         none of the order wanted.
     """
+    if method is None:
+        method = DEFAULT if order is None and methods.get(DEFAULT).kind.includes(system.kind) else AUTO
     if method == AUTO:
         return methods.preferred(system.kind, order)
     named = methods.get(method)
@@ -27,15 +33,24 @@ def choose(method: str | Method, order: int | None, system: System) -> Method:
         return methods.get(named.counterpart)
     if named.kind.includes(system.kind):
         return named
-    candidates = [other for other in methods.catalogue().values() if other.kind.includes(system.kind)]
-    best = min(
-        candidates,
-        key=lambda other: (abs(other.order - named.order), not other.symmetric, not system.kind.includes(other.kind)),
-    )
+    try:
+        best = methods.preferred(system.kind, named.order)
+    except MethodMismatchError:
+        best = methods.preferred(system.kind)
+    description = f", or describe it as {_DESCRIPTIONS[named.kind]}" if named.kind in _DESCRIPTIONS else ""
     raise MethodMismatchError(
         f"method={named.name!r} is for {named.kind.value}, but {system.name!r} has {system.kind.value}: there it would"
-        f" lose its order, or has no flow for a part of it; use {best.name!r} (order {best.order})."
+        f" lose its order, or has no flow for a part of it; use {best.name!r} (order {best.order}){description}."
     )
+
+
+_DESCRIPTIONS = {
+    Kind.DAMPED: "kd.Damped",
+    Kind.CHARGED: "kd.ChargedParticle",
+    Kind.CONSTRAINED: "kd.Constrained",
+    Kind.LANGEVIN: "kd.Langevin",
+    Kind.NEARLY_KEPLERIAN: "kd.systems.planetary, or kd.systems.solar_system(splitting='jacobi')",
+}
 
 
 def check_direction(method: Method, step: float) -> None:

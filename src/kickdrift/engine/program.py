@@ -82,7 +82,7 @@ def compose(
         evaluations=sum(FLOWS[name].evaluations for name in names),
         primers=primers,
         split=_split(method, system),
-        coefficients=_coefficients(method),
+        coefficients=method.coefficients,
     )
 
 
@@ -167,9 +167,3 @@ def _reuse_accelerations(names: list[str], repeated: bool) -> tuple[list[str], b
         return once, False
     again, _ = walk(True)
     return again, again != once
-
-
-def _coefficients(method: Method) -> NDArray[np.float64]:
-    if method.tableau is not None:
-        return method.tableau().numbers
-    return np.array([float(parameter) for parameter in method.parameters])

@@ -1,6 +1,7 @@
 """What a run says on standard error while it goes: that it compiles, and how far it is."""
 
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -34,20 +35,34 @@ class Bar:
             self._bar.close()
 
 
+_A_MOMENT = 1.5  # seconds; what is found compiled on disk is read in 0.3
+
+
 def announces(wanted: bool | None) -> bool:
     """Whether a run says anything at all: as wanted, or where None, on a terminal."""
     return sys.stderr.isatty() if wanted is None else wanted
 
 
 @contextmanager
-def compiling_announced(kernel: Any, wanted: bool | None) -> Iterator[None]:
-    """Say that a first run compiles, and then how long that took; later runs find the code on disk and say nothing."""
-    cold = announces(wanted) and not kernel.signatures and not is_cached(kernel)
-    if cold:
-        print("kickdrift: compiling, once on this machine; it takes some seconds ...", file=sys.stderr, flush=True)
-    started = time.perf_counter()
-    yield
-    if cold:
+def compiling_announced(wanted: bool | None) -> Iterator[None]:
+    """Say so where making ready takes longer than a moment, which is compilation, and then how long it took."""
+    if not announces(wanted):
+        yield
+        return
+    started, said = time.perf_counter(), threading.Event()
+
+    def announce() -> None:
+        said.set()
+        print("kickdrift: compiling; it takes some seconds ...", file=sys.stderr, flush=True)
+
+    timer = threading.Timer(_A_MOMENT, announce)
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+        timer.join()
+    if said.is_set():
         print(f"kickdrift: compiled in {time.perf_counter() - started:.1f} s.", file=sys.stderr, flush=True)
 
 

@@ -15,7 +15,7 @@ from kickdrift.engine.flows.layout import EVALUATIONS, TROUBLE, lay_out
 from kickdrift.engine.flows.table import FLOWS
 from kickdrift.engine.grid import Grid
 from kickdrift.engine.program import Program
-from kickdrift.engine.progress import Bar, compiling_announced
+from kickdrift.engine.progress import Bar
 from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
@@ -84,8 +84,7 @@ class Run:
         rows = grid.save_steps.size + 1
         self.xs, self.vs = np.empty((rows, self.state.x.size)), np.empty((rows, self.state.v.size))
         names = program.flows + program.primers
-        with compiling_announced(loop.advance, progress if system.native else False):
-            self._make_ready(names, compensated)
+        self._make_ready(names, compensated)
 
     def _make_ready(self, names: tuple[str, ...], compensated: bool) -> None:
         """Build the letters, and compile or load everything that the run needs."""

@@ -160,8 +160,8 @@ class Solution:
         """
         if "energy" not in self.invariants:
             raise KickdriftError(
-                f"{self.about.system!r} does not say its energy; describe it as"
-                " kd.SecondOrder(acceleration, energy=...) to have it."
+                f"{self.about.system!r} does not say its energy; give energy=... to its description, for an"
+                " acceleration kd.SecondOrder(acceleration, energy=...)."
             )
         return self.invariants["energy"]
 

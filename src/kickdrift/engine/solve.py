@@ -17,6 +17,7 @@ from kickdrift.engine.adoption import adopt
 from kickdrift.engine.fit import AUTO, check_direction, choose
 from kickdrift.engine.grid import lay_grid
 from kickdrift.engine.inside import Inside
+from kickdrift.engine.progress import compiling_announced
 from kickdrift.engine.run import Run
 from kickdrift.engine.solution import Description, Invariants, Solution
 from kickdrift.systems.problem import Problem
@@ -32,7 +33,7 @@ def solve(
     v0: ArrayLike | None = None,
     *,
     step: float,
-    method: str | methods.Method = "semi-implicit-euler",
+    method: str | methods.Method | None = None,
     order: int | None = None,
     t_eval: ArrayLike | None = None,
     save_every: int | None = None,
@@ -57,9 +58,10 @@ def solve(
         Hamiltonians they are q and p; first-order equations have no v0.
     step : float
         Largest step allowed. A whole number of equal steps covers `t_span`; the step used is ``solution.step``.
-    method : str or Method
+    method : str or Method, optional
         Name of a method, see ``kickdrift.methods.catalogue()``; ``"auto"`` takes the one that is best for the kind of
-        problem, of the wanted `order`.
+        problem, of the wanted `order`. By default the semi-implicit Euler method, or ``"auto"`` where that does not
+        apply or an order is given.
     order : int, optional
         For ``method="auto"``: the least order wanted, by default 4, or the highest that there is for the problem.
     t_eval : array_like, optional
@@ -106,11 +108,12 @@ def solve(
     params, compensated = _parameters(args), bool(compensated)
     try:
         grid = lay_grid(t_span, step, t_eval, save_every, x.size)
-        system = _system(problem, grid.t0, x, v, params, compile)
-        chosen = choose(method, order, system)
-        check_direction(chosen, grid.step)
-        inside = Inside(system, chosen, grid, compensated)
-        run = Run(inside.system, inside.program, grid, compensated, progress)
+        with compiling_announced(progress):
+            system = _system(problem, grid.t0, x, v, params, compile)
+            chosen = choose(method, order, system)
+            check_direction(chosen, grid.step)
+            inside = Inside(system, chosen, grid, compensated)
+            run = Run(inside.system, inside.program, grid, compensated, progress)
     except MemoryError as error:
         raise ArgumentError(
             f"step={step!r} and save_every={save_every!r} need more memory than there is ({error}); keep fewer steps."
@@ -144,10 +147,10 @@ def _derived(system: System, t: Floats, xs: Floats, vs: Floats) -> Invariants:
 
 
 def _check_method(method: Any, order: Any) -> None:
-    if method != AUTO:
+    if method not in (None, AUTO):
         methods.get(method)
         if order is not None:
-            raise ArgumentError(f"order={order!r} is for method='auto'; {method!r} has its own. Leave it out.")
+            raise ArgumentError(f"order={order!r} is for method='auto'; {method!r} has its own. Leave one of them out.")
     elif order is not None and (isinstance(order, bool) or not isinstance(order, int | np.integer) or order < 1):
         raise ArgumentError(f"order={order!r} must be a positive whole number.")
 

@@ -15,7 +15,8 @@ def _extrapolated(rows: int) -> Method:
         word=word((Letter.EXTRAPOLATION, 1)),
         symmetric=False,
         kind=Kind.FIRST_ORDER,
-        source="Butusov, Tutueva, Fedoseev, Terentev, Karimov, Mathematics 8, 943 (2020)",
+        source="step: Butusov, Tutueva, Fedoseev, Terentev, Karimov, Mathematics 8, 943 (2020); extrapolation: Hairer,"
+        " Norsett, Wanner, Solving Ordinary Differential Equations I, 2nd ed. (1993), section II.9",
         parameters=(rows,),
     )
 

@@ -28,7 +28,7 @@ METHODS = (
         word=word((K, "1/2"), (D, 1), (P, 1), (K, "1/2")),
         symmetric=True,
         kind=Kind.CONSTRAINED,
-        source="Ryckaert, Ciccotti, Berendsen, J. Comput. Phys. 23, 327 (1977); order 2 is that of the positions",
+        source="Ryckaert, Ciccotti, Berendsen, J. Comput. Phys. 23, 327 (1977)",
     ),
     Method(
         name="projected-kick-drift",

@@ -2,6 +2,8 @@
 
 from enum import Enum
 
+from kickdrift.core.kinds import Kind
+
 
 class Letter(Enum):
     """A flow; the value is its name in the engine."""
@@ -54,8 +56,13 @@ class Letter(Enum):
         )
 
     @property
+    def kind(self) -> Kind:
+        """The widest kind of problem that has the flow."""
+        return _KINDS.get(self, Kind.FIRST_ORDER)
+
+    @property
     def symbol(self) -> str:
-        """One sign or two for people."""
+        """What people read: a sign or two for the commonest, the name for the others."""
         return _SYMBOLS.get(self, self.value)
 
 
@@ -76,6 +83,22 @@ _SHARES = {
     Letter.GRADIENT_KICK: "kick",
     Letter.ADJOINT_DRIFT: "drift",
     Letter.BORIS_ROTATE: "rotate",
+}
+
+_KINDS = {
+    Letter.LINEARLY_IMPLICIT_KICK: Kind.VELOCITY_DEPENDENT,
+    Letter.GRADIENT_KICK: Kind.NEWTONIAN,
+    Letter.DAMP: Kind.DAMPED,
+    Letter.ROTATE: Kind.CHARGED,
+    Letter.BORIS_ROTATE: Kind.CHARGED,
+    Letter.THERMOSTAT: Kind.LANGEVIN,
+    Letter.NOISE: Kind.LANGEVIN,
+    Letter.KEPLER: Kind.NEARLY_KEPLERIAN,
+    Letter.CONSTRAIN_POSITIONS: Kind.CONSTRAINED,
+    Letter.CONSTRAIN_VELOCITIES: Kind.CONSTRAINED,
+    Letter.DOUBLED_KICK: Kind.HAMILTONIAN,
+    Letter.DOUBLED_DRIFT: Kind.HAMILTONIAN,
+    Letter.DOUBLED_BINDING: Kind.HAMILTONIAN,
 }
 
 _SYMBOLS = {

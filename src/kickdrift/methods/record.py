@@ -5,6 +5,9 @@ from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 
+import numpy as np
+from numpy.typing import NDArray
+
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 from kickdrift.methods.letter import WHOLES, Letter
@@ -73,6 +76,7 @@ class Method:
             raise ArgumentError(f"order={self.order!r} of {self.name!r} must be at least 1.")
         self._check_shares()
         self._check_corrector()
+        self._check_needs()
         if self.tableau is None and self.symmetric != self._palindrome:
             is_one = "a palindrome" if self._palindrome else "not a palindrome"
             raise ArgumentError(f"symmetric={self.symmetric} of {self.name!r}: its word is {is_one}.")
@@ -118,9 +122,42 @@ class Method:
         backwards = [(letter if same else letter.adjoint, weight) for letter, weight in reversed(moving)]
         return moving == backwards and all(letter.adjoint is not None for letter, _ in moving)
 
+    def _check_needs(self) -> None:
+        special = {letter: letter.kind for letter in self.letters if letter.kind is not Kind.FIRST_ORDER}
+        for letter, kind in special.items():
+            if not kind.includes(self.kind):
+                raise ArgumentError(
+                    f"kind of {self.name!r} is {self.kind.value}, but its flow {letter.value!r} needs {kind.value}."
+                )
+        if not Kind.FIRST_ORDER.includes(self.kind) and not special:
+            raise ArgumentError(f"kind of {self.name!r} is {self.kind.value}, but none of its flows is for that.")
+        if (self.tableau is not None) != bool(self.letters & {Letter.RUNGE_KUTTA, Letter.IMPLICIT_RUNGE_KUTTA}):
+            raise ArgumentError(f"tableau of {self.name!r}: a Runge-Kutta flow has one, and no other does.")
+        wanted = len(self.letters & {Letter.GRADIENT_KICK, Letter.DOUBLED_BINDING, Letter.EXTRAPOLATION})
+        if len(self.parameters) != wanted:
+            raise ArgumentError(f"parameters={self.parameters!r} of {self.name!r}: its flows need {wanted}.")
+
+    @property
+    def coefficients(self) -> NDArray[np.float64]:
+        """What the flows need to know of the method: the numbers of its tableau, or its parameters.
+
+        Raises
+        ------
+        ArgumentError
+            For a tableau that does not fit the letter, or is not as symmetric as the method says.
+        """
+        if self.tableau is None:
+            return np.array([float(parameter) for parameter in self.parameters])
+        tableau = self.tableau()
+        if Letter.RUNGE_KUTTA in self.letters and not tableau.explicit:
+            raise ArgumentError(f"tableau of {self.name!r} is implicit; its letter is IMPLICIT_RUNGE_KUTTA.")
+        if tableau.symmetric != self.symmetric:
+            raise ArgumentError(f"symmetric={self.symmetric} of {self.name!r}: its tableau says {tableau.symmetric}.")
+        return tableau.numbers
+
     @property
     def explicit(self) -> bool:
-        """Whether a step needs no solver on any problem of its kind."""
+        """Whether a step needs no solver for the accelerations on any problem of its kind."""
         return not any(letter.implicit for letter, _ in self.word)
 
     @property

@@ -19,7 +19,7 @@ KEPLER = Letter.KEPLER
 WISDOM_HOLMAN = "Wisdom, Holman, Astron. J. 102, 1528 (1991)"
 WISDOM_HOLMAN_TOUMA = "Wisdom, Holman, Touma, Fields Inst. Commun. 10, 217 (1996)"
 LASKAR_ROBUTEL = "Laskar, Robutel, Celest. Mech. Dyn. Astron. 80, 39 (2001)"
-BLANES = "Blanes et al., Appl. Numer. Math. 68, 58 (2013)"
+BLANES = "Blanes, Casas, Farres, Laskar, Makazaga, Murua, Appl. Numer. Math. 68, 58 (2013)"
 
 
 def _corrector(pairs: int) -> Word:

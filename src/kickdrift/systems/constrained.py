@@ -34,7 +34,7 @@ class Constrained(Problem):
         g: returns the numbers that are zero where the constraints are fulfilled, shape (m,), or one number. Arguments:
         ``x``, ``params``.
     mass : array_like
-        Positive, of a shape that broadcasts to x0: for states (N, 3) a number, or (N, 1).
+        Positive: a number, or for states (N, 3) one to each body.
     jacobian : callable, optional
         G: returns the derivatives of g by x, shape (m, *shape of x0), or the shape of x0 for one number, or writes
         them into ``out``. It is compared with differences of g at x0 and near it. Without it, differences of fourth

@@ -10,7 +10,7 @@ from kickdrift.core.compilation import unbound
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 from kickdrift.systems.problem import Adapter, Floats, Function, Problem, name_of
-from kickdrift.systems.second_order import masses_of
+from kickdrift.systems.second_order import masses_of, to_each_number
 from kickdrift.systems.system import System
 
 force: Function = unbound
@@ -27,9 +27,9 @@ class Damped(Problem):
         F. The arguments that it names are ``x``, ``t`` (forced), ``params``, and ``out`` (written in place instead of
         returning).
     damping : array_like
-        c, at least 0, of a shape that broadcasts to x0: force per velocity.
+        c, at least 0: force per velocity; a number, or for states (N, 3) one to each body.
     mass : array_like
-        m, positive, of a shape that broadcasts to x0: for states (N, 3) a number, or (N, 1).
+        m, positive: a number, or for states (N, 3) one to each body.
     energy, invariants
         As for `kickdrift.SecondOrder`; the energy of a damped motion falls.
 
@@ -42,7 +42,9 @@ class Damped(Problem):
     -----
     ``method="conformal-verlet"`` and ``"blanes-moan-conformal-4"`` multiply v by exp(-c h / m) for the damping, and
     kick and drift for the rest. With the same c / m everywhere they shrink areas in phase space by exactly
-    exp(-c t / m), as the motion does: they are conformally symplectic [1]_. Methods for any acceleration run, too.
+    exp(-c t / m), as the motion does: they are conformally symplectic [1]_. They are for weak damping, where a step
+    times c / m is at most about 1: beyond, splitting alone stops the motion, and the negative shares of orders 4 and 6
+    make v grow. For strong damping take ``"implicit-damping"`` or ``"gauss-4"``: methods for any acceleration run, too.
 
     References
     ----------
@@ -102,11 +104,11 @@ def at_least_zero(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Floats
         For negative or infinite numbers, or a shape that does not broadcast.
     """
     try:
-        numbers = np.broadcast_to(np.asarray(value, dtype=np.float64), shape).reshape(-1).copy()
+        numbers = to_each_number(value, shape)
     except (TypeError, ValueError) as error:
         raise ArgumentError(
-            f"{name}={value!r} does not fit states of shape {shape}: {error}; give a number, or for states (N, 3) an"
-            " array of shape (N, 1)."
+            f"{name}={value!r} does not fit states of shape {shape}: {error}; give a number, or for states (N, 3) N of"
+            " them."
         ) from None
     if not (np.isfinite(numbers).all() and (numbers >= 0).all()):
         raise ArgumentError(f"{name}={value!r} must be at least 0 and finite.")

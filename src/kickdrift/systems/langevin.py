@@ -31,11 +31,11 @@ class Langevin(Problem):
         F. The arguments that it names are ``x``, ``t``, ``params``, and ``out`` (written in place instead of
         returning).
     friction : array_like
-        gamma, at least 0, of a shape that broadcasts to x0: a rate, one over time.
+        gamma, at least 0: a rate, one over time; a number, or for states (N, 3) one to each body.
     temperature : float
         kT, at least 0, in units of energy.
     mass : array_like
-        m, positive, of a shape that broadcasts to x0: for states (N, 3) a number, or (N, 1).
+        m, positive: a number, or for states (N, 3) one to each body.
     seed : int
         From 0 to 2**64 - 1. The same seed gives the same noise, to the bit: whatever is saved, and on any number of
         threads. Runs that are to be independent need seeds of their own, and so does a run that goes on where another

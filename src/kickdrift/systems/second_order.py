@@ -84,7 +84,7 @@ class Newtonian(Problem):
     force : callable
         Returns the force, or writes it into ``out``; its arguments are those of `SecondOrder`.
     mass : array_like
-        Positive, of a shape that broadcasts to x0: for states (N, 3) a number, or (N, 1).
+        Positive: a number, or for states (N, 3) one to each of the N bodies; else of a shape that broadcasts to x0.
     energy, invariants
         As for `SecondOrder`.
     velocity_jacobian : callable, optional
@@ -136,6 +136,14 @@ def divided_by_mass(t: float, x: Floats, v: Floats, params: Floats, out: Floats)
     out *= params[params.size - x.size :]
 
 
+def to_each_number(values: ArrayLike, shape: tuple[int, ...]) -> Floats:
+    """Give a value to each number of a state; N values to a state of N bodies, (N, d), are one to each body."""
+    given = np.asarray(values, dtype=np.float64)
+    if given.ndim == 1 and len(shape) == 2:
+        given = given[:, None]
+    return np.broadcast_to(given, shape).reshape(-1).copy()
+
+
 def masses_of(mass: ArrayLike, shape: tuple[int, ...]) -> Floats:
     """Return one mass to each number of a state of this shape.
 
@@ -145,12 +153,11 @@ def masses_of(mass: ArrayLike, shape: tuple[int, ...]) -> Floats:
         For masses that are not positive and finite numbers, or whose shape does not broadcast.
     """
     try:
-        given = np.asarray(mass, dtype=np.float64)
-        masses = np.broadcast_to(given, shape).reshape(-1).copy()
+        masses = to_each_number(mass, shape)
     except (TypeError, ValueError) as error:
         raise ArgumentError(
-            f"mass={mass!r} does not fit states of shape {shape}: {error}; give a number, or for states (N, 3) an"
-            " array of shape (N, 1)."
+            f"mass={mass!r} does not fit states of shape {shape}: {error}; give a number, or for states (N, 3) N of"
+            " them."
         ) from None
     if not (np.isfinite(masses).all() and (masses > 0).all()):
         raise ArgumentError(f"mass={mass!r} must be positive and finite.")
