@@ -178,6 +178,17 @@ def test_a_narrow_terminal_gets_blocks(monkeypatch, capsys):
     assert capsys.readouterr().out == "velocity-verlet\n  word  K/2 D K/2\n"
 
 
+def test_a_terminal_wide_enough_gets_a_table_with_wrapped_cells(monkeypatch, capsys):
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True, raising=False)
+    monkeypatch.setenv("COLUMNS", "40")
+    cli.output.show_table(("name", "source"), [("verlet", "a paper of many words that are wrapped in the cell")])
+    assert capsys.readouterr().out.splitlines() == [
+        "name    source",
+        "verlet  a paper of many words that are",
+        "        wrapped in the cell",
+    ]
+
+
 @pytest.mark.parametrize("arguments", [("--help",), ("run", "--help"), ("compare", "--help"), ("list", "--help")])
 def test_help_has_examples(arguments):
     result = call(*arguments)

@@ -4,7 +4,9 @@ import shutil
 import sys
 import tempfile
 from collections.abc import Sequence
+from itertools import zip_longest
 from pathlib import Path
+from textwrap import wrap
 
 from kickdrift.core.errors import ArgumentError
 
@@ -32,15 +34,28 @@ def say(sentence: str) -> None:
     print(f"kickdrift: {sentence}", file=sys.stderr, flush=True)
 
 
+_NARROWEST = 24  # characters to which a column of a table may shrink
+
+
 def show_table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """Print a table; on a terminal too narrow for it a block of lines for each row, whole lines where it is piped."""
+    """Print a table: whole lines where it is piped, wrapped cells on a terminal, blocks of lines on a narrow one."""
     widths = [max(len(line[i]) for line in (columns, *rows)) for i in range(len(columns))]
-    if sys.stdout.isatty() and sum(widths) + 2 * len(widths) > shutil.get_terminal_size().columns:
-        label = max(len(column) for column in columns)
-        for name, *cells in rows:
-            print(name)
-            for column, cell in zip(columns[1:], cells, strict=True):
-                print(f"  {column:<{label}}  {cell}")
-        return
+    if sys.stdout.isatty():
+        room = shutil.get_terminal_size().columns - 2 * (len(widths) - 1)
+        if sum(min(width, _NARROWEST) for width in widths) > room:
+            _show_blocks(columns, rows)
+            return
+        while sum(widths) > room:
+            widths[widths.index(max(widths))] -= 1
     for line in (columns, *rows):
-        print("  ".join(f"{cell:<{width}}" for cell, width in zip(line, widths, strict=True)).rstrip())
+        wrapped = [wrap(cell, width) for cell, width in zip(line, widths, strict=True)]
+        for cells in zip_longest(*wrapped, fillvalue=""):
+            print("  ".join(f"{cell:<{width}}" for cell, width in zip(cells, widths, strict=True)).rstrip())
+
+
+def _show_blocks(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    label = max(len(column) for column in columns)
+    for name, *cells in rows:
+        print(name)
+        for column, cell in zip(columns[1:], cells, strict=True):
+            print(f"  {column:<{label}}  {cell}")
