@@ -333,3 +333,29 @@ def test_only_kinds_for_any_acceleration_take_damping():
     for method in CATALOGUE.values():
         if method.kind.includes(Kind.VELOCITY_DEPENDENT):
             assert analysis.one_step_matrix(method, 0.1, 0.1).shape == (2, 2)
+
+
+def test_the_masses_of_a_newtonian_problem_are_those_of_its_two_form():
+    problem = kd.Newtonian(lambda x: np.array([x[1] - 2 * x[0], x[0] - x[1]]), mass=[1.0, 2.0])
+    place = {"at": ([1.0, 2.0], [0.0, 1.0])}
+    assert analysis.symplecticity_defect(problem, "velocity-verlet", 0.1, **place) < 1e-12
+    assert analysis.symplecticity_defect(problem, "velocity-verlet", 0.1, masses=1.0, **place) > 1e-3
+
+
+@pytest.mark.parametrize(
+    "problem",
+    [
+        kd.ChargedParticle(1.0, lambda x: x),
+        kd.Constrained(lambda x: -x, lambda x: x @ x - 1),
+        kd.Langevin(lambda x: -x, friction=1.0, temperature=1.0),
+    ],
+)
+def test_problems_without_such_a_two_form_are_refused(problem):
+    with pytest.raises(ArgumentError, match="has no defect of this kind"):
+        analysis.symplecticity_defect(problem, "boris", 0.1, at=([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]))
+
+
+def test_noise_has_no_reference():
+    bath = kd.Langevin(lambda x: -x, friction=1.0, temperature=0.2)
+    with pytest.raises(ArgumentError, match="a path with noise has none"):
+        analysis.observed_order(bath, "baoab", (0, 1), (0.1, 0.05), 1.0, 0.0, compile=False)

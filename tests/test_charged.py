@@ -326,3 +326,16 @@ def test_methods_that_do_not_fit_are_refused():
         run(WILD, (0, 1), *START, 0.1, "velocity-verlet")
     with pytest.raises(MethodMismatchError, match="charges in electric and magnetic fields"):
         kd.solve(lambda x: -x, (0, 1), 0.0, 0.0, step=0.1, method=BORIS, compile=False)
+
+
+@pytest.mark.parametrize("field", [lambda x: 2.0, lambda x: np.ones((3, 1)), lambda x: np.ones(2)])
+@pytest.mark.parametrize("role", ["magnetic_field", "electric_field"])
+def test_a_field_that_is_no_vector_is_refused(field, role):
+    fields = {"magnetic_field": lambda x: np.array([0.0, 0.0, 1.0]), role: field}
+    with pytest.raises(ArgumentError, match=f"{role} returns an array of shape"):
+        kd.solve(
+            *(kd.ChargedParticle(1.0, **fields), (0.0, 1.0), np.zeros((3, 3)), np.ones((3, 3))),
+            step=0.1,
+            method="boris",
+            compile=False,
+        )

@@ -135,3 +135,15 @@ def test_a_tableau_that_does_not_fit_is_refused_when_it_is_needed(letter, symmet
     )
     with pytest.raises(ArgumentError, match=reason):
         kd.solve(lambda x: -x, (0.0, 1.0), 1.0, 0.0, step=0.1, method=mine, compile=False)
+
+
+def test_half_kicks_that_see_the_velocity_are_not_merged():
+    letters = word((K, "1/2"), (K, "1/2"), (D, 1))
+    halves = Method("mine", 1, letters, False, Kind.VELOCITY_DEPENDENT, "a test")
+    run = kd.solve(lambda x, v: -x - 3 * v, (0.0, 1.0), 1.0, 0.0, step=0.1, method=halves, compile=False)
+    x, v = 1.0, 0.0
+    for _ in range(10):
+        v += 0.05 * (-x - 3 * v)
+        v += 0.05 * (-x - 3 * v)
+        x += 0.1 * v
+    assert run.x[-1] == pytest.approx(x, rel=1e-14)

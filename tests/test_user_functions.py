@@ -140,3 +140,33 @@ def test_without_an_energy_the_error_says_how_to_give_one():
         _ = s.energy
     with pytest.raises(KeyError):
         s.invariants["energy"]
+
+
+def _writes_beyond(x, out):
+    for i in range(x.size + 1):
+        out[i] = -1.0
+
+
+@pytest.mark.parametrize("n", [2, 300])
+@pytest.mark.parametrize(
+    "function", [lambda x, params: -params[0] * x, lambda x: -x * x[1000], _writes_beyond], ids=["params", "x", "out"]
+)
+def test_compiled_functions_do_not_read_or_write_out_of_bounds(function, n):
+    with pytest.raises(ArgumentError, match="index out of bounds at the start"):
+        kd.solve(function, (0.0, 1.0), np.ones(n), np.ones(n), step=0.1)
+
+
+def test_an_invariant_that_raises_is_no_number_and_the_run_is_kept(tmp_path):
+    problem = kd.SecondOrder(lambda x: -x, energy=lambda x: 1 / 0 if x < 0.9 else 1.0)
+    run = kd.solve(problem, (0.0, 1.0), 1.0, 0.0, step=0.1, compile=False)
+    assert run.energy[0] == 1.0
+    assert np.isnan(run.energy[-1])
+    assert kd.load(run.save(tmp_path / "run.npz")).x[-1] == run.x[-1]
+
+
+@pytest.mark.parametrize("name", ["x", "v", "t", "time", "energy"])
+def test_invariants_have_names_of_their_own(name):
+    with pytest.raises(ArgumentError, match="which is taken"):
+        kd.solve(
+            kd.SecondOrder(lambda x: -x, invariants={name: lambda x: x}), (0, 1), 1.0, 0.0, step=0.1, compile=False
+        )

@@ -7,8 +7,7 @@ import numpy as np
 from benchmarks.precision import curves, measure, ours, preference
 from benchmarks.precision.case import Case
 from benchmarks.precision.cases import every_case
-from benchmarks.precision.curves import Curve
-from benchmarks.precision.laws import Floats
+from benchmarks.precision.curves import Comparison, Curve
 from benchmarks.table import Row, Verdict, measured, number, skipped
 
 _MOST_ROUNDS = 3
@@ -36,17 +35,16 @@ def _section(case: Case, rounds: int, pictures: Path | None) -> tuple[str, list[
 def _row(case: Case, peer: Curve, kickdrift: list[Curve]) -> Row:
     run = curves.nearest(peer, case.near)
     found = curves.compare(peer, run, kickdrift)
-    what = f"{peer.label} / {found.best}"
-    note = (
-        f"error {peer.errors[run]:.1e} in {peer.median[run] * 1e3:.3g} ms; time at equal error {_spread(found.times)}"
-    )
+    its = f"error {peer.errors[run]:.1e} in {peer.median[run] * 1e3:.3g} ms"
+    note = f"{its}; time at equal error{_times(found)}"
     if np.median(found.errors) == 0:
-        return Row(what, "", "", "", Verdict.UNJUDGED, f"{note}; no run of kickdrift is as short")
-    return measured(what, found.errors, note=note)
+        return Row(f"{peer.label} / kickdrift", "", "", "", Verdict.UNJUDGED, f"{note}; kickdrift has no run as short")
+    return measured(f"{peer.label} / {found.most_exact}", found.errors, note=note)
 
 
-def _spread(samples: Floats) -> str:
-    low, middle, high = np.percentile(samples, [25, 50, 75])
+def _times(found: Comparison) -> str:
+    low, middle, high = np.percentile(found.times, [25, 50, 75])
     if middle == 0:
-        return "none, no run of kickdrift is as exact"
-    return f"{number(middle)} x ({number(low)} to {number(high)})"
+        return ": kickdrift has no run as exact"
+    method = found.quickest.split()[1]
+    return f" {number(middle)} x ({number(low)} to {number(high)}) that of {method}"

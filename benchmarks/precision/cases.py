@@ -29,6 +29,8 @@ _MIDPOINT = Contestant("symplecta implicit_midpoint", symplecta_general("implici
 _RATTLE = symplecta_constrained(
     "rattle", problems.off_sphere_array, problems.off_sphere_jacobian_array, problems.falling_array
 )
+_PLANETS = kd.systems.outer_solar_system()
+_MASSES = tuple(_PLANETS.params[2:8].tolist())  # times G
 _FRICTION, _TEMPERATURE = 1.0, 0.5
 _WELL = (problems.double_well_array, _FRICTION, _TEMPERATURE)
 _QUICSORT = diffrax_langevin("QUICSORT", "SpaceTimeTimeLevyArea", 2, *_WELL)
@@ -41,8 +43,12 @@ def every_case() -> list[Case]:
     return [*_of_accelerations(), *_of_hamiltonians(), *_of_first_order(), *_of_special_forces()]
 
 
+def _taken_by_auto(kind: Kind) -> tuple[str, ...]:
+    return tuple(kd.methods.preferred(kind, order).name for order in (2, 4, 6, 8, 10))
+
+
 def _of_accelerations() -> list[Case]:
-    words = ("velocity-verlet", "blanes-moan-srkn6b", "blanes-moan-srkn11b", "kahan-li-8", "sofroniou-spaletta-10")
+    words = _taken_by_auto(Kind.NEWTONIAN)
     return [
         Case(
             name="newtonian",
@@ -109,7 +115,7 @@ def _of_hamiltonians() -> list[Case]:
             x0=(1.0,),
             v0=(0.0,),
             problem=described.separable(problems.relativistic),
-            methods=("velocity-verlet", "blanes-moan-s6", "blanes-moan-s10", "kahan-li-8", "sofroniou-spaletta-10"),
+            methods=_taken_by_auto(Kind.SEPARABLE),
             peers=(
                 Contestant("pyhamsys BM4", pyhamsys("BM4"), 12, 1.5e5, 3),
                 Contestant("pyhamsys BM6", pyhamsys("BM6"), 20, 1.5e5, 3),
@@ -129,7 +135,7 @@ def _of_hamiltonians() -> list[Case]:
             x0=(-3.0,),
             v0=(0.0,),
             problem=described.hamiltonian(problems.tao),
-            methods=("implicit-midpoint", *_GAUSS, "tao-4"),
+            methods=(*_GAUSS, "tao-4", "dop853"),
             peers=(
                 Contestant("pyhamsys extended BM4", pyhamsys_extended("BM4"), 24, 5e4, 3),
                 _MIDPOINT,
@@ -160,10 +166,6 @@ def _of_hamiltonians() -> list[Case]:
             masses=_MASSES,
         ),
     ]
-
-
-_PLANETS = kd.systems.outer_solar_system()
-_MASSES = tuple(_PLANETS.params[2:8].tolist())
 
 
 def _of_first_order() -> list[Case]:

@@ -85,22 +85,27 @@ class Comparison:
         Its error over the least of ours at the time that it takes; 0 where ours all take longer.
     times : (rounds,) array
         Its time over the least that ours take to its error; 0 where ours do not reach it.
-    best : str
-        Whose of ours that error is, or where there is none, that time.
+    most_exact, quickest : str
+        Whose those of ours are, in most rounds.
     """
 
     errors: Floats
     times: Floats
-    best: str
+    most_exact: str
+    quickest: str
 
 
 def compare(peer: Curve, run: int, ours: Sequence[Curve]) -> Comparison:
     """Compare a run of a peer with our curves, round by round."""
     seconds, error = peer.seconds[:, run], peer.errors[run]
-    errors = np.array(
-        [[error_at(s, curve.errors, t) for s, t in zip(curve.seconds, seconds, strict=True)] for curve in ours]
+    errors = [
+        [error_at(work, curve.errors, given) for work, given in zip(curve.seconds, seconds, strict=True)]
+        for curve in ours
+    ]
+    times = [[work_for(work, curve.errors, error) for work in curve.seconds] for curve in ours]
+    return Comparison(
+        errors=error / np.min(errors, axis=0),
+        times=seconds / np.min(times, axis=0),
+        most_exact=ours[int(np.argmin(np.median(errors, axis=1)))].label,
+        quickest=ours[int(np.argmin(np.median(times, axis=1)))].label,
     )
-    times = np.array([[work_for(s, curve.errors, error) for s in curve.seconds] for curve in ours])
-    by_error, by_time = np.median(errors, axis=1), np.median(times, axis=1)
-    best = int(np.argmin(by_time if np.isfinite(by_time).any() else by_error))
-    return Comparison(error / errors.min(axis=0), seconds / times.min(axis=0), ours[best].label)

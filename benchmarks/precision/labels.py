@@ -8,6 +8,7 @@ import numpy as np
 from benchmarks.precision.laws import Floats
 
 _GAP = 7.0  # points between a line and its label
+_MARGIN, _NEAR = 2.0, 8.0  # pixels around a label that are to be free, and that other lines should keep out of
 _PARTS = 25  # into which a line is cut, to see what a label covers
 
 
@@ -47,7 +48,7 @@ def place(axes: Any, labels: list[Label]) -> None:
         size = np.array([extent.width, extent.height])
         points = axes.transData.transform(np.column_stack([label.x, label.y]))
         boxes = list(_candidates(points, size, _GAP * scale))
-        costs = [_cost(box, rank, taken, lines, frame) for rank, box in enumerate(boxes)]
+        costs = [_cost(box, rank, i, taken, lines, frame) for rank, box in enumerate(boxes)]
         chosen = boxes[int(np.argmin(costs))]
         taken.append(chosen)
         text.set_position(axes.transAxes.inverted().transform(chosen[0]))
@@ -65,23 +66,24 @@ def _candidates(points: Floats, size: Floats, gap: float) -> Any:
     """Yield boxes, lower left and upper right, the most natural places first: beside the end, the start, the points."""
     width, height = size
     order = [len(points) - 1, 0, *range(len(points) - 2, 0, -1)]
-    sides = ((gap, -height / 2), (-gap - width, -height / 2), (-width / 2, -gap - height), (-width / 2, gap))
-    corners = (
-        (gap / 2, gap / 2),
-        (-gap / 2 - width, -gap / 2 - height),
-        (gap / 2, -gap / 2 - height),
-        (-gap / 2 - width, gap / 2),
-    )
-    for i in order:
-        for offset in sides + corners:
-            lower = points[i] + offset
-            yield np.array([lower, lower + size])
+    for far in (1.0, 2.0):
+        right, left, above, below = far * gap, -far * gap - width, far * gap, -far * gap - height
+        sides = ((right, -height / 2), (left, -height / 2), (-width / 2, below), (-width / 2, above))
+        corners = tuple((x, y) for x in (right, left) for y in (below / 2 - height / 2, above / 2))
+        for i in order:
+            for offset in sides + corners:
+                lower = points[i] + offset
+                yield np.array([lower, lower + size])
 
 
-def _cost(box: Floats, rank: int, taken: list[Floats], lines: list[Floats], frame: Any) -> float:
-    margin = 2.0
-    low, high = box[0] - margin, box[1] + margin
-    covered = sum(int(((line > low) & (line < high)).all(axis=1).sum()) for line in lines)
+def _cost(box: Floats, rank: int, own: int, taken: list[Floats], lines: list[Floats], frame: Any) -> float:
+    low, high = box[0] - _MARGIN, box[1] + _MARGIN
+    covered = sum(_within(line, low, high) for line in lines)
+    near = sum(_within(line, low - _NEAR, high + _NEAR) for i, line in enumerate(lines) if i != own)
     overlaps = sum(bool((np.minimum(high, other[1]) > np.maximum(low, other[0])).all()) for other in taken)
     outside = low[0] < frame.x0 or low[1] < frame.y0 or high[0] > frame.x1 or high[1] > frame.y1
-    return float(3.0 * covered + 200.0 * overlaps + 500.0 * outside + 0.5 * rank)
+    return float(3.0 * covered + near + 200.0 * overlaps + 500.0 * outside + 0.5 * rank)
+
+
+def _within(line: Floats, low: Floats, high: Floats) -> int:
+    return int(((line > low) & (line < high)).all(axis=1).sum())

@@ -24,7 +24,7 @@ COLOURS = {
 _BLUES = ("#6CB4E4", "#2C8FD0", "#0072B2", "#004E7C", "#00263D")
 _MARKERS = "osD^vPX"
 _LARGEST, _LEAST = 1.0, 1e-16  # errors worth showing
-_DPI, _COLOURS_OF_A_PICTURE = 140, 64  # small enough for a repository
+_DPI, _COLOURS_OF_A_PICTURE = 140, 255  # small enough for a repository
 
 
 def draw(case: Case, kickdrift: list[Curve], peers: list[Curve], path: Path) -> None:

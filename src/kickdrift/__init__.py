@@ -6,7 +6,7 @@
 """
 
 from kickdrift import analysis, methods, plots, systems
-from kickdrift.core.errors import KickdriftError
+from kickdrift.core.errors import ArgumentError, InterpretedWarning, KickdriftError, MethodMismatchError
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.solution import Presenters, Solution
 from kickdrift.engine.solve import solve
@@ -27,13 +27,16 @@ from kickdrift.systems import (
 )
 
 __all__ = [
+    "ArgumentError",
     "ChargedParticle",
     "Constrained",
     "Damped",
     "FirstOrder",
     "Hamiltonian",
+    "InterpretedWarning",
     "KickdriftError",
     "Langevin",
+    "MethodMismatchError",
     "Newtonian",
     "Outcome",
     "Partitioned",

@@ -57,7 +57,7 @@ def observed_order(
     v0: ArrayLike | None = None,
     *,
     reference: tuple[ArrayLike, ArrayLike] | None = None,
-    args: Sequence[float] = (),
+    args: Sequence[float] | None = None,
     compile: bool = True,  # noqa: A002 - as in `solve`
 ) -> ObservedOrder:
     """Measure the order of a method on a problem: the slope of the error over the step.
@@ -125,13 +125,19 @@ def _error(run: Solution, x: ArrayLike, v: ArrayLike) -> float:
     return error
 
 
-def _reference(problem: Any, run: Solution, own_start: bool, args: Sequence[float]) -> tuple[Any, Any]:
+def _reference(problem: Any, run: Solution, own_start: bool, args: Sequence[float] | None) -> tuple[Any, Any]:
     if isinstance(problem, System) and problem.exact is not None and own_start and run.t[0] == 0:
         x, v = problem.exact(run.t[-1:])
         return x[0], v[0]
+    if run.about.kind == Kind.LANGEVIN.name:
+        raise ArgumentError(
+            "reference=None cannot be computed for Langevin dynamics: a path with noise has none; compare averages, or"
+            " give a reference."
+        )
     system = problem
     if not isinstance(problem, System):
-        system = adopt(problem, float(run.t[0]), run.x[0], run.v[0], start(args).reshape(-1), compile_=False)
+        given = start(() if args is None else args).reshape(-1)
+        system = adopt(problem, float(run.t[0]), run.x[0], run.v[0], given, compile_=False)
     return _dop853(system, run)
 
 

@@ -10,7 +10,9 @@ from kickdrift import methods
 from kickdrift.analysis.one_step import take_step
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
+from kickdrift.systems import ChargedParticle, Constrained, Langevin, Newtonian
 from kickdrift.systems.problem import Problem
+from kickdrift.systems.second_order import to_each_number
 from kickdrift.systems.system import System, start
 
 Floats = NDArray[np.float64]
@@ -26,7 +28,7 @@ def symplecticity_defect(
     at: tuple[ArrayLike, ArrayLike] | None = None,
     *,
     t: float = 0.0,
-    masses: ArrayLike = 1.0,
+    masses: ArrayLike | None = None,
     increment: float = 2e-3,
 ) -> float:
     """Return max |J' Omega J - Omega|, with J the Jacobian of one step by central differences of order six.
@@ -43,9 +45,9 @@ def symplecticity_defect(
         Where; the start of the system if it has one. With d numbers to a state the step is run 12 d times.
     t : float
         When, for a force that depends on time.
-    masses : array_like
+    masses : array_like, optional
         Of a shape that broadcasts to the state: the two-form is sum_i m_i dx_i ^ dv_i, so bodies of different masses
-        need theirs.
+        need theirs. By default those of a `kickdrift.Newtonian`, or 1.
     increment : float
         Of the differences: in x in terms of the largest number in x, or of the largest in step * v if that is larger;
         in v that over the step. A much shorter length, such as a close pair's, wants a smaller one.
@@ -59,7 +61,8 @@ def symplecticity_defect(
     Raises
     ------
     ArgumentError
-        For masses or a place that do not fit, an increment that is not positive, or first-order equations.
+        For masses or a place that do not fit, a step of 0, an increment that is not positive, or a kind of problem
+        that has no such two-form.
 
     Notes
     -----
@@ -70,16 +73,27 @@ def symplecticity_defect(
             f"problem={problem!r} has no velocities or momenta, and so no two-form to conserve; describe it as"
             " kd.Hamiltonian or kd.SecondOrder if it has."
         )
+    if isinstance(problem, ChargedParticle | Constrained | Langevin):
+        raise ArgumentError(
+            f"problem={type(problem).__name__} has no defect of this kind: in a magnetic field v is not the momentum,"
+            " constraints leave no room for differences, and noise conserves no area."
+        )
+    if masses is None:
+        masses = problem.mass if isinstance(problem, Newtonian) else 1.0
     if not 0 < increment < 1:
         raise ArgumentError(f"increment={increment!r} must lie between 0 and 1; 2e-3 suits most problems.")
     x, v = _place(problem, at)
     try:
-        m = np.broadcast_to(np.asarray(masses, dtype=np.float64), x.shape).reshape(-1)
+        m = to_each_number(masses, x.shape)
     except ValueError:
         raise ArgumentError(
-            f"masses of shape {np.shape(masses)} do not fit states of shape {x.shape}; for (N, 3) give (N, 1)."
+            f"masses of shape {np.shape(masses)} do not fit states of shape {x.shape}; for (N, 3) give N."
         ) from None
     size = x.size
+    if step == 0 or x.shape != v.shape:
+        raise ArgumentError(
+            f"step={step!r} must not be 0, and at must be x and v of one shape, not {x.shape}, {v.shape}."
+        )
     jacobian = _jacobian(lambda x, v: take_step(problem, method, step, x, v, t), x, v, step, increment)
     omega = np.zeros((2 * size, 2 * size))
     omega[:size, size:], omega[size:, :size] = np.diag(m), -np.diag(m)

@@ -29,7 +29,7 @@ F = TypeVar("F", bound=Function)
 def compiled(function: F) -> F: ...
 @overload
 def compiled(
-    *, fast: bool = False, parallel: bool = False, cached: bool = True, inline: bool = False
+    *, fast: bool = False, parallel: bool = False, cached: bool = True, inline: bool = False, checked: bool = False
 ) -> Callable[[F], F]: ...
 def compiled(
     function: F | None = None,
@@ -38,10 +38,12 @@ def compiled(
     parallel: bool = False,
     cached: bool = True,
     inline: bool = False,
+    checked: bool = False,
 ) -> F | Callable[[F], F]:
     """Compile a function on first use with the flags of this module; a decorator, with or without arguments.
 
-    ``inline`` forces the function into its callers: for the small steps of a hot loop.
+    ``inline`` forces the function into its callers: for the small steps of a hot loop. ``checked`` raises IndexError
+    where an index is out of bounds, which compiled code otherwise does not see.
     """
     options = {
         "error_model": "numpy",
@@ -49,6 +51,7 @@ def compiled(
         "fastmath": _REORDERED if fast else False,
         "parallel": parallel,
         "forceinline": inline,
+        "boundscheck": checked,
     }
 
     def decorate(python_function: F) -> F:

@@ -12,12 +12,15 @@ from numpy.typing import NDArray
 from kickdrift.core.compilation import Function, compiled, specialise
 from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.engine.flows.layout import FLAT
-from kickdrift.engine.user_functions import MEANINGS, Layout, argument_names, flatten
+from kickdrift.engine.user_functions import MEANINGS, Layout, argument_names, flatten, with_bounds_checked
 from kickdrift.systems.problem import Adapted, Problem, name_of
 from kickdrift.systems.second_order import SecondOrder
 from kickdrift.systems.system import Quantity, System
 
 Floats = NDArray[np.float64]
+
+
+_TAKEN = ("energy", "time", "t", "x", "v")
 
 
 @dataclass(frozen=True)
@@ -41,15 +44,18 @@ class Start:
         given = argument_names(function, role, names)
         layout = Layout(self.x0.shape, self.x0.shape if shape is None else shape, self.args.size)
         flat, native = flatten(function, given, layout, self.compile_)
+        if native:
+            self._check_bounds(f"{role}, {name_of(function)},", with_bounds_checked(function, given, layout), layout)
         self._try_once(function, role, flat, given, shape)
         return Adapted(flat, frozenset(MEANINGS.get(name, name) for name in given), native)
 
     def shape_of(self, function: Any, role: str, names: Sequence[str]) -> tuple[int, ...]:
         """Return the shape of what a function returns, see `kickdrift.systems.problem.Adapter`."""
-        state = {
+        state: dict[str, Any] = {
             name: float(array) if array.shape == () else array.copy()
             for name, array in (("x", self.x0), ("v", self.v0), ("params", self.args))
         }
+        state["t"] = self.t0
         given = {name: state[MEANINGS.get(name, name)] for name in argument_names(function, role, names)}
         try:
             with np.errstate(all="ignore"):
@@ -63,8 +69,15 @@ class Start:
                 f" {error}. It must return numbers."
             ) from error
 
+    def names_of(self, function: Any, role: str, names: Sequence[str]) -> frozenset[str]:
+        """Return the names of a function's arguments."""
+        return frozenset(argument_names(function, role, names))
+
     def quantities(self, energy: Function | None, invariants: Mapping[str, Function]) -> dict[str, Quantity]:
         """Adapt conserved quantities: numbers."""
+        for name in invariants:
+            if name in _TAKEN:
+                raise ArgumentError(f"invariants has the name {name!r}, which is taken; give another, or energy=... .")
         given = {"energy": energy, **invariants}
         return {
             name: Quantity(self.adapt(function, f"the function for {name!r}", self._quantity_names, ()).function)
@@ -81,6 +94,19 @@ class Start:
         if all(hasattr(function, "py_func") for function in functions.values()):
             return _bound(template, tuple(functions.items()))
         return specialise(template, template.__name__.lstrip("_"), **functions)
+
+    def _check_bounds(self, name: str, function: Function, layout: Layout) -> None:
+        v = np.zeros(1) if self.v0.size == 0 else self.v0.reshape(-1).copy()
+        try:
+            with np.errstate(all="ignore"):
+                function(self.t0, self.x0.reshape(-1).copy(), v, self.args.copy(), np.zeros(math.prod(layout.result)))
+        except IndexError as error:
+            raise ArgumentError(
+                f"{name} has an index out of bounds at the start, x0 of shape {self.x0.shape} with {self.args.size}"
+                f" args: IndexError: {error}. The numbers of params are those given as args=(...)."
+            ) from error
+        except Exception:
+            return  # whatever else is wrong with it, the compiled function will tell
 
     def _try_once(
         self, original: Any, role: str, function: Function, names: list[str], shape: tuple[int, ...] | None

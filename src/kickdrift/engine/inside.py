@@ -53,7 +53,7 @@ class Inside:
             x0, v0 = self.system.x0.reshape(1, -1).copy(), self.system.v0.reshape(1, -1).copy()
             self._change(do, np.zeros(1, dtype=np.int64), x0, v0)
             self.system = replace(self.system, x0=x0.reshape(system.x0.shape), v0=v0.reshape(system.v0.shape))
-            back = tuple((letter, -weight) for letter, weight in reversed(before))
+            back = tuple((letter.adjoint or letter, -weight) for letter, weight in reversed(before))
             self._undo = Run(
                 self.system, compose(method, system, back, ahead, repeated=False), no_rows, compensated, progress=False
             )

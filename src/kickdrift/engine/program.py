@@ -106,7 +106,8 @@ def _spell(method: Method, system: System, word: Word, x_clock: Fraction) -> lis
             continue
         flow = FLOWS[name]
         clock = v_clock if name in ("drift-along", "adjoint-drift", "doubled-drift") else x_clock
-        if spelled and spelled[-1][0] == name and name in _MERGING and flow.moves_x != flow.moves_v:
+        merging = name == "drift" or (name == "kick" and not _kicks_see_velocity(method, system))
+        if spelled and spelled[-1][0] == name and merging:
             spelled[-1] = name, spelled[-1][1] + weight, spelled[-1][2]
         else:
             spelled.append((name, weight, clock))
@@ -115,9 +116,6 @@ def _spell(method: Method, system: System, word: Word, x_clock: Fraction) -> lis
         x_clock += weight * (flow.moves_x and flow.timed)
         v_clock += weight * (flow.moves_v and flow.timed)
     return spelled
-
-
-_MERGING = ("kick", "drift")
 
 
 _SWEEPS = {

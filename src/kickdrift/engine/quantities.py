@@ -23,7 +23,15 @@ def _evaluate(quantity: Any, t: Floats, xs: Floats, vs: Floats, params: Floats, 
         call(quantity, (t[row], xs[row], vs[row], params, out[row]))
 
 
-_evaluate_interpreted = specialise(_evaluate.py_func, "evaluate_interpreted", call=call_interpreted)  # type: ignore[attr-defined]
+def _call_or_nan(quantity: Function, arguments: tuple[Any, ...]) -> None:
+    """Call a quantity; where it raises it has no value, and the run before is not lost for that."""
+    try:
+        call_interpreted(quantity, arguments)
+    except Exception:
+        arguments[-1][:] = np.nan
+
+
+_evaluate_interpreted = specialise(_evaluate.py_func, "evaluate_interpreted", call=_call_or_nan)  # type: ignore[attr-defined]
 
 
 def _entry(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:

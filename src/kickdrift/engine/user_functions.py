@@ -1,6 +1,7 @@
 """A user's Python functions as the engine calls them: by the names of their arguments, compiled where Numba can."""
 
 import inspect
+import math
 import warnings
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field
@@ -117,6 +118,19 @@ def flatten(function: Function, names: list[str], layout: Layout, compile_: bool
             _warn_interpreted(function, error)
     python = getattr(function, "py_func", function)
     return layout.adapted(statement, function=python, shaped=np.reshape, asarray=_returned), False
+
+
+def with_bounds_checked(function: Function, names: list[str], layout: Layout) -> Function:
+    """Adapt a function so that an index out of bounds is an error, which compiled code does not see."""
+    statement, python = layout.statement(names), getattr(function, "py_func", function)
+    if math.prod(layout.state) <= _SOON_INTERPRETED:
+        return layout.adapted(statement, function=python, shaped=np.reshape, asarray=_returned)
+    inner = compiled(cached=False, checked=True)(python)
+    adapted = layout.adapted(statement, function=inner, shaped=memory.shaped, asarray=np.asarray)
+    return compiled(cached=False, checked=True)(adapted)
+
+
+_SOON_INTERPRETED = 100  # numbers of a state up to which a double loop over them is soon done by the interpreter
 
 
 @dataclass(frozen=True)

@@ -105,8 +105,11 @@ class Method:
                     f"corrector of {self.name!r}: the weights of {share!r} add up to {float(total)!r}, not to 0; a"
                     " corrector changes the state and does not advance it."
                 )
-        if not {letter for letter, _ in self.corrector} <= self.letters:
-            raise ArgumentError(f"corrector of {self.name!r} has letters that its word has not; use those of the word.")
+        used = {letter for letter, _ in self.corrector}
+        if not used <= self.letters or Letter.THERMOSTAT in used or any(letter.adjoint is None for letter in used):
+            raise ArgumentError(
+                f"corrector of {self.name!r} has letters that its word has not, or that cannot be undone; use others."
+            )
 
     @property
     def _palindrome(self) -> bool:

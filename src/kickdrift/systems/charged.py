@@ -76,6 +76,9 @@ class ChargedParticle(Problem):
         """Make the system. Its last params are the charges to masses, one to each number of the state."""
         names = ("t", "x", "params", "out")
         charges = _charges_of(self.charge_to_mass, adapter.x0.shape)
+        for role, function in (("magnetic_field", self.magnetic_field), ("electric_field", self.electric_field)):
+            if function is not None:
+                _check_vectors(adapter, role, function, names)
         b_field = adapter.adapt(self.magnetic_field, "magnetic_field", names)
         native, kick = b_field.native, _nothing
         if self.electric_field is not None:
@@ -92,6 +95,18 @@ class ChargedParticle(Problem):
             kind=Kind.CHARGED,
             parts={"remainder": kick, "magnetic_field": turn},
             native=native,
+        )
+
+
+def _check_vectors(adapter: Adapter, role: str, function: Function, names: tuple[str, ...]) -> None:
+    """Refuse what would broadcast to vectors and is none: a number, or the strength at each particle."""
+    if "out" in adapter.names_of(function, role, names):
+        return
+    shape = adapter.shape_of(function, role, names)
+    if shape not in ((3,), adapter.x0.shape):
+        raise ArgumentError(
+            f"{role} returns an array of shape {shape}; a field has three components, at each particle or one for all:"
+            f" return shape (3,) or {adapter.x0.shape}."
         )
 
 

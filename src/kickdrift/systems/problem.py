@@ -66,6 +66,9 @@ class Adapter(Protocol):
     def shape_of(self, function: Any, role: str, names: Sequence[str]) -> tuple[int, ...]:
         """Call a function at the start, and return the shape of what it returns."""
 
+    def names_of(self, function: Any, role: str, names: Sequence[str]) -> frozenset[str]:
+        """Return the names of a function's arguments."""
+
     def quantities(self, energy: Function | None, invariants: Mapping[str, Function]) -> dict[str, Quantity]:
         """Adapt conserved quantities."""
 

@@ -139,7 +139,7 @@ def divided_by_mass(t: float, x: Floats, v: Floats, params: Floats, out: Floats)
 def to_each_number(values: ArrayLike, shape: tuple[int, ...]) -> Floats:
     """Give a value to each number of a state; N values to a state of N bodies, (N, d), are one to each body."""
     given = np.asarray(values, dtype=np.float64)
-    if given.ndim == 1 and len(shape) == 2:
+    if len(shape) == 2 and given.shape == shape[:1]:
         given = given[:, None]
     return np.broadcast_to(given, shape).reshape(-1).copy()
 
