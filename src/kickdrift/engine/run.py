@@ -204,7 +204,9 @@ class Run:
         except Exception as error:
             return good.saved, (Outcome.FAILED, f" The error was {type(error).__name__}: {error}.")
         if reached < target:
-            return saved, (Outcome.NOT_CONVERGED, f" The residual was {self.state.work[TROUBLE]:.3g}.")
+            residual = self.state.work[TROUBLE]
+            why = "." if np.isfinite(residual) else ": a function gave no finite number, or the iteration ran away."
+            return saved, (Outcome.NOT_CONVERGED, f" The residual was {residual:.3g}{why}")
         if not self.state.finite:
             return saved, (Outcome.NOT_FINITE, "")
         return saved, None

@@ -116,7 +116,8 @@ def solve(
             run = Run(inside.system, inside.program, grid, compensated, progress)
     except MemoryError as error:
         raise ArgumentError(
-            f"step={step!r} and save_every={save_every!r} need more memory than there is ({error}); keep fewer steps."
+            f"step={step!r}, save_every={save_every!r} and method={method!r} need more memory than there is ({error});"
+            " keep fewer steps, or take an explicit method: implicit ones keep a matrix of the state's size squared."
         ) from None
     ending = run.go()
     t = np.append(grid.times, grid.times[-1])[: ending.saved]
