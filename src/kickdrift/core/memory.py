@@ -16,13 +16,16 @@ from numpy.typing import NDArray
 from kickdrift.core.compilation import compiled
 
 _FLOATS = types.CPointer(types.float64)
+_INTEGERS = types.CPointer(types.int64)
 _WORD = ir.IntType(64)
 
 SIZE = 0  # bound by the caller of `small_arrays`
 
 
 @intrinsic
-def _word(typing_context: Any, block: Any, index: Any) -> Any:
+def word(typing_context: Any, block: Any, index: Any) -> Any:
+    """Word of a block of machine words at an address."""
+
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         words = builder.inttoptr(arguments[0], _WORD.as_pointer())
         return builder.load(builder.gep(words, [arguments[1]]))
@@ -31,7 +34,31 @@ def _word(typing_context: Any, block: Any, index: Any) -> Any:
 
 
 @intrinsic
-def _floats_at(typing_context: Any, address: Any) -> Any:
+def put_word(typing_context: Any, block: Any, index: Any, value: Any) -> Any:
+    """Overwrite a word of a block of machine words at an address."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        words = builder.inttoptr(arguments[0], _WORD.as_pointer())
+        builder.store(arguments[2], builder.gep(words, [arguments[1]]))
+        return context.get_dummy_value()
+
+    return types.none(types.intp, types.intp, types.intp), generate
+
+
+@intrinsic
+def integers_at(typing_context: Any, address: Any) -> Any:
+    """Pointer to the integers at an address."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.inttoptr(arguments[0], context.get_value_type(_INTEGERS))
+
+    return _INTEGERS(types.intp), generate
+
+
+@intrinsic
+def floats_at(typing_context: Any, address: Any) -> Any:
+    """Pointer to the floats at an address."""
+
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.inttoptr(arguments[0], context.get_value_type(_FLOATS))
 
@@ -62,10 +89,10 @@ def floats_on_stack(typing_context: Any, size: Any) -> Any:
 def arrays(block: int) -> Any:
     """Return the one-dimensional arrays x, v, params and work that a `state_block` describes."""
     return (
-        carray(_floats_at(_word(block, 0)), (_word(block, 1),)),
-        carray(_floats_at(_word(block, 2)), (_word(block, 3),)),
-        carray(_floats_at(_word(block, 4)), (_word(block, 5),)),
-        carray(_floats_at(_word(block, 6)), (_word(block, 7),)),
+        carray(floats_at(word(block, 0)), (word(block, 1),)),
+        carray(floats_at(word(block, 2)), (word(block, 3),)),
+        carray(floats_at(word(block, 4)), (word(block, 5),)),
+        carray(floats_at(word(block, 6)), (word(block, 7),)),
     )
 
 

@@ -1,0 +1,1 @@
+"""Worlds: rigid bodies that touch, stack, hinge and walk."""

@@ -1,0 +1,1 @@
+"""Contacts: what keeps bodies apart."""

@@ -1,0 +1,1 @@
+"""Shapes: what bodies are made of."""

@@ -1,0 +1,153 @@
+"""What a world is made of: tables of numbers, one row a body, a shape or a contact, which compiled code finds by address.
+
+A stage of the step is a compiled function ``stage(t, h, world)``, where ``world`` is the address of a block that says of
+every table where it lies, how many rows are in use and how many there is room for. Views of a table (`floats`,
+`integers`) cost nothing. Tables grow between stages, never inside of one: a stage that finds one full says so (`FULL`),
+leaves everything as it was, and is run again once the table has grown.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import carray
+from numpy.typing import NDArray
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.memory import floats_at, integers_at, put_word, word
+
+
+class Table(NamedTuple):
+    """Where a table is described in the block, the numbers in a row, and whether they are integers."""
+
+    place: int
+    width: int
+    whole: bool = False
+
+
+# Bodies; row 0 is the ground, which never moves. Rows of eight floats are one cache line.
+POSE = Table(0, 8)  # centre of mass (3), orientation (4: w, x, y, z)
+MOTION = Table(1, 8)  # velocity of the centre of mass (3), angular velocity in the world's axes (3)
+CHANGE = Table(2, 8)  # since the start of the step: displacement (3), rotation vector (3)
+RESPONSE = Table(3, 8)  # 1/mass, and the inverse inertia in the world's axes (6); zeros do not move
+INERTIA = Table(4, 16)  # mass, inertia in the body's axes (6), its inverse (6), damping of velocity and of rotation (2)
+LOAD = Table(5, 8)  # force (3) and torque (3) for the next step
+KICKED = Table(6, 8)  # velocity (6) after the kick: what still has it is in free flight
+BODY = Table(7, 8, whole=True)  # kind, awake, island, generation
+# Shapes
+SHAPE = Table(8, 8, whole=True)  # kind, body, where its numbers begin in GEOMETRY, how many, layer, mask, sensor
+PLACE = Table(9, 16)  # pose in the body (7), friction, restitution, rolling resistance, velocity of its surface (3)
+BOUNDS = Table(10, 12)  # corners of the box that a shape is in (6), and of the wider one that it was last sought in (6)
+GEOMETRY = Table(11, 1)  # the numbers of all shapes, one shape after the other
+# Contacts: pairs of shapes whose wider boxes overlap
+CONTACT = Table(12, 8, whole=True)  # shapes (2), part of the first, bodies (2), points, what it does, group and lane
+MANIFOLD = Table(13, 64)  # see `kickdrift.world.contacts.manifold`
+SETTINGS = Table(14, 32)  # one row: see `kickdrift.world.settings`
+TROUBLE = Table(15, 8, whole=True)  # one row: what went wrong, which table or body
+EVENTS = Table(16, 8, whole=True)
+JOINT = Table(17, 16, whole=True)
+JOINT_NUMBERS = Table(18, 64)
+ISLANDS = Table(19, 4, whole=True)
+LANES = Table(20, 1)  # constraints in groups of lanes
+GROUPS = Table(21, 4, whole=True)
+SCRATCH = Table(22, 1)
+TREE = Table(23, 8)
+TREE_LINKS = Table(24, 4, whole=True)
+COLLIDERS = Table(25, 8, whole=True)  # address of the function for each pair of kinds of shapes
+ARTICULATION = Table(26, 8, whole=True)
+ARTICULATION_NUMBERS = Table(27, 1)
+ORDER = Table(28, 4, whole=True)
+STEPS = Table(29, 16)  # one row: counters
+
+_COUNT = 32
+_ADDRESS, _ROWS, _ROOM = 0, 1, 2  # the words that describe a table
+
+
+@compiled(inline=True)
+def rows(world: int, table: Table) -> int:
+    """Rows in use."""
+    return word(world, 3 * table[0] + _ROWS)
+
+
+@compiled(inline=True)
+def room(world: int, table: Table) -> int:
+    """Rows that there is room for."""
+    return word(world, 3 * table[0] + _ROOM)
+
+
+@compiled(inline=True)
+def set_rows(world: int, table: Table, count: int) -> None:
+    """Say how many rows are in use, at most what there is room for."""
+    put_word(world, 3 * table[0] + _ROWS, count)
+
+
+@compiled(inline=True)
+def floats(world: int, table: Table) -> Any:
+    """Return a view of all rows that a table has room for."""
+    place = 3 * table[0]
+    return carray(floats_at(word(world, place + _ADDRESS)), (word(world, place + _ROOM), table[1]))
+
+
+@compiled(inline=True)
+def integers(world: int, table: Table) -> Any:
+    """Return a view of all rows that a table of integers has room for."""
+    place = 3 * table[0]
+    return carray(integers_at(word(world, place + _ADDRESS)), (word(world, place + _ROOM), table[1]))
+
+
+@compiled(inline=True)
+def flat(world: int, table: Table) -> Any:
+    """Return the numbers of a table as one row: loops over it vectorise."""
+    place = 3 * table[0]
+    return carray(floats_at(word(world, place + _ADDRESS)), (word(world, place + _ROOM) * table[1],))
+
+
+class Tables:
+    """The tables of one world and the block that describes them to compiled code."""
+
+    def __init__(self) -> None:
+        self.block: NDArray[np.intp] = np.zeros(3 * _COUNT, dtype=np.intp)
+        self._arrays: dict[int, NDArray[Any]] = {}
+
+    @property
+    def address(self) -> int:
+        """What compiled code is given; the same for as long as the world lives."""
+        return int(self.block.ctypes.data)
+
+    def array(self, table: Table) -> NDArray[Any]:
+        """Return the rows of a table in use, as a live view; replaced where the table grows."""
+        return self._room(table)[: self.block[3 * table.place + _ROWS]]
+
+    def resize(self, table: Table, count: int) -> NDArray[Any]:
+        """Say how many rows are in use; new ones are zeros. Room grows by half of itself at least."""
+        place = 3 * table.place
+        before = int(self.block[place + _ROWS])
+        self.reserve(table, count)
+        self.block[place + _ROWS] = count
+        rows = self._room(table)
+        rows[before:count] = 0
+        return rows[:count]
+
+    def reserve(self, table: Table, count: int) -> None:
+        """Make room for so many rows, keeping what is there."""
+        place = 3 * table.place
+        old = self._room(table)
+        if count <= len(old):
+            return
+        new = _aligned(max(count, len(old) + len(old) // 2, 16), table.width, np.int64 if table.whole else np.float64)
+        new[: len(old)] = old
+        self._arrays[table.place] = new
+        self.block[place : place + 3] = new.ctypes.data, self.block[place + _ROWS], len(new)
+
+    def _room(self, table: Table) -> NDArray[Any]:
+        if table.place not in self._arrays:
+            empty = np.zeros((0, table.width), dtype=np.int64 if table.whole else np.float64)
+            self._arrays[table.place] = empty
+        return self._arrays[table.place]
+
+
+def _aligned(count: int, width: int, dtype: Any) -> NDArray[Any]:
+    """Zeros that begin where a cache line does."""
+    size = count * width
+    buffer = np.zeros(size + 8, dtype=dtype)
+    start = (-buffer.ctypes.data % 64) // 8
+    return buffer[start : start + size].reshape(count, width)
