@@ -35,12 +35,12 @@ def caller(signature: Any) -> Any:
             function_type = convention.get_function_type(signature.return_type, signature.args)
             function = builder.inttoptr(values[0], function_type.as_pointer())
             members = cgutils.unpack_tuple(builder, values[1], len(signature.args))
-            status, _ = convention.call_function(builder, function, signature.return_type, signature.args, members)
+            status, value = convention.call_function(builder, function, signature.return_type, signature.args, members)
             with cgutils.if_unlikely(builder, status.is_error):
                 convention.return_status_propagate(builder, status)
-            return context.get_dummy_value()
+            return context.get_dummy_value() if signature.return_type is types.none else value
 
-        return types.none(types.intp, types.Tuple(signature.args)), generate
+        return signature.return_type(types.intp, types.Tuple(signature.args)), generate
 
     return call
 

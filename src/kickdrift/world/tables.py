@@ -31,12 +31,16 @@ CHANGE = Table(2, 8)  # since the start of the step: displacement (3), rotation 
 RESPONSE = Table(3, 8)  # 1/mass, and the inverse inertia in the world's axes (6); zeros do not move
 INERTIA = Table(4, 16)  # mass, inertia in the body's axes (6), its inverse (6), damping of velocity and of rotation (2)
 LOAD = Table(5, 8)  # force (3) and torque (3) for the next step
-KICKED = Table(6, 8)  # velocity (6) after the kick: what still has it is in free flight
+KICKED = Table(6, 16)  # see `kickdrift.world.flight`
 BODY = Table(7, 8, whole=True)  # kind, awake, island, generation
 # Shapes
-SHAPE = Table(8, 8, whole=True)  # kind, body, where its numbers begin in GEOMETRY, how many, layer, mask, sensor
+# Kind (-1: removed), body, where its numbers begin in GEOMETRY, how many, layer, mask, sensor, state of its search (see
+# `kickdrift.world.collision.search`)
+SHAPE = Table(8, 8, whole=True)
 PLACE = Table(9, 16)  # pose in the body (7), friction, restitution, rolling resistance, velocity of its surface (3)
-BOUNDS = Table(10, 12)  # corners of the box that a shape is in (6), and of the wider one that it was last sought in (6)
+# Corners of the wider box that a shape was last sought in (6), and of a mesh its nodes in PART_TREE: the first, and the one
+# after the last
+BOUNDS = Table(10, 8)
 GEOMETRY = Table(11, 1)  # the numbers of all shapes, one shape after the other
 # Contacts: pairs of shapes whose wider boxes overlap
 CONTACT = Table(12, 8, whole=True)  # shapes (2), part of the first, bodies (2), points, what it does, group and lane
@@ -44,21 +48,37 @@ MANIFOLD = Table(13, 64)  # see `kickdrift.world.contacts.manifold`
 SETTINGS = Table(14, 32)  # one row: see `kickdrift.world.settings`
 TROUBLE = Table(15, 8, whole=True)  # one row: what went wrong, which table or body
 EVENTS = Table(16, 8, whole=True)
+# Joints: see `kickdrift.world.joints.layout`
 JOINT = Table(17, 16, whole=True)
-JOINT_NUMBERS = Table(18, 64)
+JOINT_NUMBERS = Table(18, 72)
+JOINT_AXES = Table(45, 16)  # six rows a joint
 ISLANDS = Table(19, 4, whole=True)
 LANES = Table(20, 1)  # constraints in groups of lanes
-GROUPS = Table(21, 4, whole=True)
+GROUPS = Table(21, 24, whole=True)  # of each lane the first body (8), the second (8), the contact (8)
 SCRATCH = Table(22, 1)
-TREE = Table(23, 8)
-TREE_LINKS = Table(24, 4, whole=True)
+TREE = Table(23, 8)  # over the wider boxes of shapes that may move: see `kickdrift.world.collision.tree`
+STATIC_TREE = Table(24, 8)  # over those that may not
 COLLIDERS = Table(25, 8, whole=True)  # address of the function for each pair of kinds of shapes
 ARTICULATION = Table(26, 8, whole=True)
-ARTICULATION_NUMBERS = Table(27, 1)
+ARTICULATION_NUMBERS = Table(27, 1)  # the equations of closing joints
+LINK = Table(46, 8, whole=True)  # a body of an articulation and the joint that it hangs on, parents first
+LINK_NUMBERS = Table(47, 144)
 ORDER = Table(28, 4, whole=True)
 STEPS = Table(29, 16)  # one row: counters
+COLOURS = Table(30, 4, whole=True)  # contacts of a colour, its first group and the group after its last
+COLOURED = Table(31, 1, whole=True)  # of each body the set of colours that its contacts have
+SWEEPS = Table(34, 4, whole=True)  # one row: see `kickdrift.world.contacts.lanes`
+STARTED_POSE = Table(32, 8)  # as POSE and MOTION were when the step began
+STARTED_MOTION = Table(33, 8)
+SEARCH = Table(38, 8, whole=True)  # one row: see `kickdrift.world.collision.search`
+MOVERS = Table(39, 1, whole=True)  # shapes that may move
+FIXTURES = Table(44, 1, whole=True)  # shapes that may not
+PLANES = Table(40, 1, whole=True)  # shapes that are planes
+SOUGHT = Table(41, 1, whole=True)  # shapes whose pairs are to be found anew
+PART_TREE = Table(42, 8)  # over the triangles of each mesh, one tree after the other
+EXCLUDED = Table(43, 2, whole=True)  # pairs of bodies that never touch, the lower one first; sorted
 
-_COUNT = 32
+_COUNT = 48
 _ADDRESS, _ROWS, _ROOM = 0, 1, 2  # the words that describe a table
 
 
@@ -101,6 +121,9 @@ def flat(world: int, table: Table) -> Any:
     return carray(floats_at(word(world, place + _ADDRESS)), (word(world, place + _ROOM) * table[1],))
 
 
+_TABLES = {table.place: table for table in list(globals().values()) if isinstance(table, Table)}
+
+
 class Tables:
     """The tables of one world and the block that describes them to compiled code."""
 
@@ -137,6 +160,12 @@ class Tables:
         new[: len(old)] = old
         self._arrays[table.place] = new
         self.block[place : place + 3] = new.ctypes.data, self.block[place + _ROWS], len(new)
+
+    def make_room(self, place: int, count: int) -> None:
+        """Make room in the table at a place of the block, as a stage has asked; manifolds go with their contacts."""
+        self.reserve(_TABLES[place], count)
+        if place == CONTACT.place:
+            self.reserve(MANIFOLD, count)
 
     def _room(self, table: Table) -> NDArray[Any]:
         if table.place not in self._arrays:

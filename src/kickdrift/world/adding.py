@@ -1,0 +1,280 @@
+"""How bodies come into a world: one method a shape."""
+
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.world.bodies import Bodies, Body, kind_of
+from kickdrift.world.flight import DYNAMIC, STATIC
+from kickdrift.world.shape_rows import Placed, Shape, ShapeRows, Surface
+from kickdrift.world.shapes.box import Box
+from kickdrift.world.shapes.capsule import Capsule
+from kickdrift.world.shapes.heightfield import HeightField
+from kickdrift.world.shapes.hull import Hull
+from kickdrift.world.shapes.kinds import MESH, PLANE
+from kickdrift.world.shapes.mass import Mass, checked_inertia, combined, placed, rotation_matrix
+from kickdrift.world.shapes.mesh import Mesh
+from kickdrift.world.shapes.plane import Plane
+from kickdrift.world.shapes.sphere import Sphere
+from kickdrift.world.tables import MOTION, Tables
+
+Floats = NDArray[np.float64]
+_UPRIGHT = (1.0, 0.0, 0.0, 0.0)
+
+
+class Part:
+    """A shape with a place in a compound body.
+
+    Parameters
+    ----------
+    shape : Shape
+        One of `kickdrift.world.shapes`.
+    position : (3,) array_like
+        Origin of the shape's frame in the body, m.
+    orientation : (4,) array_like
+        Quaternion (w, x, y, z) that turns the shape's axes into the body's.
+    density : float, optional
+        kg/m^3; the body's by default.
+    """
+
+    def __init__(
+        self,
+        shape: Shape,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        orientation: ArrayLike = _UPRIGHT,
+        density: float | None = None,
+    ) -> None:
+        self.shape = shape
+        self.position = vector("position", position, 3)
+        self.orientation = unit_quaternion("orientation", orientation)
+        self.density = density
+
+
+class AddsBodies:
+    """The methods of a world that add bodies."""
+
+    tables: Tables
+    bodies: Bodies
+    shape_rows: ShapeRows
+
+    def add_sphere(self, radius: float, **options: Any) -> Body:
+        """Add a ball of a radius in m; options as in `add_body`."""
+        return self.add_body(Sphere(radius), **options)
+
+    def add_capsule(self, radius: float, length: float, **options: Any) -> Body:
+        """Add a cylinder along z with half balls at its ends; options as in `add_body`.
+
+        Parameters
+        ----------
+        radius, length : float
+            In m; the length is that of the cylinder between the half balls.
+        """
+        return self.add_body(Capsule(radius, length), **options)
+
+    def add_box(self, size: ArrayLike, **options: Any) -> Body:
+        """Add a box with three full edge lengths in m; options as in `add_body`."""
+        return self.add_body(Box(size), **options)
+
+    def add_hull(self, points: ArrayLike, **options: Any) -> Body:
+        """Add the convex hull of (N, 3) points in m; options as in `add_body`.
+
+        The position that is given is that of the origin of the points; the body's own is its centre of mass.
+        """
+        return self.add_body(Hull(points), **options)
+
+    def add_plane(
+        self, normal: ArrayLike = (0.0, 0.0, 1.0), point: ArrayLike = (0.0, 0.0, 0.0), **options: Any
+    ) -> Body:
+        """Add the half-space under a plane, which never moves.
+
+        Parameters
+        ----------
+        normal : (3,) array_like
+            Where it looks; any length but zero.
+        point : (3,) array_like
+            Any point of the plane, m.
+        **options
+            As in `add_body`.
+        """
+        return self.add_body(Plane(), position=point, orientation=turn_to(normal), static=True, **options)
+
+    def add_mesh(self, vertices: ArrayLike, faces: ArrayLike, **options: Any) -> Body:
+        """Add a surface of triangles, which never moves.
+
+        Parameters
+        ----------
+        vertices : (N, 3) array_like
+            m.
+        faces : (M, 3) array_like of int
+            Rows of vertices, counter-clockwise seen from outside.
+        **options
+            As in `add_body`.
+        """
+        return self.add_body(Mesh(vertices, faces), static=True, **options)
+
+    def add_height_field(self, heights: ArrayLike, spacing: float, **options: Any) -> Body:
+        """Add ground of given heights, which never moves.
+
+        Parameters
+        ----------
+        heights : (K, L) array_like
+            z in m, along x and y.
+        spacing : float
+            Between two of them, m.
+        **options
+            As in `add_body`.
+        """
+        return self.add_body(HeightField(heights, spacing), static=True, **options)
+
+    def add_body(
+        self,
+        shapes: Shape | Sequence[Part],
+        *,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        orientation: ArrayLike = _UPRIGHT,
+        velocity: ArrayLike = (0.0, 0.0, 0.0),
+        angular_velocity: ArrayLike = (0.0, 0.0, 0.0),
+        density: float | None = None,
+        mass: float | None = None,
+        inertia: ArrayLike | None = None,
+        static: bool = False,
+        kinematic: bool = False,
+        damping: float = 0.0,
+        angular_damping: float = 0.0,
+        **surface: Any,
+    ) -> Body:
+        """Add a body of one shape or several.
+
+        Parameters
+        ----------
+        shapes : Shape or sequence of Part
+            What it is made of.
+        position : (3,) array_like
+            Of the origin of its shapes, m. `World.position` gives the centre of mass, which is another point where the
+            shapes are heavier on one side.
+        orientation : (4,) array_like
+            Quaternion (w, x, y, z) that turns the body's axes into the world's.
+        velocity : (3,) array_like
+            Of the centre of mass, m/s.
+        angular_velocity : (3,) array_like
+            In the world's axes, rad/s.
+        density : float, optional
+            kg/m^3; 1000 where neither it nor the mass is given.
+        mass : float, optional
+            kg.
+        inertia : (3,) or (3, 3) array_like, optional
+            About the centre of mass in the body's axes, kg m^2; from the shapes by default.
+        static, kinematic : bool
+            A static body never moves; a kinematic one moves with the velocity given and minds no force.
+        damping, angular_damping : float
+            Rates in 1/s at which velocities decay.
+        **surface
+            `friction`, `restitution`, `rolling_resistance`, `surface_velocity`, `layer`, `collides_with` and `sensor`, as
+            in `Surface`.
+
+        Returns
+        -------
+        Body
+            Handle with the row of the body.
+
+        Raises
+        ------
+        ArgumentError
+            For sizes, masses, inertias and poses that no body can have.
+        """
+        parts = [Part(shapes)] if not isinstance(shapes, Sequence) else list(shapes)
+        if not parts:
+            raise ArgumentError("shapes is empty; give a body at least one shape.")
+        kind = kind_of(static, kinematic)
+        origin, turn = vector("position", position, 3), unit_quaternion("orientation", orientation)
+        motion = np.concatenate((vector("velocity", velocity, 3), vector("angular_velocity", angular_velocity, 3)))
+        if kind == STATIC and motion.any():
+            raise ArgumentError("velocity of a static body has to be zero; make it kinematic=True to move it.")
+        properties = Surface(**surface)
+        weight = None
+        if kind == DYNAMIC:
+            for part in parts:
+                if part.shape.kind in (PLANE, MESH):
+                    raise ArgumentError(f"{type(part.shape).__name__} cannot move: it has no inside; add it static=True.")
+            weight = _weigh(parts, density, mass, inertia)
+        rates = [_not_negative("damping", damping), _not_negative("angular_damping", angular_damping)]
+        centre = np.zeros(3) if weight is None else weight.centre
+        body = self.bodies.add(kind, origin + rotation_matrix(turn) @ centre, turn)
+        self.tables.array(MOTION)[body.index, :6] = motion
+        if weight is not None:
+            self.bodies.set_mass(body.index, weight, rates)
+        for part in parts:
+            self.shape_rows.add(body.index, Placed(part.shape, part.position - centre, part.orientation, properties))
+        return body
+
+    def remove(self, body: Body) -> None:
+        """Remove a body with its shapes; its handle is worth nothing then, and its row is used again.
+
+        Raises
+        ------
+        ArgumentError
+            If it has been removed before.
+        """
+        row = self.bodies.row(body)
+        self.bodies.remove(body)
+        self.shape_rows.remove_of(row)
+
+
+def vector(argument: str, value: ArrayLike, size: int) -> Floats:
+    """Return so many finite numbers as an array; ArgumentError if they are none."""
+    try:
+        array = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"{argument}={value!r} has to be {size} numbers.") from None
+    if array.shape != (size,) or not np.isfinite(array).all():
+        raise ArgumentError(f"{argument}={value!r} has to be {size} finite numbers.")
+    return array
+
+
+def unit_quaternion(argument: str, value: ArrayLike) -> Floats:
+    """Return a quaternion divided by its length; ArgumentError for a length of zero."""
+    q = vector(argument, value, 4)
+    size = float(np.linalg.norm(q))
+    if size < 1e-9:
+        raise ArgumentError(f"{argument}={value!r} has no length; (1, 0, 0, 0) leaves a body as it is.")
+    return q / size
+
+
+def turn_to(normal: ArrayLike) -> Floats:
+    """Return a quaternion that turns the z axis into a direction."""
+    n = vector("normal", normal, 3)
+    size = float(np.linalg.norm(n))
+    if size == 0.0:
+        raise ArgumentError(f"normal={normal!r} has no direction; (0, 0, 1) looks up.")
+    x, y, z = n / size
+    if z < -0.999999999:
+        return np.array([0.0, 1.0, 0.0, 0.0])
+    return unit_quaternion("normal", (1.0 + z, -y, x, 0.0))
+
+
+def _weigh(parts: list[Part], density: float | None, mass: float | None, inertia: ArrayLike | None) -> Mass:
+    if density is not None and mass is not None:
+        raise ArgumentError(f"density={density!r} and mass={mass!r} say the same twice; give one of them.")
+    common = 1000.0 if density is None else density
+    whole = combined(
+        [
+            placed(p.shape.mass_properties(), p.position, p.orientation, density=common if p.density is None else p.density)
+            for p in parts
+        ]
+    )
+    if mass is not None:
+        if not (np.isscalar(mass) and 0.0 < float(mass) < np.inf):
+            raise ArgumentError(f"mass={mass!r} has to be positive and finite; static=True is for what nothing moves.")
+        whole = Mass(float(mass), whole.centre, whole.inertia * (float(mass) / whole.mass))
+    if inertia is not None:
+        whole = Mass(whole.mass, whole.centre, checked_inertia(inertia))
+    return whole
+
+
+def _not_negative(argument: str, value: float) -> float:
+    if not (np.isscalar(value) and 0.0 <= float(value) < np.inf):
+        raise ArgumentError(f"{argument}={value!r} has to be zero or positive and finite, in 1/s.")
+    return float(value)

@@ -1,0 +1,210 @@
+"""What the solver does to a group of constraints: loops over lanes that the compiler turns into vector instructions.
+
+`own` are the fields of a group, `s` its scratch; both lie flat, field k of lane l at k WIDTH + l, so that the compiler sees
+that lanes do not touch each other. The number of lanes comes as an argument: a constant one of eight or less is unrolled
+before the vectoriser sees the loop. All sweeps have one signature and are called by address: linked into the three stages
+that use them, they would be compiled three times.
+"""
+
+import math
+from typing import Any
+
+from numba import types
+
+from kickdrift.core.compilation import compiled
+from kickdrift.world.contacts import layout as c
+
+W = c.WIDTH
+# Fields of scratch: velocities of the first bodies (6) and the second (6), displacements (6 and 6), inverse inertia (6 and 6).
+VELOCITY_A, VELOCITY_B, CHANGE_A, CHANGE_B, INERTIA_A, INERTIA_B = 0, 6, 12, 18, 24, 30
+SCRATCH = 36 * W
+
+_ARRAY = types.Array(types.float64, 1, "C")
+SWEEP = types.none(_ARRAY, _ARRAY, types.float64, types.float64, types.float64, types.int64)
+
+
+@compiled(fast=True, inline=True)
+def _turn(s: Any, inertia: int, lane: int, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """Change of angular velocity by an angular impulse."""
+    i = inertia * W + lane
+    return (
+        s[i] * x + s[i + 3 * W] * y + s[i + 4 * W] * z,
+        s[i + 3 * W] * x + s[i + W] * y + s[i + 5 * W] * z,
+        s[i + 4 * W] * x + s[i + 5 * W] * y + s[i + 2 * W] * z,
+    )
+
+
+@compiled(fast=True, inline=True)
+def _vector(array: Any, field: int, lane: int) -> tuple[float, float, float]:
+    i = field * W + lane
+    return array[i], array[i + W], array[i + 2 * W]
+
+
+@compiled(fast=True, inline=True)
+def _put(array: Any, field: int, lane: int, x: float, y: float, z: float) -> None:
+    i = field * W + lane
+    array[i] = x
+    array[i + W] = y
+    array[i + 2 * W] = z
+
+
+@compiled(fast=True)
+def solve_normals(own: Any, s: Any, per_h: float, soft: float, push: float, n: int) -> None:
+    """One sweep over the points: softly where `soft` is 1.0, rigid and without bias where it is 0.0."""
+    for lane in range(n):
+        nx, ny, nz = _vector(own, c.N, lane)
+        mass_a, mass_b = own[c.MASS_A * W + lane], own[c.MASS_B * W + lane]
+        rate = soft * own[c.SOFTNESS * W + lane]
+        soft_mass = 1.0 + soft * (own[(c.SOFTNESS + 1) * W + lane] - 1.0)
+        soft_impulse = soft * own[(c.SOFTNESS + 2) * W + lane]
+        vax, vay, vaz = _vector(s, VELOCITY_A, lane)
+        wax, way, waz = _vector(s, VELOCITY_A + 3, lane)
+        vbx, vby, vbz = _vector(s, VELOCITY_B, lane)
+        wbx, wby, wbz = _vector(s, VELOCITY_B + 3, lane)
+        dax, day, daz = _vector(s, CHANGE_A, lane)
+        tax, tay, taz = _vector(s, CHANGE_A + 3, lane)
+        dbx, dby, dbz = _vector(s, CHANGE_B, lane)
+        tbx, tby, tbz = _vector(s, CHANGE_B + 3, lane)
+        opened = nx * (dbx - dax) + ny * (dby - day) + nz * (dbz - daz)
+        v = nx * (vbx - vax) + ny * (vby - vay) + nz * (vbz - vaz)
+        sum_mass = mass_a + mass_b
+        total = 0.0
+        for k in range(4):
+            f = c.P + c.POINT_FIELDS * k
+            ax, ay, az = _vector(own, f + c.ARM_A, lane)
+            bx, by, bz = _vector(own, f + c.ARM_B, lane)
+            impulse = own[(f + c.IMPULSE) * W + lane]
+            gap = own[(f + c.GAP) * W + lane] + opened + (bx * tbx + by * tby + bz * tbz) - (ax * tax + ay * tay + az * taz)
+            apart = gap > 0.0
+            bias = gap * per_h if apart else max(soft_mass * rate * gap, -push)
+            scale = 1.0 if apart else soft_mass
+            leak = 0.0 if apart else soft_impulse
+            speed = v + (bx * wbx + by * wby + bz * wbz) - (ax * wax + ay * way + az * waz)
+            new = max(impulse - own[(f + c.POINT_MASS) * W + lane] * (scale * speed + bias) - leak * impulse, 0.0)
+            # The second sweep adds nothing to points that are apart: what meets in the next substep may bounce there.
+            new = min(new, impulse) if apart and soft == 0.0 else new
+            own[(f + c.IMPULSE) * W + lane] = new
+            d = new - impulse
+            total += d
+            v += sum_mass * d
+            cx, cy, cz = _turn(s, INERTIA_A, lane, ax, ay, az)
+            wax -= d * cx
+            way -= d * cy
+            waz -= d * cz
+            cx, cy, cz = _turn(s, INERTIA_B, lane, bx, by, bz)
+            wbx += d * cx
+            wby += d * cy
+            wbz += d * cz
+        a, b = total * mass_a, total * mass_b
+        _put(s, VELOCITY_A, lane, vax - a * nx, vay - a * ny, vaz - a * nz)
+        _put(s, VELOCITY_A + 3, lane, wax, way, waz)
+        _put(s, VELOCITY_B, lane, vbx + b * nx, vby + b * ny, vbz + b * nz)
+        _put(s, VELOCITY_B + 3, lane, wbx, wby, wbz)
+
+
+@compiled(fast=True)
+def solve_friction(own: Any, s: Any, per_h: float, soft: float, push: float, n: int) -> None:
+    """Rolling resistance, twist, and friction at the centre, each bounded by what the normal impulses carry."""
+    for lane in range(n):
+        nx, ny, nz = _vector(own, c.N, lane)
+        mass_a, mass_b = own[c.MASS_A * W + lane], own[c.MASS_B * W + lane]
+        vax, vay, vaz = _vector(s, VELOCITY_A, lane)
+        wax, way, waz = _vector(s, VELOCITY_A + 3, lane)
+        vbx, vby, vbz = _vector(s, VELOCITY_B, lane)
+        wbx, wby, wbz = _vector(s, VELOCITY_B + 3, lane)
+        normal = 0.0
+        lever = 0.0
+        for k in range(4):
+            f = c.P + c.POINT_FIELDS * k
+            normal += own[(f + c.IMPULSE) * W + lane]
+            lever += own[(f + c.LEVER) * W + lane] * own[(f + c.IMPULSE) * W + lane]
+        friction = own[c.FRICTION * W + lane]
+        # Rolling resistance
+        px, py, pz = _vector(own, c.ROLL + 2, lane)
+        mass = own[(c.ROLL + 1) * W + lane]
+        qx, qy, qz = px - mass * (wbx - wax), py - mass * (wby - way), pz - mass * (wbz - waz)
+        most = own[c.ROLL * W + lane] * normal
+        scale = min(1.0, most / math.sqrt(qx * qx + qy * qy + qz * qz + 1e-300))
+        qx, qy, qz = qx * scale, qy * scale, qz * scale
+        _put(own, c.ROLL + 2, lane, qx, qy, qz)
+        tx, ty, tz = qx - px, qy - py, qz - pz
+        # Twist
+        old = own[(c.TWIST + 1) * W + lane]
+        spin = nx * (wbx - wax) + ny * (wby - way) + nz * (wbz - waz)
+        new = min(max(old - own[c.TWIST * W + lane] * spin, -friction * lever), friction * lever)
+        own[(c.TWIST + 1) * W + lane] = new
+        tx, ty, tz = tx + (new - old) * nx, ty + (new - old) * ny, tz + (new - old) * nz
+        cx, cy, cz = _turn(s, INERTIA_A, lane, tx, ty, tz)
+        wax, way, waz = wax - cx, way - cy, waz - cz
+        cx, cy, cz = _turn(s, INERTIA_B, lane, tx, ty, tz)
+        wbx, wby, wbz = wbx + cx, wby + cy, wbz + cz
+        # Friction
+        ux, uy, uz = _vector(own, c.T, lane)
+        mx, my, mz = ny * uz - nz * uy, nz * ux - nx * uz, nx * uy - ny * ux
+        ax, ay, az = _vector(own, c.CENTRE_A, lane)
+        bx, by, bz = _vector(own, c.CENTRE_B, lane)
+        rx = vbx + wby * bz - wbz * by - vax - way * az + waz * ay
+        ry = vby + wbz * bx - wbx * bz - vay - waz * ax + wax * az
+        rz = vbz + wbx * by - wby * bx - vaz - wax * ay + way * ax
+        s1 = ux * rx + uy * ry + uz * rz - own[c.SLIDE * W + lane]
+        s2 = mx * rx + my * ry + mz * rz - own[(c.SLIDE + 1) * W + lane]
+        k11, k22, k12 = _vector(own, c.GRIP, lane)
+        old1, old2 = own[c.SLID * W + lane], own[(c.SLID + 1) * W + lane]
+        new1 = old1 - (k11 * s1 + k12 * s2)
+        new2 = old2 - (k12 * s1 + k22 * s2)
+        most = friction * normal
+        scale = min(1.0, most / math.sqrt(new1 * new1 + new2 * new2 + 1e-300))
+        new1, new2 = new1 * scale, new2 * scale
+        own[c.SLID * W + lane] = new1
+        own[(c.SLID + 1) * W + lane] = new2
+        d1, d2 = new1 - old1, new2 - old2
+        px, py, pz = d1 * ux + d2 * mx, d1 * uy + d2 * my, d1 * uz + d2 * mz
+        cx, cy, cz = _turn(s, INERTIA_A, lane, ay * pz - az * py, az * px - ax * pz, ax * py - ay * px)
+        _put(s, VELOCITY_A, lane, vax - mass_a * px, vay - mass_a * py, vaz - mass_a * pz)
+        _put(s, VELOCITY_A + 3, lane, wax - cx, way - cy, waz - cz)
+        cx, cy, cz = _turn(s, INERTIA_B, lane, by * pz - bz * py, bz * px - bx * pz, bx * py - by * px)
+        _put(s, VELOCITY_B, lane, vbx + mass_b * px, vby + mass_b * py, vbz + mass_b * pz)
+        _put(s, VELOCITY_B + 3, lane, wbx + cx, wby + cy, wbz + cz)
+
+
+@compiled(fast=True)
+def apply_impulses(own: Any, s: Any, per_h: float, soft: float, push: float, n: int) -> None:
+    """Apply all impulses once more."""
+    for lane in range(n):
+        nx, ny, nz = _vector(own, c.N, lane)
+        ux, uy, uz = _vector(own, c.T, lane)
+        mx, my, mz = ny * uz - nz * uy, nz * ux - nx * uz, nx * uy - ny * ux
+        d1, d2 = own[c.SLID * W + lane], own[(c.SLID + 1) * W + lane]
+        px, py, pz = d1 * ux + d2 * mx, d1 * uy + d2 * my, d1 * uz + d2 * mz
+        ax, ay, az = _vector(own, c.CENTRE_A, lane)
+        bx, by, bz = _vector(own, c.CENTRE_B, lane)
+        tx, ty, tz = _vector(own, c.ROLL + 2, lane)
+        twist = own[(c.TWIST + 1) * W + lane]
+        tx, ty, tz = tx + twist * nx, ty + twist * ny, tz + twist * nz
+        lax, lay, laz = ay * pz - az * py + tx, az * px - ax * pz + ty, ax * py - ay * px + tz
+        lbx, lby, lbz = by * pz - bz * py + tx, bz * px - bx * pz + ty, bx * py - by * px + tz
+        normal = 0.0
+        for k in range(4):
+            f = c.P + c.POINT_FIELDS * k
+            impulse = own[(f + c.IMPULSE) * W + lane]
+            normal += impulse
+            qx, qy, qz = _vector(own, f + c.ARM_A, lane)
+            lax, lay, laz = lax + impulse * qx, lay + impulse * qy, laz + impulse * qz
+            qx, qy, qz = _vector(own, f + c.ARM_B, lane)
+            lbx, lby, lbz = lbx + impulse * qx, lby + impulse * qy, lbz + impulse * qz
+        px, py, pz = px + normal * nx, py + normal * ny, pz + normal * nz
+        mass_a, mass_b = own[c.MASS_A * W + lane], own[c.MASS_B * W + lane]
+        vx, vy, vz = _vector(s, VELOCITY_A, lane)
+        _put(s, VELOCITY_A, lane, vx - mass_a * px, vy - mass_a * py, vz - mass_a * pz)
+        vx, vy, vz = _vector(s, VELOCITY_B, lane)
+        _put(s, VELOCITY_B, lane, vx + mass_b * px, vy + mass_b * py, vz + mass_b * pz)
+        wx, wy, wz = _vector(s, VELOCITY_A + 3, lane)
+        cx, cy, cz = _turn(s, INERTIA_A, lane, lax, lay, laz)
+        _put(s, VELOCITY_A + 3, lane, wx - cx, wy - cy, wz - cz)
+        wx, wy, wz = _vector(s, VELOCITY_B + 3, lane)
+        cx, cy, cz = _turn(s, INERTIA_B, lane, lbx, lby, lbz)
+        _put(s, VELOCITY_B + 3, lane, wx + cx, wy + cy, wz + cz)
+
+
+# What the table `SWEEPS` holds: the addresses of these, and the number of lanes.
+SWEEPS = (apply_impulses, solve_normals, solve_friction)

@@ -1,0 +1,53 @@
+"""Columns of the tables that contacts live in, and fields of the constraints that are made of them for the solver.
+
+A manifold is up to four points with one normal. Its row of `MANIFOLD`: normal in the frame of the first shape (3), friction
+impulse in the world's axes (3), twist impulse, spare; four points of eight numbers each: on the first shape in its frame
+(3), on the second in its own (3), id of the features that touch, normal impulse; then the pose of the second shape in the
+first's frame when the points were found (7), by how much it may have moved since, and the rolling impulse (3).
+
+Constraints stand in groups of `LANES`: field k of lane l of group g is number (g FIELDS + k) LANES + l of the table `LANES`,
+so that the loops over lanes vectorise.
+"""
+
+# Columns of CONTACT
+SHAPE_A, SHAPE_B, PART, BODY_A, BODY_B, POINTS, STATE, PLACE_IN_GROUPS = range(8)
+
+# Bits of STATE
+TOUCHING = 1
+SENSOR = 2
+
+# Columns of MANIFOLD
+NORMAL = 0
+FRICTION_IMPULSE = 3
+TWIST_IMPULSE = 6
+POINT = 8
+POINT_SIZE = 8
+ON_A, ON_B, FEATURE, NORMAL_IMPULSE = 0, 3, 6, 7
+FOUND_POSE = 40
+RECYCLED = 47
+ROLLING_IMPULSE = 48
+
+# Fields of a constraint
+WIDTH = 8  # lanes: two vectors of AVX2 or one of AVX-512
+N = 0  # normal (3)
+T = 3  # first tangent (3); the second is normal x first
+SOFTNESS = 6  # rate of the bias, scale of the mass, scale of the impulse
+FRICTION = 9  # coefficient
+CENTRE_A = 10  # from body a to the centre of the contact (3)
+CENTRE_B = 13  # (3)
+GRIP = 16  # inverse of the 2x2 response to friction: 11, 22, 12
+SLIDE = 19  # velocity of the surfaces wanted along both tangents (2)
+SLID = 21  # friction impulse along both tangents (2)
+TWIST = 23  # effective mass, impulse
+ROLL = 25  # resistance (a length), effective mass, impulse (3)
+MASS_A = 30  # inverse masses
+MASS_B = 31
+P = 32  # first of four points:
+ARM_A = 0  # arm of a x normal (3)
+ARM_B = 3  # arm of b x normal (3)
+GAP = 6  # separation at the start of the step
+POINT_MASS = 7
+IMPULSE = 8
+LEVER = 9  # distance from the centre
+POINT_FIELDS = 10
+FIELDS = P + 4 * POINT_FIELDS

@@ -1,0 +1,215 @@
+"""The two letters of a world that are flows: the kick by forces, and the drift of free rigid bodies.
+
+A free rigid body keeps its angular momentum L = R I R^T w, while its angular velocity w changes. The drift turns by
+exp(h w*), where w* is such that the energy is kept too: of all rotations that keep L in space those about
+w* = I^-1 (P + P') / 2 keep P . I^-1 P, because P' - P is at right angles to the axis (P, P': momentum in the body's axes
+before and after). Between the two letters the velocity of a body is w*, the one that it will move with, so that contacts and
+joints act on what moves; what then is missing to the momentum is kept beside it (`_OFFSET`).
+
+Columns of `KICKED`: velocity after the kick (6), what the kick added to the velocity (3), L - R I R^T w* (3), time of the
+last impact in the substep (1).
+"""
+
+import math
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import (
+    Symmetric,
+    Vector,
+    applied,
+    cross,
+    dot,
+    exponential,
+    minus,
+    plus,
+    product,
+    times,
+    turned,
+    turned_back,
+    turned_symmetric,
+    unit,
+)
+from kickdrift.world.settings import GRAVITY, MIDPOINT
+from kickdrift.world.tables import (
+    BODY,
+    CHANGE,
+    INERTIA,
+    KICKED,
+    LOAD,
+    MOTION,
+    POSE,
+    RESPONSE,
+    SETTINGS,
+    STARTED_MOTION,
+    STARTED_POSE,
+    floats,
+    integers,
+    rows,
+)
+from kickdrift.world.trouble import report_body
+
+ADDED = 6
+OFFSET = 9
+IMPACT_TIME = 12
+
+# Columns of INERTIA
+MASS = 0
+BODY_INERTIA = 1
+INVERSE_INERTIA = 7
+DAMPING = 13
+TURN_DAMPING = 14
+SPHERICAL = 15  # 1.0 where all moments of inertia are equal
+
+# Columns and values of BODY
+KIND = 0
+AWAKE = 1
+ISLAND = 2
+GENERATION = 3
+REMOVED, STATIC, KINEMATIC, DYNAMIC = 0, 1, 2, 3
+
+_ROUNDS = 20
+
+
+@compiled
+def begin(t: float, h: float, world: int) -> None:
+    """Count displacements from here, and keep what there is in case the step cannot be done."""
+    change, pose, motion = floats(world, CHANGE), floats(world, POSE), floats(world, MOTION)
+    old_pose, old_motion = floats(world, STARTED_POSE), floats(world, STARTED_MOTION)
+    for body in range(rows(world, CHANGE)):
+        for k in range(8):
+            change[body, k] = 0.0
+            old_pose[body, k] = pose[body, k]
+            old_motion[body, k] = motion[body, k]
+
+
+@compiled
+def finish(t: float, h: float, world: int) -> None:
+    """Forget the forces of the step, and see that all bodies are somewhere."""
+    pose, motion, load = floats(world, POSE), floats(world, MOTION), floats(world, LOAD)
+    kind = integers(world, BODY)
+    for body in range(rows(world, POSE)):
+        total = 0.0
+        for k in range(6):
+            load[body, k] = 0.0
+            total += abs(pose[body, k]) + abs(motion[body, k])
+        if not total < math.inf and kind[body, KIND] != REMOVED:
+            report_body(world, body)
+            return
+
+
+@compiled
+def kick(t: float, h: float, world: int) -> None:
+    """Add h times the acceleration to the velocities, and say with which velocities free bodies turn."""
+    motion, kicked, load = floats(world, MOTION), floats(world, KICKED), floats(world, LOAD)
+    inertia, response, pose = floats(world, INERTIA), floats(world, RESPONSE), floats(world, POSE)
+    body_kind, settings = integers(world, BODY), floats(world, SETTINGS)
+    for body in range(rows(world, POSE)):
+        if body_kind[body, KIND] != DYNAMIC or body_kind[body, AWAKE] == 0:
+            for k in range(6):
+                kicked[body, k] = motion[body, k]
+            for k in range(6, 13):
+                kicked[body, k] = 0.0
+            continue
+        keep = 1.0 / (1.0 + h * inertia[body, DAMPING])
+        for k in range(3):
+            old = motion[body, k]
+            motion[body, k] = keep * (old + h * (settings[0, GRAVITY + k] + response[body, 0] * load[body, k]))
+            kicked[body, k] = motion[body, k]
+            kicked[body, ADDED + k] = motion[body, k] - old
+            kicked[body, OFFSET + k] = 0.0
+        torque = (load[body, 3], load[body, 4], load[body, 5])
+        turn = applied(_symmetric(response, body, 1), torque)
+        keep = 1.0 / (1.0 + h * inertia[body, TURN_DAMPING])
+        for k in range(3):
+            motion[body, 3 + k] = keep * (motion[body, 3 + k] + h * turn[k])
+        if inertia[body, SPHERICAL] == 0.0:
+            _look_ahead(body, h, pose, motion, inertia, kicked)
+        for k in range(3):
+            kicked[body, 3 + k] = motion[body, 3 + k]
+        kicked[body, IMPACT_TIME] = 0.0
+
+
+@compiled
+def _look_ahead(body: int, h: float, pose: Any, motion: Any, inertia: Any, kicked: Any) -> None:
+    """Replace the angular velocity of a body by that of its turn in free flight, w* = I^-1 (P + P') / 2."""
+    q = (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
+    moments, inverse = _symmetric(inertia, body, BODY_INERTIA), _symmetric(inertia, body, INVERSE_INERTIA)
+    now = turned_back(q, (motion[body, 3], motion[body, 4], motion[body, 5]))
+    momentum = applied(moments, now)
+    w = now
+    error = 1e300
+    for _ in range(_ROUNDS):
+        middle = times(0.5, plus(momentum, turned_back(exponential(times(h, w)), momentum)))
+        step = _solved(moments, times(0.5 * h, middle), minus(middle, applied(moments, w)))
+        w = plus(w, step)
+        change = dot(step, step)
+        # Iterated until the increments stop shrinking: a tolerance would let the energy drift. Where turns of a radian
+        # a substep leave no solution, the last one keeps the momentum all the same.
+        if change == 0.0 or (change >= error and change < 1e-20 * dot(w, w)):
+            break
+        error = change
+    offset = turned(q, minus(momentum, applied(moments, w)))
+    turn = turned(q, w)
+    for k in range(3):
+        kicked[body, OFFSET + k] = offset[k]
+        motion[body, 3 + k] = turn[k]
+
+
+@compiled(inline=True)
+def _solved(moments: Symmetric, p: Vector, b: Vector) -> Vector:
+    """Solve (I - [p]x) w = b, Newton's equation for w = I^-1 (P + exp(-h w) P) / 2 to first order in h."""
+    r0 = (moments[0], moments[3] + p[2], moments[4] - p[1])
+    r1 = (moments[3] - p[2], moments[1], moments[5] + p[0])
+    r2 = (moments[4] + p[1], moments[5] - p[0], moments[2])
+    c0, c1, c2 = cross(r1, r2), cross(r2, r0), cross(r0, r1)
+    return times(1.0 / dot(r0, c0), plus(plus(times(b[0], c0), times(b[1], c1)), times(b[2], c2)))
+
+
+@compiled
+def drift(t: float, h: float, world: int) -> None:
+    """Move bodies with their velocities, and turn them by the exponential of their angular velocities."""
+    motion, kicked, change = floats(world, MOTION), floats(world, KICKED), floats(world, CHANGE)
+    inertia, response, pose = floats(world, INERTIA), floats(world, RESPONSE), floats(world, POSE)
+    body_kind, midpoint = integers(world, BODY), floats(world, SETTINGS)[0, MIDPOINT]
+    for body in range(rows(world, POSE)):
+        kind = body_kind[body, KIND]
+        if kind < KINEMATIC or body_kind[body, AWAKE] == 0:
+            continue
+        free = midpoint != 0.0
+        for k in range(3):
+            free = free and motion[body, k] == kicked[body, k]
+        # In free flight x moves with the mean of the velocities before and after the kick, which is exact for gravity.
+        back = 0.5 if free else 0.0
+        for k in range(3):
+            way = h * (motion[body, k] - back * kicked[body, ADDED + k])
+            pose[body, k] += way
+            change[body, k] += way
+            change[body, 3 + k] += h * motion[body, 3 + k]
+        before = (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
+        w = (motion[body, 3], motion[body, 4], motion[body, 5])
+        q = unit(product(exponential(times(h, w)), before))
+        for k in range(4):
+            pose[body, 3 + k] = q[k]
+        if inertia[body, SPHERICAL] == 0.0 and kind == DYNAMIC:
+            moments, inverse = _symmetric(inertia, body, BODY_INERTIA), _symmetric(inertia, body, INVERSE_INERTIA)
+            offset = (kicked[body, OFFSET], kicked[body, OFFSET + 1], kicked[body, OFFSET + 2])
+            momentum = plus(turned(before, applied(moments, turned_back(before, w))), offset)
+            w = turned(q, applied(inverse, turned_back(q, momentum)))
+            world_inverse = turned_symmetric(q, inverse)
+            for k in range(3):
+                motion[body, 3 + k] = w[k]
+            for k in range(6):
+                response[body, 1 + k] = world_inverse[k]
+
+
+@compiled(inline=True)
+def _symmetric(table: Any, row: int, column: int) -> Any:
+    return (
+        table[row, column],
+        table[row, column + 1],
+        table[row, column + 2],
+        table[row, column + 3],
+        table[row, column + 4],
+        table[row, column + 5],
+    )

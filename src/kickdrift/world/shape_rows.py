@@ -1,0 +1,171 @@
+"""Shapes in a world: rows of tables, and the numbers of equal shapes kept once."""
+
+from itertools import combinations_with_replacement
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.calls import address_of
+from kickdrift.core.errors import ArgumentError
+from kickdrift.world.collision import PAIRS
+from kickdrift.world.collision.search import shapes_changed
+from kickdrift.world.contacts.update import COLLIDE, FRICTION, RADIUS, RESTITUTION, ROLLING, SURFACE_VELOCITY
+from kickdrift.world.shapes.kinds import MESH, TRIANGLE
+from kickdrift.world.shapes.mass import MassProperties
+from kickdrift.world.tables import BOUNDS, COLLIDERS, GEOMETRY, PLACE, SHAPE, Tables
+
+Floats = NDArray[np.float64]
+
+# Columns of SHAPE
+KIND, BODY_ROW, BEGIN, SIZE, LAYER, MASK, IS_SENSOR = range(7)
+GONE = -1
+_ALL_LAYERS = (1 << 62) - 1
+
+
+class Shape(Protocol):
+    """What a shape says of itself."""
+
+    kind: Any
+
+    @property
+    def numbers(self) -> Floats:
+        """What compiled code knows of it."""
+        ...
+
+    def mass_properties(self) -> MassProperties:
+        """Weigh it for density 1."""
+        ...
+
+    def wireframe(self) -> list[Floats]:
+        """Lines that show it."""
+        ...
+
+
+@dataclass(frozen=True)
+class Surface:
+    """How the surface of a shape behaves, and which others it meets.
+
+    Attributes
+    ----------
+    friction : float
+        Coefficient; of two shapes the geometric mean counts.
+    restitution : float
+        From 0 (does not bounce) to 1 (keeps its energy); of two shapes the larger counts.
+    rolling_resistance : float
+        Length in m, as of the lever of the normal force against rolling; of two shapes the larger counts.
+    surface_velocity : (3,) sequence
+        In m/s, in the axes of the body, at which the surface runs like that of a conveyor.
+    layer : int
+        From 0 to 61.
+    collides_with : sequence of int, optional
+        Layers that it meets; all by default.
+    sensor : bool
+        Reports what it meets, and lets it through.
+    """
+
+    friction: float = 0.6
+    restitution: float = 0.0
+    rolling_resistance: float = 0.0
+    surface_velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    layer: int = 0
+    collides_with: tuple[int, ...] | None = None
+    sensor: bool = False
+
+    def __post_init__(self) -> None:
+        for name in ("friction", "restitution", "rolling_resistance"):
+            value = getattr(self, name)
+            if not (np.isscalar(value) and 0.0 <= float(value) < np.inf):
+                raise ArgumentError(f"{name}={value!r} has to be zero or positive and finite.")
+        if self.restitution > 1.0:
+            raise ArgumentError(f"restitution={self.restitution!r} would gain energy at every bounce; give at most 1.")
+        velocity = np.asarray(self.surface_velocity, dtype=np.float64)
+        if velocity.shape != (3,) or not np.isfinite(velocity).all():
+            raise ArgumentError(f"surface_velocity={self.surface_velocity!r} has to be three finite numbers, in m/s.")
+        for layer in (self.layer, *(self.collides_with or ())):
+            if not (isinstance(layer, int | np.integer) and 0 <= layer < 62):
+                raise ArgumentError(f"layer={layer!r} has to be a whole number from 0 to 61.")
+
+
+class Placed(NamedTuple):
+    """A shape with its place in a body: origin (3,) and orientation (4,), and its surface."""
+
+    shape: Shape
+    position: Floats
+    orientation: Floats
+    surface: Surface
+
+
+@dataclass
+class ShapeRows:
+    """The rows of shapes in the tables of a world."""
+
+    tables: Tables
+    _free: list[int] = field(default_factory=list)
+    _begins: dict[bytes, int] = field(default_factory=dict)
+    _kinds: set[int] = field(default_factory=set)
+    shapes: dict[int, Placed] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.tables.resize(COLLIDERS, 8)
+
+    def add(self, body: int, placed: Placed) -> int:
+        """Take a row for a shape of a body."""
+        tables, (shape, position, orientation, surface) = self.tables, placed
+        if self._free:
+            row = self._free.pop()
+        else:
+            row = len(tables.array(SHAPE))
+            for table in (SHAPE, PLACE, BOUNDS):
+                tables.resize(table, row + 1)
+        begin = self._keep(shape)
+        mask = _ALL_LAYERS
+        if surface.collides_with is not None:
+            mask = sum(1 << layer for layer in set(surface.collides_with))
+        tables.array(SHAPE)[row, : IS_SENSOR + 1] = (
+            shape.kind, body, begin, shape.numbers.size, 1 << surface.layer, mask, surface.sensor
+        )  # fmt: skip
+        place = tables.array(PLACE)[row]
+        place[:3] = position
+        place[3:7] = orientation
+        place[FRICTION], place[RESTITUTION], place[ROLLING] = surface.friction, surface.restitution, surface.rolling_resistance
+        place[SURFACE_VELOCITY : SURFACE_VELOCITY + 3] = surface.surface_velocity
+        place[RADIUS] = reach(shape)
+        shapes_changed(tables)
+        self.shapes[row] = placed
+        self._kinds.add(TRIANGLE if shape.kind == MESH else shape.kind)
+        return row
+
+    def remove_of(self, body: int) -> None:
+        """Give the rows of a body's shapes back."""
+        tables = self.tables
+        table = tables.array(SHAPE)
+        for row in np.flatnonzero((table[:, BODY_ROW] == body) & (table[:, KIND] != GONE)):
+            table[row] = 0
+            table[row, KIND] = GONE
+            del self.shapes[int(row)]
+            self._free.append(int(row))
+        shapes_changed(tables)
+
+    def _keep(self, shape: Shape) -> int:
+        """Return where the numbers of a shape begin; those of equal shapes are kept once."""
+        key = bytes([shape.kind]) + shape.numbers.tobytes()
+        if key not in self._begins:
+            geometry = self.tables.array(GEOMETRY)
+            begin = len(geometry)
+            self.tables.resize(GEOMETRY, begin + shape.numbers.size)[begin:, 0] = shape.numbers
+            self._begins[key] = begin
+        return self._begins[key]
+
+    def compile_pairs(self) -> None:
+        """Find the functions for the pairs of kinds that there are; those of others are not compiled."""
+        colliders = self.tables.array(COLLIDERS)
+        for pair in combinations_with_replacement(sorted(self._kinds), 2):
+            if pair in PAIRS and colliders[pair] == 0:
+                colliders[pair] = address_of(PAIRS[pair], COLLIDE)
+
+
+def reach(shape: Shape) -> float:
+    """Farthest that any point of a shape is from its origin; 0.0 for a plane."""
+    return float(getattr(shape, "reach", 0.0))

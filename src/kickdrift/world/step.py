@@ -1,0 +1,50 @@
+"""The step of a world: a word over stages, run by one loop.
+
+Anyone can learn the solver from `BEFORE`, `SUBSTEP` and `AFTER`. `kick` and `drift` are flows as those of the engine are;
+between them stand projections onto what contacts and joints allow.
+"""
+
+from typing import Any
+
+import numpy as np
+from numba import types
+from numpy.typing import NDArray
+
+from kickdrift.core.calls import caller
+from kickdrift.core.compilation import compiled
+from kickdrift.world.tables import TROUBLE, integers
+from kickdrift.world.trouble import KIND
+
+STAGE = types.none(types.float64, types.float64, types.intp)
+
+call = caller(STAGE)
+
+
+@compiled
+def run(
+    stages: NDArray[np.intp],
+    lengths: NDArray[np.float64],
+    offsets: NDArray[np.float64],
+    t0: float,
+    step: float,
+    first: int,
+    last: int,
+    at: int,
+    world: int,
+) -> tuple[int, int]:
+    """Run the steps from `first` to `last`, the first of them from stage `at` on.
+
+    Returns
+    -------
+    step, stage : int
+        Where it ended: (`last`, 0), or the stage that wrote into the table of troubles.
+    """
+    trouble: Any = integers(world, TROUBLE)
+    for n in range(first, last):
+        t = t0 + (n - first) * step
+        for k in range(at, stages.size):
+            call(stages[k], (t + offsets[k], lengths[k], world))
+            if trouble[0, KIND] != 0:
+                return n, k
+        at = 0
+    return last, 0

@@ -1,0 +1,34 @@
+"""What a stage says where it cannot go on: columns of the one row of `kickdrift.world.tables.TROUBLE`.
+
+A stage that has trouble leaves the tables as they were and returns. Who runs the stages looks here after each.
+"""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.world.tables import TROUBLE, Table, integers
+
+# Columns
+KIND = 0
+TABLE = 1  # place of the table that is full
+WANTED = 2  # rows that it needs
+BODY = 3  # that is nowhere
+
+# Kinds
+NONE = 0
+FULL = 1  # a table needs more room: make it, clear the row and run the stage again
+NOT_FINITE = 2  # a body has a pose or a velocity that is not finite
+
+
+@compiled(inline=True)
+def ask_for_room(world: int, table: Table, count: int) -> None:
+    """Say that a table needs room for so many rows, unless something else is wrong already."""
+    row = integers(world, TROUBLE)
+    if row[0, KIND] == NONE:
+        row[0, KIND], row[0, TABLE], row[0, WANTED] = FULL, table[0], count
+
+
+@compiled(inline=True)
+def report_body(world: int, body: int) -> None:
+    """Say that a body is nowhere, unless something else is wrong already."""
+    row = integers(world, TROUBLE)
+    if row[0, KIND] == NONE:
+        row[0, KIND], row[0, BODY] = NOT_FINITE, body

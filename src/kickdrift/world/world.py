@@ -1,0 +1,243 @@
+"""A world: bodies that touch, stack, hinge and walk."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kickdrift.core.calls import address_of
+from kickdrift.core.compilation import Function
+from kickdrift.core.errors import ArgumentError, KickdriftError
+from kickdrift.world import flight, measures, settings
+from kickdrift.world.adding import AddsBodies, vector
+from kickdrift.world.bodies import Bodies, Body
+from kickdrift.world.collision.broad_phase import find_pairs
+from kickdrift.world.contacts import lanes
+from kickdrift.world.contacts.impact import bounce
+from kickdrift.world.contacts.layout import WIDTH
+from kickdrift.world.contacts.prepare import colour, prepare
+from kickdrift.world.contacts.solve import relax, solve, store, warm_start
+from kickdrift.world.contacts.update import find_points
+from kickdrift.world.measures import Energy
+from kickdrift.world.shape_rows import ShapeRows
+from kickdrift.world.step import STAGE, run
+from kickdrift.world.tables import (
+    COLOURS,
+    CONTACT,
+    LOAD,
+    MANIFOLD,
+    MOTION,
+    POSE,
+    SETTINGS,
+    STARTED_MOTION,
+    STARTED_POSE,
+    SWEEPS,
+    TROUBLE,
+    Table,
+    Tables,
+)
+from kickdrift.world.trouble import BODY, FULL, KIND, TABLE, WANTED
+
+Floats = NDArray[np.float64]
+
+# The step, to be read from top to bottom. Stages of `SUBSTEP` take its length, the others that of the whole step.
+BEFORE: tuple[Function, ...] = (flight.begin, find_pairs, find_points, colour, prepare)
+SUBSTEP: tuple[Function, ...] = (flight.kick, bounce, warm_start, solve, flight.drift, relax)
+AFTER: tuple[Function, ...] = (store, flight.finish)
+
+
+class World(AddsBodies):
+    """Rigid bodies in three dimensions.
+
+    Parameters
+    ----------
+    gravity : (3,) array_like
+        m/s^2.
+    substeps : int
+        Parts of a step in which contacts and joints are solved; more of them make everything stiffer.
+    midpoint : bool
+        Bodies in free flight move with the mean of their velocities before and after the kick, so that gravity costs no
+        energy; without it, as in the semi-implicit Euler method, with the one after.
+    margin, slop : float
+        How far apart shapes are when a contact between them is begun, and how deep they may sink in; m.
+    contact_hertz, contact_damping : float
+        Frequency and damping ratio of the spring that pushes overlapping bodies apart.
+    push_speed : float
+        At which they are pushed apart at most, m/s.
+    bounce_speed : float, optional
+        Approaches that are slower do not bounce, m/s; four times what gravity adds in a substep by default.
+
+    Attributes
+    ----------
+    position, velocity : (N, 3) array
+        Centres of mass in m and their velocities in m/s, a row a body; the ground is row 0. Live views: what is written
+        into them moves the bodies. Ask for them again once bodies were added.
+    orientation : (N, 4) array
+        Quaternions (w, x, y, z) that turn the bodies' axes into the world's.
+    angular_velocity : (N, 3) array
+        In the world's axes, rad/s.
+    time : float
+        s.
+    """
+
+    def __init__(
+        self,
+        gravity: ArrayLike = (0.0, 0.0, -9.81),
+        *,
+        substeps: int = 4,
+        midpoint: bool = True,
+        margin: float = 0.02,
+        slop: float = 0.005,
+        contact_hertz: float = 30.0,
+        contact_damping: float = 10.0,
+        push_speed: float = 3.0,
+        bounce_speed: float | None = None,
+    ) -> None:
+        self.tables = Tables()
+        self.time = 0.0
+        self.n_steps = 0
+        if not (isinstance(substeps, int | np.integer) and substeps >= 1):
+            raise ArgumentError(f"substeps={substeps!r} has to be a whole number from 1 on.")
+        self._substeps = int(substeps)
+        row = self.tables.resize(SETTINGS, 1)[0]
+        row[settings.GRAVITY : settings.GRAVITY + 3] = vector("gravity", gravity, 3)
+        row[settings.SUBSTEPS] = substeps
+        row[settings.MIDPOINT] = float(midpoint)
+        row[settings.MARGIN], row[settings.SLOP] = margin, slop
+        row[settings.CONTACT_HERTZ], row[settings.CONTACT_DAMPING] = contact_hertz, contact_damping
+        row[settings.PUSH_SPEED] = push_speed
+        row[settings.BOUNCE_SPEED] = -1.0 if bounce_speed is None else bounce_speed
+        row[settings.RECYCLE_DISTANCE] = 0.5 * margin
+        self.tables.resize(TROUBLE, 1)
+        self.tables.resize(COLOURS, 64)
+        self.tables.resize(SWEEPS, 1)
+        self.bodies = Bodies(self.tables)
+        self.shape_rows = ShapeRows(self.tables)
+        self._addresses: dict[Function, int] = {}
+
+    @property
+    def ground(self) -> Body:
+        """What never moves: row 0, to which joints can hold."""
+        return self.bodies.ground
+
+    @property
+    def position(self) -> Floats:
+        """Centres of mass, (N, 3), m."""
+        return self.tables.array(POSE)[:, :3]
+
+    @property
+    def orientation(self) -> Floats:
+        """Quaternions (w, x, y, z), (N, 4)."""
+        return self.tables.array(POSE)[:, 3:7]
+
+    @property
+    def velocity(self) -> Floats:
+        """Velocities of the centres of mass, (N, 3), m/s."""
+        return self.tables.array(MOTION)[:, :3]
+
+    @property
+    def angular_velocity(self) -> Floats:
+        """In the world's axes, (N, 3), rad/s."""
+        return self.tables.array(MOTION)[:, 3:6]
+
+    def energy(self) -> Energy:
+        """Measure kinetic and potential energy, J; ``energy().total`` is their sum."""
+        return measures.energy(self.tables, self.bodies)
+
+    def momentum(self) -> Floats:
+        """Measure the momentum, (3,), kg m/s."""
+        return measures.momentum(self.tables, self.bodies)
+
+    def angular_momentum(self) -> Floats:
+        """Measure the angular momentum about the origin, (3,), kg m^2/s."""
+        return measures.angular_momentum(self.tables, self.bodies)
+
+    def apply_force(self, body: Body, force: ArrayLike, point: ArrayLike | None = None) -> None:
+        """Let a force in N act on a body during the next step.
+
+        Parameters
+        ----------
+        body : Body
+        force : (3,) array_like
+            N, in the world's axes.
+        point : (3,) array_like, optional
+            Where it acts, in the world, m; the centre of mass by default.
+        """
+        row, f = self.bodies.row(body), vector("force", force, 3)
+        load = self.tables.array(LOAD)[row]
+        load[:3] += f
+        if point is not None:
+            load[3:6] += np.cross(vector("point", point, 3) - self.position[row], f)
+
+    def apply_torque(self, body: Body, torque: ArrayLike) -> None:
+        """Let a torque in N m, (3,) in the world's axes, act on a body during the next step."""
+        self.tables.array(LOAD)[self.bodies.row(body), 3:6] += vector("torque", torque, 3)
+
+    def step(self, step: float) -> None:
+        """Do one step.
+
+        Parameters
+        ----------
+        step : float
+            s.
+
+        Raises
+        ------
+        ArgumentError
+            For a step that is not positive and finite.
+        KickdriftError
+            If a body is lost to infinity; the world then is as it was before the step.
+        """
+        self.advance(step, 1)
+
+    def advance(self, step: float, count: int) -> None:
+        """Do so many steps in compiled code; as `step`, again and again."""
+        if not (np.isscalar(step) and 0.0 < float(step) < np.inf):
+            raise ArgumentError(f"step={step!r} has to be positive and finite, in s; 1/60 is usual.")
+        self.tables.array(SETTINGS)[0, settings.STEP] = step
+        self.shape_rows.compile_pairs()
+        self._compile_sweeps()
+        stages, lengths, offsets = self._program(step)
+        done, at = 0, 0
+        while done < count:
+            start = self.time + done * step
+            reached, at = run(stages, lengths, offsets, start, step, done, count, at, self.tables.address)
+            if reached < count:
+                self._help(reached)
+            done = reached
+        self.time += count * step
+        self.n_steps += count
+
+    def _compile_sweeps(self) -> None:
+        row = self.tables.array(SWEEPS)[0]
+        if row[0] == 0:
+            row[:] = *(address_of(sweep, lanes.SWEEP) for sweep in lanes.SWEEPS), WIDTH
+
+    def _program(self, step: float) -> tuple[NDArray[np.intp], Floats, Floats]:
+        h = step / self._substeps
+        stages = [*BEFORE, *SUBSTEP * self._substeps, *AFTER]
+        for stage in stages:
+            if stage not in self._addresses:
+                self._addresses[stage] = address_of(stage, STAGE)
+        lengths = [step] * len(BEFORE) + [h] * len(SUBSTEP) * self._substeps + [step] * len(AFTER)
+        offsets = [0.0] * len(BEFORE) + [k * h for k in range(self._substeps) for _ in SUBSTEP] + [step] * len(AFTER)
+        return np.array([self._addresses[stage] for stage in stages], dtype=np.intp), np.array(lengths), np.array(offsets)
+
+    def _help(self, step: int) -> None:
+        """Do what a stage has asked for; raise what cannot be helped."""
+        trouble = self.tables.array(TROUBLE)[0]
+        kind, table, wanted, body = (int(trouble[column]) for column in (KIND, TABLE, WANTED, BODY))
+        trouble[:] = 0
+        if kind == FULL:
+            self.tables.make_room(table, wanted)
+            return
+        name = f"body {body}"
+        self.tables.array(POSE)[:] = self.tables.array(STARTED_POSE)
+        self.tables.array(MOTION)[:] = self.tables.array(STARTED_MOTION)
+        self.tables.resize(CONTACT, 0)
+        self.tables.resize(MANIFOLD, 0)
+        self.time += step
+        raise KickdriftError(
+            f"{name} was lost to infinity in step {self.n_steps + step}; all bodies are where they were before it. "
+            "Its forces or velocities are too large for the step: take a smaller one."
+        )
