@@ -1,7 +1,7 @@
 """How bodies come into a world: one method a shape."""
 
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray

@@ -4,10 +4,11 @@ A free rigid body keeps its angular momentum L = R I R^T w, while its angular ve
 exp(h w*), where w* is such that the energy is kept too: of all rotations that keep L in space those about
 w* = I^-1 (P + P') / 2 keep P . I^-1 P, because P' - P is at right angles to the axis (P, P': momentum in the body's axes
 before and after). Between the two letters the velocity of a body is w*, the one that it will move with, so that contacts and
-joints act on what moves; what then is missing to the momentum is kept beside it (`_OFFSET`).
+joints act on what moves.
 
-Columns of `KICKED`: velocity after the kick (6), what the kick added to the velocity (3), L - R I R^T w* (3), time of the
-last impact in the substep (1).
+Columns of `KICKED`: velocity after the kick (6), what the kick added to the velocity (3), L (3), time of the last impact in
+the substep (1); angular velocity (3) and orientation (4) that the drift left. L is carried on as it is: taken anew from the
+angular velocity after every drift, it would lose a rounding each time, and they add up.
 """
 
 import math
@@ -15,6 +16,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import (
+    Quaternion,
     Symmetric,
     Vector,
     applied,
@@ -50,8 +52,10 @@ from kickdrift.world.tables import (
 from kickdrift.world.trouble import report_body
 
 ADDED = 6
-OFFSET = 9
+SPIN = 9
 IMPACT_TIME = 12
+LEFT_TURN = 13
+LEFT_POSE = 16
 
 # Columns of INERTIA
 MASS = 0
@@ -117,7 +121,8 @@ def kick(t: float, h: float, world: int) -> None:
             motion[body, k] = keep * (old + h * (settings[0, GRAVITY + k] + response[body, 0] * load[body, k]))
             kicked[body, k] = motion[body, k]
             kicked[body, ADDED + k] = motion[body, k] - old
-            kicked[body, OFFSET + k] = 0.0
+        if inertia[body, SPHERICAL] == 0.0:
+            _follow_pose(body, pose, motion, inertia, response, kicked)
         torque = (load[body, 3], load[body, 4], load[body, 5])
         turn = applied(_symmetric(response, body, 1), torque)
         keep = 1.0 / (1.0 + h * inertia[body, TURN_DAMPING])
@@ -131,12 +136,43 @@ def kick(t: float, h: float, world: int) -> None:
 
 
 @compiled
+def _follow_pose(body: int, pose: Any, motion: Any, inertia: Any, response: Any, kicked: Any) -> None:
+    """Begin anew with a body whose orientation is not the one that the drift left: it is new, or was turned by hand."""
+    same = True
+    for k in range(4):
+        same = same and pose[body, 3 + k] == kicked[body, LEFT_POSE + k]
+    if same:
+        return
+    q = (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
+    turned_inverse = turned_symmetric(q, _symmetric(inertia, body, INVERSE_INERTIA))
+    spin = _turned_product(q, _symmetric(inertia, body, BODY_INERTIA), _three(motion, body, 3))
+    for k in range(6):
+        response[body, 1 + k] = turned_inverse[k]
+    for k in range(3):
+        kicked[body, SPIN + k] = spin[k]
+        kicked[body, LEFT_TURN + k] = motion[body, 3 + k]
+
+
+@compiled(inline=True)
+def _turned_product(q: Quaternion, moments: Symmetric, w: Vector) -> Vector:
+    """R I R^T w."""
+    return turned(q, applied(moments, turned_back(q, w)))
+
+
+@compiled(inline=True)
+def _three(table: Any, row: int, column: int) -> Vector:
+    return (table[row, column], table[row, column + 1], table[row, column + 2])
+
+
+@compiled
 def _look_ahead(body: int, h: float, pose: Any, motion: Any, inertia: Any, kicked: Any) -> None:
     """Replace the angular velocity of a body by that of its turn in free flight, w* = I^-1 (P + P') / 2."""
     q = (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
-    moments, inverse = _symmetric(inertia, body, BODY_INERTIA), _symmetric(inertia, body, INVERSE_INERTIA)
-    now = turned_back(q, (motion[body, 3], motion[body, 4], motion[body, 5]))
-    momentum = applied(moments, now)
+    moments = _symmetric(inertia, body, BODY_INERTIA)
+    won = minus(_three(motion, body, 3), _three(kicked, body, LEFT_TURN))
+    spin = plus(_three(kicked, body, SPIN), _turned_product(q, moments, won))
+    momentum = turned_back(q, spin)
+    now = turned_back(q, _three(motion, body, 3))
     w = now
     error = 1e300
     for _ in range(_ROUNDS):
@@ -149,10 +185,9 @@ def _look_ahead(body: int, h: float, pose: Any, motion: Any, inertia: Any, kicke
         if change == 0.0 or (change >= error and change < 1e-20 * dot(w, w)):
             break
         error = change
-    offset = turned(q, minus(momentum, applied(moments, w)))
     turn = turned(q, w)
     for k in range(3):
-        kicked[body, OFFSET + k] = offset[k]
+        kicked[body, SPIN + k] = spin[k]
         motion[body, 3 + k] = turn[k]
 
 
@@ -193,14 +228,16 @@ def drift(t: float, h: float, world: int) -> None:
             pose[body, 3 + k] = q[k]
         if inertia[body, SPHERICAL] == 0.0 and kind == DYNAMIC:
             moments, inverse = _symmetric(inertia, body, BODY_INERTIA), _symmetric(inertia, body, INVERSE_INERTIA)
-            offset = (kicked[body, OFFSET], kicked[body, OFFSET + 1], kicked[body, OFFSET + 2])
-            momentum = plus(turned(before, applied(moments, turned_back(before, w))), offset)
-            w = turned(q, applied(inverse, turned_back(q, momentum)))
-            world_inverse = turned_symmetric(q, inverse)
+            won = minus(w, _three(kicked, body, 3))
+            spin = plus(_three(kicked, body, SPIN), _turned_product(before, moments, won))
+            w = turned(q, applied(inverse, turned_back(q, spin)))
+            turned_inverse = turned_symmetric(q, inverse)
             for k in range(3):
-                motion[body, 3 + k] = w[k]
+                motion[body, 3 + k], kicked[body, LEFT_TURN + k], kicked[body, SPIN + k] = w[k], w[k], spin[k]
+            for k in range(4):
+                kicked[body, LEFT_POSE + k] = q[k]
             for k in range(6):
-                response[body, 1 + k] = world_inverse[k]
+                response[body, 1 + k] = turned_inverse[k]
 
 
 @compiled(inline=True)

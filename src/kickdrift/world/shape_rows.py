@@ -1,7 +1,7 @@
 """Shapes in a world: rows of tables, and the numbers of equal shapes kept once."""
 
-from itertools import combinations_with_replacement
 from dataclasses import dataclass, field
+from itertools import combinations_with_replacement
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np

@@ -31,7 +31,7 @@ CHANGE = Table(2, 8)  # since the start of the step: displacement (3), rotation 
 RESPONSE = Table(3, 8)  # 1/mass, and the inverse inertia in the world's axes (6); zeros do not move
 INERTIA = Table(4, 16)  # mass, inertia in the body's axes (6), its inverse (6), damping of velocity and of rotation (2)
 LOAD = Table(5, 8)  # force (3) and torque (3) for the next step
-KICKED = Table(6, 16)  # see `kickdrift.world.flight`
+KICKED = Table(6, 24)  # see `kickdrift.world.flight`
 BODY = Table(7, 8, whole=True)  # kind, awake, island, generation
 # Shapes
 # Kind (-1: removed), body, where its numbers begin in GEOMETRY, how many, layer, mask, sensor, state of its search (see

@@ -1,6 +1,5 @@
 """A world: bodies that touch, stack, hinge and walk."""
 
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -33,7 +32,6 @@ from kickdrift.world.tables import (
     STARTED_POSE,
     SWEEPS,
     TROUBLE,
-    Table,
     Tables,
 )
 from kickdrift.world.trouble import BODY, FULL, KIND, TABLE, WANTED

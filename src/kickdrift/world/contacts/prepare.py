@@ -18,7 +18,7 @@ from kickdrift.core.vectors import (
     turned,
 )
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.update import FRICTION, RESTITUTION, ROLLING, SURFACE_VELOCITY, shape_pose
+from kickdrift.world.contacts.update import FRICTION, ROLLING, SURFACE_VELOCITY, shape_pose
 from kickdrift.world.flight import AWAKE
 from kickdrift.world.settings import CONTACT_DAMPING, CONTACT_HERTZ, SLOP, STEP, SUBSTEPS
 from kickdrift.world.tables import (
