@@ -28,6 +28,7 @@ from kickdrift.world.tables import (
     BODY,
     CHANGE,
     COLOURED,
+    FORCE,
     INERTIA,
     KICKED,
     LOAD,
@@ -43,7 +44,7 @@ from kickdrift.world.tables import (
 Floats = NDArray[np.float64]
 GROUND = 0
 _TABLES: tuple[Table, ...] = (
-    POSE, MOTION, CHANGE, RESPONSE, INERTIA, LOAD, KICKED, BODY, COLOURED, STARTED_POSE, STARTED_MOTION
+    POSE, MOTION, CHANGE, RESPONSE, INERTIA, LOAD, FORCE, KICKED, BODY, COLOURED, STARTED_POSE, STARTED_MOTION
 )  # fmt: skip
 
 

@@ -36,6 +36,7 @@ from kickdrift.world.settings import GRAVITY, MIDPOINT
 from kickdrift.world.tables import (
     BODY,
     CHANGE,
+    FORCE,
     INERTIA,
     KICKED,
     LOAD,
@@ -105,7 +106,7 @@ def finish(t: float, h: float, world: int) -> None:
 @compiled
 def kick(t: float, h: float, world: int) -> None:
     """Add h times the acceleration to the velocities, and say with which velocities free bodies turn."""
-    motion, kicked, load = floats(world, MOTION), floats(world, KICKED), floats(world, LOAD)
+    motion, kicked, force = floats(world, MOTION), floats(world, KICKED), floats(world, FORCE)
     inertia, response, pose = floats(world, INERTIA), floats(world, RESPONSE), floats(world, POSE)
     body_kind, settings = integers(world, BODY), floats(world, SETTINGS)
     for body in range(rows(world, POSE)):
@@ -118,12 +119,12 @@ def kick(t: float, h: float, world: int) -> None:
         keep = 1.0 / (1.0 + h * inertia[body, DAMPING])
         for k in range(3):
             old = motion[body, k]
-            motion[body, k] = keep * (old + h * (settings[0, GRAVITY + k] + response[body, 0] * load[body, k]))
+            motion[body, k] = keep * (old + h * (settings[0, GRAVITY + k] + response[body, 0] * force[body, k]))
             kicked[body, k] = motion[body, k]
             kicked[body, ADDED + k] = motion[body, k] - old
         if inertia[body, SPHERICAL] == 0.0:
             _follow_pose(body, pose, motion, inertia, response, kicked)
-        torque = (load[body, 3], load[body, 4], load[body, 5])
+        torque = _three(force, body, 3)
         turn = applied(_symmetric(response, body, 1), torque)
         keep = 1.0 / (1.0 + h * inertia[body, TURN_DAMPING])
         for k in range(3):

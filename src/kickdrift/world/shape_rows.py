@@ -107,6 +107,8 @@ class ShapeRows:
     _kinds: set[int] = field(default_factory=set)
     shapes: dict[int, Placed] = field(default_factory=dict)
 
+    bouncing: bool = False  # whether any shape has had a restitution
+
     def __post_init__(self) -> None:
         self.tables.resize(COLLIDERS, 8)
 
@@ -134,6 +136,7 @@ class ShapeRows:
         place[RADIUS] = reach(shape)
         shapes_changed(tables)
         self.shapes[row] = placed
+        self.bouncing = self.bouncing or surface.restitution > 0.0
         self._kinds.add(TRIANGLE if shape.kind == MESH else shape.kind)
         return row
 

@@ -30,7 +30,8 @@ MOTION = Table(1, 8)  # velocity of the centre of mass (3), angular velocity in 
 CHANGE = Table(2, 8)  # since the start of the step: displacement (3), rotation vector (3)
 RESPONSE = Table(3, 8)  # 1/mass, and the inverse inertia in the world's axes (6); zeros do not move
 INERTIA = Table(4, 16)  # mass, inertia in the body's axes (6), its inverse (6), damping of velocity and of rotation (2)
-LOAD = Table(5, 8)  # force (3) and torque (3) for the next step
+LOAD = Table(5, 8)  # force (3) and torque (3) asked for during the next step
+FORCE = Table(35, 8)  # force (3) and torque (3) in this substep
 KICKED = Table(6, 24)  # see `kickdrift.world.flight`
 BODY = Table(7, 8, whole=True)  # kind, awake, island, generation
 # Shapes

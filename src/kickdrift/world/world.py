@@ -17,6 +17,7 @@ from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.contacts.prepare import colour, prepare
 from kickdrift.world.contacts.solve import relax, solve, store, warm_start
 from kickdrift.world.contacts.update import find_points
+from kickdrift.world.forces import begin_forces, force_stage
 from kickdrift.world.measures import Energy
 from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.step import STAGE, run
@@ -40,7 +41,7 @@ Floats = NDArray[np.float64]
 
 # The step, to be read from top to bottom. Stages of `SUBSTEP` take its length, the others that of the whole step.
 BEFORE: tuple[Function, ...] = (flight.begin, find_pairs, find_points, colour, prepare)
-SUBSTEP: tuple[Function, ...] = (flight.kick, bounce, warm_start, solve, flight.drift, relax)
+SUBSTEP: tuple[Function, ...] = (begin_forces, flight.kick, bounce, warm_start, solve, flight.drift, relax)
 AFTER: tuple[Function, ...] = (store, flight.finish)
 
 
@@ -112,6 +113,7 @@ class World(AddsBodies):
         self.bodies = Bodies(self.tables)
         self.shape_rows = ShapeRows(self.tables)
         self._addresses: dict[Function, int] = {}
+        self._forces: list[Function] = []
 
     @property
     def ground(self) -> Body:
@@ -171,6 +173,23 @@ class World(AddsBodies):
         """Let a torque in N m, (3,) in the world's axes, act on a body during the next step."""
         self.tables.array(LOAD)[self.bodies.row(body), 3:6] += vector("torque", torque, 3)
 
+    def add_force(self, force: Function) -> None:
+        """Let a function of one's own act on the bodies in every substep, compiled into the step.
+
+        Parameters
+        ----------
+        force : callable
+            Its arguments say what it needs, in any order: `t`, `position`, `orientation`, `velocity`,
+            `angular_velocity`, `mass`, and `force` (N) and `torque` (N m), to which it adds in place; arrays of a row a
+            body, in the world's axes.
+
+        Raises
+        ------
+        ArgumentError
+            If it is no function, names what there is not, adds to nothing, or cannot be compiled.
+        """
+        self._forces.append(force_stage(force))
+
     def step(self, step: float) -> None:
         """Do one step.
 
@@ -213,13 +232,20 @@ class World(AddsBodies):
 
     def _program(self, step: float) -> tuple[NDArray[np.intp], Floats, Floats]:
         h = step / self._substeps
-        stages = [*BEFORE, *SUBSTEP * self._substeps, *AFTER]
+        substep = self._substep()
+        stages = [*BEFORE, *substep * self._substeps, *AFTER]
         for stage in stages:
             if stage not in self._addresses:
                 self._addresses[stage] = address_of(stage, STAGE)
-        lengths = [step] * len(BEFORE) + [h] * len(SUBSTEP) * self._substeps + [step] * len(AFTER)
-        offsets = [0.0] * len(BEFORE) + [k * h for k in range(self._substeps) for _ in SUBSTEP] + [step] * len(AFTER)
+        lengths = [step] * len(BEFORE) + [h] * len(substep) * self._substeps + [step] * len(AFTER)
+        offsets = [0.0] * len(BEFORE) + [k * h for k in range(self._substeps) for _ in substep] + [step] * len(AFTER)
         return np.array([self._addresses[stage] for stage in stages], dtype=np.intp), np.array(lengths), np.array(offsets)
+
+    def _substep(self) -> list[Function]:
+        """Return the stages of a substep without those that this world has no use for, which need not be compiled."""
+        stages = [stage for stage in SUBSTEP if stage is not bounce or self.shape_rows.bouncing]
+        first = stages.index(flight.kick)
+        return stages[:first] + self._forces + stages[first:]
 
     def _help(self, step: int) -> None:
         """Do what a stage has asked for; raise what cannot be helped."""
