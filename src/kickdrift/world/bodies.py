@@ -35,6 +35,7 @@ from kickdrift.world.tables import (
     MOTION,
     POSE,
     RESPONSE,
+    RESTED,
     STARTED_MOTION,
     STARTED_POSE,
     Table,
@@ -44,7 +45,7 @@ from kickdrift.world.tables import (
 Floats = NDArray[np.float64]
 GROUND = 0
 _TABLES: tuple[Table, ...] = (
-    POSE, MOTION, CHANGE, RESPONSE, INERTIA, LOAD, FORCE, KICKED, BODY, COLOURED, STARTED_POSE, STARTED_MOTION
+    POSE, MOTION, CHANGE, RESPONSE, INERTIA, LOAD, FORCE, KICKED, RESTED, BODY, COLOURED, STARTED_POSE, STARTED_MOTION
 )  # fmt: skip
 
 
@@ -57,7 +58,7 @@ class Body:
     index : int
         Its row in `World.position` and the other arrays.
     generation : int
-        Counts the bodies that have had this row; a handle of one that was removed is known by it.
+        Bodies that the world had seen before it; a handle of one that was removed is known by it.
     """
 
     index: int
@@ -69,38 +70,37 @@ class Bodies:
 
     def __init__(self, tables: Tables) -> None:
         self._tables = tables
-        self._free: list[int] = []
+        self.free: list[int] = []
+        self.n_made = 0  # never goes back, not even to a snapshot: two bodies would share a handle
         self.ground = self.add(STATIC, np.zeros(3), np.array([1.0, 0, 0, 0]))
 
     def add(self, kind: int, position: Floats, orientation: Floats) -> Body:
         """Take a row for a body at rest that nothing moves."""
         tables = self._tables
-        if self._free:
-            row = self._free.pop()
+        if self.free:
+            row = self.free.pop()
         else:
             row = len(tables.array(POSE))
             for table in _TABLES:
                 tables.resize(table, row + 1)
-        generation = tables.array(BODY)[row, GENERATION]
+        generation, self.n_made = self.n_made, self.n_made + 1
         for table in _TABLES:
             tables.array(table)[row] = 0
         tables.array(BODY)[row, [KIND, AWAKE, GENERATION]] = kind, int(kind != STATIC), generation
         tables.array(POSE)[row, :3] = position
         tables.array(POSE)[row, 3:7] = orientation
-        return Body(row, int(generation))
+        return Body(row, generation)
 
     def remove(self, body: Body) -> None:
         """Give the row of a body back."""
         row = self.row(body)
         if row == GROUND:
             raise ArgumentError("body is the ground of the world, which cannot be removed; remove another body.")
-        kind = self._tables.array(BODY)[row]
-        generation = kind[GENERATION] + 1
         for table in _TABLES:
             self._tables.array(table)[row] = 0
         self._tables.array(POSE)[row] = np.nan
-        kind[[KIND, GENERATION]] = REMOVED, generation
-        self._free.append(row)
+        self._tables.array(BODY)[row, KIND] = REMOVED
+        self.free.append(row)
 
     def row(self, body: Any, argument: str = "body") -> int:
         """Return the row of a body that is there.

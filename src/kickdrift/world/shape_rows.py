@@ -12,9 +12,9 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.search import shapes_changed
 from kickdrift.world.contacts.update import COLLIDE, FRICTION, RADIUS, RESTITUTION, ROLLING, SURFACE_VELOCITY
-from kickdrift.world.shapes.kinds import MESH, TRIANGLE
+from kickdrift.world.shapes.kinds import CAPSULE, MESH, PLANE, SPHERE, TRIANGLE
 from kickdrift.world.shapes.mass import MassProperties
-from kickdrift.world.tables import BOUNDS, COLLIDERS, GEOMETRY, PLACE, SHAPE, Tables
+from kickdrift.world.tables import BOUNDS, COLLIDERS, GEOMETRY, PLACE, PLACED, SHAPE, Tables
 
 Floats = NDArray[np.float64]
 
@@ -102,11 +102,10 @@ class ShapeRows:
     """The rows of shapes in the tables of a world."""
 
     tables: Tables
-    _free: list[int] = field(default_factory=list)
-    _begins: dict[bytes, int] = field(default_factory=dict)
-    _kinds: set[int] = field(default_factory=set)
+    free: list[int] = field(default_factory=list)
+    begins: dict[bytes, int] = field(default_factory=dict)
+    kinds: set[int] = field(default_factory=set)  # that there have been, with triangles for meshes
     shapes: dict[int, Placed] = field(default_factory=dict)
-
     bouncing: bool = False  # whether any shape has had a restitution
 
     def __post_init__(self) -> None:
@@ -115,11 +114,11 @@ class ShapeRows:
     def add(self, body: int, placed: Placed) -> int:
         """Take a row for a shape of a body."""
         tables, (shape, position, orientation, surface) = self.tables, placed
-        if self._free:
-            row = self._free.pop()
+        if self.free:
+            row = self.free.pop()
         else:
             row = len(tables.array(SHAPE))
-            for table in (SHAPE, PLACE, BOUNDS):
+            for table in (SHAPE, PLACE, PLACED, BOUNDS):
                 tables.resize(table, row + 1)
         begin = self._keep(shape)
         mask = _ALL_LAYERS
@@ -137,7 +136,7 @@ class ShapeRows:
         shapes_changed(tables)
         self.shapes[row] = placed
         self.bouncing = self.bouncing or surface.restitution > 0.0
-        self._kinds.add(TRIANGLE if shape.kind == MESH else shape.kind)
+        self.kinds.add(TRIANGLE if shape.kind == MESH else shape.kind)
         return row
 
     def remove_of(self, body: int) -> None:
@@ -148,27 +147,32 @@ class ShapeRows:
             table[row] = 0
             table[row, KIND] = GONE
             del self.shapes[int(row)]
-            self._free.append(int(row))
+            self.free.append(int(row))
         shapes_changed(tables)
 
     def _keep(self, shape: Shape) -> int:
         """Return where the numbers of a shape begin; those of equal shapes are kept once."""
         key = bytes([shape.kind]) + shape.numbers.tobytes()
-        if key not in self._begins:
+        if key not in self.begins:
             geometry = self.tables.array(GEOMETRY)
             begin = len(geometry)
             self.tables.resize(GEOMETRY, begin + shape.numbers.size)[begin:, 0] = shape.numbers
-            self._begins[key] = begin
-        return self._begins[key]
+            self.begins[key] = begin
+        return self.begins[key]
 
     def compile_pairs(self) -> None:
         """Find the functions for the pairs of kinds that there are; those of others are not compiled."""
         colliders = self.tables.array(COLLIDERS)
-        for pair in combinations_with_replacement(sorted(self._kinds), 2):
+        for pair in combinations_with_replacement(sorted(self.kinds), 2):
             if pair in PAIRS and colliders[pair] == 0:
                 colliders[pair] = address_of(PAIRS[pair], COLLIDE)
 
 
 def reach(shape: Shape) -> float:
-    """Farthest that any point of a shape is from its origin; 0.0 for a plane."""
-    return float(getattr(shape, "reach", 0.0))
+    """Farthest that any point of a shape is from the origin of its frame, m; 0.0 for those that never move."""
+    if shape.kind in (PLANE, MESH):
+        return 0.0
+    if shape.kind in (SPHERE, CAPSULE):
+        return float(shape.numbers.sum())
+    corners = np.concatenate(shape.wireframe())
+    return float(np.sqrt((corners**2).sum(axis=1).max()))

@@ -31,6 +31,7 @@ CHANGE = Table(2, 8)  # since the start of the step: displacement (3), rotation 
 RESPONSE = Table(3, 8)  # 1/mass, and the inverse inertia in the world's axes (6); zeros do not move
 INERTIA = Table(4, 16)  # mass, inertia in the body's axes (6), its inverse (6), damping of velocity and of rotation (2)
 LOAD = Table(5, 8)  # force (3) and torque (3) asked for during the next step
+RESTED = Table(36, 4)  # for how long a body has rested, for how long its island has, how far it reaches
 FORCE = Table(35, 8)  # force (3) and torque (3) in this substep
 KICKED = Table(6, 24)  # see `kickdrift.world.flight`
 BODY = Table(7, 8, whole=True)  # kind, awake, island, generation
@@ -39,6 +40,7 @@ BODY = Table(7, 8, whole=True)  # kind, awake, island, generation
 # `kickdrift.world.collision.search`)
 SHAPE = Table(8, 8, whole=True)
 PLACE = Table(9, 16)  # pose in the body (7), friction, restitution, rolling resistance, velocity of its surface (3)
+PLACED = Table(37, 8)  # pose of a shape in the world (7) when the step began
 # Corners of the wider box that a shape was last sought in (6), and of a mesh its nodes in PART_TREE: the first, and the one
 # after the last
 BOUNDS = Table(10, 8)
@@ -48,7 +50,7 @@ CONTACT = Table(12, 8, whole=True)  # shapes (2), part of the first, bodies (2),
 MANIFOLD = Table(13, 64)  # see `kickdrift.world.contacts.manifold`
 SETTINGS = Table(14, 32)  # one row: see `kickdrift.world.settings`
 TROUBLE = Table(15, 8, whole=True)  # one row: what went wrong, which table or body
-EVENTS = Table(16, 8, whole=True)
+EVENTS = Table(16, 8, whole=True)  # see `kickdrift.world.events`
 # Joints: see `kickdrift.world.joints.layout`
 JOINT = Table(17, 16, whole=True)
 JOINT_NUMBERS = Table(18, 72)
@@ -71,7 +73,7 @@ COLOURED = Table(31, 1, whole=True)  # of each body the set of colours that its 
 SWEEPS = Table(34, 4, whole=True)  # one row: see `kickdrift.world.contacts.lanes`
 STARTED_POSE = Table(32, 8)  # as POSE and MOTION were when the step began
 STARTED_MOTION = Table(33, 8)
-SEARCH = Table(38, 8, whole=True)  # one row: see `kickdrift.world.collision.search`
+SEARCH = Table(38, 16, whole=True)  # one row: see `kickdrift.world.collision.search`
 MOVERS = Table(39, 1, whole=True)  # shapes that may move
 FIXTURES = Table(44, 1, whole=True)  # shapes that may not
 PLANES = Table(40, 1, whole=True)  # shapes that are planes

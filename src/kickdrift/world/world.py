@@ -1,12 +1,11 @@
 """A world: bodies that touch, stack, hinge and walk."""
 
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function
-from kickdrift.core.errors import ArgumentError, KickdriftError
+from kickdrift.core.errors import ArgumentError, LostBodyError
 from kickdrift.world import flight, measures, settings
 from kickdrift.world.adding import AddsBodies, vector
 from kickdrift.world.bodies import Bodies, Body
@@ -16,8 +15,11 @@ from kickdrift.world.contacts.impact import bounce
 from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.contacts.prepare import colour, prepare
 from kickdrift.world.contacts.solve import relax, solve, store, warm_start
-from kickdrift.world.contacts.update import find_points
+from kickdrift.world.contacts.update import find_points, place_shapes
+from kickdrift.world.events import note_touching
 from kickdrift.world.forces import begin_forces, force_stage
+from kickdrift.world.islands import sleep, wake
+from kickdrift.world.history import KeepsHistory
 from kickdrift.world.measures import Energy
 from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.step import STAGE, run
@@ -40,12 +42,12 @@ from kickdrift.world.trouble import BODY, FULL, KIND, TABLE, WANTED
 Floats = NDArray[np.float64]
 
 # The step, to be read from top to bottom. Stages of `SUBSTEP` take its length, the others that of the whole step.
-BEFORE: tuple[Function, ...] = (flight.begin, find_pairs, find_points, colour, prepare)
+BEFORE: tuple[Function, ...] = (flight.begin, place_shapes, find_pairs, find_points, wake, colour, prepare)
 SUBSTEP: tuple[Function, ...] = (begin_forces, flight.kick, bounce, warm_start, solve, flight.drift, relax)
-AFTER: tuple[Function, ...] = (store, flight.finish)
+AFTER: tuple[Function, ...] = (store, note_touching, sleep, flight.finish)
 
 
-class World(AddsBodies):
+class World(KeepsHistory, AddsBodies):
     """Rigid bodies in three dimensions.
 
     Parameters
@@ -60,11 +62,17 @@ class World(AddsBodies):
     margin, slop : float
         How far apart shapes are when a contact between them is begun, and how deep they may sink in; m.
     contact_hertz, contact_damping : float
-        Frequency and damping ratio of the spring that pushes overlapping bodies apart.
+        Frequency and damping ratio of the spring that pushes overlapping bodies apart; by default the frequency is 0.15
+        over the substep, the stiffest that leaves high stacks alone.
     push_speed : float
         At which they are pushed apart at most, m/s.
     bounce_speed : float, optional
         Approaches that are slower do not bounce, m/s; four times what gravity adds in a substep by default.
+
+    sleeping : bool
+        Whether islands of bodies that touch or are joined are left alone once they have rested: once no point of them has
+        moved faster than `sleep_speed`, m/s, for `sleep_time`, s. Off by default, because it takes their last energy.
+    sleep_speed, sleep_time : float
 
     Attributes
     ----------
@@ -87,25 +95,31 @@ class World(AddsBodies):
         midpoint: bool = True,
         margin: float = 0.02,
         slop: float = 0.005,
-        contact_hertz: float = 30.0,
-        contact_damping: float = 10.0,
+        contact_hertz: float | None = None,
+        contact_damping: float = 4.0,
         push_speed: float = 3.0,
         bounce_speed: float | None = None,
+        sleeping: bool = False,
+        sleep_speed: float = 0.05,
+        sleep_time: float = 0.5,
     ) -> None:
         self.tables = Tables()
         self.time = 0.0
         self.n_steps = 0
         if not (isinstance(substeps, int | np.integer) and substeps >= 1):
             raise ArgumentError(f"substeps={substeps!r} has to be a whole number from 1 on.")
-        self._substeps = int(substeps)
+        self.substeps = int(substeps)
         row = self.tables.resize(SETTINGS, 1)[0]
         row[settings.GRAVITY : settings.GRAVITY + 3] = vector("gravity", gravity, 3)
         row[settings.SUBSTEPS] = substeps
         row[settings.MIDPOINT] = float(midpoint)
         row[settings.MARGIN], row[settings.SLOP] = margin, slop
-        row[settings.CONTACT_HERTZ], row[settings.CONTACT_DAMPING] = contact_hertz, contact_damping
+        row[settings.CONTACT_HERTZ] = 0.0 if contact_hertz is None else contact_hertz
+        row[settings.CONTACT_DAMPING] = contact_damping
         row[settings.PUSH_SPEED] = push_speed
         row[settings.BOUNCE_SPEED] = -1.0 if bounce_speed is None else bounce_speed
+        row[settings.SLEEP_SPEED], row[settings.SLEEP_TIME] = sleep_speed, sleep_time
+        self.sleeping = bool(sleeping)
         row[settings.RECYCLE_DISTANCE] = 0.5 * margin
         self.tables.resize(TROUBLE, 1)
         self.tables.resize(COLOURS, 64)
@@ -113,7 +127,7 @@ class World(AddsBodies):
         self.bodies = Bodies(self.tables)
         self.shape_rows = ShapeRows(self.tables)
         self._addresses: dict[Function, int] = {}
-        self._forces: list[Function] = []
+        self.forces: list[Function] = []
 
     @property
     def ground(self) -> Body:
@@ -188,7 +202,7 @@ class World(AddsBodies):
         ArgumentError
             If it is no function, names what there is not, adds to nothing, or cannot be compiled.
         """
-        self._forces.append(force_stage(force))
+        self.forces.append(force_stage(force))
 
     def step(self, step: float) -> None:
         """Do one step.
@@ -220,10 +234,19 @@ class World(AddsBodies):
             start = self.time + done * step
             reached, at = run(stages, lengths, offsets, start, step, done, count, at, self.tables.address)
             if reached < count:
-                self._help(reached)
+                self._help(reached, step)
             done = reached
         self.time += count * step
         self.n_steps += count
+
+    @property
+    def word(self) -> str:
+        """The step as a word: its stages in their order."""
+        before, substep, after = (
+            " ".join(stage.__name__.replace("_", "-") for stage in self._in_use(stages))
+            for stages in (BEFORE, SUBSTEP, AFTER)
+        )
+        return f"{before} ({substep}) x {self.substeps} {after}"
 
     def _compile_sweeps(self) -> None:
         row = self.tables.array(SWEEPS)[0]
@@ -231,23 +254,29 @@ class World(AddsBodies):
             row[:] = *(address_of(sweep, lanes.SWEEP) for sweep in lanes.SWEEPS), WIDTH
 
     def _program(self, step: float) -> tuple[NDArray[np.intp], Floats, Floats]:
-        h = step / self._substeps
-        substep = self._substep()
-        stages = [*BEFORE, *substep * self._substeps, *AFTER]
+        h, count = step / self.substeps, self.substeps
+        before, substep, after = (self._in_use(stages) for stages in (BEFORE, SUBSTEP, AFTER))
+        stages = [*before, *substep * count, *after]
         for stage in stages:
             if stage not in self._addresses:
                 self._addresses[stage] = address_of(stage, STAGE)
-        lengths = [step] * len(BEFORE) + [h] * len(substep) * self._substeps + [step] * len(AFTER)
-        offsets = [0.0] * len(BEFORE) + [k * h for k in range(self._substeps) for _ in substep] + [step] * len(AFTER)
+        lengths = [step] * len(before) + [h] * len(substep) * count + [step] * len(after)
+        offsets = [0.0] * len(before) + [k * h for k in range(count) for _ in substep] + [step] * len(after)
         return np.array([self._addresses[stage] for stage in stages], dtype=np.intp), np.array(lengths), np.array(offsets)
 
-    def _substep(self) -> list[Function]:
-        """Return the stages of a substep without those that this world has no use for, which need not be compiled."""
-        stages = [stage for stage in SUBSTEP if stage is not bounce or self.shape_rows.bouncing]
-        first = stages.index(flight.kick)
-        return stages[:first] + self._forces + stages[first:]
+    def _in_use(self, stages: tuple[Function, ...]) -> list[Function]:
+        """Return the stages that this world has a use for: the others need not be compiled."""
+        without = {bounce} if not self.shape_rows.bouncing else set()
+        without |= {sleep, wake} if not self.sleeping else set()
+        used = []
+        for stage in stages:
+            if stage is flight.kick:
+                used += self.forces
+            if stage not in without:
+                used.append(stage)
+        return used
 
-    def _help(self, step: int) -> None:
+    def _help(self, done: int, step: float) -> None:
         """Do what a stage has asked for; raise what cannot be helped."""
         trouble = self.tables.array(TROUBLE)[0]
         kind, table, wanted, body = (int(trouble[column]) for column in (KIND, TABLE, WANTED, BODY))
@@ -260,8 +289,9 @@ class World(AddsBodies):
         self.tables.array(MOTION)[:] = self.tables.array(STARTED_MOTION)
         self.tables.resize(CONTACT, 0)
         self.tables.resize(MANIFOLD, 0)
-        self.time += step
-        raise KickdriftError(
-            f"{name} was lost to infinity in step {self.n_steps + step}; all bodies are where they were before it. "
+        self.time += done * step
+        self.n_steps += done
+        raise LostBodyError(
+            f"{name} was lost to infinity in step {self.n_steps}; all bodies are where they were before it. "
             "Its forces or velocities are too large for the step: take a smaller one."
         )

@@ -18,6 +18,8 @@ W = c.WIDTH
 # Fields of scratch: velocities of the first bodies (6) and the second (6), displacements (6 and 6), inverse inertia (6 and 6).
 VELOCITY_A, VELOCITY_B, CHANGE_A, CHANGE_B, INERTIA_A, INERTIA_B = 0, 6, 12, 18, 24, 30
 SCRATCH = 36 * W
+_NEXT = c.POINT_FIELDS * W  # from a field of a point to the same of the next
+_LEVER = (c.P + c.LEVER) * W
 
 _ARRAY = types.Array(types.float64, 1, "C")
 SWEEP = types.none(_ARRAY, _ARRAY, types.float64, types.float64, types.float64, types.int64)
@@ -41,6 +43,13 @@ def _vector(array: Any, field: int, lane: int) -> tuple[float, float, float]:
 
 
 @compiled(fast=True, inline=True)
+def _impulses(own: Any, lane: int) -> tuple[float, float, float, float]:
+    """Normal impulses of the four points; written out, because a loop in the loop over lanes keeps that from vectorising."""
+    i = (c.P + c.IMPULSE) * W + lane
+    return own[i], own[i + _NEXT], own[i + 2 * _NEXT], own[i + 3 * _NEXT]
+
+
+@compiled(fast=True, inline=True)
 def _put(array: Any, field: int, lane: int, x: float, y: float, z: float) -> None:
     i = field * W + lane
     array[i] = x
@@ -48,9 +57,44 @@ def _put(array: Any, field: int, lane: int, x: float, y: float, z: float) -> Non
     array[i + 2 * W] = z
 
 
+@compiled(fast=True, inline=True)
+def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, turned: Any, spring: Any, state: Any) -> Any:
+    """Solve one point, whose fields begin at i; `state` is the impulse of those before it and the velocities they left."""
+    rate, soft_mass, soft_impulse, per_h, push, closed, sum_mass = spring
+    tax, tay, taz, tbx, tby, tbz = turned
+    total, v, wax, way, waz, wbx, wby, wbz = state
+    ax, ay, az = _vector(own, c.ARM_A, i)
+    bx, by, bz = _vector(own, c.ARM_B, i)
+    impulse = own[i + c.IMPULSE * W]
+    gap = own[i + c.GAP * W] + opened + (bx * tbx + by * tby + bz * tbz) - (ax * tax + ay * tay + az * taz)
+    # Without branches, which would keep the loop from vectorising: points apart are rigid, and their bias is gap / h.
+    apart = 1.0 if gap > 0.0 else 0.0
+    bias = max(gap, 0.0) * per_h + max(soft_mass * rate * min(gap, 0.0), -push)
+    scale = soft_mass + apart * (1.0 - soft_mass)
+    leak = (1.0 - apart) * soft_impulse
+    speed = v + (bx * wbx + by * wby + bz * wbz) - (ax * wax + ay * way + az * waz)
+    new = max(impulse - own[i + c.POINT_MASS * W] * (scale * speed + bias) - leak * impulse, 0.0)
+    # The second sweep adds nothing to points that are apart: what meets in the next substep may bounce there.
+    d = min(new - impulse, 0.0 if gap > closed else 1e300)
+    own[i + c.IMPULSE * W] = impulse + d
+    cx, cy, cz = _turn(s, INERTIA_A, lane, ax, ay, az)
+    ex, ey, ez = _turn(s, INERTIA_B, lane, bx, by, bz)
+    return (
+        total + d,
+        v + sum_mass * d,
+        wax - d * cx,
+        way - d * cy,
+        waz - d * cz,
+        wbx + d * ex,
+        wby + d * ey,
+        wbz + d * ez,
+    )
+
+
 @compiled(fast=True)
 def solve_normals(own: Any, s: Any, per_h: float, soft: float, push: float, n: int) -> None:
     """One sweep over the points: softly where `soft` is 1.0, rigid and without bias where it is 0.0."""
+    closed = 1e300 if soft > 0.0 else 0.0
     for lane in range(n):
         nx, ny, nz = _vector(own, c.N, lane)
         mass_a, mass_b = own[c.MASS_A * W + lane], own[c.MASS_B * W + lane]
@@ -67,34 +111,16 @@ def solve_normals(own: Any, s: Any, per_h: float, soft: float, push: float, n: i
         tbx, tby, tbz = _vector(s, CHANGE_B + 3, lane)
         opened = nx * (dbx - dax) + ny * (dby - day) + nz * (dbz - daz)
         v = nx * (vbx - vax) + ny * (vby - vay) + nz * (vbz - vaz)
-        sum_mass = mass_a + mass_b
-        total = 0.0
-        for k in range(4):
-            f = c.P + c.POINT_FIELDS * k
-            ax, ay, az = _vector(own, f + c.ARM_A, lane)
-            bx, by, bz = _vector(own, f + c.ARM_B, lane)
-            impulse = own[(f + c.IMPULSE) * W + lane]
-            gap = own[(f + c.GAP) * W + lane] + opened + (bx * tbx + by * tby + bz * tbz) - (ax * tax + ay * tay + az * taz)
-            apart = gap > 0.0
-            bias = gap * per_h if apart else max(soft_mass * rate * gap, -push)
-            scale = 1.0 if apart else soft_mass
-            leak = 0.0 if apart else soft_impulse
-            speed = v + (bx * wbx + by * wby + bz * wbz) - (ax * wax + ay * way + az * waz)
-            new = max(impulse - own[(f + c.POINT_MASS) * W + lane] * (scale * speed + bias) - leak * impulse, 0.0)
-            # The second sweep adds nothing to points that are apart: what meets in the next substep may bounce there.
-            new = min(new, impulse) if apart and soft == 0.0 else new
-            own[(f + c.IMPULSE) * W + lane] = new
-            d = new - impulse
-            total += d
-            v += sum_mass * d
-            cx, cy, cz = _turn(s, INERTIA_A, lane, ax, ay, az)
-            wax -= d * cx
-            way -= d * cy
-            waz -= d * cz
-            cx, cy, cz = _turn(s, INERTIA_B, lane, bx, by, bz)
-            wbx += d * cx
-            wby += d * cy
-            wbz += d * cz
+        state = (0.0, v, wax, way, waz, wbx, wby, wbz)
+        spring = (rate, soft_mass, soft_impulse, per_h, push, closed, mass_a + mass_b)
+        turned = (tax, tay, taz, tbx, tby, tbz)
+        # Indices of constants and the lane alone: others might be negative to the compiler, and would not be vectors.
+        i = c.P * W + lane
+        state = _solve_point(own, s, lane, i, opened, turned, spring, state)
+        state = _solve_point(own, s, lane, i + _NEXT, opened, turned, spring, state)
+        state = _solve_point(own, s, lane, i + 2 * _NEXT, opened, turned, spring, state)
+        state = _solve_point(own, s, lane, i + 3 * _NEXT, opened, turned, spring, state)
+        total, v, wax, way, waz, wbx, wby, wbz = state
         a, b = total * mass_a, total * mass_b
         _put(s, VELOCITY_A, lane, vax - a * nx, vay - a * ny, vaz - a * nz)
         _put(s, VELOCITY_A + 3, lane, wax, way, waz)
@@ -112,12 +138,10 @@ def solve_friction(own: Any, s: Any, per_h: float, soft: float, push: float, n: 
         wax, way, waz = _vector(s, VELOCITY_A + 3, lane)
         vbx, vby, vbz = _vector(s, VELOCITY_B, lane)
         wbx, wby, wbz = _vector(s, VELOCITY_B + 3, lane)
-        normal = 0.0
-        lever = 0.0
-        for k in range(4):
-            f = c.P + c.POINT_FIELDS * k
-            normal += own[(f + c.IMPULSE) * W + lane]
-            lever += own[(f + c.LEVER) * W + lane] * own[(f + c.IMPULSE) * W + lane]
+        n0, n1, n2, n3 = _impulses(own, lane)
+        normal = n0 + n1 + n2 + n3
+        lever = n0 * own[_LEVER + lane] + n1 * own[_LEVER + _NEXT + lane]
+        lever += n2 * own[_LEVER + 2 * _NEXT + lane] + n3 * own[_LEVER + 3 * _NEXT + lane]
         friction = own[c.FRICTION * W + lane]
         # Rolling resistance
         px, py, pz = _vector(own, c.ROLL + 2, lane)

@@ -18,7 +18,7 @@ from kickdrift.core.vectors import (
     turned,
 )
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.update import FRICTION, ROLLING, SURFACE_VELOCITY, shape_pose
+from kickdrift.world.contacts.update import FRICTION, ROLLING, SURFACE_VELOCITY, placed_pose
 from kickdrift.world.flight import AWAKE
 from kickdrift.world.settings import CONTACT_DAMPING, CONTACT_HERTZ, SLOP, STEP, SUBSTEPS
 from kickdrift.world.tables import (
@@ -44,6 +44,8 @@ from kickdrift.world.tables import (
 from kickdrift.world.trouble import ask_for_room
 
 _COLOURS = 62
+# Of the spring, times the substep. A pyramid of twenty rows sways from 0.2 on, and one of 0.15 leaves it standing.
+STIFFEST = 0.15
 OVERFLOW = _COLOURS  # contacts that found no colour: one by one, in groups of their own
 
 
@@ -99,12 +101,8 @@ def prepare(t: float, h: float, world: int) -> None:
     contact, colours, groups = integers(world, CONTACT), integers(world, COLOURS), integers(world, GROUPS)
     lanes = flat(world, LANES)
     for g in range(rows(world, GROUPS)):
-        for k in range(3 * c.WIDTH):
-            groups[g, k] = 0
         for lane in range(c.WIDTH):
-            groups[g, 2 * c.WIDTH + lane] = -1
-        for k in range(g * c.FIELDS * c.WIDTH, (g + 1) * c.FIELDS * c.WIDTH):
-            lanes[k] = 0.0
+            groups[g, lane], groups[g, c.WIDTH + lane], groups[g, 2 * c.WIDTH + lane] = 0, 0, -1
     for k in range(_COLOURS + 1):
         colours[k, 0] = 0
     for row in range(rows(world, CONTACT)):
@@ -120,18 +118,27 @@ def prepare(t: float, h: float, world: int) -> None:
         groups[group, lane] = contact[row, c.BODY_A]
         groups[group, c.WIDTH + lane] = contact[row, c.BODY_B]
         groups[group, 2 * c.WIDTH + lane] = row
-        _fill(world, row, lanes[group * c.FIELDS * c.WIDTH + lane : (group + 1) * c.FIELDS * c.WIDTH])
+    # Group by group, whose lanes share their cache lines: in the order of the contacts it takes twice the time.
+    for g in range(rows(world, GROUPS)):
+        for lane in range(c.WIDTH):
+            own = lanes[g * c.FIELDS * c.WIDTH + lane : (g + 1) * c.FIELDS * c.WIDTH]
+            row = groups[g, 2 * c.WIDTH + lane]
+            if row >= 0:
+                _fill(world, row, own)
+                continue
+            for k in range(c.FIELDS):
+                own[k * c.WIDTH] = 0.0
 
 
-@compiled
+@compiled(fast=True)
 def _fill(world: int, row: int, own: Any) -> None:
     """Make the constraint of one contact; field k is own[k WIDTH]."""
     contact, manifold = integers(world, CONTACT), floats(world, MANIFOLD)
     pose, response, settings = floats(world, POSE), floats(world, RESPONSE), floats(world, SETTINGS)
     shape_a, shape_b = contact[row, c.SHAPE_A], contact[row, c.SHAPE_B]
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
-    at_a, turn_a = shape_pose(world, shape_a)
-    at_b, turn_b = shape_pose(world, shape_b)
+    at_a, turn_a = placed_pose(world, shape_a)
+    at_b, turn_b = placed_pose(world, shape_b)
     mass_a, mass_b = response[a, 0], response[b, 0]
     inverse_a, inverse_b = _inverse_inertia(response, a), _inverse_inertia(response, b)
     body_a, body_b = (pose[a, 0], pose[a, 1], pose[a, 2]), (pose[b, 0], pose[b, 1], pose[b, 2])
@@ -160,6 +167,8 @@ def _fill(world: int, row: int, own: Any) -> None:
         weight += share
         centre = plus(centre, times(share, point))
     centre = times(1.0 / weight, centre)
+    for k in range(c.P + c.POINT_FIELDS * points, c.FIELDS):
+        own[k * c.WIDTH] = 0.0
     for k in range(points):
         place = c.POINT + c.POINT_SIZE * k
         on_b = plus(
@@ -174,7 +183,7 @@ def _fill(world: int, row: int, own: Any) -> None:
     _fill_friction(world, row, normal, minus(centre, body_a), minus(centre, body_b), own)
 
 
-@compiled
+@compiled(fast=True)
 def _fill_friction(world: int, row: int, normal: Vector, arm_a: Vector, arm_b: Vector, own: Any) -> None:
     contact, manifold, place = integers(world, CONTACT), floats(world, MANIFOLD), floats(world, PLACE)
     response = floats(world, RESPONSE)
@@ -206,6 +215,8 @@ def _fill_friction(world: int, row: int, normal: Vector, arm_a: Vector, arm_b: V
     own[(c.TWIST + 1) * c.WIDTH] = manifold[row, c.TWIST_IMPULSE]
     resistance = max(place[shape_a, ROLLING], place[shape_b, ROLLING])
     own[c.ROLL * c.WIDTH] = resistance
+    for k in range(1, 5):
+        own[(c.ROLL + k) * c.WIDTH] = 0.0
     if resistance > 0.0:
         trace = 0.0
         for k in range(3):
@@ -220,7 +231,7 @@ def _fill_friction(world: int, row: int, normal: Vector, arm_a: Vector, arm_b: V
 def _fill_softness(settings: Any, fixed: bool, own: Any) -> None:
     """Damped spring of so many hertz, implicit and whatever the masses; twice as stiff against what cannot move."""
     h = settings[0, STEP] / settings[0, SUBSTEPS]
-    hertz = min(settings[0, CONTACT_HERTZ], 0.125 / h)
+    hertz = settings[0, CONTACT_HERTZ] if settings[0, CONTACT_HERTZ] > 0.0 else STIFFEST / h
     damping = settings[0, CONTACT_DAMPING]
     if fixed:
         hertz, damping = 2.0 * hertz, 0.5 * damping

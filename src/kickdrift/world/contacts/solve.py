@@ -68,11 +68,16 @@ def solve(t: float, h: float, world: int) -> None:
 
 @compiled
 def relax(t: float, h: float, world: int) -> None:
-    """Friction, twist and rolling resistance; then take the velocity of the push away."""
+    """Friction, twist and rolling resistance; then take the velocity of the push away.
+
+    Backwards through the groups: with both sweeps in one direction, a pyramid of 210 boxes sways for minutes.
+    """
     motion, response, groups = floats(world, MOTION), floats(world, RESPONSE), integers(world, GROUPS)
     lanes, scratch, sweeps = flat(world, LANES), carray(floats_on_stack(SCRATCH), (SCRATCH,)), integers(world, SWEEPS)
     change, n = floats(world, CHANGE), sweeps[0, _LANE_COUNT]
-    for g in range(rows(world, GROUPS)):
+    count = rows(world, GROUPS)
+    for back in range(count):
+        g = count - 1 - back
         _gather(groups, g, motion, 0, VELOCITY_A, scratch, n)
         _gather(groups, g, change, 0, CHANGE_A, scratch, n)
         _gather(groups, g, response, 1, INERTIA_A, scratch, n)
@@ -93,13 +98,9 @@ def store(t: float, h: float, world: int) -> None:
             if row < 0:
                 continue
             own = lanes[g * _SIZE + lane : (g + 1) * _SIZE]
-            touching = 0
             for k in range(contact[row, c.POINTS]):
                 impulse = own[(c.P + c.POINT_FIELDS * k + c.IMPULSE) * _W]
                 manifold[row, c.POINT + c.POINT_SIZE * k + c.NORMAL_IMPULSE] = impulse
-                if impulse > 0.0:
-                    touching = c.TOUCHING
-            contact[row, c.STATE] = (contact[row, c.STATE] & ~c.TOUCHING) | touching
             n = (own[c.N * _W], own[(c.N + 1) * _W], own[(c.N + 2) * _W])
             u = (own[c.T * _W], own[(c.T + 1) * _W], own[(c.T + 2) * _W])
             d1, d2 = own[c.SLID * _W], own[(c.SLID + 1) * _W]

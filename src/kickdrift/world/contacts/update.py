@@ -32,6 +32,7 @@ from kickdrift.world.tables import (
     MANIFOLD,
     MOTION,
     PLACE,
+    PLACED,
     POSE,
     SETTINGS,
     SHAPE,
@@ -60,8 +61,8 @@ def find_points(t: float, h: float, world: int) -> None:
         a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
         if awake[contact[row, BODY_A], AWAKE] == 0 and awake[contact[row, BODY_B], AWAKE] == 0:
             continue
-        at_a, turn_a = shape_pose(world, a)
-        at_b, turn_b = shape_pose(world, b)
+        at_a, turn_a = placed_pose(world, a)
+        at_b, turn_b = placed_pose(world, b)
         at = turned_back(turn_a, minus(at_b, at_a))
         turn = product(conjugate(turn_a), turn_b)
         way = settings[0, STEP] * _closing_speed(world, row)
@@ -75,6 +76,18 @@ def find_points(t: float, h: float, world: int) -> None:
         manifold[row, RECYCLED] = margin
 
 
+@compiled
+def place_shapes(t: float, h: float, world: int) -> None:
+    """Say where in the world the shapes are."""
+    placed = floats(world, PLACED)
+    for shape in range(rows(world, SHAPE)):
+        at, turn = shape_pose(world, shape)
+        for k in range(3):
+            placed[shape, k] = at[k]
+        for k in range(4):
+            placed[shape, 3 + k] = turn[k]
+
+
 @compiled(inline=True)
 def shape_pose(world: int, shape: int) -> tuple[Vector, Quaternion]:
     """Return where a shape is in the world: its origin and its orientation."""
@@ -84,6 +97,13 @@ def shape_pose(world: int, shape: int) -> tuple[Vector, Quaternion]:
     local = (place[shape, 3], place[shape, 4], place[shape, 5], place[shape, 6])
     at = (place[shape, 0], place[shape, 1], place[shape, 2])
     return plus((pose[body, 0], pose[body, 1], pose[body, 2]), turned(q, at)), product(q, local)
+
+
+@compiled(inline=True)
+def placed_pose(world: int, shape: int) -> tuple[Vector, Quaternion]:
+    """Return the same as it was when the step began, which costs nothing."""
+    p = floats(world, PLACED)
+    return (p[shape, 0], p[shape, 1], p[shape, 2]), (p[shape, 3], p[shape, 4], p[shape, 5], p[shape, 6])
 
 
 @compiled(inline=True)

@@ -1,0 +1,105 @@
+"""What begins and ends to touch."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import dot, minus, turned
+from kickdrift.world.bodies import Bodies, Body
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.update import shape_pose
+from kickdrift.world.tables import CONTACT, EVENTS, LANES, MANIFOLD, Tables, flat, floats, integers, room, rows, set_rows
+from kickdrift.world.trouble import ask_for_room
+from kickdrift.core.vectors import plus
+
+# Columns of EVENTS
+BEGINS, FIRST_BODY, SECOND_BODY, FROM_SENSOR = range(4)
+
+
+class ContactEvent(NamedTuple):
+    """Two bodies that begin or end to touch.
+
+    Attributes
+    ----------
+    begins : bool
+        True where they begin, False where they part.
+    body_a, body_b : Body
+    sensor : bool
+        Whether one of the shapes is a sensor.
+    """
+
+    begins: bool
+    body_a: Body
+    body_b: Body
+    sensor: bool
+
+
+@compiled
+def note_touching(t: float, h: float, world: int) -> None:
+    """Note which contacts have begun and ended to touch in the step."""
+    contact, events = integers(world, CONTACT), integers(world, EVENTS)
+    count = rows(world, EVENTS)
+    changed = 0
+    for row in range(rows(world, CONTACT)):
+        changed += _touches(world, row) != contact[row, c.STATE] & c.TOUCHING
+    if count + changed > room(world, EVENTS):
+        ask_for_room(world, EVENTS, count + changed)
+        return
+    for row in range(rows(world, CONTACT)):
+        now = _touches(world, row)
+        state = contact[row, c.STATE]
+        if now == state & c.TOUCHING:
+            continue
+        contact[row, c.STATE] = state ^ c.TOUCHING
+        events[count, BEGINS] = now
+        events[count, FIRST_BODY], events[count, SECOND_BODY] = contact[row, c.BODY_A], contact[row, c.BODY_B]
+        events[count, FROM_SENSOR] = (state & c.SENSOR) // c.SENSOR
+        count += 1
+    set_rows(world, EVENTS, count)
+
+
+@compiled
+def _touches(world: int, row: int) -> int:
+    """Whether a contact carries an impulse, or, of a sensor, whether shapes overlap."""
+    contact, lanes = integers(world, CONTACT), flat(world, LANES)
+    points, place = contact[row, c.POINTS], contact[row, c.PLACE_IN_GROUPS]
+    if contact[row, c.STATE] & c.SENSOR:
+        return _overlap(world, row)
+    if place < 0:
+        return contact[row, c.STATE] & c.TOUCHING if points > 0 else 0
+    begin = place // c.WIDTH * c.FIELDS * c.WIDTH + place % c.WIDTH
+    for k in range(points):
+        if lanes[begin + (c.P + c.POINT_FIELDS * k + c.IMPULSE) * c.WIDTH] > 0.0:
+            return c.TOUCHING
+    return 0
+
+
+@compiled
+def _overlap(world: int, row: int) -> int:
+    contact, manifold = integers(world, CONTACT), floats(world, MANIFOLD)
+    at_a, turn_a = shape_pose(world, contact[row, c.SHAPE_A])
+    at_b, turn_b = shape_pose(world, contact[row, c.SHAPE_B])
+    normal = turned(turn_a, (manifold[row, 0], manifold[row, 1], manifold[row, 2]))
+    for k in range(contact[row, c.POINTS]):
+        p = c.POINT + c.POINT_SIZE * k
+        on_a = plus(at_a, turned(turn_a, (manifold[row, p], manifold[row, p + 1], manifold[row, p + 2])))
+        on_b = plus(at_b, turned(turn_b, (manifold[row, p + 3], manifold[row, p + 4], manifold[row, p + 5])))
+        if dot(normal, minus(on_b, on_a)) <= 0.0:
+            return c.TOUCHING
+    return 0
+
+
+def events(tables: Tables, bodies: Bodies) -> list[ContactEvent]:
+    """Return what has begun and ended to touch, in order."""
+    return [
+        ContactEvent(bool(row[BEGINS]), bodies.handle(row[FIRST_BODY]), bodies.handle(row[SECOND_BODY]), bool(row[FROM_SENSOR]))
+        for row in np.asarray(tables.array(EVENTS))
+    ]
+
+
+def touching(tables: Tables, bodies: Bodies) -> list[Any]:
+    """Return the pairs of bodies that touch."""
+    rows_ = tables.array(CONTACT)
+    rows_ = rows_[rows_[:, c.STATE] & c.TOUCHING != 0]
+    return [(bodies.handle(row[c.BODY_A]), bodies.handle(row[c.BODY_B])) for row in rows_]

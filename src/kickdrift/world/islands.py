@@ -1,0 +1,116 @@
+"""Sleep: islands of bodies that touch or are joined rest together, and wake together."""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.flight import AWAKE, DYNAMIC, ISLAND, KIND
+from kickdrift.world.joints import layout as j
+from kickdrift.world.settings import SLEEP_SPEED, SLEEP_TIME
+from kickdrift.world.tables import BODY, CONTACT, FORCE, JOINT, MOTION, PLACE, RESTED, SETTINGS, SHAPE, floats, integers, rows
+
+
+@compiled
+def wake(t: float, h: float, world: int) -> None:
+    """Wake the islands of sleeping bodies that were given a velocity or a force, or that something awake has reached."""
+    body, motion, force, contact = (
+        integers(world, BODY),
+        floats(world, MOTION),
+        floats(world, FORCE),
+        integers(world, CONTACT),
+    )
+    for row in range(rows(world, BODY)):
+        if body[row, KIND] != DYNAMIC or body[row, AWAKE] != 0:
+            continue
+        pushed = False
+        for k in range(6):
+            pushed = pushed or motion[row, k] != 0.0 or force[row, k] != 0.0
+        if pushed:
+            _wake_island(world, body[row, ISLAND])
+    for row in range(rows(world, CONTACT)):
+        if contact[row, c.POINTS] == 0 or contact[row, c.STATE] & c.SENSOR:
+            continue
+        _wake_one_by_other(world, contact[row, c.BODY_A], contact[row, c.BODY_B])
+    joint = integers(world, JOINT)
+    for row in range(rows(world, JOINT)):
+        if joint[row, j.KIND] != j.REMOVED:
+            _wake_one_by_other(world, joint[row, j.BODY_A], joint[row, j.BODY_B])
+
+
+@compiled
+def _wake_one_by_other(world: int, a: int, b: int) -> None:
+    body = integers(world, BODY)
+    if body[a, AWAKE] != 0 and body[b, AWAKE] == 0 and body[b, KIND] == DYNAMIC:
+        _wake_island(world, body[b, ISLAND])
+    elif body[b, AWAKE] != 0 and body[a, AWAKE] == 0 and body[a, KIND] == DYNAMIC:
+        _wake_island(world, body[a, ISLAND])
+
+
+@compiled
+def _wake_island(world: int, island: int) -> None:
+    body, rested = integers(world, BODY), floats(world, RESTED)
+    for row in range(rows(world, BODY)):
+        if body[row, KIND] == DYNAMIC and body[row, AWAKE] == 0 and body[row, ISLAND] == island:
+            body[row, AWAKE] = 1
+            rested[row, 0] = 0.0
+
+
+@compiled
+def sleep(t: float, h: float, world: int) -> None:
+    """Put islands to sleep that have rested long enough; what sleeps has no velocity."""
+    body, motion, contact = integers(world, BODY), floats(world, MOTION), integers(world, CONTACT)
+    joint, rested, settings = integers(world, JOINT), floats(world, RESTED), floats(world, SETTINGS)
+    for row in range(rows(world, BODY)):
+        if body[row, AWAKE] != 0:
+            body[row, ISLAND] = row
+            rested[row, 0] = rested[row, 0] + h if _rests(world, row) else 0.0
+    for row in range(rows(world, CONTACT)):
+        if contact[row, c.STATE] & c.TOUCHING and not contact[row, c.STATE] & c.SENSOR:
+            _unite(world, contact[row, c.BODY_A], contact[row, c.BODY_B])
+    for row in range(rows(world, JOINT)):
+        if joint[row, j.KIND] != j.REMOVED:
+            _unite(world, joint[row, j.BODY_A], joint[row, j.BODY_B])
+    # Of each island, the least that any body has rested, kept with its first body.
+    for row in range(rows(world, BODY)):
+        if body[row, KIND] == DYNAMIC and body[row, AWAKE] != 0:
+            first = _first_of(world, row)
+            rested[first, 1] = rested[row, 0] if first == row else min(rested[first, 1], rested[row, 0])
+    for row in range(rows(world, BODY)):
+        if body[row, KIND] != DYNAMIC or body[row, AWAKE] == 0:
+            continue
+        first = _first_of(world, row)
+        body[row, ISLAND] = first
+        if rested[first, 1] >= settings[0, SLEEP_TIME]:
+            body[row, AWAKE] = 0
+            for k in range(6):
+                motion[row, k] = 0.0
+
+
+@compiled
+def _rests(world: int, row: int) -> bool:
+    """Whether no point of a body moves faster than the sleep speed."""
+    motion, rested = floats(world, MOTION), floats(world, RESTED)
+    speed = 0.0
+    turn = 0.0
+    for k in range(3):
+        speed += motion[row, k] * motion[row, k]
+        turn += motion[row, 3 + k] * motion[row, 3 + k]
+    slowest = floats(world, SETTINGS)[0, SLEEP_SPEED]
+    reach = rested[row, 2]
+    return speed + turn * reach * reach < slowest * slowest
+
+
+@compiled
+def _first_of(world: int, row: int) -> int:
+    """Return the first body of the island of one that is awake."""
+    body = integers(world, BODY)
+    while body[row, ISLAND] != row:
+        row = body[row, ISLAND]
+    return row
+
+
+@compiled
+def _unite(world: int, a: int, b: int) -> None:
+    body = integers(world, BODY)
+    if body[a, KIND] != DYNAMIC or body[b, KIND] != DYNAMIC or body[a, AWAKE] == 0 or body[b, AWAKE] == 0:
+        return
+    first, second = _first_of(world, a), _first_of(world, b)
+    body[max(first, second), ISLAND] = min(first, second)

@@ -1,0 +1,119 @@
+"""Recordings: what a world did, as a solution with bodies as a dimension, and what it looks like."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.engine.solution import Presenters, Solution
+from kickdrift.world.flight import DYNAMIC, KIND
+from kickdrift.world.joints import layout
+from kickdrift.world.tables import BODY, JOINT, JOINT_NUMBERS, SHAPE
+
+if TYPE_CHECKING:
+    from kickdrift.world.shape_rows import Shape
+    from kickdrift.world.world import World
+
+Floats = NDArray[np.float64]
+_BODY_ROW = 1  # column of SHAPE
+
+
+class Part(NamedTuple):
+    """A shape of a body: the row of the body, the shape, and its place in the body."""
+
+    body: int
+    shape: "Shape"
+    position: Floats
+    orientation: Floats
+
+
+class Rod(NamedTuple):
+    """What a joint looks like: a line from a point of one body to a point of another, each in its body's axes."""
+
+    body_a: int
+    point_a: Floats
+    body_b: int
+    point_b: Floats
+
+
+class Appearance(NamedTuple):
+    """What a world looks like, wherever its bodies are.
+
+    Attributes
+    ----------
+    kinds : (N,) array of int
+        Of the bodies, as in `kickdrift.world.flight`: removed, static, kinematic or dynamic.
+    parts : tuple of Part
+    rods : tuple of Rod
+    """
+
+    kinds: NDArray[np.int64]
+    parts: tuple[Part, ...]
+    rods: tuple[Rod, ...]
+
+
+@dataclass(frozen=True)
+class WorldPresenters(Presenters):
+    """What recordings can do on the floors above, and worlds: the package hands it down when it is imported."""
+
+    animate: Callable[..., Path]
+    save_world: Callable[..., Path]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class Recording(Solution):
+    """What a world did: a solution in which row n of x and v is body n, and row 0 the ground.
+
+    Attributes
+    ----------
+    orientation : (T, N, 4) array
+        Quaternions (w, x, y, z) that turn the bodies' axes into the world's.
+    angular_velocity : (T, N, 3) array
+        In the world's axes, rad/s.
+    appearance : Appearance
+        Shapes and joints, for pictures.
+    """
+
+    orientation: Floats
+    angular_velocity: Floats
+    appearance: Appearance
+
+    presenters: ClassVar[WorldPresenters]
+
+    @property
+    def moving(self) -> NDArray[np.intp]:
+        """Rows of the bodies that forces move."""
+        return np.flatnonzero(self.appearance.kinds == DYNAMIC)
+
+    def animate(self, path: str | Path, *, speed: float = 1.0, rate: int = 25) -> Path:
+        """Write a film of the recording, as `kickdrift.plots.animate_recording` says."""
+        return self.presenters.animate(self, path, speed=speed, rate=rate)
+
+
+def appearance(world: "World") -> Appearance:
+    """Say what a world looks like."""
+    rows = world.tables.array(SHAPE)
+    parts = tuple(
+        Part(int(rows[row, _BODY_ROW]), placed.shape, placed.position, placed.orientation)
+        for row, placed in sorted(world.shape_rows.shapes.items())
+    )
+    kinds = world.tables.array(BODY)[:, KIND].copy()
+    return Appearance(kinds, parts, tuple(_rods(world, kinds)))
+
+
+def _rods(world: "World", kinds: NDArray[np.int64]) -> list[Rod]:
+    """Lines from the centres of bodies that move to their joints, and between the ends of joints of a length."""
+    rods: list[Rod] = []
+    for joint, numbers in zip(world.tables.array(JOINT), world.tables.array(JOINT_NUMBERS), strict=True):
+        if joint[layout.KIND] == layout.REMOVED:
+            continue
+        a, b = int(joint[layout.BODY_A]), int(joint[layout.BODY_B])
+        on_a = numbers[layout.ANCHOR_A : layout.ANCHOR_A + 3].copy()
+        on_b = numbers[layout.ANCHOR_B : layout.ANCHOR_B + 3].copy()
+        rods += [Rod(body, np.zeros(3), body, end) for body, end in ((a, on_a), (b, on_b)) if kinds[body] == DYNAMIC]
+        if joint[layout.LINEAR] == layout.LINE:
+            rods.append(Rod(a, on_a, b, on_b))
+    return rods

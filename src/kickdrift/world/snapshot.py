@@ -1,0 +1,123 @@
+"""Snapshots: a world as it is at one moment, to be gone back to as often as one likes."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.compilation import Function
+from kickdrift.world import settings, tables
+from kickdrift.world.shape_rows import Placed
+from kickdrift.world.tables import COLLIDERS, SETTINGS, SWEEPS, Table
+
+if TYPE_CHECKING:
+    from kickdrift.world.world import World
+
+# Addresses of compiled functions mean nothing in another process; a world finds its own.
+_OF_THE_PROCESS = (COLLIDERS, SWEEPS)
+TABLES: Mapping[str, Table] = MappingProxyType(
+    {
+        name: table
+        for name, table in vars(tables).items()
+        if isinstance(table, Table) and table not in _OF_THE_PROCESS
+    }
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """All that the next steps of a world depend on. It does not change with the world that it was taken of.
+
+    Attributes
+    ----------
+    time : float
+        s.
+    n_steps : int
+        Steps done.
+    sleeping : bool
+        Whether what rests may sleep.
+    forces : tuple of callable
+        Stages of the step made of users' functions.
+    tables : mapping of str to array
+        Rows in use of each table of `kickdrift.world.tables`, by its name; read-only.
+    free_bodies, free_shapes : tuple of int
+        Rows to be used again, the next one last.
+    n_bodies_made, n_joints_made : int
+        How many there have been in the world, so that the handle of one is never that of another.
+    joints_arranged : bool
+        Whether the tables say in which order joints are solved.
+    shapes : mapping of int to Placed
+        By row.
+    geometry : mapping of bytes to int
+        Where the numbers of a shape begin, by its kind and numbers.
+    kinds : tuple of int
+        Kinds of shapes that there have been, with triangles for meshes.
+    bouncing : bool
+        Whether a shape has bounced.
+    """
+
+    time: float
+    n_steps: int
+    sleeping: bool
+    forces: tuple[Function, ...]
+    tables: Mapping[str, NDArray[Any]]
+    free_bodies: tuple[int, ...]
+    free_shapes: tuple[int, ...]
+    n_bodies_made: int
+    n_joints_made: int
+    joints_arranged: bool
+    shapes: Mapping[int, Placed]
+    geometry: Mapping[bytes, int]
+    kinds: tuple[int, ...]
+    bouncing: bool
+
+    def with_forces(self, forces: Iterable[Function]) -> "Snapshot":
+        """Return the same with other forces."""
+        return replace(self, forces=tuple(forces))
+
+    def __repr__(self) -> str:
+        return f"<Snapshot at {self.time:g} s, after {self.n_steps} steps: {len(self.tables['POSE'])} rows of bodies>"
+
+
+def take(world: "World") -> Snapshot:
+    """Copy everything that the next steps of a world depend on."""
+    copies = {name: world.tables.array(table).copy() for name, table in TABLES.items()}
+    for copy in copies.values():
+        copy.flags.writeable = False
+    return Snapshot(
+        time=world.time,
+        n_steps=world.n_steps,
+        sleeping=world.sleeping,
+        forces=tuple(world.forces),
+        tables=MappingProxyType(copies),
+        free_bodies=tuple(world.bodies.free),
+        free_shapes=tuple(world.shape_rows.free),
+        n_bodies_made=world.bodies.n_made,
+        n_joints_made=world.joints.n_made,
+        joints_arranged=world.joints.arranged,
+        shapes=MappingProxyType(dict(world.shape_rows.shapes)),
+        geometry=MappingProxyType(dict(world.shape_rows.begins)),
+        kinds=tuple(sorted(world.shape_rows.kinds)),
+        bouncing=world.shape_rows.bouncing,
+    )
+
+
+def restore(world: "World", snapshot: Snapshot) -> None:
+    """Make a world what it was, or what another one was, when a snapshot was taken."""
+    for name, table in TABLES.items():
+        world.tables.resize(table, len(snapshot.tables[name]))[:] = snapshot.tables[name]
+    world.time, world.n_steps = snapshot.time, snapshot.n_steps
+    world.substeps = int(world.tables.array(SETTINGS)[0, settings.SUBSTEPS])
+    world.sleeping, world.forces = snapshot.sleeping, list(snapshot.forces)
+    bodies, joints, shapes = world.bodies, world.joints, world.shape_rows
+    bodies.free[:] = snapshot.free_bodies
+    bodies.n_made = max(bodies.n_made, snapshot.n_bodies_made)
+    joints.n_made = max(joints.n_made, snapshot.n_joints_made)
+    joints.arranged = snapshot.joints_arranged
+    shapes.free[:] = snapshot.free_shapes
+    shapes.shapes = dict(snapshot.shapes)
+    shapes.begins = dict(snapshot.geometry)
+    shapes.kinds, shapes.bouncing = set(snapshot.kinds), snapshot.bouncing
