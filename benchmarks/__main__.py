@@ -11,7 +11,7 @@ from pathlib import Path
 
 import llvmlite.binding
 
-from benchmarks import against_c, gravity, implicit_euler, kepler, precision, startup, wisdom_holman
+from benchmarks import against_c, gravity, implicit_euler, kepler, precision, startup, wisdom_holman, world
 from benchmarks.table import Missing, Row, markdown, skipped
 
 COMPARISONS: dict[str, tuple[str, Callable[[int], list[Row]]]] = {
@@ -22,8 +22,9 @@ COMPARISONS: dict[str, tuple[str, Callable[[int], list[Row]]]] = {
     "implicit": ("Implicit against semi-implicit Euler", implicit_euler.compare),
     "startup": ("Before the first step", startup.compare),
 }
+_WORLD = "world"
 _PRECISION = "precision"
-NAMES = (*COMPARISONS, _PRECISION)
+NAMES = (*COMPARISONS, _WORLD, _PRECISION)
 _PACKAGES = (
     "kickdrift",
     "numpy",
@@ -36,6 +37,9 @@ _PACKAGES = (
     "pyhamsys",
     "symplecta",
     "desolver",
+    "rapier3d",
+    "mujoco",
+    "pybullet",
 )
 
 
@@ -64,6 +68,8 @@ def main() -> None:
 def _sections(name: str, rounds: int, pictures: Path | None) -> list[tuple[str, list[Row]]]:
     if name == _PRECISION:
         return precision.sections(rounds, pictures)
+    if name == _WORLD:
+        return world.sections(rounds)
     title, compare = COMPARISONS[name]
     try:
         return [(title, compare(rounds))]

@@ -2,8 +2,12 @@
 
 ``kickdrift.solve`` integrates accelerations, Hamiltonians and other equations of motion; ``kickdrift.systems`` and
 ``kickdrift.methods`` are the catalogues, ``kickdrift.analysis`` judges runs, ``kickdrift.plots`` draws them,
-``kickdrift.load`` reads a saved solution.
+``kickdrift.load`` reads a saved solution. ``kickdrift.World`` is for bodies that touch, stack, hinge and walk.
 """
+
+from collections.abc import Callable
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 from kickdrift import analysis, methods, plots, systems
 from kickdrift.core.errors import ArgumentError, InterpretedWarning, KickdriftError, MethodMismatchError
@@ -12,6 +16,7 @@ from kickdrift.engine.solution import Presenters, Solution
 from kickdrift.engine.solve import solve
 from kickdrift.io import load, save, to_xarray
 from kickdrift.io.report import report
+from kickdrift.io.xarray import recording_to_xarray
 from kickdrift.systems import (
     ChargedParticle,
     Constrained,
@@ -25,6 +30,11 @@ from kickdrift.systems import (
     Separable,
     System,
 )
+from kickdrift.world.recording import Recording, WorldPresenters
+
+if TYPE_CHECKING:
+    from kickdrift.io.world_file import load_world
+    from kickdrift.world.world import World
 
 __all__ = [
     "ArgumentError",
@@ -40,12 +50,15 @@ __all__ = [
     "Newtonian",
     "Outcome",
     "Partitioned",
+    "Recording",
     "SecondOrder",
     "Separable",
     "Solution",
     "System",
+    "World",
     "analysis",
     "load",
+    "load_world",
     "methods",
     "plots",
     "solve",
@@ -54,5 +67,32 @@ __all__ = [
 
 __version__ = "0.1.0"
 
-# A solution saves, draws and reports itself with what lives on the floors above the engine.
+
+def _later(module: str, name: str) -> Callable[..., Any]:
+    """Stand for a function of a module that is imported when it is first called: worlds take a moment to import."""
+
+    def call(*arguments: Any, **options: Any) -> Any:
+        return getattr(import_module(module), name)(*arguments, **options)
+
+    return call
+
+
+_WORLDS = {"World": "kickdrift.world.world", "load_world": "kickdrift.io.world_file"}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _WORLDS:
+        raise AttributeError(f"module 'kickdrift' has no attribute {name!r}")
+    return getattr(import_module(_WORLDS[name]), name)
+
+
+# Solutions and worlds save, draw and report themselves with what lives on the floors above them.
 Solution.presenters = Presenters(plot=plots.plot_solution, save=save, to_xarray=to_xarray, report=report)
+Recording.presenters = WorldPresenters(
+    plot=_later("kickdrift.plots.world", "plot_recording"),
+    save=_later("kickdrift.io.recording_file", "save_recording"),
+    to_xarray=recording_to_xarray,
+    report=_later("kickdrift.io.recording_report", "report"),
+    animate=_later("kickdrift.plots.animation", "animate_recording"),
+    save_world=_later("kickdrift.io.world_file", "save_world"),
+)

@@ -28,6 +28,10 @@ class FileFormatError(KickdriftError):
     """A file that is not what it should be."""
 
 
+class LostBodyError(KickdriftError):
+    """A body of a world that went to infinity."""
+
+
 class InterpretedWarning(UserWarning):
     """A user's function that Numba cannot compile, and so runs interpreted."""
 

@@ -1,7 +1,8 @@
-"""What people keep: solution files, tables and reports."""
+"""What people keep: files of solutions, recordings and worlds, tables and reports."""
 
+from kickdrift.io.loading import load
 from kickdrift.io.report import report
-from kickdrift.io.solution_file import load, save
+from kickdrift.io.solution_file import save
 from kickdrift.io.xarray import to_xarray
 
 __all__ = ["load", "report", "save", "to_xarray"]

@@ -1,5 +1,7 @@
 """The report of a run: a fact a line."""
 
+from collections.abc import Sequence
+
 from kickdrift.analysis.energy import drift, largest_error
 from kickdrift.engine.solution import Solution
 
@@ -29,5 +31,10 @@ def report(solution: Solution) -> str:
             per = f" per {unit}" if unit else " per unit of time"
             rows.append(("energy drift", f"{drift(solution.t, values):+.3e}{per}"))
     rows.append(("outcome", solution.message))
-    width = max(len(name) for name, _ in rows)
-    return "\n".join(f"{name:<{width}}  {value}" for name, value in rows)
+    return lines(rows)
+
+
+def lines(facts: Sequence[tuple[str, str]]) -> str:
+    """Write facts below each other, their names in one column."""
+    width = max(len(name) for name, _ in facts)
+    return "\n".join(f"{name:<{width}}  {value}" for name, value in facts)

@@ -1,29 +1,17 @@
-"""Solutions on disk: one ``.npz`` of plain arrays and one JSON text, which NumPy alone can open. No pickle."""
+"""Solutions on disk."""
 
-import json
-import os
-import tokenize
-import zipfile
-import zlib
-from contextlib import suppress
 from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from kickdrift.core.errors import FileFormatError
 from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.solution import Description, Invariants, Solution
+from kickdrift.io import archive
 
-_FORMAT = "kickdrift solution 1"
 _INVARIANT, _DERIVED = "invariant: ", "derived: "
-# What NumPy, zip and JSON raise on files that are damaged or not ours.
-_FOREIGN = (
-    *(ArithmeticError, AttributeError, EOFError, LookupError, MemoryError, NotImplementedError, RecursionError),
-    *(RuntimeError, SyntaxError, TypeError, ValueError, zipfile.BadZipFile, zlib.error, tokenize.TokenError),
-)
 
 
 def save(solution: Solution, path: str | Path) -> Path:
@@ -45,9 +33,12 @@ def save(solution: Solution, path: str | Path) -> Path:
     FileFormatError
         If the file cannot be written there.
     """
-    target = _target(path)
-    head = {
-        "format": _FORMAT,
+    return archive.write(path, {"format": archive.SOLUTION, **header_of(solution)}, arrays_of(solution))
+
+
+def header_of(solution: Solution) -> dict[str, Any]:
+    """Return what JSON says of a solution."""
+    return {
         "status": solution.status.name,
         "message": solution.message,
         "step": solution.step,
@@ -56,55 +47,30 @@ def save(solution: Solution, path: str | Path) -> Path:
         "wall_time": solution.wall_time,
         "about": asdict(solution.about),
     }
+
+
+def arrays_of(solution: Solution) -> dict[str, Any]:
+    """Return the arrays of a solution."""
     arrays = {"t": solution.t, "x": solution.x, "v": solution.v}
     arrays |= {_INVARIANT + name: values for name, values in solution.invariants.items()}
-    arrays |= {_DERIVED + name: values for name, values in solution.derived.items()}
-    partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
-    try:
-        with partial.open("wb") as file:
-            np.savez_compressed(file, allow_pickle=False, header=np.array(json.dumps(head)), **arrays)
-        partial.replace(target)
-    except OSError as error:
-        with suppress(OSError):
-            partial.unlink(missing_ok=True)
-        raise FileFormatError(
-            f"path={str(path)!r} cannot be written: {error.strerror}; choose another folder."
-        ) from None
-    return target
+    return arrays | {_DERIVED + name: values for name, values in solution.derived.items()}
 
 
-def _target(path: str | Path) -> Path:
-    target = Path(path)
-    if target.name in ("", "..") or "\0" in str(path):
-        raise FileFormatError(f"path={str(path)!r} does not name a file; give a name such as 'run.npz'.")
-    return target if target.suffix == ".npz" else target.with_name(target.name + ".npz")
-
-
-def load(path: str | Path) -> Solution:
-    """Read a solution that `Solution.save` wrote.
+def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Solution:
+    """Make a solution of what a file holds.
 
     Raises
     ------
-    FileFormatError
-        If there is no such file, or it is not a solution.
+    LookupError, TypeError, ValueError
+        If it holds something else.
     """
-    try:
-        with Path(path).open("rb") as handle, np.load(handle, allow_pickle=False) as file:
-            head = json.loads(str(file["header"]))
-            arrays: dict[str, Any] = {name: file[name] for name in file.files if name != "header"}
-        if head["format"] != _FORMAT:
-            raise KeyError("format")
-        return _assemble(head, arrays)
-    except OSError as error:
-        raise FileFormatError(f"path={str(path)!r} cannot be read: {error.strerror or error}.") from None
-    except _FOREIGN as error:
-        raise FileFormatError(
-            f"path={str(path)!r} is not a kickdrift solution ({type(error).__name__}: {error});"
-            " give a file that Solution.save wrote."
-        ) from None
+    if head["format"] != archive.SOLUTION:
+        raise KeyError("format")
+    return Solution(**members(head, arrays))
 
 
-def _assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Solution:
+def members(head: dict[str, Any], arrays: dict[str, Any]) -> dict[str, Any]:
+    """Return the members of a solution by name, of what a file holds."""
     about = {f.name: head["about"][f.name] for f in fields(Description)}
     about["dimensions"] = tuple(about["dimensions"])
     about["kind"] = Kind[about["kind"]].name
@@ -117,7 +83,7 @@ def _assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Solution:
         raise ValueError("an invariant has another number of times")
     if not (t.ndim == 1 and t.size and v.shape in (x.shape, (t.size, 0)) and x.shape[:1] == t.shape):
         raise ValueError(f"t, x and v have shapes {t.shape}, {x.shape} and {v.shape}")
-    return Solution(
+    return dict(
         t=t,
         x=x,
         v=v,

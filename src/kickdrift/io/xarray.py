@@ -1,9 +1,12 @@
 """Solutions as labelled arrays."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from kickdrift.core.errors import missing_extra
 from kickdrift.engine.solution import Solution
+
+if TYPE_CHECKING:
+    from kickdrift.world.recording import Recording
 
 
 def to_xarray(solution: Solution) -> Any:
@@ -41,3 +44,21 @@ def to_xarray(solution: Solution) -> Any:
             "source": about.source,
         },
     )
+
+
+def recording_to_xarray(recording: "Recording") -> Any:
+    """Return a recording as an `xarray.Dataset`: as `to_xarray`, with orientations and angular velocities.
+
+    Raises
+    ------
+    MissingExtraError
+        If xarray is not installed.
+    """
+    units = recording.about.units
+    return to_xarray(recording).assign(
+        orientation=(("time", "body", "quaternion"), recording.orientation, {"units": "1"}),
+        angular_velocity=(
+            ("time", "body", "space"), recording.angular_velocity, {"units": units["angular velocity"]}
+        ),
+        quaternion=list("wxyz"),
+    )  # fmt: skip

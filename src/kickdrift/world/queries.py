@@ -5,7 +5,7 @@ inside of a closed one overlaps nothing.
 """
 
 from collections.abc import Iterable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -240,8 +240,7 @@ def _strays(tables: Tables) -> Integers:
         kind, table, wanted, body = (int(trouble[column]) for column in (KIND, TABLE, WANTED, BODY))
         trouble[:] = 0
         if kind != FULL:
-            raise KickdriftError(f"Body {body} has a position that is not finite, so that no ray can look for it; move
-            it.")
+            raise KickdriftError(f"Body {body} has a position that is not finite, and cannot be looked for; move it.")
         tables.make_room(table, wanted)
     strays = np.empty(len(tables.array(MOVERS)), dtype=np.int64)
     return strays[: find_strays(tables.address, strays)]

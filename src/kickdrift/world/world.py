@@ -1,6 +1,7 @@
 """A world: bodies that touch, stack, hinge and walk."""
 
 import numpy as np
+from numba.np.ufunc.parallel import _launch_threads
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.calls import address_of
@@ -14,7 +15,7 @@ from kickdrift.world.contacts import lanes
 from kickdrift.world.contacts.impact import bounce
 from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.contacts.prepare import colour, prepare
-from kickdrift.world.contacts.solve import relax, solve, store, warm_start
+from kickdrift.world.contacts.solve import THREADED, relax, solve, store, warm_start
 from kickdrift.world.contacts.update import find_points, place_shapes
 from kickdrift.world.events import note_touching
 from kickdrift.world.forces import begin_forces, force_stage
@@ -73,6 +74,9 @@ class World(KeepsHistory, AddsBodies):
         Whether islands of bodies that touch or are joined are left alone once they have rested: once no point of them has
         moved faster than `sleep_speed`, m/s, for `sleep_time`, s. Off by default, because it takes their last energy.
     sleep_speed, sleep_time : float
+    threads : bool
+        Whether contacts are shared among the threads that Numba has (``numba.set_num_threads``). The bits are the same for
+        any number of threads. Worth it from some thousand bodies on, on cores that nobody else uses.
 
     Attributes
     ----------
@@ -102,6 +106,7 @@ class World(KeepsHistory, AddsBodies):
         sleeping: bool = False,
         sleep_speed: float = 0.05,
         sleep_time: float = 0.5,
+        threads: bool = False,
     ) -> None:
         self.tables = Tables()
         self.time = 0.0
@@ -120,6 +125,10 @@ class World(KeepsHistory, AddsBodies):
         row[settings.BOUNCE_SPEED] = -1.0 if bounce_speed is None else bounce_speed
         row[settings.SLEEP_SPEED], row[settings.SLEEP_TIME] = sleep_speed, sleep_time
         self.sleeping = bool(sleeping)
+        self.threads = bool(threads)
+        if threads:
+            # Code from the cache on disk looks for the thread pool and does not start it.
+            _launch_threads()
         row[settings.RECYCLE_DISTANCE] = 0.5 * margin
         self.tables.resize(TROUBLE, 1)
         self.tables.resize(COLOURS, 64)
@@ -273,7 +282,7 @@ class World(KeepsHistory, AddsBodies):
             if stage is flight.kick:
                 used += self.forces
             if stage not in without:
-                used.append(stage)
+                used.append(THREADED.get(stage, stage) if self.threads else stage)
         return used
 
     def _help(self, done: int, step: float) -> None:

@@ -3,5 +3,38 @@
 from collections.abc import Callable
 from typing import Any
 
+from kickdrift.world.collision import (
+    box_box,
+    capsule_box,
+    capsule_hull,
+    capsules,
+    plane_polyhedra,
+    polyhedra,
+    sphere_hull,
+    spheres,
+    triangle_polyhedra,
+    triangles,
+)
+from kickdrift.world.shapes.kinds import BOX, CAPSULE, HULL, PLANE, SPHERE, TRIANGLE
+
 # By the kinds of two shapes, the lower one first: collide(a, b, pose, margin, manifold) -> number of points.
-PAIRS: dict[tuple[int, int], Callable[..., Any]] = {}
+PAIRS: dict[tuple[int, int], Callable[..., Any]] = {
+    (PLANE, SPHERE): spheres.plane_sphere,
+    (PLANE, CAPSULE): capsules.plane_capsule,
+    (PLANE, BOX): plane_polyhedra.plane_box,
+    (PLANE, HULL): plane_polyhedra.plane_hull,
+    (TRIANGLE, SPHERE): triangles.triangle_sphere,
+    (TRIANGLE, CAPSULE): triangles.triangle_capsule,
+    (TRIANGLE, BOX): triangle_polyhedra.triangle_box,
+    (TRIANGLE, HULL): triangle_polyhedra.triangle_hull,
+    (SPHERE, SPHERE): spheres.sphere_sphere,
+    (SPHERE, CAPSULE): spheres.sphere_capsule,
+    (SPHERE, BOX): spheres.sphere_box,
+    (SPHERE, HULL): sphere_hull.sphere_hull,
+    (CAPSULE, CAPSULE): capsules.capsule_capsule,
+    (CAPSULE, BOX): capsule_box.capsule_box,
+    (CAPSULE, HULL): capsule_hull.capsule_hull,
+    (BOX, BOX): box_box.box_box,
+    (BOX, HULL): polyhedra.box_hull,
+    (HULL, HULL): polyhedra.hull_hull,
+}

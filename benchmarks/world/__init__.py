@@ -1,0 +1,91 @@
+"""Worlds: kickdrift and other engines of rigid bodies, each at the step that its users take."""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from benchmarks.table import Missing, Row, measured, skipped
+from benchmarks.turns import Costs, in_turns, ratio
+from benchmarks.world import judge
+from benchmarks.world.cases import CASES, Case
+from benchmarks.world.described import Scene
+from benchmarks.world.judge import Engine
+from benchmarks.world.ours import Kickdrift, described
+from kickdrift.world.world import World
+
+_OURS = "kickdrift"
+
+
+def sections(rounds: int) -> list[tuple[str, list[Row]]]:
+    """Compare all worlds."""
+    return [
+        (f"World: {case.title}; {case.watched:g} s, {case.timed:g} s measured", _compare(case, rounds))
+        for case in CASES
+    ]
+
+
+def _compare(case: Case, rounds: int) -> list[Row]:
+    scene = described(_world(case))
+    runs = {_OURS: _Run(case, scene, lambda: Kickdrift(_world(case), case.step), case.step)}
+    rows = []
+    for rival in case.rivals:
+        make = rival.make
+        run = _Run(case, scene, lambda make=make, rival=rival: make(scene, rival.step), rival.step)  # type: ignore[misc]
+        try:
+            run.judge()
+        except Missing as missing:
+            rows.append(skipped(rival.label, str(missing)))
+            continue
+        runs[rival.label] = run
+    runs[_OURS].judge()
+    costs = in_turns({label: run.measure for label, run in runs.items()}, min(rounds, case.most_rounds))
+    return [*(_row(label, run, costs) for label, run in runs.items()), *rows]
+
+
+def _world(case: Case) -> World:
+    made = case.scene()
+    return made if isinstance(made, World) else made.world
+
+
+class _Run:
+    """A world in one engine: what its judges say, and what a second of it costs."""
+
+    def __init__(self, case: Case, scene: Scene, make: Callable[[], Engine], step: float) -> None:
+        self._case, self._scene, self._make, self.step = case, scene, make, step
+        self.verdicts = ""
+
+    def judge(self) -> None:
+        """Watch it once."""
+        engine = self._make()
+        watched = judge.watch(engine, self.step, self._case.watched)
+        _let_go(engine)
+        finite = bool(np.isfinite(watched.poses).all())
+        said = [one(self._scene, watched) for one in self._case.judges] if finite else ["lost to infinity"]
+        self.verdicts = "; ".join(said)
+
+    def measure(self) -> float:
+        """Seconds that one second of the world takes, from its start."""
+        engine = self._make()
+        steps = round(self._case.timed / self.step)
+        started = time.perf_counter()
+        for _ in range(steps):
+            engine.step()
+        seconds = time.perf_counter() - started
+        _let_go(engine)
+        return seconds / (steps * self.step)
+
+
+def _row(label: str, run: _Run, costs: Costs) -> Row:
+    per_step = np.median(costs[label]) * run.step * 1e3
+    note = f"{per_step:.2g} ms a step of {run.step * 1e3:.3g} ms; {run.verdicts}"
+    if label == _OURS:
+        return measured(f"{label}, times real time", 1 / costs[label], note=note)
+    return measured(f"{label} / {_OURS}", ratio(costs, label, _OURS), note=note)
+
+
+def _let_go(engine: Engine) -> None:
+    """Free what an engine keeps outside of Python."""
+    close = getattr(engine, "close", None)
+    if close is not None:
+        close()

@@ -1,0 +1,118 @@
+"""Files of ours: one ``.npz`` of plain arrays and one JSON text, which NumPy alone can open. No pickle.
+
+The JSON text names the format and carries a digest of everything else, so that a file that was changed or damaged is found
+before anybody relies on it.
+"""
+
+import hashlib
+import json
+import os
+import tokenize
+import zipfile
+import zlib
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.errors import FileFormatError
+
+Arrays = Mapping[str, NDArray[Any]]
+T = TypeVar("T")
+
+# Formats, as headers name them
+SOLUTION, RECORDING, WORLD = "kickdrift solution 1", "kickdrift recording 1", "kickdrift world 1"
+
+_HEADER = "header"
+# What NumPy, zip and JSON raise on files that are damaged or not ours.
+_FOREIGN = (
+    *(ArithmeticError, AttributeError, EOFError, LookupError, MemoryError, NotImplementedError, RecursionError),
+    *(RuntimeError, SyntaxError, TypeError, ValueError, zipfile.BadZipFile, zlib.error, tokenize.TokenError),
+)
+
+
+def write(path: str | Path, header: Mapping[str, Any], arrays: Arrays) -> Path:
+    """Write a file, whole or not at all.
+
+    Parameters
+    ----------
+    path : path
+        Where; ``.npz`` is appended where it is missing. The folder must exist.
+    header : mapping
+        What JSON can say; under "format" the name of the format.
+    arrays : mapping of str to array
+
+    Returns
+    -------
+    Path
+        The file written.
+
+    Raises
+    ------
+    FileFormatError
+        If the file cannot be written there.
+    """
+    target = _target(path)
+    partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
+    text = json.dumps({**header, "digest": digest(header, arrays)})
+    try:
+        with partial.open("wb") as file:
+            np.savez_compressed(file, allow_pickle=False, **{_HEADER: np.array(text)}, **arrays)
+        partial.replace(target)
+    except OSError as error:
+        with suppress(OSError):
+            partial.unlink(missing_ok=True)
+        raise FileFormatError(
+            f"path={str(path)!r} cannot be written: {error.strerror}; choose another folder."
+        ) from None
+    return target
+
+
+def _target(path: str | Path) -> Path:
+    target = Path(path)
+    if target.name in ("", "..") or "\0" in str(path):
+        raise FileFormatError(f"path={str(path)!r} does not name a file; give a name such as 'run.npz'.")
+    return target if target.suffix == ".npz" else target.with_name(target.name + ".npz")
+
+
+def read(path: str | Path, what: str, writer: str, assemble: Callable[[dict[str, Any], dict[str, NDArray[Any]]], T]) -> T:
+    """Read a file.
+
+    Parameters
+    ----------
+    path : path
+    what, writer : str
+        What it should be, and who writes such files, for errors.
+    assemble : callable
+        Makes what is wanted of header and arrays. What it raises of `LookupError`, `TypeError`, `ValueError` and the like
+        says that the file is not what it should be.
+
+    Raises
+    ------
+    FileFormatError
+        If there is no such file, or it is not what it should be.
+    """
+    try:
+        with Path(path).open("rb") as handle, np.load(handle, allow_pickle=False) as file:
+            header = json.loads(str(file[_HEADER]))
+            arrays = {name: file[name] for name in file.files if name != _HEADER}
+        return assemble(header, arrays)
+    except OSError as error:
+        raise FileFormatError(f"path={str(path)!r} cannot be read: {error.strerror or error}.") from None
+    except _FOREIGN as error:
+        raise FileFormatError(
+            f"path={str(path)!r} is not {what} ({type(error).__name__}: {error}); give a file that {writer} wrote."
+        ) from None
+
+
+def digest(header: Mapping[str, Any], arrays: Arrays) -> str:
+    """Return the SHA-256 of a header, without its digest, and arrays."""
+    known = hashlib.sha256(json.dumps({k: v for k, v in header.items() if k != "digest"}, sort_keys=True).encode())
+    for name in sorted(arrays):
+        array = np.ascontiguousarray(arrays[name])
+        known.update(f"{name} {array.dtype.str} {array.shape}".encode())
+        known.update(array.tobytes())
+    return known.hexdigest()

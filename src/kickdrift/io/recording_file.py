@@ -1,0 +1,60 @@
+"""Recordings on disk: a solution, with orientations and what the world looks like."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from kickdrift.io import archive
+from kickdrift.io.shapes import Catalogue, shapes_of
+from kickdrift.io.solution_file import arrays_of, header_of, members
+from kickdrift.world.recording import Appearance, Part, Recording, Rod
+
+
+def save_recording(recording: Recording, path: str | Path) -> Path:
+    """Write a recording to a file, whole or not at all; as `kickdrift.io.solution_file.save`."""
+    looks, catalogue = recording.appearance, Catalogue()
+    parts = [(part.body, catalogue.place(part.shape)) for part in looks.parts]
+    header = {"format": archive.RECORDING, **header_of(recording), "shapes": catalogue.words}
+    arrays = {
+        **arrays_of(recording),
+        "orientation": recording.orientation,
+        "angular_velocity": recording.angular_velocity,
+        "kinds": looks.kinds,
+        "shape numbers": catalogue.numbers,
+        "parts": np.array(parts, dtype=np.int64).reshape(-1, 2),
+        "places": _rows([[*part.position, *part.orientation] for part in looks.parts], 7),
+        "rods": np.array([(rod.body_a, rod.body_b) for rod in looks.rods], dtype=np.int64).reshape(-1, 2),
+        "rod ends": _rows([[*rod.point_a, *rod.point_b] for rod in looks.rods], 6),
+    }
+    return archive.write(path, header, arrays)
+
+
+def _rows(rows: list[list[float]], width: int) -> Any:
+    return np.array(rows, dtype=np.float64).reshape(-1, width)
+
+
+def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Recording:
+    """Make a recording of what a file holds.
+
+    Raises
+    ------
+    LookupError, TypeError, ValueError
+        If it holds something else.
+    """
+    if head["digest"] != archive.digest(head, arrays):
+        raise ValueError("it was changed after it was written")
+    known = members(head, arrays)
+    times, bodies = known["x"].shape[:2]
+    turns, spins, kinds = arrays["orientation"], arrays["angular_velocity"], arrays["kinds"]
+    if turns.shape != (times, bodies, 4) or spins.shape != known["x"].shape or kinds.shape != (bodies,):
+        raise ValueError(f"x and orientation have shapes {known['x'].shape} and {turns.shape}")
+    shapes = shapes_of(head["shapes"], arrays["shape numbers"])
+    rows = zip(arrays["parts"].tolist(), arrays["places"], strict=True)
+    parts = tuple(Part(body, shapes[shape], place[:3], place[3:7]) for (body, shape), place in rows)
+    ends = zip(arrays["rods"].tolist(), arrays["rod ends"], strict=True)
+    rods = tuple(Rod(a, end[:3], b, end[3:6]) for (a, b), end in ends)
+    if any(not 0 <= body < bodies for body in (*(p.body for p in parts), *(b for r in rods for b in (r.body_a, r.body_b)))):
+        raise ValueError(f"a shape is one of a body that there is not; there are {bodies}")
+    looks = Appearance(kinds, parts, rods)
+    return Recording(**known, orientation=turns, angular_velocity=spins, appearance=looks)

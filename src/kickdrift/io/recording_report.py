@@ -1,0 +1,38 @@
+"""The report of a recording: a fact a line."""
+
+import numpy as np
+
+from kickdrift.io.report import lines
+from kickdrift.world.recording import Recording
+
+
+def report(recording: Recording) -> str:
+    """Say what was run, how fast, and what became of energy, momentum and angular momentum."""
+    about, seconds = recording.about, recording.wall_time
+    simulated = float(recording.t[-1] - recording.t[0])
+    looks = recording.appearance
+    rows = [
+        ("world", about.system),
+        ("bodies", f"{recording.moving.size} that move, {len(looks.parts)} shapes"),
+        ("span", f"{recording.t[0]:.6g} to {recording.t[-1]:.6g} s"),
+        ("step", f"{recording.step:.6g} s: {about.word}"),
+        ("steps", f"{recording.n_steps}, {recording.t.size} states kept"),
+    ]
+    if recording.n_steps:
+        per_step = seconds / recording.n_steps * 1e3
+        rows.append(("wall time", f"{seconds:.3g} s, {per_step:.3g} ms a step, {simulated / seconds:.3g} x real time"))
+    rows.append(("energy", _change(recording.energy, "J")))
+    for name in ("kinetic energy", "potential energy"):
+        rows.append((name, _change(recording.derived[name], "J")))
+    for name, unit in (("momentum", "kg m/s"), ("angular momentum", "kg m^2/s")):
+        rows.append((name, _change(np.linalg.norm(recording.invariants[name], axis=1), unit)))
+    moved = np.linalg.norm(recording.x[-1] - recording.x[0], axis=1)[recording.moving]
+    if moved.size:
+        rows.append(("farthest way", f"{moved.max():.4g} m, body {recording.moving[int(np.argmax(moved))]}"))
+    rows.append(("outcome", recording.message))
+    return lines(rows)
+
+
+def _change(values: np.ndarray, unit: str) -> str:
+    first, last = float(values[0]), float(values[-1])
+    return f"{first:.6g} to {last:.6g} {unit} ({last - first:+.3g})"

@@ -1,0 +1,168 @@
+"""Pictures of a recording: chooses from where it is seen, and paints the poses of its bodies."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.plots.camera import Camera, axes_of, showing
+from kickdrift.plots.lighting import BACKGROUND, FADE, GRID, LAMP, SETTING, light, paint
+from kickdrift.plots.rendering import cast, clear, ray_addresses
+from kickdrift.plots.scenery import Pose, Scenery, ball_around, turned
+from kickdrift.world.flight import DYNAMIC
+from kickdrift.world.recording import Part, Recording
+from kickdrift.world.shapes.kinds import PLANE
+
+Floats = NDArray[np.float64]
+_SAMPLES = 2  # rays for a pixel, along each side of it
+_AHEAD = (-0.42, 0.82, -0.36)  # where a camera looks that sees depth
+_FROM_LAMP = (0.62, 0.35, -1.0)  # in the camera's axes: right, ahead and up
+_MOST_STATES = 400  # that are looked at to see how far bodies come
+_STRAY = 0.002  # part of all places of bodies that may be out of the picture at each side
+_FLAT = 0.01  # out of the plane, of the extent, in a scene that is seen from the side
+_LAMP_PIXELS = 900
+BACKDROP = (1.0, 1.0, 1.0)
+
+
+class Painter:
+    """Paints the states of one recording from one place.
+
+    Parameters
+    ----------
+    recording : Recording
+    width, height : int
+        Of the pictures, in pixels.
+
+    Attributes
+    ----------
+    camera : Camera
+    distance : (n height, n width) array
+        How far the rays of the last picture go, n x n of them for each pixel.
+    """
+
+    def __init__(self, recording: Recording, width: int, height: int) -> None:
+        points, reaches = _places(recording)
+        low, high = (points - reaches[:, None]).min(axis=0), (points + reaches[:, None]).max(axis=0)
+        extent, centre = float(np.linalg.norm(high - low)), 0.5 * (low + high)
+        self._flat = _is_flat(recording, extent)
+        ahead = np.array((0.0, 1.0, 0.0) if self._flat else _AHEAD)
+        self.camera = showing(points, reaches, ahead, width / height, perspective=not self._flat)
+        planes = [p for p in recording.appearance.parts if p.shape.kind == PLANE and _is_seen(p, recording, self.camera)]
+        self.scenery = Scenery(recording.appearance, extent, planes, from_side=self._flat)
+        self._addresses = ray_addresses(self.scenery.kinds)
+        self._lamp = _lamp(self.camera, centre, 0.55 * extent)
+        self._setting = np.zeros(SETTING)
+        self._setting[LAMP : LAMP + 3] = -self._lamp.ahead
+        self._setting[BACKGROUND : BACKGROUND + 3] = BACKDROP
+        self._setting[GRID] = _round_length(extent / 12.0)
+        self._setting[FADE : FADE + 4] = (1.6 * extent, *centre)
+        self._film, self._empty = (_Film(_SAMPLES * height, _SAMPLES * width) for _ in range(2))
+        self._shade = _Film(_LAMP_PIXELS, _LAMP_PIXELS)
+        self._lit = np.ones(self._film.distance.shape, dtype=np.float32)
+        # Planes do not move: their rays are cast once.
+        sight = self.scenery.at(Pose(recording.x[0], recording.orientation[0]))
+        clear(*self._empty)
+        cast(self.camera.numbers(), 0, self.scenery.n_planes, *sight, self._addresses, *self._empty)
+        self._picture = np.zeros((height, width, 3), dtype=np.uint8)
+
+    @property
+    def distance(self) -> Floats:
+        """How far the rays of the last picture go, m, n x n of them for each pixel."""
+        return self._film.distance
+
+    def paint(self, pose: Pose) -> NDArray[np.uint8]:
+        """Paint the bodies in a pose.
+
+        Returns
+        -------
+        (height, width, 3) array of uint8
+        """
+        sight, camera, film, shade = self.scenery.at(pose), self.camera.numbers(), self._film, self._shade
+        for array, empty in zip(film, self._empty, strict=True):
+            array[:] = empty
+        cast(camera, self.scenery.n_planes, len(sight.shapes), *sight, self._addresses, *film)
+        if not self._flat:
+            lamp = self._lamp.numbers()
+            clear(*shade)
+            cast(lamp, self.scenery.n_planes, len(sight.shapes), *sight, self._addresses, *shade)
+            light(camera, film.distance, film.normal, lamp, shade.distance, self._lit)
+        colours = self.scenery.colours
+        paint(camera, sight.shapes, sight.places, colours, self._setting, *film, self._lit, self._picture)
+        return self._picture.copy()
+
+
+class _Film:
+    """What the rays through the pixels of a picture meet."""
+
+    def __init__(self, height: int, width: int) -> None:
+        self.distance = np.zeros((height, width))
+        self.owner = np.zeros((height, width), dtype=np.int32)
+        self.normal = np.zeros((height, width, 3), dtype=np.float32)
+
+    def __iter__(self) -> Iterator[NDArray[Any]]:
+        return iter((self.distance, self.owner, self.normal))
+
+
+def _places(recording: Recording) -> tuple[Floats, Floats]:
+    """Find balls around the shapes that move, and the ends of rods, at many times, but for strays that would make all small.
+
+    Returns
+    -------
+    (K, 3) and (K,) array
+        Centres and radii, m.
+    """
+    rows = np.unique(np.linspace(0, recording.t.size - 1, _MOST_STATES).astype(np.intp))
+    places, reaches = [], []
+    parts = [part for part in recording.appearance.parts if part.shape.kind != PLANE]
+    moving = [part for part in parts if recording.appearance.kinds[part.body] == DYNAMIC]
+    for part in moving or parts:
+        middle, reach = ball_around(part)
+        places.append(recording.x[rows, part.body] + turned(recording.orientation[rows, part.body], middle))
+        reaches.append(np.full(rows.size, reach))
+    for rod in recording.appearance.rods:
+        for body, point in ((rod.body_a, rod.point_a), (rod.body_b, rod.point_b)):
+            places.append(recording.x[rows, body] + turned(recording.orientation[rows, body], point))
+            reaches.append(np.zeros(rows.size))
+    if not places:
+        return np.zeros((1, 3)), np.ones(1)
+    x, r = np.concatenate(places), np.concatenate(reaches)
+    low, high = np.quantile(x, _STRAY, axis=0), np.quantile(x, 1.0 - _STRAY, axis=0)
+    near = ((x >= low - r[:, None]) & (x <= high + r[:, None])).all(axis=1)
+    return x[near], r[near]
+
+
+def _is_flat(recording: Recording, extent: float) -> bool:
+    """Whether everything moves in the x-z plane, and turns in it."""
+    rows = recording.moving
+    if not rows.size:
+        return False
+    q = recording.orientation[:, rows]
+    leans = np.abs(2.0 * (q[..., 2] * q[..., 3] + q[..., 0] * q[..., 1])).max()  # of y axes out of the y direction
+    ways = np.ptp(recording.x[:, rows, 1])
+    return bool(ways < _FLAT * extent and leans < 10 * _FLAT)
+
+
+def _is_seen(plane: Part, recording: Recording, camera: Camera) -> bool:
+    """Whether a camera sees a plane from outside."""
+    at, turn = recording.x[0, plane.body], recording.orientation[0, plane.body]
+    origin = at + turned(turn, plane.position)
+    normal = turned(turn, turned(plane.orientation, np.array([0.0, 0.0, 1.0])))
+    if not camera.perspective:
+        return bool(abs(normal @ camera.ahead) < _FLAT)
+    return bool((camera.eye - origin) @ normal > 0.0)
+
+
+def _lamp(camera: Camera, centre: Floats, radius: float) -> Camera:
+    """Place a lamp behind the left shoulder of the camera, so far away that its rays are parallel."""
+    upwards = np.array([0.0, 0.0, 1.0])
+    right, ahead, up = _FROM_LAMP
+    axes = axes_of(right * camera.right + ahead * np.cross(upwards, camera.right) + up * upwards)
+    return Camera(centre - 3.0 * radius * axes[2], *axes, False, radius)
+
+
+def _round_length(length: float) -> float:
+    """Return the nearest of 1, 2 and 5 times a power of ten that is not smaller."""
+    power = 10.0 ** math.floor(math.log10(length))
+    return next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= length)

@@ -1,0 +1,185 @@
+"""What there is to be seen of a recording: its shapes as numbers for the rays of a camera, and where they are."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.plots.page import COLOURS
+from kickdrift.plots.rendering import MIDDLE, REACH
+from kickdrift.world.flight import DYNAMIC, REMOVED
+from kickdrift.world.recording import Appearance, Part, Recording
+from kickdrift.world.shapes.kinds import BOX, CAPSULE, MESH, PLANE, TRIANGLE
+from kickdrift.world.shapes.mesh import TRIANGLE_SIZE
+
+Floats = NDArray[np.float64]
+_ROD = 0.004  # thickness of a rod, of the extent of the scene
+_LIGHTER = 0.3  # of white in the colours of bodies
+_FIXED, _GROUND, _RODS = (0.72, 0.74, 0.76), (0.93, 0.94, 0.95), (0.35, 0.37, 0.4)
+_SLAB = 20.0  # half the width of what stands for a plane that is seen from the side, of the extent of the scene
+
+
+class Pose(NamedTuple):
+    """Where all bodies are: positions (N, 3) and orientations (N, 4)."""
+
+    position: Floats
+    orientation: Floats
+
+
+class Sight(NamedTuple):
+    """Shapes as a camera takes them; see `kickdrift.plots.rendering.cast`.
+
+    Attributes
+    ----------
+    shapes : (S, 3) array of int
+    places : (S, 11) array
+    numbers : (K,) array
+    """
+
+    shapes: NDArray[np.int64]
+    places: Floats
+    numbers: Floats
+
+
+class _Piece(NamedTuple):
+    """A shape as rays see it: its kind and numbers, and a ball around it in its own frame."""
+
+    kind: int
+    numbers: Floats
+    middle: Floats
+    reach: float
+
+
+class Scenery:
+    """The shapes of a world, wherever its bodies are.
+
+    Parameters
+    ----------
+    appearance : Appearance
+    extent : float
+        Of the scene, m.
+    planes : sequence of Part
+        Those planes of it that are to be seen.
+    from_side : bool
+        Whether planes are seen from the side, as slabs.
+
+    Attributes
+    ----------
+    colours : (S, 3) array
+    n_planes : int
+        They are the first of the shapes.
+    """
+
+    def __init__(self, appearance: Appearance, extent: float, planes: list[Part], *, from_side: bool) -> None:
+        self._rods = appearance.rods
+        self._thickness = _ROD * extent
+        pieces: list[_Piece] = []
+        bodies, places, colours = [], [], []
+        self.n_planes = len(planes)
+        for part in (*planes, *(part for part in appearance.parts if part.shape.kind != PLANE)):
+            if appearance.kinds[part.body] == REMOVED:
+                continue
+            origin = part.position
+            if part.shape.kind == PLANE:
+                made = [_Piece(PLANE, np.zeros(0), np.zeros(3), np.inf)]
+                if from_side:
+                    half = _SLAB * extent
+                    made = [_Piece(BOX, np.full(3, half), np.zeros(3), 2.0 * half)]
+                    origin = origin - turned(part.orientation, np.array([0.0, 0.0, half]))
+                colour: Any = _GROUND
+            else:
+                made = _pieces(part)
+                colour = colour_of(part.body) if appearance.kinds[part.body] == DYNAMIC else _FIXED
+            pieces += made
+            bodies += [part.body] * len(made)
+            places += [[*origin, *part.orientation]] * len(made)
+            colours += [colour] * len(made)
+        self._bodies = np.array(bodies, dtype=np.intp)
+        self._in_body = np.array(places, dtype=np.float64).reshape(-1, 7)
+        self._middles = np.array([p.middle for p in pieces]).reshape(-1, 3)
+        self._reaches = np.array([p.reach for p in pieces] + [0.0] * len(self._rods))
+        pieces += [_Piece(CAPSULE, np.array([self._thickness, 0.0]), np.zeros(3), 0.0)] * len(self._rods)
+        ends = np.cumsum([p.numbers.size for p in pieces], dtype=np.int64)
+        sizes = np.array([p.numbers.size for p in pieces], dtype=np.int64)
+        self._shapes = np.column_stack(([p.kind for p in pieces], ends - sizes, ends)).astype(np.int64).reshape(-1, 3)
+        self._numbers = np.concatenate([np.zeros(0), *(p.numbers for p in pieces)])
+        self.colours = np.array([*colours, *[_RODS] * len(self._rods)]).reshape(-1, 3)
+
+    @property
+    def kinds(self) -> set[int]:
+        """Kinds of shapes that rays will have to meet."""
+        return {int(kind) for kind in self._shapes[:, 0]}
+
+    def at(self, pose: Pose) -> Sight:
+        """Say where everything is for a pose of the bodies."""
+        turns, at = pose.orientation[self._bodies], pose.position[self._bodies]
+        places = np.zeros((len(self._shapes), 11))
+        count = len(self._bodies)
+        places[:count, :3] = at + turned(turns, self._in_body[:, :3])
+        places[:count, 3:7] = product(turns, self._in_body[:, 3:])
+        places[:count, MIDDLE:REACH] = places[:count, :3] + turned(places[:count, 3:7], self._middles)
+        places[:, REACH] = self._reaches
+        numbers = self._numbers.copy()
+        for i, rod in enumerate(self._rods, start=count):
+            first = pose.position[rod.body_a] + turned(pose.orientation[rod.body_a], rod.point_a)
+            along = pose.position[rod.body_b] + turned(pose.orientation[rod.body_b], rod.point_b) - first
+            length = float(np.linalg.norm(along))
+            places[i, :3] = places[i, MIDDLE:REACH] = first + 0.5 * along
+            places[i, 3:7] = _turn_to(along / length) if length > 0.0 else (1.0, 0.0, 0.0, 0.0)
+            places[i, REACH] = 0.5 * length + self._thickness
+            numbers[self._shapes[i, 1] + 1] = 0.5 * length
+        return Sight(self._shapes, places, numbers)
+
+
+def colour_of(body: int) -> Floats:
+    """Choose the colour of a body."""
+    code = COLOURS[body % (len(COLOURS) - 1)]
+    pure = np.array([int(code[k : k + 2], 16) / 255.0 for k in (1, 3, 5)])
+    return pure + _LIGHTER * (1.0 - pure)
+
+
+def ball_around(part: Part) -> tuple[Floats, float]:
+    """Return a ball around a shape that is no plane, in the axes of its body: middle and radius."""
+    points = np.concatenate(part.shape.wireframe())
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    reach = float(np.linalg.norm(points - middle, axis=1).max())
+    return part.position + turned(part.orientation, middle), reach
+
+
+def _pieces(part: Part) -> list[_Piece]:
+    """Cut a shape into what rays meet: meshes into triangles."""
+    shape = part.shape
+    if shape.kind == MESH:
+        triangles = shape.numbers[1:].reshape(-1, TRIANGLE_SIZE)
+        corners = triangles[:, :9].reshape(-1, 3, 3)
+        middles = corners.mean(axis=1)
+        reaches = np.linalg.norm(corners - middles[:, None], axis=2).max(axis=1)
+        return [_Piece(TRIANGLE, *row) for row in zip(triangles, middles, reaches.tolist(), strict=True)]
+    points = np.concatenate(shape.wireframe())
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    reach = float(np.linalg.norm(points - middle, axis=1).max())
+    return [_Piece(shape.kind, shape.numbers, middle, 1.01 * reach)]
+
+
+def turned(q: Floats, a: Floats) -> Floats:
+    """Turn vectors (..., 3) by quaternions (..., 4)."""
+    u = q[..., 1:]
+    t = 2.0 * np.cross(u, a)
+    result: Floats = a + q[..., :1] * t + np.cross(u, t)
+    return result
+
+
+def product(p: Floats, q: Floats) -> Floats:
+    """Multiply quaternions (..., 4)."""
+    w = p[..., :1] * q[..., :1] - np.sum(p[..., 1:] * q[..., 1:], axis=-1, keepdims=True)
+    v = p[..., :1] * q[..., 1:] + q[..., :1] * p[..., 1:] + np.cross(p[..., 1:], q[..., 1:])
+    return np.concatenate((w, v), axis=-1)
+
+
+def _turn_to(direction: Floats) -> tuple[float, float, float, float]:
+    """Return a quaternion that turns the z axis into a direction."""
+    x, y, z = (float(c) for c in direction)
+    if z < -0.999999999:
+        return (0.0, 1.0, 0.0, 0.0)
+    w = np.sqrt(0.5 * (1.0 + z))
+    return (w, -0.5 * y / w, 0.5 * x / w, 0.0)

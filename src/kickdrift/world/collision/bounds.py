@@ -1,0 +1,145 @@
+"""The boxes of shapes: what one may touch in a step lies in its box, and it is sought anew when it leaves a wider one.
+
+The box of a shape holds its points, their way in the step, and a margin within which contacts are found before they
+touch. The wider box is larger by some slack on all sides and by some of the way ahead, so that what rests is never
+sought and what falls is sought every few steps. Shapes that cannot move have neither.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Vector, cross, dot, length, plus, product, times, turned
+from kickdrift.world.collision.extents import extent
+from kickdrift.world.collision.tree import Box
+from kickdrift.world.flight import DYNAMIC, KIND, STATIC
+from kickdrift.world.settings import GRAVITY, MARGIN
+from kickdrift.world.shapes.kinds import MESH, PLANE
+from kickdrift.world.tables import (
+    BODY,
+    BOUNDS,
+    GEOMETRY,
+    MOTION,
+    MOVERS,
+    PLACE,
+    POSE,
+    SETTINGS,
+    SHAPE,
+    flat,
+    floats,
+    integers,
+    rows,
+)
+
+# Columns of BOUNDS besides the wider box
+FIRST_NODE = 6  # of a mesh in PART_TREE
+LAST_NODE = 7  # the one after it
+
+_FRACTION = 0.125  # of the longest side: margin and slack of small shapes
+_SLACK = 0.05  # m, of large ones
+_AHEAD = 3.0  # steps: at 2 falling boxes are sought half as often again, at 4 fast ones have a third more contacts
+
+
+@compiled(inline=True)
+def may_move(world: int, shape: int) -> bool:
+    """Whether a shape belongs to a body that moves, or could."""
+    shapes = integers(world, SHAPE)
+    kind = shapes[shape, 0]
+    return kind != PLANE and kind != MESH and integers(world, BODY)[shapes[shape, 1], KIND] != STATIC
+
+
+@compiled
+def settle(world: int, shape: int, h: float) -> bool:
+    """Give a shape that leaves its wider box in a step of h a new one; return whether it does."""
+    box, slack, way = _box_in_step(world, shape, h)
+    bounds = floats(world, BOUNDS)
+    if _holds(bounds, shape, box):
+        return False
+    for k in range(3):
+        bounds[shape, k] = box[k] - slack + _AHEAD * min(way[k], 0.0)
+        bounds[shape, 3 + k] = box[3 + k] + slack + _AHEAD * max(way[k], 0.0)
+    return True
+
+
+@compiled
+def find_strays(world: int, strays: Any) -> int:
+    """Write shapes into a list that are not in their wider boxes as they stand now; return how many."""
+    movers, bounds = integers(world, MOVERS), floats(world, BOUNDS)
+    count = 0
+    for k in range(rows(world, MOVERS)):
+        box, _, _ = _box_in_step(world, movers[k, 0], 0.0)
+        if not _holds(bounds, movers[k, 0], box):
+            strays[count] = movers[k, 0]
+            count += 1
+    return count
+
+
+@compiled(inline=True)
+def _holds(bounds: Any, shape: int, box: Box) -> bool:
+    """Whether the wider box of a shape holds another one; not if a number is NaN."""
+    inside = True
+    for k in range(3):
+        inside = inside and bounds[shape, k] <= box[k] and bounds[shape, 3 + k] >= box[3 + k]
+    return inside
+
+
+@compiled(inline=True)
+def is_somewhere(world: int, shape: int) -> bool:
+    """Whether the wider box of a shape is finite."""
+    bounds = floats(world, BOUNDS)
+    total = 0.0
+    for k in range(6):
+        total += abs(bounds[shape, k])
+    return total < np.inf
+
+
+@compiled(inline=True)
+def _box_in_step(world: int, shape: int, h: float) -> tuple[Box, float, Vector]:
+    """Return the box of a shape, the slack of the wider one, and the way of its origin in a step of h."""
+    shapes, place, pose = integers(world, SHAPE), floats(world, PLACE), floats(world, POSE)
+    body = shapes[shape, 1]
+    arm, turn = (0.0, 0.0, 0.0), (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
+    offset = (place[shape, 0], place[shape, 1], place[shape, 2])
+    if place[shape, 3] != 1.0 or dot(offset, offset) > 0.0:  # most bodies are one shape: that saves 5 ns of 30
+        arm = turned(turn, offset)
+        turn = product(turn, (place[shape, 3], place[shape, 4], place[shape, 5], place[shape, 6]))
+    box, reach = extent(shapes[shape, 0], flat(world, GEOMETRY), shapes[shape, 2], shapes[shape, 3], turn)
+    at = plus((pose[body, 0], pose[body, 1], pose[body, 2]), arm)
+    if not may_move(world, shape):
+        still = (at[0] + box[0], at[1] + box[1], at[2] + box[2], at[0] + box[3], at[1] + box[4], at[2] + box[5])
+        return still, 0.0, (0.0, 0.0, 0.0)
+    settings = floats(world, SETTINGS)
+    way = _way(world, body, arm, h)
+    sway = h * _turn_speed(world, body) * reach  # no point leaves the ball of radius `reach` by turning
+    size = _FRACTION * max(max(box[3] - box[0], box[4] - box[1]), box[5] - box[2])
+    margin = min(settings[0, MARGIN], size)
+    grown = (
+        at[0] + max(box[0] - sway, -reach) + min(way[0], 0.0) - margin,
+        at[1] + max(box[1] - sway, -reach) + min(way[1], 0.0) - margin,
+        at[2] + max(box[2] - sway, -reach) + min(way[2], 0.0) - margin,
+        at[0] + min(box[3] + sway, reach) + max(way[0], 0.0) + margin,
+        at[1] + min(box[4] + sway, reach) + max(way[1], 0.0) + margin,
+        at[2] + min(box[5] + sway, reach) + max(way[2], 0.0) + margin,
+    )
+    return grown, min(_SLACK, size), way
+
+
+@compiled(inline=True)
+def _way(world: int, body: int, arm: Vector, h: float) -> Vector:
+    """Return the way of a point of a body in a step that gravity will speed up."""
+    motion, settings = floats(world, MOTION), floats(world, SETTINGS)
+    v = plus((motion[body, 0], motion[body, 1], motion[body, 2]), cross(_turn(motion, body), arm))
+    if integers(world, BODY)[body, KIND] == DYNAMIC:
+        v = plus(v, times(h, (settings[0, GRAVITY], settings[0, GRAVITY + 1], settings[0, GRAVITY + 2])))
+    return times(h, v)
+
+
+@compiled(inline=True)
+def _turn_speed(world: int, body: int) -> float:
+    return length(_turn(floats(world, MOTION), body))
+
+
+@compiled(inline=True)
+def _turn(motion: Any, body: int) -> Vector:
+    return (motion[body, 3], motion[body, 4], motion[body, 5])

@@ -1,0 +1,48 @@
+"""Boxes along the world's axes against each other and against planes, and seen from the frames of shapes."""
+
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import conjugate, dot, minus, turned, turned_back
+from kickdrift.world.collision.extents import turned_extents
+from kickdrift.world.collision.tree import Box
+from kickdrift.world.contacts.update import shape_pose
+from kickdrift.world.tables import BOUNDS, floats
+
+
+@compiled(inline=True)
+def wider_box(world: int, shape: int) -> Box:
+    """Return the box that a shape was last sought in."""
+    box: Any = floats(world, BOUNDS)
+    return (box[shape, 0], box[shape, 1], box[shape, 2], box[shape, 3], box[shape, 4], box[shape, 5])
+
+
+@compiled(inline=True)
+def boxes_overlap(a: Box, b: Box) -> bool:
+    """Whether two boxes have points in common."""
+    first = a[0] <= b[3] and a[1] <= b[4] and a[2] <= b[5]
+    return first and b[0] <= a[3] and b[1] <= a[4] and b[2] <= a[5]
+
+
+@compiled
+def reaches_under(world: int, plane: int, box: Box) -> bool:
+    """Whether a box reaches under a plane."""
+    at, q = shape_pose(world, plane)
+    n = turned(q, (0.0, 0.0, 1.0))
+    # The corner that is deepest, as n^T (centre - at) - |n|^T (half sides)
+    lowest = (
+        box[0] if n[0] > 0.0 else box[3],
+        box[1] if n[1] > 0.0 else box[4],
+        box[2] if n[2] > 0.0 else box[5],
+    )
+    return dot(n, minus(lowest, at)) <= 0.0
+
+
+@compiled
+def box_in_frame(world: int, shape: int, box: Box) -> Box:
+    """Enclose a box by one along the axes of the frame of a shape."""
+    at, q = shape_pose(world, shape)
+    centre = (0.5 * box[0] + 0.5 * box[3], 0.5 * box[1] + 0.5 * box[4], 0.5 * box[2] + 0.5 * box[5])
+    half = turned_extents(conjugate(q), (box[3] - centre[0], box[4] - centre[1], box[5] - centre[2]))
+    c = turned_back(q, minus(centre, at))
+    return (c[0] - half[0], c[1] - half[1], c[2] - half[2], c[0] + half[0], c[1] + half[1], c[2] + half[2])

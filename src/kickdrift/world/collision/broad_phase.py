@@ -1,0 +1,165 @@
+"""The broad phase: shapes whose wider boxes overlap make contacts, which change where a shape leaves its box."""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.world.collision.filters import may_touch
+from kickdrift.world.collision.forest import update_trees
+from kickdrift.world.collision.known import forget_all, remember, slots_for
+from kickdrift.world.collision.pairs import PAIR, overlap, seek
+from kickdrift.world.collision.roster import update_bounds
+from kickdrift.world.collision.search import AT_HOME, FOUND, NEW, PAIRS_AT, PARTS_AT, REVIEW, SHAPES_AT, SLOTS, STATE
+from kickdrift.world.contacts.layout import BODY_A, BODY_B, PART, SENSOR, SHAPE_A, SHAPE_B, TOUCHING
+from kickdrift.world.contacts.layout import STATE as CONTACT_STATE
+from kickdrift.world.events import BEGINS, FIRST_BODY, FROM_SENSOR, SECOND_BODY
+from kickdrift.world.tables import (
+    CONTACT,
+    EVENTS,
+    MANIFOLD,
+    PART_TREE,
+    SCRATCH,
+    SEARCH,
+    SHAPE,
+    SOUGHT,
+    flat,
+    floats,
+    integers,
+    room,
+    rows,
+    set_rows,
+)
+from kickdrift.world.trouble import ask_for_room
+
+
+@compiled
+def find_pairs(t: float, h: float, world: int) -> None:
+    """Bring the contacts up to date for a step of h: those whose shapes have parted go, new ones come without points.
+
+    New contacts are in the order of the shapes that were sought, which is that of their rows, and then of the others,
+    so that it does not depend on how the trees were built. Where a contact goes, the last one takes its row.
+    """
+    search, sought, shapes = integers(world, SEARCH), integers(world, SOUGHT), integers(world, SHAPE)
+    if not update_bounds(world, h) or (rows(world, SOUGHT) == 0 and search[0, REVIEW] == 0):
+        return
+    if not update_trees(world) or not _lay_out_scratch(world):
+        return
+    if not _look_through(world):
+        return
+    for k in range(rows(world, SOUGHT)):
+        seek(world, sought[k, 0])
+    if not _has_room(world):
+        return
+    _append(world)
+    for k in range(rows(world, SOUGHT)):
+        shapes[sought[k, 0], STATE] = AT_HOME
+    set_rows(world, SOUGHT, 0)
+    search[0, REVIEW] = 0
+
+
+@compiled
+def _lay_out_scratch(world: int) -> bool:
+    """Say what lies where in SCRATCH; False where there is no room."""
+    search = integers(world, SEARCH)
+    search[0, SLOTS] = slots_for(rows(world, CONTACT))
+    search[0, SHAPES_AT] = search[0, SLOTS]
+    search[0, PARTS_AT] = search[0, SHAPES_AT] + rows(world, SHAPE) + 1
+    search[0, PAIRS_AT] = search[0, PARTS_AT] + rows(world, PART_TREE) + 1
+    search[0, FOUND] = 0
+    if room(world, SCRATCH) >= search[0, PAIRS_AT]:
+        return True
+    ask_for_room(world, SCRATCH, search[0, PAIRS_AT] + PAIR * 8 * rows(world, SOUGHT))
+    return False
+
+
+@compiled
+def _look_through(world: int) -> bool:
+    """Remove contacts that must not be any more, and enter those that the search may find again among the known ones.
+
+    Where there is no room for the event that two shapes no longer touch, it returns False and goes on when it is run
+    again.
+    """
+    contact, manifold, shapes = integers(world, CONTACT), floats(world, MANIFOLD), integers(world, SHAPE)
+    forget_all(world)
+    row = 0
+    while row < rows(world, CONTACT):
+        a, b, part = contact[row, SHAPE_A], contact[row, SHAPE_B], contact[row, PART]
+        if shapes[a, STATE] == AT_HOME and shapes[b, STATE] == AT_HOME and shapes[a, 0] >= 0 and shapes[b, 0] >= 0:
+            row += 1
+        elif _stays(world, a, b, part):
+            remember(world, a, b, part)
+            row += 1
+        elif not _note_parting(world, row):
+            return False
+        else:
+            last = rows(world, CONTACT) - 1
+            for k in range(CONTACT.width):
+                contact[row, k] = contact[last, k]
+            for k in range(MANIFOLD.width):
+                manifold[row, k] = manifold[last, k]
+            set_rows(world, CONTACT, last)
+            set_rows(world, MANIFOLD, last)
+    return True
+
+
+@compiled(inline=True)
+def _stays(world: int, a: int, b: int, part: int) -> bool:
+    """Whether shapes of which one is sought anew, or gone, still make a contact."""
+    shapes = integers(world, SHAPE)
+    if shapes[a, 0] < 0 or shapes[b, 0] < 0 or shapes[a, STATE] == NEW or shapes[b, STATE] == NEW:
+        return False
+    return overlap(world, a, b, part) and (integers(world, SEARCH)[0, REVIEW] == 0 or may_touch(world, a, b))
+
+
+@compiled
+def _note_parting(world: int, row: int) -> bool:
+    """Note that the shapes of a contact touch no more, where they did; nothing is said of shapes that are gone."""
+    contact, events, shapes = integers(world, CONTACT), integers(world, EVENTS), integers(world, SHAPE)
+    a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
+    if contact[row, CONTACT_STATE] & TOUCHING == 0 or shapes[a, STATE] == NEW or shapes[b, STATE] == NEW:
+        return True
+    count = rows(world, EVENTS)
+    if room(world, EVENTS) <= count:
+        ask_for_room(world, EVENTS, count + 1)
+        return False
+    events[count, BEGINS] = 0
+    events[count, FIRST_BODY], events[count, SECOND_BODY] = contact[row, BODY_A], contact[row, BODY_B]
+    events[count, FROM_SENSOR] = contact[row, CONTACT_STATE] & SENSOR != 0
+    set_rows(world, EVENTS, count + 1)
+    return True
+
+
+@compiled
+def _has_room(world: int) -> bool:
+    """Ask for room for what was found, where there is none."""
+    search = integers(world, SEARCH)
+    count = rows(world, CONTACT) + search[0, FOUND]
+    if room(world, SCRATCH) < search[0, PAIRS_AT] + PAIR * search[0, FOUND]:
+        ask_for_room(world, SCRATCH, search[0, PAIRS_AT] + PAIR * search[0, FOUND])
+    elif room(world, CONTACT) < count:
+        ask_for_room(world, CONTACT, count)
+    elif room(world, MANIFOLD) < count:
+        ask_for_room(world, MANIFOLD, count)
+    else:
+        return True
+    return False
+
+
+@compiled
+def _append(world: int) -> None:
+    """Make contacts of the pairs that were found."""
+    contact, manifold, shapes = integers(world, CONTACT), floats(world, MANIFOLD), integers(world, SHAPE)
+    search, pairs = integers(world, SEARCH), flat(world, SCRATCH)
+    row = rows(world, CONTACT)
+    at = search[0, PAIRS_AT]
+    for _ in range(search[0, FOUND]):
+        a, b = int(pairs[at]), int(pairs[at + 1])
+        for k in range(CONTACT.width):
+            contact[row, k] = 0
+        for k in range(MANIFOLD.width):
+            manifold[row, k] = 0.0
+        contact[row, SHAPE_A], contact[row, SHAPE_B], contact[row, PART] = a, b, int(pairs[at + 2])
+        contact[row, BODY_A], contact[row, BODY_B] = shapes[a, 1], shapes[b, 1]
+        if shapes[a, 6] != 0 or shapes[b, 6] != 0:
+            contact[row, CONTACT_STATE] = SENSOR
+        row += 1
+        at += PAIR
+    set_rows(world, CONTACT, row)
+    set_rows(world, MANIFOLD, row)

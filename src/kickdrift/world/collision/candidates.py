@@ -1,0 +1,179 @@
+"""Candidates for the points of a manifold, and the up to four of them that are chosen.
+
+A candidate is a row of `CANDIDATE` numbers: a point of the incident face in the frame of the first shape (3), its
+separation from the reference face, and the id of the features that meet there.
+"""
+
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Vector, cross, dot, minus, times
+from kickdrift.world.collision.clipping import CORNER, between
+from kickdrift.world.collision.frames import placed_back
+from kickdrift.world.collision.points import put_normal, put_point
+from kickdrift.world.shapes.polyhedron import MOST_VERTICES, loop, loop_edge, loop_vertex
+
+CANDIDATE = 5
+
+_STEADY = 0.95  # a candidate must be better by this factor than one before it: the choice stays from step to step
+_THIN = 1e-6  # area of a triangle, over the square of its longest side, below which its third corner adds nothing
+
+
+@compiled
+def crossing(edge_a: int, edge_b: int) -> int:
+    """Return the id of two edges that touch."""
+    return 256 + 512 * edge_a + edge_b
+
+
+@compiled
+def corner_feature(
+    reference: Any, face: int, incident: Any, other: int, before: float, after: float, second_is_reference: bool
+) -> int:
+    """Return the id of what meets at a corner of a clipped face, between two labels.
+
+    A vertex of the second polyhedron is its number, one of the first that plus 128, two edges are their `crossing`.
+    """
+    first, last = loop(reference, face)
+    begin, end = loop(incident, other)
+    low, high = int(min(before, after)), int(max(before, after))
+    if low >= 0:
+        vertex = loop_vertex(incident, begin + between(int(before), int(after), end - begin))
+        return vertex + MOST_VERTICES if second_is_reference else vertex
+    if high < 0:
+        vertex = loop_vertex(reference, first + between(-1 - int(before), -1 - int(after), last - first))
+        return vertex if second_is_reference else vertex + MOST_VERTICES
+    own, met = loop_edge(reference, first - 1 - low), loop_edge(incident, begin + high)
+    return crossing(met, own) if second_is_reference else crossing(own, met)
+
+
+@compiled(inline=True)
+def put_candidate(candidates: Any, at: int, point: Vector, gap: float, feature: int) -> None:
+    """Write a candidate from a given number on."""
+    candidates[at], candidates[at + 1], candidates[at + 2] = point
+    candidates[at + 3], candidates[at + 4] = gap, feature
+
+
+@compiled
+def put_candidates(
+    polygon: Any,
+    count: int,
+    normal: Vector,
+    offset: float,
+    margin: float,
+    reference: Any,
+    face: int,
+    incident: Any,
+    other: int,
+    second_is_reference: bool,
+    candidates: Any,
+) -> int:
+    """Write the corners of a clipped face that are within the margin of the reference face; return how many."""
+    kept = 0
+    for k in range(count):
+        at = CORNER * k
+        point = (polygon[at], polygon[at + 1], polygon[at + 2])
+        gap = dot(normal, point) - offset
+        if gap <= margin:
+            before, after = polygon[CORNER * (k - 1 if k > 0 else count - 1) + 3], polygon[at + 3]
+            feature = corner_feature(reference, face, incident, other, before, after, second_is_reference)
+            put_candidate(candidates, CANDIDATE * kept, point, gap, feature)
+            kept += 1
+    return kept
+
+
+@compiled
+def deepest(candidates: Any, count: int) -> float:
+    """Return the smallest separation of some candidates."""
+    least: float = candidates[3]
+    for k in range(1, count):
+        least = min(least, candidates[CANDIDATE * k + 3])
+    return least
+
+
+@compiled
+def choose(candidates: Any, count: int, normal: Vector, tolerance: float, chosen: Any) -> int:
+    """Choose up to four candidates that bear what all of them do: write their numbers, return how many.
+
+    The deepest; the farthest from it; the one that makes the largest triangle with both; and the one that adds most
+    to it.
+    """
+    if count <= 4:
+        for k in range(count):
+            chosen[k] = k
+        return count
+    first = count - 1
+    for k in range(count - 1):
+        if candidates[CANDIDATE * k + 3] < candidates[CANDIDATE * first + 3] - tolerance:
+            first = k
+    chosen[0] = first
+    a = _point(candidates, first)
+    second, longest = count, 0.0
+    for k in range(count):
+        arm = cross(normal, minus(_point(candidates, k), a))
+        square = dot(arm, arm)
+        if _STEADY * square > longest:
+            second, longest = k, square
+    if second == count:
+        return 1
+    chosen[1] = second
+    b = _point(candidates, second)
+    third, largest, least = count, 0.0, _THIN * longest
+    for k in range(count):
+        area = _area(a, b, _point(candidates, k), normal)
+        if _STEADY * abs(area) > max(abs(largest), least):
+            third, largest = k, area
+    if third == count:
+        return 2
+    chosen[2] = third
+    c = _point(candidates, third)
+    way = times(-1.0 if largest < 0.0 else 1.0, normal)
+    fourth, most = count, least
+    for k in range(count):
+        p = _point(candidates, k)
+        added = max(_area(b, a, p, way), _area(c, b, p, way), _area(a, c, p, way))
+        if _STEADY * added > most:
+            fourth, most = k, added
+    if fourth == count:
+        return 3
+    chosen[3] = fourth
+    return 4
+
+
+@compiled(inline=True)
+def _point(candidates: Any, k: int) -> Vector:
+    at = CANDIDATE * k
+    return (candidates[at], candidates[at + 1], candidates[at + 2])
+
+
+@compiled(inline=True)
+def _area(a: Vector, b: Vector, c: Vector, normal: Vector) -> float:
+    """Return twice the area of a triangle, positive if it is counter-clockwise seen against the normal."""
+    return dot(cross(minus(b, a), minus(c, a)), normal)
+
+
+@compiled
+def put_manifold(
+    manifold: Any, candidates: Any, chosen: Any, count: int, normal: Vector, frame: Any, second_is_reference: bool
+) -> None:
+    """Write the chosen candidates as the points of a manifold.
+
+    Parameters
+    ----------
+    manifold : array
+        See `kickdrift.world.collision`.
+    candidates, chosen, count
+        See `choose`.
+    normal : (3,) tuple
+        Outward unit normal of the reference face in the frame of the first shape.
+    frame : pointer to floats
+        Of the second shape in the first's.
+    second_is_reference : bool
+        Whether the reference face belongs to the second shape, and the incident face to the first.
+    """
+    for k in range(count):
+        at = CANDIDATE * int(chosen[k])
+        point = (candidates[at], candidates[at + 1], candidates[at + 2])
+        under = minus(point, times(candidates[at + 3], normal))
+        on_a, on_b = (point, under) if second_is_reference else (under, point)
+        put_point(manifold, k, on_a, placed_back(frame, on_b), int(candidates[at + 4]))
+    put_normal(manifold, times(-1.0 if second_is_reference else 1.0, normal))

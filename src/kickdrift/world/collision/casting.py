@@ -1,0 +1,132 @@
+"""Rays cast into a world: trees say which shapes to ask, and `kickdrift.world.collision.rays` where they are met."""
+
+import math
+from typing import Any
+
+from numba import carray
+
+from kickdrift.core.calls import caller
+from kickdrift.core.compilation import compiled
+from kickdrift.core.memory import floats_on_stack
+from kickdrift.core.vectors import Vector, minus, turned, turned_back
+from kickdrift.world.collision.bounds import FIRST_NODE, LAST_NODE
+from kickdrift.world.collision.extents import FIRST_TRIANGLE
+from kickdrift.world.collision.rays import MISS, SIGNATURE, Hit
+from kickdrift.world.collision.walk import NOTHING, advance, reciprocal, start
+from kickdrift.world.contacts.update import shape_pose
+from kickdrift.world.shapes.kinds import MESH, TRIANGLE
+from kickdrift.world.shapes.mesh import TRIANGLE_SIZE
+from kickdrift.world.tables import (
+    BOUNDS,
+    GEOMETRY,
+    PART_TREE,
+    PLANES,
+    SHAPE,
+    STATIC_TREE,
+    TREE,
+    flat,
+    floats,
+    integers,
+    rows,
+)
+
+# Columns of hits
+SHAPE_HIT = 0
+DISTANCE = 1
+NORMAL = 2  # (3)
+HIT = 5
+
+_ray = caller(SIGNATURE)
+
+
+@compiled
+def cast_many(world: int, rays: Any, functions: Any, strays: Any, layers: int, hits: Any) -> None:
+    """Find the nearest shape that each ray meets; rows of `hits` stay as they are for rays that meet nothing.
+
+    A row of `rays` is an origin (3), a unit vector (3) and a limit.
+    """
+    for k in range(len(rays)):
+        cast(world, rays[k], functions, strays, layers, True, hits[k : k + 1])
+
+
+@compiled
+def cast(world: int, ray: Any, functions: Any, strays: Any, layers: int, nearest: bool, hits: Any) -> int:
+    """Find the nearest shape that a ray meets, or all of them, in no order; return how many.
+
+    Parameters
+    ----------
+    functions : (8,) array of int
+        Addresses of the functions of `RAYS`, by the kind of shape.
+    strays : (M,) array of int
+        Shapes that may have left their boxes in the trees; of all of them, some can be met twice.
+    layers : int
+        Bits of the layers that are met. Sensors are not.
+    """
+    planes = integers(world, PLANES)
+    limit = ray[6]
+    count = 0
+    for k in range(rows(world, PLANES)):
+        count, limit = _meet(world, planes[k, 0], ray, limit, functions, layers, nearest, hits, count)
+    for k in range(len(strays)):
+        count, limit = _meet(world, strays[k], ray, limit, functions, layers, nearest, hits, count)
+    origin, inverse = (ray[0], ray[1], ray[2]), reciprocal((ray[3], ray[4], ray[5]))
+    walk = carray(floats_on_stack(512), (512,))
+    for table in (STATIC_TREE, TREE):
+        nodes = floats(world, table)
+        start(walk, nodes, 0, rows(world, table), origin, inverse)
+        shape = advance(walk, nodes, origin, inverse, limit)
+        while shape != NOTHING:
+            count, limit = _meet(world, shape, ray, limit, functions, layers, nearest, hits, count)
+            shape = advance(walk, nodes, origin, inverse, limit)
+    return count
+
+
+@compiled
+def _meet(
+    world: int, shape: int, ray: Any, limit: float, functions: Any, layers: int, nearest: bool, hits: Any, count: int
+) -> tuple[int, float]:
+    """Note where a ray meets a shape; return the number of hits, and how far away others may be.
+
+    Of shapes at the same distance the lowest is the nearest, so that it does not depend on how the trees were built.
+    """
+    shapes = integers(world, SHAPE)
+    if shapes[shape, 0] < 0 or shapes[shape, 6] != 0 or shapes[shape, 4] & layers == 0:
+        return count, limit
+    at, q = shape_pose(world, shape)
+    origin = turned_back(q, minus((ray[0], ray[1], ray[2]), at))
+    direction = turned_back(q, (ray[3], ray[4], ray[5]))
+    if shapes[shape, 0] == MESH:
+        hit = _meet_mesh(world, shape, origin, direction, limit, functions)
+    else:
+        begin = shapes[shape, 2]
+        numbers = flat(world, GEOMETRY)[begin : begin + shapes[shape, 3]]
+        hit = _ray(functions[shapes[shape, 0]], (numbers, origin, direction, limit))
+    if hit[0] > limit or hit[0] == math.inf:
+        return count, limit
+    row = 0 if nearest else count
+    if nearest and count > 0 and hit[0] == limit and shape >= hits[0, SHAPE_HIT]:
+        return count, limit
+    normal = turned(q, (hit[1], hit[2], hit[3]))
+    hits[row, SHAPE_HIT], hits[row, DISTANCE] = shape, hit[0]
+    hits[row, NORMAL], hits[row, NORMAL + 1], hits[row, NORMAL + 2] = normal
+    return row + 1, hit[0] if nearest else limit
+
+
+@compiled
+def _meet_mesh(world: int, mesh: int, origin: Vector, direction: Vector, limit: float, functions: Any) -> Hit:
+    """Return where a ray meets the first triangle of a mesh."""
+    bounds, nodes, numbers = floats(world, BOUNDS), floats(world, PART_TREE), flat(world, GEOMETRY)
+    inverse = reciprocal(direction)
+    walk = carray(floats_on_stack(512), (512,))
+    start(walk, nodes, int(bounds[mesh, FIRST_NODE]), int(bounds[mesh, LAST_NODE]), origin, inverse)
+    first = integers(world, SHAPE)[mesh, 2] + FIRST_TRIANGLE
+    nearest = MISS
+    lowest = NOTHING
+    part = advance(walk, nodes, origin, inverse, limit)
+    while part != NOTHING:
+        begin = first + TRIANGLE_SIZE * part
+        hit = _ray(functions[TRIANGLE], (numbers[begin : begin + TRIANGLE_SIZE], origin, direction, limit))
+        if hit[0] < nearest[0] or (hit[0] == nearest[0] and part < lowest):
+            nearest, lowest, limit = hit, part, hit[0]
+        part = advance(walk, nodes, origin, inverse, limit)
+    return nearest

@@ -1,0 +1,197 @@
+"""Edges of two polyhedra against each other: as separating axes, and as the closest of all features.
+
+Edges are rows of `EDGE` numbers: middle (3), the way from there to one end (3), number, normals of the faces on both
+sides (6).
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Vector, cross, dot, length, minus, times
+from kickdrift.world.collision.candidates import crossing
+from kickdrift.world.collision.closest import along, segments
+from kickdrift.world.collision.frames import placed_back
+from kickdrift.world.collision.points import put_normal, put_point
+from kickdrift.world.collision.preference import PARALLEL
+from kickdrift.world.shapes.polyhedron import EDGES, edge, plane, vertex
+
+EDGE = 13
+_HALF, _NUMBER, _LEFT, _RIGHT = 3, 6, 7, 10
+
+_ROUNDING = 1e-9  # of the lengths of edges
+
+
+@compiled
+def edges_beyond(numbers: Any, placed: Any, normal: Vector, least: float, edges: Any) -> int:
+    """Write the edges of a polyhedron that reach beyond a plane, normal . x >= least; return how many.
+
+    ``placed`` has the vertices and planes of the polyhedron in the frame of the plane, ``numbers`` the rest.
+    """
+    count = 0
+    for k in range(int(numbers[EDGES])):
+        begin, end, left, right = edge(numbers, k)
+        p, q = vertex(placed, begin), vertex(placed, end)
+        if max(dot(normal, p), dot(normal, q)) >= least:
+            u, _ = plane(placed, left)
+            v, _ = plane(placed, right)
+            put_row(edges, count, p, q, k)
+            at = EDGE * count
+            edges[at + _LEFT], edges[at + _LEFT + 1], edges[at + _LEFT + 2] = u
+            edges[at + _RIGHT], edges[at + _RIGHT + 1], edges[at + _RIGHT + 2] = v
+            count += 1
+    return count
+
+
+@compiled(inline=True)
+def put_row(edges: Any, row: int, begin: Vector, end: Vector, number: int) -> None:
+    """Write an edge but for the normals."""
+    at = EDGE * row
+    for i in range(3):
+        edges[at + i], edges[at + _HALF + i] = 0.5 * (begin[i] + end[i]), 0.5 * (end[i] - begin[i])
+    edges[at + _NUMBER] = number
+
+
+@compiled(inline=True)
+def _vector(edges: Any, at: int) -> Vector:
+    return (edges[at], edges[at + 1], edges[at + 2])
+
+
+@compiled
+def count_below(edges: Any, count: int, number: int) -> int:
+    """Count rows of edges whose number is below a given one, in ascending order."""
+    while count > 0 and edges[EDGE * (count - 1) + _NUMBER] >= number:
+        count -= 1
+    return count
+
+
+@compiled
+def separation_of_edges(
+    edges_a: Any, count_a: int, pushing: int, edges_b: Any, count_b: int
+) -> tuple[float, int, int, Vector, float]:
+    """Find the largest separation along the products of edges, the first of which may push.
+
+    Returns
+    -------
+    gap, row_a, row_b, normal
+        The largest along a product with one of the first ``pushing`` rows of a, the rows of the two, and the unit
+        vector from a to b.
+    apart : float
+        The largest along any.
+
+    Notes
+    -----
+    Only pairs whose edges make a face of the Minkowski difference count: the arcs between the normals on both sides of
+    each, one of them reversed, cross on the unit sphere (Gregorius 2013, The Separating Axis Test between Convex
+    Polyhedra).
+    """
+    best, best_a, best_b, normal, apart = -np.inf, count_a, count_b, (0.0, 0.0, 0.0), -np.inf
+    for j in range(count_b):
+        b = EDGE * j
+        e_b, u_b, v_b = _vector(edges_b, b + _HALF), _vector(edges_b, b + _LEFT), _vector(edges_b, b + _RIGHT)
+        square_b = dot(e_b, e_b)
+        for i in range(count_a):
+            a = EDGE * i
+            e_a = _vector(edges_a, a + _HALF)
+            u_to_a, v_to_a = dot(u_b, e_a), dot(v_b, e_a)
+            if u_to_a * v_to_a >= 0.0:
+                continue
+            u_a, v_a = _vector(edges_a, a + _LEFT), _vector(edges_a, a + _RIGHT)
+            u_to_b, v_to_b = dot(u_a, e_b), dot(v_a, e_b)
+            if u_to_b * v_to_b >= 0.0 or u_to_a * v_to_b >= 0.0:
+                continue
+            axis = cross(e_a, e_b)
+            square = dot(axis, axis)
+            if square <= PARALLEL * dot(e_a, e_a) * square_b:
+                continue
+            outward = dot(axis, u_a) + dot(axis, v_a)
+            axis = times(math.copysign(1.0 / math.sqrt(square), outward), axis)
+            gap = dot(axis, minus(_vector(edges_b, b), _vector(edges_a, a)))
+            apart = max(apart, gap)
+            if gap > best and i < pushing:
+                best, best_a, best_b, normal = gap, i, j, axis
+    return best, best_a, best_b, normal, apart
+
+
+@compiled
+def put_edges(
+    edges_a: Any, i: int, edges_b: Any, j: int, normal: Vector, astray: float, frame: Any, manifold: Any
+) -> int:
+    """Write the one point where two edges touch, or none if they miss each other.
+
+    Parameters
+    ----------
+    edges_a, i, edges_b, j
+        Two rows of edges in the frame of the first shape.
+    normal : (3,) tuple
+        Unit vector at right angles to both edges, from the first to the second.
+    astray : float
+        By how much the closest points of the two may miss each other sideways, seen along the normal, m.
+    frame : pointer to floats
+        Of the second shape in the first's.
+    manifold : array
+        See `kickdrift.world.collision`.
+
+    Returns
+    -------
+    int
+        Number of points.
+    """
+    on_a, on_b = _closest_points(edges_a, i, edges_b, j)
+    way = minus(on_b, on_a)
+    sideways = minus(way, times(dot(way, normal), normal))
+    if length(sideways) > astray + _ROUNDING * (length(_half(edges_a, i)) + length(_half(edges_b, j))):
+        return 0
+    put_normal(manifold, normal)
+    put_point(manifold, 0, on_a, placed_back(frame, on_b), _crossing(edges_a, i, edges_b, j))
+    return 1
+
+
+@compiled
+def put_closest(
+    edges_a: Any, count_a: int, edges_b: Any, count_b: int, axis: Vector, frame: Any, margin: float, manifold: Any
+) -> int:
+    """Write the closest points of the edges of two polyhedra that are apart, if they are within the margin.
+
+    The normal is along the way between the two, or a given axis if that is rounding.
+    """
+    best, best_a, best_b = margin, count_a, count_b
+    for j in range(count_b):
+        middle_b, half_b = _vector(edges_b, EDGE * j), _half(edges_b, j)
+        length_b = length(half_b)
+        for i in range(count_a):
+            offset, half_a = minus(middle_b, _vector(edges_a, EDGE * i)), _half(edges_a, i)
+            if length(offset) - length(half_a) - length_b <= best:
+                s, t = segments(offset, half_a, half_b)
+                distance = length(minus(along(offset, t, half_b), times(s, half_a)))
+                if distance < best:
+                    best, best_a, best_b = distance, i, j
+    if best_a == count_a:
+        return 0
+    on_a, on_b = _closest_points(edges_a, best_a, edges_b, best_b)
+    way = minus(on_b, on_a)
+    distance = length(way)
+    rounding = _ROUNDING * (length(_half(edges_a, best_a)) + length(_half(edges_b, best_b)))
+    put_normal(manifold, times(1.0 / distance, way) if distance > rounding else axis)
+    put_point(manifold, 0, on_a, placed_back(frame, on_b), _crossing(edges_a, best_a, edges_b, best_b))
+    return 1
+
+
+@compiled(inline=True)
+def _half(edges: Any, row: int) -> Vector:
+    """Return the way from the middle of an edge to its end."""
+    return _vector(edges, EDGE * row + _HALF)
+
+
+@compiled
+def _closest_points(edges_a: Any, i: int, edges_b: Any, j: int) -> tuple[Vector, Vector]:
+    middle_a, middle_b = _vector(edges_a, EDGE * i), _vector(edges_b, EDGE * j)
+    s, t = segments(minus(middle_b, middle_a), _half(edges_a, i), _half(edges_b, j))
+    return along(middle_a, s, _half(edges_a, i)), along(middle_b, t, _half(edges_b, j))
+
+
+@compiled(inline=True)
+def _crossing(edges_a: Any, i: int, edges_b: Any, j: int) -> int:
+    return crossing(int(edges_a[EDGE * i + _NUMBER]), int(edges_b[EDGE * j + _NUMBER]))

@@ -1,0 +1,62 @@
+"""Frames of shapes in pair functions: rotation matrix by rows (9) and origin (3)."""
+
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Vector
+
+
+@compiled
+def set_frame(frame: Any, pose: Any) -> None:
+    """Write the frame of a pose: origin (3) and orientation (4)."""
+    w, x, y, z = pose[3], pose[4], pose[5], pose[6]
+    frame[0] = 1.0 - 2.0 * (y * y + z * z)
+    frame[1] = 2.0 * (x * y - w * z)
+    frame[2] = 2.0 * (x * z + w * y)
+    frame[3] = 2.0 * (x * y + w * z)
+    frame[4] = 1.0 - 2.0 * (x * x + z * z)
+    frame[5] = 2.0 * (y * z - w * x)
+    frame[6] = 2.0 * (x * z - w * y)
+    frame[7] = 2.0 * (y * z + w * x)
+    frame[8] = 1.0 - 2.0 * (x * x + y * y)
+    frame[9], frame[10], frame[11] = pose[0], pose[1], pose[2]
+
+
+@compiled
+def set_at_rest(frame: Any) -> None:
+    """Write the frame that is its own parent."""
+    for k in range(12):
+        frame[k] = 1.0 if k == 0 or k == 4 or k == 8 else 0.0
+
+
+@compiled(inline=True)
+def directed(frame: Any, a: Vector) -> Vector:
+    """Turn a direction into the parent's axes."""
+    return (
+        frame[0] * a[0] + frame[1] * a[1] + frame[2] * a[2],
+        frame[3] * a[0] + frame[4] * a[1] + frame[5] * a[2],
+        frame[6] * a[0] + frame[7] * a[1] + frame[8] * a[2],
+    )
+
+
+@compiled(inline=True)
+def directed_back(frame: Any, a: Vector) -> Vector:
+    """Turn a direction into the frame's own axes."""
+    return (
+        frame[0] * a[0] + frame[3] * a[1] + frame[6] * a[2],
+        frame[1] * a[0] + frame[4] * a[1] + frame[7] * a[2],
+        frame[2] * a[0] + frame[5] * a[1] + frame[8] * a[2],
+    )
+
+
+@compiled(inline=True)
+def placed(frame: Any, a: Vector) -> Vector:
+    """Return a point of the frame as its parent sees it."""
+    b = directed(frame, a)
+    return (b[0] + frame[9], b[1] + frame[10], b[2] + frame[11])
+
+
+@compiled(inline=True)
+def placed_back(frame: Any, a: Vector) -> Vector:
+    """Return a point of the parent as the frame sees it."""
+    return directed_back(frame, (a[0] - frame[9], a[1] - frame[10], a[2] - frame[11]))

@@ -1,0 +1,58 @@
+"""Contacts that are there already, found by their shapes: a hash table at the start of SCRATCH."""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.world.collision.bounds import FIRST_NODE
+from kickdrift.world.collision.search import SLOTS
+from kickdrift.world.shapes.kinds import MESH
+from kickdrift.world.tables import BOUNDS, SCRATCH, SEARCH, SHAPE, floats, integers, rows
+
+_EMPTY = -1
+
+
+@compiled
+def slots_for(contacts: int) -> int:
+    """Return the size of a table that so many contacts leave half empty: a power of two."""
+    size = 64
+    while size < 2 * contacts:
+        size *= 2
+    return size
+
+
+@compiled
+def forget_all(world: int) -> None:
+    """Empty the table."""
+    table = integers(world, SCRATCH)
+    for slot in range(integers(world, SEARCH)[0, SLOTS]):
+        table[slot, 0] = _EMPTY
+
+
+@compiled
+def remember(world: int, a: int, b: int, part: int) -> None:
+    """Enter a contact of two shapes."""
+    integers(world, SCRATCH)[_slot(world, _key(world, a, b, part)), 0] = _key(world, a, b, part)
+
+
+@compiled
+def is_known(world: int, a: int, b: int, part: int) -> bool:
+    """Whether a contact of two shapes has been entered."""
+    return integers(world, SCRATCH)[_slot(world, _key(world, a, b, part)), 0] != _EMPTY
+
+
+@compiled
+def _slot(world: int, key: int) -> int:
+    """Return where a key is, or where it belongs."""
+    table = integers(world, SCRATCH)
+    last = integers(world, SEARCH)[0, SLOTS] - 1
+    # The product with an odd number wraps around; from bit 32 on it depends on all bits of both shapes.
+    slot = ((key * 0x1E3779B97F4A7C15) >> 32) & last
+    while table[slot, 0] != _EMPTY and table[slot, 0] != key:
+        slot = (slot + 1) & last
+    return slot
+
+
+@compiled(inline=True)
+def _key(world: int, a: int, b: int, part: int) -> int:
+    """Return one number for a pair; the parts of meshes are numbered from behind the last shape on."""
+    if integers(world, SHAPE)[a, 0] == MESH:
+        a = rows(world, SHAPE) + int(floats(world, BOUNDS)[a, FIRST_NODE]) + part
+    return (a << 32) | b

@@ -1,0 +1,164 @@
+"""Capsules that lie on something: they touch it at two points, or they would rock from end to end.
+
+A capsule is the segment ``centre + t axis``, -half <= t <= half, in the frame of what it lies on, and a radius. The
+normal points to the capsule. Its closest point is known; if the capsule lies along a face or an edge, the range of t
+that does so has two ends, and these become the points of the contact.
+"""
+
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Quaternion, Vector, cross, dot, length, minus, normal_to, times, turned, turned_back
+from kickdrift.world.collision.closest import along, clamped
+from kickdrift.world.collision.points import put_normal, put_point
+
+LOWER, UPPER, BETWEEN = 0, 1, 2  # features of a capsule: the end at -z, the end at +z, the side
+
+STEEP = 0.2  # sine of the angle between capsule and face from which on it stands and does not lie
+FLAT = 0.98  # cosine of the angle between normal and face up to which a contact is one with the face
+_PARALLEL = 0.95  # cosine of the angle between a capsule and an edge that it lies along
+ASTRAY = 0.1  # radii, by which the two points of a pair may miss each other sideways
+SHORT = 0.1  # radii, a range below which two points are one
+CROSSED = 1e-8  # of the size of things: nearer than that, the direction from one to the other is rounding
+_TIE = 1e-12
+
+Range = tuple[float, float]
+Contact = tuple[int, float, Vector, float, Vector]  # how many; position on the capsule and point touched, of each
+
+
+@compiled
+def direction(out: Vector, distance: float, u: Vector, v: Vector, size: float) -> Vector:
+    """Return the unit vector along `out`, or, where it is zero because two axes cross, one at right angles to both."""
+    if distance > CROSSED * size:
+        return times(1.0 / distance, out)
+    across = cross(u, v)
+    sine = length(across)
+    if sine > 1e-12:
+        return times(1.0 / sine, across)
+    return normal_to(u)
+
+
+@compiled
+def beside(
+    offset: Vector, u: Vector, half: float, v: Vector, other: float, normal: Vector, t: float, reach: float
+) -> Range:
+    """Range of a segment that lies along another one; empty, (t, t), if they cross or if one stands on the other.
+
+    Parameters
+    ----------
+    offset : (3,) tuple
+        From the middle of the first to the middle of the second.
+    u, v : (3,) tuple
+        Their directions, unit vectors.
+    half, other : float
+        Half their lengths.
+    normal : (3,) tuple
+        Direction between their closest points.
+    t : float
+        Closest point of the first.
+    reach : float
+        By how much they may miss each other sideways. Two straight things that cross at a small angle touch at one
+        point; two points would hold them apart where nothing is.
+    """
+    cosine = dot(u, v)
+    if abs(cosine) < _PARALLEL or abs(dot(normal, u)) > STEEP or abs(dot(normal, v)) > STEEP:
+        return t, t
+    middle, extent = dot(offset, v) / cosine, other / abs(cosine)
+    sideways = reach / abs(dot(u, cross(normal, v)))
+    return max(-half, middle - extent, t - sideways), min(half, middle + extent, t + sideways)
+
+
+@compiled(inline=True)
+def foot_on_edge(x: Vector, middle: Vector, axis: Vector, half: float) -> Vector:
+    """Point of an edge that is nearest to a point."""
+    return along(middle, clamped(dot(minus(x, middle), axis), -half, half), axis)
+
+
+@compiled(inline=True)
+def nearer(square: float, cosine: float, best: float, best_cosine: float) -> bool:
+    """Whether a feature is nearer than the best one, or as near and at a smaller angle to the capsule.
+
+    Where a capsule lies along an edge, the end of the next edge is just as near.
+    """
+    return square < best * (1.0 - _TIE) or (square <= best * (1.0 + _TIE) and cosine > best_cosine)
+
+
+@compiled
+def ends(
+    centre: Vector,
+    axis: Vector,
+    radius: float,
+    normal: Vector,
+    t: float,
+    y: Vector,
+    span: Range,
+    feet: tuple[Vector, Vector],
+) -> Contact:
+    """Return the ends of a range as the points of a contact, or the closest point alone if the range is short.
+
+    If neither end is as near as the closest point (a tilted capsule touches somewhere between them where its normal is
+    not quite the face's), that takes the place of the end beside it.
+    """
+    low, high = span
+    if not high - low > SHORT * radius:
+        return 1, t, y, t, y
+    gap = dot(normal, minus(along(centre, t, axis), y))
+    at_low = dot(normal, minus(along(centre, low, axis), feet[0]))
+    at_high = dot(normal, minus(along(centre, high, axis), feet[1]))
+    if min(at_low, at_high) > gap + 1e-9 * radius:
+        if t - low < high - t:
+            return 2, t, y, high, feet[1]
+        return 2, low, feet[0], t, y
+    return 2, low, feet[0], high, feet[1]
+
+
+@compiled
+def put_capsule_first(
+    contact: Contact,
+    capsule: tuple[Vector, Vector, float, float],
+    normal: Vector,
+    q: Quaternion,
+    margin: float,
+    manifold: Any,
+) -> int:
+    """Write the points of a capsule (centre, axis, half, radius) on the second shape, in whose frame all is given."""
+    centre, axis, half, radius = capsule
+    inward = turned(q, times(-1.0, normal))
+    put_normal(manifold, inward)
+    count = 0
+    for k in range(contact[0]):
+        t, y = (contact[1], contact[2]) if k == 0 else (contact[3], contact[4])
+        if dot(normal, minus(along(centre, t, axis), y)) - radius <= margin:
+            put_point(manifold, count, along((0.0, 0.0, t), radius, inward), y, part(contact[0], k, t, half))
+            count += 1
+    return count
+
+
+@compiled
+def put_capsule_second(
+    contact: Contact,
+    capsule: tuple[Vector, Vector, float, float],
+    normal: Vector,
+    q: Quaternion,
+    margin: float,
+    manifold: Any,
+) -> int:
+    """Write the points of a capsule (centre, axis, half, radius) on the first shape, in whose frame all is given."""
+    centre, axis, half, radius = capsule
+    outward = turned_back(q, normal)
+    put_normal(manifold, normal)
+    count = 0
+    for k in range(contact[0]):
+        t, y = (contact[1], contact[2]) if k == 0 else (contact[3], contact[4])
+        if dot(normal, minus(along(centre, t, axis), y)) - radius <= margin:
+            put_point(manifold, count, y, along((0.0, 0.0, t), -radius, outward), part(contact[0], k, t, half))
+            count += 1
+    return count
+
+
+@compiled(inline=True)
+def part(count: int, k: int, t: float, half: float) -> int:
+    """Return the feature of a capsule that the k-th of so many points is on."""
+    if count == 2:
+        return k
+    return UPPER if t >= half else LOWER if t <= -half else BETWEEN

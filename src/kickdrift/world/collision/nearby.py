@@ -1,0 +1,94 @@
+"""Shapes of a world that overlap one that is not in it."""
+
+from typing import Any
+
+from numba import carray
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.memory import floats_on_stack
+from kickdrift.core.vectors import Quaternion, Vector, conjugate, minus, product, turned_back
+from kickdrift.world.collision.bounds import FIRST_NODE, LAST_NODE
+from kickdrift.world.collision.boxes import box_in_frame, reaches_under
+from kickdrift.world.collision.extents import FIRST_TRIANGLE
+from kickdrift.world.collision.tree import Box, gather
+from kickdrift.world.contacts.update import collide, shape_pose
+from kickdrift.world.shapes.kinds import MESH, TRIANGLE
+from kickdrift.world.shapes.mesh import TRIANGLE_SIZE
+from kickdrift.world.tables import (
+    BOUNDS,
+    GEOMETRY,
+    PART_TREE,
+    PLANES,
+    SHAPE,
+    STATIC_TREE,
+    TREE,
+    flat,
+    floats,
+    integers,
+    rows,
+)
+
+
+@compiled
+def find_near(world: int, box: Box, found: Any) -> int:
+    """Write the shapes into `found` whose boxes in the trees overlap one, and the planes that it reaches under."""
+    planes = integers(world, PLANES)
+    count = 0
+    for k in range(rows(world, PLANES)):
+        if reaches_under(world, planes[k, 0], box):
+            found[count] = planes[k, 0]
+            count += 1
+    for table in (STATIC_TREE, TREE):
+        hits, _ = gather(floats(world, table), 0, rows(world, table), box, found[count:])
+        count += hits
+    return count
+
+
+@compiled
+def overlaps(
+    world: int, shape: int, kind: int, numbers: Any, at: Vector, turn: Quaternion, box: Box, functions: Any, found: Any
+) -> bool:
+    """Whether a shape of a world overlaps one of some kind and numbers with a pose and a box.
+
+    `functions` are the addresses of the functions of `PAIRS` for that kind and the kind of the shape, and `found` has
+    room for the triangles of a mesh.
+    """
+    shapes = integers(world, SHAPE)
+    begin, size, own_kind = shapes[shape, 2], shapes[shape, 3], shapes[shape, 0]
+    geometry, bounds = flat(world, GEOMETRY), floats(world, BOUNDS)
+    own_at, own_turn = shape_pose(world, shape)
+    if own_kind != MESH:
+        own = geometry[begin : begin + size]
+        return _touch(own_kind, own, own_at, own_turn, kind, numbers, at, turn, functions[own_kind])
+    first, last = int(bounds[shape, FIRST_NODE]), int(bounds[shape, LAST_NODE])
+    hits, _ = gather(floats(world, PART_TREE), first, last, box_in_frame(world, shape, box), found)
+    for k in range(hits):
+        start = begin + FIRST_TRIANGLE + TRIANGLE_SIZE * int(found[k])
+        own = geometry[start : start + TRIANGLE_SIZE]
+        if _touch(TRIANGLE, own, own_at, own_turn, kind, numbers, at, turn, functions[TRIANGLE]):
+            return True
+    return False
+
+
+@compiled
+def _touch(
+    kind_a: int,
+    a: Any,
+    at_a: Vector,
+    turn_a: Quaternion,
+    kind_b: int,
+    b: Any,
+    at_b: Vector,
+    turn_b: Quaternion,
+    function: int,
+) -> bool:
+    """Whether two shapes with poses in the world have points in common."""
+    if kind_b < kind_a:
+        kind_a, a, at_a, turn_a, kind_b, b, at_b, turn_b = kind_b, b, at_b, turn_b, kind_a, a, at_a, turn_a
+    pose = carray(floats_on_stack(7), (7,))
+    manifold = carray(floats_on_stack(64), (64,))
+    pose[0], pose[1], pose[2] = turned_back(turn_a, minus(at_b, at_a))
+    pose[3], pose[4], pose[5], pose[6] = product(conjugate(turn_a), turn_b)
+    for k in range(64):
+        manifold[k] = 0.0
+    return collide(function, (a, b, pose, 0.0, manifold)) > 0

@@ -1,0 +1,141 @@
+"""Pairs of shapes whose wider boxes overlap: the trees are asked for every shape that is sought anew."""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.world.collision.bounds import FIRST_NODE, LAST_NODE, may_move
+from kickdrift.world.collision.boxes import box_in_frame, boxes_overlap, reaches_under, wider_box
+from kickdrift.world.collision.extents import triangle
+from kickdrift.world.collision.filters import may_touch
+from kickdrift.world.collision.known import is_known
+from kickdrift.world.collision.search import AT_HOME, FOUND, PAIRS_AT, PARTS_AT, SHAPES_AT, STATE, VISITS
+from kickdrift.world.collision.sorting import sort
+from kickdrift.world.collision.tree import gather
+from kickdrift.world.shapes.kinds import MESH, PLANE, TRIANGLE
+from kickdrift.world.tables import (
+    BOUNDS,
+    GEOMETRY,
+    MOVERS,
+    PART_TREE,
+    PLANES,
+    SCRATCH,
+    SEARCH,
+    SHAPE,
+    STATIC_TREE,
+    TREE,
+    Table,
+    flat,
+    floats,
+    integers,
+    room,
+    rows,
+)
+
+PAIR = 3  # numbers of a pair that was found: shapes and part
+
+
+@compiled
+def seek(world: int, shape: int) -> None:
+    """Find the new pairs of a shape that is sought anew, in ascending order of the other shapes.
+
+    Of two shapes that are both sought the lower one finds the pair. Pairs that there is no room for are counted only.
+    """
+    shapes, planes, movers = integers(world, SHAPE), integers(world, PLANES), integers(world, MOVERS)
+    if shapes[shape, 0] == PLANE:
+        for k in range(rows(world, MOVERS)):
+            if _is_new(world, shape, movers[k, 0]):
+                _add(world, shape, movers[k, 0])
+        return
+    if may_move(world, shape):
+        for k in range(rows(world, PLANES)):
+            if _is_new(world, shape, planes[k, 0]):
+                _add(world, shape, planes[k, 0])
+        _seek_in(world, STATIC_TREE, shape)
+    _seek_in(world, TREE, shape)
+
+
+@compiled
+def overlap(world: int, a: int, b: int, part: int) -> bool:
+    """Whether the wider boxes of two shapes overlap; the first may be a plane, or a mesh of which one part counts."""
+    shapes = integers(world, SHAPE)
+    kind = shapes[a, 0]
+    if kind == PLANE:
+        return reaches_under(world, a, wider_box(world, b))
+    if kind == MESH:
+        box = triangle(flat(world, GEOMETRY), shapes[a, 2], part)
+        return boxes_overlap(box, box_in_frame(world, a, wider_box(world, b)))
+    return boxes_overlap(wider_box(world, a), wider_box(world, b))
+
+
+@compiled
+def _seek_in(world: int, tree: Table, shape: int) -> None:
+    search = integers(world, SEARCH)
+    found = flat(world, SCRATCH)[search[0, SHAPES_AT] : search[0, PARTS_AT]]
+    hits, visits = gather(floats(world, tree), 0, rows(world, tree), wider_box(world, shape), found)
+    search[0, VISITS] += visits
+    new = 0
+    for k in range(hits):
+        if _is_new(world, shape, int(found[k])):
+            found[new] = found[k]
+            new += 1
+    sort(found, new)
+    for k in range(new):
+        _add(world, shape, int(found[k]))
+
+
+@compiled
+def _is_new(world: int, shape: int, other: int) -> bool:
+    """Whether a shape may have a pair with another one that is not known, and that the other one does not find."""
+    shapes = integers(world, SHAPE)
+    if shape == other or (other < shape and shapes[other, STATE] != AT_HOME):
+        return False
+    a, b = _ordered(world, shape, other)
+    return shapes[a, 0] == MESH or not is_known(world, a, b, 0)
+
+
+@compiled
+def _add(world: int, shape: int, other: int) -> None:
+    """Note a pair, or those with the parts of a mesh, if it may be."""
+    if not may_touch(world, shape, other):
+        return
+    a, b = _ordered(world, shape, other)
+    kind = integers(world, SHAPE)[a, 0]
+    if kind == MESH:
+        _add_parts(world, a, b)
+    elif kind != PLANE or reaches_under(world, a, wider_box(world, b)):
+        _note(world, a, b, 0)
+
+
+@compiled
+def _add_parts(world: int, mesh: int, shape: int) -> None:
+    bounds, search = floats(world, BOUNDS), integers(world, SEARCH)
+    found = flat(world, SCRATCH)[search[0, PARTS_AT] : search[0, PAIRS_AT]]
+    first, last = int(bounds[mesh, FIRST_NODE]), int(bounds[mesh, LAST_NODE])
+    box = box_in_frame(world, mesh, wider_box(world, shape))
+    hits, visits = gather(floats(world, PART_TREE), first, last, box, found)
+    search[0, VISITS] += visits
+    sort(found, hits)
+    for k in range(hits):
+        if not is_known(world, mesh, shape, int(found[k])):
+            _note(world, mesh, shape, int(found[k]))
+
+
+@compiled
+def _note(world: int, a: int, b: int, part: int) -> None:
+    search, pairs = integers(world, SEARCH), flat(world, SCRATCH)
+    at = search[0, PAIRS_AT] + PAIR * search[0, FOUND]
+    if at + PAIR <= room(world, SCRATCH):
+        pairs[at], pairs[at + 1], pairs[at + 2] = a, b, part
+    search[0, FOUND] += 1
+
+
+@compiled(inline=True)
+def _ordered(world: int, shape: int, other: int) -> tuple[int, int]:
+    """Put two shapes into the order of a contact: by kind, where a mesh counts as its triangles, and row."""
+    shapes = integers(world, SHAPE)
+    kind, other_kind = shapes[shape, 0], shapes[other, 0]
+    if kind == MESH:
+        kind = TRIANGLE
+    if other_kind == MESH:
+        other_kind = TRIANGLE
+    if other_kind < kind or (other_kind == kind and other < shape):
+        return other, shape
+    return shape, other

@@ -1,0 +1,144 @@
+"""Where two convex polyhedra touch: the separating axis test, then face against face or edge against edge.
+
+Gregorius, The Separating Axis Test between Convex Polyhedra (Game Developers Conference 2013).
+"""
+
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.memory import floats_on_stack
+from kickdrift.core.vectors import times
+from kickdrift.world.collision.box_polyhedron import SIZE_OF_BOX, set_box
+from kickdrift.world.collision.candidates import choose, deepest, put_manifold
+from kickdrift.world.collision.edges import EDGE, count_below, edges_beyond, put_closest, put_edges, separation_of_edges
+from kickdrift.world.collision.faces import (
+    CANDIDATES,
+    PLACED,
+    clipped_face,
+    incident_face,
+    place_polyhedron,
+    separation_of_faces,
+)
+from kickdrift.world.collision.frames import set_frame
+from kickdrift.world.collision.preference import SHARE_OFF, SLACK, tolerance_of
+from kickdrift.world.shapes.polyhedron import MOST_EDGES, PUSHING, THICKNESS, plane, pointer_to
+
+_EDGES = EDGE * MOST_EDGES
+
+
+@compiled
+def hull_hull(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
+    """Find where two hulls touch; see `kickdrift.world.collision`."""
+    return polyhedron_polyhedron(pointer_to(a), pointer_to(b), pose, margin, manifold)
+
+
+@compiled
+def box_hull(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
+    """Find where a box and a hull touch; see `kickdrift.world.collision`."""
+    box = floats_on_stack(SIZE_OF_BOX)
+    set_box(box, a)
+    return polyhedron_polyhedron(box, pointer_to(b), pose, margin, manifold)
+
+
+@compiled
+def polyhedron_polyhedron(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
+    """Find where two polyhedra touch, given by pointers to their numbers."""
+    frame, b_seen = floats_on_stack(12), floats_on_stack(PLACED)
+    set_frame(frame, pose)
+    place_polyhedron(b_seen, b, frame)
+    gap_a, face_a = separation_of_faces(a, b_seen, margin)
+    if gap_a > margin:
+        return 0
+    gap_b, face_b = separation_of_faces(b_seen, a, margin)
+    if gap_b > margin:
+        return 0
+    return touching(a, b, b_seen, frame, gap_a, face_a, gap_b, face_b, max(gap_a, gap_b), margin, manifold)
+
+
+@compiled
+def touching(
+    a: Any,
+    b: Any,
+    b_seen: Any,
+    frame: Any,
+    gap_a: float,
+    face_a: int,
+    gap_b: float,
+    face_b: int,
+    apart: float,
+    margin: float,
+    manifold: Any,
+) -> int:
+    """Find where two polyhedra touch that no face separates.
+
+    Parameters
+    ----------
+    a, b : pointers to floats
+        Numbers of the polyhedra.
+    b_seen, frame : pointers to floats
+        The second as the first sees it, and its frame.
+    gap_a, face_a, gap_b, face_b
+        Face of each from which the other is farthest, and how far; -1 if none counts.
+    apart : float
+        How far the two are from each other along any face's normal, also one along which they may not push.
+    margin, manifold
+        See `kickdrift.world.collision`.
+    """
+    edges_a, edges_b = floats_on_stack(_EDGES), floats_on_stack(_EDGES)
+    # Where a contact is found with a separation g, of a size of no more than `reach`, the two are no farther apart
+    # than |g|. So the pair of edges that is farthest apart, which touches within |g|, lies this near to the best
+    # face's plane.
+    if gap_a >= gap_b:
+        face_normal, above_a = plane(a, face_a)
+        below_b = above_a + gap_a
+    else:
+        outward, below = plane(b_seen, face_b)
+        face_normal, below_b = times(-1.0, outward), -below
+        above_a = below_b - gap_b
+    gap_faces = max(gap_a, gap_b)
+    reach = max(margin, -gap_faces)
+    count_a = edges_beyond(a, a, face_normal, below_b - reach, edges_a)
+    count_b = edges_beyond(b, b_seen, times(-1.0, face_normal), -above_a - reach, edges_b)
+    pushing = count_below(edges_a, count_a, int(a[PUSHING]))
+    gap_edges, edge_a, edge_b, edge_normal, edges_apart = separation_of_edges(
+        edges_a, count_a, pushing, edges_b, count_b
+    )
+    gap = max(gap_faces, gap_edges)
+    apart = max(apart, edges_apart)
+    if apart > margin:
+        return 0
+    tolerance = tolerance_of(margin, min(a[THICKNESS], b[THICKNESS]))
+    off = SHARE_OFF * abs(gap) + tolerance
+    b_first = gap_b > gap_a + off
+    least = -tolerance if apart > 0.0 else -reach - off  # deeper inside than that is behind: the two are apart
+    nearest = margin
+    candidates, chosen = floats_on_stack(CANDIDATES), floats_on_stack(4)
+    for attempt in range(4):
+        if attempt == 2:
+            count = 0
+            if gap_edges > gap - off and (apart <= 0.0 or gap_edges > 0.0):
+                astray = 0.0 if apart > 0.0 else tolerance
+                count = put_edges(edges_a, edge_a, edges_b, edge_b, edge_normal, astray, frame, manifold)
+            if count == 0 and apart > 0.0:
+                axis = edge_normal if gap_edges > gap_faces else face_normal
+                count = put_closest(edges_a, pushing, edges_b, count_b, axis, frame, nearest, manifold)
+            if count > 0:
+                return count
+        by_b = b_first != (attempt % 2 == 1)
+        own, own_seen, face, other, other_seen = (b, b_seen, face_b, a, a) if by_b else (a, a, face_a, b, b_seen)
+        if face < 0:
+            continue
+        normal, _ = plane(own_seen, face)
+        met = incident_face(other, other_seen, normal)
+        count = clipped_face(own, own_seen, face, other, other_seen, met, by_b, margin, SLACK * tolerance, candidates)
+        if count == 0:
+            continue
+        depth = deepest(candidates, count)
+        if depth < least:
+            continue
+        if attempt >= 2 or abs(depth - gap) <= off:
+            count = choose(candidates, count, normal, tolerance, chosen)
+            put_manifold(manifold, candidates, chosen, count, normal, frame, by_b)
+            return count
+        nearest = min(nearest, depth)
+    return 0

@@ -1,0 +1,67 @@
+"""Arguments of queries: checked, and laid out as compiled code wants them."""
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kickdrift.core.errors import ArgumentError
+
+Floats = NDArray[np.float64]
+
+_ALL_LAYERS = (1 << 62) - 1
+
+
+def rays_of(origins: ArrayLike, directions: ArrayLike, limit: Any) -> Floats:
+    """Return rays as rows of an origin (3), a unit vector (3) and a limit."""
+    start, way = _vectors("origin", origins), _vectors("direction", directions)
+    if len(start) not in (1, len(way)):
+        raise ArgumentError(f"origins are {len(start)} and directions {len(way)}; give one origin for all, or as many.")
+    with np.errstate(over="ignore"):
+        scale = np.abs(way).max(axis=1, initial=0.0)
+    if not (scale > 0.0).all():
+        raise ArgumentError(f"direction={way[np.argmin(scale)].tolist()} has no length; (0, 0, -1) looks down.")
+    way = way / scale[:, None]
+    rays = np.empty((len(way), 7))
+    rays[:, :3], rays[:, 3:6], rays[:, 6] = start, way / np.sqrt((way * way).sum(axis=1))[:, None], _limit(limit)
+    return rays
+
+
+def _limit(limit: Any) -> float:
+    if not (np.isscalar(limit) and float(limit) > 0.0):  # type: ignore[arg-type]
+        raise ArgumentError(f"limit={limit!r} has to be positive, in m; infinity is the default.")
+    return float(limit)  # type: ignore[arg-type]
+
+
+def one_vector(argument: str, value: ArrayLike) -> Floats:
+    """Return three finite numbers as an array (1, 3)."""
+    array = _vectors(argument, value)
+    if np.ndim(value) != 1:
+        raise ArgumentError(f"{argument} has the shape {np.shape(value)}; give three numbers.")
+    return array
+
+
+def _vectors(argument: str, value: ArrayLike) -> Floats:
+    try:
+        array = np.atleast_2d(np.asarray(value, dtype=np.float64))
+    except (TypeError, ValueError):
+        raise ArgumentError(f"{argument}={value!r} is no array of numbers; give three numbers a row.") from None
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise ArgumentError(f"{argument} has the shape {np.shape(value)}; give three numbers, or three a row.")
+    finite = np.isfinite(array).all(axis=1)
+    if not finite.all():
+        raise ArgumentError(f"{argument}={array[np.argmin(finite)].tolist()} is not finite; give finite numbers.")
+    return array
+
+
+def layer_bits(layers: Iterable[int] | None) -> int:
+    """Return the bits of some layers, or of all for None."""
+    if layers is None:
+        return _ALL_LAYERS
+    wanted = 0
+    for layer in layers:
+        if not (isinstance(layer, int | np.integer) and 0 <= layer < 62):
+            raise ArgumentError(f"layers holds {layer!r}; a layer is a whole number from 0 to 61.")
+        wanted |= 1 << int(layer)
+    return wanted

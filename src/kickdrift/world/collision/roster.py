@@ -1,0 +1,114 @@
+"""Lists of the shapes that may move, of those that may not, of planes, and of those whose pairs are sought anew."""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.world.collision.bounds import is_somewhere, may_move, settle
+from kickdrift.world.collision.search import (
+    AT_HOME,
+    CHANGED,
+    LEFT,
+    MOVERS_CHANGED,
+    NEW,
+    PARTS_CHANGED,
+    REVIEW,
+    SOUGHT_ANEW,
+    STATE,
+    STATIC_CHANGED,
+)
+from kickdrift.world.flight import AWAKE
+from kickdrift.world.shapes.kinds import MESH, PLANE
+from kickdrift.world.tables import (
+    BODY,
+    BOUNDS,
+    FIXTURES,
+    MOVERS,
+    PLANES,
+    SEARCH,
+    SHAPE,
+    SOUGHT,
+    Table,
+    floats,
+    integers,
+    room,
+    rows,
+    set_rows,
+)
+from kickdrift.world.trouble import ask_for_room, report_body
+
+
+@compiled
+def update_bounds(world: int, h: float) -> bool:
+    """List the shapes that leave their wider boxes in a step of h, to be sought; False where there is trouble."""
+    if integers(world, SEARCH)[0, CHANGED] != 0 and not enlist(world, h):
+        return False
+    shapes, movers, sought = integers(world, SHAPE), integers(world, MOVERS), integers(world, SOUGHT)
+    body, search = integers(world, BODY), integers(world, SEARCH)
+    for k in range(rows(world, MOVERS)):
+        shape = movers[k, 0]
+        if body[shapes[shape, 1], AWAKE] == 0 or not settle(world, shape, h):
+            continue
+        search[0, LEFT] += 1
+        if shapes[shape, STATE] == AT_HOME:
+            shapes[shape, STATE] = SOUGHT_ANEW
+            count = rows(world, SOUGHT)
+            sought[count, 0] = shape
+            set_rows(world, SOUGHT, count + 1)
+        if not is_somewhere(world, shape):
+            report_body(world, shapes[shape, 1])
+            return False
+    return True
+
+
+@compiled
+def enlist(world: int, h: float) -> bool:
+    """Make the lists anew, and give new shapes their boxes."""
+    shapes, bounds, search = integers(world, SHAPE), floats(world, BOUNDS), integers(world, SEARCH)
+    count = rows(world, SHAPE)
+    for table in (MOVERS, FIXTURES, PLANES, SOUGHT):
+        if room(world, table) < count:
+            ask_for_room(world, table, count)
+            return False
+    fixtures = rows(world, FIXTURES)
+    for table in (MOVERS, PLANES, SOUGHT):
+        set_rows(world, table, 0)
+    fixed = 0
+    for shape in range(count):
+        kind, state = shapes[shape, 0], shapes[shape, STATE]
+        if kind < 0:
+            continue
+        if state == NEW and kind != PLANE:
+            for k in range(6):
+                bounds[shape, k] = 0.0
+            bounds[shape, 3] = -1.0  # holds nothing
+            settle(world, shape, h)
+            if not is_somewhere(world, shape):
+                report_body(world, shapes[shape, 1])
+                return False
+        if state != AT_HOME:
+            _note(world, SOUGHT, shape)
+        if kind == PLANE:
+            _note(world, PLANES, shape)
+        elif may_move(world, shape):
+            _note(world, MOVERS, shape)
+        else:
+            listed = integers(world, FIXTURES)
+            if state == NEW or fixed >= fixtures or listed[fixed, 0] != shape:
+                search[0, STATIC_CHANGED] = 1
+            if state == NEW and kind == MESH:
+                search[0, PARTS_CHANGED] = 1
+            listed[fixed, 0] = shape
+            fixed += 1
+    if fixed != fixtures:
+        search[0, STATIC_CHANGED] = 1
+    set_rows(world, FIXTURES, fixed)
+    search[0, MOVERS_CHANGED] = 1
+    search[0, REVIEW] = 1
+    search[0, CHANGED] = 0
+    return True
+
+
+@compiled(inline=True)
+def _note(world: int, table: Table, shape: int) -> None:
+    """Put a shape at the end of a list."""
+    count = rows(world, table)
+    integers(world, table)[count, 0] = shape
+    set_rows(world, table, count + 1)

@@ -1,0 +1,62 @@
+"""What the search for pairs remembers: columns of the row of `kickdrift.world.tables.SEARCH`, and states of shapes."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kickdrift.world.tables import SEARCH, SHAPE, Tables
+
+# Columns of SEARCH
+CHANGED = 0  # whether shapes have come, gone or changed, so that the lists of them are made anew
+STATIC_CHANGED = 1  # the tree over those that may not move is built anew
+PARTS_CHANGED = 2  # the trees over the triangles of meshes are built anew
+MOVERS_CHANGED = 3  # the tree over those that may move is built anew
+LEFT = 4  # how often a shape has left its wider box since that tree was built
+FITTED = 5  # of them, those that its boxes have been drawn around
+REVIEW = 6  # contacts are to be looked through although no shape has left its wider box
+VISITS = 7  # nodes of trees that have been looked at
+SLOTS = 8  # of the table of known contacts, with which SCRATCH begins
+SHAPES_AT = 9  # where in SCRATCH there is room for the shapes that a tree finds
+PARTS_AT = 10  # for the parts of a mesh
+PAIRS_AT = 11  # for the pairs that are new
+FOUND = 12  # how many of them there are
+
+# Values of CHANGED besides 0
+UNSEEN = 1
+SEEN = 2  # the trees hold them, for queries
+
+# Column of SHAPE, and its values
+STATE = 7
+NEW = 0  # nothing is known of it
+AT_HOME = 1  # in its wider box, and its pairs are known
+SOUGHT_ANEW = 2  # in a wider box that is new
+
+
+def shapes_changed(tables: Tables, rows: ArrayLike = ()) -> None:
+    """Say that shapes have come or gone, and which ones are to be taken for new.
+
+    Parameters
+    ----------
+    tables : Tables
+        Of the world.
+    rows : array_like of int
+        Shapes that are in another place than their bodies have brought them to, that have other geometry, or whose
+        body may move now and might not before, or the other way round. Rows of zeros need not be named.
+    """
+    tables.resize(SEARCH, 1)[0, CHANGED] = UNSEEN
+    tables.array(SHAPE)[np.asarray(rows, dtype=np.intp), STATE] = NEW
+
+
+def filters_changed(tables: Tables, bodies: ArrayLike) -> None:
+    """Say that the shapes of some bodies meet others than before: their contacts are looked through, and sought anew.
+
+    Parameters
+    ----------
+    tables : Tables
+        Of the world.
+    bodies : array_like of int
+        Rows of bodies.
+    """
+    tables.resize(SEARCH, 1)[0, CHANGED] = UNSEEN
+    shapes = tables.array(SHAPE)
+    known = np.isin(shapes[:, 1], np.asarray(bodies, dtype=np.intp)) & (shapes[:, STATE] != NEW)
+    shapes[known, STATE] = SOUGHT_ANEW

@@ -1,0 +1,157 @@
+"""A tree of boxes, in the order in which it is walked: what overlaps a box is found among n in about log n steps.
+
+A node is a row: corners of its box (6), the node that comes after all that is below it, and what it is: the item that
+a leaf stands for, `TWIG` where only leaves are below, or `BRANCH`. The nodes below one follow it directly, so that a
+walk needs no stack: where a box overlaps, it goes on to the next row, and where not, it skips what is below. Bounding
+volume hierarchies with skip pointers: Smits, Efficiency issues for ray tracing, J. Graphics Tools 3 (1998).
+"""
+
+from typing import Any
+
+from numba import carray
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.memory import floats_on_stack
+
+# Columns of a node
+SKIP = 6
+ITEM = 7
+
+NODES_PER_ITEM = 3  # at most: its leaf, a twig and a branch
+
+TWIG = -1.0
+BRANCH = -2.0
+
+Box = tuple[float, float, float, float, float, float]
+
+# Leaves of a twig. Their boxes are compared without a branch that the processor could guess wrong: at 8 a query among
+# 10,000 boxes takes 380 ns, at 2 it takes 500 ns.
+_BUNCH = 8
+_DEEP = 64  # beyond this depth items are halved by count: no tree gets deeper than 64 + log2 n
+
+
+@compiled
+def build(seeds: Any, count: int, nodes: Any, first_node: int) -> int:
+    """Arrange items in a tree, halving the longest side of what encloses their centres; the boxes come by `fit`.
+
+    Four numbers of `seeds` are the centre of a box (3) and its item; they are permuted by fours. Returns the node
+    after the last one.
+    """
+    stack = carray(floats_on_stack(1024), (256, 4))
+    top = _push(stack, 0, 0, count, 0, -1)
+    last = first_node
+    while top > 0:
+        top -= 1
+        first, end = int(stack[top, 0]), int(stack[top, 1])
+        depth, closed = int(stack[top, 2]), int(stack[top, 3])
+        if closed >= 0:
+            nodes[closed, SKIP] = last
+        elif end - first > _BUNCH:
+            middle = _halve(seeds, first, end, depth)
+            top = _push(stack, top, 0, 0, 0, last)
+            top = _push(stack, top, middle, end, depth + 1, -1)
+            top = _push(stack, top, first, middle, depth + 1, -1)
+            nodes[last, ITEM] = BRANCH
+            last += 1
+        elif end > first:
+            nodes[last, SKIP] = last + 1 + end - first
+            nodes[last, ITEM] = TWIG
+            last += 1
+            for k in range(first, end):
+                nodes[last, SKIP] = last + 1
+                nodes[last, ITEM] = seeds[4 * k + 3]
+                last += 1
+    return last
+
+
+@compiled(inline=True)
+def _push(stack: Any, top: int, first: int, end: int, depth: int, closed: int) -> int:
+    """Put a range of items on the stack, or a branch whose last node is known when it comes up again."""
+    stack[top, 0], stack[top, 1], stack[top, 2], stack[top, 3] = first, end, depth, closed
+    return top + 1
+
+
+@compiled
+def _halve(seeds: Any, first: int, end: int, depth: int) -> int:
+    """Bring the items with the lower centres to the front, and return where the others begin."""
+    axis = 0
+    least = middle = 0.0
+    widest = -1.0
+    for k in range(3):
+        lower = upper = seeds[4 * first + k]
+        for row in range(first + 1, end):
+            lower = min(lower, seeds[4 * row + k])
+            upper = max(upper, seeds[4 * row + k])
+        if upper - lower > widest:
+            axis, widest, least, middle = k, upper - lower, lower, 0.5 * lower + 0.5 * upper
+    if middle <= least or depth >= _DEEP:  # all in one place, or neighbouring numbers
+        return (first + end) // 2
+    left, right = first, end - 1
+    while True:
+        while seeds[4 * left + axis] < middle:
+            left += 1
+        while seeds[4 * right + axis] >= middle:
+            right -= 1
+        if left > right:
+            break
+        for k in range(4):
+            i, j = 4 * left + k, 4 * right + k
+            seeds[i], seeds[j] = seeds[j], seeds[i]
+    return left
+
+
+@compiled
+def fit(nodes: Any, first: int, end: int, boxes: Any, width: int, column: int) -> None:
+    """Draw the boxes of a tree around those of its items: item i has numbers i width + column and five more."""
+    for node in range(end - 1, first - 1, -1):
+        item = int(nodes[node, ITEM])
+        if item >= 0:
+            for k in range(6):
+                nodes[node, k] = boxes[item * width + column + k]
+            continue
+        child, after = node + 1, int(nodes[node, SKIP])
+        x, y, z, u, v, w = _box(nodes, child)
+        child = int(nodes[child, SKIP])
+        while child < after:
+            box = _box(nodes, child)
+            x, y, z = min(x, box[0]), min(y, box[1]), min(z, box[2])
+            u, v, w = max(u, box[3]), max(v, box[4]), max(w, box[5])
+            child = int(nodes[child, SKIP])
+        nodes[node, 0], nodes[node, 1], nodes[node, 2] = x, y, z
+        nodes[node, 3], nodes[node, 4], nodes[node, 5] = u, v, w
+
+
+@compiled
+def gather(nodes: Any, first: int, end: int, box: Box, found: Any) -> tuple[int, int]:
+    """Write the items whose boxes overlap one into `found`; return how many, and how many nodes were looked at.
+
+    There has to be room for one more item than there are in the tree.
+    """
+    node = first
+    hits = 0
+    visits = 0
+    while node < end:
+        visits += 1
+        after = int(nodes[node, SKIP])
+        if not _overlap(nodes, node, box):
+            node = after
+        elif nodes[node, ITEM] == BRANCH:
+            node += 1
+        else:
+            visits += after - node - 1
+            for leaf in range(node + 1, after):
+                found[hits] = int(nodes[leaf, ITEM])
+                hits += 1 if _overlap(nodes, leaf, box) else 0
+            node = after
+    return hits, visits
+
+
+@compiled(inline=True)
+def _overlap(nodes: Any, node: int, box: Box) -> bool:
+    apart = (nodes[node, 0] > box[3]) | (nodes[node, 1] > box[4]) | (nodes[node, 2] > box[5])
+    return not (apart | (nodes[node, 3] < box[0]) | (nodes[node, 4] < box[1]) | (nodes[node, 5] < box[2]))
+
+
+@compiled(inline=True)
+def _box(nodes: Any, node: int) -> Box:
+    return (nodes[node, 0], nodes[node, 1], nodes[node, 2], nodes[node, 3], nodes[node, 4], nodes[node, 5])

@@ -1,0 +1,165 @@
+"""Where boxes and hulls touch a triangle of a mesh, whose outside is where its corners are seen counter-clockwise.
+
+The triangle stands for the surface of a solid: it pushes along its normal, and sideways only at edges where the
+surface is convex. At other edges the neighbouring triangle goes on, and what seems to touch the edge from the side
+rests on that one. Without this a box that slides over a flat floor of many triangles would catch at their edges.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.memory import floats_on_stack
+from kickdrift.core.vectors import Vector, cross, dot, length, minus, times
+from kickdrift.world.collision.box_polyhedron import SIZE_OF_BOX, set_box
+from kickdrift.world.collision.faces import PLACED, lowest, place_polyhedron
+from kickdrift.world.collision.frames import placed, set_frame
+from kickdrift.world.collision.polyhedra import touching
+from kickdrift.world.shapes.polyhedron import (
+    CENTRE,
+    EDGES,
+    EDGES_AT,
+    FACES,
+    HEADER,
+    LOOP_EDGES_AT,
+    LOOP_VERTICES_AT,
+    LOOPS_AT,
+    PLANES_AT,
+    PUSHING,
+    THICKNESS,
+    VERTICES,
+    plane,
+    pointer_to,
+    vertex,
+)
+
+# A body whose centre is deeper than this, or than half of the margin, is behind the triangle and not in touch with
+# it. Thin plates may sink as deep as the slop and have to be lifted out.
+_BEHIND = 0.01  # m, twice the slop of a world by default
+
+# How far a triangle may push down at an edge: the sine of the angle, for rounding at upright sides must not decide.
+_DOWN = 0.25
+
+# One face; planes for it, for the sides that stand on its edges, and for its back; six edges
+_BELOW = 4
+_PLANES = HEADER + 9
+_LOOPS = _PLANES + 20
+_EDGES = _LOOPS + 2 + 3 + 3
+_SIZE = _EDGES + 24
+
+
+@compiled
+def triangle_box(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
+    """Find where a triangle of a mesh and a box touch; see `kickdrift.world.collision`."""
+    box = floats_on_stack(SIZE_OF_BOX)
+    set_box(box, b)
+    return triangle_polyhedron(a, box, pose, margin, manifold)
+
+
+@compiled
+def triangle_hull(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
+    """Find where a triangle of a mesh and a hull touch; see `kickdrift.world.collision`."""
+    return triangle_polyhedron(a, pointer_to(b), pose, margin, manifold)
+
+
+@compiled
+def triangle_polyhedron(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
+    """Find where a triangle and a polyhedron touch, the second given by a pointer to its numbers."""
+    triangle, frame, seen = floats_on_stack(_SIZE), floats_on_stack(12), floats_on_stack(PLACED)
+    _set_triangle(triangle, a)
+    normal, offset = plane(triangle, 0)
+    set_frame(frame, pose)
+    if dot(normal, placed(frame, (b[CENTRE], b[CENTRE + 1], b[CENTRE + 2]))) - offset < -min(_BEHIND, 0.5 * margin):
+        return 0
+    place_polyhedron(seen, b, frame)
+    gap_a = lowest(seen, normal) - offset
+    if gap_a > margin:
+        return 0
+    gap_b, face_b, apart = _separation_of_faces(triangle, a, seen, margin)
+    if apart > margin:
+        return 0
+    face_a = int(triangle[FACES]) - 1
+    apart = max(apart, gap_a)
+    return touching(triangle, b, seen, frame, gap_a, face_a, gap_b, face_b, apart, margin, manifold)
+
+
+@compiled
+def _separation_of_faces(triangle: Any, a: Any, b: Any, margin: float) -> tuple[float, int, float]:
+    """Find the face of a polyhedron from which a triangle is farthest, of those it may push; and how far from any."""
+    best, best_face, apart = -np.inf, -1, -np.inf
+    for k in range(int(b[FACES])):
+        outward, height = plane(b, k)
+        gap = lowest(triangle, outward) - height
+        apart = max(apart, gap)
+        if gap > margin:
+            break
+        if gap > best and _pushes(triangle, a, times(-1.0, outward)):
+            best, best_face = gap, k
+    return best, best_face, apart
+
+
+@compiled
+def _pushes(triangle: Any, a: Any, direction: Vector) -> bool:
+    """Whether the triangle may push in a direction, at the edge that looks there most."""
+    best, most = 0, -np.inf
+    for k in range(3):
+        outward, _ = plane(triangle, 1 + k)
+        along = dot(outward, direction)
+        if along > most:
+            best, most = k, along
+    normal, _ = plane(triangle, 0)
+    return a[9 + best] != 0.0 and dot(normal, direction) > -_DOWN
+
+
+@compiled
+def _set_triangle(triangle: Any, a: Any) -> None:
+    """Write a triangle as a polyhedron of one face, and its edges twice: above, and below.
+
+    A side stands on each edge, which leans below the triangle. The normals beside an edge are, above, those of the
+    triangle and of the side, and below, that of the side and the triangle's reversed. Edges push within those above,
+    and where the surface is convex.
+    """
+    for k in range(_SIZE):
+        triangle[k] = 0.0
+    triangle[VERTICES], triangle[FACES], triangle[EDGES] = 3, 1, 6
+    triangle[PLANES_AT], triangle[LOOPS_AT], triangle[EDGES_AT] = _PLANES, _LOOPS, _EDGES
+    triangle[LOOP_VERTICES_AT], triangle[LOOP_EDGES_AT] = _LOOPS + 2, _LOOPS + 5
+    triangle[THICKNESS] = np.inf
+    for k in range(9):
+        triangle[HEADER + k] = a[k]
+    p, q, r = vertex(triangle, 0), vertex(triangle, 1), vertex(triangle, 2)
+    normal = cross(minus(q, p), minus(r, p))
+    normal = times(1.0 / length(normal), normal)
+    _put_plane(triangle, 0, normal, p)
+    _put_plane(triangle, _BELOW, times(-1.0, normal), p)
+    triangle[_LOOPS + 1] = 3.0
+    pushing, other = 0, 6
+    for k in range(3):
+        triangle[_LOOPS + 2 + k], triangle[_LOOPS + 5 + k] = k, k
+        side = cross(minus(vertex(triangle, (k + 1) % 3), vertex(triangle, k)), normal)
+        side = times(math.sqrt(1.0 - _DOWN * _DOWN) / length(side), side)
+        _put_plane(triangle, 1 + k, minus(side, times(_DOWN, normal)), vertex(triangle, k))
+        other -= 1
+        _put_edge(triangle, other, k, 1 + k, _BELOW)
+        if a[9 + k] != 0.0:
+            _put_edge(triangle, pushing, k, 0, 1 + k)
+            pushing += 1
+        else:
+            other -= 1
+            _put_edge(triangle, other, k, 0, 1 + k)
+    triangle[PUSHING] = pushing
+
+
+@compiled(inline=True)
+def _put_edge(triangle: Any, number: int, begin: int, left: int, right: int) -> None:
+    at = _EDGES + 4 * number
+    triangle[at], triangle[at + 1], triangle[at + 2], triangle[at + 3] = begin, (begin + 1) % 3, left, right
+
+
+@compiled(inline=True)
+def _put_plane(triangle: Any, face: int, normal: Vector, point: Vector) -> None:
+    at = _PLANES + 4 * face
+    triangle[at], triangle[at + 1], triangle[at + 2] = normal
+    triangle[at + 3] = dot(normal, point)

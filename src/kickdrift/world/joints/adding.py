@@ -1,0 +1,84 @@
+"""How joints come into a world: one line a kind."""
+
+import functools
+from collections.abc import Callable
+from typing import Concatenate, ParamSpec
+
+from kickdrift.world.bodies import Bodies, Body
+from kickdrift.world.joints.ball import Ball
+from kickdrift.world.joints.distance import Distance
+from kickdrift.world.joints.fixed import Fixed
+from kickdrift.world.joints.handle import Joint
+from kickdrift.world.joints.hinge import Hinge
+from kickdrift.world.joints.record import Record
+from kickdrift.world.joints.registry import Joints
+from kickdrift.world.joints.rope import Rope
+from kickdrift.world.joints.six_dof import SixDof
+from kickdrift.world.joints.slider import Slider
+from kickdrift.world.joints.spring import Spring
+from kickdrift.world.joints.universal import Universal
+from kickdrift.world.tables import Tables
+
+P = ParamSpec("P")
+
+
+def _adds(kind: Callable[P, Record]) -> Callable[Concatenate["AddsJoints", Body, Body | None, P], Joint]:
+    """Make the method of a world that adds a joint of a kind; what it takes after the bodies is what the record takes."""
+
+    @functools.wraps(kind, updated=())
+    def add(self: "AddsJoints", body_a: Body, body_b: Body | None, *args: P.args, **kwargs: P.kwargs) -> Joint:
+        return self.add_joint(body_a, body_b, kind(*args, **kwargs))
+
+    return add
+
+
+class AddsJoints:
+    """The methods of a world that add joints: of body b, or the ground for None, to body a."""
+
+    tables: Tables
+    bodies: Bodies
+    joints: Joints
+
+    def add_joint(self, body_a: Body, body_b: Body | None, record: Record) -> Joint:
+        """Join two bodies as they stand.
+
+        Parameters
+        ----------
+        body_a, body_b : Body
+            None for the second is the ground.
+        record : Record
+            What kind of joint it is: one of `kickdrift.world.joints.catalogue.KINDS`.
+
+        Returns
+        -------
+        Joint
+            Its handle, which reads angles and forces and sets motors, drives and limits.
+
+        Raises
+        ------
+        ArgumentError
+            For a body with itself, bodies that are gone, and for what the record refuses.
+        """
+        row_a = self.bodies.row(body_a, "body_a")
+        row_b = self.bodies.row(self.bodies.ground if body_b is None else body_b, "body_b")
+        return self.joints.add(record, row_a, row_b)
+
+    def remove_joint(self, joint: Joint) -> None:
+        """Take a joint away.
+
+        Raises
+        ------
+        ArgumentError
+            If it is gone already.
+        """
+        self.joints.remove(joint)
+
+    add_ball_joint = _adds(Ball)
+    add_hinge = _adds(Hinge)
+    add_slider = _adds(Slider)
+    add_fixed_joint = _adds(Fixed)
+    add_universal_joint = _adds(Universal)
+    add_six_dof_joint = _adds(SixDof)
+    add_distance_joint = _adds(Distance)
+    add_rope = _adds(Rope)
+    add_spring = _adds(Spring)

@@ -1,0 +1,79 @@
+"""What happens to joints before and after the substeps of a step."""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import length
+from kickdrift.world.flight import AWAKE, DYNAMIC
+from kickdrift.world.flight import KIND as BODY_KIND
+from kickdrift.world.joints.impulses import note_speeds
+from kickdrift.world.joints.layout import BODY as LINK_BODY
+from kickdrift.world.joints.layout import (
+    BODY_A,
+    BREAKING_FORCE,
+    BREAKING_TORQUE,
+    BROKEN,
+    CLOSINGS,
+    END,
+    FIRST,
+    IMPULSE,
+    LAWS,
+    LINK_JOINT,
+    LINKS,
+    LOCKED,
+    RELAXING,
+    TOTAL,
+)
+from kickdrift.world.joints.measure import vector_at
+from kickdrift.world.tables import ARTICULATION, BODY, JOINT, JOINT_NUMBERS, LINK, floats, integers, rows
+
+
+@compiled
+def wake_joints(t: float, h: float, world: int) -> None:
+    """Wake all bodies of an articulation if any is awake; those that sleep have no links during the step."""
+    articulations, links = integers(world, ARTICULATION), integers(world, LINK)
+    joints, bodies = integers(world, JOINT), integers(world, BODY)
+    for row in range(rows(world, ARTICULATION)):
+        first, after = articulations[row, FIRST], articulations[row, FIRST] + articulations[row, LINKS]
+        awake = False
+        for turn in range(2):
+            for link in range(first, after):
+                for side in range(2):
+                    joint = links[link, LINK_JOINT]
+                    body = joints[joint, BODY_A + side] if joint >= 0 else links[link, LINK_BODY]
+                    if bodies[body, BODY_KIND] == DYNAMIC:
+                        awake = awake or bodies[body, AWAKE] != 0
+                        if turn == 1 and awake:
+                            bodies[body, AWAKE] = 1
+        articulations[row, END] = after + articulations[row, CLOSINGS] if awake else first
+
+
+@compiled
+def begin_joints(t: float, h: float, world: int) -> None:
+    """Keep the speeds before the first kick, and count impulses from here."""
+    articulations, links, numbers = integers(world, ARTICULATION), integers(world, LINK), floats(world, JOINT_NUMBERS)
+    for row in range(rows(world, ARTICULATION)):
+        articulations[row, RELAXING] = 0
+        for link in range(articulations[row, FIRST], articulations[row, END]):
+            joint = links[link, LINK_JOINT]
+            if joint >= 0:
+                note_speeds(joint, world)
+                for k in range(6):
+                    numbers[joint, TOTAL + k] = 0.0
+
+
+@compiled
+def finish_joints(t: float, h: float, world: int) -> None:
+    """Say with what mean force and torque joints held during the step, and let go those that had to bear too much."""
+    articulations, links = integers(world, ARTICULATION), integers(world, LINK)
+    joints, numbers = integers(world, JOINT), floats(world, JOINT_NUMBERS)
+    for row in range(rows(world, ARTICULATION)):
+        for link in range(articulations[row, FIRST], articulations[row, END]):
+            joint = links[link, LINK_JOINT]
+            if joint < 0:
+                continue
+            for k in range(6):
+                numbers[joint, TOTAL + k] /= h
+            force, torque = length(vector_at(numbers, joint, TOTAL)), length(vector_at(numbers, joint, TOTAL + 3))
+            if force > numbers[joint, BREAKING_FORCE] or torque > numbers[joint, BREAKING_TORQUE]:
+                joints[joint, LOCKED], joints[joint, LAWS], joints[joint, BROKEN] = 0, 0, 1
+                for k in range(6):
+                    numbers[joint, IMPULSE + k] = 0.0

@@ -1,0 +1,174 @@
+"""What a joint does along or about one of its axes."""
+
+import math
+from dataclasses import dataclass
+
+from kickdrift.core.errors import ArgumentError
+
+
+def finite(argument: str, value: float) -> None:
+    """Refuse a number that is none.
+
+    Raises
+    ------
+    ArgumentError
+    """
+    if not math.isfinite(value):
+        raise ArgumentError(f"{argument}={value!r} has to be a finite number.")
+
+
+def not_negative(argument: str, value: float, unit: str, *, infinite: bool = False) -> None:
+    """Refuse a number below zero.
+
+    Raises
+    ------
+    ArgumentError
+    """
+    if not (value >= 0.0 and (infinite or value < math.inf)):
+        rest = "zero or positive" if infinite else "zero or positive, and finite"
+        raise ArgumentError(f"{argument}={value!r} has to be {rest}, in {unit}.")
+
+
+@dataclass(frozen=True)
+class Motor:
+    """Turns or pushes at a speed, with as much torque or force as that takes up to a maximum.
+
+    Parameters
+    ----------
+    speed : float
+        Of body b against body a; rad/s about an axis, m/s along one.
+    maximum : float
+        N m about an axis, N along one.
+
+    Raises
+    ------
+    ArgumentError
+        For a speed that is not finite or a negative maximum.
+    """
+
+    speed: float = 0.0
+    maximum: float = math.inf
+
+    def __post_init__(self) -> None:
+        finite("speed", self.speed)
+        not_negative("maximum", self.maximum, "N m about an axis, N along one", infinite=True)
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A spring with a damper, which pulls towards a position: passive, or as the controller of an actuator.
+
+    Give either stiffness and damping, or hertz and damping ratio: those of the two bodies alone, with everything else that
+    the joint locks held, at the pose at which the joint is made.
+
+    Parameters
+    ----------
+    stiffness : float
+        N m/rad about an axis, N/m along one.
+    damping : float
+        N m s/rad about an axis, N s/m along one.
+    hertz, damping_ratio : float, optional
+        Natural frequency, in 1/s, and damping over critical damping.
+    target : float
+        Position or angle at which it does not pull, m or rad.
+    speed : float
+        Speed at which it does not damp, m/s or rad/s.
+    maximum : float
+        N or N m that it does not exceed.
+
+    Raises
+    ------
+    ArgumentError
+        For negative numbers, ones that are not finite, and both ways of saying how stiff it is at once.
+
+    Notes
+    -----
+    Both act by the position and speed that they lead to, so any stiffness and damping is stable. Springs slow against the
+    substep keep their energy; see `kickdrift.world.joints.laws`.
+    """
+
+    stiffness: float = 0.0
+    damping: float = 0.0
+    hertz: float | None = None
+    damping_ratio: float = 0.0
+    target: float = 0.0
+    speed: float = 0.0
+    maximum: float = math.inf
+
+    def __post_init__(self) -> None:
+        not_negative("stiffness", self.stiffness, "N m/rad about an axis, N/m along one")
+        not_negative("damping", self.damping, "N m s/rad about an axis, N s/m along one")
+        not_negative("damping_ratio", self.damping_ratio, "parts of critical damping")
+        not_negative("maximum", self.maximum, "N m about an axis, N along one", infinite=True)
+        finite("target", self.target)
+        finite("speed", self.speed)
+        if self.hertz is None:
+            if self.damping_ratio > 0.0:
+                raise ArgumentError(
+                    f"damping_ratio={self.damping_ratio!r} refers to a frequency; give hertz too, or damping instead."
+                )
+            return
+        if not 0.0 < self.hertz < math.inf:
+            raise ArgumentError(f"hertz={self.hertz!r} has to be positive and finite, in 1/s.")
+        if self.stiffness > 0.0 or self.damping > 0.0:
+            raise ArgumentError(
+                f"hertz={self.hertz!r} and stiffness={self.stiffness!r}, damping={self.damping!r} say how stiff the drive"
+                " is in two ways; give hertz and damping_ratio, or stiffness and damping."
+            )
+
+    def coefficients(self, mass: float) -> tuple[float, float]:
+        """Return stiffness and damping, where the drive moves a mass or moment of inertia."""
+        if self.hertz is None:
+            return self.stiffness, self.damping
+        rate = 2.0 * math.pi * self.hertz
+        return mass * rate * rate, 2.0 * mass * self.damping_ratio * rate
+
+
+@dataclass(frozen=True)
+class Axis:
+    """What a joint does along or about one of its axes.
+
+    Parameters
+    ----------
+    locked : bool
+        Nothing moves along it. All else is for axes that are open.
+    limits : (2,) tuple of float, optional
+        Least and greatest position or angle, in m or rad; infinite ones are none.
+    motor : Motor, optional
+    drive : Drive, optional
+    friction : float
+        Dry friction: the greatest force or torque with which it holds what rests and brakes what moves, N or N m.
+
+    Raises
+    ------
+    ArgumentError
+        For limits the wrong way round or not a number, negative friction, and for a locked axis with anything else.
+    """
+
+    locked: bool = False
+    limits: tuple[float, float] | None = None
+    motor: Motor | None = None
+    drive: Drive | None = None
+    friction: float = 0.0
+
+    def __post_init__(self) -> None:
+        not_negative("friction", self.friction, "N m about an axis, N along one")
+        if self.limits is not None:
+            lower, upper = self.limits
+            if not lower <= upper:
+                raise ArgumentError(
+                    f"limits={self.limits!r} have to be the least and the greatest position, in this order."
+                )
+            if lower == math.inf or upper == -math.inf:
+                raise ArgumentError(f"limits={self.limits!r} leave no place; give finite ones.")
+        if self.locked and self.has_law:
+            raise ArgumentError("locked=True leaves nothing to limit, drive or brake; leave the axis open.")
+
+    @property
+    def has_law(self) -> bool:
+        """Whether anything happens along the axis."""
+        return bool(self.limits or self.motor or self.drive or self.friction > 0.0)
+
+
+LOCKED = Axis(locked=True)
+FREE = Axis()

@@ -1,0 +1,75 @@
+"""The ball joint."""
+
+import math
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.world.joints.axis import LOCKED, Axis, Drive
+from kickdrift.world.joints.record import Placement, Record, direction, frame_along, point
+
+
+@dataclass(frozen=True)
+class Ball(Record):
+    """A point of one body is a point of the other.
+
+    Parameters
+    ----------
+    anchor : (3,) array_like
+        The point, in the world, m.
+    axis : (3,) array_like
+        Direction from which swing and about which twist are measured, in the world: along the limb.
+    swing_limit : float, optional
+        Greatest angle by which the axis of b leaves that of a, rad, below pi.
+    twist_limits : (2,) tuple of float, optional
+        Least and greatest angle of b about the axis, rad, between -pi and pi.
+    drive : Drive, optional
+        Pulls b back into the orientation that it has now, by the rotation vector.
+    friction : float
+        Greatest torque of dry friction about each axis, N m.
+
+    Raises
+    ------
+    ArgumentError
+        For limits the wrong way round or beyond pi, and for a drive with a target or a maximum.
+
+    Notes
+    -----
+    Swing and twist: Baerlocher, Boulic, Parametrization and range of motion of the ball-and-socket joint (2001).
+    """
+
+    anchor: ArrayLike
+    axis: ArrayLike = (0.0, 0.0, 1.0)
+    swing_limit: float | None = None
+    twist_limits: tuple[float, float] | None = None
+    drive: Drive | None = None
+    friction: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.swing_limit is not None and not 0.0 < self.swing_limit < math.pi:
+            raise ArgumentError(f"swing_limit={self.swing_limit!r} has to be above 0 and below pi, in rad.")
+        if self.twist_limits is not None and not -math.pi < self.twist_limits[0] <= self.twist_limits[1] < math.pi:
+            raise ArgumentError(
+                f"twist_limits={self.twist_limits!r} have to be the least and the greatest angle, in this order, above -pi"
+                " and below pi."
+            )
+        if self.drive is not None and (
+            self.drive.target != 0.0 or self.drive.speed != 0.0 or self.drive.maximum != math.inf
+        ):
+            raise ArgumentError(
+                f"drive={self.drive!r} has a target, a speed or a maximum, but that of a ball joint pulls back to the"
+                " orientation at the start, about no axis of its own; use add_six_dof_joint for others."
+            )
+
+    def placement(self) -> Placement:
+        """Say where the joint is and what its axes do."""
+        anchor = point("anchor", self.anchor)
+        swing = None if self.swing_limit is None else (-math.inf, self.swing_limit)
+        limits = (swing, None, self.twist_limits)
+        x, y, z = (Axis(limits=limit, drive=self.drive, friction=self.friction) for limit in limits)
+        return Placement(
+            anchor, anchor, frame_along(direction("axis", self.axis)), (LOCKED, LOCKED, LOCKED), (x, y, z),
+            cone=swing is not None or self.twist_limits is not None,
+        )  # fmt: skip

@@ -1,0 +1,14 @@
+"""The kinds of joints. A new one is a record in its file, a line here, and one in `kickdrift.world.joints.adding`."""
+
+from kickdrift.world.joints.ball import Ball
+from kickdrift.world.joints.distance import Distance
+from kickdrift.world.joints.fixed import Fixed
+from kickdrift.world.joints.hinge import Hinge
+from kickdrift.world.joints.record import Record
+from kickdrift.world.joints.rope import Rope
+from kickdrift.world.joints.six_dof import SixDof
+from kickdrift.world.joints.slider import Slider
+from kickdrift.world.joints.spring import Spring
+from kickdrift.world.joints.universal import Universal
+
+KINDS: tuple[type[Record], ...] = (Ball, Hinge, Slider, Fixed, Universal, SixDof, Distance, Rope, Spring)

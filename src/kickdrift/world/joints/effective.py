@@ -1,0 +1,29 @@
+"""The mass that a joint's axis moves."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.world.joints.layout import ARM_A, ARM_B, AXES, BODY_A, BODY_B, LOCKED
+from kickdrift.world.tables import JOINT, JOINT_NUMBERS, RESPONSE, Tables
+
+Floats = NDArray[np.float64]
+
+
+def effective_mass(tables: Tables, joint: int, axis: int) -> float:
+    """Return the mass, or moment of inertia, of both bodies of a measured joint along an open axis, with locked axes held.
+
+    Zero where neither of them can move along it.
+    """
+    row, numbers = tables.array(JOINT)[joint], tables.array(JOINT_NUMBERS)[joint]
+    axes = numbers[AXES : AXES + 18].reshape(6, 3)
+    locked = [k for k in range(6) if int(row[LOCKED]) >> k & 1]
+    mobility = np.zeros((6, 6))
+    for body, arm in ((row[BODY_A], ARM_A), (row[BODY_B], ARM_B)):
+        inverse_mass, xx, yy, zz, xy, xz, yz = tables.array(RESPONSE)[body, :7]
+        inverse_inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        turns = np.vstack((np.cross(numbers[arm : arm + 3], axes[:3]), axes[3:]))
+        pushes = np.vstack((axes[:3], np.zeros((3, 3))))
+        mobility += inverse_mass * pushes @ pushes.T + turns @ inverse_inertia @ turns.T
+    held = mobility[np.ix_(locked, locked)]
+    free = mobility[axis, axis] - mobility[axis, locked] @ np.linalg.pinv(held, hermitian=True) @ mobility[locked, axis]
+    return float(1.0 / free) if free > 1e-12 * mobility[axis, axis] else 0.0

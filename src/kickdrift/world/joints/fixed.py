@@ -1,0 +1,27 @@
+"""The joint that lets nothing move."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kickdrift.world.joints.axis import LOCKED
+from kickdrift.world.joints.record import Placement, Record, point
+
+
+@dataclass(frozen=True)
+class Fixed(Record):
+    """Two bodies move as one.
+
+    Parameters
+    ----------
+    anchor : (3,) array_like
+        Where they are joined, in the world, m: the point that its torque refers to.
+    """
+
+    anchor: ArrayLike
+
+    def placement(self) -> Placement:
+        """Say where the joint is and what its axes do."""
+        anchor = point("anchor", self.anchor)
+        return Placement(anchor, anchor, np.eye(3), (LOCKED, LOCKED, LOCKED), (LOCKED, LOCKED, LOCKED))

@@ -1,0 +1,46 @@
+"""The hinge."""
+
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from kickdrift.world.joints.axis import LOCKED, Axis, Drive, Motor
+from kickdrift.world.joints.record import Placement, Record, direction, frame_along, point
+
+
+@dataclass(frozen=True)
+class Hinge(Record):
+    """Body b turns about an axis of body a.
+
+    Parameters
+    ----------
+    anchor : (3,) array_like
+        A point of the axis, in the world, m.
+    axis : (3,) array_like
+        Direction of the axis, in the world; angles of b against a are positive counter-clockwise about it.
+    limits : (2,) tuple of float, optional
+        Least and greatest angle, rad; it is zero now, and counts turns.
+    motor : Motor, optional
+    drive : Drive, optional
+    friction : float
+        Greatest torque of dry friction, N m.
+
+    Raises
+    ------
+    ArgumentError
+        For an axis of length zero, limits the wrong way round, negative friction.
+    """
+
+    anchor: ArrayLike
+    axis: ArrayLike
+    limits: tuple[float, float] | None = None
+    motor: Motor | None = None
+    drive: Drive | None = None
+    friction: float = 0.0
+
+    def placement(self) -> Placement:
+        """Say where the joint is and what its axes do."""
+        anchor = point("anchor", self.anchor)
+        turn = Axis(False, self.limits, self.motor, self.drive, self.friction)
+        frame = frame_along(direction("axis", self.axis))
+        return Placement(anchor, anchor, frame, (LOCKED, LOCKED, LOCKED), (LOCKED, LOCKED, turn), principal=5)

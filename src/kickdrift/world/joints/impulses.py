@@ -1,0 +1,83 @@
+"""What joints read from velocities, and do to them."""
+
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Vector, cross, dot, minus, plus, times
+from kickdrift.world.joints.layout import (
+    ARM_A,
+    ARM_B,
+    AXES,
+    BODY_A,
+    BODY_B,
+    END,
+    FIRST,
+    IMPULSE,
+    LAWS,
+    LINK_JOINT,
+    START_SPEED,
+)
+from kickdrift.world.joints.measure import turn_by, vector_at
+from kickdrift.world.tables import (
+    ARTICULATION,
+    JOINT,
+    JOINT_AXES,
+    JOINT_NUMBERS,
+    LINK,
+    MOTION,
+    RESPONSE,
+    floats,
+    integers,
+    rows,
+)
+
+
+@compiled
+def warm_start_joints(t: float, h: float, world: int) -> None:
+    """Give the impulses of the substep before, so that contacts see bodies that are held already."""
+    articulations, links, numbers = integers(world, ARTICULATION), integers(world, LINK), floats(world, JOINT_NUMBERS)
+    for row in range(rows(world, ARTICULATION)):
+        for link in range(articulations[row, FIRST], articulations[row, END]):
+            if links[link, LINK_JOINT] >= 0:
+                push_bodies(links[link, LINK_JOINT], numbers, links[link, LINK_JOINT], IMPULSE, world)
+
+
+@compiled(inline=True, cached=False)
+def relative_velocity(joint: int, world: int) -> tuple[Vector, Vector]:
+    """Velocity of b less that of a where the joint acts, and the difference of their angular velocities."""
+    joints, numbers, motion = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, MOTION)
+    a, b = joints[joint, BODY_A], joints[joint, BODY_B]
+    wa, wb = vector_at(motion, a, 3), vector_at(motion, b, 3)
+    va = plus(vector_at(motion, a, 0), cross(wa, vector_at(numbers, joint, ARM_A)))
+    vb = plus(vector_at(motion, b, 0), cross(wb, vector_at(numbers, joint, ARM_B)))
+    return minus(vb, va), minus(wb, wa)
+
+
+@compiled(cached=False)
+def note_speeds(joint: int, world: int) -> None:
+    """Keep the speeds along axes that have laws, as they are before the next kick."""
+    axes, numbers, laws = integers(world, JOINT)[joint, LAWS], floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
+    if axes == 0:
+        return
+    v, w = relative_velocity(joint, world)
+    for k in range(6):
+        if axes >> k & 1:
+            laws[6 * joint + k, START_SPEED] = dot(vector_at(numbers, joint, AXES + 3 * k), v if k < 3 else w)
+
+
+@compiled(cached=False)
+def push_bodies(joint: int, source: Any, row: int, column: int, world: int) -> None:
+    """Let six impulses along and about the axes of a joint act on b, and their opposites at the same point on a."""
+    joints, numbers = integers(world, JOINT), floats(world, JOINT_NUMBERS)
+    motion, response = floats(world, MOTION), floats(world, RESPONSE)
+    force, torque = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for k in range(3):
+        force = plus(force, times(source[row, column + k], vector_at(numbers, joint, AXES + 3 * k)))
+        torque = plus(torque, times(source[row, column + 3 + k], vector_at(numbers, joint, AXES + 9 + 3 * k)))
+    for side in range(2):
+        body, sign = joints[joint, BODY_A + side], 1.0 if side == 1 else -1.0
+        arm = vector_at(numbers, joint, ARM_B if side == 1 else ARM_A)
+        turn = turn_by(response, body, plus(torque, cross(arm, force)))
+        for k in range(3):
+            motion[body, k] += sign * response[body, 0] * force[k]
+            motion[body, 3 + k] += sign * turn[k]

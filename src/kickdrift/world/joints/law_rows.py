@@ -1,0 +1,75 @@
+"""Laws of axes as rows of numbers."""
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.world.joints.axis import Axis
+from kickdrift.world.joints.effective import effective_mass
+from kickdrift.world.joints.layout import (
+    ANGULAR,
+    CONE,
+    DAMPING,
+    DRIVE_MAXIMUM,
+    FRICTION,
+    LAWS,
+    LINE,
+    LINEAR,
+    LOCKED,
+    LOOSE,
+    LOWER,
+    MASS,
+    MOTOR_MAXIMUM,
+    MOTOR_SPEED,
+    STIFFNESS,
+    TARGET,
+    TARGET_SPEED,
+    UPPER,
+    VECTOR,
+)
+from kickdrift.world.tables import JOINT, JOINT_AXES, Tables
+
+Part = Literal["limits", "motor", "drive", "friction"]
+PARTS: tuple[Part, ...] = ("limits", "motor", "drive", "friction")
+
+
+def write_law(tables: Tables, joint: int, k: int, axis: Axis, part: Part) -> None:
+    """Write one part of what happens along an axis of a joint, which is measured."""
+    law: NDArray[np.float64] = tables.array(JOINT_AXES)[6 * joint + k]
+    if part == "limits":
+        law[[LOWER, UPPER]] = axis.limits or (-np.inf, np.inf)
+    elif part == "friction":
+        law[FRICTION] = axis.friction
+    elif part == "motor":
+        law[[MOTOR_SPEED, MOTOR_MAXIMUM]] = (axis.motor.speed, axis.motor.maximum) if axis.motor else 0.0
+    else:
+        law[[STIFFNESS, DAMPING, TARGET, TARGET_SPEED, DRIVE_MAXIMUM, MASS]] = 0.0
+        if axis.drive is not None:
+            law[MASS] = mass = effective_mass(tables, joint, k)
+            law[[STIFFNESS, DAMPING]] = axis.drive.coefficients(mass)
+            law[[TARGET, TARGET_SPEED, DRIVE_MAXIMUM]] = axis.drive.target, axis.drive.speed, axis.drive.maximum
+    does = np.isfinite(law[[LOWER, UPPER]]).any() or law[[MOTOR_MAXIMUM, STIFFNESS, DAMPING, FRICTION]].any()
+    row = tables.array(JOINT)[joint]
+    row[LAWS] = row[LAWS] | 1 << k if does else row[LAWS] & ~(1 << k)
+    if k >= 3 and does and row[ANGULAR] == LOOSE:
+        row[ANGULAR] = VECTOR
+
+
+def check_changeable(tables: Tables, joint: int, k: int, part: Part) -> None:
+    """Refuse to change the law of an axis that has none of its own.
+
+    Raises
+    ------
+    ArgumentError
+    """
+    row = tables.array(JOINT)[joint]
+    if row[LOCKED] >> k & 1:
+        raise ArgumentError(f"axis={k} is locked, so it has no {part}; make a joint in which it is open.")
+    if row[LINEAR] == LINE and k != 2:
+        raise ArgumentError(f"axis={k} of a joint along a line has no {part} of its own; only axis 2, the line, has.")
+    if row[ANGULAR] == CONE and k >= 3:
+        raise ArgumentError(
+            f"axis={k} is one of swing and twist, whose {part} cannot be changed; remove the joint and add another one."
+        )

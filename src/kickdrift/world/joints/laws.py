@@ -1,0 +1,212 @@
+"""What happens along an open axis: limits, motor, drive and dry friction as one law between impulse and speed.
+
+The law is a graph that falls from the left to the right: a limit, a motor and friction are upright pieces at their speeds, a
+drive is a slope between its maxima, and all add up. Together with a straight line that rises, speed = free speed + mobility x
+impulse, it has one solution. Which piece that lies on is what a joint assumes of its law; the articulation is solved with
+the pieces assumed, and solved again as long as a solution lies on other ones (an active-set, or semi-smooth Newton, method).
+
+A drive acts by the position and the speed that it will have,
+
+    impulse = -h (k (x + h ((alpha + beta) s' - beta s)) + c (s' - s*)),
+
+with s before and s' after the substep, beta = (1 - alpha) / 4 and alpha = r / (1 + r), r = h^2 k / m. With alpha = 0 that is
+Newmark's method of average acceleration: symplectic, stable for any stiffness, and free of damping that is not asked for.
+Only drives too stiff for the substep, which no integrator of this order could follow, are damped: alpha = 1 is implicit
+Euler, which brings them to rest. Newmark, J. Eng. Mech. Div. 85 (1959) 67; Kane et al., Int. J. Numer. Meth. Eng. 49 (2000)
+1295 for the symplecticity.
+"""
+
+import math
+
+from kickdrift.core.compilation import compiled
+from kickdrift.world.joints.layout import (
+    ANGULAR,
+    CHANGE,
+    CONE,
+    DAMPING,
+    DRIVE_IMPULSE,
+    DRIVE_MAXIMUM,
+    DRIVEN,
+    FRICTION,
+    GIVEN,
+    HELD,
+    IMPULSE,
+    LAWS,
+    LOWER,
+    MASS,
+    MOBILITY,
+    MOTOR_MAXIMUM,
+    MOTOR_SPEED,
+    MOVED,
+    POSITION,
+    PUSH,
+    SLOPE,
+    SPEED,
+    START_SPEED,
+    STATE,
+    STIFFNESS,
+    TARGET,
+    TARGET_SPEED,
+    TWIST_SCALE,
+    UPPER,
+)
+from kickdrift.world.tables import JOINT, JOINT_AXES, JOINT_NUMBERS, LINK, LINK_NUMBERS, floats, integers
+
+_OPEN = 5  # codes of pieces: upright ones 1-4, others _OPEN and three digits to the base 3
+
+
+@compiled(inline=True, cached=False)
+def _sign(a: float, side: int) -> float:
+    return 1.0 if a > 0.0 else -1.0 if a < 0.0 else float(-side)
+
+
+@compiled(inline=True, cached=False)
+def _drive(s: float, constant: float, slope: float, maximum: float) -> float:
+    return min(maximum, max(-maximum, constant - slope * s))
+
+
+@compiled(cached=False)
+def solution(
+    free: float,
+    mobility: float,
+    lower: float,
+    upper: float,
+    friction: float,
+    motor: float,
+    motor_speed: float,
+    constant: float,
+    slope: float,
+    maximum: float,
+) -> tuple[int, bool, float, float]:
+    """Find the piece of a law that meets the line speed = free + mobility x impulse.
+
+    Parameters
+    ----------
+    lower, upper : float
+        Least and greatest speed.
+    friction, motor : float
+        Greatest impulses, the latter towards `motor_speed`.
+    constant, slope, maximum : float
+        Drive: impulse = constant - slope x speed, at most `maximum` to either side.
+
+    Returns
+    -------
+    code : int
+        Of the piece.
+    held : bool
+        Whether it is upright.
+    value, slope : float
+        Its speed; or its impulse is the value less the slope times the speed.
+
+    Notes
+    -----
+    The difference of both graphs grows with the speed, so its sign at either side of a piece says where the solution is.
+    """
+    if lower > -math.inf:
+        pull = friction * _sign(-lower, 1) + motor * _sign(motor_speed - lower, 1)
+        if (lower - free) / mobility >= pull + _drive(lower, constant, slope, maximum):
+            return 1, True, lower, 0.0
+    if upper < math.inf:
+        pull = friction * _sign(-upper, -1) + motor * _sign(motor_speed - upper, -1)
+        if (upper - free) / mobility <= pull + _drive(upper, constant, slope, maximum):
+            return 2, True, upper, 0.0
+    others, code = 0.0, _OPEN
+    if friction > 0.0:
+        wanted = -free / mobility - _drive(0.0, constant, slope, maximum)
+        right = wanted < motor * _sign(motor_speed, 1) - friction
+        left = wanted > motor * _sign(motor_speed, -1) + friction
+        if not (left or right):
+            return 3, True, 0.0, 0.0
+        others += -friction if right else friction
+        code += 1 if right else 2
+    if motor > 0.0:
+        wanted = (motor_speed - free) / mobility - _drive(motor_speed, constant, slope, maximum)
+        right = wanted < friction * _sign(-motor_speed, 1) - motor
+        left = wanted > friction * _sign(-motor_speed, -1) + motor
+        if not (left or right):
+            return 4, True, motor_speed, 0.0
+        others += -motor if right else motor
+        code += 3 if right else 6
+    if slope > 0.0 and maximum < math.inf:
+        fast, slow = (constant + maximum) / slope, (constant - maximum) / slope
+        if (fast - free) / mobility < others - maximum:
+            return code + 9, False, others - maximum, 0.0
+        if (slow - free) / mobility > others + maximum:
+            return code + 18, False, others + maximum, 0.0
+    return code, False, others + constant, slope
+
+
+@compiled(cached=False)
+def _drive_of(joint: int, k: int, h: float, world: int) -> tuple[float, float, float]:
+    """Impulse of a drive: constant, slope, maximum; see the top of this file."""
+    numbers, laws = floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
+    row = 6 * joint + k
+    stiffness, damping = laws[row, STIFFNESS], laws[row, DAMPING]
+    off = numbers[joint, DRIVEN + k - 3] if k >= 3 else numbers[joint, POSITION + k] - laws[row, TARGET]
+    stiff = h * h * stiffness
+    alpha = stiff / (laws[row, MASS] + stiff) if stiff > 0.0 else 0.0
+    beta = 0.25 * (1.0 - alpha)
+    constant = h * (damping * laws[row, TARGET_SPEED] - stiffness * (off - h * beta * laws[row, START_SPEED]))
+    return constant, h * (damping + h * stiffness * (alpha + beta)), h * laws[row, DRIVE_MAXIMUM]
+
+
+@compiled(cached=False)
+def _assume(
+    joint: int, k: int, link: int, h: float, relaxing: bool, speed: float, impulse: float, opened: bool, world: int
+) -> bool:
+    """Put the piece of a law that a speed and an impulse point to into the equations; say whether it was another one.
+
+    With ``opened`` the axis may be let go, but not be held.
+    """
+    links, joints = integers(world, LINK), integers(world, JOINT)
+    work, numbers, laws = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
+    row = 6 * joint + k
+    at = numbers[joint, POSITION + k]
+    lower, upper = laws[row, LOWER] - at, laws[row, UPPER] - at
+    if relaxing:  # what has been passed is left as it is, and the drive has done its work
+        lower, upper = min(lower, 0.0), max(upper, 0.0)
+        constant, slope, maximum = laws[row, DRIVE_IMPULSE], 0.0, math.inf
+    else:
+        constant, slope, maximum = _drive_of(joint, k, h, world)
+    scale = numbers[joint, TWIST_SCALE] if k == 5 and joints[joint, ANGULAR] == CONE else 1.0
+    code, held, value, slope = solution(
+        speed - laws[row, MOBILITY] * impulse, laws[row, MOBILITY], scale * lower / h, scale * upper / h,
+        h * laws[row, FRICTION], h * laws[row, MOTOR_MAXIMUM], laws[row, MOTOR_SPEED], constant, slope, maximum,
+    )  # fmt: skip
+    if code == work[link, STATE + k] or (opened and held and not links[link, HELD] >> k & 1):
+        return False
+    work[link, STATE + k] = code
+    before = work[link, SPEED + k]
+    if held:
+        links[link, HELD] |= 1 << k
+        work[link, CHANGE + k] = value - before
+    else:
+        links[link, HELD] &= ~(1 << k)
+        work[link, PUSH + k] = value - slope * before - numbers[joint, IMPULSE + k]
+        work[link, SLOPE + k] = slope
+    return True
+
+
+@compiled(cached=False)
+def review_laws(joint: int, link: int, h: float, relaxing: bool, opened: bool, world: int) -> bool:
+    """Assume the pieces that the solution points to, and say whether any are others than it was made with."""
+    laws, work, numbers = integers(world, JOINT)[joint, LAWS], floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
+    held, changed = integers(world, LINK)[link, HELD], False
+    for k in range(6):
+        if laws >> k & 1:
+            speed = work[link, SPEED + k] + (work[link, CHANGE + k] if held >> k & 1 else work[link, MOVED + k])
+            impulse = numbers[joint, IMPULSE + k] + work[link, GIVEN + k]
+            changed = _assume(joint, k, link, h, relaxing, speed, impulse, opened, world) or changed
+    return changed
+
+
+@compiled(cached=False)
+def end_laws(joint: int, link: int, h: float, world: int) -> None:
+    """Keep what drives gave in the solve, for they give no more in the relaxation."""
+    joint_laws, work, laws = integers(world, JOINT)[joint, LAWS], floats(world, LINK_NUMBERS), floats(world, JOINT_AXES)
+    held = integers(world, LINK)[link, HELD]
+    for k in range(6):
+        if joint_laws >> k & 1:
+            speed = work[link, SPEED + k] + (work[link, CHANGE + k] if held >> k & 1 else work[link, MOVED + k])
+            constant, slope, maximum = _drive_of(joint, k, h, world)
+            laws[6 * joint + k, DRIVE_IMPULSE] = _drive(speed, constant, slope, maximum)

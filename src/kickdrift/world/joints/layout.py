@@ -1,0 +1,89 @@
+"""Columns of the tables that joints live in.
+
+A joint holds a frame of body b to a frame of body a along three linear and about three angular axes. Both act at one point,
+the anchor of b, so that action and reaction cancel to the last bit of the angular momentum too. Each axis is locked or
+open; what happens along an open one, its *law*, is a row of `JOINT_AXES`: row 6 j + k for axis k of joint j, where axes
+0-2 are linear and 3-5 angular.
+
+Joints are solved by articulation: a tree of bodies, each of which hangs on one joint (a *link*), and the joints that close
+loops in it. A body that nothing moves ends a tree. `LINK` holds of each articulation first its links, parents before
+children, then its closing joints. Where too many of them close loops, the joints are solved one after the other instead.
+"""
+
+# Columns of JOINT
+KIND, BODY_A, BODY_B, GENERATION = 0, 1, 2, 3  # place in the catalogue of joints; REMOVED where there is none
+LINEAR, ANGULAR, PIVOT = 4, 5, 6  # how positions and angles are measured, see below, and the axis that this refers to
+LOCKED, LAWS = 7, 8  # sets of axes, bit k for axis k: held for good; open, and not without force
+BROKEN = 9
+PRINCIPAL = 10  # the axis that is meant where none is named; NONE
+REMOVED = -1
+
+# Values of LINEAR
+FRAME = 0  # along the axes of the frame in a
+POINT = 1  # all are locked, and along the world's axes
+LINE = 2  # axis 2 points from the anchor of a to that of b; the position along it is their distance less LENGTH
+
+# Values of ANGULAR
+RIGID = 0  # no axis is open
+HINGE = 1  # one is, PIVOT
+UNIVERSAL = 2  # two are, PIVOT in a and the next one, cyclically, in b
+LOOSE = 3  # three are, and no law is asked for
+VECTOR = 4  # three are; the angles are the components of the rotation vector
+CONE = (
+    5  # three are; swing about axis 0, which is where the cone is left, and twist about axis 2, the mean of both axes 2
+)
+
+# Columns of JOINT_NUMBERS
+ANCHOR_A, FRAME_A = 0, 3  # in the axes of the body: point, quaternion
+ANCHOR_B, FRAME_B = 7, 10
+LENGTH = 14
+BREAKING_FORCE, BREAKING_TORQUE = 15, 16
+TWIST_SCALE = 17  # rotation about axis 2 per twist
+IMPULSE = 18  # of the last substep along and about the axes, on b
+TOTAL = 24  # impulse of the step; after it, force and torque
+POSITION = 30  # positions along and angles about the axes; those of hinges and universal joints count turns
+DRIVEN = 36  # angles less the targets of drives
+ARM_A, ARM_B = 39, 42  # from the centres of mass to where the joint acts, in the world's axes
+AXES = 45  # linear axes (9), angular axes (9), in the world's axes
+MISALIGNMENT = 63  # of locked axes as it will be at the end of the substep, were the joint to do nothing
+
+# Columns of JOINT_AXES. Zero motors, drives and frictions do nothing; infinite limits are none.
+LOWER, UPPER = 0, 1
+MOTOR_SPEED, MOTOR_MAXIMUM = 2, 3
+STIFFNESS, DAMPING, TARGET, TARGET_SPEED, DRIVE_MAXIMUM = 4, 5, 6, 7, 8
+FRICTION = 9
+MASS = 10  # that drives are reckoned to move
+START_SPEED = 11  # before the kick
+DRIVE_IMPULSE = 12  # of the last substep
+MOBILITY = 13  # speed per impulse of the two bodies alone
+
+# Columns of ARTICULATION
+FIRST, LINKS, CLOSINGS = 0, 1, 2  # rows of LINK: the first, how many links, how many closing joints after them
+END = 3  # row of LINK after the last one of them; FIRST while the articulation sleeps
+SEQUENTIAL = 4  # 1: the rows are joints to be solved one after the other
+OFFSET = (
+    5  # where numbers of the equations of closing joints begin in ARTICULATION_NUMBERS; row of numbers where SEQUENTIAL
+)
+RELAXING = 6  # 1: after the drift
+
+# Columns of LINK
+BODY, PARENT, LINK_JOINT = 0, 1, 2  # PARENT is a row of LINK, NONE for one that nothing moves
+SIGN = 3  # 1 where the body is b of its joint, -1 where it is a
+HELD = 4  # set of axes whose speed is prescribed in the system of equations at hand
+LINK_A, LINK_B = 5, 6  # of a closing joint
+NONE = -1
+
+# Columns of LINK_NUMBERS. Six numbers are three linear and three angular ones in the world's axes, or one to each axis.
+INERTIA = 0  # 6x6, of what hangs on the joint, as its other side feels it, about the point where the joint acts
+COUPLING = 36  # of open axis k, six numbers: impulse at the joint per speed along the axis
+YIELD = 72  # of open axes: speed per impulse
+IMPACT = 78  # impulse at the joint if its other side stays as it is
+GAIN = 84  # of velocity: of the body
+WRENCH = 90  # impulse at the joint, on the body
+CHANGE = 96  # of speed of a held axis that is wanted
+PUSH, SLOPE = 102, 108  # of an open axis: impulse is PUSH - SLOPE times change of speed
+SPEED = 114  # before the joint acts
+STATE = 120  # of a law: which piece of it is assumed
+LOAD = 126  # impulse on the body by closing joints
+MOVED = 132  # change of speed of an open axis
+GIVEN = 138  # impulse on b along and about each axis

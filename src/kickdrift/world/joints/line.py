@@ -1,0 +1,28 @@
+"""What acts along the line between a point of one body and a point of the other."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.world.joints.axis import FREE, Axis
+from kickdrift.world.joints.record import Placement, frame_along, point
+
+
+def line_placement(anchor_a: ArrayLike, anchor_b: ArrayLike, length: float | None, axis: Axis) -> Placement:
+    """Place a joint whose axis 2 is the line between two points.
+
+    Raises
+    ------
+    ArgumentError
+        For points that coincide, which have no line, and for a length that is not positive.
+    """
+    a, b = point("anchor_a", anchor_a), point("anchor_b", anchor_b)
+    distance = float(np.linalg.norm(b - a))
+    if not distance > 0.0:
+        raise ArgumentError(
+            f"anchor_b={anchor_b!r} is where anchor_a is; give points apart, or use a ball joint where they are to stay so."
+        )
+    if length is not None and not 0.0 < length < np.inf:
+        raise ArgumentError(f"length={length!r} has to be positive and finite, in m.")
+    frame = frame_along((b - a) / distance)
+    return Placement(a, b, frame, (FREE, FREE, axis), line=True, length=length or distance, principal=2)

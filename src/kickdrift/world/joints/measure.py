@@ -1,0 +1,238 @@
+"""Where a joint stands: its axes, its arms, positions and angles, and how far locked axes will be off."""
+
+import math
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import (
+    Quaternion,
+    Vector,
+    applied,
+    conjugate,
+    cross,
+    dot,
+    length,
+    minus,
+    normal_to,
+    plus,
+    product,
+    rotation_vector,
+    times,
+    turned,
+    turned_back,
+)
+from kickdrift.world.joints.layout import (
+    ANCHOR_A,
+    ANCHOR_B,
+    ANGULAR,
+    ARM_A,
+    ARM_B,
+    AXES,
+    BODY_A,
+    BODY_B,
+    CONE,
+    DRIVEN,
+    END,
+    FIRST,
+    FRAME_A,
+    FRAME_B,
+    HINGE,
+    LAWS,
+    LENGTH,
+    LINE,
+    LINEAR,
+    LINK_JOINT,
+    MOBILITY,
+    PIVOT,
+    POINT,
+    POSITION,
+    RELAXING,
+    TARGET,
+    TWIST_SCALE,
+    UNIVERSAL,
+    VECTOR,
+)
+from kickdrift.world.tables import (
+    ARTICULATION,
+    JOINT,
+    JOINT_AXES,
+    JOINT_NUMBERS,
+    LINK,
+    POSE,
+    RESPONSE,
+    floats,
+    integers,
+    rows,
+)
+
+_LEAST_SCALE = 0.05  # a swing of 174 degrees; at 180 degrees there is no twist
+
+
+@compiled(inline=True, cached=False)
+def vector_at(table: Any, row: int, column: int) -> Vector:
+    """Three numbers of a row."""
+    return (table[row, column], table[row, column + 1], table[row, column + 2])
+
+
+@compiled(inline=True, cached=False)
+def put_vector(table: Any, row: int, column: int, a: Vector) -> None:
+    """Write three numbers of a row."""
+    table[row, column], table[row, column + 1], table[row, column + 2] = a
+
+
+@compiled(inline=True, cached=False)
+def quaternion_at(table: Any, row: int, column: int) -> Quaternion:
+    """Four numbers of a row."""
+    return (table[row, column], table[row, column + 1], table[row, column + 2], table[row, column + 3])
+
+
+@compiled(inline=True, cached=False)
+def axis_unit(k: int) -> Vector:
+    """Return the unit vector of an axis."""
+    return (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
+
+
+@compiled(inline=True, cached=False)
+def normalised(a: Vector, otherwise: Vector) -> Vector:
+    """Divide a vector by its length, if it has one."""
+    size = length(a)
+    return times(1.0 / size, a) if size > 1e-150 else otherwise
+
+
+@compiled(inline=True, cached=False)
+def _unwound(angle: float, before: float) -> float:
+    """Return the angle, known but for full turns, that is nearest to what it was before."""
+    return angle + 2.0 * math.pi * math.floor((before - angle) / (2.0 * math.pi) + 0.5)
+
+
+@compiled
+def measure_joints(t: float, h: float, world: int) -> None:
+    """Measure joints where they stand: before the substeps, and after each drift."""
+    articulations, links = integers(world, ARTICULATION), integers(world, LINK)
+    for row in range(rows(world, ARTICULATION)):
+        articulations[row, RELAXING] = 1
+        for link in range(articulations[row, FIRST], articulations[row, END]):
+            if links[link, LINK_JOINT] >= 0:
+                measure(links[link, LINK_JOINT], world)
+
+
+@compiled(cached=False)
+def measure(joint: int, world: int) -> None:
+    """Fill in axes, arms, positions and angles of a joint as its bodies stand."""
+    pose, joints, numbers = floats(world, POSE), integers(world, JOINT), floats(world, JOINT_NUMBERS)
+    a, b = joints[joint, BODY_A], joints[joint, BODY_B]
+    qa, qb = quaternion_at(pose, a, 3), quaternion_at(pose, b, 3)
+    arm_b = turned(qb, vector_at(numbers, joint, ANCHOR_B))
+    # The joint acts where the anchor of b is: of axes fixed in a, that is the exact direction of the constraint.
+    arm_a = minus(plus(vector_at(pose, b, 0), arm_b), vector_at(pose, a, 0))
+    way = minus(arm_a, turned(qa, vector_at(numbers, joint, ANCHOR_A)))
+    put_vector(numbers, joint, ARM_A, arm_a)
+    put_vector(numbers, joint, ARM_B, arm_b)
+    fa = product(qa, quaternion_at(numbers, joint, FRAME_A))
+    relative = product(conjugate(fa), product(qb, quaternion_at(numbers, joint, FRAME_B)))
+    if joints[joint, LINEAR] == POINT:
+        for k in range(3):
+            put_vector(numbers, joint, AXES + 3 * k, axis_unit(k))
+        put_vector(numbers, joint, POSITION, way)
+    elif joints[joint, LINEAR] == LINE:
+        line = normalised(way, turned(fa, axis_unit(2)))
+        side = normal_to(line)
+        put_vector(numbers, joint, AXES, side)
+        put_vector(numbers, joint, AXES + 3, cross(line, side))
+        put_vector(numbers, joint, AXES + 6, line)
+        put_vector(numbers, joint, POSITION, (0.0, 0.0, length(way) - numbers[joint, LENGTH]))
+    else:
+        for k in range(3):
+            put_vector(numbers, joint, AXES + 3 * k, turned(fa, axis_unit(k)))
+        put_vector(numbers, joint, POSITION, turned_back(fa, way))
+    mode = joints[joint, ANGULAR]
+    if mode == UNIVERSAL:
+        _measure_universal(joint, joints[joint, PIVOT], fa, relative, world)
+    elif mode == CONE:
+        _measure_cone(joint, fa, relative, world)
+    else:
+        for k in range(3):
+            put_vector(numbers, joint, AXES + 9 + 3 * k, turned(fa, axis_unit(k)))
+        if mode == HINGE:
+            p = POSITION + 3 + joints[joint, PIVOT]
+            angle = 2.0 * math.atan2(relative[1 + joints[joint, PIVOT]], relative[0])
+            numbers[joint, p] = _unwound(angle, numbers[joint, p])
+        elif mode == VECTOR:
+            put_vector(numbers, joint, POSITION + 3, rotation_vector(relative))
+    for k in range(6):
+        if joints[joint, LAWS] >> k & 1:
+            laws = floats(world, JOINT_AXES)
+            laws[6 * joint + k, MOBILITY] = mobility(joint, k, world)
+            if k >= 3 and mode != CONE:
+                numbers[joint, DRIVEN + k - 3] = numbers[joint, POSITION + k] - laws[6 * joint + k, TARGET]
+
+
+@compiled(cached=False)
+def _measure_universal(joint: int, i: int, fa: Quaternion, relative: Quaternion, world: int) -> None:
+    """Axis i is fixed in a and axis j in b: b is turned by the angle about j, then by that about i."""
+    numbers = floats(world, JOINT_NUMBERS)
+    j, k = (i + 1) % 3, (i + 2) % 3
+    first = turned(fa, axis_unit(i))
+    second_in_a = turned(relative, axis_unit(j))
+    third = normalised(cross(first, turned(fa, second_in_a)), turned(fa, axis_unit(k)))
+    put_vector(numbers, joint, AXES + 9 + 3 * i, first)
+    put_vector(numbers, joint, AXES + 9 + 3 * j, cross(third, first))
+    put_vector(numbers, joint, AXES + 9 + 3 * k, third)
+    first_in_b = turned_back(relative, axis_unit(i))
+    p = POSITION + 3
+    numbers[joint, p + i] = _unwound(
+        math.atan2(dot(second_in_a, axis_unit(k)), dot(second_in_a, axis_unit(j))), numbers[joint, p + i]
+    )
+    numbers[joint, p + j] = _unwound(
+        math.atan2(dot(first_in_b, axis_unit(k)), dot(first_in_b, axis_unit(i))), numbers[joint, p + j]
+    )
+
+
+@compiled(cached=False)
+def _measure_cone(joint: int, fa: Quaternion, relative: Quaternion, world: int) -> None:
+    """Swing and twist: b is twisted about axis 2, which is then swung away from that of a.
+
+    The rate of the swing is the angular velocity about the normal to both axes 2, that of the twist the one about their
+    mean, over the cosine of half the swing.
+    """
+    numbers, laws = floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
+    axis = turned(relative, axis_unit(2))
+    swing = math.atan2(math.sqrt(axis[0] * axis[0] + axis[1] * axis[1]), axis[2])
+    out = normalised((-axis[1], axis[0], 0.0), axis_unit(0))
+    mean = times(math.cos(0.5 * swing), axis_unit(2))
+    mean = plus(mean, times(math.sin(0.5 * swing), cross(out, axis_unit(2))))
+    put_vector(numbers, joint, AXES + 9, turned(fa, out))
+    put_vector(numbers, joint, AXES + 12, turned(fa, cross(mean, out)))
+    put_vector(numbers, joint, AXES + 15, turned(fa, mean))
+    twist = 2.0 * math.atan2(relative[3], relative[0])
+    put_vector(
+        numbers, joint, POSITION + 3, (swing, 0.0, twist - 2.0 * math.pi * math.floor(twist / (2.0 * math.pi) + 0.5))
+    )
+    numbers[joint, TWIST_SCALE] = max(math.cos(0.5 * swing), _LEAST_SCALE)
+    first = 6 * joint + 3
+    target = (laws[first, TARGET], laws[first + 1, TARGET], laws[first + 2, TARGET])
+    off = minus(rotation_vector(relative), target)
+    put_vector(numbers, joint, DRIVEN, (dot(off, out), dot(off, cross(mean, out)), dot(off, mean)))
+
+
+@compiled(inline=True, cached=False)
+def turn_by(response: Any, body: int, torque: Vector) -> Vector:
+    """Angular velocity that an angular impulse gives a body."""
+    inverse = (response[body, 1], response[body, 2], response[body, 3],
+               response[body, 4], response[body, 5], response[body, 6])  # fmt: skip
+    return applied(inverse, torque)
+
+
+@compiled(cached=False)
+def mobility(joint: int, k: int, world: int) -> float:
+    """Speed along an axis per impulse along it, of the two bodies alone."""
+    joints, numbers, response = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, RESPONSE)
+    axis, total = vector_at(numbers, joint, AXES + 3 * k), 0.0
+    for side in range(2):
+        body = joints[joint, BODY_B if side == 1 else BODY_A]
+        turn = axis
+        if k < 3:
+            turn = cross(vector_at(numbers, joint, ARM_B if side == 1 else ARM_A), axis)
+            total += response[body, 0]
+        total += dot(turn, turn_by(response, body, turn))
+    return total

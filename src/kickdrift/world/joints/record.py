@@ -1,0 +1,114 @@
+"""What a kind of joint says of itself: a frozen record that tells where its axes are and what each of them does."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
+from math import inf
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.world.joints.axis import FREE, Axis, not_negative
+
+Floats = NDArray[np.float64]
+Axes = tuple[Axis, Axis, Axis]
+
+
+class Placement(NamedTuple):
+    """Where a joint is and what its axes do, when it is made.
+
+    Attributes
+    ----------
+    anchor_a, anchor_b : (3,) array
+        Points of the bodies that it holds together, in the world.
+    frame : (3, 3) array
+        Its axes 0, 1, 2 as columns, in the world.
+    linear, angular : tuple of three Axis
+        What happens along and about the axes.
+    line : bool
+        Whether axis 2 always points from one anchor to the other.
+    length : float
+        Where `line`: distance of the anchors that counts as position zero, m.
+    cone : bool
+        Where all angular axes are open: whether angles are swing (axis 0) and twist (axis 2), or the rotation vector.
+    principal : int
+        The axis that is meant where none is named: 0-2 linear, 3-5 angular; -1 for none.
+    """
+
+    anchor_a: Floats
+    anchor_b: Floats
+    frame: Floats
+    linear: Axes
+    angular: Axes = (FREE, FREE, FREE)
+    line: bool = False
+    length: float = 0.0
+    cone: bool = False
+    principal: int = -1
+
+
+@dataclass(frozen=True)
+class Record(ABC):
+    """A kind of joint with its numbers.
+
+    Parameters
+    ----------
+    breaking_force, breaking_torque : float
+        A joint that has to bear more, as the mean of a step, breaks: N, N m.
+    """
+
+    breaking_force: float = field(default=inf, kw_only=True)
+    breaking_torque: float = field(default=inf, kw_only=True)
+
+    def __post_init__(self) -> None:
+        not_negative("breaking_force", self.breaking_force, "N", infinite=True)
+        not_negative("breaking_torque", self.breaking_torque, "N m", infinite=True)
+
+    @abstractmethod
+    def placement(self) -> Placement:
+        """Say where the joint is and what its axes do.
+
+        Raises
+        ------
+        ArgumentError
+            For anchors and axes that are no vectors, axes of length zero and numbers of the wrong sign.
+        """
+
+
+def point(argument: str, value: ArrayLike) -> Floats:
+    """Return three finite numbers.
+
+    Raises
+    ------
+    ArgumentError
+    """
+    try:
+        given: Any = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        given = np.empty(0)
+    if given.shape != (3,) or not np.isfinite(given).all():
+        raise ArgumentError(f"{argument}={value!r} has to be three finite numbers (x, y, z), in the world's axes.")
+    return np.asarray(given)
+
+
+def direction(argument: str, value: ArrayLike) -> Floats:
+    """Return the unit vector of a direction.
+
+    Raises
+    ------
+    ArgumentError
+        For one of length zero.
+    """
+    given = point(argument, value)
+    size = np.abs(given).max()
+    if size == 0.0:
+        raise ArgumentError(f"{argument}={value!r} has no direction; give a vector that is not zero.")
+    given = given / size
+    return np.asarray(given / np.linalg.norm(given))
+
+
+def frame_along(z: Floats) -> Floats:
+    """Axes whose third is given, as columns."""
+    x = np.cross(np.eye(3)[np.abs(z).argmin()], z)
+    x /= np.linalg.norm(x)
+    return np.column_stack((x, np.cross(z, x), z))

@@ -1,0 +1,259 @@
+"""The joints of a world: rows of tables that come and go."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from kickdrift.core.compilation import Function
+from kickdrift.core.errors import ArgumentError
+from kickdrift.world.flight import AWAKE, DYNAMIC
+from kickdrift.world.flight import KIND as BODY_KIND
+from kickdrift.world.joints.aim import aim_joints
+from kickdrift.world.joints.around import begin_joints, finish_joints, wake_joints
+from kickdrift.world.joints.axis import Axis
+from kickdrift.world.joints.catalogue import KINDS
+from kickdrift.world.joints.handle import Joint
+from kickdrift.world.joints.impulses import warm_start_joints
+from kickdrift.world.joints.law_rows import PARTS, Part, check_changeable, write_law
+from kickdrift.world.joints.layout import (
+    ANCHOR_A,
+    ANCHOR_B,
+    ANGULAR,
+    ARM_A,
+    ARM_B,
+    AXES,
+    BODY_A,
+    BODY_B,
+    BREAKING_FORCE,
+    BREAKING_TORQUE,
+    BROKEN,
+    CLOSINGS,
+    CONE,
+    FRAME,
+    FRAME_A,
+    FRAME_B,
+    GENERATION,
+    HINGE,
+    KIND,
+    LAWS,
+    LENGTH,
+    LINE,
+    LINEAR,
+    LOCKED,
+    LOOSE,
+    PIVOT,
+    POINT,
+    POSITION,
+    PRINCIPAL,
+    REMOVED,
+    RIGID,
+    SEQUENTIAL,
+    UNIVERSAL,
+    VECTOR,
+)
+from kickdrift.world.joints.loops import solve_loops
+from kickdrift.world.joints.measure import measure_joints
+from kickdrift.world.joints.record import Placement, Record
+from kickdrift.world.joints.sequential import solve_in_turn
+from kickdrift.world.joints.tree import arrange
+from kickdrift.world.joints.trees import solve_trees
+from kickdrift.world.tables import ARTICULATION, BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, POSE, Tables
+
+Floats = NDArray[np.float64]
+
+
+class Joints:
+    """The rows of joints in the tables of a world."""
+
+    def __init__(self, tables: Tables) -> None:
+        self.tables = tables
+        self.arranged = True
+        self.n_made = 0  # never goes back, not even to a snapshot: two joints would share a handle
+
+    def __len__(self) -> int:
+        return int((self.tables.array(JOINT)[:, KIND] != REMOVED).sum())
+
+    def add(self, record: Record, body_a: int, body_b: int) -> Joint:
+        """Join two bodies, given by their rows, as they stand.
+
+        Raises
+        ------
+        ArgumentError
+            For a body with itself, and for what the record refuses.
+        """
+        if body_a == body_b:
+            raise ArgumentError(
+                f"body_b is body_a, row {body_a}, but a joint holds two bodies together; give another one, or None for the"
+                " ground."
+            )
+        placement = record.placement()
+        tables = self.tables
+        row = self._free_row()
+        joint, numbers = tables.array(JOINT)[row], tables.array(JOINT_NUMBERS)[row]
+        generation, self.n_made = self.n_made, self.n_made + 1
+        joint[:], numbers[:] = 0, 0.0
+        joint[[KIND, BODY_A, BODY_B, GENERATION]] = KINDS.index(type(record)), body_a, body_b, generation
+        joint[[LINEAR, PRINCIPAL]] = _linear_mode(placement), placement.principal
+        joint[[ANGULAR, PIVOT]] = _angular_mode(placement)
+        axes = (*placement.linear, *placement.angular)
+        joint[LOCKED] = sum(1 << k for k, axis in enumerate(axes) if axis.locked)
+        for body, at, turn, anchor in (
+            (body_a, ANCHOR_A, FRAME_A, placement.anchor_a),
+            (body_b, ANCHOR_B, FRAME_B, placement.anchor_b),
+        ):
+            pose = tables.array(POSE)[body]
+            back = Rotation.from_quat(pose[[4, 5, 6, 3]]).inv()
+            numbers[at : at + 3] = back.apply(anchor - pose[:3])
+            numbers[turn : turn + 4] = (back * Rotation.from_matrix(placement.frame)).as_quat()[[3, 0, 1, 2]]
+        numbers[LENGTH] = placement.length
+        numbers[[BREAKING_FORCE, BREAKING_TORQUE]] = record.breaking_force, record.breaking_torque
+        poses = tables.array(POSE)
+        numbers[ARM_A : ARM_A + 3] = placement.anchor_b - poses[body_a, :3]
+        numbers[ARM_B : ARM_B + 3] = placement.anchor_b - poses[body_b, :3]
+        along = np.eye(3) if joint[LINEAR] == POINT else placement.frame
+        numbers[AXES : AXES + 18] = np.concatenate((along.T.ravel(), placement.frame.T.ravel()))
+        if placement.line:
+            numbers[POSITION + 2] = np.linalg.norm(placement.anchor_b - placement.anchor_a) - placement.length
+        tables.array(JOINT_AXES)[6 * row : 6 * row + 6] = 0.0
+        for k, axis in enumerate(axes):
+            for part in PARTS:
+                write_law(tables, row, k, axis, part)
+        self.arranged = False
+        return Joint(row, generation, self)
+
+    def change_law(self, joint: Joint, axis: int | None, change: Axis, part: Part) -> None:
+        """Exchange the limits, the motor, the drive or the friction of an axis, and wake the bodies.
+
+        Raises
+        ------
+        ArgumentError
+            For axes that are locked, or have no law of their own.
+        """
+        row, k = self.row(joint), joint.axis(axis)
+        check_changeable(self.tables, row, k, part)
+        before = self.tables.array(JOINT)[row, LAWS]
+        write_law(self.tables, row, k, change, part)
+        self.arranged = self.arranged and before == self.tables.array(JOINT)[row, LAWS]
+        bodies = self.tables.array(BODY)
+        for body in self.tables.array(JOINT)[row, [BODY_A, BODY_B]]:
+            bodies[body, AWAKE] |= bodies[body, BODY_KIND] == DYNAMIC
+
+    def remove(self, joint: Joint) -> None:
+        """Take a joint away.
+
+        Raises
+        ------
+        ArgumentError
+            If it is gone already.
+        """
+        self._remove_row(self.row(joint))
+
+    def remove_of_body(self, body: int) -> None:
+        """Take away all joints of the body in a row, before it is removed."""
+        joints = self.tables.array(JOINT)
+        there = (joints[:, KIND] != REMOVED) & ((joints[:, BODY_A] == body) | (joints[:, BODY_B] == body))
+        for row in np.flatnonzero(there):
+            self._remove_row(int(row))
+
+    def take_broken(self) -> list[Joint]:
+        """Take away the joints that have broken, and return their handles, by which they are known and no more."""
+        joints = self.tables.array(JOINT)
+        broken = np.flatnonzero((joints[:, KIND] != REMOVED) & (joints[:, BROKEN] != 0)).tolist()
+        handles = [self.handle(row) for row in broken]
+        for row in broken:
+            self._remove_row(row)
+        return handles
+
+    def changed(self) -> None:
+        """Say that bodies have begun or ceased to be moved by forces."""
+        self.arranged = False
+
+    def arrange(self) -> None:
+        """Sort joints into articulations, if any have come or gone since."""
+        if not self.arranged:
+            arrange(self.tables)
+            self.arranged = True
+
+    def before(self) -> tuple[Function, ...]:
+        """Stages before the substeps; `arrange` first."""
+        return (wake_joints, measure_joints, begin_joints) if len(self.tables.array(ARTICULATION)) else ()
+
+    def warm_starting(self) -> tuple[Function, ...]:
+        """Stages after the kick, before contacts are solved."""
+        return (warm_start_joints,) if len(self.tables.array(ARTICULATION)) else ()
+
+    def solving(self) -> tuple[Function, ...]:
+        """Stages before the drift: those that this world needs, so that no others are compiled."""
+        articulations = self.tables.array(ARTICULATION)
+        turns, closed = articulations[:, SEQUENTIAL] != 0, articulations[:, CLOSINGS] > 0
+        wanted = (len(turns) > 0, bool((~turns & ~closed).any()), bool(closed.any()), bool(turns.any()))
+        stages = (aim_joints, solve_trees, solve_loops, solve_in_turn)
+        return tuple(stage for stage, there in zip(stages, wanted, strict=True) if there)
+
+    def relaxing(self) -> tuple[Function, ...]:
+        """Stages after the drift."""
+        return (measure_joints, *self.solving()) if len(self.tables.array(ARTICULATION)) else ()
+
+    def after(self) -> tuple[Function, ...]:
+        """Stages after the substeps; `take_broken` at the end."""
+        return (finish_joints,) if len(self.tables.array(ARTICULATION)) else ()
+
+    def row(self, joint: Any) -> int:
+        """Return the row of a joint that is there.
+
+        Raises
+        ------
+        ArgumentError
+            If it is no handle, one of a joint that was removed or has broken, or one of another world.
+        """
+        if not isinstance(joint, Joint):
+            raise ArgumentError(f"joint={joint!r} is not a joint; give what World.add_hinge and the like returned.")
+        rows = self.tables.array(JOINT)
+        if joint.joints is not self or not 0 <= joint.index < len(rows):
+            raise ArgumentError(f"joint={joint!r} is a joint of another world.")
+        if rows[joint.index, GENERATION] != joint.generation or rows[joint.index, KIND] == REMOVED:
+            raise ArgumentError(f"joint={joint!r} was removed, or has broken; use a handle of one that is there.")
+        return joint.index
+
+    def handle(self, row: int) -> Joint:
+        """Return the handle of a row."""
+        return Joint(row, int(self.tables.array(JOINT)[row, GENERATION]), self)
+
+    def _free_row(self) -> int:
+        joints = self.tables.array(JOINT)
+        free = np.flatnonzero(joints[:, KIND] == REMOVED)
+        if len(free):
+            return int(free[0])
+        row = len(joints)
+        self.tables.resize(JOINT, row + 1)
+        self.tables.resize(JOINT_NUMBERS, row + 1)
+        self.tables.resize(JOINT_AXES, 6 * (row + 1))
+        return row
+
+    def _remove_row(self, row: int) -> None:
+        joint = self.tables.array(JOINT)[row]
+        joint[[KIND, BROKEN, LOCKED, LAWS]] = REMOVED, 0, 0, 0
+        self.arranged = False
+
+
+def _linear_mode(placement: Placement) -> int:
+    """Say how positions are measured."""
+    if placement.line:
+        return LINE
+    return POINT if all(axis.locked for axis in placement.linear) else FRAME
+
+
+def _angular_mode(placement: Placement) -> tuple[int, int]:
+    """Say how angles are measured, and about which axis first."""
+    is_open = [not axis.locked for axis in placement.angular]
+    if sum(is_open) == 0:
+        return RIGID, 0
+    if sum(is_open) == 1:
+        return HINGE, is_open.index(True)
+    if sum(is_open) == 2:
+        return UNIVERSAL, (is_open.index(False) + 1) % 3
+    if placement.cone:
+        return CONE, 0
+    return (VECTOR if any(axis.has_law for axis in placement.angular) else LOOSE), 0

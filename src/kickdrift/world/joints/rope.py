@@ -1,0 +1,36 @@
+"""The rope: two points get no farther apart than it is long."""
+
+import math
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from kickdrift.world.joints.axis import Axis
+from kickdrift.world.joints.line import line_placement
+from kickdrift.world.joints.record import Placement, Record
+
+
+@dataclass(frozen=True)
+class Rope(Record):
+    """A rope without mass between a point of one body and a point of the other: it pulls, and does not push.
+
+    Parameters
+    ----------
+    anchor_a, anchor_b : (3,) array_like
+        The points, in the world, m.
+    length : float, optional
+        m; how far apart the points are now by default.
+
+    Raises
+    ------
+    ArgumentError
+        For points that coincide and lengths that are not positive.
+    """
+
+    anchor_a: ArrayLike
+    anchor_b: ArrayLike
+    length: float | None = None
+
+    def placement(self) -> Placement:
+        """Say where the joint is and what its axes do."""
+        return line_placement(self.anchor_a, self.anchor_b, self.length, Axis(limits=(-math.inf, 0.0)))

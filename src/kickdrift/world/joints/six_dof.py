@@ -1,0 +1,87 @@
+"""The joint whose six axes do what one wants."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.world.joints.axis import FREE, LOCKED, Axis
+from kickdrift.world.joints.record import Axes, Placement, Record, direction, point
+
+
+@dataclass(frozen=True)
+class SixDof(Record):
+    """Three linear and three angular axes, each locked or open, with limits, motor, drive and friction of its own.
+
+    Parameters
+    ----------
+    anchor : (3,) array_like
+        Origin of the axes, in the world, m.
+    axis_x, axis_y : (3,) array_like
+        Directions of the first two axes, in the world, at right angles; the third is at right angles to both. They are
+        fixed in body a.
+    linear : tuple of three Axis
+        What happens along them.
+    angular : tuple of three Axis
+        What happens about them. Where one is open it is a hinge's; where two are, the first (of x-y, y-z, z-x) is fixed in
+        a and the other in b, as in a universal joint; where three are, the angles are the components of the rotation
+        vector, or with limits swing and twist about z.
+    swing_limit : float, optional
+        Where three angular axes are open: greatest angle of the z axis of b with that of a, rad.
+
+    Raises
+    ------
+    ArgumentError
+        For axes of length zero or not at right angles; for a swing limit, or limits about x or y, that do not go with the
+        axes that are open; for motors or differing drives beside swing and twist.
+    """
+
+    anchor: ArrayLike
+    axis_x: ArrayLike = (1.0, 0.0, 0.0)
+    axis_y: ArrayLike = (0.0, 1.0, 0.0)
+    linear: Axes = (LOCKED, LOCKED, LOCKED)
+    angular: Axes = (FREE, FREE, FREE)
+    swing_limit: float | None = None
+
+    def placement(self) -> Placement:
+        """Say where the joint is and what its axes do."""
+        anchor, x, y = point("anchor", self.anchor), direction("axis_x", self.axis_x), direction("axis_y", self.axis_y)
+        if abs(x @ y) > 1e-6:
+            raise ArgumentError(
+                f"axis_y={self.axis_y!r} and axis_x={self.axis_x!r} have to be at right angles to each other."
+            )
+        for name, axes in (("linear", self.linear), ("angular", self.angular)):
+            if len(axes) != 3 or not all(isinstance(axis, Axis) for axis in axes):
+                raise ArgumentError(f"{name}={axes!r} has to be three of kd.Axis, for x, y and z.")
+        y -= (x @ y) * x
+        y /= np.linalg.norm(y)
+        frame = np.column_stack((x, y, np.cross(x, y)))
+        angular, cone = self._angular()
+        return Placement(anchor, anchor, frame, self.linear, angular, cone=cone)
+
+    def _angular(self) -> tuple[Axes, bool]:
+        x, y, z = self.angular
+        if x.locked or y.locked or z.locked:
+            if self.swing_limit is not None:
+                raise ArgumentError(
+                    f"swing_limit={self.swing_limit!r} is for joints with three open angular axes; give the axes limits."
+                )
+            return self.angular, False
+        if x.limits is not None or y.limits is not None:
+            raise ArgumentError(
+                "angular has limits about x or y with all three axes open, where they are no angles of their own; give"
+                " swing_limit, or lock an axis."
+            )
+        if self.swing_limit is None and z.limits is None:
+            return self.angular, False
+        if self.swing_limit is not None and not 0.0 < self.swing_limit < math.pi:
+            raise ArgumentError(f"swing_limit={self.swing_limit!r} has to be above 0 and below pi, in rad.")
+        if x.motor or y.motor or z.motor or not x.drive == y.drive == z.drive:
+            raise ArgumentError(
+                "angular has motors or different drives together with limits of swing or twist, whose axes move with the"
+                " bodies; give the same drive to all three axes, or leave the limits out."
+            )
+        swing = Axis(limits=(-math.inf, self.swing_limit or math.inf), drive=x.drive, friction=x.friction)
+        return (swing, y, z), True

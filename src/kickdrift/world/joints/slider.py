@@ -1,0 +1,46 @@
+"""The slider."""
+
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from kickdrift.world.joints.axis import LOCKED, Axis, Drive, Motor
+from kickdrift.world.joints.record import Placement, Record, direction, frame_along, point
+
+
+@dataclass(frozen=True)
+class Slider(Record):
+    """Body b moves along an axis of body a and does not turn against it.
+
+    Parameters
+    ----------
+    anchor : (3,) array_like
+        A point of the axis, in the world, m.
+    axis : (3,) array_like
+        Direction of the axis, in the world; positions of b along it are positive.
+    limits : (2,) tuple of float, optional
+        Least and greatest position, m; it is zero now.
+    motor : Motor, optional
+    drive : Drive, optional
+    friction : float
+        Greatest force of dry friction, N.
+
+    Raises
+    ------
+    ArgumentError
+        For an axis of length zero, limits the wrong way round, negative friction.
+    """
+
+    anchor: ArrayLike
+    axis: ArrayLike
+    limits: tuple[float, float] | None = None
+    motor: Motor | None = None
+    drive: Drive | None = None
+    friction: float = 0.0
+
+    def placement(self) -> Placement:
+        """Say where the joint is and what its axes do."""
+        anchor = point("anchor", self.anchor)
+        slide = Axis(False, self.limits, self.motor, self.drive, self.friction)
+        frame = frame_along(direction("axis", self.axis))
+        return Placement(anchor, anchor, frame, (LOCKED, LOCKED, slide), (LOCKED, LOCKED, LOCKED), principal=2)

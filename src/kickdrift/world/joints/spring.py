@@ -1,0 +1,49 @@
+"""The spring between two points."""
+
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.world.joints.axis import Axis, Drive
+from kickdrift.world.joints.line import line_placement
+from kickdrift.world.joints.record import Placement, Record
+
+
+@dataclass(frozen=True)
+class Spring(Record):
+    """A spring with a damper between a point of one body and a point of the other.
+
+    Give either hertz and damping ratio, those of the two bodies alone, or stiffness and damping.
+
+    Parameters
+    ----------
+    anchor_a, anchor_b : (3,) array_like
+        The points, in the world, m.
+    length : float, optional
+        At which it does not pull, m; how far apart the points are now by default.
+    hertz, damping_ratio : float, optional
+        Natural frequency, in 1/s, and damping over critical damping.
+    stiffness, damping : float
+        N/m and N s/m.
+
+    Raises
+    ------
+    ArgumentError
+        For points that coincide, lengths that are not positive, and a spring that does nothing.
+    """
+
+    anchor_a: ArrayLike
+    anchor_b: ArrayLike
+    length: float | None = None
+    hertz: float | None = None
+    damping_ratio: float = 0.0
+    stiffness: float = 0.0
+    damping: float = 0.0
+
+    def placement(self) -> Placement:
+        """Say where the joint is and what its axes do."""
+        drive = Drive(self.stiffness, self.damping, self.hertz, self.damping_ratio)
+        if self.hertz is None and self.stiffness == self.damping == 0.0:
+            raise ArgumentError("stiffness=0.0 makes a spring that does nothing; give hertz or stiffness.")
+        return line_placement(self.anchor_a, self.anchor_b, self.length, Axis(drive=drive))

@@ -1,0 +1,50 @@
+"""The universal joint."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.world.joints.axis import FREE, LOCKED, Axis
+from kickdrift.world.joints.record import Placement, Record, direction, point
+
+
+@dataclass(frozen=True)
+class Universal(Record):
+    """A cross with one axis in body a and one in body b, at right angles to each other: Cardan's joint.
+
+    Parameters
+    ----------
+    anchor : (3,) array_like
+        Where the axes meet, in the world, m.
+    axis_a, axis_b : (3,) array_like
+        Their directions, in the world.
+    about_a, about_b : Axis
+        What happens about them: limits, motor, drive, friction. Angles are zero now and count turns.
+
+    Raises
+    ------
+    ArgumentError
+        For axes of length zero or not at right angles, and for axes that are locked.
+    """
+
+    anchor: ArrayLike
+    axis_a: ArrayLike
+    axis_b: ArrayLike
+    about_a: Axis = FREE
+    about_b: Axis = FREE
+
+    def placement(self) -> Placement:
+        """Say where the joint is and what its axes do."""
+        anchor, x, y = point("anchor", self.anchor), direction("axis_a", self.axis_a), direction("axis_b", self.axis_b)
+        if abs(x @ y) > 1e-6:
+            raise ArgumentError(
+                f"axis_b={self.axis_b!r} and axis_a={self.axis_a!r} have to be at right angles to each other."
+            )
+        if self.about_a.locked or self.about_b.locked:
+            raise ArgumentError("about_a and about_b have to be open; a joint with one open axis is a hinge.")
+        y -= (x @ y) * x
+        y /= np.linalg.norm(y)
+        frame = np.column_stack((x, y, np.cross(x, y)))
+        return Placement(anchor, anchor, frame, (LOCKED, LOCKED, LOCKED), (self.about_a, self.about_b, LOCKED))

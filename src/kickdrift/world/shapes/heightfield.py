@@ -1,0 +1,83 @@
+"""Terrain: heights over a grid."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.world.shapes.kinds import MESH
+from kickdrift.world.shapes.mass import Array, MassProperties, positive
+from kickdrift.world.shapes.mesh import Mesh
+
+
+@dataclass(frozen=True, eq=False)
+class HeightField:
+    """A surface over a grid, touched from above: two triangles per cell.
+
+    It has no mass and belongs to bodies that do not move.
+
+    Attributes
+    ----------
+    heights : (M, N) array
+        z at x = i dx, y = j dy in the shape's frame, m.
+    spacing : (2,) tuple
+        dx and dy, m; one number is both.
+
+    Raises
+    ------
+    ArgumentError
+        If there are fewer than two by two heights, one is not finite, or a spacing is not positive and finite.
+    """
+
+    heights: Array
+    spacing: tuple[float, float]
+    kind: ClassVar[int] = MESH
+
+    def __init__(self, heights: ArrayLike, spacing: ArrayLike) -> None:
+        array = np.array(heights, dtype=np.float64)
+        if array.ndim != 2 or min(array.shape) < 2:
+            raise ArgumentError(f"heights has the shape {array.shape}; give (M, N), two by two at least.")
+        if not np.isfinite(array).all():
+            i, j = np.argwhere(~np.isfinite(array))[0].tolist()
+            raise ArgumentError(f"heights[{i}, {j}]={array[i, j]} is not finite; give every height of the grid, in m.")
+        steps = np.asarray(spacing)
+        if steps.shape not in ((), (2,)):
+            raise ArgumentError(f"spacing={spacing!r} has the shape {steps.shape}; give one length or two, in m.")
+        dx, dy = np.broadcast_to(steps, 2)
+        object.__setattr__(self, "heights", array)
+        object.__setattr__(self, "spacing", (positive("spacing", dx, "m"), positive("spacing", dy, "m")))
+
+    @property
+    def points(self) -> Array:
+        """Grid points, (M, N, 3), m."""
+        i, j = np.indices(self.heights.shape)
+        return np.stack((self.spacing[0] * i, self.spacing[1] * j, self.heights), axis=2)
+
+    @property
+    def mesh(self) -> Mesh:
+        """The same surface as a mesh."""
+        number = np.arange(self.heights.size).reshape(self.heights.shape)
+        a, b, c, d = number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]
+        lower, upper = np.stack((a, b, c), axis=2), np.stack((a, c, d), axis=2)
+        return Mesh(self.points.reshape(-1, 3), np.stack((lower, upper), axis=2).reshape(-1, 3))
+
+    @property
+    def numbers(self) -> Array:
+        """What compiled code knows of it: the triangles."""
+        return self.mesh.numbers
+
+    def mass_properties(self) -> MassProperties:
+        """Refuse to weigh it.
+
+        Raises
+        ------
+        ArgumentError
+            Always: a surface has no volume.
+        """
+        raise ArgumentError("A height field is a surface and has no mass; add it to a static body.")
+
+    def wireframe(self) -> list[Array]:
+        """Return the lines of the grid, in the shape's frame."""
+        return [*self.points, *self.points.transpose(1, 0, 2)]

@@ -1,0 +1,161 @@
+"""Convex hulls of points."""
+
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.spatial import ConvexHull
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.world.shapes.kinds import HULL
+from kickdrift.world.shapes.mass import Array, MassProperties
+from kickdrift.world.shapes.polyhedron import MOST_VERTICES, polyhedron_numbers
+
+# Of the largest extent: what lies so near to each other, or so near to a plane, counts as one, and so flat a set of
+# points as flat.
+_FLAT = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Hull:
+    """The smallest convex body that holds some points, of at most 128 corners.
+
+    Its numbers for compiled code are laid out in `kickdrift.world.shapes.polyhedron`. Facets in one plane are one face.
+
+    Attributes
+    ----------
+    points : (N, 3) array
+        Points of the body, m; those inside and those within a millionth of its extent of others do not matter.
+    vertices : (V, 3) array
+        Its corners.
+    faces : tuple of tuples of int
+        Corners of each face, counter-clockwise seen from outside.
+
+    Raises
+    ------
+    ArgumentError
+        If the points are not finite, fewer than four, all in one plane, or make a body of more than 128 corners.
+    """
+
+    points: Array
+    vertices: Array = field(init=False, repr=False)
+    faces: tuple[tuple[int, ...], ...] = field(init=False, repr=False)
+    kind: ClassVar[int] = HULL
+
+    def __init__(self, points: ArrayLike) -> None:
+        array = np.array(points, dtype=np.float64)
+        _check(array)
+        centre = 0.5 * (array.min(axis=0) + array.max(axis=0))
+        extent = float(np.ptp(array, axis=0).max())
+        corners, faces = _corners_and_faces((array - centre) / extent)
+        if len(corners) > MOST_VERTICES:
+            raise ArgumentError(
+                f"points, {len(array)} of them, make a hull of {len(corners)} corners, and contacts know at most "
+                f"{MOST_VERTICES}; give fewer points on its surface, or several hulls."
+            )
+        object.__setattr__(self, "points", array)
+        object.__setattr__(self, "vertices", centre + extent * corners)
+        object.__setattr__(self, "faces", faces)
+
+    @property
+    def numbers(self) -> Array:
+        """What compiled code knows of it."""
+        return polyhedron_numbers(self.vertices, self.faces)
+
+    def mass_properties(self) -> MassProperties:
+        """Weigh it for density 1.
+
+        Notes
+        -----
+        The sum over tetrahedra between the mean of the corners and the triangles of the faces. The second moments of a
+        tetrahedron of volume V with one corner at the origin are V/20 (S S^T + sum of x x^T), where S is the sum of the
+        other corners x.
+        """
+        middle = self.vertices.mean(axis=0)
+        triangles = np.array([(face[0], *pair) for face in self.faces for pair in pairwise(face[1:])])
+        x = self.vertices[triangles] - middle
+        volumes = np.linalg.det(x) / 6.0
+        sums = x.sum(axis=1)
+        volume = volumes.sum()
+        centre = volumes @ sums / (4.0 * volume)
+        outer = sums[:, :, None] * sums[:, None, :] + np.einsum("nki,nkj->nij", x, x)
+        moments = np.einsum("n,nij->ij", volumes, outer) / 20.0 - volume * np.outer(centre, centre)
+        return MassProperties(float(volume), middle + centre, np.trace(moments) * np.eye(3) - moments)
+
+    def wireframe(self) -> list[Array]:
+        """Return the outline of each face, in the shape's frame."""
+        return [self.vertices[[*face, face[0]]] for face in self.faces]
+
+
+def _check(points: Array) -> None:
+    if points.ndim != 2 or points.shape[1:] != (3,):
+        raise ArgumentError(f"points has the shape {points.shape}; give (N, 3).")
+    if not np.isfinite(points).all():
+        row = int(np.argmin(np.isfinite(points).all(axis=1)))
+        raise ArgumentError(f"points[{row}]={points[row].tolist()} is not finite; give finite coordinates, in m.")
+    if len(points) < 4:
+        raise ArgumentError(f"points has {len(points)} rows; a body needs four or more that are not in one plane.")
+    centred = points - points.mean(axis=0)
+    axes = np.linalg.svd(centred, full_matrices=False)[2]
+    extents = np.ptp(centred @ axes.T, axis=0)
+    if not extents.min() > _FLAT * extents.max():
+        raise ArgumentError(
+            f"points lie in one plane: their largest extent is {extents.max():.6g} m, and across it they are "
+            f"{extents.min():.3g} m thick; give a body at least a millionth of its extent in every direction."
+        )
+
+
+def _corners_and_faces(points: Array) -> tuple[Array, tuple[tuple[int, ...], ...]]:
+    """Find corners and faces of the hull of points of extent 1."""
+    corners = _distinct(points[ConvexHull(points).vertices])
+    while True:
+        faces = _merged(corners, ConvexHull(corners))
+        ends = np.bincount([index for face in faces for index in face], minlength=len(corners))
+        if ends.min() >= 3:
+            return corners, faces
+        corners = corners[ends >= 3]  # the others lie on an edge or in a face
+
+
+def _distinct(points: Array) -> Array:
+    """Leave out points that are as good as an earlier one."""
+    kept = np.ones(len(points), dtype=np.bool_)
+    for k in range(1, len(points)):
+        ways = points[:k][kept[:k]] - points[k]
+        kept[k] = np.einsum("ni,ni->n", ways, ways).min() > _FLAT**2
+    return points[kept]
+
+
+def _merged(corners: Array, hull: ConvexHull) -> tuple[tuple[int, ...], ...]:
+    """Merge facets in one plane into faces; return the loop of each."""
+    facets = [
+        facet if np.linalg.det(np.vstack((corners[facet[1:]] - corners[facet[0]], equation[:3]))) > 0.0 else facet[::-1]
+        for facet, equation in zip(hull.simplices.tolist(), hull.equations, strict=True)
+    ]
+    face_of = np.full(len(facets), -1)
+    faces: list[tuple[int, ...]] = []
+    for first in range(len(facets)):
+        if face_of[first] >= 0:
+            continue
+        heights = corners @ hull.equations[first, :3] + hull.equations[first, 3]
+        level = np.abs(heights) <= _FLAT
+        face_of[first] = len(faces)
+        members = [first]
+        for member in members:
+            for neighbour in hull.neighbors[member]:
+                if face_of[neighbour] < 0 and level[facets[neighbour]].all():
+                    face_of[neighbour] = len(faces)
+                    members.append(int(neighbour))
+        faces.append(_outline([facets[member] for member in members]))
+    return tuple(faces)
+
+
+def _outline(triangles: list[list[int]]) -> tuple[int, ...]:
+    """Return the loop around triangles that make up one polygon, in their sense."""
+    steps = {(t[k], t[(k + 1) % 3]) for t in triangles for k in range(3)}
+    following = {begin: end for begin, end in steps if (end, begin) not in steps}
+    loop = [min(following)]
+    while following[loop[-1]] != loop[0]:
+        loop.append(following[loop[-1]])
+    return tuple(loop)

@@ -1,0 +1,205 @@
+"""Mass of shapes and of the bodies that they make up."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kickdrift.core.errors import ArgumentError
+
+Array = NDArray[np.float64]
+
+# Rounding in a file of six digits; beyond it, no distribution of mass has these moments.
+_TOLERANCE = 1e-6
+
+
+class MassProperties(NamedTuple):
+    """What a shape of density 1 weighs.
+
+    Attributes
+    ----------
+    volume : float
+        m^3, and so its mass.
+    centre : (3,) array
+        Centre of mass in the shape's frame, m.
+    inertia : (3, 3) array
+        About the centre, in the shape's axes, for density 1: m^5.
+    """
+
+    volume: float
+    centre: Array
+    inertia: Array
+
+
+class Mass(NamedTuple):
+    """Mass of a body or of a part of one.
+
+    Attributes
+    ----------
+    mass : float
+        kg.
+    centre : (3,) array
+        Centre of mass, m.
+    inertia : (3, 3) array
+        About the centre of mass, in the axes that the centre is given in, kg m^2.
+    """
+
+    mass: float
+    centre: Array
+    inertia: Array
+
+
+def placed(
+    properties: MassProperties,
+    position: ArrayLike = (0.0, 0.0, 0.0),
+    orientation: ArrayLike = (1.0, 0.0, 0.0, 0.0),
+    *,
+    density: float | None = None,
+    mass: float | None = None,
+) -> Mass:
+    """Weigh a shape that has a place in a body.
+
+    Parameters
+    ----------
+    properties : MassProperties
+        Of the shape.
+    position : (3,) array
+        Origin of the shape's frame in the body, m.
+    orientation : (4,) array
+        Quaternion (w, x, y, z) that turns the shape's axes into the body's; any length but zero.
+    density : float, optional
+        kg/m^3.
+    mass : float, optional
+        kg; either this or the density is given.
+
+    Raises
+    ------
+    ArgumentError
+        If the density or mass is not positive and finite, if both or neither are given, or if a pose is not finite.
+    """
+    where = _finite("position", position, 3)
+    rotation = rotation_matrix(orientation)
+    if (density is None) == (mass is None):
+        raise ArgumentError(f"density={density!r} and mass={mass!r}: a shape is given one of the two, and not both.")
+    if mass is not None:
+        total = positive("mass", mass, "kg")
+    elif density is not None:
+        total = positive("density", density, "kg/m^3") * properties.volume
+    inertia = total / properties.volume * (rotation @ properties.inertia @ rotation.T)
+    return Mass(total, where + rotation @ properties.centre, inertia)
+
+
+def combined(parts: Sequence[Mass]) -> Mass:
+    """Weigh a body by its parts, by the parallel axis theorem.
+
+    Parameters
+    ----------
+    parts : sequence of Mass
+        Their centres and inertias in the same axes.
+
+    Returns
+    -------
+    Mass
+        Total mass, common centre of mass, and inertia about it.
+
+    Raises
+    ------
+    ArgumentError
+        If there are no parts, or if the inertia is none that a body can have.
+    """
+    if not parts:
+        raise ArgumentError("A body of no shapes has no mass; give it a shape, or a mass and an inertia.")
+    masses = np.array([part.mass for part in parts])
+    total = float(masses.sum())
+    centre = masses @ np.array([part.centre for part in parts]) / total
+    inertia = np.zeros((3, 3))
+    for part in parts:
+        arm = part.centre - centre
+        inertia += part.inertia + part.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    return Mass(total, centre, checked_inertia(inertia))
+
+
+def checked_inertia(inertia: ArrayLike, argument: str = "inertia") -> Array:
+    """Return an inertia as a symmetric (3, 3) array if a body can have it.
+
+    Parameters
+    ----------
+    inertia : (3, 3) or (3,) array
+        About the centre of mass, kg m^2; three numbers are the diagonal.
+    argument : str
+        What the sentences call it.
+
+    Raises
+    ------
+    ArgumentError
+        If it is not finite, not symmetric, not positive definite, or if one principal moment is greater than the sum of
+        the other two: each is an integral of the squares of two coordinates, so that no body has such moments.
+    """
+    matrix = np.asarray(inertia, dtype=np.float64)
+    if matrix.shape == (3,):
+        matrix = np.diag(matrix)
+    if matrix.shape != (3, 3):
+        raise ArgumentError(
+            f"{argument} has the shape {matrix.shape}; give (3, 3), or the three numbers of its diagonal."
+        )
+    if not np.isfinite(matrix).all():
+        raise ArgumentError(f"{argument}={matrix.tolist()} is not finite; give every moment of inertia in kg m^2.")
+    if np.abs(matrix - matrix.T).max() > _TOLERANCE * np.abs(matrix).max():
+        raise ArgumentError(f"{argument}={matrix.tolist()} is not symmetric; give the same product of inertia twice.")
+    matrix = 0.5 * (matrix + matrix.T)
+    moments = np.linalg.eigvalsh(matrix)
+    if not moments[0] > 0.0:
+        raise ArgumentError(
+            f"{argument} has the principal moments {_listed(moments)} kg m^2; all have to be positive, "
+            "or the body would turn without resistance; give it an extent in all directions."
+        )
+    if moments[2] > (moments[0] + moments[1]) * (1.0 + _TOLERANCE):
+        raise ArgumentError(
+            f"{argument} has the principal moments {_listed(moments)} kg m^2; no body has one that is greater than the "
+            "sum of the other two; give the moments about the centre of mass."
+        )
+    return matrix
+
+
+def rotation_matrix(orientation: ArrayLike) -> Array:
+    """Return the (3, 3) matrix of a quaternion (w, x, y, z) of any length but zero; ArgumentError for others."""
+    quaternion = _finite("orientation", orientation, 4)
+    size = np.sqrt(quaternion @ quaternion)
+    if not 1e-100 < size < 1e100:
+        raise ArgumentError(
+            f"orientation={quaternion.tolist()} has the length {size:g} and turns nothing; "
+            "give a quaternion (w, x, y, z) of length one."
+        )
+    w, x, y, z = quaternion / size
+    return np.array(
+        [
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+            [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+        ]
+    )
+
+
+def positive(argument: str, value: float, unit: str) -> float:
+    """Return a number if it is positive and finite; ArgumentError if not."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"{argument}={value!r} is no number; give a positive one, in {unit}.") from None
+    if not 0.0 < number < np.inf:
+        raise ArgumentError(f"{argument}={number:g} {unit} has to be positive and finite.")
+    return number
+
+
+def _finite(argument: str, value: ArrayLike, size: int) -> Array:
+    array = np.asarray(value, dtype=np.float64)
+    if array.shape != (size,):
+        raise ArgumentError(f"{argument} has the shape {array.shape}; give {size} numbers.")
+    if not np.isfinite(array).all():
+        raise ArgumentError(f"{argument}={array.tolist()} is not finite; give {size} finite numbers.")
+    return array
+
+
+def _listed(moments: NDArray[np.floating[Any]]) -> str:
+    return ", ".join(f"{moment:g}" for moment in moments)

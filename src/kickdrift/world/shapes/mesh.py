@@ -1,0 +1,147 @@
+"""Surfaces of triangles: ground that does not move."""
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.world.shapes.kinds import MESH
+from kickdrift.world.shapes.mass import Array, MassProperties
+
+TRIANGLE_SIZE = 12  # nine coordinates of corners, three flags of edges
+
+# Between neighbours: at blunter edges bodies are pushed along the normal of one of the two triangles.
+_SHARP = math.cos(math.radians(5.0))
+
+# Height of a triangle over its longest side, below which it has no normal to speak of.
+_FLAT = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """A surface of triangles that is touched from one side: there, corners are seen counter-clockwise.
+
+    It has no mass and belongs to bodies that do not move. What is behind a triangle does not touch it.
+
+    Attributes
+    ----------
+    vertices : (V, 3) array
+        m. Vertices at the same place count as one where triangles meet.
+    faces : (F, 3) array of int
+        Vertices of each triangle, counted from 0.
+
+    Raises
+    ------
+    ArgumentError
+        If vertices are not finite, faces name vertices that there are not, a triangle has no area, or two triangles
+        that share an edge look to opposite sides.
+    """
+
+    vertices: Array
+    faces: NDArray[np.int64]
+    kind: ClassVar[int] = MESH
+
+    def __init__(self, vertices: ArrayLike, faces: ArrayLike) -> None:
+        points, triangles = _vertices(vertices), np.asarray(faces)
+        if triangles.ndim != 2 or triangles.shape[1:] != (3,) or not len(triangles):
+            raise ArgumentError(f"faces has the shape {triangles.shape}; give (F, 3): three vertices of each triangle.")
+        if not np.issubdtype(triangles.dtype, np.integer):
+            raise ArgumentError(f"faces has the type {triangles.dtype}; give integers, the numbers of vertices.")
+        outside = (triangles < 0) | (triangles >= len(points))
+        if outside.any():
+            row = int(np.argmax(outside.any(axis=1)))
+            raise ArgumentError(
+                f"faces[{row}]={triangles[row].tolist()} names a vertex that is not there; "
+                f"there are {len(points)}, counted from 0."
+            )
+        object.__setattr__(self, "vertices", points)
+        object.__setattr__(self, "faces", triangles.astype(np.int64))
+        _check_areas(self.corners)
+        self.active_edges()
+
+    @property
+    def corners(self) -> Array:
+        """Corners of each triangle, (F, 3, 3), m."""
+        return self.vertices[self.faces]
+
+    @property
+    def numbers(self) -> Array:
+        """What compiled code knows of it: how many triangles, and of each nine coordinates and three flags of edges."""
+        count = len(self.faces)
+        rows = np.concatenate((self.corners.reshape(count, 9), self.active_edges()), axis=1)
+        return np.concatenate(([count], rows.ravel()))
+
+    def active_edges(self) -> NDArray[np.bool_]:
+        """Say of which edges bodies may be pushed sideways, (F, 3); edge k leaves corner k.
+
+        Of those where the surface ends or bends away from its outside by more than five degrees. Elsewhere, bodies
+        touch the triangles beside it.
+        """
+        _, merged = np.unique(self.vertices, axis=0, return_inverse=True)
+        begin = merged.reshape(-1)[self.faces]
+        end = np.roll(begin, -1, axis=1)
+        pairs = np.sort(np.stack((begin.ravel(), end.ravel()), axis=1), axis=1)
+        _, edge, uses = np.unique(pairs, axis=0, return_inverse=True, return_counts=True)
+        edge = edge.reshape(-1)
+        order = np.argsort(edge, kind="stable")
+        starts = np.cumsum(uses) - uses
+        shared = uses == 2
+        one, two = order[starts[shared]], order[starts[shared] + 1]
+        alike = begin.ravel()[one] == begin.ravel()[two]
+        if alike.any():
+            k = int(np.argmax(alike))
+            raise ArgumentError(
+                f"faces[{one[k] // 3}]={self.faces[one[k] // 3].tolist()} and faces[{two[k] // 3}]="
+                f"{self.faces[two[k] // 3].tolist()} share an edge and look to opposite sides, and a mesh is "
+                "touched from one side; reverse the order of the vertices of one of the two."
+            )
+        corners = self.corners
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normals /= np.linalg.norm(normals, axis=1)[:, None]
+        opposite = corners[two // 3, (two + 2) % 3] - corners[one // 3, one % 3]
+        falls = np.einsum("ni,ni->n", normals[one // 3], opposite) < 0.0
+        bends = np.einsum("ni,ni->n", normals[one // 3], normals[two // 3]) < _SHARP
+        active = np.ones(3 * len(self.faces), dtype=np.bool_)
+        active[one] = active[two] = falls & bends
+        return active.reshape(-1, 3)
+
+    def mass_properties(self) -> MassProperties:
+        """Refuse to weigh it.
+
+        Raises
+        ------
+        ArgumentError
+            Always: a surface has no volume.
+        """
+        raise ArgumentError("A mesh is a surface and has no mass; add it to a static body, or give a moving one hulls.")
+
+    def wireframe(self) -> list[Array]:
+        """Return the edges, in the shape's frame."""
+        steps = np.stack((self.faces, np.roll(self.faces, -1, axis=1)), axis=2).reshape(-1, 2)
+        return list(self.vertices[np.unique(np.sort(steps, axis=1), axis=0)])
+
+
+def _vertices(vertices: ArrayLike) -> Array:
+    points = np.array(vertices, dtype=np.float64)
+    if points.ndim != 2 or points.shape[1:] != (3,):
+        raise ArgumentError(f"vertices has the shape {points.shape}; give (V, 3).")
+    finite = np.isfinite(points).all(axis=1)
+    if not finite.all():
+        row = int(np.argmin(finite))
+        raise ArgumentError(f"vertices[{row}]={points[row].tolist()} is not finite; give finite coordinates, in m.")
+    return points
+
+
+def _check_areas(corners: Array) -> None:
+    sides = np.roll(corners, -1, axis=1) - corners
+    longest = np.sqrt(np.einsum("nki,nki->nk", sides, sides).max(axis=1))
+    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    thin = ~(area > _FLAT * longest**2)
+    if thin.any():
+        row = int(np.argmax(thin))
+        raise ArgumentError(
+            f"faces[{row}] has its corners {corners[row].tolist()} on one line, so that it has no outside; drop it."
+        )

@@ -1,0 +1,368 @@
+"""Rays and overlap queries against asking every shape."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kickdrift.core.errors import ArgumentError, KickdriftError
+from kickdrift.world import tables as t
+from kickdrift.world.collision import PAIRS
+from kickdrift.world.collision.broad_phase import find_pairs
+from kickdrift.world.collision.rays import RAYS
+from kickdrift.world.collision.search import CHANGED, shapes_changed
+from kickdrift.world.collision.tree import build, fit
+from kickdrift.world.collision.walk import NOTHING, WALK, advance, reciprocal, start
+from kickdrift.world.flight import DYNAMIC, STATIC
+from kickdrift.world.queries import overlap_box, overlap_sphere, ray_cast, ray_cast_all, ray_cast_many
+from kickdrift.world.settings import GRAVITY, MARGIN
+from kickdrift.world.shapes.hull import Hull
+from kickdrift.world.shapes.kinds import BOX, CAPSULE, HULL, MESH, PLANE, SPHERE, TRIANGLE
+from kickdrift.world.shapes.mesh import Mesh
+from kickdrift.world.trouble import FULL, KIND, TABLE, WANTED
+
+ALL = (1 << 62) - 1
+
+
+class Scene:
+    """Tables of a world that holds shapes and nothing else, each of a body of its own or of the ground."""
+
+    def __init__(self, seed=0):
+        self.tables, self.rng = t.Tables(), np.random.default_rng(seed)
+        for table in (t.SETTINGS, t.TROUBLE, t.SEARCH):
+            self.tables.resize(table, 1)
+        self[t.SETTINGS][0, GRAVITY + 2], self[t.SETTINGS][0, MARGIN] = -9.81, 0.02
+        self.body(STATIC, (0, 0, 0), (1, 0, 0, 0))
+
+    def __getitem__(self, table):
+        return self.tables.array(table)
+
+    def body(self, kind, position, turn):
+        row = len(self[t.POSE])
+        for table in (t.POSE, t.MOTION, t.BODY):
+            self.tables.resize(table, row + 1)
+        self[t.POSE][row, :3], self[t.POSE][row, 3:7] = position, np.divide(turn, np.linalg.norm(turn))
+        self[t.BODY][row, :2] = kind, kind != STATIC
+        return row
+
+    def add(self, kind, numbers, position=(0, 0, 0), turn=(1, 0, 0, 0), body=None, layer=0, sensor=0):
+        """Add a shape; returns its row."""
+        row, begin = len(self[t.SHAPE]), len(self[t.GEOMETRY])
+        body = self.body(DYNAMIC, (0, 0, 0), (1, 0, 0, 0)) if body is None else body
+        for table in (t.SHAPE, t.PLACE, t.BOUNDS):
+            self.tables.resize(table, row + 1)
+        self.tables.resize(t.GEOMETRY, begin + len(numbers))[begin:, 0] = numbers
+        self[t.SHAPE][row] = kind, body, begin, len(numbers), 1 << layer, ALL, sensor, 0
+        self[t.PLACE][row, :3], self[t.PLACE][row, 3:7] = position, np.divide(turn, np.linalg.norm(turn))
+        shapes_changed(self.tables)
+        return row
+
+    def step(self):
+        trouble = self[t.TROUBLE][0]
+        find_pairs(0.0, 1 / 60, self.tables.address)
+        while trouble[KIND] == FULL:
+            place, wanted = int(trouble[TABLE]), int(trouble[WANTED])
+            trouble[:] = 0
+            self.tables.make_room(place, wanted)
+            find_pairs(0.0, 1 / 60, self.tables.address)
+
+    def pose(self, shape):
+        """Frame of a shape in the world: origin and rotation matrix."""
+        body, place = self[t.POSE][self[t.SHAPE][shape, 1]], self[t.PLACE][shape]
+        return body[:3] + matrix(body[3:7]) @ place[:3], matrix(body[3:7]) @ matrix(place[3:7])
+
+    def numbers(self, shape):
+        kind, _, begin, size = self[t.SHAPE][shape, :4]
+        numbers = self[t.GEOMETRY][begin : begin + size, 0]
+        return [(TRIANGLE, row) for row in numbers[1:].reshape(-1, 12)] if kind == MESH else [(int(kind), numbers)]
+
+
+def matrix(q):
+    w, x, y, z = q
+    k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + 2 * w * k + 2 * k @ k
+
+
+def crowded(seed, count=60):
+    """Shapes of all kinds above a plane and a mesh."""
+    scene = Scene(seed)
+    rng = scene.rng
+    scene.add(PLANE, [], (0, 0, -2), (1, 0.05, 0, 0), body=0)
+    vertices = np.array([[x, y, -1 + 0.3 * rng.normal()] for x in (-2, -1, 0, 1, 2) for y in (-2, -1, 0, 1, 2)])
+    faces = [f for a in range(19) if a % 5 < 4 for f in ((a, a + 5, a + 6), (a, a + 6, a + 1))]
+    scene.add(MESH, Mesh(vertices, faces).numbers, (0.1, 0, 0), (1, 0, 0, 0.2), body=0)
+    while len(scene[t.SHAPE]) < count:
+        kind = int(rng.choice([SPHERE, CAPSULE, BOX, HULL]))
+        size = 10 ** rng.uniform(-2, 0)
+        width = {SPHERE: 1, CAPSULE: 2, BOX: 3}.get(kind)
+        numbers = Hull(size * rng.normal(size=(8, 3))).numbers if width is None else size * rng.uniform(0.2, 1, width)
+        place = size * rng.normal(size=3), rng.normal(size=4)
+        body = scene.body(rng.choice([DYNAMIC, STATIC]), rng.uniform(-2, 2, 3), rng.normal(size=4))
+        scene.add(kind, numbers, *place, body=body, layer=int(rng.integers(3)), sensor=int(rng.random() < 0.1))
+    return scene
+
+
+def met(scene, origin, direction, limit=np.inf, layers=ALL):
+    """Distances and normals of what a ray meets, by shape, of all shapes."""
+    hits = {}
+    direction = np.asarray(direction) / np.linalg.norm(direction)
+    for shape, row in enumerate(scene[t.SHAPE]):
+        if row[0] < 0 or row[6] or not row[4] & layers:
+            continue
+        at, turn = scene.pose(shape)
+        ray = tuple(map(float, turn.T @ (origin - at))), tuple(map(float, turn.T @ direction))
+        found = [RAYS[kind](np.array(numbers), *ray, limit) for kind, numbers in scene.numbers(shape)]
+        nearest = min(found)
+        if nearest[0] < np.inf:
+            hits[shape] = nearest[0], turn @ nearest[1:]
+    return hits
+
+
+def same(hit, expected):
+    return abs(hit.distance - expected[0]) < 1e-9 and np.abs(hit.normal - expected[1]).max() < 1e-6
+
+
+@pytest.mark.parametrize("stepped", [False, True])
+def test_rays_meet_what_they_meet_when_every_shape_is_asked(stepped):
+    scene = crowded(1)
+    if stepped:
+        scene.step()
+        move = scene.rng.random(len(scene[t.POSE])) < 0.3
+        move &= scene[t.BODY][:, 0] == DYNAMIC
+        scene[t.POSE][move, :3] += scene.rng.normal(size=(move.sum(), 3))
+    origins, directions = scene.rng.uniform(-3, 3, (200, 3)), scene.rng.normal(size=(200, 3))
+    directions[::10] = np.sign(directions[::10]) * [0, 0, 1]
+    many = ray_cast_many(scene.tables, origins, directions)
+    missed = 0
+    for k, (origin, direction) in enumerate(zip(origins, directions, strict=True)):
+        expected = met(scene, origin, direction)
+        hit = ray_cast(scene.tables, origin, direction)
+        every = ray_cast_all(scene.tables, origin, direction)
+        assert [one.shape for one in every] == sorted(expected, key=lambda shape: expected[shape][0])
+        assert all(same(one, expected[one.shape]) for one in every)
+        if not expected:
+            missed += 1
+            assert hit is None
+            assert (many.shape[k], many.body[k], many.distance[k]) == (-1, -1, np.inf)
+            assert np.isnan(many.point[k]).all()
+            continue
+        assert hit.shape == every[0].shape == many.shape[k]
+        assert hit.body == scene[t.SHAPE][hit.shape, 1] == many.body[k]
+        assert hit.distance == every[0].distance == many.distance[k]
+        unit = direction / np.linalg.norm(direction)
+        assert np.abs(hit.point - origin - hit.distance * unit).max() < 1e-12
+        assert (hit.point == many.point[k]).all()
+        assert (hit.normal == many.normal[k]).all()
+    assert 10 < missed < 150
+
+
+def test_limits_and_layers_leave_shapes_out():
+    scene = crowded(2)
+    origins, directions = scene.rng.uniform(-3, 3, (60, 3)), scene.rng.normal(size=(60, 3))
+    for origin, direction in zip(origins, directions, strict=True):
+        for limit, layers in ((1.0, None), (np.inf, [0, 2]), (2.0, [1]), (np.inf, [])):
+            bits = ALL if layers is None else sum(1 << layer for layer in layers)
+            expected = met(scene, origin, direction, limit, bits)
+            every = ray_cast_all(scene.tables, origin, direction, limit, layers)
+            assert [one.shape for one in every] == sorted(expected, key=lambda shape: expected[shape][0])
+            hit = ray_cast(scene.tables, origin, direction, limit, layers)
+            assert (hit is None) == (not expected)
+            assert hit is None or hit.shape == every[0].shape
+
+
+def test_of_shapes_at_the_same_distance_the_lowest_is_met():
+    scene = Scene()
+    for _ in range(30):
+        scene.add(BOX, [0.5, 0.5, 0.5])
+    for _ in range(2):
+        assert ray_cast(scene.tables, (3, 0.1, 0.2), (-1, 0, 0)).shape == 0
+        scene.step()
+
+
+def test_a_flat_mesh_has_no_gaps():
+    scene = Scene()
+    vertices = [[x, y, 0.0] for x in range(9) for y in range(9)]
+    faces = [f for a in range(71) if a % 9 < 8 for f in ((a, a + 9, a + 10), (a, a + 10, a + 1))]
+    scene.add(MESH, Mesh(vertices, faces).numbers, body=0)
+    x, y = np.meshgrid(np.linspace(0, 8, 65), np.linspace(0, 8, 65))
+    down = ray_cast_many(scene.tables, np.stack((x, y, np.ones_like(x)), axis=-1).reshape(-1, 3), np.tile((0, 0, -1), (65**2, 1)))
+    assert (down.distance == 1.0).all()
+    assert (down.normal == (0.0, 0.0, 1.0)).all()
+    targets = np.stack((x, y, np.zeros_like(x)), axis=-1).reshape(-1, 3)[65 * 4 : -65 * 4]
+    targets = targets[(targets[:, 0] > 0.1) & (targets[:, 0] < 7.9)]
+    eye = np.array([3.1, -2.7, 4.9])
+    seen = ray_cast_many(scene.tables, eye, targets - eye)
+    assert np.abs(seen.point - targets).max() < 1e-12
+
+
+def test_questions_leave_the_world_as_it_is():
+    asked, silent = crowded(3), crowded(3)
+    for scene in (asked, silent):
+        scene[t.MOTION][1:, :3] = scene.rng.normal(size=(len(scene[t.POSE]) - 1, 3))
+    for step in range(8):
+        ray_cast(asked.tables, (5, 0, 0), (-1, 0, 0))
+        overlap_sphere(asked.tables, 1.0)
+        for scene in (asked, silent):
+            scene.step()
+            scene[t.POSE][:, :3] += scene[t.MOTION][:, :3] / 60
+            if step == 4:
+                scene.add(BOX, [0.3, 0.4, 0.5])
+        for table in (t.CONTACT, t.MANIFOLD, t.BOUNDS, t.SHAPE, t.SOUGHT):
+            assert np.array_equal(asked[table], silent[table], equal_nan=True)
+
+
+def test_shapes_are_found_before_the_first_step_and_after_they_are_gone():
+    scene = Scene()
+    ball = scene.add(SPHERE, [0.5])
+    assert ray_cast(scene.tables, (3, 0, 0), (-2, 0, 0)).distance == 2.5
+    built = scene[t.TREE].copy()
+    scene[t.TREE][0, 0] -= 1e-3
+    assert ray_cast(scene.tables, (3, 0, 0), (-2, 0, 0)).distance == 2.5
+    assert scene[t.TREE][0, 0] != built[0, 0]  # the tree is not built for every question
+    assert scene[t.SEARCH][0, CHANGED] != 0
+    scene.step()
+    wall = scene.add(BOX, [0.1, 1, 1], (1, 0, 0), body=0)
+    assert ray_cast(scene.tables, (3, 0, 0), (-1, 0, 0)).shape == wall
+    scene[t.SHAPE][wall] = 0
+    scene[t.SHAPE][wall, 0] = -1
+    shapes_changed(scene.tables)
+    assert ray_cast(scene.tables, (3, 0, 0), (-1, 0, 0)).shape == ball
+
+
+def touches(scene, kind, numbers, position, turn):
+    """Rows of the shapes that overlap one, of all shapes."""
+    found = []
+    for shape, row in enumerate(scene[t.SHAPE]):
+        at, own = scene.pose(shape)
+        for own_kind, own_numbers in scene.numbers(shape):
+            a, b = (own_kind, own, at, own_numbers), (kind, matrix(turn), position, numbers)
+            a, b = (a, b) if own_kind <= kind else (b, a)
+            relative = np.concatenate((a[1].T @ (b[2] - a[2]), quaternion(a[1].T @ b[1])))
+            count = PAIRS[a[0], b[0]](np.array(a[3]), np.array(b[3], dtype=float), relative, 0.0, np.zeros(64))
+            if count > 0 and not row[6] and shape not in found:
+                found.append(shape)
+    return found
+
+
+def quaternion(turn):
+    """Quaternion of a rotation matrix (Shepperd's method, by the largest of the four)."""
+    squares = np.array([[turn.trace(), *np.diag(turn)]]).ravel()
+    k = int(np.argmax(squares))
+    skew = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+    if k == 0:
+        q = np.concatenate(([1 + turn.trace()], skew))
+    else:
+        i, j, m = k - 1, k % 3, (k + 1) % 3
+        q = np.zeros(4)
+        q[0], q[1 + i] = skew[i], 1 + 2 * turn[i, i] - turn.trace()
+        q[1 + j], q[1 + m] = turn[i, j] + turn[j, i], turn[i, m] + turn[m, i]
+    return q / np.linalg.norm(q)
+
+
+@pytest.mark.parametrize("stepped", [False, True])
+def test_overlaps_are_those_of_asking_every_shape(stepped):
+    scene = crowded(4)
+    if stepped:
+        scene.step()
+        scene[t.POSE][1:, :3] += scene.rng.normal(size=(len(scene[t.POSE]) - 1, 3)) * (scene[t.BODY][1:, :1] == DYNAMIC)
+    sizes = []
+    for _ in range(25):
+        at, turn = scene.rng.uniform(-2, 2, 3), scene.rng.normal(size=4)
+        turn /= np.linalg.norm(turn)
+        radius, size = 10 ** scene.rng.uniform(-2, 0.3), 10 ** scene.rng.uniform(-2, 0.3, 3)
+        ball = overlap_sphere(scene.tables, radius, at)
+        assert list(ball) == touches(scene, SPHERE, [radius], at, (1, 0, 0, 0))
+        box = overlap_box(scene.tables, size, at, 3 * turn)
+        assert list(box) == touches(scene, BOX, size / 2, at, turn)
+        some = overlap_box(scene.tables, size, at, turn, layers=[1])
+        assert list(some) == [shape for shape in box if scene[t.SHAPE][shape, 4] == 2]
+        sizes += [len(ball), len(box)]
+    assert min(sizes) == 0
+    assert max(sizes) > 10
+
+
+def test_nothing_is_met_in_an_empty_world():
+    scene = Scene()
+    assert ray_cast(scene.tables, (0, 0, 0), (1, 0, 0)) is None
+    assert ray_cast_all(scene.tables, (0, 0, 0), (1, 0, 0)) == []
+    assert len(ray_cast_many(scene.tables, np.zeros((0, 3)), np.zeros((0, 3))).shape) == 0
+    assert len(overlap_box(scene.tables, (1, 1, 1))) == 0
+
+
+def test_rays_of_any_length_and_along_the_axes_are_met():
+    scene = Scene()
+    scene.add(BOX, [1, 1, 1])
+    for scale in (1e-300, 1e-9, 1.0, 1e300):
+        assert ray_cast(scene.tables, (3, 0.5, 0), (-scale, 0, 0)).distance == 2.0
+    assert ray_cast(scene.tables, (3, 1.0, 1.0), (-1, 0, 0)).distance == 2.0  # along an edge
+    assert ray_cast(scene.tables, (3, 1.1, 0), (-1, 0, 0)) is None
+    assert ray_cast(scene.tables, (-1e9, 0, 0), (1, 0, 0)).distance == 1e9 - 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "options", "part"),
+    [
+        (((0, 0), (1, 0, 0)), {}, r"origin has the shape \(2,\)"),
+        (((0, 0, 0), (0, 0, 0)), {}, "no length"),
+        (((0, np.nan, 0), (1, 0, 0)), {}, "not finite"),
+        (((0, 0, 0), (1, np.inf, 0)), {}, "not finite"),
+        ((((0, 0, 0), (1, 1, 1)), (1, 0, 0)), {}, "three numbers"),
+        (("up", (1, 0, 0)), {}, "no array of numbers"),
+        (((0, 0, 0), (1, 0, 0)), {"limit": 0}, "positive"),
+        (((0, 0, 0), (1, 0, 0)), {"limit": -1.0}, "positive"),
+        (((0, 0, 0), (1, 0, 0)), {"limit": np.nan}, "positive"),
+        (((0, 0, 0), (1, 0, 0)), {"layers": [62]}, "0 to 61"),
+        (((0, 0, 0), (1, 0, 0)), {"layers": [-1]}, "0 to 61"),
+        (((0, 0, 0), (1, 0, 0)), {"layers": [0.5]}, "0 to 61"),
+    ],
+)
+def test_rays_that_cannot_be_are_refused(arguments, options, part):
+    scene = Scene()
+    for function in (ray_cast, ray_cast_all):
+        with pytest.raises(ArgumentError, match=part):
+            function(scene.tables, *arguments, **options)
+
+
+def test_other_questions_that_cannot_be_are_refused():
+    scene = Scene()
+    with pytest.raises(ArgumentError, match="one origin for all"):
+        ray_cast_many(scene.tables, np.zeros((2, 3)), np.ones((3, 3)))
+    with pytest.raises(ArgumentError, match="radius"):
+        overlap_sphere(scene.tables, 0.0)
+    with pytest.raises(ArgumentError, match="size"):
+        overlap_box(scene.tables, (1, -1, 1))
+    with pytest.raises(ArgumentError, match="position"):
+        overlap_box(scene.tables, (1, 1, 1), (0, 0))
+    with pytest.raises(ArgumentError, match="orientation"):
+        overlap_box(scene.tables, (1, 1, 1), orientation=(0, 0, 0, 0))
+    scene.add(SPHERE, [1.0])
+    scene[t.POSE][1, 0] = np.nan
+    with pytest.raises(KickdriftError, match="Body 1 has a position that is not finite"):
+        ray_cast(scene.tables, (3, 0, 0), (-1, 0, 0))
+    scene[t.POSE][1, 0] = 0.0
+    assert ray_cast(scene.tables, (3, 0, 0), (-1, 0, 0)).distance == 2.0
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.integers(0, 2**32), st.integers(0, 100), st.sampled_from(["any", "along x", "within a plane"]))
+def test_walks_come_to_every_box_that_a_ray_enters(seed, count, kind):
+    rng = np.random.default_rng(seed)
+    centres, sizes = rng.normal(size=(count, 3)), 10 ** rng.uniform(-2, 0, (count, 3))
+    sizes[::3, 2] = 0.0
+    origin, direction = rng.normal(size=3), rng.normal(size=3)
+    direction[1:] *= kind != "along x"
+    direction[2] *= kind == "any"
+    boxes = np.concatenate((centres - sizes, centres + sizes), axis=1)
+    nodes = np.zeros((3 * count + 1, 8))
+    last = build(np.column_stack((centres, np.arange(count))).ravel(), count, nodes, 0)
+    fit(nodes, 0, last, boxes.ravel(), 6, 0)
+    limit = float(rng.uniform(0.5, 4))
+    walk, o, inverse = np.zeros(WALK), tuple(map(float, origin)), reciprocal(tuple(map(float, direction)))
+    start(walk, nodes, 0, last, o, inverse)
+    found = []
+    while (item := advance(walk, nodes, o, inverse, limit)) != NOTHING:
+        found.append(item)
+    with np.errstate(divide="ignore"):
+        ends = (boxes.reshape(-1, 2, 3) - origin) / direction
+    enters, leaves = ends.min(axis=1).max(axis=1, initial=0.0), ends.max(axis=1).min(axis=1)
+    assert sorted(found) == list(np.flatnonzero((enters <= leaves) & (enters <= limit)))
