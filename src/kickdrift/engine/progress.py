@@ -16,8 +16,8 @@ _SHORT_RUN_SECONDS = 2.0  # runs expected to be shorter show no bar
 class Bar:
     """A progress bar: always, never, or (None) on a terminal once a run turns out to be long."""
 
-    def __init__(self, n_steps: int, wanted: bool | None) -> None:
-        self._n_steps = n_steps
+    def __init__(self, n_steps: int, wanted: bool | None, unit: str = "step") -> None:
+        self._n_steps, self._unit = n_steps, unit
         self._possible = announces(wanted)
         self._from_seconds = 0.0 if wanted else _SHORT_RUN_SECONDS
         self._bar: Any = None
@@ -25,7 +25,7 @@ class Bar:
     def show(self, step: int, seconds: float) -> None:
         """Say that `step` steps took so many seconds."""
         if self._possible and self._bar is None and seconds * self._n_steps / step > self._from_seconds:
-            self._bar = tqdm(total=self._n_steps, unit="step", unit_scale=True, leave=False, file=sys.stderr)
+            self._bar = tqdm(total=self._n_steps, unit=self._unit, unit_scale=True, leave=False, file=sys.stderr)
         if self._bar is not None:
             self._bar.update(step - self._bar.n)
 

@@ -1,7 +1,7 @@
 """Pictures of a recording: chooses from where it is seen, and paints the poses of its bodies."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,8 @@ from kickdrift.world.shapes.kinds import PLANE
 Floats = NDArray[np.float64]
 _SAMPLES = 2  # rays for a pixel, along each side of it
 _AHEAD = (-0.42, 0.82, -0.36)  # where a camera looks that sees depth
-_FROM_LAMP = (0.62, 0.35, -1.0)  # in the camera's axes: right, ahead and up
+_FROM_LAMP, _FROM_FRONT = (0.62, 0.35, -1.0), (0.35, 1.0, -0.45)  # right, ahead on the level, and up
+_ASPECTS = (0.75, 2.5)  # of pictures, least and greatest
 _MOST_STATES = 400  # that are looked at to see how far bodies come
 _STRAY = 0.002  # part of all places of bodies that may be out of the picture at each side
 _FLAT = 0.01  # out of the plane, of the extent, in a scene that is seen from the side
@@ -32,40 +33,44 @@ class Painter:
     Parameters
     ----------
     recording : Recording
-    width, height : int
-        Of the pictures, in pixels.
+    pixels : int
+        How many a picture has, about; it is as wide as the scene, and even in both directions.
 
     Attributes
     ----------
     camera : Camera
+    width, height : int
+        Of the pictures, in pixels.
     distance : (n height, n width) array
         How far the rays of the last picture go, n x n of them for each pixel.
     """
 
-    def __init__(self, recording: Recording, width: int, height: int) -> None:
+    def __init__(self, recording: Recording, pixels: int) -> None:
         points, reaches = _places(recording)
         low, high = (points - reaches[:, None]).min(axis=0), (points + reaches[:, None]).max(axis=0)
         extent, centre = float(np.linalg.norm(high - low)), 0.5 * (low + high)
         self._flat = _is_flat(recording, extent)
         ahead = np.array((0.0, 1.0, 0.0) if self._flat else _AHEAD)
-        self.camera = showing(points, reaches, ahead, width / height, perspective=not self._flat)
+        aspect = _aspect(points, reaches, ahead)
+        self.width, self.height = (2 * round(0.5 * math.sqrt(pixels * shape)) for shape in (aspect, 1.0 / aspect))
+        self.camera = showing(points, reaches, ahead, self.width / self.height, perspective=not self._flat)
         planes = [p for p in recording.appearance.parts if p.shape.kind == PLANE and _is_seen(p, recording, self.camera)]
         self.scenery = Scenery(recording.appearance, extent, planes, from_side=self._flat)
         self._addresses = ray_addresses(self.scenery.kinds)
-        self._lamp = _lamp(self.camera, centre, 0.55 * extent)
+        self._lamp = _lamp(self.camera, _FROM_FRONT if self._flat else _FROM_LAMP, centre, 0.55 * extent)
         self._setting = np.zeros(SETTING)
         self._setting[LAMP : LAMP + 3] = -self._lamp.ahead
         self._setting[BACKGROUND : BACKGROUND + 3] = BACKDROP
         self._setting[GRID] = _round_length(extent / 12.0)
         self._setting[FADE : FADE + 4] = (1.6 * extent, *centre)
-        self._film, self._empty = (_Film(_SAMPLES * height, _SAMPLES * width) for _ in range(2))
+        self._film, self._empty = (_Film(_SAMPLES * self.height, _SAMPLES * self.width) for _ in range(2))
         self._shade = _Film(_LAMP_PIXELS, _LAMP_PIXELS)
         self._lit = np.ones(self._film.distance.shape, dtype=np.float32)
         # Planes do not move: their rays are cast once.
         sight = self.scenery.at(Pose(recording.x[0], recording.orientation[0]))
         clear(*self._empty)
         cast(self.camera.numbers(), 0, self.scenery.n_planes, *sight, self._addresses, *self._empty)
-        self._picture = np.zeros((height, width, 3), dtype=np.uint8)
+        self._picture = np.zeros((self.height, self.width, 3), dtype=np.uint8)
 
     @property
     def distance(self) -> Floats:
@@ -133,6 +138,13 @@ def _places(recording: Recording) -> tuple[Floats, Floats]:
     return x[near], r[near]
 
 
+def _aspect(points: Floats, reaches: Floats, ahead: Floats) -> float:
+    """Say how wide a scene is, seen from a direction, over its height, within what pictures can be."""
+    right, up, _ = axes_of(ahead)
+    width, height = ((points @ axis + reaches).max() - (points @ axis - reaches).min() for axis in (right, up))
+    return float(np.clip(width / height, *_ASPECTS))
+
+
 def _is_flat(recording: Recording, extent: float) -> bool:
     """Whether everything moves in the x-z plane, and turns in it."""
     rows = recording.moving
@@ -154,10 +166,10 @@ def _is_seen(plane: Part, recording: Recording, camera: Camera) -> bool:
     return bool((camera.eye - origin) @ normal > 0.0)
 
 
-def _lamp(camera: Camera, centre: Floats, radius: float) -> Camera:
-    """Place a lamp behind the left shoulder of the camera, so far away that its rays are parallel."""
+def _lamp(camera: Camera, shining: Sequence[float], centre: Floats, radius: float) -> Camera:
+    """Place a lamp so far away that its rays are parallel; they shine in a direction given in the camera's axes."""
     upwards = np.array([0.0, 0.0, 1.0])
-    right, ahead, up = _FROM_LAMP
+    right, ahead, up = shining
     axes = axes_of(right * camera.right + ahead * np.cross(upwards, camera.right) + up * upwards)
     return Camera(centre - 3.0 * radius * axes[2], *axes, False, radius)
 

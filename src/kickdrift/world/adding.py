@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.bodies import Bodies, Body, kind_of
 from kickdrift.world.flight import DYNAMIC, STATIC
+from kickdrift.world.joints.registry import Joints
 from kickdrift.world.shape_rows import Placed, Shape, ShapeRows, Surface
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
@@ -58,6 +59,7 @@ class AddsBodies:
 
     tables: Tables
     bodies: Bodies
+    joints: Joints
     shape_rows: ShapeRows
 
     def add_sphere(self, radius: float, **options: Any) -> Body:
@@ -219,6 +221,7 @@ class AddsBodies:
             If it has been removed before.
         """
         row = self.bodies.row(body)
+        self.joints.remove_of_body(row)
         self.bodies.remove(body)
         self.shape_rows.remove_of(row)
 
@@ -243,13 +246,18 @@ def unit_quaternion(argument: str, value: ArrayLike) -> Floats:
     return q / size
 
 
+def direction(argument: str, value: ArrayLike) -> Floats:
+    """Return a vector divided by its length; ArgumentError for a length of zero."""
+    v = vector(argument, value, 3)
+    size = float(np.linalg.norm(v))
+    if size == 0.0:
+        raise ArgumentError(f"{argument}={value!r} has no direction; (0, 0, 1) looks up.")
+    return v / size
+
+
 def turn_to(normal: ArrayLike) -> Floats:
     """Return a quaternion that turns the z axis into a direction."""
-    n = vector("normal", normal, 3)
-    size = float(np.linalg.norm(n))
-    if size == 0.0:
-        raise ArgumentError(f"normal={normal!r} has no direction; (0, 0, 1) looks up.")
-    x, y, z = n / size
+    x, y, z = direction("normal", normal)
     if z < -0.999999999:
         return np.array([0.0, 1.0, 0.0, 0.0])
     return unit_quaternion("normal", (1.0 + z, -y, x, 0.0))

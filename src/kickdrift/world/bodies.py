@@ -23,6 +23,7 @@ from kickdrift.world.flight import (
     STATIC,
     TURN_DAMPING,
 )
+from kickdrift.world.settings import PLANE
 from kickdrift.world.shapes.mass import Mass, rotation_matrix
 from kickdrift.world.tables import (
     BODY,
@@ -36,6 +37,7 @@ from kickdrift.world.tables import (
     POSE,
     RESPONSE,
     RESTED,
+    SETTINGS,
     STARTED_MOTION,
     STARTED_POSE,
     Table,
@@ -132,8 +134,14 @@ class Bodies:
         numbers[SPHERICAL] = float(moments[2] - moments[0] < 1e-13 * moments[2])
         if tables.array(BODY)[row, KIND] == DYNAMIC:
             turn = rotation_matrix(tables.array(POSE)[row, 3:7])
+            response = turn @ inverse @ turn.T
+            plane = tables.array(SETTINGS)[0, PLANE : PLANE + 3]
+            if plane.any():
+                # About the normal of the plane alone, where nothing tumbles and the inertia stays what it is.
+                response = np.outer(plane, plane) / (plane @ turn @ mass.inertia @ turn.T @ plane)
+                numbers[SPHERICAL] = 1.0
             tables.array(RESPONSE)[row, 0] = 1.0 / mass.mass
-            tables.array(RESPONSE)[row, 1:7] = _symmetric(turn @ inverse @ turn.T)
+            tables.array(RESPONSE)[row, 1:7] = _symmetric(response)
 
     def handle(self, row: int) -> Body:
         """Return the handle of a row."""

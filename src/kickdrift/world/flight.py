@@ -32,7 +32,7 @@ from kickdrift.core.vectors import (
     turned_symmetric,
     unit,
 )
-from kickdrift.world.settings import GRAVITY, MIDPOINT
+from kickdrift.world.settings import GRAVITY, MIDPOINT, PLANE
 from kickdrift.world.tables import (
     BODY,
     CHANGE,
@@ -101,6 +101,17 @@ def finish(t: float, h: float, world: int) -> None:
         if not total < math.inf and kind[body, KIND] != REMOVED:
             report_body(world, body)
             return
+
+
+@compiled
+def flatten(t: float, h: float, world: int) -> None:
+    """Take from the velocities what leads out of the plane that a planar world moves in."""
+    motion, plane = floats(world, MOTION), _three(floats(world, SETTINGS), 0, PLANE)
+    for body in range(rows(world, MOTION)):
+        v, w = _three(motion, body, 0), _three(motion, body, 3)
+        v, w = minus(v, times(dot(plane, v), plane)), times(dot(plane, w), plane)
+        for k in range(3):
+            motion[body, k], motion[body, 3 + k] = v[k], w[k]
 
 
 @compiled

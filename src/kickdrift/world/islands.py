@@ -5,16 +5,16 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.flight import AWAKE, DYNAMIC, ISLAND, KIND
 from kickdrift.world.joints import layout as j
 from kickdrift.world.settings import SLEEP_SPEED, SLEEP_TIME
-from kickdrift.world.tables import BODY, CONTACT, FORCE, JOINT, MOTION, PLACE, RESTED, SETTINGS, SHAPE, floats, integers, rows
+from kickdrift.world.tables import BODY, CONTACT, JOINT, LOAD, MOTION, RESTED, SETTINGS, floats, integers, rows
 
 
 @compiled
 def wake(t: float, h: float, world: int) -> None:
     """Wake the islands of sleeping bodies that were given a velocity or a force, or that something awake has reached."""
-    body, motion, force, contact = (
+    body, motion, load, contact = (
         integers(world, BODY),
         floats(world, MOTION),
-        floats(world, FORCE),
+        floats(world, LOAD),
         integers(world, CONTACT),
     )
     for row in range(rows(world, BODY)):
@@ -22,17 +22,13 @@ def wake(t: float, h: float, world: int) -> None:
             continue
         pushed = False
         for k in range(6):
-            pushed = pushed or motion[row, k] != 0.0 or force[row, k] != 0.0
+            pushed = pushed or motion[row, k] != 0.0 or load[row, k] != 0.0
         if pushed:
             _wake_island(world, body[row, ISLAND])
     for row in range(rows(world, CONTACT)):
         if contact[row, c.POINTS] == 0 or contact[row, c.STATE] & c.SENSOR:
             continue
         _wake_one_by_other(world, contact[row, c.BODY_A], contact[row, c.BODY_B])
-    joint = integers(world, JOINT)
-    for row in range(rows(world, JOINT)):
-        if joint[row, j.KIND] != j.REMOVED:
-            _wake_one_by_other(world, joint[row, j.BODY_A], joint[row, j.BODY_B])
 
 
 @compiled

@@ -268,8 +268,9 @@ def _pair_functions(tables: Tables, kind: int) -> NDArray[np.intp]:
 
 def _described(tables: Tables, rays: Floats, hits: Floats) -> RayHits:
     shape = hits[:, SHAPE_HIT].astype(np.int64)
-    body = np.where(shape >= 0, tables.array(SHAPE)[shape, 1], -1)
-    point = np.full((len(hits), 3), np.nan)
     met = shape >= 0
+    body = np.full(len(hits), -1)
+    body[met] = tables.array(SHAPE)[shape[met], 1]
+    point = np.full((len(hits), 3), np.nan)
     point[met] = rays[met, :3] + hits[met, DISTANCE, None] * rays[met, 3:6]
     return RayHits(shape, body, hits[:, DISTANCE].copy(), point, hits[:, NORMAL : NORMAL + 3].copy())

@@ -7,26 +7,25 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError, LostBodyError
-from kickdrift.world import flight, measures, settings
-from kickdrift.world.adding import AddsBodies, vector
+from kickdrift.world import measures, settings
+from kickdrift.world.adding import AddsBodies, direction, vector
 from kickdrift.world.bodies import Bodies, Body
-from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.contacts import lanes
-from kickdrift.world.contacts.impact import bounce
 from kickdrift.world.contacts.layout import WIDTH
-from kickdrift.world.contacts.prepare import colour, prepare
-from kickdrift.world.contacts.solve import THREADED, relax, solve, store, warm_start
-from kickdrift.world.contacts.update import find_points, place_shapes
-from kickdrift.world.events import note_touching
-from kickdrift.world.forces import begin_forces, force_stage
-from kickdrift.world.islands import sleep, wake
+from kickdrift.world.events import ContactEvent, events, touching
+from kickdrift.world.forces import force_stage
 from kickdrift.world.history import KeepsHistory
+from kickdrift.world.joints.adding import AddsJoints
+from kickdrift.world.joints.handle import Joint
+from kickdrift.world.joints.registry import Joints
 from kickdrift.world.measures import Energy
+from kickdrift.world.program import Program, Uses, Word, compose, word
 from kickdrift.world.shape_rows import ShapeRows
-from kickdrift.world.step import STAGE, run
+from kickdrift.world.step import run
 from kickdrift.world.tables import (
     COLOURS,
     CONTACT,
+    EVENTS,
     LOAD,
     MANIFOLD,
     MOTION,
@@ -42,13 +41,8 @@ from kickdrift.world.trouble import BODY, FULL, KIND, TABLE, WANTED
 
 Floats = NDArray[np.float64]
 
-# The step, to be read from top to bottom. Stages of `SUBSTEP` take its length, the others that of the whole step.
-BEFORE: tuple[Function, ...] = (flight.begin, place_shapes, find_pairs, find_points, wake, colour, prepare)
-SUBSTEP: tuple[Function, ...] = (begin_forces, flight.kick, bounce, warm_start, solve, flight.drift, relax)
-AFTER: tuple[Function, ...] = (store, note_touching, sleep, flight.finish)
 
-
-class World(KeepsHistory, AddsBodies):
+class World(KeepsHistory, AddsBodies, AddsJoints):
     """Rigid bodies in three dimensions.
 
     Parameters
@@ -77,6 +71,8 @@ class World(KeepsHistory, AddsBodies):
     threads : bool
         Whether contacts are shared among the threads that Numba has (``numba.set_num_threads``). The bits are the same for
         any number of threads. Worth it from some thousand bodies on, on cores that nobody else uses.
+    plane_normal : (3,) array_like, optional
+        Makes the world planar: bodies move at right angles to this direction and turn about it only.
 
     Attributes
     ----------
@@ -89,6 +85,8 @@ class World(KeepsHistory, AddsBodies):
         In the world's axes, rad/s.
     time : float
         s.
+    broken : list of Joint
+        Joints that broke in the last call of `step` or `advance`.
     """
 
     def __init__(
@@ -107,6 +105,7 @@ class World(KeepsHistory, AddsBodies):
         sleep_speed: float = 0.05,
         sleep_time: float = 0.5,
         threads: bool = False,
+        plane_normal: ArrayLike | None = None,
     ) -> None:
         self.tables = Tables()
         self.time = 0.0
@@ -130,12 +129,18 @@ class World(KeepsHistory, AddsBodies):
             # Code from the cache on disk looks for the thread pool and does not start it.
             _launch_threads()
         row[settings.RECYCLE_DISTANCE] = 0.5 * margin
+        if plane_normal is not None:
+            row[settings.PLANE : settings.PLANE + 3] = direction("plane_normal", plane_normal)
+        self.planar = plane_normal is not None
         self.tables.resize(TROUBLE, 1)
         self.tables.resize(COLOURS, 64)
         self.tables.resize(SWEEPS, 1)
         self.bodies = Bodies(self.tables)
         self.shape_rows = ShapeRows(self.tables)
-        self._addresses: dict[Function, int] = {}
+        self.joints = Joints(self.tables)
+        self.broken: list[Joint] = []
+        self._program_key: tuple[float, int, bool] | None = None
+        self._program: Program
         self.forces: list[Function] = []
 
     @property
@@ -196,6 +201,16 @@ class World(KeepsHistory, AddsBodies):
         """Let a torque in N m, (3,) in the world's axes, act on a body during the next step."""
         self.tables.array(LOAD)[self.bodies.row(body), 3:6] += vector("torque", torque, 3)
 
+    @property
+    def events(self) -> list[ContactEvent]:
+        """What has begun and ended to touch in the last call of `step` or `advance`, in order."""
+        return events(self.tables, self.bodies)
+
+    @property
+    def touching(self) -> list[tuple[Body, Body]]:
+        """Pairs of bodies that touch."""
+        return touching(self.tables, self.bodies)
+
     def add_force(self, force: Function) -> None:
         """Let a function of one's own act on the bodies in every substep, compiled into the step.
 
@@ -235,55 +250,35 @@ class World(KeepsHistory, AddsBodies):
         if not (np.isscalar(step) and 0.0 < float(step) < np.inf):
             raise ArgumentError(f"step={step!r} has to be positive and finite, in s; 1/60 is usual.")
         self.tables.array(SETTINGS)[0, settings.STEP] = step
-        self.shape_rows.compile_pairs()
-        self._compile_sweeps()
-        stages, lengths, offsets = self._program(step)
+        self.tables.resize(EVENTS, 0)
+        program = self._ready(float(step))
         done, at = 0, 0
         while done < count:
             start = self.time + done * step
-            reached, at = run(stages, lengths, offsets, start, step, done, count, at, self.tables.address)
+            reached, at = run(*program, start, step, done, count, at, self.tables.address)
             if reached < count:
                 self._help(reached, step)
             done = reached
         self.time += count * step
         self.n_steps += count
+        self.broken = self.joints.take_broken()
 
     @property
-    def word(self) -> str:
+    def word(self) -> Word:
         """The step as a word: its stages in their order."""
-        before, substep, after = (
-            " ".join(stage.__name__.replace("_", "-") for stage in self._in_use(stages))
-            for stages in (BEFORE, SUBSTEP, AFTER)
-        )
-        return f"{before} ({substep}) x {self.substeps} {after}"
+        self.joints.arrange()
+        uses = Uses(tuple(self.forces), self.shape_rows.bouncing, self.sleeping, self.planar, self.threads)
+        return word(uses, self.joints)
 
-    def _compile_sweeps(self) -> None:
-        row = self.tables.array(SWEEPS)[0]
-        if row[0] == 0:
-            row[:] = *(address_of(sweep, lanes.SWEEP) for sweep in lanes.SWEEPS), WIDTH
-
-    def _program(self, step: float) -> tuple[NDArray[np.intp], Floats, Floats]:
-        h, count = step / self.substeps, self.substeps
-        before, substep, after = (self._in_use(stages) for stages in (BEFORE, SUBSTEP, AFTER))
-        stages = [*before, *substep * count, *after]
-        for stage in stages:
-            if stage not in self._addresses:
-                self._addresses[stage] = address_of(stage, STAGE)
-        lengths = [step] * len(before) + [h] * len(substep) * count + [step] * len(after)
-        offsets = [0.0] * len(before) + [k * h for k in range(count) for _ in substep] + [step] * len(after)
-        return np.array([self._addresses[stage] for stage in stages], dtype=np.intp), np.array(lengths), np.array(offsets)
-
-    def _in_use(self, stages: tuple[Function, ...]) -> list[Function]:
-        """Return the stages that this world has a use for: the others need not be compiled."""
-        without = {bounce} if not self.shape_rows.bouncing else set()
-        without |= {sleep, wake} if not self.sleeping else set()
-        used = []
-        for stage in stages:
-            if stage is flight.kick:
-                used += self.forces
-            if stage not in without:
-                used.append(THREADED.get(stage, stage) if self.threads else stage)
-        return used
+    def _ready(self, step: float) -> Program:
+        """Compile what is needed, and keep the program for as long as nothing that it depends on changes."""
+        self.shape_rows.compile_pairs()
+        key = (step, len(self.forces), self.shape_rows.bouncing)
+        if not self.joints.arranged or key != self._program_key:
+            sweeps = self.tables.array(SWEEPS)[0]
+            sweeps[:] = *(address_of(sweep, lanes.SWEEP) for sweep in lanes.SWEEPS), WIDTH
+            self._program_key, self._program = key, compose(self.word, step, self.substeps)
+        return self._program
 
     def _help(self, done: int, step: float) -> None:
         """Do what a stage has asked for; raise what cannot be helped."""

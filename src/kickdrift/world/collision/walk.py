@@ -19,12 +19,12 @@ _ROUNDING = 1.0 + 1e-15  # a box that is flat is not missed by the rounding of w
 
 @compiled(inline=True)
 def reciprocal(direction: Vector) -> Vector:
-    """Invert the components of a direction; of zeros as if they were 1e-300, so that zero times them is not NaN."""
+    """Invert the components of a direction; zero stands for those that are too small for that."""
     x, y, z = direction
     return (
-        1.0 / x if x != 0.0 else 1e300,
-        1.0 / y if y != 0.0 else 1e300,
-        1.0 / z if z != 0.0 else 1e300,
+        1.0 / x if abs(x) > 1e-300 else 0.0,
+        1.0 / y if abs(y) > 1e-300 else 0.0,
+        1.0 / z if abs(z) > 1e-300 else 0.0,
     )
 
 
@@ -77,6 +77,10 @@ def _enters(nodes: Any, node: int, origin: Vector, inverse: Vector) -> float:
     """Return the distance at which a ray enters a box, zero inside of it and infinity if it misses it."""
     enters, leaves = 0.0, math.inf
     for k in range(3):
+        if inverse[k] == 0.0:
+            if origin[k] < nodes[node, k] or origin[k] > nodes[node, 3 + k]:
+                return math.inf
+            continue
         one, two = (nodes[node, k] - origin[k]) * inverse[k], (nodes[node, 3 + k] - origin[k]) * inverse[k]
         enters, leaves = max(enters, min(one, two)), min(leaves, max(one, two))
     return enters if enters <= leaves * _ROUNDING else math.inf

@@ -145,10 +145,10 @@ def _span(edges: list[_Edge], tables: Tables) -> tuple[list[list[int]], list[_Ed
 def _write(
     tables: Tables, direct: list[tuple[list[list[int]], list[list[int]], int]], sequential: list[list[int]]
 ) -> None:
-    """Fill in the tables; the joints solved one after the other share the last row of numbers."""
+    """Fill in the tables; the joints solved one after the other share the last two rows of numbers."""
     table = tables.resize(ARTICULATION, len(direct) + len(sequential))
     size = sum(len(links) + len(closings) for links, closings, _ in direct)
-    tables.resize(LINK_NUMBERS, size + bool(sequential))
+    tables.resize(LINK_NUMBERS, size + 2 * bool(sequential))
     rows = tables.resize(LINK, size + sum(map(len, sequential)))
     table[:] = 0
     tables.array(LINK_NUMBERS)[:] = 0.0

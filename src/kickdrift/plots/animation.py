@@ -1,0 +1,176 @@
+"""Films of recordings."""
+
+import math
+import os
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.errors import ArgumentError, FileFormatError
+from kickdrift.engine.progress import Bar
+from kickdrift.plots.page import FAINT, INK, new_figure
+from kickdrift.plots.painter import Painter
+from kickdrift.plots.scenery import Pose
+from kickdrift.world.recording import Recording
+
+Pixels = NDArray[np.uint8]
+_PIXELS = 310_000
+_DPI = 100
+_MOST_WORKERS = 4
+_LAST_SECONDS = 1.0  # that the last picture of a GIF stays, before it begins anew
+_SAMPLES = 8  # pictures that the colours of a GIF are chosen from
+
+
+def animate_recording(
+    recording: Recording, path: str | Path, *, speed: float = 1.0, rate: int = 25, progress: bool | None = None
+) -> Path:
+    """Write a film of a recording.
+
+    Parameters
+    ----------
+    recording : Recording
+        Between the states kept, bodies are drawn on the straight way.
+    path : path
+        Ends in ``.gif``, or in ``.mp4`` where the program ffmpeg is installed.
+    speed : float
+        Seconds of the recording for each second of the film.
+    rate : int
+        Pictures a second, at most 50.
+    progress : bool, optional
+        Show a bar; by default on a terminal, where it takes more than two seconds.
+
+    Returns
+    -------
+    Path
+        The file written.
+
+    Raises
+    ------
+    ArgumentError
+        For a speed or rate that cannot be.
+    FileFormatError
+        If the file cannot be written, or ffmpeg is missing.
+    MissingExtraError
+        If matplotlib is not installed.
+    """
+    if not (np.isscalar(speed) and 0.0 < float(speed) < math.inf):
+        raise ArgumentError(f"speed={speed!r} has to be positive and finite; 1 is real time, 0.5 half as fast.")
+    if not (isinstance(rate, int | np.integer) and 1 <= rate <= 50):
+        raise ArgumentError(f"rate={rate!r} has to be a whole number of pictures a second, from 1 to 50.")
+    target = Path(path)
+    write = {".gif": _write_gif, ".mp4": _write_mp4}.get(target.suffix.lower())
+    if write is None:
+        raise FileFormatError(f"path={str(path)!r} cannot be written: films end in .gif or .mp4.")
+    film = _Film(recording, speed, int(rate), progress)
+    try:
+        write(film, target)
+    except OSError as error:
+        raise FileFormatError(f"path={str(path)!r} cannot be written: {error.strerror or error}; choose another folder.") from None
+    return target
+
+
+class _Film:
+    """The pictures of a film, with the time written on them."""
+
+    def __init__(self, recording: Recording, speed: float, rate: int, progress: bool | None) -> None:
+        self.figure: Any = new_figure(1.0, 1.0, "")  # says so where matplotlib is missing, before the work
+        self.rate = rate
+        self._recording, self._progress = recording, progress
+        count = max(1, math.floor((recording.t[-1] - recording.t[0]) * rate / speed + 1e-9) + 1)
+        self.times = recording.t[0] + np.arange(count) * (speed / rate)
+        workers = min(_MOST_WORKERS, os.cpu_count() or 1, count)
+        self._painters = [Painter(recording, _PIXELS) for _ in range(workers)]
+        self._compose(speed)
+
+    def _compose(self, speed: float) -> None:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+        width, height = self._painters[0].width, self._painters[0].height
+        self.figure.set_layout_engine("none")
+        self.figure.set_size_inches(width / _DPI, height / _DPI)
+        self.figure.set_dpi(_DPI)
+        self._canvas = FigureCanvasAgg(self.figure)
+        axes = self.figure.add_axes((0.0, 0.0, 1.0, 1.0))
+        axes.set_axis_off()
+        self._image = axes.imshow(np.zeros((height, width, 3), dtype=np.uint8), aspect="auto", interpolation="nearest")
+        pace = "" if speed == 1.0 else f"   x {speed:g}"
+        style = {"transform": axes.transAxes, "fontsize": 9.5, "va": "top"}
+        axes.text(0.015, 1.0 - 8.0 / height, self._recording.about.system, color=INK, **style)
+        self._clock = axes.text(1.0 - 0.015, 1.0 - 8.0 / height, "", color=FAINT, ha="right", **style)
+        self._pace = pace
+
+    def pose(self, time: float) -> Pose:
+        """Return where the bodies were, on the straight way between two states."""
+        recording = self._recording
+        after = int(np.clip(np.searchsorted(recording.t, time, side="right"), 1, recording.t.size - 1))
+        if recording.t.size == 1:
+            return Pose(recording.x[0], recording.orientation[0])
+        before = after - 1
+        part = float(np.clip((time - recording.t[before]) / (recording.t[after] - recording.t[before]), 0.0, 1.0))
+        p, q = recording.orientation[before], recording.orientation[after]
+        q = np.where(np.sum(p * q, axis=1, keepdims=True) < 0.0, -q, q)
+        turn = (1.0 - part) * p + part * q
+        return Pose(
+            (1.0 - part) * recording.x[before] + part * recording.x[after], turn / np.linalg.norm(turn, axis=1, keepdims=True)
+        )
+
+    def samples(self) -> Iterator[Pixels]:
+        """Paint some pictures from all over the film."""
+        for time in self.times[np.unique(np.linspace(0, len(self.times) - 1, _SAMPLES).astype(np.intp))]:
+            yield self._finished(time, self._painters[0].paint(self.pose(time)))
+
+    def __iter__(self) -> Iterator[Pixels]:
+        """Paint all pictures, several at once."""
+        bar, workers = Bar(len(self.times), self._progress, unit="picture"), len(self._painters)
+        with closing(bar), ThreadPoolExecutor(workers) as pool:
+            started = perf_counter()
+            for first in range(0, len(self.times), workers):
+                times = self.times[first : first + workers]
+                pictures = pool.map(lambda painter, time: painter.paint(self.pose(time)), self._painters, times)
+                for time, picture in zip(times, pictures, strict=True):
+                    yield self._finished(time, picture)
+                bar.show(first + len(times), perf_counter() - started)
+
+    def _finished(self, time: float, picture: Pixels) -> Pixels:
+        self._image.set_data(picture)
+        self._clock.set_text(f"{time:.2f} s{self._pace}")
+        self._canvas.draw()
+        return np.asarray(self._canvas.buffer_rgba())[..., :3].copy()
+
+
+def _write_gif(film: _Film, path: Path) -> None:
+    from PIL import Image
+
+    path.touch()
+    # One palette for all pictures: of their own, what does not move would flicker.
+    mosaic = np.concatenate(list(film.samples()))
+    palette = Image.fromarray(mosaic).quantize(255, method=Image.Quantize.MEDIANCUT)
+    colours = np.array(palette.getpalette()).reshape(-1, 3)
+    colours[np.argmax(colours.sum(axis=1))] = 255  # white stays white on a white page
+    palette.putpalette(colours.ravel().tolist())
+    frames = (Image.fromarray(pixels).quantize(palette=palette, dither=Image.Dither.NONE) for pixels in film)
+    first = next(frames)
+    # Delays are whole hundredths of a second: rounded so that they add up.
+    ends = [round(100 * (k + 1) / film.rate) for k in range(len(film.times))]
+    delays = [10 * (end - begin) for begin, end in zip([0, *ends], ends, strict=False)]
+    delays[-1] = int(1000 * _LAST_SECONDS)
+    first.save(path, format="GIF", save_all=True, append_images=frames, duration=delays, loop=0, optimize=False)
+
+
+def _write_mp4(film: _Film, path: Path) -> None:
+    from matplotlib.animation import FFMpegWriter
+
+    if not FFMpegWriter.isAvailable():
+        raise FileFormatError(
+            f"path={str(path)!r} needs the program ffmpeg, which is not found; install it, or end the name in .gif."
+        )
+    writer = FFMpegWriter(fps=film.rate)
+    with writer.saving(film.figure, str(path), _DPI):
+        for _ in film:
+            writer.grab_frame()

@@ -1,0 +1,110 @@
+"""The picture of a recording: the world as it was left, the ways of its bodies, and the energy."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.plots.page import COLOURS, INK, dress, keep, new_figure
+from kickdrift.plots.painter import Painter
+from kickdrift.plots.scenery import Pose, colour_of
+from kickdrift.world.recording import Recording
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Floats = NDArray[np.float64]
+_PIXELS = 1_400_000
+_HEIGHT = 4.6  # inches
+_MOST_TRAILS = 40
+_SHORTEST_TRAIL = 0.03  # of the width of the picture
+_MOST_POINTS = 300  # of a trail
+_HIDDEN = 0.01  # of the distance to the camera, by which a point lies behind what is seen
+
+
+def plot_recording(recording: Recording, path: str | Path | None = None) -> "Figure":
+    """Draw the last state of a recording with the ways that bodies took, and kinetic, potential and total energy.
+
+    What moves in a vertical plane along x is seen from the side; other scenes are seen from above the front left, with
+    the shadows that they cast.
+
+    Parameters
+    ----------
+    recording : Recording
+    path : path, optional
+        Where to write the picture; the ending says the format.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    FileFormatError
+        If the file cannot be written.
+    MissingExtraError
+        If matplotlib is not installed.
+    """
+    about = recording.about
+    simulated = recording.t[-1] - recording.t[0]
+    title = f"{about.system}: {simulated:.4g} s in {recording.n_steps} steps of {1e3 * recording.step:.4g} ms"
+    new_figure(1.0, 1.0, "")  # says so where matplotlib is missing, before the work
+    painter = Painter(recording, _PIXELS)
+    figure = new_figure(_HEIGHT * painter.width / painter.height + 4.4, _HEIGHT, title)
+    scene, energy = figure.subplots(1, 2, width_ratios=[painter.width / painter.height * _HEIGHT, 4.2])
+    _draw_scene(scene, painter, recording)
+    _draw_energy(energy, recording)
+    return keep(figure, path)
+
+
+def _draw_scene(axes: "Axes", painter: Painter, recording: Recording) -> None:
+    axes.imshow(painter.paint(Pose(recording.x[-1], recording.orientation[-1])), interpolation="antialiased")
+    axes.set_axis_off()
+    axes.set_title(f"t = {recording.t[-1]:.4g} s", loc="left", fontsize=10, color=INK)
+    _draw_trails(axes, painter, recording)
+
+
+def _draw_trails(axes: "Axes", painter: Painter, recording: Recording) -> None:
+    """Draw where the bodies that went farthest came from, fainter the longer ago, behind what hides it."""
+    from matplotlib.collections import LineCollection
+
+    rows = np.unique(np.linspace(0, recording.t.size - 1, _MOST_POINTS).astype(np.intp))
+    moving = recording.moving
+    pixels = painter.camera.project(recording.x[rows][:, moving], painter.width, painter.height)
+    seen = pixels[..., :2].copy()
+    seen[_hidden(painter, recording.x[rows][:, moving], pixels)] = np.nan
+    lengths = np.linalg.norm(np.diff(pixels[..., :2], axis=0), axis=2).sum(axis=0)
+    longest = [i for i in np.argsort(-lengths)[:_MOST_TRAILS] if lengths[i] > _SHORTEST_TRAIL * painter.width]
+    for i in longest:
+        segments = np.stack((seen[:-1, i], seen[1:, i]), axis=1)
+        fading = np.linspace(0.1, 0.9, len(segments))
+        colour = colour_of(int(moving[i])) * 0.85
+        axes.add_collection(LineCollection(list(segments), colors=[(*colour, alpha) for alpha in fading], linewidths=1.1))
+    axes.set_xlim(-0.5, painter.width - 0.5)
+    axes.set_ylim(painter.height - 0.5, -0.5)
+
+
+def _hidden(painter: Painter, points: Floats, pixels: Floats) -> NDArray[np.bool_]:
+    """Say which points lie behind what is seen, or out of the picture."""
+    camera, distance = painter.camera, painter.distance
+    samples = len(distance) // painter.height
+    inside = (pixels[..., 0] >= 0) & (pixels[..., 0] < painter.width) & (pixels[..., 1] >= 0) & (pixels[..., 1] < painter.height)
+    columns, rows = (np.where(inside, samples * pixels[..., k], 0).astype(np.intp) for k in (0, 1))
+    far = np.linalg.norm(points - camera.eye, axis=-1) if camera.perspective else pixels[..., 2]
+    hidden: NDArray[np.bool_] = ~inside | (far > distance[rows, columns] + _HIDDEN * far)
+    return hidden
+
+
+def _draw_energy(axes: "Axes", recording: Recording) -> None:
+    """Draw kinetic, potential and total energy, the potential one from its lowest value on."""
+    potential = recording.derived["potential energy"]
+    potential = potential - potential.min()
+    kinetic = recording.derived["kinetic energy"]
+    lines = (("kinetic", kinetic, COLOURS[1]), ("potential", potential, COLOURS[0]), ("total", kinetic + potential, INK))
+    for name, values, colour in lines:
+        axes.plot(recording.t, values, color=colour, linewidth=1.3, label=name)
+    dress(axes, "t (s)", "J", "energy, from the lowest potential on")
+    axes.margins(x=0)
+    axes.legend(loc="best", frameon=False, fontsize=8.5)
