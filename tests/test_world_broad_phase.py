@@ -544,15 +544,15 @@ def grown(centres, sizes):
     """Build a tree over boxes; returns the nodes and the boxes."""
     boxes = np.concatenate((centres - sizes, centres + sizes), axis=1)
     seeds = np.column_stack((centres, np.arange(len(centres)))).ravel()
-    nodes = np.zeros((3 * len(centres) + 5, 8))
-    last = build(seeds, len(centres), nodes, 2)
-    fit(nodes, 2, last, boxes.ravel(), 6, 0)
-    return nodes, last, boxes
+    nodes = np.zeros((3 * len(centres), 8))
+    nodes = nodes[: build(seeds, len(centres), nodes)]
+    fit(nodes, boxes.ravel(), 6)
+    return nodes, boxes
 
 
-def look(nodes, last, box, count):
+def look(nodes, box, count):
     found = np.zeros(count + 1)
-    hits, visits = gather(nodes, 2, last, tuple(map(float, box)), found)
+    hits, visits = gather(nodes, tuple(map(float, box)), found)
     return sorted(found[:hits].astype(int)), visits
 
 
@@ -570,19 +570,19 @@ def test_trees_find_what_comparing_all_finds(seed, count, kind):
     elif kind == "neighbours":
         centres = 1.0 + np.spacing(1.0) * rng.integers(0, 2, (count, 3))
     sizes = 10.0 ** rng.uniform(-3, 0, (count, 3))
-    nodes, last, boxes = grown(centres, sizes)
-    assert sorted(nodes[2:last, ITEM][nodes[2:last, ITEM] >= 0]) == list(range(count))
+    nodes, boxes = grown(centres, sizes)
+    assert sorted(nodes[nodes[:, ITEM] >= 0, ITEM]) == list(range(count))
     for _ in range(5):
         centre, size = rng.normal(size=3), 10.0 ** rng.uniform(-3, 0.5, 3)
         box = np.concatenate((centre - size, centre + size))
-        assert look(nodes, last, box, count)[0] == [k for k in range(count) if overlap(boxes[k], box)]
+        assert look(nodes, box, count)[0] == [k for k in range(count) if overlap(boxes[k], box)]
 
 
 def test_a_tree_over_shapes_on_all_scales_is_not_deep():
     centres = np.zeros((2000, 3))
     centres[:, 0] = 2.0 ** -np.arange(2000.0)
-    nodes, last, _ = grown(centres, np.full((2000, 3), 1e-320))
-    found, visits = look(nodes, last, (0.4, 0, 0, 0.6, 0, 0), 2000)
+    nodes, _ = grown(centres, np.full((2000, 3), 1e-320))
+    found, visits = look(nodes, (0.4, 0, 0, 0.6, 0, 0), 2000)
     assert found == [1]
     assert visits < 200
 
@@ -590,6 +590,6 @@ def test_a_tree_over_shapes_on_all_scales_is_not_deep():
 def test_a_tree_is_walked_in_few_steps():
     rng = np.random.default_rng(0)
     centres = rng.uniform(0, 30, (27_000, 3))
-    nodes, last, boxes = grown(centres, np.full((27_000, 3), 0.5))
-    visits = [look(nodes, last, boxes[k], 27_000)[1] for k in range(0, 27_000, 270)]
+    nodes, boxes = grown(centres, np.full((27_000, 3), 0.5))
+    visits = [look(nodes, boxes[k], 27_000)[1] for k in range(0, 27_000, 270)]
     assert np.mean(visits) < 150

@@ -50,12 +50,14 @@ def save_world(world: World, path: str | Path) -> Path:
         "time": snapshot.time,
         "n_steps": snapshot.n_steps,
         "sleeping": snapshot.sleeping,
+        "threads": world.threads,
         "n_forces": len(snapshot.forces),
         "n_bodies_made": snapshot.n_bodies_made,
         "n_joints_made": snapshot.n_joints_made,
         "joints_arranged": snapshot.joints_arranged,
         "free_bodies": snapshot.free_bodies,
         "free_shapes": snapshot.free_shapes,
+        "rooms": dict(snapshot.rooms),
         "kinds": snapshot.kinds,
         "bouncing": snapshot.bouncing,
         "shapes": catalogue.words,
@@ -94,17 +96,17 @@ def load_world(path: str | Path, forces: Sequence[Function] = ()) -> World:
         If the forces are not as many as the world had.
     """
 
-    def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> tuple[Snapshot, int]:
+    def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> tuple[Snapshot, int, bool]:
         _check(str(path), head, arrays)
-        return _assemble(head, arrays), int(head["n_forces"])
+        return _assemble(head, arrays), int(head["n_forces"]), bool(head["threads"])
 
-    snapshot, count = archive.read(path, "a kickdrift world", "World.save", assemble)
+    snapshot, count, threads = archive.read(path, "a kickdrift world", "World.save", assemble)
     if len(forces) != count:
         raise ArgumentError(
             f"forces has {len(forces)} functions, and the world in path={str(path)!r} had {count}; give those that"
             " add_force was given, in their order."
         )
-    world = World()
+    world = World(threads=threads)
     for force in forces:
         world.add_force(force)
     world.restore(snapshot.with_forces(world.forces))
@@ -142,6 +144,7 @@ def _assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Snapshot:
         sleeping=bool(head["sleeping"]),
         forces=(),
         tables=MappingProxyType(tables),
+        rooms=MappingProxyType({name: int(head["rooms"][name]) for name in TABLES}),
         free_bodies=tuple(head["free_bodies"]),
         free_shapes=tuple(head["free_shapes"]),
         n_bodies_made=int(head["n_bodies_made"]),

@@ -21,7 +21,6 @@ _HEIGHT = 4.6  # inches
 _MOST_TRAILS = 40
 _SHORTEST_TRAIL = 0.03  # of the width of the picture
 _MOST_POINTS = 300  # of a trail
-_HIDDEN = 0.01  # of the distance to the camera, by which a point lies behind what is seen
 
 
 def plot_recording(recording: Recording, path: str | Path | None = None) -> "Figure":
@@ -93,7 +92,7 @@ def _hidden(painter: Painter, points: Floats, pixels: Floats) -> NDArray[np.bool
     inside = (pixels[..., 0] >= 0) & (pixels[..., 0] < painter.width) & (pixels[..., 1] >= 0) & (pixels[..., 1] < painter.height)
     columns, rows = (np.where(inside, samples * pixels[..., k], 0).astype(np.intp) for k in (0, 1))
     far = np.linalg.norm(points - camera.eye, axis=-1) if camera.perspective else pixels[..., 2]
-    hidden: NDArray[np.bool_] = ~inside | (far > distance[rows, columns] + _HIDDEN * far)
+    hidden: NDArray[np.bool_] = ~inside | (far > distance[rows, columns])
     return hidden
 
 

@@ -118,8 +118,8 @@ def ray_cast_all(
     rays = rays_of(one_vector("origin", origin), one_vector("direction", direction), limit)
     wanted = layer_bits(layers)
     strays = _strays(tables)
-    hits = np.empty((2 * len(tables.array(SHAPE)) + 1, HIT))
-    count = cast(tables.address, rays[0], _ray_functions(tables), strays, wanted, False, hits)
+    hits = np.empty((2 * len(tables.array(SHAPE)) + 2, HIT))
+    count = cast(tables.address, rays[0], _ray_functions(tables), strays, wanted, hits)
     _, first = np.unique(hits[:count, SHAPE_HIT], return_index=True)
     hits = hits[first]
     hits = hits[np.argsort(hits[:, DISTANCE], kind="stable")]

@@ -165,7 +165,7 @@ class _Keeper:
                 method="soft steps",
                 kind=Kind.VELOCITY_DEPENDENT.name,
                 order=1,
-                word=world.word,
+                word=str(world.word),
                 compensated=False,
                 dimensions=("body", "space"),
                 coordinates={"body": list(range(self._x.shape[1])), "space": ["x", "y", "z"]},

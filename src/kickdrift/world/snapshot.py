@@ -43,6 +43,8 @@ class Snapshot:
         Stages of the step made of users' functions.
     tables : mapping of str to array
         Rows in use of each table of `kickdrift.world.tables`, by its name; read-only.
+    rooms : mapping of str to int
+        How many rows there was room for: stages make room where they find that something has changed, and not again.
     free_bodies, free_shapes : tuple of int
         Rows to be used again, the next one last.
     n_bodies_made, n_joints_made : int
@@ -64,6 +66,7 @@ class Snapshot:
     sleeping: bool
     forces: tuple[Function, ...]
     tables: Mapping[str, NDArray[Any]]
+    rooms: Mapping[str, int]
     free_bodies: tuple[int, ...]
     free_shapes: tuple[int, ...]
     n_bodies_made: int
@@ -93,6 +96,7 @@ def take(world: "World") -> Snapshot:
         sleeping=world.sleeping,
         forces=tuple(world.forces),
         tables=MappingProxyType(copies),
+        rooms=MappingProxyType({name: world.tables.room(table) for name, table in TABLES.items()}),
         free_bodies=tuple(world.bodies.free),
         free_shapes=tuple(world.shape_rows.free),
         n_bodies_made=world.bodies.n_made,
@@ -108,10 +112,12 @@ def take(world: "World") -> Snapshot:
 def restore(world: "World", snapshot: Snapshot) -> None:
     """Make a world what it was, or what another one was, when a snapshot was taken."""
     for name, table in TABLES.items():
+        world.tables.reserve(table, snapshot.rooms[name])
         world.tables.resize(table, len(snapshot.tables[name]))[:] = snapshot.tables[name]
     world.time, world.n_steps = snapshot.time, snapshot.n_steps
     world.substeps = int(world.tables.array(SETTINGS)[0, settings.SUBSTEPS])
-    world.sleeping, world.forces = snapshot.sleeping, list(snapshot.forces)
+    world.planar = bool(world.tables.array(SETTINGS)[0, settings.PLANE : settings.PLANE + 3].any())
+    world.sleeping, world.forces, world.broken = snapshot.sleeping, list(snapshot.forces), []
     bodies, joints, shapes = world.bodies, world.joints, world.shape_rows
     bodies.free[:] = snapshot.free_bodies
     bodies.n_made = max(bodies.n_made, snapshot.n_bodies_made)

@@ -143,6 +143,10 @@ class Tables:
         """Return the rows of a table in use, as a live view; replaced where the table grows."""
         return self._room(table)[: self.block[3 * table.place + _ROWS]]
 
+    def room(self, table: Table) -> int:
+        """Return how many rows of a table there is room for."""
+        return len(self._room(table))
+
     def resize(self, table: Table, count: int) -> NDArray[Any]:
         """Say how many rows are in use; new ones are zeros. Room grows by half of itself at least."""
         place = 3 * table.place

@@ -109,9 +109,12 @@ def _box_in_step(world: int, shape: int, h: float) -> tuple[Box, float, Vector]:
     if not may_move(world, shape):
         still = (at[0] + box[0], at[1] + box[1], at[2] + box[2], at[0] + box[3], at[1] + box[4], at[2] + box[5])
         return still, 0.0, (0.0, 0.0, 0.0)
-    settings = floats(world, SETTINGS)
-    way = _way(world, body, arm, h)
-    sway = h * _turn_speed(world, body) * reach  # no point leaves the ball of radius `reach` by turning
+    settings, motion = floats(world, SETTINGS), floats(world, MOTION)
+    spin = (motion[body, 3], motion[body, 4], motion[body, 5])
+    way = times(h, plus((motion[body, 0], motion[body, 1], motion[body, 2]), cross(spin, arm)))
+    if integers(world, BODY)[body, KIND] == DYNAMIC:
+        way = plus(way, times(h * h, (settings[0, GRAVITY], settings[0, GRAVITY + 1], settings[0, GRAVITY + 2])))
+    sway = h * length(spin) * reach  # no point leaves the ball of radius `reach` by turning
     size = _FRACTION * max(max(box[3] - box[0], box[4] - box[1]), box[5] - box[2])
     margin = min(settings[0, MARGIN], size)
     grown = (
@@ -123,23 +126,3 @@ def _box_in_step(world: int, shape: int, h: float) -> tuple[Box, float, Vector]:
         at[2] + min(box[5] + sway, reach) + max(way[2], 0.0) + margin,
     )
     return grown, min(_SLACK, size), way
-
-
-@compiled(inline=True)
-def _way(world: int, body: int, arm: Vector, h: float) -> Vector:
-    """Return the way of a point of a body in a step that gravity will speed up."""
-    motion, settings = floats(world, MOTION), floats(world, SETTINGS)
-    v = plus((motion[body, 0], motion[body, 1], motion[body, 2]), cross(_turn(motion, body), arm))
-    if integers(world, BODY)[body, KIND] == DYNAMIC:
-        v = plus(v, times(h, (settings[0, GRAVITY], settings[0, GRAVITY + 1], settings[0, GRAVITY + 2])))
-    return times(h, v)
-
-
-@compiled(inline=True)
-def _turn_speed(world: int, body: int) -> float:
-    return length(_turn(floats(world, MOTION), body))
-
-
-@compiled(inline=True)
-def _turn(motion: Any, body: int) -> Vector:
-    return (motion[body, 3], motion[body, 4], motion[body, 5])

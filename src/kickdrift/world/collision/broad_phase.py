@@ -3,7 +3,7 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.filters import may_touch
 from kickdrift.world.collision.forest import update_trees
-from kickdrift.world.collision.known import forget_all, remember, slots_for
+from kickdrift.world.collision.known import forget_all, key_of, remember, slots_for
 from kickdrift.world.collision.pairs import PAIR, overlap, seek
 from kickdrift.world.collision.roster import update_bounds
 from kickdrift.world.collision.search import AT_HOME, FOUND, NEW, PAIRS_AT, PARTS_AT, REVIEW, SHAPES_AT, SLOTS, STATE
@@ -84,7 +84,7 @@ def _look_through(world: int) -> bool:
         if shapes[a, STATE] == AT_HOME and shapes[b, STATE] == AT_HOME and shapes[a, 0] >= 0 and shapes[b, 0] >= 0:
             row += 1
         elif _stays(world, a, b, part):
-            remember(world, a, b, part)
+            remember(world, key_of(world, a, b, part))
             row += 1
         elif not _note_parting(world, row):
             return False

@@ -46,12 +46,12 @@ def cast_many(world: int, rays: Any, functions: Any, strays: Any, layers: int, h
     A row of `rays` is an origin (3), a unit vector (3) and a limit.
     """
     for k in range(len(rays)):
-        cast(world, rays[k], functions, strays, layers, True, hits[k : k + 1])
+        cast(world, rays[k], functions, strays, layers, hits[k : k + 1])
 
 
 @compiled
-def cast(world: int, ray: Any, functions: Any, strays: Any, layers: int, nearest: bool, hits: Any) -> int:
-    """Find the nearest shape that a ray meets, or all of them, in no order; return how many.
+def cast(world: int, ray: Any, functions: Any, strays: Any, layers: int, hits: Any) -> int:
+    """Find all shapes that a ray meets, in no order, or where there is room for one the nearest; return how many.
 
     Parameters
     ----------
@@ -66,24 +66,24 @@ def cast(world: int, ray: Any, functions: Any, strays: Any, layers: int, nearest
     limit = ray[6]
     count = 0
     for k in range(rows(world, PLANES)):
-        count, limit = _meet(world, planes[k, 0], ray, limit, functions, layers, nearest, hits, count)
+        count, limit = _meet(world, planes[k, 0], ray, limit, functions, layers, hits, count)
     for k in range(len(strays)):
-        count, limit = _meet(world, strays[k], ray, limit, functions, layers, nearest, hits, count)
+        count, limit = _meet(world, strays[k], ray, limit, functions, layers, hits, count)
     origin, inverse = (ray[0], ray[1], ray[2]), reciprocal((ray[3], ray[4], ray[5]))
     walk = carray(floats_on_stack(512), (512,))
     for table in (STATIC_TREE, TREE):
-        nodes = floats(world, table)
-        start(walk, nodes, 0, rows(world, table), origin, inverse)
+        nodes = floats(world, table)[: rows(world, table)]
+        start(walk, nodes, origin, inverse)
         shape = advance(walk, nodes, origin, inverse, limit)
         while shape != NOTHING:
-            count, limit = _meet(world, shape, ray, limit, functions, layers, nearest, hits, count)
+            count, limit = _meet(world, shape, ray, limit, functions, layers, hits, count)
             shape = advance(walk, nodes, origin, inverse, limit)
     return count
 
 
 @compiled
 def _meet(
-    world: int, shape: int, ray: Any, limit: float, functions: Any, layers: int, nearest: bool, hits: Any, count: int
+    world: int, shape: int, ray: Any, limit: float, functions: Any, layers: int, hits: Any, count: int
 ) -> tuple[int, float]:
     """Note where a ray meets a shape; return the number of hits, and how far away others may be.
 
@@ -103,6 +103,7 @@ def _meet(
         hit = _ray(functions[shapes[shape, 0]], (numbers, origin, direction, limit))
     if hit[0] > limit or hit[0] == math.inf:
         return count, limit
+    nearest = len(hits) == 1
     row = 0 if nearest else count
     if nearest and count > 0 and hit[0] == limit and shape >= hits[0, SHAPE_HIT]:
         return count, limit
@@ -115,10 +116,11 @@ def _meet(
 @compiled
 def _meet_mesh(world: int, mesh: int, origin: Vector, direction: Vector, limit: float, functions: Any) -> Hit:
     """Return where a ray meets the first triangle of a mesh."""
-    bounds, nodes, numbers = floats(world, BOUNDS), floats(world, PART_TREE), flat(world, GEOMETRY)
+    bounds, numbers = floats(world, BOUNDS), flat(world, GEOMETRY)
+    nodes = floats(world, PART_TREE)[int(bounds[mesh, FIRST_NODE]) : int(bounds[mesh, LAST_NODE])]
     inverse = reciprocal(direction)
     walk = carray(floats_on_stack(512), (512,))
-    start(walk, nodes, int(bounds[mesh, FIRST_NODE]), int(bounds[mesh, LAST_NODE]), origin, inverse)
+    start(walk, nodes, origin, inverse)
     first = integers(world, SHAPE)[mesh, 2] + FIRST_TRIANGLE
     nearest = MISS
     lowest = NOTHING

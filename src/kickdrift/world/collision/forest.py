@@ -62,7 +62,7 @@ def update_trees(world: int) -> bool:
             return False
         search[0, MOVERS_CHANGED] = search[0, LEFT] = 0
     elif search[0, LEFT] > search[0, FITTED]:
-        fit(floats(world, TREE), 0, rows(world, TREE), flat(world, BOUNDS), BOUNDS.width, 0)
+        fit(floats(world, TREE)[: rows(world, TREE)], flat(world, BOUNDS), BOUNDS.width)
     search[0, FITTED] = search[0, LEFT]
     return True
 
@@ -94,8 +94,8 @@ def _build_tree(world: int, items: Table, tree: Table) -> bool:
             seeds[_SEED * k + axis] = 0.5 * bounds[shape, axis] + 0.5 * bounds[shape, 3 + axis]
         seeds[_SEED * k + 3] = shape
     nodes = floats(world, tree)
-    last = build(seeds, count, nodes, 0)
-    fit(nodes, 0, last, flat(world, BOUNDS), BOUNDS.width, 0)
+    last = build(seeds, count, nodes)
+    fit(nodes[:last], flat(world, BOUNDS), BOUNDS.width)
     set_rows(world, tree, last)
     return True
 
@@ -126,8 +126,9 @@ def _build_part_trees(world: int) -> bool:
             for k in range(6):
                 scratch[_SEED * count + _BOX * part + k] = box[k]
             scratch[_SEED * part + 3] = part
-        first, last = last, build(scratch, count, nodes, last)
-        fit(nodes, first, last, scratch, _BOX, _SEED * count)
+        first = last
+        last += build(scratch, count, nodes[first:])
+        fit(nodes[first:last], scratch[_SEED * count :], _BOX)
         bounds[shape, FIRST_NODE], bounds[shape, LAST_NODE] = first, last
     set_rows(world, PART_TREE, last)
     return True

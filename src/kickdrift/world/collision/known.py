@@ -26,16 +26,24 @@ def forget_all(world: int) -> None:
         table[slot, 0] = _EMPTY
 
 
-@compiled
-def remember(world: int, a: int, b: int, part: int) -> None:
-    """Enter a contact of two shapes."""
-    integers(world, SCRATCH)[_slot(world, _key(world, a, b, part)), 0] = _key(world, a, b, part)
+@compiled(inline=True)
+def key_of(world: int, a: int, b: int, part: int) -> int:
+    """Return one number for a contact; the parts of meshes are numbered from behind the last shape on."""
+    if integers(world, SHAPE)[a, 0] == MESH:
+        a = rows(world, SHAPE) + int(floats(world, BOUNDS)[a, FIRST_NODE]) + part
+    return (a << 32) | b
 
 
 @compiled
-def is_known(world: int, a: int, b: int, part: int) -> bool:
-    """Whether a contact of two shapes has been entered."""
-    return integers(world, SCRATCH)[_slot(world, _key(world, a, b, part)), 0] != _EMPTY
+def remember(world: int, key: int) -> None:
+    """Enter a contact."""
+    integers(world, SCRATCH)[_slot(world, key), 0] = key
+
+
+@compiled
+def is_known(world: int, key: int) -> bool:
+    """Whether a contact has been entered."""
+    return bool(integers(world, SCRATCH)[_slot(world, key), 0] == key)
 
 
 @compiled
@@ -48,11 +56,3 @@ def _slot(world: int, key: int) -> int:
     while table[slot, 0] != _EMPTY and table[slot, 0] != key:
         slot = (slot + 1) & last
     return slot
-
-
-@compiled(inline=True)
-def _key(world: int, a: int, b: int, part: int) -> int:
-    """Return one number for a pair; the parts of meshes are numbered from behind the last shape on."""
-    if integers(world, SHAPE)[a, 0] == MESH:
-        a = rows(world, SHAPE) + int(floats(world, BOUNDS)[a, FIRST_NODE]) + part
-    return (a << 32) | b

@@ -39,7 +39,7 @@ def find_near(world: int, box: Box, found: Any) -> int:
             found[count] = planes[k, 0]
             count += 1
     for table in (STATIC_TREE, TREE):
-        hits, _ = gather(floats(world, table), 0, rows(world, table), box, found[count:])
+        hits, _ = gather(floats(world, table)[: rows(world, table)], box, found[count:])
         count += hits
     return count
 
@@ -61,7 +61,7 @@ def overlaps(
         own = geometry[begin : begin + size]
         return _touch(own_kind, own, own_at, own_turn, kind, numbers, at, turn, functions[own_kind])
     first, last = int(bounds[shape, FIRST_NODE]), int(bounds[shape, LAST_NODE])
-    hits, _ = gather(floats(world, PART_TREE), first, last, box_in_frame(world, shape, box), found)
+    hits, _ = gather(floats(world, PART_TREE)[first:last], box_in_frame(world, shape, box), found)
     for k in range(hits):
         start = begin + FIRST_TRIANGLE + TRIANGLE_SIZE * int(found[k])
         own = geometry[start : start + TRIANGLE_SIZE]

@@ -5,7 +5,7 @@ from kickdrift.world.collision.bounds import FIRST_NODE, LAST_NODE, may_move
 from kickdrift.world.collision.boxes import box_in_frame, boxes_overlap, reaches_under, wider_box
 from kickdrift.world.collision.extents import triangle
 from kickdrift.world.collision.filters import may_touch
-from kickdrift.world.collision.known import is_known
+from kickdrift.world.collision.known import is_known, key_of
 from kickdrift.world.collision.search import AT_HOME, FOUND, PAIRS_AT, PARTS_AT, SHAPES_AT, STATE, VISITS
 from kickdrift.world.collision.sorting import sort
 from kickdrift.world.collision.tree import gather
@@ -69,7 +69,7 @@ def overlap(world: int, a: int, b: int, part: int) -> bool:
 def _seek_in(world: int, tree: Table, shape: int) -> None:
     search = integers(world, SEARCH)
     found = flat(world, SCRATCH)[search[0, SHAPES_AT] : search[0, PARTS_AT]]
-    hits, visits = gather(floats(world, tree), 0, rows(world, tree), wider_box(world, shape), found)
+    hits, visits = gather(floats(world, tree)[: rows(world, tree)], wider_box(world, shape), found)
     search[0, VISITS] += visits
     new = 0
     for k in range(hits):
@@ -88,7 +88,7 @@ def _is_new(world: int, shape: int, other: int) -> bool:
     if shape == other or (other < shape and shapes[other, STATE] != AT_HOME):
         return False
     a, b = _ordered(world, shape, other)
-    return shapes[a, 0] == MESH or not is_known(world, a, b, 0)
+    return shapes[a, 0] == MESH or not is_known(world, key_of(world, a, b, 0))
 
 
 @compiled
@@ -110,11 +110,11 @@ def _add_parts(world: int, mesh: int, shape: int) -> None:
     found = flat(world, SCRATCH)[search[0, PARTS_AT] : search[0, PAIRS_AT]]
     first, last = int(bounds[mesh, FIRST_NODE]), int(bounds[mesh, LAST_NODE])
     box = box_in_frame(world, mesh, wider_box(world, shape))
-    hits, visits = gather(floats(world, PART_TREE), first, last, box, found)
+    hits, visits = gather(floats(world, PART_TREE)[first:last], box, found)
     search[0, VISITS] += visits
     sort(found, hits)
     for k in range(hits):
-        if not is_known(world, mesh, shape, int(found[k])):
+        if not is_known(world, key_of(world, mesh, shape, int(found[k]))):
             _note(world, mesh, shape, int(found[k]))
 
 

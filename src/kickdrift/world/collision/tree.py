@@ -31,44 +31,35 @@ _DEEP = 64  # beyond this depth items are halved by count: no tree gets deeper t
 
 
 @compiled
-def build(seeds: Any, count: int, nodes: Any, first_node: int) -> int:
-    """Arrange items in a tree, halving the longest side of what encloses their centres; the boxes come by `fit`.
+def build(seeds: Any, count: int, nodes: Any) -> int:
+    """Arrange items in a tree, halving the longest side of what encloses their centres; `fit` does the rest.
 
-    Four numbers of `seeds` are the centre of a box (3) and its item; they are permuted by fours. Returns the node
-    after the last one.
+    Four numbers of `seeds` are the centre of a box (3) and its item; they are permuted by fours. Returns the number of
+    nodes.
     """
-    stack = carray(floats_on_stack(1024), (256, 4))
-    top = _push(stack, 0, 0, count, 0, -1)
-    last = first_node
+    stack = carray(floats_on_stack(768), (256, 3))
+    stack[0, 0], stack[0, 1], stack[0, 2] = 0, count, 0
+    top = 1 if count > 0 else 0
+    last = 0
     while top > 0:
         top -= 1
-        first, end = int(stack[top, 0]), int(stack[top, 1])
-        depth, closed = int(stack[top, 2]), int(stack[top, 3])
-        if closed >= 0:
-            nodes[closed, SKIP] = last
-        elif end - first > _BUNCH:
+        first, end, depth = int(stack[top, 0]), int(stack[top, 1]), int(stack[top, 2])
+        if end - first > _BUNCH:
             middle = _halve(seeds, first, end, depth)
-            top = _push(stack, top, 0, 0, 0, last)
-            top = _push(stack, top, middle, end, depth + 1, -1)
-            top = _push(stack, top, first, middle, depth + 1, -1)
+            stack[top, 0], stack[top, 1], stack[top, 2] = middle, end, depth + 1
+            stack[top + 1, 0], stack[top + 1, 1], stack[top + 1, 2] = first, middle, depth + 1
+            top += 2
             nodes[last, ITEM] = BRANCH
             last += 1
-        elif end > first:
-            nodes[last, SKIP] = last + 1 + end - first
-            nodes[last, ITEM] = TWIG
+            continue
+        nodes[last, ITEM] = TWIG
+        nodes[last, SKIP] = last + 1 + end - first
+        last += 1
+        for k in range(first, end):
+            nodes[last, ITEM] = seeds[4 * k + 3]
+            nodes[last, SKIP] = last + 1
             last += 1
-            for k in range(first, end):
-                nodes[last, SKIP] = last + 1
-                nodes[last, ITEM] = seeds[4 * k + 3]
-                last += 1
     return last
-
-
-@compiled(inline=True)
-def _push(stack: Any, top: int, first: int, end: int, depth: int, closed: int) -> int:
-    """Put a range of items on the stack, or a branch whose last node is known when it comes up again."""
-    stack[top, 0], stack[top, 1], stack[top, 2], stack[top, 3] = first, end, depth, closed
-    return top + 1
 
 
 @compiled
@@ -101,15 +92,18 @@ def _halve(seeds: Any, first: int, end: int, depth: int) -> int:
 
 
 @compiled
-def fit(nodes: Any, first: int, end: int, boxes: Any, width: int, column: int) -> None:
-    """Draw the boxes of a tree around those of its items: item i has numbers i width + column and five more."""
-    for node in range(end - 1, first - 1, -1):
+def fit(nodes: Any, boxes: Any, width: int) -> None:
+    """Draw the boxes of a tree around those of its items: that of item i are six numbers from i width on."""
+    for node in range(len(nodes) - 1, -1, -1):
         item = int(nodes[node, ITEM])
         if item >= 0:
             for k in range(6):
-                nodes[node, k] = boxes[item * width + column + k]
+                nodes[node, k] = boxes[item * width + k]
             continue
-        child, after = node + 1, int(nodes[node, SKIP])
+        child = node + 1
+        if item == BRANCH:
+            nodes[node, SKIP] = nodes[int(nodes[child, SKIP]), SKIP]  # of its second child
+        after = int(nodes[node, SKIP])
         x, y, z, u, v, w = _box(nodes, child)
         child = int(nodes[child, SKIP])
         while child < after:
@@ -122,15 +116,15 @@ def fit(nodes: Any, first: int, end: int, boxes: Any, width: int, column: int) -
 
 
 @compiled
-def gather(nodes: Any, first: int, end: int, box: Box, found: Any) -> tuple[int, int]:
+def gather(nodes: Any, box: Box, found: Any) -> tuple[int, int]:
     """Write the items whose boxes overlap one into `found`; return how many, and how many nodes were looked at.
 
     There has to be room for one more item than there are in the tree.
     """
-    node = first
+    node = 0
     hits = 0
     visits = 0
-    while node < end:
+    while node < len(nodes):
         visits += 1
         after = int(nodes[node, SKIP])
         if not _overlap(nodes, node, box):
@@ -140,7 +134,7 @@ def gather(nodes: Any, first: int, end: int, box: Box, found: Any) -> tuple[int,
         else:
             visits += after - node - 1
             for leaf in range(node + 1, after):
-                found[hits] = int(nodes[leaf, ITEM])
+                found[hits] = nodes[leaf, ITEM]
                 hits += 1 if _overlap(nodes, leaf, box) else 0
             node = after
     return hits, visits

@@ -29,11 +29,11 @@ def reciprocal(direction: Vector) -> Vector:
 
 
 @compiled
-def start(walk: Any, nodes: Any, first: int, end: int, origin: Vector, inverse: Vector) -> None:
-    """Begin a walk through the tree of nodes from `first` to before `end`."""
+def start(walk: Any, nodes: Any, origin: Vector, inverse: Vector) -> None:
+    """Begin a walk through a tree."""
     walk[0] = 0.0
-    if end > first:
-        _push(walk, first, _enters(nodes, first, origin, inverse))
+    for root in range(min(len(nodes), 1)):
+        _push(walk, root, _enters(nodes, root, origin, inverse))
 
 
 @compiled

@@ -20,6 +20,7 @@ from kickdrift.world.joints.layout import (
     ANCHOR_A,
     ANCHOR_B,
     ANGULAR,
+    ANGULAR_PART,
     AXES,
     BODY_A,
     BODY_B,
@@ -34,6 +35,7 @@ from kickdrift.world.joints.layout import (
     LENGTH,
     LINE,
     LINEAR,
+    LINEAR_PART,
     LINK_JOINT,
     LOCKED,
     LOOSE,
@@ -104,10 +106,13 @@ def _look_ahead(joint: int, h: float, world: int) -> None:
     pose, motion = floats(world, POSE), floats(world, MOTION)
     joints, numbers = integers(world, JOINT), floats(world, JOINT_NUMBERS)
     a, b = joints[joint, BODY_A], joints[joint, BODY_B]
-    qa = product(exponential(times(h, vector_at(motion, a, 3))), quaternion_at(pose, a, 3))
-    qb = product(exponential(times(h, vector_at(motion, b, 3))), quaternion_at(pose, b, 3))
-    way = minus(plus(vector_at(pose, b, 0), times(h, vector_at(motion, b, 0))), vector_at(pose, a, 0))
-    way = minus(way, times(h, vector_at(motion, a, 0)))
+    qa = product(exponential(times(h, vector_at(motion, a, ANGULAR_PART))), quaternion_at(pose, a, ANGULAR_PART))
+    qb = product(exponential(times(h, vector_at(motion, b, ANGULAR_PART))), quaternion_at(pose, b, ANGULAR_PART))
+    way = minus(
+        plus(vector_at(pose, b, LINEAR_PART), times(h, vector_at(motion, b, LINEAR_PART))),
+        vector_at(pose, a, LINEAR_PART),
+    )
+    way = minus(way, times(h, vector_at(motion, a, LINEAR_PART)))
     way = plus(way, turned(qb, vector_at(numbers, joint, ANCHOR_B)))
     way = minus(way, turned(qa, vector_at(numbers, joint, ANCHOR_A)))
     fa = product(qa, quaternion_at(numbers, joint, FRAME_A))

@@ -14,6 +14,7 @@ import math
 from typing import Any
 
 from numba import carray
+from numpy import int64
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
@@ -45,6 +46,8 @@ from kickdrift.world.tables import JOINT_NUMBERS, LINK, LINK_NUMBERS, RESPONSE, 
 # Of bodies that cannot turn, or turn about some axes only, as if they were heavier than they are: with 1e8, what they then
 # turn and what is lost to rounding are both parts in 1e8, which the next substep corrects.
 _IMMOVABLE = 1e8
+
+_ONLY = int64(0)  # row of a buffer
 
 
 @compiled(inline=True, cached=False)
@@ -114,10 +117,10 @@ def factor(first: int, count: int, world: int) -> None:
         _eliminate(link, joint, links[link, HELD], world)
         if parent >= 0:
             for k in range(36):
-                moved[0, k] = work[link, INERTIA + k]
-            _move(moved, 0, other)
+                moved[_ONLY, k] = work[link, INERTIA + k]
+            _move(moved, _ONLY, other)
             for k in range(36):
-                work[parent, INERTIA + k] += moved[0, k]
+                work[parent, INERTIA + k] += moved[_ONLY, k]
 
 
 @compiled(cached=False)

@@ -5,6 +5,7 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, minus, plus, times
 from kickdrift.world.joints.layout import (
+    ANGULAR_PART,
     ARM_A,
     ARM_B,
     AXES,
@@ -14,6 +15,7 @@ from kickdrift.world.joints.layout import (
     FIRST,
     IMPULSE,
     LAWS,
+    LINEAR_PART,
     LINK_JOINT,
     START_SPEED,
 )
@@ -47,9 +49,9 @@ def relative_velocity(joint: int, world: int) -> tuple[Vector, Vector]:
     """Velocity of b less that of a where the joint acts, and the difference of their angular velocities."""
     joints, numbers, motion = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, MOTION)
     a, b = joints[joint, BODY_A], joints[joint, BODY_B]
-    wa, wb = vector_at(motion, a, 3), vector_at(motion, b, 3)
-    va = plus(vector_at(motion, a, 0), cross(wa, vector_at(numbers, joint, ARM_A)))
-    vb = plus(vector_at(motion, b, 0), cross(wb, vector_at(numbers, joint, ARM_B)))
+    wa, wb = vector_at(motion, a, ANGULAR_PART), vector_at(motion, b, ANGULAR_PART)
+    va = plus(vector_at(motion, a, LINEAR_PART), cross(wa, vector_at(numbers, joint, ARM_A)))
+    vb = plus(vector_at(motion, b, LINEAR_PART), cross(wb, vector_at(numbers, joint, ARM_B)))
     return minus(vb, va), minus(wb, wa)
 
 

@@ -8,7 +8,12 @@ open; what happens along an open one, its *law*, is a row of `JOINT_AXES`: row 6
 Joints are solved by articulation: a tree of bodies, each of which hangs on one joint (a *link*), and the joints that close
 loops in it. A body that nothing moves ends a tree. `LINK` holds of each articulation first its links, parents before
 children, then its closing joints. Where too many of them close loops, the joints are solved one after the other instead.
+
+Columns at which vectors begin are of type int64: for each plain integer that it is called with, Numba compiles a function
+anew.
 """
+
+from numpy import int64
 
 # Columns of JOINT
 KIND, BODY_A, BODY_B, GENERATION = 0, 1, 2, 3  # place in the catalogue of joints; REMOVED where there is none
@@ -29,23 +34,21 @@ HINGE = 1  # one is, PIVOT
 UNIVERSAL = 2  # two are, PIVOT in a and the next one, cyclically, in b
 LOOSE = 3  # three are, and no law is asked for
 VECTOR = 4  # three are; the angles are the components of the rotation vector
-CONE = (
-    5  # three are; swing about axis 0, which is where the cone is left, and twist about axis 2, the mean of both axes 2
-)
+CONE = 5  # three are; swing about axis 0, where the cone is left, and twist about axis 2, the mean of both axes 2
 
 # Columns of JOINT_NUMBERS
-ANCHOR_A, FRAME_A = 0, 3  # in the axes of the body: point, quaternion
-ANCHOR_B, FRAME_B = 7, 10
+ANCHOR_A, FRAME_A = int64(0), int64(3)  # in the axes of the body: point, quaternion
+ANCHOR_B, FRAME_B = int64(7), int64(10)
 LENGTH = 14
 BREAKING_FORCE, BREAKING_TORQUE = 15, 16
 TWIST_SCALE = 17  # rotation about axis 2 per twist
-IMPULSE = 18  # of the last substep along and about the axes, on b
-TOTAL = 24  # impulse of the step; after it, force and torque
-POSITION = 30  # positions along and angles about the axes; those of hinges and universal joints count turns
-DRIVEN = 36  # angles less the targets of drives
-ARM_A, ARM_B = 39, 42  # from the centres of mass to where the joint acts, in the world's axes
-AXES = 45  # linear axes (9), angular axes (9), in the world's axes
-MISALIGNMENT = 63  # of locked axes as it will be at the end of the substep, were the joint to do nothing
+IMPULSE = int64(18)  # of the last substep along and about the axes, on b
+TOTAL = int64(24)  # impulse of the step; after it, force and torque
+POSITION = int64(30)  # positions along and angles about the axes; those of hinges and universal joints count turns
+DRIVEN = int64(36)  # angles less the targets of drives
+ARM_A, ARM_B = int64(39), int64(42)  # from the centres of mass to where the joint acts, in the world's axes
+AXES = int64(45)  # linear axes (9), angular axes (9), in the world's axes
+MISALIGNMENT = int64(63)  # of locked axes as it will be at the end of the substep, were the joint to do nothing
 
 # Columns of JOINT_AXES. Zero motors, drives and frictions do nothing; infinite limits are none.
 LOWER, UPPER = 0, 1
@@ -61,9 +64,7 @@ MOBILITY = 13  # speed per impulse of the two bodies alone
 FIRST, LINKS, CLOSINGS = 0, 1, 2  # rows of LINK: the first, how many links, how many closing joints after them
 END = 3  # row of LINK after the last one of them; FIRST while the articulation sleeps
 SEQUENTIAL = 4  # 1: the rows are joints to be solved one after the other
-OFFSET = (
-    5  # where numbers of the equations of closing joints begin in ARTICULATION_NUMBERS; row of numbers where SEQUENTIAL
-)
+OFFSET = 5  # where the equations of closing joints begin in ARTICULATION_NUMBERS; row of numbers where SEQUENTIAL
 RELAXING = 6  # 1: after the drift
 
 # Columns of LINK
@@ -75,15 +76,18 @@ NONE = -1
 
 # Columns of LINK_NUMBERS. Six numbers are three linear and three angular ones in the world's axes, or one to each axis.
 INERTIA = 0  # 6x6, of what hangs on the joint, as its other side feels it, about the point where the joint acts
-COUPLING = 36  # of open axis k, six numbers: impulse at the joint per speed along the axis
+COUPLING = int64(36)  # of open axis k, six numbers: impulse at the joint per speed along the axis
 YIELD = 72  # of open axes: speed per impulse
-IMPACT = 78  # impulse at the joint if its other side stays as it is
-GAIN = 84  # of velocity: of the body
-WRENCH = 90  # impulse at the joint, on the body
+IMPACT = int64(78)  # impulse at the joint if its other side stays as it is
+GAIN = int64(84)  # of velocity: of the body
+WRENCH = int64(90)  # impulse at the joint, on the body
 CHANGE = 96  # of speed of a held axis that is wanted
 PUSH, SLOPE = 102, 108  # of an open axis: impulse is PUSH - SLOPE times change of speed
 SPEED = 114  # before the joint acts
 STATE = 120  # of a law: which piece of it is assumed
 LOAD = 126  # impulse on the body by closing joints
 MOVED = 132  # change of speed of an open axis
-GIVEN = 138  # impulse on b along and about each axis
+GIVEN = int64(138)  # impulse on b along and about each axis
+
+# Columns of POSE, MOTION and RESPONSE, and of everything that has a linear and an angular part
+LINEAR_PART, ANGULAR_PART = int64(0), int64(3)

@@ -25,6 +25,7 @@ from kickdrift.world.joints.layout import (
     ANCHOR_A,
     ANCHOR_B,
     ANGULAR,
+    ANGULAR_PART,
     ARM_A,
     ARM_B,
     AXES,
@@ -41,6 +42,7 @@ from kickdrift.world.joints.layout import (
     LENGTH,
     LINE,
     LINEAR,
+    LINEAR_PART,
     LINK_JOINT,
     MOBILITY,
     PIVOT,
@@ -121,10 +123,10 @@ def measure(joint: int, world: int) -> None:
     """Fill in axes, arms, positions and angles of a joint as its bodies stand."""
     pose, joints, numbers = floats(world, POSE), integers(world, JOINT), floats(world, JOINT_NUMBERS)
     a, b = joints[joint, BODY_A], joints[joint, BODY_B]
-    qa, qb = quaternion_at(pose, a, 3), quaternion_at(pose, b, 3)
+    qa, qb = quaternion_at(pose, a, ANGULAR_PART), quaternion_at(pose, b, ANGULAR_PART)
     arm_b = turned(qb, vector_at(numbers, joint, ANCHOR_B))
     # The joint acts where the anchor of b is: of axes fixed in a, that is the exact direction of the constraint.
-    arm_a = minus(plus(vector_at(pose, b, 0), arm_b), vector_at(pose, a, 0))
+    arm_a = minus(plus(vector_at(pose, b, LINEAR_PART), arm_b), vector_at(pose, a, LINEAR_PART))
     way = minus(arm_a, turned(qa, vector_at(numbers, joint, ANCHOR_A)))
     put_vector(numbers, joint, ARM_A, arm_a)
     put_vector(numbers, joint, ARM_B, arm_b)
