@@ -543,10 +543,10 @@ def test_an_empty_world_has_no_pairs():
 def grown(centres, sizes):
     """Build a tree over boxes; returns the nodes and the boxes."""
     boxes = np.concatenate((centres - sizes, centres + sizes), axis=1)
-    seeds = np.column_stack((centres, np.arange(len(centres)))).ravel()
+    seeds = np.column_stack((centres, np.arange(len(centres))))
     nodes = np.zeros((3 * len(centres), 8))
-    nodes = nodes[: build(seeds, len(centres), nodes)]
-    fit(nodes, boxes.ravel(), 6)
+    nodes = nodes[: build(seeds, nodes)]
+    fit(nodes, boxes)
     return nodes, boxes
 
 

@@ -354,8 +354,8 @@ def test_walks_come_to_every_box_that_a_ray_enters(seed, count, kind):
     direction[2] *= kind == "any"
     boxes = np.concatenate((centres - sizes, centres + sizes), axis=1)
     nodes = np.zeros((3 * count, 8))
-    nodes = nodes[: build(np.column_stack((centres, np.arange(count))).ravel(), count, nodes)]
-    fit(nodes, boxes.ravel(), 6)
+    nodes = nodes[: build(np.column_stack((centres, np.arange(count))), nodes)]
+    fit(nodes, boxes)
     limit = float(rng.uniform(0.5, 4))
     walk, o, inverse = np.zeros(WALK), tuple(map(float, origin)), reciprocal(tuple(map(float, direction)))
     start(walk, nodes, o, inverse)

@@ -4,10 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 
 from kickdrift.scenes import worlds
 from kickdrift.scenes.worlds.placing import about, between, scatter, turned
+from kickdrift.world.tables import INERTIA
 
 STEP = 1 / 60
 
@@ -111,3 +113,90 @@ def test_scattered_numbers_fill_their_interval_evenly():
     assert numbers[0] >= -0.5
     assert numbers[-1] < 0.5
     assert np.diff(numbers).max() < 2.7 / 1000  # the longest of three gaps
+
+
+def test_newtons_cradle_passes_the_blow_on():
+    cradle = worlds.newtons_cradle()
+    world, (first, *middle, last) = cradle
+    before = world.energy().total
+    quarter = 2 * math.pi / math.sqrt(9.81) / 4 * 1.04  # of a pendulum of 1 m that swings by 45 degrees
+    run(world, 1.5 * quarter, step=1 / 240)
+    assert world.energy().total == pytest.approx(before, abs=0.01 * 0.3 * 9.81 * 4.08)
+    assert np.linalg.norm(world.velocity[last.index]) > 1.0
+    assert max(np.linalg.norm(world.velocity[ball.index]) for ball in (first, *middle)) < 0.3
+
+
+def test_a_chain_with_a_heavy_end_keeps_its_length_and_its_energy():
+    chain = worlds.chain(links=10, ratio=100.0)
+    world, links = chain
+    before = world.energy()
+    kinetic = 0.0
+    for _ in range(240):
+        world.step(1 / 240)
+        kinetic = max(kinetic, world.energy().kinetic)
+    assert world.energy().total == pytest.approx(before.total, abs=0.005 * kinetic)
+    taut = 10 * 0.5 + 0.05 * 100 ** (1 / 3)
+    assert np.linalg.norm(world.position[links[-1].index]) < taut + 1e-3
+
+
+def test_a_grid_of_joints_has_its_first_row_fixed_and_the_others_hang():
+    world = worlds.joint_grid(size=4)
+    before = world.position.copy()
+    assert len(before) == 17
+    run(world, 0.5)
+    assert np.array_equal(world.position[1:5], before[1:5])
+    assert (world.position[5:, 2] < before[5:, 2]).all()
+
+
+def test_the_two_link_arm_moves_as_its_equations_say():
+    """Equations of Lagrange of two thin rods whose moments are those of the capsules, angles from straight down."""
+    arm = worlds.two_link_arm(angles=(1.0, 0.5))
+    world = arm.world
+    inertia, g = world.tables.array(INERTIA)[arm.bodies[0].index, 2], 9.81  # about an axis at right angles
+
+    def rates(t, y):
+        a, b, u, w = y
+        c, s = math.cos(a - b), math.sin(a - b)
+        mass = np.array([[inertia + 1.25, 0.5 * c], [0.5 * c, inertia + 0.25]])
+        force = [-0.5 * s * w * w - 1.5 * g * math.sin(a), 0.5 * s * u * u - 0.5 * g * math.sin(b)]
+        return [u, w, *np.linalg.solve(mass, force)]
+
+    exact = solve_ivp(rates, (0.0, 1.0), [1.0, 1.5, 0.0, 0.0], rtol=1e-10, atol=1e-10).y[:2, -1]
+    run(world, 1.0, step=1 / 1000)
+    assert [arm.hinges[0].angle, arm.hinges[0].angle + arm.hinges[1].angle] == pytest.approx(
+        [1.0 - exact[0], 1.5 - exact[1]], abs=2e-3
+    )
+
+
+def test_the_arm_bends_to_where_its_springs_are_at_rest():
+    targets = (0.5, 0.6, -0.3, 1.2, 0.2, 0.8, 0.4)
+    arm = worlds.arm(targets=targets)
+    run(arm.world, 3.0, step=0.005)
+    angles = np.array([hinge.angle for hinge in arm.hinges])
+    assert angles == pytest.approx(targets, abs=0.12)  # springs give way under the weight
+    assert np.abs(arm.world.velocity).max() < 0.01
+
+
+@pytest.mark.parametrize(("stiffness", "stands"), [(300.0, True), (10.0, False)])
+def test_a_quadruped_stands_on_springs_that_are_stiff_enough(stiffness, stands):
+    robot = worlds.quadruped(stiffness=stiffness)
+    before = robot.world.position[robot.bodies[0].index, 2]
+    run(robot.world, 1.0, step=0.005)
+    assert (robot.world.position[robot.bodies[0].index, 2] > 0.9 * before) == stands
+
+
+@pytest.mark.parametrize(("stiffness", "stands"), [(1000.0, True), (200.0, False)])
+def test_a_person_stands_on_ankles_that_are_stiff_enough(stiffness, stands):
+    person = worlds.humanoid(stiffness=stiffness)
+    run(person.world, 3.0)
+    assert (person.world.position[person.bodies["head"].index, 2] > 1.5) == stands
+
+
+def test_ragdolls_fall_and_hold_together():
+    world = worlds.ragdolls(count=2)
+    assert len(world.position) == 2 + 2 * 11
+    run(world, 1.5)
+    assert world.position[2:, 2].min() > 0.0
+    assert world.position[2:, 2].max() < 1.0
+    pelvis, chest = world.position[2], world.position[3]
+    assert np.linalg.norm(chest - pelvis) < 0.11 + 0.205 + 0.01  # from centre to joint to centre

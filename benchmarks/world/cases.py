@@ -97,7 +97,7 @@ CASES = (
     ),
     Case(
         "Chain of 20 links, 1000 : 1", worlds.chain, 5.0, 5.0, _MACHINE,
-        (RAPIER, REDUCED, MUJOCO, FINE, BULLET, SLOW_BULLET),
+        (RAPIER, REDUCED, MUJOCO, FINE, BULLET, SLOW_BULLET), step=1 / 240,
     ),
     Case(
         "Quadruped on springs", worlds.quadruped, 5.0, 5.0, (judge.drift, judge.stretch, judge.depth),

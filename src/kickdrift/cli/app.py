@@ -10,7 +10,7 @@ from typer.core import TyperGroup
 import kickdrift
 from kickdrift.cli import BAD_INPUT, INTERRUPTED, help_texts
 from kickdrift.cli.output import say
-from kickdrift.cli.plan import Options, make_plan
+from kickdrift.cli.plan import Options, is_scene, make_plan
 from kickdrift.core.errors import KickdriftError
 
 
@@ -51,6 +51,7 @@ class Catalogue(StrEnum):
 
     METHODS = "methods"
     SYSTEMS = "systems"
+    SCENES = "scenes"
 
 
 def _version(wanted: bool) -> None:
@@ -68,9 +69,11 @@ def _kickdrift(
     """Mechanics in time, structure first."""
 
 
-@app.command(help=help_texts.RUN, short_help="Run a system, report on it, keep and draw it.")
+@app.command(help=help_texts.RUN, short_help="Run a system or a scene, report on it, keep and draw it.")
 def run(
-    target: Annotated[str, typer.Argument(help="A system (see: kickdrift list systems), or a .toml file.")],
+    target: Annotated[
+        str, typer.Argument(help="A system or a scene (see: kickdrift list systems, list scenes), or a .toml file.")
+    ],
     duration: DurationOption = None,
     years: YearsOption = None,
     step: StepOption = None,
@@ -80,10 +83,14 @@ def run(
     output: OutputOption = Path("kickdrift-output"),
     quiet: Annotated[bool, typer.Option("--quiet", help="Write the files and print errors only.")] = False,
 ) -> None:
-    """Run a system, report on it, and write <system>.npz and <system>.png."""
+    """Run a system or a scene, report on it, and write <name>.npz and <name>.png, and of a scene <name>.gif."""
+    options = Options(duration, years, step, method, bodies, save_every)
+    if is_scene(target):
+        from kickdrift.cli.scene import make_scene_plan, run_scene
+
+        raise typer.Exit(run_scene(make_scene_plan(target, options), output, quiet))
     from kickdrift.cli.run import run as do
 
-    options = Options(duration, years, step, method, bodies, save_every)
     raise typer.Exit(do(make_plan(target, options), output, quiet))
 
 
@@ -102,9 +109,14 @@ def compare(
     raise typer.Exit(do(make_plan(system, options, comparison=True), output))
 
 
-@app.command("list", help=help_texts.LIST, short_help="List the methods or the systems.")
+@app.command("list", help=help_texts.LIST, short_help="List the methods, the systems or the scenes.")
 def list_(what: Annotated[Catalogue, typer.Argument(help="Which catalogue.")]) -> None:
-    """List the methods or the systems; whole lines where the output is piped."""
+    """List the methods, the systems or the scenes; whole lines where the output is piped."""
     from kickdrift.cli import listing
 
-    (listing.list_methods if what is Catalogue.METHODS else listing.list_systems)()
+    lists = {
+        Catalogue.METHODS: listing.list_methods,
+        Catalogue.SYSTEMS: listing.list_systems,
+        Catalogue.SCENES: listing.list_scenes,
+    }
+    lists[what]()

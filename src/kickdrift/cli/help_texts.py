@@ -39,6 +39,7 @@ KICKDRIFT = """Mechanics in time, structure first.
 \b
   kickdrift run solar-system      a hundred years, compared with JPL's positions
   kickdrift run bodies.toml       bodies of your own
+  kickdrift run pyramid           boxes on boxes, with a picture and a film
   kickdrift compare kepler        Euler's methods and Stoermer-Verlet side by side
   kickdrift list methods
 
@@ -50,7 +51,7 @@ def _literal(text: str) -> str:
     return "\n\n".join("\b\n" + "\n".join(f"  {line}" for line in part.splitlines()) for part in text.split("\n\n"))
 
 
-RUN = f"""Run a system, report on it, and write <system>.npz and <system>.png.
+RUN = f"""Run a system or a scene, report on it, and write <name>.npz and <name>.png.
 
 The solar system runs for 100 years by default, and is compared with the positions of JPL's DE421 at J2000 and up to
 ten years later. Ctrl-C ends a run early; what is done is written.
@@ -61,6 +62,14 @@ ten years later. Ctrl-C ends a run early; what is done is written.
   kickdrift run solar-system --bodies "Sun,Earth,Jupiter" --output earth
   kickdrift run kepler --duration 1000 --step 0.001
   kickdrift run bodies.toml
+
+Scenes are worlds of bodies that touch, stack, hinge and walk; a film of each is written besides, <scene>.gif, in real
+time, or faster if it would take more than 20 s. Of the options they have --duration, --step, --save-every, --output and
+--quiet; times are in seconds.
+
+\b
+  kickdrift run pyramid
+  kickdrift run ragdolls --duration 2 --step 0.01 --output people
 
 A bodies file, bodies.toml, holds these keys; all but the bodies may be left out, and any other is an error:
 
@@ -82,9 +91,10 @@ in position at the end; draws the energy errors in <system>-energy.png.
   kickdrift compare solar-system --years 1 --step "0.01 day"
 """
 
-LIST = """List the methods or the systems; whole lines where the output is piped.
+LIST = """List the methods, the systems or the scenes; whole lines where the output is piped.
 
 \b
   kickdrift list methods
   kickdrift list systems | grep -w yes
+  kickdrift list scenes
 """

@@ -32,6 +32,14 @@ def list_systems() -> None:
     show_table(columns, [_system_row(name, make()) for name, make in systems.catalogue().items()])
 
 
+def list_scenes() -> None:
+    """Show every scene, and how it is run by default."""
+    from kickdrift.scenes.worlds.catalogue import SCENES  # worlds take half a second that the others need not wait
+
+    rows = [[name, f"{scene.duration:g}", f"{scene.step:.4g}", scene.what] for name, scene in SCENES.items()]
+    show_table(("name", "duration (s)", "step (s)", "what happens"), rows)
+
+
 def _system_row(name: str, system: systems.System) -> list[str]:
     defaults = DEFAULTS.get(name, Defaults())
     return [

@@ -57,6 +57,19 @@ class _Wishes:
     save_every: int | None = None
 
 
+def is_scene(target: str) -> bool:
+    """Whether a name is that of a scene, and not of a system or a file."""
+    if target.lower().endswith(".toml") or target in catalogue():
+        return False
+    return target in _scenes()
+
+
+def _scenes() -> tuple[str, ...]:
+    from kickdrift.scenes.worlds.catalogue import SCENES  # worlds take half a second that systems need not wait
+
+    return tuple(SCENES)
+
+
 def make_plan(target: str, options: Options, *, comparison: bool = False) -> Plan:
     """Work out what to run, without doing any of it.
 
@@ -83,7 +96,7 @@ def make_plan(target: str, options: Options, *, comparison: bool = False) -> Pla
         duration=_duration(options, wishes, unit, target),
         step=_step(options, wishes, unit, target),
         method=choose(wishes.method if options.method is None else options.method, None, system),
-        save_every=_save_every(options, wishes),
+        save_every=save_every(options, wishes.save_every),
         jpl=target == SOLAR_SYSTEM,
     )
 
@@ -104,7 +117,9 @@ def _catalogued(name: str, options: Options, comparison: bool) -> tuple[System, 
                 f"TARGET={name!r} is neither a system nor a bodies file; give a .toml file or one of"
                 f" {', '.join(systems)}."
             )
-        raise unknown_name("TARGET", name, systems)
+        if comparison and name in _scenes():
+            raise ArgumentError(f"TARGET={name!r} is a scene, and methods are compared on systems: {', '.join(systems)}.")
+        raise unknown_name("TARGET", name, [*systems, *(() if comparison else _scenes())])
     defaults = DEFAULTS.get(name, Defaults())
     duration, step = defaults.comparison if comparison else (defaults.duration, defaults.step)
     system = systems[name]() if options.bodies is None else solar_system(options.bodies.split(","))
@@ -132,9 +147,16 @@ def _step(options: Options, wishes: _Wishes, unit: str, target: str) -> float:
     return step
 
 
-def _save_every(options: Options, wishes: _Wishes) -> int | None:
+def save_every(options: Options, otherwise: int | None) -> int | None:
+    """Return how many steps lie between the states to be kept.
+
+    Raises
+    ------
+    ArgumentError
+        If the option is no positive whole number.
+    """
     if options.save_every is None:
-        return wishes.save_every
+        return otherwise
     if not re.fullmatch(r"0*[1-9][0-9]{0,17}", options.save_every, re.ASCII):
         raise ArgumentError(f"--save-every={options.save_every!r} must be a positive whole number of steps.")
     return int(options.save_every)

@@ -26,6 +26,9 @@ def report(recording: Recording) -> str:
         rows.append((name, _change(recording.derived[name], "J")))
     for name, unit in (("momentum", "kg m/s"), ("angular momentum", "kg m^2/s")):
         rows.append((name, _change(np.linalg.norm(recording.invariants[name], axis=1), unit)))
+    for name, values in ((name, recording.derived[name]) for name in ("overlap", "joint gap")):
+        if values.any():
+            rows.append((name, f"{1e3 * values.max():.3g} mm at most, {1e3 * values[-1]:.3g} mm at the end"))
     moved = np.linalg.norm(recording.x[-1] - recording.x[0], axis=1)[recording.moving]
     if moved.size:
         rows.append(("farthest way", f"{moved.max():.4g} m, body {recording.moving[int(np.argmax(moved))]}"))

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from kickdrift.plots.camera import Camera, axes_of, showing
 from kickdrift.plots.lighting import BACKGROUND, FADE, GRID, LAMP, SETTING, light, paint
 from kickdrift.plots.rendering import cast, clear, ray_addresses
-from kickdrift.plots.scenery import Pose, Scenery, ball_around, turned
+from kickdrift.plots.scenery import Pose, Scenery, ball_around
 from kickdrift.world.flight import DYNAMIC
 from kickdrift.world.recording import Part, Recording
+from kickdrift.world.rotations import turned
 from kickdrift.world.shapes.kinds import PLANE
 
 Floats = NDArray[np.float64]

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from kickdrift.plots.page import COLOURS
 from kickdrift.plots.rendering import MIDDLE, REACH
 from kickdrift.world.flight import DYNAMIC, REMOVED
-from kickdrift.world.recording import Appearance, Part, Recording
+from kickdrift.world.recording import Appearance, Part
+from kickdrift.world.rotations import product, turn_to, turned
 from kickdrift.world.shapes.kinds import BOX, CAPSULE, MESH, PLANE, TRIANGLE
 from kickdrift.world.shapes.mesh import TRIANGLE_SIZE
 
@@ -16,6 +17,7 @@ Floats = NDArray[np.float64]
 _ROD = 0.004  # thickness of a rod, of the extent of the scene
 _LIGHTER = 0.3  # of white in the colours of bodies
 _FIXED, _GROUND, _RODS = (0.72, 0.74, 0.76), (0.93, 0.94, 0.95), (0.35, 0.37, 0.4)
+_LARGER = 1.02  # than the ball around the lines of a shape: round shapes lie outside of their lines
 _SLAB = 20.0  # half the width of what stands for a plane that is seen from the side, of the extent of the scene
 
 
@@ -125,7 +127,7 @@ class Scenery:
             along = pose.position[rod.body_b] + turned(pose.orientation[rod.body_b], rod.point_b) - first
             length = float(np.linalg.norm(along))
             places[i, :3] = places[i, MIDDLE:REACH] = first + 0.5 * along
-            places[i, 3:7] = _turn_to(along / length) if length > 0.0 else (1.0, 0.0, 0.0, 0.0)
+            places[i, 3:7] = turn_to(along / length) if length > 0.0 else (1.0, 0.0, 0.0, 0.0)
             places[i, REACH] = 0.5 * length + self._thickness
             numbers[self._shapes[i, 1] + 1] = 0.5 * length
         return Sight(self._shapes, places, numbers)
@@ -140,9 +142,7 @@ def colour_of(body: int) -> Floats:
 
 def ball_around(part: Part) -> tuple[Floats, float]:
     """Return a ball around a shape that is no plane, in the axes of its body: middle and radius."""
-    points = np.concatenate(part.shape.wireframe())
-    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
-    reach = float(np.linalg.norm(points - middle, axis=1).max())
+    middle, reach = _ball(part)
     return part.position + turned(part.orientation, middle), reach
 
 
@@ -155,31 +155,12 @@ def _pieces(part: Part) -> list[_Piece]:
         middles = corners.mean(axis=1)
         reaches = np.linalg.norm(corners - middles[:, None], axis=2).max(axis=1)
         return [_Piece(TRIANGLE, *row) for row in zip(triangles, middles, reaches.tolist(), strict=True)]
-    points = np.concatenate(shape.wireframe())
+    middle, reach = _ball(part)
+    return [_Piece(shape.kind, shape.numbers, middle, _LARGER * reach)]
+
+
+def _ball(part: Part) -> tuple[Floats, float]:
+    """Return a ball around the lines of a shape in its own frame."""
+    points = np.concatenate(part.shape.wireframe())
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
-    reach = float(np.linalg.norm(points - middle, axis=1).max())
-    return [_Piece(shape.kind, shape.numbers, middle, 1.01 * reach)]
-
-
-def turned(q: Floats, a: Floats) -> Floats:
-    """Turn vectors (..., 3) by quaternions (..., 4)."""
-    u = q[..., 1:]
-    t = 2.0 * np.cross(u, a)
-    result: Floats = a + q[..., :1] * t + np.cross(u, t)
-    return result
-
-
-def product(p: Floats, q: Floats) -> Floats:
-    """Multiply quaternions (..., 4)."""
-    w = p[..., :1] * q[..., :1] - np.sum(p[..., 1:] * q[..., 1:], axis=-1, keepdims=True)
-    v = p[..., :1] * q[..., 1:] + q[..., :1] * p[..., 1:] + np.cross(p[..., 1:], q[..., 1:])
-    return np.concatenate((w, v), axis=-1)
-
-
-def _turn_to(direction: Floats) -> tuple[float, float, float, float]:
-    """Return a quaternion that turns the z axis into a direction."""
-    x, y, z = (float(c) for c in direction)
-    if z < -0.999999999:
-        return (0.0, 1.0, 0.0, 0.0)
-    w = np.sqrt(0.5 * (1.0 + z))
-    return (w, -0.5 * y / w, 0.5 * x / w, 0.0)
+    return middle, float(np.linalg.norm(points - middle, axis=1).max())

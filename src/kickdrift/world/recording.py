@@ -75,6 +75,11 @@ class Recording(Solution):
         In the world's axes, rad/s.
     appearance : Appearance
         Shapes and joints, for pictures.
+
+    Notes
+    -----
+    `derived` has "kinetic energy" and "potential energy", J; "overlap", how deep bodies that touch have sunk into each other,
+    and "joint gap", how far apart points are that joints hold together, at most, m.
     """
 
     orientation: Floats
@@ -88,9 +93,11 @@ class Recording(Solution):
         """Rows of the bodies that forces move."""
         return np.flatnonzero(self.appearance.kinds == DYNAMIC)
 
-    def animate(self, path: str | Path, *, speed: float = 1.0, rate: int = 25) -> Path:
-        """Write a film of the recording, as `kickdrift.plots.animate_recording` says."""
-        return self.presenters.animate(self, path, speed=speed, rate=rate)
+    def animate(
+        self, path: str | Path, *, speed: float = 1.0, rate: int = 25, progress: bool | None = None
+    ) -> Path:
+        """Write a film of the recording, a GIF or an MP4; see `kickdrift.plots.animation.animate_recording`."""
+        return self.presenters.animate(self, path, speed=speed, rate=rate, progress=progress)
 
 
 def appearance(world: "World") -> Appearance:

@@ -18,6 +18,7 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.grid import Grid, lay_grid
 from kickdrift.engine.progress import Bar, compiling_announced
 from kickdrift.engine.solution import Description, Invariants
+from kickdrift.world.flaws import deepest_overlap, widest_gap
 from kickdrift.world.recording import Recording, appearance
 
 if TYPE_CHECKING:
@@ -115,7 +116,7 @@ class _Keeper:
         self._x, self._v, self._w = (np.zeros((rows, bodies, 3)) for _ in range(3))
         self._q = np.zeros((rows, bodies, 4))
         self._conserved = {name: np.zeros((rows, 3)) for name in ("momentum", "angular momentum")}
-        self._energy = np.zeros((rows, 2))
+        self._energy, self._flaws = np.zeros((rows, 2)), np.zeros((rows, 2))
 
     @property
     def next_step(self) -> int:
@@ -130,6 +131,7 @@ class _Keeper:
         self._q[row], self._w[row] = world.orientation, world.angular_velocity
         energy = world.energy()
         self._energy[row] = energy.kinetic, energy.potential
+        self._flaws[row] = deepest_overlap(world.tables), widest_gap(world.tables)
         self._conserved["momentum"][row] = world.momentum()
         self._conserved["angular momentum"][row] = world.angular_momentum()
         self._saved += 1
@@ -146,7 +148,7 @@ class _Keeper:
     def recording(self, outcome: Outcome, message: str, n_steps: int, seconds: float) -> Recording:
         """Return what was kept."""
         world, rows = self._world, slice(self._saved)
-        kinetic, potential = self._energy[rows].T.copy()
+        (kinetic, potential), (overlap, gap) = self._energy[rows].T.copy(), self._flaws[rows].T.copy()
         kept = {"energy": kinetic + potential, **{name: values[rows] for name, values in self._conserved.items()}}
         looks = appearance(world)
         return Recording(
@@ -171,7 +173,7 @@ class _Keeper:
                 coordinates={"body": list(range(self._x.shape[1])), "space": ["x", "y", "z"]},
                 units=_UNITS,
             ),
-            derived={"kinetic energy": kinetic, "potential energy": potential},
+            derived={"kinetic energy": kinetic, "potential energy": potential, "overlap": overlap, "joint gap": gap},
             orientation=self._q[rows],
             angular_velocity=self._w[rows],
             appearance=looks,

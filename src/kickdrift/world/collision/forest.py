@@ -1,6 +1,7 @@
 """The trees of a world: over shapes that may move, over those that may not, and over the triangles of every mesh."""
 
 from kickdrift.core.compilation import compiled
+from kickdrift.core.memory import shaped
 from kickdrift.world.collision.bounds import FIRST_NODE, LAST_NODE
 from kickdrift.world.collision.extents import parts, triangle
 from kickdrift.world.collision.roster import enlist
@@ -62,7 +63,7 @@ def update_trees(world: int) -> bool:
             return False
         search[0, MOVERS_CHANGED] = search[0, LEFT] = 0
     elif search[0, LEFT] > search[0, FITTED]:
-        fit(floats(world, TREE)[: rows(world, TREE)], flat(world, BOUNDS), BOUNDS.width)
+        fit(floats(world, TREE)[: rows(world, TREE)], floats(world, BOUNDS))
     search[0, FITTED] = search[0, LEFT]
     return True
 
@@ -87,15 +88,16 @@ def _build_tree(world: int, items: Table, tree: Table) -> bool:
     count = rows(world, items)
     if not _has_room(world, tree, NODES_PER_ITEM * count, _SEED * count):
         return False
-    listed, bounds, seeds = integers(world, items), floats(world, BOUNDS), flat(world, SCRATCH)
+    listed, bounds = integers(world, items), floats(world, BOUNDS)
+    seeds = shaped(flat(world, SCRATCH), (count, _SEED))
     for k in range(count):
         shape = listed[k, 0]
         for axis in range(3):
-            seeds[_SEED * k + axis] = 0.5 * bounds[shape, axis] + 0.5 * bounds[shape, 3 + axis]
-        seeds[_SEED * k + 3] = shape
+            seeds[k, axis] = 0.5 * bounds[shape, axis] + 0.5 * bounds[shape, 3 + axis]
+        seeds[k, 3] = shape
     nodes = floats(world, tree)
-    last = build(seeds, count, nodes)
-    fit(nodes[:last], flat(world, BOUNDS), BOUNDS.width)
+    last = build(seeds, nodes)
+    fit(nodes[:last], bounds)
     set_rows(world, tree, last)
     return True
 
@@ -119,16 +121,17 @@ def _build_part_trees(world: int) -> bool:
         if shapes[shape, 0] != MESH:
             continue
         count = parts(shapes[shape, 3])
+        seeds, boxes = shaped(scratch, (count, _SEED)), shaped(scratch[_SEED * count :], (count, _BOX))
         for part in range(count):
             box = triangle(numbers, shapes[shape, 2], part)
             for axis in range(3):
-                scratch[_SEED * part + axis] = 0.5 * box[axis] + 0.5 * box[3 + axis]
+                seeds[part, axis] = 0.5 * box[axis] + 0.5 * box[3 + axis]
+            seeds[part, 3] = part
             for k in range(6):
-                scratch[_SEED * count + _BOX * part + k] = box[k]
-            scratch[_SEED * part + 3] = part
+                boxes[part, k] = box[k]
         first = last
-        last += build(scratch, count, nodes[first:])
-        fit(nodes[first:last], scratch[_SEED * count :], _BOX)
+        last += build(seeds, nodes[first:])
+        fit(nodes[first:last], boxes)
         bounds[shape, FIRST_NODE], bounds[shape, LAST_NODE] = first, last
     set_rows(world, PART_TREE, last)
     return True

@@ -28,10 +28,10 @@ def forget_all(world: int) -> None:
 
 @compiled(inline=True)
 def key_of(world: int, a: int, b: int, part: int) -> int:
-    """Return one number for a contact; the parts of meshes are numbered from behind the last shape on."""
+    """Return one number for a contact of two shapes, whichever is first; parts of meshes are numbered after all shapes."""
     if integers(world, SHAPE)[a, 0] == MESH:
         a = rows(world, SHAPE) + int(floats(world, BOUNDS)[a, FIRST_NODE]) + part
-    return (a << 32) | b
+    return (min(a, b) << 32) | max(a, b)
 
 
 @compiled

@@ -87,17 +87,26 @@ def _is_new(world: int, shape: int, other: int) -> bool:
     shapes = integers(world, SHAPE)
     if shape == other or (other < shape and shapes[other, STATE] != AT_HOME):
         return False
-    a, b = _ordered(world, shape, other)
-    return shapes[a, 0] == MESH or not is_known(world, key_of(world, a, b, 0))
+    if shapes[shape, 0] == MESH or shapes[other, 0] == MESH:
+        return True
+    return not is_known(world, key_of(world, shape, other, 0))
 
 
 @compiled
 def _add(world: int, shape: int, other: int) -> None:
-    """Note a pair, or those with the parts of a mesh, if it may be."""
+    """Note a pair, or those with the parts of a mesh, if it may be; by kind, a mesh as its triangles, and row."""
     if not may_touch(world, shape, other):
         return
-    a, b = _ordered(world, shape, other)
-    kind = integers(world, SHAPE)[a, 0]
+    shapes = integers(world, SHAPE)
+    rank, other_rank = shapes[shape, 0], shapes[other, 0]
+    if rank == MESH:
+        rank = TRIANGLE
+    if other_rank == MESH:
+        other_rank = TRIANGLE
+    a, b = shape, other
+    if other_rank < rank or (other_rank == rank and other < shape):
+        a, b = other, shape
+    kind = shapes[a, 0]
     if kind == MESH:
         _add_parts(world, a, b)
     elif kind != PLANE or reaches_under(world, a, wider_box(world, b)):
@@ -125,17 +134,3 @@ def _note(world: int, a: int, b: int, part: int) -> None:
     if at + PAIR <= room(world, SCRATCH):
         pairs[at], pairs[at + 1], pairs[at + 2] = a, b, part
     search[0, FOUND] += 1
-
-
-@compiled(inline=True)
-def _ordered(world: int, shape: int, other: int) -> tuple[int, int]:
-    """Put two shapes into the order of a contact: by kind, where a mesh counts as its triangles, and row."""
-    shapes = integers(world, SHAPE)
-    kind, other_kind = shapes[shape, 0], shapes[other, 0]
-    if kind == MESH:
-        kind = TRIANGLE
-    if other_kind == MESH:
-        other_kind = TRIANGLE
-    if other_kind < kind or (other_kind == kind and other < shape):
-        return other, shape
-    return shape, other

@@ -31,15 +31,14 @@ _DEEP = 64  # beyond this depth items are halved by count: no tree gets deeper t
 
 
 @compiled
-def build(seeds: Any, count: int, nodes: Any) -> int:
+def build(seeds: Any, nodes: Any) -> int:
     """Arrange items in a tree, halving the longest side of what encloses their centres; `fit` does the rest.
 
-    Four numbers of `seeds` are the centre of a box (3) and its item; they are permuted by fours. Returns the number of
-    nodes.
+    A row of `seeds` is the centre of a box (3) and its item; the rows are permuted. Returns the number of nodes.
     """
     stack = carray(floats_on_stack(768), (256, 3))
-    stack[0, 0], stack[0, 1], stack[0, 2] = 0, count, 0
-    top = 1 if count > 0 else 0
+    stack[0, 0], stack[0, 1], stack[0, 2] = 0, len(seeds), 0
+    top = min(len(seeds), 1)
     last = 0
     while top > 0:
         top -= 1
@@ -56,7 +55,7 @@ def build(seeds: Any, count: int, nodes: Any) -> int:
         nodes[last, SKIP] = last + 1 + end - first
         last += 1
         for k in range(first, end):
-            nodes[last, ITEM] = seeds[4 * k + 3]
+            nodes[last, ITEM] = seeds[k, 3]
             nodes[last, SKIP] = last + 1
             last += 1
     return last
@@ -69,36 +68,35 @@ def _halve(seeds: Any, first: int, end: int, depth: int) -> int:
     least = middle = 0.0
     widest = -1.0
     for k in range(3):
-        lower = upper = seeds[4 * first + k]
+        lower = upper = seeds[first, k]
         for row in range(first + 1, end):
-            lower = min(lower, seeds[4 * row + k])
-            upper = max(upper, seeds[4 * row + k])
+            lower = min(lower, seeds[row, k])
+            upper = max(upper, seeds[row, k])
         if upper - lower > widest:
             axis, widest, least, middle = k, upper - lower, lower, 0.5 * lower + 0.5 * upper
     if middle <= least or depth >= _DEEP:  # all in one place, or neighbouring numbers
         return (first + end) // 2
     left, right = first, end - 1
     while True:
-        while seeds[4 * left + axis] < middle:
+        while seeds[left, axis] < middle:
             left += 1
-        while seeds[4 * right + axis] >= middle:
+        while seeds[right, axis] >= middle:
             right -= 1
         if left > right:
             break
         for k in range(4):
-            i, j = 4 * left + k, 4 * right + k
-            seeds[i], seeds[j] = seeds[j], seeds[i]
+            seeds[left, k], seeds[right, k] = seeds[right, k], seeds[left, k]
     return left
 
 
 @compiled
-def fit(nodes: Any, boxes: Any, width: int) -> None:
-    """Draw the boxes of a tree around those of its items: that of item i are six numbers from i width on."""
+def fit(nodes: Any, boxes: Any) -> None:
+    """Draw the boxes of a tree around those of its items, rows that begin with six numbers."""
     for node in range(len(nodes) - 1, -1, -1):
         item = int(nodes[node, ITEM])
         if item >= 0:
             for k in range(6):
-                nodes[node, k] = boxes[item * width + k]
+                nodes[node, k] = boxes[item, k]
             continue
         child = node + 1
         if item == BRANCH:

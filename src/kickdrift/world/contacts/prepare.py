@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
+from kickdrift.core.memory import prefetch
 from kickdrift.core.vectors import (
     Symmetric,
     Vector,
@@ -118,8 +119,15 @@ def prepare(t: float, h: float, world: int) -> None:
         groups[group, lane] = contact[row, c.BODY_A]
         groups[group, c.WIDTH + lane] = contact[row, c.BODY_B]
         groups[group, 2 * c.WIDTH + lane] = row
-    # Group by group, whose lanes share their cache lines: in the order of the contacts it takes twice the time.
-    for g in range(rows(world, GROUPS)):
+    # Group by group, whose lanes share their cache lines. Their manifolds lie far apart, and are fetched a group ahead: of
+    # 5050 boxes, without it this stage takes twice the time.
+    manifold, count = flat(world, MANIFOLD), rows(world, GROUPS)
+    for g in range(count):
+        if g + 1 < count:
+            for lane in range(c.WIDTH):
+                row = groups[g + 1, 2 * c.WIDTH + lane]
+                for line in range(6):
+                    prefetch(manifold, MANIFOLD.width * row + 8 * line)
         for lane in range(c.WIDTH):
             own = lanes[g * c.FIELDS * c.WIDTH + lane : (g + 1) * c.FIELDS * c.WIDTH]
             row = groups[g, 2 * c.WIDTH + lane]

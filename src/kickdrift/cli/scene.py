@@ -1,0 +1,107 @@
+"""``kickdrift run`` for scenes: a world that is run, kept, reported, drawn and filmed."""
+
+import time
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+
+from kickdrift.cli import DONE, FAILED, INTERRUPTED
+from kickdrift.cli.output import prepare_folder, say
+from kickdrift.cli.plan import Options, save_every
+from kickdrift.cli.times import parse_time
+from kickdrift.core.errors import ArgumentError
+from kickdrift.core.outcomes import Outcome
+from kickdrift.engine.progress import is_cached
+from kickdrift.scenes.worlds.catalogue import SCENES
+from kickdrift.world.recording import Recording
+from kickdrift.world.step import run as loop
+from kickdrift.world.world import World
+
+_FOR_SYSTEMS = ("method", "bodies", "years")
+_COMPILE_SECONDS = 15  # with an empty cache on two cores; pictures take 5 more
+_LONGEST_FILM = 20.0  # seconds; longer runs are shown faster
+
+
+@dataclass(frozen=True)
+class ScenePlan:
+    """A run of a scene: times in seconds."""
+
+    name: str
+    duration: float
+    step: float
+    save_every: int | None
+
+
+def make_scene_plan(name: str, options: Options) -> ScenePlan:
+    """Work out how to run a scene, without doing any of it.
+
+    Raises
+    ------
+    ArgumentError
+        For options that cannot be used.
+    """
+    for field in fields(options):
+        value = getattr(options, field.name)
+        if field.name in _FOR_SYSTEMS and value is not None:
+            raise ArgumentError(f"--{field.name}={value!r} is for systems, and {name!r} is a scene; leave it out.")
+    scene = SCENES[name]
+    duration, step = (
+        default if text is None else parse_time(f"--{which}", text, "s")
+        for which, text, default in (("duration", options.duration, scene.duration), ("step", options.step, scene.step))
+    )
+    for which, value in (("duration", duration), ("step", step)):
+        if value < 0.0:
+            raise ArgumentError(f"--{which}={getattr(options, which)!r} must be positive: bodies that touch run forwards.")
+    return ScenePlan(name, duration, step, save_every(options, None))
+
+
+def run_scene(plan: ScenePlan, folder: Path, quiet: bool) -> int:
+    """Run a scene, write ``<scene>.npz``, ``.png`` and ``.gif`` into a folder, and return the exit code.
+
+    A run that ends early is written and reported all the same.
+    """
+    prepare_folder(folder)
+    world = SCENES[plan.name].make()
+    if not quiet:
+        say(f"{plan.name}, {plan.duration:g} s in steps of {plan.step:g}")
+    _compile_ahead(world, plan.step, quiet)
+    recording = world.run(plan.duration, plan.step, plan.save_every, progress=False if quiet else None)
+    recording = replace(recording, about=replace(recording.about, system=plan.name))
+    try:
+        kept = recording.save(folder / f"{plan.name}.npz")
+    finally:
+        if not quiet:
+            print(recording.report())
+    picture, film = (folder / f"{plan.name}.{ending}" for ending in ("png", "gif"))
+    if not quiet:
+        say("drawing ...")
+    recording.plot(picture)
+    _film(recording, film, quiet)
+    if not quiet:
+        print(f"\nwritten: {kept}, {picture}, {film}")
+    return _exit_code(recording)
+
+
+def _compile_ahead(world: World, step: float, quiet: bool) -> None:
+    """Compile what a world needs, and say so where nothing was compiled before and it takes longer than a moment."""
+    announced = not is_cached(loop) and not quiet
+    if announced:
+        say(f"compiling once on this machine, about {_COMPILE_SECONDS} s ...")
+    started = time.perf_counter()
+    before = world.snapshot()
+    world.step(step)
+    world.restore(before)
+    if announced:
+        say(f"compiled in {time.perf_counter() - started:.1f} s.")
+
+
+def _film(recording: Recording, path: Path, quiet: bool) -> None:
+    simulated = float(recording.t[-1] - recording.t[0])
+    speed = max(1.0, simulated / _LONGEST_FILM)
+    recording.animate(path, speed=speed, progress=False if quiet else None)
+
+
+def _exit_code(recording: Recording) -> int:
+    if recording.success:
+        return DONE
+    say(recording.message)
+    return INTERRUPTED if recording.status is Outcome.INTERRUPTED else FAILED

@@ -1,0 +1,47 @@
+"""The scenes by name, and how they are run where nobody says."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from kickdrift.scenes.worlds.balls import bouncing_disk, newtons_cradle
+from kickdrift.scenes.worlds.chains import chain, joint_grid
+from kickdrift.scenes.worlds.people import humanoid, ragdolls
+from kickdrift.scenes.worlds.robots import arm, quadruped, two_link_arm
+from kickdrift.scenes.worlds.stacks import dominoes, pile, pyramid
+from kickdrift.world.world import World
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A scene by its name.
+
+    Attributes
+    ----------
+    make : callable
+        Makes its world.
+    duration, step : float
+        Of a run, s.
+    what : str
+        What happens.
+    """
+
+    make: Callable[[], World]
+    duration: float
+    step: float
+    what: str
+
+
+SCENES: dict[str, Scene] = {
+    "pyramid": Scene(pyramid, 5.0, 1 / 60, "55 cubes stand on each other"),
+    "pile": Scene(pile, 5.0, 1 / 60, "1000 cubes fall on a heap"),
+    "dominoes": Scene(dominoes, 3.0, 1 / 240, "30 dominoes fall over"),
+    "bouncing-disk": Scene(bouncing_disk, 8.0, 1 / 100, "a ball bounces, lower each time"),
+    "cradle": Scene(lambda: newtons_cradle().world, 6.0, 1 / 240, "balls on strings pass a blow on"),
+    "ragdolls": Scene(ragdolls, 4.0, 1 / 60, "16 limp people fall onto each other"),
+    "humanoid": Scene(lambda: humanoid().world, 5.0, 1 / 200, "a person stands, held by springs in the joints"),
+    "chain": Scene(lambda: chain().world, 6.0, 1 / 120, "20 rods swing a ball of 1000 times the mass"),
+    "joint-grid": Scene(joint_grid, 4.0, 1 / 60, "900 balls joined to a net swing"),
+    "robot-arm": Scene(lambda: arm().world, 3.0, 1 / 200, "an arm of seven hinges bends"),
+    "two-link-arm": Scene(lambda: two_link_arm().world, 10.0, 1 / 200, "two rods swing without friction"),
+    "quadruped": Scene(lambda: quadruped().world, 3.0, 1 / 200, "a robot stands on four legs"),
+}

@@ -1,0 +1,50 @@
+"""How far contacts and joints are from what they should be."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.world.contacts import layout as contacts
+from kickdrift.world.joints import layout as joints
+from kickdrift.world.rotations import product, turned
+from kickdrift.world.tables import CONTACT, JOINT, JOINT_NUMBERS, MANIFOLD, PLACE, POSE, SHAPE, Tables
+
+Floats = NDArray[np.float64]
+_BODY = 1  # column of SHAPE
+
+
+def deepest_overlap(tables: Tables) -> float:
+    """Measure how deep bodies that touch have sunk into each other, at most, m; 0.0 where none has."""
+    rows, manifolds = tables.array(CONTACT), tables.array(MANIFOLD)
+    solid = (rows[:, contacts.STATE] & contacts.SENSOR) == 0
+    rows, manifolds = rows[solid], manifolds[solid]
+    at_a, turn_a = _place(tables, rows[:, contacts.SHAPE_A])
+    at_b, turn_b = _place(tables, rows[:, contacts.SHAPE_B])
+    normal = turned(turn_a, manifolds[:, contacts.NORMAL : contacts.NORMAL + 3])
+    deepest = 0.0
+    for k in range(4):
+        there = rows[:, contacts.POINTS] > k
+        point = manifolds[there, contacts.POINT + contacts.POINT_SIZE * k :]
+        on_a = at_a[there] + turned(turn_a[there], point[:, contacts.ON_A : contacts.ON_A + 3])
+        on_b = at_b[there] + turned(turn_b[there], point[:, contacts.ON_B : contacts.ON_B + 3])
+        gaps = np.sum(normal[there] * (on_b - on_a), axis=1)
+        deepest = max(deepest, float(-gaps.min(initial=0.0)))
+    return deepest
+
+
+def widest_gap(tables: Tables) -> float:
+    """Measure how far apart points are that joints hold together, at most, m; 0.0 without such joints."""
+    rows, numbers, pose = tables.array(JOINT), tables.array(JOINT_NUMBERS), tables.array(POSE)
+    held = (rows[:, joints.KIND] != joints.REMOVED) & (rows[:, joints.LOCKED] & 0b111 == 0b111)
+    rows, numbers = rows[held], numbers[held]
+    ends = []
+    for column, anchor in ((joints.BODY_A, joints.ANCHOR_A), (joints.BODY_B, joints.ANCHOR_B)):
+        bodies = pose[rows[:, column]]
+        ends.append(bodies[:, :3] + turned(bodies[:, 3:7], numbers[:, anchor : anchor + 3]))
+    return float(np.linalg.norm(ends[1] - ends[0], axis=1).max(initial=0.0))
+
+
+def _place(tables: Tables, shapes: NDArray[np.int64]) -> tuple[Floats, Floats]:
+    """Return where shapes are in the world: origins and orientations."""
+    body = tables.array(POSE)[tables.array(SHAPE)[shapes, _BODY]]
+    place = tables.array(PLACE)[shapes]
+    return body[:, :3] + turned(body[:, 3:7], place[:, :3]), product(body[:, 3:7], place[:, 3:7])
