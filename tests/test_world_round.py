@@ -157,7 +157,8 @@ def check_nearest(kinds, a, b, pose, found):
     k = separations.argmin()
     bound = (core_b @ normal).min() - (core_a @ normal).max()
     scale = extent(kinds[0], a) + extent(kinds[1], b)
-    tolerance = (1e-11 if abs(bound) > 3e-8 * scale else 1e-7) * scale  # of cores that all but touch, half the digits
+    # The direction between cores that all but touch is rounding, times the size of things.
+    tolerance = scale * min(1e-7, 1e-11 + 1e-15 * scale / max(abs(bound), 1e-300))
     assert abs(separations[k] + radius_a + radius_b - bound) < tolerance + 1e-9 * (radius_a + radius_b)
     sideways = 0.0
     if len(features) == 2:  # the two points of a pair are not quite opposite each other
@@ -238,6 +239,54 @@ def test_a_capsule_along_an_edge_of_a_box_touches_it_twice():
     assert np.allclose(normal, (0.0, 1.0, 0.0))
     assert np.allclose(on_a, [(0.0, 0.1, -0.25), (0.0, 0.1, 0.75)])
     assert np.allclose(on_b, on_a)
+
+
+@pytest.mark.parametrize("kind", [BOX, HULL])
+@pytest.mark.parametrize("angle", [0.0, 0.3, np.pi / 4, 1.3])
+def test_a_capsule_lies_on_a_face_in_any_direction(kind, angle):
+    b = np.array([0.5, 0.5, 0.5]) if kind == BOX else polyhedron_numbers(CORNERS * 0.5, BOX_LOOPS)
+    turn = np.array(
+        [np.cos(angle / 2), np.sin(angle / 2), 0.0, 0.0]
+    )  # of the box about the capsule's x axis, normal to it
+    q = product(turn, np.array(LYING))
+    normal, on_a, on_b, features = collide((CAPSULE, kind), [0.2, 2.0], b, (0.71, 0.0, 0.0, *q), 0.02)
+    reach = 0.5 / max(abs(np.cos(angle)), abs(np.sin(angle)))
+    assert np.allclose(normal, (1.0, 0.0, 0.0))
+    assert np.allclose(on_a, [(0.2, 0.0, -reach), (0.2, 0.0, reach)])
+    assert np.allclose(on_b, [(0.21, 0.0, -reach), (0.21, 0.0, reach)])
+    assert (features == (0.0, 1.0)).all()
+
+
+@pytest.mark.parametrize("kind", [BOX, HULL])
+@pytest.mark.parametrize("half", [0.3, 2.0])
+@pytest.mark.parametrize("edge", range(12))
+def test_a_capsule_along_any_edge_touches_it_twice(kind, half, edge):
+    """Also where it is longer than the edge, and as near to the ends of the next ones."""
+    axis, signs = edge // 4, np.array([1.0 if edge & 1 else -1.0, 1.0 if edge & 2 else -1.0])
+    corner = np.insert(0.5 * signs, axis, 0.0)
+    outward = np.insert(signs, axis, 0.0) / np.sqrt(2.0)
+    turns = [(np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0), (np.sqrt(0.5), -np.sqrt(0.5), 0.0, 0.0), UPRIGHT]
+    q, at = conjugate(turns[axis]), corner + 0.11 * outward  # of the capsule in the box's frame
+    pose = np.concatenate((rotation_matrix(q) @ -at, q))
+    b = np.array([0.5, 0.5, 0.5]) if kind == BOX else polyhedron_numbers(CORNERS * 0.5, BOX_LOOPS)
+    normal, on_a, on_b, features = collide((CAPSULE, kind), [0.1, half], b, pose, 0.02)
+    assert (features == (0.0, 1.0)).all()
+    assert np.allclose(normal, rotation_matrix(q) @ -outward)
+    assert np.allclose(np.sort(on_a[:, 2]), (-min(half, 0.5), min(half, 0.5)))
+    assert np.allclose((on_b - on_a) @ normal, 0.01)
+
+
+@pytest.mark.parametrize("kind", [BOX, HULL])
+def test_a_capsule_that_tips_over_the_end_of_a_box_keeps_its_point_behind(kind):
+    """It is nearest to the end of the box, with a normal that is not quite the face's."""
+    b = np.array([0.5, 0.5, 0.5]) if kind == BOX else polyhedron_numbers(CORNERS * 0.5, BOX_LOOPS)
+    for tilt in (0.02, -0.02):
+        q = product(np.array([np.cos(tilt / 2), 0.0, -np.sin(tilt / 2), 0.0]), np.array(LYING))
+        pose = np.array([0.71, 0.0, 0.0, *q])
+        found = collide((CAPSULE, kind), [0.2, 2.0], b, pose, 0.05)
+        check_nearest((CAPSULE, kind), np.array([0.2, 2.0]), b, pose, found)
+        assert (found[3] == (0.0, 1.0)).all()
+        assert np.allclose(found[1][:, 2], (-0.5, 0.5), atol=0.02)
 
 
 @pytest.mark.parametrize("tilt", [0.0, 1e-12, 1e-9, 1e-6, 1e-3, 0.0099])

@@ -174,6 +174,17 @@ def test_a_ridge_is_touched_on_its_edge():
         assert np.allclose((on_b - on_a) @ normal, np.hypot(0.01, 0.09) - 0.1)
 
 
+@pytest.mark.parametrize("first", range(3))
+def test_a_rod_longer_than_an_edge_touches_both_of_its_ends(first):
+    """It is as near to the ends of the other two edges."""
+    corners = np.roll([(0.0, -0.2, 0.0), (0.0, 0.2, 0.0), (-1.0, 0.0, -1.0)], first, axis=0)
+    along = (np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0)
+    normal, on_a, _, features = collide(CAPSULE, triangle(corners), ROD, (0.03, 0.0, 0.1, *along), 0.02)
+    assert np.allclose(normal, np.array([0.03, 0.0, 0.1]) / np.hypot(0.03, 0.1))
+    assert features == [0.0, 1.0]
+    assert np.allclose(np.sort(on_a[:, 1]), (-0.2, 0.2))
+
+
 def test_a_valley_is_touched_on_its_faces():
     left = triangle([(-1.0, 0.0, 1.0), (0.0, -5.0, 0.0), (0.0, 5.0, 0.0)], (1.0, 0.0, 1.0))
     right = triangle([(1.0, 0.0, 1.0), (0.0, 5.0, 0.0), (0.0, -5.0, 0.0)], (1.0, 0.0, 1.0))

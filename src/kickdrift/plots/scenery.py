@@ -14,7 +14,7 @@ from kickdrift.world.shapes.kinds import BOX, CAPSULE, MESH, PLANE, TRIANGLE
 from kickdrift.world.shapes.mesh import TRIANGLE_SIZE
 
 Floats = NDArray[np.float64]
-_ROD = 0.004  # thickness of a rod, of the extent of the scene
+_ROD = 0.002  # thickness of a rod, of the extent of the scene
 _LIGHTER = 0.3  # of white in the colours of bodies
 _FIXED, _GROUND, _RODS = (0.72, 0.74, 0.76), (0.93, 0.94, 0.95), (0.35, 0.37, 0.4)
 _LARGER = 1.02  # than the ball around the lines of a shape: round shapes lie outside of their lines

@@ -104,6 +104,6 @@ def _draw_energy(axes: "Axes", recording: Recording) -> None:
     lines = (("kinetic", kinetic, COLOURS[1]), ("potential", potential, COLOURS[0]), ("total", kinetic + potential, INK))
     for name, values, colour in lines:
         axes.plot(recording.t, values, color=colour, linewidth=1.3, label=name)
-    dress(axes, "t (s)", "J", "energy, from the lowest potential on")
+    dress(axes, "t (s)", "J, from the lowest potential on", "energy")
     axes.margins(x=0)
-    axes.legend(loc="best", frameon=False, fontsize=8.5)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, fontsize=8.5, borderaxespad=0.2)

@@ -45,8 +45,9 @@ _AHEAD = 3.0  # steps: at 2 falling boxes are sought half as often again, at 4 f
 def may_move(world: int, shape: int) -> bool:
     """Whether a shape belongs to a body that moves, or could."""
     shapes = integers(world, SHAPE)
-    kind = shapes[shape, 0]
-    return kind != PLANE and kind != MESH and integers(world, BODY)[shapes[shape, 1], KIND] != STATIC
+    kind, body = shapes[shape, 0], shapes[shape, 1]
+    moves: bool = kind != PLANE and kind != MESH and integers(world, BODY)[body, KIND] != STATIC
+    return moves
 
 
 @compiled

@@ -6,7 +6,18 @@ from kickdrift.world.collision.forest import update_trees
 from kickdrift.world.collision.known import forget_all, key_of, remember, slots_for
 from kickdrift.world.collision.pairs import PAIR, overlap, seek
 from kickdrift.world.collision.roster import update_bounds
-from kickdrift.world.collision.search import AT_HOME, FOUND, NEW, PAIRS_AT, PARTS_AT, REVIEW, SHAPES_AT, SLOTS, STATE
+from kickdrift.world.collision.search import (
+    AT_HOME,
+    CONTACTS,
+    FOUND,
+    NEW,
+    PAIRS_AT,
+    PARTS_AT,
+    REVIEW,
+    SHAPES_AT,
+    SLOTS,
+    STATE,
+)
 from kickdrift.world.contacts.layout import BODY_A, BODY_B, PART, SENSOR, SHAPE_A, SHAPE_B, TOUCHING
 from kickdrift.world.contacts.layout import STATE as CONTACT_STATE
 from kickdrift.world.events import BEGINS, FIRST_BODY, FROM_SENSOR, SECOND_BODY
@@ -94,8 +105,7 @@ def _look_through(world: int) -> bool:
                 contact[row, k] = contact[last, k]
             for k in range(MANIFOLD.width):
                 manifold[row, k] = manifold[last, k]
-            set_rows(world, CONTACT, last)
-            set_rows(world, MANIFOLD, last)
+            _set_count(world, last)
     return True
 
 
@@ -161,5 +171,12 @@ def _append(world: int) -> None:
             contact[row, CONTACT_STATE] = SENSOR
         row += 1
         at += PAIR
-    set_rows(world, CONTACT, row)
-    set_rows(world, MANIFOLD, row)
+    _set_count(world, row)
+
+
+@compiled
+def _set_count(world: int, count: int) -> None:
+    """Say how many contacts there are."""
+    set_rows(world, CONTACT, count)
+    set_rows(world, MANIFOLD, count)
+    integers(world, SEARCH)[0, CONTACTS] = count

@@ -28,7 +28,7 @@ def forget_all(world: int) -> None:
 
 @compiled(inline=True)
 def key_of(world: int, a: int, b: int, part: int) -> int:
-    """Return one number for a contact of two shapes, whichever is first; parts of meshes are numbered after all shapes."""
+    """Return one number for a contact, whichever shape is first; parts of meshes are numbered after all shapes."""
     if integers(world, SHAPE)[a, 0] == MESH:
         a = rows(world, SHAPE) + int(floats(world, BOUNDS)[a, FIRST_NODE]) + part
     return (min(a, b) << 32) | max(a, b)
@@ -52,7 +52,7 @@ def _slot(world: int, key: int) -> int:
     table = integers(world, SCRATCH)
     last = integers(world, SEARCH)[0, SLOTS] - 1
     # The product with an odd number wraps around; from bit 32 on it depends on all bits of both shapes.
-    slot = ((key * 0x1E3779B97F4A7C15) >> 32) & last
+    slot: int = ((key * 0x1E3779B97F4A7C15) >> 32) & last
     while table[slot, 0] != _EMPTY and table[slot, 0] != key:
         slot = (slot + 1) & last
     return slot

@@ -91,4 +91,5 @@ def _touch(
     pose[3], pose[4], pose[5], pose[6] = product(conjugate(turn_a), turn_b)
     for k in range(64):
         manifold[k] = 0.0
-    return collide(function, (a, b, pose, 0.0, manifold)) > 0
+    count: int = collide(function, (a, b, pose, 0.0, manifold))
+    return count > 0

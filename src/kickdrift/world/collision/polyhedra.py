@@ -52,7 +52,7 @@ def polyhedron_polyhedron(a: Any, b: Any, pose: Any, margin: float, manifold: An
     gap_b, face_b = separation_of_faces(b_seen, a, margin)
     if gap_b > margin:
         return 0
-    return touching(a, b, b_seen, frame, gap_a, face_a, gap_b, face_b, max(gap_a, gap_b), margin, manifold)
+    return touching(a, b, b_seen, frame, gap_a, face_a, gap_b, face_b, max(gap_a, gap_b), 0.0, margin, manifold)
 
 
 @compiled
@@ -66,6 +66,7 @@ def touching(
     gap_b: float,
     face_b: int,
     apart: float,
+    behind: float,
     margin: float,
     manifold: Any,
 ) -> int:
@@ -81,6 +82,8 @@ def touching(
         Face of each from which the other is farthest, and how far; -1 if none counts.
     apart : float
         How far the two are from each other along any face's normal, also one along which they may not push.
+    behind : float
+        How deep points may be although the two are apart, the one behind the other, m.
     margin, manifold
         See `kickdrift.world.collision`.
     """
@@ -110,7 +113,7 @@ def touching(
     tolerance = tolerance_of(margin, min(a[THICKNESS], b[THICKNESS]))
     off = SHARE_OFF * abs(gap) + tolerance
     b_first = gap_b > gap_a + off
-    least = -tolerance if apart > 0.0 else -reach - off  # deeper inside than that is behind: the two are apart
+    least = -max(tolerance, behind) if apart > 0.0 else -reach - off
     nearest = margin
     candidates, chosen = floats_on_stack(CANDIDATES), floats_on_stack(4)
     for attempt in range(4):

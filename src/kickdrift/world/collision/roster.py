@@ -5,6 +5,7 @@ from kickdrift.world.collision.bounds import is_somewhere, may_move, settle
 from kickdrift.world.collision.search import (
     AT_HOME,
     CHANGED,
+    CONTACTS,
     LEFT,
     MOVERS_CHANGED,
     NEW,
@@ -13,12 +14,14 @@ from kickdrift.world.collision.search import (
     SOUGHT_ANEW,
     STATE,
     STATIC_CHANGED,
+    UNSEEN,
 )
 from kickdrift.world.flight import AWAKE
 from kickdrift.world.shapes.kinds import MESH, PLANE
 from kickdrift.world.tables import (
     BODY,
     BOUNDS,
+    CONTACT,
     FIXTURES,
     MOVERS,
     PLANES,
@@ -38,10 +41,15 @@ from kickdrift.world.trouble import ask_for_room, report_body
 @compiled
 def update_bounds(world: int, h: float) -> bool:
     """List the shapes that leave their wider boxes in a step of h, to be sought; False where there is trouble."""
-    if integers(world, SEARCH)[0, CHANGED] != 0 and not enlist(world, h):
+    search, shapes = integers(world, SEARCH), integers(world, SHAPE)
+    if search[0, CONTACTS] != rows(world, CONTACT):  # someone else has removed some
+        for shape in range(rows(world, SHAPE)):
+            if shapes[shape, STATE] == AT_HOME:
+                shapes[shape, STATE] = SOUGHT_ANEW
+        search[0, CHANGED] = UNSEEN
+    if search[0, CHANGED] != 0 and not enlist(world, h):
         return False
-    shapes, movers, sought = integers(world, SHAPE), integers(world, MOVERS), integers(world, SOUGHT)
-    body, search = integers(world, BODY), integers(world, SEARCH)
+    movers, sought, body = integers(world, MOVERS), integers(world, SOUGHT), integers(world, BODY)
     for k in range(rows(world, MOVERS)):
         shape = movers[k, 0]
         if body[shapes[shape, 1], AWAKE] == 0 or not settle(world, shape, h):

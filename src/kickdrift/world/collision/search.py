@@ -19,6 +19,7 @@ SHAPES_AT = 9  # where in SCRATCH there is room for the shapes that a tree finds
 PARTS_AT = 10  # for the parts of a mesh
 PAIRS_AT = 11  # for the pairs that are new
 FOUND = 12  # how many of them there are
+CONTACTS = 13  # how many contacts there were at the end of the last search
 
 # Values of CHANGED besides 0
 UNSEEN = 1

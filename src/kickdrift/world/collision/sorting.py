@@ -7,8 +7,10 @@ from kickdrift.core.compilation import compiled
 
 @compiled
 def sort(numbers: Any, count: int) -> None:
-    """Sort the first numbers of an array, mostly a few, by Shell's method: at worst in n^1.5 steps."""
-    gap = count // 2
+    """Sort the first numbers of an array, mostly few: Shell's method with Knuth's gaps, at worst n^1.5 steps."""
+    gap = 1
+    while 3 * gap < count:
+        gap = 3 * gap + 1
     while gap > 0:
         for k in range(gap, count):
             value, place = numbers[k], k
@@ -16,4 +18,4 @@ def sort(numbers: Any, count: int) -> None:
                 numbers[place] = numbers[place - gap]
                 place -= gap
             numbers[place] = value
-        gap //= 2
+        gap //= 3

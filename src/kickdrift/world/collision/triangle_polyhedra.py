@@ -71,7 +71,8 @@ def triangle_polyhedron(a: Any, b: Any, pose: Any, margin: float, manifold: Any)
     _set_triangle(triangle, a)
     normal, offset = plane(triangle, 0)
     set_frame(frame, pose)
-    if dot(normal, placed(frame, (b[CENTRE], b[CENTRE + 1], b[CENTRE + 2]))) - offset < -min(_BEHIND, 0.5 * margin):
+    behind = min(_BEHIND, 0.5 * margin)
+    if dot(normal, placed(frame, (b[CENTRE], b[CENTRE + 1], b[CENTRE + 2]))) < offset - behind:
         return 0
     place_polyhedron(seen, b, frame)
     gap_a = lowest(seen, normal) - offset
@@ -82,7 +83,7 @@ def triangle_polyhedron(a: Any, b: Any, pose: Any, margin: float, manifold: Any)
         return 0
     face_a = int(triangle[FACES]) - 1
     apart = max(apart, gap_a)
-    return touching(triangle, b, seen, frame, gap_a, face_a, gap_b, face_b, apart, margin, manifold)
+    return touching(triangle, b, seen, frame, gap_a, face_a, gap_b, face_b, apart, behind, margin, manifold)
 
 
 @compiled

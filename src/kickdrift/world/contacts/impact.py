@@ -76,7 +76,7 @@ def _bounce_one(world: int, row: int, e: float, h: float) -> int:
     hit = carray(floats_on_stack(16), (16,))
     own = _constraint(world, row)
     first = _times_of_hits(world, row, own, hit, points, h)
-    if first > h:
+    if first >= 2.0 * h:
         return 0
     found = _speeds_wanted(world, row, own, hit, points, first, e, h)
     if found == 0:
@@ -144,7 +144,9 @@ def _times_of_hits(world: int, row: int, own: Any, hit: Any, points: int, h: flo
         speed = start + added * when / h
         hit[_POINT_SIZE * k + _TIME] = when
         hit[_POINT_SIZE * k + _SPEED] = speed
-        if speed < -slowest and when < first:
+        # What the solver would stop in this substep hits in it, a few per cent after its end though it may be: the solver
+        # asks the velocity after the kick, which in free flight is reached only at the end.
+        if speed < -slowest and when < first and (when <= h or gap + h * velocity <= 0.0):
             first = when
     return first
 

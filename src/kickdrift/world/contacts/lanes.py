@@ -74,8 +74,9 @@ def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, turned: Any
     leak = (1.0 - apart) * soft_impulse
     speed = v + (bx * wbx + by * wby + bz * wbz) - (ax * wax + ay * way + az * waz)
     new = max(impulse - own[i + c.POINT_MASS * W] * (scale * speed + bias) - leak * impulse, 0.0)
-    # The second sweep adds nothing to points that are apart: what meets in the next substep may bounce there.
-    d = min(new - impulse, 0.0 if gap > closed else 1e300)
+    # The second sweep adds nothing to points that are apart and carry nothing: what meets in the next substep may bounce
+    # there. Of those that carry something, rounding says whether they are apart.
+    d = min(new - impulse, 0.0 if (gap > closed) & (impulse == 0.0) else 1e300)
     own[i + c.IMPULSE * W] = impulse + d
     cx, cy, cz = _turn(s, INERTIA_A, lane, ax, ay, az)
     ex, ey, ez = _turn(s, INERTIA_B, lane, bx, by, bz)

@@ -6,6 +6,7 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import (
     Quaternion,
+    Symmetric,
     Vector,
     applied,
     conjugate,
@@ -50,6 +51,7 @@ from kickdrift.world.joints.layout import (
     POSITION,
     RELAXING,
     TARGET,
+    TURN_RESPONSE,
     TWIST_SCALE,
     UNIVERSAL,
     VECTOR,
@@ -218,11 +220,16 @@ def _measure_cone(joint: int, fa: Quaternion, relative: Quaternion, world: int) 
 
 
 @compiled(inline=True, cached=False)
-def turn_by(response: Any, body: int, torque: Vector) -> Vector:
-    """Angular velocity that an angular impulse gives a body."""
-    inverse = (response[body, 1], response[body, 2], response[body, 3],
-               response[body, 4], response[body, 5], response[body, 6])  # fmt: skip
-    return applied(inverse, torque)
+def symmetric_at(table: Any, row: int, column: int) -> Symmetric:
+    """Six numbers of a row."""
+    return (
+        table[row, column],
+        table[row, column + 1],
+        table[row, column + 2],
+        table[row, column + 3],
+        table[row, column + 4],
+        table[row, column + 5],
+    )
 
 
 @compiled(cached=False)
@@ -236,5 +243,5 @@ def mobility(joint: int, k: int, world: int) -> float:
         if k < 3:
             turn = cross(vector_at(numbers, joint, ARM_B if side == 1 else ARM_A), axis)
             total += response[body, 0]
-        total += dot(turn, turn_by(response, body, turn))
+        total += dot(turn, applied(symmetric_at(response, body, TURN_RESPONSE), turn))
     return total

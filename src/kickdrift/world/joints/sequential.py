@@ -13,7 +13,7 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import cross
+from kickdrift.core.vectors import applied, cross
 from kickdrift.world.joints.aim import aim
 from kickdrift.world.joints.equations import factor_equations, solve_equations
 from kickdrift.world.joints.impulses import push_bodies
@@ -40,8 +40,9 @@ from kickdrift.world.joints.layout import (
     SEQUENTIAL,
     SLOPE,
     SPEED,
+    TURN_RESPONSE,
 )
-from kickdrift.world.joints.measure import put_vector, turn_by, vector_at
+from kickdrift.world.joints.measure import put_vector, symmetric_at, vector_at
 from kickdrift.world.joints.trees import LAST_TRIALS, TRIALS, end_relaxation
 from kickdrift.world.tables import (
     ARTICULATION,
@@ -90,7 +91,7 @@ def solve_in_turn(t: float, h: float, world: int) -> None:
                 if joints[joint, LOCKED] >> k & 1 and not relaxing:
                     work[at, GIVEN + k] -= share * numbers[joint, IMPULSE + k]
                 numbers[joint, IMPULSE + k] += work[at, GIVEN + k]
-            push_bodies(joint, work, at, GIVEN, world)
+            push_bodies(link, joint, work, at, GIVEN, world)
         if relaxing:
             end_relaxation(row, world)
 
@@ -121,7 +122,7 @@ def _find_answers(joint: int, at: int, world: int) -> None:
                 arm = vector_at(numbers, joint, ARM_B if side == 1 else ARM_A)
                 turn = cross(arm, axis) if k < 3 else axis
                 put_vector(work, at + 1, 12 * k + _TURNS + 3 * side, turn)
-                answer = turn_by(response, joints[joint, BODY_A + side], turn)
+                answer = applied(symmetric_at(response, joints[joint, BODY_A + side], TURN_RESPONSE), turn)
                 put_vector(work, at + 1, 12 * k + _ANSWERS + 3 * side, answer)
 
 
