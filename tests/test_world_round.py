@@ -277,16 +277,19 @@ def test_a_capsule_along_any_edge_touches_it_twice(kind, half, edge):
 
 
 @pytest.mark.parametrize("kind", [BOX, HULL])
-def test_a_capsule_that_tips_over_the_end_of_a_box_keeps_its_point_behind(kind):
-    """It is nearest to the end of the box, with a normal that is not quite the face's."""
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_capsule_whose_lower_end_hangs_over_keeps_its_point_behind(kind, turned):
+    """It is nearest to the edge, with a normal that is not quite the face's."""
     b = np.array([0.5, 0.5, 0.5]) if kind == BOX else polyhedron_numbers(CORNERS * 0.5, BOX_LOOPS)
-    for tilt in (0.02, -0.02):
-        q = product(np.array([np.cos(tilt / 2), 0.0, -np.sin(tilt / 2), 0.0]), np.array(LYING))
-        pose = np.array([0.71, 0.0, 0.0, *q])
-        found = collide((CAPSULE, kind), [0.2, 2.0], b, pose, 0.05)
-        check_nearest((CAPSULE, kind), np.array([0.2, 2.0]), b, pose, found)
-        assert (found[3] == (0.0, 1.0)).all()
-        assert np.allclose(found[1][:, 2], (-0.5, 0.5), atol=0.02)
+    tilt, half = 0.02, 0.6
+    centre = np.array([0.502, 0.0, 0.71]) + half * np.array([-np.cos(tilt), 0.0, np.sin(tilt)])
+    angle = tilt - 0.5 * np.pi + (np.pi if turned else 0.0)  # of the capsule's axis to the box's, about y
+    q = conjugate((np.cos(0.5 * angle), 0.0, np.sin(0.5 * angle), 0.0))
+    pose = np.concatenate((rotation_matrix(q) @ -centre, q))
+    found = collide((CAPSULE, kind), [0.2, half], b, pose, 0.05)
+    check_nearest((CAPSULE, kind), np.array([0.2, half]), b, pose, found)
+    assert (found[3] == (0.0, 1.0)).all()
+    assert np.allclose(found[1][:, 2], (-0.4, 0.6) if turned else (-0.6, 0.4), atol=0.02)
 
 
 @pytest.mark.parametrize("tilt", [0.0, 1e-12, 1e-9, 1e-6, 1e-3, 0.0099])

@@ -118,7 +118,9 @@ def _catalogued(name: str, options: Options, comparison: bool) -> tuple[System, 
                 f" {', '.join(systems)}."
             )
         if comparison and name in _scenes():
-            raise ArgumentError(f"TARGET={name!r} is a scene, and methods are compared on systems: {', '.join(systems)}.")
+            raise ArgumentError(
+                f"TARGET={name!r} is a scene, and methods are compared on systems: {', '.join(systems)}."
+            )
         raise unknown_name("TARGET", name, [*systems, *(() if comparison else _scenes())])
     defaults = DEFAULTS.get(name, Defaults())
     duration, step = defaults.comparison if comparison else (defaults.duration, defaults.step)

@@ -50,7 +50,8 @@ def make_scene_plan(name: str, options: Options) -> ScenePlan:
     )
     for which, value in (("duration", duration), ("step", step)):
         if value < 0.0:
-            raise ArgumentError(f"--{which}={getattr(options, which)!r} must be positive: bodies that touch run forwards.")
+            given = getattr(options, which)
+            raise ArgumentError(f"--{which}={given!r} must be positive: bodies that touch run forwards.")
     return ScenePlan(name, duration, step, save_every(options, None))
 
 

@@ -73,23 +73,6 @@ def _floats_of(typing_context: Any, array: Any) -> Any:
     return _FLOATS(array), generate
 
 
-@intrinsic
-def prefetch(typing_context: Any, array: Any, index: Any) -> Any:
-    """Fetch the cache line of an element of a one-dimensional array that will be read soon; any index is harmless."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
-        place = builder.bitcast(builder.gep(data, [arguments[1]]), ir.IntType(8).as_pointer())
-        word, byte = ir.IntType(32), ir.IntType(8).as_pointer()
-        kind = ir.FunctionType(ir.VoidType(), [byte, word, word, word])
-        function = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0")
-        read, everywhere, of_data = word(0), word(3), word(1)
-        builder.call(function, [place, read, everywhere, of_data])
-        return context.get_dummy_value()
-
-    return types.none(array, types.intp), generate
-
-
 @intrinsic(prefer_literal=True)
 def floats_on_stack(typing_context: Any, size: Any) -> Any:
     """Pointer to a fresh local buffer of a constant number of floats, which the compiler can keep in registers."""

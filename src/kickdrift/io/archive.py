@@ -1,7 +1,7 @@
 """Files of ours: one ``.npz`` of plain arrays and one JSON text, which NumPy alone can open. No pickle.
 
-The JSON text names the format and carries a digest of everything else, so that a file that was changed or damaged is found
-before anybody relies on it.
+The JSON text names the format and carries a digest of everything else, so that a file that was changed or damaged is
+found before anybody relies on it.
 """
 
 import hashlib
@@ -78,7 +78,7 @@ def _target(path: str | Path) -> Path:
     return target if target.suffix == ".npz" else target.with_name(target.name + ".npz")
 
 
-def read(path: str | Path, what: str, writer: str, assemble: Callable[[dict[str, Any], dict[str, NDArray[Any]]], T]) -> T:
+def read(path: str | Path, what: str, writer: str, assemble: Callable[[dict[str, Any], dict[str, Any]], T]) -> T:
     """Read a file.
 
     Parameters
@@ -87,8 +87,8 @@ def read(path: str | Path, what: str, writer: str, assemble: Callable[[dict[str,
     what, writer : str
         What it should be, and who writes such files, for errors.
     assemble : callable
-        Makes what is wanted of header and arrays. What it raises of `LookupError`, `TypeError`, `ValueError` and the like
-        says that the file is not what it should be.
+        Makes what is wanted of header and arrays. What it raises of `LookupError`, `TypeError`, `ValueError` and the
+        like says that the file is not what it should be.
 
     Raises
     ------

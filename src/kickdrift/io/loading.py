@@ -23,7 +23,9 @@ def load(path: str | Path) -> Solution:
 
             return recording_file.assemble(head, arrays)
         if head["format"] == archive.WORLD:
-            raise FileFormatError(f"path={str(path)!r} is a world, not what one did; read it with kickdrift.load_world.")
+            raise FileFormatError(
+                f"path={str(path)!r} is a world, not its recording; read it with kickdrift.load_world."
+            )
         return solution_file.assemble(head, arrays)
 
     return archive.read(path, "a kickdrift solution", "Solution.save", assemble)

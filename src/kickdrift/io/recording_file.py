@@ -54,7 +54,8 @@ def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Recording:
     parts = tuple(Part(body, shapes[shape], place[:3], place[3:7]) for (body, shape), place in rows)
     ends = zip(arrays["rods"].tolist(), arrays["rod ends"], strict=True)
     rods = tuple(Rod(a, end[:3], b, end[3:6]) for (a, b), end in ends)
-    if any(not 0 <= body < bodies for body in (*(p.body for p in parts), *(b for r in rods for b in (r.body_a, r.body_b)))):
+    shown = [*(part.body for part in parts), *(body for rod in rods for body in (rod.body_a, rod.body_b))]
+    if any(not 0 <= body < bodies for body in shown):
         raise ValueError(f"a shape is one of a body that there is not; there are {bodies}")
     looks = Appearance(kinds, parts, rods)
     return Recording(**known, orientation=turns, angular_velocity=spins, appearance=looks)

@@ -1,6 +1,7 @@
 """The report of a recording: a fact a line."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kickdrift.io.report import lines
 from kickdrift.world.recording import Recording
@@ -22,13 +23,14 @@ def report(recording: Recording) -> str:
         per_step = seconds / recording.n_steps * 1e3
         rows.append(("wall time", f"{seconds:.3g} s, {per_step:.3g} ms a step, {simulated / seconds:.3g} x real time"))
     rows.append(("energy", _change(recording.energy, "J")))
-    for name in ("kinetic energy", "potential energy"):
-        rows.append((name, _change(recording.derived[name], "J")))
-    for name, unit in (("momentum", "kg m/s"), ("angular momentum", "kg m^2/s")):
-        rows.append((name, _change(np.linalg.norm(recording.invariants[name], axis=1), unit)))
-    for name, values in ((name, recording.derived[name]) for name in ("overlap", "joint gap")):
+    rows += [(name, _change(recording.derived[name], "J")) for name in ("kinetic energy", "potential energy")]
+    for name in ("momentum", "angular momentum"):
+        sizes = np.linalg.norm(recording.invariants[name], axis=1)
+        rows.append((name, _change(sizes, about.units[name])))
+    for name in ("overlap", "joint gap"):
+        values = 1e3 * recording.derived[name]
         if values.any():
-            rows.append((name, f"{1e3 * values.max():.3g} mm at most, {1e3 * values[-1]:.3g} mm at the end"))
+            rows.append((name, f"{values.max():.3g} mm at most, {values[-1]:.3g} mm at the end"))
     moved = np.linalg.norm(recording.x[-1] - recording.x[0], axis=1)[recording.moving]
     if moved.size:
         rows.append(("farthest way", f"{moved.max():.4g} m, body {recording.moving[int(np.argmax(moved))]}"))
@@ -36,6 +38,6 @@ def report(recording: Recording) -> str:
     return lines(rows)
 
 
-def _change(values: np.ndarray, unit: str) -> str:
+def _change(values: NDArray[np.float64], unit: str) -> str:
     first, last = float(values[0]), float(values[-1])
     return f"{first:.6g} to {last:.6g} {unit} ({last - first:+.3g})"

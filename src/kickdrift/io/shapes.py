@@ -53,7 +53,7 @@ class Catalogue:
 
 
 def _arguments(shape: Any) -> dict[str, NDArray[np.float64]]:
-    """What a shape was made of: whole numbers are exact as floats."""
+    """Return what a shape was made of: whole numbers are exact as floats."""
     return {f.name: np.asarray(getattr(shape, f.name), dtype=np.float64) for f in fields(shape) if f.init}
 
 

@@ -83,17 +83,17 @@ def members(head: dict[str, Any], arrays: dict[str, Any]) -> dict[str, Any]:
         raise ValueError("an invariant has another number of times")
     if not (t.ndim == 1 and t.size and v.shape in (x.shape, (t.size, 0)) and x.shape[:1] == t.shape):
         raise ValueError(f"t, x and v have shapes {t.shape}, {x.shape} and {v.shape}")
-    return dict(
-        t=t,
-        x=x,
-        v=v,
-        invariants=Invariants(tuple(kept), kept.__getitem__),
-        status=Outcome[head["status"]],
-        message=str(head["message"]),
-        step=float(head["step"]),
-        n_steps=int(head["n_steps"]),
-        n_force_evaluations=int(head["n_force_evaluations"]),
-        wall_time=float(head["wall_time"]),
-        about=Description(**about),
-        derived=derived,
-    )
+    return {
+        "t": t,
+        "x": x,
+        "v": v,
+        "invariants": Invariants(tuple(kept), kept.__getitem__),
+        "status": Outcome[head["status"]],
+        "message": str(head["message"]),
+        "step": float(head["step"]),
+        "n_steps": int(head["n_steps"]),
+        "n_force_evaluations": int(head["n_force_evaluations"]),
+        "wall_time": float(head["wall_time"]),
+        "about": Description(**about),
+        "derived": derived,
+    }

@@ -117,8 +117,8 @@ def _check(path: str, head: dict[str, Any], arrays: dict[str, Any]) -> None:
     given = str(head["format"])
     if given != archive.WORLD and given.startswith(_KIND):
         raise FileFormatError(
-            f"path={path!r} is {given!r}, and this version of kickdrift reads {archive.WORLD!r}; read it with the version that"
-            " wrote it."
+            f"path={path!r} is {given!r}, and this version of kickdrift reads {archive.WORLD!r}; read it with the"
+            " version that wrote it."
         )
     if given != archive.WORLD:
         raise KeyError("format")
@@ -153,7 +153,7 @@ def _assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Snapshot:
         kinds=tuple(head["kinds"]),
         bouncing=bool(head["bouncing"]),
         shapes=MappingProxyType(
-            {row: Placed(shapes[shape], place[:3], place[3:7], surfaces[surface]) for (row, shape, surface), place in rows}
+            {row: Placed(shapes[of], place[:3], place[3:7], surfaces[face]) for (row, of, face), place in rows}
         ),
         geometry=MappingProxyType(
             {
@@ -181,5 +181,9 @@ def _words(surface: Surface) -> str:
 
 
 def _surface(words: dict[str, Any]) -> Surface:
-    velocity, layers = tuple(words["surface_velocity"]), words["collides_with"]
-    return Surface(**{**words, "surface_velocity": velocity, "collides_with": None if layers is None else tuple(layers)})
+    layers = words["collides_with"]
+    tuples = {
+        "surface_velocity": tuple(words["surface_velocity"]),
+        "collides_with": None if layers is None else tuple(layers),
+    }
+    return Surface(**{**words, **tuples})

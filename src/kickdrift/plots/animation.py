@@ -59,7 +59,7 @@ def animate_recording(
     MissingExtraError
         If matplotlib is not installed.
     """
-    if not (np.isscalar(speed) and 0.0 < float(speed) < math.inf):
+    if not (isinstance(speed, int | float | np.integer | np.floating) and 0.0 < float(speed) < math.inf):
         raise ArgumentError(f"speed={speed!r} has to be positive and finite; 1 is real time, 0.5 half as fast.")
     if not (isinstance(rate, int | np.integer) and 1 <= rate <= 50):
         raise ArgumentError(f"rate={rate!r} has to be a whole number of pictures a second, from 1 to 50.")
@@ -71,7 +71,8 @@ def animate_recording(
     try:
         write(film, target)
     except OSError as error:
-        raise FileFormatError(f"path={str(path)!r} cannot be written: {error.strerror or error}; choose another folder.") from None
+        reason = error.strerror or error
+        raise FileFormatError(f"path={str(path)!r} cannot be written: {reason}; choose another folder.") from None
     return target
 
 
@@ -95,7 +96,7 @@ class _Film:
         self.figure.set_layout_engine("none")
         self.figure.set_size_inches(width / _DPI, height / _DPI)
         self.figure.set_dpi(_DPI)
-        self._canvas = FigureCanvasAgg(self.figure)
+        self._canvas: Any = FigureCanvasAgg(self.figure)
         axes = self.figure.add_axes((0.0, 0.0, 1.0, 1.0))
         axes.set_axis_off()
         self._image = axes.imshow(np.zeros((height, width, 3), dtype=np.uint8), aspect="auto", interpolation="nearest")
@@ -115,10 +116,9 @@ class _Film:
         part = float(np.clip((time - recording.t[before]) / (recording.t[after] - recording.t[before]), 0.0, 1.0))
         p, q = recording.orientation[before], recording.orientation[after]
         q = np.where(np.sum(p * q, axis=1, keepdims=True) < 0.0, -q, q)
+        place = (1.0 - part) * recording.x[before] + part * recording.x[after]
         turn = (1.0 - part) * p + part * q
-        return Pose(
-            (1.0 - part) * recording.x[before] + part * recording.x[after], turn / np.linalg.norm(turn, axis=1, keepdims=True)
-        )
+        return Pose(place, turn / np.linalg.norm(turn, axis=1, keepdims=True))
 
     def samples(self) -> Iterator[Pixels]:
         """Paint some pictures from all over the film."""

@@ -51,7 +51,7 @@ class Camera(NamedTuple):
         right, up, depth = offset @ self.right, offset @ self.up, offset @ self.ahead
         pixels = 0.5 * height / self.scale
         if self.perspective:
-            pixels = pixels / np.where(depth > 0.0, depth, np.nan)
+            right, up = (along / np.where(depth > 0.0, depth, np.nan) for along in (right, up))
         return np.stack((0.5 * width + pixels * right, 0.5 * height - pixels * up, depth), axis=-1)
 
 
@@ -82,7 +82,7 @@ def showing(points: Floats, reaches: Floats, ahead: Floats, aspect: float, *, pe
     x, y, z = (points @ axis for axis in axes)
     if not perspective:
         x0, x1, y0, y1 = (x - reaches).min(), (x + reaches).max(), (y - reaches).min(), (y + reaches).max()
-        scale = 0.5 * _MARGIN * max((x1 - x0) / aspect, y1 - y0)
+        scale = float(0.5 * _MARGIN * max((x1 - x0) / aspect, y1 - y0))
         eye = 0.5 * (x0 + x1), 0.5 * (y0 + y1), float((z - reaches).min()) - _FAR * scale
         return Camera(np.array(eye) @ axes, *axes, False, scale)
     # The eye (a, b, c) sees a ball between the left and the right edge of the picture if x - a and a - x are at most

@@ -1,7 +1,7 @@
 """Light and colour for what the rays of a camera meet.
 
-A lamp shines from one side, and shapes cast shadows; what it does not reach has the light of the sky. Edges are drawn where
-one shape ends and another begins, and where faces meet.
+A lamp shines from one side, and shapes cast shadows; what it does not reach has the light of the sky. Edges are drawn
+where one shape ends and another begins, and where faces meet.
 """
 
 import math
@@ -14,8 +14,8 @@ from kickdrift.core.vectors import Vector, dot, length, minus, plus, times, turn
 from kickdrift.plots.rendering import AHEAD, EYE, KIND, NOTHING, RIGHT, SCALE, UP, ray, three
 from kickdrift.world.shapes.kinds import CAPSULE, PLANE, SPHERE
 
-# Columns of a setting: direction to the lamp (3), colour of the background (3), distance of the lines on planes in m, and
-# how far planes are seen, in m, from which point (3)
+# Columns of a setting: direction to the lamp (3), colour of the background (3), distance of the lines on planes in m,
+# and how far planes are seen, in m, from which point (3)
 LAMP, BACKGROUND, GRID, FADE, SETTING = 0, 3, 6, 7, 11
 
 _SKY, _FROM_ABOVE, _FROM_LAMP = 0.50, 0.14, 0.42  # light from all sides, more of it from above, and of the lamp
@@ -56,8 +56,8 @@ def light(camera: Any, distance: Any, normal: Any, lamp: Any, reached: Any, lit:
             start, direction = ray(camera, column + 0.5, row + 0.5, width, height)
             point = plus(start, times(distance[row, column], direction))
             offset = minus(plus(point, times(2.0 * pixel, n)), three(lamp, EYE))
-            x = int(math.floor(0.5 * size + dot(offset, three(lamp, RIGHT)) / pixel))
-            y = int(math.floor(0.5 * size - dot(offset, three(lamp, UP)) / pixel))
+            x = math.floor(0.5 * size + dot(offset, three(lamp, RIGHT)) / pixel)
+            y = math.floor(0.5 * size - dot(offset, three(lamp, UP)) / pixel)
             if 1 <= x < size - 1 and 1 <= y < size - 1:
                 far = dot(offset, ahead)
                 shaded = 0
@@ -70,8 +70,9 @@ def light(camera: Any, distance: Any, normal: Any, lamp: Any, reached: Any, lit:
 
 @compiled(fast=True)
 def paint(
-    camera: Any, shapes: Any, places: Any, colours: Any, setting: Any, distance: Any, owner: Any, normal: Any, lit: Any, picture: Any
-) -> None:
+    camera: Any, shapes: Any, places: Any, colours: Any, setting: Any, distance: Any, owner: Any, normal: Any, lit: Any,
+    picture: Any,
+) -> None:  # fmt: skip
     """Give each pixel its colour: the mean of those of the rays through it.
 
     Parameters

@@ -55,7 +55,7 @@ class Painter:
         aspect = _aspect(points, reaches, ahead)
         self.width, self.height = (2 * round(0.5 * math.sqrt(pixels * shape)) for shape in (aspect, 1.0 / aspect))
         self.camera = showing(points, reaches, ahead, self.width / self.height, perspective=not self._flat)
-        planes = [p for p in recording.appearance.parts if p.shape.kind == PLANE and _is_seen(p, recording, self.camera)]
+        planes = [part for part in recording.appearance.parts if _is_seen_plane(part, recording, self.camera)]
         self.scenery = Scenery(recording.appearance, extent, planes, from_side=self._flat)
         self._addresses = ray_addresses(self.scenery.kinds)
         self._lamp = _lamp(self.camera, _FROM_FRONT if self._flat else _FROM_LAMP, centre, 0.55 * extent)
@@ -95,7 +95,8 @@ class Painter:
             cast(lamp, self.scenery.n_planes, len(sight.shapes), *sight, self._addresses, *shade)
             light(camera, film.distance, film.normal, lamp, shade.distance, self._lit)
         colours = self.scenery.colours
-        paint(camera, sight.shapes, sight.places, colours, self._setting, *film, self._lit, self._picture)
+        seen = (film.distance, film.owner, film.normal, self._lit)
+        paint(camera, sight.shapes, sight.places, colours, self._setting, *seen, self._picture)
         return self._picture.copy()
 
 
@@ -112,7 +113,9 @@ class _Film:
 
 
 def _places(recording: Recording) -> tuple[Floats, Floats]:
-    """Find balls around the shapes that move, and the ends of rods, at many times, but for strays that would make all small.
+    """Find balls around the shapes that move, and the ends of rods, at many times.
+
+    Strays are left out, which would make everything else small.
 
     Returns
     -------
@@ -157,8 +160,10 @@ def _is_flat(recording: Recording, extent: float) -> bool:
     return bool(ways < _FLAT * extent and leans < 10 * _FLAT)
 
 
-def _is_seen(plane: Part, recording: Recording, camera: Camera) -> bool:
-    """Whether a camera sees a plane from outside."""
+def _is_seen_plane(plane: Part, recording: Recording, camera: Camera) -> bool:
+    """Whether a shape is a plane that a camera sees from outside, or from the side where its rays are parallel."""
+    if plane.shape.kind != PLANE:
+        return False
     at, turn = recording.x[0, plane.body], recording.orientation[0, plane.body]
     origin = at + turned(turn, plane.position)
     normal = turned(turn, turned(plane.orientation, np.array([0.0, 0.0, 1.0])))

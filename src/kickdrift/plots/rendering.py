@@ -1,7 +1,7 @@
 """Pictures of shapes by casting a ray through each pixel: what is in front hides what is behind, to the pixel.
 
-Rays meet shapes by the functions that worlds cast rays with, called by their addresses. `kickdrift.plots.lighting` gives
-colours to what they meet.
+Rays meet shapes by the functions that worlds cast rays with, called by their addresses. `kickdrift.plots.lighting`
+gives colours to what they meet.
 """
 
 import math

@@ -80,7 +80,8 @@ def _draw_trails(axes: "Axes", painter: Painter, recording: Recording) -> None:
         segments = np.stack((seen[:-1, i], seen[1:, i]), axis=1)
         fading = np.linspace(0.1, 0.9, len(segments))
         colour = colour_of(int(moving[i])) * 0.85
-        axes.add_collection(LineCollection(list(segments), colors=[(*colour, alpha) for alpha in fading], linewidths=1.1))
+        colours = [(*colour, alpha) for alpha in fading]
+        axes.add_collection(LineCollection(list(segments), colors=colours, linewidths=1.1))
     axes.set_xlim(-0.5, painter.width - 0.5)
     axes.set_ylim(painter.height - 0.5, -0.5)
 
@@ -89,7 +90,8 @@ def _hidden(painter: Painter, points: Floats, pixels: Floats) -> NDArray[np.bool
     """Say which points lie behind what is seen, or out of the picture."""
     camera, distance = painter.camera, painter.distance
     samples = len(distance) // painter.height
-    inside = (pixels[..., 0] >= 0) & (pixels[..., 0] < painter.width) & (pixels[..., 1] >= 0) & (pixels[..., 1] < painter.height)
+    size = np.array([painter.width, painter.height])
+    inside = ((pixels[..., :2] >= 0) & (pixels[..., :2] < size)).all(axis=-1)
     columns, rows = (np.where(inside, samples * pixels[..., k], 0).astype(np.intp) for k in (0, 1))
     far = np.linalg.norm(points - camera.eye, axis=-1) if camera.perspective else pixels[..., 2]
     hidden: NDArray[np.bool_] = ~inside | (far > distance[rows, columns])
@@ -101,8 +103,8 @@ def _draw_energy(axes: "Axes", recording: Recording) -> None:
     potential = recording.derived["potential energy"]
     potential = potential - potential.min()
     kinetic = recording.derived["kinetic energy"]
-    lines = (("kinetic", kinetic, COLOURS[1]), ("potential", potential, COLOURS[0]), ("total", kinetic + potential, INK))
-    for name, values, colour in lines:
+    lines = {"kinetic": kinetic, "potential": potential, "total": kinetic + potential}
+    for (name, values), colour in zip(lines.items(), (COLOURS[1], COLOURS[0], INK), strict=True):
         axes.plot(recording.t, values, color=colour, linewidth=1.3, label=name)
     dress(axes, "t (s)", "J, from the lowest potential on", "energy")
     axes.margins(x=0)

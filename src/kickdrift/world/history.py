@@ -35,8 +35,8 @@ class KeepsHistory:
         Returns
         -------
         Recording
-            Its `status` and `message` say how the run ended. An interruption (Ctrl-C) and a body that is lost to infinity
-            end it early; what was done is kept.
+            Its `status` and `message` say how the run ended. An interruption (Ctrl-C) and a body that is lost to
+            infinity end it early; what was done is kept.
 
         Raises
         ------

@@ -78,8 +78,8 @@ class Recording(Solution):
 
     Notes
     -----
-    `derived` has "kinetic energy" and "potential energy", J; "overlap", how deep bodies that touch have sunk into each other,
-    and "joint gap", how far apart points are that joints hold together, at most, m.
+    `derived` has "kinetic energy" and "potential energy", J; "overlap", how deep bodies that touch have sunk into each
+    other, and "joint gap", how far apart points are that joints hold together, at most, m.
     """
 
     orientation: Floats
@@ -93,9 +93,7 @@ class Recording(Solution):
         """Rows of the bodies that forces move."""
         return np.flatnonzero(self.appearance.kinds == DYNAMIC)
 
-    def animate(
-        self, path: str | Path, *, speed: float = 1.0, rate: int = 25, progress: bool | None = None
-    ) -> Path:
+    def animate(self, path: str | Path, *, speed: float = 1.0, rate: int = 25, progress: bool | None = None) -> Path:
         """Write a film of the recording, a GIF or an MP4; see `kickdrift.plots.animation.animate_recording`."""
         return self.presenters.animate(self, path, speed=speed, rate=rate, progress=progress)
 

@@ -29,9 +29,9 @@ _CHUNK_SECONDS = 0.1
 _MOST_BYTES = 2 << 30  # what a recording may take in memory unless the caller says which steps to keep
 _BYTES_PER_BODY = 13 * 8  # of a row
 _UNITS = {
-    **{"t": "s", "x": "m", "v": "m/s", "orientation": "1", "angular velocity": "rad/s"},
-    **{"energy": "J", "momentum": "kg m/s", "angular momentum": "kg m^2/s"},
-}
+    "t": "s", "x": "m", "v": "m/s", "orientation": "1", "angular velocity": "rad/s",
+    "energy": "J", "momentum": "kg m/s", "angular momentum": "kg m^2/s",
+}  # fmt: skip
 
 
 def run(world: "World", duration: float, step: float, save_every: int | None, progress: bool | None) -> Recording:
@@ -67,7 +67,7 @@ def run(world: "World", duration: float, step: float, save_every: int | None, pr
 
 def _lay(duration: float, step: float, save_every: int | None, n_bodies: int) -> Grid:
     for name, value in (("duration", duration), ("step", step)):
-        if not (np.isscalar(value) and np.isreal(value) and 0.0 < float(value) < math.inf):
+        if not (isinstance(value, int | float | np.integer | np.floating) and 0.0 < float(value) < math.inf):
             raise ArgumentError(f"{name}={value!r} has to be positive and finite, in s.")
     if step > duration * (1.0 + 1e-12):
         raise ArgumentError(f"step={step!r} is larger than duration={duration!r}; give a smaller one.")

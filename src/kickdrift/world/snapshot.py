@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import Function
@@ -19,11 +18,7 @@ if TYPE_CHECKING:
 # Addresses of compiled functions mean nothing in another process; a world finds its own.
 _OF_THE_PROCESS = (COLLIDERS, SWEEPS)
 TABLES: Mapping[str, Table] = MappingProxyType(
-    {
-        name: table
-        for name, table in vars(tables).items()
-        if isinstance(table, Table) and table not in _OF_THE_PROCESS
-    }
+    {name: table for name, table in vars(tables).items() if isinstance(table, Table) and table not in _OF_THE_PROCESS}
 )
 
 

@@ -70,7 +70,7 @@ ORDER = Table(28, 4, whole=True)
 STEPS = Table(29, 16)  # one row: counters
 COLOURS = Table(30, 4, whole=True)  # contacts of a colour, its first group and the group after its last
 COLOURED = Table(31, 1, whole=True)  # of each body the set of colours that its contacts have
-SWEEPS = Table(34, 4, whole=True)  # one row: see `kickdrift.world.contacts.lanes`
+SWEEPS = Table(34, 6, whole=True)  # one row: see `kickdrift.world.contacts.lanes`
 STARTED_POSE = Table(32, 8)  # as POSE and MOTION were when the step began
 STARTED_MOTION = Table(33, 8)
 SEARCH = Table(38, 16, whole=True)  # one row: see `kickdrift.world.collision.search`

@@ -13,6 +13,7 @@ from numba import types
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.filling import fill, fill_friction
 
 W = c.WIDTH
 # Fields of scratch: velocities of the first bodies (6) and the second (6), displacements (6 and 6), inverse inertia (6 and 6).
@@ -232,4 +233,5 @@ def apply_impulses(own: Any, s: Any, per_h: float, soft: float, push: float, n: 
 
 
 # What the table `SWEEPS` holds: the addresses of these, and the number of lanes.
-SWEEPS = (apply_impulses, solve_normals, solve_friction)
+SWEEPS = (apply_impulses, solve_normals, solve_friction, fill, fill_friction)
+APPLY_IMPULSES, SOLVE_NORMALS, SOLVE_FRICTION, FILL, FILL_FRICTION, LANE_COUNT = range(6)

@@ -13,7 +13,18 @@ from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled, specialise, unbound
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.lanes import CHANGE_A, INERTIA_A, SCRATCH, SWEEP, VELOCITY_A, VELOCITY_B
+from kickdrift.world.contacts.lanes import (
+    APPLY_IMPULSES,
+    CHANGE_A,
+    INERTIA_A,
+    LANE_COUNT,
+    SCRATCH,
+    SOLVE_FRICTION,
+    SOLVE_NORMALS,
+    SWEEP,
+    VELOCITY_A,
+    VELOCITY_B,
+)
 from kickdrift.world.contacts.prepare import OVERFLOW
 from kickdrift.world.settings import PUSH_SPEED
 from kickdrift.world.tables import (
@@ -35,7 +46,6 @@ from kickdrift.world.tables import (
 
 _W = c.WIDTH
 _SIZE = c.FIELDS * _W
-_APPLY_IMPULSES, _SOLVE_NORMALS, _SOLVE_FRICTION, _LANE_COUNT = range(4)
 
 _FEWEST = 16  # groups of a colour that are worth a parallel region of some 10 us
 
@@ -76,11 +86,11 @@ def _back(t: float, h: float, world: int) -> None:
 def _warm_start_group(h: float, world: int, g: int) -> None:
     motion, response, groups = floats(world, MOTION), floats(world, RESPONSE), integers(world, GROUPS)
     lanes, scratch, sweeps = flat(world, LANES), carray(floats_on_stack(SCRATCH), (SCRATCH,)), integers(world, SWEEPS)
-    n = sweeps[0, _LANE_COUNT]
+    n = sweeps[0, LANE_COUNT]
     _gather(groups, g, motion, 0, VELOCITY_A, scratch, n)
     _gather(groups, g, response, 1, INERTIA_A, scratch, n)
     own = lanes[g * _SIZE : (g + 1) * _SIZE]
-    sweep(sweeps[0, _APPLY_IMPULSES], (own, scratch, 1.0 / h, 1.0, 0.0, n))
+    sweep(sweeps[0, APPLY_IMPULSES], (own, scratch, 1.0 / h, 1.0, 0.0, n))
     _scatter(groups, g, motion, scratch, n)
 
 
@@ -88,12 +98,12 @@ def _warm_start_group(h: float, world: int, g: int) -> None:
 def _solve_group(h: float, world: int, g: int) -> None:
     motion, response, groups = floats(world, MOTION), floats(world, RESPONSE), integers(world, GROUPS)
     lanes, scratch, sweeps = flat(world, LANES), carray(floats_on_stack(SCRATCH), (SCRATCH,)), integers(world, SWEEPS)
-    change, push, n = floats(world, CHANGE), floats(world, SETTINGS)[0, PUSH_SPEED], sweeps[0, _LANE_COUNT]
+    change, push, n = floats(world, CHANGE), floats(world, SETTINGS)[0, PUSH_SPEED], sweeps[0, LANE_COUNT]
     _gather(groups, g, motion, 0, VELOCITY_A, scratch, n)
     _gather(groups, g, change, 0, CHANGE_A, scratch, n)
     _gather(groups, g, response, 1, INERTIA_A, scratch, n)
     own = lanes[g * _SIZE : (g + 1) * _SIZE]
-    sweep(sweeps[0, _SOLVE_NORMALS], (own, scratch, 1.0 / h, 1.0, push, n))
+    sweep(sweeps[0, SOLVE_NORMALS], (own, scratch, 1.0 / h, 1.0, push, n))
     _scatter(groups, g, motion, scratch, n)
 
 
@@ -101,13 +111,13 @@ def _solve_group(h: float, world: int, g: int) -> None:
 def _relax_group(h: float, world: int, g: int) -> None:
     motion, response, groups = floats(world, MOTION), floats(world, RESPONSE), integers(world, GROUPS)
     lanes, scratch, sweeps = flat(world, LANES), carray(floats_on_stack(SCRATCH), (SCRATCH,)), integers(world, SWEEPS)
-    change, n = floats(world, CHANGE), sweeps[0, _LANE_COUNT]
+    change, n = floats(world, CHANGE), sweeps[0, LANE_COUNT]
     _gather(groups, g, motion, 0, VELOCITY_A, scratch, n)
     _gather(groups, g, change, 0, CHANGE_A, scratch, n)
     _gather(groups, g, response, 1, INERTIA_A, scratch, n)
     own = lanes[g * _SIZE : (g + 1) * _SIZE]
-    sweep(sweeps[0, _SOLVE_FRICTION], (own, scratch, 1.0 / h, 0.0, 0.0, n))
-    sweep(sweeps[0, _SOLVE_NORMALS], (own, scratch, 1.0 / h, 0.0, 0.0, n))
+    sweep(sweeps[0, SOLVE_FRICTION], (own, scratch, 1.0 / h, 0.0, 0.0, n))
+    sweep(sweeps[0, SOLVE_NORMALS], (own, scratch, 1.0 / h, 0.0, 0.0, n))
     _scatter(groups, g, motion, scratch, n)
 
 

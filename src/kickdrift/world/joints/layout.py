@@ -49,6 +49,7 @@ DRIVEN = int64(36)  # angles less the targets of drives
 ARM_A, ARM_B = int64(39), int64(42)  # from the centres of mass to where the joint acts, in the world's axes
 AXES = int64(45)  # linear axes (9), angular axes (9), in the world's axes
 MISALIGNMENT = int64(63)  # of locked axes as it will be at the end of the substep, were the joint to do nothing
+PULL = int64(69)  # linear impulse of a substep, as a mean over the last few
 
 # Columns of JOINT_AXES. Zero motors, drives and frictions do nothing; infinite limits are none.
 LOWER, UPPER = 0, 1

@@ -18,6 +18,7 @@ from kickdrift.world.joints.layout import (
     LAWS,
     LINK_JOINT,
     LINKS,
+    PULL,
     RELAXING,
     SEQUENTIAL,
     SIGN,
@@ -110,4 +111,6 @@ def end_relaxation(row: int, world: int) -> None:
             note_speeds(joint, world)
             for k in range(6):
                 numbers[joint, TOTAL + k] += numbers[joint, IMPULSE + k]
+            for k in range(3):
+                numbers[joint, PULL + k] = 0.5 * (numbers[joint, PULL + k] + numbers[joint, IMPULSE + k])
     articulation[RELAXING] = 0

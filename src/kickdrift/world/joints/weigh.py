@@ -19,11 +19,11 @@ from kickdrift.world.joints.layout import (
     BODY,
     END,
     FIRST,
-    IMPULSE,
     LINK_A,
     LINK_JOINT,
     LINKS,
     MOMENTS,
+    PULL,
     SEQUENTIAL,
     TURN_RESPONSE,
     TURNING,
@@ -58,7 +58,7 @@ def weigh(first: int, count: int, after: int, h: float, world: int) -> None:
             continue
         force = (0.0, 0.0, 0.0)
         for k in range(3):
-            force = plus(force, times(h * numbers[joint, IMPULSE + k], vector_at(numbers, joint, AXES + 3 * k)))
+            force = plus(force, times(h * numbers[joint, PULL + k], vector_at(numbers, joint, AXES + 3 * k)))
         for side in range(2):
             body = links[link, LINK_A + side]
             if body >= 0:
