@@ -385,6 +385,16 @@ def test_a_turning_rod_finds_what_it_strikes_in_the_step():
     assert scene.find() == []
 
 
+def test_a_shape_far_from_the_axis_finds_what_it_swings_into():
+    scene = Scene()
+    ball = scene.shape(scene.body(spin=(0, 0, 12)), SPHERE, [0.1], position=(5, 0, 0))
+    ahead = scene.box((5, 0.9, 0), 0.05, kind=STATIC)
+    behind = scene.box((5, -0.9, 0), 0.05, kind=STATIC)
+    pairs = scene.find()
+    assert (ball, ahead, 0) in pairs
+    assert (ball, behind, 0) not in pairs
+
+
 def test_a_ball_that_spins_in_place_is_in_its_own_box():
     scene = Scene()
     scene.shape(scene.body(spin=(0, 0, 1000)), SPHERE, [1.0])
@@ -518,6 +528,7 @@ def test_a_body_that_is_nowhere_is_named_and_can_be_brought_back(table, value):
     trouble[:] = 0
     scene[table][body, 1] = 0.0
     assert set(scene.find()) == set(pairs)
+    assert np.isfinite(scene[t.BOUNDS][:, :6]).all()
 
 
 def test_nothing_is_changed_before_there_is_room():

@@ -154,6 +154,21 @@ def test_nothing_falls_between_two_triangles(offset):
             assert any(features for *_, features in found)
 
 
+@pytest.mark.parametrize("z", [0.1, 0.12, 1.0])
+def test_nothing_falls_between_two_triangles_at_a_blunt_edge(z):
+    """An edge that falls away by 4.9 degrees and does not count as convex."""
+    drop = np.tan(np.radians(0.5 * 4.9))
+    faces = [
+        triangle([(-1.0, 0.0, -drop), (0.0, -5.0, 0.0), (0.0, 5.0, 0.0)], (1.0, 0.0, 1.0)),
+        triangle([(1.0, 0.0, -drop), (0.0, 5.0, 0.0), (0.0, -5.0, 0.0)], (1.0, 0.0, 1.0)),
+    ]
+    for x in np.linspace(-0.1, 0.1, 41):
+        for kind, b, turn in ((SPHERE, BALL, UPRIGHT), (CAPSULE, ROD, (np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0))):
+            found = [collide(kind, face, b, (x, 0.0, z, *turn), 1.0) for face in faces]
+            depths = [((on_b - on_a) @ normal).min() for normal, on_a, on_b, features in found if features]
+            assert min(depths) == pytest.approx(z - 0.1, abs=0.002 * z + 0.05 * abs(x))
+
+
 def test_a_ridge_is_touched_on_its_edge():
     left = triangle([(-1.0, 0.0, -1.0), (0.0, -5.0, 0.0), (0.0, 5.0, 0.0)])
     right = triangle([(1.0, 0.0, -1.0), (0.0, 5.0, 0.0), (0.0, -5.0, 0.0)])

@@ -33,7 +33,7 @@ def text(scene: Scene, step: float, free: bool = False, solver: str = "Newton") 
         "</equality><contact>",
         *(f'<exclude body1="{a}" body2="{b}"/>' for a, b in joined),
         "</contact><actuator>",
-        *(_spring(branch.body, branch.joint) for branch in found if branch.joint and branch.joint.driven),
+        *(_spring(body, joint) for body, joint in driven_hinges(found)),
         "</actuator></mujoco>",
     ]
     return "\n".join(lines)
@@ -72,13 +72,13 @@ def _opening(scene: Scene, branch: Branch) -> list[str]:
 
 def _joint(scene: Scene, body: int, joint: Joint) -> str:
     at = _row(_inside(scene, body, joint.anchor))
-    damping = "" if joint.driven else f' damping="{joint.damping!r}"'
+    damping = f' damping="{joint.damping!r}"'
     if joint.kind == "ball":
-        return f'<joint type="ball" name="{_name(body)}" pos="{at}"{damping}/>'
+        return f'<joint type="ball" name="{_name(body)}" pos="{at}" stiffness="{joint.stiffness!r}"{damping}/>'
     sign = 1.0 if joint.b == body else -1.0  # an angle of b from a
     axis = rotation(inverse(scene.bodies[body].orientation)) @ (sign * joint.axis)
     limits = f' range="{_row(np.array(joint.limits))}"' if joint.limits else ""
-    return f'<joint type="hinge" name="{_name(body)}" pos="{at}" axis="{_row(axis)}"{limits}{damping}/>'
+    return f'<joint type="hinge" name="{_name(body)}" pos="{at}" axis="{_row(axis)}"{limits}{"" if joint.driven else damping}/>'
 
 
 def _geometry(body: Body) -> str:
@@ -92,6 +92,12 @@ def _closing(scene: Scene, joint: Joint) -> str:
         raise ValueError(f"A {joint.kind} closes a loop; only balls are known to do so here.")
     at = _row(_inside(scene, joint.b, joint.anchor))
     return f'<connect body1="{_name(joint.b)}" body2="{_name(joint.a)}" anchor="{at}"/>'
+
+
+def driven_hinges(found: list[Branch]) -> list[tuple[int, Joint]]:
+    """Bodies and joints of the actuators, in their order; the springs of balls are passive ones."""
+    joints = [(branch.body, branch.joint) for branch in found if branch.joint is not None]
+    return [(body, joint) for body, joint in joints if joint.driven and joint.kind == "hinge"]
 
 
 def _spring(body: int, joint: Joint) -> str:

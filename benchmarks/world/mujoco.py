@@ -4,7 +4,7 @@ import numpy as np
 
 from benchmarks.peers import package
 from benchmarks.world.described import Floats, Scene, branches, rotation
-from benchmarks.world.mjcf import text
+from benchmarks.world.mjcf import driven_hinges, text
 
 
 class Mujoco:
@@ -52,8 +52,7 @@ class Mujoco:
             if joint >= 0:
                 turn = rotation(body.orientation)
                 self._data.qvel[joint : joint + 6] = *body.velocity, *(turn.T @ body.angular_velocity)
-        springs = [branch.joint for branch in branches(scene)[0] if branch.joint and branch.joint.driven]
-        self._data.ctrl[:] = [joint.target for joint in springs]
+        self._data.ctrl[:] = [joint.target for _, joint in driven_hinges(branches(scene)[0])]
 
     def _free_joint(self, body: int) -> int:
         joint = self._model.body_jntadr[body]

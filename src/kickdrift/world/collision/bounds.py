@@ -60,6 +60,9 @@ def settle(world: int, shape: int, h: float) -> bool:
     for k in range(3):
         bounds[shape, k] = box[k] - slack + _AHEAD * min(way[k], 0.0)
         bounds[shape, 3 + k] = box[3 + k] + slack + _AHEAD * max(way[k], 0.0)
+    if not is_somewhere(world, shape):
+        for k in range(6):
+            bounds[shape, k] = np.nan  # which holds nothing, where infinity might
     return True
 
 

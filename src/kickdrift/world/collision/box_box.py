@@ -21,7 +21,7 @@ from kickdrift.world.collision.box_polyhedron import (
     normal_of,
     put_face,
 )
-from kickdrift.world.collision.candidates import CANDIDATE, choose, deepest, put_candidates, put_manifold
+from kickdrift.world.collision.candidates import CANDIDATE, choose, put_candidates, put_manifold
 from kickdrift.world.collision.clipping import CORNER, clip
 from kickdrift.world.collision.edges import EDGE, put_closest, put_edges, put_row
 from kickdrift.world.collision.frames import set_at_rest, set_frame
@@ -39,7 +39,7 @@ def box_box(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
     """Find where two boxes touch; see `kickdrift.world.collision`."""
     frame = floats_on_stack(12)
     set_frame(frame, pose)
-    gap_a, axis_a, gap_b, axis_b, gap_edges, pair = _separations(a, b, frame, margin)
+    gap_a, face_a, gap_b, face_b, gap_edges, pair = _separations(a, b, frame, margin)
     gap = max(gap_a, gap_b, gap_edges)
     if gap > margin:
         return 0
@@ -48,8 +48,6 @@ def box_box(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
     tolerance = tolerance_of(margin, min(a[0], a[1], a[2], b[0], b[1], b[2]))
     off = SHARE_OFF * abs(gap) + tolerance
     b_first = gap_b > gap_a + off
-    face_a = _face_towards(rest, axis_a, (frame[9], frame[10], frame[11]))
-    face_b = _face_towards(frame, axis_b, (-frame[9], -frame[10], -frame[11]))
     for attempt in range(4):
         if attempt == 2:
             crossed = pair if gap_edges > gap - off else -1
@@ -59,8 +57,8 @@ def box_box(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
                 return count
         by_b = b_first != (attempt % 2 == 1)
         own, own_frame, face, other, other_frame = (b, frame, face_b, a, rest) if by_b else (a, rest, face_a, b, frame)
-        count = _clipped(own, own_frame, face, other, other_frame, by_b, margin, SLACK * tolerance, candidates)
-        if count > 0 and (attempt >= 2 or abs(deepest(candidates, count) - gap) <= off):
+        count, depth = _clipped(own, own_frame, face, other, other_frame, by_b, margin, SLACK * tolerance, candidates)
+        if count > 0 and (attempt >= 2 or abs(depth - gap) <= off):
             normal = normal_of(own_frame, face)
             count = choose(candidates, count, normal, tolerance, chosen)
             put_manifold(manifold, candidates, chosen, count, normal, frame, by_b)
@@ -68,34 +66,30 @@ def box_box(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
     return 0
 
 
-@compiled(inline=True)
-def _face_towards(frame: Any, axis: int, direction: Vector) -> int:
-    """Return the face across an axis of a box that looks in a direction."""
-    return 2 * axis + 1 if dot(direction, axis_of(frame, axis)) >= 0.0 else 2 * axis
-
-
 @compiled
 def _separations(a: Any, b: Any, frame: Any, margin: float) -> Separations:
-    """Find the largest separation along the normals of each box and along the products of edges, and where.
+    """Find the largest separation along the normals of each box and along the products of edges.
 
-    Stops at the first that is larger than the margin.
+    With them, the faces that look at the other box and the pair of axes of the edges, three times the first plus the
+    second. Stops at the first separation that is larger than the margin.
     """
-    gap_a, axis_a, gap_b, axis_b, gap_edges, pair = -np.inf, 0, -np.inf, 0, -np.inf, -1
+    gap_a, face_a, gap_b, face_b, gap_edges, pair = -np.inf, 0, -np.inf, 0, -np.inf, -1
     for i in range(3):
         at = 3 * i
         reach = a[i] + abs(frame[at]) * b[0] + abs(frame[at + 1]) * b[1] + abs(frame[at + 2]) * b[2]
         gap = abs(frame[9 + i]) - reach
         if gap > gap_a:
-            gap_a, axis_a = gap, i
+            gap_a, face_a = gap, 2 * i + 1 if frame[9 + i] >= 0.0 else 2 * i
             if gap > margin:
-                return gap_a, axis_a, gap_b, axis_b, gap_edges, pair
+                return gap_a, face_a, gap_b, face_b, gap_edges, pair
     for j in range(3):
         x, y, z = frame[j], frame[3 + j], frame[6 + j]
-        gap = abs(frame[9] * x + frame[10] * y + frame[11] * z) - (abs(x) * a[0] + abs(y) * a[1] + abs(z) * a[2] + b[j])
+        way = frame[9] * x + frame[10] * y + frame[11] * z
+        gap = abs(way) - (abs(x) * a[0] + abs(y) * a[1] + abs(z) * a[2] + b[j])
         if gap > gap_b:
-            gap_b, axis_b = gap, j
+            gap_b, face_b = gap, 2 * j if way >= 0.0 else 2 * j + 1
             if gap > margin:
-                return gap_a, axis_a, gap_b, axis_b, gap_edges, pair
+                return gap_a, face_a, gap_b, face_b, gap_edges, pair
     for i in range(3):
         i1, i2 = (i + 1) % 3, (i + 2) % 3
         for j in range(3):
@@ -109,8 +103,8 @@ def _separations(a: Any, b: Any, frame: Any, margin: float) -> Separations:
                 if gap > gap_edges:
                     gap_edges, pair = gap, 3 * i + j
                     if gap > margin:
-                        return gap_a, axis_a, gap_b, axis_b, gap_edges, pair
-    return gap_a, axis_a, gap_b, axis_b, gap_edges, pair
+                        return gap_a, face_a, gap_b, face_b, gap_edges, pair
+    return gap_a, face_a, gap_b, face_b, gap_edges, pair
 
 
 @compiled
@@ -124,8 +118,8 @@ def _clipped(
     margin: float,
     slack: float,
     candidates: Any,
-) -> int:
-    """Clip the face of one box that looks most against a face of another; write candidates and return how many."""
+) -> tuple[int, float]:
+    """Clip the face of one box that looks most against a face of another; see `put_candidates`."""
     normal = normal_of(reference_frame, face)
     other = facing(incident_frame, normal)
     polygon, spare = floats_on_stack(_POLYGON), floats_on_stack(_SPARE)

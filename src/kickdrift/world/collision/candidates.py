@@ -19,7 +19,7 @@ _STEADY = 0.95  # a candidate must be better by this factor than one before it: 
 _THIN = 1e-6  # area of a triangle, over the square of its longest side, below which its third corner adds nothing
 
 
-@compiled
+@compiled(inline=True)
 def crossing(edge_a: int, edge_b: int) -> int:
     """Return the id of two edges that touch."""
     return 256 + 512 * edge_a + edge_b
@@ -66,9 +66,17 @@ def put_candidates(
     other: int,
     second_is_reference: bool,
     candidates: Any,
-) -> int:
-    """Write the corners of a clipped face that are within the margin of the reference face; return how many."""
-    kept = 0
+) -> tuple[int, float]:
+    """Write the corners of a clipped face that are within the margin of the reference face.
+
+    Returns
+    -------
+    count : int
+        How many there are.
+    depth : float
+        The least of their separations.
+    """
+    kept, depth = 0, margin
     for k in range(count):
         at = CORNER * k
         point = (polygon[at], polygon[at + 1], polygon[at + 2])
@@ -77,17 +85,8 @@ def put_candidates(
             before, after = polygon[CORNER * (k - 1 if k > 0 else count - 1) + 3], polygon[at + 3]
             feature = corner_feature(reference, face, incident, other, before, after, second_is_reference)
             put_candidate(candidates, CANDIDATE * kept, point, gap, feature)
-            kept += 1
-    return kept
-
-
-@compiled
-def deepest(candidates: Any, count: int) -> float:
-    """Return the smallest separation of some candidates."""
-    least: float = candidates[3]
-    for k in range(1, count):
-        least = min(least, candidates[CANDIDATE * k + 3])
-    return least
+            kept, depth = kept + 1, min(depth, gap)
+    return kept, depth
 
 
 @compiled

@@ -119,16 +119,17 @@ def separation_of_edges(
 def put_edges(
     edges_a: Any, i: int, edges_b: Any, j: int, normal: Vector, astray: float, frame: Any, manifold: Any
 ) -> int:
-    """Write the one point where two edges touch, or none if they miss each other.
+    """Write the closest points of two edges, or none if they miss each other.
 
     Parameters
     ----------
     edges_a, i, edges_b, j
         Two rows of edges in the frame of the first shape.
     normal : (3,) tuple
-        Unit vector at right angles to both edges, from the first to the second.
+        Unit vector from the first to the second.
     astray : float
-        By how much the closest points of the two may miss each other sideways, seen along the normal, m.
+        By how much the closest points may miss each other sideways, seen along the normal, m. If that is infinite, the
+        normal is along the way between them, and the given one only where that way is rounding.
     frame : pointer to floats
         Of the second shape in the first's.
     manifold : array
@@ -139,13 +140,20 @@ def put_edges(
     int
         Number of points.
     """
-    on_a, on_b = _closest_points(edges_a, i, edges_b, j)
+    a, b = EDGE * i, EDGE * j
+    middle_a, half_a = _vector(edges_a, a), _vector(edges_a, a + _HALF)
+    middle_b, half_b = _vector(edges_b, b), _vector(edges_b, b + _HALF)
+    s, t = segments(minus(middle_b, middle_a), half_a, half_b)
+    on_a, on_b = along(middle_a, s, half_a), along(middle_b, t, half_b)
     way = minus(on_b, on_a)
-    sideways = minus(way, times(dot(way, normal), normal))
-    if length(sideways) > astray + _ROUNDING * (length(_half(edges_a, i)) + length(_half(edges_b, j))):
+    distance, rounding = length(way), _ROUNDING * (length(half_a) + length(half_b))
+    if astray == np.inf:
+        normal = times(1.0 / distance, way) if distance > rounding else normal
+    elif length(minus(way, times(dot(way, normal), normal))) > astray + rounding:
         return 0
     put_normal(manifold, normal)
-    put_point(manifold, 0, on_a, placed_back(frame, on_b), _crossing(edges_a, i, edges_b, j))
+    feature = crossing(int(edges_a[a + _NUMBER]), int(edges_b[b + _NUMBER]))
+    put_point(manifold, 0, on_a, placed_back(frame, on_b), feature)
     return 1
 
 
@@ -155,14 +163,14 @@ def put_closest(
 ) -> int:
     """Write the closest points of the edges of two polyhedra that are apart, if they are within the margin.
 
-    The normal is along the way between the two, or a given axis if that is rounding.
+    The normal is along the way between the two, or a given axis if that way is rounding.
     """
     best, best_a, best_b = margin, count_a, count_b
     for j in range(count_b):
-        middle_b, half_b = _vector(edges_b, EDGE * j), _half(edges_b, j)
+        middle_b, half_b = _vector(edges_b, EDGE * j), _vector(edges_b, EDGE * j + _HALF)
         length_b = length(half_b)
         for i in range(count_a):
-            offset, half_a = minus(middle_b, _vector(edges_a, EDGE * i)), _half(edges_a, i)
+            offset, half_a = minus(middle_b, _vector(edges_a, EDGE * i)), _vector(edges_a, EDGE * i + _HALF)
             if length(offset) - length(half_a) - length_b <= best:
                 s, t = segments(offset, half_a, half_b)
                 distance = length(minus(along(offset, t, half_b), times(s, half_a)))
@@ -170,28 +178,4 @@ def put_closest(
                     best, best_a, best_b = distance, i, j
     if best_a == count_a:
         return 0
-    on_a, on_b = _closest_points(edges_a, best_a, edges_b, best_b)
-    way = minus(on_b, on_a)
-    distance = length(way)
-    rounding = _ROUNDING * (length(_half(edges_a, best_a)) + length(_half(edges_b, best_b)))
-    put_normal(manifold, times(1.0 / distance, way) if distance > rounding else axis)
-    put_point(manifold, 0, on_a, placed_back(frame, on_b), _crossing(edges_a, best_a, edges_b, best_b))
-    return 1
-
-
-@compiled(inline=True)
-def _half(edges: Any, row: int) -> Vector:
-    """Return the way from the middle of an edge to its end."""
-    return _vector(edges, EDGE * row + _HALF)
-
-
-@compiled
-def _closest_points(edges_a: Any, i: int, edges_b: Any, j: int) -> tuple[Vector, Vector]:
-    middle_a, middle_b = _vector(edges_a, EDGE * i), _vector(edges_b, EDGE * j)
-    s, t = segments(minus(middle_b, middle_a), _half(edges_a, i), _half(edges_b, j))
-    return along(middle_a, s, _half(edges_a, i)), along(middle_b, t, _half(edges_b, j))
-
-
-@compiled(inline=True)
-def _crossing(edges_a: Any, i: int, edges_b: Any, j: int) -> int:
-    return crossing(int(edges_a[EDGE * i + _NUMBER]), int(edges_b[EDGE * j + _NUMBER]))
+    return put_edges(edges_a, best_a, edges_b, best_b, axis, np.inf, frame, manifold)

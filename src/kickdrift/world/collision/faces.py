@@ -113,8 +113,8 @@ def clipped_face(
     margin: float,
     slack: float,
     candidates: Any,
-) -> int:
-    """Clip a face of one polyhedron by the sides of a face of another; write candidates and return how many."""
+) -> tuple[int, float]:
+    """Clip a face of one polyhedron by the sides of a face of another; see `put_candidates`."""
     normal, offset = plane(reference_seen, face)
     polygon, spare = floats_on_stack(_POLYGON), floats_on_stack(_SPARE)
     begin, end = loop(incident, other)

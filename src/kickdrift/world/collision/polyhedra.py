@@ -9,7 +9,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import times
 from kickdrift.world.collision.box_polyhedron import SIZE_OF_BOX, set_box
-from kickdrift.world.collision.candidates import choose, deepest, put_manifold
+from kickdrift.world.collision.candidates import choose, put_manifold
 from kickdrift.world.collision.edges import EDGE, count_below, edges_beyond, put_closest, put_edges, separation_of_edges
 from kickdrift.world.collision.faces import (
     CANDIDATES,
@@ -133,11 +133,10 @@ def touching(
             continue
         normal, _ = plane(own_seen, face)
         met = incident_face(other, other_seen, normal)
-        count = clipped_face(own, own_seen, face, other, other_seen, met, by_b, margin, SLACK * tolerance, candidates)
-        if count == 0:
-            continue
-        depth = deepest(candidates, count)
-        if depth < least:
+        count, depth = clipped_face(
+            own, own_seen, face, other, other_seen, met, by_b, margin, SLACK * tolerance, candidates
+        )
+        if count == 0 or depth < least:
             continue
         if attempt >= 2 or abs(depth - gap) <= off:
             count = choose(candidates, count, normal, tolerance, chosen)

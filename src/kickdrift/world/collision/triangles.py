@@ -29,10 +29,14 @@ from kickdrift.world.collision.points import place, put_normal, put_point, turn
 
 _UP: Vector = (0.0, 0.0, 1.0)
 _BEHIND = 0.5  # radii, by which the middle of a round shape may have sunk in
-_OVERLAP = 0.1  # radii, by which a face reaches over an edge that is not convex
-_BACKWARDS = (
-    -0.01
-)  # cosine between face and normal, below which the contact is the face's on the other side of the edge
+
+# Of the radius or the height: how far a face reaches over an edge that is not convex. Those that fall away by up to
+# five degrees count as such in meshes, and what is over them but over no face is tan(5 degrees) of the height wide.
+_OVERLAP = 0.1
+
+# Cosine of the angle between normal and face, below which the face on the other side of the edge sees more of it.
+_BACKWARDS = -0.01
+
 _FACE = -1
 
 Corners = tuple[Vector, Vector, Vector]
@@ -58,7 +62,7 @@ def triangle_sphere(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> 
                 return 0
             if distance > COINCIDENT * (radius + length(centre)):
                 normal = times(1.0 / distance, out)
-        elif distance * distance - height * height > (_OVERLAP * radius) ** 2:
+        elif distance * distance - height * height > (_OVERLAP * max(radius, height)) ** 2:
             return 0
         else:
             y = along(centre, -height, up)
@@ -79,7 +83,8 @@ def triangle_capsule(a: Any, b: Any, pose: Any, margin: float, manifold: Any) ->
     height, rise = dot(minus(centre, corners[0]), up), dot(axis, up)
     if height - half * abs(rise) - radius > margin or height < -_BEHIND * radius:
         return 0
-    low, high = _over(a, corners, up, centre, axis, half, _OVERLAP * radius)
+    overlap = _OVERLAP * max(radius, height - half * abs(rise))
+    low, high = _over(a, corners, up, centre, axis, half, overlap)
     lowest = low if rise > 0.0 else high
     edge, t, y, s = _nearest(corners, up, centre, axis, half)
     if (low <= high and height + lowest * rise < 0.0) or (edge != _FACE and not _convex(a, edge, s)):

@@ -20,13 +20,10 @@ from kickdrift.world.joints.layout import (
     LINKS,
     LOCKED,
     RELAXING,
-    SEQUENTIAL,
     TOTAL,
 )
 from kickdrift.world.joints.measure import vector_at
-from kickdrift.world.joints.weigh import weigh
-from kickdrift.world.settings import SUBSTEPS
-from kickdrift.world.tables import ARTICULATION, BODY, JOINT, JOINT_NUMBERS, LINK, SETTINGS, floats, integers, rows
+from kickdrift.world.tables import ARTICULATION, BODY, JOINT, JOINT_NUMBERS, LINK, floats, integers, rows
 
 
 @compiled
@@ -51,13 +48,10 @@ def wake_joints(t: float, h: float, world: int) -> None:
 
 @compiled
 def begin_joints(t: float, h: float, world: int) -> None:
-    """Weigh links, keep the speeds before the first kick, and count impulses from here."""
+    """Keep the speeds before the first kick, and count impulses from here."""
     articulations, links, numbers = integers(world, ARTICULATION), integers(world, LINK), floats(world, JOINT_NUMBERS)
     for row in range(rows(world, ARTICULATION)):
         articulations[row, RELAXING] = 0
-        if articulations[row, SEQUENTIAL] == 0:
-            substep = h / floats(world, SETTINGS)[0, SUBSTEPS]
-            weigh(articulations[row, FIRST], articulations[row, LINKS], articulations[row, END], substep, world)
         for link in range(articulations[row, FIRST], articulations[row, END]):
             joint = links[link, LINK_JOINT]
             if joint >= 0:

@@ -18,7 +18,7 @@ from numpy import int64
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import Vector, cross, dot, minus, plus, times
+from kickdrift.core.vectors import Vector, cross, dot, inverse_symmetric, minus, plus, times
 from kickdrift.world.joints.layout import (
     ARM_A,
     ARM_B,
@@ -32,18 +32,21 @@ from kickdrift.world.joints.layout import (
     INERTIA,
     LINK_JOINT,
     LOAD,
-    MOMENTS,
     MOVED,
     PARENT,
     PUSH,
     SIGN,
     SLOPE,
+    TURN_RESPONSE,
     WRENCH,
     YIELD,
 )
-from kickdrift.world.joints.measure import put_vector, vector_at
-from kickdrift.world.joints.weigh import IMMOVABLE
+from kickdrift.world.joints.measure import put_vector, symmetric_at, vector_at
 from kickdrift.world.tables import JOINT_NUMBERS, LINK, LINK_NUMBERS, RESPONSE, floats, integers
+
+# Of bodies that cannot turn, or turn about some axes only, as if they were heavier than they are: with 1e8, what they
+# then turn and what is lost to rounding are both parts in 1e8, which the next substep corrects.
+_IMMOVABLE = 1e8
 
 _ONLY = int64(0)  # row of a buffer
 
@@ -74,16 +77,27 @@ def _move(m: Any, row: int, s: Vector) -> None:
 def _own_inertia(link: int, world: int) -> None:
     """Fill in the inertia of the body alone, about its centre of mass."""
     work, response = floats(world, LINK_NUMBERS), floats(world, RESPONSE)
-    lightness = response[integers(world, LINK)[link, BODY], 0]
-    mass = 1.0 / lightness if lightness > 0.0 else IMMOVABLE * work[link, MOMENTS]
+    body = integers(world, LINK)[link, BODY]
     for k in range(36):
         work[link, INERTIA + k] = 0.0
+    w = symmetric_at(response, body, TURN_RESPONSE)
+    trace = w[0] + w[1] + w[2]
+    mass = 1.0 / response[body, 0] if response[body, 0] > 0.0 else _IMMOVABLE / trace
+    if trace > 0.0:
+        c = cross((w[3], w[1], w[5]), (w[4], w[5], w[2]))
+        if w[0] * c[0] + w[3] * c[1] + w[4] * c[2] < 1e-14 * trace * trace * trace:
+            least = trace / _IMMOVABLE
+            w = (w[0] + least, w[1] + least, w[2] + least, w[3], w[4], w[5])
+        moments = inverse_symmetric(w)
+    else:
+        turn = _IMMOVABLE * mass
+        moments = (turn, turn, turn, 0.0, 0.0, 0.0)
     for k in range(3):
         work[link, INERTIA + 7 * k] = mass
-        work[link, INERTIA + 21 + 7 * k] = work[link, MOMENTS + k]
-    work[link, INERTIA + 22], work[link, INERTIA + 27] = work[link, MOMENTS + 3], work[link, MOMENTS + 3]
-    work[link, INERTIA + 23], work[link, INERTIA + 33] = work[link, MOMENTS + 4], work[link, MOMENTS + 4]
-    work[link, INERTIA + 29], work[link, INERTIA + 34] = work[link, MOMENTS + 5], work[link, MOMENTS + 5]
+        work[link, INERTIA + 21 + 7 * k] = moments[k]
+    work[link, INERTIA + 22], work[link, INERTIA + 27] = moments[3], moments[3]
+    work[link, INERTIA + 23], work[link, INERTIA + 33] = moments[4], moments[4]
+    work[link, INERTIA + 29], work[link, INERTIA + 34] = moments[5], moments[5]
 
 
 @compiled(cached=False)

@@ -16,11 +16,9 @@ from kickdrift.world.joints.layout import (
     IMPULSE,
     LAWS,
     LINEAR_PART,
-    LINK_A,
     LINK_JOINT,
     START_SPEED,
     TURN_RESPONSE,
-    TURNING,
 )
 from kickdrift.world.joints.measure import symmetric_at, vector_at
 from kickdrift.world.tables import (
@@ -29,7 +27,6 @@ from kickdrift.world.tables import (
     JOINT_AXES,
     JOINT_NUMBERS,
     LINK,
-    LINK_NUMBERS,
     MOTION,
     RESPONSE,
     floats,
@@ -45,7 +42,7 @@ def warm_start_joints(t: float, h: float, world: int) -> None:
     for row in range(rows(world, ARTICULATION)):
         for link in range(articulations[row, FIRST], articulations[row, END]):
             if links[link, LINK_JOINT] >= 0:
-                push_bodies(link, links[link, LINK_JOINT], numbers, links[link, LINK_JOINT], IMPULSE, world)
+                push_bodies(links[link, LINK_JOINT], numbers, links[link, LINK_JOINT], IMPULSE, world)
 
 
 @compiled(inline=True, cached=False)
@@ -72,20 +69,18 @@ def note_speeds(joint: int, world: int) -> None:
 
 
 @compiled(cached=False)
-def push_bodies(link: int, joint: int, source: Any, row: int, column: int, world: int) -> None:
+def push_bodies(joint: int, source: Any, row: int, column: int, world: int) -> None:
     """Let six impulses along and about the axes of a joint act on b, and their opposites at the same point on a."""
-    joints, links, numbers = integers(world, JOINT), integers(world, LINK), floats(world, JOINT_NUMBERS)
-    motion, response, work = floats(world, MOTION), floats(world, RESPONSE), floats(world, LINK_NUMBERS)
+    joints, numbers = integers(world, JOINT), floats(world, JOINT_NUMBERS)
+    motion, response = floats(world, MOTION), floats(world, RESPONSE)
     force, torque = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for k in range(3):
         force = plus(force, times(source[row, column + k], vector_at(numbers, joint, AXES + 3 * k)))
         torque = plus(torque, times(source[row, column + 3 + k], vector_at(numbers, joint, AXES + 9 + 3 * k)))
     for side in range(2):
-        body, of, sign = joints[joint, BODY_A + side], links[link, LINK_A + side], 1.0 if side == 1 else -1.0
+        body, sign = joints[joint, BODY_A + side], 1.0 if side == 1 else -1.0
         turn = plus(torque, cross(vector_at(numbers, joint, ARM_B if side == 1 else ARM_A), force))
-        turn = applied(
-            symmetric_at(work, of, TURNING) if of >= 0 else symmetric_at(response, body, TURN_RESPONSE), turn
-        )
+        turn = applied(symmetric_at(response, body, TURN_RESPONSE), turn)
         for k in range(3):
             motion[body, k] += sign * response[body, 0] * force[k]
             motion[body, 3 + k] += sign * turn[k]

@@ -21,6 +21,7 @@ import math
 from kickdrift.core.compilation import compiled
 from kickdrift.world.joints.layout import (
     ANGULAR,
+    BRAKE,
     CHANGE,
     CONE,
     DAMPING,
@@ -137,9 +138,9 @@ def solution(
 
 
 @compiled(cached=False)
-def _drive_of(joint: int, k: int, h: float, world: int) -> tuple[float, float, float]:
+def _drive_of(joint: int, link: int, k: int, h: float, world: int) -> tuple[float, float, float]:
     """Impulse of a drive: constant, slope, maximum; see the top of this file."""
-    numbers, laws = floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
+    work, numbers, laws = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     row = 6 * joint + k
     stiffness, damping = laws[row, STIFFNESS], laws[row, DAMPING]
     off = numbers[joint, DRIVEN + k - 3] if k >= 3 else numbers[joint, POSITION + k] - laws[row, TARGET]
@@ -147,7 +148,8 @@ def _drive_of(joint: int, k: int, h: float, world: int) -> tuple[float, float, f
     alpha = stiff / (laws[row, MASS] + stiff) if stiff > 0.0 else 0.0
     beta = 0.25 * (1.0 - alpha)
     constant = h * (damping * laws[row, TARGET_SPEED] - stiffness * (off - h * beta * laws[row, START_SPEED]))
-    return constant, h * (damping + h * stiffness * (alpha + beta)), h * laws[row, DRIVE_MAXIMUM]
+    slope = h * (damping + h * stiffness * (alpha + beta)) + work[link, BRAKE + k]
+    return constant, slope, h * laws[row, DRIVE_MAXIMUM]
 
 
 @compiled(cached=False)
@@ -167,7 +169,7 @@ def _assume(
         lower, upper = min(lower, 0.0), max(upper, 0.0)
         constant, slope, maximum = laws[row, DRIVE_IMPULSE], 0.0, math.inf
     else:
-        constant, slope, maximum = _drive_of(joint, k, h, world)
+        constant, slope, maximum = _drive_of(joint, link, k, h, world)
     scale = numbers[joint, TWIST_SCALE] if k == 5 and joints[joint, ANGULAR] == CONE else 1.0
     code, held, value, slope = solution(
         speed - laws[row, MOBILITY] * impulse, laws[row, MOBILITY], scale * lower / h, scale * upper / h,
@@ -208,5 +210,5 @@ def end_laws(joint: int, link: int, h: float, world: int) -> None:
     for k in range(6):
         if joint_laws >> k & 1:
             speed = work[link, SPEED + k] + (work[link, CHANGE + k] if held >> k & 1 else work[link, MOVED + k])
-            constant, slope, maximum = _drive_of(joint, k, h, world)
+            constant, slope, maximum = _drive_of(joint, link, k, h, world)
             laws[6 * joint + k, DRIVE_IMPULSE] = _drive(speed, constant, slope, maximum)

@@ -72,7 +72,7 @@ RELAXING = 6  # 1: after the drift
 BODY, PARENT, LINK_JOINT = 0, 1, 2  # PARENT is a row of LINK, NONE for one that nothing moves
 SIGN = 3  # 1 where the body is b of its joint, -1 where it is a
 HELD = 4  # set of axes whose speed is prescribed in the system of equations at hand
-LINK_A, LINK_B = 5, 6  # of the bodies of the joint; NONE for one that nothing moves
+LINK_A, LINK_B = 5, 6  # of a closing joint
 NONE = -1
 
 # Columns of LINK_NUMBERS. Six numbers are three linear and three angular ones in the world's axes, or one to each axis.
@@ -88,8 +88,7 @@ SPEED = 114  # before the joint acts
 STATE = 120  # of a law: which piece of it is assumed
 LOAD = 126  # impulse on the body by closing joints
 MOVED = 132  # change of speed of an open axis
-MOMENTS = int64(144)  # inertia about the centre of mass as the joints feel it, symmetric
-TURNING = int64(150)  # its inverse; both see `kickdrift.world.joints.weigh`
+BRAKE = 144  # of an open angular axis: impulse per speed, see `kickdrift.world.joints.aim`
 GIVEN = int64(138)  # impulse on b along and about each axis
 
 # Columns of POSE, MOTION and RESPONSE, and of everything that has a linear and an angular part

@@ -59,7 +59,6 @@ from kickdrift.world.joints.record import Placement, Record
 from kickdrift.world.joints.sequential import solve_in_turn
 from kickdrift.world.joints.tree import arrange
 from kickdrift.world.joints.trees import solve_trees
-from kickdrift.world.joints.weigh import weigh_links
 from kickdrift.world.tables import ARTICULATION, BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, POSE, Tables
 
 Floats = NDArray[np.float64]
@@ -195,7 +194,7 @@ class Joints:
 
     def relaxing(self) -> tuple[Function, ...]:
         """Stages after the drift."""
-        return (measure_joints, weigh_links, *self.solving()) if len(self.tables.array(ARTICULATION)) else ()
+        return (measure_joints, *self.solving()) if len(self.tables.array(ARTICULATION)) else ()
 
     def after(self) -> tuple[Function, ...]:
         """Stages after the substeps; `take_broken` at the end."""

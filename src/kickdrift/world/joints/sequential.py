@@ -91,7 +91,7 @@ def solve_in_turn(t: float, h: float, world: int) -> None:
                 if joints[joint, LOCKED] >> k & 1 and not relaxing:
                     work[at, GIVEN + k] -= share * numbers[joint, IMPULSE + k]
                 numbers[joint, IMPULSE + k] += work[at, GIVEN + k]
-            push_bodies(link, joint, work, at, GIVEN, world)
+            push_bodies(joint, work, at, GIVEN, world)
         if relaxing:
             end_relaxation(row, world)
 

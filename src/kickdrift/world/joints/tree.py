@@ -160,7 +160,6 @@ def _write(
         for k, (body, joint, parent, sign) in enumerate(links, first):
             rows[k, [BODY, LINK_JOINT, SIGN]] = body, joint, sign
             rows[k, PARENT] = NONE if parent == NONE else first + parent
-            rows[k, [LINK_A, LINK_B]] = (rows[k, PARENT], k) if sign > 0 else (k, rows[k, PARENT])
         first += len(links)
         for k, (joint, a, b) in enumerate(closings, first):
             rows[k, [LINK_JOINT, SIGN]] = joint, 1

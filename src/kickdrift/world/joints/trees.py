@@ -90,10 +90,9 @@ def give_impulses(row: int, h: float, world: int) -> None:
         if link < articulation[FIRST] + articulation[LINKS]:
             _split_impulse(link, joint, world)
         for k in range(6):
-            if not (links[link, HELD] | joints[joint, LAWS]) >> k & 1:
-                work[link, GIVEN + k] = 0.0
-            numbers[joint, IMPULSE + k] += work[link, GIVEN + k]
-        push_bodies(link, joint, work, link, GIVEN, world)
+            if (links[link, HELD] | joints[joint, LAWS]) >> k & 1:
+                numbers[joint, IMPULSE + k] += work[link, GIVEN + k]
+        push_bodies(joint, work, link, GIVEN, world)
         if articulation[RELAXING] == 0 and joints[joint, LAWS] != 0:
             end_laws(joint, link, h, world)
     if articulation[RELAXING] != 0:
