@@ -169,6 +169,15 @@ def test_nothing_falls_between_two_triangles_at_a_blunt_edge(z):
             assert min(depths) == pytest.approx(z - 0.1, abs=0.002 * z + 0.05 * abs(x))
 
 
+def test_a_face_does_not_reach_far_over_its_edge():
+    """Beyond an edge that is not convex there is another face, or, if that is narrow, perhaps a hole."""
+    face = triangle([(0.0, -1.0, 0.0), (0.0, 1.0, 0.0), (-1.0, 0.0, 0.0)], (0.0, 1.0, 1.0))
+    across = (np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0)
+    for kind, b, turn in ((SPHERE, BALL, UPRIGHT), (CAPSULE, ROD, across)):
+        assert collide(kind, face, b, (0.009, 0.0, 0.1, *turn))[3]
+        assert not collide(kind, face, b, (0.011, 0.0, 0.1, *turn))[3]
+
+
 def test_a_ridge_is_touched_on_its_edge():
     left = triangle([(-1.0, 0.0, -1.0), (0.0, -5.0, 0.0), (0.0, 5.0, 0.0)])
     right = triangle([(1.0, 0.0, -1.0), (0.0, 5.0, 0.0), (0.0, -5.0, 0.0)])

@@ -188,7 +188,7 @@ def test_a_quadruped_stands_on_springs_that_are_stiff_enough(stiffness, stands):
 @pytest.mark.parametrize(("stiffness", "stands"), [(1000.0, True), (200.0, False)])
 def test_a_person_stands_on_ankles_that_are_stiff_enough(stiffness, stands):
     person = worlds.humanoid(stiffness=stiffness)
-    run(person.world, 3.0)
+    run(person.world, 3.0, step=1 / 240)
     assert (person.world.position[person.bodies["head"].index, 2] > 1.5) == stands
 
 

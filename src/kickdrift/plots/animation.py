@@ -24,6 +24,7 @@ _PIXELS = 310_000
 _DPI = 100
 _MOST_WORKERS = 4
 _LAST_SECONDS = 1.0  # that the last picture of a GIF stays, before it begins anew
+_NEARLY_WHITE = 247
 _SAMPLES = 8  # pictures that the colours of a GIF are chosen from
 
 
@@ -152,7 +153,7 @@ def _write_gif(film: _Film, path: Path) -> None:
     mosaic = np.concatenate(list(film.samples()))
     palette = Image.fromarray(mosaic).quantize(255, method=Image.Quantize.MEDIANCUT)
     colours = np.array(palette.getpalette()).reshape(-1, 3)
-    colours[np.argmax(colours.sum(axis=1))] = 255  # white stays white on a white page
+    colours[colours.min(axis=1) > _NEARLY_WHITE] = 255  # white stays white on a white page
     palette.putpalette(colours.ravel().tolist())
     frames = (Image.fromarray(pixels).quantize(palette=palette, dither=Image.Dither.NONE) for pixels in film)
     first = next(frames)

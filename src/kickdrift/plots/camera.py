@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 _FIELD = math.tan(math.radians(17.0))  # half the height of a perspective picture, at distance 1
-_MARGIN = 1.06
-_FAR = 100.0  # from the scene, of the height of the picture: where parallel rays begin
+_MARGIN = 1.1
+_FAR = 50.0  # from the scene, of its extent: where parallel rays begin
 
 
 class Camera(NamedTuple):
@@ -83,7 +83,8 @@ def showing(points: Floats, reaches: Floats, ahead: Floats, aspect: float, *, pe
     if not perspective:
         x0, x1, y0, y1 = (x - reaches).min(), (x + reaches).max(), (y - reaches).min(), (y + reaches).max()
         scale = float(0.5 * _MARGIN * max((x1 - x0) / aspect, y1 - y0))
-        eye = 0.5 * (x0 + x1), 0.5 * (y0 + y1), float((z - reaches).min()) - _FAR * scale
+        strip = 0.5 * (_MARGIN - 1.0) * max(x1 - x0, y1 - y0)  # below the scene; what is left over is above
+        eye = 0.5 * (x0 + x1), y0 - strip + scale, (z - reaches).min() - _FAR * max(x1 - x0, y1 - y0)
         return Camera(np.array(eye) @ axes, *axes, False, scale)
     # The eye (a, b, c) sees a ball between the left and the right edge of the picture if x - a and a - x are at most
     # t (z - c) - r sqrt(1 + t^2), with the tangent t of half the angle; so both give a bound of a and t c.

@@ -159,7 +159,7 @@ def _grid(local: Vector, pitch: float, footprint: float, facing: float) -> float
     return bright
 
 
-@compiled(fast=True)
+@compiled(fast=True, inline=True)
 def _on_edge(shapes: Any, owner: Any, normal: Any, row: int, column: int) -> bool:
     """Whether a pixel is the last one of what it shows."""
     height, width = owner.shape

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from kickdrift.plots.camera import Camera, axes_of, showing
 from kickdrift.plots.lighting import BACKGROUND, FADE, GRID, LAMP, SETTING, light, paint
-from kickdrift.plots.rendering import cast, clear, ray_addresses
-from kickdrift.plots.scenery import Pose, Scenery, ball_around
+from kickdrift.plots.rendering import MIDDLE, REACH, cast, clear, ray_addresses
+from kickdrift.plots.scenery import Pose, Scenery, Sight, outline
 from kickdrift.world.flight import DYNAMIC
 from kickdrift.world.recording import Part, Recording
 from kickdrift.world.rotations import turned
@@ -20,9 +20,9 @@ Floats = NDArray[np.float64]
 _SAMPLES = 2  # rays for a pixel, along each side of it
 _AHEAD = (-0.42, 0.82, -0.36)  # where a camera looks that sees depth
 _FROM_LAMP, _FROM_FRONT = (0.62, 0.35, -1.0), (0.35, 1.0, -0.45)  # right, ahead on the level, and up
-_ASPECTS = (0.75, 2.5)  # of pictures, least and greatest
-_MOST_STATES = 400  # that are looked at to see how far bodies come
-_STRAY = 0.002  # part of all places of bodies that may be out of the picture at each side
+_ASPECTS = (0.75, 4.0)  # of pictures, least and greatest
+_MOST_POINTS = 500_000  # that are looked at to see how far bodies come
+_MOST, _STRAY = 0.95, 6.0  # farther from the middle than six times what most of all places are: out of the picture
 _FLAT = 0.01  # out of the plane, of the extent, in a scene that is seen from the side
 _LAMP_PIXELS = 900
 BACKDROP = (1.0, 1.0, 1.0)
@@ -70,7 +70,7 @@ class Painter:
         # Planes do not move: their rays are cast once.
         sight = self.scenery.at(Pose(recording.x[0], recording.orientation[0]))
         clear(*self._empty)
-        cast(self.camera.numbers(), 0, self.scenery.n_planes, *sight, self._addresses, *self._empty)
+        cast(self.camera.numbers(), np.arange(self.scenery.n_planes), *sight, self._addresses, *self._empty)
         self._picture = np.zeros((self.height, self.width, 3), dtype=np.uint8)
 
     @property
@@ -88,16 +88,22 @@ class Painter:
         sight, camera, film, shade = self.scenery.at(pose), self.camera.numbers(), self._film, self._shade
         for array, empty in zip(film, self._empty, strict=True):
             array[:] = empty
-        cast(camera, self.scenery.n_planes, len(sight.shapes), *sight, self._addresses, *film)
+        cast(camera, self._nearest_first(sight, self.camera), *sight, self._addresses, *film)
         if not self._flat:
             lamp = self._lamp.numbers()
             clear(*shade)
-            cast(lamp, self.scenery.n_planes, len(sight.shapes), *sight, self._addresses, *shade)
+            cast(lamp, self._nearest_first(sight, self._lamp), *sight, self._addresses, *shade)
             light(camera, film.distance, film.normal, lamp, shade.distance, self._lit)
         colours = self.scenery.colours
         seen = (film.distance, film.owner, film.normal, self._lit)
         paint(camera, sight.shapes, sight.places, colours, self._setting, *seen, self._picture)
         return self._picture.copy()
+
+
+    def _nearest_first(self, sight: Sight, camera: Camera) -> NDArray[np.intp]:
+        """Sort the shapes that are no planes by how far away they are."""
+        middles = sight.places[self.scenery.n_planes :, MIDDLE:REACH]
+        return self.scenery.n_planes + np.argsort((middles - camera.eye) @ camera.ahead, kind="stable")
 
 
 class _Film:
@@ -113,7 +119,7 @@ class _Film:
 
 
 def _places(recording: Recording) -> tuple[Floats, Floats]:
-    """Find balls around the shapes that move, and the ends of rods, at many times.
+    """Find points of the shapes that move, as balls, and the ends of rods, at many times.
 
     Strays are left out, which would make everything else small.
 
@@ -122,23 +128,24 @@ def _places(recording: Recording) -> tuple[Floats, Floats]:
     (K, 3) and (K,) array
         Centres and radii, m.
     """
-    rows = np.unique(np.linspace(0, recording.t.size - 1, _MOST_STATES).astype(np.intp))
-    places, reaches = [], []
     parts = [part for part in recording.appearance.parts if part.shape.kind != PLANE]
     moving = [part for part in parts if recording.appearance.kinds[part.body] == DYNAMIC]
-    for part in moving or parts:
-        middle, reach = ball_around(part)
-        places.append(recording.x[rows, part.body] + turned(recording.orientation[rows, part.body], middle))
-        reaches.append(np.full(rows.size, reach))
+    shown = [(part.body, *outline(part)) for part in moving or parts]
     for rod in recording.appearance.rods:
-        for body, point in ((rod.body_a, rod.point_a), (rod.body_b, rod.point_b)):
-            places.append(recording.x[rows, body] + turned(recording.orientation[rows, body], point))
-            reaches.append(np.zeros(rows.size))
+        shown += [(rod.body_a, rod.point_a[None], 0.0), (rod.body_b, rod.point_b[None], 0.0)]
+    states = max(2, min(recording.t.size, _MOST_POINTS // max(1, sum(len(points) for _, points, _ in shown))))
+    rows = np.unique(np.linspace(0, recording.t.size - 1, states).astype(np.intp))
+    places, reaches = [], []
+    for body, points, reach in shown:
+        at, turn = recording.x[rows, body, None], recording.orientation[rows, body, None]
+        places.append((at + turned(turn, points)).reshape(-1, 3))
+        reaches.append(np.full(len(places[-1]), reach))
     if not places:
         return np.zeros((1, 3)), np.ones(1)
     x, r = np.concatenate(places), np.concatenate(reaches)
-    low, high = np.quantile(x, _STRAY, axis=0), np.quantile(x, 1.0 - _STRAY, axis=0)
-    near = ((x >= low - r[:, None]) & (x <= high + r[:, None])).all(axis=1)
+    middle = np.median(x, axis=0)
+    away = np.abs(x - middle).max(axis=1)
+    near = away <= _STRAY * np.quantile(away, _MOST)
     return x[near], r[near]
 
 

@@ -25,6 +25,7 @@ MIDDLE, REACH = 7, 10
 EYE, RIGHT, UP, AHEAD, PERSPECTIVE, SCALE = 0, 3, 6, 9, 12, 13
 
 NOTHING = -1
+_NEARER = 1.0 - 1e-6  # where surfaces lie in each other, the shape that was looked at first is seen, without speckles
 
 
 def ray_addresses(kinds: set[int]) -> NDArray[np.intp]:
@@ -93,24 +94,15 @@ def clear(distance: Any, owner: Any, normal: Any) -> None:
 
 @compiled(fast=True)
 def cast(
-    camera: Any,
-    first: int,
-    last: int,
-    shapes: Any,
-    places: Any,
-    numbers: Any,
-    addresses: Any,
-    distance: Any,
-    owner: Any,
-    normal: Any,
+    camera: Any, order: Any, shapes: Any, places: Any, numbers: Any, addresses: Any, distance: Any, owner: Any, normal: Any
 ) -> None:
     """Find what the ray through each pixel meets before it meets what is known already.
 
     Parameters
     ----------
     camera : (14,) array
-    first, last : int
-        The shapes to look at, from and up to.
+    order : array of int
+        The shapes to look at, best the nearest first: what they hide is not looked at any more.
     shapes : (S, 3) array of int
         Kind, and where its numbers begin and end.
     places : (S, 11) array
@@ -123,21 +115,37 @@ def cast(
         How far the ray goes, the shape that it meets, or `NOTHING`, and the normal there.
     """
     height, width = distance.shape
-    for shape in range(first, last):
+    per_pixel = 2.0 * camera[SCALE] / height
+    parallel = camera[PERSPECTIVE] == 0.0
+    for shape in order:
         place = places[shape]
-        centre = three(place, 0)
         q = (place[3], place[4], place[5], place[6])
         own = numbers[shapes[shape, BEGIN] : shapes[shape, END]]
         address = addresses[shapes[shape, KIND]]
         left, right, top, bottom = 0, width, 0, height
+        nearest = 0.0
         if place[REACH] < math.inf:
             left, right, top, bottom = _rectangle(camera, three(place, MIDDLE), place[REACH], width, height)
+            offset = minus(three(place, MIDDLE), three(camera, EYE))
+            nearest = (dot(offset, three(camera, AHEAD)) if parallel else length(offset)) - place[REACH]
+        eye = turned_back(q, minus(three(camera, EYE), three(place, 0)))
+        axes = (
+            turned_back(q, three(camera, RIGHT)), turned_back(q, three(camera, UP)), turned_back(q, three(camera, AHEAD))
+        )  # fmt: skip
         for row in range(top, bottom):
+            upwards = times((0.5 * height - row - 0.5) * per_pixel, axes[1])
             for column in range(left, right):
-                start, direction = ray(camera, column + 0.5, row + 0.5, width, height)
-                start, direction = turned_back(q, minus(start, centre)), turned_back(q, direction)
+                if distance[row, column] <= nearest:
+                    continue
+                aside = plus(upwards, times((column + 0.5 - 0.5 * width) * per_pixel, axes[0]))
+                start, direction = eye, axes[2]
+                if parallel:
+                    start = plus(eye, aside)
+                else:
+                    direction = plus(direction, aside)
+                    direction = times(1.0 / length(direction), direction)
                 far, x, y, z = _meet(address, (own, start, direction, distance[row, column]))
-                if far < distance[row, column]:
+                if far < _NEARER * distance[row, column]:
                     distance[row, column] = far
                     owner[row, column] = shape
                     x, y, z = turned(q, (x, y, z))

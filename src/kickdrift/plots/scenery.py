@@ -10,13 +10,14 @@ from kickdrift.plots.rendering import MIDDLE, REACH
 from kickdrift.world.flight import DYNAMIC, REMOVED
 from kickdrift.world.recording import Appearance, Part
 from kickdrift.world.rotations import product, turn_to, turned
-from kickdrift.world.shapes.kinds import BOX, CAPSULE, MESH, PLANE, TRIANGLE
+from kickdrift.world.shapes.kinds import BOX, CAPSULE, MESH, PLANE, SPHERE, TRIANGLE
 from kickdrift.world.shapes.mesh import TRIANGLE_SIZE
 
 Floats = NDArray[np.float64]
 _ROD = 0.002  # thickness of a rod, of the extent of the scene
 _LIGHTER = 0.3  # of white in the colours of bodies
 _FIXED, _GROUND, _RODS = (0.72, 0.74, 0.76), (0.93, 0.94, 0.95), (0.35, 0.37, 0.4)
+_CORNERS = np.array([[k >> axis & 1 for axis in range(3)] for k in range(8)], dtype=np.bool_)
 _LARGER = 1.02  # than the ball around the lines of a shape: round shapes lie outside of their lines
 _SLAB = 20.0  # half the width of what stands for a plane that is seen from the side, of the extent of the scene
 
@@ -140,10 +141,17 @@ def colour_of(body: int) -> Floats:
     return pure + _LIGHTER * (1.0 - pure)
 
 
-def ball_around(part: Part) -> tuple[Floats, float]:
-    """Return a ball around a shape that is no plane, in the axes of its body: middle and radius."""
-    middle, reach = _ball(part)
-    return part.position + turned(part.orientation, middle), reach
+def outline(part: Part) -> tuple[Floats, float]:
+    """Return points of a shape that is no plane, in the axes of its body, and how far it reaches beyond them.
+
+    They are the corners of the box around the lines that show it; of a ball its centre.
+    """
+    points = np.concatenate(part.shape.wireframe())
+    low, high = points.min(axis=0), points.max(axis=0)
+    if part.shape.kind == SPHERE:
+        return part.position[None] + turned(part.orientation, 0.5 * (low + high)[None]), 0.5 * float((high - low).max())
+    corners = np.where(_CORNERS, high, low)
+    return part.position + turned(part.orientation, corners), 0.0
 
 
 def _pieces(part: Part) -> list[_Piece]:

@@ -17,14 +17,15 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 _PIXELS = 1_400_000
-_HEIGHT = 4.6  # inches
+_HEIGHT, _WIDTH = 4.6, 9.2  # of the scene, inches
+_WIDE = 1.8  # width over height, from which on the energy stands below the scene
 _MOST_TRAILS = 40
 _SHORTEST_TRAIL = 0.03  # of the width of the picture
 _MOST_POINTS = 300  # of a trail
 
 
 def plot_recording(recording: Recording, path: str | Path | None = None) -> "Figure":
-    """Draw the last state of a recording with the ways that bodies took, and kinetic, potential and total energy.
+    """Draw the last state of a recording with the ways that bodies took, and the kinetic and potential energy.
 
     What moves in a vertical plane along x is seen from the side; other scenes are seen from above the front left, with
     the shadows that they cast.
@@ -51,8 +52,13 @@ def plot_recording(recording: Recording, path: str | Path | None = None) -> "Fig
     title = f"{about.system}: {simulated:.4g} s in {recording.n_steps} steps of {1e3 * recording.step:.4g} ms"
     new_figure(1.0, 1.0, "")  # says so where matplotlib is missing, before the work
     painter = Painter(recording, _PIXELS)
-    figure = new_figure(_HEIGHT * painter.width / painter.height + 4.4, _HEIGHT, title)
-    scene, energy = figure.subplots(1, 2, width_ratios=[painter.width / painter.height * _HEIGHT, 4.2])
+    aspect = painter.width / painter.height
+    if aspect < _WIDE:
+        figure = new_figure(_HEIGHT * aspect + 4.4, _HEIGHT, title)
+        scene, energy = figure.subplots(1, 2, width_ratios=[_HEIGHT * aspect, 4.2])
+    else:
+        figure = new_figure(_WIDTH, _WIDTH / aspect + 3.2, title)
+        scene, energy = figure.subplots(2, 1, height_ratios=[_WIDTH / aspect, 2.4])
     _draw_scene(scene, painter, recording)
     _draw_energy(energy, recording)
     return keep(figure, path)
@@ -78,7 +84,7 @@ def _draw_trails(axes: "Axes", painter: Painter, recording: Recording) -> None:
     longest = [i for i in np.argsort(-lengths)[:_MOST_TRAILS] if lengths[i] > _SHORTEST_TRAIL * painter.width]
     for i in longest:
         segments = np.stack((seen[:-1, i], seen[1:, i]), axis=1)
-        fading = np.linspace(0.1, 0.9, len(segments))
+        fading = np.linspace(0.25, 0.9, len(segments))
         colour = colour_of(int(moving[i])) * 0.85
         colours = [(*colour, alpha) for alpha in fading]
         axes.add_collection(LineCollection(list(segments), colors=colours, linewidths=1.1))
@@ -99,11 +105,11 @@ def _hidden(painter: Painter, points: Floats, pixels: Floats) -> NDArray[np.bool
 
 
 def _draw_energy(axes: "Axes", recording: Recording) -> None:
-    """Draw kinetic, potential and total energy, the potential one from its lowest value on."""
+    """Draw the kinetic energy, the potential one in gravity from its lowest value on, and their sum."""
     potential = recording.derived["potential energy"]
     potential = potential - potential.min()
     kinetic = recording.derived["kinetic energy"]
-    lines = {"kinetic": kinetic, "potential": potential, "total": kinetic + potential}
+    lines = {"kinetic": kinetic, "potential": potential, "sum": kinetic + potential}
     for (name, values), colour in zip(lines.items(), (COLOURS[1], COLOURS[0], INK), strict=True):
         axes.plot(recording.t, values, color=colour, linewidth=1.3, label=name)
     dress(axes, "t (s)", "J, from the lowest potential on", "energy")

@@ -1,6 +1,7 @@
 """How bodies come into a world: one method a shape."""
 
 from collections.abc import Sequence
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -9,8 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.bodies import Bodies, Body, kind_of
 from kickdrift.world.flight import DYNAMIC, STATIC
+from kickdrift.world.islands import REACH
 from kickdrift.world.joints.registry import Joints
-from kickdrift.world.shape_rows import Placed, Shape, ShapeRows, Surface
+from kickdrift.world.shape_rows import Placed, Shape, ShapeRows, Surface, reach
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
 from kickdrift.world.shapes.heightfield import HeightField
@@ -20,7 +22,7 @@ from kickdrift.world.shapes.mass import Mass, checked_inertia, combined, placed,
 from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.plane import Plane
 from kickdrift.world.shapes.sphere import Sphere
-from kickdrift.world.tables import MOTION, Tables
+from kickdrift.world.tables import MOTION, RESTED, Tables
 
 Floats = NDArray[np.float64]
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
@@ -48,6 +50,10 @@ class Part:
         orientation: ArrayLike = _UPRIGHT,
         density: float | None = None,
     ) -> None:
+        if not hasattr(shape, "mass_properties"):
+            raise ArgumentError(
+                f"shape={shape!r} is no shape; give one of kickdrift.world.shapes, such as Box((1, 1, 1))."
+            )
         self.shape = shape
         self.position = vector("position", position, 3)
         self.orientation = unit_quaternion("orientation", orientation)
@@ -187,28 +193,36 @@ class AddsBodies:
         ArgumentError
             For sizes, masses, inertias and poses that no body can have.
         """
-        parts = [Part(shapes)] if not isinstance(shapes, Sequence) else list(shapes)
-        if not parts:
-            raise ArgumentError("shapes is empty; give a body at least one shape.")
+        parts = list(shapes) if isinstance(shapes, Sequence) else [Part(shapes)]
+        if not parts or not all(isinstance(part, Part) for part in parts):
+            raise ArgumentError(f"shapes={shapes!r} has to be a shape, or a sequence of at least one Part.")
         kind = kind_of(static, kinematic)
         origin, turn = vector("position", position, 3), unit_quaternion("orientation", orientation)
         motion = np.concatenate((vector("velocity", velocity, 3), vector("angular_velocity", angular_velocity, 3)))
         if kind == STATIC and motion.any():
             raise ArgumentError("velocity of a static body has to be zero; make it kinematic=True to move it.")
+        unknown = set(surface) - {field.name for field in fields(Surface)}
+        if unknown:
+            raise ArgumentError(f"{sorted(unknown)[0]}= is not known; see the options of World.add_body.")
         properties = Surface(**surface)
         weight = None
         if kind == DYNAMIC:
             for part in parts:
                 if part.shape.kind in (PLANE, MESH):
-                    raise ArgumentError(f"{type(part.shape).__name__} cannot move: it has no inside; add it static=True.")
+                    raise ArgumentError(
+                        f"{type(part.shape).__name__} cannot move: it has no inside; add it static=True."
+                    )
             weight = _weigh(parts, density, mass, inertia)
-        rates = [_not_negative("damping", damping), _not_negative("angular_damping", angular_damping)]
+        rates = [number("damping", damping, "1/s"), number("angular_damping", angular_damping, "1/s")]
         centre = np.zeros(3) if weight is None else weight.centre
         body = self.bodies.add(kind, origin + rotation_matrix(turn) @ centre, turn)
         self.tables.array(MOTION)[body.index, :6] = motion
         if weight is not None:
             self.bodies.set_mass(body.index, weight, rates)
         for part in parts:
+            far = float(np.linalg.norm(part.position - centre)) + reach(part.shape)
+            rested = self.tables.array(RESTED)[body.index]
+            rested[REACH] = max(rested[REACH], far)
             self.shape_rows.add(body.index, Placed(part.shape, part.position - centre, part.orientation, properties))
         return body
 
@@ -222,6 +236,7 @@ class AddsBodies:
         """
         row = self.bodies.row(body)
         self.joints.remove_of_body(row)
+        self.bodies.wake()
         self.bodies.remove(body)
         self.shape_rows.remove_of(row)
 
@@ -269,20 +284,26 @@ def _weigh(parts: list[Part], density: float | None, mass: float | None, inertia
     common = 1000.0 if density is None else density
     whole = combined(
         [
-            placed(p.shape.mass_properties(), p.position, p.orientation, density=common if p.density is None else p.density)
+            placed(
+                p.shape.mass_properties(), p.position, p.orientation, density=common if p.density is None else p.density
+            )
             for p in parts
         ]
     )
     if mass is not None:
-        if not (np.isscalar(mass) and 0.0 < float(mass) < np.inf):
-            raise ArgumentError(f"mass={mass!r} has to be positive and finite; static=True is for what nothing moves.")
-        whole = Mass(float(mass), whole.centre, whole.inertia * (float(mass) / whole.mass))
+        total = number("mass", mass, "kg; static=True is for what nothing moves", zero=False)
+        whole = Mass(total, whole.centre, whole.inertia * (total / whole.mass))
     if inertia is not None:
         whole = Mass(whole.mass, whole.centre, checked_inertia(inertia))
     return whole
 
 
-def _not_negative(argument: str, value: float) -> float:
-    if not (np.isscalar(value) and 0.0 <= float(value) < np.inf):
-        raise ArgumentError(f"{argument}={value!r} has to be zero or positive and finite, in 1/s.")
-    return float(value)
+def number(argument: str, value: Any, unit: str, *, zero: bool = True) -> float:
+    """Return a finite number that is positive, or zero where that is allowed; ArgumentError for others."""
+    what = f"zero or positive and finite, in {unit}" if zero else f"positive and finite, in {unit}"
+    if isinstance(value, bool | str | complex) or not np.isscalar(value):
+        raise ArgumentError(f"{argument}={value!r} has to be a number, {what}.")
+    size = float(value)  # type: ignore[arg-type]
+    if not (0.0 <= size < np.inf) or (size == 0.0 and not zero):
+        raise ArgumentError(f"{argument}={value!r} has to be {what}.")
+    return size

@@ -1,5 +1,6 @@
 """Bodies: rows of tables that come and go, and handles that know when theirs is gone."""
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -46,6 +47,8 @@ from kickdrift.world.tables import (
 
 Floats = NDArray[np.float64]
 GROUND = 0
+# One count for all worlds, so that a handle is known to be of another one.
+_GENERATIONS = itertools.count(1)
 _TABLES: tuple[Table, ...] = (
     POSE, MOTION, CHANGE, RESPONSE, INERTIA, LOAD, FORCE, KICKED, RESTED, BODY, COLOURED, STARTED_POSE, STARTED_MOTION
 )  # fmt: skip
@@ -118,8 +121,15 @@ class Bodies:
         if not 0 <= body.index < len(kinds):
             raise ArgumentError(f"{argument}={body!r} is not in this world, which has {len(kinds)} rows of bodies.")
         if kinds[body.index, GENERATION] != body.generation or kinds[body.index, KIND] == REMOVED:
-            raise ArgumentError(f"{argument}={body!r} has been removed from the world; use a handle of one that is there.")
+            raise ArgumentError(f"{argument}={body!r} was removed, or is of another world; use one that is there.")
         return body.index
+
+    def moved_row(self, body: Any) -> int:
+        """Return the row of a body that forces move; ArgumentError for others."""
+        row = self.row(body)
+        if self._tables.array(BODY)[row, KIND] != DYNAMIC:
+            raise ArgumentError(f"body={body!r} is moved by no force: it is the ground, static or kinematic.")
+        return row
 
     def set_mass(self, row: int, mass: Mass, damping: Sequence[float]) -> None:
         """Give a body its mass, and its inertia about the centre of mass in the body's axes."""
@@ -143,6 +153,13 @@ class Bodies:
             tables.array(RESPONSE)[row, 0] = 1.0 / mass.mass
             tables.array(RESPONSE)[row, 1:7] = _symmetric(response)
 
+    def wake(self) -> None:
+        """Wake all bodies that sleep: what they rest on may be gone."""
+        bodies = self._tables.array(BODY)
+        sleeping = (bodies[:, KIND] == DYNAMIC) & (bodies[:, AWAKE] == 0)
+        bodies[sleeping, AWAKE] = 1
+        self._tables.array(RESTED)[sleeping, 0] = 0.0
+
     def handle(self, row: int) -> Body:
         """Return the handle of a row."""
         return Body(row, int(self._tables.array(BODY)[row, GENERATION]))
@@ -155,7 +172,9 @@ class Bodies:
 def kind_of(static: bool, kinematic: bool) -> int:
     """Say what kind of body is wanted."""
     if static and kinematic:
-        raise ArgumentError("static=True and kinematic=True exclude each other: a kinematic body has a velocity; choose one.")
+        raise ArgumentError(
+            "static=True and kinematic=True exclude each other: a kinematic body has a velocity; choose one."
+        )
     return STATIC if static else KINEMATIC if kinematic else DYNAMIC
 
 

@@ -5,13 +5,24 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import dot, minus, turned
+from kickdrift.core.vectors import dot, minus, plus, turned
 from kickdrift.world.bodies import Bodies, Body
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.update import shape_pose
-from kickdrift.world.tables import CONTACT, EVENTS, LANES, MANIFOLD, Tables, flat, floats, integers, room, rows, set_rows
+from kickdrift.world.contacts.looking import shape_pose
+from kickdrift.world.tables import (
+    CONTACT,
+    EVENTS,
+    LANES,
+    MANIFOLD,
+    Tables,
+    flat,
+    floats,
+    integers,
+    room,
+    rows,
+    set_rows,
+)
 from kickdrift.world.trouble import ask_for_room
-from kickdrift.core.vectors import plus
 
 # Columns of EVENTS
 BEGINS, FIRST_BODY, SECOND_BODY, FROM_SENSOR = range(4)
@@ -48,6 +59,7 @@ def note_touching(t: float, h: float, world: int) -> None:
         return
     for row in range(rows(world, CONTACT)):
         now = _touches(world, row)
+        contact[row, c.STATE] &= ~c.HIT
         state = contact[row, c.STATE]
         if now == state & c.TOUCHING:
             continue
@@ -66,6 +78,8 @@ def _touches(world: int, row: int) -> int:
     points, place = contact[row, c.POINTS], contact[row, c.PLACE_IN_GROUPS]
     if contact[row, c.STATE] & c.SENSOR:
         return _overlap(world, row)
+    if contact[row, c.STATE] & c.HIT:
+        return c.TOUCHING
     if place < 0:
         return contact[row, c.STATE] & c.TOUCHING if points > 0 else 0
     begin = place // c.WIDTH * c.FIELDS * c.WIDTH + place % c.WIDTH
@@ -93,7 +107,12 @@ def _overlap(world: int, row: int) -> int:
 def events(tables: Tables, bodies: Bodies) -> list[ContactEvent]:
     """Return what has begun and ended to touch, in order."""
     return [
-        ContactEvent(bool(row[BEGINS]), bodies.handle(row[FIRST_BODY]), bodies.handle(row[SECOND_BODY]), bool(row[FROM_SENSOR]))
+        ContactEvent(
+            bool(row[BEGINS]),
+            bodies.handle(int(row[FIRST_BODY])),
+            bodies.handle(int(row[SECOND_BODY])),
+            bool(row[FROM_SENSOR]),
+        )
         for row in np.asarray(tables.array(EVENTS))
     ]
 
@@ -102,4 +121,4 @@ def touching(tables: Tables, bodies: Bodies) -> list[Any]:
     """Return the pairs of bodies that touch."""
     rows_ = tables.array(CONTACT)
     rows_ = rows_[rows_[:, c.STATE] & c.TOUCHING != 0]
-    return [(bodies.handle(row[c.BODY_A]), bodies.handle(row[c.BODY_B])) for row in rows_]
+    return [(bodies.handle(int(row[c.BODY_A])), bodies.handle(int(row[c.BODY_B]))) for row in rows_]

@@ -18,7 +18,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.user_functions import argument_names
 from kickdrift.world.flight import MASS
 from kickdrift.world.step import STAGE
-from kickdrift.world.tables import FORCE, INERTIA, LOAD, MOTION, POSE, floats, rows
+from kickdrift.world.tables import FORCE, LOAD, floats, rows
 
 # What a force may name, and the view of the tables that it is given.
 _ARGUMENTS = {

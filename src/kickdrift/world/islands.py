@@ -5,24 +5,30 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.flight import AWAKE, DYNAMIC, ISLAND, KIND
 from kickdrift.world.joints import layout as j
 from kickdrift.world.settings import SLEEP_SPEED, SLEEP_TIME
-from kickdrift.world.tables import BODY, CONTACT, JOINT, LOAD, MOTION, RESTED, SETTINGS, floats, integers, rows
+from kickdrift.world.tables import BODY, CONTACT, JOINT, LOAD, MOTION, POSE, RESTED, SETTINGS, floats, integers, rows
+
+# Columns of RESTED
+TIME, ISLAND_TIME, REACH, SLEPT_POSE = 0, 1, 2, 3
 
 
 @compiled
 def wake(t: float, h: float, world: int) -> None:
-    """Wake the islands of sleeping bodies that were given a velocity or a force, or that something awake has reached."""
+    """Wake the islands of sleeping bodies that were moved, or given a velocity or a force, or that something awake touches."""
     body, motion, load, contact = (
         integers(world, BODY),
         floats(world, MOTION),
         floats(world, LOAD),
         integers(world, CONTACT),
     )
+    pose, rested = floats(world, POSE), floats(world, RESTED)
     for row in range(rows(world, BODY)):
         if body[row, KIND] != DYNAMIC or body[row, AWAKE] != 0:
             continue
         pushed = False
         for k in range(6):
             pushed = pushed or motion[row, k] != 0.0 or load[row, k] != 0.0
+        for k in range(7):
+            pushed = pushed or pose[row, k] != rested[row, SLEPT_POSE + k]
         if pushed:
             _wake_island(world, body[row, ISLAND])
     for row in range(rows(world, CONTACT)):
@@ -46,7 +52,7 @@ def _wake_island(world: int, island: int) -> None:
     for row in range(rows(world, BODY)):
         if body[row, KIND] == DYNAMIC and body[row, AWAKE] == 0 and body[row, ISLAND] == island:
             body[row, AWAKE] = 1
-            rested[row, 0] = 0.0
+            rested[row, TIME] = 0.0
 
 
 @compiled
@@ -54,10 +60,11 @@ def sleep(t: float, h: float, world: int) -> None:
     """Put islands to sleep that have rested long enough; what sleeps has no velocity."""
     body, motion, contact = integers(world, BODY), floats(world, MOTION), integers(world, CONTACT)
     joint, rested, settings = integers(world, JOINT), floats(world, RESTED), floats(world, SETTINGS)
+    pose, rested = floats(world, POSE), floats(world, RESTED)
     for row in range(rows(world, BODY)):
         if body[row, AWAKE] != 0:
             body[row, ISLAND] = row
-            rested[row, 0] = rested[row, 0] + h if _rests(world, row) else 0.0
+            rested[row, TIME] = rested[row, TIME] + h if _rests(world, row) else 0.0
     for row in range(rows(world, CONTACT)):
         if contact[row, c.STATE] & c.TOUCHING and not contact[row, c.STATE] & c.SENSOR:
             _unite(world, contact[row, c.BODY_A], contact[row, c.BODY_B])
@@ -68,16 +75,20 @@ def sleep(t: float, h: float, world: int) -> None:
     for row in range(rows(world, BODY)):
         if body[row, KIND] == DYNAMIC and body[row, AWAKE] != 0:
             first = _first_of(world, row)
-            rested[first, 1] = rested[row, 0] if first == row else min(rested[first, 1], rested[row, 0])
+            rested[first, ISLAND_TIME] = (
+                rested[row, TIME] if first == row else min(rested[first, ISLAND_TIME], rested[row, TIME])
+            )
     for row in range(rows(world, BODY)):
         if body[row, KIND] != DYNAMIC or body[row, AWAKE] == 0:
             continue
         first = _first_of(world, row)
         body[row, ISLAND] = first
-        if rested[first, 1] >= settings[0, SLEEP_TIME]:
+        if rested[first, ISLAND_TIME] >= settings[0, SLEEP_TIME]:
             body[row, AWAKE] = 0
             for k in range(6):
                 motion[row, k] = 0.0
+            for k in range(7):
+                rested[row, SLEPT_POSE + k] = pose[row, k]
 
 
 @compiled
@@ -90,7 +101,7 @@ def _rests(world: int, row: int) -> bool:
         speed += motion[row, k] * motion[row, k]
         turn += motion[row, 3 + k] * motion[row, 3 + k]
     slowest = floats(world, SETTINGS)[0, SLEEP_SPEED]
-    reach = rested[row, 2]
+    reach = rested[row, REACH]
     return speed + turn * reach * reach < slowest * slowest
 
 

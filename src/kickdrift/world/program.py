@@ -9,9 +9,10 @@ from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function
 from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.contacts.impact import bounce
+from kickdrift.world.contacts.looking import place_shapes
 from kickdrift.world.contacts.prepare import colour, prepare
 from kickdrift.world.contacts.solve import THREADED, relax, solve, store, warm_start
-from kickdrift.world.contacts.update import find_points, place_shapes
+from kickdrift.world.contacts.update import find_points
 from kickdrift.world.events import note_touching
 from kickdrift.world.flight import begin, drift, finish, flatten, kick
 from kickdrift.world.forces import begin_forces

@@ -5,6 +5,7 @@ inside of a closed one overlaps nothing.
 """
 
 from collections.abc import Iterable
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +20,7 @@ from kickdrift.world.collision.forest import update_for_queries
 from kickdrift.world.collision.nearby import find_near, overlaps
 from kickdrift.world.collision.query_arguments import layer_bits, one_vector, rays_of
 from kickdrift.world.collision.rays import RAYS, SIGNATURE
-from kickdrift.world.contacts.update import COLLIDE
+from kickdrift.world.contacts.looking import COLLIDE
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.kinds import BOX, MESH, SPHERE, TRIANGLE
 from kickdrift.world.shapes.mass import rotation_matrix
@@ -255,15 +256,25 @@ def _kinds(tables: Tables) -> list[int]:
 def _ray_functions(tables: Tables) -> NDArray[np.intp]:
     functions = np.zeros(8, dtype=np.intp)
     for kind in _kinds(tables):
-        functions[kind] = address_of(RAYS[kind], SIGNATURE)
+        functions[kind] = _ray_function(kind)
     return functions
+
+
+@cache
+def _ray_function(kind: int) -> int:
+    return address_of(RAYS[kind], SIGNATURE)
 
 
 def _pair_functions(tables: Tables, kind: int) -> NDArray[np.intp]:
     functions = np.zeros(8, dtype=np.intp)
     for other in _kinds(tables):
-        functions[other] = address_of(PAIRS[min(kind, other), max(kind, other)], COLLIDE)
+        functions[other] = _pair_function(min(kind, other), max(kind, other))
     return functions
+
+
+@cache
+def _pair_function(kind: int, other: int) -> int:
+    return address_of(PAIRS[kind, other], COLLIDE)
 
 
 def _described(tables: Tables, rays: Floats, hits: Floats) -> RayHits:

@@ -1,5 +1,6 @@
 """Shapes in a world: rows of tables, and the numbers of equal shapes kept once."""
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from itertools import combinations_with_replacement
 from typing import Any, NamedTuple, Protocol
@@ -11,7 +12,7 @@ from kickdrift.core.calls import address_of
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.search import shapes_changed
-from kickdrift.world.contacts.update import COLLIDE, FRICTION, RADIUS, RESTITUTION, ROLLING, SURFACE_VELOCITY
+from kickdrift.world.contacts.looking import COLLIDE, FRICTION, RADIUS, RESTITUTION, ROLLING, SURFACE_VELOCITY
 from kickdrift.world.shapes.kinds import CAPSULE, MESH, PLANE, SPHERE, TRIANGLE
 from kickdrift.world.shapes.mass import MassProperties
 from kickdrift.world.tables import BOUNDS, COLLIDERS, GEOMETRY, PLACE, PLACED, SHAPE, Tables
@@ -76,14 +77,20 @@ class Surface:
     def __post_init__(self) -> None:
         for name in ("friction", "restitution", "rolling_resistance"):
             value = getattr(self, name)
-            if not (np.isscalar(value) and 0.0 <= float(value) < np.inf):
-                raise ArgumentError(f"{name}={value!r} has to be zero or positive and finite.")
+            if isinstance(value, bool | str | complex) or not (np.isscalar(value) and 0.0 <= value < np.inf):
+                raise ArgumentError(f"{name}={value!r} has to be a number, zero or positive and finite.")
         if self.restitution > 1.0:
             raise ArgumentError(f"restitution={self.restitution!r} would gain energy at every bounce; give at most 1.")
-        velocity = np.asarray(self.surface_velocity, dtype=np.float64)
+        try:
+            velocity = np.asarray(self.surface_velocity, dtype=np.float64)
+        except (TypeError, ValueError):
+            velocity = np.zeros(0)
         if velocity.shape != (3,) or not np.isfinite(velocity).all():
             raise ArgumentError(f"surface_velocity={self.surface_velocity!r} has to be three finite numbers, in m/s.")
-        for layer in (self.layer, *(self.collides_with or ())):
+        layers = () if self.collides_with is None else self.collides_with
+        if not isinstance(layers, Collection):
+            raise ArgumentError(f"collides_with={layers!r} has to be a sequence of layers, whole numbers from 0 to 61.")
+        for layer in (self.layer, *layers):
             if not (isinstance(layer, int | np.integer) and 0 <= layer < 62):
                 raise ArgumentError(f"layer={layer!r} has to be a whole number from 0 to 61.")
 
@@ -130,7 +137,11 @@ class ShapeRows:
         place = tables.array(PLACE)[row]
         place[:3] = position
         place[3:7] = orientation
-        place[FRICTION], place[RESTITUTION], place[ROLLING] = surface.friction, surface.restitution, surface.rolling_resistance
+        place[FRICTION], place[RESTITUTION], place[ROLLING] = (
+            surface.friction,
+            surface.restitution,
+            surface.rolling_resistance,
+        )
         place[SURFACE_VELOCITY : SURFACE_VELOCITY + 3] = surface.surface_velocity
         place[RADIUS] = reach(shape)
         shapes_changed(tables)

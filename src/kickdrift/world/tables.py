@@ -31,7 +31,9 @@ CHANGE = Table(2, 8)  # since the start of the step: displacement (3), rotation 
 RESPONSE = Table(3, 8)  # 1/mass, and the inverse inertia in the world's axes (6); zeros do not move
 INERTIA = Table(4, 16)  # mass, inertia in the body's axes (6), its inverse (6), damping of velocity and of rotation (2)
 LOAD = Table(5, 8)  # force (3) and torque (3) asked for during the next step
-RESTED = Table(36, 4)  # for how long a body has rested, for how long its island has, how far it reaches
+RESTED = Table(
+    36, 12
+)  # for how long a body has rested, for how long its island has, how far it reaches, where it sleeps (7)
 FORCE = Table(35, 8)  # force (3) and torque (3) in this substep
 KICKED = Table(6, 24)  # see `kickdrift.world.flight`
 BODY = Table(7, 8, whole=True)  # kind, awake, island, generation
@@ -53,7 +55,7 @@ TROUBLE = Table(15, 8, whole=True)  # one row: what went wrong, which table or b
 EVENTS = Table(16, 8, whole=True)  # see `kickdrift.world.events`
 # Joints: see `kickdrift.world.joints.layout`
 JOINT = Table(17, 16, whole=True)
-JOINT_NUMBERS = Table(18, 72)
+JOINT_NUMBERS = Table(18, 80)
 JOINT_AXES = Table(45, 16)  # six rows a joint
 ISLANDS = Table(19, 4, whole=True)
 LANES = Table(20, 1)  # constraints in groups of lanes
@@ -65,7 +67,7 @@ COLLIDERS = Table(25, 8, whole=True)  # address of the function for each pair of
 ARTICULATION = Table(26, 8, whole=True)
 ARTICULATION_NUMBERS = Table(27, 1)  # the equations of closing joints
 LINK = Table(46, 8, whole=True)  # a body of an articulation and the joint that it hangs on, parents first
-LINK_NUMBERS = Table(47, 152)
+LINK_NUMBERS = Table(47, 208)
 ORDER = Table(28, 4, whole=True)
 STEPS = Table(29, 16)  # one row: counters
 COLOURS = Table(30, 4, whole=True)  # contacts of a colour, its first group and the group after its last

@@ -8,7 +8,7 @@ from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError, LostBodyError
 from kickdrift.world import measures, settings
-from kickdrift.world.adding import AddsBodies, direction, vector
+from kickdrift.world.adding import AddsBodies, direction, number, vector
 from kickdrift.world.bodies import Bodies, Body
 from kickdrift.world.contacts import lanes
 from kickdrift.world.contacts.layout import WIDTH
@@ -110,19 +110,25 @@ class World(KeepsHistory, AddsBodies, AddsJoints):
         self.tables = Tables()
         self.time = 0.0
         self.n_steps = 0
-        if not (isinstance(substeps, int | np.integer) and substeps >= 1):
+        if isinstance(substeps, bool) or not (isinstance(substeps, int | np.integer) and substeps >= 1):
             raise ArgumentError(f"substeps={substeps!r} has to be a whole number from 1 on.")
         self.substeps = int(substeps)
         row = self.tables.resize(SETTINGS, 1)[0]
         row[settings.GRAVITY : settings.GRAVITY + 3] = vector("gravity", gravity, 3)
         row[settings.SUBSTEPS] = substeps
         row[settings.MIDPOINT] = float(midpoint)
-        row[settings.MARGIN], row[settings.SLOP] = margin, slop
-        row[settings.CONTACT_HERTZ] = 0.0 if contact_hertz is None else contact_hertz
-        row[settings.CONTACT_DAMPING] = contact_damping
-        row[settings.PUSH_SPEED] = push_speed
-        row[settings.BOUNCE_SPEED] = -1.0 if bounce_speed is None else bounce_speed
-        row[settings.SLEEP_SPEED], row[settings.SLEEP_TIME] = sleep_speed, sleep_time
+        row[settings.MARGIN], row[settings.SLOP] = (
+            number("margin", margin, "m", zero=False),
+            number("slop", slop, "m", zero=False),
+        )
+        row[settings.CONTACT_HERTZ] = (
+            0.0 if contact_hertz is None else number("contact_hertz", contact_hertz, "Hz", zero=False)
+        )
+        row[settings.CONTACT_DAMPING] = number("contact_damping", contact_damping, "1", zero=False)
+        row[settings.PUSH_SPEED] = number("push_speed", push_speed, "m/s")
+        row[settings.BOUNCE_SPEED] = -1.0 if bounce_speed is None else number("bounce_speed", bounce_speed, "m/s")
+        row[settings.SLEEP_SPEED] = number("sleep_speed", sleep_speed, "m/s")
+        row[settings.SLEEP_TIME] = number("sleep_time", sleep_time, "s")
         self.sleeping = bool(sleeping)
         self.threads = bool(threads)
         if threads:
@@ -191,7 +197,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints):
         point : (3,) array_like, optional
             Where it acts, in the world, m; the centre of mass by default.
         """
-        row, f = self.bodies.row(body), vector("force", force, 3)
+        row, f = self.bodies.moved_row(body), vector("force", force, 3)
         load = self.tables.array(LOAD)[row]
         load[:3] += f
         if point is not None:
@@ -199,7 +205,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints):
 
     def apply_torque(self, body: Body, torque: ArrayLike) -> None:
         """Let a torque in N m, (3,) in the world's axes, act on a body during the next step."""
-        self.tables.array(LOAD)[self.bodies.row(body), 3:6] += vector("torque", torque, 3)
+        self.tables.array(LOAD)[self.bodies.moved_row(body), 3:6] += vector("torque", torque, 3)
 
     @property
     def events(self) -> list[ContactEvent]:
@@ -247,11 +253,12 @@ class World(KeepsHistory, AddsBodies, AddsJoints):
 
     def advance(self, step: float, count: int) -> None:
         """Do so many steps in compiled code; as `step`, again and again."""
-        if not (np.isscalar(step) and 0.0 < float(step) < np.inf):
-            raise ArgumentError(f"step={step!r} has to be positive and finite, in s; 1/60 is usual.")
+        step = number("step", step, "s; 1/60 is usual", zero=False)
+        if isinstance(count, bool) or not (isinstance(count, int | np.integer) and count >= 0):
+            raise ArgumentError(f"count={count!r} has to be a whole number of steps, zero or more.")
         self.tables.array(SETTINGS)[0, settings.STEP] = step
         self.tables.resize(EVENTS, 0)
-        program = self._ready(float(step))
+        program = self._ready(step)
         done, at = 0, 0
         while done < count:
             start = self.time + done * step

@@ -135,7 +135,7 @@ def humanoid(*, stiffness: float = 1000.0, damping: float = 50.0) -> Humanoid:
     Parameters
     ----------
     stiffness : float
-        N m/rad. Two ankles of 370 would not keep 75 kg at a height of 1 m from tipping over.
+        N m/rad. With ankles of 370 each, 75 kg at a height of 1 m tip over.
     damping : float
         N m s/rad.
     """

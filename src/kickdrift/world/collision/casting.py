@@ -13,7 +13,7 @@ from kickdrift.world.collision.bounds import FIRST_NODE, LAST_NODE
 from kickdrift.world.collision.extents import FIRST_TRIANGLE
 from kickdrift.world.collision.rays import MISS, SIGNATURE, Hit
 from kickdrift.world.collision.walk import NOTHING, advance, reciprocal, start
-from kickdrift.world.contacts.update import shape_pose
+from kickdrift.world.contacts.looking import shape_pose
 from kickdrift.world.shapes.kinds import MESH, TRIANGLE
 from kickdrift.world.shapes.mesh import TRIANGLE_SIZE
 from kickdrift.world.tables import (

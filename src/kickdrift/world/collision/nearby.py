@@ -11,7 +11,7 @@ from kickdrift.world.collision.bounds import FIRST_NODE, LAST_NODE
 from kickdrift.world.collision.boxes import box_in_frame, reaches_under
 from kickdrift.world.collision.extents import FIRST_TRIANGLE
 from kickdrift.world.collision.tree import Box, gather
-from kickdrift.world.contacts.update import collide, shape_pose
+from kickdrift.world.contacts.looking import collide, shape_pose
 from kickdrift.world.shapes.kinds import MESH, TRIANGLE
 from kickdrift.world.shapes.mesh import TRIANGLE_SIZE
 from kickdrift.world.tables import (

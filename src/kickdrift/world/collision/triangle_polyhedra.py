@@ -69,7 +69,8 @@ def triangle_polyhedron(a: Any, b: Any, pose: Any, margin: float, manifold: Any)
     """Find where a triangle and a polyhedron touch, the second given by a pointer to its numbers."""
     triangle, frame, seen = floats_on_stack(_SIZE), floats_on_stack(12), floats_on_stack(PLACED)
     _set_triangle(triangle, a)
-    normal, offset = plane(triangle, 0)
+    face_a = int(triangle[FACES]) - 1
+    normal, offset = plane(triangle, face_a)
     set_frame(frame, pose)
     behind = min(_BEHIND, 0.5 * margin)
     if dot(normal, placed(frame, (b[CENTRE], b[CENTRE + 1], b[CENTRE + 2]))) < offset - behind:
@@ -81,7 +82,6 @@ def triangle_polyhedron(a: Any, b: Any, pose: Any, margin: float, manifold: Any)
     gap_b, face_b, apart = _separation_of_faces(triangle, a, seen, margin)
     if apart > margin:
         return 0
-    face_a = int(triangle[FACES]) - 1
     apart = max(apart, gap_a)
     return touching(triangle, b, seen, frame, gap_a, face_a, gap_b, face_b, apart, behind, margin, manifold)
 
@@ -104,14 +104,15 @@ def _separation_of_faces(triangle: Any, a: Any, b: Any, margin: float) -> tuple[
 @compiled
 def _pushes(triangle: Any, a: Any, direction: Vector) -> bool:
     """Whether the triangle may push in a direction, at the edge that looks there most."""
-    best, most = 0, -np.inf
-    for k in range(3):
-        outward, _ = plane(triangle, 1 + k)
+    best, most, up = 0, -np.inf, 0.0
+    for k in range(4):
+        outward, _ = plane(triangle, k)
         along = dot(outward, direction)
-        if along > most:
-            best, most = k, along
-    normal, _ = plane(triangle, 0)
-    return a[9 + best] != 0.0 and dot(normal, direction) > -_DOWN
+        if k == 0:
+            up = along
+        elif along > most:
+            best, most = k - 1, along
+    return a[9 + best] != 0.0 and up > -_DOWN
 
 
 @compiled
@@ -130,37 +131,37 @@ def _set_triangle(triangle: Any, a: Any) -> None:
     triangle[THICKNESS] = np.inf
     for k in range(9):
         triangle[HEADER + k] = a[k]
-    p, q, r = vertex(triangle, 0), vertex(triangle, 1), vertex(triangle, 2)
+    p, q, r = (a[0], a[1], a[2]), (a[3], a[4], a[5]), (a[6], a[7], a[8])
     normal = cross(minus(q, p), minus(r, p))
     normal = times(1.0 / length(normal), normal)
-    _put_plane(triangle, 0, normal, p)
-    _put_plane(triangle, _BELOW, times(-1.0, normal), p)
+    _put_plane(triangle, _PLANES, normal, p)
+    _put_plane(triangle, _PLANES + 4 * _BELOW, times(-1.0, normal), p)
     triangle[_LOOPS + 1] = 3.0
     pushing, other = 0, 6
     for k in range(3):
         triangle[_LOOPS + 2 + k], triangle[_LOOPS + 5 + k] = k, k
-        side = cross(minus(vertex(triangle, (k + 1) % 3), vertex(triangle, k)), normal)
+        begin = vertex(triangle, k)
+        side = cross(minus(vertex(triangle, (k + 1) % 3), begin), normal)
         side = times(math.sqrt(1.0 - _DOWN * _DOWN) / length(side), side)
-        _put_plane(triangle, 1 + k, minus(side, times(_DOWN, normal)), vertex(triangle, k))
+        _put_plane(triangle, _PLANES + 4 + 4 * k, minus(side, times(_DOWN, normal)), begin)
         other -= 1
-        _put_edge(triangle, other, k, 1 + k, _BELOW)
+        _put_edge(triangle, _EDGES + 4 * other, k, 1 + k, _BELOW)
         if a[9 + k] != 0.0:
-            _put_edge(triangle, pushing, k, 0, 1 + k)
+            at = _EDGES + 4 * pushing
             pushing += 1
         else:
             other -= 1
-            _put_edge(triangle, other, k, 0, 1 + k)
+            at = _EDGES + 4 * other
+        _put_edge(triangle, at, k, 0, 1 + k)
     triangle[PUSHING] = pushing
 
 
 @compiled(inline=True)
-def _put_edge(triangle: Any, number: int, begin: int, left: int, right: int) -> None:
-    at = _EDGES + 4 * number
+def _put_edge(triangle: Any, at: int, begin: int, left: int, right: int) -> None:
     triangle[at], triangle[at + 1], triangle[at + 2], triangle[at + 3] = begin, (begin + 1) % 3, left, right
 
 
 @compiled(inline=True)
-def _put_plane(triangle: Any, face: int, normal: Vector, point: Vector) -> None:
-    at = _PLANES + 4 * face
+def _put_plane(triangle: Any, at: int, normal: Vector, point: Vector) -> None:
     triangle[at], triangle[at + 1], triangle[at + 2] = normal
     triangle[at + 3] = dot(normal, point)

@@ -27,7 +27,7 @@ from kickdrift.core.vectors import (
     unit,
 )
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.update import RESTITUTION
+from kickdrift.world.contacts.looking import RESTITUTION
 from kickdrift.world.flight import ADDED, IMPACT_TIME
 from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, MIDPOINT, SLOP
 from kickdrift.world.tables import (
@@ -152,9 +152,7 @@ def _times_of_hits(world: int, row: int, own: Any, hit: Any, points: int, h: flo
 
 
 @compiled
-def _speeds_wanted(
-    world: int, row: int, own: Any, hit: Any, points: int, first: float, e: float, h: float
-) -> int:
+def _speeds_wanted(world: int, row: int, own: Any, hit: Any, points: int, first: float, e: float, h: float) -> int:
     """Say which velocity each point that hits at the same time shall have, by Newton's rule; return how many do."""
     contact, motion = integers(world, CONTACT), floats(world, MOTION)
     a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], _vector(own, c.N)
@@ -210,6 +208,7 @@ def _apply(world: int, row: int, own: Any, hit: Any, points: int, when: float) -
     contact, motion, response = integers(world, CONTACT), floats(world, MOTION), floats(world, RESPONSE)
     a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], _vector(own, c.N)
     inverse_a, inverse_b = _inverse_inertia(response, a), _inverse_inertia(response, b)
+    contact[row, c.STATE] |= c.HIT
     total = 0.0
     turn_a = (0.0, 0.0, 0.0)
     turn_b = (0.0, 0.0, 0.0)

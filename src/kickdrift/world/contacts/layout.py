@@ -15,6 +15,7 @@ SHAPE_A, SHAPE_B, PART, BODY_A, BODY_B, POINTS, STATE, PLACE_IN_GROUPS = range(8
 # Bits of STATE
 TOUCHING = 1
 SENSOR = 2
+HIT = 4  # bounced in this step
 
 # Columns of MANIFOLD
 NORMAL = 0

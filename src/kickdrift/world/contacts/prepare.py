@@ -12,7 +12,7 @@ from kickdrift.core.vectors import Vector, turned
 from kickdrift.world.contacts import filling as r
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.lanes import FILL, FILL_FRICTION, LANE_COUNT, SWEEP
-from kickdrift.world.contacts.update import FRICTION, ROLLING, SURFACE_VELOCITY, placed_pose
+from kickdrift.world.contacts.looking import FRICTION, ROLLING, SURFACE_VELOCITY, placed_pose
 from kickdrift.world.flight import AWAKE
 from kickdrift.world.settings import CONTACT_DAMPING, CONTACT_HERTZ, SLOP, STEP, SUBSTEPS
 from kickdrift.world.tables import (
@@ -117,7 +117,11 @@ def prepare(t: float, h: float, world: int) -> None:
         groups[group, lane] = contact[row, c.BODY_A]
         groups[group, c.WIDTH + lane] = contact[row, c.BODY_B]
         groups[group, 2 * c.WIDTH + lane] = row
-    raw, sweeps, slop = carray(floats_on_stack(_RAW), (_RAW,)), integers(world, SWEEPS), floats(world, SETTINGS)[0, SLOP]
+    raw, sweeps, slop = (
+        carray(floats_on_stack(_RAW), (_RAW,)),
+        integers(world, SWEEPS),
+        floats(world, SETTINGS)[0, SLOP],
+    )
     soft, softer = _softness(world, True), _softness(world, False)
     for g in range(rows(world, GROUPS)):
         for lane in range(c.WIDTH):

@@ -1,5 +1,8 @@
 """What is wanted of each axis of each joint, before the equations are solved."""
 
+import math
+from typing import Any
+
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import (
     conjugate,
@@ -22,14 +25,18 @@ from kickdrift.world.joints.layout import (
     ANGULAR,
     ANGULAR_PART,
     ARM_A,
+    ARM_A_AHEAD,
     ARM_B,
+    ARM_B_AHEAD,
     AXES,
+    AXES_AHEAD,
     BODY_A,
     BODY_B,
     BRAKE,
     CHANGE,
     END,
     FIRST,
+    FRAME,
     FRAME_A,
     FRAME_B,
     GIVEN,
@@ -44,21 +51,15 @@ from kickdrift.world.joints.layout import (
     LOOSE,
     MISALIGNMENT,
     MOVED,
-    PARENT,
     PIVOT,
-    POINT,
-    PULL,
     PUSH,
     RELAXING,
     RIGID,
-    SEQUENTIAL,
-    SIGN,
     SLOPE,
     SPEED,
     STATE,
-    YIELD,
 )
-from kickdrift.world.joints.measure import axis_unit, put_vector, quaternion_at, vector_at
+from kickdrift.world.joints.measure import axis_unit, put_cross, put_line, put_vector, quaternion_at, vector_at
 from kickdrift.world.tables import (
     ARTICULATION,
     JOINT,
@@ -69,102 +70,102 @@ from kickdrift.world.tables import (
     POSE,
     floats,
     integers,
-    rows,
 )
-
-_RESOLVED, _BRAKING = 0.1, 0.5
-
-
-@compiled
-def aim_joints(t: float, h: float, world: int) -> None:
-    """Say what is wanted: of locked axes the speed that puts them right, or none after the drift; of laws nothing yet."""
-    articulations, links = integers(world, ARTICULATION), integers(world, LINK)
-    for row in range(rows(world, ARTICULATION)):
-        for link in range(articulations[row, FIRST], articulations[row, END]):
-            joint = links[link, LINK_JOINT]
-            if joint >= 0 and articulations[row, SEQUENTIAL] == 0:
-                aim(joint, link, h, articulations[row, RELAXING] != 0, world)
 
 
 @compiled(cached=False)
-def aim(joint: int, link: int, h: float, relaxing: bool, world: int) -> None:
-    """Fill in the row of numbers of a joint."""
+def aim_all(row: int, h: float, world: int) -> float:
+    """Say what is wanted of each joint of an articulation, and return how far any of them will be off at most, in its size."""
+    articulation: Any = integers(world, ARTICULATION)[row]
+    links, worst = integers(world, LINK), 0.0
+    for link in range(articulation[FIRST], articulation[END]):
+        if links[link, LINK_JOINT] >= 0:
+            worst = max(worst, aim(links[link, LINK_JOINT], link, h, articulation[RELAXING] != 0, world))
+    return worst
+
+
+@compiled(cached=False)
+def aim(joint: int, link: int, h: float, relaxing: bool, world: int) -> float:
+    """Say what is wanted of the axes of a joint: of locked ones the speed that puts them right, of laws nothing yet.
+
+    Returns
+    -------
+    float
+        How far locked axes will be off, as an angle or in parts of the arms.
+    """
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     joints = integers(world, JOINT)
     links[link, HELD] = joints[joint, LOCKED]
     v, w = relative_velocity(joint, world)
+    for k in range(18):
+        work[link, AXES_AHEAD + k] = numbers[joint, AXES + k]
+    put_vector(work, link, ARM_A_AHEAD, vector_at(numbers, joint, ARM_A))
+    put_vector(work, link, ARM_B_AHEAD, vector_at(numbers, joint, ARM_B))
     if not relaxing:
-        _look_ahead(joint, h, world)
+        _look_ahead(joint, link, h, world)
     for k in range(6):
         speed = dot(vector_at(numbers, joint, AXES + 3 * k), v if k < 3 else w)
         work[link, SPEED + k] = speed
         work[link, CHANGE + k] = 0.0
         if joints[joint, LOCKED] >> k & 1:
             work[link, CHANGE + k] = -speed if relaxing else -numbers[joint, MISALIGNMENT + k] / h
-        brake = 0.0 if relaxing or k < 3 or links[link, PARENT] < 0 else _brake(joint, link, k, h, world)
-        work[link, BRAKE + k] = brake
-        work[link, PUSH + k] = -brake * speed
-        work[link, SLOPE + k] = brake
-        for column in (STATE, MOVED, GIVEN):
+        for column in (PUSH, SLOPE, STATE, MOVED, GIVEN):
             work[link, column + k] = 0.0
-
-
-@compiled(cached=False)
-def _brake(joint: int, link: int, k: int, h: float, world: int) -> float:
-    """Damp what swings too fast for the substep: impulse per speed about an open angular axis.
-
-    A link that is pulled at its joint by a force F at an arm r turns back with the stiffness K = r . F - (s . r) (s . F) about
-    an axis s, the geometric stiffness. Chains of light links with a heavy end have modes that swing against each other with
-    h^2 K far above the inertia D that the joint turns, and feed on each other. They are damped from h^2 K / D = 0.1 on, where
-    the fastest of them takes some six substeps for a turn; hinges that turn against what nothing moves are left alone.
-    Tournier, Nesme, Gilles, Faure, ACM Trans. Graph. 34 (2015) 132 has other means to the same end.
-    """
-    links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
-    if integers(world, JOINT)[joint, LOCKED] >> k & 1 or not work[link, YIELD + k] > 0.0:
+    if relaxing:
         return 0.0
-    force, axis = (0.0, 0.0, 0.0), vector_at(numbers, joint, AXES + 3 * k)
-    for i in range(3):
-        force = plus(force, times(numbers[joint, PULL + i], vector_at(numbers, joint, AXES + 3 * i)))
-    arm = vector_at(numbers, joint, ARM_B if links[link, SIGN] > 0 else ARM_A)
-    stiffness = h * links[link, SIGN] * (dot(arm, force) - dot(axis, arm) * dot(axis, force))
-    return max(0.0, _BRAKING * (stiffness - _RESOLVED / work[link, YIELD + k]))
+    for k in range(3, 6):
+        work[link, SLOPE + k] = work[link, BRAKE + k]
+        work[link, PUSH + k] = -work[link, BRAKE + k] * work[link, SPEED + k]
+    off, turned_off = 0.0, 0.0
+    for k in range(3):
+        off += (joints[joint, LOCKED] >> k & 1) * numbers[joint, MISALIGNMENT + k] ** 2
+        turned_off += (joints[joint, LOCKED] >> (3 + k) & 1) * numbers[joint, MISALIGNMENT + 3 + k] ** 2
+    size = length(vector_at(numbers, joint, ARM_A)) + length(vector_at(numbers, joint, ARM_B))
+    return math.sqrt(max(turned_off, off / (size * size) if size > 0.0 else 0.0))
 
 
 @compiled(cached=False)
-def _look_ahead(joint: int, h: float, world: int) -> None:
-    """Fill in how far locked axes will be off once the bodies have moved for a time h with the velocities that they have.
+def _look_ahead(joint: int, link: int, h: float, world: int) -> None:
+    """Say how far locked axes would be off at the end of the substep with the velocities as they are, and where they then are.
 
-    One Newton step from there, with the axes as they stand now, leaves an error of the third order in h: that of a row
-    linearised at the start of the substep, with the distance that curves away from its tangent, is of the second.
+    One step of Newton's method from there leaves an error of the third order in h. What counts for that are the axes and
+    arms at the end: with those at the start, errors grow where masses differ by more than a substep turns the joint by. A
+    chain with an end 1000 times as heavy as its links then tears.
     """
-    pose, motion = floats(world, POSE), floats(world, MOTION)
+    pose, motion, work = floats(world, POSE), floats(world, MOTION), floats(world, LINK_NUMBERS)
     joints, numbers = integers(world, JOINT), floats(world, JOINT_NUMBERS)
     a, b = joints[joint, BODY_A], joints[joint, BODY_B]
     qa = product(exponential(times(h, vector_at(motion, a, ANGULAR_PART))), quaternion_at(pose, a, ANGULAR_PART))
     qb = product(exponential(times(h, vector_at(motion, b, ANGULAR_PART))), quaternion_at(pose, b, ANGULAR_PART))
-    way = minus(
-        plus(vector_at(pose, b, LINEAR_PART), times(h, vector_at(motion, b, LINEAR_PART))),
-        vector_at(pose, a, LINEAR_PART),
-    )
-    way = minus(way, times(h, vector_at(motion, a, LINEAR_PART)))
-    way = plus(way, turned(qb, vector_at(numbers, joint, ANCHOR_B)))
-    way = minus(way, turned(qa, vector_at(numbers, joint, ANCHOR_A)))
+    arm_b = turned(qb, vector_at(numbers, joint, ANCHOR_B))
+    arm_a = plus(minus(vector_at(pose, b, LINEAR_PART), vector_at(pose, a, LINEAR_PART)), arm_b)
+    moved = minus(vector_at(motion, b, LINEAR_PART), vector_at(motion, a, LINEAR_PART))
+    arm_a = plus(arm_a, times(h, moved))
+    way = minus(arm_a, turned(qa, vector_at(numbers, joint, ANCHOR_A)))
+    put_vector(work, link, ARM_A_AHEAD, arm_a)
+    put_vector(work, link, ARM_B_AHEAD, arm_b)
     fa = product(qa, quaternion_at(numbers, joint, FRAME_A))
-    if joints[joint, LINEAR] == POINT:
-        put_vector(numbers, joint, MISALIGNMENT, way)
-    elif joints[joint, LINEAR] == LINE:
-        put_vector(numbers, joint, MISALIGNMENT, (0.0, 0.0, length(way) - numbers[joint, LENGTH]))
-    else:
+    if joints[joint, LINEAR] == FRAME:
+        for k in range(3):
+            put_vector(work, link, AXES_AHEAD + 3 * k, turned(fa, axis_unit(k)))
         put_vector(numbers, joint, MISALIGNMENT, turned_back(fa, way))
-    mode = joints[joint, ANGULAR]
-    if mode >= LOOSE:
+    else:
+        off = way
+        if joints[joint, LINEAR] == LINE:
+            off = put_line(work, link, AXES_AHEAD, way, fa, numbers[joint, LENGTH])
+        put_vector(numbers, joint, MISALIGNMENT, off)
+    if joints[joint, ANGULAR] >= LOOSE:
         return
     relative = product(conjugate(fa), product(qb, quaternion_at(numbers, joint, FRAME_B)))
+    for k in range(3):
+        put_vector(work, link, AXES_AHEAD + 9 + 3 * k, turned(fa, axis_unit(k)))
     i = joints[joint, PIVOT]
-    if mode == RIGID:
+    if joints[joint, ANGULAR] == RIGID:
         off = rotation_vector(relative)
-    elif mode == HINGE:
+    elif joints[joint, ANGULAR] == HINGE:
         off = cross(axis_unit(i), turned(relative, axis_unit(i)))
     else:
-        off = times(-turned(relative, axis_unit((i + 1) % 3))[i], axis_unit((i + 2) % 3))
+        second = turned(relative, axis_unit((i + 1) % 3))
+        put_cross(work, link, AXES_AHEAD + 9, i, fa, second)
+        off = times(-second[i], axis_unit((i + 2) % 3))
     put_vector(numbers, joint, MISALIGNMENT + 3, off)

@@ -10,7 +10,6 @@ Moving the point of reference of inertia A, B, B^T, C (impulse = A v + B w, angu
 s = O - P: to each row's angular part s x its linear part is added, and then the same to each column's.
 """
 
-import math
 from typing import Any
 
 from numba import carray
@@ -20,9 +19,13 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, cross, dot, inverse_symmetric, minus, plus, times
 from kickdrift.world.joints.layout import (
+    ANGULAR_PART,
     ARM_A,
+    ARM_A_AHEAD,
     ARM_B,
+    ARM_B_AHEAD,
     AXES,
+    AXES_AHEAD,
     BODY,
     CHANGE,
     COUPLING,
@@ -34,6 +37,7 @@ from kickdrift.world.joints.layout import (
     LOAD,
     MOVED,
     PARENT,
+    PASSING,
     PUSH,
     SIGN,
     SLOPE,
@@ -42,7 +46,7 @@ from kickdrift.world.joints.layout import (
     YIELD,
 )
 from kickdrift.world.joints.measure import put_vector, symmetric_at, vector_at
-from kickdrift.world.tables import JOINT_NUMBERS, LINK, LINK_NUMBERS, RESPONSE, floats, integers
+from kickdrift.world.tables import JOINT_NUMBERS, LINK, LINK_NUMBERS, MOTION, RESPONSE, floats, integers
 
 # Of bodies that cannot turn, or turn about some axes only, as if they were heavier than they are: with 1e8, what they
 # then turn and what is lost to rounding are both parts in 1e8, which the next substep corrects.
@@ -52,18 +56,18 @@ _ONLY = int64(0)  # row of a buffer
 
 
 @compiled(inline=True, cached=False)
-def arms(links: Any, numbers: Any, link: int, joint: int) -> tuple[Vector, Vector]:
+def _arms(table: Any, row: int, column_a: int, column_b: int, sign: int) -> tuple[Vector, Vector]:
     """From the centre of mass of a link and of its parent to their joint."""
-    if links[link, SIGN] > 0:
-        return vector_at(numbers, joint, ARM_B), vector_at(numbers, joint, ARM_A)
-    return vector_at(numbers, joint, ARM_A), vector_at(numbers, joint, ARM_B)
+    if sign > 0:
+        return vector_at(table, row, column_b), vector_at(table, row, column_a)
+    return vector_at(table, row, column_a), vector_at(table, row, column_b)
 
 
 @compiled(inline=True, cached=False)
-def _move(m: Any, row: int, s: Vector) -> None:
-    """Move the point of reference of a 6x6 inertia by -s."""
+def _move(m: Any, row: int, s: Vector, ahead: Vector) -> None:
+    """Move the point of reference of a 6x6 inertia by -s, and that of the velocities by another arm."""
     for i in range(6):
-        turn = cross(s, vector_at(m, row, 6 * i))
+        turn = cross(ahead, vector_at(m, row, 6 * i))
         for k in range(3):
             m[row, 6 * i + 3 + k] += turn[k]
     for j in range(6):
@@ -74,8 +78,12 @@ def _move(m: Any, row: int, s: Vector) -> None:
 
 
 @compiled(cached=False)
-def _own_inertia(link: int, world: int) -> None:
-    """Fill in the inertia of the body alone, about its centre of mass."""
+def _own_inertia(link: int, ahead: float, world: int) -> None:
+    """Fill in the inertia of the body alone, about its centre of mass.
+
+    A change dw of its angular velocity w turns it, after a time h, by h T dw with T = 1 + h w x / 2 + ...: velocities
+    ahead are T dw, and the inertia is I T^-1, where T^-1 = 1 - h w x / 2 + (h w x)^2 / 12 up to h^4.
+    """
     work, response = floats(world, LINK_NUMBERS), floats(world, RESPONSE)
     body = integers(world, LINK)[link, BODY]
     for k in range(36):
@@ -92,33 +100,36 @@ def _own_inertia(link: int, world: int) -> None:
     else:
         turn = _IMMOVABLE * mass
         moments = (turn, turn, turn, 0.0, 0.0, 0.0)
+    turn = times(ahead, vector_at(floats(world, MOTION), body, ANGULAR_PART))
     for k in range(3):
         work[link, INERTIA + 7 * k] = mass
-        work[link, INERTIA + 21 + 7 * k] = moments[k]
-    work[link, INERTIA + 22], work[link, INERTIA + 27] = moments[3], moments[3]
-    work[link, INERTIA + 23], work[link, INERTIA + 33] = moments[4], moments[4]
-    work[link, INERTIA + 29], work[link, INERTIA + 34] = moments[5], moments[5]
+        row = (moments[3], moments[1], moments[5]) if k == 1 else (moments[4], moments[5], moments[2])
+        row = (moments[0], moments[3], moments[4]) if k == 0 else row
+        once = cross(turn, row)
+        row = plus(row, plus(times(0.5, once), times(1.0 / 12.0, cross(turn, once))))
+        put_vector(work, link, INERTIA + 21 + 6 * k, row)
 
 
 @compiled(cached=False)
-def factor(first: int, count: int, world: int) -> None:
-    """Eliminate bodies and open axes from the leaves to the root."""
+def factor(first: int, count: int, ahead: float, world: int) -> None:
+    """Eliminate bodies and open axes from the leaves to the root, for velocities that act for a time `ahead`."""
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     moved = carray(floats_on_stack(36), (1, 36))
     for link in range(first, first + count):
-        _own_inertia(link, world)
+        _own_inertia(link, ahead, world)
     for link in range(first + count - 1, first - 1, -1):
         joint, parent = links[link, LINK_JOINT], links[link, PARENT]
         if joint < 0:
             _factor_free(link, world)
             continue
-        own, other = arms(links, numbers, link, joint)
-        _move(work, link, times(-1.0, own))
+        own, other = _arms(numbers, joint, ARM_A, ARM_B, links[link, SIGN])
+        own_ahead, other_ahead = _arms(work, link, ARM_A_AHEAD, ARM_B_AHEAD, links[link, SIGN])
+        _move(work, link, times(-1.0, own), times(-1.0, own_ahead))
         _eliminate(link, joint, links[link, HELD], world)
         if parent >= 0:
             for k in range(36):
                 moved[_ONLY, k] = work[link, INERTIA + k]
-            _move(moved, _ONLY, other)
+            _move(moved, _ONLY, other, other_ahead)
             for k in range(36):
                 work[parent, INERTIA + k] += moved[_ONLY, k]
 
@@ -130,36 +141,38 @@ def _eliminate(link: int, joint: int, held: int, world: int) -> None:
     for k in range(6):
         if held >> k & 1:
             continue
-        axis, half = vector_at(numbers, joint, AXES + 3 * k), 0 if k < 3 else 18
-        column = COUPLING + 6 * k
+        axis, ahead = vector_at(numbers, joint, AXES + 3 * k), vector_at(work, link, AXES_AHEAD + 3 * k)
+        half = 0 if k < 3 else 3
+        row, column = PASSING + 6 * k, COUPLING + 6 * k
         for j in range(6):
-            work[link, column + j] = (
-                axis[0] * work[link, INERTIA + half + j]
-                + axis[1] * work[link, INERTIA + half + 6 + j]
-                + axis[2] * work[link, INERTIA + half + 12 + j]
+            work[link, row + j] = (
+                axis[0] * work[link, INERTIA + 6 * half + j]
+                + axis[1] * work[link, INERTIA + 6 * half + 6 + j]
+                + axis[2] * work[link, INERTIA + 6 * half + 12 + j]
             )
-        stiff = dot(axis, vector_at(work, link, column + (0 if k < 3 else 3))) + work[link, SLOPE + k]
+        for i in range(6):
+            work[link, column + i] = dot(ahead, vector_at(work, link, INERTIA + 6 * i + half))
+        stiff = dot(ahead, vector_at(work, link, row + half)) + work[link, SLOPE + k]
         give = 1.0 / stiff if stiff > 0.0 else 0.0
         work[link, YIELD + k] = give
         for i in range(6):
             share = give * work[link, column + i]
             for j in range(6):
-                work[link, INERTIA + 6 * i + j] -= share * work[link, column + j]
+                work[link, INERTIA + 6 * i + j] -= share * work[link, row + j]
 
 
 @compiled(cached=False)
 def _factor_free(link: int, world: int) -> None:
-    """Cholesky factor of the inertia of a tree that floats, in place."""
+    """Factor the inertia of a tree that floats in place, without pivots: it is all but symmetric."""
     work = floats(world, LINK_NUMBERS)
-    for i in range(6):
-        for j in range(i + 1):
-            total = work[link, INERTIA + 6 * i + j]
-            for k in range(j):
-                total -= work[link, INERTIA + 6 * i + k] * work[link, INERTIA + 6 * j + k]
-            if i == j:
-                work[link, INERTIA + 7 * i] = 1.0 / math.sqrt(total) if total > 0.0 else 0.0
-            else:
-                work[link, INERTIA + 6 * i + j] = total * work[link, INERTIA + 7 * j]
+    for k in range(6):
+        pivot = work[link, INERTIA + 7 * k]
+        work[link, INERTIA + 7 * k] = 1.0 / pivot if pivot > 0.0 else 0.0
+        for i in range(k + 1, 6):
+            share = work[link, INERTIA + 6 * i + k] * work[link, INERTIA + 7 * k]
+            work[link, INERTIA + 6 * i + k] = share
+            for j in range(k + 1, 6):
+                work[link, INERTIA + 6 * i + j] -= share * work[link, INERTIA + 6 * k + j]
 
 
 @compiled(inline=True, cached=False)
@@ -169,11 +182,11 @@ def _solve_free(work: Any, link: int) -> None:
         total = -work[link, IMPACT + i]
         for k in range(i):
             total -= work[link, INERTIA + 6 * i + k] * work[link, GAIN + k]
-        work[link, GAIN + i] = total * work[link, INERTIA + 7 * i]
+        work[link, GAIN + i] = total
     for i in range(5, -1, -1):
         total = work[link, GAIN + i]
         for k in range(i + 1, 6):
-            total -= work[link, INERTIA + 6 * k + i] * work[link, GAIN + k]
+            total -= work[link, INERTIA + 6 * i + k] * work[link, GAIN + k]
         work[link, GAIN + i] = total * work[link, INERTIA + 7 * i]
 
 
@@ -190,7 +203,7 @@ def sweep(first: int, count: int, weight: float, world: int) -> None:
     for link in range(first + count - 1, first - 1, -1):
         joint, parent = links[link, LINK_JOINT], links[link, PARENT]
         if joint >= 0:
-            own, other = arms(links, numbers, link, joint)
+            own, other = _arms(numbers, joint, ARM_A, ARM_B, links[link, SIGN])
             _gather(link, joint, own, weight, world)
             if parent >= 0:
                 push = vector_at(work, link, IMPACT)
@@ -203,7 +216,7 @@ def sweep(first: int, count: int, weight: float, world: int) -> None:
         if joint < 0:
             _solve_free(work, link)
         else:
-            own, other = arms(links, numbers, link, joint)
+            own, other = _arms(work, link, ARM_A_AHEAD, ARM_B_AHEAD, links[link, SIGN])
             v, w = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
             if parent >= 0:
                 w = vector_at(work, parent, GAIN + 3)
@@ -223,8 +236,9 @@ def _gather(link: int, joint: int, own: Vector, weight: float, world: int) -> No
     for k in range(6):
         axis, half = vector_at(numbers, joint, AXES + 3 * k), 0 if k < 3 else 3
         if held >> k & 1:
+            ahead = vector_at(work, link, AXES_AHEAD + 3 * k)
             for i in range(3):
-                work[link, GAIN + half + i] += sign * work[link, CHANGE + k] * axis[i]
+                work[link, GAIN + half + i] += sign * work[link, CHANGE + k] * ahead[i]
         else:
             extra = sign * work[link, PUSH + k] - dot(axis, vector_at(work, link, IMPACT + half))
             work[link, MOVED + k] = extra
@@ -237,10 +251,11 @@ def _gather(link: int, joint: int, own: Vector, weight: float, world: int) -> No
 @compiled(inline=True, cached=False)
 def _add_product(work: Any, link: int, source: int, target: int) -> None:
     """Add to six numbers the inertia of a link times six others."""
-    for j in range(6):
-        factor = work[link, source + j]
-        for i in range(6):
-            work[link, target + i] += factor * work[link, INERTIA + 6 * j + i]
+    for i in range(6):
+        total = 0.0
+        for j in range(6):
+            total += work[link, INERTIA + 6 * i + j] * work[link, source + j]
+        work[link, target + i] += total
 
 
 @compiled(cached=False)
@@ -261,11 +276,11 @@ def _spread(link: int, joint: int, own: Vector, v: Vector, w: Vector, world: int
             continue
         extra = work[link, MOVED + k]
         for i in range(6):
-            extra -= work[link, COUPLING + 6 * k + i] * work[link, GAIN + i]
+            extra -= work[link, PASSING + 6 * k + i] * work[link, GAIN + i]
         extra *= work[link, YIELD + k]
         work[link, MOVED + k] = sign * extra
-        axis, half = vector_at(numbers, joint, AXES + 3 * k), 0 if k < 3 else 3
+        ahead, half = vector_at(work, link, AXES_AHEAD + 3 * k), 0 if k < 3 else 3
         for i in range(3):
-            work[link, GAIN + half + i] += extra * axis[i]
+            work[link, GAIN + half + i] += extra * ahead[i]
     turn = vector_at(work, link, GAIN + 3)
     put_vector(work, link, GAIN, plus(vector_at(work, link, GAIN), cross(own, turn)))

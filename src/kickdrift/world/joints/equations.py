@@ -1,10 +1,9 @@
-"""Equations of joints that close loops: symmetric, small, and some of them say the same twice.
+"""Equations of joints that close loops: all but symmetric, small, and some of them say the same twice.
 
 m equations lie in a row of numbers: the matrix (m m), right side (m), what a diagonal element was before anything else
 held (m), order of elimination (m), which axis of which joint each equation is of (m).
 """
 
-import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
@@ -21,10 +20,7 @@ def room_for(m: int) -> int:
 
 @compiled(cached=False)
 def factor_equations(numbers: Any, at: int, m: int) -> int:
-    """Factor the matrix in place by Cholesky's method with diagonal pivots, and return how many equations are independent.
-
-    Golub, Van Loan, Matrix Computations, 4th ed. (2013), section 4.2.8.
-    """
+    """Factor the matrix in place with diagonal pivots, and return how many equations are independent."""
     scale, order = at + m * m + m, at + m * m + 2 * m
     for k in range(m):
         numbers[order + k] = k
@@ -42,15 +38,12 @@ def factor_equations(numbers: Any, at: int, m: int) -> int:
             numbers[at + k * m + j], numbers[at + p * m + j] = numbers[at + p * m + j], numbers[at + k * m + j]
         for i in range(m):
             numbers[at + i * m + k], numbers[at + i * m + p] = numbers[at + i * m + p], numbers[at + i * m + k]
-        root = math.sqrt(numbers[at + k * m + k])
-        numbers[at + k * m + k] = root
+        pivot = numbers[at + k * m + k]
         for i in range(k + 1, m):
-            numbers[at + i * m + k] /= root
-        for i in range(k + 1, m):
-            share = numbers[at + i * m + k]
-            for j in range(k + 1, i + 1):
-                numbers[at + i * m + j] -= share * numbers[at + j * m + k]
-                numbers[at + j * m + i] = numbers[at + i * m + j]
+            share = numbers[at + i * m + k] / pivot
+            numbers[at + i * m + k] = share
+            for j in range(k + 1, m):
+                numbers[at + i * m + j] -= share * numbers[at + k * m + j]
     return m
 
 
@@ -60,15 +53,12 @@ def solve_equations(numbers: Any, at: int, m: int, rank: int) -> None:
     right, order = at + m * m, at + m * m + 2 * m
     for i in range(rank):
         row = int(numbers[order + i])
-        total = numbers[right + row]
         for k in range(i):
-            total -= numbers[at + i * m + k] * numbers[right + int(numbers[order + k])]
-        numbers[right + row] = total / numbers[at + i * m + i]
+            numbers[right + row] -= numbers[at + i * m + k] * numbers[right + int(numbers[order + k])]
     for i in range(rank - 1, -1, -1):
         row = int(numbers[order + i])
-        total = numbers[right + row]
         for k in range(i + 1, rank):
-            total -= numbers[at + k * m + i] * numbers[right + int(numbers[order + k])]
-        numbers[right + row] = total / numbers[at + i * m + i]
+            numbers[right + row] -= numbers[at + i * m + k] * numbers[right + int(numbers[order + k])]
+        numbers[right + row] /= numbers[at + i * m + i]
     for i in range(rank, m):
         numbers[right + int(numbers[order + i])] = 0.0

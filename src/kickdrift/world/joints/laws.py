@@ -140,7 +140,7 @@ def solution(
 @compiled(cached=False)
 def _drive_of(joint: int, link: int, k: int, h: float, world: int) -> tuple[float, float, float]:
     """Impulse of a drive: constant, slope, maximum; see the top of this file."""
-    work, numbers, laws = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
+    numbers, laws = floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     row = 6 * joint + k
     stiffness, damping = laws[row, STIFFNESS], laws[row, DAMPING]
     off = numbers[joint, DRIVEN + k - 3] if k >= 3 else numbers[joint, POSITION + k] - laws[row, TARGET]
@@ -148,7 +148,7 @@ def _drive_of(joint: int, link: int, k: int, h: float, world: int) -> tuple[floa
     alpha = stiff / (laws[row, MASS] + stiff) if stiff > 0.0 else 0.0
     beta = 0.25 * (1.0 - alpha)
     constant = h * (damping * laws[row, TARGET_SPEED] - stiffness * (off - h * beta * laws[row, START_SPEED]))
-    slope = h * (damping + h * stiffness * (alpha + beta)) + work[link, BRAKE + k]
+    slope = h * (damping + h * stiffness * (alpha + beta)) + floats(world, LINK_NUMBERS)[link, BRAKE + k]
     return constant, slope, h * laws[row, DRIVE_MAXIMUM]
 
 

@@ -42,14 +42,15 @@ ANCHOR_B, FRAME_B = int64(7), int64(10)
 LENGTH = 14
 BREAKING_FORCE, BREAKING_TORQUE = 15, 16
 TWIST_SCALE = 17  # rotation about axis 2 per twist
-IMPULSE = int64(18)  # of the last substep along and about the axes, on b
+IMPULSE = int64(18)  # of the substep along and about the axes, on b; what a warm start gives
 TOTAL = int64(24)  # impulse of the step; after it, force and torque
 POSITION = int64(30)  # positions along and angles about the axes; those of hinges and universal joints count turns
 DRIVEN = int64(36)  # angles less the targets of drives
 ARM_A, ARM_B = int64(39), int64(42)  # from the centres of mass to where the joint acts, in the world's axes
 AXES = int64(45)  # linear axes (9), angular axes (9), in the world's axes
-MISALIGNMENT = int64(63)  # of locked axes as it will be at the end of the substep, were the joint to do nothing
-PULL = int64(69)  # linear impulse of a substep, as a mean over the last few
+MISALIGNMENT = int64(63)  # of locked axes, as it would be at the end of the substep were the joint to do nothing
+PULL = int64(75)  # linear impulse of the last substeps, a mean
+SOLVED = int64(69)  # the part of IMPULSE that was given before the drift
 
 # Columns of JOINT_AXES. Zero motors, drives and frictions do nothing; infinite limits are none.
 LOWER, UPPER = 0, 1
@@ -67,6 +68,7 @@ END = 3  # row of LINK after the last one of them; FIRST while the articulation 
 SEQUENTIAL = 4  # 1: the rows are joints to be solved one after the other
 OFFSET = 5  # where the equations of closing joints begin in ARTICULATION_NUMBERS; row of numbers where SEQUENTIAL
 RELAXING = 6  # 1: after the drift
+RATIO = 7  # of the greatest mass to the least
 
 # Columns of LINK
 BODY, PARENT, LINK_JOINT = 0, 1, 2  # PARENT is a row of LINK, NONE for one that nothing moves
@@ -88,8 +90,11 @@ SPEED = 114  # before the joint acts
 STATE = 120  # of a law: which piece of it is assumed
 LOAD = 126  # impulse on the body by closing joints
 MOVED = 132  # change of speed of an open axis
-BRAKE = 144  # of an open angular axis: impulse per speed, see `kickdrift.world.joints.aim`
 GIVEN = int64(138)  # impulse on b along and about each axis
+PASSING = int64(144)  # of open axis k, six numbers: impulse along it per speed of the other side
+AXES_AHEAD = int64(180)  # AXES and arms as they will be at the end of the substep
+ARM_A_AHEAD, ARM_B_AHEAD = int64(198), int64(201)
+BRAKE = 204  # of open angular axes: damping, impulse per speed; see `kickdrift.world.joints.brakes`
 
 # Columns of POSE, MOTION and RESPONSE, and of everything that has a linear and an angular part
 LINEAR_PART, ANGULAR_PART = int64(0), int64(3)

@@ -8,12 +8,16 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import cross, dot, plus
+from kickdrift.world.joints.aim import aim_all
 from kickdrift.world.joints.articulated import factor, sweep
 from kickdrift.world.joints.equations import factor_equations, solve_equations
 from kickdrift.world.joints.layout import (
     ARM_A,
+    ARM_A_AHEAD,
     ARM_B,
+    ARM_B_AHEAD,
     AXES,
+    AXES_AHEAD,
     CHANGE,
     CLOSINGS,
     END,
@@ -28,10 +32,12 @@ from kickdrift.world.joints.layout import (
     MOVED,
     OFFSET,
     PUSH,
+    RATIO,
+    RELAXING,
     SLOPE,
 )
 from kickdrift.world.joints.measure import mobility, vector_at
-from kickdrift.world.joints.trees import LAST_TRIALS, TRIALS, give_impulses, settle
+from kickdrift.world.joints.trees import CLOSE, LAST_TRIALS, ROUNDS, TRIALS, end_relaxation, give_impulses, settle
 from kickdrift.world.tables import (
     ARTICULATION,
     ARTICULATION_NUMBERS,
@@ -52,16 +58,24 @@ def solve_loops(t: float, h: float, world: int) -> None:
     for row in range(rows(world, ARTICULATION)):
         if articulations[row, FIRST] == articulations[row, END] or articulations[row, CLOSINGS] == 0:
             continue
-        for trial in range(TRIALS + LAST_TRIALS):
-            settled = settle(row, h, trial, world)
-            if trial > 0 and settled:
+        for n in range(ROUNDS):
+            off = aim_all(row, h, world)
+            if n > 0 and off * articulations[row, RATIO] <= CLOSE:
                 break
-            _solve(row, world)
-        give_impulses(row, h, world)
+            for trial in range(TRIALS + LAST_TRIALS):
+                settled = settle(row, h, trial, world)
+                if trial > 0 and settled:
+                    break
+                _solve(row, 0.0 if articulations[row, RELAXING] != 0 else h, world)
+            give_impulses(row, h, world)
+            if off * off * articulations[row, RATIO] <= CLOSE:
+                break
+        if articulations[row, RELAXING] != 0:
+            end_relaxation(row, h, world)
 
 
 @compiled(cached=False)
-def _solve(row: int, world: int) -> None:
+def _solve(row: int, ahead: float, world: int) -> None:
     """Find changes of velocity, impulses at the joints of the tree, and those at the closing ones."""
     articulation: Any = integers(world, ARTICULATION)[row]
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), flat(world, ARTICULATION_NUMBERS)
@@ -71,7 +85,7 @@ def _solve(row: int, world: int) -> None:
         for k in range(6):
             m += 1 if _has_equation(links, work, link, k) else 0
     right, axes = at + m * m, at + m * (m + 3)
-    factor(first, closing - first, world)
+    factor(first, closing - first, ahead, world)
     for last in range(2):
         # Once without the equations, which says what is missing, and once with the impulses that are their solution.
         for link in range(first, closing):
@@ -122,10 +136,9 @@ def _fill_matrix(row: int, m: int, world: int) -> None:
                 work[other, LOAD + j] = 0.0
         _load(link, k, 1.0, world)
         sweep(first, closing - first, 0.0, world)
-        for j in range(i + 1):
+        for j in range(m):
             other, axis = int(numbers[axes + j]) // 6, int(numbers[axes + j]) % 6
-            numbers[at + i * m + j] = _gained(other, axis, world)
-            numbers[at + j * m + i] = numbers[at + i * m + j]
+            numbers[at + j * m + i] = _gained(other, axis, world)
         give = 0.0 if links[link, HELD] >> k & 1 else 1.0 / work[link, SLOPE + k]
         numbers[at + i * m + i] += give
         numbers[scale + i] = mobility(links[link, LINK_JOINT], k, world) + give
@@ -153,16 +166,15 @@ def _load(link: int, k: int, impulse: float, world: int) -> None:
 @compiled(cached=False)
 def _gained(link: int, k: int, world: int) -> float:
     """Change of speed along an axis of a closing joint."""
-    links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
-    joint, total = links[link, LINK_JOINT], 0.0
-    axis = vector_at(numbers, joint, AXES + 3 * k)
+    links, work, total = integers(world, LINK), floats(world, LINK_NUMBERS), 0.0
+    axis = vector_at(work, link, AXES_AHEAD + 3 * k)
     for side in range(2):
         of = links[link, LINK_A + side]
         if of < 0:
             continue
         gain = vector_at(work, of, GAIN + 3)
         if k < 3:
-            arm = vector_at(numbers, joint, ARM_B if side == 1 else ARM_A)
+            arm = vector_at(work, link, ARM_B_AHEAD if side == 1 else ARM_A_AHEAD)
             gain = plus(vector_at(work, of, GAIN), cross(gain, arm))
         total += dot(axis, gain) if side == 1 else -dot(axis, gain)
     return float(total)

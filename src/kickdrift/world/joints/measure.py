@@ -139,12 +139,7 @@ def measure(joint: int, world: int) -> None:
             put_vector(numbers, joint, AXES + 3 * k, axis_unit(k))
         put_vector(numbers, joint, POSITION, way)
     elif joints[joint, LINEAR] == LINE:
-        line = normalised(way, turned(fa, axis_unit(2)))
-        side = normal_to(line)
-        put_vector(numbers, joint, AXES, side)
-        put_vector(numbers, joint, AXES + 3, cross(line, side))
-        put_vector(numbers, joint, AXES + 6, line)
-        put_vector(numbers, joint, POSITION, (0.0, 0.0, length(way) - numbers[joint, LENGTH]))
+        put_vector(numbers, joint, POSITION, put_line(numbers, joint, AXES, way, fa, numbers[joint, LENGTH]))
     else:
         for k in range(3):
             put_vector(numbers, joint, AXES + 3 * k, turned(fa, axis_unit(k)))
@@ -172,16 +167,34 @@ def measure(joint: int, world: int) -> None:
 
 
 @compiled(cached=False)
+def put_line(table: Any, row: int, column: int, way: Vector, fa: Quaternion, rest: float) -> Vector:
+    """Write the axes of a joint along a line, and return its positions along them."""
+    line = normalised(way, turned(fa, axis_unit(2)))
+    side = normal_to(line)
+    put_vector(table, row, column, side)
+    put_vector(table, row, column + 3, cross(line, side))
+    put_vector(table, row, column + 6, line)
+    return (0.0, 0.0, length(way) - rest)
+
+
+@compiled(cached=False)
+def put_cross(table: Any, row: int, column: int, i: int, fa: Quaternion, second_in_a: Vector) -> None:
+    """Write the angular axes of a universal joint: axis i of a, the one of b at right angles to it, and the normal to both."""
+    j, k = (i + 1) % 3, (i + 2) % 3
+    first = turned(fa, axis_unit(i))
+    third = normalised(cross(first, turned(fa, second_in_a)), turned(fa, axis_unit(k)))
+    put_vector(table, row, column + 3 * i, first)
+    put_vector(table, row, column + 3 * j, cross(third, first))
+    put_vector(table, row, column + 3 * k, third)
+
+
+@compiled(cached=False)
 def _measure_universal(joint: int, i: int, fa: Quaternion, relative: Quaternion, world: int) -> None:
     """Axis i is fixed in a and axis j in b: b is turned by the angle about j, then by that about i."""
     numbers = floats(world, JOINT_NUMBERS)
     j, k = (i + 1) % 3, (i + 2) % 3
-    first = turned(fa, axis_unit(i))
     second_in_a = turned(relative, axis_unit(j))
-    third = normalised(cross(first, turned(fa, second_in_a)), turned(fa, axis_unit(k)))
-    put_vector(numbers, joint, AXES + 9 + 3 * i, first)
-    put_vector(numbers, joint, AXES + 9 + 3 * j, cross(third, first))
-    put_vector(numbers, joint, AXES + 9 + 3 * k, third)
+    put_cross(numbers, joint, AXES + 9, i, fa, second_in_a)
     first_in_b = turned_back(relative, axis_unit(i))
     p = POSITION + 3
     numbers[joint, p + i] = _unwound(

@@ -10,7 +10,6 @@ from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.flight import AWAKE, DYNAMIC
 from kickdrift.world.flight import KIND as BODY_KIND
-from kickdrift.world.joints.aim import aim_joints
 from kickdrift.world.joints.around import begin_joints, finish_joints, wake_joints
 from kickdrift.world.joints.axis import Axis
 from kickdrift.world.joints.catalogue import KINDS
@@ -188,8 +187,8 @@ class Joints:
         """Stages before the drift: those that this world needs, so that no others are compiled."""
         articulations = self.tables.array(ARTICULATION)
         turns, closed = articulations[:, SEQUENTIAL] != 0, articulations[:, CLOSINGS] > 0
-        wanted = (len(turns) > 0, bool((~turns & ~closed).any()), bool(closed.any()), bool(turns.any()))
-        stages = (aim_joints, solve_trees, solve_loops, solve_in_turn)
+        wanted = (bool((~turns & ~closed).any()), bool(closed.any()), bool(turns.any()))
+        stages = (solve_trees, solve_loops, solve_in_turn)
         return tuple(stage for stage, there in zip(stages, wanted, strict=True) if there)
 
     def relaxing(self) -> tuple[Function, ...]:

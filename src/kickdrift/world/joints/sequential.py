@@ -39,6 +39,7 @@ from kickdrift.world.joints.layout import (
     RELAXING,
     SEQUENTIAL,
     SLOPE,
+    SOLVED,
     SPEED,
     TURN_RESPONSE,
 )
@@ -91,9 +92,10 @@ def solve_in_turn(t: float, h: float, world: int) -> None:
                 if joints[joint, LOCKED] >> k & 1 and not relaxing:
                     work[at, GIVEN + k] -= share * numbers[joint, IMPULSE + k]
                 numbers[joint, IMPULSE + k] += work[at, GIVEN + k]
+                numbers[joint, SOLVED + k] = numbers[joint, IMPULSE + k]
             push_bodies(joint, work, at, GIVEN, world)
         if relaxing:
-            end_relaxation(row, world)
+            end_relaxation(row, h, world)
 
 
 @compiled(cached=False)

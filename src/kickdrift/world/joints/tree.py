@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.world.flight import MASS
 from kickdrift.world.joints.equations import room_for
 from kickdrift.world.joints.layout import (
     BODY,
@@ -26,6 +27,7 @@ from kickdrift.world.joints.layout import (
     NONE,
     OFFSET,
     PARENT,
+    RATIO,
     REMOVED,
     SEQUENTIAL,
     SIGN,
@@ -53,10 +55,17 @@ class _Edge(NamedTuple):
     weight: int  # locked axes: joints with few of them are better where they close a loop
 
 
+class _Direct(NamedTuple):
+    links: list[list[int]]
+    closings: list[list[int]]
+    equations: int
+    ratio: int
+
+
 def arrange(tables: Tables) -> None:
     """Write the articulations of a world and their links, for all joints that hold something that moves."""
     edges = _edges(tables)
-    direct: list[tuple[list[list[int]], list[list[int]], int]] = []
+    direct: list[_Direct] = []
     sequential: list[list[int]] = []
     joints = tables.array(JOINT)
     for members in _components(edges):
@@ -68,7 +77,8 @@ def arrange(tables: Tables) -> None:
         else:
             place = {link[0]: k for k, link in enumerate(links)}
             closing = [[edge.joint, place.get(edge.a, NONE), place.get(edge.b, NONE)] for edge in closings]
-            direct.append((links, closing, equations))
+            masses = tables.array(INERTIA)[[link[0] for link in links], MASS]
+            direct.append(_Direct(links, closing, equations, int(np.ceil(masses.max() / masses.min()))))
     _write(tables, direct, sequential)
 
 
@@ -121,7 +131,7 @@ def _span(edges: list[_Edge], tables: Tables) -> tuple[list[list[int]], list[_Ed
     links: list[list[int]] = []
     place: dict[int, int] = {NONE: NONE}
     if NONE not in at:
-        heaviest = max(at, key=lambda body: (tables.array(INERTIA)[body, 0], -body))
+        heaviest = max(at, key=lambda body: (tables.array(INERTIA)[body, MASS], -body))
         links.append([heaviest, NONE, NONE, 1])
         place = {heaviest: 0}
     start = next(iter(place))
@@ -142,12 +152,10 @@ def _span(edges: list[_Edge], tables: Tables) -> tuple[list[list[int]], list[_Ed
     return links, [edge for edge in edges if edge.joint not in used]
 
 
-def _write(
-    tables: Tables, direct: list[tuple[list[list[int]], list[list[int]], int]], sequential: list[list[int]]
-) -> None:
+def _write(tables: Tables, direct: list[_Direct], sequential: list[list[int]]) -> None:
     """Fill in the tables; the joints solved one after the other share the last two rows of numbers."""
     table = tables.resize(ARTICULATION, len(direct) + len(sequential))
-    size = sum(len(links) + len(closings) for links, closings, _ in direct)
+    size = sum(len(each.links) + len(each.closings) for each in direct)
     tables.resize(LINK_NUMBERS, size + 2 * bool(sequential))
     rows = tables.resize(LINK, size + sum(map(len, sequential)))
     table[:] = 0
@@ -155,8 +163,8 @@ def _write(
     rows[:] = 0
     rows[:, [PARENT, LINK_A, LINK_B]] = NONE
     first = offset = 0
-    for row, (links, closings, equations) in zip(table, direct, strict=False):
-        row[[FIRST, LINKS, CLOSINGS, END, OFFSET]] = first, len(links), len(closings), first, offset
+    for row, (links, closings, equations, ratio) in zip(table, direct, strict=False):
+        row[[FIRST, LINKS, CLOSINGS, END, OFFSET, RATIO]] = first, len(links), len(closings), first, offset, ratio
         for k, (body, joint, parent, sign) in enumerate(links, first):
             rows[k, [BODY, LINK_JOINT, SIGN]] = body, joint, sign
             rows[k, PARENT] = NONE if parent == NONE else first + parent

@@ -1,0 +1,142 @@
+"""Fast pairs: shapes that may pass through each other, or by each other, within a step are looked at where they are nearest.
+
+Conservative advancement (Mirtich 1996): from a gap s that closes at most at a speed u, nothing happens before the time s / u.
+The points of the pose in which shapes touch become points of today: arms and normal are those of the impact, and the gap is
+the one from which the motion of the step, linear in time, leads to it.
+"""
+
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import (
+    Quaternion,
+    Vector,
+    conjugate,
+    cross,
+    dot,
+    exponential,
+    length,
+    minus,
+    plus,
+    product,
+    times,
+    turned,
+    turned_back,
+)
+from kickdrift.world.contacts.layout import BODY_A, BODY_B, FOUND_POSE, POINT, POINT_SIZE, POINTS, SHAPE_A, SHAPE_B
+from kickdrift.world.contacts.looking import RADIUS, look_again, placed_pose
+from kickdrift.world.settings import MARGIN, SLOP, STEP
+from kickdrift.world.tables import CONTACT, MANIFOLD, MOTION, PLACE, POSE, RESPONSE, SETTINGS, floats, integers
+
+_ROUNDS = 40
+
+
+@compiled
+def advance(world: int, row: int, way: float) -> None:
+    """Find the points of a contact for the pose in which its shapes touch within the step; none if they do not."""
+    contact, settings, motion = integers(world, CONTACT), floats(world, SETTINGS), floats(world, MOTION)
+    a, b = contact[row, BODY_A], contact[row, BODY_B]
+    spin = _spin(world, contact[row, SHAPE_A], a) + _spin(world, contact[row, SHAPE_B], b)
+    near = min(settings[0, SLOP], 0.01 * way)
+    when, gap = 0.0, 0.0
+    for _ in range(_ROUNDS):
+        at, turn, turn_a = _relative(world, row, when)
+        look_again(world, row, at, turn, settings[0, MARGIN] + way)
+        if contact[row, POINTS] == 0:
+            return
+        gap, normal = _deepest(world, row, at, turn)
+        closing = spin - dot(turned(turn_a, normal), minus(_three(motion, b, 0), _three(motion, a, 0)))
+        if gap <= near or closing <= 0.0 or when >= settings[0, STEP]:
+            break
+        when = min(when + gap / closing, settings[0, STEP])
+    if gap > settings[0, MARGIN]:
+        contact[row, POINTS] = 0
+    if when > 0.0:
+        _bring_back(world, row, when)
+
+
+@compiled
+def _spin(world: int, shape: int, body: int) -> float:
+    """Bound how fast points of a shape move by the rotation of its body."""
+    place, w = floats(world, PLACE), _three(floats(world, MOTION), body, 3)
+    turn = length(w)
+    return turn * (place[shape, RADIUS] + length(_three(place, shape, 0))) if turn > 0.0 else 0.0
+
+
+@compiled(inline=True)
+def _three(table: Any, row: int, column: int) -> Vector:
+    return (table[row, column], table[row, column + 1], table[row, column + 2])
+
+
+@compiled
+def _placed_at(world: int, shape: int, body: int, when: float) -> tuple[Vector, Quaternion]:
+    """Return where a shape will be a time after the start of the step if nothing acts on it."""
+    at, turn = placed_pose(world, shape)
+    motion = floats(world, MOTION)
+    centre = _three(floats(world, POSE), body, 0)
+    q = exponential(times(when, _three(motion, body, 3)))
+    moved = plus(centre, times(when, _three(motion, body, 0)))
+    return plus(moved, turned(q, minus(at, centre))), product(q, turn)
+
+
+@compiled
+def _relative(world: int, row: int, when: float) -> tuple[Vector, Quaternion, Quaternion]:
+    """Pose of the second shape in the first's frame at a time, and the orientation of that frame."""
+    contact = integers(world, CONTACT)
+    at_a, turn_a = _placed_at(world, contact[row, SHAPE_A], contact[row, BODY_A], when)
+    at_b, turn_b = _placed_at(world, contact[row, SHAPE_B], contact[row, BODY_B], when)
+    return turned_back(turn_a, minus(at_b, at_a)), product(conjugate(turn_a), turn_b), turn_a
+
+
+@compiled
+def _deepest(world: int, row: int, at: Vector, turn: Quaternion) -> tuple[float, Vector]:
+    """Smallest gap of the points of a contact, and the normal, in the frame of the first shape."""
+    manifold = floats(world, MANIFOLD)
+    normal = _three(manifold, row, 0)
+    gap = 1e300
+    for k in range(integers(world, CONTACT)[row, POINTS]):
+        p = POINT + POINT_SIZE * k
+        on_b = plus(at, turned(turn, _three(manifold, row, p + 3)))
+        gap = min(gap, dot(normal, minus(on_b, _three(manifold, row, p))))
+    return gap, normal
+
+
+@compiled
+def _bring_back(world: int, row: int, when: float) -> None:
+    """Write points and normal that were found for a time in the step as those of its start."""
+    contact, manifold, motion = integers(world, CONTACT), floats(world, MANIFOLD), floats(world, MOTION)
+    pose, response = floats(world, POSE), floats(world, RESPONSE)
+    a, b = contact[row, BODY_A], contact[row, BODY_B]
+    now_a, frame_a = placed_pose(world, contact[row, SHAPE_A])
+    now_b, frame_b = placed_pose(world, contact[row, SHAPE_B])
+    then_a, turn_a = _placed_at(world, contact[row, SHAPE_A], a, when)
+    then_b, turn_b = _placed_at(world, contact[row, SHAPE_B], b, when)
+    centre_a, centre_b = _three(pose, a, 0), _three(pose, b, 0)
+    way_a, way_b = times(when, _three(motion, a, 0)), times(when, _three(motion, b, 0))
+    normal = turned(turn_a, _three(manifold, row, 0))
+    for k in range(contact[row, POINTS]):
+        p = POINT + POINT_SIZE * k
+        # From the centres of mass, as they will be; what the turns then add to the gap is taken off beforehand.
+        arm_a = minus(plus(then_a, turned(turn_a, _three(manifold, row, p))), plus(centre_a, way_a))
+        arm_b = minus(plus(then_b, turned(turn_b, _three(manifold, row, p + 3))), plus(centre_b, way_b))
+        turning = dot(cross(arm_b, normal), _three(motion, b, 3)) - dot(cross(arm_a, normal), _three(motion, a, 3))
+        on_a, on_b = plus(centre_a, arm_a), plus(centre_b, arm_b)
+        gap = times(dot(normal, minus(on_b, on_a)) - when * turning, normal)
+        # One point for both, or their angular momentum would change: the arm of the lighter body is right.
+        if response[b, 0] >= response[a, 0]:
+            on_a = minus(on_b, gap)
+        else:
+            on_b = plus(on_a, gap)
+        _put(manifold, row, p, turned_back(frame_a, minus(on_a, now_a)))
+        _put(manifold, row, p + 3, turned_back(frame_b, minus(on_b, now_b)))
+    _put(manifold, row, 0, turned_back(frame_a, normal))
+    at, turn, _ = _relative(world, row, 0.0)
+    _put(manifold, row, FOUND_POSE, at)
+    for k in range(4):
+        manifold[row, FOUND_POSE + 3 + k] = turn[k]
+
+
+@compiled(inline=True)
+def _put(table: Any, row: int, column: int, vector: Vector) -> None:
+    for k in range(3):
+        table[row, column + k] = vector[k]

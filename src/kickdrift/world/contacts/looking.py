@@ -1,0 +1,105 @@
+"""Where shapes are, and where two of them touch: the function for their kinds is asked, and impulses follow their features."""
+
+from numba import types
+
+from kickdrift.core.calls import caller
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Quaternion, Vector, plus, product, turned
+from kickdrift.world.contacts.layout import (
+    FEATURE,
+    FOUND_POSE,
+    PART,
+    POINT,
+    POINT_SIZE,
+    POINTS,
+    SHAPE_A,
+    SHAPE_B,
+)
+from kickdrift.world.shapes.kinds import MESH, TRIANGLE
+from kickdrift.world.tables import (
+    COLLIDERS,
+    CONTACT,
+    GEOMETRY,
+    MANIFOLD,
+    PLACE,
+    PLACED,
+    POSE,
+    SHAPE,
+    flat,
+    floats,
+    integers,
+    rows,
+)
+
+# Columns of PLACE besides the pose of the shape in its body
+FRICTION, RESTITUTION, ROLLING, SURFACE_VELOCITY, RADIUS = 7, 8, 9, 10, 13
+
+_ARRAY = types.Array(types.float64, 1, "C")
+COLLIDE = types.int64(_ARRAY, _ARRAY, _ARRAY, types.float64, _ARRAY)
+
+collide = caller(COLLIDE)
+
+
+@compiled
+def place_shapes(t: float, h: float, world: int) -> None:
+    """Say where in the world the shapes are."""
+    placed = floats(world, PLACED)
+    for shape in range(rows(world, SHAPE)):
+        at, turn = shape_pose(world, shape)
+        for k in range(3):
+            placed[shape, k] = at[k]
+        for k in range(4):
+            placed[shape, 3 + k] = turn[k]
+
+
+@compiled(inline=True)
+def shape_pose(world: int, shape: int) -> tuple[Vector, Quaternion]:
+    """Return where a shape is in the world: its origin and its orientation."""
+    pose, place = floats(world, POSE), floats(world, PLACE)
+    body = integers(world, SHAPE)[shape, 1]
+    q = (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
+    local = (place[shape, 3], place[shape, 4], place[shape, 5], place[shape, 6])
+    at = (place[shape, 0], place[shape, 1], place[shape, 2])
+    return plus((pose[body, 0], pose[body, 1], pose[body, 2]), turned(q, at)), product(q, local)
+
+
+@compiled(inline=True)
+def placed_pose(world: int, shape: int) -> tuple[Vector, Quaternion]:
+    """Return the same as it was when the step began, which costs nothing."""
+    p = floats(world, PLACED)
+    return (p[shape, 0], p[shape, 1], p[shape, 2]), (p[shape, 3], p[shape, 4], p[shape, 5], p[shape, 6])
+
+
+@compiled
+def look_again(world: int, row: int, at: Vector, turn: Quaternion, margin: float) -> None:
+    """Find the points of a contact anew, for a pose of the second shape in the first's frame."""
+    contact, manifold, numbers = integers(world, CONTACT), flat(world, MANIFOLD), flat(world, GEOMETRY)
+    shape = integers(world, SHAPE)
+    a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
+    begin_a, size_a, kind_a = shape[a, 2], shape[a, 3], shape[a, 0]
+    if kind_a == MESH:
+        begin_a, size_a, kind_a = begin_a + 1 + 12 * contact[row, PART], 12, TRIANGLE
+    begin_b, size_b = shape[b, 2], shape[b, 3]
+    own = manifold[64 * row : 64 * row + 64]
+    found = own[FOUND_POSE : FOUND_POSE + 7]
+    found[0], found[1], found[2] = at
+    found[3], found[4], found[5], found[6] = turn
+    before = contact[row, POINTS]
+    ids = (own[_id(0)], own[_id(1)], own[_id(2)], own[_id(3)])
+    impulses = (own[_id(0) + 1], own[_id(1) + 1], own[_id(2) + 1], own[_id(3) + 1])
+    count = collide(
+        integers(world, COLLIDERS)[kind_a, shape[b, 0]],
+        (numbers[begin_a : begin_a + size_a], numbers[begin_b : begin_b + size_b], found, margin, own),
+    )
+    contact[row, POINTS] = count
+    for new in range(count):
+        own[_id(new) + 1] = 0.0
+        for old in range(before):
+            if ids[old] == own[_id(new)]:
+                own[_id(new) + 1] = impulses[old]
+                break
+
+
+@compiled(inline=True)
+def _id(point: int) -> int:
+    return POINT + POINT_SIZE * point + FEATURE
