@@ -144,7 +144,7 @@ class Bodies:
         numbers[SPHERICAL] = float(moments[2] - moments[0] < 1e-13 * moments[2])
         if tables.array(BODY)[row, KIND] == DYNAMIC:
             turn = rotation_matrix(tables.array(POSE)[row, 3:7])
-            response = turn @ inverse @ turn.T
+            response: Floats = turn @ inverse @ turn.T
             plane = tables.array(SETTINGS)[0, PLANE : PLANE + 3]
             if plane.any():
                 # About the normal of the plane alone, where nothing tumbles and the inertia stays what it is.

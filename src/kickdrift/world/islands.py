@@ -100,9 +100,10 @@ def _rests(world: int, row: int) -> bool:
     for k in range(3):
         speed += motion[row, k] * motion[row, k]
         turn += motion[row, 3 + k] * motion[row, 3 + k]
-    slowest = floats(world, SETTINGS)[0, SLEEP_SPEED]
+    slowest: float = floats(world, SETTINGS)[0, SLEEP_SPEED]
     reach = rested[row, REACH]
-    return speed + turn * reach * reach < slowest * slowest
+    rests: bool = speed + turn * reach * reach < slowest * slowest
+    return rests
 
 
 @compiled

@@ -3,7 +3,7 @@
 from collections.abc import Collection
 from dataclasses import dataclass, field
 from itertools import combinations_with_replacement
-from typing import Any, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,7 @@ _ALL_LAYERS = (1 << 62) - 1
 class Shape(Protocol):
     """What a shape says of itself."""
 
-    kind: Any
+    kind: ClassVar[int]
 
     @property
     def numbers(self) -> Floats:
@@ -76,8 +76,8 @@ class Surface:
 
     def __post_init__(self) -> None:
         for name in ("friction", "restitution", "rolling_resistance"):
-            value = getattr(self, name)
-            if isinstance(value, bool | str | complex) or not (np.isscalar(value) and 0.0 <= value < np.inf):
+            value: Any = getattr(self, name)
+            if isinstance(value, bool | str | complex) or not (np.ndim(value) == 0 and 0.0 <= value < np.inf):
                 raise ArgumentError(f"{name}={value!r} has to be a number, zero or positive and finite.")
         if self.restitution > 1.0:
             raise ArgumentError(f"restitution={self.restitution!r} would gain energy at every bounce; give at most 1.")

@@ -90,13 +90,15 @@ _ADDRESS, _ROWS, _ROOM = 0, 1, 2  # the words that describe a table
 @compiled(inline=True)
 def rows(world: int, table: Table) -> int:
     """Rows in use."""
-    return word(world, 3 * table[0] + _ROWS)
+    count: int = word(world, 3 * table[0] + _ROWS)
+    return count
 
 
 @compiled(inline=True)
 def room(world: int, table: Table) -> int:
     """Rows that there is room for."""
-    return word(world, 3 * table[0] + _ROOM)
+    count: int = word(world, 3 * table[0] + _ROOM)
+    return count
 
 
 @compiled(inline=True)

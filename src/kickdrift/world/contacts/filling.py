@@ -47,11 +47,12 @@ def _turned(array: Any, i: int, x: float, y: float, z: float) -> tuple[float, fl
 @compiled(fast=True, inline=True)
 def _response(array: Any, i: int, x: float, y: float, z: float, p: float, q: float, r: float) -> float:
     """Product of two vectors with the symmetric matrix that begins at i between them."""
-    return (
+    product: float = (
         p * (array[i] * x + array[i + 3 * W] * y + array[i + 4 * W] * z)
         + q * (array[i + 3 * W] * x + array[i + W] * y + array[i + 5 * W] * z)
         + r * (array[i + 4 * W] * x + array[i + 5 * W] * y + array[i + 2 * W] * z)
     )
+    return product
 
 
 @compiled(fast=True, inline=True)

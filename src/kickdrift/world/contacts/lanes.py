@@ -45,7 +45,7 @@ def _vector(array: Any, field: int, lane: int) -> tuple[float, float, float]:
 
 @compiled(fast=True, inline=True)
 def _impulses(own: Any, lane: int) -> tuple[float, float, float, float]:
-    """Normal impulses of the four points; written out, because a loop in the loop over lanes keeps that from vectorising."""
+    """Return the normal impulses of the four points; a loop here would keep the loop over lanes from vectorising."""
     i = (c.P + c.IMPULSE) * W + lane
     return own[i], own[i + _NEXT], own[i + 2 * _NEXT], own[i + 3 * _NEXT]
 
@@ -132,7 +132,7 @@ def solve_normals(own: Any, s: Any, per_h: float, soft: float, push: float, n: i
 
 @compiled(fast=True)
 def solve_friction(own: Any, s: Any, per_h: float, soft: float, push: float, n: int) -> None:
-    """Rolling resistance, twist, and friction at the centre, each bounded by what the normal impulses carry."""
+    """Solve rolling resistance, twist, and friction at the centre, each bounded by what the normal impulses carry."""
     for lane in range(n):
         nx, ny, nz = _vector(own, c.N, lane)
         mass_a, mass_b = own[c.MASS_A * W + lane], own[c.MASS_B * W + lane]

@@ -78,7 +78,8 @@ def _moved(manifold: Any, row: int, at: Vector, turn: Quaternion, radius: float)
 @compiled(inline=True)
 def _tolerance(settings: Any, place: Any, a: int, b: int) -> float:
     """By how much touching shapes may move before their points are found again."""
-    return min(settings[0, RECYCLE_DISTANCE], 0.05 * _smallest(place[a, RADIUS], place[b, RADIUS]))
+    most: float = settings[0, RECYCLE_DISTANCE]
+    return min(most, 0.05 * _smallest(place[a, RADIUS], place[b, RADIUS]))
 
 
 @compiled(inline=True)
