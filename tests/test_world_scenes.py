@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-
 from kickdrift.scenes import worlds
 from kickdrift.scenes.worlds.placing import about, between, scatter, turned
 from kickdrift.world.tables import INERTIA
+from kickdrift.world.world import World
 
 STEP = 1 / 60
 
@@ -51,6 +51,8 @@ def test_a_pyramid_without_friction_spreads():
 def test_a_pile_falls_into_a_heap_on_the_floor():
     world = worlds.pile(count=(3, 3, 3))
     assert len(heights(world)) == 27
+    assert heights(world).min() == pytest.approx(0.75)
+    assert len(np.unique(world.orientation[2:], axis=0)) == 27
     run(world, 2.0)
     assert heights(world).min() > 0.48
     assert heights(world).max() < 3 * 1.0
@@ -65,7 +67,9 @@ def test_dominoes_fall_one_after_the_other():
         for domino in np.flatnonzero(heights(world) < 0.15):
             fallen_at.setdefault(int(domino), step)
     assert sorted(fallen_at) == list(range(5))
-    half = [np.argmax(np.array([fallen_at[domino] for domino in range(5)]) >= step) for step in sorted(fallen_at.values())]
+    half = [
+        np.argmax(np.array([fallen_at[domino] for domino in range(5)]) >= step) for step in sorted(fallen_at.values())
+    ]
     assert half == sorted(half)
 
 
@@ -190,6 +194,23 @@ def test_a_person_stands_on_ankles_that_are_stiff_enough(stiffness, stands):
     person = worlds.humanoid(stiffness=stiffness)
     run(person.world, 3.0, step=1 / 240)
     assert (person.world.position[person.bodies["head"].index, 2] > 1.5) == stands
+
+
+def test_a_person_is_as_tall_and_as_heavy_as_a_person():
+    world = World()
+    person = worlds.add_person(world)
+    assert world.tables.array(INERTIA)[:, 0].sum() == pytest.approx(75.0, abs=1.0)
+    ends = [
+        world.position[row][2] + side * (abs(turned(world.orientation[row], (0.0, 0.0, half))[2]) + radius)
+        for row, (radius, half) in zip(
+            (body.index for body in person.values()),
+            (p.shape.numbers for p in world.shape_rows.shapes.values()),
+            strict=True,
+        )
+        for side in (-1, 1)
+    ]
+    assert min(ends) == pytest.approx(0.0, abs=1e-9)
+    assert max(ends) == pytest.approx(1.75)
 
 
 def test_ragdolls_fall_and_hold_together():

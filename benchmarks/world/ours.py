@@ -79,7 +79,9 @@ def described(world: World) -> Scene:
     rows = sorted(bodies)
     if rows != list(range(1, len(world.position))):
         raise ValueError("A world to be compared has one shape a body.")
-    return Scene(gravity, [bodies[row] for row in rows], [_joint(world, row) for row in range(len(world.tables.array(JOINT)))])
+    return Scene(
+        gravity, [bodies[row] for row in rows], [_joint(world, row) for row in range(len(world.tables.array(JOINT)))]
+    )
 
 
 def _joint(world: World, row: int) -> Joint:

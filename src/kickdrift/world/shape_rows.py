@@ -117,6 +117,7 @@ class ShapeRows:
 
     def __post_init__(self) -> None:
         self.tables.resize(COLLIDERS, 8)
+        shapes_changed(self.tables)
 
     def add(self, body: int, placed: Placed) -> int:
         """Take a row for a shape of a body."""

@@ -190,7 +190,9 @@ def _find_impulses(world: int, row: int, own: Any, hit: Any, points: int) -> Non
             arm_a, arm_b = _vector(own, f + c.ARM_A), _vector(own, f + c.ARM_B)
             missing = hit[p + _WANTED] - (v + dot(arm_b, w_b) - dot(arm_a, w_a))
             old = hit[p + _IMPULSE]
-            new = max(old + own[(f + c.POINT_MASS) * c.WIDTH] * missing, 0.0)
+            # Of now: bodies that spin fast have turned since the step began, and another mass would diverge.
+            response = mass + dot(arm_a, applied(inverse_a, arm_a)) + dot(arm_b, applied(inverse_b, arm_b))
+            new = max(old + missing / response, 0.0)
             hit[p + _IMPULSE] = new
             d = new - old
             v += d * mass

@@ -23,6 +23,7 @@ from kickdrift.world.tables import (
     GROUPS,
     LANES,
     MANIFOLD,
+    MOTION,
     PLACE,
     POSE,
     RESPONSE,
@@ -162,9 +163,10 @@ def _gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any) -> Non
         raw[(r.IMPULSE + k) * c.WIDTH] = manifold[row, p + c.NORMAL_IMPULSE] if k < points else 0.0
     raw[r.COUNT * c.WIDTH] = points
     raw[r.MASS_A * c.WIDTH], raw[r.MASS_B * c.WIDTH] = response[a, 0], response[b, 0]
+    loose_a, loose_b = _looseness(world, a), _looseness(world, b)
     for k in range(6):
-        raw[(r.INERTIA_A + k) * c.WIDTH] = response[a, 1 + k]
-        raw[(r.INERTIA_B + k) * c.WIDTH] = response[b, 1 + k]
+        raw[(r.INERTIA_A + k) * c.WIDTH] = response[a, 1 + k] + (loose_a if k < 3 else 0.0)
+        raw[(r.INERTIA_B + k) * c.WIDTH] = response[b, 1 + k] + (loose_b if k < 3 else 0.0)
     raw[r.FRICTION * c.WIDTH] = math.sqrt(place[shape_a, FRICTION] * place[shape_b, FRICTION])
     raw[r.RESISTANCE * c.WIDTH] = max(place[shape_a, ROLLING], place[shape_b, ROLLING])
     raw[r.TWISTED * c.WIDTH] = manifold[row, c.TWIST_IMPULSE]
@@ -173,6 +175,23 @@ def _gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any) -> Non
     for k in range(3):
         raw[(r.SLIDE + k) * c.WIDTH] = slide_a[k] - slide_b[k]
         raw[(r.SOFTNESS + k) * c.WIDTH] = soft[k] if fixed else softer[k]
+
+
+@compiled(inline=True)
+def _looseness(world: int, body: int) -> float:
+    """Add to the response of a body that turns by more than a quarter of a radian in the step.
+
+    Its response to an arm changes from substep to substep, the effective masses of its contacts do not. A response that is
+    taken too large makes a sweep slow; one that is taken too small by half makes it diverge.
+    """
+    motion, response = floats(world, MOTION), floats(world, RESPONSE)
+    square = motion[body, 3] ** 2 + motion[body, 4] ** 2 + motion[body, 5] ** 2
+    turn = floats(world, SETTINGS)[0, STEP] * math.sqrt(square)
+    if turn <= 0.25:
+        return 0.0
+    norm = response[body, 1] ** 2 + response[body, 2] ** 2 + response[body, 3] ** 2
+    norm += 2.0 * (response[body, 4] ** 2 + response[body, 5] ** 2 + response[body, 6] ** 2)
+    return min(2.0 * turn - 0.5, 1.0) * math.sqrt(norm)
 
 
 @compiled

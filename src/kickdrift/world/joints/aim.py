@@ -42,6 +42,7 @@ from kickdrift.world.joints.layout import (
     GIVEN,
     HELD,
     HINGE,
+    IMPULSE,
     LENGTH,
     LINE,
     LINEAR,
@@ -113,9 +114,10 @@ def aim(joint: int, link: int, h: float, relaxing: bool, world: int) -> float:
             work[link, column + k] = 0.0
     if relaxing:
         return 0.0
-    for k in range(3, 6):
-        work[link, SLOPE + k] = work[link, BRAKE + k]
-        work[link, PUSH + k] = -work[link, BRAKE + k] * work[link, SPEED + k]
+    for k in range(6):
+        brake = work[link, BRAKE + k - 3] if k >= 3 else 0.0
+        work[link, SLOPE + k] = brake
+        work[link, PUSH + k] = -brake * work[link, SPEED + k] - numbers[joint, IMPULSE + k]
     off, turned_off = 0.0, 0.0
     for k in range(3):
         off += (joints[joint, LOCKED] >> k & 1) * numbers[joint, MISALIGNMENT + k] ** 2

@@ -34,4 +34,4 @@ def set_brakes(link: int, joint: int, h: float, world: int) -> None:
         stiffness = dot(arm, force) - dot(axis, arm) * dot(axis, force)
         turned = work[link, YIELD + k] * stiffness
         unresolved = turned > _RESOLVED and links[link, PARENT] >= 0 and not held >> k & 1
-        work[link, BRAKE + k] = _BRAKING * stiffness * (1.0 - _RESOLVED / turned) if unresolved else 0.0
+        work[link, BRAKE + k - 3] = _BRAKING * stiffness * (1.0 - _RESOLVED / turned) if unresolved else 0.0

@@ -148,7 +148,9 @@ def _drive_of(joint: int, link: int, k: int, h: float, world: int) -> tuple[floa
     alpha = stiff / (laws[row, MASS] + stiff) if stiff > 0.0 else 0.0
     beta = 0.25 * (1.0 - alpha)
     constant = h * (damping * laws[row, TARGET_SPEED] - stiffness * (off - h * beta * laws[row, START_SPEED]))
-    slope = h * (damping + h * stiffness * (alpha + beta)) + floats(world, LINK_NUMBERS)[link, BRAKE + k]
+    slope = h * (damping + h * stiffness * (alpha + beta))
+    if k >= 3:
+        slope += floats(world, LINK_NUMBERS)[link, BRAKE + k - 3]
     return constant, slope, h * laws[row, DRIVE_MAXIMUM]
 
 

@@ -15,7 +15,6 @@ from kickdrift.world.joints.layout import (
     END,
     FIRST,
     GIVEN,
-    HELD,
     IMPULSE,
     LAWS,
     LINK_JOINT,
@@ -107,8 +106,7 @@ def give_impulses(row: int, h: float, world: int) -> None:
         if link < articulation[FIRST] + articulation[LINKS]:
             _split_impulse(link, joint, world)
         for k in range(6):
-            if (links[link, HELD] | joints[joint, LAWS]) >> k & 1:
-                numbers[joint, IMPULSE + k] += work[link, GIVEN + k]
+            numbers[joint, IMPULSE + k] += work[link, GIVEN + k]
         push_bodies(joint, work, link, GIVEN, world)
         if articulation[RELAXING] == 0:
             for k in range(6):

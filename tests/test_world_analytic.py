@@ -1,0 +1,313 @@
+"""Contacts against exact solutions: restitution, friction, rolling, the bouncing disk."""
+
+import math
+
+import numpy as np
+import pytest
+
+from kickdrift.world.world import World
+
+G = 9.81
+STEP = 1 / 60
+STEPS = [1 / 60, 1 / 240]
+
+
+def peaks(world, body, step, count, rest):
+    """Heights over `rest` that a body reaches between its bounces: z + v^2/(2 g) of the last moment that it rises."""
+    found = []
+    for _ in range(count):
+        z, v = world.position[body, 2] - rest, world.velocity[body, 2]
+        world.step(step)
+        if v > 0 >= world.velocity[body, 2]:
+            found.append(z + v * v / (2 * G))
+    return np.array(found)
+
+
+# Shape that falls from 1 m, and what it falls on: the plane or a pad of some width.
+LANDINGS = {"ball on a plane": None, "box on a plane": None, "box on a smaller pad": 0.375, "box on a wide pad": 4.0}
+
+
+@pytest.mark.parametrize("step", STEPS)
+@pytest.mark.parametrize("landing", LANDINGS)
+def test_every_bounce_reaches_the_square_of_the_restitution(landing, step):
+    pad = LANDINGS[landing]
+    for e in (0.5, 0.8, 0.9, 1.0):
+        world = World()
+        if pad is None:
+            world.add_plane(restitution=e)
+        else:
+            world.add_box((pad, pad, 1), position=(0, 0, -0.5), static=True, restitution=e)
+        rest = 0.05 if "ball" in landing else 0.5
+        options = {"position": (0, 0, 1 + rest), "restitution": e}
+        falling = world.add_sphere(rest, **options) if "ball" in landing else world.add_box((1, 1, 1), **options)
+        found = peaks(world, falling.index, step, round(3 / step), rest)[:3]
+        assert found == pytest.approx(e ** (2.0 * np.arange(1, 4)), rel=1e-8)
+        assert found.max() <= 1 + 1e-8  # never above the drop height
+        assert np.abs(world.position[falling.index, :2]).max() < 2e-3
+
+
+def test_no_bounce_is_lost_wherever_in_the_substep_it_happens():
+    for height in np.linspace(0.05, 2.0, 60):
+        world = World()
+        world.add_plane(restitution=0.9)
+        world.add_sphere(0.05, position=(0, 0, height + 0.05), restitution=0.9)
+        world.advance(STEP, math.ceil(math.sqrt(2 * height / G) * 60) + 2)
+        energy = world.energy().total / (4 / 3 * math.pi * 0.05**3 * 1000 * G) - 0.05
+        assert energy == pytest.approx(0.81 * height, rel=1e-9)
+
+
+def test_slow_approaches_do_not_bounce():
+    world = World(bounce_speed=1.0)
+    world.add_plane(restitution=1.0)
+    for k, speed in enumerate((0.9, 1.1)):
+        world.add_sphere(0.1, position=(k, 0, 0.1), velocity=(0, 0, -speed), restitution=1.0)
+    world.step(1e-3)
+    assert world.velocity[2, 2] == pytest.approx(0.0, abs=1e-3)
+    assert world.velocity[3, 2] == pytest.approx(1.1, rel=0.02)
+
+
+def test_boxes_without_restitution_land_flat():
+    for height in np.linspace(0.1, 2.0, 12):
+        world = World()
+        world.add_plane()
+        world.add_box((1, 1, 1), position=(0, 0, 0.5 + height))
+        fastest = 0.0
+        for _ in range(60):
+            world.step(STEP)
+            fastest = max(fastest, np.abs(world.angular_velocity[2]).max(), world.velocity[2, 2])
+        assert fastest < 2.0
+        assert np.abs(world.position[2] - [0, 0, 0.5]).max() < 0.01
+
+
+@pytest.mark.parametrize("e", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("mass", [1.0, 3.0, 100.0])
+def test_two_balls_that_meet_follow_newtons_rule(e, mass):
+    world = World(gravity=(0, 0, 0))
+    world.add_sphere(0.1, position=(-1, 0, 0), velocity=(5, 0, 0), restitution=e, mass=1.0)
+    world.add_sphere(0.1, position=(1, 0, 0), velocity=(-10, 0, 0), restitution=e, mass=mass)
+    world.advance(STEP, 30)
+    common = (5 - 10 * mass) / (1 + mass)
+    after = [common - e * mass / (1 + mass) * 15, common + e / (1 + mass) * 15]
+    assert world.velocity[1:, 0] == pytest.approx(after, abs=1e-12)
+    met = -1 + 5 * 0.12
+    assert world.position[1, 0] == pytest.approx(met + after[0] * (0.5 - 0.12), abs=1e-3 if e == 0 else 1e-12)
+    assert not world.velocity[1:, 1:].any()
+    assert not world.angular_velocity.any()
+
+
+def test_oblique_impacts_turn_the_line_of_centres_as_the_step_shrinks():
+    normal = np.array([math.sqrt(0.75), -0.5, 0.0])
+    errors = []
+    for step in (1 / 60, 1 / 960):
+        worst = 0.0
+        for start in np.linspace(1.5, 2.5, 12):
+            world = World(gravity=(0, 0, 0))
+            options = {"restitution": 1.0, "friction": 0.0}
+            world.add_sphere(0.5, position=(-start, 0.5, 0), velocity=(4, 0, 0), **options)
+            world.add_sphere(0.5, **options)
+            energy = world.energy().total
+            world.advance(step, round(1 / step))
+            worst = max(worst, np.linalg.norm(world.velocity[2] - 4 * normal[0] * normal) / 4)
+            assert world.energy().total == pytest.approx(energy, rel=1e-12)
+        errors.append(worst)
+    assert errors[0] < 0.04
+    assert errors[1] < 0.003
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-3])
+@pytest.mark.parametrize("raised", [1, 2, 3])
+def test_as_many_balls_of_newtons_cradle_leave_as_arrive(raised, gap):
+    world = World(gravity=(0, 0, 0))
+    for k in range(5):
+        x = k * (0.2 + gap) - (0.5 if k < raised else 0)
+        world.add_sphere(
+            0.1, position=(x, 0, 0), velocity=(2.0 if k < raised else 0.0, 0, 0), restitution=1.0, friction=0.0
+        )
+    world.advance(STEP, 60)
+    assert world.velocity[1:, 0] == pytest.approx([0.0] * (5 - raised) + [2.0] * raised, abs=1e-9)
+
+
+def test_a_light_ball_is_thrown_off_a_heavy_one():
+    for mass in (3.0, 10.0, 100.0):
+        world = World()
+        world.add_plane(restitution=1.0)
+        world.add_sphere(0.1, position=(0, 0, 1.1), restitution=1.0, mass=mass)
+        world.add_sphere(0.05, position=(0, 0, 1.25), restitution=1.0, mass=1.0)
+        world.advance(STEP, 28)
+        thrown = (3 * mass - 1) / (mass + 1) * math.sqrt(2 * G) - G * (28 / 60 - math.sqrt(2 / G))
+        assert world.velocity[3, 2] == pytest.approx(thrown, rel=1e-9)
+
+
+def test_a_gas_of_elastic_balls_keeps_its_energy():
+    rng = np.random.default_rng(0)
+    world = World(gravity=(0, 0, 0))
+    smooth = {"restitution": 1.0, "friction": 0.0}
+    for wall in np.concatenate((np.eye(3), -np.eye(3))):
+        world.add_plane(wall, -2 * wall, **smooth)
+    for position in np.stack(np.meshgrid(*[np.linspace(-1.6, 1.6, 3)] * 3), axis=-1).reshape(-1, 3):
+        world.add_sphere(0.2, position=position, velocity=3 * rng.normal(size=3), **smooth)
+    energy, before = world.energy().total, world.velocity.copy()
+    world.advance(STEP, 600)
+    assert world.energy().total == pytest.approx(energy, rel=1e-12)
+    assert np.abs(world.position[7:]).max() < 1.81
+    assert (np.abs(world.velocity - before)[7:].max(axis=1) > 0.1).all()
+
+
+def on_slope(angle, friction, size=(1.0, 1.0, 0.2)):
+    """A box on a tilted plane, and the direction down it."""
+    world = World()
+    normal = np.array([math.sin(angle), 0.0, math.cos(angle)])
+    world.add_plane(normal, friction=friction)
+    turn = (math.cos(angle / 2), 0, math.sin(angle / 2), 0)
+    world.add_box(size, position=normal * size[2] / 2, orientation=turn, friction=friction)
+    return world, np.array([math.cos(angle), 0.0, -math.sin(angle)])
+
+
+@pytest.mark.parametrize("degrees", [3, 10, 20, 30, 40])
+@pytest.mark.parametrize("friction", [0.1, 0.3, 0.5, 0.7, 1.0])
+def test_boxes_slide_down_where_the_slope_is_above_the_friction(friction, degrees):
+    angle = math.radians(degrees)
+    world, down = on_slope(angle, friction)
+    start = world.position[2].copy()
+    world.advance(STEP, 15)
+    way, speed = (world.position[2] - start) @ down, world.velocity[2] @ down
+    acceleration = G * (math.sin(angle) - friction * math.cos(angle))
+    if acceleration < 0:
+        assert abs(speed) < 1e-9
+        assert abs(way) < 2e-4
+        return
+    assert way > 0.015
+    world.advance(STEP, 60)
+    assert world.velocity[2] @ down - speed == pytest.approx(acceleration, rel=1e-3)
+
+
+@pytest.mark.parametrize(("step", "tolerance"), [(1 / 60, 0.01), (1 / 240, 0.003)])
+@pytest.mark.parametrize("friction", [0.2, 0.4, 0.7])
+def test_a_sliding_box_stops_where_its_energy_is_used_up(friction, step, tolerance):
+    world = World()
+    world.add_plane(friction=friction)
+    world.add_box((1, 1, 0.2), position=(0, 0, 0.1), velocity=(2, 0, 0), friction=friction)
+    world.advance(step, round(2 / step))
+    assert world.position[2, 0] == pytest.approx(4 / (2 * friction * G), rel=tolerance)
+    assert np.abs(world.velocity[2]).max() < 1e-12
+
+
+def test_sliding_is_the_same_in_all_directions():
+    for heading in np.arange(12) * math.pi / 6 + 0.1:
+        along = np.array([math.cos(heading), math.sin(heading)])
+        world = World()
+        world.add_plane(friction=0.5)
+        world.add_box((1, 1, 0.2), position=(0, 0, 0.1), velocity=(*(20 * along), 0), friction=0.5)
+        world.advance(STEP, 120)
+        place = world.position[2, :2]
+        assert place @ along == pytest.approx(20 * 2 - 0.5 * 0.5 * G * 4, rel=1e-3)
+        assert abs(place[1] * along[0] - place[0] * along[1]) < 1e-5
+
+
+@pytest.mark.parametrize("friction", [0.2, 0.6])
+def test_a_spinning_box_is_braked_by_the_levers_of_its_corners(friction):
+    world = World()
+    world.add_plane(friction=friction)
+    world.add_box((1, 1, 0.2), position=(0, 0, 0.1), angular_velocity=(0, 0, 10), friction=friction)
+    world.advance(STEP, 15)
+    deceleration = friction * math.sqrt(0.5) * G / (2 / 12)  # mu r N / I
+    assert (10 - world.angular_velocity[2, 2]) / 0.25 == pytest.approx(deceleration, rel=5e-3)
+    world.advance(STEP, 180)
+    assert abs(world.angular_velocity[2, 2]) < 1e-12
+
+
+@pytest.mark.parametrize("step", STEPS)
+def test_a_sliding_ball_begins_to_roll(step):
+    friction, radius, speed = 0.3, 0.2, 5.0
+    world = World()
+    world.add_plane(friction=friction)
+    world.add_sphere(radius, position=(0, 0, radius), velocity=(speed, 0, 0), friction=friction)
+    slips = []
+    for _ in range(round(1 / step)):
+        world.step(step)
+        slips.append(world.velocity[2, 0] - radius * world.angular_velocity[2, 1])
+    rolls = 2 * speed / (7 * friction * G)
+    assert step * np.count_nonzero(np.array(slips) > 1e-2) == pytest.approx(rolls, abs=1.5 * step)
+    assert world.velocity[2, 0] == pytest.approx(5 / 7 * speed, rel=1e-4)
+    way = 12 * speed**2 / (49 * friction * G) + 5 / 7 * speed * (1 - rolls)
+    assert world.position[2, 0] == pytest.approx(way, rel=1e-3)
+
+
+def test_rolling_resistance_is_a_lever_of_the_normal_force():
+    lever, radius, speed = 0.01, 0.2, 2.0
+    world = World()
+    world.add_plane(friction=0.8)
+    options = {"friction": 0.8, "rolling_resistance": lever}
+    world.add_sphere(
+        radius, position=(0, 0, radius), velocity=(speed, 0, 0), angular_velocity=(0, speed / radius, 0), **options
+    )
+    deceleration = lever * G / (1.4 * radius)
+    world.advance(STEP, 60)
+    assert speed - world.velocity[2, 0] == pytest.approx(deceleration, rel=2e-3)
+    world.advance(STEP, 600)
+    assert world.position[2, 0] == pytest.approx(speed**2 / (2 * deceleration), rel=2e-3)
+    assert np.abs(world.velocity[2]).max() < 1e-12
+
+
+def test_without_rolling_resistance_a_ball_rolls_on():
+    world = World()
+    world.add_plane(friction=0.8)
+    world.add_sphere(0.2, position=(0, 0, 0.2), velocity=(2, 0, 0), angular_velocity=(0, 10, 0), friction=0.8)
+    world.advance(STEP, 600)
+    assert world.velocity[2, 0] == pytest.approx(2.0, rel=1e-3)
+
+
+def test_a_conveyor_takes_boxes_to_its_speed_and_balls_to_two_sevenths():
+    friction, belt = 0.5, 1.5
+    world = World()
+    turn = (math.cos(0.3), 0, 0, math.sin(0.3))
+    along = np.array([math.cos(0.6), math.sin(0.6), 0.0])  # the velocity is in the axes of the body
+    options = {"static": True, "friction": friction, "surface_velocity": (belt, 0, 0)}
+    world.add_box((20, 4, 1), position=(0, 0, -0.5), orientation=turn, **options)
+    box = world.add_box((1, 1, 0.2), position=(0, 0, 0.1), friction=friction).index
+    ball = world.add_sphere(0.2, position=-2 * along + (0, 0, 0.2), friction=friction).index
+    world.advance(STEP, 120)
+    assert world.velocity[box] == pytest.approx(belt * along, abs=1e-9)
+    assert world.position[box] @ along == pytest.approx(2 * belt - belt**2 / (2 * friction * G), rel=2e-3)
+    assert world.velocity[ball] == pytest.approx(2 / 7 * belt * along, abs=1e-3)
+
+
+def test_a_kinematic_platform_takes_along_what_stands_on_it():
+    world = World()
+    options = {"kinematic": True, "velocity": (1, 0, 0), "friction": 0.5}
+    world.add_box((6, 4, 0.5), position=(0, 0, -0.25), **options)
+    world.add_box((1, 1, 0.5), position=(0, 0, 0.25), friction=0.5)
+    world.advance(STEP, 120)
+    assert world.velocity[2] == pytest.approx([1, 0, 0], abs=1e-9)
+    assert world.position[2, 0] == pytest.approx(2 - 1 / (2 * 0.5 * G), abs=1e-3)
+
+
+def test_a_turntable_carries_a_box_round():
+    world = World()
+    world.add_box((6, 6, 0.5), position=(0, 0, -0.25), kinematic=True, angular_velocity=(0, 0, 1), friction=0.8)
+    motion = {"velocity": (0, 1, 0), "angular_velocity": (0, 0, 1)}
+    world.add_box((0.5, 0.5, 0.5), position=(1, 0, 0.25), friction=0.8, **motion)
+    world.advance(1 / 240, round(480 * math.pi))
+    # The arms of a step are those of its start, so that circles become spirals: 1.3 % a turn at 1/240 s.
+    assert np.linalg.norm(world.position[2, :2]) == pytest.approx(1.0, abs=0.02)
+    assert world.angular_velocity[2] == pytest.approx([0, 0, 1], abs=1e-4)
+    assert abs(math.atan2(world.position[2, 1], world.position[2, 0])) < 0.01
+
+
+def test_the_bouncing_disk():
+    world = World(substeps=1, midpoint=False, plane_normal=(0, 1, 0))
+    world.add_plane(restitution=0.9)
+    world.add_sphere(0.1, position=(0, 0, 0.1), velocity=(0, 0, 5), restitution=0.9)
+    heights, bounced = [], []
+    for step in range(1, 1500):
+        before = world.velocity[2, 2]
+        world.step(0.01)
+        heights.append(world.position[2, 2] - 0.1)
+        if before < 0 < world.velocity[2, 2]:
+            bounced.append((step, before - G * 0.01, world.velocity[2, 2]))
+    assert bounced[0] == (101, pytest.approx(-4.908, abs=5e-4), pytest.approx(4.417, abs=5e-4))
+    z = np.array(heights)
+    highest = z[1:-1][(z[1:-1] > z[:-2]) & (z[1:-1] >= z[2:])][:10]
+    assert (highest[9] / highest[0]) ** (1 / 9) == pytest.approx(0.81, rel=0.02)
+    exact = 2 * 5 / G * (1 - 0.9**10) / 0.1  # of the tenth bounce
+    assert 0.98 < bounced[9][0] * 0.01 / exact < 1.0
