@@ -79,10 +79,15 @@ def distance(a, b):
     return float(np.linalg.norm(one @ a / one.sum() - two @ b / two.sum()))
 
 
+def half_width(shape):
+    """Half of the smallest distance between a face and the corner farthest behind it."""
+    equations = ConvexHull(corners(shape)).equations
+    return -(corners(shape) @ equations[:, :3].T + equations[:, 3]).min(axis=0).max() / 2.0
+
+
 def tolerance_of(a, b, margin):
     """By how much a contact of faces may be off the best axis, without its share of the depth."""
-    half = min(-beyond(shape, corners(shape).mean(axis=0)[None])[0] for shape in (a, b))
-    return min(margin / 8.0, half / 100.0)
+    return min(margin / 8.0, half_width(a) / 100.0, half_width(b) / 100.0)
 
 
 coordinate = st.floats(-1.0, 1.0)

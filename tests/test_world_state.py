@@ -1,0 +1,594 @@
+"""What a world leaves behind: snapshots and files that it goes on from with the same bits, and recordings."""
+
+import json
+import pickle
+import signal
+import subprocess
+import sys
+import zipfile
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import kickdrift as kd
+from kickdrift.core.errors import ArgumentError, FileFormatError
+from kickdrift.engine.progress import Bar
+from kickdrift.io import archive
+from kickdrift.io.shapes import Catalogue, shapes_of
+from kickdrift.scenes.worlds import newtons_cradle, pyramid
+from kickdrift.world.adding import Part
+from kickdrift.world.collision.search import VISITS
+from kickdrift.world.shapes.box import Box
+from kickdrift.world.shapes.capsule import Capsule
+from kickdrift.world.shapes.heightfield import HeightField
+from kickdrift.world.shapes.hull import Hull
+from kickdrift.world.shapes.mesh import Mesh
+from kickdrift.world.shapes.plane import Plane
+from kickdrift.world.shapes.sphere import Sphere
+from kickdrift.world.snapshot import TABLES
+
+STEP = 1 / 60
+
+
+def balls():
+    """Balls of two sizes that fall onto each other, one of them spinning."""
+    world = kd.World()
+    world.add_plane(restitution=0.5)
+    for k in range(6):
+        world.add_sphere(
+            radius=0.1 + 0.05 * (k % 2), position=(0.02 * k, 0.01 * k**2, 0.3 + 0.35 * k), restitution=0.5,
+            angular_velocity=(0.0, 3.0 * k, 1.0),
+        )  # fmt: skip
+    return world
+
+
+def tower():
+    return pyramid(base=4)
+
+
+def cradle():
+    return newtons_cradle(count=3).world
+
+
+def state(world):
+    """All tables as bytes, but for a counter of how much was searched, which room for what was found adds to."""
+    tables = {name: world.tables.array(table).copy() for name, table in TABLES.items()}
+    tables["SEARCH"][:, VISITS] = 0
+    return {"time": world.time, "n_steps": world.n_steps, **{name: rows.tobytes() for name, rows in tables.items()}}
+
+
+@pytest.fixture(scope="module")
+def rolled():
+    """A recording of some balls, and the world after it."""
+    world = balls()
+    return world.run(0.5, STEP), world
+
+
+# Snapshots
+
+
+@pytest.mark.parametrize("make", [balls, tower, cradle])
+def test_a_world_goes_on_with_the_same_bits_after_restore(make):
+    world = make()
+    world.advance(STEP, 50)
+    then = world.snapshot()
+    before = state(world)
+    world.advance(STEP, 50)
+    after = state(world)
+    assert after["POSE"] != before["POSE"]
+    for _ in range(2):
+        world.restore(then)
+        assert state(world) == before
+        world.advance(STEP, 50)
+        assert state(world) == after
+
+
+def test_a_snapshot_does_not_change_with_its_world():
+    world = balls()
+    then = world.snapshot()
+    kept = then.tables["POSE"].copy()
+    world.advance(STEP, 3)
+    world.position[1] = 7.0
+    world.add_sphere(radius=1.0, position=(0, 0, 9))
+    assert np.array_equal(then.tables["POSE"], kept)
+    with pytest.raises(ValueError, match="read-only"):
+        then.tables["POSE"][0, 0] = 1.0
+    with pytest.raises(TypeError):
+        then.tables["POSE"] = kept
+    with pytest.raises(AttributeError):
+        then.time = 1.0
+
+
+def test_restore_undoes_bodies_added_and_removed():
+    world = balls()
+    first = world.bodies.handle(2)
+    world.advance(STEP, 20)
+    then, before = world.snapshot(), state(world)
+    world.remove(first)
+    added = [world.add_box((0.1, 0.2, 0.3), position=(k, 0, 3)) for k in range(3)]
+    world.advance(STEP, 20)
+    world.restore(then)
+    assert state(world) == before
+    world.apply_force(first, (0, 0, 1))  # it is there again
+    for body in added:
+        with pytest.raises(ArgumentError, match=r"removed from the world|not in this world"):
+            world.apply_force(body, (0, 0, 1))
+
+
+def test_handles_of_bodies_after_a_snapshot_are_never_those_of_others():
+    world = balls()
+    then = world.snapshot()
+    lost = world.add_sphere(radius=0.1)
+    world.restore(then)
+    found = world.add_sphere(radius=0.1)
+    assert found.index == lost.index
+    assert found != lost
+    with pytest.raises(ArgumentError, match="removed"):
+        world.apply_force(lost, (0, 0, 1))
+    world.apply_force(found, (0, 0, 1))
+    world.remove(found)
+    then = world.snapshot()
+    lost = world.add_sphere(radius=0.1)
+    world.restore(then)
+    assert world.add_sphere(radius=0.1) != lost
+
+
+def test_handles_of_joints_after_a_snapshot_are_never_those_of_others():
+    world = cradle()
+    then = world.snapshot()
+    bodies = [world.bodies.handle(row) for row in (1, 3)]
+    lost = world.add_distance_joint(*bodies, anchor_a=(0, 0, 0), anchor_b=(1, 0, 0))
+    world.restore(then)
+    with pytest.raises(ArgumentError):
+        _ = lost.position
+    found = world.add_distance_joint(*bodies, anchor_a=(0, 0, 0), anchor_b=(1, 0, 0))
+    assert found.index == lost.index
+    with pytest.raises(ArgumentError):
+        _ = lost.position
+    assert abs(found.position) < 1e-12
+
+
+def test_another_world_continues_from_a_snapshot():
+    world = balls()
+    world.advance(STEP, 30)
+    other = kd.World(gravity=(0, 0, 0), substeps=7, sleeping=True, plane_normal=(0, 1, 0))
+    other.add_box((1, 1, 1))
+    other.advance(STEP, 2)
+    other.restore(world.snapshot())
+    for each in (world, other):
+        each.advance(STEP, 30)
+    assert state(other) == state(world)
+
+
+def test_rows_are_used_again_in_the_same_order_after_restore():
+    world = balls()
+    for row in (2, 4, 3):
+        world.remove(world.bodies.handle(row))
+    then = world.snapshot()
+    rows = [world.add_sphere(radius=0.2).index for _ in range(4)]
+    world.restore(then)
+    assert [world.add_sphere(radius=0.2).index for _ in range(4)] == rows == [3, 4, 2, 8]
+
+
+# Files
+
+
+@pytest.mark.parametrize("make", [balls, tower, cradle])
+def test_a_world_goes_on_with_the_same_bits_in_another_process(make, tmp_path):
+    world = make()
+    world.advance(STEP, 50)
+    path = world.save(tmp_path / "world")
+    assert path == tmp_path / "world.npz"
+    code = (
+        "import sys, kickdrift as kd\n"
+        f"world = kd.load_world({str(path)!r})\n"
+        f"world.advance({STEP!r}, 50)\n"
+        "print(world.time.hex(), world.tables.array(kd.world.tables.POSE).tobytes().hex(),"
+        " world.tables.array(kd.world.tables.MANIFOLD).tobytes().hex())"
+    )
+    other = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    world.advance(STEP, 50)
+    after = state(world)
+    assert other == [world.time.hex(), after["POSE"].hex(), after["MANIFOLD"].hex()]
+
+
+def everything():
+    """A world with every kind of shape, a compound, surfaces of all sorts, a removed body and an unused shape."""
+    world = kd.World(gravity=(0.1, 0.2, -3.0), substeps=3)
+    world.add_plane(normal=(0.1, 0, 1), friction=0.3)
+    world.add_height_field([[0.0, 0.1, 0.0], [0.1, 0.0, 0.2]], 2.0, position=(-9, 0, 0))
+    world.add_mesh([[0, 0, 0], [5, 0, 0], [0, 5, 0]], [[0, 1, 2]], position=(20, 0, 0))
+    world.remove(world.add_capsule(0.1, 0.7, position=(0, 5, 5)))
+    world.add_sphere(radius=0.3, position=(0, 0, 2), layer=3, collides_with=[0, 3], rolling_resistance=0.01)
+    world.add_capsule(0.2, 0.5, position=(2, 0, 2), surface_velocity=np.array([0.1, 0.0, 0.0]), mass=2)
+    world.add_hull(np.random.default_rng(1).normal(size=(9, 3)) * 0.4, position=(4, 0, 2), sensor=True)
+    parts = [Part(Box((0.2, 0.3, 0.4))), Part(Sphere(0.1), position=(0, 0, 0.3), density=5000.0)]
+    world.add_body(parts, position=(0, 0, 4), damping=0.1)
+    world.add_box((1, 1, 1), position=(-3, 0, 4), kinematic=True, velocity=(0, 0, -0.1))
+    return world
+
+
+def test_what_is_saved_is_loaded(tmp_path):
+    world = everything()
+    world.advance(STEP, 5)
+    loaded = kd.load_world(world.save(tmp_path / "world.npz"))
+    assert state(loaded) == state(world)
+    assert loaded.shape_rows.begins == world.shape_rows.begins
+    assert (loaded.bodies.free, loaded.shape_rows.free) == (world.bodies.free, world.shape_rows.free)
+    for row, (shape, position, orientation, surface) in world.shape_rows.shapes.items():
+        again = loaded.shape_rows.shapes[row]
+        assert type(again.shape) is type(shape)
+        assert np.array_equal(again.shape.numbers, shape.numbers)
+        assert np.array_equal(again.position, position)
+        assert np.array_equal(again.orientation, orientation)
+        assert again.surface.friction == surface.friction
+    for each in (world, loaded):
+        each.add_sphere(radius=0.3, position=(0, 0, 8))
+        each.advance(STEP, 20)
+    assert state(loaded) == state(world)
+
+
+def test_forces_are_given_again_and_the_bits_are_the_same(tmp_path):
+    def wind(t, velocity, force):
+        for body in range(len(force)):
+            force[body, 0] += 0.1 * (1.0 + t - velocity[body, 0])
+
+    world = balls()
+    world.add_force(wind)
+    world.advance(STEP, 10)
+    path = world.save(tmp_path / "world.npz")
+    with pytest.raises(ArgumentError, match="forces has 0 functions, and the world in .* had 1"):
+        kd.load_world(path)
+    with pytest.raises(ArgumentError, match="forces has 2 functions"):
+        kd.load_world(path, forces=[wind, wind])
+    loaded = kd.load_world(path, forces=[wind])
+    for each in (world, loaded):
+        each.advance(STEP, 10)
+    assert state(loaded) == state(world)
+
+
+def _rewritten(path, change):
+    """Change what a file holds, and give it a digest that fits."""
+    with np.load(path, allow_pickle=False) as file:
+        arrays = {name: file[name] for name in file.files}
+    header = json.loads(str(arrays.pop("header")))
+    header.pop("digest")
+    change(header, arrays)
+    archive.write(path, header, arrays)
+
+
+def _tampered(path, change):
+    """Change what a file holds, and leave the digest as it was."""
+    with np.load(path, allow_pickle=False) as file:
+        arrays = {name: file[name] for name in file.files}
+    header = json.loads(str(arrays.pop("header")))
+    change(header, arrays)
+    np.savez(path, header=np.array(json.dumps(header)), **arrays)
+
+
+def _drop(which, name):
+    return lambda header, arrays: (header, arrays)[which].pop(name)
+
+
+def _put(which, name, value):
+    return lambda header, arrays: (header, arrays)[which].update({name: value})
+
+
+DAMAGE = {
+    "empty": lambda path: path.write_bytes(b""),
+    "text": lambda path: path.write_text("a world"),
+    "pickle": lambda path: path.write_bytes(pickle.dumps({"POSE": [1]})),
+    "zip": lambda path: zipfile.ZipFile(path, "w").close(),
+    "objects": lambda path: np.savez(path, header=np.array([{}], dtype=object)),
+    "arrays": lambda path: np.savez(path, a=np.zeros(3)),
+    "half": lambda path: path.write_bytes(path.read_bytes()[: path.stat().st_size // 2]),
+    "cut": lambda path: path.write_bytes(path.read_bytes()[:-1]),
+    "no JSON": lambda path: np.savez(path, header=np.array("{")),
+    "a list": lambda path: np.savez(path, header=np.array("[]")),
+    "foreign": lambda path: _rewritten(path, _put(0, "format", "something else")),
+    "no format": lambda path: _rewritten(path, _drop(0, "format")),
+    "no digest": lambda path: _tampered(path, _drop(0, "digest")),
+    "time changed": lambda path: _tampered(path, _put(0, "time", 3.0)),
+    "pose changed": lambda path: _tampered(path, lambda h, a: a["table POSE"].__setitem__((1, 0), 3.0)),
+    "row dropped": lambda path: _tampered(path, lambda h, a: a.update({"table SHAPE": a["table SHAPE"][1:]})),
+    "table dropped": lambda path: _rewritten(path, _drop(1, "table CONTACT")),
+    "table too much": lambda path: _rewritten(path, _put(1, "table MORE", np.zeros((1, 8)))),
+    "table too narrow": lambda path: _rewritten(path, _put(1, "table POSE", np.zeros((7, 7)))),
+    "table of floats": lambda path: _rewritten(path, lambda h, a: a.update({"table BODY": a["table BODY"] * 1.0})),
+    "unknown shape": lambda path: _rewritten(path, lambda h, a: h["shapes"][1].update(kind="torus")),
+    "negative radius": lambda path: _rewritten(path, lambda h, a: a["shape numbers"].__imul__(-1.0)),
+    "shape without numbers": lambda path: _rewritten(path, _put(1, "shape numbers", np.zeros(0))),
+    "numbers without shape": lambda path: _rewritten(path, _put(1, "shape numbers", np.ones(9))),
+    "unknown surface": lambda path: _rewritten(path, lambda h, a: h["surfaces"][0].update(colour="red")),
+    "surface of friction -1": lambda path: _rewritten(path, lambda h, a: h["surfaces"][0].update(friction=-1.0)),
+    "free rows of words": lambda path: _rewritten(path, _put(0, "free_bodies", 3)),
+    "time of words": lambda path: _rewritten(path, _put(0, "time", "noon")),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGE.values(), ids=DAMAGE.keys())
+def test_a_file_that_is_no_world_is_refused(damage, tmp_path):
+    path = balls().save(tmp_path / "world.npz")
+    damage(path)
+    with pytest.raises(FileFormatError, match="is not a kickdrift world") as caught:
+        kd.load_world(path)
+    assert "World.save" in str(caught.value)
+
+
+def test_a_file_damaged_anywhere_is_refused(tmp_path):
+    path = balls().save(tmp_path / "world.npz")
+    whole = path.read_bytes()
+    generator = np.random.default_rng(0)
+    for place in generator.integers(0, len(whole), 60):
+        damaged = bytearray(whole)
+        damaged[place] ^= 1 << int(generator.integers(8))
+        path.write_bytes(damaged)
+        try:
+            world = kd.load_world(path)
+        except FileFormatError:
+            continue
+        assert state(world) == state(balls())  # the bit was one that says nothing, such as a date
+
+
+def test_files_of_other_sorts_say_what_they_are(tmp_path, rolled):
+    recording, world = rolled
+    with pytest.raises(FileFormatError, match=r"is a world, not its recording; read it with kickdrift\.load_world"):
+        kd.load(world.save(tmp_path / "world.npz"))
+    with pytest.raises(FileFormatError, match="is not a kickdrift world"):
+        kd.load_world(recording.save(tmp_path / "recording.npz"))
+    _rewritten(tmp_path / "world.npz", _put(0, "format", "kickdrift world 2"))
+    with pytest.raises(FileFormatError, match=r"'kickdrift world 2', and this version of kickdrift reads"):
+        kd.load_world(tmp_path / "world.npz")
+    with pytest.raises(FileFormatError, match="cannot be read"):
+        kd.load_world(tmp_path / "nothing.npz")
+    with pytest.raises(FileFormatError, match="cannot be read"):
+        kd.load_world(tmp_path)
+    for bad in (tmp_path / "missing" / "world.npz", "", tmp_path / "..", "a\0b"):
+        with pytest.raises(FileFormatError):
+            world.save(bad)
+
+
+lengths = st.floats(1e-3, 1e3)
+
+
+@given(
+    st.lists(
+        st.one_of(
+            st.builds(Sphere, lengths),
+            st.builds(Capsule, lengths, lengths),
+            st.builds(Box, st.tuples(lengths, lengths, lengths)),
+            st.just(Plane()),
+        ),
+        max_size=8,
+    )
+)
+@settings(max_examples=50, deadline=None)
+def test_shapes_come_back_from_a_catalogue(shapes):
+    catalogue = Catalogue()
+    places = [catalogue.place(shape) for shape in shapes]
+    made = shapes_of(json.loads(json.dumps(catalogue.words)), catalogue.numbers)
+    assert [made[place] for place in places] == shapes
+    assert len(made) == len(set(shapes))
+
+
+def test_hulls_meshes_and_height_fields_come_back_from_a_catalogue():
+    hull = Hull(np.random.default_rng(0).normal(size=(20, 3)))
+    mesh = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0.1]], [[0, 1, 2], [1, 3, 2]])
+    field = HeightField(np.random.default_rng(1).normal(size=(3, 4)), (0.5, 0.7))
+    catalogue = Catalogue()
+    for shape in (hull, mesh, field, hull):
+        catalogue.place(shape)
+    made = shapes_of(catalogue.words, catalogue.numbers)
+    assert [type(shape) for shape in made] == [Hull, Mesh, HeightField]
+    assert all(np.array_equal(a.numbers, b.numbers) for a, b in zip(made, (hull, mesh, field), strict=True))
+
+
+# Recordings
+
+
+def test_a_recording_has_the_states_and_what_they_conserve(rolled):
+    recording, _ = rolled
+    world = balls()
+    assert recording.t.size == 31
+    assert (recording.n_steps, recording.step, recording.success) == (30, 0.5 / 30, True)
+    for row in range(recording.t.size):
+        assert recording.t[row] == pytest.approx(world.time, abs=1e-15)
+        assert np.array_equal(recording.x[row], world.position)
+        assert np.array_equal(recording.v[row], world.velocity)
+        assert np.array_equal(recording.orientation[row], world.orientation)
+        assert np.array_equal(recording.angular_velocity[row], world.angular_velocity)
+        assert recording.energy[row] == world.energy().total
+        assert recording.derived["kinetic energy"][row] == world.energy().kinetic
+        assert np.array_equal(recording.invariants["momentum"][row], world.momentum())
+        assert np.array_equal(recording.invariants["angular momentum"][row], world.angular_momentum())
+        world.step(recording.step)
+    assert recording.energy[-1] < recording.energy[0]
+
+
+def test_a_whole_number_of_equal_steps_covers_the_duration():
+    world = kd.World()
+    world.add_sphere(radius=0.1)
+    recording = world.run(1.0, 0.3, save_every=3)
+    assert (recording.step, recording.n_steps) == (0.25, 4)
+    assert recording.t.tolist() == [0.0, 0.75, 1.0]
+    again = world.run(0.3, 0.1)
+    assert (again.n_steps, again.t[0]) == (3, 1.0)
+    assert again.t[-1] == 1.3
+    assert world.time == pytest.approx(1.3, abs=1e-15)
+    # Free fall by the midpoint rule is exact.
+    assert again.x[-1, 1, 2] == pytest.approx(-0.5 * 9.81 * 1.3**2, rel=1e-14)
+
+
+def test_runs_in_chunks_have_the_bits_of_single_steps():
+    one, other = balls(), balls()
+    recording = one.run(1.0, STEP, save_every=13)
+    other.advance(STEP, 60)
+    assert np.array_equal(recording.x[-1], other.position)
+    assert recording.t.size == 6
+    assert one.n_steps == 60
+
+
+@pytest.mark.parametrize(
+    ("arguments", "why"),
+    [
+        ((0.0, 0.1), "duration=0.0 has to be positive"),
+        ((-1.0, 0.1), "duration=-1.0 has to be positive"),
+        ((np.nan, 0.1), "duration=nan has to be positive"),
+        ((np.inf, 0.1), "duration=inf has to be positive"),
+        (("1", 0.1), "duration='1' has to be positive"),
+        ((None, 0.1), "duration=None has to be positive"),
+        (([1.0], 0.1), r"duration=\[1.0\] has to be positive"),
+        ((1j, 0.1), "duration=1j has to be positive"),
+        ((1.0, 0.0), "step=0.0 has to be positive"),
+        ((1.0, -0.1), "step=-0.1 has to be positive"),
+        ((1.0, np.nan), "step=nan has to be positive"),
+        ((1.0, "fast"), "step='fast' has to be positive"),
+        ((1.0, 1.5), "step=1.5 is larger than duration=1.0"),
+        ((1.0, 0.1, 0), "save_every=0 must be a positive whole number"),
+        ((1.0, 0.1, -2), "save_every=-2 must be"),
+        ((1.0, 0.1, 1.5), "save_every=1.5 must be"),
+        ((1.0, 0.1, True), "save_every=True must be"),
+        ((1e9, 1e-3), r"save_every=None keeps every step, .* GiB; give save_every=\d+ or more"),
+    ],
+)
+def test_runs_that_cannot_be_are_refused_before_any_work(arguments, why):
+    world = balls()
+    with pytest.raises(ArgumentError, match=why):
+        world.run(*arguments)
+    assert world.n_steps == 0
+
+
+def test_an_interruption_keeps_what_is_done(monkeypatch):
+    shown = []
+
+    def show(self, step, seconds):
+        shown.append(step)
+        if step >= 20:
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(Bar, "show", show)
+    world = balls()
+    recording = world.run(2.0, STEP, save_every=7)
+    assert recording.status is kd.Outcome.INTERRUPTED
+    assert not recording.success
+    assert recording.n_steps == shown[-1] == world.n_steps < 120
+    assert recording.message == (
+        f"{kd.Outcome.INTERRUPTED.value} It ends at t={world.time!r}, after {world.n_steps} of 120 steps."
+    )
+    assert recording.t[-1] == pytest.approx(world.time, abs=1e-14)
+    assert np.array_equal(recording.x[-1], world.position)
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    other = balls()
+    other.advance(STEP, world.n_steps)
+    assert state(other) == state(world)  # no step was left half done
+
+
+def test_an_ignored_interruption_stays_ignored(monkeypatch):
+    monkeypatch.setattr(Bar, "show", lambda self, step, seconds: signal.raise_signal(signal.SIGINT))
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        assert balls().run(0.2, STEP).success
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def test_a_body_lost_to_infinity_ends_a_recording():
+    def kicked(t, force):
+        if t >= 0.2:
+            force[2, 0] = np.inf
+
+    world = kd.World()
+    for k in range(3):
+        world.add_sphere(radius=0.1, position=(k, 0, 0))
+    world.add_force(kicked)
+    recording = world.run(1.0, 0.02, save_every=4)
+    assert recording.status is kd.Outcome.NOT_FINITE
+    assert recording.n_steps == world.n_steps
+    assert recording.n_steps in (9, 10)  # the tenth step ends at 0.2
+    assert "body 2 was lost to infinity" in recording.message
+    assert f"after {recording.n_steps} of 50 steps" in recording.message
+    assert recording.t.tolist() == pytest.approx([0.0, 0.08, 0.16, 0.02 * recording.n_steps])
+    assert np.isfinite(recording.x).all()
+    assert recording.x[-1, 2, 2] == pytest.approx(-0.5 * 9.81 * recording.t[-1] ** 2, rel=1e-13)
+    assert world.time == pytest.approx(recording.t[-1])
+
+
+def test_recordings_come_back_from_files(rolled, tmp_path):
+    recording, _ = rolled
+    loaded = kd.load(recording.save(tmp_path / "balls"))
+    assert type(loaded) is kd.Recording
+    for name in ("t", "x", "v", "orientation", "angular_velocity", "energy"):
+        assert np.array_equal(getattr(loaded, name), getattr(recording, name))
+    for name in ("status", "message", "step", "n_steps", "wall_time", "about"):
+        assert getattr(loaded, name) == getattr(recording, name)
+    assert loaded.report() == recording.report()
+    assert [part.body for part in loaded.appearance.parts] == [part.body for part in recording.appearance.parts]
+    copy = pickle.loads(pickle.dumps(recording))
+    assert np.array_equal(copy.orientation, recording.orientation)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda h, a: a.update(orientation=a["orientation"][:, 1:]),
+        lambda h, a: a.update(angular_velocity=a["angular_velocity"][1:]),
+        lambda h, a: a.update(kinds=a["kinds"][1:]),
+        lambda h, a: a["parts"].__setitem__((0, 0), 99),
+        lambda h, a: a["parts"].__setitem__((0, 1), 99),
+        lambda h, a: a.update(places=a["places"][1:]),
+        lambda h, a: a.pop("rods"),
+        lambda h, a: h.update(status="FINE"),
+        lambda h, a: h.pop("shapes"),
+    ],
+)
+def test_a_file_that_is_no_recording_is_refused(change, rolled, tmp_path):
+    path = rolled[0].save(tmp_path / "recording.npz")
+    _rewritten(path, change)
+    with pytest.raises(FileFormatError, match="is not a kickdrift solution"):
+        kd.load(path)
+    path = rolled[0].save(tmp_path / "recording.npz")
+    _tampered(path, lambda h, a: a["x"].__setitem__((0, 1, 0), 99.0))
+    with pytest.raises(FileFormatError, match="changed after it was written"):
+        kd.load(path)
+
+
+def test_a_recording_is_a_labelled_dataset(rolled):
+    pytest.importorskip("xarray")
+    recording, _ = rolled
+    data = recording.to_xarray()
+    assert data["x"].dims == ("time", "body", "space")
+    assert data["orientation"].dims == ("time", "body", "quaternion")
+    assert data["orientation"].sel(quaternion="w", body=3)[-1] == recording.orientation[-1, 3, 0]
+    assert data["angular_velocity"].attrs["units"] == "rad/s"
+    assert data["energy"].attrs["units"] == "J"
+
+
+def test_the_report_says_how_fast_and_what_became_of_the_energy(rolled):
+    recording, _ = rolled
+    lines = dict(line.split("  ", 1) for line in recording.report().splitlines())
+    facts = {name: value.strip() for name, value in lines.items()}
+    assert facts["bodies"] == "6 that move, 7 shapes"
+    assert facts["span"] == "0 to 0.5 s"
+    assert "x real time" in facts["wall time"]
+    assert facts["energy"].startswith(f"{recording.energy[0]:.6g} to {recording.energy[-1]:.6g} J")
+    assert facts["outcome"] == "The end of the duration was reached."
+
+
+def test_overlap_and_joint_gaps_are_those_of_the_shapes():
+    world = kd.World(gravity=(0, 0, 0))
+    world.add_plane()
+    ball = world.add_sphere(radius=0.5, position=(0, 0, 0.49))
+    joint = world.add_ball_joint(ball, None, anchor=(0, 0, 2))
+    recording = world.run(STEP, STEP)
+    assert recording.derived["overlap"][-1] == pytest.approx(0.5 - recording.x[-1, ball.index, 2], abs=1e-15)
+    assert recording.derived["joint gap"].max() < 1e-3
+    world.joints.remove(joint)
+    world.position[ball.index] = (0.3, 0, 0.4)
+    world.velocity[:] = 0.0
+    assert world.run(STEP, STEP).derived["joint gap"].tolist() == [0.0, 0.0]
+    other = cradle()
+    before = other.run(STEP, STEP).derived["joint gap"].max()
+    other.position[1] += (0.0, 0.03, 0.04)
+    assert other.run(1e-9, 1e-9).derived["joint gap"][0] == pytest.approx(0.05, abs=before + 1e-9)
