@@ -235,28 +235,39 @@ def test_a_sliding_ball_begins_to_roll(step):
     assert world.position[2, 0] == pytest.approx(way, rel=1e-3)
 
 
-def test_rolling_resistance_is_a_lever_of_the_normal_force():
+@pytest.mark.parametrize("step", STEPS)
+@pytest.mark.parametrize("floor", ["plane", "box"])
+def test_rolling_resistance_is_a_lever_of_the_normal_force(floor, step):
     lever, radius, speed = 0.01, 0.2, 2.0
     world = World()
-    world.add_plane(friction=0.8)
     options = {"friction": 0.8, "rolling_resistance": lever}
-    world.add_sphere(
-        radius, position=(0, 0, radius), velocity=(speed, 0, 0), angular_velocity=(0, speed / radius, 0), **options
-    )
+    if floor == "plane":
+        world.add_plane(friction=0.8)
+    else:
+        world.add_box((20, 2, 1), position=(0, 0, -0.5), static=True, friction=0.8)
+    motion = {"velocity": (speed, 0, 0), "angular_velocity": (0, speed / radius, 0)}
+    world.add_sphere(radius, position=(0, 0, radius), **motion, **options)
     deceleration = lever * G / (1.4 * radius)
-    world.advance(STEP, 60)
+    world.advance(step, round(1 / step))
     assert speed - world.velocity[2, 0] == pytest.approx(deceleration, rel=2e-3)
-    world.advance(STEP, 600)
+    world.advance(step, round(10 / step))
     assert world.position[2, 0] == pytest.approx(speed**2 / (2 * deceleration), rel=2e-3)
     assert np.abs(world.velocity[2]).max() < 1e-12
 
 
-def test_without_rolling_resistance_a_ball_rolls_on():
-    world = World()
-    world.add_plane(friction=0.8)
-    world.add_sphere(0.2, position=(0, 0, 0.2), velocity=(2, 0, 0), angular_velocity=(0, 10, 0), friction=0.8)
-    world.advance(STEP, 600)
-    assert world.velocity[2, 0] == pytest.approx(2.0, rel=1e-3)
+@pytest.mark.parametrize("step", STEPS)
+def test_without_rolling_resistance_a_ball_rolls_on(step):
+    for speed in (0.1, 0.5, 2.0):
+        world = World()
+        world.add_plane(friction=0.8)
+        motion = {"velocity": (speed, 0, 0), "angular_velocity": (0, 5 * speed, 0)}
+        world.add_sphere(0.2, position=(0, 0, 0.2), friction=0.8, **motion)
+        highest = 0.0
+        for _ in range(100):
+            world.advance(step, round(0.1 / step))
+            highest = max(highest, abs(world.velocity[2, 2]))
+        assert world.velocity[2, 0] == pytest.approx(speed, rel=1e-3)
+        assert highest < 1e-3
 
 
 def test_a_conveyor_takes_boxes_to_its_speed_and_balls_to_two_sevenths():

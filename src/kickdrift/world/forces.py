@@ -18,7 +18,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.user_functions import argument_names
 from kickdrift.world.flight import MASS
 from kickdrift.world.step import STAGE
-from kickdrift.world.tables import FORCE, LOAD, floats, rows
+from kickdrift.world.tables import FORCE, INERTIA, LOAD, MOTION, POSE, floats, rows
 
 # What a force may name, and the view of the tables that it is given.
 _ARGUMENTS = {
@@ -66,7 +66,7 @@ def force_stage(function: Function) -> Function:
     scope: dict[str, Any] = {
         "__name__": __name__,
         "function": native,
-        **{name: globals()[name] for name in ("floats", "rows", "POSE", "MOTION", "INERTIA", "FORCE")},
+        **{"floats": floats, "rows": rows, "POSE": POSE, "MOTION": MOTION, "INERTIA": INERTIA, "FORCE": FORCE},
     }
     views = ", ".join(f"{name}={_ARGUMENTS[name]}" for name in names)
     exec(_TEMPLATE.format(views=views), scope)  # noqa: S102 - our own template, above

@@ -67,7 +67,7 @@ COLLIDERS = Table(25, 8, whole=True)  # address of the function for each pair of
 ARTICULATION = Table(26, 8, whole=True)
 ARTICULATION_NUMBERS = Table(27, 1)  # the equations of closing joints
 LINK = Table(46, 8, whole=True)  # a body of an articulation and the joint that it hangs on, parents first
-LINK_NUMBERS = Table(47, 208)
+LINK_NUMBERS = Table(47, 216)
 ORDER = Table(28, 4, whole=True)
 STEPS = Table(29, 16)  # one row: counters
 COLOURS = Table(30, 4, whole=True)  # contacts of a colour, its first group and the group after its last

@@ -10,7 +10,7 @@ from kickdrift.world.contacts.layout import BODY_A, BODY_B, FOUND_POSE, POINTS, 
 from kickdrift.world.contacts.looking import RADIUS, look_again, placed_pose
 from kickdrift.world.flight import AWAKE
 from kickdrift.world.settings import MARGIN, RECYCLE_DISTANCE, STEP
-from kickdrift.world.shapes.kinds import PLANE
+from kickdrift.world.shapes.kinds import CAPSULE, PLANE, SPHERE
 from kickdrift.world.tables import BODY, CONTACT, MANIFOLD, MOTION, PLACE, SETTINGS, SHAPE, floats, integers, rows
 
 
@@ -31,7 +31,7 @@ def find_points(t: float, h: float, world: int) -> None:
         way = settings[0, STEP] * _closing_speed(world, row)
         moved = _moved(manifold, row, at, turn, place[b, RADIUS])
         if moved + way < manifold[row, RECYCLED] and (
-            contact[row, POINTS] == 0 or moved <= _tolerance(settings, place, a, b)
+            contact[row, POINTS] == 0 or moved <= _tolerance(settings, place, shape, a, b)
         ):
             continue
         manifold[row, RECYCLED] = settings[0, MARGIN] + way
@@ -76,10 +76,14 @@ def _moved(manifold: Any, row: int, at: Vector, turn: Quaternion, radius: float)
 
 
 @compiled(inline=True)
-def _tolerance(settings: Any, place: Any, a: int, b: int) -> float:
+def _tolerance(settings: Any, place: Any, shape: Any, a: int, b: int) -> float:
     """By how much touching shapes may move before their points are found again."""
     most: float = settings[0, RECYCLE_DISTANCE]
-    return min(most, 0.05 * _smallest(place[a, RADIUS], place[b, RADIUS]))
+    reach = _smallest(place[a, RADIUS], place[b, RADIUS])
+    if SPHERE <= shape[a, 0] <= CAPSULE or SPHERE <= shape[b, 0] <= CAPSULE:
+        # A point that turns with a ball of radius r for a way d leaves its gap wrong by d^2 / (2 r).
+        return 1e-4 * reach
+    return min(most, 0.05 * reach)
 
 
 @compiled(inline=True)

@@ -54,7 +54,6 @@ from kickdrift.world.joints.layout import (
     MOVED,
     PIVOT,
     PUSH,
-    RELAXING,
     RIGID,
     SLOPE,
     SPEED,
@@ -73,57 +72,78 @@ from kickdrift.world.tables import (
     integers,
 )
 
+# What an aim is taken for
+AHEAD = 0  # nothing is off at the end of the substep
+GENTLY = 1  # no speed where nothing moves, but for a part of what is off now
+RELAX = 2  # no speed where nothing moves
+
+# Of the spring that a gentle aim is: 1/s, but a quarter of the frequency of substeps at most, and ratio.
+_HERTZ, _DAMPING = 60.0, 2.0
+
+
+@compiled(inline=True, cached=False)
+def gentle_rate(h: float) -> float:
+    """Part of what is off that a gentle aim takes away, in 1/s."""
+    rate = 2.0 * math.pi * min(_HERTZ, 0.25 / h)
+    return rate / (2.0 * _DAMPING + h * rate)
+
+
+@compiled(inline=True, cached=False)
+def gentle_share(h: float) -> float:
+    """Part of the impulse so far that a gentle joint gives up in a substep."""
+    rate = 2.0 * math.pi * min(_HERTZ, 0.25 / h)
+    return 1.0 / (1.0 + h * rate * (2.0 * _DAMPING + h * rate))
+
 
 @compiled(cached=False)
-def aim_all(row: int, h: float, world: int) -> float:
-    """Say what is wanted of each joint of an articulation, and return how far any of them will be off at most, in its size."""
+def aim_all(row: int, h: float, mode: int, world: int) -> float:
+    """Say what is wanted of each joint of an articulation, and return how far any of them will be off at most."""
     articulation: Any = integers(world, ARTICULATION)[row]
     links, worst = integers(world, LINK), 0.0
     for link in range(articulation[FIRST], articulation[END]):
         if links[link, LINK_JOINT] >= 0:
-            worst = max(worst, aim(links[link, LINK_JOINT], link, h, articulation[RELAXING] != 0, world))
+            worst = max(worst, aim(links[link, LINK_JOINT], link, h, mode, world))
     return worst
 
 
 @compiled(cached=False)
-def aim(joint: int, link: int, h: float, relaxing: bool, world: int) -> float:
+def aim(joint: int, link: int, h: float, mode: int, world: int) -> float:
     """Say what is wanted of the axes of a joint: of locked ones the speed that puts them right, of laws nothing yet.
 
     Returns
     -------
     float
-        How far locked axes will be off, as an angle or in parts of the arms.
+        How far locked axes will be off, as an angle or in parts of the arms; zero where the mode does not ask.
     """
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
-    joints = integers(world, JOINT)
-    links[link, HELD] = joints[joint, LOCKED]
+    locked = integers(world, JOINT)[joint, LOCKED]
+    links[link, HELD] = locked
     v, w = relative_velocity(joint, world)
     for k in range(18):
         work[link, AXES_AHEAD + k] = numbers[joint, AXES + k]
     put_vector(work, link, ARM_A_AHEAD, vector_at(numbers, joint, ARM_A))
     put_vector(work, link, ARM_B_AHEAD, vector_at(numbers, joint, ARM_B))
-    if not relaxing:
-        _look_ahead(joint, link, h, world)
+    if mode != RELAX:
+        _look_ahead(joint, link, h if mode == AHEAD else 0.0, world)
+    off, turned_off = 0.0, 0.0
     for k in range(6):
         speed = dot(vector_at(numbers, joint, AXES + 3 * k), v if k < 3 else w)
+        brake = work[link, BRAKE + k - 3] if mode == AHEAD and k >= 3 else 0.0
+        wrong = numbers[joint, MISALIGNMENT + k]
         work[link, SPEED + k] = speed
         work[link, CHANGE + k] = 0.0
-        if joints[joint, LOCKED] >> k & 1:
-            work[link, CHANGE + k] = -speed if relaxing else -numbers[joint, MISALIGNMENT + k] / h
-        for column in (PUSH, SLOPE, STATE, MOVED, GIVEN):
-            work[link, column + k] = 0.0
-    if relaxing:
-        return 0.0
-    for k in range(6):
-        brake = work[link, BRAKE + k - 3] if k >= 3 else 0.0
+        if locked >> k & 1:
+            work[link, CHANGE + k] = -wrong / h if mode == AHEAD else -speed
+            work[link, CHANGE + k] -= gentle_rate(h) * wrong if mode == GENTLY else 0.0
+            off += wrong * wrong if k < 3 else 0.0
+            turned_off += wrong * wrong if k >= 3 else 0.0
         work[link, SLOPE + k] = brake
-        work[link, PUSH + k] = -brake * work[link, SPEED + k] - numbers[joint, IMPULSE + k]
-    off, turned_off = 0.0, 0.0
-    for k in range(3):
-        off += (joints[joint, LOCKED] >> k & 1) * numbers[joint, MISALIGNMENT + k] ** 2
-        turned_off += (joints[joint, LOCKED] >> (3 + k) & 1) * numbers[joint, MISALIGNMENT + 3 + k] ** 2
+        work[link, PUSH + k] = 0.0 if mode == RELAX else -brake * speed - numbers[joint, IMPULSE + k]
+        for column in (STATE, MOVED, GIVEN):
+            work[link, column + k] = 0.0
     size = length(vector_at(numbers, joint, ARM_A)) + length(vector_at(numbers, joint, ARM_B))
-    return math.sqrt(max(turned_off, off / (size * size) if size > 0.0 else 0.0))
+    off = off / (size * size) if size > 0.0 else 0.0
+    return math.sqrt(max(turned_off, off)) if mode == AHEAD else 0.0
 
 
 @compiled(cached=False)

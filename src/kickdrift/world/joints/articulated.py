@@ -261,7 +261,7 @@ def _add_product(work: Any, link: int, source: int, target: int) -> None:
 @compiled(cached=False)
 def _spread(link: int, joint: int, own: Vector, v: Vector, w: Vector, world: int) -> None:
     """Change of velocity of a link, from that of the other side of its joint, and the impulse at the joint."""
-    links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
+    links, work = integers(world, LINK), floats(world, LINK_NUMBERS)
     held, sign = links[link, HELD], links[link, SIGN]
     for k in range(6):
         work[link, WRENCH + k] = work[link, IMPACT + k]

@@ -6,9 +6,8 @@ of these equations; with their solution as loads, a last sweep moves the tree.
 
 from typing import Any
 
-from kickdrift.core.compilation import compiled
+from kickdrift.core.compilation import compiled, specialise
 from kickdrift.core.vectors import cross, dot, plus
-from kickdrift.world.joints.aim import aim_all
 from kickdrift.world.joints.articulated import factor, sweep
 from kickdrift.world.joints.equations import factor_equations, solve_equations
 from kickdrift.world.joints.layout import (
@@ -19,7 +18,6 @@ from kickdrift.world.joints.layout import (
     AXES,
     AXES_AHEAD,
     CHANGE,
-    CLOSINGS,
     END,
     FIRST,
     GAIN,
@@ -32,12 +30,13 @@ from kickdrift.world.joints.layout import (
     MOVED,
     OFFSET,
     PUSH,
-    RATIO,
-    RELAXING,
     SLOPE,
 )
 from kickdrift.world.joints.measure import mobility, vector_at
-from kickdrift.world.joints.trees import CLOSE, LAST_TRIALS, ROUNDS, TRIALS, end_relaxation, give_impulses, settle
+from kickdrift.world.joints.trees import (
+    LOOPS,
+    solve_articulations,
+)
 from kickdrift.world.tables import (
     ARTICULATION,
     ARTICULATION_NUMBERS,
@@ -47,35 +46,11 @@ from kickdrift.world.tables import (
     flat,
     floats,
     integers,
-    rows,
 )
 
 
-@compiled
-def solve_loops(t: float, h: float, world: int) -> None:
-    """Give the impulses with which joints hold, of articulations with loops."""
-    articulations: Any = integers(world, ARTICULATION)
-    for row in range(rows(world, ARTICULATION)):
-        if articulations[row, FIRST] == articulations[row, END] or articulations[row, CLOSINGS] == 0:
-            continue
-        for n in range(ROUNDS):
-            off = aim_all(row, h, world)
-            if n > 0 and off * articulations[row, RATIO] <= CLOSE:
-                break
-            for trial in range(TRIALS + LAST_TRIALS):
-                settled = settle(row, h, trial, world)
-                if trial > 0 and settled:
-                    break
-                _solve(row, 0.0 if articulations[row, RELAXING] != 0 else h, world)
-            give_impulses(row, h, world)
-            if off * off * articulations[row, RATIO] <= CLOSE:
-                break
-        if articulations[row, RELAXING] != 0:
-            end_relaxation(row, h, world)
-
-
 @compiled(cached=False)
-def _solve(row: int, ahead: float, world: int) -> None:
+def eliminate_with_loops(row: int, ahead: float, world: int) -> None:
     """Find changes of velocity, impulses at the joints of the tree, and those at the closing ones."""
     articulation: Any = integers(world, ARTICULATION)[row]
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), flat(world, ARTICULATION_NUMBERS)
@@ -115,6 +90,9 @@ def _solve(row: int, ahead: float, world: int) -> None:
         solve_equations(numbers, at, m, factor_equations(numbers, at, m))
         for i in range(m):
             work[int(numbers[axes + i]) // 6, GIVEN + int(numbers[axes + i]) % 6] = numbers[right + i]
+
+
+solve_loops = compiled(specialise(solve_articulations, "solve_loops", answer=eliminate_with_loops, FOR=LOOPS))
 
 
 @compiled(inline=True, cached=False)

@@ -9,12 +9,11 @@ give, and 1 / (1 + r) of the impulse so far. A grid of 20 x 20 that is rigid ins
 Lacoursiere and Catto's soft constraints: E. Catto, Soft Constraints, Game Developers Conference (2011).
 """
 
-import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import applied, cross
-from kickdrift.world.joints.aim import aim
+from kickdrift.world.joints.aim import GENTLY, RELAX, aim, gentle_share
 from kickdrift.world.joints.equations import factor_equations, solve_equations
 from kickdrift.world.joints.impulses import push_bodies
 from kickdrift.world.joints.laws import end_laws, review_laws
@@ -40,7 +39,6 @@ from kickdrift.world.joints.layout import (
     SEQUENTIAL,
     SLOPE,
     SOLVED,
-    SPEED,
     TURN_RESPONSE,
 )
 from kickdrift.world.joints.measure import put_vector, symmetric_at, vector_at
@@ -58,9 +56,6 @@ from kickdrift.world.tables import (
     rows,
 )
 
-_HERTZ = 60.0  # but a quarter of the frequency of substeps at most
-_DAMPING_RATIO = 2.0
-
 # Columns of the second of the two rows of numbers that the joints share: of axis k, 12 numbers from 12 k
 _TURNS = 0  # turns of a and b by a unit impulse's moment, before the response of the bodies
 _ANSWERS = 6  # and after it
@@ -72,21 +67,17 @@ def solve_in_turn(t: float, h: float, world: int) -> None:
     articulations: Any = integers(world, ARTICULATION)
     links, joints = integers(world, LINK), integers(world, JOINT)
     work, numbers = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
-    rate = 2.0 * math.pi * min(_HERTZ, 0.25 / h)
-    spread = 2.0 * _DAMPING_RATIO + h * rate
-    share = 1.0 / (1.0 + h * rate * spread)
+    share = gentle_share(h)
     for row in range(rows(world, ARTICULATION)):
         if articulations[row, SEQUENTIAL] == 0:
             continue
         at, relaxing = articulations[row, OFFSET], articulations[row, RELAXING] != 0
         for link in range(articulations[row, FIRST], articulations[row, END]):
             joint = links[link, LINK_JOINT]
-            aim(joint, at, h, relaxing, world)
+            aim(joint, at, h, RELAX if relaxing else GENTLY, world)
             if not relaxing:
                 for k in range(6):
-                    speed = work[at, SPEED + k]
-                    off = work[at, CHANGE + k] + speed
-                    work[at, CHANGE + k] = (1.0 - share) * (h * rate / spread * off - speed)
+                    work[at, CHANGE + k] *= 1.0 - share
             _solve(joint, at, h, relaxing, world)
             for k in range(6):
                 if joints[joint, LOCKED] >> k & 1 and not relaxing:

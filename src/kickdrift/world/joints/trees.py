@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from kickdrift.core.compilation import compiled
+from kickdrift.core.compilation import compiled, specialise, unbound
 from kickdrift.core.vectors import dot
-from kickdrift.world.joints.aim import aim_all
+from kickdrift.world.joints.aim import AHEAD, GENTLY, RELAX, aim_all
 from kickdrift.world.joints.articulated import factor, sweep
 from kickdrift.world.joints.brakes import set_brakes
 from kickdrift.world.joints.impulses import note_speeds, push_bodies
@@ -16,9 +16,12 @@ from kickdrift.world.joints.layout import (
     FIRST,
     GIVEN,
     IMPULSE,
+    LAST,
     LAWS,
     LINK_JOINT,
     LINKS,
+    LOCKED,
+    MOVED,
     RATIO,
     RELAXING,
     SEQUENTIAL,
@@ -41,30 +44,98 @@ LAST_TRIALS = 12
 ROUNDS = 6
 CLOSE = 1e-4
 
+# Beyond this times the ratio of masses the search has come to nothing, and a gentle aim takes its place.
+LOST = 0.1
 
-@compiled
-def solve_trees(t: float, h: float, world: int) -> None:
-    """Give the impulses with which joints hold, of articulations without loops."""
+# Halvings of a step that leads away from what it seeks: where a whip cracks.
+HALVINGS = 4
+
+# Angle by which a step may turn bodies against each other. Beyond it there are other solutions, which one does not want.
+FARTHEST = 0.5
+
+
+answer = unbound
+TREES, LOOPS = 0, 1
+FOR = TREES
+
+
+def solve_articulations(t: float, h: float, world: int) -> None:
+    """Give the impulses with which joints hold, of the articulations that the function bound to `answer` is for."""
     articulations: Any = integers(world, ARTICULATION)
     for row in range(rows(world, ARTICULATION)):
-        first, after = articulations[row, FIRST], articulations[row, END]
-        if first == after or articulations[row, CLOSINGS] > 0 or articulations[row, SEQUENTIAL] != 0:
+        loops = LOOPS if articulations[row, CLOSINGS] > 0 else TREES
+        if articulations[row, FIRST] == articulations[row, END] or articulations[row, SEQUENTIAL] != 0 or loops != FOR:
             continue
-        for n in range(ROUNDS):
-            off = aim_all(row, h, world)
+        mode, off = RELAX if articulations[row, RELAXING] != 0 else AHEAD, 0.0
+        for n in range(ROUNDS + 1):
+            if mode == AHEAD:
+                off = approach(row, off, n, h, world)
+            else:
+                aim_all(row, h, mode, world)
             if n > 0 and off * articulations[row, RATIO] <= CLOSE:
                 break
+            if n == ROUNDS:
+                if off * articulations[row, RATIO] <= LOST:
+                    break
+                mode = GENTLY
+                take_back(row, world)
+                aim_all(row, h, mode, world)
             for trial in range(TRIALS + LAST_TRIALS):
                 settled = settle(row, h, trial, world)
                 if trial > 0 and settled:
                     break
-                factor(first, after - first, 0.0 if articulations[row, RELAXING] != 0 else h, world)
-                sweep(first, after - first, 1.0, world)
+                answer(row, h if mode == AHEAD else 0.0, world)
             give_impulses(row, h, world)
             if off * off * articulations[row, RATIO] <= CLOSE:
                 break
-        if articulations[row, RELAXING] != 0:
+        if mode == RELAX:
             end_relaxation(row, h, world)
+        else:
+            end_solution(row, h, world)
+
+
+@compiled(cached=False)
+def eliminate(row: int, ahead: float, world: int) -> None:
+    """Solve an articulation without loops."""
+    articulation: Any = integers(world, ARTICULATION)[row]
+    factor(articulation[FIRST], articulation[LINKS], ahead, world)
+    sweep(articulation[FIRST], articulation[LINKS], 1.0, world)
+
+
+@compiled(cached=False)
+def approach(row: int, before: float, n: int, h: float, world: int) -> float:
+    """Aim, from halfway back as long as step n has led away, and return how far joints are off."""
+    articulation: Any = integers(world, ARTICULATION)[row]
+    links, numbers, work = integers(world, LINK), floats(world, JOINT_NUMBERS), floats(world, LINK_NUMBERS)
+    off = aim_all(row, h, AHEAD, world)
+    for _ in range(HALVINGS):
+        if n == 0 or off < before:
+            break
+        for link in range(articulation[FIRST], articulation[END]):
+            joint = links[link, LINK_JOINT]
+            if joint >= 0:
+                for k in range(6):
+                    work[link, LAST + k] *= -0.5
+                    numbers[joint, IMPULSE + k] += work[link, LAST + k]
+                push_bodies(joint, work, link, LAST, world)
+                for k in range(6):
+                    work[link, LAST + k] *= -1.0
+        off = aim_all(row, h, AHEAD, world)
+    return off
+
+
+@compiled(cached=False)
+def take_back(row: int, world: int) -> None:
+    """Take back all impulses since the warm start."""
+    articulation: Any = integers(world, ARTICULATION)[row]
+    links, numbers, work = integers(world, LINK), floats(world, JOINT_NUMBERS), floats(world, LINK_NUMBERS)
+    for link in range(articulation[FIRST], articulation[END]):
+        joint = links[link, LINK_JOINT]
+        if joint >= 0:
+            for k in range(6):
+                work[link, LAST + k] = numbers[joint, SOLVED + k] - numbers[joint, IMPULSE + k]
+                numbers[joint, IMPULSE + k] = numbers[joint, SOLVED + k]
+            push_bodies(joint, work, link, LAST, world)
 
 
 @compiled(cached=False)
@@ -97,8 +168,9 @@ def _split_impulse(link: int, joint: int, world: int) -> None:
 def give_impulses(row: int, h: float, world: int) -> None:
     """Give bodies the impulses that were found."""
     articulation: Any = integers(world, ARTICULATION)[row]
-    links, joints, work = integers(world, LINK), integers(world, JOINT), floats(world, LINK_NUMBERS)
+    links, work = integers(world, LINK), floats(world, LINK_NUMBERS)
     numbers = floats(world, JOINT_NUMBERS)
+    share = _share(row, h, world)
     for link in range(articulation[FIRST], articulation[END]):
         joint = links[link, LINK_JOINT]
         if joint < 0:
@@ -106,9 +178,35 @@ def give_impulses(row: int, h: float, world: int) -> None:
         if link < articulation[FIRST] + articulation[LINKS]:
             _split_impulse(link, joint, world)
         for k in range(6):
+            work[link, GIVEN + k] *= share
             numbers[joint, IMPULSE + k] += work[link, GIVEN + k]
+            work[link, LAST + k] = work[link, GIVEN + k]
         push_bodies(joint, work, link, GIVEN, world)
-        if articulation[RELAXING] == 0:
+
+
+@compiled(cached=False)
+def _share(row: int, h: float, world: int) -> float:
+    """Part of a step after which nothing has turned farther than Newton's method can see."""
+    articulation: Any = integers(world, ARTICULATION)[row]
+    links, joints, work = integers(world, LINK), integers(world, JOINT), floats(world, LINK_NUMBERS)
+    fastest = 0.0
+    for link in range(articulation[FIRST], articulation[END]):
+        joint = links[link, LINK_JOINT]
+        if joint >= 0 and articulation[RELAXING] == 0:
+            for k in range(3, 6):
+                if not (joints[joint, LOCKED] | joints[joint, LAWS]) >> k & 1:
+                    fastest = max(fastest, abs(work[link, MOVED + k]))
+    return FARTHEST / (h * fastest) if h * fastest > FARTHEST else 1.0
+
+
+@compiled(cached=False)
+def end_solution(row: int, h: float, world: int) -> None:
+    """Keep what was given before the drift."""
+    articulation: Any = integers(world, ARTICULATION)[row]
+    links, joints, numbers = integers(world, LINK), integers(world, JOINT), floats(world, JOINT_NUMBERS)
+    for link in range(articulation[FIRST], articulation[END]):
+        joint = links[link, LINK_JOINT]
+        if joint >= 0:
             for k in range(6):
                 numbers[joint, SOLVED + k] = numbers[joint, IMPULSE + k]
             if joints[joint, LAWS] != 0:
@@ -132,3 +230,6 @@ def end_relaxation(row: int, h: float, world: int) -> None:
                 # turns, the first guess of Newton's method would be farther away.
                 numbers[joint, IMPULSE + k] = numbers[joint, SOLVED + k]
     articulation[RELAXING] = 0
+
+
+solve_trees = compiled(specialise(solve_articulations, "solve_trees", answer=eliminate, FOR=TREES))

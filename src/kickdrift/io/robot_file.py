@@ -1,0 +1,163 @@
+"""Robots from MJCF and URDF files."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.io.robots.bodies import Piece, add_piece, pieces
+from kickdrift.io.robots.closures import closures, exclusions
+from kickdrift.io.robots.geoms import Layers
+from kickdrift.io.robots.joints import Link, link_of
+from kickdrift.io.robots.laws import Actuator
+from kickdrift.io.robots.omissions import omissions
+from kickdrift.io.robots.parsing import Model, parse
+from kickdrift.world.adding import unit_quaternion, vector
+from kickdrift.world.bodies import Body
+from kickdrift.world.collision.filters import exclude
+from kickdrift.world.flight import STATIC
+from kickdrift.world.joints.handle import Joint
+from kickdrift.world.settings import GRAVITY
+from kickdrift.world.shape_rows import LAYER
+from kickdrift.world.tables import EXCLUDED, SETTINGS, SHAPE
+from kickdrift.world.world import World
+
+
+class Robot(NamedTuple):
+    """A robot in a world.
+
+    Attributes
+    ----------
+    world : World
+    bodies : mapping of str to Body
+        By the names of the file; bodies that are fixed to each other are one. What is fixed to the world does not move.
+    joints : mapping of str to Joint
+        By the names of the file; hinges and slides between the same two bodies are one, and so are the constraints
+        that close loops.
+    axes : mapping of str to int
+        Which axis of its joint each of the file's joints is, for ``Joint.angles``, ``Joint.set_drive`` and the like;
+        -1 for balls and what locks all.
+    actuators : mapping of str to Actuator
+        Motors and servos. Servos are drives of their joints with the control zero.
+    notes : tuple of str
+        What the file says and the robot here does not do, or not in the same way.
+    """
+
+    world: World
+    bodies: Mapping[str, Body]
+    joints: Mapping[str, Joint]
+    axes: Mapping[str, int]
+    actuators: Mapping[str, Actuator]
+    notes: tuple[str, ...]
+
+
+def load_robot(
+    path: str | Path,
+    world: World | None = None,
+    *,
+    position: ArrayLike = (0.0, 0.0, 0.0),
+    orientation: ArrayLike = (1.0, 0.0, 0.0, 0.0),
+    floating: bool = False,
+) -> Robot:
+    """Read a robot from an MJCF or URDF file into a world, in the reference pose of the file.
+
+    Parameters
+    ----------
+    path : path
+        MuJoCo parses and compiles it. Nothing in it is executed.
+    world : World, optional
+        Where it comes to; by default a new one with the gravity of the file.
+    position : (3,) array_like
+        Of the file's origin in the world, m.
+    orientation : (4,) array_like
+        Quaternion (w, x, y, z) that turns the file's axes into the world's.
+    floating : bool
+        Whether the root of a URDF file moves freely, rather than being fixed to the world; MJCF says so itself.
+
+    Returns
+    -------
+    Robot
+        The world, bodies, joints and actuators by name, and notes on everything that is not as the file says.
+
+    Raises
+    ------
+    MissingExtraError
+        If MuJoCo is not installed: ``pip install 'kickdrift[robots]'``.
+    FileFormatError
+        If there is no such file, or MuJoCo does not understand it.
+    ArgumentError
+        For joints, shapes and masses that there are none of here. The world is then as it was before.
+
+    Notes
+    -----
+    Contacts, limits and constraints are those of the world: rigid, and without the ``solref``, ``solimp`` and ``margin``
+    of the file. Geoms with contype and conaffinity zero are left out, but what they weigh is not. Bodies do not touch
+    their parents and those that are excluded. Angles are zero in the reference pose; keyframes, sensors, cameras and
+    lights are ignored.
+    """
+    if world is not None and not isinstance(world, World):
+        raise ArgumentError(f"world={world!r} is no world; give a kickdrift.World, or None for a new one.")
+    place, turn = vector("position", position, 3), unit_quaternion("orientation", orientation)
+    model = parse(path, floating, place, turn)
+    notes = omissions(model)
+    used = 0 if world is None else int(np.bitwise_or.reduce(world.tables.array(SHAPE)[:, LAYER], initial=0))
+    actuators: dict[str, Actuator] = {}
+    try:
+        parts = pieces(model, Layers(model, used), notes)
+        links = [link for part in parts if (link := link_of(model, part, actuators, notes)) is not None]
+        links += closures(model, notes)
+    except ArgumentError as error:
+        raise ArgumentError(f"path={str(path)!r}: {error}") from None
+    pairs = exclusions(model, parts, notes)
+    world = _world(model, world, notes)
+    bodies = _add_bodies(world, model, parts)
+    _exclude(world, [(bodies[a], bodies[b]) for a, b in pairs])
+    joints, axes = _add_joints(world, model, links, parts, bodies)
+    names = {model.name("body", row): body for row, body in bodies.items()}
+    proxies = [MappingProxyType(each) for each in (names, joints, axes, actuators)]
+    return Robot(world, *proxies, tuple(notes))  # type: ignore[arg-type]
+
+
+def _world(model: Model, world: World | None, notes: list[str]) -> World:
+    """Make a world with the file's gravity, or say that the one given has another."""
+    off = model.compiled.opt.disableflags & model.mujoco.mjtDisableBit.mjDSBL_GRAVITY
+    gravity = np.zeros(3) if off else np.array(model.compiled.opt.gravity)
+    if world is None:
+        return World(gravity=gravity)
+    there = world.tables.array(SETTINGS)[0, GRAVITY : GRAVITY + 3]
+    if not np.array_equal(there, gravity):
+        notes.append(f"gravity is {there.tolist()} m/s^2, as in the world given, and not the file's {gravity.tolist()}")
+    return world
+
+
+def _add_bodies(world: World, model: Model, parts: list[Piece]) -> dict[int, Body]:
+    """Add all bodies; of those that are fixed to the world, the ones that have shapes."""
+    bodies: dict[int, Body] = {}
+    for part in parts:
+        body = world.ground if part.kind == STATIC and not part.shapes else add_piece(world, model, part)
+        bodies |= dict.fromkeys(part.members, body)
+    return bodies
+
+
+def _exclude(world: World, pairs: list[tuple[Body, Body]]) -> None:
+    """Add to the pairs of bodies that never touch."""
+    new = [(a.index, b.index) for a, b in pairs]
+    exclude(world.tables, [*map(tuple, world.tables.array(EXCLUDED).tolist()), *new])
+
+
+def _add_joints(
+    world: World, model: Model, links: list[Link], parts: list[Piece], bodies: dict[int, Body]
+) -> tuple[dict[str, Joint], dict[str, int]]:
+    fixed = {body for part in parts if part.kind == STATIC for body in part.members}
+    joints: dict[str, Joint] = {}
+    axes: dict[str, int] = {}
+    for a, b, record, names in links:
+        ends = [world.ground if body in fixed else bodies[body] for body in (a, b)]
+        joint = world.add_joint(ends[0], ends[1], record)
+        joints |= dict.fromkeys(names, joint)
+        axes |= names
+    return joints, axes

@@ -1,0 +1,98 @@
+"""Bodies: what moves as one, with its mass and shapes."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.io.robots.geoms import Layers, placed, touches
+from kickdrift.io.robots.parsing import Model
+from kickdrift.world.bodies import Body
+from kickdrift.world.flight import DYNAMIC, KINEMATIC, STATIC
+from kickdrift.world.islands import REACH
+from kickdrift.world.shape_rows import Placed, reach
+from kickdrift.world.shapes.mass import Mass, combined
+from kickdrift.world.tables import RESTED
+from kickdrift.world.world import World
+
+Floats = NDArray[np.float64]
+
+
+@dataclass
+class Piece:
+    """A body that is to be: MuJoCo's bodies that are fixed to each other.
+
+    Attributes
+    ----------
+    members : list of int
+        MuJoCo's bodies; the axes are those of the first.
+    kind : int
+        Whether forces move it.
+    mass : Mass or None
+        In the axes of the first member and from its origin.
+    shapes : list of Placed
+        In the same axes.
+    damping : float
+        Rate at which its velocity decays, 1/s.
+    """
+
+    members: list[int]
+    kind: int
+    mass: Mass | None = None
+    shapes: list[Placed] = field(default_factory=list)
+    damping: float = 0.0
+
+    @property
+    def centre(self) -> Floats:
+        """Centre of mass in the axes and from the origin of the first member, m."""
+        return np.zeros(3) if self.mass is None else self.mass.centre
+
+
+def pieces(model: Model, layers: Layers, notes: list[str]) -> list[Piece]:
+    """Collect what moves as one; what is fixed to the world stays apart."""
+    m = model.compiled
+    together: dict[int, list[int]] = {}
+    for body in range(m.nbody):
+        head = int(m.body_weldid[body]) or body
+        together.setdefault(head, []).append(body)
+    made = []
+    for head, members in together.items():
+        kind = STATIC if m.body_weldid[head] == 0 else KINEMATIC if m.body_mocapid[head] >= 0 else DYNAMIC
+        piece = Piece(members, kind)
+        try:
+            if kind == DYNAMIC:
+                piece.mass = combined([_mass(model, body, head) for body in members])
+            for body in members:
+                geoms = range(m.body_geomadr[body], m.body_geomadr[body] + m.body_geomnum[body])
+                piece.shapes += [placed(model, g, head, layers, notes) for g in geoms if touches(model, g)]
+        except ArgumentError as error:
+            raise ArgumentError(f"body {model.name('body', head)!r}: {error}") from None
+        made.append(piece)
+    return made
+
+
+def _mass(model: Model, body: int, head: int) -> Mass:
+    """Weigh one of MuJoCo's bodies in the axes and from the origin of another one that it is fixed to."""
+    m, d = model.compiled, model.data
+    if body == head:
+        centre, turn = np.array(m.body_ipos[body]), m.body_iquat[body]
+    else:
+        centre, turn = model.seen_from(head, d.xipos[body], model.product(d.xquat[body], m.body_iquat[body]))
+    axes = model.matrix(turn)
+    return Mass(float(m.body_mass[body]), centre, axes @ np.diag(m.body_inertia[body]) @ axes.T)
+
+
+def add_piece(world: World, model: Model, piece: Piece) -> Body:
+    """Add a body to a world, with the mass that the file gives it rather than that of its shapes."""
+    d, head = model.data, piece.members[0]
+    centre = d.xpos[head] + model.matrix(d.xquat[head]) @ piece.centre
+    body = world.bodies.add(piece.kind, model.point(centre), model.turn(d.xquat[head]))
+    if piece.mass is not None:
+        world.bodies.set_mass(body.index, Mass(piece.mass.mass, np.zeros(3), piece.mass.inertia), (piece.damping, 0.0))
+    for shape, position, orientation, surface in piece.shapes:
+        arm = position - piece.centre
+        rested = world.tables.array(RESTED)[body.index]
+        rested[REACH] = max(rested[REACH], float(np.linalg.norm(arm)) + reach(shape))
+        world.shape_rows.add(body.index, Placed(shape, arm, orientation, surface))
+    return body

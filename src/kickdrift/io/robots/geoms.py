@@ -1,0 +1,169 @@
+"""Geoms as shapes."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.io.robots.parsing import Model
+from kickdrift.world.shape_rows import Placed, Shape, Surface
+from kickdrift.world.shapes.box import Box
+from kickdrift.world.shapes.capsule import Capsule
+from kickdrift.world.shapes.heightfield import HeightField
+from kickdrift.world.shapes.hull import Hull
+from kickdrift.world.shapes.plane import Plane
+from kickdrift.world.shapes.polyhedron import MOST_VERTICES
+from kickdrift.world.shapes.sphere import Sphere
+
+Floats = NDArray[np.float64]
+
+_SIDES = 32  # of the prism that a cylinder becomes: flat by 1 - cos(pi / 32), half a percent of the radius
+_MERIDIANS, _CIRCLES = 12, 10  # of an ellipsoid's corners
+
+_LAYERS = 62
+
+
+def touches(model: Model, geom: int) -> bool:
+    """Whether a geom touches anything; others are for show."""
+    m = model.compiled
+    return bool(m.geom_contype[geom] or m.geom_conaffinity[geom])
+
+
+def shape_of(model: Model, geom: int, notes: list[str]) -> tuple[Shape, Floats]:
+    """Make the shape of a geom.
+
+    Returns
+    -------
+    Shape
+    (3,) array
+        Its origin in the geom's frame.
+
+    Raises
+    ------
+    ArgumentError
+        For what no shape is.
+    """
+    m, kinds = model.compiled, model.mujoco.mjtGeom
+    kind, size = int(m.geom_type[geom]), m.geom_size[geom]
+    middle, name = np.zeros(3), model.name("geom", geom)
+    if kind == kinds.mjGEOM_PLANE:
+        return Plane(), middle
+    if kind == kinds.mjGEOM_SPHERE:
+        return Sphere(float(size[0])), middle
+    if kind == kinds.mjGEOM_CAPSULE:
+        return Capsule(float(size[0]), 2.0 * float(size[1])), middle
+    if kind == kinds.mjGEOM_BOX:
+        return Box(2.0 * size), middle
+    if kind == kinds.mjGEOM_CYLINDER:
+        notes.append(f"cylinder {name!r} touches as a prism of {_SIDES} sides, whose edges lie on it")
+        return Hull(_prism(float(size[0]), float(size[1]))), middle
+    if kind == kinds.mjGEOM_ELLIPSOID:
+        notes.append(f"ellipsoid {name!r} touches as a polyhedron, whose corners lie on it")
+        return Hull(_ball() * size), middle
+    if kind == kinds.mjGEOM_MESH:
+        return Hull(_few(_vertices(m, geom), name, notes)), middle
+    if kind == kinds.mjGEOM_HFIELD:
+        return _terrain(m, int(m.geom_dataid[geom]))
+    raise ArgumentError(
+        f"geom {name!r} is of a type that there is no shape for; give a sphere, capsule, box, cylinder, ellipsoid, mesh,"
+        " plane or height field, or contype=0 conaffinity=0."
+    )
+
+
+def _prism(radius: float, half: float) -> Floats:
+    angle = np.arange(_SIDES) * (2.0 * np.pi / _SIDES)
+    rim = np.column_stack((radius * np.cos(angle), radius * np.sin(angle), np.full(_SIDES, half)))
+    return np.vstack((rim, rim * (1.0, 1.0, -1.0)))
+
+
+def _ball() -> Floats:
+    """Points of a unit sphere."""
+    latitude, longitude = np.meshgrid(
+        (np.arange(1, _CIRCLES) / _CIRCLES - 0.5) * np.pi, np.arange(_MERIDIANS) * (2.0 * np.pi / _MERIDIANS)
+    )
+    circles = (np.cos(latitude) * np.cos(longitude), np.cos(latitude) * np.sin(longitude), np.sin(latitude))
+    return np.vstack((np.stack(circles, axis=-1).reshape(-1, 3), [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)]))
+
+
+def _vertices(m: Any, geom: int) -> Floats:
+    mesh = int(m.geom_dataid[geom])
+    first = int(m.mesh_vertadr[mesh])
+    return np.asarray(m.mesh_vert[first : first + int(m.mesh_vertnum[mesh])], dtype=np.float64)
+
+
+def _few(points: Floats, name: str, notes: list[str]) -> Floats:
+    """Choose so many of a mesh's points that a hull can have them: those that lead in directions all around."""
+    notes.append(f"mesh {name!r} touches as its convex hull")
+    try:
+        Hull(points)
+    except ArgumentError as error:
+        if len(points) <= MOST_VERTICES:
+            raise ArgumentError(f"mesh {name!r}: {error}") from None
+    else:
+        return points
+    k = np.arange(MOST_VERTICES) + 0.5  # on a spiral around the sphere, equally dense everywhere
+    z, angle = 1.0 - 2.0 * k / MOST_VERTICES, k * (np.pi * (3.0 - np.sqrt(5.0)))
+    ways = np.column_stack((np.sqrt(1.0 - z * z) * np.cos(angle), np.sqrt(1.0 - z * z) * np.sin(angle), z))
+    chosen = points[np.unique((points @ ways.T).argmax(axis=0))]
+    notes[-1] += f" of {len(chosen)} of its {len(points)} points"
+    return chosen
+
+
+def _terrain(m: Any, field: int) -> tuple[Shape, Floats]:
+    rows, columns, first = int(m.hfield_nrow[field]), int(m.hfield_ncol[field]), int(m.hfield_adr[field])
+    rx, ry, top, _ = m.hfield_size[field]
+    heights = np.asarray(m.hfield_data[first : first + rows * columns], dtype=np.float64).reshape(rows, columns)
+    spacing = (2.0 * rx / (columns - 1), 2.0 * ry / (rows - 1))
+    return HeightField(top * heights.T, spacing), np.array([-rx, -ry, 0.0])
+
+
+class Layers:
+    """Layers for the bit masks of geoms: one for each pair of contype and conaffinity.
+
+    What else is in a world counts as contype 1 and conaffinity 1, MuJoCo's own default, and has any other layer.
+    """
+
+    def __init__(self, model: Model, used: int) -> None:
+        m = model.compiled
+        geoms = [geom for geom in range(m.ngeom) if touches(model, geom)]
+        kinds = sorted({(int(m.geom_contype[geom]), int(m.geom_conaffinity[geom])) for geom in geoms} - {(1, 1)})
+        free = [layer for layer in range(1, _LAYERS) if not used >> layer & 1]
+        if len(kinds) > len(free):
+            raise ArgumentError(
+                f"path names a robot with {len(kinds)} pairs of contype and conaffinity, and the world has {len(free)} layers"
+                " left; use fewer of them."
+            )
+        self._layers = {(1, 1): 0, **dict(zip(kinds, free, strict=False))}
+
+    def surface(self, model: Model, geom: int) -> Surface:
+        """Say how the surface of a geom behaves."""
+        m = model.compiled
+        slide, _, roll = m.geom_friction[geom].tolist()
+        dimensions = int(m.geom_condim[geom])
+        layer, meets = self._of(int(m.geom_contype[geom]), int(m.geom_conaffinity[geom]))
+        return Surface(
+            friction=slide if dimensions > 1 else 0.0,
+            rolling_resistance=roll if dimensions == 6 else 0.0,
+            layer=layer,
+            collides_with=meets,
+        )
+
+    def _of(self, contype: int, conaffinity: int) -> tuple[int, tuple[int, ...] | None]:
+        def meet(other: tuple[int, int]) -> bool:
+            return bool(contype & other[1] or conaffinity & other[0])
+
+        met = {layer for kind, layer in self._layers.items() if meet(kind)}
+        if meet((1, 1)):
+            met |= set(range(_LAYERS)) - set(self._layers.values())
+        return self._layers[contype, conaffinity], None if len(met) == _LAYERS else tuple(sorted(met))
+
+
+def placed(model: Model, geom: int, body: int, layers: Layers, notes: list[str]) -> Placed:
+    """Make the shape of a geom, placed in the axes and at the origin of a body at the reference pose."""
+    shape, origin = shape_of(model, geom, notes)
+    frame = model.data.geom_xmat[geom].reshape(3, 3)
+    turn = np.empty(4)
+    model.mujoco.mju_mat2Quat(turn, model.data.geom_xmat[geom])
+    where, turn = model.seen_from(body, model.data.geom_xpos[geom] + frame @ origin, turn)
+    return Placed(shape, where, turn, layers.surface(model, geom))

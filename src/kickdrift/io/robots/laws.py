@@ -1,0 +1,135 @@
+"""What acts along the axis of a joint: limits, springs, dampers, friction and actuators."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.io.robots.parsing import Model
+from kickdrift.world.joints.axis import Axis, Drive
+
+
+@dataclass(frozen=True)
+class Actuator:
+    """An actuator of a joint: force = gear (gain control + bias[0] + bias[1] length + bias[2] rate), length = gear position.
+
+    Attributes
+    ----------
+    joint : str
+        Name of the joint.
+    gear, gain : float
+    bias : (3,) tuple of float
+        Zeros for a motor, whose control is its force.
+    control_range : (2,) tuple of float
+        Least and greatest control; nothing holds to it.
+    maximum : float
+        Greatest force, in N or N m at the joint.
+    zero : float
+        The file's position of the joint, where `Joint.angle` or `Joint.position` is zero.
+    passive : Drive
+        Spring and damper of the joint itself.
+    """
+
+    joint: str
+    gear: float
+    gain: float
+    bias: tuple[float, float, float]
+    control_range: tuple[float, float]
+    maximum: float
+    zero: float
+    passive: Drive
+
+    @property
+    def servo(self) -> bool:
+        """Whether it is a spring or damper towards its control."""
+        return self.bias[1] < 0.0 or self.bias[2] < 0.0
+
+    def drive(self, control: float) -> Drive:
+        """Return what the joint does at a control, together with its own spring and damper, for ``Joint.set_drive``.
+
+        Raises
+        ------
+        ArgumentError
+            For a motor: no drive has a force of its own. `World.apply_torque` on both bodies has.
+        """
+        if not self.servo:
+            raise ArgumentError(
+                f"control={control!r} of a motor is a force, and no drive; give its torque to World.apply_torque, on both"
+                " bodies with opposite signs."
+            )
+        stiffness, damping = -self.bias[1] * self.gear**2, -self.bias[2] * self.gear**2
+        constant = self.gear * (self.gain * control + self.bias[0])  # at position and speed zero of the file
+        passive = self.passive
+        total, rate = stiffness + passive.stiffness, damping + passive.damping
+        if total == 0.0:
+            return Drive(damping=rate, speed=constant / rate, maximum=self.maximum)
+        pull = constant - stiffness * self.zero + passive.stiffness * passive.target
+        return Drive(stiffness=total, damping=rate, target=pull / total, maximum=self.maximum)
+
+
+def axis_of(model: Model, joint: int, actuators: dict[str, Actuator], notes: list[str]) -> Axis:
+    """Say what happens along or about the axis of a hinge or slide, and collect its actuators."""
+    m = model.compiled
+    at, dof = int(m.jnt_qposadr[joint]), int(m.jnt_dofadr[joint])
+    zero, name = float(m.qpos0[at]), model.name("joint", joint)
+    if zero != 0.0:
+        notes.append(f"joint {name!r} is at {zero:g} in the file where it is at zero here; its limits are shifted")
+    limits = None
+    if m.jnt_limited[joint]:
+        lower, upper = (float(end) - zero for end in m.jnt_range[joint])
+        limits = (lower, upper)
+    passive = Drive(
+        stiffness=float(m.jnt_stiffness[joint]),
+        damping=float(m.dof_damping[dof]),
+        target=float(m.qpos_spring[at]) - zero,
+    )
+    drive = passive if passive.stiffness > 0.0 or passive.damping > 0.0 else None
+    kinds = (model.mujoco.mjtTrn.mjTRN_JOINT, model.mujoco.mjtTrn.mjTRN_JOINTINPARENT)
+    for row in range(m.nu):
+        if m.actuator_trntype[row] not in kinds or m.actuator_trnid[row, 0] != joint:
+            continue
+        actuator = _actuator(model, row, zero, passive, notes)
+        if actuator is None:
+            continue
+        actuators[model.name("actuator", row)] = actuator
+        if actuator.servo and drive is not None and drive is not passive:
+            raise ArgumentError(f"joint {name!r} has two servos; a joint here has one, so give one of them.")
+        if actuator.servo:
+            drive = actuator.drive(0.0)
+            if drive.maximum < math.inf and (passive.stiffness > 0.0 or passive.damping > 0.0):
+                notes.append(
+                    f"the greatest force of the servo of joint {name!r} holds for it and the joint's own spring and"
+                    " damper together"
+                )
+    return Axis(limits=limits, drive=drive, friction=float(m.dof_frictionloss[dof]))
+
+
+def _actuator(model: Model, row: int, zero: float, passive: Drive, notes: list[str]) -> Actuator | None:
+    m, mj = model.compiled, model.mujoco
+    name, joint = model.name("actuator", row), int(m.actuator_trnid[row, 0])
+    biases = {int(mj.mjtBias.mjBIAS_NONE): (0.0, 0.0, 0.0)}
+    biases[int(mj.mjtBias.mjBIAS_AFFINE)] = tuple(m.actuator_biasprm[row, :3].tolist())
+    bias = biases.get(int(m.actuator_biastype[row]))
+    plain = m.actuator_gaintype[row] == mj.mjtGain.mjGAIN_FIXED and m.actuator_dyntype[row] == mj.mjtDyn.mjDYN_NONE
+    if not plain or bias is None or bias[1] > 0.0 or bias[2] > 0.0:
+        notes.append(f"actuator {name!r} is left out: it is no motor, and no servo without dynamics of its own")
+        return None
+    gear = float(m.actuator_gear[row, 0])
+    maximum = math.inf
+    if m.actuator_forcelimited[row]:
+        maximum = abs(gear) * _symmetric(f"forcerange of actuator {name!r}", m.actuator_forcerange[row], notes)
+    if m.jnt_actfrclimited[joint]:
+        title = f"actuatorfrcrange of joint {model.name('joint', joint)!r}"
+        maximum = min(maximum, _symmetric(title, m.jnt_actfrcrange[joint], notes))
+    reach = m.actuator_ctrlrange[row].tolist() if m.actuator_ctrllimited[row] else (-math.inf, math.inf)
+    return Actuator(
+        model.name("joint", joint), gear, float(m.actuator_gainprm[row, 0]), bias, (reach[0], reach[1]), maximum, zero,
+        passive,
+    )  # fmt: skip
+
+
+def _symmetric(title: str, ends: Any, notes: list[str]) -> float:
+    lower, upper = (float(end) for end in ends)
+    if lower != -upper:
+        notes.append(f"{title} is not the same in both directions; here the greater one counts in both")
+    return max(abs(lower), abs(upper))

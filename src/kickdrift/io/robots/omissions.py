@@ -1,0 +1,74 @@
+"""What a file says and nothing here does."""
+
+from typing import Any
+
+import numpy as np
+
+from kickdrift.io.robots.parsing import Model
+
+# Arrays of a model that ask for something where they are not zero: kind of the rows, and what it is.
+_NONZERO = {
+    "dof_armature": ("joint", "armature, the inertia of a rotor"),
+    "dof_dampingpoly": ("joint", "damping beyond the linear term"),
+    "jnt_stiffnesspoly": ("joint", "stiffness beyond the linear term"),
+    "jnt_springyield": ("joint", "yielding springs"),
+    "jnt_actgravcomp": ("joint", "compensation of gravity by actuators"),
+    "body_gravcomp": ("body", "compensation of gravity"),
+    "geom_adhesion": ("geom", "adhesion"),
+    "geom_surfacevel": ("geom", "velocity of the surface"),
+    "geom_fluid": ("geom", "forces of a fluid"),
+    "actuator_armature": ("actuator", "armature"),
+    "actuator_damping": ("actuator", "damping"),
+}
+
+# Counts of a model, and what they count.
+_COUNTS = {
+    "ntendon": "tendons, with all that acts by them",
+    "nflex": "flexible bodies",
+    "npair": "contact pairs with numbers of their own",
+    "nplugin": "plugins",
+}
+
+
+def omissions(model: Model) -> list[str]:
+    """List what is left out."""
+    m, notes = model.compiled, []
+    for array, (kind, what) in _NONZERO.items():
+        values = getattr(m, array, None)  # some came with later versions of MuJoCo
+        if values is None or not np.any(values):
+            continue
+        rows = np.flatnonzero(np.reshape(values, (len(values), -1)).any(axis=1))
+        if array.startswith("dof_"):
+            rows = np.unique(m.dof_jntid[rows])
+        notes.append(f"left out: {what}, of {kind} {model.named(kind, rows)}")
+    notes += [f"left out: {what}, {getattr(m, count)} of them" for count, what in _COUNTS.items() if getattr(m, count)]
+    if m.opt.density or m.opt.viscosity:
+        notes.append("left out: the medium, with its wind, density and viscosity")
+    return notes + _actuators(model) + _friction(m, model)
+
+
+def _actuators(model: Model) -> list[str]:
+    kinds, m = model.mujoco.mjtTrn, model.compiled
+    rows = [k for k in range(m.nu) if m.actuator_trntype[k] not in (kinds.mjTRN_JOINT, kinds.mjTRN_JOINTINPARENT)]
+    others = [
+        k
+        for k in range(m.nu)
+        if k not in rows
+        and m.jnt_type[m.actuator_trnid[k, 0]] in (model.mujoco.mjtJoint.mjJNT_FREE, model.mujoco.mjtJoint.mjJNT_BALL)
+    ]
+    left = sorted(rows + others)
+    return [f"left out: actuators that drive no hinge or slide, {model.named('actuator', left)}"] if left else []
+
+
+def _friction(m: Any, model: Model) -> list[str]:
+    touching = (m.geom_contype != 0) | (m.geom_conaffinity != 0)
+    notes = []
+    if np.unique(m.geom_friction[touching, 0]).size > 1:
+        notes.append(
+            "geoms differ in friction: of two, here the geometric mean counts, and in MuJoCo the greater or that of"
+            " priority"
+        )
+    twisting = np.flatnonzero(touching & (m.geom_condim >= 4))
+    if twisting.size:
+        notes.append(f"left out: friction against twisting (condim 4 and 6), of geom {model.named('geom', twisting)}")
+    return notes

@@ -1,0 +1,217 @@
+"""What no world can be made of, and that a world stays as it was where it is asked for such things."""
+
+import numpy as np
+import pytest
+
+from kickdrift.core.errors import ArgumentError, LostBodyError
+from kickdrift.world.adding import Part
+from kickdrift.world.shapes.box import Box
+from kickdrift.world.shapes.sphere import Sphere
+from kickdrift.world.world import World
+
+NAN, INF = float("nan"), float("inf")
+TETRAHEDRON = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+TRIANGLE = TETRAHEDRON[:3]
+
+
+def refused(action, *words):
+    """A sentence that names the argument."""
+    with pytest.raises(ArgumentError) as caught:
+        action()
+    message = str(caught.value)
+    assert message.endswith(".") or message.endswith(")")
+    for word in words:
+        assert word in message
+
+
+WORLDS = {
+    "gravity": [(0, 0), "down", (0, 0, NAN), (INF, 0, 0), 9.81],
+    "substeps": [0, -1, 2.5, "4", None],
+    "margin": [-1.0, NAN, "wide", INF],
+    "slop": [-1.0, NAN, INF],
+    "contact_hertz": [-3.0, NAN],
+    "contact_damping": [-1.0, NAN],
+    "push_speed": [-1.0, NAN],
+    "bounce_speed": [-1.0, NAN],
+    "sleep_speed": [-1.0, NAN],
+    "sleep_time": [-1.0, NAN],
+    "plane_normal": [(0, 0, 0), (1, 0), (NAN, 0, 0)],
+}
+
+
+@pytest.mark.parametrize(("argument", "value"), [(name, value) for name, values in WORLDS.items() for value in values])
+def test_worlds_that_cannot_be(argument, value):
+    refused(lambda: World(**{argument: value}), argument)
+
+
+# Of a sphere of radius 1.
+OPTIONS = {
+    "position": [(0, 0, NAN), (0, 0), "here", (INF, 0, 0)],
+    "orientation": [(0, 0, 0, 0), (0, 0, 1), (NAN, 0, 0, 1)],
+    "velocity": [(INF, 0, 0), (1, 0), "fast"],
+    "angular_velocity": [(0, NAN, 0), 3.0],
+    "mass": [0, -1, NAN, INF, "heavy"],
+    "density": [0, -2, NAN, "thick"],
+    "inertia": [(1, 1, -1), (0, 0, 0), (1, 1, 5), [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]], (1, 1, NAN), (1, 1), "round"],
+    "damping": [-1, NAN, "slow"],
+    "angular_damping": [-1, INF],
+    "friction": [-1, NAN, "rough"],
+    "restitution": [-0.1, 1.1, NAN],
+    "rolling_resistance": [-1, NAN],
+    "surface_velocity": [(1, 0), (1, 0, NAN)],
+    "layer": [62, -1, 1.5],
+    "collides_with": [(99,), ("floor",)],
+}
+
+
+@pytest.mark.parametrize(("option", "value"), [(name, value) for name, values in OPTIONS.items() for value in values])
+def test_bodies_that_cannot_be(option, value):
+    world = World()
+    refused(lambda: world.add_sphere(1.0, **{option: value}), "layer" if option == "collides_with" else option)
+    assert len(world.position) == 1
+
+
+SHAPES = {
+    "sphere of no size": (lambda w: w.add_sphere(0.0), "radius"),
+    "sphere of negative size": (lambda w: w.add_sphere(-1.0), "radius"),
+    "sphere of no number": (lambda w: w.add_sphere("big"), "radius"),
+    "sphere of nan": (lambda w: w.add_sphere(NAN), "radius"),
+    "sphere without end": (lambda w: w.add_sphere(INF), "radius"),
+    "capsule of no radius": (lambda w: w.add_capsule(0.0, 1.0), "radius"),
+    "capsule of negative length": (lambda w: w.add_capsule(1.0, -1.0), "length"),
+    "box of two edges": (lambda w: w.add_box((1, 1)), "size"),
+    "box of a number": (lambda w: w.add_box(1.0), "size"),
+    "flat box": (lambda w: w.add_box((1, 0, 1)), "size"),
+    "box of nan": (lambda w: w.add_box((1, NAN, 1)), "size"),
+    "hull of three points": (lambda w: w.add_hull(TRIANGLE), "points"),
+    "flat hull": (lambda w: w.add_hull([*TRIANGLE, (1, 1, 0)]), "points"),
+    "hull of a line": (lambda w: w.add_hull([(k, 0, 0) for k in range(5)]), "points"),
+    "hull of one point": (lambda w: w.add_hull([(0, 0, 0)] * 8), "points"),
+    "hull of nan": (lambda w: w.add_hull([*TRIANGLE, (0, 0, NAN)]), "points"),
+    "hull of numbers": (lambda w: w.add_hull([1, 2, 3]), "points"),
+    "hull of nothing": (lambda w: w.add_hull([]), "points"),
+    "plane without a normal": (lambda w: w.add_plane((0, 0, 0)), "normal"),
+    "mesh with a wrong row": (lambda w: w.add_mesh(TRIANGLE, [(0, 1, 3)]), "faces"),
+    "mesh with a negative row": (lambda w: w.add_mesh(TRIANGLE, [(0, 1, -1)]), "faces"),
+    "mesh of nothing": (lambda w: w.add_mesh(np.zeros((0, 3)), np.zeros((0, 3), int)), "vertices"),
+    "mesh of a line": (lambda w: w.add_mesh([(0, 0, 0), (1, 0, 0), (2, 0, 0)], [(0, 1, 2)]), "face"),
+    "mesh of nan": (lambda w: w.add_mesh([(0, 0, 0), (1, 0, 0), (0, NAN, 0)], [(0, 1, 2)]), "vertices"),
+    "height field of a row": (lambda w: w.add_height_field([1, 2, 3], 1.0), "heights"),
+    "height field of a point": (lambda w: w.add_height_field([[1.0]], 1.0), "heights"),
+    "height field of nan": (lambda w: w.add_height_field([[1, 2], [3, NAN]], 1.0), "heights"),
+    "height field without spacing": (lambda w: w.add_height_field([[1, 2], [3, 4]], 0.0), "spacing"),
+    "body of no shapes": (lambda w: w.add_body([]), "shapes"),
+    "mesh that moves": (lambda w: w.add_body(Part(Box((1, 1, 1))).shape, density=1.0, mass=1.0), "density"),
+    "static and kinematic": (lambda w: w.add_sphere(1.0, static=True, kinematic=True), "static"),
+    "static that moves": (lambda w: w.add_sphere(1.0, static=True, velocity=(1, 0, 0)), "velocity"),
+    "part of no density": (lambda w: w.add_body([Part(Sphere(1.0), density=0.0)]), "density"),
+}
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_shapes_that_cannot_be(name):
+    action, word = SHAPES[name]
+    world = World()
+    refused(lambda: action(world), word)
+    assert len(world.position) == 1
+    assert not world.shape_rows.shapes
+
+
+@pytest.mark.parametrize("kind", ["orientation", "position"])
+def test_parts_that_cannot_be(kind):
+    refused(lambda: Part(Sphere(1.0), **{kind: (0, 0, 0, 0)}), kind)
+    refused(lambda: Part(Sphere(1.0), **{kind: (NAN, 0, 0)}), kind)
+
+
+@pytest.mark.parametrize("step", [0, -0.1, NAN, INF, None, [0.1], "short", 1j])
+def test_steps_that_cannot_be(step):
+    world = World()
+    world.add_sphere(1.0)
+    refused(lambda: world.step(step), "step")
+    assert world.n_steps == 0
+    assert world.time == 0.0
+
+
+@pytest.mark.parametrize("count", [-1, 1.5, "many", None])
+def test_counts_of_steps_that_cannot_be(count):
+    world = World()
+    refused(lambda: world.advance(0.1, count), "count")
+    assert world.n_steps == 0
+
+
+@pytest.mark.parametrize("arguments", [(0.0, 0.1), (-1.0, 0.1), (NAN, 0.1), (0.1, 1.0), (0.1, NAN), (0.1, 0.01, 0)])
+def test_runs_that_cannot_be(arguments):
+    refused(lambda: World().run(*arguments))
+
+
+def test_handles_of_removed_bodies_and_of_other_worlds():
+    world = World()
+    old = world.add_sphere(1.0)
+    world.remove(old)
+    new = world.add_sphere(1.0)
+    assert new.index == old.index
+    for action in (
+        lambda body: world.remove(body),
+        lambda body: world.apply_force(body, (1, 0, 0)),
+        lambda body: world.apply_torque(body, (1, 0, 0)),
+        lambda body: world.add_hinge(new, body, anchor=(0, 0, 0), axis=(0, 0, 1)),
+    ):
+        for body in (old, World().add_sphere(1.0), 1):
+            refused(lambda action=action, body=body: action(body), "body")
+    refused(lambda: world.remove(world.ground), "ground")
+    world.step(0.01)
+    assert world.position[new.index, 2] < 0
+
+
+def test_forces_that_cannot_be():
+    world = World()
+    ball = world.add_sphere(1.0)
+    refused(lambda: world.apply_force(ball, (NAN, 0, 0)), "force")
+    refused(lambda: world.apply_force(ball, (0, 0)), "force")
+    refused(lambda: world.apply_force(ball, (1, 0, 0), (0, NAN, 0)), "point")
+    refused(lambda: world.apply_torque(ball, (NAN, 0, 0)), "torque")
+    for wrong in (None, 3, lambda: 0, lambda speed, force: 0, lambda velocity: 0):
+        refused(lambda wrong=wrong: world.add_force(wrong), "force")
+    world.step(0.01)
+    assert world.velocity[1] == pytest.approx([0, 0, -0.0981], rel=1e-9)
+
+
+def test_a_force_that_numba_cannot_compile():
+    def odd(force):
+        force[1, 0] += open("x").read()  # noqa: SIM115
+
+    refused(lambda: World().add_force(odd), "force", "odd", "compiled")
+
+
+@pytest.mark.parametrize("where", ["velocity", "position", "force"])
+def test_a_world_that_lost_a_body_names_it_and_goes_on(where):
+    world = World()
+    world.add_plane()
+    near, lost = world.add_sphere(0.1, position=(0, 0, 1)), world.add_sphere(0.1, position=(3, 0, 1), mass=1e-3)
+    world.advance(1 / 60, 7)
+    before = world.position.copy()
+    if where == "force":
+        world.apply_force(lost, (1.7e308, 0, 0))
+    else:
+        getattr(world, where)[lost.index] = (INF, 0, 0) if where == "velocity" else (NAN, 0, 0)
+    with pytest.raises(LostBodyError, match=rf"body {lost.index} .* step 7"):
+        world.advance(1 / 60, 10)
+    assert world.n_steps == 7
+    assert world.time == pytest.approx(7 / 60)
+    assert (world.position[near.index] == before[near.index]).all()
+    world.position[lost.index], world.velocity[lost.index] = before[lost.index], 0.0
+    world.advance(1 / 60, 120)
+    assert world.n_steps == 127
+    assert world.position[[near.index, lost.index], 2] == pytest.approx([0.1, 0.1], abs=1e-3)
+
+
+def test_a_lost_body_can_be_removed():
+    world = World()
+    world.add_plane()
+    world.add_sphere(0.1, position=(0, 0, 0.1))
+    lost = world.add_sphere(0.1, position=(3, 0, 1), velocity=(1e300, 0, 0))
+    with pytest.raises(LostBodyError, match=f"body {lost.index}"):
+        world.advance(1e10, 1)
+    world.remove(lost)
+    world.advance(1 / 60, 10)
+    assert np.isfinite(world.position[:3]).all()

@@ -1,0 +1,394 @@
+"""Contacts that last: stacks, sleep, events, layers, fast bodies, bodies that come and go, and the same bits every time."""
+
+import math
+
+import numba
+import numpy as np
+import pytest
+
+from kickdrift.scenes import worlds
+from kickdrift.world.contacts import layout
+from kickdrift.world.flaws import deepest_overlap
+from kickdrift.world.flight import AWAKE
+from kickdrift.world.tables import BODY, CONTACT, MANIFOLD
+from kickdrift.world.world import World
+
+G = 9.81
+STEP = 1 / 60
+
+
+def loads(world):
+    """Sums of the normal impulses of the last substep over its length, N, by the rows of both bodies."""
+    rows, manifolds = world.tables.array(CONTACT), world.tables.array(MANIFOLD)
+    at = layout.POINT + layout.NORMAL_IMPULSE + layout.POINT_SIZE * np.arange(4)
+    impulses = np.where(np.arange(4) < rows[:, layout.POINTS, None], manifolds[:, at], 0.0).sum(axis=1)
+    pairs = np.sort(rows[:, [layout.BODY_A, layout.BODY_B]], axis=1).tolist()
+    return {tuple(pair): impulse * world.substeps / STEP for pair, impulse in zip(pairs, impulses, strict=True)}
+
+
+def awake(world):
+    return world.tables.array(BODY)[:, AWAKE].astype(bool)
+
+
+def bits(world):
+    state = (world.position, world.orientation, world.velocity, world.angular_velocity)
+    return b"".join(np.ascontiguousarray(array).tobytes() for array in state)
+
+
+def drift(world, before):
+    return np.linalg.norm(world.position - before, axis=1)[2:].max()
+
+
+def test_every_box_of_a_stack_bears_the_weight_of_those_above():
+    world = World()
+    world.add_plane()
+    for k in range(10):
+        world.add_box((1, 1, 1), position=(0, 0, k + 0.5), mass=2.0)
+    world.advance(STEP, 600)
+    borne = {(k + 1, k + 2): 2.0 * G * (10 - k) for k in range(10)}
+    assert loads(world) == pytest.approx(borne, rel=1e-3)
+    assert deepest_overlap(world.tables) < 0.005
+    assert np.abs(world.position[2:, :2]).max() < 2e-3
+
+
+def test_a_box_at_rest_does_not_creep():
+    world = World()
+    world.add_plane()
+    world.add_box((1, 1, 1), position=(0, 0, 0.5))
+    world.advance(STEP, 60)
+    before = world.position[2].copy()
+    world.advance(STEP, 1200)
+    assert np.abs(world.position[2] - before).max() < 1e-12
+    assert deepest_overlap(world.tables) < 1e-4
+
+
+def test_a_pyramid_of_55_stands():
+    world = worlds.pyramid(base=10)
+    before = world.position.copy()
+    deepest = 0.0
+    for _ in range(10):
+        world.advance(STEP, 60)
+        deepest = max(deepest, deepest_overlap(world.tables))
+    assert drift(world, before) < 0.01
+    assert deepest < 0.005
+    assert np.abs(world.velocity).max() < 1e-3
+
+
+@pytest.mark.parametrize(("density", "most"), [(100, 0.06), (200, 0.12), (300, 0.18)])
+def test_a_pyramid_bears_a_heavy_tip(density, most):
+    world = World()
+    world.add_plane()
+    for row in range(10):
+        for k in range(10 - row):
+            x = 2 * k - (9 - row)
+            world.add_box((2, 2, 2), position=(x, 0, 1 + 2 * row), density=1.0 if row < 9 else density)
+    before = world.position.copy()
+    world.advance(STEP, 300)
+    assert drift(world, before) < most
+    assert np.abs(world.velocity).max() < 0.1
+
+
+@pytest.mark.parametrize(("mass", "sinks"), [(1.0, 0.002), (10.0, 0.005), (100.0, 0.04)])
+def test_a_box_bears_a_heavier_one(mass, sinks):
+    world = World()
+    world.add_plane()
+    world.add_box((1, 1, 1), position=(0, 0, 0.5), mass=1.0)
+    world.add_box((1, 1, 1), position=(0, 0, 1.5), mass=mass)
+    world.advance(STEP, 600)
+    assert np.abs(world.position[2:, 2] - [0.5, 1.5]).max() < sinks
+    assert deepest_overlap(world.tables) < 0.75 * sinks
+
+
+def test_shorter_steps_bear_more():
+    sunk = []
+    for step in (1 / 60, 1 / 240):
+        world = World()
+        world.add_plane()
+        world.add_box((1, 1, 1), position=(0, 0, 0.5), mass=1.0)
+        world.add_box((1, 1, 1), position=(0, 0, 1.5), mass=100.0)
+        world.advance(step, round(4 / step))
+        sunk.append(1.5 - world.position[3, 2])
+    assert sunk[1] < sunk[0] / 8  # springs of a frequency of 1/h: as h^2
+
+
+def test_a_plate_lies_on_more_balls_than_there_are_colours():
+    world = World()
+    world.add_plane()
+    for x in range(-9, 10, 2):
+        for y in range(-9, 10, 2):
+            world.add_sphere(0.4, position=(x, y, 0.4), mass=1.0)
+    plate = world.add_box((22, 22, 1), position=(0, 0, 1.3), mass=100.0).index
+    world.advance(STEP, 120)
+    assert world.position[plate] == pytest.approx([0, 0, 1.3], abs=0.005)
+    assert sum(force for pair, force in loads(world).items() if plate in pair) == pytest.approx(100 * G, rel=0.01)
+    assert sum(force for pair, force in loads(world).items() if 1 in pair) == pytest.approx(200 * G, rel=0.01)
+
+
+def test_impacts_on_one_body_from_all_sides_keep_momentum():
+    world = World(gravity=(0, 0, 0))
+    world.add_box((22, 22, 1), mass=1000.0)
+    for x in range(-9, 10, 2):
+        for y in range(-9, 10, 2):
+            for side in (1, -1):
+                world.add_sphere(0.4, position=(x, y, 0.9 * side), mass=1.0, velocity=(0, 0, -side))
+    before = world.momentum(), world.angular_momentum()
+    world.advance(STEP, 60)
+    assert world.momentum() == pytest.approx(before[0], abs=1e-12)
+    assert world.angular_momentum() == pytest.approx(before[1], abs=1e-7)
+    assert np.abs(world.position[2:, 2]).min() > 0.89
+
+
+def test_contacts_that_are_used_again_keep_sliding_exact():
+    # 2 m at 2 m/s: points are found anew every centimetre, not every step.
+    world = World()
+    world.add_plane(friction=0.05)
+    world.add_box((1, 1, 1), position=(0, 0, 0.5), velocity=(2, 0.5, 0), friction=0.05)
+    speed = math.hypot(2, 0.5)
+    world.advance(STEP, 120)
+    way = world.position[2, :2] @ [2, 0.5] / speed
+    assert way == pytest.approx(2 * speed - 0.5 * 0.05 * G * 4, rel=1e-3)
+    assert np.abs(world.orientation[2, 1:]).max() < 1e-4
+
+
+def test_a_sliding_box_tips_where_its_centre_has_passed_the_edge():
+    world = World()
+    world.add_box((4, 4, 1), position=(-2, 0, -0.5), static=True, friction=0.0)
+    world.add_box((1, 1, 1), position=(-1, 0, 0.5), velocity=(0.5, 0, 0), friction=0.0)
+    while world.position[2, 0] < 0.2 and abs(world.angular_velocity[2, 1]) < 0.02:
+        world.step(STEP)
+    assert 0.0 < world.position[2, 0] < 0.03
+
+
+def rest(sleeping=True, count=3):
+    world = World(sleeping=sleeping)
+    world.add_plane()
+    for k in range(count):
+        world.add_box((1, 1, 1), position=(0, 0, k + 0.5))
+    world.advance(STEP, 300)
+    return world
+
+
+def test_a_stack_falls_asleep_and_does_not_move():
+    world = rest()
+    assert not awake(world)[2:].any()
+    assert not world.velocity.any()
+    before = bits(world)
+    world.advance(STEP, 120)
+    assert bits(world) == before
+    assert awake(rest(sleeping=False))[2:].all()
+
+
+def test_what_moves_does_not_fall_asleep():
+    world = World(sleeping=True)
+    world.add_plane(friction=0.0)
+    world.add_box((1, 1, 1), position=(0, 0, 0.5), velocity=(0.2, 0, 0), friction=0.0)
+    world.add_box((1, 1, 1), position=(5, 0, 0.5), velocity=(0.01, 0, 0), friction=0.0)
+    world.advance(STEP, 300)
+    assert awake(world)[2:].tolist() == [True, False]
+
+
+def test_a_hit_wakes_the_island_and_no_other():
+    world = rest()
+    far = world.add_box((1, 1, 1), position=(10, 0, 0.5))
+    world.advance(STEP, 120)
+    assert not awake(world)[2:].any()
+    ball = world.add_sphere(0.2, position=(-3, 0, 0.8), velocity=(10, 0, 1), mass=100.0)
+    world.advance(STEP, 10)
+    assert awake(world)[2:].tolist() == [False, False, False, False, True]
+    world.advance(STEP, 10)
+    assert awake(world)[[2, 3, 4]].all()
+    assert not awake(world)[far.index]
+    assert world.velocity[2, 0] > 0
+    world.remove(ball)
+    world.advance(STEP, 300)
+    assert not awake(world)[2:].any()
+
+
+@pytest.mark.parametrize("prod", ["velocity", "force", "pose"])
+def test_what_is_moved_by_hand_wakes(prod):
+    world = rest()
+    if prod == "velocity":
+        world.velocity[4] = (0, 0, 1)
+    elif prod == "force":
+        world.apply_force(world.bodies.handle(4), (100.0, 0, 0))
+    else:
+        world.position[4] = (5, 0, 3)
+    world.step(STEP)
+    assert awake(world)[4]
+    world.advance(STEP, 60)
+    if prod == "pose":
+        assert world.position[4] == pytest.approx([5, 0, 0.5], abs=0.01)
+
+
+def test_what_is_under_a_sleeper_cannot_be_removed_unnoticed():
+    world = rest()
+    world.remove(world.bodies.handle(3))  # the middle one of three
+    world.advance(STEP, 60)
+    assert world.position[4] == pytest.approx([0, 0, 1.5], abs=0.01)
+    world.advance(STEP, 120)
+    assert not awake(world)[[2, 4]].any()
+    world.remove(world.bodies.handle(1))
+    world.advance(STEP, 60)
+    assert world.position[2, 2] < -1
+    assert world.position[4, 2] < -1
+
+
+def heard(world, count):
+    events = []
+    for step in range(count):
+        world.step(STEP)
+        events += [(step, e.begins, {e.body_a.index, e.body_b.index}, e.sensor) for e in world.events]
+    return events
+
+
+def test_touching_begins_and_ends_once():
+    world = World()
+    world.add_plane()
+    world.add_box((1, 1, 1), position=(0, 0, 0.6))
+    (event,) = heard(world, 60)
+    assert event == (pytest.approx(math.sqrt(0.2 / G) / STEP, abs=1.5), True, {1, 2}, False)
+    assert [{a.index, b.index} for a, b in world.touching] == [{1, 2}]
+    world.velocity[2] = (0, 0, 3)
+    events = heard(world, 60)
+    assert [event[1:] for event in events] == [(False, {1, 2}, False), (True, {1, 2}, False)]
+    assert events[0][0] <= 1
+    assert events[1][0] == pytest.approx(2 * 3 / G / STEP, abs=1.5)
+
+
+@pytest.mark.parametrize("restitution", [0.8, 1.0])
+def test_every_bounce_is_an_event(restitution):
+    world = World()
+    world.add_plane(restitution=restitution)
+    world.add_sphere(0.1, position=(0, 0, 1.1), restitution=restitution)
+    begins = [step for step, begins, *_ in heard(world, 90) if begins]
+    first = math.sqrt(2 / G)
+    expected = [first / STEP, first * (1 + 2 * restitution) / STEP]
+    assert begins[:2] == pytest.approx(expected, abs=1.5)
+    assert len(begins) <= 3
+
+
+def test_sensors_report_and_let_through():
+    world = World(gravity=(0, 0, 0))
+    world.add_box((1, 1, 1), static=True, sensor=True)
+    world.add_sphere(0.1, position=(-2, 0, 0), velocity=(2, 0, 0))
+    events = heard(world, 120)
+    assert [(begins, bodies, sensor) for _, begins, bodies, sensor in events] == [
+        (True, {1, 2}, True),
+        (False, {1, 2}, True),
+    ]
+    assert [step * STEP for step, *_ in events] == pytest.approx([1.4 / 2, 2.6 / 2], abs=1.5 * STEP)
+    assert world.position[2] == pytest.approx([2, 0, 0], abs=1e-12)
+
+
+def test_layers_say_what_meets():
+    world = World()
+    world.add_plane(collides_with=(0, 2))
+    options = [
+        {"layer": 0},
+        {"layer": 1},
+        {"layer": 2, "collides_with": (0,)},
+        {"layer": 2, "collides_with": (1, 2), "static": False},
+    ]
+    for k, option in enumerate(options):
+        world.add_sphere(0.1, position=(k, 0, 0.5), **option)
+    world.advance(STEP, 60)
+    stays = world.position[2:, 2] > 0
+    # The plane is of layer 0: the last ball does not meet it.
+    assert stays.tolist() == [True, False, True, False]
+
+
+STARTS = np.linspace(0.0, 3.3, 12)
+
+
+def wall_and_ball(position, velocity, restitution=0.0):
+    world = World(gravity=(0, 0, 0))
+    world.add_box((0.01, 2, 2), position=(5, 0, 0), static=True, restitution=restitution)
+    world.add_sphere(0.005, position=position, velocity=velocity, restitution=restitution)
+    return world
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5])
+def test_a_fast_small_ball_does_not_pass_a_thin_wall(restitution):
+    for start in STARTS:
+        world = wall_and_ball((-start, 0.3, 0.2), (200, 0, 0), restitution)
+        world.advance(STEP, 12)
+        assert world.position[2, 0] < 4.991
+        assert world.velocity[2, 0] == pytest.approx(-200 * restitution, abs=1e-6)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.1, 0.4])
+@pytest.mark.parametrize("clearance", [1e-4, 1e-2])
+def test_a_fast_ball_that_misses_the_edge_flies_on(angle, clearance):
+    velocity = 200 * np.array([math.cos(angle), 0.0, -math.sin(angle)])
+    aside = np.array([math.sin(angle), 0.0, math.cos(angle)])
+    for start in STARTS:
+        # Past the far upper edge of the wall, and behind it below its top.
+        position = np.array([5.005, 0, 1]) + (0.005 + clearance) * aside - velocity * (0.03 + start / 200)
+        world = wall_and_ball(position, velocity)
+        world.advance(STEP, 6)
+        assert world.velocity[2] == pytest.approx(velocity, abs=1e-6)
+        assert world.position[2] == pytest.approx(position + 0.1 * velocity, abs=1e-6)
+
+
+def test_a_fast_ball_that_grazes_the_edge_is_deflected():
+    for start in STARTS:
+        world = wall_and_ball((-start, 0, 1.003), (200, 0, 0))
+        world.advance(STEP, 12)
+        assert np.linalg.norm(world.velocity[2] - [200, 0, 0]) > 1.0
+
+
+def test_bodies_come_and_go_while_the_world_runs():
+    rng = np.random.default_rng(0)
+    world, there = World(), []
+    world.add_plane()
+    for step in range(240):
+        if step % 3 == 0:
+            place = (*rng.uniform(-2, 2, 2), 5)
+            there.append(world.add_box(rng.uniform(0.3, 1, 3), position=place, orientation=rng.normal(size=4)))
+        if step % 5 == 4:
+            world.remove(there.pop(rng.integers(len(there))))
+        world.step(STEP)
+    rows = [body.index for body in there]
+    assert len(set(rows)) == len(rows) == 80 - 48
+    assert len(world.position) < 2 + 80  # rows are used again
+    assert np.isfinite(world.position[rows]).all()
+    assert world.position[rows, 2].min() > 0.1
+    gone = set(range(2, len(world.position))) - set(rows)
+    assert np.isnan(world.position[sorted(gone)]).all()
+    assert {a.index for pair in world.touching for a in pair} <= {1, *rows}
+    world.advance(STEP, 300)
+    assert deepest_overlap(world.tables) < 0.01
+
+
+def tumble(threads=False):
+    """Balls and boxes that fall onto each other."""
+    world, rng = World(threads=threads), np.random.default_rng(3)
+    world.add_plane()
+    for k, place in enumerate(np.stack(np.meshgrid(*[np.arange(4)] * 3), axis=-1).reshape(-1, 3)):
+        position = 1.2 * place + (0, 0, 1) + rng.uniform(-0.1, 0.1, 3)
+        if k % 2:
+            world.add_box((1, 1, 1), position=position, orientation=rng.normal(size=4), restitution=0.3)
+        else:
+            world.add_sphere(0.5, position=position, restitution=0.3)
+    return world
+
+
+def test_the_same_bits_run_to_run_and_for_any_number_of_threads():
+    one, other = tumble(), tumble()
+    one.advance(STEP, 90)
+    for _ in range(90):
+        other.step(STEP)
+    assert bits(one) == bits(other)
+    before = numba.get_num_threads()
+    try:
+        for threads in (1, 2):
+            numba.set_num_threads(threads)
+            world = tumble(threads=True)
+            world.advance(STEP, 90)
+            assert bits(world) == bits(one)
+    finally:
+        numba.set_num_threads(before)
+    one.position[3, 0] += 1e-15
+    other.advance(STEP, 30)
+    one.advance(STEP, 30)
+    assert bits(one) != bits(other)
