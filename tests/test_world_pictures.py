@@ -14,8 +14,9 @@ from PIL import Image
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError, FileFormatError, MissingExtraError
 from kickdrift.core.outcomes import Outcome
+from kickdrift.plots import animation
 from kickdrift.plots.camera import axes_of, showing
-from kickdrift.plots.painter import Painter
+from kickdrift.plots.painter import AHEAD, Painter
 from kickdrift.plots.scenery import Pose, colour_of
 from kickdrift.world.flight import DYNAMIC, STATIC
 from kickdrift.world.recording import Appearance, Part, Recording, Rod
@@ -53,7 +54,7 @@ def recording(shapes, ways, *, turns=None, fixed=(), rods=(), times=None):
     )  # fmt: skip
 
 
-def painted(made, row=-1):
+def painted(made, row=0):
     painter = Painter(made, PIXELS)
     return painter, painter.paint(Pose(made.x[row], made.orientation[row])).astype(int)
 
@@ -71,6 +72,11 @@ def like(colour, body):
 
 
 def at(*point):
+    """A way that begins at a point, and leaves it aside: what stays in a vertical plane would be seen from its side."""
+    return np.array([point, point], dtype=float) + [[0, 0, 0], [0, 0.1, 0]]
+
+
+def still(*point):
     return np.array([point, point], dtype=float)
 
 
@@ -121,7 +127,7 @@ def test_a_ball_is_as_large_as_it_looks_from_where_the_camera_stands():
     painter = Painter(made, 250_000)
     painter.paint(Pose(made.x[0], made.orientation[0]))
     camera = painter.camera
-    owner = np.count_nonzero(np.isfinite(painter.distance[:, : painter.distance.shape[1]]))
+    seen = np.count_nonzero(np.isfinite(painter.distance))
     # The outline of a ball at distance d is an ellipse of area pi f^2 r^2 d cos / (d^2 cos^2 - r^2)^(3/2) for focal
     # length f and the angle between the axis and its centre (cos d = depth z).
     f = 0.5 * len(painter.distance) / camera.scale
@@ -130,7 +136,7 @@ def test_a_ball_is_as_large_as_it_looks_from_where_the_camera_stands():
         z = (made.x[0, body] - camera.eye) @ camera.ahead
         d2 = np.sum((made.x[0, body] - camera.eye) ** 2)
         areas.append(np.pi * f**2 * radius**2 * np.sqrt(d2 - radius**2) / (z**2 - radius**2) ** 1.5)
-    assert owner == pytest.approx(sum(areas), rel=0.01)
+    assert seen == pytest.approx(sum(areas), rel=0.01)
 
 
 @pytest.mark.parametrize(
@@ -144,19 +150,14 @@ def test_a_ball_is_as_large_as_it_looks_from_where_the_camera_stands():
     ids=lambda shape: type(shape).__name__,
 )
 def test_each_shape_is_seen_where_it_is_and_hides_what_is_behind(shape):
-    camera = Painter(recording([shape], [at(0, 0, 0)]), PIXELS).camera
-    behind, before = 2.0 * camera.ahead, -2.0 * camera.ahead
-    for places in ((before, behind), (behind, before)):
-        made = recording([shape, shape], [at(*places[0]), at(*places[1])])
-        painter, picture = painted(made)
-        front = 1 if np.array_equal(places[0], before) else 2
-        row, column = pixel(painter, before)
-        assert like(picture[row, column], front)
-        row, column = pixel(painter, [0, 0, 3.0])
+    ahead = axes_of(np.array(AHEAD))[2]
+    for front, places in ((1, (-1.5 * ahead, 1.5 * ahead)), (2, (1.5 * ahead, -1.5 * ahead))):
+        painter, picture = painted(recording([shape, shape], [at(*place) for place in places]))
+        assert like(picture[pixel(painter, places[front - 1])], front)
         assert np.array_equal(picture[1, 1], WHITE)
-        # From the middle of the front one the back one would be seen only if it was not hidden.
-        row, column = pixel(painter, behind)
-        assert not like(picture[row, column], 3 - front)
+        seen = [sum(like(colour, body) for colour in picture.reshape(-1, 3)) for body in (front, 3 - front)]
+        assert seen[0] > 500
+        assert seen[1] < 0.05 * seen[0]
 
 
 def test_boxes_in_each_other_hide_each_other_to_the_pixel():
@@ -187,7 +188,7 @@ def test_bodies_cast_shadows_on_the_ground_and_on_each_other():
 
 
 def test_what_moves_in_the_vertical_plane_is_seen_from_the_side():
-    ways = [at(0, 0, 0), np.array([[-1, 0, 0.5], [1, 0, 0.5]]), at(0, 0, 2.5)]
+    ways = [still(0, 0, 0), np.array([[-1, 0, 0.5], [1, 0, 0.5]]), still(0, 0, 2.5)]
     flat = recording([Plane(), Box((1, 1, 1)), Box((1, 1, 1))], ways)
     painter, picture = painted(flat, 0)
     assert not painter.camera.perspective
@@ -216,7 +217,7 @@ def test_balls_have_marks_that_show_how_they_turn():
 
 def test_planes_are_not_seen_from_behind():
     walls = [Part(1, Plane(), ORIGIN, turn) for turn in (UPRIGHT, np.array([np.sqrt(0.5), np.sqrt(0.5), 0, 0]))]
-    made = recording([Box((1, 1, 1))], [np.array([[0, -3, 0.5], [1, -3, 0.5]])])
+    made = recording([Box((1, 1, 1))], [at(0, -3, 0.5)])
     ball = made.appearance.parts[0]
     looks = Appearance(made.appearance.kinds, (*(wall._replace(body=0) for wall in walls), ball), ())
     painter, picture = painted(replace(made, appearance=looks))
@@ -225,12 +226,12 @@ def test_planes_are_not_seen_from_behind():
     looks = Appearance(made.appearance.kinds, (walls[0]._replace(body=0), turned_away, ball), ())
     painter, picture = painted(replace(made, appearance=looks))
     assert painter.scenery.n_planes == 1
-    assert like(picture[pixel(painter, made.x[-1, 1])], 1)
+    assert like(picture[pixel(painter, made.x[0, 1])], 1)
 
 
 def test_joints_are_drawn_as_rods_where_shapes_do_not_hide_them():
     rod = Rod(1, ORIGIN, 0, np.array([0.0, 0.0, 2.0]))
-    made = recording([Sphere(0.2)], [np.array([[1, 0, 0], [0, 0, 0]])], rods=[rod])
+    made = recording([Sphere(0.2)], [still(0, 0, 0)], rods=[rod])
     painter, picture = painted(made)
     dark = picture[pixel(painter, (0, 0, 1.2))]
     assert dark.max() < 200
@@ -281,7 +282,8 @@ def test_a_plot_shows_the_last_state_with_trails_and_the_energy(falling, tmp_pat
     assert [line.get_label() for line in energy.lines] == ["kinetic", "potential", "sum"]
     assert np.allclose(energy.lines[0].get_ydata(), falling.derived["kinetic energy"])
     assert energy.lines[1].get_ydata().min() == 0.0
-    picture = np.asarray(Image.open(tmp_path / "falling.png").convert("RGB"), dtype=int)
+    with Image.open(tmp_path / "falling.png") as image:
+        picture = np.asarray(image.convert("RGB"), dtype=int)
     assert picture.shape[0] > 800
     for body in (2, 3, 4):
         wanted = colour_of(body)
@@ -290,15 +292,15 @@ def test_a_plot_shows_the_last_state_with_trails_and_the_energy(falling, tmp_pat
 
 
 def test_trails_are_hidden_behind_bodies():
-    camera = Painter(recording([Sphere(0.1)], [at(0, 0, 0)]), PIXELS).camera
-    way = np.linspace(-1, 1, 50)[:, None] * camera.right + 2 * camera.ahead
+    right, _, ahead = axes_of(np.array(AHEAD))
+    along = np.linspace(-2.5, 2.5, 50)[:, None] * right
     wall = np.zeros((50, 3))
-    scene = recording([Sphere(0.1), Box((0.8, 0.8, 0.8))], [way, wall]).plot().axes[0]
-    (trail,) = scene.collections
-    segments = np.array(trail.get_segments() if not hasattr(trail, "_paths") else [p.vertices for p in trail.get_paths()])
-    seen = np.isfinite(segments).all(axis=(1, 2))
-    assert seen[:10].all()
-    assert not seen[20:30].any()
+    for depth, hides in ((2.0, True), (-2.0, False)):
+        scene = recording([Sphere(0.1), Box((0.8, 0.8, 0.8))], [along + depth * ahead, wall]).plot().axes[0]
+        (trail,) = scene.collections
+        seen = np.array([np.isfinite(path.vertices).all() for path in trail.get_paths()])
+        assert seen[:10].all()
+        assert seen[20:29].any() == (not hides)
 
 
 def test_wide_scenes_have_the_energy_below():
@@ -307,18 +309,28 @@ def test_wide_scenes_have_the_energy_below():
     assert scene.get_position().y0 > energy.get_position().y1
 
 
+def frames_of(path):
+    """Pictures of a GIF, and how long each stays, in ms."""
+    frames, delays = [], []
+    with Image.open(path) as film:
+        assert film.info.get("loop", 0) == 0
+        for k in range(film.n_frames):
+            film.seek(k)
+            frames.append(np.asarray(film.convert("RGB"), dtype=int))
+            delays.append(film.info.get("duration", 0))
+    return frames, delays
+
+
+@pytest.fixture
+def small(monkeypatch):
+    monkeypatch.setattr(animation, "_PIXELS", 20_000)
+
+
 def test_a_gif_runs_in_real_time(falling, tmp_path):
     path = falling.animate(tmp_path / "falling.gif")
     assert path == tmp_path / "falling.gif"
-    film = Image.open(path)
-    assert film.n_frames == 13
-    frames, delays = [], []
-    for k in range(film.n_frames):
-        film.seek(k)
-        frames.append(np.asarray(film.convert("RGB"), dtype=int))
-        delays.append(film.info["duration"])
+    frames, delays = frames_of(path)
     assert delays == [40] * 12 + [1000]
-    assert film.info["loop"] == 0
     assert 200_000 < frames[0].shape[0] * frames[0].shape[1] < 400_000
     changes = [np.abs(b - a).max() for a, b in zip(frames, frames[1:], strict=False)]
     assert min(changes) > 50
@@ -339,13 +351,9 @@ def test_a_gif_runs_in_real_time(falling, tmp_path):
         ({"speed": 100.0}, 1, None),
     ],
 )
-def test_speed_and_rate_of_a_film(falling, tmp_path, options, count, delays):
-    film = Image.open(falling.animate(tmp_path / "film.gif", **options))
-    assert film.n_frames == count
-    durations = []
-    for k in range(count):
-        film.seek(k)
-        durations.append(film.info.get("duration", 0))
+def test_speed_and_rate_of_a_film(falling, tmp_path, small, options, count, delays):
+    frames, durations = frames_of(falling.animate(tmp_path / "film.gif", **options))
+    assert len(frames) == count
     if delays is not None:
         assert set(durations[:-1]) == {delays}
     if options == {"rate": 30}:
@@ -367,7 +375,7 @@ def test_bodies_are_between_the_states_where_a_film_needs_them(falling):
     assert np.array_equal(film.pose(1.0).position, made.x[1])
 
 
-def test_the_same_film_has_the_same_bits(falling, tmp_path):
+def test_the_same_film_has_the_same_bits(falling, tmp_path, small):
     first, second = (falling.animate(tmp_path / f"{n}.gif").read_bytes() for n in range(2))
     assert first == second
 
@@ -398,14 +406,14 @@ def test_films_that_cannot_be_written(falling, tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_mp4_is_handed_to_ffmpeg(falling, tmp_path, monkeypatch):
+def test_an_mp4_is_handed_to_ffmpeg(falling, tmp_path, small, monkeypatch):
     """A stand-in for ffmpeg, which writes what it is given."""
     ffmpeg = tmp_path / "ffmpeg"
     ffmpeg.write_text(f"#!{sys.executable}\nimport sys\nopen(sys.argv[-1], 'wb').write(sys.stdin.buffer.read())\n")
     ffmpeg.chmod(ffmpeg.stat().st_mode | stat.S_IXUSR)
     monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
     path = falling.animate(tmp_path / "film.mp4")
-    painter = Painter(falling, 310_000)
+    painter = Painter(falling, animation._PIXELS)
     raw = np.frombuffer(path.read_bytes(), dtype=np.uint8)
     assert raw.size == 13 * painter.width * painter.height * 4
     frames = raw.reshape(13, painter.height, painter.width, 4).astype(int)

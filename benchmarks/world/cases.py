@@ -72,6 +72,8 @@ MUJOCO = Rival("MuJoCo, 5 ms", Mujoco, 0.005)
 FINE = Rival("MuJoCo, 2 ms", Mujoco, 0.002)
 GRADIENTS = Rival("MuJoCo, 5 ms, CG", partial(Mujoco, solver="CG"), 0.005)
 FINE_GRADIENTS = Rival("MuJoCo, 2 ms, CG", partial(Mujoco, solver="CG"), 0.002)
+RUNGE_KUTTA = Rival("MuJoCo, 5 ms, RK4", partial(Mujoco, integrator="RK4"), 0.005)
+FINE_RUNGE_KUTTA = Rival("MuJoCo, 2 ms, RK4", partial(Mujoco, integrator="RK4"), 0.002)
 
 _STACK = (judge.drift, judge.depth)
 _MACHINE = (judge.stretch, judge.energy)
@@ -93,11 +95,11 @@ CASES = (
     ),
     Case(
         "Chain of 20 links, 10 : 1", partial(worlds.chain, ratio=10.0), 5.0, 5.0, _MACHINE,
-        (RAPIER, REDUCED, MUJOCO, FINE, BULLET, SLOW_BULLET),
+        (RAPIER, REDUCED, MUJOCO, FINE, RUNGE_KUTTA, FINE_RUNGE_KUTTA, BULLET, SLOW_BULLET),
     ),
     Case(
         "Chain of 20 links, 1000 : 1", worlds.chain, 5.0, 5.0, _MACHINE,
-        (RAPIER, REDUCED, MUJOCO, FINE, BULLET, SLOW_BULLET), step=1 / 240,
+        (RAPIER, REDUCED, MUJOCO, FINE, RUNGE_KUTTA, FINE_RUNGE_KUTTA, BULLET, SLOW_BULLET), step=1 / 240,
     ),
     Case(
         "Quadruped on springs", worlds.quadruped, 5.0, 5.0, (judge.drift, judge.stretch, judge.depth),

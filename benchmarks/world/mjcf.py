@@ -5,7 +5,9 @@ import numpy as np
 from benchmarks.world.described import GROUND, Body, Branch, Floats, Joint, Scene, branches, inverse, rotation, times
 
 
-def text(scene: Scene, step: float, free: bool = False, solver: str = "Newton") -> str:
+def text(
+    scene: Scene, step: float, free: bool = False, solver: str = "Newton", integrator: str = "implicitfast"
+) -> str:
     """Write a scene as MJCF.
 
     Parameters
@@ -15,8 +17,8 @@ def text(scene: Scene, step: float, free: bool = False, solver: str = "Newton") 
         Seconds.
     free : bool
         Whether to leave the joints out, so that every body moves on its own; what they join still does not collide.
-    solver : str
-        As MuJoCo calls it.
+    solver, integrator : str
+        As MuJoCo calls them.
     """
     if free:
         found, closing = [Branch(i, GROUND, None) for i in range(len(scene.bodies))], []
@@ -24,7 +26,7 @@ def text(scene: Scene, step: float, free: bool = False, solver: str = "Newton") 
         found, closing = branches(scene)
     joined = [(_name(joint.a), _name(joint.b)) for joint in scene.joints if GROUND not in (joint.a, joint.b)]
     lines = [
-        f'<mujoco><option timestep="{step!r}" integrator="implicitfast" solver="{solver}"',
+        f'<mujoco><option timestep="{step!r}" integrator="{integrator}" solver="{solver}"',
         f'gravity="{_row(scene.gravity)}"><flag autoreset="disable"/></option>',
         '<compiler angle="radian" autolimits="true"/><size memory="4G"/><worldbody>',
         *_nested(scene, found),

@@ -8,7 +8,7 @@ from benchmarks.world.mjcf import driven_hinges, text
 
 
 class Mujoco:
-    """MuJoCo with its defaults and its implicit integrator; springs are position actuators.
+    """MuJoCo with its defaults but for the integrator; springs are position actuators.
 
     Parameters
     ----------
@@ -17,11 +17,13 @@ class Mujoco:
         Seconds.
     solver : str
         "CG" where "Newton", its default, breaks down: that of 4.0.0 does with many contacts and joints.
+    integrator : str
+        "RK4" where energy is to be kept.
     """
 
-    def __init__(self, scene: Scene, step: float, solver: str = "Newton") -> None:
+    def __init__(self, scene: Scene, step: float, solver: str = "Newton", integrator: str = "implicitfast") -> None:
         self._library = library = package("mujoco")
-        self._model = library.MjModel.from_xml_string(text(scene, step, solver=solver))
+        self._model = library.MjModel.from_xml_string(text(scene, step, solver=solver, integrator=integrator))
         self._data = library.MjData(self._model)
         self._bodies = [self._model.body(f"b{i}").id for i in range(len(scene.bodies))]
         self._start(scene)

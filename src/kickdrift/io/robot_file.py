@@ -36,11 +36,12 @@ class Robot(NamedTuple):
     bodies : mapping of str to Body
         By the names of the file; bodies that are fixed to each other are one. What is fixed to the world does not move.
     joints : mapping of str to Joint
-        By the names of the file; hinges and slides between the same two bodies are one, and so are the constraints
-        that close loops.
+        By the names of the file; hinges and slides between the same two bodies are one. What floats has none.
     axes : mapping of str to int
         Which axis of its joint each of the file's joints is, for ``Joint.angles``, ``Joint.set_drive`` and the like;
-        -1 for balls and what locks all.
+        -1 for balls.
+    closures : mapping of str to Joint
+        Balls and fixed joints that close loops, by the names of the file's constraints.
     actuators : mapping of str to Actuator
         Motors and servos. Servos are drives of their joints with the control zero.
     notes : tuple of str
@@ -51,6 +52,7 @@ class Robot(NamedTuple):
     bodies: Mapping[str, Body]
     joints: Mapping[str, Joint]
     axes: Mapping[str, int]
+    closures: Mapping[str, Joint]
     actuators: Mapping[str, Actuator]
     notes: tuple[str, ...]
 
@@ -109,17 +111,25 @@ def load_robot(
     try:
         parts = pieces(model, Layers(model, used), notes)
         links = [link for part in parts if (link := link_of(model, part, actuators, notes)) is not None]
-        links += closures(model, notes)
+        closing = closures(model, notes)
     except ArgumentError as error:
         raise ArgumentError(f"path={str(path)!r}: {error}") from None
     pairs = exclusions(model, parts, notes)
     world = _world(model, world, notes)
     bodies = _add_bodies(world, model, parts)
     _exclude(world, [(bodies[a], bodies[b]) for a, b in pairs])
-    joints, axes = _add_joints(world, model, links, parts, bodies)
+    joints = _add_joints(world, model, links, bodies)
     names = {model.name("body", row): body for row, body in bodies.items()}
-    proxies = [MappingProxyType(each) for each in (names, joints, axes, actuators)]
-    return Robot(world, *proxies, tuple(notes))  # type: ignore[arg-type]
+    axes = {name: axis for link in links for name, axis in link.names.items()}
+    return Robot(
+        world=world,
+        bodies=MappingProxyType(names),
+        joints=MappingProxyType(joints),
+        axes=MappingProxyType(axes),
+        closures=MappingProxyType(_add_joints(world, model, closing, bodies)),
+        actuators=MappingProxyType(actuators),
+        notes=tuple(notes),
+    )
 
 
 def _world(model: Model, world: World | None, notes: list[str]) -> World:
@@ -149,15 +159,11 @@ def _exclude(world: World, pairs: list[tuple[Body, Body]]) -> None:
     exclude(world.tables, [*map(tuple, world.tables.array(EXCLUDED).tolist()), *new])
 
 
-def _add_joints(
-    world: World, model: Model, links: list[Link], parts: list[Piece], bodies: dict[int, Body]
-) -> tuple[dict[str, Joint], dict[str, int]]:
-    fixed = {body for part in parts if part.kind == STATIC for body in part.members}
+def _add_joints(world: World, model: Model, links: list[Link], bodies: dict[int, Body]) -> dict[str, Joint]:
+    """Add joints; those to bodies that are fixed to the world hold to the ground."""
     joints: dict[str, Joint] = {}
-    axes: dict[str, int] = {}
     for a, b, record, names in links:
-        ends = [world.ground if body in fixed else bodies[body] for body in (a, b)]
-        joint = world.add_joint(ends[0], ends[1], record)
-        joints |= dict.fromkeys(names, joint)
-        axes |= names
-    return joints, axes
+        fixed = [model.compiled.body_weldid[body] == 0 for body in (a, b)]
+        ends = [world.ground if still else bodies[body] for body, still in zip((a, b), fixed, strict=True)]
+        joints |= dict.fromkeys(names, world.add_joint(ends[0], ends[1], record))
+    return joints

@@ -82,8 +82,8 @@ def showing(points: Floats, reaches: Floats, ahead: Floats, aspect: float, *, pe
     x, y, z = (points @ axis for axis in axes)
     if not perspective:
         x0, x1, y0, y1 = (x - reaches).min(), (x + reaches).max(), (y - reaches).min(), (y + reaches).max()
-        scale = float(0.5 * _MARGIN * max((x1 - x0) / aspect, y1 - y0))
         strip = 0.5 * (_MARGIN - 1.0) * max(x1 - x0, y1 - y0)  # below the scene; what is left over is above
+        scale = float(max(0.5 * _MARGIN * (x1 - x0) / aspect, 0.5 * (y1 - y0) + strip))
         eye = 0.5 * (x0 + x1), y0 - strip + scale, (z - reaches).min() - _FAR * max(x1 - x0, y1 - y0)
         return Camera(np.array(eye) @ axes, *axes, False, scale)
     # The eye (a, b, c) sees a ball between the left and the right edge of the picture if x - a and a - x are at most

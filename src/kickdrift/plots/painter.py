@@ -18,7 +18,7 @@ from kickdrift.world.shapes.kinds import PLANE
 
 Floats = NDArray[np.float64]
 _SAMPLES = 2  # rays for a pixel, along each side of it
-_AHEAD = (-0.42, 0.82, -0.36)  # where a camera looks that sees depth
+AHEAD = (-0.42, 0.82, -0.36)  # where a camera looks that sees depth
 _FROM_LAMP, _FROM_FRONT = (0.62, 0.35, -1.0), (0.35, 1.0, -0.45)  # right, ahead on the level, and up
 _ASPECTS = (0.75, 4.0)  # of pictures, least and greatest
 _MOST_POINTS = 500_000  # that are looked at to see how far bodies come
@@ -51,7 +51,7 @@ class Painter:
         low, high = (points - reaches[:, None]).min(axis=0), (points + reaches[:, None]).max(axis=0)
         extent, centre = float(np.linalg.norm(high - low)), 0.5 * (low + high)
         self._flat = _is_flat(recording, extent)
-        ahead = np.array((0.0, 1.0, 0.0) if self._flat else _AHEAD)
+        ahead = np.array((0.0, 1.0, 0.0) if self._flat else AHEAD)
         aspect = _aspect(points, reaches, ahead)
         self.width, self.height = (2 * round(0.5 * math.sqrt(pixels * shape)) for shape in (aspect, 1.0 / aspect))
         self.camera = showing(points, reaches, ahead, self.width / self.height, perspective=not self._flat)

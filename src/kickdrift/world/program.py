@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function
 from kickdrift.world.collision.broad_phase import find_pairs
+from kickdrift.world.contacts.advance import find_impacts
 from kickdrift.world.contacts.impact import bounce
 from kickdrift.world.contacts.looking import place_shapes
 from kickdrift.world.contacts.prepare import colour, prepare
@@ -28,6 +29,7 @@ class Uses(NamedTuple):
 
     forces: Stages
     bounces: bool
+    is_fast: bool
     sleeps: bool
     planar: bool
     threads: bool
@@ -52,6 +54,7 @@ def word(uses: Uses, joints: Joints) -> Word:
         place_shapes,
         find_pairs,
         find_points,
+        *when(uses.is_fast, find_impacts),
         *when(uses.sleeps, wake),
         *joints.before(),
         colour,

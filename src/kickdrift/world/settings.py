@@ -14,3 +14,4 @@ RECYCLE_DISTANCE = 12  # m, by which bodies may move before the shapes of a cont
 PLANE = 13  # three columns: normal of the plane that a planar world moves in, or zeros
 SLEEP_SPEED = 16  # m/s, below which an island may fall asleep; 0.0: none does
 SLEEP_TIME = 17  # s
+HAS_FAST = 18  # 1.0 once the step has the stage for fast pairs

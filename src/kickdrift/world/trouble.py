@@ -16,6 +16,7 @@ BODY = 3  # that is nowhere
 NONE = 0
 FULL = 1  # a table needs more room: make it, clear the row and run the stage again
 NOT_FINITE = 2  # a body has a pose or a velocity that is not finite
+FAST = 3  # shapes are so fast that the step needs the stage `find_impacts`
 
 
 @compiled(inline=True)

@@ -37,7 +37,7 @@ from kickdrift.world.tables import (
     TROUBLE,
     Tables,
 )
-from kickdrift.world.trouble import BODY, FULL, KIND, TABLE, WANTED
+from kickdrift.world.trouble import BODY, FAST, FULL, KIND, TABLE, WANTED
 
 Floats = NDArray[np.float64]
 
@@ -145,7 +145,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints):
         self.shape_rows = ShapeRows(self.tables)
         self.joints = Joints(self.tables)
         self.broken: list[Joint] = []
-        self._program_key: tuple[float, int, bool] | None = None
+        self._program_key: tuple[float, int, bool, float] | None = None
         self._program: Program
         self.forces: list[Function] = []
 
@@ -265,6 +265,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints):
             reached, at = run(*program, start, step, done, count, at, self.tables.address)
             if reached < count:
                 self._help(reached, step)
+                program = self._ready(step)
             done = reached
         self.time += count * step
         self.n_steps += count
@@ -274,13 +275,19 @@ class World(KeepsHistory, AddsBodies, AddsJoints):
     def word(self) -> Word:
         """The step as a word: its stages in their order."""
         self.joints.arrange()
-        uses = Uses(tuple(self.forces), self.shape_rows.bouncing, self.sleeping, self.planar, self.threads)
+        uses = Uses(
+            tuple(self.forces), self.shape_rows.bouncing, bool(self._fast), self.sleeping, self.planar, self.threads
+        )
         return word(uses, self.joints)
+
+    @property
+    def _fast(self) -> float:
+        return float(self.tables.array(SETTINGS)[0, settings.HAS_FAST])
 
     def _ready(self, step: float) -> Program:
         """Compile what is needed, and keep the program for as long as nothing that it depends on changes."""
         self.shape_rows.compile_pairs()
-        key = (step, len(self.forces), self.shape_rows.bouncing)
+        key = (step, len(self.forces), self.shape_rows.bouncing, self._fast)
         if not self.joints.arranged or key != self._program_key:
             sweeps = self.tables.array(SWEEPS)[0]
             sweeps[:] = *(address_of(sweep, lanes.SWEEP) for sweep in lanes.SWEEPS), WIDTH
@@ -292,6 +299,9 @@ class World(KeepsHistory, AddsBodies, AddsJoints):
         trouble = self.tables.array(TROUBLE)[0]
         kind, table, wanted, body = (int(trouble[column]) for column in (KIND, TABLE, WANTED, BODY))
         trouble[:] = 0
+        if kind == FAST:
+            self.tables.array(SETTINGS)[0, settings.HAS_FAST] = 1.0
+            return
         if kind == FULL:
             self.tables.make_room(table, wanted)
             return

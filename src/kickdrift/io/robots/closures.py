@@ -26,15 +26,15 @@ def closures(model: Model, notes: list[str]) -> list[Link]:
     m, kinds = model.compiled, model.mujoco.mjtEq
     made = []
     for row in range(m.neq):
-        name = model.name("eq", row)
+        name, kind = model.name("eq", row), m.eq_type[row]
         if not m.eq_active0[row]:
             notes.append(f"constraint {name!r} is left out: it is not active")
-        elif m.eq_type[row] == kinds.mjEQ_CONNECT:
-            made.append(_connect(model, row, name))
-        elif m.eq_type[row] == kinds.mjEQ_WELD:
-            made.append(_weld(model, row, name))
-        else:
+        elif not model.is_one_of(kind, kinds.mjEQ_CONNECT, kinds.mjEQ_WELD):
             notes.append(f"constraint {name!r} is left out: it neither connects nor welds two bodies")
+        elif len(set(m.body_weldid[_bodies(model, row)[0]].tolist())) == 1:
+            notes.append(f"constraint {name!r} is left out: its bodies are fixed to each other")
+        else:
+            made.append((_connect if model.is_one_of(kind, kinds.mjEQ_CONNECT) else _weld)(model, row, name))
     return made
 
 
@@ -42,17 +42,20 @@ def _bodies(model: Model, row: int) -> tuple[list[int], list[tuple[Floats, Float
     """Return the two bodies of a constraint, and the places of the objects that it refers to: they or sites of them."""
     m, d = model.compiled, model.data
     objects = [int(m.eq_obj1id[row]), int(m.eq_obj2id[row])]
-    if m.eq_objtype[row] == model.mujoco.mjtObj.mjOBJ_SITE:
+    if _of_sites(model, row):
         places = [(d.site_xpos[site], d.site_xmat[site].reshape(3, 3)) for site in objects]
         return [int(m.site_bodyid[site]) for site in objects], places
     return objects, [(d.xpos[body], d.xmat[body].reshape(3, 3)) for body in objects]
 
 
+def _of_sites(model: Model, row: int) -> bool:
+    return model.is_one_of(model.compiled.eq_objtype[row], model.mujoco.mjtObj.mjOBJ_SITE)
+
+
 def _connect(model: Model, row: int, name: str) -> Link:
     """Hold a point of one body to one of the other."""
     (a, b), places = _bodies(model, row)
-    of_sites = model.compiled.eq_objtype[row] == model.mujoco.mjtObj.mjOBJ_SITE
-    anchors = np.zeros((2, 3)) if of_sites else model.compiled.eq_data[row, :6].reshape(2, 3)
+    anchors = np.zeros((2, 3)) if _of_sites(model, row) else model.compiled.eq_data[row, :6].reshape(2, 3)
     points = [place + turn @ anchor for (place, turn), anchor in zip(places, anchors, strict=True)]
     _check(name, float(np.linalg.norm(points[0] - points[1])), "m")
     return Link(a, b, Ball(model.point(points[0])), {name: -1})
@@ -61,7 +64,7 @@ def _connect(model: Model, row: int, name: str) -> Link:
 def _weld(model: Model, row: int, name: str) -> Link:
     """Hold a body to the other as it is in the file: with its origin or site, and its axes."""
     (a, b), ((place_a, turn_a), (place_b, turn_b)) = _bodies(model, row)
-    if model.compiled.eq_objtype[row] == model.mujoco.mjtObj.mjOBJ_SITE:
+    if _of_sites(model, row):
         _check(name, float(np.linalg.norm(place_a - place_b)), "m")
         _check(name, float(np.linalg.norm(turn_a - turn_b)), "rad")
         return Link(a, b, Fixed(model.point(place_a)), {name: -1})

@@ -105,7 +105,7 @@ def _few(points: Floats, name: str, notes: list[str]) -> Floats:
     k = np.arange(MOST_VERTICES) + 0.5  # on a spiral around the sphere, equally dense everywhere
     z, angle = 1.0 - 2.0 * k / MOST_VERTICES, k * (np.pi * (3.0 - np.sqrt(5.0)))
     ways = np.column_stack((np.sqrt(1.0 - z * z) * np.cos(angle), np.sqrt(1.0 - z * z) * np.sin(angle), z))
-    chosen = points[np.unique((points @ ways.T).argmax(axis=0))]
+    chosen: Floats = points[np.unique((points @ ways.T).argmax(axis=0))]
     notes[-1] += f" of {len(chosen)} of its {len(points)} points"
     return chosen
 

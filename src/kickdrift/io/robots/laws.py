@@ -86,7 +86,7 @@ def axis_of(model: Model, joint: int, actuators: dict[str, Actuator], notes: lis
     drive = passive if passive.stiffness > 0.0 or passive.damping > 0.0 else None
     kinds = (model.mujoco.mjtTrn.mjTRN_JOINT, model.mujoco.mjtTrn.mjTRN_JOINTINPARENT)
     for row in range(m.nu):
-        if m.actuator_trntype[row] not in kinds or m.actuator_trnid[row, 0] != joint:
+        if not model.is_one_of(m.actuator_trntype[row], *kinds) or m.actuator_trnid[row, 0] != joint:
             continue
         actuator = _actuator(model, row, zero, passive, notes)
         if actuator is None:
@@ -110,7 +110,8 @@ def _actuator(model: Model, row: int, zero: float, passive: Drive, notes: list[s
     biases = {int(mj.mjtBias.mjBIAS_NONE): (0.0, 0.0, 0.0)}
     biases[int(mj.mjtBias.mjBIAS_AFFINE)] = tuple(m.actuator_biasprm[row, :3].tolist())
     bias = biases.get(int(m.actuator_biastype[row]))
-    plain = m.actuator_gaintype[row] == mj.mjtGain.mjGAIN_FIXED and m.actuator_dyntype[row] == mj.mjtDyn.mjDYN_NONE
+    plain = model.is_one_of(m.actuator_gaintype[row], mj.mjtGain.mjGAIN_FIXED)
+    plain = plain and model.is_one_of(m.actuator_dyntype[row], mj.mjtDyn.mjDYN_NONE)
     if not plain or bias is None or bias[1] > 0.0 or bias[2] > 0.0:
         notes.append(f"actuator {name!r} is left out: it is no motor, and no servo without dynamics of its own")
         return None

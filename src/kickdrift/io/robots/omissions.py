@@ -49,14 +49,12 @@ def omissions(model: Model) -> list[str]:
 
 def _actuators(model: Model) -> list[str]:
     kinds, m = model.mujoco.mjtTrn, model.compiled
-    rows = [k for k in range(m.nu) if m.actuator_trntype[k] not in (kinds.mjTRN_JOINT, kinds.mjTRN_JOINTINPARENT)]
-    others = [
-        k
-        for k in range(m.nu)
-        if k not in rows
-        and m.jnt_type[m.actuator_trnid[k, 0]] in (model.mujoco.mjtJoint.mjJNT_FREE, model.mujoco.mjtJoint.mjJNT_BALL)
-    ]
-    left = sorted(rows + others)
+    turns = (model.mujoco.mjtJoint.mjJNT_HINGE, model.mujoco.mjtJoint.mjJNT_SLIDE)
+    left = []
+    for k in range(m.nu):
+        of_joint = model.is_one_of(m.actuator_trntype[k], kinds.mjTRN_JOINT, kinds.mjTRN_JOINTINPARENT)
+        if not (of_joint and model.is_one_of(m.jnt_type[m.actuator_trnid[k, 0]], *turns)):
+            left.append(k)
     return [f"left out: actuators that drive no hinge or slide, {model.named('actuator', left)}"] if left else []
 
 

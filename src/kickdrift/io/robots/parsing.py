@@ -42,6 +42,10 @@ class Model(NamedTuple):
         """List names."""
         return ", ".join(repr(self.name(kind, int(index))) for index in indices)
 
+    def is_one_of(self, value: Any, *kinds: Any) -> bool:
+        """Whether a number is one of MuJoCo's enumerations, which NumPy's numbers on the right do not equal."""
+        return int(value) in map(int, kinds)
+
     def point(self, point: Floats) -> Floats:
         """Take a point from the file's axes to the world's."""
         return self.position + self.direction(point)

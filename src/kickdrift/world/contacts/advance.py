@@ -23,21 +23,45 @@ from kickdrift.core.vectors import (
     turned,
     turned_back,
 )
-from kickdrift.world.contacts.layout import BODY_A, BODY_B, FOUND_POSE, POINT, POINT_SIZE, POINTS, SHAPE_A, SHAPE_B
-from kickdrift.world.contacts.looking import RADIUS, look_again, placed_pose
-from kickdrift.world.settings import MARGIN, SLOP, STEP
-from kickdrift.world.tables import CONTACT, MANIFOLD, MOTION, PLACE, POSE, RESPONSE, SETTINGS, floats, integers
+from kickdrift.world.contacts.layout import (
+    BODY_A,
+    BODY_B,
+    FAST,
+    FOUND_POSE,
+    POINT,
+    POINT_SIZE,
+    POINTS,
+    RECYCLED,
+    SHAPE_A,
+    SHAPE_B,
+    STATE,
+)
+from kickdrift.world.contacts.looking import RADIUS, look_again, placed_pose, smallest
+from kickdrift.world.settings import MARGIN, STEP
+from kickdrift.world.tables import CONTACT, MANIFOLD, MOTION, PLACE, POSE, RESPONSE, SETTINGS, floats, integers, rows
 
 _ROUNDS = 40
 
 
 @compiled
-def advance(world: int, row: int, way: float) -> None:
+def find_impacts(t: float, h: float, world: int) -> None:
+    """Find the points of the contacts that `find_points` has left because their shapes are too fast."""
+    contact, manifold, settings = integers(world, CONTACT), floats(world, MANIFOLD), floats(world, SETTINGS)
+    for row in range(rows(world, CONTACT)):
+        if contact[row, STATE] & FAST:
+            contact[row, STATE] &= ~FAST
+            _advance(world, row, manifold[row, RECYCLED] - settings[0, MARGIN])
+
+
+@compiled
+def _advance(world: int, row: int, way: float) -> None:
     """Find the points of a contact for the pose in which its shapes touch within the step; none if they do not."""
     contact, settings, motion = integers(world, CONTACT), floats(world, SETTINGS), floats(world, MOTION)
     a, b = contact[row, BODY_A], contact[row, BODY_B]
     spin = _spin(world, contact[row, SHAPE_A], a) + _spin(world, contact[row, SHAPE_B], b)
-    near = min(settings[0, SLOP], 0.01 * way)
+    place = floats(world, PLACE)
+    # Nearer than this they touch; what passes at a greater distance is not hit.
+    near = 1e-3 * smallest(place[contact[row, SHAPE_A], RADIUS], place[contact[row, SHAPE_B], RADIUS])
     when, gap = 0.0, 0.0
     for _ in range(_ROUNDS):
         at, turn, turn_a = _relative(world, row, when)

@@ -16,6 +16,7 @@ SHAPE_A, SHAPE_B, PART, BODY_A, BODY_B, POINTS, STATE, PLACE_IN_GROUPS = range(8
 TOUCHING = 1
 SENSOR = 2
 HIT = 4  # bounced in this step
+FAST = 8  # its shapes may pass each other within the step
 
 # Columns of MANIFOLD
 NORMAL = 0

@@ -103,3 +103,11 @@ def look_again(world: int, row: int, at: Vector, turn: Quaternion, margin: float
 @compiled(inline=True)
 def _id(point: int) -> int:
     return POINT + POINT_SIZE * point + FEATURE
+
+
+@compiled(inline=True)
+def smallest(reach_a: float, reach_b: float) -> float:
+    """Return the smaller reach of two shapes; that of planes and meshes, which is 0.0, does not count."""
+    if reach_a == 0.0:
+        return reach_b
+    return reach_a if reach_b == 0.0 else min(reach_a, reach_b)

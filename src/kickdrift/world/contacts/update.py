@@ -5,13 +5,26 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, conjugate, dot, minus, product, turned_back
-from kickdrift.world.contacts.advance import advance
-from kickdrift.world.contacts.layout import BODY_A, BODY_B, FOUND_POSE, POINTS, RECYCLED, SHAPE_A, SHAPE_B
-from kickdrift.world.contacts.looking import RADIUS, look_again, placed_pose
+from kickdrift.world.contacts.layout import BODY_A, BODY_B, FAST, FOUND_POSE, POINTS, RECYCLED, SHAPE_A, SHAPE_B, STATE
+from kickdrift.world.contacts.looking import RADIUS, look_again, placed_pose, smallest
 from kickdrift.world.flight import AWAKE
-from kickdrift.world.settings import MARGIN, RECYCLE_DISTANCE, STEP
+from kickdrift.world.settings import HAS_FAST, MARGIN, RECYCLE_DISTANCE, STEP
 from kickdrift.world.shapes.kinds import CAPSULE, PLANE, SPHERE
-from kickdrift.world.tables import BODY, CONTACT, MANIFOLD, MOTION, PLACE, SETTINGS, SHAPE, floats, integers, rows
+from kickdrift.world.tables import (
+    BODY,
+    CONTACT,
+    MANIFOLD,
+    MOTION,
+    PLACE,
+    SETTINGS,
+    SHAPE,
+    TROUBLE,
+    floats,
+    integers,
+    rows,
+)
+from kickdrift.world.trouble import FAST as FAST_PAIRS
+from kickdrift.world.trouble import KIND
 
 
 @compiled
@@ -35,9 +48,11 @@ def find_points(t: float, h: float, world: int) -> None:
         ):
             continue
         manifold[row, RECYCLED] = settings[0, MARGIN] + way
-        far = max(settings[0, MARGIN], 0.5 * _smallest(place[a, RADIUS], place[b, RADIUS]))
+        far = max(settings[0, MARGIN], 0.5 * smallest(place[a, RADIUS], place[b, RADIUS]))
         if way > far and shape[a, 0] != PLANE:
-            advance(world, row, way)
+            contact[row, STATE] |= FAST
+            if settings[0, HAS_FAST] == 0.0:
+                integers(world, TROUBLE)[0, KIND] = FAST_PAIRS
         else:
             look_again(world, row, at, turn, settings[0, MARGIN] + way)
 
@@ -79,16 +94,8 @@ def _moved(manifold: Any, row: int, at: Vector, turn: Quaternion, radius: float)
 def _tolerance(settings: Any, place: Any, shape: Any, a: int, b: int) -> float:
     """By how much touching shapes may move before their points are found again."""
     most: float = settings[0, RECYCLE_DISTANCE]
-    reach = _smallest(place[a, RADIUS], place[b, RADIUS])
+    reach = smallest(place[a, RADIUS], place[b, RADIUS])
     if SPHERE <= shape[a, 0] <= CAPSULE or SPHERE <= shape[b, 0] <= CAPSULE:
         # A point that turns with a ball of radius r for a way d leaves its gap wrong by d^2 / (2 r).
         return 1e-4 * reach
     return min(most, 0.05 * reach)
-
-
-@compiled(inline=True)
-def _smallest(reach_a: float, reach_b: float) -> float:
-    """Return the smaller reach of two shapes; that of planes and meshes, which is 0.0, does not count."""
-    if reach_a == 0.0:
-        return reach_b
-    return reach_a if reach_b == 0.0 else min(reach_a, reach_b)

@@ -43,6 +43,7 @@ from kickdrift.world.joints.layout import (
     HELD,
     HINGE,
     IMPULSE,
+    LAWS,
     LENGTH,
     LINE,
     LINEAR,
@@ -57,6 +58,7 @@ from kickdrift.world.joints.layout import (
     RIGID,
     SLOPE,
     SPEED,
+    START,
     STATE,
 )
 from kickdrift.world.joints.measure import axis_unit, put_cross, put_line, put_vector, quaternion_at, vector_at
@@ -74,8 +76,12 @@ from kickdrift.world.tables import (
 
 # What an aim is taken for
 AHEAD = 0  # nothing is off at the end of the substep
-GENTLY = 1  # no speed where nothing moves, but for a part of what is off now
+GENTLY = 1  # no speed where nothing moves, but for a part of what is off by now
 RELAX = 2  # no speed where nothing moves
+BEGIN = 3  # as AHEAD, before anything is given
+
+# Angle by which the solution may turn bodies against each other. Beyond it there are others, which no one wants.
+_FARTHEST = 0.5
 
 # Of the spring that a gentle aim is: 1/s, but a quarter of the frequency of substeps at most, and ratio.
 _HERTZ, _DAMPING = 60.0, 2.0
@@ -96,54 +102,67 @@ def gentle_share(h: float) -> float:
 
 
 @compiled(cached=False)
-def aim_all(row: int, h: float, mode: int, world: int) -> float:
+def aim_all(row: int, h: float, mode: int, rate: float, world: int) -> float:
     """Say what is wanted of each joint of an articulation, and return how far any of them will be off at most."""
     articulation: Any = integers(world, ARTICULATION)[row]
     links, worst = integers(world, LINK), 0.0
     for link in range(articulation[FIRST], articulation[END]):
         if links[link, LINK_JOINT] >= 0:
-            worst = max(worst, aim(links[link, LINK_JOINT], link, h, mode, world))
+            worst = max(worst, aim(links[link, LINK_JOINT], link, h, mode, rate, world))
     return worst
 
 
 @compiled(cached=False)
-def aim(joint: int, link: int, h: float, mode: int, world: int) -> float:
+def aim(joint: int, link: int, h: float, mode: int, rate: float, world: int) -> float:
     """Say what is wanted of the axes of a joint: of locked ones the speed that puts them right, of laws nothing yet.
+
+    Parameters
+    ----------
+    rate : float
+        Part of what is off that a gentle aim takes away, in 1/s.
 
     Returns
     -------
     float
-        How far locked axes will be off, as an angle or in parts of the arms; zero where the mode does not ask.
+        How far locked axes will be off, as an angle or in parts of the arms; zero where the mode does not ask, and infinity
+        where loose ones have been given more turn than Newton's method can see.
     """
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
-    locked = integers(world, JOINT)[joint, LOCKED]
+    locked, laws = integers(world, JOINT)[joint, LOCKED], integers(world, JOINT)[joint, LAWS]
     links[link, HELD] = locked
     v, w = relative_velocity(joint, world)
     for k in range(18):
         work[link, AXES_AHEAD + k] = numbers[joint, AXES + k]
     put_vector(work, link, ARM_A_AHEAD, vector_at(numbers, joint, ARM_A))
     put_vector(work, link, ARM_B_AHEAD, vector_at(numbers, joint, ARM_B))
+    ahead = mode in (BEGIN, AHEAD)
     if mode != RELAX:
-        _look_ahead(joint, link, h if mode == AHEAD else 0.0, world)
-    off, turned_off = 0.0, 0.0
+        _look_ahead(joint, link, h if ahead else 0.0, world)
+    off, turned_off, farthest = 0.0, 0.0, 0.0
     for k in range(6):
         speed = dot(vector_at(numbers, joint, AXES + 3 * k), v if k < 3 else w)
-        brake = work[link, BRAKE + k - 3] if mode == AHEAD and k >= 3 else 0.0
+        brake = work[link, BRAKE + k - 3] if ahead and k >= 3 else 0.0
         wrong = numbers[joint, MISALIGNMENT + k]
         work[link, SPEED + k] = speed
         work[link, CHANGE + k] = 0.0
         if locked >> k & 1:
-            work[link, CHANGE + k] = -wrong / h if mode == AHEAD else -speed
-            work[link, CHANGE + k] -= gentle_rate(h) * wrong if mode == GENTLY else 0.0
+            work[link, CHANGE + k] = -wrong / h if ahead else -speed
+            work[link, CHANGE + k] -= rate * wrong if mode == GENTLY else 0.0
             off += wrong * wrong if k < 3 else 0.0
             turned_off += wrong * wrong if k >= 3 else 0.0
         work[link, SLOPE + k] = brake
         work[link, PUSH + k] = 0.0 if mode == RELAX else -brake * speed - numbers[joint, IMPULSE + k]
         for column in (STATE, MOVED, GIVEN):
             work[link, column + k] = 0.0
+        if k >= 3 and mode == BEGIN:
+            work[link, START + k - 3] = speed
+        elif k >= 3 and not (locked | laws) >> k & 1:
+            farthest = max(farthest, h * abs(speed - work[link, START + k - 3]))
     size = length(vector_at(numbers, joint, ARM_A)) + length(vector_at(numbers, joint, ARM_B))
     off = off / (size * size) if size > 0.0 else 0.0
-    return math.sqrt(max(turned_off, off)) if mode == AHEAD else 0.0
+    if not ahead:
+        return 0.0
+    return math.sqrt(max(turned_off, off)) if farthest < _FARTHEST else math.inf
 
 
 @compiled(cached=False)

@@ -36,6 +36,7 @@ from kickdrift.world.joints.measure import mobility, vector_at
 from kickdrift.world.joints.trees import (
     LOOPS,
     solve_articulations,
+    solve_once,
 )
 from kickdrift.world.tables import (
     ARTICULATION,
@@ -90,9 +91,6 @@ def eliminate_with_loops(row: int, ahead: float, world: int) -> None:
         solve_equations(numbers, at, m, factor_equations(numbers, at, m))
         for i in range(m):
             work[int(numbers[axes + i]) // 6, GIVEN + int(numbers[axes + i]) % 6] = numbers[right + i]
-
-
-solve_loops = compiled(specialise(solve_articulations, "solve_loops", answer=eliminate_with_loops, FOR=LOOPS))
 
 
 @compiled(inline=True, cached=False)
@@ -156,3 +154,7 @@ def _gained(link: int, k: int, world: int) -> float:
             gain = plus(vector_at(work, of, GAIN), cross(gain, arm))
         total += dot(axis, gain) if side == 1 else -dot(axis, gain)
     return float(total)
+
+
+_loops_once = compiled(cached=False)(specialise(solve_once, "solve_loops_once", answer=eliminate_with_loops))
+solve_loops = compiled(specialise(solve_articulations, "solve_loops", once=_loops_once, FOR=LOOPS))

@@ -13,7 +13,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import applied, cross
-from kickdrift.world.joints.aim import GENTLY, RELAX, aim, gentle_share
+from kickdrift.world.joints.aim import GENTLY, RELAX, aim, gentle_rate, gentle_share
 from kickdrift.world.joints.equations import factor_equations, solve_equations
 from kickdrift.world.joints.impulses import push_bodies
 from kickdrift.world.joints.laws import end_laws, review_laws
@@ -74,7 +74,7 @@ def solve_in_turn(t: float, h: float, world: int) -> None:
         at, relaxing = articulations[row, OFFSET], articulations[row, RELAXING] != 0
         for link in range(articulations[row, FIRST], articulations[row, END]):
             joint = links[link, LINK_JOINT]
-            aim(joint, at, h, RELAX if relaxing else GENTLY, world)
+            aim(joint, at, h, RELAX if relaxing else GENTLY, gentle_rate(h), world)
             if not relaxing:
                 for k in range(6):
                     work[at, CHANGE + k] *= 1.0 - share

@@ -4,7 +4,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled, specialise, unbound
 from kickdrift.core.vectors import dot
-from kickdrift.world.joints.aim import AHEAD, GENTLY, RELAX, aim_all
+from kickdrift.world.joints.aim import AHEAD, BEGIN, GENTLY, RELAX, aim_all, gentle_rate
 from kickdrift.world.joints.articulated import factor, sweep
 from kickdrift.world.joints.brakes import set_brakes
 from kickdrift.world.joints.impulses import note_speeds, push_bodies
@@ -20,8 +20,6 @@ from kickdrift.world.joints.layout import (
     LAWS,
     LINK_JOINT,
     LINKS,
-    LOCKED,
-    MOVED,
     RATIO,
     RELAXING,
     SEQUENTIAL,
@@ -41,57 +39,59 @@ LAST_TRIALS = 12
 # Steps of Newton's method at most, and where it stops: what joints are off by, in parts of their arms, times the ratio of
 # masses. Each step squares the former. The usual articulation takes one step; a chain with an end 1000 times as heavy as its
 # links takes two or three, and tears with one.
-ROUNDS = 6
+ROUNDS = 12
 CLOSE = 1e-4
 
-# Beyond this times the ratio of masses the search has come to nothing, and a gentle aim takes its place.
-LOST = 0.1
+# Where the first guess is farther off than this, Newton's method begins from velocities that joints allow.
+POOR = 0.01
 
 # Halvings of a step that leads away from what it seeks: where a whip cracks.
 HALVINGS = 4
 
-# Angle by which a step may turn bodies against each other. Beyond it there are other solutions, which one does not want.
-FARTHEST = 0.5
 
-
-answer = unbound
+answer = once = unbound
 TREES, LOOPS = 0, 1
 FOR = TREES
 
 
 def solve_articulations(t: float, h: float, world: int) -> None:
-    """Give the impulses with which joints hold, of the articulations that the function bound to `answer` is for."""
+    """Give the impulses with which joints hold, of the articulations that the function bound to `once` is for."""
     articulations: Any = integers(world, ARTICULATION)
     for row in range(rows(world, ARTICULATION)):
-        loops = LOOPS if articulations[row, CLOSINGS] > 0 else TREES
+        loops, ratio = LOOPS if articulations[row, CLOSINGS] > 0 else TREES, articulations[row, RATIO]
         if articulations[row, FIRST] == articulations[row, END] or articulations[row, SEQUENTIAL] != 0 or loops != FOR:
             continue
-        mode, off = RELAX if articulations[row, RELAXING] != 0 else AHEAD, 0.0
-        for n in range(ROUNDS + 1):
-            if mode == AHEAD:
-                off = approach(row, off, n, h, world)
-            else:
-                aim_all(row, h, mode, world)
-            if n > 0 and off * articulations[row, RATIO] <= CLOSE:
-                break
-            if n == ROUNDS:
-                if off * articulations[row, RATIO] <= LOST:
-                    break
-                mode = GENTLY
-                take_back(row, world)
-                aim_all(row, h, mode, world)
-            for trial in range(TRIALS + LAST_TRIALS):
-                settled = settle(row, h, trial, world)
-                if trial > 0 and settled:
-                    break
-                answer(row, h if mode == AHEAD else 0.0, world)
-            give_impulses(row, h, world)
-            if off * off * articulations[row, RATIO] <= CLOSE:
-                break
-        if mode == RELAX:
+        if articulations[row, RELAXING] != 0:
+            aim_all(row, h, RELAX, 0.0, world)
+            once(row, h, 0.0, world)
             end_relaxation(row, h, world)
-        else:
-            end_solution(row, h, world)
+            continue
+        off = aim_all(row, h, BEGIN, 0.0, world)
+        if off > POOR:
+            aim_all(row, h, GENTLY, 0.0, world)
+            once(row, h, 0.0, world)
+            off = aim_all(row, h, BEGIN, 0.0, world)
+        start = off
+        for _ in range(ROUNDS):
+            once(row, h, h, world)
+            off = approach(row, off, h, world) if off * off * ratio > CLOSE else off * off
+            if off * ratio <= CLOSE:
+                break
+        if off * ratio > CLOSE and off >= start:
+            take_back(row, world)
+            aim_all(row, h, GENTLY, gentle_rate(h) * min(1.0, 10.0 / ratio), world)
+            once(row, h, 0.0, world)
+        end_solution(row, h, world)
+
+
+def solve_once(row: int, h: float, ahead: float, world: int) -> None:
+    """Solve the equations until all pieces of laws fit that were assumed, and give the impulses."""
+    for trial in range(TRIALS + LAST_TRIALS):
+        settled = settle(row, h, trial, world)
+        if trial > 0 and settled:
+            break
+        answer(row, ahead, world)
+    give_impulses(row, world)
 
 
 @compiled(cached=False)
@@ -103,13 +103,13 @@ def eliminate(row: int, ahead: float, world: int) -> None:
 
 
 @compiled(cached=False)
-def approach(row: int, before: float, n: int, h: float, world: int) -> float:
-    """Aim, from halfway back as long as step n has led away, and return how far joints are off."""
+def approach(row: int, before: float, h: float, world: int) -> float:
+    """Aim anew, from halfway back as long as a step has led away, and return how far joints are off."""
     articulation: Any = integers(world, ARTICULATION)[row]
     links, numbers, work = integers(world, LINK), floats(world, JOINT_NUMBERS), floats(world, LINK_NUMBERS)
-    off = aim_all(row, h, AHEAD, world)
+    off = aim_all(row, h, AHEAD, 0.0, world)
     for _ in range(HALVINGS):
-        if n == 0 or off < before:
+        if off < before:
             break
         for link in range(articulation[FIRST], articulation[END]):
             joint = links[link, LINK_JOINT]
@@ -120,7 +120,7 @@ def approach(row: int, before: float, n: int, h: float, world: int) -> float:
                 push_bodies(joint, work, link, LAST, world)
                 for k in range(6):
                     work[link, LAST + k] *= -1.0
-        off = aim_all(row, h, AHEAD, world)
+        off = aim_all(row, h, AHEAD, 0.0, world)
     return off
 
 
@@ -165,12 +165,11 @@ def _split_impulse(link: int, joint: int, world: int) -> None:
 
 
 @compiled(cached=False)
-def give_impulses(row: int, h: float, world: int) -> None:
+def give_impulses(row: int, world: int) -> None:
     """Give bodies the impulses that were found."""
     articulation: Any = integers(world, ARTICULATION)[row]
     links, work = integers(world, LINK), floats(world, LINK_NUMBERS)
     numbers = floats(world, JOINT_NUMBERS)
-    share = _share(row, h, world)
     for link in range(articulation[FIRST], articulation[END]):
         joint = links[link, LINK_JOINT]
         if joint < 0:
@@ -178,25 +177,9 @@ def give_impulses(row: int, h: float, world: int) -> None:
         if link < articulation[FIRST] + articulation[LINKS]:
             _split_impulse(link, joint, world)
         for k in range(6):
-            work[link, GIVEN + k] *= share
             numbers[joint, IMPULSE + k] += work[link, GIVEN + k]
             work[link, LAST + k] = work[link, GIVEN + k]
         push_bodies(joint, work, link, GIVEN, world)
-
-
-@compiled(cached=False)
-def _share(row: int, h: float, world: int) -> float:
-    """Part of a step after which nothing has turned farther than Newton's method can see."""
-    articulation: Any = integers(world, ARTICULATION)[row]
-    links, joints, work = integers(world, LINK), integers(world, JOINT), floats(world, LINK_NUMBERS)
-    fastest = 0.0
-    for link in range(articulation[FIRST], articulation[END]):
-        joint = links[link, LINK_JOINT]
-        if joint >= 0 and articulation[RELAXING] == 0:
-            for k in range(3, 6):
-                if not (joints[joint, LOCKED] | joints[joint, LAWS]) >> k & 1:
-                    fastest = max(fastest, abs(work[link, MOVED + k]))
-    return FARTHEST / (h * fastest) if h * fastest > FARTHEST else 1.0
 
 
 @compiled(cached=False)
@@ -232,4 +215,5 @@ def end_relaxation(row: int, h: float, world: int) -> None:
     articulation[RELAXING] = 0
 
 
-solve_trees = compiled(specialise(solve_articulations, "solve_trees", answer=eliminate, FOR=TREES))
+_tree_once = compiled(cached=False)(specialise(solve_once, "solve_tree_once", answer=eliminate))
+solve_trees = compiled(specialise(solve_articulations, "solve_trees", once=_tree_once, FOR=TREES))
