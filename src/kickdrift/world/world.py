@@ -198,10 +198,10 @@ class World(KeepsHistory, AddsBodies, AddsJoints):
             Where it acts, in the world, m; the centre of mass by default.
         """
         row, f = self.bodies.moved_row(body), vector("force", force, 3)
+        arm = np.zeros(3) if point is None else vector("point", point, 3) - self.position[row]
         load = self.tables.array(LOAD)[row]
         load[:3] += f
-        if point is not None:
-            load[3:6] += np.cross(vector("point", point, 3) - self.position[row], f)
+        load[3:6] += np.cross(arm, f)
 
     def apply_torque(self, body: Body, torque: ArrayLike) -> None:
         """Let a torque in N m, (3,) in the world's axes, act on a body during the next step."""

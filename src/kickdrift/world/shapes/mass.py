@@ -136,7 +136,10 @@ def checked_inertia(inertia: ArrayLike, argument: str = "inertia") -> Array:
         If it is not finite, not symmetric, not positive definite, or if one principal moment is greater than the sum of
         the other two: each is an integral of the squares of two coordinates, so that no body has such moments.
     """
-    matrix = np.asarray(inertia, dtype=np.float64)
+    try:
+        matrix = np.asarray(inertia, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"{argument}={inertia!r} has to be three numbers, or (3, 3), in kg m^2.") from None
     if matrix.shape == (3,):
         matrix = np.diag(matrix)
     if matrix.shape != (3, 3):
