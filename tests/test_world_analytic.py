@@ -95,6 +95,28 @@ def test_two_balls_that_meet_follow_newtons_rule(e, mass):
     assert not world.angular_velocity.any()
 
 
+@pytest.mark.parametrize("step", STEPS)
+@pytest.mark.parametrize("e", [0.5, 1.0])
+def test_a_tilted_box_that_bounces_on_an_edge_begins_to_turn(e, step):
+    tilt, speed, (width, depth, height) = 0.3, 3.0, (1.0, 1.0, 0.4)
+    world = World(gravity=(0, 0, 0))
+    world.add_plane(restitution=e, friction=0.0)
+    # The lower edge is at (x, z) from the centre.
+    x = width / 2 * math.cos(tilt) - height / 2 * math.sin(tilt)
+    z = -width / 2 * math.sin(tilt) - height / 2 * math.cos(tilt)
+    turn = (math.cos(tilt / 2), 0, math.sin(tilt / 2), 0)
+    options = {"mass": 1.0, "friction": 0.0, "restitution": e, "orientation": turn, "velocity": (0, 0, -speed)}
+    box = world.add_box((width, depth, height), position=(0, 0, 0.5 - z), **options).index
+    energy = world.energy().total
+    world.advance(step, round(0.2 / step))
+    moment = (width**2 + height**2) / 12
+    impulse = (1 + e) * speed / (1 + x**2 / moment)
+    assert world.velocity[box] == pytest.approx([0, 0, impulse - speed], abs=1e-9)
+    assert world.angular_velocity[box] == pytest.approx([0, -x * impulse / moment, 0], abs=1e-9)
+    lost = 0.5 * (1 - e**2) * speed**2 / (1 + x**2 / moment)
+    assert world.energy().total == pytest.approx(energy - lost, rel=1e-9)
+
+
 def test_oblique_impacts_turn_the_line_of_centres_as_the_step_shrinks():
     normal = np.array([math.sqrt(0.75), -0.5, 0.0])
     errors = []

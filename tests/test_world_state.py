@@ -592,7 +592,12 @@ def test_overlap_and_joint_gaps_are_those_of_the_shapes():
     world.position[ball.index] = (0.3, 0, 0.4)
     world.velocity[:] = 0.0
     assert world.run(STEP, STEP).derived["joint gap"].tolist() == [0.0, 0.0]
-    other = cradle()
-    before = other.run(STEP, STEP).derived["joint gap"].max()
-    other.position[1] += (0.0, 0.03, 0.04)
-    assert other.run(1e-9, 1e-9).derived["joint gap"][0] == pytest.approx(0.05, abs=before + 1e-9)
+    strings = cradle()
+    assert strings.run(STEP, STEP).derived["joint gap"][0] < 1e-12
+    strings.position[3, 2] -= 0.05  # the last ball hangs straight down
+    assert strings.run(1e-9, 1e-9).derived["joint gap"][0] == pytest.approx(0.05, abs=1e-4)
+    pair = kd.World()
+    ends = [pair.add_sphere(radius=0.1, position=(k, 0, 0)) for k in range(2)]
+    pair.add_ball_joint(*ends, anchor=(0.5, 0, 0))
+    pair.position[2] += (0.0, 0.03, 0.04)
+    assert pair.run(1e-9, 1e-9).derived["joint gap"][0] == pytest.approx(0.05, abs=1e-14)

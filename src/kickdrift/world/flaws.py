@@ -32,15 +32,17 @@ def deepest_overlap(tables: Tables) -> float:
 
 
 def widest_gap(tables: Tables) -> float:
-    """Measure how far apart points are that joints hold together, at most, m; 0.0 without such joints."""
+    """Measure how far points are from the distance at which joints hold them, 0 or another, at most, m."""
     rows, numbers, pose = tables.array(JOINT), tables.array(JOINT_NUMBERS), tables.array(POSE)
-    held = (rows[:, joints.KIND] != joints.REMOVED) & (rows[:, joints.LOCKED] & 0b111 == 0b111)
-    rows, numbers = rows[held], numbers[held]
+    locked = rows[:, joints.LOCKED]
+    on_line = (rows[:, joints.LINEAR] == joints.LINE) & (locked & 0b100 != 0)
+    held = (rows[:, joints.KIND] != joints.REMOVED) & (on_line | (locked & 0b111 == 0b111))
+    rows, numbers, lengths = rows[held], numbers[held], np.where(on_line, numbers[:, joints.LENGTH], 0.0)[held]
     ends = []
     for column, anchor in ((joints.BODY_A, joints.ANCHOR_A), (joints.BODY_B, joints.ANCHOR_B)):
         bodies = pose[rows[:, column]]
         ends.append(bodies[:, :3] + turned(bodies[:, 3:7], numbers[:, anchor : anchor + 3]))
-    return float(np.linalg.norm(ends[1] - ends[0], axis=1).max(initial=0.0))
+    return float(np.abs(np.linalg.norm(ends[1] - ends[0], axis=1) - lengths).max(initial=0.0))
 
 
 def _place(tables: Tables, shapes: NDArray[np.int64]) -> tuple[Floats, Floats]:

@@ -79,7 +79,7 @@ class Recording(Solution):
     Notes
     -----
     `derived` has "kinetic energy" and "potential energy", J; "overlap", how deep bodies that touch have sunk into each
-    other, and "joint gap", how far apart points are that joints hold together, at most, m.
+    other, and "joint gap", how far points are from the distance at which joints hold them, at most, m.
     """
 
     orientation: Floats
@@ -118,7 +118,8 @@ def _rods(world: "World", kinds: NDArray[np.int64]) -> list[Rod]:
         a, b = int(joint[layout.BODY_A]), int(joint[layout.BODY_B])
         on_a = numbers[layout.ANCHOR_A : layout.ANCHOR_A + 3].copy()
         on_b = numbers[layout.ANCHOR_B : layout.ANCHOR_B + 3].copy()
-        rods += [Rod(body, np.zeros(3), body, end) for body, end in ((a, on_a), (b, on_b)) if kinds[body] == DYNAMIC]
+        ends = [(body, end) for body, end in ((a, on_a), (b, on_b)) if kinds[body] == DYNAMIC and end.any()]
+        rods += [Rod(body, np.zeros(3), body, end) for body, end in ends]
         if joint[layout.LINEAR] == layout.LINE:
             rods.append(Rod(a, on_a, b, on_b))
     return rods

@@ -79,6 +79,7 @@ AHEAD = 0  # nothing is off at the end of the substep
 GENTLY = 1  # no speed where nothing moves, but for a part of what is off by now
 RELAX = 2  # no speed where nothing moves
 BEGIN = 3  # as AHEAD, before anything is given
+REPAIR = 4  # a change of position, as a speed, after which nothing is off
 
 # Angle by which the solution may turn bodies against each other. Beyond it there are others, which no one wants.
 _FARTHEST = 0.5
@@ -146,12 +147,12 @@ def aim(joint: int, link: int, h: float, mode: int, rate: float, world: int) -> 
         work[link, SPEED + k] = speed
         work[link, CHANGE + k] = 0.0
         if locked >> k & 1:
-            work[link, CHANGE + k] = -wrong / h if ahead else -speed
+            work[link, CHANGE + k] = -wrong / h if ahead or mode == REPAIR else -speed
             work[link, CHANGE + k] -= rate * wrong if mode == GENTLY else 0.0
             off += wrong * wrong if k < 3 else 0.0
             turned_off += wrong * wrong if k >= 3 else 0.0
         work[link, SLOPE + k] = brake
-        work[link, PUSH + k] = 0.0 if mode == RELAX else -brake * speed - numbers[joint, IMPULSE + k]
+        work[link, PUSH + k] = 0.0 if mode in (RELAX, REPAIR) else -brake * speed - numbers[joint, IMPULSE + k]
         for column in (STATE, MOVED, GIVEN):
             work[link, column + k] = 0.0
         if k >= 3 and mode == BEGIN:

@@ -17,7 +17,7 @@ from numpy import int64
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import Vector, cross, dot, inverse_symmetric, minus, plus, times
+from kickdrift.core.vectors import Symmetric, Vector, cross, dot, inverse_symmetric, minus, plus, times
 from kickdrift.world.joints.layout import (
     ANGULAR_PART,
     ARM_A,
@@ -77,12 +77,19 @@ def _move(m: Any, row: int, s: Vector, ahead: Vector) -> None:
         m[row, 30 + j] += turn[2]
 
 
+@compiled(inline=True, cached=False)
+def divided(s: Symmetric, divisor: float) -> Symmetric:
+    """Divide a symmetric matrix by a number."""
+    return (s[0] / divisor, s[1] / divisor, s[2] / divisor, s[3] / divisor, s[4] / divisor, s[5] / divisor)
+
+
 @compiled(cached=False)
 def _own_inertia(link: int, ahead: float, world: int) -> None:
     """Fill in the inertia of the body alone, about its centre of mass.
 
     A change dw of its angular velocity w turns it, after a time h, by h T dw with T = 1 + h w x / 2 + ...: velocities
-    ahead are T dw, and the inertia is I T^-1, where T^-1 = 1 - h w x / 2 + (h w x)^2 / 12 up to h^4.
+    ahead are T dw, and the inertia is I T^-1, where T^-1 = 1 - h w x / 2 + (h w x)^2 / 12 up to h^4. A negative time is for
+    changes of position alone: then all bodies weigh the same, so that light ones are not thrown about for heavy ones.
     """
     work, response = floats(world, LINK_NUMBERS), floats(world, RESPONSE)
     body = integers(world, LINK)[link, BODY]
@@ -100,6 +107,8 @@ def _own_inertia(link: int, ahead: float, world: int) -> None:
     else:
         turn = _IMMOVABLE * mass
         moments = (turn, turn, turn, 0.0, 0.0, 0.0)
+    if ahead < 0.0:
+        mass, moments, ahead = 1.0, divided(moments, mass), 0.0
     turn = times(ahead, vector_at(floats(world, MOTION), body, ANGULAR_PART))
     for k in range(3):
         work[link, INERTIA + 7 * k] = mass

@@ -35,6 +35,7 @@ from kickdrift.world.joints.layout import (
 from kickdrift.world.joints.measure import mobility, vector_at
 from kickdrift.world.joints.trees import (
     LOOPS,
+    repair_positions,
     solve_articulations,
     solve_once,
 )
@@ -157,4 +158,7 @@ def _gained(link: int, k: int, world: int) -> float:
 
 
 _loops_once = compiled(cached=False)(specialise(solve_once, "solve_loops_once", answer=eliminate_with_loops))
-solve_loops = compiled(specialise(solve_articulations, "solve_loops", once=_loops_once, FOR=LOOPS))
+_repair_loops = compiled(cached=False)(specialise(repair_positions, "repair_loops", answer=eliminate_with_loops))
+solve_loops = compiled(
+    specialise(solve_articulations, "solve_loops", once=_loops_once, repair=_repair_loops, FOR=LOOPS)
+)

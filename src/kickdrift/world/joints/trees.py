@@ -3,23 +3,26 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled, specialise, unbound
-from kickdrift.core.vectors import dot
-from kickdrift.world.joints.aim import AHEAD, BEGIN, GENTLY, RELAX, aim_all, gentle_rate
+from kickdrift.core.vectors import dot, exponential, length, product, times, unit
+from kickdrift.world.joints.aim import AHEAD, BEGIN, GENTLY, RELAX, REPAIR, aim_all
 from kickdrift.world.joints.articulated import factor, sweep
 from kickdrift.world.joints.brakes import set_brakes
 from kickdrift.world.joints.impulses import note_speeds, push_bodies
 from kickdrift.world.joints.laws import end_laws, review_laws
 from kickdrift.world.joints.layout import (
+    ANGULAR_PART,
     AXES,
     CLOSINGS,
     END,
     FIRST,
+    GAIN,
     GIVEN,
     IMPULSE,
     LAST,
     LAWS,
     LINK_JOINT,
     LINKS,
+    LOST,
     RATIO,
     RELAXING,
     SEQUENTIAL,
@@ -28,8 +31,10 @@ from kickdrift.world.joints.layout import (
     TOTAL,
     WRENCH,
 )
-from kickdrift.world.joints.measure import vector_at
-from kickdrift.world.tables import ARTICULATION, JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, floats, integers, rows
+from kickdrift.world.joints.layout import BODY as LINK_BODY
+from kickdrift.world.joints.measure import measure, quaternion_at, vector_at
+from kickdrift.world.tables import ARTICULATION, JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, POSE, floats, integers, rows
+from kickdrift.world.tables import CHANGE as CHANGES
 
 # Solutions with other pieces of laws assumed, and then with axes let go only, which comes to an end. A few axes that change
 # their minds take two or three.
@@ -45,11 +50,15 @@ CLOSE = 1e-4
 # Where the first guess is farther off than this, Newton's method begins from velocities that joints allow.
 POOR = 0.01
 
+# Where it is given up, and how often positions are then put right instead.
+FAR = 0.1
+REPAIRS = 3
+
 # Halvings of a step that leads away from what it seeks: where a whip cracks.
 HALVINGS = 4
 
 
-answer = once = unbound
+answer = once = repair = unbound
 TREES, LOOPS = 0, 1
 FOR = TREES
 
@@ -62,6 +71,8 @@ def solve_articulations(t: float, h: float, world: int) -> None:
         if articulations[row, FIRST] == articulations[row, END] or articulations[row, SEQUENTIAL] != 0 or loops != FOR:
             continue
         if articulations[row, RELAXING] != 0:
+            if articulations[row, LOST] != 0:
+                repair(row, h, world)
             aim_all(row, h, RELAX, 0.0, world)
             once(row, h, 0.0, world)
             end_relaxation(row, h, world)
@@ -71,15 +82,15 @@ def solve_articulations(t: float, h: float, world: int) -> None:
             aim_all(row, h, GENTLY, 0.0, world)
             once(row, h, 0.0, world)
             off = aim_all(row, h, BEGIN, 0.0, world)
-        start = off
         for _ in range(ROUNDS):
             once(row, h, h, world)
             off = approach(row, off, h, world) if off * off * ratio > CLOSE else off * off
             if off * ratio <= CLOSE:
                 break
-        if off * ratio > CLOSE and off >= start:
+        articulations[row, LOST] = off * ratio > FAR
+        if articulations[row, LOST] != 0:
             take_back(row, world)
-            aim_all(row, h, GENTLY, gentle_rate(h) * min(1.0, 10.0 / ratio), world)
+            aim_all(row, h, GENTLY, 0.0, world)
             once(row, h, 0.0, world)
         end_solution(row, h, world)
 
@@ -92,6 +103,34 @@ def solve_once(row: int, h: float, ahead: float, world: int) -> None:
             break
         answer(row, ahead, world)
     give_impulses(row, world)
+
+
+def repair_positions(row: int, h: float, world: int) -> None:
+    """Put bodies back to where joints hold them, by changes of position that have no velocity."""
+    articulation: Any = integers(world, ARTICULATION)[row]
+    links, work, pose, change = (
+        integers(world, LINK),
+        floats(world, LINK_NUMBERS),
+        floats(world, POSE),
+        floats(world, CHANGES),
+    )
+    for _ in range(REPAIRS):
+        aim_all(row, h, REPAIR, 0.0, world)
+        answer(row, -1.0, world)
+        for link in range(articulation[FIRST], articulation[FIRST] + articulation[LINKS]):
+            body = links[link, LINK_BODY]
+            way, turn = times(h, vector_at(work, link, GAIN)), times(h, vector_at(work, link, GAIN + 3))
+            turn = times(1.0 / max(1.0, 2.0 * length(turn)), turn)
+            q = unit(product(exponential(turn), quaternion_at(pose, body, ANGULAR_PART)))
+            for k in range(3):
+                pose[body, k] += way[k]
+                change[body, k] += way[k]
+                change[body, 3 + k] += turn[k]
+            for k in range(4):
+                pose[body, 3 + k] = q[k]
+        for link in range(articulation[FIRST], articulation[END]):
+            if links[link, LINK_JOINT] >= 0:
+                measure(links[link, LINK_JOINT], world)
 
 
 @compiled(cached=False)
@@ -216,4 +255,5 @@ def end_relaxation(row: int, h: float, world: int) -> None:
 
 
 _tree_once = compiled(cached=False)(specialise(solve_once, "solve_tree_once", answer=eliminate))
-solve_trees = compiled(specialise(solve_articulations, "solve_trees", once=_tree_once, FOR=TREES))
+_repair_tree = compiled(cached=False)(specialise(repair_positions, "repair_tree", answer=eliminate))
+solve_trees = compiled(specialise(solve_articulations, "solve_trees", once=_tree_once, repair=_repair_tree, FOR=TREES))
