@@ -215,6 +215,27 @@ def test_features_are_the_same_whichever_face_clips(make, angle):
     assert len({swapped(feature) for feature in features_too} & set(features)) >= 3
 
 
+@pytest.mark.parametrize("plank", [(0.6, 3.0, 0.1), (0.6, 0.8, 0.1)], ids=["across", "within"])
+@pytest.mark.parametrize("make", [Box, lambda size: Hull(SIGNS * np.array(size) / 2.0)], ids=["boxes", "hulls"])
+def test_features_are_the_same_when_the_second_shape_clips(make, plank):
+    base, upper = make((1.0, 1.0, 1.0)), make(plank)
+    tilted = Rotation.from_euler("y", 0.2)
+    lowest = (corners(upper) @ tilted.as_matrix().T)[:, 2].min()
+    way = np.array([0.1, 0.05, 0.499 - lowest])
+    normal, on_a, _, gaps, features = collide(base, upper, way, tilted.as_quat(scalar_first=True))
+    back = tilted.inv()
+    other, _, on_base, gaps_too, features_too = collide(upper, base, -back.apply(way), back.as_quat(scalar_first=True))
+    assert np.allclose(normal, (0.0, 0.0, 1.0))
+    assert np.allclose(tilted.apply(other), -normal, atol=1e-12)
+    assert np.allclose(gaps, -0.001, atol=1e-12)
+    assert np.allclose(gaps_too, -0.001, atol=1e-12)
+    assert len(features) == 2
+    there = dict(zip(features, on_a, strict=True))
+    for feature, point in zip(features_too, tilted.apply(on_base) + way, strict=True):
+        assert np.allclose(there[swapped(feature)], point, atol=1e-9)
+    assert ((features >= 256) == (plank[1] > 1.0)).all()
+
+
 @settings(UNHURRIED, max_examples=60)
 @given(boxes, boxes, quaternion, vector)
 def test_boxes_touch_as_their_hulls_do(a, b, orientation, position):

@@ -33,6 +33,7 @@ from kickdrift.systems import (
 from kickdrift.world.recording import Recording, WorldPresenters
 
 if TYPE_CHECKING:
+    from kickdrift.io.robot_file import load_robot
     from kickdrift.io.world_file import load_world
     from kickdrift.world.world import World
 
@@ -58,6 +59,7 @@ __all__ = [
     "World",
     "analysis",
     "load",
+    "load_robot",
     "load_world",
     "methods",
     "plots",

@@ -10,11 +10,13 @@ from kickdrift.core.errors import ArgumentError, LostBodyError
 from kickdrift.world import measures, settings
 from kickdrift.world.adding import AddsBodies, direction, number, vector
 from kickdrift.world.bodies import Bodies, Body
+from kickdrift.world.collision.filters import exclude
 from kickdrift.world.contacts import lanes
 from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.events import ContactEvent, events, touching
 from kickdrift.world.forces import force_stage
 from kickdrift.world.history import KeepsHistory
+from kickdrift.world.joints import layout as joints_layout
 from kickdrift.world.joints.adding import AddsJoints
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.registry import Joints
@@ -26,6 +28,8 @@ from kickdrift.world.tables import (
     COLOURS,
     CONTACT,
     EVENTS,
+    EXCLUDED,
+    JOINT,
     LOAD,
     MANIFOLD,
     MOTION,
@@ -145,6 +149,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints):
         self.shape_rows = ShapeRows(self.tables)
         self.joints = Joints(self.tables)
         self.broken: list[Joint] = []
+        self._joined: set[tuple[int, int]] = set()
         self._program_key: tuple[float, int, bool, float] | None = None
         self._program: Program
         self.forces: list[Function] = []
@@ -289,10 +294,26 @@ class World(KeepsHistory, AddsBodies, AddsJoints):
         self.shape_rows.compile_pairs()
         key = (step, len(self.forces), self.shape_rows.bouncing, self._fast)
         if not self.joints.arranged or key != self._program_key:
+            self._part_joined()
             sweeps = self.tables.array(SWEEPS)[0]
             sweeps[:] = *(address_of(sweep, lanes.SWEEP) for sweep in lanes.SWEEPS), WIDTH
             self._program_key, self._program = key, compose(self.word, step, self.substeps)
         return self._program
+
+    def exclude(self, body_a: Body, body_b: Body) -> None:
+        """Let two bodies pass through each other; those that a joint holds together do so anyway."""
+        pair = (self.bodies.row(body_a, "body_a"), self.bodies.row(body_b, "body_b"))
+        exclude(self.tables, [*self.tables.array(EXCLUDED).tolist(), pair])
+
+    def _part_joined(self) -> None:
+        """Let bodies that joints hold together pass through each other, and those that none holds any more touch."""
+        joint = self.tables.array(JOINT)
+        pairs = joint[joint[:, joints_layout.KIND] != joints_layout.REMOVED]
+        joined = {(min(pair), max(pair)) for pair in pairs[:, [joints_layout.BODY_A, joints_layout.BODY_B]].tolist()}
+        if joined != self._joined:
+            others = {tuple(pair) for pair in self.tables.array(EXCLUDED).tolist()} - self._joined
+            exclude(self.tables, sorted(others | joined))
+            self._joined = joined
 
     def _help(self, done: int, step: float) -> None:
         """Do what a stage has asked for; raise what cannot be helped."""

@@ -22,7 +22,6 @@ from kickdrift.world.joints.layout import (
     LAWS,
     LINK_JOINT,
     LINKS,
-    LOST,
     RATIO,
     RELAXING,
     SEQUENTIAL,
@@ -32,7 +31,7 @@ from kickdrift.world.joints.layout import (
     WRENCH,
 )
 from kickdrift.world.joints.layout import BODY as LINK_BODY
-from kickdrift.world.joints.measure import measure, quaternion_at, vector_at
+from kickdrift.world.joints.measure import quaternion_at, vector_at
 from kickdrift.world.tables import ARTICULATION, JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, POSE, floats, integers, rows
 from kickdrift.world.tables import CHANGE as CHANGES
 
@@ -71,8 +70,6 @@ def solve_articulations(t: float, h: float, world: int) -> None:
         if articulations[row, FIRST] == articulations[row, END] or articulations[row, SEQUENTIAL] != 0 or loops != FOR:
             continue
         if articulations[row, RELAXING] != 0:
-            if articulations[row, LOST] != 0:
-                repair(row, h, world)
             aim_all(row, h, RELAX, 0.0, world)
             once(row, h, 0.0, world)
             end_relaxation(row, h, world)
@@ -87,11 +84,11 @@ def solve_articulations(t: float, h: float, world: int) -> None:
             off = approach(row, off, h, world) if off * off * ratio > CLOSE else off * off
             if off * ratio <= CLOSE:
                 break
-        articulations[row, LOST] = off * ratio > FAR
-        if articulations[row, LOST] != 0:
+        if off * ratio > FAR:
             take_back(row, world)
             aim_all(row, h, GENTLY, 0.0, world)
             once(row, h, 0.0, world)
+            repair(row, h, world)
         end_solution(row, h, world)
 
 
@@ -106,7 +103,7 @@ def solve_once(row: int, h: float, ahead: float, world: int) -> None:
 
 
 def repair_positions(row: int, h: float, world: int) -> None:
-    """Put bodies back to where joints hold them, by changes of position that have no velocity."""
+    """Move bodies to where the substep takes them to positions that joints allow, without a velocity."""
     articulation: Any = integers(world, ARTICULATION)[row]
     links, work, pose, change = (
         integers(world, LINK),
@@ -128,9 +125,6 @@ def repair_positions(row: int, h: float, world: int) -> None:
                 change[body, 3 + k] += turn[k]
             for k in range(4):
                 pose[body, 3 + k] = q[k]
-        for link in range(articulation[FIRST], articulation[END]):
-            if links[link, LINK_JOINT] >= 0:
-                measure(links[link, LINK_JOINT], world)
 
 
 @compiled(cached=False)
