@@ -75,7 +75,6 @@ class Scene:
         return self.shape(self.body(kind, position), BOX, np.broadcast_to(half, 3), **options)
 
     def remove(self, row):
-        self[t.SHAPE][row] = 0
         self[t.SHAPE][row, 0] = -1
         shapes_changed(self.tables)
 

@@ -79,7 +79,11 @@ def _later(module: str, name: str) -> Callable[..., Any]:
     return call
 
 
-_WORLDS = {"World": "kickdrift.world.world", "load_world": "kickdrift.io.world_file"}
+_WORLDS = {
+    "World": "kickdrift.world.world",
+    "load_robot": "kickdrift.io.robot_file",
+    "load_world": "kickdrift.io.world_file",
+}
 
 
 def __getattr__(name: str) -> Any:

@@ -64,7 +64,7 @@ SCRATCH = Table(22, 1)
 TREE = Table(23, 8)  # over the wider boxes of shapes that may move: see `kickdrift.world.collision.tree`
 STATIC_TREE = Table(24, 8)  # over those that may not
 COLLIDERS = Table(25, 8, whole=True)  # address of the function for each pair of kinds of shapes
-ARTICULATION = Table(26, 8, whole=True)
+ARTICULATION = Table(26, 12, whole=True)
 ARTICULATION_NUMBERS = Table(27, 1)  # the equations of closing joints
 LINK = Table(46, 8, whole=True)  # a body of an articulation and the joint that it hangs on, parents first
 LINK_NUMBERS = Table(47, 216)

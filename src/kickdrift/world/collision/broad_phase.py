@@ -92,7 +92,7 @@ def _look_through(world: int) -> bool:
     row = 0
     while row < rows(world, CONTACT):
         a, b, part = contact[row, SHAPE_A], contact[row, SHAPE_B], contact[row, PART]
-        if shapes[a, STATE] == AT_HOME and shapes[b, STATE] == AT_HOME and shapes[a, 0] >= 0 and shapes[b, 0] >= 0:
+        if shapes[a, STATE] == AT_HOME and shapes[b, STATE] == AT_HOME:
             row += 1
         elif _stays(world, a, b, part):
             remember(world, key_of(world, a, b, part))
@@ -113,7 +113,7 @@ def _look_through(world: int) -> bool:
 def _stays(world: int, a: int, b: int, part: int) -> bool:
     """Whether shapes of which one is sought anew, or gone, still make a contact."""
     shapes = integers(world, SHAPE)
-    if shapes[a, 0] < 0 or shapes[b, 0] < 0 or shapes[a, STATE] == NEW or shapes[b, STATE] == NEW:
+    if shapes[a, STATE] == NEW or shapes[b, STATE] == NEW:
         return False
     return overlap(world, a, b, part) and (integers(world, SEARCH)[0, REVIEW] == 0 or may_touch(world, a, b))
 

@@ -82,6 +82,7 @@ def enlist(world: int, h: float) -> bool:
     for shape in range(count):
         kind, state = shapes[shape, 0], shapes[shape, STATE]
         if kind < 0:
+            shapes[shape, STATE] = NEW
             continue
         if state == NEW and kind != PLANE:
             for k in range(6):

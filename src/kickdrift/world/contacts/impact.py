@@ -24,15 +24,18 @@ from kickdrift.core.vectors import (
     plus,
     product,
     times,
+    turned,
+    turned_back,
     unit,
 )
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.looking import RESTITUTION
-from kickdrift.world.flight import ADDED, IMPACT_TIME
+from kickdrift.world.flight import ADDED, BODY_INERTIA, IMPACT_TIME, SPHERICAL, SPIN
 from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, MIDPOINT, SLOP
 from kickdrift.world.tables import (
     CHANGE,
     CONTACT,
+    INERTIA,
     KICKED,
     LANES,
     MOTION,
@@ -255,13 +258,27 @@ def _set(world: int, body: int, velocity: Vector, turn: Vector, when: float) -> 
     )
     back = times(-when, minus(velocity, _three(motion, body, 0)))
     turn_back = times(-when, minus(turn, _three(motion, body, 3)))
+    q = (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
+    inertia = floats(world, INERTIA)
+    if inertia[body, SPHERICAL] == 0.0:
+        m = BODY_INERTIA
+        moments = (
+            inertia[body, m],
+            inertia[body, m + 1],
+            inertia[body, m + 2],
+            inertia[body, m + 3],
+            inertia[body, m + 4],
+            inertia[body, m + 5],
+        )
+        won = turned(q, applied(moments, turned_back(q, minus(turn, _three(motion, body, 3)))))
+        for k in range(3):
+            kicked[body, SPIN + k] += won[k]
     for k in range(3):
         motion[body, k], kicked[body, k] = velocity[k], velocity[k]
         motion[body, 3 + k], kicked[body, 3 + k] = turn[k], turn[k]
         pose[body, k] += back[k]
         change[body, k] += back[k]
         change[body, 3 + k] += turn_back[k]
-    q = (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
     q = unit(product(exponential(turn_back), q))
     for k in range(4):
         pose[body, 3 + k] = q[k]

@@ -81,7 +81,7 @@ AHEAD = int64(0)  # nothing is off at the end of the substep
 GENTLY = int64(1)  # no speed where nothing moves, but for a part of what is off by now
 RELAX = int64(2)  # no speed where nothing moves
 BEGIN = int64(3)  # as AHEAD, before anything is given
-REPAIR = int64(4)  # as AHEAD, by a change of position, as a speed, before the drift
+REPAIR = int64(4)  # a change of position, as a speed, after which nothing is off
 
 # Angle by which the solution may turn bodies against each other. Beyond it there are others, which no one wants.
 _FARTHEST = 0.5
@@ -138,23 +138,23 @@ def aim(joint: int, link: int, h: float, mode: int, rate: float, world: int) -> 
         work[link, AXES_AHEAD + k] = numbers[joint, AXES + k]
     put_vector(work, link, ARM_A_AHEAD, vector_at(numbers, joint, ARM_A))
     put_vector(work, link, ARM_B_AHEAD, vector_at(numbers, joint, ARM_B))
-    ahead = mode != GENTLY and mode != RELAX
+    ahead = mode in (BEGIN, AHEAD)
     if mode != RELAX:
         _look_ahead(joint, link, h if ahead else 0.0, world)
     off, turned_off, farthest = 0.0, 0.0, 0.0
     for k in range(6):
         speed = dot(vector_at(numbers, joint, AXES + 3 * k), v if k < 3 else w)
-        brake = work[link, BRAKE + k - 3] if ahead and mode != REPAIR and k >= 3 else 0.0
+        brake = work[link, BRAKE + k - 3] if ahead and k >= 3 else 0.0
         wrong = numbers[joint, MISALIGNMENT + k]
         work[link, SPEED + k] = speed
         work[link, CHANGE + k] = 0.0
         if locked >> k & 1:
-            work[link, CHANGE + k] = -wrong / h if ahead else -speed
+            work[link, CHANGE + k] = -wrong / h if ahead or mode == REPAIR else -speed
             work[link, CHANGE + k] -= rate * wrong if mode == GENTLY else 0.0
             off += wrong * wrong if k < 3 else 0.0
             turned_off += wrong * wrong if k >= 3 else 0.0
         work[link, SLOPE + k] = brake
-        work[link, PUSH + k] = 0.0 if mode == RELAX or mode == REPAIR else -brake * speed - numbers[joint, IMPULSE + k]
+        work[link, PUSH + k] = 0.0 if mode in (RELAX, REPAIR) else -brake * speed - numbers[joint, IMPULSE + k]
         for column in (STATE, MOVED, GIVEN):
             work[link, column + k] = 0.0
         if k >= 3 and mode == BEGIN:

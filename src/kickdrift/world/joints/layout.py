@@ -69,6 +69,7 @@ SEQUENTIAL = 4  # 1: the rows are joints to be solved one after the other
 OFFSET = 5  # where the equations of closing joints begin in ARTICULATION_NUMBERS; row of numbers where SEQUENTIAL
 RELAXING = 6  # 1: after the drift
 RATIO = 7  # of the greatest mass to the least
+LOST = 8  # 1: Newton's method found no impulses with which nothing will be off
 
 # Columns of LINK
 BODY, PARENT, LINK_JOINT = 0, 1, 2  # PARENT is a row of LINK, NONE for one that nothing moves

@@ -22,6 +22,7 @@ from kickdrift.world.joints.layout import (
     LAWS,
     LINK_JOINT,
     LINKS,
+    LOST,
     RATIO,
     RELAXING,
     SEQUENTIAL,
@@ -70,6 +71,8 @@ def solve_articulations(t: float, h: float, world: int) -> None:
         if articulations[row, FIRST] == articulations[row, END] or articulations[row, SEQUENTIAL] != 0 or loops != FOR:
             continue
         if articulations[row, RELAXING] != 0:
+            if articulations[row, LOST] != 0:
+                repair(row, h, world)
             aim_all(row, h, RELAX, 0.0, world)
             once(row, h, 0.0, world)
             end_relaxation(row, h, world)
@@ -84,11 +87,11 @@ def solve_articulations(t: float, h: float, world: int) -> None:
             off = approach(row, off, h, world) if off * off * ratio > CLOSE else off * off
             if off * ratio <= CLOSE:
                 break
-        if off * ratio > FAR:
+        articulations[row, LOST] = off * ratio > FAR
+        if articulations[row, LOST] != 0:
             take_back(row, world)
             aim_all(row, h, GENTLY, 0.0, world)
             once(row, h, 0.0, world)
-            repair(row, h, world)
         end_solution(row, h, world)
 
 
@@ -103,7 +106,7 @@ def solve_once(row: int, h: float, ahead: float, world: int) -> None:
 
 
 def repair_positions(row: int, h: float, world: int) -> None:
-    """Move bodies to where the substep takes them to positions that joints allow, without a velocity."""
+    """Put bodies where joints hold them, by changes of position that have no velocity."""
     articulation: Any = integers(world, ARTICULATION)[row]
     links, work, pose, change = (
         integers(world, LINK),
