@@ -16,7 +16,7 @@ from kickdrift.io.robots.joints import Link, link_of
 from kickdrift.io.robots.laws import Actuator
 from kickdrift.io.robots.omissions import omissions
 from kickdrift.io.robots.parsing import Model, parse
-from kickdrift.world.adding import unit_quaternion, vector
+from kickdrift.world.arguments import unit_quaternion, vector
 from kickdrift.world.bodies import Body
 from kickdrift.world.collision.filters import exclude
 from kickdrift.world.flight import STATIC

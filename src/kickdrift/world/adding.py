@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.world.arguments import number, turn_to, unit_quaternion, vector
 from kickdrift.world.bodies import Bodies, Body, kind_of
 from kickdrift.world.flight import DYNAMIC, STATIC
 from kickdrift.world.islands import REACH
@@ -241,43 +242,6 @@ class AddsBodies:
         self.shape_rows.remove_of(row)
 
 
-def vector(argument: str, value: ArrayLike, size: int) -> Floats:
-    """Return so many finite numbers as an array; ArgumentError if they are none."""
-    try:
-        array = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ArgumentError(f"{argument}={value!r} has to be {size} numbers.") from None
-    if array.shape != (size,) or not np.isfinite(array).all():
-        raise ArgumentError(f"{argument}={value!r} has to be {size} finite numbers.")
-    return array
-
-
-def unit_quaternion(argument: str, value: ArrayLike) -> Floats:
-    """Return a quaternion divided by its length; ArgumentError for a length of zero."""
-    q = vector(argument, value, 4)
-    size = float(np.linalg.norm(q))
-    if size < 1e-9:
-        raise ArgumentError(f"{argument}={value!r} has no length; (1, 0, 0, 0) leaves a body as it is.")
-    return q / size
-
-
-def direction(argument: str, value: ArrayLike) -> Floats:
-    """Return a vector divided by its length; ArgumentError for a length of zero."""
-    v = vector(argument, value, 3)
-    size = float(np.linalg.norm(v))
-    if size == 0.0:
-        raise ArgumentError(f"{argument}={value!r} has no direction; (0, 0, 1) looks up.")
-    return v / size
-
-
-def turn_to(normal: ArrayLike) -> Floats:
-    """Return a quaternion that turns the z axis into a direction."""
-    x, y, z = direction("normal", normal)
-    if z < -0.999999999:
-        return np.array([0.0, 1.0, 0.0, 0.0])
-    return unit_quaternion("normal", (1.0 + z, -y, x, 0.0))
-
-
 def _weigh(parts: list[Part], density: float | None, mass: float | None, inertia: ArrayLike | None) -> Mass:
     if density is not None and mass is not None:
         raise ArgumentError(f"density={density!r} and mass={mass!r} say the same twice; give one of them.")
@@ -296,14 +260,3 @@ def _weigh(parts: list[Part], density: float | None, mass: float | None, inertia
     if inertia is not None:
         whole = Mass(whole.mass, whole.centre, checked_inertia(inertia))
     return whole
-
-
-def number(argument: str, value: Any, unit: str, *, zero: bool = True) -> float:
-    """Return a finite number that is positive, or zero where that is allowed; ArgumentError for others."""
-    what = f"zero or positive and finite, in {unit}" if zero else f"positive and finite, in {unit}"
-    if isinstance(value, bool | str | complex) or not np.isscalar(value):
-        raise ArgumentError(f"{argument}={value!r} has to be a number, {what}.")
-    size = float(value)  # type: ignore[arg-type]
-    if not (0.0 <= size < np.inf) or (size == 0.0 and not zero):
-        raise ArgumentError(f"{argument}={value!r} has to be {what}.")
-    return size

@@ -66,7 +66,12 @@ def force_stage(function: Function) -> Function:
     scope: dict[str, Any] = {
         "__name__": __name__,
         "function": native,
-        **{"floats": floats, "rows": rows, "POSE": POSE, "MOTION": MOTION, "INERTIA": INERTIA, "FORCE": FORCE},
+        "floats": floats,
+        "rows": rows,
+        "POSE": POSE,
+        "MOTION": MOTION,
+        "INERTIA": INERTIA,
+        "FORCE": FORCE,
     }
     views = ", ".join(f"{name}={_ARGUMENTS[name]}" for name in names)
     exec(_TEMPLATE.format(views=views), scope)  # noqa: S102 - our own template, above

@@ -8,15 +8,15 @@ from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError, LostBodyError
 from kickdrift.world import measures, settings
-from kickdrift.world.adding import AddsBodies, direction, number, vector
+from kickdrift.world.acting import AppliesForces
+from kickdrift.world.adding import AddsBodies
+from kickdrift.world.arguments import direction, number, vector
 from kickdrift.world.bodies import Bodies, Body
-from kickdrift.world.collision.filters import exclude
+from kickdrift.world.collision.filters import exclude, part_joined
 from kickdrift.world.contacts import lanes
 from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.events import ContactEvent, events, touching
-from kickdrift.world.forces import force_stage
 from kickdrift.world.history import KeepsHistory
-from kickdrift.world.joints import layout as joints_layout
 from kickdrift.world.joints.adding import AddsJoints
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.registry import Joints
@@ -29,8 +29,6 @@ from kickdrift.world.tables import (
     CONTACT,
     EVENTS,
     EXCLUDED,
-    JOINT,
-    LOAD,
     MANIFOLD,
     MOTION,
     POSE,
@@ -46,7 +44,7 @@ from kickdrift.world.trouble import BODY, FAST, FULL, KIND, TABLE, WANTED
 Floats = NDArray[np.float64]
 
 
-class World(KeepsHistory, AddsBodies, AddsJoints):
+class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces):
     """Rigid bodies in three dimensions.
 
     Parameters
@@ -191,27 +189,6 @@ class World(KeepsHistory, AddsBodies, AddsJoints):
         """Measure the angular momentum about the origin, (3,), kg m^2/s."""
         return measures.angular_momentum(self.tables, self.bodies)
 
-    def apply_force(self, body: Body, force: ArrayLike, point: ArrayLike | None = None) -> None:
-        """Let a force in N act on a body during the next step.
-
-        Parameters
-        ----------
-        body : Body
-        force : (3,) array_like
-            N, in the world's axes.
-        point : (3,) array_like, optional
-            Where it acts, in the world, m; the centre of mass by default.
-        """
-        row, f = self.bodies.moved_row(body), vector("force", force, 3)
-        arm = np.zeros(3) if point is None else vector("point", point, 3) - self.position[row]
-        load = self.tables.array(LOAD)[row]
-        load[:3] += f
-        load[3:6] += np.cross(arm, f)
-
-    def apply_torque(self, body: Body, torque: ArrayLike) -> None:
-        """Let a torque in N m, (3,) in the world's axes, act on a body during the next step."""
-        self.tables.array(LOAD)[self.bodies.moved_row(body), 3:6] += vector("torque", torque, 3)
-
     @property
     def events(self) -> list[ContactEvent]:
         """What has begun and ended to touch in the last call of `step` or `advance`, in order."""
@@ -221,23 +198,6 @@ class World(KeepsHistory, AddsBodies, AddsJoints):
     def touching(self) -> list[tuple[Body, Body]]:
         """Pairs of bodies that touch."""
         return touching(self.tables, self.bodies)
-
-    def add_force(self, force: Function) -> None:
-        """Let a function of one's own act on the bodies in every substep, compiled into the step.
-
-        Parameters
-        ----------
-        force : callable
-            Its arguments say what it needs, in any order: `t`, `position`, `orientation`, `velocity`,
-            `angular_velocity`, `mass`, and `force` (N) and `torque` (N m), to which it adds in place; arrays of a row a
-            body, in the world's axes.
-
-        Raises
-        ------
-        ArgumentError
-            If it is no function, names what there is not, adds to nothing, or cannot be compiled.
-        """
-        self.forces.append(force_stage(force))
 
     def step(self, step: float) -> None:
         """Do one step.
@@ -294,7 +254,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints):
         self.shape_rows.compile_pairs()
         key = (step, len(self.forces), self.shape_rows.bouncing, self._fast)
         if not self.joints.arranged or key != self._program_key:
-            self._part_joined()
+            self._joined = part_joined(self.tables, self._joined)
             sweeps = self.tables.array(SWEEPS)[0]
             sweeps[:] = *(address_of(sweep, lanes.SWEEP) for sweep in lanes.SWEEPS), WIDTH
             self._program_key, self._program = key, compose(self.word, step, self.substeps)
@@ -304,16 +264,6 @@ class World(KeepsHistory, AddsBodies, AddsJoints):
         """Let two bodies pass through each other; those that a joint holds together do so anyway."""
         pair = (self.bodies.row(body_a, "body_a"), self.bodies.row(body_b, "body_b"))
         exclude(self.tables, [*self.tables.array(EXCLUDED).tolist(), pair])
-
-    def _part_joined(self) -> None:
-        """Let bodies that joints hold together pass through each other, and those that none holds any more touch."""
-        joint = self.tables.array(JOINT)
-        pairs = joint[joint[:, joints_layout.KIND] != joints_layout.REMOVED]
-        joined = {(min(pair), max(pair)) for pair in pairs[:, [joints_layout.BODY_A, joints_layout.BODY_B]].tolist()}
-        if joined != self._joined:
-            others = {tuple(pair) for pair in self.tables.array(EXCLUDED).tolist()} - self._joined
-            exclude(self.tables, sorted(others | joined))
-            self._joined = joined
 
     def _help(self, done: int, step: float) -> None:
         """Do what a stage has asked for; raise what cannot be helped."""

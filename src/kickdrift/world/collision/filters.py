@@ -6,7 +6,8 @@ from numpy.typing import ArrayLike
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.search import filters_changed
 from kickdrift.world.flight import DYNAMIC, KIND
-from kickdrift.world.tables import BODY, EXCLUDED, SHAPE, Tables, integers, rows
+from kickdrift.world.joints import layout
+from kickdrift.world.tables import BODY, EXCLUDED, JOINT, SHAPE, Tables, integers, rows
 
 
 @compiled
@@ -54,3 +55,27 @@ def exclude(tables: Tables, pairs: ArrayLike) -> None:
     if now:
         tables.resize(EXCLUDED, len(now))[:] = sorted(now)
     filters_changed(tables, [body for pair in before ^ now for body in pair])
+
+
+def part_joined(tables: Tables, before: set[tuple[int, int]]) -> set[tuple[int, int]]:
+    """Let bodies that joints hold together pass through each other, and those that none holds any more touch.
+
+    Parameters
+    ----------
+    tables : Tables
+        Of the world.
+    before : set of (int, int)
+        Rows of bodies that were held together when this was last done, the lower one first.
+
+    Returns
+    -------
+    set of (int, int)
+        Those that are now.
+    """
+    joint = tables.array(JOINT)
+    pairs = joint[joint[:, layout.KIND] != layout.REMOVED][:, [layout.BODY_A, layout.BODY_B]]
+    joined = {(min(pair), max(pair)) for pair in pairs.tolist()}
+    if joined != before:
+        others = {(int(i), int(j)) for i, j in tables.array(EXCLUDED)} - before
+        exclude(tables, sorted(others | joined))
+    return joined

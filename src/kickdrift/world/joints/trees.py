@@ -32,7 +32,7 @@ from kickdrift.world.joints.layout import (
     WRENCH,
 )
 from kickdrift.world.joints.layout import BODY as LINK_BODY
-from kickdrift.world.joints.measure import quaternion_at, vector_at
+from kickdrift.world.joints.measure import measure, quaternion_at, vector_at
 from kickdrift.world.tables import ARTICULATION, JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, POSE, floats, integers, rows
 from kickdrift.world.tables import CHANGE as CHANGES
 
@@ -128,6 +128,9 @@ def repair_positions(row: int, h: float, world: int) -> None:
                 change[body, 3 + k] += turn[k]
             for k in range(4):
                 pose[body, 3 + k] = q[k]
+        for link in range(articulation[FIRST], articulation[END]):
+            if links[link, LINK_JOINT] >= 0:
+                measure(links[link, LINK_JOINT], world)
 
 
 @compiled(cached=False)

@@ -1,0 +1,58 @@
+"""How forces come into a world: for a step, or as functions compiled into it."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kickdrift.core.compilation import Function
+from kickdrift.world.arguments import vector
+from kickdrift.world.bodies import Bodies, Body
+from kickdrift.world.forces import force_stage
+from kickdrift.world.tables import LOAD, POSE, Tables
+
+Floats = NDArray[np.float64]
+
+
+class AppliesForces:
+    """The methods of a world that let forces act."""
+
+    tables: Tables
+    bodies: Bodies
+    forces: list[Function]
+
+    def apply_force(self, body: Body, force: ArrayLike, point: ArrayLike | None = None) -> None:
+        """Let a force in N act on a body during the next step.
+
+        Parameters
+        ----------
+        body : Body
+        force : (3,) array_like
+            N, in the world's axes.
+        point : (3,) array_like, optional
+            Where it acts, in the world, m; the centre of mass by default.
+        """
+        row, f = self.bodies.moved_row(body), vector("force", force, 3)
+        arm = np.zeros(3) if point is None else vector("point", point, 3) - self.tables.array(POSE)[row, :3]
+        load = self.tables.array(LOAD)[row]
+        load[:3] += f
+        load[3:6] += np.cross(arm, f)
+
+    def apply_torque(self, body: Body, torque: ArrayLike) -> None:
+        """Let a torque in N m, (3,) in the world's axes, act on a body during the next step."""
+        self.tables.array(LOAD)[self.bodies.moved_row(body), 3:6] += vector("torque", torque, 3)
+
+    def add_force(self, force: Function) -> None:
+        """Let a function of one's own act on the bodies in every substep, compiled into the step.
+
+        Parameters
+        ----------
+        force : callable
+            Its arguments say what it needs, in any order: `t`, `position`, `orientation`, `velocity`,
+            `angular_velocity`, `mass`, and `force` (N) and `torque` (N m), to which it adds in place; arrays of a row a
+            body, in the world's axes.
+
+        Raises
+        ------
+        ArgumentError
+            If it is no function, names what there is not, adds to nothing, or cannot be compiled.
+        """
+        self.forces.append(force_stage(force))
