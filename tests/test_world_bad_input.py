@@ -19,7 +19,7 @@ def refused(action, *words):
     with pytest.raises(ArgumentError) as caught:
         action()
     message = str(caught.value)
-    assert message.endswith(".") or message.endswith(")")
+    assert message.endswith((".", ")"))
     for word in words:
         assert word in message
 

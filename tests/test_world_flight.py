@@ -84,7 +84,9 @@ def test_spinning_boxes_keep_momentum_angular_momentum_and_energy():
     world = World(gravity=(0, 0, 0))
     for _ in range(4):
         motion = {"velocity": 0.1 * rng.normal(size=3), "angular_velocity": 3 * rng.normal(size=3)}
-        world.add_box(rng.uniform(0.1, 1, 3), position=20 * rng.normal(size=3), orientation=rng.normal(size=4), **motion)
+        world.add_box(
+            rng.uniform(0.1, 1, 3), position=20 * rng.normal(size=3), orientation=rng.normal(size=4), **motion
+        )
     p, spin, energy = world.momentum(), world.angular_momentum(), world.energy().total
     # Angular momentum is a sum of |x| |p|: its roundings are measured by that.
     size = (np.linalg.norm(world.position[1:], axis=1) * np.linalg.norm(world.velocity[1:], axis=1)).sum() * 1000.0
@@ -145,7 +147,7 @@ def flip_period(inertia, w):
 def test_a_wing_nut_flips_with_the_period_of_the_elliptic_integral(w):
     inertia = (0.2, 0.3, 0.4)
     world = free(inertia, w)
-    turned = []
+    turned, before = [], 0.0
     for step in range(2400):
         world.step(STEP)
         about = rotation(world.orientation[1]).inv().apply(world.angular_velocity[1])[1]
@@ -188,7 +190,9 @@ def test_a_planar_world_stays_in_its_plane():
     world = World(plane_normal=(0, 1, 0))
     world.add_plane()
     turn = (math.cos(0.1), 0, math.sin(0.1), 0)
-    world.add_box((1, 0.3, 0.5), position=(0, 0.2, 2), orientation=turn, velocity=(1, 0, 0), angular_velocity=(0, 0.3, 0))
+    world.add_box(
+        (1, 0.3, 0.5), position=(0, 0.2, 2), orientation=turn, velocity=(1, 0, 0), angular_velocity=(0, 0.3, 0)
+    )
     world.advance(STEP, 30)
     assert world.angular_velocity[2, 1] == pytest.approx(0.3, rel=1e-12)
     world.apply_force(world.bodies.handle(2), (0.0, 1e4, 0.0))

@@ -1,5 +1,6 @@
 """Pictures and films of worlds: what is in them, to the pixel."""
 
+import itertools
 import os
 import stat
 import sys
@@ -73,7 +74,7 @@ def like(colour, body):
 
 def at(*point):
     """A way that begins at a point, and leaves it aside: what stays in a vertical plane would be seen from its side."""
-    return np.array([point, point], dtype=float) + [[0, 0, 0], [0, 0.1, 0]]
+    return [*np.array([point, point], dtype=float), [0, 0, 0], [0, 0.1, 0]]
 
 
 def still(*point):
@@ -84,7 +85,12 @@ def still(*point):
 
 
 @given(
-    st.integers(1, 20), st.integers(0, 10**6), st.floats(0.5, 3.0), st.booleans(), st.floats(-3.0, 3.0), st.floats(-0.9, 0.9)
+    st.integers(1, 20),
+    st.integers(0, 10**6),
+    st.floats(0.5, 3.0),
+    st.booleans(),
+    st.floats(-3.0, 3.0),
+    st.floats(-0.9, 0.9),
 )
 @settings(max_examples=60, deadline=None)
 def test_a_camera_sees_all_and_comes_as_near_as_it_can(count, seed, aspect, perspective, turn, rise):
@@ -163,7 +169,13 @@ def test_each_shape_is_seen_where_it_is_and_hides_what_is_behind(shape):
 def test_boxes_in_each_other_hide_each_other_to_the_pixel():
     made = recording([Box((2, 0.2, 0.2)), Box((0.2, 2, 0.2))], [at(0, 0, 0), at(0, 0, 0.02)])
     painter, picture = painted(made)
-    for point, body in (((0.8, 0, 0.1), 1), ((-0.8, 0, 0.1), 1), ((0, 0.8, 0.12), 2), ((0, -0.8, 0.12), 2), ((0, 0, 0.12), 2)):
+    for point, body in (
+        ((0.8, 0, 0.1), 1),
+        ((-0.8, 0, 0.1), 1),
+        ((0, 0.8, 0.12), 2),
+        ((0, -0.8, 0.12), 2),
+        ((0, 0, 0.12), 2),
+    ):
         assert like(picture[pixel(painter, point)], body)
 
 
@@ -250,7 +262,7 @@ def test_a_stray_does_not_make_everything_small():
 def test_a_short_journey_of_one_of_many_parts_stays_in_the_picture():
     way = np.zeros((500, 3))
     way[:3, 2] = 2.0
-    made = recording([Box((0.2, 0.3, 0.4))] * 4, [at(0, 0, 0)[[0] * 500], way, way + (1, 1, 0), way * 0 + (0, 1, 0)])
+    made = recording([Box((0.2, 0.3, 0.4))] * 4, [at(0, 0, 0)[[0] * 500], way, (*way, 1, 1, 0), way * 0 + (0, 1, 0)])
     painter = Painter(made, PIXELS)
     row, _ = pixel(painter, (0, 0, 2.2))
     assert row > 0
@@ -269,7 +281,7 @@ def falling():
     """Three bodies that fall, over 0.5 s, and a floor."""
     times = np.linspace(0, 0.5, 6)
     fall = -4.905 * times[:, None] ** 2 * np.array([0, 0, 1.0])
-    ways = [np.zeros((6, 3)), fall + (0, 0, 2), fall + (1, 1, 2.5), fall + (-1, 0.5, 3)]
+    ways = [np.zeros((6, 3)), (*fall, 0, 0, 2), (*fall, 1, 1, 2.5), (*fall, -1, 0.5, 3)]
     return recording([Plane(), Box((0.5, 0.5, 0.5)), Sphere(0.3), Capsule(0.2, 0.5)], ways, times=times)
 
 
@@ -332,7 +344,7 @@ def test_a_gif_runs_in_real_time(falling, tmp_path):
     frames, delays = frames_of(path)
     assert delays == [40] * 12 + [1000]
     assert 200_000 < frames[0].shape[0] * frames[0].shape[1] < 400_000
-    changes = [np.abs(b - a).max() for a, b in zip(frames, frames[1:], strict=False)]
+    changes = [np.abs(b - a).max() for a, b in itertools.pairwise(frames)]
     assert min(changes) > 50
     painter = Painter(falling, 310_000)
     for k, frame in ((0, frames[0]), (12, frames[12])):
@@ -382,13 +394,13 @@ def test_the_same_film_has_the_same_bits(falling, tmp_path, small):
 
 @pytest.mark.parametrize("speed", [0, -1.0, np.nan, np.inf, "fast", None, 1j])
 def test_speeds_that_cannot_be(falling, tmp_path, speed):
-    with pytest.raises(ArgumentError, match="speed=.* has to be positive and finite"):
+    with pytest.raises(ArgumentError, match=r"speed=.* has to be positive and finite"):
         falling.animate(tmp_path / "film.gif", speed=speed)
 
 
 @pytest.mark.parametrize("rate", [0, -5, 51, 2.5, "fast", None])
 def test_rates_that_cannot_be(falling, tmp_path, rate):
-    with pytest.raises(ArgumentError, match="rate=.* has to be a whole number of pictures"):
+    with pytest.raises(ArgumentError, match=r"rate=.* has to be a whole number of pictures"):
         falling.animate(tmp_path / "film.gif", rate=rate)
 
 

@@ -83,4 +83,6 @@ def test_stages_do_the_same_uncompiled(name):
         run = stage.py_func if stage.__name__ == name else stage
         run(0.0, 1 / 240, interpreted.tables.address)
     for table in (POSE, MOTION):
-        np.testing.assert_allclose(compiled_world.tables.array(table), interpreted.tables.array(table), rtol=1e-13, atol=1e-15)
+        np.testing.assert_allclose(
+            compiled_world.tables.array(table), interpreted.tables.array(table), rtol=1e-13, atol=1e-15
+        )

@@ -99,7 +99,7 @@ CASES = (
     ),
     Case(
         "Chain of 20 links, 1000 : 1", worlds.chain, 5.0, 5.0, _MACHINE,
-        (RAPIER, REDUCED, MUJOCO, FINE, RUNGE_KUTTA, FINE_RUNGE_KUTTA, BULLET, SLOW_BULLET), step=1 / 240,
+        (RAPIER, REDUCED, MUJOCO, FINE, RUNGE_KUTTA, FINE_RUNGE_KUTTA, BULLET, SLOW_BULLET),
     ),
     Case(
         "Quadruped on springs", worlds.quadruped, 5.0, 5.0, (judge.drift, judge.stretch, judge.depth),

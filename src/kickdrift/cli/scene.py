@@ -52,6 +52,8 @@ def make_scene_plan(name: str, options: Options) -> ScenePlan:
         if value < 0.0:
             given = getattr(options, which)
             raise ArgumentError(f"--{which}={given!r} must be positive: bodies that touch run forwards.")
+    if step > duration:
+        raise ArgumentError(f"--step={step!r} is larger than the duration, {duration!r} s; give a smaller one.")
     return ScenePlan(name, duration, step, save_every(options, None))
 
 

@@ -99,7 +99,6 @@ class Painter:
         paint(camera, sight.shapes, sight.places, colours, self._setting, *seen, self._picture)
         return self._picture.copy()
 
-
     def _nearest_first(self, sight: Sight, camera: Camera) -> NDArray[np.intp]:
         """Sort the shapes that are no planes by how far away they are."""
         middles = sight.places[self.scenery.n_planes :, MIDDLE:REACH]

@@ -94,7 +94,15 @@ def clear(distance: Any, owner: Any, normal: Any) -> None:
 
 @compiled(fast=True)
 def cast(
-    camera: Any, order: Any, shapes: Any, places: Any, numbers: Any, addresses: Any, distance: Any, owner: Any, normal: Any
+    camera: Any,
+    order: Any,
+    shapes: Any,
+    places: Any,
+    numbers: Any,
+    addresses: Any,
+    distance: Any,
+    owner: Any,
+    normal: Any,
 ) -> None:
     """Find what the ray through each pixel meets before it meets what is known already.
 

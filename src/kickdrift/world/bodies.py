@@ -134,7 +134,7 @@ class Bodies:
     def set_mass(self, row: int, mass: Mass, damping: Sequence[float]) -> None:
         """Give a body its mass, and its inertia about the centre of mass in the body's axes."""
         tables = self._tables
-        inverse = np.linalg.inv(mass.inertia)
+        inverse = np.asarray(np.linalg.inv(mass.inertia), dtype=np.float64)
         moments = np.linalg.eigvalsh(mass.inertia)
         numbers = tables.array(INERTIA)[row]
         numbers[MASS] = mass.mass

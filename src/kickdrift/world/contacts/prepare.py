@@ -191,7 +191,8 @@ def _looseness(world: int, body: int) -> float:
         return 0.0
     norm = response[body, 1] ** 2 + response[body, 2] ** 2 + response[body, 3] ** 2
     norm += 2.0 * (response[body, 4] ** 2 + response[body, 5] ** 2 + response[body, 6] ** 2)
-    return min(2.0 * turn - 0.5, 1.0) * math.sqrt(norm)
+    share: float = min(2.0 * turn - 0.5, 1.0)
+    return share * math.sqrt(norm)
 
 
 @compiled

@@ -2,7 +2,7 @@
 
 import functools
 from collections.abc import Callable
-from typing import Concatenate, ParamSpec
+from typing import Concatenate, ParamSpec, cast
 
 from kickdrift.world.bodies import Bodies, Body
 from kickdrift.world.joints.ball import Ball
@@ -29,7 +29,7 @@ def _adds(kind: Callable[P, Record]) -> Callable[Concatenate["AddsJoints", Body,
     def add(self: "AddsJoints", body_a: Body, body_b: Body | None, *args: P.args, **kwargs: P.kwargs) -> Joint:
         return self.add_joint(body_a, body_b, kind(*args, **kwargs))
 
-    return add
+    return cast(Callable[Concatenate["AddsJoints", Body, Body | None, P], Joint], add)
 
 
 class AddsJoints:

@@ -3,8 +3,6 @@
 import math
 from typing import Any
 
-from numpy import int64
-
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import (
     conjugate,
@@ -62,6 +60,7 @@ from kickdrift.world.joints.layout import (
     SPEED,
     START,
     STATE,
+    int64,
 )
 from kickdrift.world.joints.measure import axis_unit, put_cross, put_line, put_vector, quaternion_at, vector_at
 from kickdrift.world.tables import (

@@ -13,7 +13,6 @@ s = O - P: to each row's angular part s x its linear part is added, and then the
 from typing import Any
 
 from numba import carray
-from numpy import int64
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
@@ -44,6 +43,7 @@ from kickdrift.world.joints.layout import (
     TURN_RESPONSE,
     WRENCH,
     YIELD,
+    int64,
 )
 from kickdrift.world.joints.measure import put_vector, symmetric_at, vector_at
 from kickdrift.world.tables import JOINT_NUMBERS, LINK, LINK_NUMBERS, MOTION, RESPONSE, floats, integers
@@ -105,8 +105,8 @@ def _own_inertia(link: int, ahead: float, world: int) -> None:
             w = (w[0] + least, w[1] + least, w[2] + least, w[3], w[4], w[5])
         moments = inverse_symmetric(w)
     else:
-        turn = _IMMOVABLE * mass
-        moments = (turn, turn, turn, 0.0, 0.0, 0.0)
+        immovable = _IMMOVABLE * mass
+        moments = (immovable, immovable, immovable, 0.0, 0.0, 0.0)
     if ahead < 0.0:
         mass, moments, ahead = 1.0, divided(moments, mass), 0.0
     turn = times(ahead, vector_at(floats(world, MOTION), body, ANGULAR_PART))

@@ -33,8 +33,8 @@ class Joint:
     Notes
     -----
     Axes 0-2 are linear and 3-5 angular; where ``axis`` is left out, the one that a hinge turns about, a slider slides along
-    and the line of a distance joint, a rope or a spring are meant. Positions and angles are those at the end of the last step. Everything raises
-    `ArgumentError` once the joint is gone.
+    and the line of a distance joint, a rope or a spring are meant. Positions and angles are those at the end of the last step.
+    Everything raises `ArgumentError` once the joint is gone.
     """
 
     index: int
@@ -126,8 +126,8 @@ class Joint:
             axis = int(self.joints.tables.array(JOINT)[row, PRINCIPAL])
             if axis < 0:
                 raise ArgumentError(
-                    f"axis=None is ambiguous for joint={self!r}, which has no one open axis; give 0-2 for a linear or 3-5 for an"
-                    " angular one, or ask for angles or positions."
+                    f"axis=None is ambiguous for joint={self!r}, which has no one open axis; give 0-2 for a linear or 3-5 for"
+                    " an angular one, or ask for angles or positions."
                 )
         elif axis not in range(6):
             raise ArgumentError(f"axis={axis!r} has to be 0-2 for a linear or 3-5 for an angular axis.")

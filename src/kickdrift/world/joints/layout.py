@@ -13,7 +13,11 @@ Columns at which vectors begin are of type int64: for each plain integer that it
 anew.
 """
 
-from numpy import int64
+from collections.abc import Callable
+
+import numpy as np
+
+int64: Callable[[int], int] = np.int64  # type: ignore[assignment]  # an int that is no literal: functions compile once for all
 
 # Columns of JOINT
 KIND, BODY_A, BODY_B, GENERATION = 0, 1, 2, 3  # place in the catalogue of joints; REMOVED where there is none

@@ -96,7 +96,8 @@ def eliminate_with_loops(row: int, ahead: float, world: int) -> None:
 
 @compiled(inline=True, cached=False)
 def _has_equation(links: Any, work: Any, link: int, k: int) -> bool:
-    return links[link, HELD] >> k & 1 == 1 or work[link, SLOPE + k] > 0.0
+    has: bool = links[link, HELD] >> k & 1 == 1 or work[link, SLOPE + k] > 0.0
+    return has
 
 
 @compiled(cached=False)

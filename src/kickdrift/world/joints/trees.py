@@ -1,9 +1,10 @@
 """The solution of articulations without loops, and what all solutions have in common."""
 
+import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled, specialise, unbound
-from kickdrift.core.vectors import dot, exponential, length, product, times, unit
+from kickdrift.core.vectors import applied, dot, exponential, inverse_symmetric, length, product, times, unit
 from kickdrift.world.joints.aim import AHEAD, BEGIN, GENTLY, RELAX, REPAIR, aim_all
 from kickdrift.world.joints.articulated import factor, sweep
 from kickdrift.world.joints.brakes import set_brakes
@@ -20,6 +21,7 @@ from kickdrift.world.joints.layout import (
     IMPULSE,
     LAST,
     LAWS,
+    LINEAR_PART,
     LINK_JOINT,
     LINKS,
     LOST,
@@ -29,11 +31,24 @@ from kickdrift.world.joints.layout import (
     SIGN,
     SOLVED,
     TOTAL,
+    TURN_RESPONSE,
     WRENCH,
 )
 from kickdrift.world.joints.layout import BODY as LINK_BODY
-from kickdrift.world.joints.measure import measure, quaternion_at, vector_at
-from kickdrift.world.tables import ARTICULATION, JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, POSE, floats, integers, rows
+from kickdrift.world.joints.measure import measure, quaternion_at, symmetric_at, vector_at
+from kickdrift.world.tables import (
+    ARTICULATION,
+    JOINT,
+    JOINT_NUMBERS,
+    LINK,
+    LINK_NUMBERS,
+    MOTION,
+    POSE,
+    RESPONSE,
+    floats,
+    integers,
+    rows,
+)
 from kickdrift.world.tables import CHANGE as CHANGES
 
 # Solutions with other pieces of laws assumed, and then with axes let go only, which comes to an end. A few axes that change
@@ -44,18 +59,22 @@ LAST_TRIALS = 12
 # Steps of Newton's method at most, and where it stops: what joints are off by, in parts of their arms, times the ratio of
 # masses. Each step squares the former. The usual articulation takes one step; a chain with an end 1000 times as heavy as its
 # links takes two or three, and tears with one.
-ROUNDS = 12
+ROUNDS = 4
 CLOSE = 1e-4
+SURE = 0.03
 
 # Where the first guess is farther off than this, Newton's method begins from velocities that joints allow.
-POOR = 0.01
+POOR = 1.0
+
+# Energy with which it may end, in parts of that with which it began: there are solutions far away, which no one wants.
+EXCESS = 1.01
 
 # Where it is given up, and how often positions are then put right instead.
-FAR = 0.1
+FAR = 1e-3
 REPAIRS = 3
 
 # Halvings of a step that leads away from what it seeks: where a whip cracks.
-HALVINGS = 4
+HALVINGS = 0
 
 
 answer = once = repair = unbound
@@ -77,17 +96,17 @@ def solve_articulations(t: float, h: float, world: int) -> None:
             once(row, h, 0.0, world)
             end_relaxation(row, h, world)
             continue
-        off = aim_all(row, h, BEGIN, 0.0, world)
-        if off > POOR:
+        off, most = aim_all(row, h, BEGIN, 0.0, world), math.inf
+        if off * max(ratio, 100) > POOR:
             aim_all(row, h, GENTLY, 0.0, world)
             once(row, h, 0.0, world)
-            off = aim_all(row, h, BEGIN, 0.0, world)
+            off, most = aim_all(row, h, BEGIN, 0.0, world), EXCESS * kinetic_energy(row, world)
         for _ in range(ROUNDS):
             once(row, h, h, world)
-            off = approach(row, off, h, world) if off * off * ratio > CLOSE else off * off
+            off = approach(row, off, h, world) if off * ratio > SURE else off * off
             if off * ratio <= CLOSE:
                 break
-        articulations[row, LOST] = off * ratio > FAR
+        articulations[row, LOST] = off * ratio > FAR or (most < math.inf and kinetic_energy(row, world) > most)
         if articulations[row, LOST] != 0:
             take_back(row, world)
             aim_all(row, h, GENTLY, 0.0, world)
@@ -161,6 +180,23 @@ def approach(row: int, before: float, h: float, world: int) -> float:
                     work[link, LAST + k] *= -1.0
         off = aim_all(row, h, AHEAD, 0.0, world)
     return off
+
+
+@compiled(cached=False)
+def kinetic_energy(row: int, world: int) -> float:
+    """Kinetic energy of the links of an articulation."""
+    articulation: Any = integers(world, ARTICULATION)[row]
+    links, motion, response = integers(world, LINK), floats(world, MOTION), floats(world, RESPONSE)
+    total = 0.0
+    for link in range(articulation[FIRST], articulation[FIRST] + articulation[LINKS]):
+        body = links[link, LINK_BODY]
+        v, w = vector_at(motion, body, LINEAR_PART), vector_at(motion, body, ANGULAR_PART)
+        inverse = symmetric_at(response, body, TURN_RESPONSE)
+        total += 0.5 * dot(v, v) / response[body, 0] if response[body, 0] > 0.0 else 0.0
+        moments = inverse_symmetric(inverse)
+        turning = 0.5 * dot(w, applied(moments, w))
+        total += turning if turning < math.inf else 0.0
+    return total
 
 
 @compiled(cached=False)
