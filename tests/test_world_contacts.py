@@ -8,9 +8,10 @@ import pytest
 
 from kickdrift.scenes import worlds
 from kickdrift.world.contacts import layout
+from kickdrift.world.contacts.prepare import OVERFLOW
 from kickdrift.world.flaws import deepest_overlap
 from kickdrift.world.flight import AWAKE
-from kickdrift.world.tables import BODY, CONTACT, MANIFOLD
+from kickdrift.world.tables import BODY, COLOURS, CONTACT, MANIFOLD
 from kickdrift.world.world import World
 
 G = 9.81
@@ -119,6 +120,8 @@ def test_a_plate_lies_on_more_balls_than_there_are_colours():
             world.add_sphere(0.4, position=(x, y, 0.4), mass=1.0)
     plate = world.add_box((22, 22, 1), position=(0, 0, 1.3), mass=100.0).index
     world.advance(STEP, 120)
+    first, last = world.tables.array(COLOURS)[OVERFLOW, 1:3]
+    assert last - first == 100 - OVERFLOW  # contacts without a colour
     assert world.position[plate] == pytest.approx([0, 0, 1.3], abs=0.005)
     assert sum(force for pair, force in loads(world).items() if plate in pair) == pytest.approx(100 * G, rel=0.01)
     assert sum(force for pair, force in loads(world).items() if 1 in pair) == pytest.approx(200 * G, rel=0.01)

@@ -4,7 +4,19 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled, specialise, unbound
-from kickdrift.core.vectors import applied, dot, exponential, inverse_symmetric, length, product, times, unit
+from kickdrift.core.vectors import (
+    Vector,
+    applied,
+    dot,
+    exponential,
+    inverse_symmetric,
+    length,
+    product,
+    times,
+    turned,
+    turned_symmetric,
+    unit,
+)
 from kickdrift.world.joints.aim import AHEAD, BEGIN, GENTLY, RELAX, REPAIR, aim_all
 from kickdrift.world.joints.articulated import factor, sweep
 from kickdrift.world.joints.brakes import set_brakes
@@ -71,7 +83,7 @@ EXCESS = 1.01
 
 # Where it is given up, and how often positions are then put right instead.
 FAR = 1e-3
-REPAIRS = 3
+REPAIRS = 8
 
 # Halvings of a step that leads away from what it seeks: where a whip cracks.
 HALVINGS = 0
@@ -127,12 +139,7 @@ def solve_once(row: int, h: float, ahead: float, world: int) -> None:
 def repair_positions(row: int, h: float, world: int) -> None:
     """Put bodies where joints hold them, by changes of position that have no velocity."""
     articulation: Any = integers(world, ARTICULATION)[row]
-    links, work, pose, change = (
-        integers(world, LINK),
-        floats(world, LINK_NUMBERS),
-        floats(world, POSE),
-        floats(world, CHANGES),
-    )
+    links, work = integers(world, LINK), floats(world, LINK_NUMBERS)
     for _ in range(REPAIRS):
         aim_all(row, h, REPAIR, 0.0, world)
         answer(row, -1.0, world)
@@ -140,16 +147,34 @@ def repair_positions(row: int, h: float, world: int) -> None:
             body = links[link, LINK_BODY]
             way, turn = times(h, vector_at(work, link, GAIN)), times(h, vector_at(work, link, GAIN + 3))
             turn = times(1.0 / max(1.0, 2.0 * length(turn)), turn)
-            q = unit(product(exponential(turn), quaternion_at(pose, body, ANGULAR_PART)))
-            for k in range(3):
-                pose[body, k] += way[k]
-                change[body, k] += way[k]
-                change[body, 3 + k] += turn[k]
-            for k in range(4):
-                pose[body, 3 + k] = q[k]
+            shift_body(body, way, turn, world)
         for link in range(articulation[FIRST], articulation[END]):
             if links[link, LINK_JOINT] >= 0:
                 measure(links[link, LINK_JOINT], world)
+
+
+@compiled(cached=False)
+def shift_body(body: int, way: Vector, turn: Vector, world: int) -> None:
+    """Change the pose of a body, and turn its angular velocity with it, which keeps its energy."""
+    pose, change, motion, response = (
+        floats(world, POSE),
+        floats(world, CHANGES),
+        floats(world, MOTION),
+        floats(world, RESPONSE),
+    )
+    by = exponential(turn)
+    q = unit(product(by, quaternion_at(pose, body, ANGULAR_PART)))
+    w = turned(by, vector_at(motion, body, ANGULAR_PART))
+    inverse = turned_symmetric(by, symmetric_at(response, body, TURN_RESPONSE))
+    for k in range(3):
+        pose[body, k] += way[k]
+        change[body, k] += way[k]
+        change[body, 3 + k] += turn[k]
+        motion[body, 3 + k] = w[k]
+    for k in range(4):
+        pose[body, 3 + k] = q[k]
+    for k in range(6):
+        response[body, 1 + k] = inverse[k]
 
 
 @compiled(cached=False)
