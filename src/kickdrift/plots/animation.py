@@ -149,12 +149,7 @@ def _write_gif(film: _Film, path: Path) -> None:
     from PIL import Image
 
     path.touch()
-    # One palette for all pictures: of their own, what does not move would flicker.
-    mosaic = np.concatenate(list(film.samples()))
-    palette = Image.fromarray(mosaic).quantize(255, method=Image.Quantize.MEDIANCUT)
-    colours = np.array(palette.getpalette()).reshape(-1, 3)
-    colours[colours.min(axis=1) > _NEARLY_WHITE] = 255  # white stays white on a white page
-    palette.putpalette(colours.ravel().tolist())
+    palette = _palette(film.samples())
     frames = (Image.fromarray(pixels).quantize(palette=palette, dither=Image.Dither.NONE) for pixels in film)
     first = next(frames)
     # Delays are whole hundredths of a second: rounded so that they add up.
@@ -162,6 +157,20 @@ def _write_gif(film: _Film, path: Path) -> None:
     delays = [10 * (end - begin) for begin, end in zip([0, *ends], ends, strict=False)]
     delays[-1] = int(1000 * _LAST_SECONDS)
     first.save(path, format="GIF", save_all=True, append_images=frames, duration=delays, loop=0, optimize=False)
+
+
+def _palette(samples: Iterator[Pixels]) -> Any:
+    """Choose the colours of all pictures at once: with colours of their own, what does not move would flicker."""
+    from PIL import Image
+
+    colours, counts = np.unique(np.concatenate([s.reshape(-1, 3) for s in samples]), axis=0, return_counts=True)
+    # The square root leaves to bodies, which are small and shaded, their part beside a wide ground.
+    weighted = np.repeat(colours, np.sqrt(counts).astype(np.intp), axis=0)
+    palette = Image.fromarray(weighted[None]).quantize(255, method=Image.Quantize.MEDIANCUT)
+    entries = np.array(palette.getpalette()).reshape(-1, 3)
+    entries[entries.min(axis=1) > _NEARLY_WHITE] = 255  # white stays white on a white page
+    palette.putpalette(entries.ravel().tolist())
+    return palette
 
 
 def _write_mp4(film: _Film, path: Path) -> None:

@@ -110,8 +110,17 @@ def _draw_energy(axes: "Axes", recording: Recording) -> None:
     potential = potential - potential.min()
     kinetic = recording.derived["kinetic energy"]
     lines = {"kinetic": kinetic, "potential": potential, "sum": kinetic + potential}
+    unit, size = _unit_of(float(lines["sum"].max()))
     for (name, values), colour in zip(lines.items(), (COLOURS[1], COLOURS[0], INK), strict=True):
-        axes.plot(recording.t, values, color=colour, linewidth=1.3, label=name)
-    dress(axes, "t (s)", "J, from the lowest potential on", "energy")
+        axes.plot(recording.t, values / size, color=colour, linewidth=1.3, label=name)
+    dress(axes, "t (s)", f"{unit}, from the lowest potential on", "energy")
     axes.margins(x=0)
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, fontsize=8.5, borderaxespad=0.2)
+
+
+def _unit_of(energy: float) -> tuple[str, float]:
+    """Choose a unit in which an energy has no more than four digits before the point; return its name and its size in J."""
+    units = {"mJ": 1e-3, "J": 1.0, "kJ": 1e3, "MJ": 1e6, "GJ": 1e9}
+    fitting = [unit for unit, size in units.items() if energy < 1e4 * size and energy >= 2.0 * size]
+    unit = fitting[0] if fitting else "J"
+    return unit, units[unit]
