@@ -33,7 +33,7 @@ class Scene:
 
 SCENES: dict[str, Scene] = {
     "pyramid": Scene(pyramid, 5.0, 1 / 60, "55 cubes stand on each other"),
-    "pile": Scene(pile, 5.0, 1 / 60, "1000 cubes fall on a heap"),
+    "pile": Scene(pile, 5.0, 1 / 60, "1000 cubes fall onto each other"),
     "dominoes": Scene(dominoes, 3.0, 1 / 240, "30 dominoes fall over"),
     "bouncing-disk": Scene(bouncing_disk, 8.0, 1 / 100, "a ball bounces, lower each time"),
     "cradle": Scene(lambda: newtons_cradle().world, 6.0, 1 / 240, "balls on strings pass a blow on"),

@@ -43,7 +43,6 @@ from kickdrift.world.joints.layout import (
     HELD,
     HINGE,
     IMPULSE,
-    LAWS,
     LENGTH,
     LINE,
     LINEAR,
@@ -58,7 +57,6 @@ from kickdrift.world.joints.layout import (
     RIGID,
     SLOPE,
     SPEED,
-    START,
     STATE,
     int64,
 )
@@ -79,11 +77,7 @@ from kickdrift.world.tables import (
 AHEAD = int64(0)  # nothing is off at the end of the substep
 GENTLY = int64(1)  # no speed where nothing moves, but for a part of what is off by now
 RELAX = int64(2)  # no speed where nothing moves
-BEGIN = int64(3)  # as AHEAD, before anything is given
-REPAIR = int64(4)  # a change of position, as a speed, after which nothing is off
-
-# Angle by which the solution may turn bodies against each other. Beyond it there are others, which no one wants.
-_FARTHEST = 0.5
+REPAIR = int64(3)  # a change of position, as a speed, after which nothing is off
 
 # Of the spring that a gentle aim is: 1/s, but a quarter of the frequency of substeps at most, and ratio.
 _HERTZ, _DAMPING = 60.0, 2.0
@@ -126,29 +120,27 @@ def aim(joint: int, link: int, h: float, mode: int, rate: float, world: int) -> 
     Returns
     -------
     float
-        How far locked axes will be off, as an angle or in parts of the arms; zero where the mode does not ask, and infinity
-        where loose ones have been given more turn than Newton's method can see.
+        How far locked axes will be off, as an angle or in parts of the arms; zero where the mode does not ask.
     """
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
-    locked, laws = integers(world, JOINT)[joint, LOCKED], integers(world, JOINT)[joint, LAWS]
+    locked = integers(world, JOINT)[joint, LOCKED]
     links[link, HELD] = locked
     v, w = relative_velocity(joint, world)
     for k in range(18):
         work[link, AXES_AHEAD + k] = numbers[joint, AXES + k]
     put_vector(work, link, ARM_A_AHEAD, vector_at(numbers, joint, ARM_A))
     put_vector(work, link, ARM_B_AHEAD, vector_at(numbers, joint, ARM_B))
-    ahead = mode in (BEGIN, AHEAD)
     if mode != RELAX:
-        _look_ahead(joint, link, h if ahead else 0.0, world)
-    off, turned_off, farthest = 0.0, 0.0, 0.0
+        _look_ahead(joint, link, h if mode == AHEAD else 0.0, world)
+    off, turned_off = 0.0, 0.0
     for k in range(6):
         speed = dot(vector_at(numbers, joint, AXES + 3 * k), v if k < 3 else w)
-        brake = work[link, BRAKE + k - 3] if ahead and k >= 3 else 0.0
+        brake = work[link, BRAKE + k - 3] if mode == AHEAD and k >= 3 else 0.0
         wrong = numbers[joint, MISALIGNMENT + k]
         work[link, SPEED + k] = speed
         work[link, CHANGE + k] = 0.0
         if locked >> k & 1:
-            work[link, CHANGE + k] = -wrong / h if ahead or mode == REPAIR else -speed
+            work[link, CHANGE + k] = -wrong / h if mode in (AHEAD, REPAIR) else -speed
             work[link, CHANGE + k] -= rate * wrong if mode == GENTLY else 0.0
             off += wrong * wrong if k < 3 else 0.0
             turned_off += wrong * wrong if k >= 3 else 0.0
@@ -156,15 +148,9 @@ def aim(joint: int, link: int, h: float, mode: int, rate: float, world: int) -> 
         work[link, PUSH + k] = 0.0 if mode in (RELAX, REPAIR) else -brake * speed - numbers[joint, IMPULSE + k]
         for column in (STATE, MOVED, GIVEN):
             work[link, column + k] = 0.0
-        if k >= 3 and mode == BEGIN:
-            work[link, START + k - 3] = speed
-        elif k >= 3 and not (locked | laws) >> k & 1:
-            farthest = max(farthest, h * abs(speed - work[link, START + k - 3]))
     size = length(vector_at(numbers, joint, ARM_A)) + length(vector_at(numbers, joint, ARM_B))
     off = off / (size * size) if size > 0.0 else 0.0
-    if not ahead:
-        return 0.0
-    return math.sqrt(max(turned_off, off)) if farthest < _FARTHEST else math.inf
+    return math.sqrt(max(turned_off, off)) if mode == AHEAD else 0.0
 
 
 @compiled(cached=False)

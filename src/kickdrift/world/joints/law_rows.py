@@ -35,6 +35,13 @@ Part = Literal["limits", "motor", "drive", "friction"]
 PARTS: tuple[Part, ...] = ("limits", "motor", "drive", "friction")
 
 
+def clear_laws(tables: Tables, joint: int) -> None:
+    """Let nothing happen along the axes of a joint."""
+    laws = tables.array(JOINT_AXES)[6 * joint : 6 * joint + 6]
+    laws[:] = 0.0
+    laws[:, [LOWER, UPPER, DRIVE_MAXIMUM]] = -np.inf, np.inf, np.inf
+
+
 def write_law(tables: Tables, joint: int, k: int, axis: Axis, part: Part) -> None:
     """Write one part of what happens along an axis of a joint, which is measured."""
     law: NDArray[np.float64] = tables.array(JOINT_AXES)[6 * joint + k]

@@ -100,7 +100,6 @@ PASSING = int64(144)  # of open axis k, six numbers: impulse along it per speed 
 AXES_AHEAD = int64(180)  # AXES and arms as they will be at the end of the substep
 ARM_A_AHEAD, ARM_B_AHEAD = int64(198), int64(201)
 LAST = int64(207)  # GIVEN by the last step of Newton's method
-START = 213  # SPEED about angular axes before the first step of Newton's method
 BRAKE = 204  # of open angular axes: damping, impulse per speed; see `kickdrift.world.joints.brakes`
 
 # Columns of POSE, MOTION and RESPONSE, and of everything that has a linear and an angular part

@@ -33,12 +33,8 @@ from kickdrift.world.joints.layout import (
     SLOPE,
 )
 from kickdrift.world.joints.measure import mobility, vector_at
-from kickdrift.world.joints.trees import (
-    LOOPS,
-    repair_positions,
-    solve_articulations,
-    solve_once,
-)
+from kickdrift.world.joints.newton import LOOPS, solve_articulations, solve_once
+from kickdrift.world.joints.repair import repair_positions
 from kickdrift.world.tables import (
     ARTICULATION,
     ARTICULATION_NUMBERS,
@@ -158,8 +154,6 @@ def _gained(link: int, k: int, world: int) -> float:
     return float(total)
 
 
-_loops_once = compiled(cached=False)(specialise(solve_once, "solve_loops_once", answer=eliminate_with_loops))
-_repair_loops = compiled(cached=False)(specialise(repair_positions, "repair_loops", answer=eliminate_with_loops))
-solve_loops = compiled(
-    specialise(solve_articulations, "solve_loops", once=_loops_once, repair=_repair_loops, FOR=LOOPS)
-)
+_once = compiled(cached=False)(specialise(solve_once, "solve_loops_once", answer=eliminate_with_loops))
+_repair = compiled(cached=False)(specialise(repair_positions, "repair_loops", answer=eliminate_with_loops))
+solve_loops = compiled(specialise(solve_articulations, "solve_loops", once=_once, repair=_repair, FOR=LOOPS))

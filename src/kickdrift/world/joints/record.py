@@ -109,6 +109,11 @@ def direction(argument: str, value: ArrayLike) -> Floats:
 
 def frame_along(z: Floats) -> Floats:
     """Axes whose third is given, as columns."""
-    x = np.cross(np.eye(3)[np.abs(z).argmin()], z)
-    x /= np.linalg.norm(x)
-    return np.column_stack((x, np.cross(z, x), z))
+    x = cross(np.eye(3)[np.abs(z).argmin()], z)
+    x /= np.sqrt(x @ x)
+    return np.array((x, cross(z, x), z)).T
+
+
+def cross(a: Floats, b: Floats) -> Floats:
+    """Outer product of two vectors: np.cross takes 40 us."""
+    return np.array((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))

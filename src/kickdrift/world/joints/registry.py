@@ -15,7 +15,7 @@ from kickdrift.world.joints.axis import Axis
 from kickdrift.world.joints.catalogue import KINDS
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.impulses import warm_start_joints
-from kickdrift.world.joints.law_rows import PARTS, Part, check_changeable, write_law
+from kickdrift.world.joints.law_rows import PARTS, Part, check_changeable, clear_laws, write_law
 from kickdrift.world.joints.layout import (
     ANCHOR_A,
     ANCHOR_B,
@@ -58,6 +58,7 @@ from kickdrift.world.joints.record import Placement, Record
 from kickdrift.world.joints.sequential import solve_in_turn
 from kickdrift.world.joints.tree import arrange
 from kickdrift.world.joints.trees import solve_trees
+from kickdrift.world.rotations import product, turned
 from kickdrift.world.tables import ARTICULATION, BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, POSE, Tables
 
 Floats = NDArray[np.float64]
@@ -98,27 +99,28 @@ class Joints:
         joint[[ANGULAR, PIVOT]] = _angular_mode(placement)
         axes = (*placement.linear, *placement.angular)
         joint[LOCKED] = sum(1 << k for k, axis in enumerate(axes) if axis.locked)
+        poses = tables.array(POSE)
+        frame = Rotation.from_matrix(placement.frame).as_quat()[[3, 0, 1, 2]]
         for body, at, turn, anchor in (
             (body_a, ANCHOR_A, FRAME_A, placement.anchor_a),
             (body_b, ANCHOR_B, FRAME_B, placement.anchor_b),
         ):
-            pose = tables.array(POSE)[body]
-            back = Rotation.from_quat(pose[[4, 5, 6, 3]]).inv()
-            numbers[at : at + 3] = back.apply(anchor - pose[:3])
-            numbers[turn : turn + 4] = (back * Rotation.from_matrix(placement.frame)).as_quat()[[3, 0, 1, 2]]
+            back = poses[body, 3:7] * (1.0, -1.0, -1.0, -1.0)
+            numbers[at : at + 3] = turned(back, anchor - poses[body, :3])
+            numbers[turn : turn + 4] = product(back, frame)
         numbers[LENGTH] = placement.length
         numbers[[BREAKING_FORCE, BREAKING_TORQUE]] = record.breaking_force, record.breaking_torque
-        poses = tables.array(POSE)
         numbers[ARM_A : ARM_A + 3] = placement.anchor_b - poses[body_a, :3]
         numbers[ARM_B : ARM_B + 3] = placement.anchor_b - poses[body_b, :3]
         along = np.eye(3) if joint[LINEAR] == POINT else placement.frame
         numbers[AXES : AXES + 18] = np.concatenate((along.T.ravel(), placement.frame.T.ravel()))
         if placement.line:
             numbers[POSITION + 2] = np.linalg.norm(placement.anchor_b - placement.anchor_a) - placement.length
-        tables.array(JOINT_AXES)[6 * row : 6 * row + 6] = 0.0
+        clear_laws(tables, row)
         for k, axis in enumerate(axes):
-            for part in PARTS:
-                write_law(tables, row, k, axis, part)
+            if axis.has_law:
+                for part in PARTS:
+                    write_law(tables, row, k, axis, part)
         self.arranged = False
         return Joint(row, generation, self)
 

@@ -42,7 +42,7 @@ from kickdrift.world.joints.layout import (
     TURN_RESPONSE,
 )
 from kickdrift.world.joints.measure import put_vector, symmetric_at, vector_at
-from kickdrift.world.joints.trees import LAST_TRIALS, TRIALS, end_relaxation
+from kickdrift.world.joints.settling import LAST_TRIALS, TRIALS, end_relaxation
 from kickdrift.world.tables import (
     ARTICULATION,
     JOINT,

@@ -1,0 +1,140 @@
+"""RATTLE for an articulation: Newton's method before the drift, a projection after it.
+
+A substep is symplectic, as the kick and the drift between are: impulses along the joints' directions at its start, such that
+nothing is off at its end, and then the velocities' projection onto what the joints allow there. Hairer, Lubich, Wanner,
+Geometric Numerical Integration, 2nd ed. (2006), section VII.1.4.
+
+Where the substep is too long for that, as where a chain with a heavy end cracks like a whip, velocities are projected before
+the drift too, which never adds to their energy, and bodies are put back to where the joints hold them.
+
+The functions of this file are templates: the solution of the equations is bound to them by whoever has one.
+"""
+
+import math
+from typing import Any
+
+from kickdrift.core.compilation import compiled, unbound
+from kickdrift.core.vectors import applied, dot, inverse_symmetric
+from kickdrift.world.joints.aim import AHEAD, GENTLY, RELAX, aim_all
+from kickdrift.world.joints.impulses import push_bodies
+from kickdrift.world.joints.layout import (
+    ANGULAR_PART,
+    CLOSINGS,
+    END,
+    FIRST,
+    IMPULSE,
+    LAST,
+    LINEAR_PART,
+    LINK_JOINT,
+    LINKS,
+    LOST,
+    RATIO,
+    RELAXING,
+    SEQUENTIAL,
+    SOLVED,
+    TURN_RESPONSE,
+)
+from kickdrift.world.joints.layout import BODY as LINK_BODY
+from kickdrift.world.joints.measure import symmetric_at, vector_at
+from kickdrift.world.joints.settling import LAST_TRIALS, TRIALS, end_relaxation, end_solution, give_impulses, settle
+from kickdrift.world.tables import (
+    ARTICULATION,
+    JOINT_NUMBERS,
+    LINK,
+    LINK_NUMBERS,
+    MOTION,
+    RESPONSE,
+    floats,
+    integers,
+    rows,
+)
+
+answer = once = repair = unbound  # solve the equations; solve them and give the impulses; put bodies back
+TREES, LOOPS = 0, 1
+FOR = TREES  # which articulations a stage is for
+
+# Newton's method stops where the parts of their arms that joints are off by, times the ratio of masses, are below CLOSE. Each
+# step squares them, so that below SURE no one looks whether the step has done so. The usual articulation takes one step;
+# a chain with an end 1000 times as heavy as its links takes two or three, and tears with one.
+ROUNDS = 4
+CLOSE, SURE = 1e-4, 0.03
+
+# First guesses that are farther off than that, with a ratio of 100 at least, are replaced by velocities that the joints allow.
+POOR = 1.0
+
+# Given up is what is farther off than that at the end, or has more energy than that times what those velocities have: there
+# are solutions far away, which no one wants.
+FAR, EXCESS = 1e-3, 1.01
+
+
+def solve_articulations(t: float, h: float, world: int) -> None:
+    """Give the impulses with which joints hold, of the articulations that the function bound to `once` is for."""
+    articulations: Any = integers(world, ARTICULATION)
+    for row in range(rows(world, ARTICULATION)):
+        loops, ratio = LOOPS if articulations[row, CLOSINGS] > 0 else TREES, articulations[row, RATIO]
+        if articulations[row, FIRST] == articulations[row, END] or articulations[row, SEQUENTIAL] != 0 or loops != FOR:
+            continue
+        if articulations[row, RELAXING] != 0:
+            if articulations[row, LOST] != 0:
+                repair(row, h, world)
+            aim_all(row, h, RELAX, 0.0, world)
+            once(row, h, 0.0, world)
+            end_relaxation(row, h, world)
+            continue
+        off, most = aim_all(row, h, AHEAD, 0.0, world), math.inf
+        if off * max(ratio, 100) > POOR:
+            aim_all(row, h, GENTLY, 0.0, world)
+            once(row, h, 0.0, world)
+            off, most = aim_all(row, h, AHEAD, 0.0, world), EXCESS * kinetic_energy(row, world)
+        for _ in range(ROUNDS):
+            once(row, h, h, world)
+            off = aim_all(row, h, AHEAD, 0.0, world) if off * ratio > SURE else off * off
+            if off * ratio <= CLOSE:
+                break
+        articulations[row, LOST] = off * ratio > FAR or (most < math.inf and kinetic_energy(row, world) > most)
+        if articulations[row, LOST] != 0:
+            take_back(row, world)
+            aim_all(row, h, GENTLY, 0.0, world)
+            once(row, h, 0.0, world)
+        end_solution(row, h, world)
+
+
+def solve_once(row: int, h: float, ahead: float, world: int) -> None:
+    """Solve the equations until all pieces of laws fit that were assumed, and give the impulses."""
+    for trial in range(TRIALS + LAST_TRIALS):
+        settled = settle(row, h, trial, world)
+        if trial > 0 and settled:
+            break
+        answer(row, ahead, world)
+    give_impulses(row, world)
+
+
+@compiled(cached=False)
+def kinetic_energy(row: int, world: int) -> float:
+    """Kinetic energy of the links of an articulation."""
+    articulation: Any = integers(world, ARTICULATION)[row]
+    links, motion, response = integers(world, LINK), floats(world, MOTION), floats(world, RESPONSE)
+    total = 0.0
+    for link in range(articulation[FIRST], articulation[FIRST] + articulation[LINKS]):
+        body = links[link, LINK_BODY]
+        v, w = vector_at(motion, body, LINEAR_PART), vector_at(motion, body, ANGULAR_PART)
+        inverse = symmetric_at(response, body, TURN_RESPONSE)
+        total += 0.5 * dot(v, v) / response[body, 0] if response[body, 0] > 0.0 else 0.0
+        moments = inverse_symmetric(inverse)
+        turning = 0.5 * dot(w, applied(moments, w))
+        total += turning if turning < math.inf else 0.0
+    return total
+
+
+@compiled(cached=False)
+def take_back(row: int, world: int) -> None:
+    """Take back all impulses since the warm start."""
+    articulation: Any = integers(world, ARTICULATION)[row]
+    links, numbers, work = integers(world, LINK), floats(world, JOINT_NUMBERS), floats(world, LINK_NUMBERS)
+    for link in range(articulation[FIRST], articulation[END]):
+        joint = links[link, LINK_JOINT]
+        if joint >= 0:
+            for k in range(6):
+                work[link, LAST + k] = numbers[joint, SOLVED + k] - numbers[joint, IMPULSE + k]
+                numbers[joint, IMPULSE + k] = numbers[joint, SOLVED + k]
+            push_bodies(joint, work, link, LAST, world)
