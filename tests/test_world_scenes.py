@@ -189,13 +189,6 @@ def test_a_quadruped_stands_on_springs_that_are_stiff_enough(stiffness, stands):
     assert (robot.world.position[robot.bodies[0].index, 2] > 0.9 * before) == stands
 
 
-@pytest.mark.parametrize(("stiffness", "stands"), [(1000.0, True), (200.0, False)])
-def test_a_person_stands_on_ankles_that_are_stiff_enough(stiffness, stands):
-    person = worlds.humanoid(stiffness=stiffness)
-    run(person.world, 3.0, step=1 / 240)
-    assert (person.world.position[person.bodies["head"].index, 2] > 1.5) == stands
-
-
 def test_a_person_is_as_tall_and_as_heavy_as_a_person():
     world = World()
     person = worlds.add_person(world)

@@ -36,7 +36,7 @@ RESTED = Table(
 )  # for how long a body has rested, for how long its island has, how far it reaches, where it sleeps (7)
 FORCE = Table(35, 8)  # force (3) and torque (3) in this substep
 KICKED = Table(6, 24)  # see `kickdrift.world.flight`
-BODY = Table(7, 8, whole=True)  # kind, awake, island, generation
+BODY = Table(7, 8, whole=True)  # kind, awake, island, generation, link + 1 where joints are solved directly
 # Shapes
 # Kind (-1: removed), body, where its numbers begin in GEOMETRY, how many, layer, mask, sensor, state of its search (see
 # `kickdrift.world.collision.search`)
@@ -67,7 +67,8 @@ COLLIDERS = Table(25, 8, whole=True)  # address of the function for each pair of
 ARTICULATION = Table(26, 12, whole=True)
 ARTICULATION_NUMBERS = Table(27, 1)  # the equations of closing joints
 LINK = Table(46, 8, whole=True)  # a body of an articulation and the joint that it hangs on, parents first
-LINK_NUMBERS = Table(47, 216)
+LINK_NUMBERS = Table(47, 224)
+LINK_CONTACTS = Table(48, 96)  # see `kickdrift.world.joints.contacts`
 ORDER = Table(28, 4, whole=True)
 STEPS = Table(29, 16)  # one row: counters
 COLOURS = Table(30, 4, whole=True)  # contacts of a colour, its first group and the group after its last
@@ -82,8 +83,9 @@ PLANES = Table(40, 1, whole=True)  # shapes that are planes
 SOUGHT = Table(41, 1, whole=True)  # shapes whose pairs are to be found anew
 PART_TREE = Table(42, 8)  # over the triangles of each mesh, one tree after the other
 EXCLUDED = Table(43, 2, whole=True)  # pairs of bodies that never touch, the lower one first; sorted
+ASKED_APART = Table(49, 2, whole=True)  # those of them that users ask for; the others are joined
 
-_COUNT = 48
+_COUNT = 50
 _ADDRESS, _ROWS, _ROOM = 0, 1, 2  # the words that describe a table
 
 

@@ -11,9 +11,10 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, turned
 from kickdrift.world.contacts import filling as r
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.coupled import ANSWERED
 from kickdrift.world.contacts.lanes import FILL, FILL_FRICTION, LANE_COUNT, SWEEP
 from kickdrift.world.contacts.looking import FRICTION, ROLLING, SURFACE_VELOCITY, placed_pose
-from kickdrift.world.flight import AWAKE
+from kickdrift.world.flight import AWAKE, LINK_PLACE
 from kickdrift.world.settings import CONTACT_DAMPING, CONTACT_HERTZ, SLOP, STEP, SUBSTEPS
 from kickdrift.world.tables import (
     BODY,
@@ -22,6 +23,7 @@ from kickdrift.world.tables import (
     CONTACT,
     GROUPS,
     LANES,
+    LINK_CONTACTS,
     MANIFOLD,
     MOTION,
     PLACE,
@@ -47,6 +49,7 @@ sweep = caller(SWEEP)
 # Of the spring, times the substep. A pyramid of twenty rows sways from 0.2 on, and one of 0.15 leaves it standing.
 STIFFEST = 0.15
 OVERFLOW = _COLOURS  # contacts that found no colour: one by one, in groups of their own
+LINKED = OVERFLOW + 1  # and those of links, whose joints answer too: see `kickdrift.world.joints.contacts`
 
 
 @compiled
@@ -59,7 +62,7 @@ def colour(t: float, h: float, world: int) -> None:
     taken, colours = integers(world, COLOURED), integers(world, COLOURS)
     for k in range(rows(world, COLOURED)):
         taken[k, 0] = 0
-    for k in range(_COLOURS + 1):
+    for k in range(LINKED + 1):
         colours[k, 0] = 0
     for row in range(rows(world, CONTACT)):
         contact[row, c.PLACE_IN_GROUPS] = -1
@@ -67,6 +70,10 @@ def colour(t: float, h: float, world: int) -> None:
         if contact[row, c.POINTS] == 0 or contact[row, c.STATE] & c.SENSOR:
             continue
         if body[a, AWAKE] == 0 and body[b, AWAKE] == 0:
+            continue
+        if body[a, LINK_PLACE] > 0 or body[b, LINK_PLACE] > 0:
+            contact[row, c.PLACE_IN_GROUPS] = LINKED
+            colours[LINKED, 0] += 1
             continue
         moves_a, moves_b = response[a, 0] > 0.0, response[b, 0] > 0.0
         used = (taken[a, 0] if moves_a else 0) | (taken[b, 0] if moves_b else 0)
@@ -81,10 +88,10 @@ def colour(t: float, h: float, world: int) -> None:
         contact[row, c.PLACE_IN_GROUPS] = k
         colours[k, 0] += 1
     first = 0
-    for k in range(_COLOURS + 1):
+    for k in range(LINKED + 1):
         count = colours[k, 0]
         colours[k, 1] = first
-        first += count if k == OVERFLOW else (count + c.WIDTH - 1) // c.WIDTH
+        first += count if k >= OVERFLOW else (count + c.WIDTH - 1) // c.WIDTH
         colours[k, 2] = first
     if first > room(world, GROUPS):
         ask_for_room(world, GROUPS, first)
@@ -92,6 +99,13 @@ def colour(t: float, h: float, world: int) -> None:
     if first * c.FIELDS * c.WIDTH > room(world, LANES):
         ask_for_room(world, LANES, first * c.FIELDS * c.WIDTH)
         return
+    if colours[LINKED, 0] > room(world, LINK_CONTACTS):
+        ask_for_room(world, LINK_CONTACTS, colours[LINKED, 0])
+        return
+    set_rows(world, LINK_CONTACTS, colours[LINKED, 0])
+    answers = floats(world, LINK_CONTACTS)
+    for row in range(colours[LINKED, 0]):
+        answers[row, ANSWERED] = 0.0
     set_rows(world, GROUPS, first)
 
 
@@ -103,7 +117,7 @@ def prepare(t: float, h: float, world: int) -> None:
     for g in range(rows(world, GROUPS)):
         for lane in range(c.WIDTH):
             groups[g, lane], groups[g, c.WIDTH + lane], groups[g, 2 * c.WIDTH + lane] = 0, 0, -1
-    for k in range(_COLOURS + 1):
+    for k in range(LINKED + 1):
         colours[k, 0] = 0
     for row in range(rows(world, CONTACT)):
         k = contact[row, c.PLACE_IN_GROUPS]
@@ -112,7 +126,7 @@ def prepare(t: float, h: float, world: int) -> None:
         index = colours[k, 0]
         colours[k, 0] += 1
         group, lane = colours[k, 1] + index // c.WIDTH, index % c.WIDTH
-        if k == OVERFLOW:
+        if k >= OVERFLOW:
             group, lane = colours[k, 1] + index, 0
         contact[row, c.PLACE_IN_GROUPS] = group * c.WIDTH + lane
         groups[group, lane] = contact[row, c.BODY_A]

@@ -25,7 +25,7 @@ from kickdrift.world.contacts.lanes import (
     VELOCITY_A,
     VELOCITY_B,
 )
-from kickdrift.world.contacts.prepare import OVERFLOW
+from kickdrift.world.contacts.prepare import LINKED, OVERFLOW
 from kickdrift.world.settings import PUSH_SPEED
 from kickdrift.world.tables import (
     CHANGE,
@@ -51,6 +51,7 @@ _FEWEST = 16  # groups of a colour that are worth a parallel region of some 10 u
 
 sweep = caller(SWEEP)
 group: Callable[..., None] = unbound
+LAST = OVERFLOW  # colour
 
 
 def _forth(t: float, h: float, world: int) -> None:
@@ -63,7 +64,7 @@ def _forth(t: float, h: float, world: int) -> None:
         else:
             for g in prange(first, last):
                 group(h, world, g)
-    for g in range(colours[OVERFLOW, 1], colours[OVERFLOW, 2]):
+    for g in range(colours[OVERFLOW, 1], colours[LAST, 2]):
         group(h, world, g)
 
 
@@ -122,7 +123,7 @@ def _relax_group(h: float, world: int, g: int) -> None:
 
 
 # Apply the impulses of the last substep.
-warm_start = compiled(specialise(_forth, "warm_start", group=_warm_start_group))
+warm_start = compiled(specialise(_forth, "warm_start", group=_warm_start_group, LAST=LINKED))
 # Keep bodies apart, and push apart those that overlap.
 solve = compiled(specialise(_forth, "solve", group=_solve_group))
 # Friction, twist and rolling resistance; then take the velocity of the push away. Backwards through the groups: with both
@@ -131,7 +132,9 @@ relax = compiled(specialise(_back, "relax", group=_relax_group))
 
 # The same on Numba's threads, with the same bits: no two contacts of a colour move the same body.
 THREADED = {
-    warm_start: compiled(parallel=True)(specialise(_forth, "warm_start_threaded", group=_warm_start_group)),
+    warm_start: compiled(parallel=True)(
+        specialise(_forth, "warm_start_threaded", group=_warm_start_group, LAST=LINKED)
+    ),
     solve: compiled(parallel=True)(specialise(_forth, "solve_threaded", group=_solve_group)),
     relax: compiled(parallel=True)(specialise(_back, "relax_threaded", group=_relax_group)),
 }

@@ -56,7 +56,7 @@ _ONLY = int64(0)  # row of a buffer
 
 
 @compiled(inline=True, cached=False)
-def _arms(table: Any, row: int, column_a: int, column_b: int, sign: int) -> tuple[Vector, Vector]:
+def arms(table: Any, row: int, column_a: int, column_b: int, sign: int) -> tuple[Vector, Vector]:
     """From the centre of mass of a link and of its parent to their joint."""
     if sign > 0:
         return vector_at(table, row, column_b), vector_at(table, row, column_a)
@@ -131,8 +131,8 @@ def factor(first: int, count: int, ahead: float, world: int) -> None:
         if joint < 0:
             _factor_free(link, world)
             continue
-        own, other = _arms(numbers, joint, ARM_A, ARM_B, links[link, SIGN])
-        own_ahead, other_ahead = _arms(work, link, ARM_A_AHEAD, ARM_B_AHEAD, links[link, SIGN])
+        own, other = arms(numbers, joint, ARM_A, ARM_B, links[link, SIGN])
+        own_ahead, other_ahead = arms(work, link, ARM_A_AHEAD, ARM_B_AHEAD, links[link, SIGN])
         _move(work, link, times(-1.0, own), times(-1.0, own_ahead))
         _eliminate(link, joint, links[link, HELD], world)
         if parent >= 0:
@@ -148,6 +148,7 @@ def _eliminate(link: int, joint: int, held: int, world: int) -> None:
     """Take the open axes of a joint out of the inertia of what hangs on it."""
     work, numbers = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     for k in range(6):
+        work[link, YIELD + k] = 0.0
         if held >> k & 1:
             continue
         axis, ahead = vector_at(numbers, joint, AXES + 3 * k), vector_at(work, link, AXES_AHEAD + 3 * k)
@@ -185,7 +186,7 @@ def _factor_free(link: int, world: int) -> None:
 
 
 @compiled(inline=True, cached=False)
-def _solve_free(work: Any, link: int) -> None:
+def solve_free(work: Any, link: int) -> None:
     """Change of velocity of the root of a tree that floats."""
     for i in range(6):
         total = -work[link, IMPACT + i]
@@ -212,7 +213,7 @@ def sweep(first: int, count: int, weight: float, world: int) -> None:
     for link in range(first + count - 1, first - 1, -1):
         joint, parent = links[link, LINK_JOINT], links[link, PARENT]
         if joint >= 0:
-            own, other = _arms(numbers, joint, ARM_A, ARM_B, links[link, SIGN])
+            own, other = arms(numbers, joint, ARM_A, ARM_B, links[link, SIGN])
             _gather(link, joint, own, weight, world)
             if parent >= 0:
                 push = vector_at(work, link, IMPACT)
@@ -223,9 +224,9 @@ def sweep(first: int, count: int, weight: float, world: int) -> None:
     for link in range(first, first + count):
         joint, parent = links[link, LINK_JOINT], links[link, PARENT]
         if joint < 0:
-            _solve_free(work, link)
+            solve_free(work, link)
         else:
-            own, other = _arms(work, link, ARM_A_AHEAD, ARM_B_AHEAD, links[link, SIGN])
+            own, other = arms(work, link, ARM_A_AHEAD, ARM_B_AHEAD, links[link, SIGN])
             v, w = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
             if parent >= 0:
                 w = vector_at(work, parent, GAIN + 3)

@@ -25,8 +25,9 @@ from kickdrift.world.joints.layout import (
     CHANGE,
     CONE,
     DAMPING,
-    DRIVE_IMPULSE,
+    DRIVE_CONSTANT,
     DRIVE_MAXIMUM,
+    DRIVE_SLOPE,
     DRIVEN,
     FRICTION,
     GIVEN,
@@ -167,9 +168,9 @@ def _assume(
     row = 6 * joint + k
     at = numbers[joint, POSITION + k]
     lower, upper = laws[row, LOWER] - at, laws[row, UPPER] - at
-    if relaxing:  # what has been passed is left as it is, and the drive has done its work
+    if relaxing:  # what has been passed is left as it is, and the drive is the one that it was before the drift
         lower, upper = min(lower, 0.0), max(upper, 0.0)
-        constant, slope, maximum = laws[row, DRIVE_IMPULSE], 0.0, math.inf
+        constant, slope, maximum = laws[row, DRIVE_CONSTANT], laws[row, DRIVE_SLOPE], h * laws[row, DRIVE_MAXIMUM]
     else:
         constant, slope, maximum = _drive_of(joint, link, k, h, world)
     scale = numbers[joint, TWIST_SCALE] if k == 5 and joints[joint, ANGULAR] == CONE else 1.0
@@ -206,11 +207,9 @@ def review_laws(joint: int, link: int, h: float, relaxing: bool, opened: bool, w
 
 @compiled(cached=False)
 def end_laws(joint: int, link: int, h: float, world: int) -> None:
-    """Keep what drives gave in the solve, for they give no more in the relaxation."""
-    joint_laws, work, laws = integers(world, JOINT)[joint, LAWS], floats(world, LINK_NUMBERS), floats(world, JOINT_AXES)
-    held = integers(world, LINK)[link, HELD]
+    """Keep the drives of the substep for the relaxation, after the drift."""
+    joint_laws, laws = integers(world, JOINT)[joint, LAWS], floats(world, JOINT_AXES)
     for k in range(6):
         if joint_laws >> k & 1:
-            speed = work[link, SPEED + k] + (work[link, CHANGE + k] if held >> k & 1 else work[link, MOVED + k])
-            constant, slope, maximum = _drive_of(joint, link, k, h, world)
-            laws[6 * joint + k, DRIVE_IMPULSE] = _drive(speed, constant, slope, maximum)
+            constant, slope, _ = _drive_of(joint, link, k, h, world)
+            laws[6 * joint + k, DRIVE_CONSTANT], laws[6 * joint + k, DRIVE_SLOPE] = constant, slope

@@ -63,7 +63,7 @@ STIFFNESS, DAMPING, TARGET, TARGET_SPEED, DRIVE_MAXIMUM = 4, 5, 6, 7, 8
 FRICTION = 9
 MASS = 10  # that drives are reckoned to move
 START_SPEED = 11  # before the kick
-DRIVE_IMPULSE = 12  # of the last substep
+DRIVE_CONSTANT, DRIVE_SLOPE = 12, 14  # of the substep: impulse of the drive is constant - slope x speed
 MOBILITY = 13  # speed per impulse of the two bodies alone
 
 # Columns of ARTICULATION
@@ -80,6 +80,7 @@ BODY, PARENT, LINK_JOINT = 0, 1, 2  # PARENT is a row of LINK, NONE for one that
 SIGN = 3  # 1 where the body is b of its joint, -1 where it is a
 HELD = 4  # set of axes whose speed is prescribed in the system of equations at hand
 LINK_A, LINK_B = 5, 6  # of a closing joint
+CHILD = 7  # the next link on the way to the one that is sought
 NONE = -1
 
 # Columns of LINK_NUMBERS. Six numbers are three linear and three angular ones in the world's axes, or one to each axis.
@@ -100,6 +101,7 @@ PASSING = int64(144)  # of open axis k, six numbers: impulse along it per speed 
 AXES_AHEAD = int64(180)  # AXES and arms as they will be at the end of the substep
 ARM_A_AHEAD, ARM_B_AHEAD = int64(198), int64(201)
 LAST = int64(207)  # GIVEN by the last step of Newton's method
+STIRRED = int64(213)  # impulse along and about open axes that contacts ask of the joint
 BRAKE = 204  # of open angular axes: damping, impulse per speed; see `kickdrift.world.joints.brakes`
 
 # Columns of POSE, MOTION and RESPONSE, and of everything that has a linear and an angular part

@@ -13,6 +13,7 @@ from kickdrift.world.flight import KIND as BODY_KIND
 from kickdrift.world.joints.around import begin_joints, finish_joints, wake_joints
 from kickdrift.world.joints.axis import Axis
 from kickdrift.world.joints.catalogue import KINDS
+from kickdrift.world.joints.contacts import relax_link_contacts, solve_link_contacts
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.impulses import warm_start_joints
 from kickdrift.world.joints.law_rows import PARTS, Part, check_changeable, clear_laws, write_law
@@ -186,16 +187,25 @@ class Joints:
         return (warm_start_joints,) if len(self.tables.array(ARTICULATION)) else ()
 
     def solving(self) -> tuple[Function, ...]:
-        """Stages before the drift: those that this world needs, so that no others are compiled."""
+        """Stages before the drift, after contacts are solved."""
+        return (*self._directly_and_in_turn(), *(solve_link_contacts,) * self._has_links())
+
+    def relaxing(self) -> tuple[Function, ...]:
+        """Stages after the drift, after contacts are relaxed."""
+        if not len(self.tables.array(ARTICULATION)):
+            return ()
+        return (measure_joints, *self._directly_and_in_turn(), *(relax_link_contacts,) * self._has_links())
+
+    def _has_links(self) -> bool:
+        return bool((self.tables.array(ARTICULATION)[:, SEQUENTIAL] == 0).any())
+
+    def _directly_and_in_turn(self) -> tuple[Function, ...]:
+        """Stages that solve joints: those that this world needs, so that no others are compiled."""
         articulations = self.tables.array(ARTICULATION)
         turns, closed = articulations[:, SEQUENTIAL] != 0, articulations[:, CLOSINGS] > 0
         wanted = (bool((~turns & ~closed).any()), bool(closed.any()), bool(turns.any()))
         stages = (solve_trees, solve_loops, solve_in_turn)
         return tuple(stage for stage, there in zip(stages, wanted, strict=True) if there)
-
-    def relaxing(self) -> tuple[Function, ...]:
-        """Stages after the drift."""
-        return (measure_joints, *self.solving()) if len(self.tables.array(ARTICULATION)) else ()
 
     def after(self) -> tuple[Function, ...]:
         """Stages after the substeps; `take_broken` at the end."""

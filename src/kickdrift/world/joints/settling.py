@@ -43,14 +43,14 @@ def settle(row: int, h: float, trial: int, world: int) -> bool:
         joint = links[link, LINK_JOINT]
         if joint >= 0 and joints[joint, LAWS] != 0:
             if trial > 0 and link < articulation[FIRST] + articulation[LINKS]:
-                _split_impulse(link, joint, world)
+                split_impulse(link, joint, world)
             opened = trial > TRIALS
             settled = not review_laws(joint, link, h, articulation[RELAXING] != 0, opened, world) and settled
     return settled
 
 
 @compiled(cached=False)
-def _split_impulse(link: int, joint: int, world: int) -> None:
+def split_impulse(link: int, joint: int, world: int) -> None:
     """Split the impulse at a joint of a tree among its axes."""
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     force, torque = vector_at(work, link, WRENCH), vector_at(work, link, WRENCH + 3)
@@ -70,7 +70,7 @@ def give_impulses(row: int, world: int) -> None:
         if joint < 0:
             continue
         if link < articulation[FIRST] + articulation[LINKS]:
-            _split_impulse(link, joint, world)
+            split_impulse(link, joint, world)
         for k in range(6):
             numbers[joint, IMPULSE + k] += work[link, GIVEN + k]
             work[link, LAST + k] = work[link, GIVEN + k]

@@ -1,0 +1,244 @@
+"""Contacts of links, solved with the answer of the whole articulation.
+
+A foot of 1 kg on which 75 kg stand answers an impulse from the ground like 76 kg. A contact that took it for 1 kg would push it
+up at a speed that the joints then hand on to all the rest, and gain energy from step to step. So these contacts are solved
+after the joints, one after the other, each with what the joints make of its impulses (by the factors of the joints' own
+solution), and at the end the joints are given what they passed on. It is projected Gauss-Seidel in the coordinates of the
+joints, as engines for robots have it: Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 11.
+
+Joints that close loops are left out of the answer, which makes it too large: such contacts come to rest more slowly.
+
+A row of `LINK_CONTACTS` is the answers of `kickdrift.world.contacts.coupled`, 12 numbers a row of the contact, and ANSWERED.
+"""
+
+from typing import Any
+
+from numba import carray
+
+from kickdrift.core.compilation import compiled, specialise
+from kickdrift.core.memory import floats_on_stack
+from kickdrift.core.vectors import applied
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.coupled import ANSWERED, ROWS, grip, press, write_row
+from kickdrift.world.contacts.prepare import LINKED
+from kickdrift.world.flight import LINK_PLACE
+from kickdrift.world.joints.articulated import sweep
+from kickdrift.world.joints.impulses import note_speeds, push_bodies
+from kickdrift.world.joints.layout import BODY as LINK_BODY
+from kickdrift.world.joints.layout import (
+    FIRST,
+    GIVEN,
+    IMPACT,
+    IMPULSE,
+    LINK_JOINT,
+    LINKS,
+    LOAD,
+    SEQUENTIAL,
+    SOLVED,
+    STIRRED,
+    TOTAL,
+    TURN_RESPONSE,
+    int64,
+)
+from kickdrift.world.joints.measure import symmetric_at, vector_at
+from kickdrift.world.joints.propagation import bring_down, carry_up
+from kickdrift.world.joints.settling import split_impulse
+from kickdrift.world.settings import PUSH_SPEED
+from kickdrift.world.tables import (
+    ARTICULATION,
+    BODY,
+    CHANGE,
+    COLOURS,
+    GROUPS,
+    JOINT_NUMBERS,
+    LANES,
+    LINK,
+    LINK_CONTACTS,
+    LINK_NUMBERS,
+    MOTION,
+    RESPONSE,
+    SETTINGS,
+    flat,
+    floats,
+    integers,
+    rows,
+)
+
+_SIZE = c.FIELDS * c.WIDTH
+
+SOFT = 1.0
+
+
+def _touch(t: float, h: float, world: int) -> None:
+    """Solve all contacts of links, softly where `SOFT` is 1.0, and with friction where it is 0.0."""
+    colours, groups, body = integers(world, COLOURS), integers(world, GROUPS), integers(world, BODY)
+    answers, change, lanes = floats(world, LINK_CONTACTS), floats(world, CHANGE), flat(world, LANES)
+    first, end = colours[LINKED, 1], colours[LINKED, 2]
+    if first == end:
+        return
+    _forget(world)
+    _find_answers(first, end, world)
+    velocity, given, moved = _twelve(), _twelve(), _twelve()
+    wrench, other = _twelve(), _twelve()
+    for g in range(first, end):
+        own, answer = lanes[g * _SIZE : (g + 1) * _SIZE], answers[g - first]
+        for side in range(2):
+            row = groups[g, c.WIDTH * side]
+            _velocity(row, body[row, LINK_PLACE] - 1, velocity[6 * side :], world)
+            for k in range(6):
+                moved[6 * side + k] = change[row, k]
+        for k in range(12):
+            given[k] = 0.0
+        if SOFT > 0.0:
+            press(own, answer, moved, wrench, SOFT, h, floats(world, SETTINGS)[0, PUSH_SPEED], velocity, given)
+        else:
+            grip(own, answer, wrench, other, velocity, given)
+            press(own, answer, moved, wrench, SOFT, h, 0.0, velocity, given)
+        for side in range(2):
+            row = groups[g, c.WIDTH * side]
+            _give(row, body[row, LINK_PLACE] - 1, given[6 * side :], world)
+    for row in range(rows(world, ARTICULATION)):
+        if _is_touched(row, world):
+            _hand_on(row, SOFT > 0.0, world)
+
+
+@compiled(inline=True, cached=False)
+def _twelve() -> Any:
+    return carray(floats_on_stack(12), (12,))
+
+
+@compiled(cached=False)
+def _forget(world: int) -> None:
+    """Begin with nothing asked of any joint."""
+    articulations, links, work = integers(world, ARTICULATION), integers(world, LINK), floats(world, LINK_NUMBERS)
+    for row in range(rows(world, ARTICULATION)):
+        if articulations[row, SEQUENTIAL] == 0:
+            for link in range(articulations[row, FIRST], articulations[row, FIRST] + articulations[row, LINKS]):
+                for k in range(6):
+                    work[link, LOAD + k] = 0.0
+                    work[link, STIRRED + k] = 0.0
+                    if links[link, LINK_JOINT] < 0:
+                        work[link, IMPACT + k] = 0.0
+
+
+@compiled(cached=False)
+def _find_answers(first: int, end: int, world: int) -> None:
+    """Find how bodies answer the rows of contacts, once a step."""
+    answers, groups, body = floats(world, LINK_CONTACTS), integers(world, GROUPS), integers(world, BODY)
+    lanes, wrench, backwards = flat(world, LANES), _twelve(), _twelve()
+    for g in range(first, end):
+        if answers[g - first, ANSWERED] != 0.0:
+            continue
+        answers[g - first, ANSWERED] = 1.0
+        for row in range(ROWS):
+            write_row(lanes[g * _SIZE : (g + 1) * _SIZE], row, wrench)
+            for k in range(12):
+                backwards[k] = -wrench[k]
+            for side in range(2):
+                place = body[groups[g, c.WIDTH * side], LINK_PLACE] - 1
+                _stir(place, wrench[6 * side :], world)
+            for side in range(2):
+                of = groups[g, c.WIDTH * side]
+                _answer(
+                    of, body[of, LINK_PLACE] - 1, wrench[6 * side :], answers[g - first, 12 * row + 6 * side :], world
+                )
+            for side in range(2):
+                place = body[groups[g, c.WIDTH * side], LINK_PLACE] - 1
+                _stir(place, backwards[6 * side :], world)
+    _forget(world)
+
+
+@compiled(cached=False)
+def _stir(link: int, wrench: Any, world: int) -> None:
+    if link >= 0:
+        carry_up(link, (wrench[0], wrench[1], wrench[2]), (wrench[3], wrench[4], wrench[5]), world)
+
+
+@compiled(cached=False)
+def _answer(body: int, link: int, wrench: Any, answer: Any, world: int) -> None:
+    """Velocity that a body has been given: by what has been carried up, or by its own wrench if it is no link."""
+    response = floats(world, RESPONSE)
+    if link >= 0:
+        v, w = bring_down(link, world)
+    else:
+        m = response[body, 0]
+        v = (m * wrench[0], m * wrench[1], m * wrench[2])
+        w = applied(symmetric_at(response, body, TURN_RESPONSE), (wrench[3], wrench[4], wrench[5]))
+    for k in range(3):
+        answer[k], answer[3 + k] = v[k], w[k]
+
+
+@compiled(cached=False)
+def _velocity(body: int, link: int, velocity: Any, world: int) -> None:
+    motion = floats(world, MOTION)
+    for k in range(6):
+        velocity[k] = motion[body, k]
+    if link >= 0:
+        v, w = bring_down(link, world)
+        for k in range(3):
+            velocity[k] += v[k]
+            velocity[3 + k] += w[k]
+
+
+@compiled(cached=False)
+def _give(body: int, link: int, wrench: Any, world: int) -> None:
+    """Give a body what a contact has found: at once, or, of a link, for the joints to hand on."""
+    motion, response, work = floats(world, MOTION), floats(world, RESPONSE), floats(world, LINK_NUMBERS)
+    if link < 0:
+        turn = applied(symmetric_at(response, body, TURN_RESPONSE), (wrench[3], wrench[4], wrench[5]))
+        for k in range(3):
+            motion[body, k] += response[body, 0] * wrench[k]
+            motion[body, 3 + k] += turn[k]
+        return
+    for k in range(6):
+        work[link, LOAD + k] += wrench[k]
+    _stir(link, wrench, world)
+
+
+@compiled(cached=False)
+def _is_touched(row: int, world: int) -> bool:
+    """Whether contacts have given the links of an articulation anything."""
+    articulation: Any = integers(world, ARTICULATION)[row]
+    if articulation[SEQUENTIAL] == 0:
+        work = floats(world, LINK_NUMBERS)
+        for link in range(articulation[FIRST], articulation[FIRST] + articulation[LINKS]):
+            for k in range(6):
+                if work[link, LOAD + k] != 0.0:
+                    return True
+    return False
+
+
+@compiled(cached=False)
+def _hand_on(row: int, solving: bool, world: int) -> None:
+    """Give the links what contacts have found, and the joints' part in it."""
+    articulation: Any = integers(world, ARTICULATION)[row]
+    links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
+    motion, response = floats(world, MOTION), floats(world, RESPONSE)
+    first, end = articulation[FIRST], articulation[FIRST] + articulation[LINKS]
+    for link in range(first, end):
+        body = links[link, LINK_BODY]
+        turn = applied(symmetric_at(response, body, TURN_RESPONSE), vector_at(work, link, int64(LOAD + 3)))
+        for k in range(3):
+            motion[body, k] += response[body, 0] * work[link, LOAD + k]
+            motion[body, 3 + k] += turn[k]
+    sweep(first, end - first, 0.0, world)
+    for link in range(first, end):
+        joint = links[link, LINK_JOINT]
+        if joint >= 0:
+            split_impulse(link, joint, world)
+            push_bodies(joint, work, link, GIVEN, world)
+            for k in range(6):
+                if not solving:
+                    numbers[joint, TOTAL + k] += work[link, GIVEN + k]
+                    continue
+                numbers[joint, IMPULSE + k] += work[link, GIVEN + k]
+                numbers[joint, SOLVED + k] += work[link, GIVEN + k]
+        for k in range(6):
+            work[link, LOAD + k] = 0.0
+    for link in range(first, end):
+        if not solving and links[link, LINK_JOINT] >= 0:
+            note_speeds(links[link, LINK_JOINT], world)
+
+
+solve_link_contacts = compiled(specialise(_touch, "solve_link_contacts", SOFT=1.0))
+relax_link_contacts = compiled(specialise(_touch, "relax_link_contacts", SOFT=0.0))
