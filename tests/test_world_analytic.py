@@ -346,3 +346,30 @@ def test_the_bouncing_disk():
     assert (highest[9] / highest[0]) ** (1 / 9) == pytest.approx(0.81, rel=0.02)
     exact = 2 * 5 / G * (1 - 0.9**10) / 0.1  # of the tenth bounce
     assert 0.98 < bounced[9][0] * 0.01 / exact < 1.0
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.5])
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("step", [1 / 60, 1 / 240])
+def test_an_oblique_impact_of_balls_keeps_angular_momentum(step, restitution, friction):
+    world = World(gravity=(0, 0, 0))
+    surface = {"restitution": restitution, "friction": friction}
+    world.add_sphere(0.5, position=(-2, 0.3, 0), velocity=(4, 0, 0), **surface)
+    world.add_sphere(0.5, position=(0, -0.2, 0), velocity=(0, 0, 0), mass=200.0, **surface)
+    before = world.angular_momentum()
+    world.advance(step, int(1.0 / step))
+    assert np.abs(world.velocity[2]).max() > 0.1
+    assert world.angular_momentum() == pytest.approx(before, abs=1e-12 * np.abs(before).max())
+
+
+@pytest.mark.parametrize("step", [1 / 60, 1 / 240])
+def test_smooth_balls_that_graze_part_along_the_line_of_centres(step):
+    """Equal elastic balls: the one at rest leaves along the line of centres at the moment of the impact, with v cos(a)."""
+    world = World(gravity=(0, 0, 0))
+    smooth = {"restitution": 1.0, "friction": 0.0}
+    world.add_sphere(0.5, position=(-2, 0.6, 0), velocity=(4, 0, 0), **smooth)
+    world.add_sphere(0.5, position=(0, 0, 0), **smooth)
+    world.advance(step, int(1.0 / step))
+    normal = np.array([np.sqrt(1 - 0.6**2), -0.6, 0])
+    assert world.velocity[2] == pytest.approx(4 * normal[0] * normal, abs=4e-3)
+    assert world.angular_velocity[1:] == pytest.approx(0.0, abs=1e-12)

@@ -64,7 +64,7 @@ def word(uses: Uses, joints: Joints) -> Word:
         begin_forces,
         *uses.forces,
         kick,
-        *when(uses.bounces, bounce),
+        *when(uses.bounces or uses.is_fast, bounce),
         warm_start,
         *joints.warm_starting(),
         solve,

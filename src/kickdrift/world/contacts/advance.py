@@ -2,7 +2,8 @@
 
 Conservative advancement (Mirtich 1996): from a gap s that closes at most at a speed u, nothing happens before the time s / u.
 The points of the pose in which shapes touch become points of today: arms and normal are those of the impact, and the gap is
-the one from which the motion of the step, linear in time, leads to it.
+the one from which the motion of the step, linear in time, leads to it. Their two points lie apart by what the bodies will slide
+past each other until then, so that half of the slide, added to the arm of each (`GLIDE_A`), makes it that of the impact.
 """
 
 from typing import Any
@@ -38,7 +39,7 @@ from kickdrift.world.contacts.layout import (
 )
 from kickdrift.world.contacts.looking import RADIUS, look_again, placed_pose, smallest
 from kickdrift.world.settings import MARGIN, STEP
-from kickdrift.world.tables import CONTACT, MANIFOLD, MOTION, PLACE, POSE, RESPONSE, SETTINGS, floats, integers, rows
+from kickdrift.world.tables import CONTACT, MANIFOLD, MOTION, PLACE, POSE, SETTINGS, floats, integers, rows
 
 _ROUNDS = 40
 
@@ -49,7 +50,6 @@ def find_impacts(t: float, h: float, world: int) -> None:
     contact, manifold, settings = integers(world, CONTACT), floats(world, MANIFOLD), floats(world, SETTINGS)
     for row in range(rows(world, CONTACT)):
         if contact[row, STATE] & FAST:
-            contact[row, STATE] &= ~FAST
             _advance(world, row, manifold[row, RECYCLED] - settings[0, MARGIN])
 
 
@@ -129,7 +129,7 @@ def _deepest(world: int, row: int, at: Vector, turn: Quaternion) -> tuple[float,
 def _bring_back(world: int, row: int, when: float) -> None:
     """Write points and normal that were found for a time in the step as those of its start."""
     contact, manifold, motion = integers(world, CONTACT), floats(world, MANIFOLD), floats(world, MOTION)
-    pose, response = floats(world, POSE), floats(world, RESPONSE)
+    pose = floats(world, POSE)
     a, b = contact[row, BODY_A], contact[row, BODY_B]
     now_a, frame_a = placed_pose(world, contact[row, SHAPE_A])
     now_b, frame_b = placed_pose(world, contact[row, SHAPE_B])
@@ -144,13 +144,7 @@ def _bring_back(world: int, row: int, when: float) -> None:
         arm_a = minus(plus(then_a, turned(turn_a, _three(manifold, row, p))), plus(centre_a, way_a))
         arm_b = minus(plus(then_b, turned(turn_b, _three(manifold, row, p + 3))), plus(centre_b, way_b))
         turning = dot(cross(arm_b, normal), _three(motion, b, 3)) - dot(cross(arm_a, normal), _three(motion, a, 3))
-        on_a, on_b = plus(centre_a, arm_a), plus(centre_b, arm_b)
-        gap = times(dot(normal, minus(on_b, on_a)) - when * turning, normal)
-        # One point for both, or their angular momentum would change: the arm of the lighter body is right.
-        if response[b, 0] >= response[a, 0]:
-            on_a = minus(on_b, gap)
-        else:
-            on_b = plus(on_a, gap)
+        on_a, on_b = plus(centre_a, arm_a), plus(centre_b, minus(arm_b, times(when * turning, normal)))
         _put(manifold, row, p, turned_back(frame_a, minus(on_a, now_a)))
         _put(manifold, row, p + 3, turned_back(frame_b, minus(on_b, now_b)))
     _put(manifold, row, 0, turned_back(frame_a, normal))

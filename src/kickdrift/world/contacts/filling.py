@@ -23,7 +23,8 @@ MASS_A, MASS_B, INERTIA_A, INERTIA_B = 49, 50, 51, 57  # inverse
 FRICTION, SLIDE, SLID, TWISTED = 63, 64, 67, 70
 RESISTANCE, ROLLED = 71, 72
 SOFTNESS = 75
-RAW = 78
+GLIDE_A = 78
+RAW = 79
 
 
 @compiled(fast=True, inline=True)
@@ -99,6 +100,7 @@ def _lever(own: Any, i: int, nx: float, ny: float, nz: float, cx: float, cy: flo
 def fill(own: Any, raw: Any, slop: float, unused: float, none: float, n: int) -> None:
     """Make the constraints of a group."""
     for lane in range(n):
+        own[c.GLIDE_A * W + lane] = raw[GLIDE_A * W + lane]
         x, y, z = _vector(raw, lane)
         nx, ny, nz = _turned(raw, TURN_A * W + lane, x, y, z)
         normal, sums = (nx, ny, nz), (0.0, 0.0, 0.0, 0.0)

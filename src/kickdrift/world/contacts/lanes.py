@@ -51,6 +51,25 @@ def _impulses(own: Any, lane: int) -> tuple[float, float, float, float]:
 
 
 @compiled(fast=True, inline=True)
+def _slid(s: Any, lane: int) -> tuple[float, float, float]:
+    """Say what the second body has moved away from the first since the step began."""
+    ax, ay, az = _vector(s, CHANGE_A, lane)
+    bx, by, bz = _vector(s, CHANGE_B, lane)
+    return bx - ax, by - ay, bz - az
+
+
+@compiled(fast=True, inline=True)
+def _centre(own: Any, s: Any, lane: int) -> tuple[float, float, float, float, float, float]:
+    """Arms of both bodies to the centre of the contact."""
+    dx, dy, dz = _slid(s, lane)
+    ax, ay, az = _vector(own, c.CENTRE_A, lane)
+    bx, by, bz = _vector(own, c.CENTRE_B, lane)
+    u = own[c.GLIDE_A * W + lane]
+    v = u - 1.0
+    return ax + u * dx, ay + u * dy, az + u * dz, bx + v * dx, by + v * dy, bz + v * dz
+
+
+@compiled(fast=True, inline=True)
 def _put(array: Any, field: int, lane: int, x: float, y: float, z: float) -> None:
     i = field * W + lane
     array[i] = x
@@ -59,7 +78,9 @@ def _put(array: Any, field: int, lane: int, x: float, y: float, z: float) -> Non
 
 
 @compiled(fast=True, inline=True)
-def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, turned: Any, spring: Any, state: Any) -> Any:
+def _solve_point(
+    own: Any, s: Any, lane: int, i: int, opened: float, turned: Any, slid: Any, spring: Any, state: Any
+) -> Any:
     """Solve one point, whose fields begin at i; `state` is the impulse of those before it and the velocities they left."""
     rate, soft_mass, soft_impulse, per_h, push, closed, sum_mass = spring
     tax, tay, taz, tbx, tby, tbz = turned
@@ -68,6 +89,8 @@ def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, turned: Any
     bx, by, bz = _vector(own, c.ARM_B, i)
     impulse = own[i + c.IMPULSE * W]
     gap = own[i + c.GAP * W] + opened + (bx * tbx + by * tby + bz * tbz) - (ax * tax + ay * tay + az * taz)
+    ax, ay, az = ax + slid[0], ay + slid[1], az + slid[2]
+    bx, by, bz = bx + slid[3], by + slid[4], bz + slid[5]
     # Without branches, which would keep the loop from vectorising: points apart are rigid, and their bias is gap / h.
     apart = 1.0 if gap > 0.0 else 0.0
     bias = max(gap, 0.0) * per_h + max(soft_mass * rate * min(gap, 0.0), -push)
@@ -111,17 +134,21 @@ def solve_normals(own: Any, s: Any, per_h: float, soft: float, push: float, n: i
         tax, tay, taz = _vector(s, CHANGE_A + 3, lane)
         dbx, dby, dbz = _vector(s, CHANGE_B, lane)
         tbx, tby, tbz = _vector(s, CHANGE_B + 3, lane)
-        opened = nx * (dbx - dax) + ny * (dby - day) + nz * (dbz - daz)
+        dx, dy, dz = dbx - dax, dby - day, dbz - daz
+        opened = nx * dx + ny * dy + nz * dz
+        px, py, pz = dy * nz - dz * ny, dz * nx - dx * nz, dx * ny - dy * nx
+        u = own[c.GLIDE_A * W + lane]
+        slid = (u * px, u * py, u * pz, (u - 1.0) * px, (u - 1.0) * py, (u - 1.0) * pz)
         v = nx * (vbx - vax) + ny * (vby - vay) + nz * (vbz - vaz)
         state = (0.0, v, wax, way, waz, wbx, wby, wbz)
         spring = (rate, soft_mass, soft_impulse, per_h, push, closed, mass_a + mass_b)
         turned = (tax, tay, taz, tbx, tby, tbz)
         # Indices of constants and the lane alone: others might be negative to the compiler, and would not be vectors.
         i = c.P * W + lane
-        state = _solve_point(own, s, lane, i, opened, turned, spring, state)
-        state = _solve_point(own, s, lane, i + _NEXT, opened, turned, spring, state)
-        state = _solve_point(own, s, lane, i + 2 * _NEXT, opened, turned, spring, state)
-        state = _solve_point(own, s, lane, i + 3 * _NEXT, opened, turned, spring, state)
+        state = _solve_point(own, s, lane, i, opened, turned, slid, spring, state)
+        state = _solve_point(own, s, lane, i + _NEXT, opened, turned, slid, spring, state)
+        state = _solve_point(own, s, lane, i + 2 * _NEXT, opened, turned, slid, spring, state)
+        state = _solve_point(own, s, lane, i + 3 * _NEXT, opened, turned, slid, spring, state)
         total, v, wax, way, waz, wbx, wby, wbz = state
         a, b = total * mass_a, total * mass_b
         _put(s, VELOCITY_A, lane, vax - a * nx, vay - a * ny, vaz - a * nz)
@@ -167,8 +194,7 @@ def solve_friction(own: Any, s: Any, per_h: float, soft: float, push: float, n: 
         # Friction
         ux, uy, uz = _vector(own, c.T, lane)
         mx, my, mz = ny * uz - nz * uy, nz * ux - nx * uz, nx * uy - ny * ux
-        ax, ay, az = _vector(own, c.CENTRE_A, lane)
-        bx, by, bz = _vector(own, c.CENTRE_B, lane)
+        ax, ay, az, bx, by, bz = _centre(own, s, lane)
         rx = vbx + wby * bz - wbz * by - vax - way * az + waz * ay
         ry = vby + wbz * bx - wbx * bz - vay - waz * ax + wax * az
         rz = vbz + wbx * by - wby * bx - vaz - wax * ay + way * ax
@@ -202,8 +228,7 @@ def apply_impulses(own: Any, s: Any, per_h: float, soft: float, push: float, n: 
         mx, my, mz = ny * uz - nz * uy, nz * ux - nx * uz, nx * uy - ny * ux
         d1, d2 = own[c.SLID * W + lane], own[(c.SLID + 1) * W + lane]
         px, py, pz = d1 * ux + d2 * mx, d1 * uy + d2 * my, d1 * uz + d2 * mz
-        ax, ay, az = _vector(own, c.CENTRE_A, lane)
-        bx, by, bz = _vector(own, c.CENTRE_B, lane)
+        ax, ay, az, bx, by, bz = _centre(own, s, lane)
         tx, ty, tz = _vector(own, c.ROLL + 2, lane)
         twist = own[(c.TWIST + 1) * W + lane]
         tx, ty, tz = tx + twist * nx, ty + twist * ny, tz + twist * nz
@@ -218,6 +243,12 @@ def apply_impulses(own: Any, s: Any, per_h: float, soft: float, push: float, n: 
             lax, lay, laz = lax + impulse * qx, lay + impulse * qy, laz + impulse * qz
             qx, qy, qz = _vector(own, f + c.ARM_B, lane)
             lbx, lby, lbz = lbx + impulse * qx, lby + impulse * qy, lbz + impulse * qz
+        qx, qy, qz = _slid(s, lane)
+        qx, qy, qz = qy * nz - qz * ny, qz * nx - qx * nz, qx * ny - qy * nx
+        glide_a = own[c.GLIDE_A * W + lane] * normal
+        glide_b = glide_a - normal
+        lax, lay, laz = lax + glide_a * qx, lay + glide_a * qy, laz + glide_a * qz
+        lbx, lby, lbz = lbx + glide_b * qx, lby + glide_b * qy, lbz + glide_b * qz
         px, py, pz = px + normal * nx, py + normal * ny, pz + normal * nz
         mass_a, mass_b = own[c.MASS_A * W + lane], own[c.MASS_B * W + lane]
         vx, vy, vz = _vector(s, VELOCITY_A, lane)

@@ -16,6 +16,7 @@ from kickdrift.world.contacts.lanes import FILL, FILL_FRICTION, LANE_COUNT, SWEE
 from kickdrift.world.contacts.looking import FRICTION, ROLLING, SURFACE_VELOCITY, placed_pose
 from kickdrift.world.flight import AWAKE, LINK_PLACE
 from kickdrift.world.settings import CONTACT_DAMPING, CONTACT_HERTZ, SLOP, STEP, SUBSTEPS
+from kickdrift.world.shapes.kinds import CAPSULE, SPHERE
 from kickdrift.world.tables import (
     BODY,
     COLOURED,
@@ -189,6 +190,24 @@ def _gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any) -> Non
     for k in range(3):
         raw[(r.SLIDE + k) * c.WIDTH] = slide_a[k] - slide_b[k]
         raw[(r.SOFTNESS + k) * c.WIDTH] = soft[k] if fixed else softer[k]
+    raw[r.GLIDE_A * c.WIDTH] = 0.5
+    if not contact[row, c.STATE] & c.FAST:
+        raw[r.GLIDE_A * c.WIDTH] = _glide(world, shape_a, shape_b, response[a, 0], response[b, 0])
+
+
+@compiled(inline=True)
+def _glide(world: int, shape_a: int, shape_b: int, lightness_a: float, lightness_b: float) -> float:
+    """Say how much of what bodies move past each other the contact moves away from the first.
+
+    Round shapes take it with them, whatever they roll on. Else the lighter body does, on which a wrong arm would tell more.
+    Both arms end at one point, whatever the share, which keeps angular momentum.
+    """
+    shape = integers(world, SHAPE)
+    round_a = shape[shape_a, 0] in (SPHERE, CAPSULE)
+    round_b = shape[shape_b, 0] in (SPHERE, CAPSULE)
+    if round_a != round_b:
+        return 0.0 if round_a else 1.0
+    return lightness_b / (lightness_a + lightness_b + 1e-300)
 
 
 @compiled(inline=True)

@@ -87,8 +87,9 @@ def _back(t: float, h: float, world: int) -> None:
 def _warm_start_group(h: float, world: int, g: int) -> None:
     motion, response, groups = floats(world, MOTION), floats(world, RESPONSE), integers(world, GROUPS)
     lanes, scratch, sweeps = flat(world, LANES), carray(floats_on_stack(SCRATCH), (SCRATCH,)), integers(world, SWEEPS)
-    n = sweeps[0, LANE_COUNT]
+    change, n = floats(world, CHANGE), sweeps[0, LANE_COUNT]
     _gather(groups, g, motion, 0, VELOCITY_A, scratch, n)
+    _gather(groups, g, change, 0, CHANGE_A, scratch, n)
     _gather(groups, g, response, 1, INERTIA_A, scratch, n)
     own = lanes[g * _SIZE : (g + 1) * _SIZE]
     sweep(sweeps[0, APPLY_IMPULSES], (own, scratch, 1.0 / h, 1.0, 0.0, n))

@@ -6,7 +6,7 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, conjugate, dot, minus, product, turned_back
 from kickdrift.world.contacts.layout import BODY_A, BODY_B, FAST, FOUND_POSE, POINTS, RECYCLED, SHAPE_A, SHAPE_B, STATE
-from kickdrift.world.contacts.looking import RADIUS, look_again, placed_pose, smallest
+from kickdrift.world.contacts.looking import RADIUS, RESTITUTION, look_again, placed_pose, smallest
 from kickdrift.world.flight import AWAKE
 from kickdrift.world.settings import HAS_FAST, MARGIN, RECYCLE_DISTANCE, STEP
 from kickdrift.world.shapes.kinds import CAPSULE, PLANE, SPHERE
@@ -35,6 +35,7 @@ def find_points(t: float, h: float, world: int) -> None:
     awake, shape = integers(world, BODY), integers(world, SHAPE)
     for row in range(rows(world, CONTACT)):
         a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
+        contact[row, STATE] &= ~FAST
         if awake[contact[row, BODY_A], AWAKE] == 0 and awake[contact[row, BODY_B], AWAKE] == 0:
             continue
         at_a, turn_a = placed_pose(world, a)
@@ -48,13 +49,31 @@ def find_points(t: float, h: float, world: int) -> None:
         ):
             continue
         manifold[row, RECYCLED] = settings[0, MARGIN] + way
-        far = max(settings[0, MARGIN], 0.5 * smallest(place[a, RADIUS], place[b, RADIUS]))
-        if way > far and shape[a, 0] != PLANE:
+        if way > _far(settings, place, shape, a, b):
             contact[row, STATE] |= FAST
             if settings[0, HAS_FAST] == 0.0:
                 integers(world, TROUBLE)[0, KIND] = FAST_PAIRS
         else:
             look_again(world, row, at, turn, settings[0, MARGIN] + way)
+
+
+@compiled(inline=True)
+def _far(settings: Any, place: Any, shape: Any, a: int, b: int) -> float:
+    """How far shapes may move in a step if their points are to be those of its start.
+
+    Where round shapes bounce off each other, the normal would be wrong by as much as they slide in parts of their size.
+    """
+    reach = smallest(place[a, RADIUS], place[b, RADIUS])
+    if shape[a, 0] == PLANE:
+        return math.inf
+    if max(place[a, RESTITUTION], place[b, RESTITUTION]) > 0.0 and _is_round(shape[a, 0]) and _is_round(shape[b, 0]):
+        return 0.01 * reach
+    return max(settings[0, MARGIN], 0.5 * reach)
+
+
+@compiled(inline=True)
+def _is_round(kind: int) -> bool:
+    return SPHERE <= kind <= CAPSULE
 
 
 @compiled(inline=True)
@@ -95,7 +114,7 @@ def _tolerance(settings: Any, place: Any, shape: Any, a: int, b: int) -> float:
     """By how much touching shapes may move before their points are found again."""
     most: float = settings[0, RECYCLE_DISTANCE]
     reach = smallest(place[a, RADIUS], place[b, RADIUS])
-    if SPHERE <= shape[a, 0] <= CAPSULE or SPHERE <= shape[b, 0] <= CAPSULE:
+    if _is_round(shape[a, 0]) or _is_round(shape[b, 0]):
         # A point that turns with a ball of radius r for a way d leaves its gap wrong by d^2 / (2 r).
         return 1e-4 * reach
     return min(most, 0.05 * reach)

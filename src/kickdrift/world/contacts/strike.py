@@ -1,0 +1,176 @@
+"""The impulses of an impact: found for all points of a manifold at once, and applied at a moment of the substep."""
+
+import math
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import (
+    Vector,
+    applied,
+    cross,
+    dot,
+    exponential,
+    minus,
+    plus,
+    product,
+    times,
+    turned,
+    turned_back,
+    turned_symmetric,
+    unit,
+)
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.flight import BODY_INERTIA, IMPACT_TIME, SPHERICAL, SPIN
+from kickdrift.world.tables import CHANGE, CONTACT, INERTIA, KICKED, MOTION, POSE, RESPONSE, floats, integers
+
+# Of each of four points on the stack: time of the hit, speed, velocity wanted, impulse
+HIT_TIME, SPEED, WANTED, IMPULSE, POINT_SIZE = 0, 1, 2, 3, 4
+_SWEEPS = 400
+
+
+@compiled(inline=True)
+def vector_at(own: Any, field: int) -> Vector:
+    """Three fields of a constraint, whose lane `own` begins at."""
+    return (own[field * c.WIDTH], own[(field + 1) * c.WIDTH], own[(field + 2) * c.WIDTH])
+
+
+@compiled(inline=True)
+def three(table: Any, body: int, column: int) -> Vector:
+    """Three numbers of a row."""
+    return (table[body, column], table[body, column + 1], table[body, column + 2])
+
+
+@compiled(inline=True)
+def glides(own: Any, slid: Vector) -> tuple[Vector, Vector]:
+    """Add what to the arms of both bodies, one of which has moved away from the other."""
+    share = own[c.GLIDE_A * c.WIDTH]
+    return times(share, slid), times(share - 1.0, slid)
+
+
+@compiled
+def find_impulses(world: int, row: int, own: Any, hit: Any, points: int, slid: Vector) -> None:
+    """Impulses >= 0 that give every point at least the velocity wanted, zero where it has more: Gauss-Seidel."""
+    contact, motion, response = integers(world, CONTACT), floats(world, MOTION), floats(world, RESPONSE)
+    a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], vector_at(own, c.N)
+    inverse_a, inverse_b = _inverse_inertia(response, a), _inverse_inertia(response, b)
+    mass, aside = response[a, 0] + response[b, 0], glides(own, cross(slid, normal))
+    v = dot(normal, minus(three(motion, b, 0), three(motion, a, 0)))
+    w_a, w_b = three(motion, a, 3), three(motion, b, 3)
+    scale = 0.0
+    for _ in range(_SWEEPS):
+        largest = 0.0
+        for k in range(points):
+            p, f = POINT_SIZE * k, c.P + c.POINT_FIELDS * k
+            if hit[p + WANTED] == -1e300:
+                continue
+            arm_a, arm_b = plus(vector_at(own, f + c.ARM_A), aside[0]), plus(vector_at(own, f + c.ARM_B), aside[1])
+            missing = hit[p + WANTED] - (v + dot(arm_b, w_b) - dot(arm_a, w_a))
+            old = hit[p + IMPULSE]
+            # Of now: bodies that spin fast have turned since the step began, and another mass would diverge.
+            response = mass + dot(arm_a, applied(inverse_a, arm_a)) + dot(arm_b, applied(inverse_b, arm_b))
+            new = max(old + missing / response, 0.0)
+            hit[p + IMPULSE] = new
+            d = new - old
+            v += d * mass
+            w_a = minus(w_a, times(d, applied(inverse_a, arm_a)))
+            w_b = plus(w_b, times(d, applied(inverse_b, arm_b)))
+            largest = max(largest, abs(d))
+            scale = max(scale, new)
+        if largest <= 1e-14 * scale:
+            return
+
+
+@compiled
+def strike(world: int, row: int, own: Any, hit: Any, points: int, slid: Vector, when: float) -> None:
+    """Apply the impulses, and friction for as much as they carry, at a time of the substep."""
+    contact, motion, response = integers(world, CONTACT), floats(world, MOTION), floats(world, RESPONSE)
+    a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], vector_at(own, c.N)
+    inverse_a, inverse_b = _inverse_inertia(response, a), _inverse_inertia(response, b)
+    contact[row, c.STATE] |= c.HIT
+    total = 0.0
+    turn_a = (0.0, 0.0, 0.0)
+    turn_b = (0.0, 0.0, 0.0)
+    for k in range(points):
+        f, impulse = c.P + c.POINT_FIELDS * k, hit[POINT_SIZE * k + IMPULSE]
+        total += impulse
+        turn_a = plus(turn_a, times(impulse, vector_at(own, f + c.ARM_A)))
+        turn_b = plus(turn_b, times(impulse, vector_at(own, f + c.ARM_B)))
+    push = times(total, normal)
+    aside = glides(own, cross(slid, push))
+    turn_a, turn_b = plus(turn_a, aside[0]), plus(turn_b, aside[1])
+    v_a = minus(three(motion, a, 0), times(response[a, 0], push))
+    v_b = plus(three(motion, b, 0), times(response[b, 0], push))
+    w_a = minus(three(motion, a, 3), applied(inverse_a, turn_a))
+    w_b = plus(three(motion, b, 3), applied(inverse_b, turn_b))
+    # Friction at the centre
+    first, more = vector_at(own, c.T), glides(own, slid)
+    arm_a, arm_b = plus(vector_at(own, c.CENTRE_A), more[0]), plus(vector_at(own, c.CENTRE_B), more[1])
+    second = cross(normal, first)
+    slip = minus(plus(v_b, cross(w_b, arm_b)), plus(v_a, cross(w_a, arm_a)))
+    s1, s2 = dot(slip, first) - own[c.SLIDE * c.WIDTH], dot(slip, second) - own[(c.SLIDE + 1) * c.WIDTH]
+    k11, k22, k12 = vector_at(own, c.GRIP)
+    f1, f2 = -(k11 * s1 + k12 * s2), -(k12 * s1 + k22 * s2)
+    most, size = own[c.FRICTION * c.WIDTH] * total, math.sqrt(f1 * f1 + f2 * f2)
+    if size > most:
+        f1, f2 = f1 * most / size, f2 * most / size
+    grip = plus(times(f1, first), times(f2, second))
+    v_a, v_b = minus(v_a, times(response[a, 0], grip)), plus(v_b, times(response[b, 0], grip))
+    w_a = minus(w_a, applied(inverse_a, cross(arm_a, grip)))
+    w_b = plus(w_b, applied(inverse_b, cross(arm_b, grip)))
+    _set(world, a, v_a, w_a, when)
+    _set(world, b, v_b, w_b, when)
+
+
+@compiled
+def _set(world: int, body: int, velocity: Vector, turn: Vector, when: float) -> None:
+    """Give a body new velocities, and set it back by what they would move it before the impact."""
+    if floats(world, RESPONSE)[body, 0] == 0.0:
+        return
+    motion, kicked, change, pose = (
+        floats(world, MOTION),
+        floats(world, KICKED),
+        floats(world, CHANGE),
+        floats(world, POSE),
+    )
+    back = times(-when, minus(velocity, three(motion, body, 0)))
+    turn_back = times(-when, minus(turn, three(motion, body, 3)))
+    q = (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
+    inertia = floats(world, INERTIA)
+    if inertia[body, SPHERICAL] == 0.0:
+        m = BODY_INERTIA
+        moments = (
+            inertia[body, m],
+            inertia[body, m + 1],
+            inertia[body, m + 2],
+            inertia[body, m + 3],
+            inertia[body, m + 4],
+            inertia[body, m + 5],
+        )
+        won = turned(q, applied(moments, turned_back(q, minus(turn, three(motion, body, 3)))))
+        responses = turned_symmetric(exponential(turn_back), _inverse_inertia(floats(world, RESPONSE), body))
+        for k in range(3):
+            kicked[body, SPIN + k] += won[k]
+        for k in range(6):
+            floats(world, RESPONSE)[body, 1 + k] = responses[k]
+    for k in range(3):
+        motion[body, k], kicked[body, k] = velocity[k], velocity[k]
+        motion[body, 3 + k], kicked[body, 3 + k] = turn[k], turn[k]
+        pose[body, k] += back[k]
+        change[body, k] += back[k]
+        change[body, 3 + k] += turn_back[k]
+    q = unit(product(exponential(turn_back), q))
+    for k in range(4):
+        pose[body, 3 + k] = q[k]
+    kicked[body, IMPACT_TIME] = when
+
+
+@compiled(inline=True)
+def _inverse_inertia(response: Any, body: int) -> Any:
+    return (
+        response[body, 1],
+        response[body, 2],
+        response[body, 3],
+        response[body, 4],
+        response[body, 5],
+        response[body, 6],
+    )
