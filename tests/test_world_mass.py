@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import kickdrift as kd
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.shapes.capsule import Capsule
 from kickdrift.world.shapes.kinds import CAPSULE, PLANE, SPHERE
@@ -215,3 +216,55 @@ def test_a_body_of_nothing_and_one_of_points():
         combined([])
     with pytest.raises(ArgumentError, match="extent"):
         combined([Mass(1.0, np.zeros(3), np.zeros((3, 3)))])
+
+
+def test_a_centre_of_mass_that_was_measured_is_where_the_body_balances():
+    world = kd.World()
+    world.add_plane(friction=0.0)
+    mass, inertia, centre = 2.0, (0.02, 0.02, 0.01), (0.0, 0.0, -0.05)
+    body = world.add_body(Sphere(0.1), position=(0, 0, 0.1), mass=mass, inertia=inertia, centre=centre, friction=0.0)
+    assert world.position[body.index] == pytest.approx([0, 0, 0.05])
+    angle = 0.05
+    world.orientation[body.index] = (math.cos(angle / 2), 0, math.sin(angle / 2), 0)  # about the centre of mass
+    world.position[body.index, 2] = 0.1 - 0.05 * math.cos(angle)
+    crossings, before = [], 0.0
+    for _ in range(480):
+        world.step(1 / 240)
+        now = world.orientation[body.index, 2]
+        if now * before < 0.0:
+            crossings.append(world.time)
+        before = now
+    # On ice it rocks about its centre of mass, which stays above one point: I w^2 = m g d.
+    assert 2 * np.diff(crossings).mean() == pytest.approx(2 * math.pi * math.sqrt(0.02 / (mass * 9.81 * 0.05)), rel=0.02)
+
+
+def test_parts_have_surfaces_of_their_own():
+    world = kd.World()
+    world.add_plane(friction=1.0)
+    icy, rough = (kd.Part(kd.Box((0.2, 0.2, 0.1)), position=(x, 0, 0), friction=f) for x, f in ((-0.3, 0.0), (0.3, 0.8)))
+    for y, parts in ((0.0, [icy, icy]), (5.0, [icy, kd.Part(rough.shape, rough.position)])):
+        world.add_body(parts, position=(0, y, 0.05), velocity=(1.0, 0, 0), friction=0.25)
+    world.advance(1 / 240, 120)
+    assert world.velocity[2, 0] == pytest.approx(1.0, abs=1e-6)
+    assert world.velocity[3, 0] < 0.8
+    faces = [placed.surface for placed in world.shape_rows.shapes.values()]
+    assert [face.friction for face in faces] == [1.0, 0.0, 0.0, 0.0, 0.25]
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"centre": (0, 0, 1)}, "inertia"),
+        ({"centre": (0, 0), "inertia": (1, 1, 1)}, "centre"),
+        ({"centre": (0, 0, float("nan")), "inertia": (1, 1, 1)}, "centre"),
+    ],
+)
+def test_centres_that_cannot_be(options, said):
+    with pytest.raises(ArgumentError, match=said):
+        kd.World().add_sphere(1.0, **options)
+
+
+@pytest.mark.parametrize("options", [{"friction": -1.0}, {"restitution": 2.0}, {"colour": "red"}])
+def test_surfaces_of_parts_that_cannot_be(options):
+    with pytest.raises(ArgumentError, match=next(iter(options))):
+        kd.Part(Sphere(1.0), **options)

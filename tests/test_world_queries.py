@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.world import tables as t
+from kickdrift.world.adding import Part
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.collision.rays import RAYS
@@ -19,7 +20,9 @@ from kickdrift.world.settings import GRAVITY, MARGIN
 from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.kinds import BOX, CAPSULE, HULL, MESH, PLANE, SPHERE, TRIANGLE
 from kickdrift.world.shapes.mesh import Mesh
+from kickdrift.world.shapes.sphere import Sphere
 from kickdrift.world.trouble import FULL, KIND, TABLE, WANTED
+from kickdrift.world.world import World
 
 ALL = (1 << 62) - 1
 
@@ -370,3 +373,21 @@ def test_walks_come_to_every_box_that_a_ray_enters(seed, count, kind):
         ends = (boxes.reshape(-1, 2, 3) - origin) / direction
     enters, leaves = ends.min(axis=1).max(axis=1, initial=0.0), ends.max(axis=1).min(axis=1)
     assert sorted(found) == list(np.flatnonzero((enters <= leaves) & (enters <= limit)))
+
+
+def test_a_world_answers_with_rows_and_handles():
+    world = World()
+    floor = world.add_plane()
+    ball = world.add_sphere(0.5, position=(0, 0, 1), layer=2)
+    pair = world.add_body([Part(Sphere(0.2), (3, 0, 1)), Part(Sphere(0.2), (3.3, 0, 1))], static=True)
+    hit = world.ray_cast((0, 0, 5), (0, 0, -2))
+    assert (hit.body, hit.distance) == (ball.index, pytest.approx(3.5))
+    assert hit.normal == pytest.approx([0, 0, 1])
+    assert world.ray_cast((0, 0, 5), (0, 0, -1), layers=[0]).body == floor.index
+    assert world.ray_cast((0, 0, 5), (0, 0, -1), limit=3.0) is None
+    assert [hit.body for hit in world.ray_cast_all((0, 0, 5), (0, 0, -1))] == [ball.index, floor.index]
+    assert world.ray_cast_many((0, 0, 5), [(0, 0, -1), (0, 0, 1)]).body.tolist() == [ball.index, -1]
+    assert world.overlap_box((8, 1, 1), position=(0, 0, 1)) == [ball, pair]
+    assert world.overlap_sphere(0.6, position=(0, 0, 0), layers=[0]) == [floor]
+    world.advance(1 / 60, 60)
+    assert world.ray_cast((0, 0, 5), (0, 0, -1)).distance == pytest.approx(4.0, abs=0.01)

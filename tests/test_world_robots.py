@@ -11,11 +11,12 @@ mujoco = pytest.importorskip("mujoco")
 
 from kickdrift.core.errors import ArgumentError, FileFormatError, MissingExtraError  # noqa: E402
 from kickdrift.io.robot_file import load_robot  # noqa: E402
+from kickdrift.io.robots.omissions import gathered  # noqa: E402
 from kickdrift.world.joints import layout  # noqa: E402
 from kickdrift.world.joints.axis import Drive  # noqa: E402
 from kickdrift.world.joints.layout import ANCHOR_A, ANCHOR_B, BODY_A, BODY_B, FRAME_A, LOWER, UPPER  # noqa: E402
 from kickdrift.world.shapes.mass import rotation_matrix  # noqa: E402
-from kickdrift.world.tables import EXCLUDED, INERTIA, JOINT, JOINT_AXES, JOINT_NUMBERS, SHAPE  # noqa: E402
+from kickdrift.world.tables import ASKED_APART, INERTIA, JOINT, JOINT_AXES, JOINT_NUMBERS, SHAPE  # noqa: E402
 from kickdrift.world.world import World  # noqa: E402
 
 FILES = Path(__file__).parent / "data" / "robots"
@@ -186,6 +187,14 @@ def test_motors_and_servos_can_be_read_and_set(tmp_path):
     assert any("greatest force" in note for note in robot.notes)
     with pytest.raises(ArgumentError, match="control=1"):
         motor.drive(1.0)
+    assert motor.effort(0.5) == 1.5
+    robot.joints["j"].apply_effort(motor.effort(0.5))
+    robot.world.step(1e-3)
+    assert robot.joints["j"].speed != 0.0
+    with pytest.raises(ArgumentError, match="servo"):
+        servo.effort(1.0)
+    bounded = rest.replace('gear="3"', 'gear="3" forcerange="-2 2"')
+    assert load_robot(text(tmp_path, inside, bounded)).actuators["m"].effort(-50.0) == -6.0
     velocity = f'<body><joint name="j" axis="0 1 0"/>{BALL}</body>'
     path = text(tmp_path, velocity, '<actuator><velocity name="v" joint="j" kv="2"/></actuator>')
     assert load_robot(path).actuators["v"].drive(1.5) == Drive(damping=2.0, speed=1.5)
@@ -243,9 +252,9 @@ def test_parents_and_excluded_bodies_do_not_touch(tmp_path):
     first = load_robot(text(tmp_path, inside, rest), world)
     second = load_robot(text(tmp_path, inside, rest), world, position=(0.0, 0.0, 5.0))
     pairs = [[robot.bodies[name].index for name in names] for robot in (first, second) for names in ("ab", "bc")]
-    assert world.tables.array(EXCLUDED).tolist() == sorted(pairs)
+    assert world.tables.array(ASKED_APART).tolist() == sorted(pairs)
     flag = '<option><flag filterparent="disable"/></option>'
-    assert len(load_robot(text(tmp_path, TWO, flag)).world.tables.array(EXCLUDED)) == 0
+    assert len(load_robot(text(tmp_path, TWO, flag)).world.tables.array(ASKED_APART)) == 0
 
 
 def test_layers_meet_where_bit_masks_do(tmp_path):
@@ -420,3 +429,11 @@ def test_without_mujoco_the_sentence_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(MissingExtraError, match=r"kickdrift\[robots\]"):
         load_robot(FILES / "arm.xml")
+
+
+def test_what_is_noted_of_many_is_said_once():
+    notes = ["joint 'a' is stiff", "geoms differ", "joint 'b' is stiff", "joint 'a' is stiff", "mesh 'a' is stiff", "geoms differ"]
+    assert gathered(notes) == ("joint 'a' is stiff; likewise 'b'", "geoms differ", "mesh 'a' is stiff")
+    notes = load_robot(FILES / "quadruped.xml").notes
+    assert len(notes) == 2
+    assert all(repr(name) in notes[1] for name in load_robot(FILES / "quadruped.xml").actuators)

@@ -1,0 +1,306 @@
+"""What joints do along open axes, against exact solutions and statics: springs, drives, motors, friction, limits, breaking."""
+
+import math
+
+import numpy as np
+import pytest
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.world.joints.axis import FREE, LOCKED, Axis, Drive, Motor
+from kickdrift.world.world import World
+
+G = 9.81
+STEP = 1 / 60
+
+
+def orders(errors):
+    return np.log2(np.abs(errors[:-1]) / np.abs(errors[1:]))
+
+
+def add(world, **options):
+    """Add a body that touches nothing."""
+    return world.add_box((0.1, 0.1, 0.1), **{"mass": 1.0, "collides_with": (), **options})
+
+
+def turning(*, moment=2.0, speed=0.0, **laws):
+    """Make a wheel on a hinge."""
+    world = World((0, 0, 0))
+    body = add(world, inertia=(moment, moment, moment), angular_velocity=(0, 0, speed))
+    return world, world.add_hinge(world.ground, body, anchor=(0, 0, 0), axis=(0, 0, 1), **laws)
+
+
+ARM_MOMENT = 1 + 0.1**2 / 6
+
+
+def lever(**laws):
+    """Make a horizontal arm of 1 m and 1 kg on a hinge; its angle grows as it rises."""
+    world = World()
+    body = add(world, position=(1, 0, 0))
+    return world, world.add_hinge(world.ground, body, anchor=(0, 0, 0), axis=(0, -1, 0), **laws)
+
+
+# Springs and drives
+
+
+def oscillator(kind, hertz, ratio, substeps, duration=0.7):
+    """Error of the position of 2 kg on a spring, let go at 0.3 m (velocities are those of half a substep before)."""
+    rate, start = 2 * math.pi * hertz, 0.3
+    world = World((0, 0, 0), substeps=substeps)
+    body = add(world, position=(start, 0, 0), velocity=(0.5 * STEP / substeps * rate**2 * start, 0, 0), mass=2.0)
+    drive = Drive(hertz=hertz, damping_ratio=ratio, target=-start)
+    if kind == "spring":
+        ends = {"anchor_a": (-1, 0, 0), "anchor_b": (start, 0, 0)}
+        world.add_spring(world.ground, body, length=1.0, hertz=hertz, damping_ratio=ratio, **ends)
+    elif kind == "slider":
+        world.add_slider(world.ground, body, anchor=(0, 0, 0), axis=(1, 0, 0), drive=drive)
+    else:
+        linear, angular = (Axis(drive=drive), LOCKED, FREE), (FREE, LOCKED, LOCKED)
+        world.add_six_dof_joint(world.ground, body, anchor=(start, 0, 0), linear=linear, angular=angular)
+    world.advance(STEP, round(duration / STEP))
+    slow, fast = rate * (-ratio + np.emath.sqrt(ratio**2 - 1 + 0j) * np.array([1, -1]))
+    exact = start * (slow * np.exp(fast * duration) - fast * np.exp(slow * duration)) / (slow - fast)
+    return world.position[body.index, 0] - exact.real
+
+
+@pytest.mark.parametrize("kind", ["spring", "slider", "six-dof"])
+@pytest.mark.parametrize(("hertz", "ratio", "order"), [(1.0, 0.0, 2), (2.0, 0.0, 2), (2.0, 0.5, 1), (1.0, 2.0, 1)])
+def test_springs_oscillate_with_their_frequency_and_damping_ratio(kind, hertz, ratio, order):
+    errors = np.array([oscillator(kind, hertz, ratio, substeps) for substeps in (4, 8, 16)])
+    assert np.abs(errors).max() < 0.005 * 0.3
+    assert orders(errors) == pytest.approx(order, abs=0.1)
+
+
+def test_a_spring_without_damping_keeps_its_energy():
+    world = World((0, 0, 0))
+    body = add(world, position=(0.3, 0, 0))
+    world.add_spring(world.ground, body, anchor_a=(-1, 0, 0), anchor_b=(0.3, 0, 0), length=1.0, hertz=1.0)
+    farthest = []
+    for _ in range(30):
+        places = []
+        for _ in range(60):
+            world.step(STEP)
+            places.append(world.position[body.index, 0])
+        farthest.append(max(places))
+    assert farthest[-1] == pytest.approx(farthest[0], rel=0.005)  # with damping_ratio=1e-4 2 % would be lost
+
+
+def test_a_spring_turns_both_of_its_bodies_and_pulls_at_their_anchors():
+    world = World((0, 0, 0))
+    a, b = add(world, position=(-1, 0, 0), mass=1.0), add(world, position=(1, 0, 0), mass=3.0)
+    world.add_spring(a, b, anchor_a=(-1, 0.2, 0), anchor_b=(1, 0.2, 0), length=1.5, stiffness=2.0)
+    world.step(STEP)
+    assert world.velocity[[a.index, b.index], 0] == pytest.approx([STEP, -STEP / 3], rel=1e-3)
+    assert world.angular_velocity[a.index, 2] < 0 < world.angular_velocity[b.index, 2]
+
+
+@pytest.mark.parametrize("stiffness", [50.0, 200.0, 1e4, 1e8])
+def test_a_drive_sags_by_its_load_over_its_stiffness(stiffness):
+    world, hinge = lever(drive=Drive(stiffness, 2 * math.sqrt(stiffness)))
+    world.advance(STEP, 300)
+    assert hinge.angle == pytest.approx(-G * math.cos(hinge.angle) / stiffness, rel=1e-6)
+    assert hinge.effort == pytest.approx(G * math.cos(hinge.angle), rel=1e-6)
+    assert hinge.speed == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_drive_does_not_exceed_its_maximum():
+    world, hinge = turning(drive=Drive(1000.0, 10.0, target=1.0, maximum=3.0))
+    world.advance(STEP, 30)
+    assert hinge.speed == pytest.approx(3.0 * 0.5 / 2.0, rel=1e-12)
+    assert hinge.effort == pytest.approx(3.0, rel=1e-12)
+
+
+def test_a_damper_brings_its_axis_to_its_speed():
+    errors = []
+    for substeps in (4, 8):
+        world, hinge = turning(drive=Drive(damping=4.0, speed=5.0))
+        world.substeps = substeps
+        world.advance(STEP, 60)
+        implicit = 5 * (1 - (1 + 4.0 / 2.0 * STEP / substeps) ** (-60.0 * substeps))
+        assert hinge.speed == pytest.approx(implicit, rel=1e-12)
+        errors.append(hinge.speed - 5 * (1 - math.exp(-2.0)))
+    assert errors[0] / errors[1] == pytest.approx(2.0, abs=0.1)
+
+
+# Motors and friction
+
+
+def test_a_motor_gives_its_maximum_until_it_has_its_speed():
+    world, hinge = turning(motor=Motor(3.0, 4.0))
+    for time in (0.5, 1.0):
+        world.advance(STEP, 30)
+        assert hinge.speed == pytest.approx(4.0 / 2.0 * time, rel=1e-12)
+        assert hinge.effort == pytest.approx(4.0, rel=1e-12)
+    world.advance(STEP, 60)
+    assert hinge.speed == pytest.approx(3.0, rel=1e-12)
+    assert hinge.effort == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_motor_stalls_under_more_than_its_maximum():
+    world, weak = lever(motor=Motor(1.0, 5.0))
+    world.step(STEP)
+    assert weak.effort == pytest.approx(5.0, rel=1e-12)
+    assert weak.speed == pytest.approx((5.0 - G) / ARM_MOMENT * STEP, rel=1e-6)
+    world, strong = lever(motor=Motor(0.0, 20.0))
+    world.advance(STEP, 60)
+    assert strong.angle == 0.0
+    assert strong.effort == pytest.approx(G, rel=1e-12)
+    world, lifting = lever(motor=Motor(0.5, 20.0))
+    world.advance(STEP, 60)
+    assert lifting.angle == pytest.approx(0.5, rel=1e-9)
+
+
+def test_friction_brakes_by_its_torque_over_the_moment_and_then_holds():
+    world, hinge = turning(speed=3.0, friction=4.0)
+    world.advance(STEP, 45)
+    assert hinge.speed == pytest.approx(3.0 - 2.0 * 0.75, rel=1e-12)
+    assert hinge.effort == pytest.approx(-4.0, rel=1e-12)
+    world.advance(STEP, 60)
+    assert hinge.speed == 0.0
+    assert hinge.angle == pytest.approx(3.0**2 / (2 * 2.0), abs=3.0 * STEP / 4)
+    turned = hinge.angle
+    world.advance(STEP, 60)
+    assert hinge.angle == turned
+
+
+@pytest.mark.parametrize("friction", [9.8, 9.82])
+def test_friction_holds_what_asks_for_less(friction):
+    world, hinge = lever(friction=friction)
+    world.advance(STEP, 10)
+    if friction > G:
+        assert hinge.angle == 0.0
+        assert hinge.effort == pytest.approx(G, rel=1e-12)
+    else:
+        assert hinge.speed == pytest.approx((friction - G) / ARM_MOMENT * 10 * STEP, rel=1e-2)
+        assert hinge.effort == pytest.approx(friction, rel=1e-12)
+
+
+def test_laws_of_an_axis_add_up():
+    # A motor of 4 against friction of 1 and a spring: what is left turns the wheel, and it comes to rest in between.
+    world, hinge = turning(motor=Motor(100.0, 4.0), friction=1.0, drive=Drive(stiffness=0.5))
+    world.step(STEP)
+    assert hinge.speed == pytest.approx((4.0 - 1.0) / 2.0 * STEP, rel=1e-3)
+    farthest = max(float(world.advance(STEP, 1) or hinge.angle) for _ in range(400))
+    assert farthest == pytest.approx(2 * 3.0 / 0.5, rel=1e-3)
+    world.advance(STEP, 3000)
+    assert 6.0 <= hinge.angle <= 10.0
+    assert hinge.speed == 0.0
+
+
+# Limits
+
+
+def test_a_limit_stops_and_only_pushes_back():
+    world = World((0, 0, 0))
+    a, b = (add(world, inertia=(2, 2, moment), angular_velocity=(0, 0, w)) for moment, w in ((1.0, 0.0), (3.0, 2.0)))
+    hinge = world.add_hinge(a, b, anchor=(0, 0, 0), axis=(0, 0, 1), limits=(-1.0, 0.2))
+    efforts, angles = [], []
+    for _ in range(60):
+        world.step(STEP)
+        efforts.append(hinge.effort)
+        angles.append(hinge.angle)
+    assert max(angles) <= 0.2 + 1e-12
+    assert angles[-1] == pytest.approx(0.2, abs=2.0 * STEP / 4)
+    assert max(efforts) < 1e-9
+    assert sum(efforts) * STEP == pytest.approx(-1.5, rel=1e-9)  # one blow, after which both turn as one
+    assert world.angular_velocity[[a.index, b.index], 2] == pytest.approx([1.5, 1.5], rel=1e-9)
+    hinge.set_motor(Motor(-1.0))
+    world.step(STEP)
+    assert hinge.speed == pytest.approx(-1.0, rel=1e-9)  # nothing holds it there
+
+
+@pytest.mark.parametrize("substeps", [1, 4])
+def test_what_falls_on_a_limit_rests_on_it(substeps):
+    world, hinge = lever(limits=(-0.5, 0.5))
+    world.substeps = substeps
+    lowest = min(float(world.advance(STEP, 1) or hinge.angle) for _ in range(120))
+    assert lowest >= -0.5 - 1e-9
+    assert hinge.angle == pytest.approx(-0.5, abs=1e-9)
+    assert hinge.effort == pytest.approx(G * math.cos(0.5), rel=1e-9)
+
+
+def test_a_slider_stops_at_its_end():
+    world = World()
+    body = add(world, position=(0, 0, 0), mass=2.0)
+    slider = world.add_slider(world.ground, body, anchor=(0, 0, 0), axis=(0, 0, 1), limits=(-0.4, 0.1))
+    lowest = min(float(world.advance(STEP, 1) or slider.position) for _ in range(60))
+    assert lowest >= -0.4 - 1e-9
+    assert slider.force == pytest.approx([0, 0, 2.0 * G], rel=1e-9, abs=1e-9)
+
+
+def test_swing_and_twist_stay_within_their_limits():
+    world = World()
+    spin = np.array([4.0, 1.0, 6.0])
+    body = world.add_capsule(
+        0.05, 1.0, position=(0, 0, -0.5), velocity=np.cross(spin, (0, 0, -0.5)), angular_velocity=spin, mass=1.0
+    )
+    limits = {"swing_limit": 0.6, "twist_limits": (-0.3, 0.5)}
+    joint = world.add_ball_joint(world.ground, body, anchor=(0, 0, 0), axis=(0, 0, -1), **limits)
+    angles = []
+    for _ in range(400):
+        world.step(STEP)
+        angles.append(joint.angles)
+        axis = 2 * world.orientation[body.index, [1, 2]] @ world.orientation[body.index, [1, 2]]
+        assert joint.angles[0] == pytest.approx(math.acos(1 - axis), abs=1e-7)
+    swing, _, twist = np.array(angles).T
+    assert 0.55 < swing.max() < 0.6 + 2e-3
+    assert -0.3 - 2e-3 < twist.min() < -0.25
+    assert twist.max() < 0.5 + 2e-3
+
+
+# Forces, breaking and changes while a world runs
+
+
+def test_forces_and_torques_are_those_of_statics():
+    world = World()
+    parts = [add(world, mass=1.0 + k, position=(k + 0.5, 0, 0)) for k in range(3)]
+    before = [world.ground, *parts]
+    joints = [world.add_fixed_joint(before[k], parts[k], anchor=(k, 0, 0)) for k in range(3)]
+    world.advance(STEP, 30)
+    for k, joint in enumerate(joints):
+        beyond = np.arange(k, 3)
+        assert joint.force == pytest.approx([0, 0, G * (1 + beyond).sum()], rel=1e-9, abs=1e-9)
+        assert joint.torque == pytest.approx([0, -G * ((1 + beyond) * (beyond + 0.5 - k)).sum(), 0], rel=1e-9, abs=1e-9)
+    assert world.position[parts[2].index] == pytest.approx([2.5, 0, 0], abs=1e-9)
+
+
+@pytest.mark.parametrize(("limits", "breaks"), [
+    ({"breaking_force": 2 * G + 0.01}, False), ({"breaking_force": 2 * G - 0.01}, True),
+    ({"breaking_torque": 2 * G + 0.01}, False), ({"breaking_torque": 2 * G - 0.01}, True),
+])  # fmt: skip
+def test_joints_break_where_they_bear_more_than_they_can(limits, breaks):
+    world = World()
+    body = add(world, mass=2.0, position=(1, 0, 0))
+    joint = world.add_fixed_joint(world.ground, body, anchor=(0, 0, 0), **limits)
+    world.step(STEP)
+    assert world.broken == [joint] * breaks
+    world.advance(STEP, 30)
+    assert world.broken == []
+    assert len(world.joints) == 1 - breaks
+    assert world.velocity[body.index, 2] == pytest.approx(-G * 0.5 if breaks else 0.0, rel=1e-9, abs=1e-9)
+    if breaks:
+        with pytest.raises(ArgumentError, match="has broken"):
+            _ = joint.force
+
+
+def test_joints_come_and_go_while_a_world_runs():
+    world = World()
+    parts = [add(world, position=(k + 0.5, 0, 0)) for k in range(4)]
+    before = [world.ground, *parts]
+    joints = [world.add_ball_joint(before[k], parts[k], anchor=(k, 0, 0)) for k in range(4)]
+    world.advance(STEP, 20)
+    velocity = world.velocity[2:].mean(axis=0)
+    world.remove_joint(joints[1])
+    world.advance(STEP, 20)
+    assert world.velocity[2:].mean(axis=0) - velocity == pytest.approx([0, 0, -G / 3], abs=1e-9)
+    world.remove(parts[2])
+    assert len(world.joints) == 1
+    world.add_fixed_joint(parts[1], parts[3], anchor=(0, 0, 0))
+    spin, momentum = world.angular_momentum(), world.momentum()
+    world.advance(STEP, 20)
+    assert np.isfinite(spin).all()
+    assert np.isfinite(momentum).all()
+    relative = world.position[parts[3].index] - world.position[parts[1].index]
+    distance = np.linalg.norm(relative)
+    world.advance(STEP, 60)
+    relative = world.position[parts[3].index] - world.position[parts[1].index]
+    assert np.linalg.norm(relative) == pytest.approx(distance, abs=1e-6)
