@@ -92,7 +92,7 @@ def _touch(t: float, h: float, world: int) -> None:
         if SOFT > 0.0:
             press(own, answer, moved, wrench, SOFT, h, floats(world, SETTINGS)[0, PUSH_SPEED], velocity, given)
         else:
-            grip(own, answer, wrench, other, velocity, given)
+            grip(own, answer, moved, wrench, other, velocity, given)
             press(own, answer, moved, wrench, SOFT, h, 0.0, velocity, given)
         for side in range(2):
             row = groups[g, c.WIDTH * side]
@@ -131,7 +131,7 @@ def _find_answers(first: int, end: int, world: int) -> None:
             continue
         answers[g - first, ANSWERED] = 1.0
         for row in range(ROWS):
-            write_row(lanes[g * _SIZE : (g + 1) * _SIZE], row, wrench)
+            write_row(lanes[g * _SIZE : (g + 1) * _SIZE], row, (0.0, 0.0, 0.0), wrench)
             for k in range(12):
                 backwards[k] = -wrench[k]
             for side in range(2):
