@@ -7,6 +7,7 @@ from kickdrift.core.errors import ArgumentError, LostBodyError
 from kickdrift.world.adding import Part
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.sphere import Sphere
+from kickdrift.world.tables import MOTION, POSE
 from kickdrift.world.world import World
 
 NAN, INF = float("nan"), float("inf")
@@ -215,3 +216,41 @@ def test_a_lost_body_can_be_removed():
     world.remove(lost)
     world.advance(1 / 60, 10)
     assert np.isfinite(world.position[:3]).all()
+
+
+def swing(planar):
+    """Three rods that hang at each other, and another one beside them."""
+    world = World(plane_normal=(0, 1, 0) if planar else None)
+    world.add_plane()
+    before = world.ground
+    for k in range(3):
+        rod = world.add_box((0.4, 0.1, 0.1), position=(0.25 + 0.5 * k, 0, 2))
+        world.add_hinge(before, rod, anchor=(0.5 * k, 0, 2), axis=(0, 1, 0))
+        before = rod
+    world.add_box((0.4, 0.1, 0.1), position=(3, 0, 2), velocity=(0, 0, 5))
+    world.advance(1 / 60, 20)
+    return world
+
+
+@pytest.mark.parametrize("planar", [False, True])
+@pytest.mark.parametrize("where", ["velocity", "spin", "position", "force", "torque"])
+def test_an_articulation_that_was_lost_goes_on_as_if_nothing_had_been(where, planar):
+    world, undisturbed = swing(planar), swing(planar)
+    rod, pose, motion = world.bodies.handle(3), world.tables.array(POSE).copy(), world.tables.array(MOTION).copy()
+    match where:
+        case "velocity":
+            world.velocity[3] = (0, 0, INF)
+        case "spin":
+            world.angular_velocity[3] = (0, 1e200, 0)
+        case "position":
+            world.position[3] = (0, 0, NAN)
+        case "force":
+            world.apply_force(rod, (1e307, 0, 0))
+        case "torque":
+            world.apply_torque(rod, (0, 1e300, 0))
+    with pytest.raises(LostBodyError, match=r"body 3 .* step 20"):
+        world.advance(1 / 60, 5)
+    world.tables.array(POSE)[:], world.tables.array(MOTION)[:] = pose, motion
+    for each in (world, undisturbed):
+        each.advance(1 / 60, 40)
+    assert world.position == pytest.approx(undisturbed.position, abs=1e-9)

@@ -65,7 +65,7 @@ def oscillator(kind, hertz, ratio, substeps, duration=0.7):
 @pytest.mark.parametrize("kind", ["spring", "slider", "six-dof"])
 @pytest.mark.parametrize(("hertz", "ratio", "order"), [(1.0, 0.0, 2), (2.0, 0.0, 2), (2.0, 0.5, 1), (1.0, 2.0, 1)])
 def test_springs_oscillate_with_their_frequency_and_damping_ratio(kind, hertz, ratio, order):
-    errors = np.array([oscillator(kind, hertz, ratio, substeps) for substeps in (4, 8, 16)])
+    errors = np.array([oscillator(kind, hertz, ratio, substeps) for substeps in (8, 16, 32)])
     assert np.abs(errors).max() < 0.005 * 0.3
     assert orders(errors) == pytest.approx(order, abs=0.1)
 
@@ -73,7 +73,7 @@ def test_springs_oscillate_with_their_frequency_and_damping_ratio(kind, hertz, r
 def test_a_spring_without_damping_keeps_its_energy():
     world = World((0, 0, 0))
     body = add(world, position=(0.3, 0, 0))
-    world.add_spring(world.ground, body, anchor_a=(-1, 0, 0), anchor_b=(0.3, 0, 0), length=1.0, hertz=1.0)
+    world.add_spring(world.ground, body, anchor_a=(-1, 0, 0), anchor_b=(0.3, 0, 0), length=1.0, hertz=2.0)
     farthest = []
     for _ in range(30):
         places = []
@@ -81,7 +81,7 @@ def test_a_spring_without_damping_keeps_its_energy():
             world.step(STEP)
             places.append(world.position[body.index, 0])
         farthest.append(max(places))
-    assert farthest[-1] == pytest.approx(farthest[0], rel=0.005)  # with damping_ratio=1e-4 2 % would be lost
+    assert farthest[-1] == pytest.approx(farthest[0], rel=0.005)  # a damping ratio of 1e-4 would take 3.7 %
 
 
 def test_a_spring_turns_both_of_its_bodies_and_pulls_at_their_anchors():
@@ -89,7 +89,7 @@ def test_a_spring_turns_both_of_its_bodies_and_pulls_at_their_anchors():
     a, b = add(world, position=(-1, 0, 0), mass=1.0), add(world, position=(1, 0, 0), mass=3.0)
     world.add_spring(a, b, anchor_a=(-1, 0.2, 0), anchor_b=(1, 0.2, 0), length=1.5, stiffness=2.0)
     world.step(STEP)
-    assert world.velocity[[a.index, b.index], 0] == pytest.approx([STEP, -STEP / 3], rel=1e-3)
+    assert world.velocity[[a.index, b.index], 0] == pytest.approx([STEP, -STEP / 3], rel=5e-3)
     assert world.angular_velocity[a.index, 2] < 0 < world.angular_velocity[b.index, 2]
 
 
@@ -146,7 +146,8 @@ def test_a_motor_stalls_under_more_than_its_maximum():
     assert strong.effort == pytest.approx(G, rel=1e-12)
     world, lifting = lever(motor=Motor(0.5, 20.0))
     world.advance(STEP, 60)
-    assert lifting.angle == pytest.approx(0.5, rel=1e-9)
+    assert lifting.speed == pytest.approx(0.5, rel=1e-9)
+    assert lifting.effort == pytest.approx(G * math.cos(lifting.angle), rel=5e-3)
 
 
 def test_friction_brakes_by_its_torque_over_the_moment_and_then_holds():

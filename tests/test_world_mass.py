@@ -235,13 +235,17 @@ def test_a_centre_of_mass_that_was_measured_is_where_the_body_balances():
             crossings.append(world.time)
         before = now
     # On ice it rocks about its centre of mass, which stays above one point: I w^2 = m g d.
-    assert 2 * np.diff(crossings).mean() == pytest.approx(2 * math.pi * math.sqrt(0.02 / (mass * 9.81 * 0.05)), rel=0.02)
+    assert 2 * np.diff(crossings).mean() == pytest.approx(
+        2 * math.pi * math.sqrt(0.02 / (mass * 9.81 * 0.05)), rel=0.02
+    )
 
 
 def test_parts_have_surfaces_of_their_own():
     world = kd.World()
     world.add_plane(friction=1.0)
-    icy, rough = (kd.Part(kd.Box((0.2, 0.2, 0.1)), position=(x, 0, 0), friction=f) for x, f in ((-0.3, 0.0), (0.3, 0.8)))
+    icy, rough = (
+        kd.Part(kd.Box((0.2, 0.2, 0.1)), position=(x, 0, 0), friction=f) for x, f in ((-0.3, 0.0), (0.3, 0.8))
+    )
     for y, parts in ((0.0, [icy, icy]), (5.0, [icy, kd.Part(rough.shape, rough.position)])):
         world.add_body(parts, position=(0, y, 0.05), velocity=(1.0, 0, 0), friction=0.25)
     world.advance(1 / 240, 120)

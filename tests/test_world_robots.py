@@ -432,7 +432,7 @@ def test_without_mujoco_the_sentence_says_what_to_install(monkeypatch):
 
 
 def test_what_is_noted_of_many_is_said_once():
-    notes = ["joint 'a' is stiff", "geoms differ", "joint 'b' is stiff", "joint 'a' is stiff", "mesh 'a' is stiff", "geoms differ"]
+    notes = ["joint 'a' is stiff", "geoms differ", "joint 'b' is stiff", "joint 'a' is stiff", "mesh 'a' is stiff"]
     assert gathered(notes) == ("joint 'a' is stiff; likewise 'b'", "geoms differ", "mesh 'a' is stiff")
     notes = load_robot(FILES / "quadruped.xml").notes
     assert len(notes) == 2

@@ -2,7 +2,8 @@
 
 ``kickdrift.solve`` integrates accelerations, Hamiltonians and other equations of motion; ``kickdrift.systems`` and
 ``kickdrift.methods`` are the catalogues, ``kickdrift.analysis`` judges runs, ``kickdrift.plots`` draws them,
-``kickdrift.load`` reads a saved solution. ``kickdrift.World`` is for bodies that touch, stack, hinge and walk.
+``kickdrift.load`` reads a saved solution. ``kickdrift.World`` is for bodies that touch, stack, hinge and walk: with shapes
+(``Box``, ``Capsule``, ``Hull``, ``Sphere``, and ``Part`` for compounds), and what joints do (``Axis``, ``Drive``, ``Motor``).
 """
 
 from collections.abc import Callable
@@ -35,26 +36,40 @@ from kickdrift.world.recording import Recording, WorldPresenters
 if TYPE_CHECKING:
     from kickdrift.io.robot_file import load_robot
     from kickdrift.io.world_file import load_world
+    from kickdrift.world.adding import Part
+    from kickdrift.world.joints.axis import Axis, Drive, Motor
+    from kickdrift.world.shapes.box import Box
+    from kickdrift.world.shapes.capsule import Capsule
+    from kickdrift.world.shapes.hull import Hull
+    from kickdrift.world.shapes.sphere import Sphere
     from kickdrift.world.world import World
 
 __all__ = [
     "ArgumentError",
+    "Axis",
+    "Box",
+    "Capsule",
     "ChargedParticle",
     "Constrained",
     "Damped",
+    "Drive",
     "FirstOrder",
     "Hamiltonian",
+    "Hull",
     "InterpretedWarning",
     "KickdriftError",
     "Langevin",
     "MethodMismatchError",
+    "Motor",
     "Newtonian",
     "Outcome",
+    "Part",
     "Partitioned",
     "Recording",
     "SecondOrder",
     "Separable",
     "Solution",
+    "Sphere",
     "System",
     "World",
     "analysis",
@@ -81,6 +96,9 @@ def _later(module: str, name: str) -> Callable[..., Any]:
 
 _WORLDS = {
     "World": "kickdrift.world.world",
+    "Part": "kickdrift.world.adding",
+    **dict.fromkeys(("Axis", "Drive", "Motor"), "kickdrift.world.joints.axis"),
+    **{name: f"kickdrift.world.shapes.{name.lower()}" for name in ("Box", "Capsule", "Hull", "Sphere")},
     "load_robot": "kickdrift.io.robot_file",
     "load_world": "kickdrift.io.world_file",
 }

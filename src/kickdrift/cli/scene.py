@@ -10,7 +10,7 @@ from kickdrift.cli.plan import Options, save_every
 from kickdrift.cli.times import parse_time
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.outcomes import Outcome
-from kickdrift.engine.progress import is_cached
+from kickdrift.engine.progress import announcements, is_cached
 from kickdrift.scenes.worlds.catalogue import SCENES
 from kickdrift.world.recording import Recording
 from kickdrift.world.step import run as loop
@@ -91,7 +91,8 @@ def _compile_ahead(world: World, step: float, quiet: bool) -> None:
         say(f"compiling once on this machine, about {_COMPILE_SECONDS} s ...")
     started = time.perf_counter()
     before = world.snapshot()
-    world.step(step)
+    with announcements(False if announced or quiet else None):
+        world.step(step)
     world.restore(before)
     if announced:
         say(f"compiled in {time.perf_counter() - started:.1f} s.")

@@ -5,6 +5,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Any
 
@@ -66,7 +67,27 @@ def compiling_announced(wanted: bool | None) -> Iterator[None]:
         print(f"kickdrift: compiled in {time.perf_counter() - started:.1f} s.", file=sys.stderr, flush=True)
 
 
+_wanted: ContextVar[bool | None] = ContextVar("_wanted", default=None)
+
+
+@contextmanager
+def announcements(wanted: bool | None) -> Iterator[None]:
+    """Have worlds say that they compile, or not, or (None) on a terminal."""
+    before = _wanted.set(wanted)
+    try:
+        yield
+    finally:
+        _wanted.reset(before)
+
+
+def announce_compiling(what: str, seconds: float) -> None:
+    """Say what is compiled now, and about how long that takes, if it is longer than a moment."""
+    if seconds > _A_MOMENT and announces(_wanted.get()):
+        line = f"kickdrift: compiling {what} once on this machine, about {seconds:.0f} s ..."
+        print(line, file=sys.stderr, flush=True)
+
+
 def is_cached(kernel: Any) -> bool:
     """Whether compiled code of a kernel lies in the cache on disk."""
     folder = kernel.stats.cache_path  # None where Numba finds no folder that it can write to
-    return folder is not None and any(Path(folder).glob(f"*{kernel.__name__}*.nbi"))
+    return folder is not None and any(Path(folder).glob(f"*{kernel.__name__}*.nbc"))

@@ -14,7 +14,7 @@ from kickdrift.io.robots.closures import closures, exclusions
 from kickdrift.io.robots.geoms import Layers
 from kickdrift.io.robots.joints import Link, link_of
 from kickdrift.io.robots.laws import Actuator
-from kickdrift.io.robots.omissions import omissions
+from kickdrift.io.robots.omissions import gathered, omissions
 from kickdrift.io.robots.parsing import Model, parse
 from kickdrift.world.arguments import unit_quaternion, vector
 from kickdrift.world.bodies import Body
@@ -23,7 +23,7 @@ from kickdrift.world.flight import STATIC
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.settings import GRAVITY
 from kickdrift.world.shape_rows import LAYER
-from kickdrift.world.tables import EXCLUDED, SETTINGS, SHAPE
+from kickdrift.world.tables import ASKED_APART, SETTINGS, SHAPE
 from kickdrift.world.world import World
 
 
@@ -128,7 +128,7 @@ def load_robot(
         axes=MappingProxyType(axes),
         closures=MappingProxyType(_add_joints(world, model, closing, bodies)),
         actuators=MappingProxyType(actuators),
-        notes=tuple(notes),
+        notes=gathered(notes),
     )
 
 
@@ -156,7 +156,7 @@ def _add_bodies(world: World, model: Model, parts: list[Piece]) -> dict[int, Bod
 def _exclude(world: World, pairs: list[tuple[Body, Body]]) -> None:
     """Add to the pairs of bodies that never touch."""
     new = [(a.index, b.index) for a, b in pairs]
-    exclude(world.tables, [*map(tuple, world.tables.array(EXCLUDED).tolist()), *new])
+    exclude(world.tables, [*map(tuple, world.tables.array(ASKED_APART).tolist()), *new])
 
 
 def _add_joints(world: World, model: Model, links: list[Link], bodies: dict[int, Body]) -> dict[str, Joint]:

@@ -21,7 +21,8 @@ _HEIGHT, _WIDTH = 4.6, 9.2  # of the scene, inches
 _WIDE = 1.8  # width over height, from which on the energy stands below the scene
 _MOST_TRAILS = 40
 _SHORTEST_TRAIL = 0.03  # of the width of the picture
-_MOST_POINTS = 300  # of a trail
+_SUM = "#c9ccd1"
+_MOST_POINTS = 1000  # of a trail
 
 
 def plot_recording(recording: Recording, path: str | Path | None = None) -> "Figure":
@@ -109,10 +110,15 @@ def _draw_energy(axes: "Axes", recording: Recording) -> None:
     potential = recording.derived["potential energy"]
     potential = potential - potential.min()
     kinetic = recording.derived["kinetic energy"]
-    lines = {"kinetic": kinetic, "potential": potential, "sum": kinetic + potential}
-    unit, size = _unit_of(float(lines["sum"].max()))
-    for (name, values), colour in zip(lines.items(), (COLOURS[1], COLOURS[0], INK), strict=True):
-        axes.plot(recording.t, values / size, color=colour, linewidth=1.3, label=name)
+    total = kinetic + potential
+    unit, size = _unit_of(float(total.max()))
+    # The sum is wider and below, to be seen also where it is all potential energy.
+    for name, values, colour, width in (
+        ("kinetic", kinetic, COLOURS[1], 1.3),
+        ("potential", potential, COLOURS[0], 1.3),
+        ("sum", total, _SUM, 4.0),
+    ):
+        axes.plot(recording.t, values / size, color=colour, linewidth=width, label=name, zorder=3.0 - 0.1 * width)
     dress(axes, "t (s)", f"{unit}, from the lowest potential on", "energy")
     axes.margins(x=0)
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, fontsize=8.5, borderaxespad=0.2)

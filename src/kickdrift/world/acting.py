@@ -43,6 +43,8 @@ class AppliesForces:
     def add_force(self, force: Function) -> None:
         """Let a function of one's own act on the bodies in every substep, compiled into the step.
 
+        Bodies that sleep (``World(sleeping=True)``) stay asleep under it, also where it changes; `apply_force` wakes them.
+
         Parameters
         ----------
         force : callable

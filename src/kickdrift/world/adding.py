@@ -1,6 +1,6 @@
 """How bodies come into a world: one method a shape."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from typing import Any
 
@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import number, turn_to, unit_quaternion, vector
 from kickdrift.world.bodies import Bodies, Body, kind_of
+from kickdrift.world.collision.filters import forget
 from kickdrift.world.flight import DYNAMIC, STATIC
 from kickdrift.world.islands import REACH
 from kickdrift.world.joints.registry import Joints
@@ -42,6 +43,8 @@ class Part:
         Quaternion (w, x, y, z) that turns the shape's axes into the body's.
     density : float, optional
         kg/m^3; the body's by default.
+    **surface
+        Those of `friction`, `restitution` and the like in which its surface differs from the body's.
     """
 
     def __init__(
@@ -50,6 +53,7 @@ class Part:
         position: ArrayLike = (0.0, 0.0, 0.0),
         orientation: ArrayLike = _UPRIGHT,
         density: float | None = None,
+        **surface: Any,
     ) -> None:
         if not hasattr(shape, "mass_properties"):
             raise ArgumentError(
@@ -59,6 +63,22 @@ class Part:
         self.position = vector("position", position, 3)
         self.orientation = unit_quaternion("orientation", orientation)
         self.density = density
+        surface_of(surface)
+        self.surface = surface
+
+
+def surface_of(options: Mapping[str, Any]) -> Surface:
+    """Return a surface with these options.
+
+    Raises
+    ------
+    ArgumentError
+        For options that there are not, and for values that they cannot have.
+    """
+    unknown = set(options) - {field.name for field in fields(Surface)}
+    if unknown:
+        raise ArgumentError(f"{sorted(unknown)[0]}= is not known; see the options of World.add_body.")
+    return Surface(**options)
 
 
 class AddsBodies:
@@ -149,6 +169,7 @@ class AddsBodies:
         density: float | None = None,
         mass: float | None = None,
         inertia: ArrayLike | None = None,
+        centre: ArrayLike | None = None,
         static: bool = False,
         kinematic: bool = False,
         damping: float = 0.0,
@@ -176,6 +197,9 @@ class AddsBodies:
             kg.
         inertia : (3,) or (3, 3) array_like, optional
             About the centre of mass in the body's axes, kg m^2; from the shapes by default.
+        centre : (3,) array_like, optional
+            Centre of mass, from the origin of the shapes in the body's axes, m, where it is not that of the shapes; it
+            needs the inertia.
         static, kinematic : bool
             A static body never moves; a kinematic one moves with the velocity given and minds no force.
         damping, angular_damping : float
@@ -202,10 +226,7 @@ class AddsBodies:
         motion = np.concatenate((vector("velocity", velocity, 3), vector("angular_velocity", angular_velocity, 3)))
         if kind == STATIC and motion.any():
             raise ArgumentError("velocity of a static body has to be zero; make it kinematic=True to move it.")
-        unknown = set(surface) - {field.name for field in fields(Surface)}
-        if unknown:
-            raise ArgumentError(f"{sorted(unknown)[0]}= is not known; see the options of World.add_body.")
-        properties = Surface(**surface)
+        surfaces = [surface_of({**surface, **part.surface}) for part in parts]
         weight = None
         if kind == DYNAMIC:
             for part in parts:
@@ -213,18 +234,18 @@ class AddsBodies:
                     raise ArgumentError(
                         f"{type(part.shape).__name__} cannot move: it has no inside; add it static=True."
                     )
-            weight = _weigh(parts, density, mass, inertia)
+            weight = _weigh(parts, density, mass, inertia, centre)
         rates = [number("damping", damping, "1/s"), number("angular_damping", angular_damping, "1/s")]
-        centre = np.zeros(3) if weight is None else weight.centre
-        body = self.bodies.add(kind, origin + rotation_matrix(turn) @ centre, turn)
+        middle = np.zeros(3) if weight is None else weight.centre
+        body = self.bodies.add(kind, origin + rotation_matrix(turn) @ middle, turn)
         self.tables.array(MOTION)[body.index, :6] = motion
         if weight is not None:
             self.bodies.set_mass(body.index, weight, rates)
-        for part in parts:
-            far = float(np.linalg.norm(part.position - centre)) + reach(part.shape)
+        for part, face in zip(parts, surfaces, strict=True):
+            arm = part.position - middle
             rested = self.tables.array(RESTED)[body.index]
-            rested[REACH] = max(rested[REACH], far)
-            self.shape_rows.add(body.index, Placed(part.shape, part.position - centre, part.orientation, properties))
+            rested[REACH] = max(rested[REACH], float(np.linalg.norm(arm)) + reach(part.shape))
+            self.shape_rows.add(body.index, Placed(part.shape, arm, part.orientation, face))
         return body
 
     def remove(self, body: Body) -> None:
@@ -240,9 +261,12 @@ class AddsBodies:
         self.bodies.wake()
         self.bodies.remove(body)
         self.shape_rows.remove_of(row)
+        forget(self.tables, row)
 
 
-def _weigh(parts: list[Part], density: float | None, mass: float | None, inertia: ArrayLike | None) -> Mass:
+def _weigh(
+    parts: list[Part], density: float | None, mass: float | None, inertia: ArrayLike | None, centre: ArrayLike | None
+) -> Mass:
     if density is not None and mass is not None:
         raise ArgumentError(f"density={density!r} and mass={mass!r} say the same twice; give one of them.")
     common = 1000.0 if density is None else density
@@ -257,6 +281,11 @@ def _weigh(parts: list[Part], density: float | None, mass: float | None, inertia
     if mass is not None:
         total = number("mass", mass, "kg; static=True is for what nothing moves", zero=False)
         whole = Mass(total, whole.centre, whole.inertia * (total / whole.mass))
+    if centre is not None and inertia is None:
+        raise ArgumentError(
+            f"centre={centre!r} has no inertia about it; give inertia= as well, (3,) or (3, 3), in kg m^2."
+        )
     if inertia is not None:
-        whole = Mass(whole.mass, whole.centre, checked_inertia(inertia))
+        middle = whole.centre if centre is None else vector("centre", centre, 3)
+        whole = Mass(whole.mass, middle, checked_inertia(inertia))
     return whole

@@ -29,7 +29,7 @@ BEGINS, FIRST_BODY, SECOND_BODY, FROM_SENSOR = range(4)
 
 
 class ContactEvent(NamedTuple):
-    """Two bodies that begin or end to touch.
+    """Two bodies that begin or end to touch; of bodies of several shapes, each pair of shapes does so by itself.
 
     Attributes
     ----------

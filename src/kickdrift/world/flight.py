@@ -38,12 +38,14 @@ from kickdrift.world.tables import (
     CHANGE,
     FORCE,
     INERTIA,
+    JOINT_NUMBERS,
     KICKED,
     LOAD,
     MOTION,
     POSE,
     RESPONSE,
     SETTINGS,
+    STARTED_JOINTS,
     STARTED_MOTION,
     STARTED_POSE,
     floats,
@@ -75,6 +77,7 @@ LINK_PLACE = 4
 REMOVED, STATIC, KINEMATIC, DYNAMIC = 0, 1, 2, 3
 
 _ROUNDS = 20
+_ROUNDING = 1e-34  # square of half a unit in the last place, nearly
 
 
 @compiled
@@ -87,6 +90,10 @@ def begin(t: float, h: float, world: int) -> None:
             change[body, k] = 0.0
             old_pose[body, k] = pose[body, k]
             old_motion[body, k] = motion[body, k]
+    joints, old_joints = floats(world, JOINT_NUMBERS), floats(world, STARTED_JOINTS)
+    for joint in range(rows(world, STARTED_JOINTS)):
+        for k in range(JOINT_NUMBERS.width):
+            old_joints[joint, k] = joints[joint, k]
 
 
 @compiled
@@ -97,11 +104,13 @@ def finish(t: float, h: float, world: int) -> None:
     for body in range(rows(world, POSE)):
         total = 0.0
         for k in range(6):
-            load[body, k] = 0.0
             total += abs(pose[body, k]) + abs(motion[body, k])
         if not total < math.inf and kind[body, KIND] != REMOVED:
             report_body(world, body)
             return
+    for body in range(rows(world, LOAD)):
+        for k in range(6):
+            load[body, k] = 0.0
 
 
 @compiled
@@ -187,15 +196,19 @@ def _look_ahead(body: int, h: float, pose: Any, motion: Any, inertia: Any, kicke
     momentum = turned_back(q, spin)
     now = turned_back(q, _three(motion, body, 3))
     w = now
-    error = 1e300
+    error = 0.0
     for _ in range(_ROUNDS):
         middle = times(0.5, plus(momentum, turned_back(exponential(times(h, w)), momentum)))
         step = _solved(moments, times(0.5 * h, middle), minus(middle, applied(moments, w)))
         w = plus(w, step)
         change = dot(step, step)
-        # Iterated until the increments stop shrinking: a tolerance would let the energy drift. Where turns of a radian
-        # a substep leave no solution, the last one keeps the momentum all the same.
-        if change == 0.0 or (change >= error and change < 1e-20 * dot(w, w)):
+        # Iterated until this increment, or the next one if they go on to shrink as they do, is lost in rounding, or they
+        # shrink no more: a greater tolerance would let the energy drift. Where turns of a radian a substep leave no
+        # solution, the last one keeps the momentum all the same.
+        size = dot(w, w)
+        if change <= _ROUNDING * size or change * change <= _ROUNDING * size * error:
+            break
+        if 0.0 < error <= change < 1e-20 * size:
             break
         error = change
     turn = turned(q, w)

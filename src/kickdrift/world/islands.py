@@ -2,7 +2,7 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.flight import AWAKE, DYNAMIC, ISLAND, KIND
+from kickdrift.world.flight import AWAKE, DYNAMIC, ISLAND, KIND, KINEMATIC
 from kickdrift.world.joints import layout as j
 from kickdrift.world.settings import SLEEP_SPEED, SLEEP_TIME
 from kickdrift.world.tables import BODY, CONTACT, JOINT, LOAD, MOTION, POSE, RESTED, SETTINGS, floats, integers, rows
@@ -13,28 +13,38 @@ TIME, ISLAND_TIME, REACH, SLEPT_POSE = 0, 1, 2, 3
 
 @compiled
 def wake(t: float, h: float, world: int) -> None:
-    """Wake the islands of sleeping bodies that were moved, or given a velocity or a force, or that something awake touches."""
-    body, motion, load, contact = (
-        integers(world, BODY),
-        floats(world, MOTION),
-        floats(world, LOAD),
-        integers(world, CONTACT),
-    )
-    pose, rested = floats(world, POSE), floats(world, RESTED)
+    """Wake islands that sleep where one was moved, or given a velocity or a force, or something awake touches or holds it."""
+    body, load = integers(world, BODY), floats(world, LOAD)
+    contact, joint = integers(world, CONTACT), integers(world, JOINT)
     for row in range(rows(world, BODY)):
-        if body[row, KIND] != DYNAMIC or body[row, AWAKE] != 0:
+        if body[row, KIND] < KINEMATIC or body[row, AWAKE] != 0:
             continue
-        pushed = False
+        pushed = _moves(world, row)
         for k in range(6):
-            pushed = pushed or motion[row, k] != 0.0 or load[row, k] != 0.0
-        for k in range(7):
-            pushed = pushed or pose[row, k] != rested[row, SLEPT_POSE + k]
-        if pushed:
+            pushed = pushed or load[row, k] != 0.0
+        if pushed and body[row, KIND] == DYNAMIC:
             _wake_island(world, body[row, ISLAND])
+        elif pushed:
+            body[row, AWAKE] = 1
     for row in range(rows(world, CONTACT)):
         if contact[row, c.POINTS] == 0 or contact[row, c.STATE] & c.SENSOR:
             continue
         _wake_one_by_other(world, contact[row, c.BODY_A], contact[row, c.BODY_B])
+    for row in range(rows(world, JOINT)):
+        if joint[row, j.KIND] != j.REMOVED:
+            _wake_one_by_other(world, joint[row, j.BODY_A], joint[row, j.BODY_B])
+
+
+@compiled
+def _moves(world: int, row: int) -> bool:
+    """Whether a body has a velocity, or is elsewhere than where it slept."""
+    motion, pose, rested = floats(world, MOTION), floats(world, POSE), floats(world, RESTED)
+    moves = False
+    for k in range(6):
+        moves = moves or motion[row, k] != 0.0
+    for k in range(7):
+        moves = moves or pose[row, k] != rested[row, SLEPT_POSE + k]
+    return moves
 
 
 @compiled
@@ -57,14 +67,19 @@ def _wake_island(world: int, island: int) -> None:
 
 @compiled
 def sleep(t: float, h: float, world: int) -> None:
-    """Put islands to sleep that have rested long enough; what sleeps has no velocity."""
+    """Put islands to sleep that have rested long enough; what sleeps has no velocity.
+
+    Kinematic bodies are awake while they move, each by itself.
+    """
     body, motion, contact = integers(world, BODY), floats(world, MOTION), integers(world, CONTACT)
     joint, rested, settings = integers(world, JOINT), floats(world, RESTED), floats(world, SETTINGS)
-    pose, rested = floats(world, POSE), floats(world, RESTED)
     for row in range(rows(world, BODY)):
         if body[row, AWAKE] != 0:
             body[row, ISLAND] = row
             rested[row, TIME] = rested[row, TIME] + h if _rests(world, row) else 0.0
+        if body[row, KIND] == KINEMATIC:
+            body[row, AWAKE] = int(_moves(world, row))
+            _keep_pose(world, row)
     for row in range(rows(world, CONTACT)):
         if contact[row, c.STATE] & c.TOUCHING and not contact[row, c.STATE] & c.SENSOR:
             _unite(world, contact[row, c.BODY_A], contact[row, c.BODY_B])
@@ -87,8 +102,14 @@ def sleep(t: float, h: float, world: int) -> None:
             body[row, AWAKE] = 0
             for k in range(6):
                 motion[row, k] = 0.0
-            for k in range(7):
-                rested[row, SLEPT_POSE + k] = pose[row, k]
+            _keep_pose(world, row)
+
+
+@compiled
+def _keep_pose(world: int, row: int) -> None:
+    pose, rested = floats(world, POSE), floats(world, RESTED)
+    for k in range(7):
+        rested[row, SLEPT_POSE + k] = pose[row, k]
 
 
 @compiled

@@ -16,7 +16,7 @@ from kickdrift.core.errors import ArgumentError, LostBodyError
 from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.grid import Grid, lay_grid
-from kickdrift.engine.progress import Bar, compiling_announced
+from kickdrift.engine.progress import Bar, announcements
 from kickdrift.engine.solution import Description, Invariants
 from kickdrift.world.flaws import deepest_overlap, widest_gap
 from kickdrift.world.recording import Recording, appearance
@@ -37,7 +37,7 @@ _UNITS = {
 def run(world: "World", duration: float, step: float, save_every: int | None, progress: bool | None) -> Recording:
     """Run a world and record it; see `World.run`."""
     grid = _lay(duration, step, save_every, len(world.position))
-    with compiling_announced(progress):
+    with announcements(progress):
         world.advance(grid.step, 0)
     keeper = _Keeper(world, grid)
     outcome, cause, seconds = Outcome.COMPLETED, "", 0.0

@@ -175,9 +175,13 @@ class ShapeRows:
     def compile_pairs(self) -> None:
         """Find the functions for the pairs of kinds that there are; those of others are not compiled."""
         colliders = self.tables.array(COLLIDERS)
-        for pair in combinations_with_replacement(sorted(self.kinds), 2):
-            if pair in PAIRS and colliders[pair] == 0:
+        for pair in self.pairs():
+            if colliders[pair] == 0:
                 colliders[pair] = address_of(PAIRS[pair], COLLIDE)
+
+    def pairs(self) -> list[tuple[int, int]]:
+        """Pairs of the kinds that there are which can touch, the lower one first."""
+        return [pair for pair in combinations_with_replacement(sorted(self.kinds), 2) if pair in PAIRS]
 
 
 def reach(shape: Shape) -> float:

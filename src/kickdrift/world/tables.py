@@ -76,6 +76,7 @@ COLOURED = Table(31, 1, whole=True)  # of each body the set of colours that its 
 SWEEPS = Table(34, 6, whole=True)  # one row: see `kickdrift.world.contacts.lanes`
 STARTED_POSE = Table(32, 8)  # as POSE and MOTION were when the step began
 STARTED_MOTION = Table(33, 8)
+STARTED_JOINTS = Table(50, 80)  # as JOINT_NUMBERS were
 SEARCH = Table(38, 16, whole=True)  # one row: see `kickdrift.world.collision.search`
 MOVERS = Table(39, 1, whole=True)  # shapes that may move
 FIXTURES = Table(44, 1, whole=True)  # shapes that may not
@@ -85,7 +86,7 @@ PART_TREE = Table(42, 8)  # over the triangles of each mesh, one tree after the 
 EXCLUDED = Table(43, 2, whole=True)  # pairs of bodies that never touch, the lower one first; sorted
 ASKED_APART = Table(49, 2, whole=True)  # those of them that users ask for; the others are joined
 
-_COUNT = 50
+_COUNT = 51
 _ADDRESS, _ROWS, _ROOM = 0, 1, 2  # the words that describe a table
 
 

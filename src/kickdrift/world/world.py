@@ -11,8 +11,10 @@ from kickdrift.world import measures, settings
 from kickdrift.world.acting import AppliesForces
 from kickdrift.world.adding import AddsBodies
 from kickdrift.world.arguments import direction, number, vector
+from kickdrift.world.asking import AnswersQueries
 from kickdrift.world.bodies import Bodies, Body
 from kickdrift.world.collision.filters import exclude, part_joined
+from kickdrift.world.compiling import compile_step
 from kickdrift.world.contacts import lanes
 from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.events import ContactEvent, events, touching
@@ -20,21 +22,18 @@ from kickdrift.world.history import KeepsHistory
 from kickdrift.world.joints.adding import AddsJoints
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.registry import Joints
+from kickdrift.world.losing import culprit, go_back
 from kickdrift.world.measures import Energy
 from kickdrift.world.program import Program, Uses, Word, compose, word
 from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.step import run
 from kickdrift.world.tables import (
+    ASKED_APART,
     COLOURS,
-    CONTACT,
     EVENTS,
-    EXCLUDED,
-    MANIFOLD,
     MOTION,
     POSE,
     SETTINGS,
-    STARTED_MOTION,
-    STARTED_POSE,
     SWEEPS,
     TROUBLE,
     Tables,
@@ -44,7 +43,7 @@ from kickdrift.world.trouble import BODY, FAST, FULL, KIND, TABLE, WANTED
 Floats = NDArray[np.float64]
 
 
-class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces):
+class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries):
     """Rigid bodies in three dimensions.
 
     Parameters
@@ -147,7 +146,6 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces):
         self.shape_rows = ShapeRows(self.tables)
         self.joints = Joints(self.tables)
         self.broken: list[Joint] = []
-        self._joined: set[tuple[int, int]] = set()
         self._program_key: tuple[float, int, bool, float] | None = None
         self._program: Program
         self.forces: list[Function] = []
@@ -251,19 +249,28 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces):
 
     def _ready(self, step: float) -> Program:
         """Compile what is needed, and keep the program for as long as nothing that it depends on changes."""
-        self.shape_rows.compile_pairs()
         key = (step, len(self.forces), self.shape_rows.bouncing, self._fast)
         if not self.joints.arranged or key != self._program_key:
-            self._joined = part_joined(self.tables, self._joined)
+            compile_step(self.word, self.shape_rows.pairs())
+            part_joined(self.tables)
             sweeps = self.tables.array(SWEEPS)[0]
             sweeps[:] = *(address_of(sweep, lanes.SWEEP) for sweep in lanes.SWEEPS), WIDTH
             self._program_key, self._program = key, compose(self.word, step, self.substeps)
+        self.shape_rows.compile_pairs()
         return self._program
 
     def exclude(self, body_a: Body, body_b: Body) -> None:
-        """Let two bodies pass through each other; those that a joint holds together do so anyway."""
+        """Let two bodies pass through each other; those that a joint holds together do so anyway.
+
+        Raises
+        ------
+        ArgumentError
+            For a body with itself, and bodies that are gone.
+        """
         pair = (self.bodies.row(body_a, "body_a"), self.bodies.row(body_b, "body_b"))
-        exclude(self.tables, [*self.tables.array(EXCLUDED).tolist(), pair])
+        if pair[0] == pair[1]:
+            raise ArgumentError(f"body_b={body_b!r} is body_a, and the parts of a body never touch; give another one.")
+        exclude(self.tables, [*self.tables.array(ASKED_APART).tolist(), pair])
 
     def _help(self, done: int, step: float) -> None:
         """Do what a stage has asked for; raise what cannot be helped."""
@@ -276,14 +283,11 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces):
         if kind == FULL:
             self.tables.make_room(table, wanted)
             return
-        name = f"body {body}"
-        self.tables.array(POSE)[:] = self.tables.array(STARTED_POSE)
-        self.tables.array(MOTION)[:] = self.tables.array(STARTED_MOTION)
-        self.tables.resize(CONTACT, 0)
-        self.tables.resize(MANIFOLD, 0)
+        body = culprit(self.tables, step, body)
+        go_back(self.tables)
         self.time += done * step
         self.n_steps += done
         raise LostBodyError(
-            f"{name} was lost to infinity in step {self.n_steps}; all bodies are where they were before it. "
+            f"body {body} was lost to infinity in step {self.n_steps}; all bodies are where they were before it. "
             "Its forces or velocities are too large for the step: take a smaller one."
         )

@@ -50,12 +50,12 @@ class Actuator:
         Raises
         ------
         ArgumentError
-            For a motor: no drive has a force of its own. `World.apply_torque` on both bodies has.
+            For a motor: no drive has a force of its own; `effort` says how large it is.
         """
         if not self.servo:
             raise ArgumentError(
-                f"control={control!r} of a motor is a force, and no drive; give its torque to World.apply_torque, on both"
-                " bodies with opposite signs."
+                f"control={control!r} of a motor is a force, and no drive; in each step, give its effort(control) to"
+                " Joint.apply_effort."
             )
         stiffness, damping = -self.bias[1] * self.gear**2, -self.bias[2] * self.gear**2
         constant = self.gear * (self.gain * control + self.bias[0])  # at position and speed zero of the file
@@ -65,6 +65,20 @@ class Actuator:
             return Drive(damping=rate, speed=constant / rate, maximum=self.maximum)
         pull = constant - stiffness * self.zero + passive.stiffness * passive.target
         return Drive(stiffness=total, damping=rate, target=pull / total, maximum=self.maximum)
+
+    def effort(self, control: float) -> float:
+        """Return the force or torque of a motor at a control, at most its maximum, for ``Joint.apply_effort``; N or N m.
+
+        Raises
+        ------
+        ArgumentError
+            For a servo, whose force depends on where its joint is; `drive` says how.
+        """
+        if self.servo:
+            raise ArgumentError(
+                f"control={control!r} of a servo is no force; give its drive(control) to Joint.set_drive."
+            )
+        return min(max(self.gear * (self.gain * control + self.bias[0]), -self.maximum), self.maximum)
 
 
 def axis_of(model: Model, joint: int, actuators: dict[str, Actuator], notes: list[str]) -> Axis:

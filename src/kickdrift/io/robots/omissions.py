@@ -1,5 +1,6 @@
 """What a file says and nothing here does."""
 
+import re
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,8 @@ _COUNTS = {
     "nplugin": "plugins",
 }
 
+_NAME = re.compile(r"([^']*)('[^']*')(.*)", re.DOTALL)
+
 
 def omissions(model: Model) -> list[str]:
     """List what is left out."""
@@ -45,6 +48,20 @@ def omissions(model: Model) -> list[str]:
     if m.opt.density or m.opt.viscosity:
         notes.append("left out: the medium, with its wind, density and viscosity")
     return notes + _actuators(model) + _friction(m, model)
+
+
+def gathered(notes: list[str]) -> tuple[str, ...]:
+    """Say once what is said of several: notes that differ in one name, the first that they mention, become one."""
+    names: dict[tuple[str, ...], list[str]] = {}
+    for note in notes:
+        found = _NAME.match(note)
+        before, name, after = found.groups() if found else (note, "", "")
+        of_same = names.setdefault((before, after), [])
+        of_same += [name] * (name not in of_same)
+    return tuple(
+        before + first + after + ("; likewise " + ", ".join(others) if others else "")
+        for (before, after), (first, *others) in names.items()
+    )
 
 
 def _actuators(model: Model) -> list[str]:

@@ -7,7 +7,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.search import filters_changed
 from kickdrift.world.flight import DYNAMIC, KIND
 from kickdrift.world.joints import layout
-from kickdrift.world.tables import BODY, EXCLUDED, JOINT, SHAPE, Tables, integers, rows
+from kickdrift.world.tables import ASKED_APART, BODY, EXCLUDED, JOINT, SHAPE, Tables, integers, rows
 
 
 @compiled
@@ -48,34 +48,25 @@ def exclude(tables: Tables, pairs: ArrayLike) -> None:
     pairs : (N, 2) array_like of int
         Rows of bodies, in any order and more than once if need be; they replace all that were given before.
     """
-    before = {(int(i), int(j)) for i, j in tables.array(EXCLUDED)}
-    given = np.asarray(pairs, dtype=np.int64).reshape(-1, 2)
-    now = {(int(min(pair)), int(max(pair))) for pair in given}
-    tables.resize(EXCLUDED, 0)
-    if now:
-        tables.resize(EXCLUDED, len(now))[:] = sorted(now)
-    filters_changed(tables, [body for pair in before ^ now for body in pair])
+    given = np.sort(np.asarray(pairs, dtype=np.int64).reshape(-1, 2), axis=1)
+    asked = np.unique(given, axis=0)
+    tables.resize(ASKED_APART, len(asked))[:] = asked
+    part_joined(tables)
 
 
-def part_joined(tables: Tables, before: set[tuple[int, int]]) -> set[tuple[int, int]]:
-    """Let bodies that joints hold together pass through each other, and those that none holds any more touch.
+def forget(tables: Tables, body: int) -> None:
+    """Take away the pairs of a body that is removed: another one gets its row."""
+    asked = tables.array(ASKED_APART)
+    if (asked == body).any():
+        exclude(tables, asked[(asked != body).all(axis=1)].copy())
 
-    Parameters
-    ----------
-    tables : Tables
-        Of the world.
-    before : set of (int, int)
-        Rows of bodies that were held together when this was last done, the lower one first.
 
-    Returns
-    -------
-    set of (int, int)
-        Those that are now.
-    """
+def part_joined(tables: Tables) -> None:
+    """Let bodies pass through each other that joints hold together or users ask for, and all others touch."""
     joint = tables.array(JOINT)
-    pairs = joint[joint[:, layout.KIND] != layout.REMOVED][:, [layout.BODY_A, layout.BODY_B]]
-    joined = {(min(pair), max(pair)) for pair in pairs.tolist()}
-    if joined != before:
-        others = {(int(i), int(j)) for i, j in tables.array(EXCLUDED)} - before
-        exclude(tables, sorted(others | joined))
-    return joined
+    held = joint[joint[:, layout.KIND] != layout.REMOVED][:, [layout.BODY_A, layout.BODY_B]]
+    now = {(min(pair), max(pair)) for pair in [*held.tolist(), *tables.array(ASKED_APART).tolist()]}
+    before = set(map(tuple, tables.array(EXCLUDED).tolist()))
+    if now != before:
+        tables.resize(EXCLUDED, len(now))[:] = np.array(sorted(now), dtype=np.int64).reshape(-1, 2)
+        filters_changed(tables, [body for pair in before ^ now for body in pair])

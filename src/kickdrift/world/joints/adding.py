@@ -4,6 +4,7 @@ import functools
 from collections.abc import Callable
 from typing import Concatenate, ParamSpec, cast
 
+from kickdrift.core.errors import ArgumentError
 from kickdrift.world.bodies import Bodies, Body
 from kickdrift.world.joints.ball import Ball
 from kickdrift.world.joints.distance import Distance
@@ -59,6 +60,8 @@ class AddsJoints:
         ArgumentError
             For a body with itself, bodies that are gone, and for what the record refuses.
         """
+        if not isinstance(record, Record):
+            raise ArgumentError(f"record={record!r} is no kind of joint; give one of kickdrift.world.joints.catalogue.")
         row_a = self.bodies.row(body_a, "body_a")
         row_b = self.bodies.row(self.bodies.ground if body_b is None else body_b, "body_b")
         return self.joints.add(record, row_a, row_b)

@@ -2,8 +2,16 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
 
 from kickdrift.core.errors import ArgumentError
+
+
+def is_number(value: Any) -> bool:
+    """Whether a value is a real number, and no bool."""
+    return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
 
 
 def finite(argument: str, value: float) -> None:
@@ -13,7 +21,7 @@ def finite(argument: str, value: float) -> None:
     ------
     ArgumentError
     """
-    if not math.isfinite(value):
+    if not (is_number(value) and math.isfinite(value)):
         raise ArgumentError(f"{argument}={value!r} has to be a finite number.")
 
 
@@ -24,9 +32,32 @@ def not_negative(argument: str, value: float, unit: str, *, infinite: bool = Fal
     ------
     ArgumentError
     """
-    if not (value >= 0.0 and (infinite or value < math.inf)):
+    if not (is_number(value) and value >= 0.0 and (infinite or value < math.inf)):
         rest = "zero or positive" if infinite else "zero or positive, and finite"
         raise ArgumentError(f"{argument}={value!r} has to be {rest}, in {unit}.")
+
+
+def pair(argument: str, value: Any) -> tuple[float, float]:
+    """Return two numbers, which may be infinite.
+
+    Raises
+    ------
+    ArgumentError
+    """
+    if not (isinstance(value, tuple | list | np.ndarray) and len(value) == 2 and all(is_number(end) for end in value)):
+        raise ArgumentError(f"{argument}={value!r} have to be two numbers, the least and the greatest one, or None.")
+    return value[0], value[1]
+
+
+def check_kind(argument: str, value: Any, kind: type) -> None:
+    """Refuse what is neither None nor of a kind.
+
+    Raises
+    ------
+    ArgumentError
+    """
+    if not (value is None or isinstance(value, kind)):
+        raise ArgumentError(f"{argument}={value!r} has to be a kickdrift.{kind.__name__}, or None.")
 
 
 @dataclass(frozen=True)
@@ -108,7 +139,7 @@ class Drive:
                     f"damping_ratio={self.damping_ratio!r} refers to a frequency; give hertz too, or damping instead."
                 )
             return
-        if not 0.0 < self.hertz < math.inf:
+        if not (is_number(self.hertz) and 0.0 < self.hertz < math.inf):
             raise ArgumentError(f"hertz={self.hertz!r} has to be positive and finite, in 1/s.")
         if self.stiffness > 0.0 or self.damping > 0.0:
             raise ArgumentError(
@@ -153,8 +184,10 @@ class Axis:
 
     def __post_init__(self) -> None:
         not_negative("friction", self.friction, "N m about an axis, N along one")
+        check_kind("motor", self.motor, Motor)
+        check_kind("drive", self.drive, Drive)
         if self.limits is not None:
-            lower, upper = self.limits
+            lower, upper = pair("limits", self.limits)
             if not lower <= upper:
                 raise ArgumentError(
                     f"limits={self.limits!r} have to be the least and the greatest position, in this order."

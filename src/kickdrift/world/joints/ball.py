@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.joints.axis import LOCKED, Axis, Drive
+from kickdrift.world.joints.axis import LOCKED, Axis, Drive, check_kind, is_number, pair
 from kickdrift.world.joints.record import Placement, Record, direction, frame_along, point
 
 
@@ -48,13 +48,16 @@ class Ball(Record):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.swing_limit is not None and not 0.0 < self.swing_limit < math.pi:
+        check_kind("drive", self.drive, Drive)
+        if self.swing_limit is not None and not (is_number(self.swing_limit) and 0.0 < self.swing_limit < math.pi):
             raise ArgumentError(f"swing_limit={self.swing_limit!r} has to be above 0 and below pi, in rad.")
-        if self.twist_limits is not None and not -math.pi < self.twist_limits[0] <= self.twist_limits[1] < math.pi:
-            raise ArgumentError(
-                f"twist_limits={self.twist_limits!r} have to be the least and the greatest angle, in this order, above -pi"
-                " and below pi."
-            )
+        if self.twist_limits is not None:
+            lower, upper = pair("twist_limits", self.twist_limits)
+            if not -math.pi < lower <= upper < math.pi:
+                raise ArgumentError(
+                    f"twist_limits={self.twist_limits!r} have to be the least and the greatest angle, in this order, above"
+                    " -pi and below pi."
+                )
         if self.drive is not None and (
             self.drive.target != 0.0 or self.drive.speed != 0.0 or self.drive.maximum != math.inf
         ):

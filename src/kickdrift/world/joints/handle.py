@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.joints.axis import Axis, Drive, Motor
-from kickdrift.world.joints.layout import ARM_A, ARM_B, AXES, BODY_A, BODY_B, POSITION, PRINCIPAL, TOTAL
-from kickdrift.world.tables import JOINT, JOINT_NUMBERS, MOTION
+from kickdrift.world.flight import DYNAMIC, KIND
+from kickdrift.world.joints.axis import Axis, Drive, Motor, finite
+from kickdrift.world.joints.layout import ARM_A, ARM_B, AXES, BODY_A, BODY_B, LOCKED, POSITION, PRINCIPAL, TOTAL
+from kickdrift.world.tables import BODY, JOINT, JOINT_NUMBERS, LOAD, MOTION
 
 if TYPE_CHECKING:
     from kickdrift.world.joints.registry import Joints
@@ -96,6 +97,37 @@ class Joint:
         """Torque or force along the open axis in the last step: of motor, drive, friction and limits; N m or N."""
         k = self.axis()
         return float(self._numbers()[TOTAL + k])
+
+    def apply_effort(self, effort: float, axis: int | None = None) -> None:
+        """Let a torque about an open axis, or a force along it, act on b during the next step, and its opposite on a.
+
+        Its direction is that of the axis at the end of the last step. `effort`, what the joint itself does, is without it.
+
+        Parameters
+        ----------
+        effort : float
+            N m about an axis, N along one; efforts add up.
+        axis : int, optional
+            The one open axis by default.
+
+        Raises
+        ------
+        ArgumentError
+            For an effort that is not finite, and for an axis that is locked.
+        """
+        finite("effort", effort)
+        k, numbers = self.axis(axis), self._numbers()
+        row = self.joints.tables.array(JOINT)[self.index]
+        if row[LOCKED] >> k & 1:
+            raise ArgumentError(f"axis={k} is locked, so an effort along it moves nothing; give an open one.")
+        along = effort * numbers[AXES + 3 * k : AXES + 3 * k + 3]
+        load, kinds = self.joints.tables.array(LOAD), self.joints.tables.array(BODY)
+        for body, arm, sign in ((row[BODY_A], ARM_A, -1.0), (row[BODY_B], ARM_B, 1.0)):
+            if kinds[body, KIND] != DYNAMIC:
+                continue
+            if k < 3:
+                load[body, :3] += sign * along
+            load[body, 3:6] += sign * (np.cross(numbers[arm : arm + 3], along) if k < 3 else along)
 
     def set_motor(self, motor: Motor | None, axis: int | None = None) -> None:
         """Exchange the motor of an axis; None takes it away."""

@@ -4,6 +4,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, applied, cross, dot, minus, plus, times
+from kickdrift.world.joints.energy import kinetic_energy
 from kickdrift.world.joints.layout import (
     ANGULAR_PART,
     ARM_A,
@@ -12,11 +13,13 @@ from kickdrift.world.joints.layout import (
     BODY_A,
     BODY_B,
     END,
+    ENERGY,
     FIRST,
     IMPULSE,
     LAWS,
     LINEAR_PART,
     LINK_JOINT,
+    SEQUENTIAL,
     START_SPEED,
     TURN_RESPONSE,
 )
@@ -27,6 +30,7 @@ from kickdrift.world.tables import (
     JOINT_AXES,
     JOINT_NUMBERS,
     LINK,
+    LINK_NUMBERS,
     MOTION,
     RESPONSE,
     floats,
@@ -39,7 +43,10 @@ from kickdrift.world.tables import (
 def warm_start_joints(t: float, h: float, world: int) -> None:
     """Give the impulses of the substep before, so that contacts see bodies that are held already."""
     articulations, links, numbers = integers(world, ARTICULATION), integers(world, LINK), floats(world, JOINT_NUMBERS)
+    work = floats(world, LINK_NUMBERS)
     for row in range(rows(world, ARTICULATION)):
+        if articulations[row, SEQUENTIAL] == 0 and articulations[row, END] > articulations[row, FIRST]:
+            work[articulations[row, FIRST], ENERGY] = kinetic_energy(row, world)
         for link in range(articulations[row, FIRST], articulations[row, END]):
             if links[link, LINK_JOINT] >= 0:
                 push_bodies(links[link, LINK_JOINT], numbers, links[link, LINK_JOINT], IMPULSE, world)

@@ -9,7 +9,7 @@ A drive acts by the position and the speed that it will have,
 
     impulse = -h (k (x + h ((alpha + beta) s' - beta s)) + c (s' - s*)),
 
-with s before and s' after the substep, beta = (1 - alpha) / 4 and alpha = r / (1 + r), r = h^2 k / m. With alpha = 0 that is
+with s before and s' after the substep, beta = (1 - alpha) / 4 and alpha = r^2 / (1 + r^2), r = h^2 k / m. With alpha = 0 that is
 Newmark's method of average acceleration: symplectic, stable for any stiffness, and free of damping that is not asked for.
 Only drives too stiff for the substep, which no integrator of this order could follow, are damped: alpha = 1 is implicit
 Euler, which brings them to rest. Newmark, J. Eng. Mech. Div. 85 (1959) 67; Kane et al., Int. J. Numer. Meth. Eng. 49 (2000)
@@ -146,7 +146,7 @@ def _drive_of(joint: int, link: int, k: int, h: float, world: int) -> tuple[floa
     stiffness, damping = laws[row, STIFFNESS], laws[row, DAMPING]
     off = numbers[joint, DRIVEN + k - 3] if k >= 3 else numbers[joint, POSITION + k] - laws[row, TARGET]
     stiff = h * h * stiffness
-    alpha = stiff / (laws[row, MASS] + stiff) if stiff > 0.0 else 0.0
+    alpha = stiff * stiff / (laws[row, MASS] * laws[row, MASS] + stiff * stiff) if stiff > 0.0 else 0.0
     beta = 0.25 * (1.0 - alpha)
     constant = h * (damping * laws[row, TARGET_SPEED] - stiffness * (off - h * beta * laws[row, START_SPEED]))
     slope = h * (damping + h * stiffness * (alpha + beta))
@@ -180,6 +180,8 @@ def _assume(
     )  # fmt: skip
     if code == work[link, STATE + k] or (opened and held and not links[link, HELD] >> k & 1):
         return False
+    if opened and held:  # at another piece: held for no reason, at a limit far away, it would be thrown there
+        code, held, value, slope = 0, False, 0.0, 0.0
     work[link, STATE + k] = code
     before = work[link, SPEED + k]
     if held:

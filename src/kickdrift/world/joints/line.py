@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.joints.axis import FREE, Axis
+from kickdrift.world.joints.axis import FREE, Axis, is_number
 from kickdrift.world.joints.record import Placement, frame_along, point
 
 
@@ -22,7 +22,7 @@ def line_placement(anchor_a: ArrayLike, anchor_b: ArrayLike, length: float | Non
         raise ArgumentError(
             f"anchor_b={anchor_b!r} is where anchor_a is; give points apart, or use a ball joint where they are to stay so."
         )
-    if length is not None and not 0.0 < length < np.inf:
+    if length is not None and not (is_number(length) and 0.0 < length < np.inf):
         raise ArgumentError(f"length={length!r} has to be positive and finite, in m.")
     frame = frame_along((b - a) / distance)
     return Placement(a, b, frame, (FREE, FREE, axis), line=True, length=length or distance, principal=2)

@@ -33,7 +33,7 @@ from kickdrift.world.joints.layout import (
     SLOPE,
 )
 from kickdrift.world.joints.measure import mobility, vector_at
-from kickdrift.world.joints.newton import LOOPS, solve_articulations, solve_once
+from kickdrift.world.joints.newton import LOOPS, solve_articulations, solve_calmly, solve_once
 from kickdrift.world.joints.repair import repair_positions
 from kickdrift.world.tables import (
     ARTICULATION,
@@ -156,4 +156,7 @@ def _gained(link: int, k: int, world: int) -> float:
 
 _once = compiled(cached=False)(specialise(solve_once, "solve_loops_once", answer=eliminate_with_loops))
 _repair = compiled(cached=False)(specialise(repair_positions, "repair_loops", answer=eliminate_with_loops))
-solve_loops = compiled(specialise(solve_articulations, "solve_loops", once=_once, repair=_repair, FOR=LOOPS))
+_calm = compiled(cached=False)(specialise(solve_calmly, "solve_loops_calmly", once=_once, answer=eliminate_with_loops))
+solve_loops = compiled(
+    specialise(solve_articulations, "solve_loops", once=_once, calm=_calm, repair=_repair, FOR=LOOPS)
+)

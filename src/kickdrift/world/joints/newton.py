@@ -10,46 +10,39 @@ the drift too, which never adds to their energy, and bodies are put back to wher
 The functions of this file are templates: the solution of the equations is bound to them by whoever has one.
 """
 
-import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled, unbound
-from kickdrift.core.vectors import applied, dot, inverse_symmetric
 from kickdrift.world.joints.aim import AHEAD, GENTLY, RELAX, aim_all
+from kickdrift.world.joints.energy import allowance, kinetic_energy
 from kickdrift.world.joints.impulses import push_bodies
 from kickdrift.world.joints.layout import (
-    ANGULAR_PART,
     CLOSINGS,
     END,
+    ENERGY,
     FIRST,
     IMPULSE,
     LAST,
-    LINEAR_PART,
     LINK_JOINT,
-    LINKS,
     LOST,
     RATIO,
     RELAXING,
     SEQUENTIAL,
     SOLVED,
-    TURN_RESPONSE,
 )
-from kickdrift.world.joints.layout import BODY as LINK_BODY
-from kickdrift.world.joints.measure import symmetric_at, vector_at
 from kickdrift.world.joints.settling import LAST_TRIALS, TRIALS, end_relaxation, end_solution, give_impulses, settle
 from kickdrift.world.tables import (
     ARTICULATION,
     JOINT_NUMBERS,
     LINK,
     LINK_NUMBERS,
-    MOTION,
-    RESPONSE,
     floats,
     integers,
     rows,
 )
 
-answer = once = repair = unbound  # solve the equations; solve them and give the impulses; put bodies back
+# Solve the equations; solve them and give the impulses; do so without a gain of energy; put bodies back
+answer = once = calm = repair = unbound
 TREES, LOOPS = 0, 1
 FOR = TREES  # which articulations a stage is for
 
@@ -62,14 +55,15 @@ CLOSE, SURE = 1e-4, 0.03
 # First guesses that are farther off than that, with a ratio of 100 at least, are replaced by velocities that the joints allow.
 POOR = 1.0
 
-# Given up is what is farther off than that at the end, or has more energy than that times what those velocities have: there
-# are solutions far away, which no one wants.
+# Given up is what is farther off than that at the end, or has more energy than that times what there was before the joints
+# did anything, and more than what motors and springs may add: there are solutions far away, which no one wants.
 FAR, EXCESS = 1e-3, 1.01
 
 
 def solve_articulations(t: float, h: float, world: int) -> None:
     """Give the impulses with which joints hold, of the articulations that the function bound to `once` is for."""
     articulations: Any = integers(world, ARTICULATION)
+    work = floats(world, LINK_NUMBERS)
     for row in range(rows(world, ARTICULATION)):
         loops, ratio = LOOPS if articulations[row, CLOSINGS] > 0 else TREES, articulations[row, RATIO]
         if articulations[row, FIRST] == articulations[row, END] or articulations[row, SEQUENTIAL] != 0 or loops != FOR:
@@ -77,25 +71,24 @@ def solve_articulations(t: float, h: float, world: int) -> None:
         if articulations[row, RELAXING] != 0:
             if articulations[row, LOST] != 0:
                 repair(row, h, world)
-            aim_all(row, h, RELAX, 0.0, world)
-            once(row, h, 0.0, world)
+            work[articulations[row, FIRST], ENERGY] = kinetic_energy(row, world)
+            calm(row, h, RELAX, world)
             end_relaxation(row, h, world)
             continue
-        off, most = aim_all(row, h, AHEAD, 0.0, world), math.inf
+        off = aim_all(row, h, AHEAD, 0.0, world)
         if off * max(ratio, 100) > POOR:
             aim_all(row, h, GENTLY, 0.0, world)
             once(row, h, 0.0, world)
-            off, most = aim_all(row, h, AHEAD, 0.0, world), EXCESS * kinetic_energy(row, world)
+            off = aim_all(row, h, AHEAD, 0.0, world)
         for _ in range(ROUNDS):
             once(row, h, h, world)
             off = aim_all(row, h, AHEAD, 0.0, world) if off * ratio > SURE else off * off
             if off * ratio <= CLOSE:
                 break
-        articulations[row, LOST] = off * ratio > FAR or (most < math.inf and kinetic_energy(row, world) > most)
+        articulations[row, LOST] = off * ratio > FAR or has_gained(row, h, world)
         if articulations[row, LOST] != 0:
             take_back(row, world)
-            aim_all(row, h, GENTLY, 0.0, world)
-            once(row, h, 0.0, world)
+            calm(row, h, GENTLY, world)
         end_solution(row, h, world)
 
 
@@ -109,21 +102,23 @@ def solve_once(row: int, h: float, ahead: float, world: int) -> None:
     give_impulses(row, world)
 
 
+def solve_calmly(row: int, h: float, mode: int, world: int) -> None:
+    """Project velocities onto what joints allow; if pieces of laws are assumed that add energy, then without any laws."""
+    aim_all(row, h, mode, 0.0, world)
+    once(row, h, 0.0, world)
+    if has_gained(row, h, world):
+        take_back(row, world)
+        aim_all(row, h, mode, 0.0, world)
+        answer(row, 0.0, world)
+        give_impulses(row, world)
+
+
 @compiled(cached=False)
-def kinetic_energy(row: int, world: int) -> float:
-    """Kinetic energy of the links of an articulation."""
-    articulation: Any = integers(world, ARTICULATION)[row]
-    links, motion, response = integers(world, LINK), floats(world, MOTION), floats(world, RESPONSE)
-    total = 0.0
-    for link in range(articulation[FIRST], articulation[FIRST] + articulation[LINKS]):
-        body = links[link, LINK_BODY]
-        v, w = vector_at(motion, body, LINEAR_PART), vector_at(motion, body, ANGULAR_PART)
-        inverse = symmetric_at(response, body, TURN_RESPONSE)
-        total += 0.5 * dot(v, v) / response[body, 0] if response[body, 0] > 0.0 else 0.0
-        moments = inverse_symmetric(inverse)
-        turning = 0.5 * dot(w, applied(moments, w))
-        total += turning if turning < math.inf else 0.0
-    return total
+def has_gained(row: int, h: float, world: int) -> bool:
+    """Whether an articulation has more energy than its joints can have given it."""
+    first = integers(world, ARTICULATION)[row, FIRST]
+    gained = kinetic_energy(row, world) - EXCESS * floats(world, LINK_NUMBERS)[first, ENERGY]
+    return gained > 0.0 and gained > allowance(row, h, world)
 
 
 @compiled(cached=False)

@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError
@@ -60,7 +59,7 @@ from kickdrift.world.joints.sequential import solve_in_turn
 from kickdrift.world.joints.tree import arrange
 from kickdrift.world.joints.trees import solve_trees
 from kickdrift.world.rotations import product, turned
-from kickdrift.world.tables import ARTICULATION, BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, POSE, Tables
+from kickdrift.world.tables import ARTICULATION, BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, POSE, STARTED_JOINTS, Tables
 
 Floats = NDArray[np.float64]
 
@@ -84,6 +83,8 @@ class Joints:
         ArgumentError
             For a body with itself, and for what the record refuses.
         """
+        from scipy.spatial.transform import Rotation  # takes 0.2 s, which worlds without joints need not wait for
+
         if body_a == body_b:
             raise ArgumentError(
                 f"body_b is body_a, row {body_a}, but a joint holds two bodies together; give another one, or None for the"
@@ -240,6 +241,7 @@ class Joints:
         row = len(joints)
         self.tables.resize(JOINT, row + 1)
         self.tables.resize(JOINT_NUMBERS, row + 1)
+        self.tables.resize(STARTED_JOINTS, row + 1)
         self.tables.resize(JOINT_AXES, 6 * (row + 1))
         return row
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.joints.axis import FREE, LOCKED, Axis
+from kickdrift.world.joints.axis import FREE, LOCKED, Axis, is_number
 from kickdrift.world.joints.record import Axes, Placement, Record, direction, point
 
 
@@ -53,7 +53,8 @@ class SixDof(Record):
                 f"axis_y={self.axis_y!r} and axis_x={self.axis_x!r} have to be at right angles to each other."
             )
         for name, axes in (("linear", self.linear), ("angular", self.angular)):
-            if len(axes) != 3 or not all(isinstance(axis, Axis) for axis in axes):
+            three = isinstance(axes, tuple | list) and len(axes) == 3
+            if not (three and all(isinstance(axis, Axis) for axis in axes)):
                 raise ArgumentError(f"{name}={axes!r} has to be three of kd.Axis, for x, y and z.")
         y -= (x @ y) * x
         y /= np.linalg.norm(y)
@@ -76,7 +77,7 @@ class SixDof(Record):
             )
         if self.swing_limit is None and z.limits is None:
             return self.angular, False
-        if self.swing_limit is not None and not 0.0 < self.swing_limit < math.pi:
+        if self.swing_limit is not None and not (is_number(self.swing_limit) and 0.0 < self.swing_limit < math.pi):
             raise ArgumentError(f"swing_limit={self.swing_limit!r} has to be above 0 and below pi, in rad.")
         if x.motor or y.motor or z.motor or not x.drive == y.drive == z.drive:
             raise ArgumentError(

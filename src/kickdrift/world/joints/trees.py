@@ -5,7 +5,7 @@ from typing import Any
 from kickdrift.core.compilation import compiled, specialise
 from kickdrift.world.joints.articulated import factor, sweep
 from kickdrift.world.joints.layout import FIRST, LINKS
-from kickdrift.world.joints.newton import TREES, solve_articulations, solve_once
+from kickdrift.world.joints.newton import TREES, solve_articulations, solve_calmly, solve_once
 from kickdrift.world.joints.repair import repair_positions
 from kickdrift.world.tables import ARTICULATION, integers
 
@@ -20,4 +20,7 @@ def eliminate(row: int, ahead: float, world: int) -> None:
 
 _once = compiled(cached=False)(specialise(solve_once, "solve_trees_once", answer=eliminate))
 _repair = compiled(cached=False)(specialise(repair_positions, "repair_trees", answer=eliminate))
-solve_trees = compiled(specialise(solve_articulations, "solve_trees", once=_once, repair=_repair, FOR=TREES))
+_calm = compiled(cached=False)(specialise(solve_calmly, "solve_trees_calmly", once=_once, answer=eliminate))
+solve_trees = compiled(
+    specialise(solve_articulations, "solve_trees", once=_once, calm=_calm, repair=_repair, FOR=TREES)
+)

@@ -42,6 +42,9 @@ class Universal(Record):
             raise ArgumentError(
                 f"axis_b={self.axis_b!r} and axis_a={self.axis_a!r} have to be at right angles to each other."
             )
+        for name, about in (("about_a", self.about_a), ("about_b", self.about_b)):
+            if not isinstance(about, Axis):
+                raise ArgumentError(f"{name}={about!r} has to be a kickdrift.Axis.")
         if self.about_a.locked or self.about_b.locked:
             raise ArgumentError("about_a and about_b have to be open; a joint with one open axis is a hinge.")
         y -= (x @ y) * x

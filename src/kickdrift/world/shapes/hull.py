@@ -2,16 +2,18 @@
 
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial import ConvexHull
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.shapes.kinds import HULL
 from kickdrift.world.shapes.mass import Array, MassProperties
 from kickdrift.world.shapes.polyhedron import MOST_VERTICES, polyhedron_numbers
+
+if TYPE_CHECKING:
+    from scipy.spatial import ConvexHull
 
 # Of the largest extent: what lies so near to each other, or so near to a plane, counts as one, and so flat a set of
 # points as flat.
@@ -109,6 +111,8 @@ def _check(points: Array) -> None:
 
 def _corners_and_faces(points: Array) -> tuple[Array, tuple[tuple[int, ...], ...]]:
     """Find corners and faces of the hull of points of extent 1."""
+    from scipy.spatial import ConvexHull  # takes 0.2 s, which worlds without hulls need not wait for
+
     corners = _distinct(points[ConvexHull(points).vertices])
     while True:
         faces = _merged(corners, ConvexHull(corners))
@@ -127,7 +131,7 @@ def _distinct(points: Array) -> Array:
     return points[kept]
 
 
-def _merged(corners: Array, hull: ConvexHull) -> tuple[tuple[int, ...], ...]:
+def _merged(corners: Array, hull: "ConvexHull") -> tuple[tuple[int, ...], ...]:
     """Merge facets in one plane into faces; return the loop of each."""
     facets = [
         facet if np.linalg.det(np.vstack((corners[facet[1:]] - corners[facet[0]], equation[:3]))) > 0.0 else facet[::-1]

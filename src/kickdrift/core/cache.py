@@ -1,0 +1,165 @@
+"""Compiled code on disk: one file for each function and types of arguments, named after all that it was made of.
+
+Numba's own cache asks only whether the file that holds a function has changed, and goes on using code into which
+functions of other files were inlined as they used to be; and where several processes fill it at once, it may take one
+signature's code for another's (Numba's issues 4807 and 10128). Here a name tells apart whatever the code depends on: the
+function, all functions and constants that it uses, the types of its arguments, the processor and Numba's version.
+"""
+
+import hashlib
+import os
+import pickle
+import types
+import uuid
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Any
+
+import numba
+import numpy as np
+from numba.core.caching import CompileResultCacheImpl
+from numba.core.serialize import dumps
+
+_Function = Callable[..., Any]
+
+
+class Cache:
+    """What Numba asks for compiled code of a function before it compiles it, and gives it to afterwards."""
+
+    def __init__(self, function: _Function, kind: str, options: dict[str, Any]) -> None:
+        self._function, self._kind, self._options = function, kind, options
+
+    @cached_property
+    def _method(self) -> Any:
+        """How results are packed, and where they go; None where Numba finds no folder that it can write to."""
+        try:
+            return CompileResultCacheImpl(self._function)
+        except RuntimeError:
+            return None
+
+    @property
+    def cache_path(self) -> str | None:
+        """The folder."""
+        return None if self._method is None else str(self._method.locator.get_cache_path())
+
+    def holds(self, signature: Any, target: Any) -> bool:
+        """Whether there is code for a signature."""
+        return self._method is not None and self._file(signature, target).exists()
+
+    def load_overload(self, signature: Any, target: Any) -> Any:
+        """Return what was compiled for a signature, or None."""
+        if self._method is None:
+            return None
+        target.refresh()
+        try:
+            packed = pickle.loads(self._file(signature, target).read_bytes())  # noqa: S301 - as Numba's own cache
+        except (OSError, EOFError, pickle.UnpicklingError):
+            return None
+        return self._method.rebuild(target, packed)
+
+    def save_overload(self, signature: Any, result: Any) -> None:
+        """Keep what was compiled for a signature, in the place of what was compiled of older sources."""
+        if self._method is None or not self._method.check_cachable(result):
+            return
+        file = self._file(signature, result.target_context)
+        packed = dumps(self._method.reduce(result))
+        with suppress(OSError):  # a full disk, a folder that has gone: code is compiled again the next time
+            file.parent.mkdir(parents=True, exist_ok=True)
+            unfinished = file.with_suffix(f".{uuid.uuid4().hex}")
+            unfinished.write_bytes(packed)
+            os.replace(unfinished, file)
+            for older in file.parent.glob(f"{file.stem.rpartition('-')[0]}-*.nbc"):
+                if older != file:
+                    older.unlink()
+
+    def flush(self) -> None:
+        """Forget all that was kept of the function."""
+        if self._method is not None:
+            for file in Path(str(self.cache_path)).glob(f"{self._method.filename_base}-{self._kind}-*.nbc"):
+                file.unlink(missing_ok=True)
+
+    def _file(self, signature: Any, target: Any) -> Path:
+        use = (repr(signature), _value(self._options), _machine(target))
+        name = f"{self._method.filename_base}-{self._kind}-{_digest(use)}-{fingerprint(self._function)}.nbc"
+        return Path(str(self.cache_path)) / name
+
+
+@cache
+def _machine(target: Any) -> tuple[Any, ...]:
+    return (*target.codegen().magic_tuple(), numba.__version__)
+
+
+@cache
+def fingerprint(function: _Function) -> str:
+    """Digest of a function and of all functions and constants that it uses."""
+    return _digest(tuple(_described(used) for used in reached(function)))
+
+
+def reached(function: _Function) -> list[_Function]:
+    """Return a function and all that it uses as compiled code does, each once, in the order in which they are found."""
+    found: dict[int, _Function] = {}
+    waiting = [function]
+    while waiting:
+        current = waiting.pop()
+        if id(current) not in found:
+            found[id(current)] = current
+            waiting += [inner for inner in map(_function_of, _used(current)) if inner is not None]
+    return list(found.values())
+
+
+@cache
+def _described(function: _Function) -> tuple[Any, ...]:
+    values = [_value(value) for value in _used(function)]
+    return (function.__module__, function.__qualname__, _code(function.__code__), tuple(values))
+
+
+def _used(function: _Function) -> Iterator[Any]:
+    """Values of the global names in a function and its inner ones, of its closure and of its defaults."""
+    names: list[str] = []
+    waiting = [function.__code__]
+    while waiting:
+        code = waiting.pop()
+        names += code.co_names
+        waiting += [constant for constant in code.co_consts if isinstance(constant, types.CodeType)]
+    for name in names:
+        if name in function.__globals__:
+            yield function.__globals__[name]
+    for cell in function.__closure__ or ():
+        with suppress(ValueError):  # not yet bound
+            yield cell.cell_contents
+    yield function.__defaults__
+
+
+def _function_of(value: Any) -> Any:
+    """Return the Python function of a compiled one, or of an intrinsic of ours."""
+    function = getattr(value, "py_func", None) or getattr(value, "_defn", None) or value
+    ours = isinstance(function, types.FunctionType) and not function.__module__.startswith("numba.")
+    return function if ours else None
+
+
+def _code(code: types.CodeType) -> tuple[Any, ...]:
+    return (code.co_code, *(_code(c) if isinstance(c, types.CodeType) else _value(c) for c in code.co_consts))
+
+
+def _value(value: Any) -> str:
+    """Write down a constant so that it is the same in every process."""
+    if isinstance(value, bool | int | float | complex | str | bytes | np.generic | numba.types.Type | None):
+        return repr(value)
+    if isinstance(value, tuple | list):
+        return f"{type(value).__name__}({', '.join(map(_value, value))})"
+    if isinstance(value, frozenset | set):
+        return f"set({sorted(map(_value, value))})"
+    if isinstance(value, dict):
+        return f"dict({sorted((_value(key), _value(item)) for key, item in value.items())})"
+    if isinstance(value, np.ndarray):
+        return f"{value.dtype} {value.shape} {_digest(value.tobytes())}"
+    options = _value(getattr(value, "targetoptions", None))
+    names = (getattr(value, name, "") for name in ("__module__", "__qualname__", "__name__"))
+    return " ".join((type(value).__qualname__, *map(str, names), options))
+
+
+def _digest(value: Any) -> str:
+    data = value if isinstance(value, bytes) else repr(value).encode()
+    return hashlib.sha256(data).hexdigest()[:16]

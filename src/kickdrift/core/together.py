@@ -1,0 +1,133 @@
+"""Compiling several functions at once: in processes that keep what they compile on disk, where this one finds it.
+
+Numba compiles one function at a time in a process. With another process on a second core, a world of boxes is compiled
+in two thirds of the time. Where anything comes in the way (a process that does not start, a folder that cannot be
+written to), what is missing is compiled here, as it would have been.
+"""
+
+import os
+import pickle
+import subprocess
+import sys
+import threading
+from collections import deque
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
+from typing import Any
+
+from numba.core.serialize import dumps
+
+from kickdrift.core.cache import reached
+from kickdrift.core.compilation import Function, is_on_disk
+
+_MOST_PROCESSES = 4  # each takes 0.4 GB
+_FEWEST_JOBS = 4  # to start a process takes as long as compiling one or two functions
+
+_SECONDS = 2e-4  # for a byte of Python's code: a world of boxes has 94,000 and takes one core 17 to 20 s
+
+Job = tuple[Function, Any]  # and the signature
+
+_WORKER = (
+    "import sys, pickle; sys.path[:] = pickle.load(sys.stdin.buffer); from kickdrift.core.together import work; work()"
+)
+
+
+def missing(jobs: Iterable[Job]) -> list[Job]:
+    """Return those of some functions, each once, that have not been compiled yet for their signatures."""
+    each = {(id(function), repr(signature)): (function, signature) for function, signature in jobs}
+    return [(function, signature) for function, signature in each.values() if not is_on_disk(function, signature)]
+
+
+def compile_together(jobs: list[Job]) -> None:
+    """Compile functions for signatures, the largest first.
+
+    Parameters
+    ----------
+    jobs : list of tuples
+        As `missing` returns them.
+    """
+    jobs = sorted(jobs, key=lambda job: _size([job]), reverse=True)
+    places = _places()
+    waiting = deque(job for job in jobs if id(job[0]) in places)
+    own = [job for job in jobs if id(job[0]) not in places]
+    with _workers(_processes(len(waiting)) - 1, waiting, places):
+        for function, signature in own:
+            function.compile(signature)  # type: ignore[attr-defined]
+        with suppress(IndexError):
+            while True:
+                function, signature = waiting.popleft()
+                function.compile(signature)  # type: ignore[attr-defined]
+
+
+@contextmanager
+def _workers(count: int, waiting: deque[Job], places: dict[int, tuple[str, str]]) -> Iterator[None]:
+    """Have so many processes take jobs, and at the end wait for the last ones."""
+    processes = []
+    for _ in range(count):
+        with suppress(OSError):
+            command = [sys.executable, "-c", _WORKER]
+            pipe = subprocess.PIPE
+            processes.append(subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL))  # noqa: S603
+    threads = [threading.Thread(target=_feed, args=(process, waiting, places), daemon=True) for process in processes]
+    for thread in threads:
+        thread.start()
+    try:
+        yield
+        for thread in threads:
+            thread.join()
+    finally:
+        for process in processes:
+            process.kill()
+            process.communicate()
+
+
+def _feed(process: Any, waiting: deque[Job], places: dict[int, tuple[str, str]]) -> None:
+    """Give one job after the other to a process, for as long as it answers."""
+    with suppress(OSError, ValueError, IndexError):  # it has died, or all is done
+        process.stdin.write(dumps(sys.path))
+        while process.stdin.flush() or process.stdout.readline():
+            function, signature = waiting.popleft()
+            process.stdin.write(dumps((*places[id(function)], signature)))
+
+
+def work() -> None:
+    """Compile what is asked for on standard input, and say on standard output that one is done."""
+    answers, sys.stdout = sys.stdout, sys.stderr
+    with suppress(EOFError, KeyboardInterrupt):
+        while True:
+            answers.write("ready\n")
+            answers.flush()
+            module, name, signature = pickle.load(sys.stdin.buffer)  # noqa: S301 - from the process that started this one
+            __import__(module)
+            getattr(sys.modules[module], name).compile(signature)
+
+
+def _places() -> dict[int, tuple[str, str]]:
+    """Return where another process finds compiled functions: by their identity the module and the name in it."""
+    return {
+        id(value): (module.__name__, name)
+        for module in list(sys.modules.values())
+        if getattr(module, "__name__", "").startswith("kickdrift.")
+        for name, value in list(vars(module).items())
+        if hasattr(value, "py_func")
+    }
+
+
+def seconds_for(jobs: list[Job]) -> float:
+    """Say about how long compiling takes."""
+    largest = max((_size([job]) for job in jobs), default=0)
+    return _SECONDS * max(largest, _size(jobs) / _processes(len(jobs)))
+
+
+def _processes(jobs: int) -> int:
+    if jobs < _FEWEST_JOBS:
+        return 1
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return min(cores, _MOST_PROCESSES)
+
+
+def _size(jobs: list[Job]) -> int:
+    """Bytes of the code of all functions that some need, each counted once."""
+    functions: list[Any] = [function for function, _ in jobs]
+    needed = {used for function in functions for used in reached(function.py_func)}
+    return sum(len(used.__code__.co_code) for used in needed)

@@ -1,0 +1,93 @@
+"""Energy of an articulation: joints without motors and springs never add to it, which tells solutions that no one wants."""
+
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import applied, dot, length, turned_back
+from kickdrift.world.flight import BODY_INERTIA, MASS
+from kickdrift.world.joints.layout import (
+    ANGULAR_PART,
+    ARM_A,
+    ARM_B,
+    DAMPING,
+    DRIVEN,
+    END,
+    FIRST,
+    LAWS,
+    LINEAR_PART,
+    LINK_JOINT,
+    LINKS,
+    MOBILITY,
+    MOTOR_MAXIMUM,
+    POSITION,
+    SPEED,
+    STIFFNESS,
+    TARGET,
+    TARGET_SPEED,
+    int64,
+)
+from kickdrift.world.joints.layout import BODY as LINK_BODY
+from kickdrift.world.joints.measure import quaternion_at, symmetric_at, vector_at
+from kickdrift.world.tables import (
+    ARTICULATION,
+    INERTIA,
+    JOINT,
+    JOINT_AXES,
+    JOINT_NUMBERS,
+    LINK,
+    LINK_NUMBERS,
+    MOTION,
+    POSE,
+    floats,
+    integers,
+)
+
+_MOMENTS = int64(BODY_INERTIA)
+
+# What joints may be off by in parts of their arms, so that putting it right within a substep takes no one's attention.
+_UNNOTICED = 1e-5
+
+
+@compiled(cached=False)
+def kinetic_energy(row: int, world: int) -> float:
+    """Kinetic energy of the links of an articulation."""
+    articulation: Any = integers(world, ARTICULATION)[row]
+    links, motion, pose, inertia = (
+        integers(world, LINK),
+        floats(world, MOTION),
+        floats(world, POSE),
+        floats(world, INERTIA),
+    )
+    total = 0.0
+    for link in range(articulation[FIRST], articulation[FIRST] + articulation[LINKS]):
+        body = links[link, LINK_BODY]
+        v, w = vector_at(motion, body, LINEAR_PART), vector_at(motion, body, ANGULAR_PART)
+        turn = turned_back(quaternion_at(pose, body, ANGULAR_PART), w)
+        total += inertia[body, MASS] * dot(v, v) + dot(turn, applied(symmetric_at(inertia, body, _MOMENTS), turn))
+    return 0.5 * total
+
+
+@compiled(cached=False)
+def allowance(row: int, h: float, world: int) -> float:
+    """Bound what motors, springs, and putting right what is hardly off may add to the energy in a substep."""
+    articulation: Any = integers(world, ARTICULATION)[row]
+    links, joints, inertia = integers(world, LINK), integers(world, JOINT), floats(world, INERTIA)
+    numbers, laws, work = floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES), floats(world, LINK_NUMBERS)
+    total = 0.0
+    for link in range(articulation[FIRST], articulation[END]):
+        joint = links[link, LINK_JOINT]
+        if joint < 0:
+            continue
+        if link < articulation[FIRST] + articulation[LINKS]:
+            arm = length(vector_at(numbers, joint, ARM_A)) + length(vector_at(numbers, joint, ARM_B))
+            total += 0.5 * inertia[links[link, LINK_BODY], MASS] * (_UNNOTICED * arm / h) ** 2
+        for k in range(6):
+            if joints[joint, LAWS] >> k & 1:
+                law = 6 * joint + k
+                off = numbers[joint, DRIVEN + k - 3] if k >= 3 else numbers[joint, POSITION + k] - laws[law, TARGET]
+                total += 0.5 * laws[law, STIFFNESS] * off * off
+                impulse = h * (laws[law, MOTOR_MAXIMUM] + laws[law, DAMPING] * abs(laws[law, TARGET_SPEED]))
+                total += (
+                    impulse * (abs(work[link, SPEED + k]) + impulse * laws[law, MOBILITY]) if impulse > 0.0 else 0.0
+                )
+    return total

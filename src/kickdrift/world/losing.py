@@ -1,0 +1,69 @@
+"""Worlds that have lost a body to infinity: which one it was, and back to where the step began."""
+
+import numpy as np
+
+from kickdrift.world.flight import INVERSE_INERTIA, KIND, KINEMATIC, MASS
+from kickdrift.world.islands import REACH
+from kickdrift.world.tables import (
+    BODY,
+    CONTACT,
+    INERTIA,
+    JOINT_NUMBERS,
+    LINK_NUMBERS,
+    LOAD,
+    MANIFOLD,
+    MOTION,
+    POSE,
+    RESTED,
+    STARTED_JOINTS,
+    STARTED_MOTION,
+    STARTED_POSE,
+    Tables,
+)
+
+_FAR = 1e100  # m or m/s: as good as infinite
+
+
+def culprit(tables: Tables, step: float, found: int) -> int:
+    """Say which body was lost.
+
+    Where joints hold bodies together all are lost at once: it is one that was nowhere before, or else the one that was
+    the fastest, or pushed the most.
+
+    Parameters
+    ----------
+    tables : Tables
+        Of the world, as the step has left them.
+    step : float
+        s.
+    found : int
+        Row of a body that is nowhere.
+    """
+    now = np.hstack((tables.array(POSE)[:, :7], tables.array(MOTION)[:, :6]))
+    lost = np.flatnonzero((tables.array(BODY)[:, KIND] >= KINEMATIC) & ~(np.abs(now) < _FAR).all(axis=1))
+    if not lost.size:
+        return found
+    motion, load = tables.array(STARTED_MOTION)[lost], tables.array(LOAD)[lost]
+    inertia, reach = tables.array(INERTIA)[lost], tables.array(RESTED)[lost, REACH]
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        per_force = np.where(inertia[:, MASS] > 0.0, 1.0 / inertia[:, MASS], 0.0)
+        per_torque = inertia[:, INVERSE_INERTIA : INVERSE_INERTIA + 3].max(axis=1)
+        pushes = (
+            np.abs(motion[:, :3]).max(axis=1),
+            np.abs(motion[:, 3:6]).max(axis=1) * reach,
+            np.abs(load[:, :3]).max(axis=1) * per_force * step,
+            np.abs(load[:, 3:6]).max(axis=1) * per_torque * step * reach,
+        )
+        speeds = np.max(pushes, axis=0) + 0.0 * tables.array(STARTED_POSE)[lost, :7].sum(axis=1)
+    return int(lost[np.argmax(np.where(np.isfinite(speeds), speeds, np.inf))])
+
+
+def go_back(tables: Tables) -> None:
+    """Bring a world back to where the step began, without the forces that were asked for it."""
+    tables.array(POSE)[:] = tables.array(STARTED_POSE)
+    tables.array(MOTION)[:] = tables.array(STARTED_MOTION)
+    tables.array(LOAD)[:] = 0.0
+    tables.array(JOINT_NUMBERS)[:] = tables.array(STARTED_JOINTS)
+    tables.array(LINK_NUMBERS)[:] = 0.0
+    tables.resize(CONTACT, 0)
+    tables.resize(MANIFOLD, 0)

@@ -1,0 +1,144 @@
+"""Compiled functions: what is compiled, what is kept on disk, and what other processes do of it."""
+
+import importlib
+import os
+import subprocess
+import sys
+
+import numba
+import numpy as np
+import pytest
+
+from kickdrift.core.cache import fingerprint
+from kickdrift.core.compilation import compiled, is_on_disk, specialise, unbound
+from kickdrift.world.contacts.lanes import SWEEPS
+
+FLOAT = numba.float64(numba.float64)
+
+
+def python(code, **environment):
+    command = [sys.executable, "-c", code]
+    variables = {**os.environ, **environment}
+    return subprocess.run(command, capture_output=True, text=True, check=True, env=variables).stdout.strip()
+
+
+@pytest.fixture
+def module(tmp_path, monkeypatch):
+    """Return a function that writes a module of two compiled functions, of which one calls the other, and imports it."""
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
+
+    def written(body, constant=3.0):
+        (tmp_path / "inner_part.py").write_text(
+            f"from kickdrift.core.compilation import compiled\n\n\n@compiled\ndef inner(x, power):\n    return {body}\n"
+        )
+        (tmp_path / "outer_part.py").write_text(
+            "from inner_part import inner\nfrom kickdrift.core.compilation import compiled\n\n"
+            f"CONSTANT = {constant}\n\n\n@compiled\ndef outer(x):\n    return CONSTANT * inner(x, 2) + inner(x, 3)\n"
+        )
+        for name in ("inner_part", "outer_part"):
+            sys.modules.pop(name, None)
+        importlib.invalidate_caches()
+        for cached in tmp_path.rglob("*.pyc"):
+            cached.unlink()
+        return importlib.import_module("outer_part")
+
+    return written
+
+
+def test_constants_among_arguments_are_no_reason_to_compile_again(module):
+    functions = module("x**power")
+    assert functions.outer(2.0) == 3.0 * 4.0 + 8.0
+    assert len(functions.inner.overloads) == 1
+
+
+def test_the_interpreter_calls_what_compiled_code_calls():
+    @compiled(cached=False)
+    def double(x, times=2):
+        return times * x
+
+    double.compile(numba.float64(numba.float64, numba.int64))
+    for _ in range(3):
+        assert double(1.5) == 3.0
+        assert double(2) == 4
+        assert double(1.5, times=3) == 4.5
+        np.testing.assert_array_equal(double(np.arange(3.0)), [0.0, 2.0, 4.0])
+
+
+def test_code_is_found_again_and_not_once_a_function_that_it_uses_has_changed(module, tmp_path):
+    first = module("x**power").outer
+    assert not is_on_disk(first, FLOAT)
+    first.compile(FLOAT)
+    again = module("x**power").outer
+    assert again is not first
+    assert is_on_disk(again, FLOAT)
+    changed = module("x**power + 1.0").outer
+    assert not is_on_disk(changed, FLOAT)
+    assert changed(2.0) == 3.0 * 5.0 + 9.0
+    changed.compile(FLOAT)
+    assert not is_on_disk(module("x**power + 1.0", constant=4.0).outer, FLOAT)
+    assert len(list((tmp_path / "cache").rglob("*outer-*-inner-*.nbc"))) == 1  # nothing is left of the first one
+
+
+def test_a_broken_file_is_as_none(module, tmp_path):
+    module("x**power").outer.compile(FLOAT)
+    for file in (tmp_path / "cache").rglob("*.nbc"):
+        file.write_bytes(file.read_bytes()[:100])
+    assert module("x**power").outer(2.0) == 20.0
+
+
+def test_what_is_bound_tells_copies_apart():
+    bound = [specialise(template, "copy", part=compiled(function)) for function in (abs_, abs_, negative)]
+    assert fingerprint(bound[0]) == fingerprint(bound[1]) != fingerprint(bound[2])
+
+
+part = unbound
+
+
+def template(x):
+    return part(x)
+
+
+def abs_(x):
+    return abs(x)
+
+
+def negative(x):
+    return -x
+
+
+def test_fingerprints_do_not_depend_on_the_process():
+    code = (
+        "from kickdrift.world.contacts.lanes import SWEEPS; from kickdrift.core.cache import fingerprint;"
+        "print([fingerprint(sweep.py_func) for sweep in SWEEPS], SWEEPS[0]._cache._file('', SWEEPS[0].targetctx).name)"
+    )
+    here = str([fingerprint(sweep.py_func) for sweep in SWEEPS])
+    found = {python(code, PYTHONHASHSEED=seed) for seed in ("1", "2")}
+    assert len(found) == 1
+    assert found.pop().startswith(here)
+
+
+JOBS = (
+    "from kickdrift.core import together;"
+    "from kickdrift.world.collision import PAIRS;"
+    "from kickdrift.world.contacts.looking import COLLIDE;"
+    "jobs = [(PAIRS[pair], COLLIDE) for pair in ((0, 2), (0, 3), (2, 2), (2, 3))];"
+    "together._processes = lambda jobs: 2;"
+)
+
+
+def test_another_process_compiles_what_is_found_here(tmp_path):
+    code = JOBS + (
+        "from collections import deque;"
+        "before = len(together.missing(jobs * 2));"
+        "workers = together._workers(1, deque(jobs), together._places());"
+        "workers.__enter__(); workers.__exit__(None, None, None);"
+        "print(before, len(together.missing(jobs)), together.seconds_for(jobs) > 0.0)"
+    )
+    assert python(code, NUMBA_CACHE_DIR=str(tmp_path)) == "4 0 True"
+
+
+@pytest.mark.parametrize("worker", ["raise SystemExit", "import time; time.sleep(0.5)"])
+def test_processes_that_do_nothing_do_not_matter(worker, tmp_path):
+    code = f"{JOBS} together._WORKER = {worker!r}; together.compile_together(jobs); print(together.missing(jobs))"
+    assert python(code, NUMBA_CACHE_DIR=str(tmp_path)) == "[]"
