@@ -11,8 +11,31 @@ import pytest
 
 from kickdrift.core.cache import fingerprint
 from kickdrift.core.compilation import compiled, is_on_disk, specialise, unbound
+from kickdrift.engine.progress import announce_compiling, announcements
 from kickdrift.world.contacts.lanes import SWEEPS
 
+INNER = """
+from kickdrift.core.compilation import compiled
+
+POWER = {power}
+
+
+@compiled
+def inner(x, power):
+    return {body}
+"""
+OUTER = """
+import inner_part
+from inner_part import inner
+from kickdrift.core.compilation import compiled
+
+CONSTANT = {constant}
+
+
+@compiled
+def outer(x):
+    return CONSTANT * inner(x, 2) + inner_part.inner(x, inner_part.POWER)
+"""
 FLOAT = numba.float64(numba.float64)
 
 
@@ -28,14 +51,9 @@ def module(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
 
-    def written(body, constant=3.0):
-        (tmp_path / "inner_part.py").write_text(
-            f"from kickdrift.core.compilation import compiled\n\n\n@compiled\ndef inner(x, power):\n    return {body}\n"
-        )
-        (tmp_path / "outer_part.py").write_text(
-            "from inner_part import inner\nfrom kickdrift.core.compilation import compiled\n\n"
-            f"CONSTANT = {constant}\n\n\n@compiled\ndef outer(x):\n    return CONSTANT * inner(x, 2) + inner(x, 3)\n"
-        )
+    def written(body, constant=3.0, power=3):
+        (tmp_path / "inner_part.py").write_text(INNER.format(body=body, power=power))
+        (tmp_path / "outer_part.py").write_text(OUTER.format(constant=constant))
         for name in ("inner_part", "outer_part"):
             sys.modules.pop(name, None)
         importlib.invalidate_caches()
@@ -77,6 +95,7 @@ def test_code_is_found_again_and_not_once_a_function_that_it_uses_has_changed(mo
     assert changed(2.0) == 3.0 * 5.0 + 9.0
     changed.compile(FLOAT)
     assert not is_on_disk(module("x**power + 1.0", constant=4.0).outer, FLOAT)
+    assert not is_on_disk(module("x**power + 1.0", power=4).outer, FLOAT)
     assert len(list((tmp_path / "cache").rglob("*outer-*-inner-*.nbc"))) == 1  # nothing is left of the first one
 
 
@@ -142,3 +161,11 @@ def test_another_process_compiles_what_is_found_here(tmp_path):
 def test_processes_that_do_nothing_do_not_matter(worker, tmp_path):
     code = f"{JOBS} together._WORKER = {worker!r}; together.compile_together(jobs); print(together.missing(jobs))"
     assert python(code, NUMBA_CACHE_DIR=str(tmp_path)) == "[]"
+
+
+def test_compiling_is_announced_where_it_is_wanted_and_takes_longer_than_a_moment(capsys):
+    for wanted, seconds, said in ((True, 12.3, True), (True, 0.4, False), (False, 12.3, False), (None, 12.3, False)):
+        with announcements(wanted):
+            announce_compiling("22 functions", seconds)
+        line = "kickdrift: compiling 22 functions once on this machine, about 12 s ...\n"
+        assert capsys.readouterr().err == (line if said else "")

@@ -278,4 +278,3 @@ def test_a_universal_joint_turns_its_second_shaft_as_cardan_said():
     assert b == pytest.approx(exact, abs=1e-6)
     assert ratio == pytest.approx(math.cos(bend) / (1 - (math.sin(bend) * np.sin(a)) ** 2), rel=1e-5)
     assert ratio.min() < 0.65 < 1.5 < ratio.max()  # the shafts of a joint that keeps speeds equal would have 1
-

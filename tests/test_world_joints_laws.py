@@ -1,11 +1,10 @@
-"""What joints do along open axes, against exact solutions and statics: springs, drives, motors, friction, limits, breaking."""
+"""What joints do along open axes, against exact solutions and statics: springs, drives, motors, friction, limits."""
 
 import math
 
 import numpy as np
 import pytest
 
-from kickdrift.core.errors import ArgumentError
 from kickdrift.world.joints.axis import FREE, LOCKED, Axis, Drive, Motor
 from kickdrift.world.world import World
 
@@ -119,6 +118,23 @@ def test_a_damper_brings_its_axis_to_its_speed():
         assert hinge.speed == pytest.approx(implicit, rel=1e-12)
         errors.append(hinge.speed - 5 * (1 - math.exp(-2.0)))
     assert errors[0] / errors[1] == pytest.approx(2.0, abs=0.1)
+
+
+def test_a_drive_of_a_ball_joint_swings_by_the_rotation_vector():
+    # About one axis a ball of any orientation is a harmonic oscillator, however far it is turned.
+    errors = []
+    for substeps in (4, 8, 16):
+        world = World((0, 0, 0), substeps=substeps)
+        rate, start, axis = 2 * math.pi, 2.0, np.array([2.0, -1.0, 2.0]) / 3
+        body = add(world, inertia=(0.5, 0.5, 0.5))
+        joint = world.add_ball_joint(world.ground, body, anchor=(0, 0, 0), drive=Drive(stiffness=0.5 * rate**2))
+        world.orientation[body.index] = [math.cos(start / 2), *(math.sin(start / 2) * axis)]
+        world.angular_velocity[body.index] = 0.5 * STEP / substeps * rate**2 * start * axis
+        world.advance(STEP, 42)
+        errors.append(np.linalg.norm(joint.angles) - abs(start * math.cos(0.7 * rate)))
+        assert abs(np.linalg.norm(np.cross(world.orientation[body.index, 1:], axis))) < 1e-9
+    assert abs(errors[-1]) < 1e-3
+    assert orders(np.array(errors)) == pytest.approx(2.0, abs=0.1)
 
 
 # Motors and friction
@@ -246,62 +262,3 @@ def test_swing_and_twist_stay_within_their_limits():
     assert 0.55 < swing.max() < 0.6 + 2e-3
     assert -0.3 - 2e-3 < twist.min() < -0.25
     assert twist.max() < 0.5 + 2e-3
-
-
-# Forces, breaking and changes while a world runs
-
-
-def test_forces_and_torques_are_those_of_statics():
-    world = World()
-    parts = [add(world, mass=1.0 + k, position=(k + 0.5, 0, 0)) for k in range(3)]
-    before = [world.ground, *parts]
-    joints = [world.add_fixed_joint(before[k], parts[k], anchor=(k, 0, 0)) for k in range(3)]
-    world.advance(STEP, 30)
-    for k, joint in enumerate(joints):
-        beyond = np.arange(k, 3)
-        assert joint.force == pytest.approx([0, 0, G * (1 + beyond).sum()], rel=1e-9, abs=1e-9)
-        assert joint.torque == pytest.approx([0, -G * ((1 + beyond) * (beyond + 0.5 - k)).sum(), 0], rel=1e-9, abs=1e-9)
-    assert world.position[parts[2].index] == pytest.approx([2.5, 0, 0], abs=1e-9)
-
-
-@pytest.mark.parametrize(("limits", "breaks"), [
-    ({"breaking_force": 2 * G + 0.01}, False), ({"breaking_force": 2 * G - 0.01}, True),
-    ({"breaking_torque": 2 * G + 0.01}, False), ({"breaking_torque": 2 * G - 0.01}, True),
-])  # fmt: skip
-def test_joints_break_where_they_bear_more_than_they_can(limits, breaks):
-    world = World()
-    body = add(world, mass=2.0, position=(1, 0, 0))
-    joint = world.add_fixed_joint(world.ground, body, anchor=(0, 0, 0), **limits)
-    world.step(STEP)
-    assert world.broken == [joint] * breaks
-    world.advance(STEP, 30)
-    assert world.broken == []
-    assert len(world.joints) == 1 - breaks
-    assert world.velocity[body.index, 2] == pytest.approx(-G * 0.5 if breaks else 0.0, rel=1e-9, abs=1e-9)
-    if breaks:
-        with pytest.raises(ArgumentError, match="has broken"):
-            _ = joint.force
-
-
-def test_joints_come_and_go_while_a_world_runs():
-    world = World()
-    parts = [add(world, position=(k + 0.5, 0, 0)) for k in range(4)]
-    before = [world.ground, *parts]
-    joints = [world.add_ball_joint(before[k], parts[k], anchor=(k, 0, 0)) for k in range(4)]
-    world.advance(STEP, 20)
-    velocity = world.velocity[2:].mean(axis=0)
-    world.remove_joint(joints[1])
-    world.advance(STEP, 20)
-    assert world.velocity[2:].mean(axis=0) - velocity == pytest.approx([0, 0, -G / 3], abs=1e-9)
-    world.remove(parts[2])
-    assert len(world.joints) == 1
-    world.add_fixed_joint(parts[1], parts[3], anchor=(0, 0, 0))
-    spin, momentum = world.angular_momentum(), world.momentum()
-    world.advance(STEP, 20)
-    assert np.isfinite(spin).all()
-    assert np.isfinite(momentum).all()
-    relative = world.position[parts[3].index] - world.position[parts[1].index]
-    distance = np.linalg.norm(relative)
-    world.advance(STEP, 60)
-    relative = world.position[parts[3].index] - world.position[parts[1].index]
-    assert np.linalg.norm(relative) == pytest.approx(distance, abs=1e-6)

@@ -116,7 +116,7 @@ def _described(function: _Function) -> tuple[Any, ...]:
 
 
 def _used(function: _Function) -> Iterator[Any]:
-    """Values of the global names in a function and its inner ones, of its closure and of its defaults."""
+    """Values of the global names in a function and its inner ones, those in modules, of its closure and its defaults."""
     names: list[str] = []
     waiting = [function.__code__]
     while waiting:
@@ -124,8 +124,10 @@ def _used(function: _Function) -> Iterator[Any]:
         names += code.co_names
         waiting += [constant for constant in code.co_consts if isinstance(constant, types.CodeType)]
     for name in names:
-        if name in function.__globals__:
-            yield function.__globals__[name]
+        value = function.__globals__.get(name)
+        yield value
+        if isinstance(value, types.ModuleType):
+            yield from (getattr(value, attribute) for attribute in names if hasattr(value, attribute))
     for cell in function.__closure__ or ():
         with suppress(ValueError):  # not yet bound
             yield cell.cell_contents
@@ -135,7 +137,7 @@ def _used(function: _Function) -> Iterator[Any]:
 def _function_of(value: Any) -> Any:
     """Return the Python function of a compiled one, or of an intrinsic of ours."""
     function = getattr(value, "py_func", None) or getattr(value, "_defn", None) or value
-    ours = isinstance(function, types.FunctionType) and not function.__module__.startswith("numba.")
+    ours = isinstance(function, types.FunctionType) and function.__module__.partition(".")[0] not in ("numba", "numpy")
     return function if ours else None
 
 

@@ -39,9 +39,10 @@ from kickdrift.world.contacts.strike import (
     three,
     vector_at,
 )
-from kickdrift.world.flight import ADDED, IMPACT_TIME
+from kickdrift.world.flight import ADDED, IMPACT_TIME, LINK_PLACE
 from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, MIDPOINT, SLOP
 from kickdrift.world.tables import (
+    BODY,
     CHANGE,
     CONTACT,
     KICKED,
@@ -69,10 +70,17 @@ def bounce(t: float, h: float, world: int) -> None:
             if contact[row, c.PLACE_IN_GROUPS] < 0:
                 continue
             e = max(place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION])
-            if e > 0.0 or contact[row, c.STATE] & c.FAST:
+            if e > 0.0 or (contact[row, c.STATE] & c.FAST and not _is_linked(world, row)):
                 hits += _bounce_one(world, row, e, h)
         if hits == 0:
             return
+
+
+@compiled(inline=True)
+def _is_linked(world: int, row: int) -> bool:
+    """Whether joints hold a body of a contact, which set it back would tear out of them."""
+    contact, body = integers(world, CONTACT), integers(world, BODY)
+    return body[contact[row, c.BODY_A], LINK_PLACE] > 0 or body[contact[row, c.BODY_B], LINK_PLACE] > 0
 
 
 @compiled
