@@ -67,7 +67,7 @@ COLLIDERS = Table(25, 8, whole=True)  # address of the function for each pair of
 ARTICULATION = Table(26, 12, whole=True)
 ARTICULATION_NUMBERS = Table(27, 1)  # the equations of closing joints
 LINK = Table(46, 8, whole=True)  # a body of an articulation and the joint that it hangs on, parents first
-LINK_NUMBERS = Table(47, 224)
+LINK_NUMBERS = Table(47, 232)
 LINK_CONTACTS = Table(48, 96)  # see `kickdrift.world.joints.contacts`
 ORDER = Table(28, 4, whole=True)
 STEPS = Table(29, 16)  # one row: counters

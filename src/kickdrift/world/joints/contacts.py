@@ -17,15 +17,16 @@ from numba import carray
 
 from kickdrift.core.compilation import compiled, specialise
 from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import applied
+from kickdrift.core.vectors import applied, length
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.coupled import ANSWERED, ROWS, grip, press, write_row
 from kickdrift.world.contacts.prepare import LINKED
 from kickdrift.world.flight import LINK_PLACE
 from kickdrift.world.joints.articulated import sweep
 from kickdrift.world.joints.impulses import note_speeds, push_bodies
-from kickdrift.world.joints.layout import BODY as LINK_BODY
 from kickdrift.world.joints.layout import (
+    ANEW,
+    ANGULAR_PART,
     FIRST,
     GIVEN,
     IMPACT,
@@ -33,13 +34,19 @@ from kickdrift.world.joints.layout import (
     LINK_JOINT,
     LINKS,
     LOAD,
+    LOST,
+    NONE,
+    PIECES,
     SEQUENTIAL,
+    SLOPE,
     SOLVED,
     STIRRED,
     TOTAL,
     TURN_RESPONSE,
+    YIELD,
     int64,
 )
+from kickdrift.world.joints.layout import BODY as LINK_BODY
 from kickdrift.world.joints.measure import symmetric_at, vector_at
 from kickdrift.world.joints.propagation import bring_down, carry_up
 from kickdrift.world.joints.settling import split_impulse
@@ -65,18 +72,20 @@ from kickdrift.world.tables import (
 )
 
 _SIZE = c.FIELDS * c.WIDTH
+_FAST = 0.03  # turn in a substep beyond which answers are found for each, and not for the step
 
 SOFT = 1.0
 
 
 def _touch(t: float, h: float, world: int) -> None:
     """Solve all contacts of links, softly where `SOFT` is 1.0, and with friction where it is 0.0."""
-    colours, groups, body = integers(world, COLOURS), integers(world, GROUPS), integers(world, BODY)
+    colours, groups = integers(world, COLOURS), integers(world, GROUPS)
     answers, change, lanes = floats(world, LINK_CONTACTS), floats(world, CHANGE), flat(world, LANES)
     first, end = colours[LINKED, 1], colours[LINKED, 2]
     if first == end:
         return
     _forget(world)
+    _compare_pieces(h, world)
     _find_answers(first, end, world)
     velocity, given, moved = _twelve(), _twelve(), _twelve()
     wrench, other = _twelve(), _twelve()
@@ -84,7 +93,7 @@ def _touch(t: float, h: float, world: int) -> None:
         own, answer = lanes[g * _SIZE : (g + 1) * _SIZE], answers[g - first]
         for side in range(2):
             row = groups[g, c.WIDTH * side]
-            _velocity(row, body[row, LINK_PLACE] - 1, velocity[6 * side :], world)
+            _velocity(row, _link(row, world), velocity[6 * side :], world)
             for k in range(6):
                 moved[6 * side + k] = change[row, k]
         for k in range(12):
@@ -96,10 +105,17 @@ def _touch(t: float, h: float, world: int) -> None:
             press(own, answer, moved, wrench, SOFT, h, 0.0, velocity, given)
         for side in range(2):
             row = groups[g, c.WIDTH * side]
-            _give(row, body[row, LINK_PLACE] - 1, given[6 * side :], world)
+            _give(row, _link(row, world), given[6 * side :], world)
     for row in range(rows(world, ARTICULATION)):
         if _is_touched(row, world):
             _hand_on(row, SOFT > 0.0, world)
+
+
+@compiled(inline=True, cached=False)
+def _link(body: int, world: int) -> int:
+    """Row of the link that a body is, or NONE: one whose joints found no solution answers as if it were alone."""
+    link = integers(world, BODY)[body, LINK_PLACE] - 1
+    return NONE if link >= 0 and floats(world, LINK_NUMBERS)[link, ANEW] < 0.0 else link
 
 
 @compiled(inline=True, cached=False)
@@ -122,12 +138,38 @@ def _forget(world: int) -> None:
 
 
 @compiled(cached=False)
+def _compare_pieces(h: float, world: int) -> None:
+    """Say of each articulation whether it answers in another way than before: turns fast, or has laws on other pieces."""
+    articulations, links, work = integers(world, ARTICULATION), integers(world, LINK), floats(world, LINK_NUMBERS)
+    for row in range(rows(world, ARTICULATION)):
+        if articulations[row, SEQUENTIAL] == 0:
+            first, after, anew = articulations[row, FIRST], articulations[row, FIRST] + articulations[row, LINKS], 0.0
+            for link in range(first, after):
+                pieces = 0
+                for k in range(6):
+                    pieces |= (1 << k if work[link, YIELD + k] > 0.0 else 0) | (
+                        64 << k if work[link, SLOPE + k] > 0.0 else 0
+                    )
+                turn = h * length(vector_at(floats(world, MOTION), links[link, LINK_BODY], ANGULAR_PART))
+                anew = 1.0 if pieces != work[link, PIECES] or turn > _FAST else anew
+                work[link, PIECES] = pieces
+            for link in range(first, after):
+                if articulations[row, LOST] != 0:
+                    anew, work[link, PIECES] = -1.0, -1.0
+                work[link, ANEW] = anew
+
+
+@compiled(cached=False)
 def _find_answers(first: int, end: int, world: int) -> None:
-    """Find how bodies answer the rows of contacts, once a step."""
-    answers, groups, body = floats(world, LINK_CONTACTS), integers(world, GROUPS), integers(world, BODY)
-    lanes, wrench, backwards = flat(world, LANES), _twelve(), _twelve()
+    """Find how bodies answer the rows of contacts: once a step, and where the articulation has changed how it does."""
+    answers, groups = floats(world, LINK_CONTACTS), integers(world, GROUPS)
+    lanes, work, wrench, backwards = flat(world, LANES), floats(world, LINK_NUMBERS), _twelve(), _twelve()
     for g in range(first, end):
-        if answers[g - first, ANSWERED] != 0.0:
+        anew = False
+        for side in range(2):
+            place = integers(world, BODY)[groups[g, c.WIDTH * side], LINK_PLACE] - 1
+            anew = anew or (place >= 0 and work[place, ANEW] != 0.0)
+        if answers[g - first, ANSWERED] != 0.0 and not anew:
             continue
         answers[g - first, ANSWERED] = 1.0
         for row in range(ROWS):
@@ -135,15 +177,13 @@ def _find_answers(first: int, end: int, world: int) -> None:
             for k in range(12):
                 backwards[k] = -wrench[k]
             for side in range(2):
-                place = body[groups[g, c.WIDTH * side], LINK_PLACE] - 1
+                place = _link(groups[g, c.WIDTH * side], world)
                 _stir(place, wrench[6 * side :], world)
             for side in range(2):
                 of = groups[g, c.WIDTH * side]
-                _answer(
-                    of, body[of, LINK_PLACE] - 1, wrench[6 * side :], answers[g - first, 12 * row + 6 * side :], world
-                )
+                _answer(of, _link(of, world), wrench[6 * side :], answers[g - first, 12 * row + 6 * side :], world)
             for side in range(2):
-                place = body[groups[g, c.WIDTH * side], LINK_PLACE] - 1
+                place = _link(groups[g, c.WIDTH * side], world)
                 _stir(place, backwards[6 * side :], world)
     _forget(world)
 

@@ -9,8 +9,8 @@ A drive acts by the position and the speed that it will have,
 
     impulse = -h (k (x + h ((alpha + beta) s' - beta s)) + c (s' - s*)),
 
-with s before and s' after the substep, beta = (1 - alpha) / 4 and alpha = r^2 / (1 + r^2), r = h^2 k / m. With alpha = 0 that is
-Newmark's method of average acceleration: symplectic, stable for any stiffness, and free of damping that is not asked for.
+with s before and s' after the substep, beta = (1 - alpha) / 4 and alpha = r^2 / (1 + r^2), r = h^2 k / m. With alpha = 0 that
+is Newmark's method of average acceleration: symplectic, stable for any stiffness, and free of damping that is not asked for.
 Only drives too stiff for the substep, which no integrator of this order could follow, are damped: alpha = 1 is implicit
 Euler, which brings them to rest. Newmark, J. Eng. Mech. Div. 85 (1959) 67; Kane et al., Int. J. Numer. Meth. Eng. 49 (2000)
 1295 for the symplecticity.

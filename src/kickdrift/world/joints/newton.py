@@ -15,27 +15,29 @@ from typing import Any
 from kickdrift.core.compilation import compiled, unbound
 from kickdrift.world.joints.aim import AHEAD, GENTLY, RELAX, aim_all
 from kickdrift.world.joints.energy import allowance, kinetic_energy
-from kickdrift.world.joints.impulses import push_bodies
 from kickdrift.world.joints.layout import (
+    BEFORE,
     CLOSINGS,
     END,
     ENERGY,
     FIRST,
     IMPULSE,
-    LAST,
     LINK_JOINT,
+    LINKS,
     LOST,
     RATIO,
     RELAXING,
     SEQUENTIAL,
     SOLVED,
 )
+from kickdrift.world.joints.layout import BODY as LINK_BODY
 from kickdrift.world.joints.settling import LAST_TRIALS, TRIALS, end_relaxation, end_solution, give_impulses, settle
 from kickdrift.world.tables import (
     ARTICULATION,
     JOINT_NUMBERS,
     LINK,
     LINK_NUMBERS,
+    MOTION,
     floats,
     integers,
     rows,
@@ -72,9 +74,11 @@ def solve_articulations(t: float, h: float, world: int) -> None:
             if articulations[row, LOST] != 0:
                 repair(row, h, world)
             work[articulations[row, FIRST], ENERGY] = kinetic_energy(row, world)
+            note_velocities(row, world)
             calm(row, h, RELAX, world)
             end_relaxation(row, h, world)
             continue
+        note_velocities(row, world)
         off = aim_all(row, h, AHEAD, 0.0, world)
         if off * max(ratio, 100) > POOR:
             aim_all(row, h, GENTLY, 0.0, world)
@@ -111,6 +115,8 @@ def solve_calmly(row: int, h: float, mode: int, world: int) -> None:
         aim_all(row, h, mode, 0.0, world)
         answer(row, 0.0, world)
         give_impulses(row, world)
+        if has_gained(row, h, world):
+            take_back(row, world)
 
 
 @compiled(cached=False)
@@ -118,18 +124,29 @@ def has_gained(row: int, h: float, world: int) -> bool:
     """Whether an articulation has more energy than its joints can have given it."""
     first = integers(world, ARTICULATION)[row, FIRST]
     gained = kinetic_energy(row, world) - EXCESS * floats(world, LINK_NUMBERS)[first, ENERGY]
-    return gained > 0.0 and gained > allowance(row, h, world)
+    return not (gained <= 0.0 or gained <= allowance(row, h, world))  # also where it is no number
+
+
+@compiled(cached=False)
+def note_velocities(row: int, world: int) -> None:
+    """Keep the velocities of an articulation."""
+    articulation: Any = integers(world, ARTICULATION)[row]
+    links, motion, work = integers(world, LINK), floats(world, MOTION), floats(world, LINK_NUMBERS)
+    for link in range(articulation[FIRST], articulation[FIRST] + articulation[LINKS]):
+        for k in range(6):
+            work[link, BEFORE + k] = motion[links[link, LINK_BODY], k]
 
 
 @compiled(cached=False)
 def take_back(row: int, world: int) -> None:
-    """Take back all impulses since the warm start."""
+    """Go back to the velocities before the joints were solved: impulses taken back would leave the rounding of wild ones."""
     articulation: Any = integers(world, ARTICULATION)[row]
-    links, numbers, work = integers(world, LINK), floats(world, JOINT_NUMBERS), floats(world, LINK_NUMBERS)
+    links, motion, work = integers(world, LINK), floats(world, MOTION), floats(world, LINK_NUMBERS)
+    numbers = floats(world, JOINT_NUMBERS)
+    for link in range(articulation[FIRST], articulation[FIRST] + articulation[LINKS]):
+        for k in range(6):
+            motion[links[link, LINK_BODY], k] = work[link, BEFORE + k]
     for link in range(articulation[FIRST], articulation[END]):
-        joint = links[link, LINK_JOINT]
-        if joint >= 0:
+        if links[link, LINK_JOINT] >= 0:
             for k in range(6):
-                work[link, LAST + k] = numbers[joint, SOLVED + k] - numbers[joint, IMPULSE + k]
-                numbers[joint, IMPULSE + k] = numbers[joint, SOLVED + k]
-            push_bodies(joint, work, link, LAST, world)
+                numbers[links[link, LINK_JOINT], IMPULSE + k] = numbers[links[link, LINK_JOINT], SOLVED + k]
