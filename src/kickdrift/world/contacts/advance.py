@@ -3,7 +3,7 @@
 Conservative advancement (Mirtich 1996): from a gap s that closes at most at a speed u, nothing happens before the time s / u.
 The points of the pose in which shapes touch become points of today: arms and normal are those of the impact, and the gap is
 the one from which the motion of the step, linear in time, leads to it. Their two points lie apart by what the bodies will slide
-past each other until then, so that half of the slide, added to the arm of each (`GLIDE_A`), makes it that of the impact.
+past each other until then (`SLIDE_AHEAD`).
 """
 
 from typing import Any
@@ -35,6 +35,7 @@ from kickdrift.world.contacts.layout import (
     RECYCLED,
     SHAPE_A,
     SHAPE_B,
+    SLIDE_AHEAD,
     STATE,
 )
 from kickdrift.world.contacts.looking import RADIUS, look_again, placed_pose, smallest
@@ -75,6 +76,8 @@ def _advance(world: int, row: int, way: float) -> None:
         when = min(when + gap / closing, settings[0, STEP])
     if gap > settings[0, MARGIN]:
         contact[row, POINTS] = 0
+    for k in range(3):
+        floats(world, MANIFOLD)[row, SLIDE_AHEAD + k] = 0.0
     if when > 0.0:
         _bring_back(world, row, when)
 
@@ -137,6 +140,7 @@ def _bring_back(world: int, row: int, when: float) -> None:
     then_b, turn_b = _placed_at(world, contact[row, SHAPE_B], b, when)
     centre_a, centre_b = _three(pose, a, 0), _three(pose, b, 0)
     way_a, way_b = times(when, _three(motion, a, 0)), times(when, _three(motion, b, 0))
+    _put(manifold, row, SLIDE_AHEAD, minus(way_b, way_a))
     normal = turned(turn_a, _three(manifold, row, 0))
     for k in range(contact[row, POINTS]):
         p = POINT + POINT_SIZE * k

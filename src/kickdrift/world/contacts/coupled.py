@@ -45,9 +45,11 @@ def write_row(own: Any, row: int, slid: Vector, wrench: Any) -> None:
 
 
 @compiled(inline=True, cached=False)
-def _slid(change: Any) -> Vector:
-    """Say what the second body has moved away from the first since the step began."""
-    return change[6] - change[0], change[7] - change[1], change[8] - change[2]
+def _slid(own: Any, change: Any) -> Vector:
+    """Say what the second body has slid past the first since the points are those of a contact, within bounds."""
+    moved = (change[6] - change[0], change[7] - change[1], change[8] - change[2])
+    moved = plus(moved, _vector(own, c.OFFSET))
+    return times(min(1.0, own[c.FARTHEST * W] / (math.sqrt(dot(moved, moved)) + 1e-300)), moved)
 
 
 @compiled(cached=False)
@@ -87,7 +89,7 @@ def press(
     velocity, given : (12,) arrays
         Velocities of both bodies, and the wrench that they have been given, which the sweep changes.
     """
-    softness, slid = _vector(own, c.SOFTNESS), _slid(change)
+    softness, slid = _vector(own, c.SOFTNESS), _slid(own, change)
     for k in range(4):
         i = (c.P + c.POINT_FIELDS * k) * W
         if own[i + c.POINT_MASS * W] == 0.0:
@@ -118,7 +120,7 @@ def grip(own: Any, answers: Any, change: Any, wrench: Any, other: Any, velocity:
         lever += own[i + c.IMPULSE * W] * own[i + c.LEVER * W]
     if own[c.ROLL * W] > 0.0:
         _roll(own, normal, velocity, given)
-    slid = _slid(change)
+    slid = _slid(own, change)
     write_row(own, TWIST, slid, wrench)
     old = own[(c.TWIST + 1) * W]
     new = old - _speed(wrench, velocity) / (_product(answers, TWIST, wrench) + _SHARE / own[c.TWIST * W])

@@ -23,8 +23,8 @@ MASS_A, MASS_B, INERTIA_A, INERTIA_B = 49, 50, 51, 57  # inverse
 FRICTION, SLIDE, SLID, TWISTED = 63, 64, 67, 70
 RESISTANCE, ROLLED = 71, 72
 SOFTNESS = 75
-GLIDE_A = 78
-RAW = 79
+GLIDE_A, OFFSET, FARTHEST = 78, 79, 82
+RAW = 83
 
 
 @compiled(fast=True, inline=True)
@@ -73,7 +73,9 @@ def _fill_point(own: Any, raw: Any, lane: int, j: int, i: int, k: float, slop: f
     bx, by, bz = bx + ox + dx, by + oy + dy, bz + oz + dz
     gap = nx * (bx - ax) + ny * (by - ay) + nz * (bz - az)
     px, py, pz = 0.5 * (ax + bx), 0.5 * (ay + by), 0.5 * (az + bz)
-    qx, qy, qz = px - dx, py - dy, pz - dz
+    ex, ey, ez = _vector(raw, OFFSET * W + lane)
+    qx, qy, qz = px + 0.5 * ex - dx, py + 0.5 * ey - dy, pz + 0.5 * ez - dz
+    px, py, pz = px - 0.5 * ex, py - 0.5 * ey, pz - 0.5 * ez
     ux, uy, uz = py * nz - pz * ny, pz * nx - px * nz, px * ny - py * nx
     vx, vy, vz = qy * nz - qz * ny, qz * nx - qx * nz, qx * ny - qy * nx
     response = raw[MASS_A * W + lane] + raw[MASS_B * W + lane]
@@ -100,7 +102,9 @@ def _lever(own: Any, i: int, nx: float, ny: float, nz: float, cx: float, cy: flo
 def fill(own: Any, raw: Any, slop: float, unused: float, none: float, n: int) -> None:
     """Make the constraints of a group."""
     for lane in range(n):
-        own[c.GLIDE_A * W + lane] = raw[GLIDE_A * W + lane]
+        own[c.GLIDE_A * W + lane], own[c.FARTHEST * W + lane] = raw[GLIDE_A * W + lane], raw[FARTHEST * W + lane]
+        x, y, z = _vector(raw, OFFSET * W + lane)
+        _put(own, c.OFFSET * W + lane, x, y, z)
         x, y, z = _vector(raw, lane)
         nx, ny, nz = _turned(raw, TURN_A * W + lane, x, y, z)
         normal, sums = (nx, ny, nz), (0.0, 0.0, 0.0, 0.0)
@@ -122,7 +126,8 @@ def fill(own: Any, raw: Any, slop: float, unused: float, none: float, n: int) ->
         _put(own, c.N * W + lane, nx, ny, nz)
         dx, dy, dz = _vector(raw, APART * W + lane)
         _put(own, c.CENTRE_A * W + lane, cx, cy, cz)
-        _put(own, c.CENTRE_B * W + lane, cx - dx, cy - dy, cz - dz)
+        ex, ey, ez = _vector(raw, OFFSET * W + lane)
+        _put(own, c.CENTRE_B * W + lane, cx + ex - dx, cy + ey - dy, cz + ez - dz)
         x, y, z = _vector(raw, SOFTNESS * W + lane)
         _put(own, c.SOFTNESS * W + lane, x, y, z)
         own[c.MASS_A * W + lane], own[c.MASS_B * W + lane] = raw[MASS_A * W + lane], raw[MASS_B * W + lane]

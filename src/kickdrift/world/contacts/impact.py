@@ -21,6 +21,7 @@ from kickdrift.core.vectors import (
     Vector,
     cross,
     dot,
+    length,
     minus,
     plus,
     times,
@@ -92,7 +93,7 @@ def _bounce_one(world: int, row: int, e: float, h: float) -> int:
     first = _times_of_hits(world, row, own, hit, points, h)
     if first >= 2.0 * h:
         return 0
-    slid = _slid(world, row, first)
+    slid = _slid(world, row, own, first)
     found = _speeds_wanted(world, row, own, hit, points, slid, first, e)
     if found == 0:
         return 0
@@ -116,12 +117,14 @@ def _along(table: Any, a: int, b: int, normal: Vector, arm_a: Vector, arm_b: Vec
 
 
 @compiled
-def _slid(world: int, row: int, when: float) -> Vector:
-    """Say what the second body has moved away from the first when they hit."""
+def _slid(world: int, row: int, own: Any, when: float) -> Vector:
+    """Say what the second body has slid past the first when they hit, within bounds."""
     contact, motion, change = integers(world, CONTACT), floats(world, MOTION), floats(world, CHANGE)
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
     by_now = minus(three(change, b, 0), three(change, a, 0))
-    return plus(by_now, times(when, minus(three(motion, b, 0), three(motion, a, 0))))
+    slid = plus(by_now, times(when, minus(three(motion, b, 0), three(motion, a, 0))))
+    slid = plus(slid, vector_at(own, c.OFFSET))
+    return times(min(1.0, own[c.FARTHEST * c.WIDTH] / (length(slid) + 1e-300)), slid)
 
 
 @compiled

@@ -51,17 +51,20 @@ def _impulses(own: Any, lane: int) -> tuple[float, float, float, float]:
 
 
 @compiled(fast=True, inline=True)
-def _slid(s: Any, lane: int) -> tuple[float, float, float]:
-    """Say what the second body has moved away from the first since the step began."""
+def _slid(own: Any, s: Any, lane: int) -> tuple[float, float, float]:
+    """Say what the second body has slid past the first since the points are those of a contact, within bounds."""
     ax, ay, az = _vector(s, CHANGE_A, lane)
     bx, by, bz = _vector(s, CHANGE_B, lane)
-    return bx - ax, by - ay, bz - az
+    ex, ey, ez = _vector(own, c.OFFSET, lane)
+    dx, dy, dz = bx - ax + ex, by - ay + ey, bz - az + ez
+    scale = min(1.0, own[c.FARTHEST * W + lane] / math.sqrt(dx * dx + dy * dy + dz * dz + 1e-300))
+    return scale * dx, scale * dy, scale * dz
 
 
 @compiled(fast=True, inline=True)
 def _centre(own: Any, s: Any, lane: int) -> tuple[float, float, float, float, float, float]:
     """Arms of both bodies to the centre of the contact."""
-    dx, dy, dz = _slid(s, lane)
+    dx, dy, dz = _slid(own, s, lane)
     ax, ay, az = _vector(own, c.CENTRE_A, lane)
     bx, by, bz = _vector(own, c.CENTRE_B, lane)
     u = own[c.GLIDE_A * W + lane]
@@ -136,6 +139,7 @@ def solve_normals(own: Any, s: Any, per_h: float, soft: float, push: float, n: i
         tbx, tby, tbz = _vector(s, CHANGE_B + 3, lane)
         dx, dy, dz = dbx - dax, dby - day, dbz - daz
         opened = nx * dx + ny * dy + nz * dz
+        dx, dy, dz = _slid(own, s, lane)
         px, py, pz = dy * nz - dz * ny, dz * nx - dx * nz, dx * ny - dy * nx
         u = own[c.GLIDE_A * W + lane]
         slid = (u * px, u * py, u * pz, (u - 1.0) * px, (u - 1.0) * py, (u - 1.0) * pz)
@@ -243,7 +247,7 @@ def apply_impulses(own: Any, s: Any, per_h: float, soft: float, push: float, n: 
             lax, lay, laz = lax + impulse * qx, lay + impulse * qy, laz + impulse * qz
             qx, qy, qz = _vector(own, f + c.ARM_B, lane)
             lbx, lby, lbz = lbx + impulse * qx, lby + impulse * qy, lbz + impulse * qz
-        qx, qy, qz = _slid(s, lane)
+        qx, qy, qz = _slid(own, s, lane)
         qx, qy, qz = qy * nz - qz * ny, qz * nx - qx * nz, qx * ny - qy * nx
         glide_a = own[c.GLIDE_A * W + lane] * normal
         glide_b = glide_a - normal

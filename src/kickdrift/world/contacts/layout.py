@@ -3,7 +3,7 @@
 A manifold is up to four points with one normal. Its row of `MANIFOLD`: normal in the frame of the first shape (3), friction
 impulse in the world's axes (3), twist impulse, spare; four points of eight numbers each: on the first shape in its frame
 (3), on the second in its own (3), id of the features that touch, normal impulse; then the pose of the second shape in the
-first's frame when the points were found (7), by how much it may have moved since, and the rolling impulse (3).
+first's frame when the points were found (7), by how much it may have moved since, the rolling impulse (3) and the slide (3).
 
 Constraints stand in groups of `LANES`: field k of lane l of group g is number (g FIELDS + k) LANES + l of the table `LANES`,
 so that the loops over lanes vectorise.
@@ -28,6 +28,7 @@ ON_A, ON_B, FEATURE, NORMAL_IMPULSE = 0, 3, 6, 7
 FOUND_POSE = 40
 RECYCLED = 47
 ROLLING_IMPULSE = 48
+SLIDE_AHEAD = 51  # of fast shapes: how far the second will slide past the first until they touch, in the world's axes
 
 # Fields of a constraint
 WIDTH = 8  # lanes: two vectors of AVX2 or one of AVX-512
@@ -44,8 +45,12 @@ TWIST = 23  # effective mass, impulse
 ROLL = 25  # resistance (a length), effective mass, impulse (3)
 MASS_A = 30  # inverse masses
 MASS_B = 31
-GLIDE_A = 32  # share of the bodies' displacement by which the contact has moved away from body a; the rest from b
-P = 33  # first of four points:
+GLIDE_A = (
+    32  # share of what bodies slide past each other by which the contact has moved away from body a; the rest from b
+)
+OFFSET = 33  # what they will not have slid yet when they touch (3)
+FARTHEST = 36  # by how much the contact may have moved away
+P = 37  # first of four points:
 ARM_A = 0  # arm of a x normal (3)
 ARM_B = 3  # arm of b x normal (3)
 GAP = 6  # separation at the start of the step

@@ -13,7 +13,7 @@ from kickdrift.world.contacts import filling as r
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.coupled import ANSWERED
 from kickdrift.world.contacts.lanes import FILL, FILL_FRICTION, LANE_COUNT, SWEEP
-from kickdrift.world.contacts.looking import FRICTION, ROLLING, SURFACE_VELOCITY, placed_pose
+from kickdrift.world.contacts.looking import FRICTION, RADIUS, ROLLING, SURFACE_VELOCITY, placed_pose, smallest
 from kickdrift.world.flight import AWAKE, LINK_PLACE
 from kickdrift.world.settings import CONTACT_DAMPING, CONTACT_HERTZ, SLOP, STEP, SUBSTEPS
 from kickdrift.world.shapes.kinds import CAPSULE, SPHERE
@@ -49,6 +49,9 @@ sweep = caller(SWEEP)
 
 # Of the spring, times the substep. A pyramid of twenty rows sways from 0.2 on, and one of 0.15 leaves it standing.
 STIFFEST = 0.15
+# Of the smaller shape: where they have slid past each other by more, arms stay as they are, and masses nearly so.
+_FARTHEST = 0.3
+
 OVERFLOW = _COLOURS  # contacts that found no colour: one by one, in groups of their own
 LINKED = OVERFLOW + 1  # and those of links, whose joints answer too: see `kickdrift.world.joints.contacts`
 
@@ -190,9 +193,11 @@ def _gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any) -> Non
     for k in range(3):
         raw[(r.SLIDE + k) * c.WIDTH] = slide_a[k] - slide_b[k]
         raw[(r.SOFTNESS + k) * c.WIDTH] = soft[k] if fixed else softer[k]
-    raw[r.GLIDE_A * c.WIDTH] = 0.5
-    if not contact[row, c.STATE] & c.FAST:
-        raw[r.GLIDE_A * c.WIDTH] = _glide(world, shape_a, shape_b, response[a, 0], response[b, 0])
+    raw[r.GLIDE_A * c.WIDTH] = _glide(world, shape_a, shape_b, response[a, 0], response[b, 0])
+    raw[r.FARTHEST * c.WIDTH] = _FARTHEST * smallest(place[shape_a, RADIUS], place[shape_b, RADIUS])
+    for k in range(3):
+        fast = contact[row, c.STATE] & c.FAST
+        raw[(r.OFFSET + k) * c.WIDTH] = -manifold[row, c.SLIDE_AHEAD + k] if fast else 0.0
 
 
 @compiled(inline=True)
