@@ -16,7 +16,8 @@ W = c.WIDTH
 TANGENT, TWIST, ROWS = 4, 6, 7  # rows; the first four are the points
 ANSWERED = 95  # column of LINK_CONTACTS: whether the answers are there; they begin at 0
 
-# Of the answer of the bodies alone, added to that of the articulation: joints may leave a row no freedom at all.
+# Of the answer of the bodies alone, added to that of the articulation: joints may leave a row no freedom at all, and where
+# they turn fast, answers are not quite symmetric and may be below zero.
 _SHARE = 1e-3
 
 
@@ -97,7 +98,7 @@ def press(
         write_row(own, k, (0.0, 0.0, 0.0), wrench)
         gap = own[i + c.GAP * W] + _speed(wrench, change)
         write_row(own, k, slid, wrench)
-        mass = 1.0 / (_product(answers, k, wrench) + _SHARE / own[i + c.POINT_MASS * W])
+        mass = 1.0 / (max(_product(answers, k, wrench), 0.0) + _SHARE / own[i + c.POINT_MASS * W])
         scale, leak, bias = 1.0, 0.0, max(gap, 0.0) / h
         if soft > 0.0 and gap <= 0.0:
             scale, leak = softness[1], softness[2]
@@ -123,18 +124,18 @@ def grip(own: Any, answers: Any, change: Any, wrench: Any, other: Any, velocity:
     slid = _slid(own, change)
     write_row(own, TWIST, slid, wrench)
     old = own[(c.TWIST + 1) * W]
-    new = old - _speed(wrench, velocity) / (_product(answers, TWIST, wrench) + _SHARE / own[c.TWIST * W])
+    new = old - _speed(wrench, velocity) / (max(_product(answers, TWIST, wrench), 0.0) + _SHARE / own[c.TWIST * W])
     new = min(max(new, -friction * lever), friction * lever)
     own[(c.TWIST + 1) * W] = new
     _give(answers, TWIST, wrench, new - old, velocity, given)
     write_row(own, TANGENT, slid, wrench)
     write_row(own, TANGENT + 1, slid, other)
     alone = _SHARE * (own[c.MASS_A * W] + own[c.MASS_B * W])
-    k11, k12 = _product(answers, TANGENT, wrench) + alone, _product(answers, TANGENT + 1, wrench)
-    k21, k22 = _product(answers, TANGENT, other), _product(answers, TANGENT + 1, other) + alone
+    k11, k12 = max(_product(answers, TANGENT, wrench), 0.0) + alone, _product(answers, TANGENT + 1, wrench)
+    k21, k22 = _product(answers, TANGENT, other), max(_product(answers, TANGENT + 1, other), 0.0) + alone
     s1 = _speed(wrench, velocity) - own[c.SLIDE * W]
     s2 = _speed(other, velocity) - own[(c.SLIDE + 1) * W]
-    scale = 1.0 / (k11 * k22 - k12 * k21)
+    scale = 1.0 / max(k11 * k22 - k12 * k21, _SHARE * k11 * k22)
     old1, old2 = own[c.SLID * W], own[(c.SLID + 1) * W]
     new1, new2 = old1 - scale * (k22 * s1 - k12 * s2), old2 - scale * (k11 * s2 - k21 * s1)
     size = math.sqrt(new1 * new1 + new2 * new2)
