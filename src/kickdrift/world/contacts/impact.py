@@ -81,7 +81,8 @@ def bounce(t: float, h: float, world: int) -> None:
 def _is_linked(world: int, row: int) -> bool:
     """Whether joints hold a body of a contact, which set it back would tear out of them."""
     contact, body = integers(world, CONTACT), integers(world, BODY)
-    return body[contact[row, c.BODY_A], LINK_PLACE] > 0 or body[contact[row, c.BODY_B], LINK_PLACE] > 0
+    linked: bool = body[contact[row, c.BODY_A], LINK_PLACE] > 0 or body[contact[row, c.BODY_B], LINK_PLACE] > 0
+    return linked
 
 
 @compiled

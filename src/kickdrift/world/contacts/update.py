@@ -68,7 +68,8 @@ def _far(settings: Any, place: Any, shape: Any, a: int, b: int) -> float:
         return math.inf
     if max(place[a, RESTITUTION], place[b, RESTITUTION]) > 0.0 and _is_round(shape[a, 0]) and _is_round(shape[b, 0]):
         return 0.01 * reach
-    return max(settings[0, MARGIN], 0.5 * reach)
+    far: float = max(settings[0, MARGIN], 0.5 * reach)
+    return far
 
 
 @compiled(inline=True)

@@ -20,7 +20,7 @@ from kickdrift.world.joints.layout import (
     MOBILITY,
     MOTOR_MAXIMUM,
     POSITION,
-    SPEED,
+    START_SPEED,
     STIFFNESS,
     TARGET,
     TARGET_SPEED,
@@ -35,7 +35,6 @@ from kickdrift.world.tables import (
     JOINT_AXES,
     JOINT_NUMBERS,
     LINK,
-    LINK_NUMBERS,
     MOTION,
     POSE,
     floats,
@@ -72,7 +71,7 @@ def allowance(row: int, h: float, world: int) -> float:
     """Bound what motors, springs, and putting right what is hardly off may add to the energy in a substep."""
     articulation: Any = integers(world, ARTICULATION)[row]
     links, joints, inertia = integers(world, LINK), integers(world, JOINT), floats(world, INERTIA)
-    numbers, laws, work = floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES), floats(world, LINK_NUMBERS)
+    numbers, laws = floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     total = 0.0
     for link in range(articulation[FIRST], articulation[END]):
         joint = links[link, LINK_JOINT]
@@ -88,6 +87,6 @@ def allowance(row: int, h: float, world: int) -> float:
                 total += 0.5 * laws[law, STIFFNESS] * off * off
                 impulse = h * (laws[law, MOTOR_MAXIMUM] + laws[law, DAMPING] * abs(laws[law, TARGET_SPEED]))
                 total += (
-                    impulse * (abs(work[link, SPEED + k]) + impulse * laws[law, MOBILITY]) if impulse > 0.0 else 0.0
+                    impulse * (abs(laws[law, START_SPEED]) + impulse * laws[law, MOBILITY]) if impulse > 0.0 else 0.0
                 )
     return total

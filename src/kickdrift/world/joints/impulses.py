@@ -10,6 +10,7 @@ from kickdrift.world.joints.layout import (
     ARM_A,
     ARM_B,
     AXES,
+    BEFORE,
     BODY_A,
     BODY_B,
     END,
@@ -19,10 +20,12 @@ from kickdrift.world.joints.layout import (
     LAWS,
     LINEAR_PART,
     LINK_JOINT,
+    LINKS,
     SEQUENTIAL,
     START_SPEED,
     TURN_RESPONSE,
 )
+from kickdrift.world.joints.layout import BODY as LINK_BODY
 from kickdrift.world.joints.measure import symmetric_at, vector_at
 from kickdrift.world.tables import (
     ARTICULATION,
@@ -47,9 +50,20 @@ def warm_start_joints(t: float, h: float, world: int) -> None:
     for row in range(rows(world, ARTICULATION)):
         if articulations[row, SEQUENTIAL] == 0 and articulations[row, END] > articulations[row, FIRST]:
             work[articulations[row, FIRST], ENERGY] = kinetic_energy(row, world)
+            note_velocities(row, world)
         for link in range(articulations[row, FIRST], articulations[row, END]):
             if links[link, LINK_JOINT] >= 0:
                 push_bodies(links[link, LINK_JOINT], numbers, links[link, LINK_JOINT], IMPULSE, world)
+
+
+@compiled(cached=False)
+def note_velocities(row: int, world: int) -> None:
+    """Keep the velocities of an articulation."""
+    articulation: Any = integers(world, ARTICULATION)[row]
+    links, motion, work = integers(world, LINK), floats(world, MOTION), floats(world, LINK_NUMBERS)
+    for link in range(articulation[FIRST], articulation[FIRST] + articulation[LINKS]):
+        for k in range(6):
+            work[link, BEFORE + k] = motion[links[link, LINK_BODY], k]
 
 
 @compiled(inline=True, cached=False)

@@ -15,6 +15,7 @@ from typing import Any
 from kickdrift.core.compilation import compiled, unbound
 from kickdrift.world.joints.aim import AHEAD, GENTLY, RELAX, aim_all
 from kickdrift.world.joints.energy import allowance, kinetic_energy
+from kickdrift.world.joints.impulses import note_velocities
 from kickdrift.world.joints.layout import (
     BEFORE,
     CLOSINGS,
@@ -78,7 +79,6 @@ def solve_articulations(t: float, h: float, world: int) -> None:
             calm(row, h, RELAX, world)
             end_relaxation(row, h, world)
             continue
-        note_velocities(row, world)
         off = aim_all(row, h, AHEAD, 0.0, world)
         if off * max(ratio, 100) > POOR:
             aim_all(row, h, GENTLY, 0.0, world)
@@ -91,6 +91,7 @@ def solve_articulations(t: float, h: float, world: int) -> None:
                 break
         articulations[row, LOST] = off * ratio > FAR or has_gained(row, h, world)
         if articulations[row, LOST] != 0:
+            forget_warm_start(row, world)
             take_back(row, world)
             calm(row, h, GENTLY, world)
         end_solution(row, h, world)
@@ -128,18 +129,19 @@ def has_gained(row: int, h: float, world: int) -> bool:
 
 
 @compiled(cached=False)
-def note_velocities(row: int, world: int) -> None:
-    """Keep the velocities of an articulation."""
+def forget_warm_start(row: int, world: int) -> None:
+    """Let impulses of the substep before be none: those of a wild solution would be wild here too."""
     articulation: Any = integers(world, ARTICULATION)[row]
-    links, motion, work = integers(world, LINK), floats(world, MOTION), floats(world, LINK_NUMBERS)
-    for link in range(articulation[FIRST], articulation[FIRST] + articulation[LINKS]):
-        for k in range(6):
-            work[link, BEFORE + k] = motion[links[link, LINK_BODY], k]
+    links, numbers = integers(world, LINK), floats(world, JOINT_NUMBERS)
+    for link in range(articulation[FIRST], articulation[END]):
+        if links[link, LINK_JOINT] >= 0:
+            for k in range(6):
+                numbers[links[link, LINK_JOINT], SOLVED + k] = 0.0
 
 
 @compiled(cached=False)
 def take_back(row: int, world: int) -> None:
-    """Go back to the velocities before the joints were solved: impulses taken back would leave the rounding of wild ones."""
+    """Go back to the velocities that were noted; taking impulses back would leave the rounding of wild ones."""
     articulation: Any = integers(world, ARTICULATION)[row]
     links, motion, work = integers(world, LINK), floats(world, MOTION), floats(world, LINK_NUMBERS)
     numbers = floats(world, JOINT_NUMBERS)
