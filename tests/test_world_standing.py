@@ -5,6 +5,7 @@ import pytest
 
 from kickdrift.scenes import worlds
 from kickdrift.world.joints.axis import Drive
+from kickdrift.world.tables import INERTIA
 from kickdrift.world.world import World
 
 STEP = 1 / 60
@@ -95,3 +96,18 @@ def test_limp_people_in_a_heap_gain_no_energy_and_joints_hold():
         assert world.energy().total < energy + 1.0
         energy = world.energy().total
     assert np.abs(world.velocity).max() < 3.0
+
+
+def test_people_in_free_fall_fall_as_everything_does():
+    world = World()
+    person = worlds.add_person(world, position=(0, 0, 100.0))
+    rows = [body.index for body in person.values()]
+    mass = world.tables.array(INERTIA)[rows, 0]
+    world.angular_velocity[rows[0]] = (1, 2, 3)
+    place = mass @ world.position[rows] / mass.sum()
+    world.advance(STEP, 120)
+    fallen = mass @ world.position[rows] / mass.sum() - place
+    assert fallen == pytest.approx([0, 0, -0.5 * 9.81 * 2.0**2], abs=1e-11)
+    world.apply_force(person["head"], (0, 0, 1.0))  # no longer alone with gravity: the step is Euler's again
+    world.step(STEP)
+    assert world.momentum()[2] == pytest.approx(-9.81 * mass.sum() * (2.0 + STEP) + STEP, rel=1e-12)

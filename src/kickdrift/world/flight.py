@@ -7,8 +7,9 @@ before and after). Between the two letters the velocity of a body is w*, the one
 joints act on what moves.
 
 Columns of `KICKED`: velocity after the kick (6), what the kick added to the velocity (3), L (3), time of the last impact in
-the substep (1); angular velocity (3) and orientation (4) that the drift left. L is carried on as it is: taken anew from the
-angular velocity after every drift, it would lose a rounding each time, and they add up.
+the substep (1); angular velocity (3) and orientation (4) that the drift left; 1 where joints say that the body falls freely.
+L is carried on as it is: taken anew from the angular velocity after every drift, it would lose a rounding each time, and
+they add up.
 """
 
 import math
@@ -59,6 +60,7 @@ SPIN = 9
 IMPACT_TIME = 12
 LEFT_TURN = 13
 LEFT_POSE = 16
+FALLS = 20
 
 # Columns of INERTIA
 MASS = 0
@@ -154,7 +156,7 @@ def kick(t: float, h: float, world: int) -> None:
             _look_ahead(body, h, pose, motion, inertia, kicked)
         for k in range(3):
             kicked[body, 3 + k] = motion[body, 3 + k]
-        kicked[body, IMPACT_TIME] = 0.0
+        kicked[body, IMPACT_TIME], kicked[body, FALLS] = 0.0, 0.0
 
 
 @compiled
@@ -241,7 +243,8 @@ def drift(t: float, h: float, world: int) -> None:
         # Contacts that carry nothing change a velocity by its rounding.
         added = abs(kicked[body, ADDED]) + abs(kicked[body, ADDED + 1]) + abs(kicked[body, ADDED + 2])
         for k in range(3):
-            free = free and abs(motion[body, k] - kicked[body, k]) <= 1e-9 * added
+            alone = abs(motion[body, k] - kicked[body, k]) <= 1e-9 * added
+            free = free and (alone or kicked[body, FALLS] != 0.0)
         # In free flight x moves with the mean of the velocities before and after the kick, which is exact for gravity.
         back = 0.5 if free else 0.0
         for k in range(3):

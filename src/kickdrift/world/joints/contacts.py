@@ -23,6 +23,7 @@ from kickdrift.world.contacts.coupled import ANSWERED, ROWS, grip, press, write_
 from kickdrift.world.contacts.prepare import LINKED
 from kickdrift.world.flight import LINK_PLACE
 from kickdrift.world.joints.articulated import sweep
+from kickdrift.world.joints.falling import let_fall
 from kickdrift.world.joints.impulses import note_speeds, push_bodies
 from kickdrift.world.joints.layout import (
     ANEW,
@@ -83,6 +84,8 @@ def _touch(t: float, h: float, world: int) -> None:
     answers, change, lanes = floats(world, LINK_CONTACTS), floats(world, CHANGE), flat(world, LANES)
     first, end = colours[LINKED, 1], colours[LINKED, 2]
     if first == end:
+        if SOFT > 0.0:
+            let_fall(world)
         return
     _forget(world)
     _compare_pieces(h, world)
@@ -109,6 +112,8 @@ def _touch(t: float, h: float, world: int) -> None:
     for row in range(rows(world, ARTICULATION)):
         if _is_touched(row, world):
             _hand_on(row, SOFT > 0.0, world)
+    if SOFT > 0.0:
+        let_fall(world)
 
 
 @compiled(inline=True, cached=False)

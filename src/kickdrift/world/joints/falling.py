@@ -1,0 +1,48 @@
+"""Articulations in free fall: on which nothing acts but the same gravity on all links, and their joints.
+
+Their links drift as free bodies do, with the mean of the velocities before and after the kick; that is what all of them have in
+common, so no joint notices.
+"""
+
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.world.flight import ADDED, FALLS, MASS
+from kickdrift.world.joints.layout import BODY, FIRST, LINK_JOINT, LINKS, SEQUENTIAL
+from kickdrift.world.tables import ARTICULATION, INERTIA, KICKED, LINK, MOTION, floats, integers, rows
+
+_SAME, _ROUNDING = (
+    1e-9,
+    1e-13,
+)  # of what the kick added, and of the momenta, which joints leave as they are but for that
+
+
+@compiled(cached=False)
+def let_fall(world: int) -> None:
+    """Mark the links of articulations in free fall, before the drift."""
+    articulations, links, kicked = integers(world, ARTICULATION), integers(world, LINK), floats(world, KICKED)
+    for row in range(rows(world, ARTICULATION)):
+        first = articulations[row, FIRST]
+        if articulations[row, SEQUENTIAL] == 0 and links[first, LINK_JOINT] < 0 and _is_falling(row, world):
+            for link in range(first, first + articulations[row, LINKS]):
+                kicked[links[link, BODY], FALLS] = 1.0
+
+
+@compiled(cached=False)
+def _is_falling(row: int, world: int) -> bool:
+    """Whether the momentum of an articulation is what the kick has made of it, and the kick the same for all links."""
+    articulation: Any = integers(world, ARTICULATION)[row]
+    links, motion, kicked = integers(world, LINK), floats(world, MOTION), floats(world, KICKED)
+    first, inertia = links[articulation[FIRST], BODY], floats(world, INERTIA)
+    for k in range(3):
+        given, unnoticed = 0.0, 0.0
+        for link in range(articulation[FIRST], articulation[FIRST] + articulation[LINKS]):
+            body = links[link, BODY]
+            added, mass = kicked[body, ADDED + k], inertia[body, MASS]
+            if abs(added - kicked[first, ADDED + k]) > _SAME * abs(added):
+                return False
+            given += mass * (motion[body, k] - kicked[body, k])
+            unnoticed += mass * (_SAME * abs(added) + _ROUNDING * abs(motion[body, k]))
+        if abs(given) > unnoticed:
+            return False
+    return True
