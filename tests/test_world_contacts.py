@@ -461,3 +461,17 @@ def test_the_same_bits_run_to_run_and_for_any_number_of_threads():
     other.advance(STEP, 30)
     one.advance(STEP, 30)
     assert bits(one) != bits(other)
+
+
+@pytest.mark.parametrize("thickness", [0.01, 0.05])
+@pytest.mark.parametrize("spin", [0.0, 20.0, 50.0])
+def test_small_fast_boxes_that_spin_do_not_pass_through_a_wall(spin, thickness):
+    for seed in range(8):
+        rng = np.random.default_rng(seed)
+        world = World(gravity=(0, 0, 0))
+        world.add_box((thickness, 2, 2), position=(5, 0, 0), static=True)
+        start = (0, *(0.2 * rng.normal(size=2)))
+        turn = {"orientation": rng.normal(size=4), "angular_velocity": spin * rng.normal(size=3)}
+        bullet = world.add_box((0.01, 0.01, 0.01), position=start, velocity=(200, 0, 0), **turn)
+        world.advance(STEP, 6)
+        assert world.position[bullet.index, 0] < 5

@@ -139,12 +139,8 @@ class Tables:
 
     def __init__(self) -> None:
         self.block: NDArray[np.intp] = np.zeros(3 * _COUNT, dtype=np.intp)
+        self.address = int(self.block.ctypes.data)  # what compiled code is given; the same for as long as the world lives
         self._arrays: dict[int, NDArray[Any]] = {}
-
-    @property
-    def address(self) -> int:
-        """What compiled code is given; the same for as long as the world lives."""
-        return int(self.block.ctypes.data)
 
     def array(self, table: Table) -> NDArray[Any]:
         """Return the rows of a table in use, as a live view; replaced where the table grows."""
