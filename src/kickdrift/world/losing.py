@@ -40,11 +40,10 @@ def culprit(tables: Tables, step: float, found: int) -> int:
         Row of a body that is nowhere.
     """
     now = np.hstack((tables.array(POSE)[:, :7], tables.array(MOTION)[:, :6]))
-    lost = np.flatnonzero((tables.array(BODY)[:, KIND] >= KINEMATIC) & ~(np.abs(now) < _FAR).all(axis=1))
-    if not lost.size:
-        return found
-    motion, load = tables.array(STARTED_MOTION)[lost], tables.array(LOAD)[lost]
-    inertia, reach = tables.array(INERTIA)[lost], tables.array(RESTED)[lost, REACH]
+    moves = tables.array(BODY)[:, KIND] >= KINEMATIC
+    lost = moves & ~(np.abs(now) < _FAR).all(axis=1)
+    motion, load = tables.array(STARTED_MOTION), tables.array(LOAD)
+    inertia, reach = tables.array(INERTIA), tables.array(RESTED)[:, REACH]
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         per_force = np.where(inertia[:, MASS] > 0.0, 1.0 / inertia[:, MASS], 0.0)
         per_torque = inertia[:, INVERSE_INERTIA : INVERSE_INERTIA + 3].max(axis=1)
@@ -54,8 +53,10 @@ def culprit(tables: Tables, step: float, found: int) -> int:
             np.abs(load[:, :3]).max(axis=1) * per_force * step,
             np.abs(load[:, 3:6]).max(axis=1) * per_torque * step * reach,
         )
-        speeds = np.max(pushes, axis=0) + 0.0 * tables.array(STARTED_POSE)[lost, :7].sum(axis=1)
-    return int(lost[np.argmax(np.where(np.isfinite(speeds), speeds, np.inf))])
+        speeds = np.max(pushes, axis=0) + 0.0 * tables.array(STARTED_POSE)[:, :7].sum(axis=1)
+    speeds = np.where(np.isfinite(speeds), speeds, np.inf)
+    of = moves & (lost | (speeds > _FAR))
+    return int(np.argmax(np.where(of, speeds, -1.0))) if of.any() else found
 
 
 def go_back(tables: Tables) -> None:
