@@ -55,9 +55,9 @@ class Cache:
         target.refresh()
         try:
             packed = pickle.loads(self._file(signature, target).read_bytes())  # noqa: S301 - as Numba's own cache
-        except (OSError, EOFError, pickle.UnpicklingError):
+            return self._method.rebuild(target, packed)
+        except Exception:
             return None
-        return self._method.rebuild(target, packed)
 
     def save_overload(self, signature: Any, result: Any) -> None:
         """Keep what was compiled for a signature, in the place of what was compiled of older sources."""
@@ -132,6 +132,7 @@ def _used(function: _Function) -> Iterator[Any]:
         with suppress(ValueError):  # not yet bound
             yield cell.cell_contents
     yield function.__defaults__
+    yield function.__kwdefaults__
 
 
 def _function_of(value: Any) -> Any:
@@ -142,7 +143,8 @@ def _function_of(value: Any) -> Any:
 
 
 def _code(code: types.CodeType) -> tuple[Any, ...]:
-    return (code.co_code, *(_code(c) if isinstance(c, types.CodeType) else _value(c) for c in code.co_consts))
+    inner = (_code(c) if isinstance(c, types.CodeType) else _value(c) for c in code.co_consts)
+    return (code.co_code, code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars, *inner)
 
 
 def _value(value: Any) -> str:

@@ -9,6 +9,7 @@ from kickdrift.world.tables import (
     CONTACT,
     INERTIA,
     JOINT_NUMBERS,
+    KICKED,
     LINK_NUMBERS,
     LOAD,
     MANIFOLD,
@@ -64,6 +65,7 @@ def go_back(tables: Tables) -> None:
     tables.array(POSE)[:] = tables.array(STARTED_POSE)
     tables.array(MOTION)[:] = tables.array(STARTED_MOTION)
     tables.array(LOAD)[:] = 0.0
+    tables.array(KICKED)[:] = 0.0  # which orientations the drift left is forgotten, so that all of a body is found anew
     tables.array(JOINT_NUMBERS)[:] = tables.array(STARTED_JOINTS)
     tables.array(LINK_NUMBERS)[:] = 0.0
     tables.resize(CONTACT, 0)

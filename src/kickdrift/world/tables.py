@@ -139,7 +139,9 @@ class Tables:
 
     def __init__(self) -> None:
         self.block: NDArray[np.intp] = np.zeros(3 * _COUNT, dtype=np.intp)
-        self.address = int(self.block.ctypes.data)  # what compiled code is given; the same for as long as the world lives
+        self.address = int(
+            self.block.ctypes.data
+        )  # what compiled code is given; the same for as long as the world lives
         self._arrays: dict[int, NDArray[Any]] = {}
 
     def array(self, table: Table) -> NDArray[Any]:

@@ -9,6 +9,7 @@ from kickdrift.world.joints.layout import (
     ANGULAR_PART,
     ARM_A,
     ARM_B,
+    BODY_A,
     DAMPING,
     DRIVEN,
     END,
@@ -37,6 +38,7 @@ from kickdrift.world.tables import (
     LINK,
     MOTION,
     POSE,
+    RESPONSE,
     floats,
     integers,
 )
@@ -68,15 +70,24 @@ def kinetic_energy(row: int, world: int) -> float:
 
 @compiled(cached=False)
 def allowance(row: int, h: float, world: int) -> float:
-    """Bound what motors, springs, and putting right what is hardly off may add to the energy in a substep."""
+    """Bound what motors, springs, moving supports and putting right what is hardly off may add to the energy in a substep."""
     articulation: Any = integers(world, ARTICULATION)[row]
     links, joints, inertia = integers(world, LINK), integers(world, JOINT), floats(world, INERTIA)
     numbers, laws = floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
-    total = 0.0
+    motion, response = floats(world, MOTION), floats(world, RESPONSE)
+    total, mass, fastest = 0.0, 0.0, 0.0
     for link in range(articulation[FIRST], articulation[END]):
         joint = links[link, LINK_JOINT]
+        if link < articulation[FIRST] + articulation[LINKS]:
+            mass += inertia[links[link, LINK_BODY], MASS]
         if joint < 0:
             continue
+        for side in range(2):
+            end = joints[joint, BODY_A + side]
+            if response[end, 0] == 0.0:
+                arm = length(vector_at(numbers, joint, ARM_B if side == 1 else ARM_A))
+                v, w = vector_at(motion, end, LINEAR_PART), vector_at(motion, end, ANGULAR_PART)
+                fastest = max(fastest, length(v) + arm * length(w))
         if link < articulation[FIRST] + articulation[LINKS]:
             arm = length(vector_at(numbers, joint, ARM_A)) + length(vector_at(numbers, joint, ARM_B))
             total += 0.5 * inertia[links[link, LINK_BODY], MASS] * (_UNNOTICED * arm / h) ** 2
@@ -89,4 +100,4 @@ def allowance(row: int, h: float, world: int) -> float:
                 total += (
                     impulse * (abs(laws[law, START_SPEED]) + impulse * laws[law, MOBILITY]) if impulse > 0.0 else 0.0
                 )
-    return total
+    return total + 2.0 * mass * fastest * fastest
