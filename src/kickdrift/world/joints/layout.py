@@ -104,7 +104,7 @@ LAST = int64(207)  # GIVEN by the last step of Newton's method
 STIRRED = int64(213)  # impulse along and about open axes that contacts ask of the joint
 ENERGY = 219  # of the articulation that the link is the first of, before its joints have done anything
 PIECES, ANEW = 220, 221  # which axes yield, and which with a slope; 1.0 if that is new in the articulation
-BEFORE = 222  # velocity of the body before the joints are solved
+BEFORE, BEFORE_TURN = 222, int64(225)  # velocity of the body before the joints are solved
 BRAKE = 204  # of open angular axes: damping, impulse per speed; see `kickdrift.world.joints.brakes`
 
 # Columns of POSE, MOTION and RESPONSE, and of everything that has a linear and an angular part

@@ -13,11 +13,13 @@ The functions of this file are templates: the solution of the equations is bound
 from typing import Any
 
 from kickdrift.core.compilation import compiled, unbound
+from kickdrift.core.vectors import length
 from kickdrift.world.joints.aim import AHEAD, GENTLY, RELAX, aim_all
 from kickdrift.world.joints.energy import allowance, kinetic_energy
 from kickdrift.world.joints.impulses import note_velocities
 from kickdrift.world.joints.layout import (
     BEFORE,
+    BEFORE_TURN,
     CLOSINGS,
     END,
     ENERGY,
@@ -32,6 +34,7 @@ from kickdrift.world.joints.layout import (
     SOLVED,
 )
 from kickdrift.world.joints.layout import BODY as LINK_BODY
+from kickdrift.world.joints.measure import vector_at
 from kickdrift.world.joints.settling import LAST_TRIALS, TRIALS, end_relaxation, end_solution, give_impulses, settle
 from kickdrift.world.tables import (
     ARTICULATION,
@@ -61,7 +64,7 @@ POOR = 1.0
 # Given up is what is farther off than that at the end, or has more energy than that times what there was before the joints
 # did anything, and more than what motors and springs may add: there are solutions far away, which no one wants. Before the
 # drift, velocities of what turns by an angle a in the substep lawfully have a^2 / 2 more; projections never add any.
-FAR, EXCESS, PROJECTED = 1e-3, 10.0, 1.01
+FAR, EXCESS = 1e-3, 1.01
 
 
 def solve_articulations(t: float, h: float, world: int) -> None:
@@ -90,7 +93,9 @@ def solve_articulations(t: float, h: float, world: int) -> None:
             off = aim_all(row, h, AHEAD, 0.0, world) if off * ratio > SURE else off * off
             if off * ratio <= CLOSE:
                 break
-        articulations[row, LOST] = off * ratio > FAR or has_gained(row, h, EXCESS, world)
+        articulations[row, LOST] = off * ratio > FAR or has_gained(
+            row, h, EXCESS + 2.0 * fastest_turn(row, h, world) ** 2, world
+        )
         if articulations[row, LOST] != 0:
             forget_warm_start(row, world)
             take_back(row, world)
@@ -112,12 +117,12 @@ def solve_calmly(row: int, h: float, mode: int, world: int) -> None:
     """Project velocities onto what joints allow; if pieces of laws are assumed that add energy, then without any laws."""
     aim_all(row, h, mode, 0.0, world)
     once(row, h, 0.0, world)
-    if has_gained(row, h, PROJECTED, world):
+    if has_gained(row, h, EXCESS, world):
         take_back(row, world)
         aim_all(row, h, mode, 0.0, world)
         answer(row, 0.0, world)
         give_impulses(row, world)
-        if has_gained(row, h, PROJECTED, world):
+        if has_gained(row, h, EXCESS, world):
             take_back(row, world)
 
 
@@ -127,6 +132,16 @@ def has_gained(row: int, h: float, excess: float, world: int) -> bool:
     first = integers(world, ARTICULATION)[row, FIRST]
     gained = kinetic_energy(row, world) - excess * floats(world, LINK_NUMBERS)[first, ENERGY]
     return not (gained <= 0.0 or gained <= allowance(row, h, world))  # also where it is no number
+
+
+@compiled(cached=False)
+def fastest_turn(row: int, h: float, world: int) -> float:
+    """Greatest angle by which a link would have turned in the substep by the velocities that were noted."""
+    articulation: Any = integers(world, ARTICULATION)[row]
+    work, fastest = floats(world, LINK_NUMBERS), 0.0
+    for link in range(articulation[FIRST], articulation[FIRST] + articulation[LINKS]):
+        fastest = max(fastest, h * length(vector_at(work, link, BEFORE_TURN)))
+    return fastest
 
 
 @compiled(cached=False)
