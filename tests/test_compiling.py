@@ -126,6 +126,20 @@ def negative(x):
     return -x
 
 
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        (lambda a, b: min(a, b), lambda a, b: max(a, b)),
+        (lambda a: a.min(), lambda a: a.max()),
+        (lambda a: np.linalg.norm(a), lambda a: np.linalg.det(a)),
+        (lambda a, *, b=1: a + b, lambda a, *, b=2: a + b),
+    ],
+)
+def test_names_are_part_of_a_fingerprint(one, other):
+    other.__qualname__ = one.__qualname__
+    assert fingerprint(one) != fingerprint(other)
+
+
 def test_fingerprints_do_not_depend_on_the_process():
     code = (
         "from kickdrift.world.contacts.lanes import SWEEPS; from kickdrift.core.cache import fingerprint;"

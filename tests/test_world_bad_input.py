@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from kickdrift.core.errors import ArgumentError, LostBodyError
+from kickdrift.core.errors import ArgumentError, KickdriftError, LostBodyError
 from kickdrift.world.adding import Part
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.sphere import Sphere
@@ -254,3 +254,32 @@ def test_an_articulation_that_was_lost_goes_on_as_if_nothing_had_been(where, pla
     for each in (world, undisturbed):
         each.advance(1 / 60, 40)
     assert world.position == pytest.approx(undisturbed.position, abs=1e-9)
+
+
+def test_a_force_that_raises_leaves_the_world_as_it_was_before_the_step():
+    world = World()
+    ball = world.add_sphere(0.1, position=(0, 0, 1))
+
+    def force(t, force):
+        if t > 0.1:
+            raise ValueError("enough")
+
+    world.add_force(force)
+    with pytest.raises(KickdriftError, match=r"ValueError: enough in step 6"):
+        world.advance(1 / 60, 20)
+    assert world.n_steps == 6
+    assert world.time == pytest.approx(0.1)
+    assert world.position[ball.index, 2] == pytest.approx(1 - 4.905 * 0.1**2, abs=1e-12)
+
+
+def test_a_force_that_writes_beside_its_array_is_stopped():
+    world = World()
+    world.add_sphere(0.1)
+
+    def force(force):
+        for k in range(len(force) + 5):
+            force[k, 2] += 1.0
+
+    world.add_force(force)
+    with pytest.raises(KickdriftError, match="IndexError"):
+        world.step(1 / 60)

@@ -41,7 +41,7 @@ def test_a_pendulum_on_a_base_that_moves_swings_as_on_one_at_rest(speed):
         base = world.add_box((0.2, 0.2, 0.2), kinematic=True, velocity=(v, 0, 0))
         rod = world.add_box((1.0, 0.1, 0.1), position=(0.5, 0, 0), velocity=(v, 0, 0), mass=1.0)
         hinge = world.add_hinge(rod, base, anchor=(0, 0, 0), axis=(0, 1, 0))
-        world.advance(STEP, 120)
+        world.advance(STEP, 40)
         angles.append(hinge.angle)
     assert abs(angles[0]) > 0.5
     assert angles[1] == pytest.approx(angles[0], abs=1e-10)

@@ -111,3 +111,18 @@ def test_people_in_free_fall_fall_as_everything_does():
     world.apply_force(person["head"], (0, 0, 1.0))  # no longer alone with gravity: the step is Euler's again
     world.step(STEP)
     assert world.momentum()[2] == pytest.approx(-9.81 * mass.sum() * (2.0 + STEP) + STEP, rel=1e-12)
+
+
+@pytest.mark.parametrize("step", [1 / 60, 1 / 240])
+@pytest.mark.parametrize("masses", [(1.0, 1.0), (1.0, 10.0), (1.0, 100.0), (100.0, 1.0)])
+def test_what_joints_hold_together_bounces_as_one(masses, step):
+    world = World()
+    world.add_plane(restitution=0.5)
+    foot = world.add_box((0.3, 0.3, 0.1), position=(0, 0, 1.05), mass=masses[0], restitution=0.5)
+    block = world.add_box((0.3, 0.3, 0.3), position=(0, 0, 1.3), mass=masses[1], restitution=0.5)
+    world.add_fixed_joint(foot, block, anchor=(0, 0, 1.1))
+    heights = []
+    while world.time < 0.75:
+        world.step(step)
+        heights.append(world.position[foot.index, 2] - 0.05 if world.time > 0.5 else 0.0)
+    assert max(heights) == pytest.approx(0.25, rel=0.06)

@@ -1,6 +1,5 @@
 """Bodies: rows of tables that come and go, and handles that know when theirs is gone."""
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -47,8 +46,6 @@ from kickdrift.world.tables import (
 
 Floats = NDArray[np.float64]
 GROUND = 0
-# One count for all worlds, so that a handle is known to be of another one.
-_GENERATIONS = itertools.count(1)
 _TABLES: tuple[Table, ...] = (
     POSE, MOTION, CHANGE, RESPONSE, INERTIA, LOAD, FORCE, KICKED, RESTED, BODY, COLOURED, STARTED_POSE, STARTED_MOTION
 )  # fmt: skip

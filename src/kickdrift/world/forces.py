@@ -62,7 +62,7 @@ def force_stage(function: Function) -> Function:
             f"force {_name(function)}({', '.join(names)}) adds to nothing; name `force` or `torque`, arrays of a row a body,"
             " and add to them in place."
         )
-    native = function if hasattr(function, "py_func") else compiled(cached=False)(function)
+    native = function if hasattr(function, "py_func") else compiled(cached=False, checked=True)(function)
     scope: dict[str, Any] = {
         "__name__": __name__,
         "function": native,

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from kickdrift.core.errors import LostBodyError
 from kickdrift.world.flight import INVERSE_INERTIA, KIND, KINEMATIC, MASS
 from kickdrift.world.islands import REACH
 from kickdrift.world.tables import (
@@ -75,3 +76,11 @@ def go_back(tables: Tables) -> None:
     tables.array(LINK_NUMBERS)[:] = 0.0
     tables.resize(CONTACT, 0)
     tables.resize(MANIFOLD, 0)
+
+
+def lost(body: int, step: int) -> LostBodyError:
+    """Say which body was lost, and when."""
+    return LostBodyError(
+        f"body {body} was lost to infinity in step {step}; all bodies are where they were before it. "
+        "Its forces or velocities are too large for the step: take a smaller one."
+    )

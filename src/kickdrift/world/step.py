@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.world.tables import TROUBLE, integers
-from kickdrift.world.trouble import KIND
+from kickdrift.world.trouble import KIND, REACHED
 
 STAGE = types.none(types.float64, types.float64, types.intp)
 
@@ -42,6 +42,7 @@ def run(
     trouble: Any = integers(world, TROUBLE)
     for n in range(first, last):
         t = t0 + (n - first) * step
+        trouble[0, REACHED] = n
         for k in range(at, stages.size):
             call(stages[k], (t + offsets[k], lengths[k], world))
             if trouble[0, KIND] != 0:

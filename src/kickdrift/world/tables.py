@@ -36,7 +36,7 @@ RESTED = Table(
 )  # for how long a body has rested, for how long its island has, how far it reaches, where it sleeps (7)
 FORCE = Table(35, 8)  # force (3) and torque (3) in this substep
 KICKED = Table(6, 24)  # see `kickdrift.world.flight`
-BODY = Table(7, 8, whole=True)  # kind, awake, island, generation, link + 1 where joints are solved directly
+BODY = Table(7, 8, whole=True)  # kind, awake, island, generation, link + 1 where joints are solved directly, links
 # Shapes
 # Kind (-1: removed), body, where its numbers begin in GEOMETRY, how many, layer, mask, sensor, state of its search (see
 # `kickdrift.world.collision.search`)
@@ -49,7 +49,7 @@ BOUNDS = Table(10, 8)
 GEOMETRY = Table(11, 1)  # the numbers of all shapes, one shape after the other
 # Contacts: pairs of shapes whose wider boxes overlap
 CONTACT = Table(12, 8, whole=True)  # shapes (2), part of the first, bodies (2), points, what it does, group and lane
-MANIFOLD = Table(13, 64)  # see `kickdrift.world.contacts.manifold`
+MANIFOLD = Table(13, 64)  # see `kickdrift.world.contacts.layout`
 SETTINGS = Table(14, 32)  # one row: see `kickdrift.world.settings`
 TROUBLE = Table(15, 8, whole=True)  # one row: what went wrong, which table or body
 EVENTS = Table(16, 8, whole=True)  # see `kickdrift.world.events`
@@ -57,7 +57,6 @@ EVENTS = Table(16, 8, whole=True)  # see `kickdrift.world.events`
 JOINT = Table(17, 16, whole=True)
 JOINT_NUMBERS = Table(18, 80)
 JOINT_AXES = Table(45, 16)  # six rows a joint
-ISLANDS = Table(19, 4, whole=True)
 LANES = Table(20, 1)  # constraints in groups of lanes
 GROUPS = Table(21, 24, whole=True)  # of each lane the first body (8), the second (8), the contact (8)
 SCRATCH = Table(22, 1)
@@ -69,8 +68,6 @@ ARTICULATION_NUMBERS = Table(27, 1)  # the equations of closing joints
 LINK = Table(46, 8, whole=True)  # a body of an articulation and the joint that it hangs on, parents first
 LINK_NUMBERS = Table(47, 232)
 LINK_CONTACTS = Table(48, 96)  # see `kickdrift.world.joints.contacts`
-ORDER = Table(28, 4, whole=True)
-STEPS = Table(29, 16)  # one row: counters
 COLOURS = Table(30, 4, whole=True)  # contacts of a colour, its first group and the group after its last
 COLOURED = Table(31, 1, whole=True)  # of each body the set of colours that its contacts have
 SWEEPS = Table(34, 6, whole=True)  # one row: see `kickdrift.world.contacts.lanes`

@@ -11,6 +11,7 @@ KIND = 0
 TABLE = 1  # place of the table that is full
 WANTED = 2  # rows that it needs
 BODY = 3  # that is nowhere
+REACHED = 4  # the step at hand, counted from the first of `kickdrift.world.step.run`
 
 # Kinds
 NONE = 0

@@ -6,7 +6,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function
-from kickdrift.core.errors import ArgumentError, LostBodyError
+from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.world import measures, settings
 from kickdrift.world.acting import AppliesForces
 from kickdrift.world.adding import AddsBodies
@@ -22,7 +22,7 @@ from kickdrift.world.history import KeepsHistory
 from kickdrift.world.joints.adding import AddsJoints
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.registry import Joints
-from kickdrift.world.losing import culprit, go_back
+from kickdrift.world.losing import culprit, go_back, lost
 from kickdrift.world.measures import Energy
 from kickdrift.world.program import Program, Uses, Word, compose, word
 from kickdrift.world.shape_rows import ShapeRows
@@ -38,7 +38,7 @@ from kickdrift.world.tables import (
     TROUBLE,
     Tables,
 )
-from kickdrift.world.trouble import BODY, FAST, FULL, KIND, TABLE, WANTED
+from kickdrift.world.trouble import BODY, FAST, FULL, KIND, REACHED, TABLE, WANTED
 
 Floats = NDArray[np.float64]
 
@@ -64,7 +64,6 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries)
         At which they are pushed apart at most, m/s.
     bounce_speed : float, optional
         Approaches that are slower do not bounce, m/s; four times what gravity adds in a substep by default.
-
     sleeping : bool
         Whether islands of bodies that touch or are joined are left alone once they have rested: once no point of them has
         moved faster than `sleep_speed`, m/s, for `sleep_time`, s. Off by default, because it takes their last energy.
@@ -225,7 +224,14 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries)
         done, at = 0, 0
         while done < count:
             start = self.time + done * step
-            reached, at = run(*program, start, step, done, count, at, self.tables.address)
+            try:
+                reached, at = run(*program, start, step, done, count, at, self.tables.address)
+            except Exception as error:
+                self._go_back(int(self.tables.array(TROUBLE)[0, REACHED]), step)
+                raise KickdriftError(
+                    f"a force raised {type(error).__name__}: {error} in step {self.n_steps}; "
+                    "all bodies are where they were before it."
+                ) from error
             if reached < count:
                 self._help(reached, step)
                 program = self._ready(step)
@@ -284,10 +290,11 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries)
             self.tables.make_room(table, wanted)
             return
         body = culprit(self.tables, step, body)
+        self._go_back(done, step)
+        raise lost(body, self.n_steps)
+
+    def _go_back(self, done: int, step: float) -> None:
+        """Bring the world back to where the step began after those that are done."""
         go_back(self.tables)
         self.time += done * step
         self.n_steps += done
-        raise LostBodyError(
-            f"body {body} was lost to infinity in step {self.n_steps}; all bodies are where they were before it. "
-            "Its forces or velocities are too large for the step: take a smaller one."
-        )

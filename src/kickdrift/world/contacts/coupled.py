@@ -14,7 +14,8 @@ from kickdrift.world.contacts import layout as c
 
 W = c.WIDTH
 TANGENT, TWIST, ROWS = 4, 6, 7  # rows; the first four are the points
-ANSWERED = 95  # column of LINK_CONTACTS: whether the answers are there; they begin at 0
+# Further columns of LINK_CONTACTS: velocities wanted of points that bounce (4), and whether the answers are there
+BOUNCES, ANSWERED = 84, 95
 
 # Of the answer of the bodies alone, added to that of the articulation: joints may leave a row no freedom at all, and where
 # they turn fast, answers are not quite symmetric and may be below zero.
@@ -78,6 +79,35 @@ def _speed(wrench: Any, velocity: Any) -> float:
 
 
 @compiled(cached=False)
+def note_hits(
+    own: Any, answers: Any, change: Any, wrench: Any, e: float, slowest: float, h: float, velocity: Any
+) -> None:
+    """Say which points hit faster than some speed in the substep, and what velocities they shall have after the drift.
+
+    With one of them hit those that would within the next substep, which keeps what lands flat from turning.
+    """
+    hits = False
+    for k in range(4):
+        answers[BOUNCES + k] = 0.0
+        i = (c.P + c.POINT_FIELDS * k) * W
+        if e > 0.0 and own[i + c.POINT_MASS * W] > 0.0:
+            write_row(own, k, (0.0, 0.0, 0.0), wrench)
+            gap, speed = own[i + c.GAP * W] + _speed(wrench, change), _speed(wrench, velocity)
+            if speed < -slowest and gap + 2.0 * h * speed <= 0.0:
+                hits = hits or gap + h * speed <= 0.0
+                answers[BOUNCES + k] = -e * speed
+    for k in range(4):
+        answers[BOUNCES + k] *= 1.0 if hits else 0.0
+
+
+@compiled(cached=False)
+def bounces(answers: Any) -> bool:
+    """Whether any point has hit."""
+    any_does: bool = answers[BOUNCES] + answers[BOUNCES + 1] + answers[BOUNCES + 2] + answers[BOUNCES + 3] > 0.0
+    return any_does
+
+
+@compiled(cached=False)
 def press(
     own: Any, answers: Any, change: Any, wrench: Any, soft: float, h: float, push: float, velocity: Any, given: Any
 ) -> None:
@@ -104,8 +134,10 @@ def press(
             scale, leak = softness[1], softness[2]
             bias = max(scale * softness[0] * gap, -push)
         impulse = own[i + c.IMPULSE * W]
+        wanted = answers[BOUNCES + k] if soft == 0.0 else 0.0
+        bias = -wanted if wanted > 0.0 else bias
         new = max(impulse - mass * (scale * _speed(wrench, velocity) + bias) - leak * impulse, 0.0)
-        if soft == 0.0 and gap > 0.0 and impulse == 0.0:
+        if soft == 0.0 and gap > 0.0 and impulse == 0.0 and wanted == 0.0:
             new = 0.0
         own[i + c.IMPULSE * W] = new
         _give(answers, k, wrench, new - impulse, velocity, given)

@@ -40,7 +40,7 @@ from kickdrift.world.contacts.strike import (
     three,
     vector_at,
 )
-from kickdrift.world.flight import ADDED, IMPACT_TIME, LINK_PLACE
+from kickdrift.world.flight import ADDED, IMPACT_TIME, LINK_COUNT
 from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, MIDPOINT, SLOP
 from kickdrift.world.tables import (
     BODY,
@@ -71,7 +71,7 @@ def bounce(t: float, h: float, world: int) -> None:
             if contact[row, c.PLACE_IN_GROUPS] < 0:
                 continue
             e = max(place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION])
-            if e > 0.0 or (contact[row, c.STATE] & c.FAST and not _is_linked(world, row)):
+            if (e > 0.0 or contact[row, c.STATE] & c.FAST) and not _is_linked(world, row):
                 hits += _bounce_one(world, row, e, h)
         if hits == 0:
             return
@@ -79,9 +79,9 @@ def bounce(t: float, h: float, world: int) -> None:
 
 @compiled(inline=True)
 def _is_linked(world: int, row: int) -> bool:
-    """Whether joints hold a body of a contact, which set it back would tear out of them."""
+    """Whether joints hold a body of a contact to others, which bounce with it: see `kickdrift.world.joints.contacts`."""
     contact, body = integers(world, CONTACT), integers(world, BODY)
-    linked: bool = body[contact[row, c.BODY_A], LINK_PLACE] > 0 or body[contact[row, c.BODY_B], LINK_PLACE] > 0
+    linked: bool = max(body[contact[row, c.BODY_A], LINK_COUNT], body[contact[row, c.BODY_B], LINK_COUNT]) > 1
     return linked
 
 
@@ -101,6 +101,14 @@ def _bounce_one(world: int, row: int, e: float, h: float) -> int:
     find_impulses(world, row, own, hit, points, slid)
     strike(world, row, own, hit, points, slid, first)
     return 1
+
+
+@compiled
+def slowest_bounce(h: float, world: int) -> float:
+    """Return the speed from which on things bounce."""
+    settings = floats(world, SETTINGS)
+    slowest: float = settings[0, BOUNCE_SPEED]
+    return slowest if slowest >= 0.0 else 4.0 * h * length(three(settings, 0, GRAVITY))
 
 
 @compiled(inline=True)
@@ -137,12 +145,8 @@ def _times_of_hits(world: int, row: int, own: Any, hit: Any, points: int, h: flo
         floats(world, CHANGE),
         floats(world, KICKED),
     )
-    settings = floats(world, SETTINGS)
+    settings, slowest = floats(world, SETTINGS), slowest_bounce(h, world)
     a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], vector_at(own, c.N)
-    slowest = settings[0, BOUNCE_SPEED]
-    if slowest < 0.0:
-        g = three(settings, 0, GRAVITY)
-        slowest = 4.0 * h * math.sqrt(dot(g, g))
     added = settings[0, MIDPOINT] * dot(normal, minus(three(kicked, b, ADDED), three(kicked, a, ADDED)))
     since = max(kicked[a, IMPACT_TIME], kicked[b, IMPACT_TIME])
     first = 2.0 * h

@@ -5,7 +5,7 @@ impulse in the world's axes (3), twist impulse, spare; four points of eight numb
 (3), on the second in its own (3), id of the features that touch, normal impulse; then the pose of the second shape in the
 first's frame when the points were found (7), by how much it may have moved since, the rolling impulse (3) and the slide (3).
 
-Constraints stand in groups of `LANES`: field k of lane l of group g is number (g FIELDS + k) LANES + l of the table `LANES`,
+Constraints stand in groups of WIDTH: field k of lane l of group g is number (g FIELDS + k) WIDTH + l of the table `LANES`,
 so that the loops over lanes vectorise.
 """
 

@@ -19,19 +19,18 @@ from kickdrift.core.compilation import compiled, specialise
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import applied, length
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.coupled import ANSWERED, ROWS, grip, press, write_row
+from kickdrift.world.contacts.coupled import ANSWERED, ROWS, bounces, grip, note_hits, press, write_row
+from kickdrift.world.contacts.impact import slowest_bounce
+from kickdrift.world.contacts.looking import RESTITUTION as BOUNCINESS
 from kickdrift.world.contacts.prepare import LINKED
-from kickdrift.world.flight import LINK_PLACE
-from kickdrift.world.joints.articulated import sweep
+from kickdrift.world.flight import LINK_COUNT, LINK_PLACE
 from kickdrift.world.joints.falling import let_fall
-from kickdrift.world.joints.impulses import note_speeds, push_bodies
+from kickdrift.world.joints.handing import hand_on, is_touched
 from kickdrift.world.joints.layout import (
     ANEW,
     ANGULAR_PART,
     FIRST,
-    GIVEN,
     IMPACT,
-    IMPULSE,
     LINK_JOINT,
     LINKS,
     LOAD,
@@ -40,30 +39,27 @@ from kickdrift.world.joints.layout import (
     PIECES,
     SEQUENTIAL,
     SLOPE,
-    SOLVED,
     STIRRED,
-    TOTAL,
     TURN_RESPONSE,
     YIELD,
-    int64,
 )
 from kickdrift.world.joints.layout import BODY as LINK_BODY
 from kickdrift.world.joints.measure import symmetric_at, vector_at
 from kickdrift.world.joints.propagation import bring_down, carry_up
-from kickdrift.world.joints.settling import split_impulse
 from kickdrift.world.settings import PUSH_SPEED
 from kickdrift.world.tables import (
     ARTICULATION,
     BODY,
     CHANGE,
     COLOURS,
+    CONTACT,
     GROUPS,
-    JOINT_NUMBERS,
     LANES,
     LINK,
     LINK_CONTACTS,
     LINK_NUMBERS,
     MOTION,
+    PLACE,
     RESPONSE,
     SETTINGS,
     flat,
@@ -73,6 +69,7 @@ from kickdrift.world.tables import (
 )
 
 _SIZE = c.FIELDS * c.WIDTH
+_BOUNCE_SWEEPS = 50  # over the points of a manifold, so that one that lands flat does not turn
 _FAST = 0.03  # turn in a substep beyond which answers are found for each, and not for the step
 
 SOFT = 1.0
@@ -90,7 +87,7 @@ def _touch(t: float, h: float, world: int) -> None:
     _forget(world)
     _compare_pieces(h, world)
     _find_answers(first, end, world)
-    velocity, given, moved = _twelve(), _twelve(), _twelve()
+    velocity, given, moved, slowest = _twelve(), _twelve(), _twelve(), slowest_bounce(h, world)
     wrench, other = _twelve(), _twelve()
     for g in range(first, end):
         own, answer = lanes[g * _SIZE : (g + 1) * _SIZE], answers[g - first]
@@ -102,16 +99,19 @@ def _touch(t: float, h: float, world: int) -> None:
         for k in range(12):
             given[k] = 0.0
         if SOFT > 0.0:
+            e = _restitution(groups[g, 2 * c.WIDTH], world)
+            note_hits(own, answer, moved, wrench, e, slowest, h, velocity)
             press(own, answer, moved, wrench, SOFT, h, floats(world, SETTINGS)[0, PUSH_SPEED], velocity, given)
         else:
             grip(own, answer, moved, wrench, other, velocity, given)
-            press(own, answer, moved, wrench, SOFT, h, 0.0, velocity, given)
+            for _ in range(_BOUNCE_SWEEPS if bounces(answer) else 1):
+                press(own, answer, moved, wrench, SOFT, h, 0.0, velocity, given)
         for side in range(2):
             row = groups[g, c.WIDTH * side]
             _give(row, _link(row, world), given[6 * side :], world)
     for row in range(rows(world, ARTICULATION)):
-        if _is_touched(row, world):
-            _hand_on(row, SOFT > 0.0, world)
+        if is_touched(row, world):
+            hand_on(row, SOFT > 0.0, world)
     if SOFT > 0.0:
         let_fall(world)
 
@@ -121,6 +121,16 @@ def _link(body: int, world: int) -> int:
     """Row of the link that a body is, or NONE: one whose joints found no solution answers as if it were alone."""
     link = integers(world, BODY)[body, LINK_PLACE] - 1
     return NONE if link >= 0 and floats(world, LINK_NUMBERS)[link, ANEW] < 0.0 else link
+
+
+@compiled(cached=False)
+def _restitution(row: int, world: int) -> float:
+    """Coefficient of restitution of a contact that `kickdrift.world.contacts.impact` leaves to its articulation."""
+    contact, place, body = integers(world, CONTACT)[row], floats(world, PLACE), integers(world, BODY)
+    if max(body[contact[c.BODY_A], LINK_COUNT], body[contact[c.BODY_B], LINK_COUNT]) < 2:
+        return 0.0
+    e: float = max(place[contact[c.SHAPE_A], BOUNCINESS], place[contact[c.SHAPE_B], BOUNCINESS])
+    return e
 
 
 @compiled(inline=True, cached=False)
@@ -238,51 +248,6 @@ def _give(body: int, link: int, wrench: Any, world: int) -> None:
     for k in range(6):
         work[link, LOAD + k] += wrench[k]
     _stir(link, wrench, world)
-
-
-@compiled(cached=False)
-def _is_touched(row: int, world: int) -> bool:
-    """Whether contacts have given the links of an articulation anything."""
-    articulation: Any = integers(world, ARTICULATION)[row]
-    if articulation[SEQUENTIAL] == 0:
-        work = floats(world, LINK_NUMBERS)
-        for link in range(articulation[FIRST], articulation[FIRST] + articulation[LINKS]):
-            for k in range(6):
-                if work[link, LOAD + k] != 0.0:
-                    return True
-    return False
-
-
-@compiled(cached=False)
-def _hand_on(row: int, solving: bool, world: int) -> None:
-    """Give the links what contacts have found, and the joints' part in it."""
-    articulation: Any = integers(world, ARTICULATION)[row]
-    links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
-    motion, response = floats(world, MOTION), floats(world, RESPONSE)
-    first, end = articulation[FIRST], articulation[FIRST] + articulation[LINKS]
-    for link in range(first, end):
-        body = links[link, LINK_BODY]
-        turn = applied(symmetric_at(response, body, TURN_RESPONSE), vector_at(work, link, int64(LOAD + 3)))
-        for k in range(3):
-            motion[body, k] += response[body, 0] * work[link, LOAD + k]
-            motion[body, 3 + k] += turn[k]
-    sweep(first, end - first, 0.0, world)
-    for link in range(first, end):
-        joint = links[link, LINK_JOINT]
-        if joint >= 0:
-            split_impulse(link, joint, world)
-            push_bodies(joint, work, link, GIVEN, world)
-            for k in range(6):
-                if not solving:
-                    numbers[joint, TOTAL + k] += work[link, GIVEN + k]
-                    continue
-                numbers[joint, IMPULSE + k] += work[link, GIVEN + k]
-                numbers[joint, SOLVED + k] += work[link, GIVEN + k]
-        for k in range(6):
-            work[link, LOAD + k] = 0.0
-    for link in range(first, end):
-        if not solving and links[link, LINK_JOINT] >= 0:
-            note_speeds(links[link, LINK_JOINT], world)
 
 
 solve_link_contacts = compiled(specialise(_touch, "solve_link_contacts", SOFT=1.0))

@@ -100,7 +100,6 @@ GIVEN = int64(138)  # impulse on b along and about each axis
 PASSING = int64(144)  # of open axis k, six numbers: impulse along it per speed of the other side
 AXES_AHEAD = int64(180)  # AXES and arms as they will be at the end of the substep
 ARM_A_AHEAD, ARM_B_AHEAD = int64(198), int64(201)
-LAST = int64(207)  # GIVEN by the last step of Newton's method
 STIRRED = int64(213)  # impulse along and about open axes that contacts ask of the joint
 ENERGY = 219  # of the articulation that the link is the first of, before its joints have done anything
 PIECES, ANEW = 220, 221  # which axes yield, and which with a slope; 1.0 if that is new in the articulation

@@ -13,7 +13,6 @@ from kickdrift.world.joints.layout import (
     FIRST,
     GIVEN,
     IMPULSE,
-    LAST,
     LAWS,
     LINK_JOINT,
     LINKS,
@@ -73,7 +72,6 @@ def give_impulses(row: int, world: int) -> None:
             split_impulse(link, joint, world)
         for k in range(6):
             numbers[joint, IMPULSE + k] += work[link, GIVEN + k]
-            work[link, LAST + k] = work[link, GIVEN + k]
         push_bodies(joint, work, link, GIVEN, world)
 
 

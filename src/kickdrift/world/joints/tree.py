@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.world.flight import LINK_PLACE, MASS
+from kickdrift.world.flight import LINK_COUNT, LINK_PLACE, MASS
 from kickdrift.world.joints.equations import room_for
 from kickdrift.world.joints.layout import (
     BODY,
@@ -161,7 +161,7 @@ def _write(tables: Tables, direct: list[_Direct], sequential: list[list[int]]) -
     rows = tables.resize(LINK, size + sum(map(len, sequential)))
     table[:] = 0
     tables.array(LINK_NUMBERS)[:] = 0.0
-    tables.array(BODIES)[:, LINK_PLACE] = 0
+    tables.array(BODIES)[:, [LINK_PLACE, LINK_COUNT]] = 0
     rows[:] = 0
     rows[:, [PARENT, LINK_A, LINK_B]] = NONE
     first = offset = 0
@@ -169,7 +169,7 @@ def _write(tables: Tables, direct: list[_Direct], sequential: list[list[int]]) -
         row[[FIRST, LINKS, CLOSINGS, END, OFFSET, RATIO]] = first, len(links), len(closings), first, offset, ratio
         for k, (body, joint, parent, sign) in enumerate(links, first):
             rows[k, [BODY, LINK_JOINT, SIGN]] = body, joint, sign
-            tables.array(BODIES)[body, LINK_PLACE] = k + 1
+            tables.array(BODIES)[body, [LINK_PLACE, LINK_COUNT]] = k + 1, len(links)
             rows[k, PARENT] = NONE if parent == NONE else first + parent
         first += len(links)
         for k, (joint, a, b) in enumerate(closings, first):
