@@ -283,3 +283,31 @@ def test_a_force_that_writes_beside_its_array_is_stopped():
     world.add_force(force)
     with pytest.raises(KickdriftError, match="IndexError"):
         world.step(1 / 60)
+
+
+def pair_of_boxes(static=False):
+    world = World()
+    return world, [world.add_box((1, 1, 1), position=(2 * k, 0, 0), static=static) for k in range(2)]
+
+
+@pytest.mark.parametrize(
+    ("what", "sentence"),
+    [
+        (lambda w, a, b: w.add_hinge(a, b, anchor=(0, 0, 0), axis=(0, 0, 1)).apply_effort(1.0, axis=4.0), "axis=4.0"),
+        (lambda w, a, b: w.ray_cast((0, 0, 5), (0, 0, -1), limit="x"), "limit='x'"),
+        (lambda w, a, b: w.ray_cast((0, 0, 5), (0, 0, -1), layers=3), "layers=3"),
+        (lambda w, a, b: w.restore(3), "snapshot=3"),
+        (lambda w, a, b: w.add_box((1, 1, 1), friction=None), "friction=None"),
+        (lambda w, a, b: w.add_force(lambda position, foo: None), "from around the function"),
+    ],
+)
+def test_wrong_kinds_of_arguments_are_refused_with_a_sentence(what, sentence):
+    world, boxes = pair_of_boxes()
+    with pytest.raises(ArgumentError, match=sentence):
+        what(world, *boxes)
+
+
+def test_a_joint_between_bodies_that_no_joint_moves_is_refused():
+    world, boxes = pair_of_boxes(static=True)
+    with pytest.raises(ArgumentError, match="both static or kinematic"):
+        world.add_hinge(*boxes, anchor=(0, 0, 0), axis=(0, 0, 1))

@@ -21,7 +21,9 @@ from kickdrift.engine.frozen import frozen
 from kickdrift.systems.problem import name_of
 
 
-def argument_names(function: Any, role: str, allowed: Sequence[str]) -> list[str]:
+def argument_names(
+    function: Any, role: str, allowed: Sequence[str], numbers: str = "pass numbers as args=(...)"
+) -> list[str]:
     """Return the names of a function's arguments.
 
     Raises
@@ -45,7 +47,7 @@ def argument_names(function: Any, role: str, allowed: Sequence[str]) -> list[str
     if unknown or any(p.kind in (p.VAR_POSITIONAL, p.VAR_KEYWORD) for p in parameters):
         raise ArgumentError(
             f"{role} {name_of(python)}({', '.join(str(p) for p in parameters)}) has arguments that kickdrift does not"
-            f" know; name them {', '.join(allowed)} (any of them, in any order), and pass numbers as args=(...)."
+            f" know; name them {', '.join(allowed)} (any of them, in any order), and {numbers}."
         )
     if not required:
         raise ArgumentError(f"{role} {name_of(python)}() has no arguments; give it at least {allowed[1]}.")

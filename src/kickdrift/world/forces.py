@@ -56,7 +56,7 @@ def force_stage(function: Function) -> Function:
     ArgumentError
         If it is no function, names what there is not, adds to nothing, or cannot be compiled.
     """
-    names = argument_names(function, "force", tuple(_ARGUMENTS))
+    names = argument_names(function, "force", tuple(_ARGUMENTS), "take numbers from around the function")
     if "force" not in names and "torque" not in names:
         raise ArgumentError(
             f"force {_name(function)}({', '.join(names)}) adds to nothing; name `force` or `torque`, arrays of a row a body,"

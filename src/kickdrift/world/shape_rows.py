@@ -77,7 +77,7 @@ class Surface:
     def __post_init__(self) -> None:
         for name in ("friction", "restitution", "rolling_resistance"):
             value: Any = getattr(self, name)
-            if isinstance(value, bool | str | complex) or not (np.ndim(value) == 0 and 0.0 <= value < np.inf):
+            if isinstance(value, bool | str | complex | None) or not (np.ndim(value) == 0 and 0.0 <= value < np.inf):
                 raise ArgumentError(f"{name}={value!r} has to be a number, zero or positive and finite.")
         if self.restitution > 1.0:
             raise ArgumentError(f"restitution={self.restitution!r} would gain energy at every bounce; give at most 1.")

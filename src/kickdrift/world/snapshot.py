@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import Function
+from kickdrift.core.errors import ArgumentError
 from kickdrift.world import settings, tables
 from kickdrift.world.shape_rows import Placed
 from kickdrift.world.tables import COLLIDERS, SETTINGS, SWEEPS, Table
@@ -106,6 +107,8 @@ def take(world: "World") -> Snapshot:
 
 def restore(world: "World", snapshot: Snapshot) -> None:
     """Make a world what it was, or what another one was, when a snapshot was taken."""
+    if not isinstance(snapshot, Snapshot):
+        raise ArgumentError(f"snapshot={snapshot!r} is no snapshot; give what World.snapshot returned.")
     for name, table in TABLES.items():
         world.tables.reserve(table, snapshot.rooms[name])
         world.tables.resize(table, len(snapshot.tables[name]))[:] = snapshot.tables[name]

@@ -48,4 +48,5 @@ def run(
             if trouble[0, KIND] != 0:
                 return n, k
         at = 0
+    trouble[0, REACHED] = 0
     return last, 0

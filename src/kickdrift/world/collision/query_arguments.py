@@ -29,9 +29,9 @@ def rays_of(origins: ArrayLike, directions: ArrayLike, limit: Any) -> Floats:
 
 
 def _limit(limit: Any) -> float:
-    if not (np.isscalar(limit) and float(limit) > 0.0):  # type: ignore[arg-type]
+    if isinstance(limit, bool) or not (isinstance(limit, int | float | np.number) and limit > 0.0):
         raise ArgumentError(f"limit={limit!r} has to be positive, in m; infinity is the default.")
-    return float(limit)  # type: ignore[arg-type]
+    return float(limit)
 
 
 def one_vector(argument: str, value: ArrayLike) -> Floats:
@@ -59,6 +59,8 @@ def layer_bits(layers: Iterable[int] | None) -> int:
     """Return the bits of some layers, or of all for None."""
     if layers is None:
         return _ALL_LAYERS
+    if not isinstance(layers, Iterable):
+        raise ArgumentError(f"layers={layers!r} has to be a sequence of layers, whole numbers from 0 to 61.")
     wanted = 0
     for layer in layers:
         if not (isinstance(layer, int | np.integer) and 0 <= layer < 62):

@@ -6,6 +6,7 @@ from typing import Concatenate, ParamSpec, cast
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.bodies import Bodies, Body
+from kickdrift.world.flight import DYNAMIC, KIND
 from kickdrift.world.joints.ball import Ball
 from kickdrift.world.joints.distance import Distance
 from kickdrift.world.joints.fixed import Fixed
@@ -18,7 +19,7 @@ from kickdrift.world.joints.six_dof import SixDof
 from kickdrift.world.joints.slider import Slider
 from kickdrift.world.joints.spring import Spring
 from kickdrift.world.joints.universal import Universal
-from kickdrift.world.tables import Tables
+from kickdrift.world.tables import BODY, Tables
 
 P = ParamSpec("P")
 
@@ -64,6 +65,11 @@ class AddsJoints:
             raise ArgumentError(f"record={record!r} is no kind of joint; give one of kickdrift.world.joints.catalogue.")
         row_a = self.bodies.row(body_a, "body_a")
         row_b = self.bodies.row(self.bodies.ground if body_b is None else body_b, "body_b")
+        kinds = self.tables.array(BODY)[[row_a, row_b], KIND]
+        if not (kinds == DYNAMIC).any():
+            raise ArgumentError(
+                "body_a and body_b are both static or kinematic, which no joint moves; give one that moves."
+            )
         return self.joints.add(record, row_a, row_b)
 
     def remove_joint(self, joint: Joint) -> None:

@@ -161,7 +161,7 @@ class Joint:
                     f"axis=None is ambiguous for joint={self!r}, which has no one open axis; give 0-2 for a linear or 3-5 for"
                     " an angular one, or ask for angles or positions."
                 )
-        elif axis not in range(6):
+        elif isinstance(axis, bool | float) or axis not in range(6):
             raise ArgumentError(f"axis={axis!r} has to be 0-2 for a linear or 3-5 for an angular axis.")
         return axis
 
