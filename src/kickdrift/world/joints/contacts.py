@@ -40,6 +40,7 @@ from kickdrift.world.joints.layout import (
     SEQUENTIAL,
     SLOPE,
     STIRRED,
+    TOUCHED,
     TURN_RESPONSE,
     YIELD,
 )
@@ -80,11 +81,11 @@ def _touch(t: float, h: float, world: int) -> None:
     colours, groups = integers(world, COLOURS), integers(world, GROUPS)
     answers, change, lanes = floats(world, LINK_CONTACTS), floats(world, CHANGE), flat(world, LANES)
     first, end = colours[LINKED, 1], colours[LINKED, 2]
+    _forget(world)
     if first == end:
         if SOFT > 0.0:
             let_fall(world)
         return
-    _forget(world)
     _compare_pieces(h, world)
     _find_answers(first, end, world)
     velocity, given, moved, slowest = _twelve(), _twelve(), _twelve(), slowest_bounce(h, world)
@@ -145,6 +146,7 @@ def _forget(world: int) -> None:
     for row in range(rows(world, ARTICULATION)):
         if articulations[row, SEQUENTIAL] == 0:
             for link in range(articulations[row, FIRST], articulations[row, FIRST] + articulations[row, LINKS]):
+                work[link, TOUCHED] = 0.0
                 for k in range(6):
                     work[link, LOAD + k] = 0.0
                     work[link, STIRRED + k] = 0.0

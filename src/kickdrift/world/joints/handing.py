@@ -17,6 +17,7 @@ from kickdrift.world.joints.layout import (
     SEQUENTIAL,
     SOLVED,
     TOTAL,
+    TOUCHED,
     TURN_RESPONSE,
     int64,
 )
@@ -60,6 +61,7 @@ def hand_on(row: int, solving: bool, world: int) -> None:
         for k in range(3):
             motion[body, k] += response[body, 0] * work[link, LOAD + k]
             motion[body, 3 + k] += turn[k]
+    work[first, TOUCHED] = 1.0
     sweep(first, end - first, 0.0, world)
     for link in range(first, end):
         joint = links[link, LINK_JOINT]

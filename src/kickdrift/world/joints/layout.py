@@ -103,6 +103,7 @@ ARM_A_AHEAD, ARM_B_AHEAD = int64(198), int64(201)
 STIRRED = int64(213)  # impulse along and about open axes that contacts ask of the joint
 ENERGY = 219  # of the articulation that the link is the first of, before its joints have done anything
 PIECES, ANEW = 220, 221  # which axes yield, and which with a slope; 1.0 if that is new in the articulation
+TOUCHED = 228  # 1.0 where contacts have given links something in the substep; of the first link
 BEFORE, BEFORE_TURN = 222, int64(225)  # velocity of the body before the joints are solved
 BRAKE = 204  # of open angular axes: damping, impulse per speed; see `kickdrift.world.joints.brakes`
 

@@ -33,7 +33,7 @@ from kickdrift.world.joints.layout import (
     SLOPE,
 )
 from kickdrift.world.joints.measure import mobility, vector_at
-from kickdrift.world.joints.newton import LOOPS, solve_articulations, solve_calmly, solve_once
+from kickdrift.world.joints.newton import LOOPS, solve_articulations, solve_calmly, solve_once, touch_up
 from kickdrift.world.joints.repair import repair_positions
 from kickdrift.world.tables import (
     ARTICULATION,
@@ -160,3 +160,4 @@ _calm = compiled(cached=False)(specialise(solve_calmly, "solve_loops_calmly", on
 solve_loops = compiled(
     specialise(solve_articulations, "solve_loops", once=_once, calm=_calm, repair=_repair, FOR=LOOPS)
 )
+touch_up_loops = compiled(specialise(touch_up, "touch_up_loops", once=_once, FOR=LOOPS))

@@ -32,6 +32,7 @@ from kickdrift.world.joints.layout import (
     RELAXING,
     SEQUENTIAL,
     SOLVED,
+    TOUCHED,
 )
 from kickdrift.world.joints.layout import BODY as LINK_BODY
 from kickdrift.world.joints.measure import vector_at
@@ -60,6 +61,9 @@ CLOSE, SURE = 1e-4, 0.03
 
 # First guesses that are farther off than that, with a ratio of 100 at least, are replaced by velocities that the joints allow.
 POOR = 1.0
+
+# In parts of the arms: after contacts, which answer as joints allow at the start of the drift.
+NOTICED = 1e-5
 
 # Given up is what is farther off than that at the end, or has more energy than that times what there was before the joints
 # did anything, and more than what motors and springs may add: there are solutions far away, which no one wants. Before the
@@ -101,6 +105,21 @@ def solve_articulations(t: float, h: float, world: int) -> None:
             take_back(row, world)
             calm(row, h, GENTLY, world)
         end_solution(row, h, world)
+
+
+def touch_up(t: float, h: float, world: int) -> None:
+    """Take one more step of Newton's method where contacts have moved links so that joints would be off after the drift."""
+    articulations: Any = integers(world, ARTICULATION)
+    work = floats(world, LINK_NUMBERS)
+    for row in range(rows(world, ARTICULATION)):
+        loops = LOOPS if articulations[row, CLOSINGS] > 0 else TREES
+        if articulations[row, FIRST] == articulations[row, END] or articulations[row, SEQUENTIAL] != 0 or loops != FOR:
+            continue
+        if articulations[row, LOST] != 0 or work[articulations[row, FIRST], TOUCHED] == 0.0:
+            continue
+        if NOTICED < aim_all(row, h, AHEAD, 0.0, world) < POOR:
+            once(row, h, h, world)
+            end_solution(row, h, world)
 
 
 def solve_once(row: int, h: float, ahead: float, world: int) -> None:

@@ -52,12 +52,12 @@ from kickdrift.world.joints.layout import (
     UNIVERSAL,
     VECTOR,
 )
-from kickdrift.world.joints.loops import solve_loops
+from kickdrift.world.joints.loops import solve_loops, touch_up_loops
 from kickdrift.world.joints.measure import measure_joints
 from kickdrift.world.joints.record import Placement, Record
 from kickdrift.world.joints.sequential import solve_in_turn
 from kickdrift.world.joints.tree import arrange
-from kickdrift.world.joints.trees import solve_trees
+from kickdrift.world.joints.trees import solve_trees, touch_up_trees
 from kickdrift.world.rotations import product, turned
 from kickdrift.world.tables import ARTICULATION, BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, POSE, STARTED_JOINTS, Tables
 
@@ -191,16 +191,19 @@ class Joints:
 
     def solving(self) -> tuple[Function, ...]:
         """Stages before the drift, after contacts are solved."""
-        return (*self._directly_and_in_turn(), *(solve_link_contacts,) * self._has_links())
+        articulations = self.tables.array(ARTICULATION)
+        direct, closed = articulations[:, SEQUENTIAL] == 0, articulations[:, CLOSINGS] > 0
+        touched: tuple[Function, ...] = (solve_link_contacts,) if direct.any() else ()
+        for stage, of in ((touch_up_trees, direct & ~closed), (touch_up_loops, closed)):
+            touched += (stage,) if of.any() else ()
+        return (*self._directly_and_in_turn(), *touched)
 
     def relaxing(self) -> tuple[Function, ...]:
         """Stages after the drift, after contacts are relaxed."""
         if not len(self.tables.array(ARTICULATION)):
             return ()
-        return (measure_joints, *self._directly_and_in_turn(), *(relax_link_contacts,) * self._has_links())
-
-    def _has_links(self) -> bool:
-        return bool((self.tables.array(ARTICULATION)[:, SEQUENTIAL] == 0).any())
+        direct = bool((self.tables.array(ARTICULATION)[:, SEQUENTIAL] == 0).any())
+        return (measure_joints, *self._directly_and_in_turn(), *(relax_link_contacts,) * direct)
 
     def _directly_and_in_turn(self) -> tuple[Function, ...]:
         """Stages that solve joints: those that this world needs, so that no others are compiled."""

@@ -5,7 +5,7 @@ from typing import Any
 from kickdrift.core.compilation import compiled, specialise
 from kickdrift.world.joints.articulated import factor, sweep
 from kickdrift.world.joints.layout import FIRST, LINKS
-from kickdrift.world.joints.newton import TREES, solve_articulations, solve_calmly, solve_once
+from kickdrift.world.joints.newton import TREES, solve_articulations, solve_calmly, solve_once, touch_up
 from kickdrift.world.joints.repair import repair_positions
 from kickdrift.world.tables import ARTICULATION, integers
 
@@ -24,3 +24,4 @@ _calm = compiled(cached=False)(specialise(solve_calmly, "solve_trees_calmly", on
 solve_trees = compiled(
     specialise(solve_articulations, "solve_trees", once=_once, calm=_calm, repair=_repair, FOR=TREES)
 )
+touch_up_trees = compiled(specialise(touch_up, "touch_up_trees", once=_once, FOR=TREES))
