@@ -67,8 +67,9 @@ NOTICED = 1e-5
 
 # Given up is what is farther off than that at the end, or has more energy than that times what there was before the joints
 # did anything, and more than what motors and springs may add: there are solutions far away, which no one wants. Before the
-# drift, velocities of what turns by an angle a in the substep lawfully have a^2 / 2 more; projections never add any.
-FAR, EXCESS = 1e-3, 1.01
+# drift, velocities of what turns by an angle a in the substep lawfully have a^2 / 2 more; projections never add any. Turns
+# beyond half a radian are not resolved, and lose energy rather than win it.
+FAR, EXCESS, RESOLVED = 1e-3, 1.01, 0.5
 
 
 def solve_articulations(t: float, h: float, world: int) -> None:
@@ -98,7 +99,7 @@ def solve_articulations(t: float, h: float, world: int) -> None:
             if off * ratio <= CLOSE:
                 break
         articulations[row, LOST] = off * ratio > FAR or has_gained(
-            row, h, EXCESS + 2.0 * fastest_turn(row, h, world) ** 2, world
+            row, h, EXCESS + 0.6 * min(fastest_turn(row, h, world), RESOLVED) ** 2, world
         )
         if articulations[row, LOST] != 0:
             forget_warm_start(row, world)
@@ -118,7 +119,11 @@ def touch_up(t: float, h: float, world: int) -> None:
         if articulations[row, LOST] != 0 or work[articulations[row, FIRST], TOUCHED] == 0.0:
             continue
         if NOTICED < aim_all(row, h, AHEAD, 0.0, world) < POOR:
+            work[articulations[row, FIRST], ENERGY] = kinetic_energy(row, world)
+            note_velocities(row, world)
             once(row, h, h, world)
+            if has_gained(row, h, EXCESS, world):
+                take_back(row, world)
             end_solution(row, h, world)
 
 
