@@ -79,7 +79,7 @@ class _Dispatcher(CPUDispatcher):  # type: ignore[misc]
     """
 
     def __init__(self, py_func: Function, variables: Any = None, targetoptions: Any = None, **more: Any) -> None:
-        super().__init__(py_func, variables, targetoptions, **more)
+        super().__init__(py_func, variables or {}, targetoptions, **more)
         self._compiler.targetoptions = {**targetoptions, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
         self._called: Any = None
 
