@@ -33,6 +33,7 @@ from kickdrift.core.vectors import (
     turned_symmetric,
     unit,
 )
+from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.settings import GRAVITY, MIDPOINT, PLANE
 from kickdrift.world.tables import (
     BODY,
@@ -118,9 +119,9 @@ def finish(t: float, h: float, world: int) -> None:
 @compiled
 def flatten(t: float, h: float, world: int) -> None:
     """Take from the velocities what leads out of the plane that a planar world moves in."""
-    motion, plane = floats(world, MOTION), _three(floats(world, SETTINGS), 0, PLANE)
+    motion, plane = floats(world, MOTION), vector_at(floats(world, SETTINGS), 0, PLANE)
     for body in range(rows(world, MOTION)):
-        v, w = _three(motion, body, 0), _three(motion, body, 3)
+        v, w = vector_at(motion, body, 0), vector_at(motion, body, 3)
         v, w = minus(v, times(dot(plane, v), plane)), times(dot(plane, w), plane)
         for k in range(3):
             motion[body, k], motion[body, 3 + k] = v[k], w[k]
@@ -147,8 +148,8 @@ def kick(t: float, h: float, world: int) -> None:
             kicked[body, ADDED + k] = motion[body, k] - old
         if inertia[body, SPHERICAL] == 0.0:
             _follow_pose(body, pose, motion, inertia, response, kicked)
-        torque = _three(force, body, 3)
-        turn = applied(_symmetric(response, body, 1), torque)
+        torque = vector_at(force, body, 3)
+        turn = applied(symmetric_at(response, body, 1), torque)
         keep = 1.0 / (1.0 + h * inertia[body, TURN_DAMPING])
         for k in range(3):
             motion[body, 3 + k] = keep * (motion[body, 3 + k] + h * turn[k])
@@ -168,8 +169,8 @@ def _follow_pose(body: int, pose: Any, motion: Any, inertia: Any, response: Any,
     if same:
         return
     q = (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
-    turned_inverse = turned_symmetric(q, _symmetric(inertia, body, INVERSE_INERTIA))
-    spin = _turned_product(q, _symmetric(inertia, body, BODY_INERTIA), _three(motion, body, 3))
+    turned_inverse = turned_symmetric(q, symmetric_at(inertia, body, INVERSE_INERTIA))
+    spin = _turned_product(q, symmetric_at(inertia, body, BODY_INERTIA), vector_at(motion, body, 3))
     for k in range(6):
         response[body, 1 + k] = turned_inverse[k]
     for k in range(3):
@@ -183,20 +184,15 @@ def _turned_product(q: Quaternion, moments: Symmetric, w: Vector) -> Vector:
     return turned(q, applied(moments, turned_back(q, w)))
 
 
-@compiled(inline=True)
-def _three(table: Any, row: int, column: int) -> Vector:
-    return (table[row, column], table[row, column + 1], table[row, column + 2])
-
-
 @compiled
 def _look_ahead(body: int, h: float, pose: Any, motion: Any, inertia: Any, kicked: Any) -> None:
     """Replace the angular velocity of a body by that of its turn in free flight, w* = I^-1 (P + P') / 2."""
     q = (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
-    moments = _symmetric(inertia, body, BODY_INERTIA)
-    won = minus(_three(motion, body, 3), _three(kicked, body, LEFT_TURN))
-    spin = plus(_three(kicked, body, SPIN), _turned_product(q, moments, won))
+    moments = symmetric_at(inertia, body, BODY_INERTIA)
+    won = minus(vector_at(motion, body, 3), vector_at(kicked, body, LEFT_TURN))
+    spin = plus(vector_at(kicked, body, SPIN), _turned_product(q, moments, won))
     momentum = turned_back(q, spin)
-    now = turned_back(q, _three(motion, body, 3))
+    now = turned_back(q, vector_at(motion, body, 3))
     w = now
     error = 0.0
     for _ in range(_ROUNDS):
@@ -258,9 +254,9 @@ def drift(t: float, h: float, world: int) -> None:
         for k in range(4):
             pose[body, 3 + k] = q[k]
         if inertia[body, SPHERICAL] == 0.0 and kind == DYNAMIC:
-            moments, inverse = _symmetric(inertia, body, BODY_INERTIA), _symmetric(inertia, body, INVERSE_INERTIA)
-            won = minus(w, _three(kicked, body, 3))
-            spin = plus(_three(kicked, body, SPIN), _turned_product(before, moments, won))
+            moments, inverse = symmetric_at(inertia, body, BODY_INERTIA), symmetric_at(inertia, body, INVERSE_INERTIA)
+            won = minus(w, vector_at(kicked, body, 3))
+            spin = plus(vector_at(kicked, body, SPIN), _turned_product(before, moments, won))
             w = turned(q, applied(inverse, turned_back(q, spin)))
             turned_inverse = turned_symmetric(q, inverse)
             for k in range(3):
@@ -269,15 +265,3 @@ def drift(t: float, h: float, world: int) -> None:
                 kicked[body, LEFT_POSE + k] = q[k]
             for k in range(6):
                 response[body, 1 + k] = turned_inverse[k]
-
-
-@compiled(inline=True)
-def _symmetric(table: Any, row: int, column: int) -> Any:
-    return (
-        table[row, column],
-        table[row, column + 1],
-        table[row, column + 2],
-        table[row, column + 3],
-        table[row, column + 4],
-        table[row, column + 5],
-    )

@@ -24,6 +24,7 @@ from kickdrift.core.vectors import (
     turned,
     turned_back,
 )
+from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts.layout import (
     BODY_A,
     BODY_B,
@@ -70,7 +71,7 @@ def _advance(world: int, row: int, way: float) -> None:
         if contact[row, POINTS] == 0:
             return
         gap, normal = _deepest(world, row, at, turn)
-        closing = spin - dot(turned(turn_a, normal), minus(_three(motion, b, 0), _three(motion, a, 0)))
+        closing = spin - dot(turned(turn_a, normal), minus(vector_at(motion, b, 0), vector_at(motion, a, 0)))
         if gap <= near or closing <= 0.0 or when >= settings[0, STEP]:
             break
         when = min(when + gap / closing, settings[0, STEP])
@@ -85,14 +86,9 @@ def _advance(world: int, row: int, way: float) -> None:
 @compiled
 def _spin(world: int, shape: int, body: int) -> float:
     """Bound how fast points of a shape move by the rotation of its body."""
-    place, w = floats(world, PLACE), _three(floats(world, MOTION), body, 3)
+    place, w = floats(world, PLACE), vector_at(floats(world, MOTION), body, 3)
     turn = length(w)
-    return turn * (place[shape, RADIUS] + length(_three(place, shape, 0))) if turn > 0.0 else 0.0
-
-
-@compiled(inline=True)
-def _three(table: Any, row: int, column: int) -> Vector:
-    return (table[row, column], table[row, column + 1], table[row, column + 2])
+    return turn * (place[shape, RADIUS] + length(vector_at(place, shape, 0))) if turn > 0.0 else 0.0
 
 
 @compiled
@@ -100,9 +96,9 @@ def _placed_at(world: int, shape: int, body: int, when: float) -> tuple[Vector, 
     """Return where a shape will be a time after the start of the step if nothing acts on it."""
     at, turn = placed_pose(world, shape)
     motion = floats(world, MOTION)
-    centre = _three(floats(world, POSE), body, 0)
-    q = exponential(times(when, _three(motion, body, 3)))
-    moved = plus(centre, times(when, _three(motion, body, 0)))
+    centre = vector_at(floats(world, POSE), body, 0)
+    q = exponential(times(when, vector_at(motion, body, 3)))
+    moved = plus(centre, times(when, vector_at(motion, body, 0)))
     return plus(moved, turned(q, minus(at, centre))), product(q, turn)
 
 
@@ -119,12 +115,12 @@ def _relative(world: int, row: int, when: float) -> tuple[Vector, Quaternion, Qu
 def _deepest(world: int, row: int, at: Vector, turn: Quaternion) -> tuple[float, Vector]:
     """Smallest gap of the points of a contact, and the normal, in the frame of the first shape."""
     manifold = floats(world, MANIFOLD)
-    normal = _three(manifold, row, 0)
+    normal = vector_at(manifold, row, 0)
     gap = 1e300
     for k in range(integers(world, CONTACT)[row, POINTS]):
         p = POINT + POINT_SIZE * k
-        on_b = plus(at, turned(turn, _three(manifold, row, p + 3)))
-        gap = min(gap, dot(normal, minus(on_b, _three(manifold, row, p))))
+        on_b = plus(at, turned(turn, vector_at(manifold, row, p + 3)))
+        gap = min(gap, dot(normal, minus(on_b, vector_at(manifold, row, p))))
     return gap, normal
 
 
@@ -138,16 +134,18 @@ def _bring_back(world: int, row: int, when: float) -> None:
     now_b, frame_b = placed_pose(world, contact[row, SHAPE_B])
     then_a, turn_a = _placed_at(world, contact[row, SHAPE_A], a, when)
     then_b, turn_b = _placed_at(world, contact[row, SHAPE_B], b, when)
-    centre_a, centre_b = _three(pose, a, 0), _three(pose, b, 0)
-    way_a, way_b = times(when, _three(motion, a, 0)), times(when, _three(motion, b, 0))
+    centre_a, centre_b = vector_at(pose, a, 0), vector_at(pose, b, 0)
+    way_a, way_b = times(when, vector_at(motion, a, 0)), times(when, vector_at(motion, b, 0))
     _put(manifold, row, SLIDE_AHEAD, minus(way_b, way_a))
-    normal = turned(turn_a, _three(manifold, row, 0))
+    normal = turned(turn_a, vector_at(manifold, row, 0))
     for k in range(contact[row, POINTS]):
         p = POINT + POINT_SIZE * k
         # From the centres of mass, as they will be; what the turns then add to the gap is taken off beforehand.
-        arm_a = minus(plus(then_a, turned(turn_a, _three(manifold, row, p))), plus(centre_a, way_a))
-        arm_b = minus(plus(then_b, turned(turn_b, _three(manifold, row, p + 3))), plus(centre_b, way_b))
-        turning = dot(cross(arm_b, normal), _three(motion, b, 3)) - dot(cross(arm_a, normal), _three(motion, a, 3))
+        arm_a = minus(plus(then_a, turned(turn_a, vector_at(manifold, row, p))), plus(centre_a, way_a))
+        arm_b = minus(plus(then_b, turned(turn_b, vector_at(manifold, row, p + 3))), plus(centre_b, way_b))
+        turning = dot(cross(arm_b, normal), vector_at(motion, b, 3)) - dot(
+            cross(arm_a, normal), vector_at(motion, a, 3)
+        )
         on_a, on_b = plus(centre_a, arm_a), plus(centre_b, minus(arm_b, times(when * turning, normal)))
         _put(manifold, row, p, turned_back(frame_a, minus(on_a, now_a)))
         _put(manifold, row, p + 3, turned_back(frame_b, minus(on_b, now_b)))

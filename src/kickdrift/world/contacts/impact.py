@@ -26,6 +26,7 @@ from kickdrift.core.vectors import (
     plus,
     times,
 )
+from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.looking import RESTITUTION
 from kickdrift.world.contacts.strike import (
@@ -34,11 +35,10 @@ from kickdrift.world.contacts.strike import (
     POINT_SIZE,
     SPEED,
     WANTED,
+    field_at,
     find_impulses,
     glides,
     strike,
-    three,
-    vector_at,
 )
 from kickdrift.world.flight import ADDED, IMPACT_TIME, LINK_COUNT
 from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, MIDPOINT, SLOP
@@ -108,7 +108,7 @@ def slowest_bounce(h: float, world: int) -> float:
     """Return the speed from which on things bounce."""
     settings = floats(world, SETTINGS)
     slowest: float = settings[0, BOUNCE_SPEED]
-    return slowest if slowest >= 0.0 else 4.0 * h * length(three(settings, 0, GRAVITY))
+    return slowest if slowest >= 0.0 else 4.0 * h * length(vector_at(settings, 0, GRAVITY))
 
 
 @compiled(inline=True)
@@ -121,8 +121,8 @@ def _constraint(world: int, row: int) -> Any:
 @compiled(inline=True)
 def _along(table: Any, a: int, b: int, normal: Vector, arm_a: Vector, arm_b: Vector) -> float:
     """Velocity (or displacement) of a point of b against one of a along the normal."""
-    linear = dot(normal, minus(three(table, b, 0), three(table, a, 0)))
-    return linear + dot(arm_b, three(table, b, 3)) - dot(arm_a, three(table, a, 3))
+    linear = dot(normal, minus(vector_at(table, b, 0), vector_at(table, a, 0)))
+    return linear + dot(arm_b, vector_at(table, b, 3)) - dot(arm_a, vector_at(table, a, 3))
 
 
 @compiled
@@ -130,9 +130,9 @@ def _slid(world: int, row: int, own: Any, when: float) -> Vector:
     """Say what the second body has slid past the first when they hit, within bounds."""
     contact, motion, change = integers(world, CONTACT), floats(world, MOTION), floats(world, CHANGE)
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
-    by_now = minus(three(change, b, 0), three(change, a, 0))
-    slid = plus(by_now, times(when, minus(three(motion, b, 0), three(motion, a, 0))))
-    slid = plus(slid, vector_at(own, c.OFFSET))
+    by_now = minus(vector_at(change, b, 0), vector_at(change, a, 0))
+    slid = plus(by_now, times(when, minus(vector_at(motion, b, 0), vector_at(motion, a, 0))))
+    slid = plus(slid, field_at(own, c.OFFSET))
     return times(min(1.0, own[c.FARTHEST * c.WIDTH] / (length(slid) + 1e-300)), slid)
 
 
@@ -146,13 +146,13 @@ def _times_of_hits(world: int, row: int, own: Any, hit: Any, points: int, h: flo
         floats(world, KICKED),
     )
     settings, slowest = floats(world, SETTINGS), slowest_bounce(h, world)
-    a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], vector_at(own, c.N)
-    added = settings[0, MIDPOINT] * dot(normal, minus(three(kicked, b, ADDED), three(kicked, a, ADDED)))
+    a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], field_at(own, c.N)
+    added = settings[0, MIDPOINT] * dot(normal, minus(vector_at(kicked, b, ADDED), vector_at(kicked, a, ADDED)))
     since = max(kicked[a, IMPACT_TIME], kicked[b, IMPACT_TIME])
     first = 2.0 * h
     for k in range(points):
         f = c.P + c.POINT_FIELDS * k
-        arm_a, arm_b = vector_at(own, f + c.ARM_A), vector_at(own, f + c.ARM_B)
+        arm_a, arm_b = field_at(own, f + c.ARM_A), field_at(own, f + c.ARM_B)
         gap = own[(f + c.GAP) * c.WIDTH] + _along(change, a, b, normal, arm_a, arm_b)
         # gap(s) = gap + start s + added / (2 h) s^2: free flight by the midpoint rule; without it, added is 0.
         velocity = _along(motion, a, b, normal, arm_a, arm_b)
@@ -177,7 +177,7 @@ def _times_of_hits(world: int, row: int, own: Any, hit: Any, points: int, h: flo
 def _speeds_wanted(world: int, row: int, own: Any, hit: Any, points: int, slid: Vector, first: float, e: float) -> int:
     """Say which velocity each point that hits at the same time shall have, by Newton's rule; return how many do."""
     contact, motion = integers(world, CONTACT), floats(world, MOTION)
-    a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], vector_at(own, c.N)
+    a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], field_at(own, c.N)
     near, aside = 0.1 * floats(world, SETTINGS)[0, SLOP], glides(own, cross(slid, normal))
     found = 0
     for k in range(points):
@@ -187,7 +187,7 @@ def _speeds_wanted(world: int, row: int, own: Any, hit: Any, points: int, slid: 
         hit[p + IMPULSE] = 0.0
         hit[p + WANTED] = -1e300
         if speed < 0.0 and (hit[p + HIT_TIME] - first) * -speed <= near:
-            arm_a, arm_b = vector_at(own, f + c.ARM_A), vector_at(own, f + c.ARM_B)
+            arm_a, arm_b = field_at(own, f + c.ARM_A), field_at(own, f + c.ARM_B)
             before = _along(motion, a, b, normal, arm_a, arm_b)
             velocity = _along(motion, a, b, normal, plus(arm_a, aside[0]), plus(arm_b, aside[1]))
             hit[p + WANTED] = velocity - (1.0 + e) * (speed + velocity - before)

@@ -19,6 +19,7 @@ from kickdrift.core.vectors import (
     turned_symmetric,
     unit,
 )
+from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.flight import BODY_INERTIA, IMPACT_TIME, SPHERICAL, SPIN
 from kickdrift.world.tables import CHANGE, CONTACT, INERTIA, KICKED, MOTION, POSE, RESPONSE, floats, integers
@@ -26,18 +27,13 @@ from kickdrift.world.tables import CHANGE, CONTACT, INERTIA, KICKED, MOTION, POS
 # Of each of four points on the stack: time of the hit, speed, velocity wanted, impulse
 HIT_TIME, SPEED, WANTED, IMPULSE, POINT_SIZE = 0, 1, 2, 3, 4
 _SWEEPS = 400
+_INVERSE = 1  # column of RESPONSE: inverse inertia
 
 
 @compiled(inline=True)
-def vector_at(own: Any, field: int) -> Vector:
+def field_at(own: Any, field: int) -> Vector:
     """Three fields of a constraint, whose lane `own` begins at."""
     return (own[field * c.WIDTH], own[(field + 1) * c.WIDTH], own[(field + 2) * c.WIDTH])
-
-
-@compiled(inline=True)
-def three(table: Any, body: int, column: int) -> Vector:
-    """Three numbers of a row."""
-    return (table[body, column], table[body, column + 1], table[body, column + 2])
 
 
 @compiled(inline=True)
@@ -51,11 +47,11 @@ def glides(own: Any, slid: Vector) -> tuple[Vector, Vector]:
 def find_impulses(world: int, row: int, own: Any, hit: Any, points: int, slid: Vector) -> None:
     """Impulses >= 0 that give every point at least the velocity wanted, zero where it has more: Gauss-Seidel."""
     contact, motion, response = integers(world, CONTACT), floats(world, MOTION), floats(world, RESPONSE)
-    a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], vector_at(own, c.N)
-    inverse_a, inverse_b = _inverse_inertia(response, a), _inverse_inertia(response, b)
+    a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], field_at(own, c.N)
+    inverse_a, inverse_b = symmetric_at(response, a, _INVERSE), symmetric_at(response, b, _INVERSE)
     mass, aside = response[a, 0] + response[b, 0], glides(own, cross(slid, normal))
-    v = dot(normal, minus(three(motion, b, 0), three(motion, a, 0)))
-    w_a, w_b = three(motion, a, 3), three(motion, b, 3)
+    v = dot(normal, minus(vector_at(motion, b, 0), vector_at(motion, a, 0)))
+    w_a, w_b = vector_at(motion, a, 3), vector_at(motion, b, 3)
     scale = 0.0
     for _ in range(_SWEEPS):
         largest = 0.0
@@ -63,12 +59,12 @@ def find_impulses(world: int, row: int, own: Any, hit: Any, points: int, slid: V
             p, f = POINT_SIZE * k, c.P + c.POINT_FIELDS * k
             if hit[p + WANTED] == -1e300:
                 continue
-            arm_a, arm_b = plus(vector_at(own, f + c.ARM_A), aside[0]), plus(vector_at(own, f + c.ARM_B), aside[1])
+            arm_a, arm_b = plus(field_at(own, f + c.ARM_A), aside[0]), plus(field_at(own, f + c.ARM_B), aside[1])
             missing = hit[p + WANTED] - (v + dot(arm_b, w_b) - dot(arm_a, w_a))
             old = hit[p + IMPULSE]
             # Of now: bodies that spin fast have turned since the step began, and another mass would diverge.
-            response = mass + dot(arm_a, applied(inverse_a, arm_a)) + dot(arm_b, applied(inverse_b, arm_b))
-            new = max(old + missing / response, 0.0)
+            yielding = mass + dot(arm_a, applied(inverse_a, arm_a)) + dot(arm_b, applied(inverse_b, arm_b))
+            new = max(old + missing / yielding, 0.0)
             hit[p + IMPULSE] = new
             d = new - old
             v += d * mass
@@ -84,8 +80,8 @@ def find_impulses(world: int, row: int, own: Any, hit: Any, points: int, slid: V
 def strike(world: int, row: int, own: Any, hit: Any, points: int, slid: Vector, when: float) -> None:
     """Apply the impulses, and friction for as much as they carry, at a time of the substep."""
     contact, motion, response = integers(world, CONTACT), floats(world, MOTION), floats(world, RESPONSE)
-    a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], vector_at(own, c.N)
-    inverse_a, inverse_b = _inverse_inertia(response, a), _inverse_inertia(response, b)
+    a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], field_at(own, c.N)
+    inverse_a, inverse_b = symmetric_at(response, a, _INVERSE), symmetric_at(response, b, _INVERSE)
     contact[row, c.STATE] |= c.HIT
     total = 0.0
     turn_a = (0.0, 0.0, 0.0)
@@ -93,22 +89,22 @@ def strike(world: int, row: int, own: Any, hit: Any, points: int, slid: Vector, 
     for k in range(points):
         f, impulse = c.P + c.POINT_FIELDS * k, hit[POINT_SIZE * k + IMPULSE]
         total += impulse
-        turn_a = plus(turn_a, times(impulse, vector_at(own, f + c.ARM_A)))
-        turn_b = plus(turn_b, times(impulse, vector_at(own, f + c.ARM_B)))
+        turn_a = plus(turn_a, times(impulse, field_at(own, f + c.ARM_A)))
+        turn_b = plus(turn_b, times(impulse, field_at(own, f + c.ARM_B)))
     push = times(total, normal)
     aside = glides(own, cross(slid, push))
     turn_a, turn_b = plus(turn_a, aside[0]), plus(turn_b, aside[1])
-    v_a = minus(three(motion, a, 0), times(response[a, 0], push))
-    v_b = plus(three(motion, b, 0), times(response[b, 0], push))
-    w_a = minus(three(motion, a, 3), applied(inverse_a, turn_a))
-    w_b = plus(three(motion, b, 3), applied(inverse_b, turn_b))
+    v_a = minus(vector_at(motion, a, 0), times(response[a, 0], push))
+    v_b = plus(vector_at(motion, b, 0), times(response[b, 0], push))
+    w_a = minus(vector_at(motion, a, 3), applied(inverse_a, turn_a))
+    w_b = plus(vector_at(motion, b, 3), applied(inverse_b, turn_b))
     # Friction at the centre
-    first, more = vector_at(own, c.T), glides(own, slid)
-    arm_a, arm_b = plus(vector_at(own, c.CENTRE_A), more[0]), plus(vector_at(own, c.CENTRE_B), more[1])
+    first, more = field_at(own, c.T), glides(own, slid)
+    arm_a, arm_b = plus(field_at(own, c.CENTRE_A), more[0]), plus(field_at(own, c.CENTRE_B), more[1])
     second = cross(normal, first)
     slip = minus(plus(v_b, cross(w_b, arm_b)), plus(v_a, cross(w_a, arm_a)))
     s1, s2 = dot(slip, first) - own[c.SLIDE * c.WIDTH], dot(slip, second) - own[(c.SLIDE + 1) * c.WIDTH]
-    k11, k22, k12 = vector_at(own, c.GRIP)
+    k11, k22, k12 = field_at(own, c.GRIP)
     f1, f2 = -(k11 * s1 + k12 * s2), -(k12 * s1 + k22 * s2)
     most, size = own[c.FRICTION * c.WIDTH] * total, math.sqrt(f1 * f1 + f2 * f2)
     if size > most:
@@ -132,22 +128,14 @@ def _set(world: int, body: int, velocity: Vector, turn: Vector, when: float) -> 
         floats(world, CHANGE),
         floats(world, POSE),
     )
-    back = times(-when, minus(velocity, three(motion, body, 0)))
-    turn_back = times(-when, minus(turn, three(motion, body, 3)))
+    back = times(-when, minus(velocity, vector_at(motion, body, 0)))
+    turn_back = times(-when, minus(turn, vector_at(motion, body, 3)))
     q = (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
     inertia = floats(world, INERTIA)
     if inertia[body, SPHERICAL] == 0.0:
-        m = BODY_INERTIA
-        moments = (
-            inertia[body, m],
-            inertia[body, m + 1],
-            inertia[body, m + 2],
-            inertia[body, m + 3],
-            inertia[body, m + 4],
-            inertia[body, m + 5],
-        )
-        won = turned(q, applied(moments, turned_back(q, minus(turn, three(motion, body, 3)))))
-        responses = turned_symmetric(exponential(turn_back), _inverse_inertia(floats(world, RESPONSE), body))
+        moments = symmetric_at(inertia, body, BODY_INERTIA)
+        won = turned(q, applied(moments, turned_back(q, minus(turn, vector_at(motion, body, 3)))))
+        responses = turned_symmetric(exponential(turn_back), symmetric_at(floats(world, RESPONSE), body, _INVERSE))
         for k in range(3):
             kicked[body, SPIN + k] += won[k]
         for k in range(6):
@@ -162,15 +150,3 @@ def _set(world: int, body: int, velocity: Vector, turn: Vector, when: float) -> 
     for k in range(4):
         pose[body, 3 + k] = q[k]
     kicked[body, IMPACT_TIME] = when
-
-
-@compiled(inline=True)
-def _inverse_inertia(response: Any, body: int) -> Any:
-    return (
-        response[body, 1],
-        response[body, 2],
-        response[body, 3],
-        response[body, 4],
-        response[body, 5],
-        response[body, 6],
-    )

@@ -18,6 +18,7 @@ from kickdrift.core.vectors import (
     turned,
     turned_back,
 )
+from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.joints.impulses import relative_velocity
 from kickdrift.world.joints.layout import (
     ANCHOR_A,
@@ -60,7 +61,7 @@ from kickdrift.world.joints.layout import (
     STATE,
     int64,
 )
-from kickdrift.world.joints.measure import axis_unit, put_cross, put_line, put_vector, quaternion_at, vector_at
+from kickdrift.world.joints.measure import axis_unit, put_cross, put_line, put_vector
 from kickdrift.world.tables import (
     ARTICULATION,
     JOINT,

@@ -2,6 +2,7 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import length
+from kickdrift.world.columns import vector_at
 from kickdrift.world.flight import AWAKE, DYNAMIC
 from kickdrift.world.flight import KIND as BODY_KIND
 from kickdrift.world.joints.impulses import note_speeds
@@ -22,7 +23,6 @@ from kickdrift.world.joints.layout import (
     RELAXING,
     TOTAL,
 )
-from kickdrift.world.joints.measure import vector_at
 from kickdrift.world.tables import ARTICULATION, BODY, JOINT, JOINT_NUMBERS, LINK, floats, integers, rows
 
 

@@ -17,6 +17,7 @@ from numba import carray
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Symmetric, Vector, cross, dot, inverse_symmetric, minus, plus, times
+from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.joints.layout import (
     ANGULAR_PART,
     ARM_A,
@@ -45,7 +46,7 @@ from kickdrift.world.joints.layout import (
     YIELD,
     int64,
 )
-from kickdrift.world.joints.measure import put_vector, symmetric_at, vector_at
+from kickdrift.world.joints.measure import put_vector
 from kickdrift.world.tables import JOINT_NUMBERS, LINK, LINK_NUMBERS, MOTION, RESPONSE, floats, integers
 
 # Of bodies that cannot turn, or turn about some axes only, as if they were heavier than they are: with 1e8, what they

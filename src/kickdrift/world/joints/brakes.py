@@ -11,8 +11,8 @@ for a second.
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot, plus, times
+from kickdrift.world.columns import vector_at
 from kickdrift.world.joints.layout import ARM_A, ARM_B, AXES, BRAKE, IMPULSE, LOCKED, PARENT, PULL, SIGN, YIELD
-from kickdrift.world.joints.measure import vector_at
 from kickdrift.world.tables import JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, floats, integers
 
 _RESOLVED, _BRAKING = 0.04, 0.5

@@ -18,6 +18,7 @@ from numba import carray
 from kickdrift.core.compilation import compiled, specialise
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import applied, length
+from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.coupled import ANSWERED, ROWS, bounces, grip, note_hits, press, write_row
 from kickdrift.world.contacts.impact import slowest_bounce
@@ -45,7 +46,6 @@ from kickdrift.world.joints.layout import (
     YIELD,
 )
 from kickdrift.world.joints.layout import BODY as LINK_BODY
-from kickdrift.world.joints.measure import symmetric_at, vector_at
 from kickdrift.world.joints.propagation import bring_down, carry_up
 from kickdrift.world.settings import PUSH_SPEED
 from kickdrift.world.tables import (

@@ -4,6 +4,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import applied, dot, length, turned_back
+from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.flight import BODY_INERTIA, MASS
 from kickdrift.world.joints.layout import (
     ANGULAR_PART,
@@ -28,7 +29,6 @@ from kickdrift.world.joints.layout import (
     int64,
 )
 from kickdrift.world.joints.layout import BODY as LINK_BODY
-from kickdrift.world.joints.measure import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.tables import (
     ARTICULATION,
     INERTIA,

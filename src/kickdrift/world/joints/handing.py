@@ -4,6 +4,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import applied
+from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.joints.articulated import sweep
 from kickdrift.world.joints.impulses import note_speeds, push_bodies
 from kickdrift.world.joints.layout import BODY as LINK_BODY
@@ -21,7 +22,6 @@ from kickdrift.world.joints.layout import (
     TURN_RESPONSE,
     int64,
 )
-from kickdrift.world.joints.measure import symmetric_at, vector_at
 from kickdrift.world.joints.settling import split_impulse
 from kickdrift.world.tables import (
     ARTICULATION,

@@ -4,6 +4,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, applied, cross, dot, minus, plus, times
+from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.joints.energy import kinetic_energy
 from kickdrift.world.joints.layout import (
     ANGULAR_PART,
@@ -26,7 +27,6 @@ from kickdrift.world.joints.layout import (
     TURN_RESPONSE,
 )
 from kickdrift.world.joints.layout import BODY as LINK_BODY
-from kickdrift.world.joints.measure import symmetric_at, vector_at
 from kickdrift.world.tables import (
     ARTICULATION,
     JOINT,

@@ -8,6 +8,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled, specialise
 from kickdrift.core.vectors import cross, dot, plus
+from kickdrift.world.columns import vector_at
 from kickdrift.world.joints.articulated import factor, sweep
 from kickdrift.world.joints.equations import factor_equations, solve_equations
 from kickdrift.world.joints.layout import (
@@ -32,7 +33,7 @@ from kickdrift.world.joints.layout import (
     PUSH,
     SLOPE,
 )
-from kickdrift.world.joints.measure import mobility, vector_at
+from kickdrift.world.joints.measure import mobility
 from kickdrift.world.joints.newton import LOOPS, solve_articulations, solve_calmly, solve_once, touch_up
 from kickdrift.world.joints.repair import repair_positions
 from kickdrift.world.tables import (

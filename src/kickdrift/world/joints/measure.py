@@ -6,7 +6,6 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import (
     Quaternion,
-    Symmetric,
     Vector,
     applied,
     conjugate,
@@ -22,6 +21,7 @@ from kickdrift.core.vectors import (
     turned,
     turned_back,
 )
+from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.joints.layout import (
     ANCHOR_A,
     ANCHOR_B,
@@ -73,21 +73,9 @@ _LEAST_SCALE = 0.05  # a swing of 174 degrees; at 180 degrees there is no twist
 
 
 @compiled(inline=True, cached=False)
-def vector_at(table: Any, row: int, column: int) -> Vector:
-    """Three numbers of a row."""
-    return (table[row, column], table[row, column + 1], table[row, column + 2])
-
-
-@compiled(inline=True, cached=False)
 def put_vector(table: Any, row: int, column: int, a: Vector) -> None:
     """Write three numbers of a row."""
     table[row, column], table[row, column + 1], table[row, column + 2] = a
-
-
-@compiled(inline=True, cached=False)
-def quaternion_at(table: Any, row: int, column: int) -> Quaternion:
-    """Four numbers of a row."""
-    return (table[row, column], table[row, column + 1], table[row, column + 2], table[row, column + 3])
 
 
 @compiled(inline=True, cached=False)
@@ -230,19 +218,6 @@ def _measure_cone(joint: int, fa: Quaternion, relative: Quaternion, world: int) 
     target = (laws[first, TARGET], laws[first + 1, TARGET], laws[first + 2, TARGET])
     off = minus(rotation_vector(relative), target)
     put_vector(numbers, joint, DRIVEN, (dot(off, out), dot(off, cross(mean, out)), dot(off, mean)))
-
-
-@compiled(inline=True, cached=False)
-def symmetric_at(table: Any, row: int, column: int) -> Symmetric:
-    """Six numbers of a row."""
-    return (
-        table[row, column],
-        table[row, column + 1],
-        table[row, column + 2],
-        table[row, column + 3],
-        table[row, column + 4],
-        table[row, column + 5],
-    )
 
 
 @compiled(cached=False)

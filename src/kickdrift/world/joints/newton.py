@@ -14,6 +14,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled, unbound
 from kickdrift.core.vectors import length
+from kickdrift.world.columns import vector_at
 from kickdrift.world.joints.aim import AHEAD, GENTLY, RELAX, aim_all
 from kickdrift.world.joints.energy import allowance, kinetic_energy
 from kickdrift.world.joints.impulses import note_velocities
@@ -35,7 +36,6 @@ from kickdrift.world.joints.layout import (
     TOUCHED,
 )
 from kickdrift.world.joints.layout import BODY as LINK_BODY
-from kickdrift.world.joints.measure import vector_at
 from kickdrift.world.joints.settling import LAST_TRIALS, TRIALS, end_relaxation, end_solution, give_impulses, settle
 from kickdrift.world.tables import (
     ARTICULATION,

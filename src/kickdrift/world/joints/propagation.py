@@ -9,6 +9,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, minus, plus, times
+from kickdrift.world.columns import vector_at
 from kickdrift.world.joints.articulated import arms, solve_free
 from kickdrift.world.joints.layout import (
     ARM_A,
@@ -28,7 +29,6 @@ from kickdrift.world.joints.layout import (
     STIRRED,
     YIELD,
 )
-from kickdrift.world.joints.measure import vector_at
 from kickdrift.world.tables import JOINT_NUMBERS, LINK, LINK_NUMBERS, floats, integers
 
 

@@ -4,10 +4,11 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled, unbound
 from kickdrift.core.vectors import Vector, exponential, length, product, times, turned, turned_symmetric, unit
+from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.joints.aim import REPAIR, aim_all
 from kickdrift.world.joints.layout import ANGULAR_PART, END, FIRST, GAIN, LINK_JOINT, LINKS, TURN_RESPONSE
 from kickdrift.world.joints.layout import BODY as LINK_BODY
-from kickdrift.world.joints.measure import measure, quaternion_at, symmetric_at, vector_at
+from kickdrift.world.joints.measure import measure
 from kickdrift.world.tables import ARTICULATION, LINK, LINK_NUMBERS, MOTION, POSE, RESPONSE, floats, integers
 from kickdrift.world.tables import CHANGE as CHANGES
 

@@ -13,6 +13,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import applied, cross
+from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.joints.aim import GENTLY, RELAX, aim, gentle_rate, gentle_share
 from kickdrift.world.joints.equations import factor_equations, solve_equations
 from kickdrift.world.joints.impulses import push_bodies
@@ -41,7 +42,7 @@ from kickdrift.world.joints.layout import (
     SOLVED,
     TURN_RESPONSE,
 )
-from kickdrift.world.joints.measure import put_vector, symmetric_at, vector_at
+from kickdrift.world.joints.measure import put_vector
 from kickdrift.world.joints.settling import LAST_TRIALS, TRIALS, end_relaxation
 from kickdrift.world.tables import (
     ARTICULATION,

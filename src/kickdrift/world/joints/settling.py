@@ -4,6 +4,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot
+from kickdrift.world.columns import vector_at
 from kickdrift.world.joints.brakes import set_brakes
 from kickdrift.world.joints.impulses import note_speeds, push_bodies
 from kickdrift.world.joints.laws import end_laws, review_laws
@@ -23,7 +24,6 @@ from kickdrift.world.joints.layout import (
     TOTAL,
     WRENCH,
 )
-from kickdrift.world.joints.measure import vector_at
 from kickdrift.world.tables import ARTICULATION, JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, floats, integers
 
 # Solutions with other pieces of laws assumed, and then with axes let go only, which comes to an end. A few axes that change
