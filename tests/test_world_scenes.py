@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 
 from kickdrift.scenes import worlds
 from kickdrift.scenes.worlds.placing import about, between, scatter, turned
+from kickdrift.world.flaws import deepest_overlap
 from kickdrift.world.tables import INERTIA
 from kickdrift.world.world import World
 
@@ -214,3 +215,15 @@ def test_ragdolls_fall_and_hold_together():
     assert world.position[2:, 2].max() < 1.0
     pelvis, chest = world.position[2], world.position[3]
     assert np.linalg.norm(chest - pelvis) < 0.11 + 0.205 + 0.01  # from centre to joint to centre
+
+
+def test_a_pyramid_of_210_boxes_stands_for_a_minute():
+    world = worlds.pyramid(base=20)
+    before, overlap = world.position.copy(), 0.0
+    for _ in range(60):
+        world.advance(1 / 60, 60)
+        overlap = max(overlap, deepest_overlap(world.tables))
+    moved = np.linalg.norm((world.position - before)[2:, :2], axis=1)
+    assert 1e-4 < moved.max() < 0.01
+    assert 0.0 < overlap < 0.005
+    assert np.abs(world.velocity).max() < 0.002
