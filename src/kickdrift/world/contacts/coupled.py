@@ -34,11 +34,12 @@ def write_row(own: Any, row: int, slid: Vector, wrench: Any) -> None:
     push, turn_a, turn_b = (0.0, 0.0, 0.0), n, n
     if row < TANGENT:
         push = n
-        turn_a = _vector(own, c.P + c.POINT_FIELDS * row + c.ARM_A)
-        turn_b = _vector(own, c.P + c.POINT_FIELDS * row + c.ARM_B)
+        turn_a = _vector(own, c.P + c.POINT_FIELDS * row + c.ARM)
+        turn_b = minus(turn_a, cross(_vector(own, c.BETWEEN), n))
     elif row < TWIST:
         push = u if row == TANGENT else cross(n, u)
-        turn_a, turn_b = cross(_vector(own, c.CENTRE_A), push), cross(_vector(own, c.CENTRE_B), push)
+        turn_a = cross(_vector(own, c.CENTRE), push)
+        turn_b = minus(turn_a, cross(_vector(own, c.BETWEEN), push))
     more, glide_a = cross(slid, push), own[c.GLIDE_A * W]
     turn_a, turn_b = plus(turn_a, times(glide_a, more)), plus(turn_b, times(glide_a - 1.0, more))
     for k in range(3):

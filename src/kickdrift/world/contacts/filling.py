@@ -81,8 +81,7 @@ def _fill_point(own: Any, raw: Any, lane: int, j: int, i: int, k: float, slop: f
     response = raw[MASS_A * W + lane] + raw[MASS_B * W + lane]
     response += _response(raw, INERTIA_A * W + lane, ux, uy, uz, ux, uy, uz)
     response += _response(raw, INERTIA_B * W + lane, vx, vy, vz, vx, vy, vz)
-    _put(own, i + c.ARM_A * W, there * ux, there * uy, there * uz)
-    _put(own, i + c.ARM_B * W, there * vx, there * vy, there * vz)
+    _put(own, i + c.ARM * W, there * ux, there * uy, there * uz)
     own[i + c.GAP * W] = gap
     own[i + c.POINT_MASS * W] = there / (response + 1e-300)
     # Points that touch carry the friction: the centre must not jump where a distant one comes or goes.
@@ -93,7 +92,7 @@ def _fill_point(own: Any, raw: Any, lane: int, j: int, i: int, k: float, slop: f
 @compiled(fast=True, inline=True)
 def _lever(own: Any, i: int, nx: float, ny: float, nz: float, cx: float, cy: float, cz: float) -> float:
     """Distance of a point from the centre of the contact in its plane: arms are at right angles to the normal."""
-    ax, ay, az = _vector(own, i + c.ARM_A * W)
+    ax, ay, az = _vector(own, i + c.ARM * W)
     bx, by, bz = cy * nz - cz * ny, cz * nx - cx * nz, cx * ny - cy * nx
     return math.sqrt((ax - bx) * (ax - bx) + (ay - by) * (ay - by) + (az - bz) * (az - bz))
 
@@ -125,9 +124,9 @@ def fill(own: Any, raw: Any, slop: float, unused: float, none: float, n: int) ->
         own[i + 2 * _NEXT], own[i + 3 * _NEXT] = raw[(IMPULSE + 2) * W + lane], raw[(IMPULSE + 3) * W + lane]
         _put(own, c.N * W + lane, nx, ny, nz)
         dx, dy, dz = _vector(raw, APART * W + lane)
-        _put(own, c.CENTRE_A * W + lane, cx, cy, cz)
+        _put(own, c.CENTRE * W + lane, cx, cy, cz)
         ex, ey, ez = _vector(raw, OFFSET * W + lane)
-        _put(own, c.CENTRE_B * W + lane, cx + ex - dx, cy + ey - dy, cz + ez - dz)
+        _put(own, c.BETWEEN * W + lane, dx - ex, dy - ey, dz - ez)
         x, y, z = _vector(raw, SOFTNESS * W + lane)
         _put(own, c.SOFTNESS * W + lane, x, y, z)
         own[c.MASS_A * W + lane], own[c.MASS_B * W + lane] = raw[MASS_A * W + lane], raw[MASS_B * W + lane]
@@ -144,8 +143,9 @@ def fill_friction(own: Any, raw: Any, slop: float, unused: float, none: float, n
         scale = 1.0 / math.sqrt(ux * ux + uy * uy + uz * uz + 1e-300)
         ux, uy, uz = ux * scale, uy * scale, uz * scale
         vx, vy, vz = ny * uz - nz * uy, nz * ux - nx * uz, nx * uy - ny * ux
-        ax, ay, az = _vector(own, c.CENTRE_A * W + lane)
-        bx, by, bz = _vector(own, c.CENTRE_B * W + lane)
+        ax, ay, az = _vector(own, c.CENTRE * W + lane)
+        bx, by, bz = _vector(own, c.BETWEEN * W + lane)
+        bx, by, bz = ax - bx, ay - by, az - bz
         k11 = raw[MASS_A * W + lane] + raw[MASS_B * W + lane]
         k22, k12 = k11, 0.0
         px, py, pz = ay * uz - az * uy, az * ux - ax * uz, ax * uy - ay * ux

@@ -35,6 +35,7 @@ from kickdrift.world.contacts.strike import (
     POINT_SIZE,
     SPEED,
     WANTED,
+    arms_of,
     field_at,
     find_impulses,
     glides,
@@ -152,7 +153,7 @@ def _times_of_hits(world: int, row: int, own: Any, hit: Any, points: int, h: flo
     first = 2.0 * h
     for k in range(points):
         f = c.P + c.POINT_FIELDS * k
-        arm_a, arm_b = field_at(own, f + c.ARM_A), field_at(own, f + c.ARM_B)
+        arm_a, arm_b = arms_of(own, k)
         gap = own[(f + c.GAP) * c.WIDTH] + _along(change, a, b, normal, arm_a, arm_b)
         # gap(s) = gap + start s + added / (2 h) s^2: free flight by the midpoint rule; without it, added is 0.
         velocity = _along(motion, a, b, normal, arm_a, arm_b)
@@ -181,13 +182,12 @@ def _speeds_wanted(world: int, row: int, own: Any, hit: Any, points: int, slid: 
     near, aside = 0.1 * floats(world, SETTINGS)[0, SLOP], glides(own, cross(slid, normal))
     found = 0
     for k in range(points):
-        f = c.P + c.POINT_FIELDS * k
         p = POINT_SIZE * k
         speed = hit[p + SPEED]
         hit[p + IMPULSE] = 0.0
         hit[p + WANTED] = -1e300
         if speed < 0.0 and (hit[p + HIT_TIME] - first) * -speed <= near:
-            arm_a, arm_b = field_at(own, f + c.ARM_A), field_at(own, f + c.ARM_B)
+            arm_a, arm_b = arms_of(own, k)
             before = _along(motion, a, b, normal, arm_a, arm_b)
             velocity = _along(motion, a, b, normal, plus(arm_a, aside[0]), plus(arm_b, aside[1]))
             hit[p + WANTED] = velocity - (1.0 + e) * (speed + velocity - before)

@@ -65,11 +65,11 @@ def _slid(own: Any, s: Any, lane: int) -> tuple[float, float, float]:
 def _centre(own: Any, s: Any, lane: int) -> tuple[float, float, float, float, float, float]:
     """Arms of both bodies to the centre of the contact."""
     dx, dy, dz = _slid(own, s, lane)
-    ax, ay, az = _vector(own, c.CENTRE_A, lane)
-    bx, by, bz = _vector(own, c.CENTRE_B, lane)
+    ax, ay, az = _vector(own, c.CENTRE, lane)
+    bx, by, bz = _vector(own, c.BETWEEN, lane)
     u = own[c.GLIDE_A * W + lane]
-    v = u - 1.0
-    return ax + u * dx, ay + u * dy, az + u * dz, bx + v * dx, by + v * dy, bz + v * dz
+    ax, ay, az = ax + u * dx, ay + u * dy, az + u * dz
+    return ax, ay, az, ax - bx - dx, ay - by - dy, az - bz - dz
 
 
 @compiled(fast=True, inline=True)
@@ -81,19 +81,16 @@ def _put(array: Any, field: int, lane: int, x: float, y: float, z: float) -> Non
 
 
 @compiled(fast=True, inline=True)
-def _solve_point(
-    own: Any, s: Any, lane: int, i: int, opened: float, turned: Any, slid: Any, spring: Any, state: Any
-) -> Any:
+def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, arms: Any, spring: Any, state: Any) -> Any:
     """Solve one point, whose fields begin at i; `state` is the impulse of those before it and the velocities they left."""
     rate, soft_mass, soft_impulse, per_h, push, closed, sum_mass = spring
-    tax, tay, taz, tbx, tby, tbz = turned
+    tx, ty, tz, gx, gy, gz, ex, ey, ez = arms
     total, v, wax, way, waz, wbx, wby, wbz = state
-    ax, ay, az = _vector(own, c.ARM_A, i)
-    bx, by, bz = _vector(own, c.ARM_B, i)
+    ax, ay, az = _vector(own, c.ARM, i)
     impulse = own[i + c.IMPULSE * W]
-    gap = own[i + c.GAP * W] + opened + (bx * tbx + by * tby + bz * tbz) - (ax * tax + ay * tay + az * taz)
-    ax, ay, az = ax + slid[0], ay + slid[1], az + slid[2]
-    bx, by, bz = bx + slid[3], by + slid[4], bz + slid[5]
+    gap = own[i + c.GAP * W] + opened + (ax * tx + ay * ty + az * tz)
+    ax, ay, az = ax + gx, ay + gy, az + gz
+    bx, by, bz = ax - ex, ay - ey, az - ez
     # Without branches, which would keep the loop from vectorising: points apart are rigid, and their bias is gap / h.
     apart = 1.0 if gap > 0.0 else 0.0
     bias = max(gap, 0.0) * per_h + max(soft_mass * rate * min(gap, 0.0), -push)
@@ -137,22 +134,24 @@ def solve_normals(own: Any, s: Any, per_h: float, soft: float, push: float, n: i
         tax, tay, taz = _vector(s, CHANGE_A + 3, lane)
         dbx, dby, dbz = _vector(s, CHANGE_B, lane)
         tbx, tby, tbz = _vector(s, CHANGE_B + 3, lane)
+        # Arms of b are those of a less what is between the bodies and what they have slid, times the normal.
+        dx, dy, dz = _vector(own, c.BETWEEN, lane)
+        ex, ey, ez = dy * nz - dz * ny, dz * nx - dx * nz, dx * ny - dy * nx
         dx, dy, dz = dbx - dax, dby - day, dbz - daz
-        opened = nx * dx + ny * dy + nz * dz
+        opened = nx * dx + ny * dy + nz * dz - (ex * tbx + ey * tby + ez * tbz)
         dx, dy, dz = _slid(own, s, lane)
         px, py, pz = dy * nz - dz * ny, dz * nx - dx * nz, dx * ny - dy * nx
         u = own[c.GLIDE_A * W + lane]
-        slid = (u * px, u * py, u * pz, (u - 1.0) * px, (u - 1.0) * py, (u - 1.0) * pz)
+        arms = (tbx - tax, tby - tay, tbz - taz, u * px, u * py, u * pz, ex + px, ey + py, ez + pz)
         v = nx * (vbx - vax) + ny * (vby - vay) + nz * (vbz - vaz)
         state = (0.0, v, wax, way, waz, wbx, wby, wbz)
         spring = (rate, soft_mass, soft_impulse, per_h, push, closed, mass_a + mass_b)
-        turned = (tax, tay, taz, tbx, tby, tbz)
         # Indices of constants and the lane alone: others might be negative to the compiler, and would not be vectors.
         i = c.P * W + lane
-        state = _solve_point(own, s, lane, i, opened, turned, slid, spring, state)
-        state = _solve_point(own, s, lane, i + _NEXT, opened, turned, slid, spring, state)
-        state = _solve_point(own, s, lane, i + 2 * _NEXT, opened, turned, slid, spring, state)
-        state = _solve_point(own, s, lane, i + 3 * _NEXT, opened, turned, slid, spring, state)
+        state = _solve_point(own, s, lane, i, opened, arms, spring, state)
+        state = _solve_point(own, s, lane, i + _NEXT, opened, arms, spring, state)
+        state = _solve_point(own, s, lane, i + 2 * _NEXT, opened, arms, spring, state)
+        state = _solve_point(own, s, lane, i + 3 * _NEXT, opened, arms, spring, state)
         total, v, wax, way, waz, wbx, wby, wbz = state
         a, b = total * mass_a, total * mass_b
         _put(s, VELOCITY_A, lane, vax - a * nx, vay - a * ny, vaz - a * nz)
@@ -238,21 +237,24 @@ def apply_impulses(own: Any, s: Any, per_h: float, soft: float, push: float, n: 
         tx, ty, tz = tx + twist * nx, ty + twist * ny, tz + twist * nz
         lax, lay, laz = ay * pz - az * py + tx, az * px - ax * pz + ty, ax * py - ay * px + tz
         lbx, lby, lbz = by * pz - bz * py + tx, bz * px - bx * pz + ty, bx * py - by * px + tz
-        normal = 0.0
+        normal, gx, gy, gz = 0.0, 0.0, 0.0, 0.0
         for k in range(4):
             f = c.P + c.POINT_FIELDS * k
             impulse = own[(f + c.IMPULSE) * W + lane]
             normal += impulse
-            qx, qy, qz = _vector(own, f + c.ARM_A, lane)
-            lax, lay, laz = lax + impulse * qx, lay + impulse * qy, laz + impulse * qz
-            qx, qy, qz = _vector(own, f + c.ARM_B, lane)
-            lbx, lby, lbz = lbx + impulse * qx, lby + impulse * qy, lbz + impulse * qz
-        qx, qy, qz = _slid(own, s, lane)
-        qx, qy, qz = qy * nz - qz * ny, qz * nx - qx * nz, qx * ny - qy * nx
-        glide_a = own[c.GLIDE_A * W + lane] * normal
-        glide_b = glide_a - normal
-        lax, lay, laz = lax + glide_a * qx, lay + glide_a * qy, laz + glide_a * qz
-        lbx, lby, lbz = lbx + glide_b * qx, lby + glide_b * qy, lbz + glide_b * qz
+            qx, qy, qz = _vector(own, f + c.ARM, lane)
+            gx, gy, gz = gx + impulse * qx, gy + impulse * qy, gz + impulse * qz
+        dx, dy, dz = _slid(own, s, lane)
+        glide = own[c.GLIDE_A * W + lane] * normal
+        gx, gy, gz = (
+            gx + glide * (dy * nz - dz * ny),
+            gy + glide * (dz * nx - dx * nz),
+            gz + glide * (dx * ny - dy * nx),
+        )
+        lax, lay, laz = lax + gx, lay + gy, laz + gz
+        ex, ey, ez = _vector(own, c.BETWEEN, lane)
+        ex, ey, ez = normal * (ex + dx), normal * (ey + dy), normal * (ez + dz)
+        lbx, lby, lbz = lbx + gx - (ey * nz - ez * ny), lby + gy - (ez * nx - ex * nz), lbz + gz - (ex * ny - ey * nx)
         px, py, pz = px + normal * nx, py + normal * ny, pz + normal * nz
         mass_a, mass_b = own[c.MASS_A * W + lane], own[c.MASS_B * W + lane]
         vx, vy, vz = _vector(s, VELOCITY_A, lane)

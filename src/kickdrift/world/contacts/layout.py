@@ -36,8 +36,8 @@ N = 0  # normal (3)
 T = 3  # first tangent (3); the second is normal x first
 SOFTNESS = 6  # rate of the bias, scale of the mass, scale of the impulse
 FRICTION = 9  # coefficient
-CENTRE_A = 10  # from body a to the centre of the contact (3)
-CENTRE_B = 13  # (3)
+CENTRE = 10  # of the contact, from body a (3)
+BETWEEN = 13  # from body a to body b where they touch (3): by so much arms of a are longer than those of b
 GRIP = 16  # inverse of the 2x2 response to friction: 11, 22, 12
 SLIDE = 19  # velocity of the surfaces wanted along both tangents (2)
 SLID = 21  # friction impulse along both tangents (2)
@@ -45,17 +45,15 @@ TWIST = 23  # effective mass, impulse
 ROLL = 25  # resistance (a length), effective mass, impulse (3)
 MASS_A = 30  # inverse masses
 MASS_B = 31
-GLIDE_A = (
-    32  # share of what bodies slide past each other by which the contact has moved away from body a; the rest from b
-)
+# Share of what bodies slide past each other by which the contact has moved away from body a; the rest from b
+GLIDE_A = 32
 OFFSET = 33  # what they will not have slid yet when they touch (3)
 FARTHEST = 36  # by how much the contact may have moved away
 P = 37  # first of four points:
-ARM_A = 0  # arm of a x normal (3)
-ARM_B = 3  # arm of b x normal (3)
-GAP = 6  # separation at the start of the step
-POINT_MASS = 7
-IMPULSE = 8
-LEVER = 9  # distance from the centre
-POINT_FIELDS = 10
+ARM = 0  # of a x normal (3)
+GAP = 3  # separation at the start of the step
+POINT_MASS = 4
+IMPULSE = 5
+LEVER = 6  # distance from the centre
+POINT_FIELDS = 7
 FIELDS = P + 4 * POINT_FIELDS

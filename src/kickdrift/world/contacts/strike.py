@@ -37,6 +37,13 @@ def field_at(own: Any, field: int) -> Vector:
 
 
 @compiled(inline=True)
+def arms_of(own: Any, point: int) -> tuple[Vector, Vector]:
+    """Arms of both bodies to a point, times the normal."""
+    arm = field_at(own, c.P + c.POINT_FIELDS * point + c.ARM)
+    return arm, minus(arm, cross(field_at(own, c.BETWEEN), field_at(own, c.N)))
+
+
+@compiled(inline=True)
 def glides(own: Any, slid: Vector) -> tuple[Vector, Vector]:
     """Add what to the arms of both bodies, one of which has moved away from the other."""
     share = own[c.GLIDE_A * c.WIDTH]
@@ -56,10 +63,11 @@ def find_impulses(world: int, row: int, own: Any, hit: Any, points: int, slid: V
     for _ in range(_SWEEPS):
         largest = 0.0
         for k in range(points):
-            p, f = POINT_SIZE * k, c.P + c.POINT_FIELDS * k
+            p = POINT_SIZE * k
             if hit[p + WANTED] == -1e300:
                 continue
-            arm_a, arm_b = plus(field_at(own, f + c.ARM_A), aside[0]), plus(field_at(own, f + c.ARM_B), aside[1])
+            arm_a, arm_b = arms_of(own, k)
+            arm_a, arm_b = plus(arm_a, aside[0]), plus(arm_b, aside[1])
             missing = hit[p + WANTED] - (v + dot(arm_b, w_b) - dot(arm_a, w_a))
             old = hit[p + IMPULSE]
             # Of now: bodies that spin fast have turned since the step began, and another mass would diverge.
@@ -87,10 +95,9 @@ def strike(world: int, row: int, own: Any, hit: Any, points: int, slid: Vector, 
     turn_a = (0.0, 0.0, 0.0)
     turn_b = (0.0, 0.0, 0.0)
     for k in range(points):
-        f, impulse = c.P + c.POINT_FIELDS * k, hit[POINT_SIZE * k + IMPULSE]
+        impulse, (arm_a, arm_b) = hit[POINT_SIZE * k + IMPULSE], arms_of(own, k)
         total += impulse
-        turn_a = plus(turn_a, times(impulse, field_at(own, f + c.ARM_A)))
-        turn_b = plus(turn_b, times(impulse, field_at(own, f + c.ARM_B)))
+        turn_a, turn_b = plus(turn_a, times(impulse, arm_a)), plus(turn_b, times(impulse, arm_b))
     push = times(total, normal)
     aside = glides(own, cross(slid, push))
     turn_a, turn_b = plus(turn_a, aside[0]), plus(turn_b, aside[1])
@@ -99,8 +106,8 @@ def strike(world: int, row: int, own: Any, hit: Any, points: int, slid: Vector, 
     w_a = minus(vector_at(motion, a, 3), applied(inverse_a, turn_a))
     w_b = plus(vector_at(motion, b, 3), applied(inverse_b, turn_b))
     # Friction at the centre
-    first, more = field_at(own, c.T), glides(own, slid)
-    arm_a, arm_b = plus(field_at(own, c.CENTRE_A), more[0]), plus(field_at(own, c.CENTRE_B), more[1])
+    first, centre, more = field_at(own, c.T), field_at(own, c.CENTRE), glides(own, slid)
+    arm_a, arm_b = plus(centre, more[0]), plus(minus(centre, field_at(own, c.BETWEEN)), more[1])
     second = cross(normal, first)
     slip = minus(plus(v_b, cross(w_b, arm_b)), plus(v_a, cross(w_a, arm_a)))
     s1, s2 = dot(slip, first) - own[c.SLIDE * c.WIDTH], dot(slip, second) - own[(c.SLIDE + 1) * c.WIDTH]
