@@ -153,7 +153,7 @@ class Bodies:
     def wake(self) -> None:
         """Wake all bodies that sleep: what they rest on may be gone."""
         bodies = self._tables.array(BODY)
-        sleeping = (bodies[:, KIND] == DYNAMIC) & (bodies[:, AWAKE] == 0)
+        sleeping = (bodies[:, KIND] >= KINEMATIC) & (bodies[:, AWAKE] == 0)
         bodies[sleeping, AWAKE] = 1
         self._tables.array(RESTED)[sleeping, 0] = 0.0
 

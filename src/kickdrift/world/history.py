@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 class KeepsHistory:
     """The methods of a world that record, keep and restore it."""
 
-    _program_key: tuple[float, int, bool, float] | None
+    _program_key: tuple[object, ...] | None
 
     def run(
         self, duration: float, step: float, save_every: int | None = None, progress: bool | None = None

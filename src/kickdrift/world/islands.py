@@ -1,4 +1,4 @@
-"""Sleep: islands of bodies that touch or are joined rest together, and wake together."""
+"""Sleep: islands of bodies that nearly touch or are joined rest together, and wake together."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
@@ -27,9 +27,8 @@ def wake(t: float, h: float, world: int) -> None:
         elif pushed:
             body[row, AWAKE] = 1
     for row in range(rows(world, CONTACT)):
-        if contact[row, c.POINTS] == 0 or contact[row, c.STATE] & c.SENSOR:
-            continue
-        _wake_one_by_other(world, contact[row, c.BODY_A], contact[row, c.BODY_B])
+        if _is_near(world, row):
+            _wake_one_by_other(world, contact[row, c.BODY_A], contact[row, c.BODY_B])
     for row in range(rows(world, JOINT)):
         if joint[row, j.KIND] != j.REMOVED:
             _wake_one_by_other(world, joint[row, j.BODY_A], joint[row, j.BODY_B])
@@ -45,6 +44,14 @@ def _moves(world: int, row: int) -> bool:
     for k in range(7):
         moves = moves or pose[row, k] != rested[row, SLEPT_POSE + k]
     return moves
+
+
+@compiled(inline=True)
+def _is_near(world: int, row: int) -> bool:
+    """Whether two bodies touch or nearly do: one wakes the other, so that they also have to sleep together."""
+    contact = integers(world, CONTACT)
+    near: bool = contact[row, c.POINTS] != 0 and contact[row, c.STATE] & c.SENSOR == 0
+    return near
 
 
 @compiled
@@ -81,7 +88,7 @@ def sleep(t: float, h: float, world: int) -> None:
             body[row, AWAKE] = int(_moves(world, row))
             _keep_pose(world, row)
     for row in range(rows(world, CONTACT)):
-        if contact[row, c.STATE] & c.TOUCHING and not contact[row, c.STATE] & c.SENSOR:
+        if _is_near(world, row):
             _unite(world, contact[row, c.BODY_A], contact[row, c.BODY_B])
     for row in range(rows(world, JOINT)):
         if joint[row, j.KIND] != j.REMOVED:

@@ -111,7 +111,7 @@ class ShapeRows:
     tables: Tables
     free: list[int] = field(default_factory=list)
     begins: dict[bytes, int] = field(default_factory=dict)
-    kinds: set[int] = field(default_factory=set)  # that there have been, with triangles for meshes
+    kinds: frozenset[int] = frozenset()  # that there have been, with triangles for meshes
     shapes: dict[int, Placed] = field(default_factory=dict)
     bouncing: bool = False  # whether any shape has had a restitution
 
@@ -148,7 +148,7 @@ class ShapeRows:
         shapes_changed(tables)
         self.shapes[row] = placed
         self.bouncing = self.bouncing or surface.restitution > 0.0
-        self.kinds.add(TRIANGLE if shape.kind == MESH else shape.kind)
+        self.kinds |= {TRIANGLE if shape.kind == MESH else shape.kind}
         return row
 
     def remove_of(self, body: int) -> None:

@@ -113,7 +113,6 @@ def restore(world: "World", snapshot: Snapshot) -> None:
         world.tables.reserve(table, snapshot.rooms[name])
         world.tables.resize(table, len(snapshot.tables[name]))[:] = snapshot.tables[name]
     world.time, world.n_steps = snapshot.time, snapshot.n_steps
-    world.substeps = int(world.tables.array(SETTINGS)[0, settings.SUBSTEPS])
     world.planar = bool(world.tables.array(SETTINGS)[0, settings.PLANE : settings.PLANE + 3].any())
     world.sleeping, world.forces, world.broken = snapshot.sleeping, list(snapshot.forces), []
     bodies, joints, shapes = world.bodies, world.joints, world.shape_rows
@@ -124,4 +123,4 @@ def restore(world: "World", snapshot: Snapshot) -> None:
     shapes.free[:] = snapshot.free_shapes
     shapes.shapes = dict(snapshot.shapes)
     shapes.begins = dict(snapshot.geometry)
-    shapes.kinds, shapes.bouncing = set(snapshot.kinds), snapshot.bouncing
+    shapes.kinds, shapes.bouncing = frozenset(snapshot.kinds), snapshot.bouncing

@@ -153,11 +153,11 @@ class Tables:
         """Say how many rows are in use; new ones are zeros. Room grows by half of itself at least."""
         place = 3 * table.place
         before = int(self.block[place + _ROWS])
-        self.reserve(table, count)
+        if count > before:
+            self.reserve(table, count)
+            self._room(table)[before:count] = 0
         self.block[place + _ROWS] = count
-        rows = self._room(table)
-        rows[before:count] = 0
-        return rows[:count]
+        return self._room(table)[:count]
 
     def reserve(self, table: Table, count: int) -> None:
         """Make room for so many rows, keeping what is there."""

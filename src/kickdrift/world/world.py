@@ -39,11 +39,12 @@ from kickdrift.world.tables import (
     Tables,
 )
 from kickdrift.world.trouble import BODY, FAST, FULL, KIND, REACHED, TABLE, WANTED
+from kickdrift.world.tuning import Tunable
 
 Floats = NDArray[np.float64]
 
 
-class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries):
+class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries, Tunable):
     """Rigid bodies in three dimensions.
 
     Parameters
@@ -83,6 +84,8 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries)
         Quaternions (w, x, y, z) that turn the bodies' axes into the world's.
     angular_velocity : (N, 3) array
         In the world's axes, rad/s.
+    gravity, substeps, sleeping
+        As above; each may be set between steps.
     time : float
         s.
     broken : list of Joint
@@ -110,12 +113,9 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries)
         self.tables = Tables()
         self.time = 0.0
         self.n_steps = 0
-        if isinstance(substeps, bool) or not (isinstance(substeps, int | np.integer) and substeps >= 1):
-            raise ArgumentError(f"substeps={substeps!r} has to be a whole number from 1 on.")
-        self.substeps = int(substeps)
         row = self.tables.resize(SETTINGS, 1)[0]
-        row[settings.GRAVITY : settings.GRAVITY + 3] = vector("gravity", gravity, 3)
-        row[settings.SUBSTEPS] = substeps
+        self.bodies = Bodies(self.tables)
+        self.gravity, self.substeps, self.sleeping = vector("gravity", gravity, 3), substeps, sleeping
         row[settings.MIDPOINT] = float(midpoint)
         row[settings.MARGIN], row[settings.SLOP] = (
             number("margin", margin, "m", zero=False),
@@ -129,7 +129,6 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries)
         row[settings.BOUNCE_SPEED] = -1.0 if bounce_speed is None else number("bounce_speed", bounce_speed, "m/s")
         row[settings.SLEEP_SPEED] = number("sleep_speed", sleep_speed, "m/s")
         row[settings.SLEEP_TIME] = number("sleep_time", sleep_time, "s")
-        self.sleeping = bool(sleeping)
         self.threads = bool(threads)
         if threads:
             # Code from the cache on disk looks for the thread pool and does not start it.
@@ -141,11 +140,10 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries)
         self.tables.resize(TROUBLE, 1)
         self.tables.resize(COLOURS, 64)
         self.tables.resize(SWEEPS, 1)
-        self.bodies = Bodies(self.tables)
         self.shape_rows = ShapeRows(self.tables)
         self.joints = Joints(self.tables)
         self.broken: list[Joint] = []
-        self._program_key: tuple[float, int, bool, float] | None = None
+        self._program_key: tuple[object, ...] | None = None
         self._program: Program
         self.forces: list[Function] = []
 
@@ -244,25 +242,23 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries)
     def word(self) -> Word:
         """The step as a word: its stages in their order."""
         self.joints.arrange()
-        uses = Uses(
-            tuple(self.forces), self.shape_rows.bouncing, bool(self._fast), self.sleeping, self.planar, self.threads
-        )
-        return word(uses, self.joints)
+        return word(self._uses, self.joints)
 
     @property
-    def _fast(self) -> float:
-        return float(self.tables.array(SETTINGS)[0, settings.HAS_FAST])
+    def _uses(self) -> Uses:
+        shapes, fast = self.shape_rows, bool(self.tables.array(SETTINGS)[0, settings.HAS_FAST])
+        return Uses(tuple(self.forces), shapes.bouncing, fast, self.sleeping, self.planar, self.threads)
 
     def _ready(self, step: float) -> Program:
         """Compile what is needed, and keep the program for as long as nothing that it depends on changes."""
-        key = (step, len(self.forces), self.shape_rows.bouncing, self._fast)
+        shapes, key = self.shape_rows, (step, self.substeps, self._uses, self.shape_rows.kinds)
         if not self.joints.arranged or key != self._program_key:
-            compile_step(self.word, self.shape_rows.pairs())
+            compile_step(self.word, shapes.pairs())
             part_joined(self.tables)
             sweeps = self.tables.array(SWEEPS)[0]
             sweeps[:] = *(address_of(sweep, lanes.SWEEP) for sweep in lanes.SWEEPS), WIDTH
+            shapes.compile_pairs()
             self._program_key, self._program = key, compose(self.word, step, self.substeps)
-        self.shape_rows.compile_pairs()
         return self._program
 
     def exclude(self, body_a: Body, body_b: Body) -> None:
