@@ -1,7 +1,8 @@
 """Worlds: kickdrift and other engines of rigid bodies, each at the step that its users take."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from functools import partial
 
 import numpy as np
 
@@ -27,20 +28,34 @@ def sections(rounds: int) -> list[tuple[str, list[Row]]]:
 
 def _compare(case: Case, rounds: int) -> list[Row]:
     scene = described(_world(case))
-    runs = {_OURS: _Run(case, scene, lambda: Kickdrift(_world(case), case.step), case.step)}
+    runs = {name: _Run(case, scene, make, case.step) for name, make in _ours(case).items()}
     rows = []
     for rival in case.rivals:
-        make = rival.make
-        run = _Run(case, scene, lambda make=make, rival=rival: make(scene, rival.step), rival.step)  # type: ignore[misc]
+        run = _Run(case, scene, partial(rival.make, scene), rival.step)
         try:
-            run.judge()
+            run.look()
         except Missing as missing:
             rows.append(skipped(rival.label, str(missing)))
             continue
         runs[rival.label] = run
-    runs[_OURS].judge()
+    for name in _ours(case):
+        runs[name].look()
     costs = in_turns({label: run.measure for label, run in runs.items()}, min(rounds, case.most_rounds))
     return [*(_row(label, run, costs) for label, run in runs.items()), *rows]
+
+
+def _ours(case: Case) -> Mapping[str, Callable[[float], Engine]]:
+    """Kickdrift with each number of substeps, the usual one first."""
+
+    def make(step: float, substeps: int) -> Engine:
+        world = _world(case)
+        world.substeps = substeps
+        return Kickdrift(world, step)
+
+    usual, *others = case.substeps
+    return {_OURS: partial(make, substeps=usual)} | {
+        f"{_OURS}, substeps={number}": partial(make, substeps=number) for number in others
+    }
 
 
 def _world(case: Case) -> World:
@@ -51,22 +66,28 @@ def _world(case: Case) -> World:
 class _Run:
     """A world in one engine: what its judges say, and what a second of it costs."""
 
-    def __init__(self, case: Case, scene: Scene, make: Callable[[], Engine], step: float) -> None:
+    def __init__(self, case: Case, scene: Scene, make: Callable[[float], Engine], step: float) -> None:
         self._case, self._scene, self._make, self.step = case, scene, make, step
         self.verdicts = ""
 
-    def judge(self) -> None:
+    def look(self) -> None:
         """Watch it once."""
-        engine = self._make()
-        watched = judge.watch(engine, self.step, self._case.watched)
-        _let_go(engine)
+        watched = self._watched(self.step)
         finite = bool(np.isfinite(watched.poses).all())
         said = [one(self._scene, watched) for one in self._case.judges] if finite else ["lost to infinity"]
+        if self._case.fine_step is not None and finite:
+            said.append(judge.strayed(self._scene, watched, self._watched(self._case.fine_step)))
         self.verdicts = "; ".join(said)
+
+    def _watched(self, step: float) -> judge.Watched:
+        engine = self._make(step)
+        watched = judge.watch(engine, step, self._case.watched)
+        _let_go(engine)
+        return watched
 
     def measure(self) -> float:
         """Seconds that one second of the world takes, from its start."""
-        engine = self._make()
+        engine = self._make(self.step)
         steps = round(self._case.timed / self.step)
         started = time.perf_counter()
         for _ in range(steps):

@@ -51,6 +51,10 @@ class Case:
         kickdrift's, s.
     most_rounds : int
         Of measurements.
+    substeps : tuple of int
+        Of kickdrift's steps: the usual number, and others to be compared.
+    fine_step : float, optional
+        s; what each engine does with it is what its usual step is judged by.
     """
 
     title: str
@@ -61,6 +65,8 @@ class Case:
     rivals: tuple[Rival, ...]
     step: float = 1 / 60
     most_rounds: int = 5
+    substeps: tuple[int, ...] = (4,)
+    fine_step: float | None = None
 
 
 RAPIER = Rival("rapier3d", Rapier, 1 / 60)
@@ -103,6 +109,6 @@ CASES = (
     ),
     Case(
         "Quadruped on springs", worlds.quadruped, 5.0, 5.0, (judge.drift, judge.stretch, judge.depth),
-        (RAPIER, MUJOCO, FINE, SLOW_BULLET), step=0.02,  # four substeps of 5 ms
+        (RAPIER, MUJOCO, FINE, SLOW_BULLET), step=0.02, substeps=(4, 2, 1), fine_step=0.0005,
     ),
 )  # fmt: skip

@@ -13,7 +13,9 @@ from benchmarks.world.mujoco import Depths
 class Engine(Protocol):
     """A scene in an engine."""
 
-    step: Callable[[], object]
+    def step(self) -> object:
+        """Take a step."""
+        ...
 
     def poses(self) -> Floats:
         """Positions and orientations, (N, 7)."""
@@ -62,6 +64,12 @@ def drift(scene: Scene, watched: Watched) -> str:
     """How far a body is from where it began, in the end."""
     moved = watched.poses[-1, :, :3] - watched.poses[0, :, :3]
     return f"drift {100 * np.linalg.norm(moved[scene.moving], axis=1).max():.2g} cm"
+
+
+def strayed(scene: Scene, watched: Watched, fine: Watched) -> str:
+    """How far a body was from where the same engine takes it with short steps, at worst."""
+    apart = watched.poses[:, scene.moving, :3] - fine.poses[:, scene.moving, :3]
+    return f"off its own limit by {1e3 * np.linalg.norm(apart, axis=2).max():.2g} mm"
 
 
 def depth(scene: Scene, watched: Watched) -> str:
