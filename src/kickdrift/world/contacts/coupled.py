@@ -48,7 +48,7 @@ def write_row(own: Any, row: int, slid: Vector, wrench: Any) -> None:
 
 
 @compiled(inline=True, cached=False)
-def _slid(own: Any, change: Any) -> Vector:
+def slid_past(own: Any, change: Any) -> Vector:
     """Say what the second body has slid past the first since the points are those of a contact, within bounds."""
     moved = (change[6] - change[0], change[7] - change[1], change[8] - change[2])
     moved = plus(moved, _vector(own, c.OFFSET))
@@ -81,11 +81,12 @@ def _speed(wrench: Any, velocity: Any) -> float:
 
 @compiled(cached=False)
 def note_hits(
-    own: Any, answers: Any, change: Any, wrench: Any, e: float, slowest: float, h: float, velocity: Any
+    own: Any, answers: Any, change: Any, wrench: Any, e: float, slowest: float, h: float, kicked: Any, velocity: Any
 ) -> None:
     """Say which points hit faster than some speed in the substep, and what velocities they shall have after the drift.
 
-    With one of them hit those that would within the next substep, which keeps what lands flat from turning.
+    With one of them hit those that would within the next substep, which keeps what lands flat from turning. They hit with
+    what they had after the kick at most: impulses of the last substep are no impact.
     """
     hits = False
     for k in range(4):
@@ -93,7 +94,8 @@ def note_hits(
         i = (c.P + c.POINT_FIELDS * k) * W
         if e > 0.0 and own[i + c.POINT_MASS * W] > 0.0:
             write_row(own, k, (0.0, 0.0, 0.0), wrench)
-            gap, speed = own[i + c.GAP * W] + _speed(wrench, change), _speed(wrench, velocity)
+            gap = own[i + c.GAP * W] + _speed(wrench, change)
+            speed = max(_speed(wrench, velocity), _speed(wrench, kicked))
             if speed < -slowest and gap + 2.0 * h * speed <= 0.0:
                 hits = hits or gap + h * speed <= 0.0
                 answers[BOUNCES + k] = -e * speed
@@ -121,7 +123,7 @@ def press(
     velocity, given : (12,) arrays
         Velocities of both bodies, and the wrench that they have been given, which the sweep changes.
     """
-    softness, slid = _vector(own, c.SOFTNESS), _slid(own, change)
+    softness, slid = _vector(own, c.SOFTNESS), slid_past(own, change)
     for k in range(4):
         i = (c.P + c.POINT_FIELDS * k) * W
         if own[i + c.POINT_MASS * W] == 0.0:
@@ -154,7 +156,7 @@ def grip(own: Any, answers: Any, change: Any, wrench: Any, other: Any, velocity:
         lever += own[i + c.IMPULSE * W] * own[i + c.LEVER * W]
     if own[c.ROLL * W] > 0.0:
         _roll(own, normal, velocity, given)
-    slid = _slid(own, change)
+    slid = slid_past(own, change)
     write_row(own, TWIST, slid, wrench)
     old = own[(c.TWIST + 1) * W]
     new = old - _speed(wrench, velocity) / (max(_product(answers, TWIST, wrench), 0.0) + _SHARE / own[c.TWIST * W])

@@ -127,10 +127,7 @@ def aim(joint: int, link: int, h: float, mode: int, rate: float, world: int) -> 
     locked = integers(world, JOINT)[joint, LOCKED]
     links[link, HELD] = locked
     v, w = relative_velocity(joint, world)
-    for k in range(18):
-        work[link, AXES_AHEAD + k] = numbers[joint, AXES + k]
-    put_vector(work, link, ARM_A_AHEAD, vector_at(numbers, joint, ARM_A))
-    put_vector(work, link, ARM_B_AHEAD, vector_at(numbers, joint, ARM_B))
+    look_here(joint, link, world)
     if mode != RELAX:
         _look_ahead(joint, link, h if mode == AHEAD else 0.0, world)
     off, turned_off = 0.0, 0.0
@@ -152,6 +149,16 @@ def aim(joint: int, link: int, h: float, mode: int, rate: float, world: int) -> 
     size = length(vector_at(numbers, joint, ARM_A)) + length(vector_at(numbers, joint, ARM_B))
     off = off / (size * size) if size > 0.0 else 0.0
     return math.sqrt(max(turned_off, off)) if mode == AHEAD else 0.0
+
+
+@compiled(inline=True, cached=False)
+def look_here(joint: int, link: int, world: int) -> None:
+    """Take axes and arms as they are for those at the end of the substep."""
+    work, numbers = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
+    for k in range(18):
+        work[link, AXES_AHEAD + k] = numbers[joint, AXES + k]
+    put_vector(work, link, ARM_A_AHEAD, vector_at(numbers, joint, ARM_A))
+    put_vector(work, link, ARM_B_AHEAD, vector_at(numbers, joint, ARM_B))
 
 
 @compiled(cached=False)

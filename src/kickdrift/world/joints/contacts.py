@@ -20,11 +20,13 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import applied, length
 from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.coupled import ANSWERED, ROWS, bounces, grip, note_hits, press, write_row
+from kickdrift.world.contacts.coupled import ANSWERED, ROWS, bounces, grip, note_hits, press, slid_past, write_row
 from kickdrift.world.contacts.impact import slowest_bounce
 from kickdrift.world.contacts.looking import RESTITUTION as BOUNCINESS
 from kickdrift.world.contacts.prepare import LINKED
 from kickdrift.world.flight import LINK_COUNT, LINK_PLACE
+from kickdrift.world.joints.aim import look_here
+from kickdrift.world.joints.articulated import factor
 from kickdrift.world.joints.falling import let_fall
 from kickdrift.world.joints.handing import hand_on, is_touched
 from kickdrift.world.joints.layout import (
@@ -35,7 +37,6 @@ from kickdrift.world.joints.layout import (
     LINK_JOINT,
     LINKS,
     LOAD,
-    LOST,
     NONE,
     PIECES,
     SEQUENTIAL,
@@ -55,6 +56,7 @@ from kickdrift.world.tables import (
     COLOURS,
     CONTACT,
     GROUPS,
+    KICKED,
     LANES,
     LINK,
     LINK_CONTACTS,
@@ -63,6 +65,7 @@ from kickdrift.world.tables import (
     PLACE,
     RESPONSE,
     SETTINGS,
+    Table,
     flat,
     floats,
     integers,
@@ -79,13 +82,15 @@ SOFT = 1.0
 def _touch(t: float, h: float, world: int) -> None:
     """Solve all contacts of links, softly where `SOFT` is 1.0, and with friction where it is 0.0."""
     colours, groups = integers(world, COLOURS), integers(world, GROUPS)
-    answers, change, lanes = floats(world, LINK_CONTACTS), floats(world, CHANGE), flat(world, LANES)
+    answers, lanes = floats(world, LINK_CONTACTS), flat(world, LANES)
     first, end = colours[LINKED, 1], colours[LINKED, 2]
     _forget(world)
     if first == end:
         if SOFT > 0.0:
             let_fall(world)
         return
+    if SOFT > 0.0:
+        _answer_as_of_now(h, world)
     _compare_pieces(h, world)
     _find_answers(first, end, world)
     velocity, given, moved, slowest = _twelve(), _twelve(), _twelve(), slowest_bounce(h, world)
@@ -95,13 +100,13 @@ def _touch(t: float, h: float, world: int) -> None:
         for side in range(2):
             row = groups[g, c.WIDTH * side]
             _velocity(row, _link(row, world), velocity[6 * side :], world)
-            for k in range(6):
-                moved[6 * side + k] = change[row, k]
+        _read(CHANGE, g, moved, world)
         for k in range(12):
             given[k] = 0.0
         if SOFT > 0.0:
             e = _restitution(groups[g, 2 * c.WIDTH], world)
-            note_hits(own, answer, moved, wrench, e, slowest, h, velocity)
+            _read(KICKED, g, other, world)
+            note_hits(own, answer, moved, wrench, e, slowest, h, other, velocity)
             press(own, answer, moved, wrench, SOFT, h, floats(world, SETTINGS)[0, PUSH_SPEED], velocity, given)
         else:
             grip(own, answer, moved, wrench, other, velocity, given)
@@ -155,6 +160,26 @@ def _forget(world: int) -> None:
 
 
 @compiled(cached=False)
+def _answer_as_of_now(h: float, world: int) -> None:
+    """Let articulations that turn fast answer as their joints hold now, instead of at the end of the substep.
+
+    The answer for the end is the less symmetric the farther they turn, and contacts that take it for one gain energy.
+    """
+    articulations, links = integers(world, ARTICULATION), integers(world, LINK)
+    for row in range(rows(world, ARTICULATION)):
+        if articulations[row, SEQUENTIAL] != 0:
+            continue
+        first, count, fastest = articulations[row, FIRST], articulations[row, LINKS], 0.0
+        for link in range(first, first + count):
+            fastest = max(fastest, h * length(vector_at(floats(world, MOTION), links[link, LINK_BODY], ANGULAR_PART)))
+        if fastest > _FAST:
+            for link in range(first, first + count):
+                if links[link, LINK_JOINT] >= 0:
+                    look_here(links[link, LINK_JOINT], link, world)
+            factor(first, count, 0.0, world)
+
+
+@compiled(cached=False)
 def _compare_pieces(h: float, world: int) -> None:
     """Say of each articulation whether it answers in another way than before: turns fast, or has laws on other pieces."""
     articulations, links, work = integers(world, ARTICULATION), integers(world, LINK), floats(world, LINK_NUMBERS)
@@ -171,8 +196,6 @@ def _compare_pieces(h: float, world: int) -> None:
                 anew = 1.0 if pieces != work[link, PIECES] or turn > _FAST else anew
                 work[link, PIECES] = pieces
             for link in range(first, after):
-                if articulations[row, LOST] != 0:
-                    anew, work[link, PIECES] = -1.0, -1.0
                 work[link, ANEW] = anew
 
 
@@ -181,6 +204,7 @@ def _find_answers(first: int, end: int, world: int) -> None:
     """Find how bodies answer the rows of contacts: once a step, and where the articulation has changed how it does."""
     answers, groups = floats(world, LINK_CONTACTS), integers(world, GROUPS)
     lanes, work, wrench, backwards = flat(world, LANES), floats(world, LINK_NUMBERS), _twelve(), _twelve()
+    moved = _twelve()
     for g in range(first, end):
         anew = False
         for side in range(2):
@@ -189,8 +213,11 @@ def _find_answers(first: int, end: int, world: int) -> None:
         if answers[g - first, ANSWERED] != 0.0 and not anew:
             continue
         answers[g - first, ANSWERED] = 1.0
+        own = lanes[g * _SIZE : (g + 1) * _SIZE]
+        _read(CHANGE, g, moved, world)
+        slid = slid_past(own, moved)
         for row in range(ROWS):
-            write_row(lanes[g * _SIZE : (g + 1) * _SIZE], row, (0.0, 0.0, 0.0), wrench)
+            write_row(own, row, slid, wrench)
             for k in range(12):
                 backwards[k] = -wrench[k]
             for side in range(2):
@@ -203,6 +230,15 @@ def _find_answers(first: int, end: int, world: int) -> None:
                 place = _link(groups[g, c.WIDTH * side], world)
                 _stir(place, backwards[6 * side :], world)
     _forget(world)
+
+
+@compiled(cached=False)
+def _read(table: Table, g: int, numbers: Any, world: int) -> None:
+    """Read the first six numbers of both bodies of a contact."""
+    groups, columns = integers(world, GROUPS), floats(world, table)
+    for side in range(2):
+        for k in range(6):
+            numbers[6 * side + k] = columns[groups[g, c.WIDTH * side], k]
 
 
 @compiled(cached=False)

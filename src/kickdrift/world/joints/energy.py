@@ -21,6 +21,7 @@ from kickdrift.world.joints.layout import (
     LINKS,
     MOBILITY,
     MOTOR_MAXIMUM,
+    MOTOR_SPEED,
     POSITION,
     START_SPEED,
     STIFFNESS,
@@ -97,7 +98,8 @@ def allowance(row: int, h: float, world: int) -> float:
                 off = numbers[joint, DRIVEN + k - 3] if k >= 3 else numbers[joint, POSITION + k] - laws[law, TARGET]
                 total += 0.5 * laws[law, STIFFNESS] * off * off
                 impulse = h * (laws[law, MOTOR_MAXIMUM] + laws[law, DAMPING] * abs(laws[law, TARGET_SPEED]))
-                total += (
-                    impulse * (abs(laws[law, START_SPEED]) + impulse * laws[law, MOBILITY]) if impulse > 0.0 else 0.0
-                )
+                if impulse > 0.0:
+                    # They accelerate an axis up to the speed that they want, and no further.
+                    wanted = abs(laws[law, MOTOR_SPEED]) + abs(laws[law, TARGET_SPEED])
+                    total += impulse * (abs(laws[law, START_SPEED]) + min(impulse * laws[law, MOBILITY], wanted))
     return total + 2.0 * mass * fastest * fastest
