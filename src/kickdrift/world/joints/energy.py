@@ -3,7 +3,7 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import applied, dot, length, turned_back
+from kickdrift.core.vectors import applied, dot, length, minus, plus, times, turned_back
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.flight import BODY_INERTIA, MASS
 from kickdrift.world.joints.layout import (
@@ -17,11 +17,14 @@ from kickdrift.world.joints.layout import (
     FIRST,
     LAWS,
     LINEAR_PART,
+    LINK_A,
+    LINK_B,
     LINK_JOINT,
     LINKS,
     MOBILITY,
     MOTOR_MAXIMUM,
     MOTOR_SPEED,
+    NONE,
     POSITION,
     START_SPEED,
     STIFFNESS,
@@ -52,7 +55,10 @@ _UNNOTICED = 1e-5
 
 @compiled(cached=False)
 def kinetic_energy(row: int, world: int) -> float:
-    """Kinetic energy of the links of an articulation."""
+    """Kinetic energy of the links of an articulation; of one that floats, in the frame of its centre of mass.
+
+    Joints cannot change how fast that moves, and a part of the energy of falling is no part of what they may do.
+    """
     articulation: Any = integers(world, ARTICULATION)[row]
     links, motion, pose, inertia = (
         integers(world, LINK),
@@ -60,13 +66,31 @@ def kinetic_energy(row: int, world: int) -> float:
         floats(world, POSE),
         floats(world, INERTIA),
     )
-    total = 0.0
-    for link in range(articulation[FIRST], articulation[FIRST] + articulation[LINKS]):
+    first, end = articulation[FIRST], articulation[FIRST] + articulation[LINKS]
+    frame, mass, total = (0.0, 0.0, 0.0), 0.0, 0.0
+    if _floats(row, world):
+        for link in range(first, end):
+            body = links[link, LINK_BODY]
+            mass += inertia[body, MASS]
+            frame = plus(frame, times(inertia[body, MASS], vector_at(motion, body, LINEAR_PART)))
+        frame = times(1.0 / mass, frame)
+    for link in range(first, end):
         body = links[link, LINK_BODY]
-        v, w = vector_at(motion, body, LINEAR_PART), vector_at(motion, body, ANGULAR_PART)
+        v, w = minus(vector_at(motion, body, LINEAR_PART), frame), vector_at(motion, body, ANGULAR_PART)
         turn = turned_back(quaternion_at(pose, body, ANGULAR_PART), w)
         total += inertia[body, MASS] * dot(v, v) + dot(turn, applied(symmetric_at(inertia, body, _MOMENTS), turn))
     return 0.5 * total
+
+
+@compiled(cached=False)
+def _floats(row: int, world: int) -> bool:
+    """Whether no joint holds an articulation to what it does not move."""
+    articulation: Any = integers(world, ARTICULATION)[row]
+    links, first = integers(world, LINK), articulation[FIRST]
+    free: bool = links[first, LINK_JOINT] < 0
+    for closing in range(first + articulation[LINKS], articulation[END]):
+        free = free and links[closing, LINK_A] != NONE and links[closing, LINK_B] != NONE
+    return free
 
 
 @compiled(cached=False)
