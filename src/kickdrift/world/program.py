@@ -65,6 +65,7 @@ def word(uses: Uses, joints: Joints) -> Word:
         *uses.forces,
         kick,
         *when(uses.bounces or uses.is_fast, bounce),
+        *joints.forgetting(),
         warm_start,
         *joints.warm_starting(),
         solve,

@@ -111,6 +111,16 @@ def bounces(answers: Any) -> bool:
 
 
 @compiled(cached=False)
+def forget(own: Any) -> None:
+    """Let a contact carry no impulse."""
+    for k in range(4):
+        own[(c.P + c.POINT_FIELDS * k + c.IMPULSE) * W] = 0.0
+    for k in range(3):
+        own[(c.ROLL + 2 + k) * W] = 0.0
+    own[c.SLID * W], own[(c.SLID + 1) * W], own[(c.TWIST + 1) * W] = 0.0, 0.0, 0.0
+
+
+@compiled(cached=False)
 def press(
     own: Any, answers: Any, change: Any, wrench: Any, soft: float, h: float, push: float, velocity: Any, given: Any
 ) -> None:

@@ -13,6 +13,7 @@ from kickdrift.world.joints.around import begin_joints, finish_joints, wake_join
 from kickdrift.world.joints.axis import Axis
 from kickdrift.world.joints.catalogue import KINDS
 from kickdrift.world.joints.contacts import relax_link_contacts, solve_link_contacts
+from kickdrift.world.joints.forgetting import forget_impulses
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.impulses import warm_start_joints
 from kickdrift.world.joints.law_rows import PARTS, Part, check_changeable, clear_laws, write_law
@@ -184,6 +185,10 @@ class Joints:
     def before(self) -> tuple[Function, ...]:
         """Stages before the substeps; `arrange` first."""
         return (wake_joints, measure_joints, begin_joints) if len(self.tables.array(ARTICULATION)) else ()
+
+    def forgetting(self) -> tuple[Function, ...]:
+        """Stages before impulses of the substep before are applied."""
+        return (forget_impulses,) if (self.tables.array(ARTICULATION)[:, SEQUENTIAL] == 0).any() else ()
 
     def warm_starting(self) -> tuple[Function, ...]:
         """Stages after the kick, before contacts are solved."""
