@@ -19,7 +19,6 @@ from kickdrift.core.vectors import (
     turned_back,
 )
 from kickdrift.world.columns import quaternion_at, vector_at
-from kickdrift.world.joints.impulses import relative_velocity
 from kickdrift.world.joints.layout import (
     ANCHOR_A,
     ANCHOR_B,
@@ -61,7 +60,7 @@ from kickdrift.world.joints.layout import (
     STATE,
     int64,
 )
-from kickdrift.world.joints.measure import axis_unit, put_cross, put_line, put_vector
+from kickdrift.world.joints.measure import axis_unit, put_cross, put_line, put_vector, relative_velocity
 from kickdrift.world.tables import (
     ARTICULATION,
     JOINT,

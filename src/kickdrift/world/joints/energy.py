@@ -10,6 +10,7 @@ from kickdrift.world.joints.layout import (
     ANGULAR_PART,
     ARM_A,
     ARM_B,
+    AXES,
     BODY_A,
     DAMPING,
     DRIVEN,
@@ -33,6 +34,7 @@ from kickdrift.world.joints.layout import (
     int64,
 )
 from kickdrift.world.joints.layout import BODY as LINK_BODY
+from kickdrift.world.joints.measure import relative_velocity
 from kickdrift.world.tables import (
     ARTICULATION,
     INERTIA,
@@ -116,11 +118,14 @@ def allowance(row: int, h: float, world: int) -> float:
         if link < articulation[FIRST] + articulation[LINKS]:
             arm = length(vector_at(numbers, joint, ARM_A)) + length(vector_at(numbers, joint, ARM_B))
             total += 0.5 * inertia[links[link, LINK_BODY], MASS] * (_UNNOTICED * arm / h) ** 2
+        v, w = relative_velocity(joint, world)
         for k in range(6):
             if joints[joint, LAWS] >> k & 1:
                 law = 6 * joint + k
                 off = numbers[joint, DRIVEN + k - 3] if k >= 3 else numbers[joint, POSITION + k] - laws[law, TARGET]
-                total += 0.5 * laws[law, STIFFNESS] * off * off
+                # A spring gives no more than it has, and that only on its way.
+                way = h * abs(dot(vector_at(numbers, joint, AXES + 3 * k), v if k < 3 else w))
+                total += laws[law, STIFFNESS] * abs(off) * min(0.5 * abs(off), way)
                 impulse = h * (laws[law, MOTOR_MAXIMUM] + laws[law, DAMPING] * abs(laws[law, TARGET_SPEED]))
                 if impulse > 0.0:
                     # They accelerate an axis up to the speed that they want, and no further.

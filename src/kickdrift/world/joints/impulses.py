@@ -3,23 +3,20 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, applied, cross, dot, minus, plus, times
+from kickdrift.core.vectors import applied, cross, dot, plus, times
 from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.joints.energy import kinetic_energy
 from kickdrift.world.joints.layout import (
-    ANGULAR_PART,
     ARM_A,
     ARM_B,
     AXES,
     BEFORE,
     BODY_A,
-    BODY_B,
     END,
     ENERGY,
     FIRST,
     IMPULSE,
     LAWS,
-    LINEAR_PART,
     LINK_JOINT,
     LINKS,
     SEQUENTIAL,
@@ -27,6 +24,7 @@ from kickdrift.world.joints.layout import (
     TURN_RESPONSE,
 )
 from kickdrift.world.joints.layout import BODY as LINK_BODY
+from kickdrift.world.joints.measure import relative_velocity
 from kickdrift.world.tables import (
     ARTICULATION,
     JOINT,
@@ -64,17 +62,6 @@ def note_velocities(row: int, world: int) -> None:
     for link in range(articulation[FIRST], articulation[FIRST] + articulation[LINKS]):
         for k in range(6):
             work[link, BEFORE + k] = motion[links[link, LINK_BODY], k]
-
-
-@compiled(inline=True, cached=False)
-def relative_velocity(joint: int, world: int) -> tuple[Vector, Vector]:
-    """Velocity of b less that of a where the joint acts, and the difference of their angular velocities."""
-    joints, numbers, motion = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, MOTION)
-    a, b = joints[joint, BODY_A], joints[joint, BODY_B]
-    wa, wb = vector_at(motion, a, ANGULAR_PART), vector_at(motion, b, ANGULAR_PART)
-    va = plus(vector_at(motion, a, LINEAR_PART), cross(wa, vector_at(numbers, joint, ARM_A)))
-    vb = plus(vector_at(motion, b, LINEAR_PART), cross(wb, vector_at(numbers, joint, ARM_B)))
-    return minus(vb, va), minus(wb, wa)
 
 
 @compiled(cached=False)

@@ -62,6 +62,7 @@ from kickdrift.world.tables import (
     JOINT_AXES,
     JOINT_NUMBERS,
     LINK,
+    MOTION,
     POSE,
     RESPONSE,
     floats,
@@ -76,6 +77,17 @@ _LEAST_SCALE = 0.05  # a swing of 174 degrees; at 180 degrees there is no twist
 def put_vector(table: Any, row: int, column: int, a: Vector) -> None:
     """Write three numbers of a row."""
     table[row, column], table[row, column + 1], table[row, column + 2] = a
+
+
+@compiled(inline=True, cached=False)
+def relative_velocity(joint: int, world: int) -> tuple[Vector, Vector]:
+    """Velocity of b less that of a where the joint acts, and the difference of their angular velocities."""
+    joints, numbers, motion = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, MOTION)
+    a, b = joints[joint, BODY_A], joints[joint, BODY_B]
+    wa, wb = vector_at(motion, a, ANGULAR_PART), vector_at(motion, b, ANGULAR_PART)
+    va = plus(vector_at(motion, a, LINEAR_PART), cross(wa, vector_at(numbers, joint, ARM_A)))
+    vb = plus(vector_at(motion, b, LINEAR_PART), cross(wb, vector_at(numbers, joint, ARM_B)))
+    return minus(vb, va), minus(wb, wa)
 
 
 @compiled(inline=True, cached=False)

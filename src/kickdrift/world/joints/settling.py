@@ -17,6 +17,7 @@ from kickdrift.world.joints.layout import (
     LAWS,
     LINK_JOINT,
     LINKS,
+    LOST,
     RELAXING,
     SEQUENTIAL,
     SIGN,
@@ -103,6 +104,6 @@ def end_relaxation(row: int, h: float, world: int) -> None:
             for k in range(6):
                 numbers[joint, TOTAL + k] += numbers[joint, IMPULSE + k]
                 # The next substep begins as this one did. With the impulse of the relaxation, which bends the paths of what
-                # turns, the first guess of Newton's method would be farther away.
-                numbers[joint, IMPULSE + k] = numbers[joint, SOLVED + k]
+                # turns, the first guess of Newton's method would be farther away. Impulses of no solution are no guess.
+                numbers[joint, IMPULSE + k] = numbers[joint, SOLVED + k] if articulation[LOST] == 0 else 0.0
     articulation[RELAXING] = 0
