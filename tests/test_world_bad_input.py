@@ -206,6 +206,35 @@ def test_a_world_that_lost_a_body_names_it_and_goes_on(where):
     assert world.position[[near.index, lost.index], 2] == pytest.approx([0.1, 0.1], abs=1e-3)
 
 
+@pytest.mark.parametrize("where", ["position", "velocity"])
+def test_what_is_not_finite_is_told_from_what_is_too_fast(where):
+    world = World()
+    ball = world.add_sphere(0.1)
+    getattr(world, where)[ball.index] = NAN
+    with pytest.raises(LostBodyError, match=r"had been given .* not finite"):
+        world.step(1 / 60)
+
+
+def test_what_touched_and_held_before_a_body_was_lost_does_so_after():
+    world = World()
+    world.add_plane()
+    resting = world.add_box((1, 1, 1), position=(0, 0, 0.5))
+    hanging = world.add_sphere(0.1, position=(3, 0, 2))
+    joint = world.add_ball_joint(world.ground, hanging, anchor=(3, 0, 2.5), breaking_force=1e4)
+    lost = world.add_sphere(0.1, position=(6, 0, 2), mass=1e-3)
+    world.advance(1 / 60, 30)
+    touching = world.touching
+    assert any(resting in pair for pair in touching)
+    world.apply_force(hanging, (0, 0, -1e6))
+    world.apply_force(lost, (1.7e308, 0, 0))
+    with pytest.raises(LostBodyError, match=f"body {lost.index} .* too large"):
+        world.step(1 / 60)
+    assert world.touching == touching
+    world.step(1 / 60)
+    assert (world.events, world.broken, world.touching) == ([], [], touching)
+    assert np.linalg.norm(joint.force) == pytest.approx(0.1**3 * 4 / 3 * np.pi * 1000 * 9.81, rel=1e-3)
+
+
 def test_a_lost_body_can_be_removed():
     world = World()
     world.add_plane()

@@ -152,7 +152,7 @@ def test_rays_meet_what_they_meet_when_every_shape_is_asked(stepped):
             assert np.isnan(many.point[k]).all()
             continue
         assert hit.shape == every[0].shape == many.shape[k]
-        assert hit.body == scene[t.SHAPE][hit.shape, 1] == many.body[k]
+        assert hit.body.index == scene[t.SHAPE][hit.shape, 1] == many.body[k]
         assert hit.distance == every[0].distance == many.distance[k]
         unit = direction / np.linalg.norm(direction)
         assert np.abs(hit.point - origin - hit.distance * unit).max() < 1e-12
@@ -381,11 +381,11 @@ def test_a_world_answers_with_rows_and_handles():
     ball = world.add_sphere(0.5, position=(0, 0, 1), layer=2)
     pair = world.add_body([Part(Sphere(0.2), (3, 0, 1)), Part(Sphere(0.2), (3.3, 0, 1))], static=True)
     hit = world.ray_cast((0, 0, 5), (0, 0, -2))
-    assert (hit.body, hit.distance) == (ball.index, pytest.approx(3.5))
+    assert (hit.body, hit.distance) == (ball, pytest.approx(3.5))
     assert hit.normal == pytest.approx([0, 0, 1])
-    assert world.ray_cast((0, 0, 5), (0, 0, -1), layers=[0]).body == floor.index
+    assert world.ray_cast((0, 0, 5), (0, 0, -1), layers=[0]).body == floor
     assert world.ray_cast((0, 0, 5), (0, 0, -1), limit=3.0) is None
-    assert [hit.body for hit in world.ray_cast_all((0, 0, 5), (0, 0, -1))] == [ball.index, floor.index]
+    assert [hit.body for hit in world.ray_cast_all((0, 0, 5), (0, 0, -1))] == [ball, floor]
     assert world.ray_cast_many((0, 0, 5), [(0, 0, -1), (0, 0, 1)]).body.tolist() == [ball.index, -1]
     assert world.overlap_box((8, 1, 1), position=(0, 0, 1)) == [ball, pair]
     assert world.overlap_sphere(0.6, position=(0, 0, 0), layers=[0]) == [floor]

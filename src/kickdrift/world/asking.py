@@ -38,7 +38,7 @@ class AnswersQueries:
         Returns
         -------
         RayHit or None
-            With the row of the body, the distance, the point and the normal there.
+            With the body, the distance, the point and the normal there.
 
         Raises
         ------

@@ -101,7 +101,7 @@ def begin(t: float, h: float, world: int) -> None:
 
 @compiled
 def finish(t: float, h: float, world: int) -> None:
-    """Forget the forces of the step, and see that all bodies are somewhere."""
+    """See that all bodies are somewhere, before anything is kept of the step, and forget its forces."""
     pose, motion, load = floats(world, POSE), floats(world, MOTION), floats(world, LOAD)
     kind = integers(world, BODY)
     for body in range(rows(world, POSE)):

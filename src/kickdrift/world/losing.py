@@ -3,6 +3,7 @@
 import numpy as np
 
 from kickdrift.core.errors import LostBodyError
+from kickdrift.world.contacts.layout import HIT, STATE
 from kickdrift.world.flight import INVERSE_INERTIA, KIND, KINEMATIC, MASS
 from kickdrift.world.islands import REACH
 from kickdrift.world.tables import (
@@ -13,7 +14,6 @@ from kickdrift.world.tables import (
     KICKED,
     LINK_NUMBERS,
     LOAD,
-    MANIFOLD,
     MOTION,
     POSE,
     RESPONSE,
@@ -74,13 +74,16 @@ def go_back(tables: Tables) -> None:
     tables.array(RESPONSE)[lost, 1:7] = tables.array(INERTIA)[lost, INVERSE_INERTIA : INVERSE_INERTIA + 6]
     tables.array(JOINT_NUMBERS)[:] = tables.array(STARTED_JOINTS)
     tables.array(LINK_NUMBERS)[:] = 0.0
-    tables.resize(CONTACT, 0)
-    tables.resize(MANIFOLD, 0)
+    tables.array(CONTACT)[:, STATE] &= ~HIT
 
 
-def lost(body: int, step: int) -> LostBodyError:
-    """Say which body was lost, and when."""
+def lost(tables: Tables, body: int, step: int) -> LostBodyError:
+    """Say which body was lost, and when; the world is back where the step began."""
+    began = np.hstack((tables.array(POSE)[body, :7], tables.array(MOTION)[body, :6]))
+    if np.isfinite(began).all():
+        why = "Its forces or velocities are too large for the step: take a smaller one."
+    else:
+        why = "It had been given a position or a velocity that is not finite: give it another one."
     return LostBodyError(
-        f"body {body} was lost to infinity in step {step}; all bodies are where they were before it. "
-        "Its forces or velocities are too large for the step: take a smaller one."
+        f"body {body} was lost to infinity in step {step}; all bodies are where they were before it. {why}"
     )

@@ -76,11 +76,11 @@ def word(uses: Uses, joints: Joints) -> Word:
         *joints.relaxing(),
     )
     after = (
+        finish,
         store,
         note_touching,
         *when(uses.sleeps, sleep),
         *joints.after(),
-        finish,
     )
     if uses.threads:
         substep = tuple(THREADED.get(stage, stage) for stage in substep)

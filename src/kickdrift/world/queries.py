@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.calls import address_of
 from kickdrift.core.errors import KickdriftError
+from kickdrift.world.bodies import Body
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.bounds import find_strays
 from kickdrift.world.collision.casting import DISTANCE, HIT, NORMAL, SHAPE_HIT, cast, cast_many
@@ -21,12 +22,14 @@ from kickdrift.world.collision.nearby import find_near, overlaps
 from kickdrift.world.collision.query_arguments import layer_bits, one_vector, rays_of
 from kickdrift.world.collision.rays import RAYS, SIGNATURE
 from kickdrift.world.contacts.looking import COLLIDE
+from kickdrift.world.flight import GENERATION
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.kinds import BOX, MESH, SPHERE, TRIANGLE
 from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.shapes.sphere import Sphere
-from kickdrift.world.tables import MOVERS, PART_TREE, PLANES, SHAPE, TROUBLE, Tables
-from kickdrift.world.trouble import BODY, FULL, KIND, TABLE, WANTED
+from kickdrift.world.tables import BODY, MOVERS, PART_TREE, PLANES, SHAPE, TROUBLE, Tables
+from kickdrift.world.trouble import BODY as TROUBLED_BODY
+from kickdrift.world.trouble import FULL, KIND, TABLE, WANTED
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -37,8 +40,10 @@ class RayHit(NamedTuple):
 
     Attributes
     ----------
-    shape, body : int
-        Rows of the shape and of its body.
+    shape : int
+        Row of the shape.
+    body : Body
+        That the shape is a part of.
     distance : float
         m.
     point : (3,) array
@@ -49,7 +54,7 @@ class RayHit(NamedTuple):
     """
 
     shape: int
-    body: int
+    body: Body
     distance: float
     point: Floats
     normal: Floats
@@ -82,30 +87,9 @@ def ray_cast(
     limit: float = np.inf,
     layers: Iterable[int] | None = None,
 ) -> RayHit | None:
-    """Return the nearest shape that a ray meets, or None.
-
-    Parameters
-    ----------
-    tables : Tables
-        Of the world.
-    origin : (3,) array_like
-        m.
-    direction : (3,) array_like
-        Any length but zero.
-    limit : float
-        How far the ray goes, m.
-    layers : iterable of int, optional
-        Layers whose shapes it meets, from 0 to 61; all by default.
-
-    Raises
-    ------
-    ArgumentError
-        If the origin is not finite, the direction has no length, or the limit or a layer cannot be.
-    """
+    """Return the nearest shape that a ray meets, or None; see `World.ray_cast`."""
     hits = ray_cast_many(tables, one_vector("origin", origin), one_vector("direction", direction), limit, layers)
-    if hits.shape[0] < 0:
-        return None
-    return RayHit(int(hits.shape[0]), int(hits.body[0]), float(hits.distance[0]), hits.point[0], hits.normal[0])
+    return _one_by_one(tables, hits)[0] if hits.shape[0] >= 0 else None
 
 
 def ray_cast_all(
@@ -124,11 +108,7 @@ def ray_cast_all(
     _, first = np.unique(hits[:count, SHAPE_HIT], return_index=True)
     hits = hits[first]
     hits = hits[np.argsort(hits[:, DISTANCE], kind="stable")]
-    found = _described(tables, np.repeat(rays, len(hits), axis=0), hits)
-    return [
-        RayHit(int(shape), int(body), float(distance), point, normal)
-        for shape, body, distance, point, normal in zip(*found, strict=True)
-    ]
+    return _one_by_one(tables, _described(tables, np.repeat(rays, len(hits), axis=0), hits))
 
 
 def ray_cast_many(
@@ -238,13 +218,22 @@ def _strays(tables: Tables) -> Integers:
     """Bring the trees up to date with the shapes that there are, and return those that have left their boxes."""
     trouble = tables.array(TROUBLE)[0]
     while not update_for_queries(tables.address):
-        kind, table, wanted, body = (int(trouble[column]) for column in (KIND, TABLE, WANTED, BODY))
+        kind, table, wanted, body = (int(trouble[column]) for column in (KIND, TABLE, WANTED, TROUBLED_BODY))
         trouble[:] = 0
         if kind != FULL:
             raise KickdriftError(f"Body {body} has a position that is not finite, and cannot be looked for; move it.")
         tables.make_room(table, wanted)
     strays = np.empty(len(tables.array(MOVERS)), dtype=np.int64)
     return strays[: find_strays(tables.address, strays)]
+
+
+def _one_by_one(tables: Tables, hits: RayHits) -> list[RayHit]:
+    """Hits of shapes, each with a handle of its body."""
+    generations = tables.array(BODY)[hits.body, GENERATION]
+    return [
+        RayHit(int(shape), Body(int(body), int(generation)), float(distance), point, normal)
+        for generation, shape, body, distance, point, normal in zip(generations, *hits, strict=True)
+    ]
 
 
 def _kinds(tables: Tables) -> list[int]:

@@ -186,7 +186,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
 
     @property
     def events(self) -> list[ContactEvent]:
-        """What has begun and ended to touch in the last call of `step` or `advance`, in order."""
+        """What has begun and ended to touch in the last call of `step` or `advance`, in order; removals end without one."""
         return events(self.tables, self.bodies)
 
     @property
@@ -287,7 +287,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
             return
         body = culprit(self.tables, step, body)
         self._go_back(done, step)
-        raise lost(body, self.n_steps)
+        raise lost(self.tables, body, self.n_steps)
 
     def _go_back(self, done: int, step: float) -> None:
         """Bring the world back to where the step began after those that are done."""
