@@ -37,6 +37,9 @@ WORLDS = {
     "sleep_speed": [-1.0, NAN],
     "sleep_time": [-1.0, NAN],
     "plane_normal": [(0, 0, 0), (1, 0), (NAN, 0, 0)],
+    "midpoint": ["no", 1, None],
+    "sleeping": ["no", 0],
+    "threads": [2, "all"],
 }
 
 
@@ -56,6 +59,7 @@ OPTIONS = {
     "inertia": [(1, 1, -1), (0, 0, 0), (1, 1, 5), [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]], (1, 1, NAN), (1, 1), "round"],
     "damping": [-1, NAN, "slow"],
     "angular_damping": [-1, INF],
+    "static": ["no", 1],
     "friction": [-1, NAN, "rough"],
     "restitution": [-0.1, 1.1, NAN],
     "rolling_resistance": [-1, NAN],
@@ -204,6 +208,16 @@ def test_a_world_that_lost_a_body_names_it_and_goes_on(where):
     world.advance(1 / 60, 120)
     assert world.n_steps == 127
     assert world.position[[near.index, lost.index], 2] == pytest.approx([0.1, 0.1], abs=1e-3)
+
+
+@pytest.mark.parametrize("size", [1e-120, 1e-16, 1e16, 1e120])
+def test_sizes_whose_inertia_would_overflow(size):
+    world = World()
+    refused(lambda: world.add_sphere(size), "radius", "reckoned")
+    refused(lambda: world.add_box((1, size, 1)), "size[1]", "reckoned")
+    refused(lambda: world.add_capsule(0.1, size), "length", "reckoned")
+    refused(lambda: world.add_hull(size * np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])), "points", "reckoned")
+    assert len(world.position) == 1
 
 
 @pytest.mark.parametrize("where", ["position", "velocity"])

@@ -56,3 +56,10 @@ def number(argument: str, value: Any, unit: str, *, zero: bool = True) -> float:
     if not (0.0 <= size < np.inf) or (size == 0.0 and not zero):
         raise ArgumentError(f"{argument}={value!r} has to be {what}.")
     return size
+
+
+def choice(argument: str, value: Any) -> bool:
+    """Return True or False; ArgumentError for anything else, which might be meant as the other one."""
+    if not isinstance(value, bool | np.bool_):
+        raise ArgumentError(f"{argument}={value!r} has to be True or False.")
+    return bool(value)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.world.arguments import choice
 from kickdrift.world.flight import (
     AWAKE,
     BODY_INERTIA,
@@ -168,6 +169,7 @@ class Bodies:
 
 def kind_of(static: bool, kinematic: bool) -> int:
     """Say what kind of body is wanted."""
+    static, kinematic = choice("static", static), choice("kinematic", kinematic)
     if static and kinematic:
         raise ArgumentError(
             "static=True and kinematic=True exclude each other: a kinematic body has a velocity; choose one."

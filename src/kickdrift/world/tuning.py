@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.arguments import vector
+from kickdrift.world.arguments import choice, vector
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.settings import GRAVITY, SUBSTEPS
 from kickdrift.world.tables import SETTINGS, Tables
@@ -45,6 +45,6 @@ class Tunable:
 
     @sleeping.setter
     def sleeping(self, sleeping: bool) -> None:
-        self._sleeping = bool(sleeping)
+        self._sleeping = choice("sleeping", sleeping)
         if not sleeping:
             self.bodies.wake()

@@ -10,7 +10,7 @@ from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.world import measures, settings
 from kickdrift.world.acting import AppliesForces
 from kickdrift.world.adding import AddsBodies
-from kickdrift.world.arguments import direction, number, vector
+from kickdrift.world.arguments import choice, direction, number, vector
 from kickdrift.world.asking import AnswersQueries
 from kickdrift.world.bodies import Bodies, Body
 from kickdrift.world.collision.filters import exclude, part_joined
@@ -116,7 +116,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
         row = self.tables.resize(SETTINGS, 1)[0]
         self.bodies = Bodies(self.tables)
         self.gravity, self.substeps, self.sleeping = vector("gravity", gravity, 3), substeps, sleeping
-        row[settings.MIDPOINT] = float(midpoint)
+        row[settings.MIDPOINT] = choice("midpoint", midpoint)
         row[settings.MARGIN], row[settings.SLOP] = (
             number("margin", margin, "m", zero=False),
             number("slop", slop, "m", zero=False),
@@ -129,7 +129,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
         row[settings.BOUNCE_SPEED] = -1.0 if bounce_speed is None else number("bounce_speed", bounce_speed, "m/s")
         row[settings.SLEEP_SPEED] = number("sleep_speed", sleep_speed, "m/s")
         row[settings.SLEEP_TIME] = number("sleep_time", sleep_time, "s")
-        self.threads = bool(threads)
+        self.threads = choice("threads", threads)
         if threads:
             # Code from the cache on disk looks for the thread pool and does not start it.
             _launch_threads()

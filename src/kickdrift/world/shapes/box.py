@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.shapes.kinds import BOX
-from kickdrift.world.shapes.mass import Array, MassProperties, positive
+from kickdrift.world.shapes.mass import Array, MassProperties, extent
 
 # One line along the four lower edges, a side, the four upper edges; then the other three sides.
 _LINES = (
@@ -43,7 +43,7 @@ class Box:
         lengths = np.asarray(size)
         if lengths.shape != (3,):
             raise ArgumentError(f"size={size!r} has the shape {lengths.shape}; give the lengths of three edges, in m.")
-        object.__setattr__(self, "size", tuple(positive(f"size[{k}]", lengths[k], "m") for k in range(3)))
+        object.__setattr__(self, "size", tuple(extent(f"size[{k}]", lengths[k]) for k in range(3)))
 
     @property
     def numbers(self) -> Array:

@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from kickdrift.world.shapes.kinds import CAPSULE
-from kickdrift.world.shapes.mass import Array, MassProperties, positive
+from kickdrift.world.shapes.mass import Array, MassProperties, extent
 
 _QUARTER = np.linspace(0.0, 0.5 * math.pi, 9)
 _CIRCLE = np.linspace(0.0, 2.0 * math.pi, 33)
@@ -35,8 +35,8 @@ class Capsule:
     kind: ClassVar[int] = CAPSULE
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", positive("radius", self.radius, "m"))
-        object.__setattr__(self, "length", positive("length", self.length, "m"))
+        object.__setattr__(self, "radius", extent("radius", self.radius))
+        object.__setattr__(self, "length", extent("length", self.length))
 
     @property
     def numbers(self) -> Array:

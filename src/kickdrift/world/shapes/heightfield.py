@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.shapes.kinds import MESH
-from kickdrift.world.shapes.mass import Array, MassProperties, positive
+from kickdrift.world.shapes.mass import Array, MassProperties, extent
 from kickdrift.world.shapes.mesh import Mesh
 
 
@@ -47,7 +47,7 @@ class HeightField:
             raise ArgumentError(f"spacing={spacing!r} has the shape {steps.shape}; give one length or two, in m.")
         dx, dy = np.broadcast_to(steps, 2)
         object.__setattr__(self, "heights", array)
-        object.__setattr__(self, "spacing", (positive("spacing", dx, "m"), positive("spacing", dy, "m")))
+        object.__setattr__(self, "spacing", (extent("spacing", dx), extent("spacing", dy)))
 
     @property
     def points(self) -> Array:

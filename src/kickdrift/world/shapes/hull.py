@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.shapes.kinds import HULL
-from kickdrift.world.shapes.mass import Array, MassProperties
+from kickdrift.world.shapes.mass import Array, MassProperties, extent
 from kickdrift.world.shapes.polyhedron import MOST_VERTICES, polyhedron_numbers
 
 if TYPE_CHECKING:
@@ -50,15 +50,15 @@ class Hull:
         array = np.array(points, dtype=np.float64)
         _check(array)
         centre = 0.5 * (array.min(axis=0) + array.max(axis=0))
-        extent = float(np.ptp(array, axis=0).max())
-        corners, faces = _corners_and_faces((array - centre) / extent)
+        size = extent("the extent of points", float(np.ptp(array, axis=0).max()))
+        corners, faces = _corners_and_faces((array - centre) / size)
         if len(corners) > MOST_VERTICES:
             raise ArgumentError(
                 f"points, {len(array)} of them, make a hull of {len(corners)} corners, and contacts know at most "
                 f"{MOST_VERTICES}; give fewer points on its surface, or several hulls."
             )
         object.__setattr__(self, "points", array)
-        object.__setattr__(self, "vertices", centre + extent * corners)
+        object.__setattr__(self, "vertices", centre + size * corners)
         object.__setattr__(self, "faces", faces)
 
     @property

@@ -13,6 +13,8 @@ Array = NDArray[np.float64]
 # Rounding in a file of six digits; beyond it, no distribution of mass has these moments.
 _TOLERANCE = 1e-6
 
+SMALLEST, LARGEST = 1e-15, 1e15  # m
+
 
 class MassProperties(NamedTuple):
     """What a shape of density 1 weighs.
@@ -182,6 +184,16 @@ def rotation_matrix(orientation: ArrayLike) -> Array:
             [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
         ]
     )
+
+
+def extent(argument: str, value: float) -> float:
+    """Return a length in m if a shape can be as large: its fifth power goes into an inertia; ArgumentError if not."""
+    number = positive(argument, value, "m")
+    if not SMALLEST <= number <= LARGEST:
+        raise ArgumentError(
+            f"{argument}={number:g} m is beyond what can be reckoned with, {SMALLEST:g} to {LARGEST:g} m."
+        )
+    return number
 
 
 def positive(argument: str, value: float, unit: str) -> float:

@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from kickdrift.world.shapes.kinds import SPHERE
-from kickdrift.world.shapes.mass import Array, MassProperties, positive
+from kickdrift.world.shapes.mass import Array, MassProperties, extent
 
 _CIRCLE = np.linspace(0.0, 2.0 * math.pi, 33)
 
@@ -31,7 +31,7 @@ class Sphere:
     kind: ClassVar[int] = SPHERE
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", positive("radius", self.radius, "m"))
+        object.__setattr__(self, "radius", extent("radius", self.radius))
 
     @property
     def numbers(self) -> Array:
