@@ -98,9 +98,7 @@ def solve_articulations(t: float, h: float, world: int) -> None:
             off = aim_all(row, h, AHEAD, 0.0, world) if off * ratio > SURE else off * off
             if off * ratio <= CLOSE:
                 break
-        articulations[row, LOST] = off * ratio > FAR or has_gained(
-            row, h, EXCESS + 0.6 * min(fastest_turn(row, h, world), RESOLVED) ** 2, world
-        )
+        articulations[row, LOST] = off * ratio > FAR or has_gained(row, h, _excess(row, h, world), world)
         if articulations[row, LOST] != 0:
             forget_warm_start(row, world)
             take_back(row, world)
@@ -109,7 +107,7 @@ def solve_articulations(t: float, h: float, world: int) -> None:
 
 
 def touch_up(t: float, h: float, world: int) -> None:
-    """Take one more step of Newton's method where contacts have moved links so that joints would be off after the drift."""
+    """Take more steps of Newton's method where contacts have moved links so that joints would be off after the drift."""
     articulations: Any = integers(world, ARTICULATION)
     work = floats(world, LINK_NUMBERS)
     for row in range(rows(world, ARTICULATION)):
@@ -118,11 +116,18 @@ def touch_up(t: float, h: float, world: int) -> None:
             continue
         if articulations[row, LOST] != 0 or work[articulations[row, FIRST], TOUCHED] == 0.0:
             continue
-        if NOTICED < aim_all(row, h, AHEAD, 0.0, world) < POOR:
-            work[articulations[row, FIRST], ENERGY] = kinetic_energy(row, world)
+        off, ratio = aim_all(row, h, AHEAD, 0.0, world), articulations[row, RATIO]
+        if NOTICED < off < POOR:
+            # No more than there was before contacts took some.
+            before = work[articulations[row, FIRST], ENERGY]
+            work[articulations[row, FIRST], ENERGY] = max(before, kinetic_energy(row, world))
             note_velocities(row, world)
-            once(row, h, h, world)
-            if has_gained(row, h, EXCESS, world):
+            for _ in range(ROUNDS):
+                once(row, h, h, world)
+                off = aim_all(row, h, AHEAD, 0.0, world) if off * ratio > SURE else off * off
+                if off * ratio <= CLOSE:
+                    break
+            if has_gained(row, h, _excess(row, h, world), world):
                 take_back(row, world)
             end_solution(row, h, world)
 
@@ -159,13 +164,13 @@ def has_gained(row: int, h: float, excess: float, world: int) -> bool:
 
 
 @compiled(cached=False)
-def fastest_turn(row: int, h: float, world: int) -> float:
-    """Greatest angle by which a link would have turned in the substep by the velocities that were noted."""
+def _excess(row: int, h: float, world: int) -> float:
+    """Part of its energy that an articulation may have after a solution for the end of the substep, by how fast it turned."""
     articulation: Any = integers(world, ARTICULATION)[row]
     work, fastest = floats(world, LINK_NUMBERS), 0.0
     for link in range(articulation[FIRST], articulation[FIRST] + articulation[LINKS]):
         fastest = max(fastest, h * length(vector_at(work, link, BEFORE_TURN)))
-    return fastest
+    return EXCESS + 0.6 * min(fastest, RESOLVED) ** 2
 
 
 @compiled(cached=False)
