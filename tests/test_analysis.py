@@ -29,6 +29,7 @@ OSCILLATOR, PENDULUM, KEPLER = (
     for system in (kd.systems.harmonic_oscillator(), kd.systems.pendulum(2.5), kd.systems.kepler(0.6))
 )
 UNHURRIED = settings(deadline=None)  # the first example compiles
+AMPLITUDE = st.floats(-10, 10).filter(lambda x: x == 0.0 or abs(x) > 1e-100)  # whose square has all its digits
 names = pytest.mark.parametrize("name", ["kick-drift", "drift-kick"])
 
 
@@ -204,9 +205,7 @@ def test_modified_energy_is_conserved_and_the_energy_is_not(name, h):
 
 @names
 @UNHURRIED
-@given(
-    h=st.floats(1e-3, 1.0), omega=st.floats(0.1, 1.9), x=st.floats(-10, 10), v=st.floats(-10, 10), sign=st.booleans()
-)
+@given(h=st.floats(1e-3, 1.0), omega=st.floats(0.1, 1.9), x=AMPLITUDE, v=AMPLITUDE, sign=st.booleans())
 def test_modified_energy_of_one_step(name, h, omega, x, v, sign):
     h = h if sign else -h
     system = replace(kd.systems.harmonic_oscillator(omega), native=False)

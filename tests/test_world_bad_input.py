@@ -60,6 +60,7 @@ OPTIONS = {
     "damping": [-1, NAN, "slow"],
     "angular_damping": [-1, INF],
     "static": ["no", 1],
+    "sensor": ["no", 2, None],
     "friction": [-1, NAN, "rough"],
     "restitution": [-0.1, 1.1, NAN],
     "rolling_resistance": [-1, NAN],
@@ -218,6 +219,14 @@ def test_sizes_whose_inertia_would_overflow(size):
     refused(lambda: world.add_capsule(0.1, size), "length", "reckoned")
     refused(lambda: world.add_hull(size * np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])), "points", "reckoned")
     assert len(world.position) == 1
+
+
+def test_orientations_of_no_length_are_told_from_what_is_too_fast():
+    world = World()
+    box = world.add_box((1, 1, 1))
+    world.orientation[box.index] = 0.0
+    with pytest.raises(LostBodyError, match="orientation of no length"):
+        world.step(1 / 60)
 
 
 @pytest.mark.parametrize("where", ["position", "velocity"])

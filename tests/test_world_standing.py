@@ -126,3 +126,21 @@ def test_what_joints_hold_together_bounces_as_one(masses, step):
         world.step(step)
         heights.append(world.position[foot.index, 2] - 0.05 if world.time > 0.5 else 0.0)
     assert max(heights) == pytest.approx(0.25, rel=0.06)
+
+
+@pytest.mark.parametrize("x", [0.0, 0.1, 0.175])
+@pytest.mark.parametrize(("restitution", "most"), [(1.0, 1.005), (0.9, 1.0)])
+def test_a_bounce_on_two_links_at_once_gains_no_energy(restitution, most, x):
+    world, before = World(gravity=(0, 0, 0)), None
+    for k in range(4):
+        link = world.add_box((0.3, 0.1, 0.1), position=(0.35 * k, 0, 0), mass=1, restitution=restitution, friction=0)
+        if before is not None:
+            world.add_hinge(link, before, anchor=(0.35 * k - 0.175, 0, 0), axis=(0, 1, 0))
+        before = link
+    box = world.add_box((0.2, 0.2, 0.2), position=(x, 0, 1), mass=0.7, restitution=restitution, friction=0)
+    world.velocity[box.index] = (0, 0, -6)
+    energy = world.energy().total
+    for _ in range(25):
+        world.step(1 / 60)
+        assert world.energy().total <= most * energy * (1 + 1e-12)
+    assert world.velocity[box.index, 2] > -1  # it has bounced

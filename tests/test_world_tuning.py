@@ -34,7 +34,7 @@ def test_substeps_changed_between_steps_are_those_of_a_world_made_with_them():
     assert not np.array_equal(changed.position, kept.position)
 
 
-@pytest.mark.parametrize("substeps", [0, -1, 2.5, True, "4", None])
+@pytest.mark.parametrize("substeps", [0, -1, 2.5, True, "4", None, 10_001, 2**70])
 def test_substeps_that_cannot_be_are_refused(substeps):
     world = stack()
     with pytest.raises(ArgumentError, match="substeps="):
@@ -61,6 +61,35 @@ def test_gravity_wakes_what_sleeps():
     world.gravity = (0, 0, 1)
     world.advance(STEP, 1)
     assert (world.velocity[2:5, 2] > 0).all()
+
+
+def test_what_has_rested_for_a_while_does_not_fall_asleep_in_the_air():
+    world = kd.World(sleeping=True)
+    world.add_plane()
+    box = world.add_box((1, 1, 1), position=(0, 0, 0.5))
+    world.advance(STEP, 29)
+    world.gravity = (0, 0, 1)
+    world.advance(STEP, 60)
+    assert world.velocity[box.index, 2] == pytest.approx(1.0, rel=1e-3)
+
+
+def test_time_rested_does_not_outlast_sleep_that_was_turned_off():
+    world = kd.World(sleeping=True)
+    world.add_plane()
+    box = world.add_box((1, 1, 1), position=(0, 0, 0.5))
+    world.advance(STEP, 29)
+    world.sleeping = False
+    world.velocity[box.index] = (0, 0, 9.81)
+    world.advance(STEP, 59)
+    world.sleeping = True
+    world.advance(STEP, 5)
+    assert world.velocity[box.index, 2] == pytest.approx(9.81 * (1 - 64 / 60), rel=1e-3)
+
+
+def test_gravity_cannot_be_written_into_in_vain():
+    world = kd.World()
+    with pytest.raises(ValueError, match="read-only"):
+        world.gravity[2] = 0
 
 
 def test_sleeping_may_begin_and_end():

@@ -11,7 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from kickdrift import analysis, methods, plots, systems
-from kickdrift.core.errors import ArgumentError, InterpretedWarning, KickdriftError, MethodMismatchError
+from kickdrift.core.errors import ArgumentError, InterpretedWarning, KickdriftError, LostBodyError, MethodMismatchError
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.solution import Presenters, Solution
 from kickdrift.engine.solve import solve
@@ -59,6 +59,7 @@ __all__ = [
     "InterpretedWarning",
     "KickdriftError",
     "Langevin",
+    "LostBodyError",
     "MethodMismatchError",
     "Motor",
     "Newtonian",

@@ -152,11 +152,11 @@ class Bodies:
             tables.array(RESPONSE)[row, 1:7] = _symmetric(response)
 
     def wake(self) -> None:
-        """Wake all bodies that sleep: what they rest on may be gone."""
+        """Wake all bodies, as if none had rested: what they rest on may be gone."""
         bodies = self._tables.array(BODY)
         sleeping = (bodies[:, KIND] >= KINEMATIC) & (bodies[:, AWAKE] == 0)
         bodies[sleeping, AWAKE] = 1
-        self._tables.array(RESTED)[sleeping, 0] = 0.0
+        self._tables.array(RESTED)[:, 0] = 0.0
 
     def handle(self, row: int) -> Body:
         """Return the handle of a row."""

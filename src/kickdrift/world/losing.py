@@ -79,11 +79,11 @@ def go_back(tables: Tables) -> None:
 
 def lost(tables: Tables, body: int, step: int) -> LostBodyError:
     """Say which body was lost, and when; the world is back where the step began."""
-    began = np.hstack((tables.array(POSE)[body, :7], tables.array(MOTION)[body, :6]))
-    if np.isfinite(began).all():
+    pose, motion = tables.array(POSE)[body, :7], tables.array(MOTION)[body, :6]
+    if np.isfinite(pose).all() and np.isfinite(motion).all() and pose[3:].any():
         why = "Its forces or velocities are too large for the step: take a smaller one."
     else:
-        why = "It had been given a position or a velocity that is not finite: give it another one."
+        why = "It had been given a pose or a velocity that is not finite, or an orientation of no length: give it another one."
     return LostBodyError(
         f"body {body} was lost to infinity in step {step}; all bodies are where they were before it. {why}"
     )

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.calls import address_of
 from kickdrift.core.errors import ArgumentError
+from kickdrift.world.arguments import choice
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.search import shapes_changed
 from kickdrift.world.contacts.looking import COLLIDE, FRICTION, RADIUS, RESTITUTION, ROLLING, SURFACE_VELOCITY
@@ -93,6 +94,7 @@ class Surface:
         for layer in (self.layer, *layers):
             if not (isinstance(layer, int | np.integer) and 0 <= layer < 62):
                 raise ArgumentError(f"layer={layer!r} has to be a whole number from 0 to 61.")
+        choice("sensor", self.sensor)
 
 
 class Placed(NamedTuple):

@@ -109,12 +109,13 @@ def restore(world: "World", snapshot: Snapshot) -> None:
     """Make a world what it was, or what another one was, when a snapshot was taken."""
     if not isinstance(snapshot, Snapshot):
         raise ArgumentError(f"snapshot={snapshot!r} is no snapshot; give what World.snapshot returned.")
+    world.sleeping = snapshot.sleeping  # which wakes all; who sleeps is in the tables
     for name, table in TABLES.items():
         world.tables.reserve(table, snapshot.rooms[name])
         world.tables.resize(table, len(snapshot.tables[name]))[:] = snapshot.tables[name]
     world.time, world.n_steps = snapshot.time, snapshot.n_steps
     world.planar = bool(world.tables.array(SETTINGS)[0, settings.PLANE : settings.PLANE + 3].any())
-    world.sleeping, world.forces, world.broken = snapshot.sleeping, list(snapshot.forces), []
+    world.forces, world.broken = list(snapshot.forces), []
     bodies, joints, shapes = world.bodies, world.joints, world.shape_rows
     bodies.free[:] = snapshot.free_bodies
     bodies.n_made = max(bodies.n_made, snapshot.n_bodies_made)

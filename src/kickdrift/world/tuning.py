@@ -9,6 +9,8 @@ from kickdrift.world.bodies import Bodies
 from kickdrift.world.settings import GRAVITY, SUBSTEPS
 from kickdrift.world.tables import SETTINGS, Tables
 
+_MOST_SUBSTEPS = 10_000
+
 
 class Tunable:
     """The settings of a world that are attributes."""
@@ -19,8 +21,10 @@ class Tunable:
 
     @property
     def gravity(self) -> NDArray[np.float64]:
-        """Acceleration of what falls, (3,), m/s^2; give another one to change it."""
-        return self.tables.array(SETTINGS)[0, GRAVITY : GRAVITY + 3].copy()
+        """Acceleration of what falls, (3,), m/s^2, read-only; give another one to change it."""
+        acceleration = self.tables.array(SETTINGS)[0, GRAVITY : GRAVITY + 3].copy()
+        acceleration.flags.writeable = False
+        return acceleration
 
     @gravity.setter
     def gravity(self, gravity: ArrayLike) -> None:
@@ -29,13 +33,19 @@ class Tunable:
 
     @property
     def substeps(self) -> int:
-        """Parts of a step in which contacts and joints are solved; give another number to change it."""
+        """Parts of a step in which contacts and joints are solved; give another number to change it.
+
+        Contacts get stiffer with more of them. A loaded stack that has sunk in under few of them is pushed out when they
+        are many at once, so that what stands high wants them raised step by step.
+        """
         return int(self.tables.array(SETTINGS)[0, SUBSTEPS])
 
     @substeps.setter
     def substeps(self, substeps: int) -> None:
-        if isinstance(substeps, bool) or not (isinstance(substeps, int | np.integer) and substeps >= 1):
-            raise ArgumentError(f"substeps={substeps!r} has to be a whole number from 1 on.")
+        if isinstance(substeps, bool) or not (
+            isinstance(substeps, int | np.integer) and 1 <= substeps <= _MOST_SUBSTEPS
+        ):
+            raise ArgumentError(f"substeps={substeps!r} has to be a whole number from 1 to {_MOST_SUBSTEPS}.")
         self.tables.array(SETTINGS)[0, SUBSTEPS] = substeps
 
     @property
@@ -46,5 +56,4 @@ class Tunable:
     @sleeping.setter
     def sleeping(self, sleeping: bool) -> None:
         self._sleeping = choice("sleeping", sleeping)
-        if not sleeping:
-            self.bodies.wake()
+        self.bodies.wake()

@@ -66,8 +66,8 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
     bounce_speed : float, optional
         Approaches that are slower do not bounce, m/s; four times what gravity adds in a substep by default.
     sleeping : bool
-        Whether islands of bodies that touch or are joined are left alone once they have rested: once no point of them has
-        moved faster than `sleep_speed`, m/s, for `sleep_time`, s. Off by default, because it takes their last energy.
+        Whether islands of bodies that nearly touch or are joined are left alone once they have rested: once no point of
+        them has moved faster than `sleep_speed`, m/s, for `sleep_time`, s. Off by default, because it takes their last energy.
     sleep_speed, sleep_time : float
     threads : bool
         Whether contacts are shared among the threads that Numba has (``numba.set_num_threads``). The bits are the same for

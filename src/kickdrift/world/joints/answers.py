@@ -126,10 +126,11 @@ def compare_pieces(h: float, world: int) -> None:
                 turn = h * length(vector_at(floats(world, MOTION), links[link, LINK_BODY], ANGULAR_PART))
                 anew, fastest = 1.0 if pieces != work[link, PIECES] or turn > _FAST else anew, max(fastest, turn)
                 work[link, PIECES] = pieces
-            if articulations[row, LOST] != 0 or fastest > _WILD_TURN:
-                anew = WILD
+            wild = articulations[row, LOST] != 0 or fastest > _WILD_TURN
             for link in range(first, after):
-                work[link, ANEW] = anew
+                work[link, ANEW] = WILD if wild else anew
+                if wild:
+                    work[link, PIECES] = -1.0  # so that what is found now is not kept
 
 
 @compiled(cached=False)

@@ -68,7 +68,7 @@ from kickdrift.world.tables import (
 )
 
 _SIZE = c.FIELDS * c.WIDTH
-_BOUNCE_SWEEPS = 50  # over the points of a manifold, so that one that lands flat does not turn
+_BOUNCE_SWEEPS = 50  # so that what lands flat does not turn
 
 SOFT = 1.0
 
@@ -88,12 +88,10 @@ def _touch(t: float, h: float, world: int) -> None:
     compare_pieces(h, world)
     find_answers(first, end, world)
     velocity, given, moved, slowest = twelve(), twelve(), twelve(), slowest_bounce(h, world)
-    wrench, other = twelve(), twelve()
+    wrench, other, bounced = twelve(), twelve(), False
     for g in range(first, end):
         own, answer = lanes[g * _SIZE : (g + 1) * _SIZE], answers[g - first]
-        for side in range(2):
-            row = groups[g, c.WIDTH * side]
-            _velocity(row, link_row(row, world), velocity[6 * side :], world)
+        _read_velocities(g, velocity, world)
         read_both(CHANGE, g, moved, world)
         for k in range(12):
             given[k] = 0.0
@@ -103,16 +101,12 @@ def _touch(t: float, h: float, world: int) -> None:
             note_hits(own, answer, moved, wrench, e, slowest, h, other, velocity)
             press(own, answer, moved, wrench, SOFT, h, floats(world, SETTINGS)[0, PUSH_SPEED], velocity, given)
         else:
+            bounced = bounced or bounces(answer)
             grip(own, answer, moved, wrench, other, velocity, given)
-            bounced = bounces(answer)
-            for _ in range(_BOUNCE_SWEEPS if bounced else 1):
-                press(own, answer, moved, wrench, SOFT, h, 0.0, velocity, given)
-            if bounced:  # and leaves: the next substep begins without its impulse
-                integers(world, CONTACT)[groups[g, 2 * c.WIDTH], c.STATE] |= c.HIT
-                forget(own)
-        for side in range(2):
-            row = groups[g, c.WIDTH * side]
-            _give(row, link_row(row, world), given[6 * side :], world)
+            press(own, answer, moved, wrench, SOFT, h, 0.0, velocity, given)
+        _give_both(g, given, world)
+    if bounced:
+        _bounce(h, world)
     for row in range(rows(world, ARTICULATION)):
         if is_touched(row, world):
             hand_on(row, SOFT > 0.0, world)
@@ -131,30 +125,59 @@ def _restitution(row: int, world: int) -> float:
 
 
 @compiled(cached=False)
-def _velocity(body: int, link: int, velocity: Any, world: int) -> None:
-    motion = floats(world, MOTION)
-    for k in range(6):
-        velocity[k] = motion[body, k]
-    if link >= 0:
-        v, w = bring_down(link, world)
-        for k in range(3):
-            velocity[k] += v[k]
-            velocity[3 + k] += w[k]
+def _bounce(h: float, world: int) -> None:
+    """Sweep over all points of contacts that bounce until they have the velocities wanted, and forget their impulses.
+
+    All at once: of two links that are hit, the second would push the first one on through their joint, and gain energy.
+    """
+    colours, groups = integers(world, COLOURS), integers(world, GROUPS)
+    answers, lanes, first = floats(world, LINK_CONTACTS), flat(world, LANES), colours[LINKED, 1]
+    velocity, given, moved, wrench = twelve(), twelve(), twelve(), twelve()
+    for _ in range(_BOUNCE_SWEEPS):
+        for g in range(first, colours[LINKED, 2]):
+            if bounces(answers[g - first]):
+                own = lanes[g * _SIZE : (g + 1) * _SIZE]
+                _read_velocities(g, velocity, world)
+                read_both(CHANGE, g, moved, world)
+                for k in range(12):
+                    given[k] = 0.0
+                press(own, answers[g - first], moved, wrench, 0.0, h, 0.0, velocity, given)
+                _give_both(g, given, world)
+    for g in range(first, colours[LINKED, 2]):
+        if bounces(answers[g - first]):
+            integers(world, CONTACT)[groups[g, 2 * c.WIDTH], c.STATE] |= c.HIT
+            forget(lanes[g * _SIZE : (g + 1) * _SIZE])
 
 
 @compiled(cached=False)
-def _give(body: int, link: int, wrench: Any, world: int) -> None:
-    """Give a body what a contact has found: at once, or, of a link, for the joints to hand on."""
+def _read_velocities(g: int, velocity: Any, world: int) -> None:
+    """Read the velocities of both bodies of a contact, with what has been asked of their joints so far."""
+    read_both(MOTION, g, velocity, world)
+    for side in range(2):
+        link = link_row(integers(world, GROUPS)[g, c.WIDTH * side], world)
+        if link >= 0:
+            v, w = bring_down(link, world)
+            for k in range(3):
+                velocity[6 * side + k] += v[k]
+                velocity[6 * side + 3 + k] += w[k]
+
+
+@compiled(cached=False)
+def _give_both(g: int, wrench: Any, world: int) -> None:
+    """Give both bodies what a contact has found: at once, or, a link, for the joints to hand on."""
     motion, response, work = floats(world, MOTION), floats(world, RESPONSE), floats(world, LINK_NUMBERS)
-    if link < 0:
-        turn = applied(symmetric_at(response, body, TURN_RESPONSE), (wrench[3], wrench[4], wrench[5]))
-        for k in range(3):
-            motion[body, k] += response[body, 0] * wrench[k]
-            motion[body, 3 + k] += turn[k]
-        return
-    for k in range(6):
-        work[link, LOAD + k] += wrench[k]
-    stir(link, wrench, world)
+    for side in range(2):
+        body, own = integers(world, GROUPS)[g, c.WIDTH * side], wrench[6 * side :]
+        link = link_row(body, world)
+        if link < 0:
+            turn = applied(symmetric_at(response, body, TURN_RESPONSE), (own[3], own[4], own[5]))
+            for k in range(3):
+                motion[body, k] += response[body, 0] * own[k]
+                motion[body, 3 + k] += turn[k]
+            continue
+        for k in range(6):
+            work[link, LOAD + k] += own[k]
+        stir(link, own, world)
 
 
 solve_link_contacts = compiled(specialise(_touch, "solve_link_contacts", SOFT=1.0))
