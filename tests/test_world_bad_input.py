@@ -221,6 +221,20 @@ def test_sizes_whose_inertia_would_overflow(size):
     assert len(world.position) == 1
 
 
+@pytest.mark.parametrize("when", ["before", "after"])
+def test_what_is_nowhere_hides_nothing_from_rays(when):
+    world = World()
+    world.add_plane()
+    lost = world.add_sphere(0.1, position=(0, 0, 1))
+    world.add_sphere(0.1, position=(1, 0, 1))
+    if when == "after":
+        world.step(1 / 60)
+    world.position[lost.index] = NAN
+    for ask in (lambda: world.ray_cast((1, 0, 5), (0, 0, -1)), lambda: world.overlap_sphere(0.2, (1, 0, 1))):
+        with pytest.raises(KickdriftError, match=f"Body {lost.index} .* not finite"):
+            ask()
+
+
 def test_orientations_of_no_length_are_told_from_what_is_too_fast():
     world = World()
     box = world.add_box((1, 1, 1))

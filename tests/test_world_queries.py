@@ -344,7 +344,7 @@ def test_other_questions_that_cannot_be_are_refused():
         overlap_box(scene.tables, (1, 1, 1), orientation=(0, 0, 0, 0))
     scene.add(SPHERE, [1.0])
     scene[t.POSE][1, 0] = np.nan
-    with pytest.raises(KickdriftError, match="Body 1 has a position that is not finite"):
+    with pytest.raises(KickdriftError, match="Body 1 has a pose that is not finite"):
         ray_cast(scene.tables, (3, 0, 0), (-1, 0, 0))
     scene[t.POSE][1, 0] = 0.0
     assert ray_cast(scene.tables, (3, 0, 0), (-1, 0, 0)).distance == 2.0

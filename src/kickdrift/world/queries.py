@@ -27,7 +27,7 @@ from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.kinds import BOX, MESH, SPHERE, TRIANGLE
 from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.shapes.sphere import Sphere
-from kickdrift.world.tables import BODY, MOVERS, PART_TREE, PLANES, SHAPE, TROUBLE, Tables
+from kickdrift.world.tables import BODY, MOVERS, PART_TREE, PLANES, POSE, SHAPE, TROUBLE, Tables
 from kickdrift.world.trouble import BODY as TROUBLED_BODY
 from kickdrift.world.trouble import FULL, KIND, TABLE, WANTED
 
@@ -221,10 +221,19 @@ def _strays(tables: Tables) -> Integers:
         kind, table, wanted, body = (int(trouble[column]) for column in (KIND, TABLE, WANTED, TROUBLED_BODY))
         trouble[:] = 0
         if kind != FULL:
-            raise KickdriftError(f"Body {body} has a position that is not finite, and cannot be looked for; move it.")
+            raise _nowhere(body)
         tables.make_room(table, wanted)
     strays = np.empty(len(tables.array(MOVERS)), dtype=np.int64)
-    return strays[: find_strays(tables.address, strays)]
+    strays = strays[: find_strays(tables.address, strays)]
+    bodies = tables.array(SHAPE)[strays, 1]
+    lost = bodies[~np.isfinite(tables.array(POSE)[bodies, :7]).all(axis=1)]
+    if lost.size:
+        raise _nowhere(int(lost[0]))
+    return strays
+
+
+def _nowhere(body: int) -> KickdriftError:
+    return KickdriftError(f"Body {body} has a pose that is not finite, and cannot be looked for; move it.")
 
 
 def _one_by_one(tables: Tables, hits: RayHits) -> list[RayHit]:
