@@ -21,7 +21,7 @@ STEP = 1 / 60
 def loads(world):
     """Sums of the normal impulses of the last substep over its length, N, by the rows of both bodies."""
     rows, manifolds = world.tables.array(CONTACT), world.tables.array(MANIFOLD)
-    at = layout.POINT + layout.NORMAL_IMPULSE + layout.POINT_SIZE * np.arange(4)
+    at = layout.NORMAL_IMPULSE + np.arange(4)
     impulses = np.where(np.arange(4) < rows[:, layout.POINTS, None], manifolds[:, at], 0.0).sum(axis=1)
     pairs = np.sort(rows[:, [layout.BODY_A, layout.BODY_B]], axis=1).tolist()
     return {tuple(pair): impulse * world.substeps / STEP for pair, impulse in zip(pairs, impulses, strict=True)}

@@ -1,9 +1,10 @@
 """Columns of the tables that contacts live in, and fields of the constraints that are made of them for the solver.
 
-A manifold is up to four points with one normal. Its row of `MANIFOLD`: normal in the frame of the first shape (3), friction
-impulse in the world's axes (3), twist impulse, spare; four points of eight numbers each: on the first shape in its frame
-(3), on the second in its own (3), id of the features that touch, normal impulse; then the pose of the second shape in the
-first's frame when the points were found (7), by how much it may have moved since, the rolling impulse (3) and the slide (3).
+A manifold is up to four points with one normal. Its row of `MANIFOLD`: normal in the frame of the first shape (3), rolling
+impulse in the world's axes (3), two spare; four points of eight numbers each: on the first shape in its frame (3), on the
+second in its own (3), id of the features that touch, spare; the pose of the second shape in the first's frame when the points
+were found (7), and by how much it may have moved since; then, in a cache line of their own, which every step writes, the
+normal impulses of the points (4), friction impulse in the world's axes (3) and twist impulse; and the slide (3).
 
 Constraints stand in groups of WIDTH: field k of lane l of group g is number (g FIELDS + k) WIDTH + l of the table `LANES`,
 so that the loops over lanes vectorise.
@@ -20,15 +21,14 @@ FAST = 8  # its shapes may pass each other within the step
 
 # Columns of MANIFOLD
 NORMAL = 0
-FRICTION_IMPULSE = 3
-TWIST_IMPULSE = 6
+ROLLING_IMPULSE = 3
 POINT = 8
 POINT_SIZE = 8
-ON_A, ON_B, FEATURE, NORMAL_IMPULSE = 0, 3, 6, 7
+ON_A, ON_B, FEATURE = 0, 3, 6
 FOUND_POSE = 40
 RECYCLED = 47
-ROLLING_IMPULSE = 48
-SLIDE_AHEAD = 51  # of fast shapes: how far the second will slide past the first until they touch, in the world's axes
+NORMAL_IMPULSE, FRICTION_IMPULSE, TWIST_IMPULSE = 48, 52, 55
+SLIDE_AHEAD = 56  # of fast shapes: how far the second will slide past the first until they touch, in the world's axes
 
 # Fields of a constraint
 WIDTH = 8  # lanes: two vectors of AVX2 or one of AVX-512

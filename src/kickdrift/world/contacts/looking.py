@@ -8,6 +8,7 @@ from kickdrift.core.vectors import Quaternion, Vector, plus, product, turned
 from kickdrift.world.contacts.layout import (
     FEATURE,
     FOUND_POSE,
+    NORMAL_IMPULSE,
     PART,
     POINT,
     POINT_SIZE,
@@ -86,17 +87,17 @@ def look_again(world: int, row: int, at: Vector, turn: Quaternion, margin: float
     found[3], found[4], found[5], found[6] = turn
     before = contact[row, POINTS]
     ids = (own[_id(0)], own[_id(1)], own[_id(2)], own[_id(3)])
-    impulses = (own[_id(0) + 1], own[_id(1) + 1], own[_id(2) + 1], own[_id(3) + 1])
+    impulses = (own[NORMAL_IMPULSE], own[NORMAL_IMPULSE + 1], own[NORMAL_IMPULSE + 2], own[NORMAL_IMPULSE + 3])
     count = collide(
         integers(world, COLLIDERS)[kind_a, shape[b, 0]],
         (numbers[begin_a : begin_a + size_a], numbers[begin_b : begin_b + size_b], found, margin, own),
     )
     contact[row, POINTS] = count
     for new in range(count):
-        own[_id(new) + 1] = 0.0
+        own[NORMAL_IMPULSE + new] = 0.0
         for old in range(before):
             if ids[old] == own[_id(new)]:
-                own[_id(new) + 1] = impulses[old]
+                own[NORMAL_IMPULSE + new] = impulses[old]
                 break
 
 

@@ -178,7 +178,7 @@ def _gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any) -> Non
         p = c.POINT + c.POINT_SIZE * k
         for j in range(6):
             raw[(r.ON_A + 6 * k + j) * c.WIDTH] = manifold[row, p + j] if k < points else 0.0
-        raw[(r.IMPULSE + k) * c.WIDTH] = manifold[row, p + c.NORMAL_IMPULSE] if k < points else 0.0
+        raw[(r.IMPULSE + k) * c.WIDTH] = manifold[row, c.NORMAL_IMPULSE + k] if k < points else 0.0
     raw[r.COUNT * c.WIDTH] = points
     raw[r.MASS_A * c.WIDTH], raw[r.MASS_B * c.WIDTH] = response[a, 0], response[b, 0]
     loose_a, loose_b = _looseness(world, a), _looseness(world, b)

@@ -154,7 +154,7 @@ def store(t: float, h: float, world: int) -> None:
             own = lanes[g * _SIZE + lane : (g + 1) * _SIZE]
             for k in range(contact[row, c.POINTS]):
                 impulse = own[(c.P + c.POINT_FIELDS * k + c.IMPULSE) * _W]
-                manifold[row, c.POINT + c.POINT_SIZE * k + c.NORMAL_IMPULSE] = impulse
+                manifold[row, c.NORMAL_IMPULSE + k] = impulse
             n = (own[c.N * _W], own[(c.N + 1) * _W], own[(c.N + 2) * _W])
             u = (own[c.T * _W], own[(c.T + 1) * _W], own[(c.T + 2) * _W])
             d1, d2 = own[c.SLID * _W], own[(c.SLID + 1) * _W]
@@ -162,8 +162,9 @@ def store(t: float, h: float, world: int) -> None:
             manifold[row, c.FRICTION_IMPULSE + 1] = d1 * u[1] + d2 * (n[2] * u[0] - n[0] * u[2])
             manifold[row, c.FRICTION_IMPULSE + 2] = d1 * u[2] + d2 * (n[0] * u[1] - n[1] * u[0])
             manifold[row, c.TWIST_IMPULSE] = own[(c.TWIST + 1) * _W]
-            for k in range(3):
-                manifold[row, c.ROLLING_IMPULSE + k] = own[(c.ROLL + 2 + k) * _W]
+            if own[c.ROLL * _W] > 0.0:
+                for k in range(3):
+                    manifold[row, c.ROLLING_IMPULSE + k] = own[(c.ROLL + 2 + k) * _W]
 
 
 @compiled(inline=True)
