@@ -221,6 +221,12 @@ def test_sizes_whose_inertia_would_overflow(size):
     assert len(world.position) == 1
 
 
+def test_surfaces_that_reach_too_far():
+    world, corners = World(), np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0)])
+    refused(lambda: world.add_mesh(1e200 * corners, [(0, 1, 2)]), "vertices[1]", "beyond")
+    refused(lambda: world.add_height_field([[0, 0], [1e200, 0]], 1.0), "heights[1, 0]", "beyond")
+
+
 @pytest.mark.parametrize("when", ["before", "after"])
 def test_what_is_nowhere_hides_nothing_from_rays(when):
     world = World()

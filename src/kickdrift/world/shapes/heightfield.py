@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.shapes.kinds import MESH
-from kickdrift.world.shapes.mass import Array, MassProperties, extent
+from kickdrift.world.shapes.mass import LARGEST, Array, MassProperties, extent
 from kickdrift.world.shapes.mesh import Mesh
 
 
@@ -39,9 +39,12 @@ class HeightField:
         array = np.array(heights, dtype=np.float64)
         if array.ndim != 2 or min(array.shape) < 2:
             raise ArgumentError(f"heights has the shape {array.shape}; give (M, N), two by two at least.")
-        if not np.isfinite(array).all():
-            i, j = np.argwhere(~np.isfinite(array))[0].tolist()
-            raise ArgumentError(f"heights[{i}, {j}]={array[i, j]} is not finite; give every height of the grid, in m.")
+        near = np.abs(array) <= LARGEST
+        if not near.all():
+            i, j = np.argwhere(~near)[0].tolist()
+            raise ArgumentError(
+                f"heights[{i}, {j}]={array[i, j]} is not finite, or beyond {LARGEST:g} m; give every height, in m."
+            )
         steps = np.asarray(spacing)
         if steps.shape not in ((), (2,)):
             raise ArgumentError(f"spacing={spacing!r} has the shape {steps.shape}; give one length or two, in m.")

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.shapes.kinds import MESH
-from kickdrift.world.shapes.mass import Array, MassProperties
+from kickdrift.world.shapes.mass import LARGEST, Array, MassProperties
 
 TRIANGLE_SIZE = 12  # nine coordinates of corners, three flags of edges
 
@@ -128,10 +128,12 @@ def _vertices(vertices: ArrayLike) -> Array:
     points = np.array(vertices, dtype=np.float64)
     if points.ndim != 2 or points.shape[1:] != (3,):
         raise ArgumentError(f"vertices has the shape {points.shape}; give (V, 3).")
-    finite = np.isfinite(points).all(axis=1)
-    if not finite.all():
-        row = int(np.argmin(finite))
-        raise ArgumentError(f"vertices[{row}]={points[row].tolist()} is not finite; give finite coordinates, in m.")
+    near = (np.abs(points) <= LARGEST).all(axis=1)
+    if not near.all():
+        row = int(np.argmin(near))
+        raise ArgumentError(
+            f"vertices[{row}]={points[row].tolist()} is not finite, or beyond {LARGEST:g} m; give nearer ones, in m."
+        )
     return points
 
 
