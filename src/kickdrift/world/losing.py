@@ -68,9 +68,8 @@ def go_back(tables: Tables) -> None:
     tables.array(MOTION)[:] = tables.array(STARTED_MOTION)
     tables.array(LOAD)[:] = 0.0
     tables.array(KICKED)[:] = 0.0  # which orientations the drift left is forgotten, so that all of a body is found anew
-    lost = ~np.isfinite(tables.array(RESPONSE)[:, :7]).all(
-        axis=1
-    )  # those of unequal moments are found anew by the kick
+    # Those of unequal moments are found anew by the kick.
+    lost = ~np.isfinite(tables.array(RESPONSE)[:, :7]).all(axis=1)
     tables.array(RESPONSE)[lost, 1:7] = tables.array(INERTIA)[lost, INVERSE_INERTIA : INVERSE_INERTIA + 6]
     tables.array(JOINT_NUMBERS)[:] = tables.array(STARTED_JOINTS)
     tables.array(LINK_NUMBERS)[:] = 0.0

@@ -33,9 +33,8 @@ CHANGE = Table(2, 8)  # since the start of the step: displacement (3), rotation 
 RESPONSE = Table(3, 8)  # 1/mass, and the inverse inertia in the world's axes (6); zeros do not move
 INERTIA = Table(4, 16)  # mass, inertia in the body's axes (6), its inverse (6), damping of velocity and of rotation (2)
 LOAD = Table(5, 8)  # force (3) and torque (3) asked for during the next step
-RESTED = Table(
-    36, 12
-)  # for how long a body has rested, for how long its island has, how far it reaches, where it sleeps (7)
+# For how long a body has rested, for how long its island has, how far it reaches, where it sleeps (7)
+RESTED = Table(36, 12)
 FORCE = Table(35, 8)  # force (3) and torque (3) in this substep
 KICKED = Table(6, 24)  # see `kickdrift.world.flight`
 BODY = Table(7, 8, whole=True)  # kind, awake, island, generation, link + 1 where joints are solved directly, links

@@ -99,10 +99,8 @@ def answer_as_of_now(h: float, world: int) -> None:
     for row in range(rows(world, ARTICULATION)):
         if articulations[row, SEQUENTIAL] != 0:
             continue
-        first, count, fastest = articulations[row, FIRST], articulations[row, LINKS], 0.0
-        for link in range(first, first + count):
-            fastest = max(fastest, h * length(vector_at(floats(world, MOTION), links[link, LINK_BODY], ANGULAR_PART)))
-        if fastest > _FAST:
+        first, count = articulations[row, FIRST], articulations[row, LINKS]
+        if _fastest_turn(row, h, world) > _FAST:
             for link in range(first, first + count):
                 if links[link, LINK_JOINT] >= 0:
                     look_here(links[link, LINK_JOINT], link, world)
@@ -110,21 +108,31 @@ def answer_as_of_now(h: float, world: int) -> None:
 
 
 @compiled(cached=False)
+def _fastest_turn(row: int, h: float, world: int) -> float:
+    """Greatest angle by which a link of an articulation turns in the substep."""
+    articulation: Any = integers(world, ARTICULATION)[row]
+    links, motion, fastest = integers(world, LINK), floats(world, MOTION), 0.0
+    for link in range(articulation[FIRST], articulation[FIRST] + articulation[LINKS]):
+        fastest = max(fastest, h * length(vector_at(motion, links[link, LINK_BODY], ANGULAR_PART)))
+    return fastest
+
+
+@compiled(cached=False)
 def compare_pieces(h: float, world: int) -> None:
     """Say of each articulation whether it answers in another way than before: turns fast, or has laws on other pieces."""
-    articulations, links, work = integers(world, ARTICULATION), integers(world, LINK), floats(world, LINK_NUMBERS)
+    articulations, work = integers(world, ARTICULATION), floats(world, LINK_NUMBERS)
     for row in range(rows(world, ARTICULATION)):
         if articulations[row, SEQUENTIAL] == 0:
             first, after = articulations[row, FIRST], articulations[row, FIRST] + articulations[row, LINKS]
-            anew, fastest = 0.0, 0.0
+            fastest = _fastest_turn(row, h, world)
+            anew = 1.0 if fastest > _FAST else 0.0
             for link in range(first, after):
                 pieces = 0
                 for k in range(6):
                     pieces |= (1 << k if work[link, YIELD + k] > 0.0 else 0) | (
                         64 << k if work[link, SLOPE + k] > 0.0 else 0
                     )
-                turn = h * length(vector_at(floats(world, MOTION), links[link, LINK_BODY], ANGULAR_PART))
-                anew, fastest = 1.0 if pieces != work[link, PIECES] or turn > _FAST else anew, max(fastest, turn)
+                anew = 1.0 if pieces != work[link, PIECES] else anew
                 work[link, PIECES] = pieces
             wild = articulations[row, LOST] != 0 or fastest > _WILD_TURN
             for link in range(first, after):

@@ -14,8 +14,6 @@ A row of `LINK_CONTACTS` is the answers of `kickdrift.world.contacts.coupled`, 1
 from typing import Any
 
 from kickdrift.core.compilation import compiled, specialise
-from kickdrift.core.vectors import applied
-from kickdrift.world.columns import symmetric_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.coupled import (
     bounces,
@@ -40,9 +38,9 @@ from kickdrift.world.joints.answers import (
 )
 from kickdrift.world.joints.falling import let_fall
 from kickdrift.world.joints.handing import hand_on, is_touched
+from kickdrift.world.joints.impulses import push_body
 from kickdrift.world.joints.layout import (
     LOAD,
-    TURN_RESPONSE,
 )
 from kickdrift.world.joints.propagation import bring_down
 from kickdrift.world.settings import PUSH_SPEED
@@ -59,7 +57,6 @@ from kickdrift.world.tables import (
     LINK_NUMBERS,
     MOTION,
     PLACE,
-    RESPONSE,
     SETTINGS,
     flat,
     floats,
@@ -165,15 +162,12 @@ def _read_velocities(g: int, velocity: Any, world: int) -> None:
 @compiled(cached=False)
 def _give_both(g: int, wrench: Any, world: int) -> None:
     """Give both bodies what a contact has found: at once, or, a link, for the joints to hand on."""
-    motion, response, work = floats(world, MOTION), floats(world, RESPONSE), floats(world, LINK_NUMBERS)
+    work = floats(world, LINK_NUMBERS)
     for side in range(2):
         body, own = integers(world, GROUPS)[g, c.WIDTH * side], wrench[6 * side :]
         link = link_row(body, world)
         if link < 0:
-            turn = applied(symmetric_at(response, body, TURN_RESPONSE), (own[3], own[4], own[5]))
-            for k in range(3):
-                motion[body, k] += response[body, 0] * own[k]
-                motion[body, 3 + k] += turn[k]
+            push_body(body, (own[0], own[1], own[2]), (own[3], own[4], own[5]), world)
             continue
         for k in range(6):
             work[link, LOAD + k] += own[k]

@@ -118,6 +118,8 @@ def allowance(row: int, h: float, world: int) -> float:
         if link < articulation[FIRST] + articulation[LINKS]:
             arm = length(vector_at(numbers, joint, ARM_A)) + length(vector_at(numbers, joint, ARM_B))
             total += 0.5 * inertia[links[link, LINK_BODY], MASS] * (_UNNOTICED * arm / h) ** 2
+        if joints[joint, LAWS] == 0:
+            continue
         v, w = relative_velocity(joint, world)
         for k in range(6):
             if joints[joint, LAWS] >> k & 1:

@@ -11,10 +11,8 @@ from kickdrift.world.flight import ADDED, FALLS, MASS
 from kickdrift.world.joints.layout import BODY, FIRST, LINK_JOINT, LINKS, SEQUENTIAL
 from kickdrift.world.tables import ARTICULATION, INERTIA, KICKED, LINK, MOTION, floats, integers, rows
 
-_SAME, _ROUNDING = (
-    1e-9,
-    1e-13,
-)  # of what the kick added, and of the momenta, which joints leave as they are but for that
+# Of what the kick added, and of the momenta, which joints leave as they are but for that.
+_SAME, _ROUNDING = 1e-9, 1e-13
 
 
 @compiled(cached=False)

@@ -3,10 +3,9 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import applied
-from kickdrift.world.columns import symmetric_at, vector_at
+from kickdrift.world.columns import vector_at
 from kickdrift.world.joints.articulated import sweep
-from kickdrift.world.joints.impulses import note_speeds, push_bodies
+from kickdrift.world.joints.impulses import note_speeds, push_bodies, push_body
 from kickdrift.world.joints.layout import BODY as LINK_BODY
 from kickdrift.world.joints.layout import (
     FIRST,
@@ -19,7 +18,6 @@ from kickdrift.world.joints.layout import (
     SOLVED,
     TOTAL,
     TOUCHED,
-    TURN_RESPONSE,
     int64,
 )
 from kickdrift.world.joints.settling import split_impulse
@@ -28,8 +26,6 @@ from kickdrift.world.tables import (
     JOINT_NUMBERS,
     LINK,
     LINK_NUMBERS,
-    MOTION,
-    RESPONSE,
     floats,
     integers,
 )
@@ -53,14 +49,10 @@ def hand_on(row: int, solving: bool, world: int) -> None:
     """Give the links what contacts have found, and the joints' part in it."""
     articulation: Any = integers(world, ARTICULATION)[row]
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
-    motion, response = floats(world, MOTION), floats(world, RESPONSE)
     first, end = articulation[FIRST], articulation[FIRST] + articulation[LINKS]
     for link in range(first, end):
-        body = links[link, LINK_BODY]
-        turn = applied(symmetric_at(response, body, TURN_RESPONSE), vector_at(work, link, int64(LOAD + 3)))
-        for k in range(3):
-            motion[body, k] += response[body, 0] * work[link, LOAD + k]
-            motion[body, 3 + k] += turn[k]
+        load = vector_at(work, link, int64(LOAD)), vector_at(work, link, int64(LOAD + 3))
+        push_body(links[link, LINK_BODY], load[0], load[1], world)
     work[first, TOUCHED] = 1.0
     sweep(first, end - first, 0.0, world)
     for link in range(first, end):

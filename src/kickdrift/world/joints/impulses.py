@@ -3,7 +3,7 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import applied, cross, dot, plus, times
+from kickdrift.core.vectors import Vector, applied, cross, dot, plus, times
 from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.joints.energy import kinetic_energy
 from kickdrift.world.joints.layout import (
@@ -80,15 +80,21 @@ def note_speeds(joint: int, world: int) -> None:
 def push_bodies(joint: int, source: Any, row: int, column: int, world: int) -> None:
     """Let six impulses along and about the axes of a joint act on b, and their opposites at the same point on a."""
     joints, numbers = integers(world, JOINT), floats(world, JOINT_NUMBERS)
-    motion, response = floats(world, MOTION), floats(world, RESPONSE)
     force, torque = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for k in range(3):
         force = plus(force, times(source[row, column + k], vector_at(numbers, joint, AXES + 3 * k)))
         torque = plus(torque, times(source[row, column + 3 + k], vector_at(numbers, joint, AXES + 9 + 3 * k)))
     for side in range(2):
-        body, sign = joints[joint, BODY_A + side], 1.0 if side == 1 else -1.0
+        sign = 1.0 if side == 1 else -1.0
         turn = plus(torque, cross(vector_at(numbers, joint, ARM_B if side == 1 else ARM_A), force))
-        turn = applied(symmetric_at(response, body, TURN_RESPONSE), turn)
-        for k in range(3):
-            motion[body, k] += sign * response[body, 0] * force[k]
-            motion[body, 3 + k] += sign * turn[k]
+        push_body(joints[joint, BODY_A + side], times(sign, force), times(sign, turn), world)
+
+
+@compiled(inline=True, cached=False)
+def push_body(body: int, push: Vector, turn: Vector, world: int) -> None:
+    """Let an impulse at the centre of mass and an angular impulse act on a body."""
+    motion, response = floats(world, MOTION), floats(world, RESPONSE)
+    turned = applied(symmetric_at(response, body, TURN_RESPONSE), turn)
+    for k in range(3):
+        motion[body, k] += response[body, 0] * push[k]
+        motion[body, 3 + k] += turned[k]
