@@ -14,10 +14,16 @@ from kickdrift.world.contacts.looking import place_shapes
 from kickdrift.world.contacts.prepare import colour, prepare
 from kickdrift.world.contacts.solve import THREADED, relax, solve, store, warm_start
 from kickdrift.world.contacts.update import find_points
+from kickdrift.world.direct.islands import find_islands
+from kickdrift.world.direct.nodes import find_nodes
+from kickdrift.world.direct.solve import relax_islands, solve_islands
 from kickdrift.world.events import note_touching
 from kickdrift.world.flight import begin, drift, finish, flatten, kick
 from kickdrift.world.forces import begin_forces
 from kickdrift.world.islands import sleep, wake
+from kickdrift.world.joints.around import begin_joints, finish_joints, wake_joints
+from kickdrift.world.joints.impulses import warm_start_joints
+from kickdrift.world.joints.measure import measure_joints
 from kickdrift.world.joints.registry import Joints
 from kickdrift.world.step import STAGE
 
@@ -56,40 +62,41 @@ def word(uses: Uses, joints: Joints) -> Word:
         find_points,
         *when(uses.is_fast, find_impacts),
         *when(uses.sleeps, wake),
-        *joints.before(),
+        *when(joints.present, wake_joints, measure_joints, begin_joints, find_nodes),
         colour,
         prepare,
+        *when(joints.present, find_islands),
     )
     substep = (
         begin_forces,
         *uses.forces,
         kick,
         *when(uses.bounces or uses.is_fast, bounce),
-        *joints.forgetting(),
         warm_start,
-        *joints.warm_starting(),
+        *when(joints.present, warm_start_joints),
         solve,
-        *joints.solving(),
+        *when(joints.present, solve_islands),
         *when(uses.planar, flatten),
         drift,
         relax,
-        *joints.relaxing(),
+        *when(joints.present, measure_joints),
+        *when(joints.present, relax_islands),
     )
     after = (
         finish,
         store,
         note_touching,
         *when(uses.sleeps, sleep),
-        *joints.after(),
+        *when(joints.present, finish_joints),
     )
     if uses.threads:
         substep = tuple(THREADED.get(stage, stage) for stage in substep)
     return Word(before, substep, after)
 
 
-def when(wanted: bool, stage: Function) -> Stages:
-    """One stage or none."""
-    return (stage,) if wanted else ()
+def when(wanted: bool, *stages: Function) -> Stages:
+    """Return stages, or none."""
+    return stages if wanted else ()
 
 
 class Program(NamedTuple):

@@ -66,9 +66,17 @@ STATIC_TREE = Table(24, 8)  # over those that may not
 COLLIDERS = Table(25, 8, whole=True)  # address of the function for each pair of kinds of shapes
 ARTICULATION = Table(26, 12, whole=True)
 ARTICULATION_NUMBERS = Table(27, 1)  # the equations of closing joints
-LINK = Table(46, 8, whole=True)  # a body of an articulation and the joint that it hangs on, parents first
+LINK = Table(46, 10, whole=True)  # a body of an articulation and the joint that it hangs on, parents first
 LINK_NUMBERS = Table(47, 232)
-LINK_CONTACTS = Table(48, 96)  # see `kickdrift.world.joints.contacts`
+CONTACT_ROW = Table(48, 248)  # of contacts that are solved directly: see `kickdrift.world.direct.layout`
+GRAPH = Table(51, 4, whole=True)  # one row: see `kickdrift.world.direct.nodes`
+ISLAND = Table(52, 8, whole=True)
+ISLAND_CONTACT = Table(53, 1, whole=True)  # contacts of the linked colour, one island after the other
+ISLAND_CLOSING = Table(54, 1, whole=True)  # rows of LINK of joints that close loops
+NODE = Table(55, 8, whole=True)
+NEIGHBOUR = Table(56, 1, whole=True)  # node
+BLOCK = Table(57, 144)
+ADJACENCY = Table(58, 1, whole=True)  # bits: which nodes are coupled
 COLOURS = Table(30, 4, whole=True)  # contacts of a colour, its first group and the group after its last
 COLOURED = Table(31, 1, whole=True)  # of each body the set of colours that its contacts have
 SWEEPS = Table(34, 6, whole=True)  # one row: see `kickdrift.world.contacts.lanes`
@@ -84,7 +92,7 @@ PART_TREE = Table(42, 8)  # over the triangles of each mesh, one tree after the 
 EXCLUDED = Table(43, 2, whole=True)  # pairs of bodies that never touch, the lower one first; sorted
 ASKED_APART = Table(49, 2, whole=True)  # those of them that users ask for; the others are joined
 
-_COUNT = 51
+_COUNT = 59
 _HUGE_PAGES = getattr(mmap, "MADV_HUGEPAGE", None)  # Linux
 _HUGE_PAGE, _LARGE = 1 << 21, 1 << 19  # bytes: of such a page, and of tables that go there
 _ADDRESS, _ROWS, _ROOM = 0, 1, 2  # the words that describe a table
@@ -131,6 +139,7 @@ def flat(world: int, table: Table) -> Any:
     return carray(floats_at(word(world, place + _ADDRESS)), (word(world, place + _ROOM) * table[1],))
 
 
+_COMPANIONS = {CONTACT: (MANIFOLD,), LINK: (LINK_NUMBERS,)}  # that a table grows with
 _TABLES = {table.place: table for table in list(globals().values()) if isinstance(table, Table)}
 
 
@@ -174,10 +183,9 @@ class Tables:
         self.block[place : place + 3] = new.ctypes.data, self.block[place + _ROWS], len(new)
 
     def make_room(self, place: int, count: int) -> None:
-        """Make room in the table at a place of the block, as a stage has asked; manifolds go with their contacts."""
-        self.reserve(_TABLES[place], count)
-        if place == CONTACT.place:
-            self.reserve(MANIFOLD, count)
+        """Make room in the table at a place of the block, as a stage has asked, and in those that go with it."""
+        for table in (_TABLES[place], *_COMPANIONS.get(_TABLES[place], ())):
+            self.reserve(table, count)
 
     def _room(self, table: Table) -> NDArray[Any]:
         if table.place not in self._arrays:

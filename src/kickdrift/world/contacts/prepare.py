@@ -11,7 +11,6 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, turned
 from kickdrift.world.contacts import filling as r
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.coupled import ANSWERED
 from kickdrift.world.contacts.lanes import FILL, FILL_FRICTION, LANE_COUNT, SWEEP
 from kickdrift.world.contacts.looking import FRICTION, RADIUS, ROLLING, SURFACE_VELOCITY, placed_pose, smallest
 from kickdrift.world.flight import AWAKE, LINK_PLACE
@@ -22,9 +21,9 @@ from kickdrift.world.tables import (
     COLOURED,
     COLOURS,
     CONTACT,
+    CONTACT_ROW,
     GROUPS,
     LANES,
-    LINK_CONTACTS,
     MANIFOLD,
     MOTION,
     PLACE,
@@ -53,7 +52,7 @@ STIFFEST = 0.15
 _FARTHEST = 0.3
 
 OVERFLOW = _COLOURS  # contacts that found no colour: one by one, in groups of their own
-LINKED = OVERFLOW + 1  # and those of links, whose joints answer too: see `kickdrift.world.joints.contacts`
+LINKED = OVERFLOW + 1  # and those that are solved directly: see `kickdrift.world.direct`
 
 
 @compiled
@@ -75,11 +74,12 @@ def colour(t: float, h: float, world: int) -> None:
             continue
         if body[a, AWAKE] == 0 and body[b, AWAKE] == 0:
             continue
-        if body[a, LINK_PLACE] > 0 or body[b, LINK_PLACE] > 0:
+        moves_a, moves_b = response[a, 0] > 0.0, response[b, 0] > 0.0
+        node_a, node_b = body[a, LINK_PLACE] > 0, body[b, LINK_PLACE] > 0
+        if (node_a or node_b) and (node_a or not moves_a) and (node_b or not moves_b):
             contact[row, c.PLACE_IN_GROUPS] = LINKED
             colours[LINKED, 0] += 1
             continue
-        moves_a, moves_b = response[a, 0] > 0.0, response[b, 0] > 0.0
         used = (taken[a, 0] if moves_a else 0) | (taken[b, 0] if moves_b else 0)
         k = 0
         while k < _COLOURS and used >> k & 1:
@@ -103,13 +103,10 @@ def colour(t: float, h: float, world: int) -> None:
     if first * c.FIELDS * c.WIDTH > room(world, LANES):
         ask_for_room(world, LANES, first * c.FIELDS * c.WIDTH)
         return
-    if colours[LINKED, 0] > room(world, LINK_CONTACTS):
-        ask_for_room(world, LINK_CONTACTS, colours[LINKED, 0])
+    if colours[LINKED, 0] > room(world, CONTACT_ROW):
+        ask_for_room(world, CONTACT_ROW, colours[LINKED, 0])
         return
-    set_rows(world, LINK_CONTACTS, colours[LINKED, 0])
-    answers = floats(world, LINK_CONTACTS)
-    for row in range(colours[LINKED, 0]):
-        answers[row, ANSWERED] = 0.0
+    set_rows(world, CONTACT_ROW, colours[LINKED, 0])
     set_rows(world, GROUPS, first)
 
 

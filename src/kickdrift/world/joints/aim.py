@@ -1,7 +1,6 @@
 """What is wanted of each axis of each joint, before the equations are solved."""
 
 import math
-from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import (
@@ -32,10 +31,7 @@ from kickdrift.world.joints.layout import (
     AXES_AHEAD,
     BODY_A,
     BODY_B,
-    BRAKE,
     CHANGE,
-    END,
-    FIRST,
     FRAME,
     FRAME_A,
     FRAME_B,
@@ -47,7 +43,6 @@ from kickdrift.world.joints.layout import (
     LINE,
     LINEAR,
     LINEAR_PART,
-    LINK_JOINT,
     LOCKED,
     LOOSE,
     MISALIGNMENT,
@@ -62,7 +57,6 @@ from kickdrift.world.joints.layout import (
 )
 from kickdrift.world.joints.measure import axis_unit, put_cross, put_line, put_vector, relative_velocity
 from kickdrift.world.tables import (
-    ARTICULATION,
     JOINT,
     JOINT_NUMBERS,
     LINK,
@@ -75,47 +69,14 @@ from kickdrift.world.tables import (
 
 # What an aim is taken for (of type int64: for each plain integer Numba compiles a function anew)
 AHEAD = int64(0)  # nothing is off at the end of the substep
-GENTLY = int64(1)  # no speed where nothing moves, but for a part of what is off by now
+GENTLY = int64(1)  # no speed where nothing moves, before the drift
 RELAX = int64(2)  # no speed where nothing moves
 REPAIR = int64(3)  # a change of position, as a speed, after which nothing is off
 
-# Of the spring that a gentle aim is: 1/s, but a quarter of the frequency of substeps at most, and ratio.
-_HERTZ, _DAMPING = 60.0, 2.0
-
-
-@compiled(inline=True, cached=False)
-def gentle_rate(h: float) -> float:
-    """Part of what is off that a gentle aim takes away, in 1/s."""
-    rate = 2.0 * math.pi * min(_HERTZ, 0.25 / h)
-    return rate / (2.0 * _DAMPING + h * rate)
-
-
-@compiled(inline=True, cached=False)
-def gentle_share(h: float) -> float:
-    """Part of the impulse so far that a gentle joint gives up in a substep."""
-    rate = 2.0 * math.pi * min(_HERTZ, 0.25 / h)
-    return 1.0 / (1.0 + h * rate * (2.0 * _DAMPING + h * rate))
-
 
 @compiled(cached=False)
-def aim_all(row: int, h: float, mode: int, rate: float, world: int) -> float:
-    """Say what is wanted of each joint of an articulation, and return how far any of them will be off at most."""
-    articulation: Any = integers(world, ARTICULATION)[row]
-    links, worst = integers(world, LINK), 0.0
-    for link in range(articulation[FIRST], articulation[END]):
-        if links[link, LINK_JOINT] >= 0:
-            worst = max(worst, aim(links[link, LINK_JOINT], link, h, mode, rate, world))
-    return worst
-
-
-@compiled(cached=False)
-def aim(joint: int, link: int, h: float, mode: int, rate: float, world: int) -> float:
+def aim(joint: int, link: int, h: float, mode: int, world: int) -> float:
     """Say what is wanted of the axes of a joint: of locked ones the speed that puts them right, of laws nothing yet.
-
-    Parameters
-    ----------
-    rate : float
-        Part of what is off that a gentle aim takes away, in 1/s.
 
     Returns
     -------
@@ -132,17 +93,15 @@ def aim(joint: int, link: int, h: float, mode: int, rate: float, world: int) -> 
     off, turned_off = 0.0, 0.0
     for k in range(6):
         speed = dot(vector_at(numbers, joint, AXES + 3 * k), v if k < 3 else w)
-        brake = work[link, BRAKE + k - 3] if mode == AHEAD and k >= 3 else 0.0
         wrong = numbers[joint, MISALIGNMENT + k]
         work[link, SPEED + k] = speed
         work[link, CHANGE + k] = 0.0
         if locked >> k & 1:
             work[link, CHANGE + k] = -wrong / h if mode in (AHEAD, REPAIR) else -speed
-            work[link, CHANGE + k] -= rate * wrong if mode == GENTLY else 0.0
             off += wrong * wrong if k < 3 else 0.0
             turned_off += wrong * wrong if k >= 3 else 0.0
-        work[link, SLOPE + k] = brake
-        work[link, PUSH + k] = 0.0 if mode in (RELAX, REPAIR) else -brake * speed - numbers[joint, IMPULSE + k]
+        work[link, SLOPE + k] = 0.0
+        work[link, PUSH + k] = 0.0 if mode in (RELAX, REPAIR) else -numbers[joint, IMPULSE + k]
         for column in (STATE, MOVED, GIVEN):
             work[link, column + k] = 0.0
     size = length(vector_at(numbers, joint, ARM_A)) + length(vector_at(numbers, joint, ARM_B))

@@ -8,7 +8,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.flight import ADDED, FALLS, MASS
-from kickdrift.world.joints.layout import BODY, FIRST, LINK_JOINT, LINKS, SEQUENTIAL
+from kickdrift.world.joints.layout import BODY, END, FIRST, LINK_JOINT, LINKS
 from kickdrift.world.tables import ARTICULATION, INERTIA, KICKED, LINK, MOTION, floats, integers, rows
 
 # Of what the kick added, and of the momenta, which joints leave as they are but for that.
@@ -21,7 +21,7 @@ def let_fall(world: int) -> None:
     articulations, links, kicked = integers(world, ARTICULATION), integers(world, LINK), floats(world, KICKED)
     for row in range(rows(world, ARTICULATION)):
         first = articulations[row, FIRST]
-        if articulations[row, SEQUENTIAL] == 0 and links[first, LINK_JOINT] < 0 and _is_falling(row, world):
+        if articulations[row, END] > first and links[first, LINK_JOINT] < 0 and _is_falling(row, world):
             for link in range(first, first + articulations[row, LINKS]):
                 kicked[links[link, BODY], FALLS] = 1.0
 

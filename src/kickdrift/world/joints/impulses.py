@@ -5,25 +5,19 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, applied, cross, dot, plus, times
 from kickdrift.world.columns import symmetric_at, vector_at
-from kickdrift.world.joints.energy import kinetic_energy
 from kickdrift.world.joints.layout import (
     ARM_A,
     ARM_B,
     AXES,
-    BEFORE,
     BODY_A,
     END,
-    ENERGY,
     FIRST,
     IMPULSE,
     LAWS,
     LINK_JOINT,
-    LINKS,
-    SEQUENTIAL,
     START_SPEED,
     TURN_RESPONSE,
 )
-from kickdrift.world.joints.layout import BODY as LINK_BODY
 from kickdrift.world.joints.measure import relative_velocity
 from kickdrift.world.tables import (
     ARTICULATION,
@@ -31,7 +25,6 @@ from kickdrift.world.tables import (
     JOINT_AXES,
     JOINT_NUMBERS,
     LINK,
-    LINK_NUMBERS,
     MOTION,
     RESPONSE,
     floats,
@@ -44,24 +37,10 @@ from kickdrift.world.tables import (
 def warm_start_joints(t: float, h: float, world: int) -> None:
     """Give the impulses of the substep before, so that contacts see bodies that are held already."""
     articulations, links, numbers = integers(world, ARTICULATION), integers(world, LINK), floats(world, JOINT_NUMBERS)
-    work = floats(world, LINK_NUMBERS)
     for row in range(rows(world, ARTICULATION)):
-        if articulations[row, SEQUENTIAL] == 0 and articulations[row, END] > articulations[row, FIRST]:
-            work[articulations[row, FIRST], ENERGY] = kinetic_energy(row, world)
-            note_velocities(row, world)
         for link in range(articulations[row, FIRST], articulations[row, END]):
             if links[link, LINK_JOINT] >= 0:
                 push_bodies(links[link, LINK_JOINT], numbers, links[link, LINK_JOINT], IMPULSE, world)
-
-
-@compiled(cached=False)
-def note_velocities(row: int, world: int) -> None:
-    """Keep the velocities of an articulation."""
-    articulation: Any = integers(world, ARTICULATION)[row]
-    links, motion, work = integers(world, LINK), floats(world, MOTION), floats(world, LINK_NUMBERS)
-    for link in range(articulation[FIRST], articulation[FIRST] + articulation[LINKS]):
-        for k in range(6):
-            work[link, BEFORE + k] = motion[links[link, LINK_BODY], k]
 
 
 @compiled(cached=False)

@@ -53,7 +53,6 @@ DRIVEN = int64(36)  # angles less the targets of drives
 ARM_A, ARM_B = int64(39), int64(42)  # from the centres of mass to where the joint acts, in the world's axes
 AXES = int64(45)  # linear axes (9), angular axes (9), in the world's axes
 MISALIGNMENT = int64(63)  # of locked axes, as it would be at the end of the substep were the joint to do nothing
-PULL = int64(75)  # linear impulse of the last substeps, a mean
 SOLVED = int64(69)  # the part of IMPULSE that was given before the drift
 
 # Columns of JOINT_AXES. Zero motors, drives and frictions do nothing; infinite limits are none.
@@ -69,18 +68,18 @@ MOBILITY = 13  # speed per impulse of the two bodies alone
 # Columns of ARTICULATION
 FIRST, LINKS, CLOSINGS = 0, 1, 2  # rows of LINK: the first, how many links, how many closing joints after them
 END = 3  # row of LINK after the last one of them; FIRST while the articulation sleeps
-SEQUENTIAL = 4  # 1: the rows are joints to be solved one after the other
-OFFSET = 5  # where the equations of closing joints begin in ARTICULATION_NUMBERS; row of numbers where SEQUENTIAL
 RELAXING = 6  # 1: after the drift
-RATIO = 7  # of the greatest mass to the least
-LOST = 8  # 1: Newton's method found no impulses with which nothing will be off
+
+# Columns of GRAPH
+JOINED_ROWS = 0  # rows of LINK that joints have; after them come free bodies that are solved directly in this step
 
 # Columns of LINK
 BODY, PARENT, LINK_JOINT = 0, 1, 2  # PARENT is a row of LINK, NONE for one that nothing moves
 SIGN = 3  # 1 where the body is b of its joint, -1 where it is a
 HELD = 4  # set of axes whose speed is prescribed in the system of equations at hand
 LINK_A, LINK_B = 5, 6  # of a closing joint
-CHILD = 7  # the next link on the way to the one that is sought
+ROOT = 7  # first node of the island; NONE while it sleeps
+PLACE = 8  # of the node in the order of elimination
 NONE = -1
 
 # Columns of LINK_NUMBERS. Six numbers are three linear and three angular ones in the world's axes, or one to each axis.
@@ -100,13 +99,7 @@ GIVEN = int64(138)  # impulse on b along and about each axis
 PASSING = int64(144)  # of open axis k, six numbers: impulse along it per speed of the other side
 AXES_AHEAD = int64(180)  # AXES and arms as they will be at the end of the substep
 ARM_A_AHEAD, ARM_B_AHEAD = int64(198), int64(201)
-STIRRED = int64(213)  # impulse along and about open axes that contacts ask of the joint
-ENERGY = 219  # of the articulation that the link is the first of, before its joints have done anything
-PIECES, ANEW = 220, 221  # which axes yield, and which with a slope; 1.0 if that is new in the articulation, or WILD
-WILD = 2.0  # in an articulation that turns fast, or has found no solution
-TOUCHED = 228  # 1.0 where contacts have given links something in the substep; of the first link
 BEFORE, BEFORE_TURN = 222, int64(225)  # velocity of the body before the joints are solved
-BRAKE = 204  # of open angular axes: damping, impulse per speed; see `kickdrift.world.joints.brakes`
 
 # Columns of POSE, MOTION and RESPONSE, and of everything that has a linear and an angular part
 LINEAR_PART, ANGULAR_PART = int64(0), int64(3)

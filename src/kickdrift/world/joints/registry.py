@@ -5,17 +5,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.flight import AWAKE, DYNAMIC
 from kickdrift.world.flight import KIND as BODY_KIND
-from kickdrift.world.joints.around import begin_joints, finish_joints, wake_joints
 from kickdrift.world.joints.axis import Axis
 from kickdrift.world.joints.catalogue import KINDS
-from kickdrift.world.joints.contacts import relax_link_contacts, solve_link_contacts
-from kickdrift.world.joints.forgetting import forget_impulses
 from kickdrift.world.joints.handle import Joint
-from kickdrift.world.joints.impulses import warm_start_joints
 from kickdrift.world.joints.law_rows import PARTS, Part, check_changeable, clear_laws, write_law
 from kickdrift.world.joints.layout import (
     ANCHOR_A,
@@ -29,7 +24,6 @@ from kickdrift.world.joints.layout import (
     BREAKING_FORCE,
     BREAKING_TORQUE,
     BROKEN,
-    CLOSINGS,
     CONE,
     FRAME,
     FRAME_A,
@@ -49,16 +43,11 @@ from kickdrift.world.joints.layout import (
     PRINCIPAL,
     REMOVED,
     RIGID,
-    SEQUENTIAL,
     UNIVERSAL,
     VECTOR,
 )
-from kickdrift.world.joints.loops import solve_loops, touch_up_loops
-from kickdrift.world.joints.measure import measure_joints
 from kickdrift.world.joints.record import Placement, Record
-from kickdrift.world.joints.sequential import solve_in_turn
 from kickdrift.world.joints.tree import arrange
-from kickdrift.world.joints.trees import solve_trees, touch_up_trees
 from kickdrift.world.rotations import product, turned
 from kickdrift.world.tables import ARTICULATION, BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, POSE, STARTED_JOINTS, Tables
 
@@ -182,45 +171,10 @@ class Joints:
             arrange(self.tables)
             self.arranged = True
 
-    def before(self) -> tuple[Function, ...]:
-        """Stages before the substeps; `arrange` first."""
-        return (wake_joints, measure_joints, begin_joints) if len(self.tables.array(ARTICULATION)) else ()
-
-    def forgetting(self) -> tuple[Function, ...]:
-        """Stages before impulses of the substep before are applied."""
-        return (forget_impulses,) if (self.tables.array(ARTICULATION)[:, SEQUENTIAL] == 0).any() else ()
-
-    def warm_starting(self) -> tuple[Function, ...]:
-        """Stages after the kick, before contacts are solved."""
-        return (warm_start_joints,) if len(self.tables.array(ARTICULATION)) else ()
-
-    def solving(self) -> tuple[Function, ...]:
-        """Stages before the drift, after contacts are solved."""
-        articulations = self.tables.array(ARTICULATION)
-        direct, closed = articulations[:, SEQUENTIAL] == 0, articulations[:, CLOSINGS] > 0
-        touched: tuple[Function, ...] = (solve_link_contacts,) if direct.any() else ()
-        for stage, of in ((touch_up_trees, direct & ~closed), (touch_up_loops, closed)):
-            touched += (stage,) if of.any() else ()
-        return (*self._directly_and_in_turn(), *touched)
-
-    def relaxing(self) -> tuple[Function, ...]:
-        """Stages after the drift, after contacts are relaxed."""
-        if not len(self.tables.array(ARTICULATION)):
-            return ()
-        direct = bool((self.tables.array(ARTICULATION)[:, SEQUENTIAL] == 0).any())
-        return (measure_joints, *self._directly_and_in_turn(), *(relax_link_contacts,) * direct)
-
-    def _directly_and_in_turn(self) -> tuple[Function, ...]:
-        """Stages that solve joints: those that this world needs, so that no others are compiled."""
-        articulations = self.tables.array(ARTICULATION)
-        turns, closed = articulations[:, SEQUENTIAL] != 0, articulations[:, CLOSINGS] > 0
-        wanted = (bool((~turns & ~closed).any()), bool(closed.any()), bool(turns.any()))
-        stages = (solve_trees, solve_loops, solve_in_turn)
-        return tuple(stage for stage, there in zip(stages, wanted, strict=True) if there)
-
-    def after(self) -> tuple[Function, ...]:
-        """Stages after the substeps; `take_broken` at the end."""
-        return (finish_joints,) if len(self.tables.array(ARTICULATION)) else ()
+    @property
+    def present(self) -> bool:
+        """Whether any joint holds something that moves; `arrange` first."""
+        return len(self.tables.array(ARTICULATION)) > 0
 
     def row(self, joint: Any) -> int:
         """Return the row of a joint that is there.

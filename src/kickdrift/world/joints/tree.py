@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.world.flight import LINK_COUNT, LINK_PLACE, MASS
-from kickdrift.world.joints.equations import room_for
 from kickdrift.world.joints.layout import (
     BODY,
     BODY_A,
@@ -17,24 +16,21 @@ from kickdrift.world.joints.layout import (
     CLOSINGS,
     END,
     FIRST,
+    JOINED_ROWS,
     KIND,
-    LAWS,
     LINK_A,
     LINK_B,
     LINK_JOINT,
     LINKS,
     LOCKED,
     NONE,
-    OFFSET,
     PARENT,
-    RATIO,
     REMOVED,
-    SEQUENTIAL,
     SIGN,
 )
 from kickdrift.world.tables import (
     ARTICULATION,
-    ARTICULATION_NUMBERS,
+    GRAPH,
     INERTIA,
     JOINT,
     LINK,
@@ -44,10 +40,6 @@ from kickdrift.world.tables import (
 )
 from kickdrift.world.tables import BODY as BODIES
 
-# Equations of closing joints that an articulation may have; with more, its joints are solved one after the other. A matrix
-# of 60 takes 15 us, and a sweep over the tree for each equation more than that where the tree is large.
-MOST_EQUATIONS = 60
-
 
 class _Edge(NamedTuple):
     joint: int
@@ -56,31 +48,22 @@ class _Edge(NamedTuple):
     weight: int  # locked axes: joints with few of them are better where they close a loop
 
 
-class _Direct(NamedTuple):
+class _Part(NamedTuple):
     links: list[list[int]]
     closings: list[list[int]]
-    equations: int
-    ratio: int
 
 
 def arrange(tables: Tables) -> None:
     """Write the articulations of a world and their links, for all joints that hold something that moves."""
     edges = _edges(tables)
-    direct: list[_Direct] = []
-    sequential: list[list[int]] = []
-    joints = tables.array(JOINT)
+    parts: list[_Part] = []
     for members in _components(edges):
         links, closings = _span(members, tables)
-        axes = [int(joints[edge.joint, LOCKED] | joints[edge.joint, LAWS]) for edge in closings]
-        equations = sum(each.bit_count() for each in axes)
-        if equations > MOST_EQUATIONS:
-            sequential.append([link[1] for link in links if link[1] != NONE] + [edge.joint for edge in closings])
-        else:
-            place = {link[0]: k for k, link in enumerate(links)}
-            closing = [[edge.joint, place.get(edge.a, NONE), place.get(edge.b, NONE)] for edge in closings]
-            masses = tables.array(INERTIA)[[link[0] for link in links], MASS]
-            direct.append(_Direct(links, closing, equations, int(np.ceil(masses.max() / masses.min()))))
-    _write(tables, direct, sequential)
+        place = {link[0]: k for k, link in enumerate(links)}
+        parts.append(
+            _Part(links, [[edge.joint, place.get(edge.a, NONE), place.get(edge.b, NONE)] for edge in closings])
+        )
+    _write(tables, parts)
 
 
 def _edges(tables: Tables) -> list[_Edge]:
@@ -153,20 +136,20 @@ def _span(edges: list[_Edge], tables: Tables) -> tuple[list[list[int]], list[_Ed
     return links, [edge for edge in edges if edge.joint not in used]
 
 
-def _write(tables: Tables, direct: list[_Direct], sequential: list[list[int]]) -> None:
-    """Fill in the tables; the joints solved one after the other share the last two rows of numbers."""
-    table = tables.resize(ARTICULATION, len(direct) + len(sequential))
-    size = sum(len(each.links) + len(each.closings) for each in direct)
-    tables.resize(LINK_NUMBERS, size + 2 * bool(sequential))
-    rows = tables.resize(LINK, size + sum(map(len, sequential)))
+def _write(tables: Tables, parts: list[_Part]) -> None:
+    """Fill in the tables."""
+    table = tables.resize(ARTICULATION, len(parts))
+    size = sum(len(each.links) + len(each.closings) for each in parts)
+    tables.resize(LINK_NUMBERS, size)
+    rows = tables.resize(LINK, size)
     table[:] = 0
     tables.array(LINK_NUMBERS)[:] = 0.0
     tables.array(BODIES)[:, [LINK_PLACE, LINK_COUNT]] = 0
     rows[:] = 0
     rows[:, [PARENT, LINK_A, LINK_B]] = NONE
-    first = offset = 0
-    for row, (links, closings, equations, ratio) in zip(table, direct, strict=False):
-        row[[FIRST, LINKS, CLOSINGS, END, OFFSET, RATIO]] = first, len(links), len(closings), first, offset, ratio
+    first = 0
+    for row, (links, closings) in zip(table, parts, strict=True):
+        row[[FIRST, LINKS, CLOSINGS, END]] = first, len(links), len(closings), first
         for k, (body, joint, parent, sign) in enumerate(links, first):
             rows[k, [BODY, LINK_JOINT, SIGN]] = body, joint, sign
             tables.array(BODIES)[body, [LINK_PLACE, LINK_COUNT]] = k + 1, len(links)
@@ -176,9 +159,4 @@ def _write(tables: Tables, direct: list[_Direct], sequential: list[list[int]]) -
             rows[k, [LINK_JOINT, SIGN]] = joint, 1
             rows[k, [LINK_A, LINK_B]] = [NONE if link == NONE else row[FIRST] + link for link in (a, b)]
         first += len(closings)
-        offset += room_for(equations)
-    for row, members in zip(table[len(direct) :], sequential, strict=True):
-        row[[FIRST, LINKS, END, SEQUENTIAL, OFFSET]] = first, len(members), first, 1, size
-        rows[first : first + len(members), LINK_JOINT] = members
-        first += len(members)
-    tables.resize(ARTICULATION_NUMBERS, offset)
+    tables.resize(GRAPH, 1)[0, JOINED_ROWS] = size

@@ -1,0 +1,112 @@
+"""Joints that close loops, in the equations of an island: rows as contacts have them, with two wrenches each."""
+
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Vector, cross
+from kickdrift.world.columns import vector_at
+from kickdrift.world.direct.contacts import twelve
+from kickdrift.world.direct.factorisation import add_row
+from kickdrift.world.direct.layout import AFTER_CLOSING, FIRST_CLOSING
+from kickdrift.world.joints.layout import (
+    ARM_A,
+    ARM_A_AHEAD,
+    ARM_B,
+    ARM_B_AHEAD,
+    AXES,
+    AXES_AHEAD,
+    CHANGE,
+    GAIN,
+    GIVEN,
+    HELD,
+    LINK_A,
+    LINK_JOINT,
+    LOAD,
+    MOVED,
+    PLACE,
+    PUSH,
+    SLOPE,
+)
+from kickdrift.world.joints.measure import mobility
+from kickdrift.world.tables import ISLAND, ISLAND_CLOSING, JOINT_NUMBERS, LINK, LINK_NUMBERS, floats, integers
+
+# As for contacts; what is left is put right by the next step of Newton's method.
+_RIGID = 1e7
+
+
+@compiled(cached=False)
+def _write(table: Any, row: int, axes: int, arm_a: int, arm_b: int, k: int, wrench: Any) -> None:
+    """Write the wrench of a unit impulse along an axis."""
+    axis = vector_at(table, row, axes + 3 * k)
+    nothing: Vector = (0.0, 0.0, 0.0)
+    push = axis if k < 3 else nothing
+    turn_a = cross(vector_at(table, row, arm_a), axis) if k < 3 else axis
+    turn_b = cross(vector_at(table, row, arm_b), axis) if k < 3 else axis
+    for i in range(3):
+        wrench[i], wrench[3 + i], wrench[6 + i], wrench[9 + i] = -push[i], -turn_a[i], push[i], turn_b[i]
+
+
+@compiled(inline=True, cached=False)
+def _stiffness(link: int, k: int, world: int) -> float:
+    """Impulse along an axis of a closing joint per change of speed."""
+    links, work = integers(world, LINK), floats(world, LINK_NUMBERS)
+    if links[link, HELD] >> k & 1:
+        return _RIGID / mobility(links[link, LINK_JOINT], k, world)
+    slope: float = work[link, SLOPE + k]
+    return slope
+
+
+@compiled(cached=False)
+def add_closings(island: int, world: int) -> None:
+    """Add the rows of closing joints to the matrix and the loads of an island."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CLOSING)
+    links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
+    start, ahead = twelve(), twelve()
+    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+        link = order[place, 0]
+        a, b = _node(links, link, 0), _node(links, link, 1)
+        for k in range(6):
+            held, stiffness = links[link, HELD] >> k & 1, _stiffness(link, k, world)
+            impulse = stiffness * work[link, CHANGE + k] if held else work[link, PUSH + k]
+            if impulse == 0.0 and stiffness == 0.0:
+                continue
+            _write(numbers, links[link, LINK_JOINT], AXES, ARM_A, ARM_B, k, start)
+            _write(work, link, AXES_AHEAD, ARM_A_AHEAD, ARM_B_AHEAD, k, ahead)
+            if stiffness > 0.0:
+                add_row(a, b, stiffness, start, ahead, world)
+            for side in range(2):
+                to = links[link, LINK_A + side]
+                if to >= 0:
+                    for i in range(6):
+                        work[to, LOAD + i] += impulse * start[6 * side + i]
+
+
+@compiled(inline=True, cached=False)
+def _node(links: Any, link: int, side: int) -> int:
+    to = links[link, LINK_A + side]
+    node: int = links[to, PLACE] if to >= 0 else -1
+    return node
+
+
+@compiled(cached=False)
+def predict_closings(island: int, world: int) -> None:
+    """Find the changes of speed and the impulses along the axes of closing joints."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CLOSING)
+    links, work = integers(world, LINK), floats(world, LINK_NUMBERS)
+    ahead = twelve()
+    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+        link = order[place, 0]
+        for k in range(6):
+            _write(work, link, AXES_AHEAD, ARM_A_AHEAD, ARM_B_AHEAD, k, ahead)
+            total = 0.0
+            for side in range(2):
+                to = links[link, LINK_A + side]
+                if to >= 0:
+                    for i in range(6):
+                        total += ahead[6 * side + i] * work[to, GAIN + i]
+            work[link, MOVED + k] = total
+            stiffness = _stiffness(link, k, world)
+            if links[link, HELD] >> k & 1:
+                work[link, GIVEN + k] = stiffness * (work[link, CHANGE + k] - total)
+            else:
+                work[link, GIVEN + k] = work[link, PUSH + k] - stiffness * total

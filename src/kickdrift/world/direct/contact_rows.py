@@ -1,0 +1,226 @@
+"""The rows of a contact as the direct solver takes them: wrenches, the speed wanted, and the piece of its law that is assumed.
+
+A point pushes or is open. Friction, twist and rolling resistance each hold what touches at its speed, or slide at their
+greatest impulse, mu times what the points carry: the projection of lambda - D (s - wanted) onto a disk, of which a trial of Newton's
+method takes the derivative.
+"""
+
+import math
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Vector, applied, cross, dot, minus, plus, times
+from kickdrift.world.columns import symmetric_at
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.direct.layout import (
+    ACTIVE,
+    BOUND,
+    CONSTANT,
+    DIRECTION,
+    GIVEN,
+    HELD,
+    IMPULSE,
+    MOVED,
+    OPEN,
+    ROLL,
+    SLIDE,
+    SLIDING,
+    SPEED,
+    STATE,
+    STIFFNESS,
+    TANGENT,
+    TWIST,
+    WANTED,
+    WRENCH,
+)
+from kickdrift.world.joints.layout import TURN_RESPONSE
+from kickdrift.world.tables import RESPONSE, floats
+
+W = c.WIDTH
+
+# Impulse per speed missing, over the mass that a row moves: so much of what a solution changes is left.
+RIGID = 1e5
+
+_UNNOTICED = 1e-9  # m/s
+
+
+@compiled(inline=True, cached=False)
+def _vector(own: Any, field: int) -> Vector:
+    return own[field * W], own[(field + 1) * W], own[(field + 2) * W]
+
+
+@compiled(cached=False)
+def write_wrench(own: Any, k: int, slid: Vector, wrench: Any) -> None:
+    """Write the wrench of a row's unit impulse, the second body having moved away from the first."""
+    n, u = _vector(own, c.N), _vector(own, c.T)
+    push: Vector = (0.0, 0.0, 0.0)
+    turn_a, turn_b = n, n
+    if k < TANGENT:
+        push = n
+        turn_a = _vector(own, c.P + c.POINT_FIELDS * k + c.ARM)
+        turn_b = minus(turn_a, cross(_vector(own, c.BETWEEN), n))
+    elif k < TWIST:
+        push = u if k == TANGENT else cross(n, u)
+        turn_a = cross(_vector(own, c.CENTRE), push)
+        turn_b = minus(turn_a, cross(_vector(own, c.BETWEEN), push))
+    elif k >= ROLL:
+        turn_a = (1.0 if k == ROLL else 0.0, 1.0 if k == ROLL + 1 else 0.0, 1.0 if k == ROLL + 2 else 0.0)
+        turn_b = turn_a
+    more, glide_a = cross(slid, push), own[c.GLIDE_A * W]
+    turn_a, turn_b = plus(turn_a, times(glide_a, more)), plus(turn_b, times(glide_a - 1.0, more))
+    for i in range(3):
+        wrench[i], wrench[3 + i] = -push[i], -turn_a[i]
+        wrench[6 + i], wrench[9 + i] = push[i], turn_b[i]
+
+
+@compiled(inline=True, cached=False)
+def slid_past(own: Any, change: Any) -> Vector:
+    """Say what the second body has slid past the first since the points are those of a contact, within bounds."""
+    moved = (change[6] - change[0], change[7] - change[1], change[8] - change[2])
+    moved = plus(moved, _vector(own, c.OFFSET))
+    return times(min(1.0, own[c.FARTHEST * W] / (math.sqrt(dot(moved, moved)) + 1e-300)), moved)
+
+
+@compiled(cached=False)
+def along(wrench: Any, velocity: Any) -> float:
+    """Speed along a row."""
+    total = 0.0
+    for k in range(12):
+        total += wrench[k] * velocity[k]
+    return total
+
+
+@compiled(cached=False)
+def mobility(wrench: Any, a: int, b: int, world: int) -> float:
+    """Speed along a row per impulse along it, of both bodies alone."""
+    response, total = floats(world, RESPONSE), 0.0
+    for side in range(2):
+        body, at = (b, 6) if side == 1 else (a, 0)
+        push, turn = (wrench[at], wrench[at + 1], wrench[at + 2]), (wrench[at + 3], wrench[at + 4], wrench[at + 5])
+        total += response[body, 0] * dot(push, push)
+        total += dot(turn, applied(symmetric_at(response, body, TURN_RESPONSE), turn))
+    return total
+
+
+@compiled(inline=True, cached=False)
+def impulse_field(k: int) -> int:
+    """Field of a constraint that holds the impulse of a row."""
+    if k < TANGENT:
+        return c.P + c.POINT_FIELDS * k + c.IMPULSE
+    if k < TWIST:
+        return c.SLID + k - TANGENT
+    return c.TWIST + 1 if k == TWIST else c.ROLL + 2 + k - ROLL
+
+
+@compiled(cached=False)
+def begin_row(own: Any, rows: Any, k: int, slid: Vector, velocity: Any, a: int, b: int, world: int) -> None:
+    """Write the wrench of a row, its speed and its stiffness; it takes part if it can be moved."""
+    wrench = rows[WRENCH + 12 * k : WRENCH + 12 * k + 12]
+    write_wrench(own, k, slid, wrench)
+    yielding = mobility(wrench, a, b, world)
+    rows[ACTIVE + k] = 1.0 if yielding > 0.0 else 0.0
+    rows[STIFFNESS + k] = RIGID / yielding if yielding > 0.0 else 0.0
+    rows[SPEED + k], rows[IMPULSE + k] = along(wrench, velocity), own[impulse_field(k) * W]
+    rows[WANTED + k], rows[MOVED + k], rows[GIVEN + k], rows[STATE + k] = 0.0, 0.0, 0.0, OPEN
+
+
+@compiled(inline=True, cached=False)
+def first_row(bound: int) -> int:
+    """First row of a bound: tangents, twist, rolling."""
+    return TANGENT if bound == 0 else TWIST if bound == 1 else ROLL
+
+
+@compiled(inline=True, cached=False)
+def bound_rows(bound: int) -> int:
+    """Rows that have a bound in common."""
+    return 2 if bound == 0 else 1 if bound == 1 else 3
+
+
+@compiled(cached=False)
+def find_bounds(own: Any, rows: Any) -> None:
+    """Bound friction, twist and rolling resistance by what the points carry with the solution at hand."""
+    normal, lever = 0.0, 0.0
+    for k in range(TANGENT):
+        if rows[ACTIVE + k] != 0.0:
+            carried = max(rows[IMPULSE + k] + rows[GIVEN + k], 0.0)
+            normal += carried
+            lever += carried * own[(c.P + c.POINT_FIELDS * k + c.LEVER) * W]
+    friction = own[c.FRICTION * W]
+    rows[BOUND], rows[BOUND + 1], rows[BOUND + 2] = friction * normal, friction * lever, own[c.ROLL * W] * normal
+
+
+@compiled(cached=False)
+def review_points(rows: Any, first: bool, opened: bool) -> bool:
+    """Assume that points push or are open as the solution at hand says; return whether that is nothing new."""
+    settled = True
+    for k in range(TANGENT):
+        if rows[ACTIVE + k] == 0.0:
+            continue
+        missing = rows[WANTED + k] - rows[SPEED + k] - rows[MOVED + k]
+        if first:
+            state = HELD if rows[IMPULSE + k] + rows[STIFFNESS + k] / RIGID * missing > 0.0 else OPEN
+        elif rows[STATE + k] == HELD:
+            state = HELD if rows[IMPULSE + k] + rows[GIVEN + k] > 0.0 else OPEN
+        else:
+            state = HELD if missing > _UNNOTICED and not opened else OPEN
+        settled = settled and state == rows[STATE + k]
+        rows[STATE + k] = state
+        stiffness = rows[STIFFNESS + k]
+        rows[CONSTANT + k] = -rows[IMPULSE + k]
+        if state == HELD:
+            rows[CONSTANT + k] = stiffness * (rows[WANTED + k] - rows[SPEED + k])
+    return settled
+
+
+@compiled(cached=False)
+def review_bound(rows: Any, bound: int, first: bool) -> bool:
+    """Assume that friction, twist or rolling resistance holds or slides; return whether that is nothing new."""
+    begin, count = first_row(bound), bound_rows(bound)
+    end, most = begin + count, rows[BOUND + bound]
+    stiffness = rows[STIFFNESS + begin]
+    pull = stiffness / RIGID if first else stiffness
+    size, turn = 0.0, 0.0
+    for k in range(begin, end):
+        wish = rows[IMPULSE + k] - pull * (rows[SPEED + k] + rows[MOVED + k] - rows[WANTED + k])
+        turn += wish * rows[DIRECTION + k]
+        rows[CONSTANT + k] = wish
+        size += wish * wish
+    size = math.sqrt(size)
+    state = HELD if size <= most and most > 0.0 else SLIDING
+    was = rows[STATE + begin]
+    if not first and was == SLIDING and most > 0.0 and turn < 0.0:
+        state = HELD  # pushed back beyond rest: it is held there
+    settled = state == was
+    if state == HELD:
+        for k in range(begin, end):
+            rows[CONSTANT + k] = stiffness * (rows[WANTED + k] - rows[SPEED + k])
+            rows[DIRECTION + k] = 0.0
+    else:
+        share = most / size if size > 0.0 else 0.0
+        settled = settled and (turn > 0.999 * size or most == 0.0)
+        for k in range(begin, end):
+            rows[DIRECTION + k] = rows[CONSTANT + k] / size if size > 0.0 else 0.0
+        rows[SLIDE + bound] = share
+        for k in range(begin, end):
+            left = rows[MOVED + k]
+            for j in range(begin, end):
+                left -= rows[DIRECTION + k] * rows[DIRECTION + j] * rows[MOVED + j]
+            rows[CONSTANT + k] = most * rows[DIRECTION + k] - rows[IMPULSE + k] + stiffness * share * left
+    rows[STATE + begin] = state
+    return settled
+
+
+@compiled(cached=False)
+def give_of(rows: Any, k: int, bound: int) -> float:
+    """Impulse along a row with the solution at hand."""
+    if bound < 0:
+        if rows[STATE + k] == HELD:
+            return rows[CONSTANT + k] - rows[STIFFNESS + k] * rows[MOVED + k]
+        return rows[CONSTANT + k]
+    begin, count = first_row(bound), bound_rows(bound)
+    if rows[STATE + begin] == HELD:
+        return rows[CONSTANT + k] - rows[STIFFNESS + begin] * rows[MOVED + k]
+    left = rows[MOVED + k]
+    for j in range(begin, begin + count):
+        left -= rows[DIRECTION + k] * rows[DIRECTION + j] * rows[MOVED + j]
+    return rows[CONSTANT + k] - rows[STIFFNESS + begin] * rows[SLIDE + bound] * left

@@ -1,0 +1,281 @@
+"""The contacts of an island in its equations: what is wanted of them, what they add, and what the solution gives them."""
+
+from typing import Any
+
+from numba import carray
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.memory import floats_on_stack
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.prepare import LINKED
+from kickdrift.world.direct.contact_rows import (
+    along,
+    begin_row,
+    bound_rows,
+    find_bounds,
+    first_row,
+    give_of,
+    impulse_field,
+    review_bound,
+    review_points,
+    slid_past,
+    write_wrench,
+)
+from kickdrift.world.direct.factorisation import add_row
+from kickdrift.world.direct.islands import node_of
+from kickdrift.world.direct.layout import (
+    ACTIVE,
+    AFTER_CONTACT,
+    CONSTANT,
+    DIRECTION,
+    FIRST_CONTACT,
+    GIVEN,
+    HELD,
+    HITS,
+    IMPULSE,
+    LINK_ROW,
+    MOVED,
+    NODES,
+    SLIDE,
+    START,
+    STATE,
+    STIFFNESS,
+    TANGENT,
+    WANTED,
+    WRENCH,
+)
+from kickdrift.world.joints.impulses import push_body
+from kickdrift.world.joints.layout import GAIN, LOAD, PLACE
+from kickdrift.world.settings import PUSH_SPEED
+from kickdrift.world.tables import (
+    CHANGE,
+    COLOURS,
+    CONTACT_ROW,
+    GROUPS,
+    ISLAND,
+    ISLAND_CONTACT,
+    LANES,
+    LINK,
+    LINK_NUMBERS,
+    MOTION,
+    NODE,
+    SETTINGS,
+    Table,
+    flat,
+    floats,
+    integers,
+)
+
+_SIZE = c.FIELDS * c.WIDTH
+_COLUMNS = CONTACT_ROW.width
+
+# What the contacts of a solution are to do
+PRESS = (
+    0  # bodies that overlap are pushed apart, and those apart may come as near as they are by the end of the substep
+)
+REST = 1  # nothing moves on
+BOUNCE = 2  # points that hit leave with the speed that restitution gives them
+
+# Part of an overlap that is pushed out in a substep.
+_PUSHED = 0.2
+
+
+@compiled(inline=True, cached=False)
+def contact_row(index: int, world: int) -> Any:
+    """Return the numbers of a contact, counted from the first of the linked colour."""
+    return flat(world, CONTACT_ROW)[_COLUMNS * index : _COLUMNS * (index + 1)]
+
+
+@compiled(inline=True, cached=False)
+def constraint(index: int, world: int) -> Any:
+    """Return the constraint of a contact, in lane 0 of its group."""
+    g = integers(world, COLOURS)[LINKED, 1] + index
+    return flat(world, LANES)[g * _SIZE : (g + 1) * _SIZE]
+
+
+@compiled(cached=False)
+def read_both(table: Table, a: int, b: int, numbers: Any, world: int) -> None:
+    """Read the first six numbers of both bodies of a contact."""
+    columns = floats(world, table)
+    for k in range(6):
+        numbers[k], numbers[6 + k] = columns[a, k], columns[b, k]
+
+
+@compiled(inline=True, cached=False)
+def twelve() -> Any:
+    """Return room for the velocities of two bodies, or for what acts on them."""
+    return carray(floats_on_stack(12), (12,))
+
+
+@compiled(cached=False)
+def begin_contacts(island: int, h: float, task: int, world: int) -> None:
+    """Say what is wanted of the rows of all contacts of an island, as bodies move now."""
+    own = integers(world, ISLAND)[island]
+    order = integers(world, ISLAND_CONTACT)
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        _begin_contact(order[k, 0], h, task, world)
+
+
+@compiled(cached=False)
+def _begin_contact(index: int, h: float, task: int, world: int) -> None:
+    groups, links = integers(world, GROUPS), integers(world, LINK)
+    g = integers(world, COLOURS)[LINKED, 1] + index
+    own, numbers = constraint(index, world), contact_row(index, world)
+    a, b = groups[g, 0], groups[g, c.WIDTH]
+    velocity, change, wrench = twelve(), twelve(), twelve()
+    read_both(MOTION, a, b, velocity, world)
+    read_both(CHANGE, a, b, change, world)
+    slid, push = slid_past(own, change), floats(world, SETTINGS)[0, PUSH_SPEED]
+    node_a, node_b = node_of(world, a), node_of(world, b)
+    numbers[NODES] = links[node_a, PLACE] if node_a >= 0 else -1
+    numbers[NODES + 1] = links[node_b, PLACE] if node_b >= 0 else -1
+    for k in range(10):
+        there = own[(c.P + c.POINT_FIELDS * k + c.POINT_MASS) * c.WIDTH] > 0.0 if k < TANGENT else True
+        if not there or (k >= 7 and own[c.ROLL * c.WIDTH] == 0.0):
+            numbers[ACTIVE + k], numbers[GIVEN + k], numbers[STATE + k] = 0.0, 0.0, 0.0
+            continue
+        begin_row(own, numbers, k, slid, velocity, a, b, world)
+        if k < TANGENT:
+            write_wrench(own, k, (0.0, 0.0, 0.0), wrench)
+            gap = own[(c.P + c.POINT_FIELDS * k + c.GAP) * c.WIDTH] + along(wrench, change)
+            if task == PRESS:
+                numbers[WANTED + k] = -gap / h if gap > 0.0 else min(-_PUSHED * gap / h, push)
+            elif task == REST and gap > 0.0 and numbers[IMPULSE + k] == 0.0:
+                numbers[ACTIVE + k] = 0.0
+            elif task == BOUNCE:
+                numbers[ACTIVE + k] = 1.0 if numbers[HITS + k] >= 0.0 else 0.0
+                numbers[WANTED + k], numbers[IMPULSE + k] = numbers[HITS + k], 0.0
+        else:
+            if task == BOUNCE:
+                numbers[IMPULSE + k] = 0.0
+            numbers[DIRECTION + k] = 0.0
+            if k < TANGENT + 2:
+                numbers[WANTED + k] = own[(c.SLIDE + k - TANGENT) * c.WIDTH]
+    find_bounds(own, numbers)
+
+
+@compiled(cached=False)
+def note_impulses(island: int, back: bool, world: int) -> None:
+    """Keep the impulses that a substep begins with, or go back to them."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        numbers, fields = contact_row(order[k, 0], world), constraint(order[k, 0], world)
+        for i in range(10):
+            if back:
+                fields[impulse_field(i) * c.WIDTH] = numbers[START + i]
+            else:
+                numbers[START + i] = fields[impulse_field(i) * c.WIDTH]
+
+
+@compiled(cached=False)
+def review_contacts(island: int, task: int, trial: int, opened: bool, world: int) -> bool:
+    """Assume pieces of the laws of contacts as the solution at hand says; return whether it was made with them."""
+    own, order, settled = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), True
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        numbers = contact_row(order[k, 0], world)
+        settled = review_points(numbers, trial == 0, opened) and settled
+        if task != PRESS and trial > 0:
+            find_bounds(constraint(order[k, 0], world), numbers)
+        for bound in range(3):
+            if numbers[ACTIVE + first_row(bound)] != 0.0 and not opened:
+                settled = review_bound(numbers, bound, trial == 0) and settled
+    return settled
+
+
+@compiled(cached=False)
+def add_contacts(island: int, world: int) -> None:
+    """Add the rows of contacts to the matrix and to the loads of an island."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    wrench = twelve()
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        numbers = contact_row(order[k, 0], world)
+        a, b = int(numbers[NODES]), int(numbers[NODES + 1])
+        for i in range(TANGENT):
+            if numbers[ACTIVE + i] != 0.0:
+                row = numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12]
+                if numbers[STATE + i] == HELD:
+                    add_row(a, b, numbers[STIFFNESS + i], row, row, world)
+                _load(a, b, numbers[CONSTANT + i], row, world)
+        for bound in range(3):
+            begin = first_row(bound)
+            if numbers[ACTIVE + begin] == 0.0:
+                continue
+            end, held = begin + bound_rows(bound), numbers[STATE + begin] == HELD
+            stiffness = numbers[STIFFNESS + begin] * (1.0 if held else numbers[SLIDE + bound])
+            for i in range(begin, end):
+                row = numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12]
+                _load(a, b, numbers[CONSTANT + i], row, world)
+                if stiffness == 0.0:
+                    continue
+                for m in range(12):
+                    wrench[m] = row[m]
+                if not held:
+                    for j in range(begin, end):
+                        share = numbers[DIRECTION + i] * numbers[DIRECTION + j]
+                        for m in range(12):
+                            wrench[m] -= share * numbers[WRENCH + 12 * j + m]
+                add_row(a, b, stiffness, row, wrench, world)
+
+
+@compiled(cached=False)
+def _load(a: int, b: int, impulse: float, wrench: Any, world: int) -> None:
+    """Let an impulse along a row act on the nodes of a contact."""
+    nodes, work = integers(world, NODE), floats(world, LINK_NUMBERS)
+    for side in range(2):
+        node = b if side == 1 else a
+        if node >= 0:
+            link = nodes[node, LINK_ROW]
+            for i in range(6):
+                work[link, LOAD + i] += impulse * wrench[6 * side + i]
+
+
+@compiled(cached=False)
+def predict_contacts(island: int, world: int) -> None:
+    """Find the changes of speed and the impulses along the rows, for the solution at hand."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    nodes, work = integers(world, NODE), floats(world, LINK_NUMBERS)
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        numbers = contact_row(order[k, 0], world)
+        for i in range(10):
+            if numbers[ACTIVE + i] == 0.0:
+                continue
+            total = 0.0
+            for side in range(2):
+                node = int(numbers[NODES + side])
+                if node >= 0:
+                    link = nodes[node, LINK_ROW]
+                    for m in range(6):
+                        total += numbers[WRENCH + 12 * i + 6 * side + m] * work[link, GAIN + m]
+            numbers[MOVED + i] = total
+        for i in range(10):
+            if numbers[ACTIVE + i] != 0.0:
+                numbers[GIVEN + i] = give_of(numbers, i, -1 if i < TANGENT else 0 if i < 6 else 1 if i == 6 else 2)
+
+
+@compiled(cached=False)
+def give_contacts(island: int, task: int, world: int) -> None:
+    """Give bodies the impulses that were found, none of which pulls."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    groups, begin = integers(world, GROUPS), integers(world, COLOURS)[LINKED, 1]
+    given = twelve()
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        index = order[k, 0]
+        numbers, own_fields = contact_row(index, world), constraint(index, world)
+        for m in range(12):
+            given[m] = 0.0
+        for i in range(10):
+            if numbers[ACTIVE + i] == 0.0:
+                continue
+            impulse = numbers[GIVEN + i]
+            if i < TANGENT:
+                impulse = max(impulse, -numbers[IMPULSE + i])
+                numbers[GIVEN + i] = impulse
+            if task != BOUNCE:
+                own_fields[impulse_field(i) * c.WIDTH] = numbers[IMPULSE + i] + impulse
+            for m in range(12):
+                given[m] += impulse * numbers[WRENCH + 12 * i + m]
+        for side in range(2):
+            if numbers[NODES + side] >= 0.0:
+                body, at = groups[begin + index, c.WIDTH * side], 6 * side
+                push = (given[at], given[at + 1], given[at + 2])
+                push_body(body, push, (given[at + 3], given[at + 4], given[at + 5]), world)

@@ -1,0 +1,375 @@
+"""The matrix of an island, eliminated node by node.
+
+What is solved is H v = b for the changes v of the velocities of all nodes, six numbers each: H holds the inertia of the bodies
+and, of each row of a contact or of a closing joint that takes part, its stiffness times its two wrenches, J^T D J. Joints
+of the tree are no rows: a link moves as its parent does but for the open axes, so that its own velocity is replaced,
+v = X (v of the parent) + open axes, and its row of the matrix added to that of its parent by X^T. Without contacts that is the
+articulated-body algorithm (Featherstone, Rigid Body Dynamics Algorithms, 2008, section 7.3), exact for locked axes at any ratio
+of masses and linear in the number of joints; neighbours that contacts and loops add are carried along as fill, as in any
+sparse factorisation. Free nodes are eliminated by blocks.
+
+Velocities act at the end of the substep, impulses at its start, so that X and X^T have arms of their own (`AHEAD`) and H is not
+quite symmetric. Moving the point of reference of a block from O to P, with s = O - P: to each row's angular part s x its linear
+part is added, and then the same to each column's.
+"""
+
+from typing import Any
+
+from numba import carray
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.memory import floats_on_stack
+from kickdrift.core.vectors import Symmetric, Vector, cross, dot, inverse_symmetric, plus, times
+from kickdrift.world.columns import symmetric_at, vector_at
+from kickdrift.world.direct.layout import (
+    COUPLING as COUPLINGS,
+)
+from kickdrift.world.direct.layout import (
+    FIRST_NEIGHBOUR,
+    LINK_ROW,
+    LOWER,
+    NEIGHBOURS,
+    PARENT_NODE,
+    UPPER,
+)
+from kickdrift.world.direct.layout import (
+    PASSING as PASSINGS,
+)
+from kickdrift.world.joints.layout import (
+    ANGULAR_PART,
+    ARM_A,
+    ARM_A_AHEAD,
+    ARM_B,
+    ARM_B_AHEAD,
+    AXES,
+    AXES_AHEAD,
+    BODY,
+    COUPLING,
+    HELD,
+    INERTIA,
+    LINK_JOINT,
+    PASSING,
+    SIGN,
+    SLOPE,
+    TURN_RESPONSE,
+    YIELD,
+    int64,
+)
+from kickdrift.world.joints.measure import put_vector
+from kickdrift.world.tables import (
+    BLOCK,
+    JOINT_NUMBERS,
+    LINK,
+    LINK_NUMBERS,
+    MOTION,
+    NEIGHBOUR,
+    NODE,
+    RESPONSE,
+    floats,
+    integers,
+)
+
+# Of bodies that cannot turn, or turn about some axes only, as if they were heavier than they are: with 1e8, what they
+# then turn and what is lost to rounding are both parts in 1e8, which the next substep corrects.
+_IMMOVABLE = 1e8
+
+_ONLY = int64(0)  # row of a buffer, and its first column
+
+
+@compiled(inline=True, cached=False)
+def arms(table: Any, row: int, column_a: int, column_b: int, sign: int) -> tuple[Vector, Vector]:
+    """From the centre of mass of a link and of its parent to their joint."""
+    if sign > 0:
+        return vector_at(table, row, column_b), vector_at(table, row, column_a)
+    return vector_at(table, row, column_a), vector_at(table, row, column_b)
+
+
+@compiled(inline=True, cached=False)
+def _move_rows(m: Any, row: int, at: int, s: Vector) -> None:
+    """Move the point of reference of the impulses of a block."""
+    for j in range(6):
+        turn = cross(s, (m[row, at + j], m[row, at + 6 + j], m[row, at + 12 + j]))
+        m[row, at + 18 + j] += turn[0]
+        m[row, at + 24 + j] += turn[1]
+        m[row, at + 30 + j] += turn[2]
+
+
+@compiled(inline=True, cached=False)
+def _move_columns(m: Any, row: int, at: int, s: Vector) -> None:
+    """Move the point of reference of the velocities of a block."""
+    for i in range(6):
+        turn = cross(s, vector_at(m, row, at + 6 * i))
+        for k in range(3):
+            m[row, at + 6 * i + 3 + k] += turn[k]
+
+
+@compiled(inline=True, cached=False)
+def _divided(s: Symmetric, divisor: float) -> Symmetric:
+    """Divide a symmetric matrix by a number."""
+    return (s[0] / divisor, s[1] / divisor, s[2] / divisor, s[3] / divisor, s[4] / divisor, s[5] / divisor)
+
+
+@compiled(cached=False)
+def put_inertia(link: int, ahead: float, world: int) -> None:
+    """Fill in the inertia of the body alone, about its centre of mass.
+
+    A change dw of its angular velocity w turns it, after a time h, by h T dw with T = 1 + h w x / 2 + ...: velocities
+    ahead are T dw, and the inertia is I T^-1, where T^-1 = 1 - h w x / 2 + (h w x)^2 / 12 up to h^4. A negative time is for
+    changes of position alone: then all bodies weigh the same, so that light ones are not thrown about for heavy ones.
+    """
+    work, response = floats(world, LINK_NUMBERS), floats(world, RESPONSE)
+    body = integers(world, LINK)[link, BODY]
+    for k in range(36):
+        work[link, INERTIA + k] = 0.0
+    w = symmetric_at(response, body, TURN_RESPONSE)
+    trace = w[0] + w[1] + w[2]
+    mass = 1.0 / response[body, 0] if response[body, 0] > 0.0 else _IMMOVABLE / trace
+    if trace > 0.0:
+        c = cross((w[3], w[1], w[5]), (w[4], w[5], w[2]))
+        if w[0] * c[0] + w[3] * c[1] + w[4] * c[2] < 1e-14 * trace * trace * trace:
+            least = trace / _IMMOVABLE
+            w = (w[0] + least, w[1] + least, w[2] + least, w[3], w[4], w[5])
+        moments = inverse_symmetric(w)
+    else:
+        immovable = _IMMOVABLE * mass
+        moments = (immovable, immovable, immovable, 0.0, 0.0, 0.0)
+    if ahead < 0.0:
+        mass, moments, ahead = 1.0, _divided(moments, mass), 0.0
+    turn = times(ahead, vector_at(floats(world, MOTION), body, ANGULAR_PART))
+    for k in range(3):
+        work[link, INERTIA + 7 * k] = mass
+        row = (moments[3], moments[1], moments[5]) if k == 1 else (moments[4], moments[5], moments[2])
+        row = (moments[0], moments[3], moments[4]) if k == 0 else row
+        once = cross(turn, row)
+        row = plus(row, plus(times(0.5, once), times(1.0 / 12.0, cross(turn, once))))
+        put_vector(work, link, INERTIA + 21 + 6 * k, row)
+
+
+@compiled(cached=False)
+def clear_blocks(first: int, after: int, world: int) -> None:
+    """Begin with nodes that are not coupled."""
+    nodes, blocks = integers(world, NODE), floats(world, BLOCK)
+    for node in range(first, after):
+        begin = nodes[node, FIRST_NEIGHBOUR]
+        for row in range(begin, begin + nodes[node, NEIGHBOURS]):
+            for k in range(72):
+                blocks[row, k] = 0.0
+
+
+@compiled(cached=False)
+def block_of(a: int, b: int, world: int) -> int:
+    """Row of the block of two nodes, of which a is eliminated first."""
+    nodes, neighbours = integers(world, NODE), integers(world, NEIGHBOUR)
+    row = nodes[a, FIRST_NEIGHBOUR]
+    while neighbours[row, 0] != b:
+        row += 1
+    return row
+
+
+@compiled(cached=False)
+def add_row(a: int, b: int, stiffness: float, start: Any, ahead: Any, world: int) -> None:
+    """Add to the matrix stiffness times the wrenches of a row, that of its impulse and that of its speed.
+
+    Parameters
+    ----------
+    a, b : int
+        Nodes of both bodies; -1 for one that nothing moves.
+    start, ahead : (12,) array
+        What a unit impulse does at the start of the substep, and the speed per velocity at its end.
+    """
+    nodes, work = integers(world, NODE), floats(world, LINK_NUMBERS)
+    for side in range(2):
+        node = b if side == 1 else a
+        if node >= 0:
+            link = nodes[node, LINK_ROW]
+            for i in range(6):
+                scaled = stiffness * start[6 * side + i]
+                for j in range(6):
+                    work[link, INERTIA + 6 * i + j] += scaled * ahead[6 * side + j]
+    if a >= 0 and b >= 0:
+        blocks = floats(world, BLOCK)
+        row, upper, lower = block_of(min(a, b), max(a, b), world), UPPER, LOWER
+        if b < a:
+            upper, lower = LOWER, UPPER
+        for i in range(6):
+            one, other = stiffness * start[i], stiffness * start[6 + i]
+            for j in range(6):
+                blocks[row, upper + 6 * i + j] += one * ahead[6 + j]
+                blocks[row, lower + 6 * i + j] += other * ahead[j]
+
+
+@compiled(cached=False)
+def factor(first: int, after: int, world: int) -> None:
+    """Eliminate the nodes of an island in their order."""
+    nodes, links = integers(world, NODE), integers(world, LINK)
+    for node in range(first, after):
+        if links[nodes[node, LINK_ROW], LINK_JOINT] >= 0:
+            _eliminate_link(node, world)
+        else:
+            _eliminate_free(node, world)
+
+
+@compiled(cached=False)
+def _eliminate_link(node: int, world: int) -> None:
+    """Replace the velocity of a link by that of its parent and its open axes."""
+    nodes, links, neighbours = integers(world, NODE), integers(world, LINK), integers(world, NEIGHBOUR)
+    work, numbers, blocks = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS), floats(world, BLOCK)
+    link, parent = nodes[node, LINK_ROW], nodes[node, PARENT_NODE]
+    joint, begin = links[link, LINK_JOINT], nodes[node, FIRST_NEIGHBOUR]
+    end = begin + nodes[node, NEIGHBOURS]
+    own, other = arms(numbers, joint, ARM_A, ARM_B, links[link, SIGN])
+    own_ahead, other_ahead = arms(work, link, ARM_A_AHEAD, ARM_B_AHEAD, links[link, SIGN])
+    _move_columns(work, link, INERTIA, times(-1.0, own_ahead))
+    _move_rows(work, link, INERTIA, times(-1.0, own))
+    for row in range(begin, end):
+        _move_rows(blocks, row, UPPER, times(-1.0, own))
+        _move_columns(blocks, row, LOWER, times(-1.0, own_ahead))
+    for k in range(6):
+        work[link, YIELD + k] = 0.0
+        if not links[link, HELD] >> k & 1:
+            _eliminate_axis(node, link, joint, k, begin, end, world)
+    if parent < 0:
+        return
+    above = nodes[parent, LINK_ROW]
+    moved = carray(floats_on_stack(36), (1, 36))
+    for k in range(36):
+        moved[_ONLY, k] = work[link, INERTIA + k]
+    _move_columns(moved, _ONLY, _ONLY, other_ahead)
+    _move_rows(moved, _ONLY, _ONLY, other)
+    for k in range(36):
+        work[above, INERTIA + k] += moved[_ONLY, k]
+    for row in range(begin, end):
+        _hand_up(row, neighbours[row, 0], parent, other, other_ahead, world)
+
+
+@compiled(cached=False)
+def _hand_up(row: int, neighbour: int, parent: int, other: Vector, other_ahead: Vector, world: int) -> None:
+    """Couple the parent of a link to a neighbour as the link was."""
+    work, blocks = floats(world, LINK_NUMBERS), floats(world, BLOCK)
+    target, to, back = parent, INERTIA, INERTIA
+    if neighbour == parent:
+        target = integers(world, NODE)[parent, LINK_ROW]
+    else:
+        target = block_of(min(parent, neighbour), max(parent, neighbour), world)
+        to, back = (UPPER, LOWER) if parent < neighbour else (LOWER, UPPER)
+    for j in range(6):
+        top = (blocks[row, j], blocks[row, 6 + j], blocks[row, 12 + j])
+        turn = cross(other, top)
+        for i in range(3):
+            if neighbour == parent:
+                work[target, to + 6 * i + j] += top[i]
+                work[target, to + 18 + 6 * i + j] += blocks[row, 18 + 6 * i + j] + turn[i]
+            else:
+                blocks[target, to + 6 * i + j] += top[i]
+                blocks[target, to + 18 + 6 * i + j] += blocks[row, 18 + 6 * i + j] + turn[i]
+    for i in range(6):
+        left = vector_at(blocks, row, LOWER + 6 * i)
+        turn = cross(other_ahead, left)
+        for j in range(3):
+            if neighbour == parent:
+                work[target, back + 6 * i + j] += left[j]
+                work[target, back + 6 * i + 3 + j] += blocks[row, LOWER + 6 * i + 3 + j] + turn[j]
+            else:
+                blocks[target, back + 6 * i + j] += left[j]
+                blocks[target, back + 6 * i + 3 + j] += blocks[row, LOWER + 6 * i + 3 + j] + turn[j]
+
+
+@compiled(cached=False)
+def _eliminate_axis(node: int, link: int, joint: int, k: int, begin: int, end: int, world: int) -> None:
+    """Take an open axis of a joint out of the inertia of what hangs on it, and out of its coupling to neighbours."""
+    work, numbers, blocks = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS), floats(world, BLOCK)
+    axis, ahead = vector_at(numbers, joint, AXES + 3 * k), vector_at(work, link, AXES_AHEAD + 3 * k)
+    half = 0 if k < 3 else 3
+    row, column = PASSING + 6 * k, COUPLING + 6 * k
+    for j in range(6):
+        work[link, row + j] = (
+            axis[0] * work[link, INERTIA + 6 * half + j]
+            + axis[1] * work[link, INERTIA + 6 * half + 6 + j]
+            + axis[2] * work[link, INERTIA + 6 * half + 12 + j]
+        )
+    for i in range(6):
+        work[link, column + i] = dot(ahead, vector_at(work, link, INERTIA + 6 * i + half))
+    stiff = dot(ahead, vector_at(work, link, row + half)) + work[link, SLOPE + k]
+    give = 1.0 / stiff if stiff > 0.0 else 0.0
+    work[link, YIELD + k] = give
+    for i in range(6):
+        share = give * work[link, column + i]
+        for j in range(6):
+            work[link, INERTIA + 6 * i + j] -= share * work[link, row + j]
+    if begin == end:
+        return
+    for block in range(begin, end):
+        for j in range(6):
+            blocks[block, PASSINGS + 6 * k + j] = (
+                axis[0] * blocks[block, UPPER + 6 * half + j]
+                + axis[1] * blocks[block, UPPER + 6 * half + 6 + j]
+                + axis[2] * blocks[block, UPPER + 6 * half + 12 + j]
+            )
+        for i in range(6):
+            blocks[block, COUPLINGS + 6 * k + i] = dot(ahead, vector_at(blocks, block, LOWER + 6 * i + half))
+    for block in range(begin, end):
+        for i in range(6):
+            share, other = give * work[link, column + i], give * blocks[block, COUPLINGS + 6 * k + i]
+            for j in range(6):
+                blocks[block, UPPER + 6 * i + j] -= share * blocks[block, PASSINGS + 6 * k + j]
+                blocks[block, LOWER + 6 * i + j] -= other * work[link, row + j]
+    for one in range(begin, end):
+        for two in range(begin, end):
+            _subtract(one, two, COUPLINGS + 6 * k, PASSINGS + 6 * k, give, 1, world)
+
+
+@compiled(cached=False)
+def _subtract(one: int, two: int, left: int, right: int, factor_: float, inner: int, world: int) -> None:
+    """Take from the block of two neighbours the product of what couples a node to the one and to the other.
+
+    The blocks are 6 x `inner` and `inner` x 6, from the columns `left` and `right` on.
+    """
+    neighbours, nodes, blocks = integers(world, NEIGHBOUR), integers(world, NODE), floats(world, BLOCK)
+    a, b = neighbours[one, 0], neighbours[two, 0]
+    if a == b:
+        work, link = floats(world, LINK_NUMBERS), nodes[a, LINK_ROW]
+        for i in range(6):
+            for m in range(inner):
+                share = factor_ * blocks[one, left + inner * i + m]
+                for j in range(6):
+                    work[link, INERTIA + 6 * i + j] -= share * blocks[two, right + 6 * m + j]
+        return
+    target, to = block_of(min(a, b), max(a, b), world), UPPER if a < b else LOWER
+    for i in range(6):
+        for m in range(inner):
+            share = factor_ * blocks[one, left + inner * i + m]
+            for j in range(6):
+                blocks[target, to + 6 * i + j] -= share * blocks[two, right + 6 * m + j]
+
+
+@compiled(cached=False)
+def _eliminate_free(node: int, world: int) -> None:
+    """Eliminate a node by blocks: its matrix is factored in place, without pivots, since it is all but symmetric."""
+    nodes, work, blocks = integers(world, NODE), floats(world, LINK_NUMBERS), floats(world, BLOCK)
+    link, begin = nodes[node, LINK_ROW], nodes[node, FIRST_NEIGHBOUR]
+    end = begin + nodes[node, NEIGHBOURS]
+    for k in range(6):
+        pivot = work[link, INERTIA + 7 * k]
+        work[link, INERTIA + 7 * k] = 1.0 / pivot if pivot > 0.0 else 0.0
+        for i in range(k + 1, 6):
+            share = work[link, INERTIA + 6 * i + k] * work[link, INERTIA + 7 * k]
+            work[link, INERTIA + 6 * i + k] = share
+            for j in range(k + 1, 6):
+                work[link, INERTIA + 6 * i + j] -= share * work[link, INERTIA + 6 * k + j]
+    for block in range(begin, end):
+        for i in range(6):
+            for k in range(i):
+                share = work[link, INERTIA + 6 * i + k]
+                for j in range(6):
+                    blocks[block, UPPER + 6 * i + j] -= share * blocks[block, UPPER + 6 * k + j]
+        for back in range(6):
+            i = 5 - back
+            for k in range(i + 1, 6):
+                share = work[link, INERTIA + 6 * i + k]
+                for j in range(6):
+                    blocks[block, UPPER + 6 * i + j] -= share * blocks[block, UPPER + 6 * k + j]
+            for j in range(6):
+                blocks[block, UPPER + 6 * i + j] *= work[link, INERTIA + 7 * i]
+    for one in range(begin, end):
+        for two in range(begin, end):
+            _subtract(one, two, LOWER, UPPER, 1.0, 6, world)

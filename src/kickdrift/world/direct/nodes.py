@@ -1,0 +1,85 @@
+"""Which bodies are solved directly: links of articulations, and free bodies that touch them."""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.flight import AWAKE, DYNAMIC, LINK_COUNT, LINK_PLACE
+from kickdrift.world.flight import KIND as BODY_KIND
+from kickdrift.world.joints.layout import BODY as LINK_BODY
+from kickdrift.world.joints.layout import JOINED_ROWS, LINK_A, LINK_B, LINK_JOINT, NONE, PARENT, SIGN
+from kickdrift.world.tables import (
+    BODY,
+    CONTACT,
+    GRAPH,
+    LINK,
+    LINK_NUMBERS,
+    RESPONSE,
+    floats,
+    integers,
+    room,
+    rows,
+    set_rows,
+)
+from kickdrift.world.trouble import ask_for_room
+
+# Contacts that a free body may be away from the nearest link: what is farther is left to the sweeps.
+FARTHEST = 6
+
+
+@compiled
+def find_nodes(t: float, h: float, world: int) -> None:
+    """Give free bodies that touch what is solved directly a row of `LINK`, for this step."""
+    body, links, contact = integers(world, BODY), integers(world, LINK), integers(world, CONTACT)
+    joined = integers(world, GRAPH)[0, JOINED_ROWS]
+    for row in range(joined, rows(world, LINK)):
+        body[links[row, LINK_BODY], LINK_PLACE], body[links[row, LINK_BODY], LINK_COUNT] = 0, 0
+    set_rows(world, LINK, joined)
+    count = joined
+    for _ in range(FARTHEST):
+        begun = count
+        for row in range(rows(world, CONTACT)):
+            if contact[row, c.POINTS] == 0 or contact[row, c.STATE] & c.SENSOR:
+                continue
+            a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
+            node_a, node_b = _is_node(world, a, begun), _is_node(world, b, begun)
+            if node_a == node_b:
+                continue
+            new = b if node_a else a
+            if body[new, LINK_PLACE] != 0 or not moves(world, new):
+                continue
+            if count >= min(room(world, LINK), room(world, LINK_NUMBERS)):
+                _forget(world, joined, count)
+                ask_for_room(world, LINK, count + 64)
+                return
+            body[new, LINK_PLACE], body[new, LINK_COUNT] = count + 1, 1
+            links[count, LINK_BODY], links[count, LINK_JOINT], links[count, PARENT] = new, NONE, NONE
+            links[count, SIGN], links[count, LINK_A], links[count, LINK_B] = 1, NONE, NONE
+            count += 1
+        if count == begun:
+            break
+    set_rows(world, LINK, count)
+    set_rows(world, LINK_NUMBERS, max(count, rows(world, LINK_NUMBERS)))
+
+
+@compiled(inline=True)
+def moves(world: int, row: int) -> bool:
+    """Whether impulses move a body."""
+    body, response = integers(world, BODY), floats(world, RESPONSE)
+    does: bool = body[row, BODY_KIND] == DYNAMIC and body[row, AWAKE] != 0 and response[row, 0] > 0.0
+    return does
+
+
+@compiled(inline=True)
+def _is_node(world: int, row: int, begun: int) -> bool:
+    """Whether a body was a node already when the round began."""
+    body = integers(world, BODY)
+    is_node: bool = body[row, AWAKE] != 0 and 0 < body[row, LINK_PLACE] <= begun
+    return is_node
+
+
+@compiled(cached=False)
+def _forget(world: int, joined: int, count: int) -> None:
+    """Leave everything as it was."""
+    body, links = integers(world, BODY), integers(world, LINK)
+    for row in range(joined, count):
+        body[links[row, LINK_BODY], LINK_PLACE], body[links[row, LINK_BODY], LINK_COUNT] = 0, 0
+    set_rows(world, LINK, joined)

@@ -1,0 +1,334 @@
+"""The direct solver: RATTLE for an island. Newton's method before the drift, a projection after it.
+
+A substep is symplectic, as the kick and the drift between are: impulses along the joints' directions at its start, such that
+nothing is off at its end, and then the velocities' projection onto what the joints allow there. Hairer, Lubich, Wanner,
+Geometric Numerical Integration, 2nd ed. (2006), section VII.1.4. Contacts are rows of the same equations. Which pieces of the
+laws of axes and of contacts hold is assumed, and solved again as long as a solution lies on other ones: an active-set, or
+semi-smooth Newton, method.
+
+Where the substep is too long for that, as where a chain with a heavy end cracks like a whip, velocities are projected before
+the drift too, which never adds to their energy, and bodies are put back to where the joints hold them.
+"""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import dot, exponential, length, times, turned
+from kickdrift.world.columns import vector_at
+from kickdrift.world.direct.closings import add_closings, predict_closings
+from kickdrift.world.direct.contacts import (
+    PRESS,
+    REST,
+    add_contacts,
+    begin_contacts,
+    give_contacts,
+    note_impulses,
+    predict_contacts,
+    review_contacts,
+)
+from kickdrift.world.direct.factorisation import clear_blocks, factor, put_inertia
+from kickdrift.world.direct.layout import (
+    AFTER_CLOSING,
+    AFTER_NODE,
+    FIRST_CLOSING,
+    FIRST_NODE,
+    LINK_ROW,
+    LOST,
+    RATIO,
+)
+from kickdrift.world.direct.substitution import substitute
+from kickdrift.world.joints.aim import AHEAD, GENTLY, RELAX, REPAIR, aim
+from kickdrift.world.joints.falling import let_fall
+from kickdrift.world.joints.impulses import note_speeds, push_bodies
+from kickdrift.world.joints.laws import end_laws, review_laws
+from kickdrift.world.joints.layout import (
+    ANGULAR_PART,
+    AXES,
+    BEFORE,
+    GAIN,
+    GIVEN,
+    IMPULSE,
+    LAWS,
+    LINEAR,
+    LINK_JOINT,
+    LOAD,
+    POINT,
+    SIGN,
+    SOLVED,
+    TOTAL,
+    WRENCH,
+)
+from kickdrift.world.joints.layout import BODY as LINK_BODY
+from kickdrift.world.joints.measure import measure, put_vector
+from kickdrift.world.joints.repair import shift_body
+from kickdrift.world.tables import (
+    ISLAND,
+    ISLAND_CLOSING,
+    JOINT,
+    JOINT_NUMBERS,
+    LINK,
+    LINK_NUMBERS,
+    MOTION,
+    NODE,
+    floats,
+    integers,
+    rows,
+)
+
+# Newton's method stops where the parts of their arms that joints are off by, times the ratio of masses, are below CLOSE.
+ROUNDS, CLOSE = 6, 1e-9
+
+# First guesses that are farther off than that, with a ratio of 100 at least, are replaced by velocities that the joints allow.
+POOR = 1.0
+
+# In parts of the arms: given up is what is farther off than that at the end.
+FAR = 1e-3
+
+# Solutions with other pieces of laws assumed, and then with axes and points let go only, which comes to an end.
+TRIALS, LAST_TRIALS = 12, 6
+
+REPAIRS = 8
+
+
+@compiled
+def solve_islands(t: float, h: float, world: int) -> None:
+    """Find the impulses with which nothing is off at the end of the substep, before the drift."""
+    islands = integers(world, ISLAND)
+    for island in range(rows(world, ISLAND)):
+        note_velocities(island, world)
+        note_impulses(island, False, world)
+        ratio = islands[island, RATIO]
+        off = aim_island(island, h, AHEAD, world)
+        if off * max(ratio, 100) > POOR:
+            aim_island(island, h, GENTLY, world)
+            begin_contacts(island, h, PRESS, world)
+            solve_once(island, h, 0.0, PRESS, False, world)
+            off = aim_island(island, h, AHEAD, world)
+        for _ in range(ROUNDS):
+            begin_contacts(island, h, PRESS, world)
+            solve_once(island, h, h, PRESS, False, world)
+            off = aim_island(island, h, AHEAD, world)
+            if off * ratio <= CLOSE:
+                break
+        islands[island, LOST] = not off <= FAR
+        if islands[island, LOST] != 0:
+            take_back(island, world)
+            note_impulses(island, True, world)
+            aim_island(island, h, GENTLY, world)
+            begin_contacts(island, h, PRESS, world)
+            solve_once(island, h, 0.0, PRESS, False, world)
+        end_solution(island, h, world)
+    let_fall(world)
+
+
+@compiled
+def relax_islands(t: float, h: float, world: int) -> None:
+    """Take from the velocities what joints and contacts do not allow where bodies are now, after the drift."""
+    islands = integers(world, ISLAND)
+    for island in range(rows(world, ISLAND)):
+        if islands[island, LOST] != 0:
+            repair(island, h, world)
+        aim_island(island, h, RELAX, world)
+        begin_contacts(island, h, REST, world)
+        solve_once(island, h, 0.0, REST, True, world)
+        end_relaxation(island, h, world)
+
+
+@compiled(cached=False)
+def aim_island(island: int, h: float, mode: int, world: int) -> float:
+    """Say what is wanted of each joint of an island, and return how far any of them will be off at most."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    order, worst = integers(world, ISLAND_CLOSING), 0.0
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        link = nodes[node, LINK_ROW]
+        if links[link, LINK_JOINT] >= 0:
+            worst = max(worst, aim(links[link, LINK_JOINT], link, h, mode, world))
+    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+        link = order[place, 0]
+        worst = max(worst, aim(links[link, LINK_JOINT], link, h, mode, world))
+    return worst
+
+
+@compiled(cached=False)
+def solve_once(island: int, h: float, ahead: float, task: int, relaxing: bool, world: int) -> None:
+    """Solve the equations until all pieces of laws fit that were assumed, and give the impulses."""
+    for trial in range(TRIALS + LAST_TRIALS):
+        settled = review(island, h, task, trial, relaxing, world)
+        if trial > 0 and settled:
+            break
+        assemble(island, ahead, world)
+        add_contacts(island, world)
+        own = integers(world, ISLAND)[island]
+        factor(own[FIRST_NODE], own[AFTER_NODE], world)
+        substitute(own[FIRST_NODE], own[AFTER_NODE], world)
+        predict_closings(island, world)
+        predict_contacts(island, world)
+    give_joints(island, world)
+    give_contacts(island, task, world)
+
+
+@compiled(cached=False)
+def assemble(island: int, ahead: float, world: int) -> None:
+    """Write the matrix of bodies and closing joints, for velocities that act for a time `ahead`."""
+    own, nodes = integers(world, ISLAND)[island], integers(world, NODE)
+    work = floats(world, LINK_NUMBERS)
+    clear_blocks(own[FIRST_NODE], own[AFTER_NODE], world)
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        put_inertia(nodes[node, LINK_ROW], ahead, world)
+        for k in range(6):
+            work[nodes[node, LINK_ROW], LOAD + k] = 0.0
+    add_closings(island, world)
+
+
+@compiled(cached=False)
+def review(island: int, h: float, task: int, trial: int, relaxing: bool, world: int) -> bool:
+    """Assume the pieces of laws that the solution at hand points to, and say whether it was made with them."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    joints, order, opened = integers(world, JOINT), integers(world, ISLAND_CLOSING), trial > TRIALS
+    settled = True
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        link = nodes[node, LINK_ROW]
+        joint = links[link, LINK_JOINT]
+        if joint >= 0 and joints[joint, LAWS] != 0:
+            if trial > 0:
+                split_impulse(link, joint, world)
+            settled = not review_laws(joint, link, h, relaxing, opened, world) and settled
+    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+        joint = links[order[place, 0], LINK_JOINT]
+        if joints[joint, LAWS] != 0:
+            settled = not review_laws(joint, order[place, 0], h, relaxing, opened, world) and settled
+    return review_contacts(island, task, trial, opened, world) and settled
+
+
+@compiled(cached=False)
+def split_impulse(link: int, joint: int, world: int) -> None:
+    """Split the impulse at a joint of a tree among its axes."""
+    links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
+    force, torque = vector_at(work, link, WRENCH), vector_at(work, link, WRENCH + 3)
+    for k in range(6):
+        along = dot(vector_at(numbers, joint, AXES + 3 * k), force if k < 3 else torque)
+        work[link, GIVEN + k] = links[link, SIGN] * along
+
+
+@compiled(cached=False)
+def give_joints(island: int, world: int) -> None:
+    """Give bodies the impulses of joints that were found."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    order = integers(world, ISLAND_CLOSING)
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        link = nodes[node, LINK_ROW]
+        joint = links[link, LINK_JOINT]
+        if joint >= 0:
+            split_impulse(link, joint, world)
+            _give(joint, link, world)
+    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+        _give(links[order[place, 0], LINK_JOINT], order[place, 0], world)
+
+
+@compiled(cached=False)
+def _give(joint: int, link: int, world: int) -> None:
+    work, numbers = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
+    for k in range(6):
+        numbers[joint, IMPULSE + k] += work[link, GIVEN + k]
+    push_bodies(joint, work, link, GIVEN, world)
+
+
+@compiled(cached=False)
+def end_solution(island: int, h: float, world: int) -> None:
+    """Keep what was given before the drift."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    order = integers(world, ISLAND_CLOSING)
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        link = nodes[node, LINK_ROW]
+        if links[link, LINK_JOINT] >= 0:
+            _end_joint(links[link, LINK_JOINT], link, h, world)
+    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+        _end_joint(links[order[place, 0], LINK_JOINT], order[place, 0], h, world)
+
+
+@compiled(cached=False)
+def _end_joint(joint: int, link: int, h: float, world: int) -> None:
+    numbers = floats(world, JOINT_NUMBERS)
+    for k in range(6):
+        numbers[joint, SOLVED + k] = numbers[joint, IMPULSE + k]
+    if integers(world, JOINT)[joint, LAWS] != 0:
+        end_laws(joint, link, h, world)
+
+
+@compiled(cached=False)
+def end_relaxation(island: int, h: float, world: int) -> None:
+    """Add up the impulses of the substep, and make ready for the next one."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    order, joints = integers(world, ISLAND_CLOSING), integers(world, JOINT)
+    lost = own[LOST] != 0
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        link = nodes[node, LINK_ROW]
+        if links[link, LINK_JOINT] >= 0:
+            _turn_on(links[link, LINK_JOINT], links[link, LINK_BODY], h, lost, world)
+    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+        joint = links[order[place, 0], LINK_JOINT]
+        _turn_on(joint, joints[joint, 2], h, lost, world)
+
+
+@compiled(cached=False)
+def _turn_on(joint: int, body: int, h: float, lost: bool, world: int) -> None:
+    """Let the next substep begin as this one did, turned as the body was.
+
+    With the impulse of the relaxation, which bends the paths of what turns, the first guess of Newton's method would be farther
+    away. Impulses of no solution are no guess.
+    """
+    numbers = floats(world, JOINT_NUMBERS)
+    note_speeds(joint, world)
+    for k in range(6):
+        numbers[joint, TOTAL + k] += numbers[joint, IMPULSE + k]
+        numbers[joint, IMPULSE + k] = 0.0 if lost else numbers[joint, SOLVED + k]
+    if integers(world, JOINT)[joint, LINEAR] == POINT:
+        turn = exponential(times(h, vector_at(floats(world, MOTION), body, ANGULAR_PART)))
+        put_vector(numbers, joint, IMPULSE, turned(turn, vector_at(numbers, joint, IMPULSE)))
+    for k in range(6):
+        numbers[joint, SOLVED + k] = numbers[joint, IMPULSE + k]
+
+
+@compiled(cached=False)
+def note_velocities(island: int, world: int) -> None:
+    """Keep the velocities of an island."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    motion, work = floats(world, MOTION), floats(world, LINK_NUMBERS)
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        link = nodes[node, LINK_ROW]
+        for k in range(6):
+            work[link, BEFORE + k] = motion[links[link, LINK_BODY], k]
+
+
+@compiled(cached=False)
+def take_back(island: int, world: int) -> None:
+    """Go back to the velocities that were noted, and forget the impulses; taking them back would leave their rounding."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    motion, work, numbers = floats(world, MOTION), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        link = nodes[node, LINK_ROW]
+        for k in range(6):
+            motion[links[link, LINK_BODY], k] = work[link, BEFORE + k]
+            if links[link, LINK_JOINT] >= 0:
+                numbers[links[link, LINK_JOINT], IMPULSE + k] = numbers[links[link, LINK_JOINT], SOLVED + k]
+
+
+@compiled(cached=False)
+def repair(island: int, h: float, world: int) -> None:
+    """Put bodies where joints hold them, by changes of position that have no velocity."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    order, work = integers(world, ISLAND_CLOSING), floats(world, LINK_NUMBERS)
+    first, after = own[FIRST_NODE], own[AFTER_NODE]
+    for _ in range(REPAIRS):
+        aim_island(island, h, REPAIR, world)
+        assemble(island, -1.0, world)
+        factor(first, after, world)
+        substitute(first, after, world)
+        for node in range(first, after):
+            link = nodes[node, LINK_ROW]
+            way, turn = times(h, vector_at(work, link, GAIN)), times(h, vector_at(work, link, GAIN + 3))
+            turn = times(1.0 / max(1.0, 2.0 * length(turn)), turn)
+            shift_body(links[link, LINK_BODY], way, turn, world)
+        for node in range(first, after):
+            if links[nodes[node, LINK_ROW], LINK_JOINT] >= 0:
+                measure(links[nodes[node, LINK_ROW], LINK_JOINT], world)
+        for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+            measure(links[order[place, 0], LINK_JOINT], world)

@@ -1,0 +1,190 @@
+"""The solution for a factored island: forwards through its nodes, and back."""
+
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Vector, cross, dot, minus, plus
+from kickdrift.world.columns import vector_at
+from kickdrift.world.direct.factorisation import arms
+from kickdrift.world.direct.layout import COUPLING as COUPLINGS
+from kickdrift.world.direct.layout import FIRST_NEIGHBOUR, LINK_ROW, LOWER, NEIGHBOURS, PARENT_NODE, UPPER
+from kickdrift.world.direct.layout import PASSING as PASSINGS
+from kickdrift.world.joints.layout import (
+    ARM_A,
+    ARM_A_AHEAD,
+    ARM_B,
+    ARM_B_AHEAD,
+    AXES,
+    AXES_AHEAD,
+    CHANGE,
+    COUPLING,
+    GAIN,
+    HELD,
+    IMPACT,
+    INERTIA,
+    LINK_JOINT,
+    LOAD,
+    MOVED,
+    PASSING,
+    PUSH,
+    SIGN,
+    WRENCH,
+    YIELD,
+)
+from kickdrift.world.joints.measure import put_vector
+from kickdrift.world.tables import BLOCK, JOINT_NUMBERS, LINK, LINK_NUMBERS, NEIGHBOUR, NODE, floats, integers
+
+
+@compiled(cached=False)
+def substitute(first: int, after: int, world: int) -> None:
+    """Find the changes of velocity (`GAIN`) for the loads on the nodes, and what joints pass on (`WRENCH`)."""
+    nodes, links, work = integers(world, NODE), integers(world, LINK), floats(world, LINK_NUMBERS)
+    for node in range(first, after):
+        link = nodes[node, LINK_ROW]
+        for k in range(6):
+            work[link, IMPACT + k] = -work[link, LOAD + k]
+    for node in range(first, after):
+        if links[nodes[node, LINK_ROW], LINK_JOINT] >= 0:
+            _gather(node, world)
+        else:
+            _solve_free(node, world)
+    for back in range(after - first):
+        node = after - 1 - back
+        if links[nodes[node, LINK_ROW], LINK_JOINT] >= 0:
+            _spread(node, world)
+        else:
+            _complete_free(node, world)
+
+
+@compiled(cached=False)
+def _gather(node: int, world: int) -> None:
+    """Impulse that a joint passes on if its parent and its neighbours stay as they are, about the point where it acts."""
+    nodes, links, neighbours = integers(world, NODE), integers(world, LINK), integers(world, NEIGHBOUR)
+    work, numbers, blocks = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS), floats(world, BLOCK)
+    link, parent = nodes[node, LINK_ROW], nodes[node, PARENT_NODE]
+    joint, begin = links[link, LINK_JOINT], nodes[node, FIRST_NEIGHBOUR]
+    end = begin + nodes[node, NEIGHBOURS]
+    held, sign = links[link, HELD], links[link, SIGN]
+    own, other = arms(numbers, joint, ARM_A, ARM_B, sign)
+    push = vector_at(work, link, IMPACT)
+    put_vector(work, link, IMPACT + 3, minus(vector_at(work, link, IMPACT + 3), cross(own, push)))
+    for k in range(6):
+        work[link, GAIN + k] = 0.0
+    for k in range(6):
+        axis, half = vector_at(numbers, joint, AXES + 3 * k), 0 if k < 3 else 3
+        if held >> k & 1:
+            ahead = vector_at(work, link, AXES_AHEAD + 3 * k)
+            for i in range(3):
+                work[link, GAIN + half + i] += sign * work[link, CHANGE + k] * ahead[i]
+        else:
+            extra = sign * work[link, PUSH + k] - dot(axis, vector_at(work, link, IMPACT + half))
+            work[link, MOVED + k] = extra
+            extra *= work[link, YIELD + k]
+            for i in range(6):
+                work[link, IMPACT + i] += extra * work[link, COUPLING + 6 * k + i]
+            for block in range(begin, end):
+                to = nodes[neighbours[block, 0], LINK_ROW]
+                for i in range(6):
+                    work[to, IMPACT + i] += extra * blocks[block, COUPLINGS + 6 * k + i]
+    _add_product(work, link, INERTIA, work, link, GAIN, work, link, IMPACT)
+    for block in range(begin, end):
+        to = nodes[neighbours[block, 0], LINK_ROW]
+        _add_product(blocks, block, LOWER, work, link, GAIN, work, to, IMPACT)
+    if parent >= 0:
+        above = nodes[parent, LINK_ROW]
+        push = vector_at(work, link, IMPACT)
+        turn = plus(vector_at(work, link, IMPACT + 3), cross(other, push))
+        for k in range(3):
+            work[above, IMPACT + k] += push[k]
+            work[above, IMPACT + 3 + k] += turn[k]
+
+
+@compiled(inline=True, cached=False)
+def _add_product(m: Any, row: int, at: int, x: Any, of: int, source: int, y: Any, to: int, target: int) -> None:
+    """Add to six numbers a block times six others."""
+    for i in range(6):
+        total = 0.0
+        for j in range(6):
+            total += m[row, at + 6 * i + j] * x[of, source + j]
+        y[to, target + i] += total
+
+
+@compiled(cached=False)
+def _spread(node: int, world: int) -> None:
+    """Change of velocity of a link, from that of its parent and its neighbours, and the impulse at its joint."""
+    nodes, links, neighbours = integers(world, NODE), integers(world, LINK), integers(world, NEIGHBOUR)
+    work, blocks = floats(world, LINK_NUMBERS), floats(world, BLOCK)
+    link, parent = nodes[node, LINK_ROW], nodes[node, PARENT_NODE]
+    begin = nodes[node, FIRST_NEIGHBOUR]
+    end = begin + nodes[node, NEIGHBOURS]
+    held, sign = links[link, HELD], links[link, SIGN]
+    own, other = arms(work, link, ARM_A_AHEAD, ARM_B_AHEAD, sign)
+    v: Vector = (0.0, 0.0, 0.0)
+    w: Vector = (0.0, 0.0, 0.0)
+    if parent >= 0:
+        above = nodes[parent, LINK_ROW]
+        w = vector_at(work, above, GAIN + 3)
+        v = plus(vector_at(work, above, GAIN), cross(w, other))
+    wanted = (vector_at(work, link, GAIN), vector_at(work, link, GAIN + 3))
+    put_vector(work, link, GAIN, v)
+    put_vector(work, link, GAIN + 3, w)
+    for k in range(6):
+        work[link, WRENCH + k] = work[link, IMPACT + k]
+    _add_product(work, link, INERTIA, work, link, GAIN, work, link, WRENCH)
+    for block in range(begin, end):
+        _add_product(blocks, block, UPPER, work, nodes[neighbours[block, 0], LINK_ROW], GAIN, work, link, WRENCH)
+    put_vector(work, link, GAIN, plus(v, wanted[0]))
+    put_vector(work, link, GAIN + 3, plus(w, wanted[1]))
+    for k in range(5, -1, -1):
+        if held >> k & 1:
+            continue
+        extra = work[link, MOVED + k]
+        for i in range(6):
+            extra -= work[link, PASSING + 6 * k + i] * work[link, GAIN + i]
+        for block in range(begin, end):
+            of = nodes[neighbours[block, 0], LINK_ROW]
+            for i in range(6):
+                extra -= blocks[block, PASSINGS + 6 * k + i] * work[of, GAIN + i]
+        extra *= work[link, YIELD + k]
+        work[link, MOVED + k] = sign * extra
+        ahead, half = vector_at(work, link, AXES_AHEAD + 3 * k), 0 if k < 3 else 3
+        for i in range(3):
+            work[link, GAIN + half + i] += extra * ahead[i]
+    turn = vector_at(work, link, GAIN + 3)
+    put_vector(work, link, GAIN, plus(vector_at(work, link, GAIN), cross(own, turn)))
+
+
+@compiled(cached=False)
+def _solve_free(node: int, world: int) -> None:
+    """Change of velocity of a free node if its neighbours stay as they are, and what that does to them."""
+    nodes, neighbours = integers(world, NODE), integers(world, NEIGHBOUR)
+    work, blocks = floats(world, LINK_NUMBERS), floats(world, BLOCK)
+    link, begin = nodes[node, LINK_ROW], nodes[node, FIRST_NEIGHBOUR]
+    for i in range(6):
+        total = -work[link, IMPACT + i]
+        for k in range(i):
+            total -= work[link, INERTIA + 6 * i + k] * work[link, GAIN + k]
+        work[link, GAIN + i] = total
+    for i in range(5, -1, -1):
+        total = work[link, GAIN + i]
+        for k in range(i + 1, 6):
+            total -= work[link, INERTIA + 6 * i + k] * work[link, GAIN + k]
+        work[link, GAIN + i] = total * work[link, INERTIA + 7 * i]
+    for block in range(begin, begin + nodes[node, NEIGHBOURS]):
+        to = nodes[neighbours[block, 0], LINK_ROW]
+        _add_product(blocks, block, LOWER, work, link, GAIN, work, to, IMPACT)
+
+
+@compiled(cached=False)
+def _complete_free(node: int, world: int) -> None:
+    """Take off what the changes of its neighbours make of the change of a free node."""
+    nodes, neighbours = integers(world, NODE), integers(world, NEIGHBOUR)
+    work, blocks = floats(world, LINK_NUMBERS), floats(world, BLOCK)
+    link, begin = nodes[node, LINK_ROW], nodes[node, FIRST_NEIGHBOUR]
+    for block in range(begin, begin + nodes[node, NEIGHBOURS]):
+        of = nodes[neighbours[block, 0], LINK_ROW]
+        for i in range(6):
+            total = 0.0
+            for j in range(6):
+                total += blocks[block, UPPER + 6 * i + j] * work[of, GAIN + j]
+            work[link, GAIN + i] -= total
