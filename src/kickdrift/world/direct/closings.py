@@ -15,10 +15,12 @@ from kickdrift.world.joints.layout import (
     ARM_B_AHEAD,
     AXES,
     AXES_AHEAD,
+    BEGUN,
     CHANGE,
     GAIN,
     GIVEN,
     HELD,
+    IMPULSE,
     LINK_A,
     LINK_JOINT,
     LOAD,
@@ -26,12 +28,15 @@ from kickdrift.world.joints.layout import (
     PLACE,
     PUSH,
     SLOPE,
+    SOLVED,
 )
 from kickdrift.world.joints.measure import mobility
 from kickdrift.world.tables import ISLAND, ISLAND_CLOSING, JOINT_NUMBERS, LINK, LINK_NUMBERS, floats, integers
 
-# As for contacts; what is left is put right by the next step of Newton's method.
-_RIGID = 1e7
+# Impulse along a held axis per speed missing, over the mass that it moves. What is left of a solution is put right by the next
+# one, which begins with its impulses; so that those of joints that say the same twice do not grow against each other, each step
+# of Newton's method begins with those of the substep before, of which FORGOTTEN is left out.
+_RIGID, FORGOTTEN = 1e6, 1e-3
 
 
 @compiled(cached=False)
@@ -57,8 +62,44 @@ def _stiffness(link: int, k: int, world: int) -> float:
 
 
 @compiled(cached=False)
+def begin_closings(island: int, world: int) -> None:
+    """Begin with the impulses of the substep before."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CLOSING)
+    links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
+    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+        link = order[place, 0]
+        joint = links[link, LINK_JOINT]
+        for k in range(6):
+            work[link, BEGUN + k] = (1.0 - FORGOTTEN) * numbers[joint, SOLVED + k] - numbers[joint, IMPULSE + k]
+
+
+@compiled(cached=False)
+def stay_closings(island: int, world: int) -> None:
+    """Begin with the impulses that there are."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CLOSING)
+    work = floats(world, LINK_NUMBERS)
+    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+        for k in range(6):
+            work[order[place, 0], BEGUN + k] = 0.0
+
+
+@compiled(cached=False)
+def refine_closings(island: int, world: int) -> float:
+    """Begin with the impulses of the solution at hand, and return the greatest speed that it leaves, m/s or rad/s."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CLOSING)
+    links, work, worst = integers(world, LINK), floats(world, LINK_NUMBERS), 0.0
+    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+        link = order[place, 0]
+        for k in range(6):
+            if links[link, HELD] >> k & 1:
+                worst = max(worst, abs(work[link, CHANGE + k] - work[link, MOVED + k]))
+                work[link, BEGUN + k] = work[link, GIVEN + k]
+    return worst
+
+
+@compiled(cached=False)
 def add_closings(island: int, world: int) -> None:
-    """Add the rows of closing joints to the matrix and the loads of an island."""
+    """Add the rows of closing joints to the matrix of an island."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CLOSING)
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     start, ahead = twelve(), twelve()
@@ -66,14 +107,28 @@ def add_closings(island: int, world: int) -> None:
         link = order[place, 0]
         a, b = _node(links, link, 0), _node(links, link, 1)
         for k in range(6):
-            held, stiffness = links[link, HELD] >> k & 1, _stiffness(link, k, world)
-            impulse = stiffness * work[link, CHANGE + k] if held else work[link, PUSH + k]
-            if impulse == 0.0 and stiffness == 0.0:
+            stiffness = _stiffness(link, k, world)
+            if stiffness > 0.0:
+                _write(numbers, links[link, LINK_JOINT], AXES, ARM_A, ARM_B, k, start)
+                _write(work, link, AXES_AHEAD, ARM_A_AHEAD, ARM_B_AHEAD, k, ahead)
+                add_row(a, b, stiffness, start, ahead, world)
+
+
+@compiled(cached=False)
+def load_closings(island: int, world: int) -> None:
+    """Add to the loads on the nodes of an island what its closing joints give if no speed changes."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CLOSING)
+    links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
+    start = twelve()
+    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+        link = order[place, 0]
+        for k in range(6):
+            impulse = work[link, PUSH + k]
+            if links[link, HELD] >> k & 1:
+                impulse = work[link, BEGUN + k] + _stiffness(link, k, world) * work[link, CHANGE + k]
+            if impulse == 0.0:
                 continue
             _write(numbers, links[link, LINK_JOINT], AXES, ARM_A, ARM_B, k, start)
-            _write(work, link, AXES_AHEAD, ARM_A_AHEAD, ARM_B_AHEAD, k, ahead)
-            if stiffness > 0.0:
-                add_row(a, b, stiffness, start, ahead, world)
             for side in range(2):
                 to = links[link, LINK_A + side]
                 if to >= 0:
@@ -107,6 +162,6 @@ def predict_closings(island: int, world: int) -> None:
             work[link, MOVED + k] = total
             stiffness = _stiffness(link, k, world)
             if links[link, HELD] >> k & 1:
-                work[link, GIVEN + k] = stiffness * (work[link, CHANGE + k] - total)
+                work[link, GIVEN + k] = work[link, BEGUN + k] + stiffness * (work[link, CHANGE + k] - total)
             else:
                 work[link, GIVEN + k] = work[link, PUSH + k] - stiffness * total

@@ -37,6 +37,7 @@ from kickdrift.world.direct.layout import (
     MOVED,
     NODES,
     SLIDE,
+    SPEED,
     START,
     STATE,
     STIFFNESS,
@@ -183,30 +184,42 @@ def review_contacts(island: int, task: int, trial: int, opened: bool, world: int
 
 
 @compiled(cached=False)
+def refine_contacts(island: int, world: int) -> float:
+    """Begin with the impulses of the solution at hand, and return the greatest speed that it leaves where rows hold, m/s."""
+    own, order, worst = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), 0.0
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        numbers = contact_row(order[k, 0], world)
+        for i in range(10):
+            first = i if i < TANGENT else first_row(0 if i < 6 else 1 if i == 6 else 2)
+            if numbers[ACTIVE + i] != 0.0 and numbers[STATE + first] == HELD:
+                missing = numbers[WANTED + i] - numbers[SPEED + i]
+                if i < TANGENT + 2:
+                    worst = max(worst, abs(missing - numbers[MOVED + i]))
+                numbers[CONSTANT + i] = numbers[GIVEN + i] + numbers[STIFFNESS + first] * missing
+    return worst
+
+
+@compiled(cached=False)
 def add_contacts(island: int, world: int) -> None:
-    """Add the rows of contacts to the matrix and to the loads of an island."""
+    """Add the rows of contacts to the matrix of an island."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     wrench = twelve()
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers = contact_row(order[k, 0], world)
         a, b = int(numbers[NODES]), int(numbers[NODES + 1])
         for i in range(TANGENT):
-            if numbers[ACTIVE + i] != 0.0:
+            if numbers[ACTIVE + i] != 0.0 and numbers[STATE + i] == HELD:
                 row = numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12]
-                if numbers[STATE + i] == HELD:
-                    add_row(a, b, numbers[STIFFNESS + i], row, row, world)
-                _load(a, b, numbers[CONSTANT + i], row, world)
+                add_row(a, b, numbers[STIFFNESS + i], row, row, world)
         for bound in range(3):
             begin = first_row(bound)
-            if numbers[ACTIVE + begin] == 0.0:
-                continue
-            end, held = begin + bound_rows(bound), numbers[STATE + begin] == HELD
+            held = numbers[STATE + begin] == HELD
             stiffness = numbers[STIFFNESS + begin] * (1.0 if held else numbers[SLIDE + bound])
+            if numbers[ACTIVE + begin] == 0.0 or stiffness == 0.0:
+                continue
+            end = begin + bound_rows(bound)
             for i in range(begin, end):
                 row = numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12]
-                _load(a, b, numbers[CONSTANT + i], row, world)
-                if stiffness == 0.0:
-                    continue
                 for m in range(12):
                     wrench[m] = row[m]
                 if not held:
@@ -215,6 +228,18 @@ def add_contacts(island: int, world: int) -> None:
                         for m in range(12):
                             wrench[m] -= share * numbers[WRENCH + 12 * j + m]
                 add_row(a, b, stiffness, row, wrench, world)
+
+
+@compiled(cached=False)
+def load_contacts(island: int, world: int) -> None:
+    """Add to the loads on the nodes of an island what its contacts give if no speed changes."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        numbers = contact_row(order[k, 0], world)
+        a, b = int(numbers[NODES]), int(numbers[NODES + 1])
+        for i in range(10):
+            if numbers[ACTIVE + i] != 0.0:
+                _load(a, b, numbers[CONSTANT + i], numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12], world)
 
 
 @compiled(cached=False)

@@ -11,17 +11,26 @@ the drift too, which never adds to their energy, and bodies are put back to wher
 """
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import dot, exponential, length, times, turned
-from kickdrift.world.columns import vector_at
-from kickdrift.world.direct.closings import add_closings, predict_closings
+from kickdrift.core.vectors import applied, dot, exponential, length, times, turned, turned_back
+from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
+from kickdrift.world.direct.closings import (
+    add_closings,
+    begin_closings,
+    load_closings,
+    predict_closings,
+    refine_closings,
+    stay_closings,
+)
 from kickdrift.world.direct.contacts import (
     PRESS,
     REST,
     add_contacts,
     begin_contacts,
     give_contacts,
+    load_contacts,
     note_impulses,
     predict_contacts,
+    refine_contacts,
     review_contacts,
 )
 from kickdrift.world.direct.factorisation import clear_blocks, factor, put_inertia
@@ -35,6 +44,7 @@ from kickdrift.world.direct.layout import (
     RATIO,
 )
 from kickdrift.world.direct.substitution import substitute
+from kickdrift.world.flight import BODY_INERTIA, MASS
 from kickdrift.world.joints.aim import AHEAD, GENTLY, RELAX, REPAIR, aim
 from kickdrift.world.joints.falling import let_fall
 from kickdrift.world.joints.impulses import note_speeds, push_bodies
@@ -43,6 +53,7 @@ from kickdrift.world.joints.layout import (
     ANGULAR_PART,
     AXES,
     BEFORE,
+    BODY_B,
     GAIN,
     GIVEN,
     IMPULSE,
@@ -55,11 +66,13 @@ from kickdrift.world.joints.layout import (
     SOLVED,
     TOTAL,
     WRENCH,
+    int64,
 )
 from kickdrift.world.joints.layout import BODY as LINK_BODY
 from kickdrift.world.joints.measure import measure, put_vector
 from kickdrift.world.joints.repair import shift_body
 from kickdrift.world.tables import (
+    INERTIA,
     ISLAND,
     ISLAND_CLOSING,
     JOINT,
@@ -68,22 +81,25 @@ from kickdrift.world.tables import (
     LINK_NUMBERS,
     MOTION,
     NODE,
+    POSE,
     floats,
     integers,
     rows,
 )
 
-# Newton's method stops where the parts of their arms that joints are off by, times the ratio of masses, are below CLOSE.
-ROUNDS, CLOSE = 6, 1e-9
+# Newton's method stops where the parts of their arms that joints are off by, times the ratio of masses, are below CLOSE. The
+# usual island takes two steps; one that does not come there in QUICK of them begins again from velocities that joints allow.
+QUICK, ROUNDS, CLOSE = 4, 8, 1e-9
 
-# First guesses that are farther off than that, with a ratio of 100 at least, are replaced by velocities that the joints allow.
-POOR = 1.0
-
-# In parts of the arms: given up is what is farther off than that at the end.
-FAR = 1e-3
+# Given up is what is farther off than that at the end, in parts of the arms, or has more energy than that times what velocities
+# have that joints allow: there are solutions far away, which no one wants.
+FAR, EXCESS = 1e-3, 1.1
 
 # Solutions with other pieces of laws assumed, and then with axes and points let go only, which comes to an end.
 TRIALS, LAST_TRIALS = 12, 6
+
+# Times that a solution is put right by its own matrix, if it leaves more than that of a held row: m/s.
+REFINEMENTS, UNNOTICED = 3, 1e-9
 
 REPAIRS = 8
 
@@ -95,28 +111,64 @@ def solve_islands(t: float, h: float, world: int) -> None:
     for island in range(rows(world, ISLAND)):
         note_velocities(island, world)
         note_impulses(island, False, world)
-        ratio = islands[island, RATIO]
-        off = aim_island(island, h, AHEAD, world)
-        if off * max(ratio, 100) > POOR:
-            aim_island(island, h, GENTLY, world)
-            begin_contacts(island, h, PRESS, world)
-            solve_once(island, h, 0.0, PRESS, False, world)
-            off = aim_island(island, h, AHEAD, world)
-        for _ in range(ROUNDS):
-            begin_contacts(island, h, PRESS, world)
-            solve_once(island, h, h, PRESS, False, world)
-            off = aim_island(island, h, AHEAD, world)
-            if off * ratio <= CLOSE:
-                break
-        islands[island, LOST] = not off <= FAR
-        if islands[island, LOST] != 0:
-            take_back(island, world)
-            note_impulses(island, True, world)
-            aim_island(island, h, GENTLY, world)
-            begin_contacts(island, h, PRESS, world)
-            solve_once(island, h, 0.0, PRESS, False, world)
+        islands[island, LOST] = 0
+        if not _approach(island, h, QUICK, world) <= CLOSE:
+            _take_care(island, h, world)
         end_solution(island, h, world)
     let_fall(world)
+
+
+@compiled(cached=False)
+def _approach(island: int, h: float, most: int, world: int) -> float:
+    """Take steps of Newton's method, and return how far joints will be off, times the ratio of masses."""
+    ratio = integers(world, ISLAND)[island, RATIO]
+    off = ratio * aim_island(island, h, AHEAD, world)
+    for _ in range(most):
+        begin_closings(island, world)
+        begin_contacts(island, h, PRESS, world)
+        solve_once(island, h, h, PRESS, False, world)
+        off = ratio * aim_island(island, h, AHEAD, world)
+        if off <= CLOSE:
+            break
+    return off
+
+
+@compiled(cached=False)
+def _take_care(island: int, h: float, world: int) -> None:
+    """Begin with velocities that joints allow, and stay with them if no solution is found near to them."""
+    islands = integers(world, ISLAND)
+    _project(island, h, world)
+    energy = kinetic_energy(island, world)
+    off = _approach(island, h, ROUNDS, world)
+    if not (off <= FAR * islands[island, RATIO] and kinetic_energy(island, world) <= EXCESS * energy):
+        islands[island, LOST] = 1
+        _project(island, h, world)
+
+
+@compiled(cached=False)
+def _project(island: int, h: float, world: int) -> None:
+    """Go back to where the substep began, and project the velocities onto what joints and contacts allow."""
+    take_back(island, world)
+    note_impulses(island, True, world)
+    aim_island(island, h, GENTLY, world)
+    stay_closings(island, world)
+    begin_contacts(island, h, PRESS, world)
+    solve_once(island, h, 0.0, PRESS, False, world)
+
+
+@compiled(cached=False)
+def kinetic_energy(island: int, world: int) -> float:
+    """Kinetic energy of an island."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    motion, pose, inertia = floats(world, MOTION), floats(world, POSE), floats(world, INERTIA)
+    total = 0.0
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        body = links[nodes[node, LINK_ROW], LINK_BODY]
+        v = vector_at(motion, body, int64(0))
+        turn = turned_back(quaternion_at(pose, body, ANGULAR_PART), vector_at(motion, body, ANGULAR_PART))
+        moments = symmetric_at(inertia, body, int64(BODY_INERTIA))
+        total += inertia[body, MASS] * dot(v, v) + dot(turn, applied(moments, turn))
+    return 0.5 * total
 
 
 @compiled
@@ -127,6 +179,7 @@ def relax_islands(t: float, h: float, world: int) -> None:
         if islands[island, LOST] != 0:
             repair(island, h, world)
         aim_island(island, h, RELAX, world)
+        stay_closings(island, world)
         begin_contacts(island, h, REST, world)
         solve_once(island, h, 0.0, REST, True, world)
         end_relaxation(island, h, world)
@@ -156,25 +209,40 @@ def solve_once(island: int, h: float, ahead: float, task: int, relaxing: bool, w
             break
         assemble(island, ahead, world)
         add_contacts(island, world)
-        own = integers(world, ISLAND)[island]
-        factor(own[FIRST_NODE], own[AFTER_NODE], world)
-        substitute(own[FIRST_NODE], own[AFTER_NODE], world)
-        predict_closings(island, world)
-        predict_contacts(island, world)
+        factor(integers(world, ISLAND)[island, FIRST_NODE], integers(world, ISLAND)[island, AFTER_NODE], world)
+        _predict(island, True, world)
+        for _ in range(REFINEMENTS):
+            if max(refine_closings(island, world), refine_contacts(island, world)) < UNNOTICED:
+                break
+            _predict(island, True, world)
     give_joints(island, world)
     give_contacts(island, task, world)
+
+
+@compiled(cached=False)
+def _predict(island: int, touched: bool, world: int) -> None:
+    """Find what the matrix at hand answers to the rows of an island."""
+    own, nodes = integers(world, ISLAND)[island], integers(world, NODE)
+    work = floats(world, LINK_NUMBERS)
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        for k in range(6):
+            work[nodes[node, LINK_ROW], LOAD + k] = 0.0
+    load_closings(island, world)
+    if touched:
+        load_contacts(island, world)
+    substitute(own[FIRST_NODE], own[AFTER_NODE], world)
+    predict_closings(island, world)
+    if touched:
+        predict_contacts(island, world)
 
 
 @compiled(cached=False)
 def assemble(island: int, ahead: float, world: int) -> None:
     """Write the matrix of bodies and closing joints, for velocities that act for a time `ahead`."""
     own, nodes = integers(world, ISLAND)[island], integers(world, NODE)
-    work = floats(world, LINK_NUMBERS)
     clear_blocks(own[FIRST_NODE], own[AFTER_NODE], world)
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         put_inertia(nodes[node, LINK_ROW], ahead, world)
-        for k in range(6):
-            work[nodes[node, LINK_ROW], LOAD + k] = 0.0
     add_closings(island, world)
 
 
@@ -265,7 +333,7 @@ def end_relaxation(island: int, h: float, world: int) -> None:
             _turn_on(links[link, LINK_JOINT], links[link, LINK_BODY], h, lost, world)
     for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
         joint = links[order[place, 0], LINK_JOINT]
-        _turn_on(joint, joints[joint, 2], h, lost, world)
+        _turn_on(joint, joints[joint, BODY_B], h, lost, world)
 
 
 @compiled(cached=False)
@@ -319,9 +387,10 @@ def repair(island: int, h: float, world: int) -> None:
     first, after = own[FIRST_NODE], own[AFTER_NODE]
     for _ in range(REPAIRS):
         aim_island(island, h, REPAIR, world)
+        stay_closings(island, world)
         assemble(island, -1.0, world)
         factor(first, after, world)
-        substitute(first, after, world)
+        _predict(island, False, world)
         for node in range(first, after):
             link = nodes[node, LINK_ROW]
             way, turn = times(h, vector_at(work, link, GAIN)), times(h, vector_at(work, link, GAIN + 3))

@@ -87,6 +87,7 @@ INERTIA = 0  # 6x6, of what hangs on the joint, as its other side feels it, abou
 COUPLING = int64(36)  # of open axis k, six numbers: impulse at the joint per speed along the axis
 YIELD = 72  # of open axes: speed per impulse
 IMPACT = int64(78)  # impulse at the joint if its other side stays as it is
+BEGUN = 72  # of closing joints: impulse that a solution begins with, less the one that there is
 GAIN = int64(84)  # of velocity: of the body
 WRENCH = int64(90)  # impulse at the joint, on the body
 CHANGE = 96  # of speed of a held axis that is wanted
