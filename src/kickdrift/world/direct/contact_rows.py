@@ -38,10 +38,8 @@ from kickdrift.world.tables import RESPONSE, floats
 
 W = c.WIDTH
 
-# Impulse per speed missing, over the mass that a row moves: so much of what a solution changes is left.
-RIGID = 1e5
-
-_UNNOTICED = 1e-9  # m/s
+# Impulse per speed missing, over the mass that a row moves.
+RIGID = 100.0
 
 
 @compiled(inline=True, cached=False)
@@ -156,58 +154,85 @@ def review_points(rows: Any, first: bool, opened: bool) -> bool:
     for k in range(TANGENT):
         if rows[ACTIVE + k] == 0.0:
             continue
-        missing = rows[WANTED + k] - rows[SPEED + k] - rows[MOVED + k]
-        if first:
-            state = HELD if rows[IMPULSE + k] + rows[STIFFNESS + k] / RIGID * missing > 0.0 else OPEN
-        elif rows[STATE + k] == HELD:
-            state = HELD if rows[IMPULSE + k] + rows[GIVEN + k] > 0.0 else OPEN
-        else:
-            state = HELD if missing > _UNNOTICED and not opened else OPEN
+        missing, stiffness = rows[WANTED + k] - rows[SPEED + k], rows[STIFFNESS + k]
+        pull = stiffness / RIGID if first else stiffness
+        state = HELD if rows[IMPULSE + k] + pull * (missing - rows[MOVED + k]) > 0.0 else OPEN
+        if opened and rows[STATE + k] == OPEN:
+            state = OPEN
         settled = settled and state == rows[STATE + k]
         rows[STATE + k] = state
-        stiffness = rows[STIFFNESS + k]
-        rows[CONSTANT + k] = -rows[IMPULSE + k]
-        if state == HELD:
-            rows[CONSTANT + k] = stiffness * (rows[WANTED + k] - rows[SPEED + k])
+        rows[CONSTANT + k] = stiffness * missing if state == HELD else -rows[IMPULSE + k]
     return settled
 
 
 @compiled(cached=False)
-def review_bound(rows: Any, bound: int, first: bool) -> bool:
-    """Assume that friction, twist or rolling resistance holds or slides; return whether that is nothing new."""
+def review_bound(rows: Any, bound: int, first: bool, opened: bool) -> bool:
+    """Assume that friction, twist or rolling resistance holds or slides; return whether that is nothing new.
+
+    With ``opened`` what slides goes on to, with the impulse that it has.
+    """
     begin, count = first_row(bound), bound_rows(bound)
     end, most = begin + count, rows[BOUND + bound]
-    stiffness = rows[STIFFNESS + begin]
-    pull = stiffness / RIGID if first else stiffness
-    size, turn = 0.0, 0.0
-    for k in range(begin, end):
-        wish = rows[IMPULSE + k] - pull * (rows[SPEED + k] + rows[MOVED + k] - rows[WANTED + k])
-        turn += wish * rows[DIRECTION + k]
-        rows[CONSTANT + k] = wish
-        size += wish * wish
-    size = math.sqrt(size)
+    stiffness, was = rows[STIFFNESS + begin], rows[STATE + begin]
+    if opened and was == SLIDING:
+        _slide(rows, bound, most, 0.0)
+        return True
+    size = _wish(rows, begin, end, stiffness / RIGID if first else stiffness)
     state = HELD if size <= most and most > 0.0 else SLIDING
-    was = rows[STATE + begin]
+    if first and state == SLIDING:
+        size = _wish(rows, begin, end, stiffness)
+    turn = 0.0
+    for k in range(begin, end):
+        turn += rows[CONSTANT + k] * rows[DIRECTION + k]
     if not first and was == SLIDING and most > 0.0 and turn < 0.0:
         state = HELD  # pushed back beyond rest: it is held there
-    settled = state == was
+    rows[STATE + begin] = state
     if state == HELD:
         for k in range(begin, end):
             rows[CONSTANT + k] = stiffness * (rows[WANTED + k] - rows[SPEED + k])
             rows[DIRECTION + k] = 0.0
-    else:
-        share = most / size if size > 0.0 else 0.0
-        settled = settled and (turn > 0.999 * size or most == 0.0)
-        for k in range(begin, end):
-            rows[DIRECTION + k] = rows[CONSTANT + k] / size if size > 0.0 else 0.0
-        rows[SLIDE + bound] = share
-        for k in range(begin, end):
-            left = rows[MOVED + k]
-            for j in range(begin, end):
-                left -= rows[DIRECTION + k] * rows[DIRECTION + j] * rows[MOVED + j]
-            rows[CONSTANT + k] = most * rows[DIRECTION + k] - rows[IMPULSE + k] + stiffness * share * left
-    rows[STATE + begin] = state
+        return was == HELD
+    for k in range(begin, end):
+        rows[DIRECTION + k] = rows[CONSTANT + k] / size if size > 0.0 else 0.0
+    _slide(rows, bound, most, most / size if size > 0.0 and not opened else 0.0)
+    settled: bool = was == SLIDING and (turn > 0.999 * size or most == 0.0)
     return settled
+
+
+@compiled(cached=False)
+def _wish(rows: Any, begin: int, end: int, stiffness: float) -> float:
+    """Find the impulse that would hold, as a constant of the rows, and return its size."""
+    square = 0.0
+    for k in range(begin, end):
+        wish = rows[IMPULSE + k] - stiffness * (rows[SPEED + k] + rows[MOVED + k] - rows[WANTED + k])
+        rows[CONSTANT + k] = wish
+        square += wish * wish
+    return math.sqrt(square)
+
+
+@compiled(cached=False)
+def _slide(rows: Any, bound: int, most: float, share: float) -> None:
+    """Let rows slide with their greatest impulse, of which a share of the stiffness turns the direction."""
+    begin, count = first_row(bound), bound_rows(bound)
+    rows[SLIDE + bound] = share
+    for k in range(begin, begin + count):
+        left = rows[MOVED + k]
+        for j in range(begin, begin + count):
+            left -= rows[DIRECTION + k] * rows[DIRECTION + j] * rows[MOVED + j]
+        turning = rows[STIFFNESS + begin] * share * left
+        rows[CONSTANT + k] = most * rows[DIRECTION + k] - rows[IMPULSE + k] + turning
+
+
+@compiled(cached=False)
+def fix(rows: Any) -> None:
+    """Let all rows give what they gave before."""
+    for k in range(TANGENT):
+        rows[STATE + k], rows[CONSTANT + k] = OPEN, 0.0
+    for bound in range(3):
+        begin, count = first_row(bound), bound_rows(bound)
+        rows[STATE + begin], rows[SLIDE + bound] = SLIDING, 0.0
+        for k in range(begin, begin + count):
+            rows[CONSTANT + k] = 0.0
 
 
 @compiled(cached=False)

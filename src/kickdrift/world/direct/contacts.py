@@ -14,6 +14,7 @@ from kickdrift.world.direct.contact_rows import (
     bound_rows,
     find_bounds,
     first_row,
+    fix,
     give_of,
     impulse_field,
     review_bound,
@@ -135,6 +136,9 @@ def _begin_contact(index: int, h: float, task: int, world: int) -> None:
         if not there or (k >= 7 and own[c.ROLL * c.WIDTH] == 0.0):
             numbers[ACTIVE + k], numbers[GIVEN + k], numbers[STATE + k] = 0.0, 0.0, 0.0
             continue
+        if k >= TANGENT and task == PRESS:  # friction is as it was in the end of the substep before
+            numbers[ACTIVE + k] = 0.0
+            continue
         begin_row(own, numbers, k, slid, velocity, a, b, world)
         if k < TANGENT:
             write_wrench(own, k, (0.0, 0.0, 0.0), wrench)
@@ -169,18 +173,26 @@ def note_impulses(island: int, back: bool, world: int) -> None:
 
 
 @compiled(cached=False)
-def review_contacts(island: int, task: int, trial: int, opened: bool, world: int) -> bool:
+def review_contacts(island: int, task: int, first: bool, opened: bool, world: int) -> bool:
     """Assume pieces of the laws of contacts as the solution at hand says; return whether it was made with them."""
     own, order, settled = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), True
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers = contact_row(order[k, 0], world)
-        settled = review_points(numbers, trial == 0, opened) and settled
-        if task != PRESS and trial > 0:
+        settled = review_points(numbers, first, opened) and settled
+        if task != PRESS and not first and not opened:
             find_bounds(constraint(order[k, 0], world), numbers)
-        for bound in range(3):
-            if numbers[ACTIVE + first_row(bound)] != 0.0 and not opened:
-                settled = review_bound(numbers, bound, trial == 0) and settled
+        for bound in range(0 if task != PRESS else 3, 3):
+            if numbers[ACTIVE + first_row(bound)] != 0.0:
+                settled = review_bound(numbers, bound, first, opened) and settled
     return settled
+
+
+@compiled(cached=False)
+def fix_contacts(island: int, world: int) -> None:
+    """Let the contacts of an island give what they do by the solution at hand, within their bounds."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        fix(contact_row(order[k, 0], world))
 
 
 @compiled(cached=False)

@@ -76,7 +76,7 @@ _IMMOVABLE = 1e8
 _ONLY = int64(0)  # row of a buffer, and its first column
 
 
-@compiled(inline=True, cached=False)
+@compiled(inline=True, cached=False, fast=True)
 def arms(table: Any, row: int, column_a: int, column_b: int, sign: int) -> tuple[Vector, Vector]:
     """From the centre of mass of a link and of its parent to their joint."""
     if sign > 0:
@@ -84,7 +84,7 @@ def arms(table: Any, row: int, column_a: int, column_b: int, sign: int) -> tuple
     return vector_at(table, row, column_a), vector_at(table, row, column_b)
 
 
-@compiled(inline=True, cached=False)
+@compiled(inline=True, cached=False, fast=True)
 def _move_rows(m: Any, row: int, at: int, s: Vector) -> None:
     """Move the point of reference of the impulses of a block."""
     for j in range(6):
@@ -94,7 +94,7 @@ def _move_rows(m: Any, row: int, at: int, s: Vector) -> None:
         m[row, at + 30 + j] += turn[2]
 
 
-@compiled(inline=True, cached=False)
+@compiled(inline=True, cached=False, fast=True)
 def _move_columns(m: Any, row: int, at: int, s: Vector) -> None:
     """Move the point of reference of the velocities of a block."""
     for i in range(6):
@@ -103,13 +103,13 @@ def _move_columns(m: Any, row: int, at: int, s: Vector) -> None:
             m[row, at + 6 * i + 3 + k] += turn[k]
 
 
-@compiled(inline=True, cached=False)
+@compiled(inline=True, cached=False, fast=True)
 def _divided(s: Symmetric, divisor: float) -> Symmetric:
     """Divide a symmetric matrix by a number."""
     return (s[0] / divisor, s[1] / divisor, s[2] / divisor, s[3] / divisor, s[4] / divisor, s[5] / divisor)
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def put_inertia(link: int, ahead: float, world: int) -> None:
     """Fill in the inertia of the body alone, about its centre of mass.
 
@@ -145,7 +145,7 @@ def put_inertia(link: int, ahead: float, world: int) -> None:
         put_vector(work, link, INERTIA + 21 + 6 * k, row)
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def clear_blocks(first: int, after: int, world: int) -> None:
     """Begin with nodes that are not coupled."""
     nodes, blocks = integers(world, NODE), floats(world, BLOCK)
@@ -156,7 +156,7 @@ def clear_blocks(first: int, after: int, world: int) -> None:
                 blocks[row, k] = 0.0
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def block_of(a: int, b: int, world: int) -> int:
     """Row of the block of two nodes, of which a is eliminated first."""
     nodes, neighbours = integers(world, NODE), integers(world, NEIGHBOUR)
@@ -166,7 +166,7 @@ def block_of(a: int, b: int, world: int) -> int:
     return row
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def add_row(a: int, b: int, stiffness: float, start: Any, ahead: Any, world: int) -> None:
     """Add to the matrix stiffness times the wrenches of a row, that of its impulse and that of its speed.
 
@@ -198,7 +198,7 @@ def add_row(a: int, b: int, stiffness: float, start: Any, ahead: Any, world: int
                 blocks[row, lower + 6 * i + j] += other * ahead[j]
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def factor(first: int, after: int, world: int) -> None:
     """Eliminate the nodes of an island in their order."""
     nodes, links = integers(world, NODE), integers(world, LINK)
@@ -209,7 +209,7 @@ def factor(first: int, after: int, world: int) -> None:
             _eliminate_free(node, world)
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def _eliminate_link(node: int, world: int) -> None:
     """Replace the velocity of a link by that of its parent and its open axes."""
     nodes, links, neighbours = integers(world, NODE), integers(world, LINK), integers(world, NEIGHBOUR)
@@ -242,7 +242,7 @@ def _eliminate_link(node: int, world: int) -> None:
         _hand_up(row, neighbours[row, 0], parent, other, other_ahead, world)
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def _hand_up(row: int, neighbour: int, parent: int, other: Vector, other_ahead: Vector, world: int) -> None:
     """Couple the parent of a link to a neighbour as the link was."""
     work, blocks = floats(world, LINK_NUMBERS), floats(world, BLOCK)
@@ -274,7 +274,7 @@ def _hand_up(row: int, neighbour: int, parent: int, other: Vector, other_ahead: 
                 blocks[target, back + 6 * i + 3 + j] += blocks[row, LOWER + 6 * i + 3 + j] + turn[j]
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def _eliminate_axis(node: int, link: int, joint: int, k: int, begin: int, end: int, world: int) -> None:
     """Take an open axis of a joint out of the inertia of what hangs on it, and out of its coupling to neighbours."""
     work, numbers, blocks = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS), floats(world, BLOCK)
@@ -318,7 +318,7 @@ def _eliminate_axis(node: int, link: int, joint: int, k: int, begin: int, end: i
             _subtract(one, two, COUPLINGS + 6 * k, PASSINGS + 6 * k, give, 1, world)
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def _subtract(one: int, two: int, left: int, right: int, factor_: float, inner: int, world: int) -> None:
     """Take from the block of two neighbours the product of what couples a node to the one and to the other.
 
@@ -342,7 +342,7 @@ def _subtract(one: int, two: int, left: int, right: int, factor_: float, inner: 
                 blocks[target, to + 6 * i + j] -= share * blocks[two, right + 6 * m + j]
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def _eliminate_free(node: int, world: int) -> None:
     """Eliminate a node by blocks: its matrix is factored in place, without pivots, since it is all but symmetric."""
     nodes, work, blocks = integers(world, NODE), floats(world, LINK_NUMBERS), floats(world, BLOCK)

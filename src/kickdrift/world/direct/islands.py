@@ -78,7 +78,7 @@ def find_islands(t: float, h: float, world: int) -> None:
     for row in range(rows(world, LINK)):
         if links[row, ROOT] == row:
             links[row, PLACE] = count
-            for column in range(8):
+            for column in range(16):
                 islands[count, column] = 0
             count += 1
     set_rows(world, ISLAND, count)

@@ -26,6 +26,7 @@ from kickdrift.world.direct.contacts import (
     REST,
     add_contacts,
     begin_contacts,
+    fix_contacts,
     give_contacts,
     load_contacts,
     note_impulses,
@@ -88,15 +89,15 @@ from kickdrift.world.tables import (
 )
 
 # Newton's method stops where the parts of their arms that joints are off by, times the ratio of masses, are below CLOSE. The
-# usual island takes two steps; one that does not come there in QUICK of them begins again from velocities that joints allow.
-QUICK, ROUNDS, CLOSE = 4, 8, 1e-9
+# usual island takes two steps; one that is not NEAR after QUICK of them begins again from velocities that joints allow.
+QUICK, ROUNDS, CLOSE, NEAR = 3, 6, 1e-9, 1e-5
 
 # Given up is what is farther off than that at the end, in parts of the arms, or has more energy than that times what velocities
 # have that joints allow: there are solutions far away, which no one wants.
 FAR, EXCESS = 1e-3, 1.1
 
 # Solutions with other pieces of laws assumed, and then with axes and points let go only, which comes to an end.
-TRIALS, LAST_TRIALS = 12, 6
+TRIALS, LAST_TRIALS = 4, 4
 
 # Times that a solution is put right by its own matrix, if it leaves more than that of a held row: m/s.
 REFINEMENTS, UNNOTICED = 3, 1e-9
@@ -112,7 +113,7 @@ def solve_islands(t: float, h: float, world: int) -> None:
         note_velocities(island, world)
         note_impulses(island, False, world)
         islands[island, LOST] = 0
-        if not _approach(island, h, QUICK, world) <= CLOSE:
+        if not _approach(island, h, QUICK, world) <= NEAR:
             _take_care(island, h, world)
         end_solution(island, h, world)
     let_fall(world)
@@ -123,10 +124,10 @@ def _approach(island: int, h: float, most: int, world: int) -> float:
     """Take steps of Newton's method, and return how far joints will be off, times the ratio of masses."""
     ratio = integers(world, ISLAND)[island, RATIO]
     off = ratio * aim_island(island, h, AHEAD, world)
-    for _ in range(most):
+    for step in range(most):
         begin_closings(island, world)
         begin_contacts(island, h, PRESS, world)
-        solve_once(island, h, h, PRESS, False, world)
+        solve_once(island, h, h, PRESS, step == 0, world)
         off = ratio * aim_island(island, h, AHEAD, world)
         if off <= CLOSE:
             break
@@ -153,7 +154,7 @@ def _project(island: int, h: float, world: int) -> None:
     aim_island(island, h, GENTLY, world)
     stay_closings(island, world)
     begin_contacts(island, h, PRESS, world)
-    solve_once(island, h, 0.0, PRESS, False, world)
+    solve_once(island, h, 0.0, PRESS, True, world)
 
 
 @compiled(cached=False)
@@ -201,22 +202,35 @@ def aim_island(island: int, h: float, mode: int, world: int) -> float:
 
 
 @compiled(cached=False)
-def solve_once(island: int, h: float, ahead: float, task: int, relaxing: bool, world: int) -> None:
+def solve_once(island: int, h: float, ahead: float, task: int, first: bool, world: int) -> None:
     """Solve the equations until all pieces of laws fit that were assumed, and give the impulses."""
+    settled = False
     for trial in range(TRIALS + LAST_TRIALS):
-        settled = review(island, h, task, trial, relaxing, world)
+        settled = review(island, h, task, first, trial, world)
         if trial > 0 and settled:
             break
-        assemble(island, ahead, world)
-        add_contacts(island, world)
-        factor(integers(world, ISLAND)[island, FIRST_NODE], integers(world, ISLAND)[island, AFTER_NODE], world)
-        _predict(island, True, world)
-        for _ in range(REFINEMENTS):
-            if max(refine_closings(island, world), refine_contacts(island, world)) < UNNOTICED:
-                break
-            _predict(island, True, world)
+        integers(world, ISLAND)[island, 12 + task] += 1
+        _solve(island, ahead, world)
+    integers(world, ISLAND)[island, 8 + task] += 1
+    if not settled:
+        integers(world, ISLAND)[island, 10 + task] += 1
+        fix_contacts(island, world)
+        _solve(island, ahead, world)
     give_joints(island, world)
     give_contacts(island, task, world)
+
+
+@compiled(cached=False)
+def _solve(island: int, ahead: float, world: int) -> None:
+    """Solve the equations with the pieces of laws that are assumed."""
+    assemble(island, ahead, world)
+    add_contacts(island, world)
+    factor(integers(world, ISLAND)[island, FIRST_NODE], integers(world, ISLAND)[island, AFTER_NODE], world)
+    _predict(island, True, world)
+    for _ in range(REFINEMENTS):
+        if max(refine_closings(island, world), refine_contacts(island, world)) < UNNOTICED:
+            break
+        _predict(island, True, world)
 
 
 @compiled(cached=False)
@@ -247,7 +261,7 @@ def assemble(island: int, ahead: float, world: int) -> None:
 
 
 @compiled(cached=False)
-def review(island: int, h: float, task: int, trial: int, relaxing: bool, world: int) -> bool:
+def review(island: int, h: float, task: int, first: bool, trial: int, world: int) -> bool:
     """Assume the pieces of laws that the solution at hand points to, and say whether it was made with them."""
     own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
     joints, order, opened = integers(world, JOINT), integers(world, ISLAND_CLOSING), trial > TRIALS
@@ -258,12 +272,12 @@ def review(island: int, h: float, task: int, trial: int, relaxing: bool, world: 
         if joint >= 0 and joints[joint, LAWS] != 0:
             if trial > 0:
                 split_impulse(link, joint, world)
-            settled = not review_laws(joint, link, h, relaxing, opened, world) and settled
+            settled = not review_laws(joint, link, h, task == REST, opened, world) and settled
     for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
         joint = links[order[place, 0], LINK_JOINT]
         if joints[joint, LAWS] != 0:
-            settled = not review_laws(joint, order[place, 0], h, relaxing, opened, world) and settled
-    return review_contacts(island, task, trial, opened, world) and settled
+            settled = not review_laws(joint, order[place, 0], h, task == REST, opened, world) and settled
+    return review_contacts(island, task, first and trial == 0, opened, world) and settled
 
 
 @compiled(cached=False)

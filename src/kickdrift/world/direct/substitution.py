@@ -35,7 +35,7 @@ from kickdrift.world.joints.measure import put_vector
 from kickdrift.world.tables import BLOCK, JOINT_NUMBERS, LINK, LINK_NUMBERS, NEIGHBOUR, NODE, floats, integers
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def substitute(first: int, after: int, world: int) -> None:
     """Find the changes of velocity (`GAIN`) for the loads on the nodes, and what joints pass on (`WRENCH`)."""
     nodes, links, work = integers(world, NODE), integers(world, LINK), floats(world, LINK_NUMBERS)
@@ -56,7 +56,7 @@ def substitute(first: int, after: int, world: int) -> None:
             _complete_free(node, world)
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def _gather(node: int, world: int) -> None:
     """Impulse that a joint passes on if its parent and its neighbours stay as they are, about the point where it acts."""
     nodes, links, neighbours = integers(world, NODE), integers(world, LINK), integers(world, NEIGHBOUR)
@@ -99,7 +99,7 @@ def _gather(node: int, world: int) -> None:
             work[above, IMPACT + 3 + k] += turn[k]
 
 
-@compiled(inline=True, cached=False)
+@compiled(inline=True, cached=False, fast=True)
 def _add_product(m: Any, row: int, at: int, x: Any, of: int, source: int, y: Any, to: int, target: int) -> None:
     """Add to six numbers a block times six others."""
     for i in range(6):
@@ -109,7 +109,7 @@ def _add_product(m: Any, row: int, at: int, x: Any, of: int, source: int, y: Any
         y[to, target + i] += total
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def _spread(node: int, world: int) -> None:
     """Change of velocity of a link, from that of its parent and its neighbours, and the impulse at its joint."""
     nodes, links, neighbours = integers(world, NODE), integers(world, LINK), integers(world, NEIGHBOUR)
@@ -154,7 +154,7 @@ def _spread(node: int, world: int) -> None:
     put_vector(work, link, GAIN, plus(vector_at(work, link, GAIN), cross(own, turn)))
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def _solve_free(node: int, world: int) -> None:
     """Change of velocity of a free node if its neighbours stay as they are, and what that does to them."""
     nodes, neighbours = integers(world, NODE), integers(world, NEIGHBOUR)
@@ -175,7 +175,7 @@ def _solve_free(node: int, world: int) -> None:
         _add_product(blocks, block, LOWER, work, link, GAIN, work, to, IMPACT)
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def _complete_free(node: int, world: int) -> None:
     """Take off what the changes of its neighbours make of the change of a free node."""
     nodes, neighbours = integers(world, NODE), integers(world, NEIGHBOUR)
