@@ -68,7 +68,7 @@ ARTICULATION = Table(26, 12, whole=True)
 ARTICULATION_NUMBERS = Table(27, 1)  # the equations of closing joints
 LINK = Table(46, 10, whole=True)  # a body of an articulation and the joint that it hangs on, parents first
 LINK_NUMBERS = Table(47, 232)
-CONTACT_ROW = Table(48, 248)  # of contacts that are solved directly: see `kickdrift.world.direct.layout`
+CONTACT_ROW = Table(48, 256)  # of contacts that are solved directly: see `kickdrift.world.direct.layout`
 GRAPH = Table(51, 4, whole=True)  # one row: see `kickdrift.world.direct.nodes`
 ISLAND = Table(52, 16, whole=True)
 ISLAND_CONTACT = Table(53, 1, whole=True)  # contacts of the linked colour, one island after the other

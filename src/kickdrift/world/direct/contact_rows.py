@@ -20,6 +20,7 @@ from kickdrift.world.direct.layout import (
     GIVEN,
     HELD,
     IMPULSE,
+    MASS,
     MOVED,
     OPEN,
     ROLL,
@@ -40,6 +41,12 @@ W = c.WIDTH
 
 # Impulse per speed missing, over the mass that a row moves.
 RIGID = 100.0
+
+# Speeds by which points may be missed or pulled, m/s: no other solution is sought for them.
+UNNOTICED = 1e-5
+
+# What friction may be off by in direction and size, over the mass that it moves, m/s.
+SLIPPED = 1e-4
 
 
 @compiled(inline=True, cached=False)
@@ -89,15 +96,12 @@ def along(wrench: Any, velocity: Any) -> float:
 
 
 @compiled(cached=False)
-def mobility(wrench: Any, a: int, b: int, world: int) -> float:
-    """Speed along a row per impulse along it, of both bodies alone."""
-    response, total = floats(world, RESPONSE), 0.0
-    for side in range(2):
-        body, at = (b, 6) if side == 1 else (a, 0)
-        push, turn = (wrench[at], wrench[at + 1], wrench[at + 2]), (wrench[at + 3], wrench[at + 4], wrench[at + 5])
-        total += response[body, 0] * dot(push, push)
-        total += dot(turn, applied(symmetric_at(response, body, TURN_RESPONSE), turn))
-    return total
+def mobility(wrench: Any, body: int, side: int, world: int) -> float:
+    """Speed along a row per impulse along it, of one of its bodies alone."""
+    response, at = floats(world, RESPONSE), 6 * side
+    push, turn = (wrench[at], wrench[at + 1], wrench[at + 2]), (wrench[at + 3], wrench[at + 4], wrench[at + 5])
+    total: float = response[body, 0] * dot(push, push)
+    return total + dot(turn, applied(symmetric_at(response, body, TURN_RESPONSE), turn))
 
 
 @compiled(inline=True, cached=False)
@@ -111,13 +115,18 @@ def impulse_field(k: int) -> int:
 
 
 @compiled(cached=False)
-def begin_row(own: Any, rows: Any, k: int, slid: Vector, velocity: Any, a: int, b: int, world: int) -> None:
-    """Write the wrench of a row, its speed and its stiffness; it takes part if it can be moved."""
+def begin_row(own: Any, rows: Any, k: int, slid: Vector, velocity: Any, a: int, b: int, cut: int, world: int) -> None:
+    """Write the wrench of a row, its speed and its stiffness; it takes part if it can be moved.
+
+    Where the bodies are of two islands, the other one (1: a, 2: b) answers as if it were alone.
+    """
     wrench = rows[WRENCH + 12 * k : WRENCH + 12 * k + 12]
     write_wrench(own, k, slid, wrench)
-    yielding = mobility(wrench, a, b, world)
+    of_a, of_b = mobility(wrench, a, 0, world), mobility(wrench, b, 1, world)
+    yielding, other = of_a + of_b, of_a if cut == 1 else of_b if cut == 2 else 0.0
     rows[ACTIVE + k] = 1.0 if yielding > 0.0 else 0.0
-    rows[STIFFNESS + k] = RIGID / yielding if yielding > 0.0 else 0.0
+    rows[MASS + k] = 1.0 / yielding if yielding > 0.0 else 0.0
+    rows[STIFFNESS + k] = 1.0 / (yielding / RIGID + other) if yielding > 0.0 else 0.0
     rows[SPEED + k], rows[IMPULSE + k] = along(wrench, velocity), own[impulse_field(k) * W]
     rows[WANTED + k], rows[MOVED + k], rows[GIVEN + k], rows[STATE + k] = 0.0, 0.0, 0.0, OPEN
 
@@ -155,8 +164,11 @@ def review_points(rows: Any, first: bool, opened: bool) -> bool:
         if rows[ACTIVE + k] == 0.0:
             continue
         missing, stiffness = rows[WANTED + k] - rows[SPEED + k], rows[STIFFNESS + k]
-        pull = stiffness / RIGID if first else stiffness
-        state = HELD if rows[IMPULSE + k] + pull * (missing - rows[MOVED + k]) > 0.0 else OPEN
+        pull = rows[MASS + k] if first else stiffness
+        wish = rows[IMPULSE + k] + pull * (missing - rows[MOVED + k])
+        if not first:
+            wish += -UNNOTICED * stiffness if rows[STATE + k] == OPEN else UNNOTICED * rows[MASS + k]
+        state = HELD if wish > 0.0 else OPEN
         if opened and rows[STATE + k] == OPEN:
             state = OPEN
         settled = settled and state == rows[STATE + k]
@@ -177,25 +189,32 @@ def review_bound(rows: Any, bound: int, first: bool, opened: bool) -> bool:
     if opened and was == SLIDING:
         _slide(rows, bound, most, 0.0)
         return True
-    size = _wish(rows, begin, end, stiffness / RIGID if first else stiffness)
-    state = HELD if size <= most and most > 0.0 else SLIDING
+    if most <= UNNOTICED * rows[MASS + begin]:
+        for k in range(begin, end):
+            rows[CONSTANT + k], rows[DIRECTION + k] = -rows[IMPULSE + k], 0.0
+        rows[STATE + begin], rows[SLIDE + bound] = SLIDING, 0.0
+        return True
+    size = _wish(rows, begin, end, rows[MASS + begin] if first else stiffness)
+    state = HELD if size <= most else SLIDING
     if first and state == SLIDING:
         size = _wish(rows, begin, end, stiffness)
-    turn = 0.0
+    turn, off = 0.0, 0.0
     for k in range(begin, end):
         turn += rows[CONSTANT + k] * rows[DIRECTION + k]
-    if not first and was == SLIDING and most > 0.0 and turn < 0.0:
+        within = rows[CONSTANT + k] * min(1.0, most / (size + 1e-300))
+        off = max(off, abs(within - rows[IMPULSE + k] - rows[GIVEN + k]))
+    if not first and was == SLIDING and turn < 0.0:
         state = HELD  # pushed back beyond rest: it is held there
+    settled: bool = not first and off <= SLIPPED * rows[MASS + begin]
     rows[STATE + begin] = state
     if state == HELD:
         for k in range(begin, end):
             rows[CONSTANT + k] = stiffness * (rows[WANTED + k] - rows[SPEED + k])
             rows[DIRECTION + k] = 0.0
-        return was == HELD
+        return settled or was == HELD
     for k in range(begin, end):
-        rows[DIRECTION + k] = rows[CONSTANT + k] / size if size > 0.0 else 0.0
-    _slide(rows, bound, most, most / size if size > 0.0 and not opened else 0.0)
-    settled: bool = was == SLIDING and (turn > 0.999 * size or most == 0.0)
+        rows[DIRECTION + k] = rows[CONSTANT + k] / size
+    _slide(rows, bound, most, most / size if not opened else 0.0)
     return settled
 
 
@@ -224,15 +243,39 @@ def _slide(rows: Any, bound: int, most: float, share: float) -> None:
 
 
 @compiled(cached=False)
-def fix(rows: Any) -> None:
-    """Let all rows give what they gave before."""
+def bind_points(rows: Any) -> None:
+    """Let no point pull."""
     for k in range(TANGENT):
-        rows[STATE + k], rows[CONSTANT + k] = OPEN, 0.0
+        if rows[ACTIVE + k] != 0.0:
+            rows[GIVEN + k] = max(rows[GIVEN + k], -rows[IMPULSE + k])
+
+
+@compiled(cached=False)
+def bind(rows: Any) -> None:
+    """Keep the impulses of the solution at hand within their bounds."""
+    bind_points(rows)
     for bound in range(3):
-        begin, count = first_row(bound), bound_rows(bound)
-        rows[STATE + begin], rows[SLIDE + bound] = SLIDING, 0.0
-        for k in range(begin, begin + count):
-            rows[CONSTANT + k] = 0.0
+        begin, end = first_row(bound), first_row(bound) + bound_rows(bound)
+        if rows[ACTIVE + begin] == 0.0:
+            continue
+        square, most = 0.0, rows[BOUND + bound]
+        for k in range(begin, end):
+            square += (rows[IMPULSE + k] + rows[GIVEN + k]) ** 2
+        share = min(1.0, most / math.sqrt(square)) if square > 0.0 else 0.0
+        for k in range(begin, end):
+            rows[GIVEN + k] = share * (rows[IMPULSE + k] + rows[GIVEN + k]) - rows[IMPULSE + k]
+
+
+@compiled(cached=False)
+def fix(rows: Any) -> None:
+    """Let all rows give what they do by the solution at hand, whatever moves."""
+    bind(rows)
+    for k in range(10):
+        rows[CONSTANT + k] = rows[GIVEN + k]
+    for k in range(TANGENT):
+        rows[STATE + k] = OPEN
+    for bound in range(3):
+        rows[STATE + first_row(bound)], rows[SLIDE + bound] = SLIDING, 0.0
 
 
 @compiled(cached=False)

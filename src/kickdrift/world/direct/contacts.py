@@ -11,6 +11,8 @@ from kickdrift.world.contacts.prepare import LINKED
 from kickdrift.world.direct.contact_rows import (
     along,
     begin_row,
+    bind,
+    bind_points,
     bound_rows,
     find_bounds,
     first_row,
@@ -28,6 +30,7 @@ from kickdrift.world.direct.layout import (
     ACTIVE,
     AFTER_CONTACT,
     CONSTANT,
+    CUT,
     DIRECTION,
     FIRST_CONTACT,
     GIVEN,
@@ -36,6 +39,7 @@ from kickdrift.world.direct.layout import (
     IMPULSE,
     LINK_ROW,
     MOVED,
+    NODE_ISLAND,
     NODES,
     SLIDE,
     SPEED,
@@ -115,11 +119,11 @@ def begin_contacts(island: int, h: float, task: int, world: int) -> None:
     own = integers(world, ISLAND)[island]
     order = integers(world, ISLAND_CONTACT)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        _begin_contact(order[k, 0], h, task, world)
+        _begin_contact(order[k, 0], island, h, task, world)
 
 
 @compiled(cached=False)
-def _begin_contact(index: int, h: float, task: int, world: int) -> None:
+def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> None:
     groups, links = integers(world, GROUPS), integers(world, LINK)
     g = integers(world, COLOURS)[LINKED, 1] + index
     own, numbers = constraint(index, world), contact_row(index, world)
@@ -128,9 +132,14 @@ def _begin_contact(index: int, h: float, task: int, world: int) -> None:
     read_both(MOTION, a, b, velocity, world)
     read_both(CHANGE, a, b, change, world)
     slid, push = slid_past(own, change), floats(world, SETTINGS)[0, PUSH_SPEED]
-    node_a, node_b = node_of(world, a), node_of(world, b)
-    numbers[NODES] = links[node_a, PLACE] if node_a >= 0 else -1
-    numbers[NODES + 1] = links[node_b, PLACE] if node_b >= 0 else -1
+    numbers[CUT] = 0.0
+    for side in range(2):
+        link = node_of(world, b if side == 1 else a)
+        numbers[NODES + side] = -1.0
+        if link >= 0 and integers(world, NODE)[links[link, PLACE], NODE_ISLAND] == island:
+            numbers[NODES + side] = links[link, PLACE]
+        elif link >= 0:
+            numbers[CUT] = 1.0 + side
     for k in range(10):
         there = own[(c.P + c.POINT_FIELDS * k + c.POINT_MASS) * c.WIDTH] > 0.0 if k < TANGENT else True
         if not there or (k >= 7 and own[c.ROLL * c.WIDTH] == 0.0):
@@ -139,7 +148,7 @@ def _begin_contact(index: int, h: float, task: int, world: int) -> None:
         if k >= TANGENT and task == PRESS:  # friction is as it was in the end of the substep before
             numbers[ACTIVE + k] = 0.0
             continue
-        begin_row(own, numbers, k, slid, velocity, a, b, world)
+        begin_row(own, numbers, k, slid, velocity, a, b, int(numbers[CUT]), world)
         if k < TANGENT:
             write_wrench(own, k, (0.0, 0.0, 0.0), wrench)
             gap = own[(c.P + c.POINT_FIELDS * k + c.GAP) * c.WIDTH] + along(wrench, change)
@@ -157,6 +166,16 @@ def _begin_contact(index: int, h: float, task: int, world: int) -> None:
             if k < TANGENT + 2:
                 numbers[WANTED + k] = own[(c.SLIDE + k - TANGENT) * c.WIDTH]
     find_bounds(own, numbers)
+
+
+@compiled(cached=False)
+def is_cut(island: int, world: int) -> bool:
+    """Whether an island touches another one."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        if contact_row(order[k, 0], world)[CUT] != 0.0:
+            return True
+    return False
 
 
 @compiled(cached=False)
@@ -205,6 +224,8 @@ def refine_contacts(island: int, world: int) -> float:
             first = i if i < TANGENT else first_row(0 if i < 6 else 1 if i == 6 else 2)
             if numbers[ACTIVE + i] != 0.0 and numbers[STATE + first] == HELD:
                 missing = numbers[WANTED + i] - numbers[SPEED + i]
+                if numbers[CUT] != 0.0:
+                    continue
                 if i < TANGENT + 2:
                     worst = max(worst, abs(missing - numbers[MOVED + i]))
                 numbers[CONSTANT + i] = numbers[GIVEN + i] + numbers[STIFFNESS + first] * missing
@@ -300,19 +321,20 @@ def give_contacts(island: int, task: int, world: int) -> None:
         numbers, own_fields = contact_row(index, world), constraint(index, world)
         for m in range(12):
             given[m] = 0.0
+        if task == PRESS:
+            bind_points(numbers)
+        else:
+            bind(numbers)
         for i in range(10):
             if numbers[ACTIVE + i] == 0.0:
                 continue
             impulse = numbers[GIVEN + i]
-            if i < TANGENT:
-                impulse = max(impulse, -numbers[IMPULSE + i])
-                numbers[GIVEN + i] = impulse
             if task != BOUNCE:
                 own_fields[impulse_field(i) * c.WIDTH] = numbers[IMPULSE + i] + impulse
             for m in range(12):
                 given[m] += impulse * numbers[WRENCH + 12 * i + m]
         for side in range(2):
-            if numbers[NODES + side] >= 0.0:
+            if numbers[NODES + side] >= 0.0 or numbers[CUT] == 1.0 + side:
                 body, at = groups[begin + index, c.WIDTH * side], 6 * side
                 push = (given[at], given[at + 1], given[at + 2])
                 push_body(body, push, (given[at + 3], given[at + 4], given[at + 5]), world)

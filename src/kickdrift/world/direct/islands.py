@@ -33,6 +33,7 @@ from kickdrift.world.joints.layout import (
     PARENT,
     PLACE,
     ROOT,
+    SIZE,
 )
 from kickdrift.world.tables import (
     ADJACENCY,
@@ -59,6 +60,9 @@ from kickdrift.world.trouble import ask_for_room
 
 _BITS = 62  # of a word that tell nodes
 
+# Nodes that contacts unite to an island. Contacts between larger ones are solved by each of them in turn.
+LARGEST = 40
+
 
 @compiled
 def find_islands(t: float, h: float, world: int) -> None:
@@ -69,7 +73,7 @@ def find_islands(t: float, h: float, world: int) -> None:
     if not (
         _has_room(world, NODE, n)
         and _has_room(world, ISLAND, n)
-        and _has_room(world, ISLAND_CONTACT, contacts)
+        and _has_room(world, ISLAND_CONTACT, 2 * contacts)
         and _has_room(world, ISLAND_CLOSING, rows(world, LINK))
     ):
         return
@@ -128,17 +132,20 @@ def _join(world: int) -> int:
         first, end = articulations[row, FIRST], articulations[row, FIRST] + articulations[row, LINKS]
         joined = max(joined, end + articulations[row, CLOSINGS])
         if articulations[row, END] > first:
+            links[first, SIZE] = end - first
             for link in range(first, end):
                 links[link, ROOT] = first
                 n += 1
     for row in range(joined, rows(world, LINK)):
-        links[row, ROOT] = row
+        links[row, ROOT], links[row, SIZE] = row, 1
         n += 1
     for g in range(colours[LINKED, 1], colours[LINKED, 2]):
         a, b = node_of(world, groups[g, 0]), node_of(world, groups[g, c.WIDTH])
         if a >= 0 and b >= 0:
             a, b = _first_of(links, a), _first_of(links, b)
-            links[max(a, b), ROOT] = min(a, b)
+            if a != b and links[a, SIZE] + links[b, SIZE] <= LARGEST:
+                links[max(a, b), ROOT] = min(a, b)
+                links[min(a, b), SIZE] += links[max(a, b), SIZE]
     for row in range(rows(world, LINK)):
         if links[row, ROOT] >= 0:
             links[row, ROOT] = _first_of(links, row)
@@ -146,14 +153,15 @@ def _join(world: int) -> int:
 
 
 @compiled(cached=False)
-def island_of_contact(world: int, g: int) -> int:
-    """Island of a group of the linked colour."""
+def islands_of_contact(world: int, g: int) -> tuple[int, int]:
+    """Islands of a group of the linked colour; -1 for the second where there is but one."""
     links, groups = integers(world, LINK), integers(world, GROUPS)
-    node = node_of(world, groups[g, 0])
-    if node < 0:
-        node = node_of(world, groups[g, c.WIDTH])
-    island: int = links[links[node, ROOT], PLACE]
-    return island
+    a, b = node_of(world, groups[g, 0]), node_of(world, groups[g, c.WIDTH])
+    one = links[links[a, ROOT], PLACE] if a >= 0 else -1
+    two = links[links[b, ROOT], PLACE] if b >= 0 else -1
+    if one < 0:
+        return two, -1
+    return one, two if two != one else -1
 
 
 @compiled(cached=False)
@@ -171,13 +179,16 @@ def _sort_contacts(world: int) -> None:
     colours, islands, order = integers(world, COLOURS), integers(world, ISLAND), integers(world, ISLAND_CONTACT)
     first, end = colours[LINKED, 1], colours[LINKED, 2]
     for g in range(first, end):
-        islands[island_of_contact(world, g), AFTER_CONTACT] += 1
+        for island in islands_of_contact(world, g):
+            if island >= 0:
+                islands[island, AFTER_CONTACT] += 1
     _begin(islands, rows(world, ISLAND), FIRST_CONTACT, AFTER_CONTACT)
     for g in range(first, end):
-        island = island_of_contact(world, g)
-        order[islands[island, AFTER_CONTACT], 0] = g - first
-        islands[island, AFTER_CONTACT] += 1
-    set_rows(world, ISLAND_CONTACT, end - first)
+        for island in islands_of_contact(world, g):
+            if island >= 0:
+                order[islands[island, AFTER_CONTACT], 0] = g - first
+                islands[island, AFTER_CONTACT] += 1
+    set_rows(world, ISLAND_CONTACT, 2 * (end - first))
 
 
 @compiled(cached=False)
@@ -318,7 +329,7 @@ def _couple(world: int, island: int, words: int) -> bool:
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         g = begin + order[k, 0]
         a, b = node_of(world, groups[g, 0]), node_of(world, groups[g, c.WIDTH])
-        if a >= 0 and b >= 0:
+        if a >= 0 and b >= 0 and links[a, ROOT] == links[b, ROOT]:
             i, j = links[a, PLACE] - first, links[b, PLACE] - first
             _set(bits, i, j, words)
             _set(bits, j, i, words)

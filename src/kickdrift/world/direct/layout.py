@@ -39,5 +39,7 @@ ACTIVE = 202  # 1.0 where the row takes part
 IMPULSE = 212  # before the solution
 NODES = 222  # places in the order of both bodies; -1 where none is moved
 START = 228  # impulse when the substep began
+MASS = 239  # that a row moves, of both bodies alone
+CUT = 238  # 1.0 where one of the bodies belongs to another island
 HITS = 224  # of each point, the speed wanted after an impact; -1.0 where it has none
 OPEN, HELD, SLIDING = 0.0, 1.0, 2.0

@@ -28,6 +28,7 @@ from kickdrift.world.direct.contacts import (
     begin_contacts,
     fix_contacts,
     give_contacts,
+    is_cut,
     load_contacts,
     note_impulses,
     predict_contacts,
@@ -115,6 +116,11 @@ def solve_islands(t: float, h: float, world: int) -> None:
         islands[island, LOST] = 0
         if not _approach(island, h, QUICK, world) <= NEAR:
             _take_care(island, h, world)
+    for island in range(rows(world, ISLAND)):
+        if is_cut(island, world) and islands[island, LOST] == 0:
+            aim_island(island, h, AHEAD, world)
+            begin_closings(island, world)
+            hold(island, h, h, PRESS, world)
         end_solution(island, h, world)
     let_fall(world)
 
@@ -183,6 +189,11 @@ def relax_islands(t: float, h: float, world: int) -> None:
         stay_closings(island, world)
         begin_contacts(island, h, REST, world)
         solve_once(island, h, 0.0, REST, True, world)
+    for island in range(rows(world, ISLAND)):
+        if is_cut(island, world):
+            aim_island(island, h, RELAX, world)
+            stay_closings(island, world)
+            hold(island, h, 0.0, REST, world)
         end_relaxation(island, h, world)
 
 
@@ -206,7 +217,8 @@ def solve_once(island: int, h: float, ahead: float, task: int, first: bool, worl
     """Solve the equations until all pieces of laws fit that were assumed, and give the impulses."""
     settled = False
     for trial in range(TRIALS + LAST_TRIALS):
-        settled = review(island, h, task, first, trial, world)
+        settled = review_joints(island, h, task, trial, world)
+        settled = review_contacts(island, task, first and trial == 0, trial > TRIALS, world) and settled
         if trial > 0 and settled:
             break
         integers(world, ISLAND)[island, 12 + task] += 1
@@ -218,6 +230,20 @@ def solve_once(island: int, h: float, ahead: float, task: int, first: bool, worl
         _solve(island, ahead, world)
     give_joints(island, world)
     give_contacts(island, task, world)
+
+
+@compiled(cached=False)
+def hold(island: int, h: float, ahead: float, task: int, world: int) -> None:
+    """Let joints alone take up what contacts with other islands have given since they were solved."""
+    own = integers(world, ISLAND)[island]
+    for trial in range(TRIALS + LAST_TRIALS):
+        settled = review_joints(island, h, task, trial, world)
+        if trial > 0 and settled:
+            break
+        assemble(island, ahead, world)
+        factor(own[FIRST_NODE], own[AFTER_NODE], world)
+        _predict(island, False, world)
+    give_joints(island, world)
 
 
 @compiled(cached=False)
@@ -261,8 +287,8 @@ def assemble(island: int, ahead: float, world: int) -> None:
 
 
 @compiled(cached=False)
-def review(island: int, h: float, task: int, first: bool, trial: int, world: int) -> bool:
-    """Assume the pieces of laws that the solution at hand points to, and say whether it was made with them."""
+def review_joints(island: int, h: float, task: int, trial: int, world: int) -> bool:
+    """Assume the pieces of laws of joints that the solution at hand points to, and say whether it was made with them."""
     own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
     joints, order, opened = integers(world, JOINT), integers(world, ISLAND_CLOSING), trial > TRIALS
     settled = True
@@ -277,7 +303,7 @@ def review(island: int, h: float, task: int, first: bool, trial: int, world: int
         joint = links[order[place, 0], LINK_JOINT]
         if joints[joint, LAWS] != 0:
             settled = not review_laws(joint, order[place, 0], h, task == REST, opened, world) and settled
-    return review_contacts(island, task, first and trial == 0, opened, world) and settled
+    return settled
 
 
 @compiled(cached=False)

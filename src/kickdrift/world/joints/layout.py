@@ -80,6 +80,7 @@ HELD = 4  # set of axes whose speed is prescribed in the system of equations at 
 LINK_A, LINK_B = 5, 6  # of a closing joint
 ROOT = 7  # first node of the island; NONE while it sleeps
 PLACE = 8  # of the node in the order of elimination
+SIZE = 9  # of the island, where ROOT is the row itself
 NONE = -1
 
 # Columns of LINK_NUMBERS. Six numbers are three linear and three angular ones in the world's axes, or one to each axis.
