@@ -1,0 +1,84 @@
+"""What a row of the lab is: a scene or a family of scenes, how long it runs, and what it is judged by."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from benchmarks.world.described import Scene
+from benchmarks.world.judge import Watched
+
+Measure = Callable[[Scene, Watched], float]
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """A number of a run, and where it has to lie; the same for all engines.
+
+    Attributes
+    ----------
+    label, unit : str
+        As they are printed.
+    measure : callable
+        Of a scene and what was watched.
+    least, most : float
+        Bounds; none make it information.
+    exact : float, optional
+        Value that mechanics gives.
+    """
+
+    label: str
+    unit: str
+    measure: Measure
+    least: float = -np.inf
+    most: float = np.inf
+    exact: float | None = None
+
+    def holds(self, value: float) -> bool:
+        """Whether a value lies within the bounds; an unknown one (nan) does where nothing is wanted."""
+        return self.least <= value <= self.most or (np.isinf(self.least) and np.isinf(self.most))
+
+    @property
+    def wanted(self) -> str:
+        """What is wanted, in words."""
+        if self.exact is not None:
+            return f"{self.label} {_short(self.exact)} {self.unit}".rstrip()
+        if np.isinf(self.most):
+            return f"{self.label} >= {_short(self.least)} {self.unit}".rstrip() if np.isfinite(self.least) else ""
+        return f"{self.label} <= {_short(self.most)} {self.unit}".rstrip()
+
+    def said(self, value: float) -> str:
+        """Print a value; one out of bounds in bold."""
+        text = f"{self.label} {_short(value)} {self.unit}".rstrip()
+        return text if self.holds(value) else f"**{text}**"
+
+
+def _short(value: float) -> str:
+    size = abs(value)
+    return f"{value:.1e}" if 0 < size < 1e-3 or size >= 1e4 else f"{value:.3g}"
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A row.
+
+    Attributes
+    ----------
+    name : str
+    scenes : tuple of Scene
+        All have to hold; what is printed is the worst of them.
+    duration : float
+        s.
+    criteria : tuple of Criterion
+    looks : int
+        How often the run is looked at.
+    quick : bool
+        Whether the tests run it, too.
+    """
+
+    name: str
+    scenes: tuple[Scene, ...]
+    duration: float
+    criteria: tuple[Criterion, ...]
+    looks: int = 40
+    quick: bool = True
