@@ -15,48 +15,48 @@ _SLOW = 0.05  # m/s at which Box3D and kickdrift would let a body sleep; the rep
 
 
 def rests(most: float = _SLOW) -> Criterion:
-    """Nothing moves in the last quarter: the largest component of any velocity."""
+    """Want nothing to move in the last quarter: the largest component of any velocity."""
     return Criterion("speed", "m/s", _speed, most=most)
 
 
 def stays(most: float, bodies: Sequence[int] | None = None) -> Criterion:
-    """How far the body that moved most sideways is from where it began."""
+    """Want the body that moved most sideways to be near where it began."""
     return Criterion("off", "m", partial(_aside, bodies=bodies), most=most)
 
 
 def sinks(most: float) -> Criterion:
-    """How far the body that went down most has gone."""
+    """Want the body that went down most not to have gone far."""
     return Criterion("sinks", "m", _down, most=most)
 
 
 def overlaps(most: float) -> Criterion:
-    """How deep bodies are in each other in the end, by MuJoCo's collision; unknown without it."""
+    """Want bodies not to be deep in each other in the end, by MuJoCo's collision; unknown without it."""
     return Criterion("overlap", "m", _overlap, most=most)
 
 
 def apart(most: float) -> Criterion:
-    """How far the ends of any joint were apart at worst."""
+    """Want the ends of all joints together, at worst."""
     return Criterion("joints apart", "m", _apart, most=most)
 
 
 def gains(most: float = 0.01) -> Criterion:
-    """By how much any body's energy above the ground rose over its start, at worst, each body on its own."""
+    """Want no body's energy above the ground to rise over its start, each body on its own."""
     return Criterion("gains", "", _gain, most=most)
 
 
 def keeps(within: float = 0.01, spread: float | None = None) -> Criterion:
-    """By how much the energy of all was off at worst, over `spread` in J or the largest kinetic energy."""
+    """Want the energy of all to stay, within a part of `spread` in J or of the largest kinetic energy."""
     return Criterion("energy off", "", partial(_off, spread=spread), most=within)
 
 
 def comes_to(label: str, unit: str, measure: Measure, exact: float, within: float = 0.01) -> Criterion:
-    """A number that mechanics gives, within a part of it."""
+    """Want a number that mechanics gives, within a part of it."""
     margin = within * abs(exact)
     return Criterion(label, unit, measure, exact - margin, exact + margin, exact)
 
 
 def at_most(label: str, unit: str, measure: Measure, most: float) -> Criterion:
-    """A number that may not be larger."""
+    """Want a number to be no larger."""
     return Criterion(label, unit, measure, most=most)
 
 

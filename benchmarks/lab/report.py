@@ -35,6 +35,7 @@ def _counts(rows: Rows, labels: Sequence[str]) -> list[str]:
     columns = [[results[k] for _, results in rows] for k in range(len(labels))]
     held = [sum(result.holds for result in column) for column in columns]
     tried = [sum(result.runs for result in column) for column in columns]
+    lines.append("| held | " + " | ".join(f"{h} of {t}" for h, t in zip(held, tried, strict=True)) + " |")
     for most in _CALM:
         resting = [[_speed(result) <= most for result in column if not np.isnan(_speed(result))] for column in columns]
         cells = " | ".join(f"{sum(calm)} of {len(calm)}" for calm in resting)

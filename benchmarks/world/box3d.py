@@ -96,7 +96,8 @@ class Box3d:
 
     def _mesh(self, body: Body, made: Any) -> Any:
         lib, ffi = self._lib, self._ffi
-        assert body.points is not None and body.faces is not None
+        assert body.points is not None
+        assert body.faces is not None
         points = ffi.new("b3Vec3[]", [tuple(map(float, point)) for point in body.points])
         indices = ffi.new("int32_t[]", body.faces.ravel().tolist())
         about = ffi.new("b3MeshDef*")

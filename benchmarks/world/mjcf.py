@@ -115,7 +115,8 @@ def _joint(scene: Scene, body: int, joint: Joint) -> str:
         return ""  # a body without joints is part of its parent
     at = _row(_inside(scene, body, joint.anchor))
     if joint.kind == "ball":
-        return f'<joint type="ball" name="{_name(body)}" pos="{at}" stiffness="{joint.stiffness!r}" damping="{joint.damping!r}"/>'
+        spring = f'stiffness="{joint.stiffness!r}" damping="{joint.damping!r}"'
+        return f'<joint type="ball" name="{_name(body)}" pos="{at}" {spring}/>'
     sign = 1.0 if joint.b == body else -1.0  # an angle of b from a
     numbers = {"axis": _row(_own(scene.bodies[body], sign * joint.axis)), "frictionloss": repr(joint.friction)}
     if joint.limits:
@@ -201,7 +202,7 @@ def actuated(found: list[Branch]) -> list[tuple[int, Joint]]:
 
 
 def control(joint: Joint) -> float:
-    """What an actuator is told: a speed or an angle."""
+    """Say what an actuator is told: a speed or an angle."""
     return joint.motor[0] if joint.motor else joint.target
 
 

@@ -5,7 +5,6 @@ import numpy as np
 from benchmarks.peers import package
 from benchmarks.world.described import GROUND, Body, Floats, Joint, Scene, inverse, rotation, shortest_turn, times
 
-
 _STIFF_MOTOR = 1e6  # N s/m or N m s: the motor reaches its speed at once, if its maximum lets it
 
 

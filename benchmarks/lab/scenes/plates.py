@@ -41,7 +41,7 @@ def _resting() -> list[Trial]:
 
 
 def _pulled() -> list[Trial]:
-    """A plate with 25 loads, pulled by a force below and above what friction holds, 0.4 of the weight."""
+    """Pull a plate with 25 loads below and above what friction holds, 0.4 of the weight."""
     mass, loads, load = 10.0, 25, 1.0
     weight = (mass + loads * load) * GRAVITY
     held = Trial(
@@ -60,7 +60,7 @@ def _coefficient(watched: Watched, force: float, mass: float, body: int = 1) -> 
 
 
 def _heavy_load() -> Trial:
-    """A load of ten times the carrier's weight with the same coefficient everywhere: both move as one."""
+    """Pull a carrier under a load of ten times its weight, with the same coefficient everywhere: both move as one."""
     builder = Builder(friction=0.4)
     builder.plane()
     carrier = builder.box((2.0, 2.0, 0.5), position=(0.0, 0.0, 0.25), mass=1.0)
