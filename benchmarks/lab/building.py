@@ -58,7 +58,7 @@ class Builder:
         """Add a box of three full edge lengths."""
         edges = np.asarray(size, dtype=float)
         squares = edges**2
-        return self._add("box", tuple(edges / 2), float(edges.prod()), (squares.sum() - squares) / 12, **options)
+        return self._add("box", tuple((edges / 2).tolist()), float(edges.prod()), (squares.sum() - squares) / 12, **options)
 
     def sphere(self, radius: float, **options: Any) -> int:
         """Add a ball."""
@@ -101,7 +101,7 @@ class Builder:
         angular_velocity: ArrayLike = (0.0, 0.0, 0.0),
         **others: Any,
     ) -> int:
-        weight = 0.0 if static else density * volume if mass is None else mass
+        weight = float(0.0 if static else density * volume if mass is None else mass)
         others.setdefault("friction", self._surface["friction"])
         others.setdefault("restitution", self._surface["restitution"])
         place = self._at + np.asarray(position, dtype=float) + np.asarray(shift, dtype=float)
