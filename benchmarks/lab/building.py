@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import ConvexHull
 
-from benchmarks.world.described import GROUND, Body, Floats, Joint, Load, Scene, shortest_turn
+from benchmarks.world.described import GROUND, Body, Floats, Joint, Load, Scene, rotation, shortest_turn
 
 GRAVITY = 9.81
 _UP = np.array([0.0, 0.0, 1.0])
@@ -74,7 +74,7 @@ class Builder:
         return self._add("capsule", (radius, half), volume, np.array([across, across, along]) / volume, **options)
 
     def hull(self, points: ArrayLike, **options: Any) -> int:
-        """Add the hull of points whose axes of inertia are those of the points; they are moved to its centre of mass."""
+        """Add the hull of points that turn with their own axes, which have to be those of its inertia."""
         given = np.asarray(points, dtype=float)
         volume, centre, moments = _weighed(given)
         return self._add("hull", (), volume, moments / volume, points=given - centre, shift=centre, **options)
@@ -104,17 +104,18 @@ class Builder:
         weight = float(0.0 if static else density * volume if mass is None else mass)
         others.setdefault("friction", self._surface["friction"])
         others.setdefault("restitution", self._surface["restitution"])
-        place = self._at + np.asarray(position, dtype=float) + np.asarray(shift, dtype=float)
+        turn = np.asarray(orientation, dtype=float) / np.linalg.norm(orientation)
+        place = self._at + np.asarray(position, dtype=float) + rotation(turn) @ np.asarray(shift, dtype=float)
         vectors = (np.asarray(given, dtype=float) for given in (velocity, angular_velocity))
         moments = weight * np.asarray(others.pop("gyration", inertia), dtype=float)
-        turn = np.asarray(orientation, dtype=float)
-        values = (others.pop("friction"), others.pop("restitution"), *vectors)
-        self._bodies.append(Body(kind, size, place, turn / np.linalg.norm(turn), weight, moments, *values, **others))
+        values = (float(others.pop("friction")), float(others.pop("restitution")), *vectors)
+        self._bodies.append(Body(kind, size, place, turn, weight, moments, *values, **others))
         return len(self._bodies) - 1
 
     def join(self, kind: str, a: int, b: int, anchor: ArrayLike, axis: ArrayLike = _UP, **options: Any) -> int:
         """Join body b to body a, which may be `GROUND`; return the number of the joint."""
         along = np.asarray(axis, dtype=float)
+        options = {name: float(value) if np.ndim(value) == 0 else value for name, value in options.items()}
         place = self._at + np.asarray(anchor, dtype=float)
         self._joints.append(Joint(kind, a, b, place, along / np.linalg.norm(along), **options))
         return len(self._joints) - 1

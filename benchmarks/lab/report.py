@@ -37,15 +37,15 @@ def _counts(rows: Rows, labels: Sequence[str]) -> list[str]:
     tried = [sum(result.runs for result in column) for column in columns]
     lines.append("| held | " + " | ".join(f"{h} of {t}" for h, t in zip(held, tried, strict=True)) + " |")
     for most in _CALM:
-        resting = [[_speed(result) <= most for result in column if not np.isnan(_speed(result))] for column in columns]
-        cells = " | ".join(f"{sum(calm)} of {len(calm)}" for calm in resting)
+        cells = " | ".join(f"{sum(_rests(result, most) for result in column)}" for column in columns)
         lines.append(f"| at rest, below {most:g} m/s | {cells} |")
     return lines + _behind(rows, labels)
 
 
-def _speed(result: Result) -> float:
-    """Speed in the end, where a trial is about rest."""
-    return next((value for criterion, value in result.findings if criterion.label == "speed"), np.nan)
+def _rests(result: Result, most: float) -> bool:
+    """Whether all stands, where a trial is about rest, and nothing moves faster than this in the end."""
+    speeds = [value for criterion, value in result.findings if criterion.label == "speed"]
+    return result.holds and bool(speeds) and speeds[0] <= most
 
 
 def _behind(rows: Rows, labels: Sequence[str]) -> list[str]:
@@ -55,10 +55,10 @@ def _behind(rows: Rows, labels: Sequence[str]) -> list[str]:
     held, rest = [], []
     for trial, (first, *others) in rows:
         holding = [label for label, other in zip(labels[1:], others, strict=True) if other.holds]
-        resting = [label for label, other in zip(labels[1:], others, strict=True) if _speed(other) <= _CALM[0]]
+        resting = [label for label, other in zip(labels[1:], others, strict=True) if _rests(other, _CALM[0])]
         if holding and not first.holds:
             held.append(f"{trial.name} ({', '.join(holding)})")
-        if resting and not _speed(first) <= _CALM[1]:
+        if resting and not _rests(first, _CALM[1]):
             rest.append(f"{trial.name} ({', '.join(resting)})")
     return [
         "",

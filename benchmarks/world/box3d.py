@@ -5,8 +5,9 @@ from typing import Any
 import numpy as np
 
 from benchmarks.peers import package
-from benchmarks.world.described import GROUND, Body, Floats, Joint, Scene, Unsupported, rotation
+from benchmarks.world.described import GROUND, Body, Floats, Joint, Scene, Unsupported, inverse, rotation, shortest_turn, times
 
+_UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 _ROOM = 500.0  # half the width of the box that a plane is, m
 
 
@@ -126,8 +127,23 @@ class Box3d:
             options["target_angle" if joint.kind == "hinge" else "target_translation"] = joint.target
         elif joint.damping > 0:
             raise Unsupported("damping without a spring")
-        make = self._world.create_revolute_joint if joint.kind == "hinge" else self._world.create_prismatic_joint
-        make(*ends, joint.anchor, joint.axis, **options)
+        if joint.kind == "hinge":
+            self._world.create_revolute_joint(*ends, joint.anchor, joint.axis, **options)
+        else:
+            self._slider(joint, ends, options)
+
+    def _slider(self, joint: Joint, ends: list[Any], options: dict[str, Any]) -> None:
+        """Slide along x of the frame, as Box3D does; robox3d puts z there and says the same of it."""
+        made = self._world.create_prismatic_joint(*ends, joint.anchor, joint.axis, **options)
+        turn = shortest_turn(np.array([1.0, 0.0, 0.0]), joint.axis)
+        for end, body, place in zip(
+            ends, (joint.a, joint.b), (self._lib.b3Joint_SetLocalFrameA, self._lib.b3Joint_SetLocalFrameB), strict=True
+        ):
+            back = inverse(_UPRIGHT if body == GROUND else self._scene.bodies[body].orientation)
+            frame = self._ffi.new("b3Transform*")
+            frame.p = self._vector(rotation(back) @ (joint.anchor - end.position))
+            frame.q.s, frame.q.v.x, frame.q.v.y, frame.q.v.z = times(back, turn)
+            place(made.id, frame[0])
 
     def _ball(self, joint: Joint, ends: list[Any]) -> None:
         lib = self._lib

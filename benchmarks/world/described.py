@@ -205,6 +205,8 @@ def inverse(q: Floats) -> Floats:
 
 
 def shortest_turn(a: Floats, b: Floats) -> Floats:
-    """Quaternion that turns a unit vector onto another one that does not point the other way."""
+    """Quaternion that turns a unit vector onto another one."""
     q = np.array([1.0 + a @ b, *np.cross(a, b)])
+    if q[0] < 1e-9:  # half a turn about whatever is at right angles
+        q[1:] = np.cross(a, np.eye(3)[np.abs(a).argmin()])
     return q / np.linalg.norm(q)

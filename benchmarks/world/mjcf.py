@@ -19,7 +19,7 @@ from benchmarks.world.described import (
 )
 
 _HEAVY = 1e9  # kg: of a plate that runs like a belt, so that nothing on it slows it down
-_STIFF_MOTOR = 1e4  # N s/m or N m s: the motor reaches its speed at once, if its maximum lets it
+_ON_AXIS = 0.1  # m: where the points of a hinge that closes a loop lie
 
 
 def text(
@@ -42,8 +42,7 @@ def text(
         scene = replace(scene, bodies=still, planar=False)
         found, closing = [Branch(i, GROUND, None) for i in range(len(scene.bodies))], []
     else:
-        if any(body.restitution > 0 for body in scene.bodies):
-            raise Unsupported("a coefficient of restitution")
+        _check(scene)
         found, closing = branches(scene)
     joined = [(_name(joint.a), _name(joint.b)) for joint in scene.joints if GROUND not in (joint.a, joint.b)]
     lines = [
@@ -54,15 +53,22 @@ def text(
         "</asset><worldbody>",
         *_nested(scene, found),
         "</worldbody><equality>",
-        *(_closing(scene, joint) for joint in closing),
+        *(line for joint in closing for line in _closing(scene, joint)),
         "</equality><contact>",
         *(f'<exclude body1="{a}" body2="{b}"/>' for a, b in joined),
         *(_friction_pairs(scene) if not free else ()),
         "</contact><actuator>",
-        *(_actuator(body, joint) for body, joint in actuated(found)),
+        *(_actuator(_name(body), joint) for body, joint in driven_hinges(found)),
         "</actuator></mujoco>",
     ]
     return "\n".join(lines)
+
+
+def _check(scene: Scene) -> None:
+    if any(body.restitution > 0 for body in scene.bodies):
+        raise Unsupported("a coefficient of restitution")
+    if any(joint.motor for joint in scene.joints):
+        raise Unsupported("a motor that is at its speed or at its maximum: actuators are gains")
 
 
 def _nested(scene: Scene, found: list[Branch]) -> list[str]:
@@ -163,11 +169,18 @@ def _friction_pairs(scene: Scene) -> list[str]:
     return lines
 
 
-def _closing(scene: Scene, joint: Joint) -> str:
-    if joint.kind != "ball":
-        raise ValueError(f"A {joint.kind} closes a loop; only balls are known to do so here.")
-    at = _row(_inside(scene, joint.b, joint.anchor))
-    return f'<connect body1="{_name(joint.b)}" body2="{_name(joint.a)}" anchor="{at}"/>'
+def _closing(scene: Scene, joint: Joint) -> list[str]:
+    """Close a loop: a ball by a point, a hinge by two on its axis, which are one in a plane."""
+    first, second = (joint.b, joint.a) if joint.b != GROUND else (joint.a, joint.b)
+    ends = f'body1="{_name(first)}" body2="{_name(second)}"'
+    if joint.kind == "fixed":
+        return [f"<weld {ends}/>"]
+    if joint.kind not in ("ball", "hinge"):
+        raise Unsupported(f"a {joint.kind} that closes a loop")
+    points = [joint.anchor]
+    if joint.kind == "hinge" and not scene.planar:
+        points = [joint.anchor - _ON_AXIS * joint.axis, joint.anchor + _ON_AXIS * joint.axis]
+    return [f'<connect {ends} anchor="{_row(_inside(scene, first, point))}"/>' for point in points]
 
 
 def running(body: Body) -> Floats:
@@ -195,22 +208,14 @@ def speed(scene: Scene, branch: Branch) -> Floats:
     return np.array([sign * joint.axis @ (body.velocity - (0.0 if parent is None else parent.velocity))])
 
 
-def actuated(found: list[Branch]) -> list[tuple[int, Joint]]:
+def driven_hinges(found: list[Branch]) -> list[tuple[int, Joint]]:
     """Bodies and joints of the actuators, in their order; the springs of balls and sliders are passive ones."""
     joints = [(branch.body, branch.joint) for branch in found if branch.joint is not None]
-    return [(body, joint) for body, joint in joints if joint.motor or (joint.driven and joint.kind == "hinge")]
+    return [(body, joint) for body, joint in joints if joint.driven and joint.kind == "hinge"]
 
 
-def control(joint: Joint) -> float:
-    """Say what an actuator is told: a speed or an angle."""
-    return joint.motor[0] if joint.motor else joint.target
-
-
-def _actuator(body: int, joint: Joint) -> str:
-    if joint.motor:
-        most = joint.motor[1]
-        return f'<velocity joint="{_name(body)}" kv="{_STIFF_MOTOR!r}" forcerange="{-most!r} {most!r}"/>'
-    return f'<position joint="{_name(body)}" kp="{joint.stiffness!r}" kv="{joint.damping!r}"/>'
+def _actuator(name: str, joint: Joint) -> str:
+    return f'<position joint="{name}" kp="{joint.stiffness!r}" kv="{joint.damping!r}"/>'
 
 
 def _inside(scene: Scene, body: int, point: Floats) -> Floats:

@@ -27,7 +27,9 @@ class Rapier:
         self._world = library.PhysicsWorld(gravity=tuple(scene.gravity))
         self._world.set_num_threads(threads)
         self._world.integration_parameters.dt = step
-        self._planar = scene.planar
+        # What is locked to a plane has no answer to a hinge's rows about other axes, and they throw it away: scenes with
+        # joints stay in their plane by themselves.
+        self._planar = scene.planar and not scene.joints
         self._pushed: set[int] = set()
         self._bodies = [self._world.add_body(self._body(body), [self._shape(body)]) for body in scene.bodies]
         self._ground = self._world.add_body(library.RigidBody.fixed()) if scene.joints else None
