@@ -58,7 +58,9 @@ class Builder:
         """Add a box of three full edge lengths."""
         edges = np.asarray(size, dtype=float)
         squares = edges**2
-        return self._add("box", tuple((edges / 2).tolist()), float(edges.prod()), (squares.sum() - squares) / 12, **options)
+        return self._add(
+            "box", tuple((edges / 2).tolist()), float(edges.prod()), (squares.sum() - squares) / 12, **options
+        )
 
     def sphere(self, radius: float, **options: Any) -> int:
         """Add a ball."""

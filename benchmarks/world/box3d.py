@@ -5,7 +5,18 @@ from typing import Any
 import numpy as np
 
 from benchmarks.peers import package
-from benchmarks.world.described import GROUND, Body, Floats, Joint, Scene, Unsupported, inverse, rotation, shortest_turn, times
+from benchmarks.world.described import (
+    GROUND,
+    Body,
+    Floats,
+    Joint,
+    Scene,
+    Unsupported,
+    inverse,
+    rotation,
+    shortest_turn,
+    times,
+)
 
 _UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 _ROOM = 500.0  # half the width of the box that a plane is, m

@@ -36,7 +36,9 @@ def _mesh() -> Trial:
     x, y = np.meshgrid(np.linspace(-2, 10, cells + 1), np.linspace(-2, 2, 5), indexing="ij")
     points = np.column_stack((x.ravel(), y.ravel(), np.zeros(x.size)))
     corner = np.array([5 * i + j for i in range(cells) for j in range(4)])
-    faces = np.vstack((np.column_stack((corner, corner + 5, corner + 6)), np.column_stack((corner, corner + 6, corner + 1))))
+    faces = np.vstack(
+        (np.column_stack((corner, corner + 5, corner + 6)), np.column_stack((corner, corner + 6, corner + 1)))
+    )
     builder.mesh(points, faces)
     builder.box((0.5, 0.5, 0.5), position=(0.0, 0.0, 0.25), mass=1.0, velocity=(4.0, 0.3, 0.0))
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from benchmarks.lab.building import Builder
+from benchmarks.lab.building import GRAVITY, Builder
 from benchmarks.lab.measures import at_most, comes_to, keeps
 from benchmarks.lab.trial import Trial
 from benchmarks.world.described import Scene
@@ -24,6 +24,28 @@ def _bullet(shape: str) -> Trial:
     return Trial(f"{shape} at 500 m/s on two welded plates", (builder.scene(),), 0.5, criteria)
 
 
+def _grounded_bullets(members: int = 6) -> Trial:
+    """Boxes of random mass and size strike two welded plates that lie on the floor, with 500 m/s and e = 0."""
+    random, scenes = np.random.default_rng(8), []
+    for _ in range(members):
+        builder, edge = Builder(), random.uniform(0.1, 0.6)
+        builder.plane()
+        plates = [builder.box((2.0, 2.0, 0.1), position=(0.0, 0.0, z), mass=10.0) for z in (0.05, 0.15)]
+        builder.join("fixed", *plates, (0.0, 0.0, 0.1))
+        place = (*random.uniform(-0.5, 0.5, 2), 3.0)
+        builder.box((edge,) * 3, position=place, mass=10.0 ** random.uniform(-1, 2), velocity=(0.0, 0.0, -500.0))
+        scenes.append(builder.scene())
+
+    def rebound(scene: Scene, watched: Watched) -> float:
+        return float(watched.motions[:, 3, 2].max())
+
+    def through(scene: Scene, watched: Watched) -> float:
+        return float(0.2 - watched.poses[:, 3, 2].min())
+
+    criteria = (at_most("rebounds", "m/s", rebound, 5.0), at_most("below the plates", "m", through, 0.0))
+    return Trial("6 boxes at 500 m/s on grounded plates", tuple(scenes), 0.5, criteria, looks=30)
+
+
 def _billiards() -> Trial:
     """A ball breaks a rack of 15 along its axis of symmetry, e = 1: left and right stay mirror images."""
     builder, radius, speed = Builder(0.0, friction=0.0, restitution=1.0), 0.03, 5.0
@@ -43,8 +65,11 @@ def _billiards() -> Trial:
     return Trial("billiard break, e = 1", (builder.scene(),), 1.0, criteria)
 
 
-def _dominoes(exact: float, count: int = 30) -> Trial:
-    """A row of dominoes falls; the wave takes so long from one to the next."""
+def _dominoes(exact: float = 0.1137, count: int = 30) -> Trial:
+    """A row of dominoes falls; the wave takes so long from one to the next.
+
+    MuJoCo takes 0.1137 s with 5, 2 and 1 ms; Box3D 0.1156 with 1 ms.
+    """
     builder, size, pitch, tilt = Builder(friction=0.5), np.array([0.05, 0.3, 1.0]), 0.4, 0.35
     builder.plane()
     for k in range(count):
@@ -63,27 +88,34 @@ def _dominoes(exact: float, count: int = 30) -> Trial:
         falls = [np.interp(0.0, -drop[:, k], watched.times) if drop[-1, k] < 0 else np.inf for k in (first, last)]
         return float((falls[1] - falls[0]) / (last - first))
 
-    criteria = (comes_to("time a domino", "s", pace, exact, 0.03),)
+    criteria = (comes_to("time a domino", "s", pace, exact, 0.05),)
     return Trial("30 dominoes", (builder.scene(),), 8.0, criteria, looks=480)
 
 
-def _coin(exact: float) -> Trial:
-    """A coin of 24 corners, put down at 40 degrees and turning, until it lies flat."""
-    builder, radius, thickness, tilt = Builder(friction=0.4), 0.1, 0.01, np.radians(40.0)
+def _coin(exact: float = 1.480) -> Trial:
+    """A coin of 24 corners begins as Euler's disc would roll on at 45 degrees, and lies flat after a while.
+
+    The disc's steady motion turns with 2 sqrt(g / (r sin(tilt))) about the vertical and rests in its middle. Corners take
+    its energy: between impacts the coin turns about one of them, and at an impact keeps its angular momentum about the
+    next. Integrated with a relative tolerance of 1e-9, 241 impacts later its centre is 1 mm above where it lies flat.
+    """
+    builder, radius, thickness, tilt = Builder(friction=1.0), 0.1, 0.01, np.pi / 4
     builder.plane()
     corners = np.arange(24) * 2 * np.pi / 24
     rim = np.column_stack((radius * np.cos(corners), radius * np.sin(corners)))
     points = np.vstack([np.column_stack((rim, np.full(24, z))) for z in (-thickness / 2, thickness / 2)])
-    height = radius * np.sin(tilt) + thickness / 2 * np.cos(tilt) + 0.001
+    height = radius * np.sin(tilt) + thickness / 2 * np.cos(tilt)
     turn = (np.cos(tilt / 2), 0.0, np.sin(tilt / 2), 0.0)
-    spin = (0.0, 0.0, 14.0)
+    rate = 2 * np.sqrt(GRAVITY / (radius * np.sin(tilt)))
+    spin = rate * np.sin(tilt) * np.array([-np.cos(tilt), 0.0, np.sin(tilt)])
     coin = builder.hull(points, position=(0.0, 0.0, height), orientation=turn, angular_velocity=spin, density=8000.0)
 
     def flat(scene: Scene, watched: Watched) -> float:
         high = np.flatnonzero(watched.poses[:, coin, 2] > thickness / 2 + 1e-3)
         return float(watched.times[min(high[-1] + 1, len(watched.times) - 1)])
 
-    return Trial("coin of 24 corners", (builder.scene(),), 5.0, (comes_to("flat after", "s", flat, exact, 0.2),), looks=300)
+    criteria = (comes_to("flat after", "s", flat, exact, 0.2),)
+    return Trial("coin of 24 corners", (builder.scene(),), 5.0, criteria, looks=300)
 
 
-TRIALS = (_bullet("box"), _bullet("ball"), _billiards(), _dominoes(0.25), _coin(1.8))
+TRIALS = (_bullet("box"), _bullet("ball"), _grounded_bullets(), _billiards(), _dominoes(), _coin())

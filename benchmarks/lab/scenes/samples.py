@@ -6,33 +6,35 @@ import numpy as np
 
 from benchmarks.lab.building import GROUND, Builder
 from benchmarks.lab.measures import apart, at_most, keeps, overlaps, rests, sinks, stays
+from benchmarks.lab.scenes.planar import hang_planks
 from benchmarks.lab.scenes.towers import standing
 from benchmarks.lab.trial import Trial
 from benchmarks.world.described import Floats, Scene
 from benchmarks.world.judge import Watched
-
-_ACROSS = (0.0, 1.0, 0.0)
 
 
 def _about_y(angle: float) -> Floats:
     return np.array([np.cos(angle / 2), 0.0, np.sin(angle / 2), 0.0])
 
 
-def _card_house(storeys: int = 5) -> Trial:
-    """Lean cards of 0.4 m against each other at 25 degrees, with cards laid across; numbers of Solver2D."""
-    builder, lean = Builder(friction=0.7), np.radians(25.0)
+def _card_house(storeys: int, thick: float) -> Trial:
+    """Lean pairs of cards of 0.4 m against each other at 25 degrees, with cards laid across from pair to pair."""
+    builder, lean, half = Builder(friction=0.7), np.radians(25.0), 0.2
     builder.plane()
-    card, height, start = (0.002, 0.3, 0.4), 0.18, 0.0
-    for left in range(storeys, 0, -1):
-        x = start
-        for k in range(left):
-            if k != left - 1:
-                builder.box(card, position=(x + 0.25, 0.0, height + 0.185), orientation=_about_y(np.pi / 2))
-            builder.box(card, position=(x, 0.0, height), orientation=_about_y(lean))
-            builder.box(card, position=(x + 0.175, 0.0, height), orientation=_about_y(-lean))
-            x += 0.35
-        height, start = height + 0.37, start + 0.175
-    return Trial("card house of 5 storeys", (builder.scene(),), 10.0, (rests(), stays(0.1), sinks(0.1)))
+    high = half * np.cos(lean) + thick / 2 * np.sin(lean)  # of a leaning card's centre
+    wide = half * np.sin(lean) + thick / 2 * np.cos(lean)  # from there to where the pair meets
+    for storey in range(storeys):
+        floor, pairs = storey * (2 * high + thick), storeys - storey
+        for pair in range(pairs):
+            x = (4 * pair + 2 * storey) * wide
+            for side in (-1.0, 1.0):
+                place = (x + side * wide, 0.0, floor + high)
+                builder.box((thick, 0.3, 2 * half), position=place, orientation=_about_y(-side * lean))
+            if pair < pairs - 1:
+                place = (x + 2 * wide, 0.0, floor + 2 * high + thick / 2)
+                builder.box((2 * half, 0.3, thick), position=place)
+    name = f"card house of {storeys} storeys, {1000 * thick:g} mm"
+    return Trial(name, (builder.scene(),), 10.0, (rests(), stays(0.1), sinks(0.1)))
 
 
 def _arch(stones: int = 11, ratio: float = 0.2) -> Trial:
@@ -80,7 +82,9 @@ def _double_domino(count: int = 15) -> Trial:
     def standing_still(scene: Scene, watched: Watched) -> float:
         return float((watched.poses[-1, 1:, 2] > 0.49).sum())
 
-    return Trial("dominoes of Box2D", (builder.scene(),), 10.0, (at_most("left standing", "", standing_still, 0.0), rests()))
+    return Trial(
+        "dominoes of Box2D", (builder.scene(),), 10.0, (at_most("left standing", "", standing_still, 0.0), rests())
+    )
 
 
 def _cantilever(count: int = 8) -> Trial:
@@ -96,13 +100,14 @@ def _cantilever(count: int = 8) -> Trial:
 
 def _confined(side: int = 10) -> Trial:
     """Put balls that overlap by a fifth into a box that is too small for them, in a plane: none gets out."""
-    builder, pitch, radius = Builder(0.0, planar=True), 0.8, 0.5
+    random, builder, pitch, radius = np.random.default_rng(2), Builder(0.0, planar=True), 0.8, 0.5
     room = side * pitch / 2
     for normal in ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)):
         builder.plane(normal, position=-room * np.array(normal))
     places = (np.arange(side) - (side - 1) / 2) * pitch
     for x, z in itertools.product(places, places):
-        builder.sphere(radius, position=(x, 0.0, z), mass=1.0)
+        aside = random.uniform(-0.05, 0.05, 2)
+        builder.sphere(radius, position=(x + aside[0], 0.0, z + aside[1]), mass=1.0)
 
     def outside(scene: Scene, watched: Watched) -> float:
         return float(np.abs(watched.poses[:, 4:, :3]).max() - room)
@@ -129,14 +134,9 @@ def _recovery(rows: int = 4, share: float = 0.25) -> Trial:
 
 
 def _bridge(planks: int = 40) -> Trial:
-    """Hang a level bridge of planks on hinges between two points, and let it swing."""
+    """Hang a bridge of planks on hinges between two points, an arc at first, and let it swing."""
     builder = Builder()
-    before = GROUND
-    for k in range(planks):
-        plank = builder.box((0.5, 1.0, 0.1), position=(0.5 * k + 0.25, 0.0, 0.0), density=200.0)
-        builder.join("hinge", before, plank, (0.5 * k, 0.0, 0.0), _ACROSS)
-        before = plank
-    builder.join("hinge", before, GROUND, (0.5 * planks, 0.0, 0.0), _ACROSS)
+    hang_planks(builder, np.linspace(0.3, -0.3, planks), 0.5, 5.0)
     return Trial("bridge of 40 planks", (builder.scene(),), 5.0, (apart(0.01),))
 
 
@@ -197,7 +197,9 @@ def _ball_pile() -> Trial:
     builder.plane()
     for way in ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)):
         normal = np.array([*way, 0.0])
-        builder.box(0.2 * np.abs(normal) + 3.0 * (1 - np.abs(normal)), position=[*(-1.1 * normal[:2]), 1.0], static=True)
+        builder.box(
+            0.2 * np.abs(normal) + 3.0 * (1 - np.abs(normal)), position=[*(-1.1 * normal[:2]), 1.0], static=True
+        )
     for x, y, z in itertools.product(range(4), range(4), range(4)):
         place = 0.45 * np.array([x - 1.5, y - 1.5, z + 1.0]) + random.uniform(-0.02, 0.02, 3)
         builder.sphere(0.2, position=place, density=500.0)
@@ -205,7 +207,8 @@ def _ball_pile() -> Trial:
 
 
 TRIALS = (
-    _card_house(),
+    _card_house(5, 0.01),
+    _card_house(3, 0.02),
     _arch(),
     _heavy_tips(),
     _big_box(),

@@ -26,7 +26,9 @@ def _chain(kind: str, links: int, end: float) -> Trial:
         size = radius * end ** (1 / 3)
         ball = builder.sphere(size, position=(links * length + size, 0.0, 0.0), mass=end, **_PASSING)
         builder.join(kind, before, ball, (links * length, 0.0, 0.0), _ACROSS)
-    name = f"chain of {links} on {'hinges' if kind == 'hinge' else 'ball joints'}" + (f", {end:g} kg below" if end else "")
+    name = f"chain of {links} on {'hinges' if kind == 'hinge' else 'ball joints'}" + (
+        f", {end:g} kg below" if end else ""
+    )
     return Trial(name, (builder.scene(),), 5.0, (keeps(0.01), apart(0.01)), looks=100)
 
 
