@@ -23,6 +23,8 @@ def markdown(rows: Rows, contestants: Sequence[Contestant]) -> str:
 
 
 def _cell(result: Result) -> str:
+    if result.refused:
+        return f"refused: {result.reason}"
     if not result.runs:
         return "-"
     cost = "" if np.isnan(result.cost) else f"; {1e3 * result.cost:.2g} ms"
@@ -51,7 +53,8 @@ def _rests(result: Result, most: float) -> bool:
 def _behind(rows: Rows, labels: Sequence[str]) -> list[str]:
     """Name what another engine does and the first one does not."""
     if len(labels) == 1:
-        return []
+        missed = [trial.name for trial, (result,) in rows if not result.holds]
+        return ["", f"Not held: {'; '.join(missed) or 'none'}."]
     held, rest = [], []
     for trial, (first, *others) in rows:
         holding = [label for label, other in zip(labels[1:], others, strict=True) if other.holds]

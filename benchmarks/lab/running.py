@@ -1,6 +1,7 @@
 """How a trial is run in an engine, and what comes of it."""
 
 import time
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -15,7 +16,7 @@ from benchmarks.world.described import Floats, Scene, Unsupported
 from benchmarks.world.judge import Watched
 from benchmarks.world.mujoco import Mujoco
 from benchmarks.world.rapier import Rapier
-from kickdrift import KickdriftError
+from kickdrift import KickdriftError, LostBodyError
 
 
 class Engine(Protocol):
@@ -66,22 +67,27 @@ class Result:
     cost : float
         Median time of a step, s.
     reason : str
-        Why there is nothing.
+        Why there is nothing, or the error that ended it.
+    refused : bool
+        Whether the engine said that it cannot, and the trial accepts that.
     """
 
     findings: tuple[tuple[Criterion, float], ...]
     cost: float = np.nan
     reason: str = ""
+    refused: bool = False
 
     @property
     def runs(self) -> bool:
         """Whether the engine could express the trial."""
-        return bool(self.findings)
+        return self.refused or bool(self.findings)
 
     @property
     def holds(self) -> bool:
         """Whether all is as wanted."""
-        return self.runs and all(criterion.holds(value) for criterion, value in self.findings)
+        return self.refused or (
+            bool(self.findings) and all(criterion.holds(value) for criterion, value in self.findings)
+        )
 
 
 def run(trial: Trial, contestant: Contestant) -> Result:
@@ -89,10 +95,14 @@ def run(trial: Trial, contestant: Contestant) -> Result:
     found, costs = [], []
     for scene in trial.scenes:
         try:
-            watched, cost = _watch(trial, scene, contestant)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # what a run comes to is measured
+                watched, cost = _watch(trial, scene, contestant)
         except Unsupported as reason:
             return Result((), reason=str(reason))
         except KickdriftError as reason:
+            if trial.refusable and not isinstance(reason, LostBodyError):
+                return Result((), reason=str(reason), refused=True)
             return Result(tuple((criterion, np.inf) for criterion in trial.criteria), reason=str(reason))
         found.append([_measured(criterion, scene, watched) for criterion in trial.criteria])
         costs.append(cost)

@@ -24,7 +24,7 @@ class Criterion:
     least, most : float
         Bounds; none make it information.
     exact : float, optional
-        Value that mechanics gives.
+        Value that mechanics gives, within the bounds.
     """
 
     label: str
@@ -42,20 +42,21 @@ class Criterion:
     def wanted(self) -> str:
         """What is wanted, in words."""
         if self.exact is not None:
-            return f"{self.label} {_short(self.exact)} {self.unit}".rstrip()
+            part = 100 * (self.most - self.least) / 2 / abs(self.exact)
+            return f"{self.label} {_short(self.exact, 4)} {self.unit}".rstrip() + f" ± {part:.2g} %"
         if np.isinf(self.most):
             return f"{self.label} >= {_short(self.least)} {self.unit}".rstrip() if np.isfinite(self.least) else ""
         return f"{self.label} <= {_short(self.most)} {self.unit}".rstrip()
 
     def said(self, value: float) -> str:
         """Print a value; one out of bounds in bold."""
-        text = f"{self.label} {_short(value)} {self.unit}".rstrip()
+        text = f"{self.label} {_short(value, 2 if self.exact is None else 4)} {self.unit}".rstrip()
         return text if self.holds(value) else f"**{text}**"
 
 
-def _short(value: float) -> str:
+def _short(value: float, digits: int = 2) -> str:
     size = abs(value)
-    return f"{value:.1e}" if 0 < size < 1e-3 or size >= 1e4 else f"{value:.3g}"
+    return f"{value:.0e}" if 0 < size < 1e-3 or 1e4 <= size < np.inf else f"{value:.{digits}g}"
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,8 @@ class Trial:
         How often the run is looked at.
     quick : bool
         Whether the tests run it, too.
+    refusable : bool
+        Whether an error that says why it cannot be done holds, too: of steps too long for what turns that fast.
     """
 
     name: str
@@ -82,3 +85,4 @@ class Trial:
     criteria: tuple[Criterion, ...]
     looks: int = 40
     quick: bool = True
+    refusable: bool = False

@@ -22,7 +22,7 @@ def rebound(mass: float, speed: float, inertia: float, arm: float, restitution: 
 
 
 def _door(restitution: float) -> Trial:
-    """A ball strikes a door of 1 m x 2 m on its hinge at rest, 0.8 m from it."""
+    """Strike a door of 1 m x 2 m on its hinge with a ball, 0.8 m from the hinge."""
     builder = Builder(_WEIGHTLESS, restitution=restitution, friction=0.0)
     door = builder.box((1.0, 0.05, 2.0), position=(0.5, 0.0, 0.0), mass=5.0)
     builder.join("hinge", GROUND, door, (0.0, 0.0, 0.0), _UP)
@@ -42,7 +42,7 @@ def _rate(body: int, axis: int, exact: float) -> Criterion:
 
 
 def _rod(restitution: float) -> Trial:
-    """A rod turns on its hinge, strikes a post with its tip, and rebounds with e of its rate."""
+    """Let a rod on a hinge strike a post with its tip: it rebounds with e of its rate."""
     builder = Builder(_WEIGHTLESS, restitution=restitution, friction=0.0)
     motion = {"velocity": (0.0, 0.0, -1.5), "angular_velocity": (0.0, 3.0, 0.0)}
     rod = builder.box((1.0, 0.05, 0.05), position=(0.5, 0.0, 0.0), mass=1.0, **motion)
@@ -75,13 +75,13 @@ def _cradle() -> Trial:
 
 
 def _rotor(rate: float, off: float) -> Trial:
-    """A plate turns on a hinge through its centre, or beside it, without weight, for 5 s."""
+    """Turn a plate on a hinge through its centre, or beside it, without weight, for 5 s."""
     builder = Builder(_WEIGHTLESS)
     motion = {"velocity": (0.0, rate * off, 0.0), "angular_velocity": (0.0, 0.0, rate)}
     rotor = builder.box((0.4, 0.2, 0.1), position=(off, 0.0, 0.0), mass=2.0, **motion)
     builder.join("hinge", GROUND, rotor, (0.0, 0.0, 0.0), _UP)
     where = f"{off:g} m off centre" if off else "on centre"
-    return Trial(f"rotor, {rate:g} rad/s, {where}", (builder.scene(),), 5.0, (keeps(0.01), apart(0.01)))
+    return Trial(f"rotor, {rate:g} rad/s, {where}", (builder.scene(),), 5.0, (keeps(0.01), apart(0.01)), refusable=True)
 
 
 def _rotors_drawn(members: int = 8) -> Trial:
@@ -101,7 +101,7 @@ def _rotors_drawn(members: int = 8) -> Trial:
 
 
 def _hub(rate: float) -> Trial:
-    """A hub turns on a hinge through its centre and carries a weight, fixed to it, 0.5 m away."""
+    """Turn a hub on a hinge through its centre that carries a weight, fixed to it, 0.5 m away."""
     builder = Builder(_WEIGHTLESS)
     spin = {"angular_velocity": (0.0, 0.0, rate)}
     hub = builder.box((0.4, 0.4, 0.1), mass=2.0, **spin)
@@ -112,7 +112,7 @@ def _hub(rate: float) -> Trial:
 
 
 def _hanging_hub() -> Trial:
-    """A wheel turns on a hinge through its centre, and a weight hangs from its rim on a hinge, under gravity."""
+    """Turn a wheel on a hinge through its centre, with a weight that hangs from its rim on a hinge."""
     builder = Builder()
     spin, rate = {"angular_velocity": (0.0, 20.0, 0.0)}, 20.0
     hub = builder.box((0.6, 0.1, 0.6), mass=5.0, **spin)

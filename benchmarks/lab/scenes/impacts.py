@@ -10,7 +10,7 @@ from benchmarks.world.judge import Watched
 
 
 def _bullet(shape: str) -> Trial:
-    """A body of 1 kg strikes two plates of 10 kg, welded to each other, with 500 m/s and e = 0: all move on together."""
+    """Strike two plates of 10 kg, welded to each other, with 1 kg at 500 m/s and e = 0: all move on together."""
     builder, speed = Builder(0.0), 500.0
     plates = [builder.box((2.0, 2.0, 0.1), position=(0.0, 0.0, z), mass=10.0) for z in (0.0, -0.1)]
     builder.join("fixed", *plates, (0.0, 0.0, -0.05))
@@ -47,7 +47,7 @@ def _grounded_bullets(members: int = 6) -> Trial:
 
 
 def _billiards() -> Trial:
-    """A ball breaks a rack of 15 along its axis of symmetry, e = 1: left and right stay mirror images."""
+    """Break a rack of 15 balls along its axis of symmetry, e = 1: left and right stay mirror images."""
     builder, radius, speed = Builder(0.0, friction=0.0, restitution=1.0), 0.03, 5.0
     mirror = [builder.sphere(radius, position=(-0.5, 0.0, 0.0), mass=0.17, velocity=(speed, 0.0, 0.0))]
     for row in range(5):
@@ -66,7 +66,7 @@ def _billiards() -> Trial:
 
 
 def _dominoes(exact: float = 0.1137, count: int = 30) -> Trial:
-    """A row of dominoes falls; the wave takes so long from one to the next.
+    """Let a row of dominoes fall; the wave takes so long from one to the next.
 
     MuJoCo takes 0.1137 s with 5, 2 and 1 ms; Box3D 0.1156 with 1 ms.
     """
@@ -93,7 +93,7 @@ def _dominoes(exact: float = 0.1137, count: int = 30) -> Trial:
 
 
 def _coin(exact: float = 1.480) -> Trial:
-    """A coin of 24 corners begins as Euler's disc would roll on at 45 degrees, and lies flat after a while.
+    """Begin a coin of 24 corners as Euler's disc would roll on at 45 degrees; it lies flat after a while.
 
     The disc's steady motion turns with 2 sqrt(g / (r sin(tilt))) about the vertical and rests in its middle. Corners take
     its energy: between impacts the coin turns about one of them, and at an impact keeps its angular momentum about the

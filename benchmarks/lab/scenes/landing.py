@@ -12,20 +12,21 @@ from benchmarks.world.judge import Watched
 
 _MEMBERS = 25  # in a world, each on its own
 _PITCH = 20.0  # m
+_ACROSS = np.array([0.0, 1.0, 0.0])
 _BODIES, _FLOOR = 2, 1  # layers: bodies meet the floor alone
 
 
-def family(kind: str, restitution: float, friction: float, seed: int) -> Scene:
+def family(kind: str, restitution: float, friction: float, seed: int, planar: bool = False) -> Scene:
     """Let boxes or capsules fall from 2 m, of aspect ratios 0.02 to 50, turning with up to 10 rad/s about any axis."""
     random = np.random.default_rng(seed)
-    builder = Builder(friction=friction, restitution=restitution)
+    builder = Builder(friction=friction, restitution=restitution, planar=planar)
     builder.plane(layer=_FLOOR)
     places = (np.arange(round(_MEMBERS**0.5)) - 2) * _PITCH
     for x, y in itertools.product(places, places):
         options = {
             "position": (x, y, 2.0),
-            "orientation": random.normal(size=4),
-            "angular_velocity": _direction(random) * random.uniform(0.0, 10.0),
+            "orientation": random.normal(size=4) * ((1, 0, 1, 0) if planar else 1),
+            "angular_velocity": random.uniform(0.0, 10.0) * (_ACROSS if planar else _direction(random)),
             "layer": _BODIES,
             "mask": _FLOOR,
         }
@@ -42,10 +43,10 @@ def _direction(random: np.random.Generator) -> Floats:
     return np.asarray(way / np.linalg.norm(way))
 
 
-def _landing(kind: str, restitution: float, seed: int) -> Trial:
-    scenes = tuple(family(kind, restitution, friction, seed + k) for k, friction in enumerate((0.0, 0.5)))
-    name = {"box": "slender boxes", "capsule": "capsules"}[kind]
-    return Trial(f"50 {name} landing, e = {restitution:g}", scenes, 2.5, (gains(0.01),), looks=150)
+def _landing(kind: str, restitution: float, seed: int, planar: bool = False) -> Trial:
+    scenes = tuple(family(kind, restitution, friction, seed + k, planar) for k, friction in enumerate((0.0, 0.5)))
+    name = f"50 {'slender boxes' if kind == 'box' else 'capsules'} landing, e = {restitution:g}"
+    return Trial(f"planar: {name}" if planar else name, scenes, 2.5, (gains(0.01),), looks=150)
 
 
 def _spinning() -> Trial:
@@ -72,5 +73,6 @@ def _spinning() -> Trial:
 TRIALS = (
     *(_landing("box", e, 10 * k + 100) for k, e in enumerate((0.0, 0.5, 0.8, 1.0))),
     *(_landing("capsule", e, 10 * k + 200) for k, e in enumerate((0.0, 0.5, 0.8, 1.0))),
+    *(_landing("box", e, 10 * k + 300, planar=True) for k, e in enumerate((0.0, 0.5, 1.0))),
     _spinning(),
 )

@@ -12,7 +12,7 @@ _ALONG, _ACROSS = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 
 
 def _pusher() -> Trial:
-    """A pusher of 3 kg, 1 m/s and at most 500 N, at a box of 50 kg: F / m until it has its speed."""
+    """Push a box of 50 kg with 3 kg, 1 m/s and at most 500 N: F / m until it has its speed."""
     builder, force = Builder(friction=0.0), 500.0
     builder.plane()
     pusher = builder.box((0.2, 0.5, 0.5), position=(-0.1, 0.0, 0.3), mass=3.0)
@@ -34,7 +34,7 @@ def _pusher() -> Trial:
 
 
 def _striking_pusher() -> Trial:
-    """The pusher strikes the box: in 0.05 s it gives what the motor does, and what the pusher itself brings."""
+    """Let the pusher strike the box: in 0.05 s it gives what the motor does, and what it brings itself."""
     builder, force, mass, speed = Builder(friction=0.0), 500.0, 3.0, 1.0
     builder.plane()
     pusher = builder.box((0.2, 0.5, 0.5), position=(-0.5, 0.0, 0.3), mass=mass)
@@ -50,7 +50,7 @@ def _striking_pusher() -> Trial:
 
 
 def _lift() -> Trial:
-    """A lift of 2 kg with 20 kg on it, and 1.1 times their weight: it rises with 0.1 g."""
+    """Lift 2 kg with 20 kg on it by 1.1 times their weight: they rise with 0.1 g."""
     builder = Builder()
     force = 1.1 * 22.0 * GRAVITY
     lift = builder.box((1.0, 1.0, 0.2), position=(0.0, 0.0, 1.0), mass=2.0)
@@ -64,7 +64,7 @@ def _lift() -> Trial:
 
 
 def _cart(share: float, angle: float = 0.26) -> Trial:
-    """A cart of four balls as wheels on a slope, braked with a share of what holds it."""
+    """Put a cart with balls as wheels on a slope, braked with a share of what holds it."""
     builder = Builder(GRAVITY * np.array([np.sin(angle), 0.0, -np.cos(angle)]), friction=1.0)
     builder.plane()
     radius, whole = 0.2, 14.0
@@ -86,7 +86,7 @@ def _cart(share: float, angle: float = 0.26) -> Trial:
 
 
 def _gripper(share: float, force: float = 40.0, mu: float = 0.5) -> Trial:
-    """Two fingers of at most 40 N hold a box whose weight is a share of what friction holds."""
+    """Grip a box with two fingers of at most 40 N; its weight is a share of what friction holds."""
     builder = Builder(friction=mu)
     mass = share * 2 * mu * force / GRAVITY
     box = builder.box((0.1, 0.1, 0.1), mass=mass)

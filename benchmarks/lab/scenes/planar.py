@@ -53,4 +53,18 @@ def _bridge(planar: bool, planks: int = 12, ball: float = 15.0) -> Trial:
     return Trial(name, (builder.scene(),), 20.0, criteria, looks=80)
 
 
-TRIALS = (_zigzag(), _pyramid(), _bridge(True), _bridge(False))
+def _towers(members: int = 6) -> Trial:
+    """Stack three to seven boxes of random sizes and masses, each a little aside; statics holds them all."""
+    random, scenes = np.random.default_rng(23), []
+    for _ in range(members):
+        builder, height, x = Builder(planar=True), 0.0, 0.0
+        builder.plane()
+        for _ in range(random.integers(3, 8)):
+            edges, mass = random.uniform(0.6, 1.2, 2), 10.0 ** random.uniform(-0.5, 0.5)
+            builder.box((edges[0], 1.0, edges[1]), position=(x, 0.0, height + edges[1] / 2), mass=mass)
+            height, x = height + edges[1], x + random.uniform(-0.04, 0.04)
+        scenes.append(builder.scene())
+    return Trial("planar: 6 towers of random boxes", tuple(scenes), 10.0, (rests(), stays(0.1)))
+
+
+TRIALS = (_zigzag(), _pyramid(), _towers(), _bridge(True), _bridge(False))

@@ -13,7 +13,7 @@ _PASSING = {"mask": 0, "layer": 2}  # what meets nothing
 
 
 def _chain(kind: str, links: int, end: float) -> Trial:
-    """A chain of rods of 1 kg and 0.5 m swings from the horizontal, a ball of some mass at its end."""
+    """Let a chain of rods of 1 kg and 0.5 m swing from the horizontal, a ball of some mass at its end."""
     builder, length, radius = Builder(), 0.5, 0.05
     lying = (2**-0.5, 0.0, 2**-0.5, 0.0)
     before = GROUND
@@ -33,7 +33,7 @@ def _chain(kind: str, links: int, end: float) -> Trial:
 
 
 def _grid(size: int = 10) -> Trial:
-    """A grid of balls, each joined to its neighbours, swings from its first row."""
+    """Let a grid of balls, each joined to its neighbours, swing from its first row."""
     builder = Builder()
     balls = {}
     for row in range(size):
@@ -48,7 +48,7 @@ def _grid(size: int = 10) -> Trial:
 
 
 def _spring(hertz: float, periods: int = 6) -> Trial:
-    """A mass on an undamped spring after six periods."""
+    """Let a mass on an undamped spring swing for six periods."""
     builder, amplitude = Builder(0.0), 0.1
     mass, rate = 1.0, 2 * np.pi * hertz
     body = builder.box((0.2, 0.2, 0.2), mass=mass)
@@ -64,7 +64,7 @@ def _spring(hertz: float, periods: int = 6) -> Trial:
 
 
 def _top(rate: float, tilt: float = 0.35) -> Trial:
-    """A heavy top on a ball joint, begun so that it precesses evenly by the slow root of its equation."""
+    """Spin a heavy top on a ball joint so that it precesses evenly, by the slow root of its equation."""
     builder, arm, mass = Builder(), 0.15, 1.0
     about, across = 0.02, 0.01 + mass * arm**2  # moments about the axis, and across it through the tip
     a, b, c = across * np.cos(tilt), about * rate, mass * GRAVITY * arm
@@ -83,7 +83,7 @@ def _top(rate: float, tilt: float = 0.35) -> Trial:
         return float((angles[-1] - angles[0]) / watched.times[-1])
 
     criteria = (keeps(0.01), comes_to("precession", "rad/s", precession, float(slow), 0.02), apart(0.001))
-    return Trial(f"top at {rate:g} rad/s", (builder.scene(),), 5.0, criteria)
+    return Trial(f"top at {rate:g} rad/s", (builder.scene(),), 5.0, criteria, refusable=True)
 
 
 TRIALS = (
