@@ -35,8 +35,8 @@ class Criterion:
     exact: float | None = None
 
     def holds(self, value: float) -> bool:
-        """Whether a value lies within the bounds; an unknown one (nan) does where nothing is wanted."""
-        return self.least <= value <= self.most or (np.isinf(self.least) and np.isinf(self.most))
+        """Whether a value lies within the bounds, or is unknown (nan): what has no means to measure it does not judge."""
+        return bool(np.isnan(value)) or self.least <= value <= self.most
 
     @property
     def wanted(self) -> str:
@@ -56,7 +56,9 @@ class Criterion:
 
 def _short(value: float, digits: int = 2) -> str:
     size = abs(value)
-    return f"{value:.0e}" if 0 < size < 1e-3 or 1e4 <= size < np.inf else f"{value:.{digits}g}"
+    if 0 < size < 1e-3 or 1e4 <= size < np.inf:
+        return f"{value:.0e}"
+    return f"{value:.0f}" if 100 <= size < np.inf else f"{value:.{digits}g}"
 
 
 @dataclass(frozen=True)

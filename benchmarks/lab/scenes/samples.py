@@ -68,7 +68,7 @@ def _big_box() -> Trial:
     for side in (-1.0, 1.0):
         builder.box((1.0, 1.0, 1.0), position=(9.0 * side, 0.0, 0.5), density=1.0)
     builder.box((20.0, 20.0, 20.0), position=(0.0, 0.0, 11.0), density=1.0)
-    return standing("cube of 20 m on two of 1 m", builder.scene(), 1.0)
+    return standing("cube of 20 m on two of 1 m", builder.scene(), 1.0, deep=0.5)
 
 
 def _double_domino(count: int = 15) -> Trial:

@@ -23,10 +23,13 @@ def tower(masses: Sequence[float], edges: Sequence[float]) -> Scene:
     return builder.scene()
 
 
-def standing(name: str, scene: Scene, size: float, quick: bool = True) -> Trial:
-    """Want a stack of boxes of a size, the smallest, to stand: less than that aside, half as deep in each other."""
+def standing(name: str, scene: Scene, size: float, quick: bool = True, deep: float | None = None) -> Trial:
+    """Want a stack of boxes of a size, the smallest, to stand: less than that aside, half as deep in each other.
+
+    It may not sink by more than a quarter of where the highest one is, or as deep as is said.
+    """
     high = max(body.position[2] for body in scene.bodies)
-    criteria = (rests(), stays(size), sinks(0.25 * high), overlaps(0.5 * size))
+    criteria = (rests(), stays(size), sinks(0.25 * high if deep is None else deep), overlaps(0.5 * size))
     return Trial(name, (scene,), _TEN, criteria, quick=quick)
 
 
