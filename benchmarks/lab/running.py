@@ -142,6 +142,8 @@ def _watch(trial: Trial, scene: Scene, contestant: Contestant) -> tuple[Watched,
             times.append(done * step)
             poses.append(engine.poses())
             motions.append(engine.motions())
+            if not np.isfinite(poses[-1]).all():
+                break  # what is lost stays so, and MuJoCo takes minutes over it
     finally:
         close = getattr(engine, "close", None)
         if close is not None:

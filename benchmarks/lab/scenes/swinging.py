@@ -3,11 +3,12 @@
 import numpy as np
 
 from benchmarks.lab.building import GRAVITY, GROUND, Builder
-from benchmarks.lab.measures import apart, comes_to, keeps
+from benchmarks.lab.measures import apart, at_most, comes_to, keeps
 from benchmarks.lab.trial import Trial
 from benchmarks.world.described import Scene
 from benchmarks.world.judge import Watched
 
+_LYING, _LYING_ACROSS = (2**-0.5, 0.0, 2**-0.5, 0.0), (2**-0.5, 2**-0.5, 0.0, 0.0)
 _ACROSS = (0.0, 1.0, 0.0)
 _PASSING = {"mask": 0, "layer": 2}  # what meets nothing
 
@@ -15,11 +16,10 @@ _PASSING = {"mask": 0, "layer": 2}  # what meets nothing
 def _chain(kind: str, links: int, end: float) -> Trial:
     """Let a chain of rods of 1 kg and 0.5 m swing from the horizontal, a ball of some mass at its end."""
     builder, length, radius = Builder(), 0.5, 0.05
-    lying = (2**-0.5, 0.0, 2**-0.5, 0.0)
     before = GROUND
     for k in range(links):
         place = ((k + 0.5) * length, 0.0, 0.0)
-        rod = builder.capsule(radius, length - 2 * radius, position=place, orientation=lying, mass=1.0, **_PASSING)
+        rod = builder.capsule(radius, length - 2 * radius, position=place, orientation=_LYING, mass=1.0, **_PASSING)
         builder.join(kind, before, rod, (k * length, 0.0, 0.0), _ACROSS)
         before = rod
     if end:
@@ -45,6 +45,26 @@ def _grid(size: int = 10) -> Trial:
             if row > 0 and column > 0:
                 builder.join("ball", balls[row, column - 1], ball, (row, column - 0.5, 0.0))
     return Trial("joint grid of 10 x 10", (builder.scene(),), 5.0, (keeps(0.01), apart(0.01)), looks=100)
+
+
+def _drum(links: int = 60) -> Trial:
+    """Lay a rope of 60 links over a drum, on which friction holds it."""
+    builder, drum, radius, length = Builder(friction=1.0), 0.5, 0.02, 0.1
+    builder.capsule(drum, 4.0, orientation=_LYING_ACROSS, static=True)
+    before = None
+    for k in range(links):
+        x = (k - (links - 1) / 2) * length
+        place = (x, 0.0, drum + radius)
+        rod = builder.capsule(radius, length - 2 * radius, position=place, orientation=_LYING, mass=0.1)
+        if before is not None:
+            builder.join("ball", before, rod, (x - length / 2, 0.0, drum + radius))
+        before = rod
+
+    def below(scene: Scene, watched: Watched) -> float:
+        return float(drum - watched.poses[-1, 1:, 2].max())
+
+    criteria = (at_most("below the top", "m", below, 0.0), apart(0.01))
+    return Trial("rope of 60 links over a drum", (builder.scene(),), 5.0, criteria, quick=False)
 
 
 def _spring(hertz: float, periods: int = 6) -> Trial:
@@ -92,6 +112,7 @@ TRIALS = (
     _chain("hinge", 20, 100.0),
     _chain("ball", 20, 1000.0),
     _grid(),
+    _drum(),
     *(_spring(hertz) for hertz in (1.0, 6.0)),
     *(_top(rate) for rate in (100.0, 1000.0)),
 )
