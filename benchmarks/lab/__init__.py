@@ -31,7 +31,7 @@ def _run(trial: Trial, contestant: Contestant) -> Result:
     except Missing as missing:
         result = Result((), reason=str(missing))
     said = "holds" if result.holds else "-" if not result.runs else "does not hold"
-    numbers = ", ".join(criterion.said(value) for criterion, value in result.findings) or result.reason
+    numbers = result.reason or ", ".join(criterion.said(value) for criterion, value in result.findings)
     took = time.perf_counter() - started
     print(f"{trial.name} | {contestant.label} | {said} | {numbers} | {took:.1f} s", file=sys.stderr, flush=True)
     return result
