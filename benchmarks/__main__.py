@@ -11,7 +11,18 @@ from pathlib import Path
 
 import llvmlite.binding
 
-from benchmarks import against_c, gravity, implicit_euler, kepler, precision, startup, wisdom_holman, world, world_scale
+from benchmarks import (
+    against_c,
+    gravity,
+    implicit_euler,
+    kepler,
+    lab,
+    precision,
+    startup,
+    wisdom_holman,
+    world,
+    world_scale,
+)
 from benchmarks.table import Missing, Row, markdown, skipped
 
 COMPARISONS: dict[str, tuple[str, Callable[[int], list[Row]]]] = {
@@ -25,6 +36,7 @@ COMPARISONS: dict[str, tuple[str, Callable[[int], list[Row]]]] = {
 }
 _WORLD = "world"
 _PRECISION = "precision"
+_LAB = "lab"
 NAMES = (*COMPARISONS, _WORLD, _PRECISION)
 _PACKAGES = (
     "kickdrift",
@@ -39,6 +51,7 @@ _PACKAGES = (
     "symplecta",
     "desolver",
     "rapier3d",
+    "robox3d",
     "mujoco",
     "pybullet",
 )
@@ -47,23 +60,36 @@ _PACKAGES = (
 def main() -> None:
     """Read the arguments, run, and write."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
-    parser.add_argument("--only", choices=NAMES, action="append", help="run this comparison; may be repeated")
+    parser.add_argument("--only", choices=(*NAMES, _LAB), action="append", help="run this comparison; may be repeated")
     parser.add_argument("--rounds", type=int, default=9, help="how often each contestant comes (default: 9)")
     parser.add_argument("--output", type=Path, help="write the table to this file instead of the terminal")
     parser.add_argument("--pictures", type=Path, help="draw those of work and precision into this folder")
+    parser.add_argument("--engines", choices=lab.ENGINES, nargs="+", default=(), help="of the lab; all by default")
+    parser.add_argument(
+        "--scenes", nargs="+", default=(), help="of the lab: those with one of these texts in their names"
+    )
     arguments = parser.parse_args()
     if arguments.rounds < 1:
         parser.error("--rounds must be at least 1")
+    if _LAB in (arguments.only or ()) and arguments.only != [_LAB]:
+        parser.error("--only lab writes a table of its own; run it alone")
+    if arguments.only == [_LAB]:
+        _write(f"{_circumstances()}\n\n{lab.report(arguments.engines, arguments.scenes)}", arguments.output)
+        return
     sections: list[tuple[str, list[Row]]] = []
     for name in arguments.only or NAMES:
         started = time.perf_counter()
         sections.extend(_sections(name, arguments.rounds, arguments.pictures))
         print(f"{name}: {time.perf_counter() - started:.0f} s", file=sys.stderr)
-    text = f"{_circumstances(arguments.rounds)}\n\n{markdown(sections)}"
-    if arguments.output is None:
+    circumstances = f"{arguments.rounds} rounds in turns. {_circumstances()}"
+    _write(f"{circumstances}\n\n{markdown(sections)}", arguments.output)
+
+
+def _write(text: str, output: Path | None) -> None:
+    if output is None:
         print(text, end="")
     else:
-        arguments.output.write_text(text, encoding="utf-8")
+        output.write_text(text, encoding="utf-8")
 
 
 def _sections(name: str, rounds: int, pictures: Path | None) -> list[tuple[str, list[Row]]]:
@@ -78,12 +104,12 @@ def _sections(name: str, rounds: int, pictures: Path | None) -> list[tuple[str, 
         return [(title, [skipped(title, str(missing))])]
 
 
-def _circumstances(rounds: int) -> str:
+def _circumstances() -> str:
     features = llvmlite.binding.get_host_cpu_features()
     vectors = next((name for name in ("avx512f", "avx2") if features.get(name)), "neither avx2 nor avx512f")
     versions = [f"{name} {found}" for name in _PACKAGES if (found := _version(name))]
     return (
-        f"{rounds} rounds in turns. {platform.machine()}, {vectors}, {os.cpu_count()} cores;"
+        f"{platform.machine()}, {vectors}, {os.cpu_count()} cores;"
         f" Python {platform.python_version()}, {', '.join(versions)}."
     )
 

@@ -6,6 +6,7 @@ from functools import partial
 from typing import Any
 
 from benchmarks.world import judge
+from benchmarks.world.box3d import Box3d
 from benchmarks.world.bullet import Bullet
 from benchmarks.world.described import Scene
 from benchmarks.world.judge import Engine, Judge
@@ -69,6 +70,7 @@ class Case:
     fine_step: float | None = None
 
 
+BOX3D = Rival("Box3D", Box3d, 1 / 60)
 RAPIER = Rival("rapier3d", Rapier, 1 / 60)
 THREADS = Rival("rapier3d, 2 threads", partial(Rapier, threads=2), 1 / 60)
 REDUCED = Rival("rapier3d, multibody", partial(Rapier, reduced=True), 1 / 60)
@@ -84,15 +86,15 @@ FINE_RUNGE_KUTTA = Rival("MuJoCo, 2 ms, RK4", partial(Mujoco, integrator="RK4"),
 _STACK = (judge.drift, judge.depth)
 _MACHINE = (judge.stretch, judge.energy)
 CASES = (
-    Case("Pyramid of 55 boxes", worlds.pyramid, 5.0, 1.0, _STACK, (RAPIER, THREADS, MUJOCO, FINE, BULLET)),
+    Case("Pyramid of 55 boxes", worlds.pyramid, 5.0, 1.0, _STACK, (BOX3D, RAPIER, THREADS, MUJOCO, FINE, BULLET)),
     Case(
         "Pyramid of 210 boxes", partial(worlds.pyramid, base=20), 5.0, 0.5, _STACK,
-        (RAPIER, THREADS, MUJOCO, FINE, BULLET),
+        (BOX3D, RAPIER, THREADS, MUJOCO, FINE, BULLET),
     ),
-    Case("Pyramid of 5050 boxes", partial(worlds.pyramid, base=100), 5.0, 0.5, _STACK, (RAPIER, THREADS)),
+    Case("Pyramid of 5050 boxes", partial(worlds.pyramid, base=100), 5.0, 0.5, _STACK, (BOX3D, RAPIER, THREADS)),
     Case(
         "Pile of 1000 boxes", worlds.pile, 5.0, 5.0, (judge.depth, judge.rest),
-        (RAPIER, THREADS, MUJOCO, BULLET), most_rounds=3,
+        (BOX3D, RAPIER, THREADS, MUJOCO, BULLET), most_rounds=3,
     ),
     Case("Grid of 30 x 30 balls on joints", worlds.joint_grid, 3.0, 1.0, _MACHINE, (RAPIER, MUJOCO, BULLET)),
     Case(

@@ -2,6 +2,7 @@
 
 from collections import deque
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,15 +18,19 @@ class Body:
     Attributes
     ----------
     kind : str
-        "plane" (normal along its own z), "sphere", "capsule" (along its own z) or "box".
+        "plane" (normal along its own z), "sphere", "capsule" (along its own z), "box", "hull" or "mesh".
     size : tuple of float
-        None; radius; radius and half the length of the straight part; half extents.
+        None; radius; radius and half the length of the straight part; half extents; none for the last two.
     position, orientation : (3,) and (4,) arrays
         The latter as (w, x, y, z).
     mass : float
         kg; 0 for a body that never moves.
     inertia : (3,) array
         Moments about its own axes.
+    points, faces : (N, 3) and (M, 3) arrays, optional
+        Of a hull, which has no faces, and of a mesh.
+    belt : (3,) array, optional
+        Velocity at which the surface runs, though the body does not, m/s.
     """
 
     kind: str
@@ -40,11 +45,14 @@ class Body:
     angular_velocity: Floats = field(default_factory=lambda: np.zeros(3))
     layer: int = 1
     mask: int = 0xFFFF
+    points: Floats | None = None
+    faces: NDArray[np.intp] | None = None
+    belt: Floats | None = None
 
 
 @dataclass(frozen=True)
 class Joint:
-    """A "ball" or a "hinge" between two bodies, placed where it is at the start.
+    """A "ball", "hinge", "slider" or "fixed" joint between two bodies, placed where it is at the start.
 
     Attributes
     ----------
@@ -55,7 +63,11 @@ class Joint:
     limits : (float, float), optional
         Of the angle, from the start.
     target, stiffness, damping : float
-        Of a spring at the angle; a ball has damping alone.
+        Of a spring at the angle or along the axis; a ball has damping alone.
+    motor : (float, float), optional
+        Speed of b against a, and the most torque or force that it takes.
+    friction : float
+        Most torque or force of dry friction.
     """
 
     kind: str
@@ -67,6 +79,8 @@ class Joint:
     target: float = 0.0
     stiffness: float = 0.0
     damping: float = 0.0
+    motor: tuple[float, float] | None = None
+    friction: float = 0.0
 
     @property
     def driven(self) -> bool:
@@ -74,18 +88,43 @@ class Joint:
         return self.stiffness > 0
 
 
+class Load(NamedTuple):
+    """A force on a body's centre, N, over a span of time, s."""
+
+    body: int
+    force: Floats
+    begin: float = 0.0
+    end: float = np.inf
+
+
 @dataclass(frozen=True)
 class Scene:
-    """What an engine is given."""
+    """What an engine is given.
+
+    Attributes
+    ----------
+    gravity : (3,) array
+    bodies, joints : lists
+    planar : bool
+        Whether bodies move in the xz plane only, and turn about y.
+    loads : tuple of Load
+        Which whoever runs the scene applies.
+    """
 
     gravity: Floats
     bodies: list[Body]
     joints: list[Joint]
+    planar: bool = False
+    loads: tuple[Load, ...] = ()
 
     @property
     def moving(self) -> NDArray[np.intp]:
         """Indices of the bodies that may move."""
         return np.array([i for i, body in enumerate(self.bodies) if body.mass > 0])
+
+
+class Unsupported(Exception):  # noqa: N818 - not an error: the table has a dash
+    """A scene that an engine has no means for; the message says which."""
 
 
 @dataclass(frozen=True)
@@ -166,6 +205,8 @@ def inverse(q: Floats) -> Floats:
 
 
 def shortest_turn(a: Floats, b: Floats) -> Floats:
-    """Quaternion that turns a unit vector onto another one that does not point the other way."""
+    """Quaternion that turns a unit vector onto another one."""
     q = np.array([1.0 + a @ b, *np.cross(a, b)])
+    if q[0] < 1e-9:  # half a turn about whatever is at right angles
+        q[1:] = np.cross(a, np.eye(3)[np.abs(a).argmin()])
     return q / np.linalg.norm(q)

@@ -86,18 +86,22 @@ def rest(scene: Scene, watched: Watched) -> str:
 
 def stretch(scene: Scene, watched: Watched) -> str:
     """How far the ends of a joint were apart at worst, over all times and at half of them."""
-    gaps = 1e3 * np.array([_gaps(scene, poses).max() for poses in watched.poses])
-    return f"joints apart by {np.nanmax(gaps):.2g} mm, at half of the times by less than {np.nanmedian(gaps):.1g} mm"
+    widest = 1e3 * np.array([gaps(scene, poses).max() for poses in watched.poses])
+    return (
+        f"joints apart by {np.nanmax(widest):.2g} mm, at half of the times by less than {np.nanmedian(widest):.1g} mm"
+    )
 
 
 def energy(scene: Scene, watched: Watched) -> str:
     """Largest error of the energy, over the largest kinetic energy."""
-    kinetic, whole = np.array([_energies(scene, p, m) for p, m in zip(watched.poses, watched.motions, strict=True)]).T
+    kinetic, whole = np.array([energies(scene, p, m) for p, m in zip(watched.poses, watched.motions, strict=True)]).T
     with np.errstate(invalid="ignore"):
         return f"energy off by {100 * np.max(np.abs(whole - whole[0])) / np.max(kinetic):.2g} %"
 
 
-def _gaps(scene: Scene, poses: Floats) -> Floats:
+def gaps(scene: Scene, poses: Floats) -> Floats:
+    """How far the two ends of each joint are apart."""
+
     def end(body: int, anchor: Floats) -> Floats:
         if body == GROUND:
             return anchor
@@ -108,7 +112,7 @@ def _gaps(scene: Scene, poses: Floats) -> Floats:
     return np.array([np.linalg.norm(end(j.a, j.anchor) - end(j.b, j.anchor)) for j in scene.joints])
 
 
-def _energies(scene: Scene, poses: Floats, motions: Floats) -> tuple[float, float]:
+def energies(scene: Scene, poses: Floats, motions: Floats) -> tuple[float, float]:
     """Kinetic energy, and with that of gravity."""
     kinetic = potential = 0.0
     for i in scene.moving:

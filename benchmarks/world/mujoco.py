@@ -3,8 +3,12 @@
 import numpy as np
 
 from benchmarks.peers import package
-from benchmarks.world.described import Floats, Scene, branches, rotation
-from benchmarks.world.mjcf import driven_hinges, text
+from benchmarks.world.described import Floats, Scene, branches
+from benchmarks.world.mjcf import driven_hinges, speed, text
+
+
+def _pass_over(warning: str) -> None:
+    """Leave a warning unsaid: what is lost to infinity shows in the poses."""
 
 
 class Mujoco:
@@ -23,6 +27,7 @@ class Mujoco:
 
     def __init__(self, scene: Scene, step: float, solver: str = "Newton", integrator: str = "implicitfast") -> None:
         self._library = library = package("mujoco")
+        library.set_mju_user_warning(_pass_over)
         self._model = library.MjModel.from_xml_string(text(scene, step, solver=solver, integrator=integrator))
         self._data = library.MjData(self._model)
         self._bodies = [self._model.body(f"b{i}").id for i in range(len(scene.bodies))]
@@ -32,6 +37,16 @@ class Mujoco:
     def step(self) -> None:
         """Take a step."""
         self._library.mj_step(self._model, self._data)
+
+    def advance(self, count: int) -> None:
+        """Take so many steps."""
+        for _ in range(count):
+            self._library.mj_step(self._model, self._data)
+        self._data.xfrc_applied[:] = 0.0
+
+    def push(self, body: int, force: Floats) -> None:
+        """Let a force act on a body in the next steps, until `advance` returns."""
+        self._data.xfrc_applied[self._bodies[body], :3] += force
 
     def poses(self) -> Floats:
         """Positions and orientations, (N, 7)."""
@@ -50,16 +65,20 @@ class Mujoco:
         return found
 
     def _start(self, scene: Scene) -> None:
-        for body, joint in zip(scene.bodies, map(self._free_joint, self._bodies), strict=True):
-            if joint >= 0:
-                turn = rotation(body.orientation)
-                self._data.qvel[joint : joint + 6] = *body.velocity, *(turn.T @ body.angular_velocity)
-        self._data.ctrl[:] = [joint.target for _, joint in driven_hinges(branches(scene)[0])]
+        found = branches(scene)[0]
+        speeds = self._data.qvel
+        for branch in found:
+            at = self._first_freedom(branch.body)
+            if at < 0 or (branch.joint is not None and branch.joint.kind == "fixed"):
+                continue
+            speeds[at : at + self._freedoms(branch.body)] = speed(scene, branch)
+        self._data.ctrl[:] = [joint.target for _, joint in driven_hinges(found)]
 
-    def _free_joint(self, body: int) -> int:
-        joint = self._model.body_jntadr[body]
-        free = joint >= 0 and self._model.jnt_type[joint] == self._library.mjtJoint.mjJNT_FREE
-        return int(self._model.jnt_dofadr[joint]) if free else -1
+    def _first_freedom(self, body: int) -> int:
+        return int(self._model.body_dofadr[self._bodies[body]])
+
+    def _freedoms(self, body: int) -> int:
+        return int(self._model.body_dofnum[self._bodies[body]])
 
 
 class Depths:

@@ -1,0 +1,17 @@
+"""The trials of the lab, by what they are about."""
+
+from benchmarks.lab.scenes import friction, hinged, impacts, landing, motors, planar, plates, samples, swinging, towers
+from benchmarks.lab.trial import Trial
+
+TRIALS: tuple[Trial, ...] = (
+    *towers.TRIALS,
+    *plates.TRIALS,
+    *samples.TRIALS,
+    *friction.TRIALS,
+    *motors.TRIALS,
+    *planar.TRIALS,
+    *landing.TRIALS,
+    *impacts.TRIALS,
+    *hinged.TRIALS,
+    *swinging.TRIALS,
+)
