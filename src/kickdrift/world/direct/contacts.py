@@ -172,10 +172,10 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
 def is_cut(island: int, world: int) -> bool:
     """Whether an island touches another one."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    cut = False
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        if contact_row(order[k, 0], world)[CUT] != 0.0:
-            return True
-    return False
+        cut = cut or contact_row(order[k, 0], world)[CUT] != 0.0
+    return cut
 
 
 @compiled(cached=False)

@@ -48,6 +48,7 @@ from kickdrift.world.direct.layout import (
 from kickdrift.world.direct.substitution import substitute
 from kickdrift.world.flight import BODY_INERTIA, MASS
 from kickdrift.world.joints.aim import AHEAD, GENTLY, RELAX, REPAIR, aim
+from kickdrift.world.joints.brakes import set_brakes
 from kickdrift.world.joints.falling import let_fall
 from kickdrift.world.joints.impulses import note_speeds, push_bodies
 from kickdrift.world.joints.laws import end_laws, review_laws
@@ -370,6 +371,7 @@ def end_relaxation(island: int, h: float, world: int) -> None:
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         link = nodes[node, LINK_ROW]
         if links[link, LINK_JOINT] >= 0:
+            set_brakes(link, links[link, LINK_JOINT], h, world)
             _turn_on(links[link, LINK_JOINT], links[link, LINK_BODY], h, lost, world)
     for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
         joint = links[order[place, 0], LINK_JOINT]

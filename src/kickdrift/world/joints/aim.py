@@ -31,6 +31,7 @@ from kickdrift.world.joints.layout import (
     AXES_AHEAD,
     BODY_A,
     BODY_B,
+    BRAKE,
     CHANGE,
     FRAME,
     FRAME_A,
@@ -93,6 +94,7 @@ def aim(joint: int, link: int, h: float, mode: int, world: int) -> float:
     off, turned_off = 0.0, 0.0
     for k in range(6):
         speed = dot(vector_at(numbers, joint, AXES + 3 * k), v if k < 3 else w)
+        brake = work[link, BRAKE + k - 3] if mode == AHEAD and k >= 3 else 0.0
         wrong = numbers[joint, MISALIGNMENT + k]
         work[link, SPEED + k] = speed
         work[link, CHANGE + k] = 0.0
@@ -100,8 +102,8 @@ def aim(joint: int, link: int, h: float, mode: int, world: int) -> float:
             work[link, CHANGE + k] = -wrong / h if mode in (AHEAD, REPAIR) else -speed
             off += wrong * wrong if k < 3 else 0.0
             turned_off += wrong * wrong if k >= 3 else 0.0
-        work[link, SLOPE + k] = 0.0
-        work[link, PUSH + k] = 0.0 if mode in (RELAX, REPAIR) else -numbers[joint, IMPULSE + k]
+        work[link, SLOPE + k] = brake
+        work[link, PUSH + k] = 0.0 if mode in (RELAX, REPAIR) else -brake * speed - numbers[joint, IMPULSE + k]
         for column in (STATE, MOVED, GIVEN):
             work[link, column + k] = 0.0
     size = length(vector_at(numbers, joint, ARM_A)) + length(vector_at(numbers, joint, ARM_B))

@@ -21,6 +21,7 @@ import math
 from kickdrift.core.compilation import compiled
 from kickdrift.world.joints.layout import (
     ANGULAR,
+    BRAKE,
     CHANGE,
     CONE,
     DAMPING,
@@ -149,6 +150,8 @@ def _drive_of(joint: int, link: int, k: int, h: float, world: int) -> tuple[floa
     beta = 0.25 * (1.0 - alpha)
     constant = h * (damping * laws[row, TARGET_SPEED] - stiffness * (off - h * beta * laws[row, START_SPEED]))
     slope = h * (damping + h * stiffness * (alpha + beta))
+    if k >= 3:
+        slope += floats(world, LINK_NUMBERS)[link, BRAKE + k - 3]
     return constant, slope, h * laws[row, DRIVE_MAXIMUM]
 
 

@@ -53,6 +53,7 @@ DRIVEN = int64(36)  # angles less the targets of drives
 ARM_A, ARM_B = int64(39), int64(42)  # from the centres of mass to where the joint acts, in the world's axes
 AXES = int64(45)  # linear axes (9), angular axes (9), in the world's axes
 MISALIGNMENT = int64(63)  # of locked axes, as it would be at the end of the substep were the joint to do nothing
+PULL = int64(75)  # linear impulse of the last substeps, a mean
 SOLVED = int64(69)  # the part of IMPULSE that was given before the drift
 
 # Columns of JOINT_AXES. Zero motors, drives and frictions do nothing; infinite limits are none.
@@ -101,6 +102,7 @@ GIVEN = int64(138)  # impulse on b along and about each axis
 PASSING = int64(144)  # of open axis k, six numbers: impulse along it per speed of the other side
 AXES_AHEAD = int64(180)  # AXES and arms as they will be at the end of the substep
 ARM_A_AHEAD, ARM_B_AHEAD = int64(198), int64(201)
+BRAKE = 204  # of open angular axes: damping, impulse per speed; see `kickdrift.world.joints.brakes`
 BEFORE, BEFORE_TURN = 222, int64(225)  # velocity of the body before the joints are solved
 
 # Columns of POSE, MOTION and RESPONSE, and of everything that has a linear and an angular part
