@@ -92,14 +92,14 @@ from kickdrift.world.tables import (
 
 # Newton's method stops where the parts of their arms that joints are off by, times the ratio of masses, are below CLOSE. The
 # usual island takes two steps; one that is not NEAR after QUICK of them begins again from velocities that joints allow.
-QUICK, ROUNDS, CLOSE, NEAR = 3, 6, 1e-9, 1e-5
+QUICK, ROUNDS, CLOSE, NEAR = 3, 6, 1e-7, 1e-5
 
 # Given up is what is farther off than that at the end, in parts of the arms, or has more energy than that times what velocities
 # have that joints allow: there are solutions far away, which no one wants.
 FAR, EXCESS = 1e-3, 1.1
 
 # Solutions with other pieces of laws assumed, and then with axes and points let go only, which comes to an end.
-TRIALS, LAST_TRIALS = 4, 4
+TRIALS, LAST_TRIALS = 3, 3
 
 # Times that a solution is put right by its own matrix, if it leaves more than that of a held row: m/s.
 REFINEMENTS, UNNOTICED = 3, 1e-9
@@ -255,7 +255,7 @@ def _solve(island: int, ahead: float, world: int) -> None:
     factor(integers(world, ISLAND)[island, FIRST_NODE], integers(world, ISLAND)[island, AFTER_NODE], world)
     _predict(island, True, world)
     for _ in range(REFINEMENTS):
-        if max(refine_closings(island, world), refine_contacts(island, world)) < UNNOTICED:
+        if max(refine_closings(island, world), 1e-3 * refine_contacts(island, world)) < UNNOTICED:
             break
         _predict(island, True, world)
 
