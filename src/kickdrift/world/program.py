@@ -14,6 +14,7 @@ from kickdrift.world.contacts.looking import place_shapes
 from kickdrift.world.contacts.prepare import colour, prepare
 from kickdrift.world.contacts.solve import THREADED, relax, solve, store, warm_start
 from kickdrift.world.contacts.update import find_points
+from kickdrift.world.direct.bounces import bounce_islands
 from kickdrift.world.direct.islands import find_islands
 from kickdrift.world.direct.nodes import find_nodes
 from kickdrift.world.direct.solve import relax_islands, solve_islands
@@ -68,6 +69,7 @@ def word(uses: Uses, joints: Joints) -> Word:
         *when(joints.present, find_islands),
     )
     substep = (
+        *when(joints.present and uses.bounces, bounce_islands),
         begin_forces,
         *uses.forces,
         kick,

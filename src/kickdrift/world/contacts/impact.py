@@ -29,6 +29,7 @@ from kickdrift.core.vectors import (
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.looking import RESTITUTION
+from kickdrift.world.contacts.prepare import LINKED
 from kickdrift.world.contacts.strike import (
     HIT_TIME,
     IMPULSE,
@@ -41,11 +42,11 @@ from kickdrift.world.contacts.strike import (
     glides,
     strike,
 )
-from kickdrift.world.flight import ADDED, IMPACT_TIME, LINK_COUNT
+from kickdrift.world.flight import ADDED, IMPACT_TIME
 from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, MIDPOINT, SLOP
 from kickdrift.world.tables import (
-    BODY,
     CHANGE,
+    COLOURS,
     CONTACT,
     KICKED,
     LANES,
@@ -80,9 +81,9 @@ def bounce(t: float, h: float, world: int) -> None:
 
 @compiled(inline=True)
 def _is_linked(world: int, row: int) -> bool:
-    """Whether joints hold a body of a contact to others, which bounce with it: see `kickdrift.world.joints.contacts`."""
-    contact, body = integers(world, CONTACT), integers(world, BODY)
-    linked: bool = max(body[contact[row, c.BODY_A], LINK_COUNT], body[contact[row, c.BODY_B], LINK_COUNT]) > 1
+    """Whether a contact is solved directly, and bounces there: see `kickdrift.world.direct.bounces`."""
+    place: int = integers(world, CONTACT)[row, c.PLACE_IN_GROUPS]
+    linked: bool = place // c.WIDTH >= integers(world, COLOURS)[LINKED, 1]
     return linked
 
 

@@ -22,6 +22,7 @@ from kickdrift.world.direct.closings import (
     stay_closings,
 )
 from kickdrift.world.direct.contacts import (
+    BOUNCE,
     PRESS,
     REST,
     add_contacts,
@@ -229,7 +230,7 @@ def solve_once(island: int, h: float, ahead: float, task: int, first: bool, worl
         integers(world, ISLAND)[island, 10 + task] += 1
         fix_contacts(island, world)
         _solve(island, ahead, world)
-    give_joints(island, world)
+    give_joints(island, task, world)
     give_contacts(island, task, world)
 
 
@@ -244,7 +245,7 @@ def hold(island: int, h: float, ahead: float, task: int, world: int) -> None:
         assemble(island, ahead, world)
         factor(own[FIRST_NODE], own[AFTER_NODE], world)
         _predict(island, False, world)
-    give_joints(island, world)
+    give_joints(island, task, world)
 
 
 @compiled(cached=False)
@@ -299,11 +300,11 @@ def review_joints(island: int, h: float, task: int, trial: int, world: int) -> b
         if joint >= 0 and joints[joint, LAWS] != 0:
             if trial > 0:
                 split_impulse(link, joint, world)
-            settled = not review_laws(joint, link, h, task == REST, opened, world) and settled
+            settled = not review_laws(joint, link, h, task != PRESS, opened, world) and settled
     for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
         joint = links[order[place, 0], LINK_JOINT]
         if joints[joint, LAWS] != 0:
-            settled = not review_laws(joint, order[place, 0], h, task == REST, opened, world) and settled
+            settled = not review_laws(joint, order[place, 0], h, task != PRESS, opened, world) and settled
     return settled
 
 
@@ -318,7 +319,7 @@ def split_impulse(link: int, joint: int, world: int) -> None:
 
 
 @compiled(cached=False)
-def give_joints(island: int, world: int) -> None:
+def give_joints(island: int, task: int, world: int) -> None:
     """Give bodies the impulses of joints that were found."""
     own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
     order = integers(world, ISLAND_CLOSING)
@@ -327,16 +328,18 @@ def give_joints(island: int, world: int) -> None:
         joint = links[link, LINK_JOINT]
         if joint >= 0:
             split_impulse(link, joint, world)
-            _give(joint, link, world)
+            _give(joint, link, task, world)
     for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
-        _give(links[order[place, 0], LINK_JOINT], order[place, 0], world)
+        _give(links[order[place, 0], LINK_JOINT], order[place, 0], task, world)
 
 
 @compiled(cached=False)
-def _give(joint: int, link: int, world: int) -> None:
+def _give(joint: int, link: int, task: int, world: int) -> None:
+    """Give bodies the impulses at a joint; those of a bounce are no guess for the next substep."""
     work, numbers = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
+    column = TOTAL if task == BOUNCE else IMPULSE
     for k in range(6):
-        numbers[joint, IMPULSE + k] += work[link, GIVEN + k]
+        numbers[joint, column + k] += work[link, GIVEN + k]
     push_bodies(joint, work, link, GIVEN, world)
 
 

@@ -1,0 +1,97 @@
+"""Bounces in islands: what hits leaves with the speed that restitution gives it, and joints take their part at once.
+
+At the start of a substep, where joints hold, in rounds: all points that will hit within the substep faster than the bounce speed
+get the speed -e times their own, those of one manifold that would in the next one too, which keeps what lands flat from
+turning; then what these push onto others, until none hits. Smith, Kaufman, Vouga, Tamstorf, Grinspun, Reflections on
+Simultaneous Impact, ACM Trans. Graph. 31 (2012) 106.
+"""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.impact import slowest_bounce
+from kickdrift.world.contacts.looking import RESTITUTION
+from kickdrift.world.contacts.prepare import LINKED
+from kickdrift.world.direct.closings import stay_closings
+from kickdrift.world.direct.contact_rows import along, impulse_field, slid_past, write_wrench
+from kickdrift.world.direct.contacts import (
+    BOUNCE,
+    begin_contacts,
+    constraint,
+    contact_row,
+    read_both,
+    twelve,
+)
+from kickdrift.world.direct.layout import AFTER_CONTACT, FIRST_CONTACT, HITS, TANGENT
+from kickdrift.world.direct.solve import aim_island, solve_once
+from kickdrift.world.joints.aim import RELAX
+from kickdrift.world.tables import (
+    CHANGE,
+    COLOURS,
+    CONTACT,
+    GROUPS,
+    ISLAND,
+    ISLAND_CONTACT,
+    MOTION,
+    PLACE,
+    floats,
+    integers,
+    rows,
+)
+
+_ROUNDS = 30
+
+
+@compiled
+def bounce_islands(t: float, h: float, world: int) -> None:
+    """Let everything in islands bounce that hits something within the substep."""
+    for island in range(rows(world, ISLAND)):
+        for _ in range(_ROUNDS):
+            if not _find_hits(island, h, world):
+                break
+            aim_island(island, h, RELAX, world)
+            stay_closings(island, world)
+            begin_contacts(island, h, BOUNCE, world)
+            solve_once(island, h, 0.0, BOUNCE, True, world)
+
+
+@compiled(cached=False)
+def _find_hits(island: int, h: float, world: int) -> bool:
+    """Say which points of an island hit, and with what speed they shall leave; return whether any does."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    groups, contact, place = integers(world, GROUPS), integers(world, CONTACT), floats(world, PLACE)
+    begin, found = integers(world, COLOURS)[LINKED, 1], False
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        row = groups[begin + order[k, 0], 2 * c.WIDTH]
+        e = max(place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION])
+        if _hits(order[k, 0], e, h, world):
+            contact[row, c.STATE] |= c.HIT
+            found = True
+    return found
+
+
+@compiled(cached=False)
+def _hits(index: int, e: float, h: float, world: int) -> bool:
+    groups, g = integers(world, GROUPS), integers(world, COLOURS)[LINKED, 1] + index
+    own, numbers, slowest = constraint(index, world), contact_row(index, world), slowest_bounce(h, world)
+    velocity, change, wrench = twelve(), twelve(), twelve()
+    read_both(MOTION, groups[g, 0], groups[g, c.WIDTH], velocity, world)
+    read_both(CHANGE, groups[g, 0], groups[g, c.WIDTH], change, world)
+    slid, hit = slid_past(own, change), False
+    for k in range(TANGENT):
+        numbers[HITS + k] = -1.0
+        i = (c.P + c.POINT_FIELDS * k) * c.WIDTH
+        if e == 0.0 or own[i + c.POINT_MASS * c.WIDTH] == 0.0:
+            continue
+        write_wrench(own, k, (0.0, 0.0, 0.0), wrench)
+        gap = own[i + c.GAP * c.WIDTH] + along(wrench, change)
+        write_wrench(own, k, slid, wrench)
+        speed = along(wrench, velocity)
+        if speed < -slowest and gap + 2.0 * h * speed <= 0.0:
+            numbers[HITS + k] = -e * speed
+            hit = hit or gap + h * speed <= 0.0
+    for k in range(TANGENT):
+        numbers[HITS + k] = numbers[HITS + k] if hit else -1.0
+    if hit:
+        for k in range(10):
+            own[impulse_field(k) * c.WIDTH] = 0.0
+    return hit
