@@ -53,10 +53,11 @@ def _write(table: Any, row: int, axes: int, arm_a: int, arm_b: int, k: int, wren
 
 @compiled(inline=True, cached=False)
 def _stiffness(link: int, k: int, world: int) -> float:
-    """Impulse along an axis of a closing joint per change of speed."""
+    """Impulse along an axis of a closing joint per change of speed; 0.0 along one that nothing moves."""
     links, work = integers(world, LINK), floats(world, LINK_NUMBERS)
     if links[link, HELD] >> k & 1:
-        return _RIGID / mobility(links[link, LINK_JOINT], k, world)
+        yielding = mobility(links[link, LINK_JOINT], k, world)
+        return _RIGID / yielding if yielding > 0.0 else 0.0
     slope: float = work[link, SLOPE + k]
     return slope
 
@@ -91,7 +92,7 @@ def refine_closings(island: int, world: int) -> float:
     for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
         link = order[place, 0]
         for k in range(6):
-            if links[link, HELD] >> k & 1:
+            if links[link, HELD] >> k & 1 and _stiffness(link, k, world) > 0.0:
                 worst = max(worst, abs(work[link, CHANGE + k] - work[link, MOVED + k]))
                 work[link, BEGUN + k] = work[link, GIVEN + k]
     return worst

@@ -64,9 +64,12 @@ from kickdrift.world.tables import (
     LINK_NUMBERS,
     MOTION,
     POSE,
+    RESTED,
     floats,
     integers,
 )
+
+_REACH = 2  # column of RESTED
 
 # What an aim is taken for (of type int64: for each plain integer Numba compiles a function anew)
 AHEAD = int64(0)  # nothing is off at the end of the substep
@@ -82,7 +85,7 @@ def aim(joint: int, link: int, h: float, mode: int, world: int) -> float:
     Returns
     -------
     float
-        How far locked axes will be off, as an angle or in parts of the arms; zero where the mode does not ask.
+        How far locked axes will be off, as an angle or in parts of arms and bodies; zero where the mode does not ask.
     """
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     locked = integers(world, JOINT)[joint, LOCKED]
@@ -106,7 +109,9 @@ def aim(joint: int, link: int, h: float, mode: int, world: int) -> float:
         work[link, PUSH + k] = 0.0 if mode in (RELAX, REPAIR) else -brake * speed - numbers[joint, IMPULSE + k]
         for column in (STATE, MOVED, GIVEN):
             work[link, column + k] = 0.0
+    joints, rested = integers(world, JOINT), floats(world, RESTED)
     size = length(vector_at(numbers, joint, ARM_A)) + length(vector_at(numbers, joint, ARM_B))
+    size += rested[joints[joint, BODY_A], _REACH] + rested[joints[joint, BODY_B], _REACH]
     off = off / (size * size) if size > 0.0 else 0.0
     return math.sqrt(max(turned_off, off)) if mode == AHEAD else 0.0
 
