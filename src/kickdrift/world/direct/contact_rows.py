@@ -9,7 +9,7 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, applied, cross, dot, minus, plus, times
+from kickdrift.core.vectors import Vector, cross, dot, minus, plus, times
 from kickdrift.world.columns import symmetric_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.direct.layout import (
@@ -35,14 +35,13 @@ from kickdrift.world.direct.layout import (
     WRENCH,
 )
 from kickdrift.world.joints.layout import TURN_RESPONSE
+from kickdrift.world.joints.measure import turning
 from kickdrift.world.tables import RESPONSE, floats
 
 W = c.WIDTH
 
 # Impulse per speed missing, over the mass that a row moves.
 RIGID = 100.0
-
-_ROUNDING = 1e-12
 
 # Speeds by which points may be missed or pulled, m/s: no other solution is sought for them.
 UNNOTICED = 1e-5
@@ -102,11 +101,8 @@ def mobility(wrench: Any, body: int, side: int, world: int) -> float:
     """Speed along a row per impulse along it, of one of its bodies alone."""
     response, at = floats(world, RESPONSE), 6 * side
     push, turn = (wrench[at], wrench[at + 1], wrench[at + 2]), (wrench[at + 3], wrench[at + 4], wrench[at + 5])
-    inverse = symmetric_at(response, body, TURN_RESPONSE)
-    turning: float = dot(turn, applied(inverse, turn))
-    if turning < _ROUNDING * (inverse[0] + inverse[1] + inverse[2]) * dot(turn, turn):
-        turning = 0.0  # about an axis that is locked but for rounding
-    return response[body, 0] * dot(push, push) + turning
+    total: float = response[body, 0] * dot(push, push)
+    return total + turning(symmetric_at(response, body, TURN_RESPONSE), turn)
 
 
 @compiled(inline=True, cached=False)

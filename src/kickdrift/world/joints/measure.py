@@ -6,6 +6,7 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import (
     Quaternion,
+    Symmetric,
     Vector,
     applied,
     conjugate,
@@ -70,6 +71,7 @@ from kickdrift.world.tables import (
     rows,
 )
 
+_ROUNDING = 1e-12
 _LEAST_SCALE = 0.05  # a swing of 174 degrees; at 180 degrees there is no twist
 
 
@@ -232,6 +234,13 @@ def _measure_cone(joint: int, fa: Quaternion, relative: Quaternion, world: int) 
     put_vector(numbers, joint, DRIVEN, (dot(off, out), dot(off, cross(mean, out)), dot(off, mean)))
 
 
+@compiled(inline=True, cached=False)
+def turning(inverse: Symmetric, turn: Vector) -> float:
+    """Angular velocity along an angular impulse per impulse; none about an axis that is locked but for rounding."""
+    speed: float = dot(turn, applied(inverse, turn))
+    return speed if speed > _ROUNDING * (inverse[0] + inverse[1] + inverse[2]) * dot(turn, turn) else 0.0
+
+
 @compiled(cached=False)
 def mobility(joint: int, k: int, world: int) -> float:
     """Speed along an axis per impulse along it, of the two bodies alone."""
@@ -243,5 +252,5 @@ def mobility(joint: int, k: int, world: int) -> float:
         if k < 3:
             turn = cross(vector_at(numbers, joint, ARM_B if side == 1 else ARM_A), axis)
             total += response[body, 0]
-        total += dot(turn, applied(symmetric_at(response, body, TURN_RESPONSE), turn))
+        total += turning(symmetric_at(response, body, TURN_RESPONSE), turn)
     return total
