@@ -413,15 +413,24 @@ def note_velocities(island: int, world: int) -> None:
 
 @compiled(cached=False)
 def take_back(island: int, world: int) -> None:
-    """Go back to the velocities that were noted, and forget the impulses; taking them back would leave their rounding."""
+    """Go back to the velocities that were noted, and to their impulses; taking them back would leave their rounding."""
     own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
-    motion, work, numbers = floats(world, MOTION), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
+    motion, work, order = floats(world, MOTION), floats(world, LINK_NUMBERS), integers(world, ISLAND_CLOSING)
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         link = nodes[node, LINK_ROW]
         for k in range(6):
             motion[links[link, LINK_BODY], k] = work[link, BEFORE + k]
-            if links[link, LINK_JOINT] >= 0:
-                numbers[links[link, LINK_JOINT], IMPULSE + k] = numbers[links[link, LINK_JOINT], SOLVED + k]
+        if links[link, LINK_JOINT] >= 0:
+            _begin_anew(links[link, LINK_JOINT], world)
+    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+        _begin_anew(links[order[place, 0], LINK_JOINT], world)
+
+
+@compiled(cached=False)
+def _begin_anew(joint: int, world: int) -> None:
+    numbers = floats(world, JOINT_NUMBERS)
+    for k in range(6):
+        numbers[joint, IMPULSE + k] = numbers[joint, SOLVED + k]
 
 
 @compiled(cached=False)
