@@ -207,10 +207,12 @@ def aim_island(island: int, h: float, mode: int, world: int) -> float:
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         link = nodes[node, LINK_ROW]
         if links[link, LINK_JOINT] >= 0:
-            worst = max(worst, aim(links[link, LINK_JOINT], link, h, mode, world))
+            off = aim(links[link, LINK_JOINT], link, h, mode, world)
+            worst = worst if off <= worst else off  # which is no number where it is none
     for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
         link = order[place, 0]
-        worst = max(worst, aim(links[link, LINK_JOINT], link, h, mode, world))
+        off = aim(links[link, LINK_JOINT], link, h, mode, world)
+        worst = worst if off <= worst else off
     return worst
 
 

@@ -113,7 +113,7 @@ def aim(joint: int, link: int, h: float, mode: int, world: int) -> float:
     size = length(vector_at(numbers, joint, ARM_A)) + length(vector_at(numbers, joint, ARM_B))
     size += rested[joints[joint, BODY_A], _REACH] + rested[joints[joint, BODY_B], _REACH]
     off = off / (size * size) if size > 0.0 else 0.0
-    return math.sqrt(max(turned_off, off)) if mode == AHEAD else 0.0
+    return math.sqrt(turned_off + off) if mode == AHEAD else 0.0
 
 
 @compiled(inline=True, cached=False)
