@@ -97,7 +97,10 @@ QUICK, ROUNDS, CLOSE, NEAR = 3, 6, 1e-7, 1e-5
 
 # Given up is what is farther off than that at the end, in parts of the arms, or has more energy than that times what velocities
 # have that joints allow: there are solutions far away, which no one wants.
-FAR, EXCESS = 1e-3, 1.1
+FAR, EXCESS = 1e-3, 1.5
+
+# First guesses that are farther off than that are replaced by velocities that joints allow, from which no step leads astray.
+POOR = 0.1
 
 # Solutions with other pieces of laws assumed, and then with axes and points let go only, which comes to an end.
 TRIALS, LAST_TRIALS = 3, 3
@@ -116,22 +119,40 @@ def solve_islands(t: float, h: float, world: int) -> None:
         note_velocities(island, world)
         note_impulses(island, False, world)
         islands[island, LOST] = 0
-        if not _approach(island, h, QUICK, world) <= NEAR:
+        off = islands[island, RATIO] * aim_island(island, h, AHEAD, world)
+        if not (off <= POOR and _approach(island, h, QUICK, world) <= NEAR):
             _take_care(island, h, world)
     for island in range(rows(world, ISLAND)):
-        if is_cut(island, world) and islands[island, LOST] == 0:
-            aim_island(island, h, AHEAD, world)
-            begin_closings(island, world)
-            hold(island, h, h, PRESS, world)
+        if is_cut(island, world):
+            _hold(island, h, world)
         end_solution(island, h, world)
     let_fall(world)
+
+
+@compiled
+def relax_islands(t: float, h: float, world: int) -> None:
+    """Take from the velocities what joints and contacts do not allow where bodies are now, after the drift."""
+    islands = integers(world, ISLAND)
+    for island in range(rows(world, ISLAND)):
+        if islands[island, LOST] != 0:
+            repair(island, h, world)
+            note_velocities(island, world)
+            note_impulses(island, False, world)
+            _project(island, h, RELAX, REST, world)
+        else:
+            _solve_at_once(island, h, RELAX, REST, world)
+    for island in range(rows(world, ISLAND)):
+        if is_cut(island, world):
+            aim_island(island, h, RELAX, world)
+            stay_closings(island, world)
+            hold(island, h, 0.0, REST, world)
+        end_relaxation(island, h, world)
 
 
 @compiled(cached=False)
 def _approach(island: int, h: float, most: int, world: int) -> float:
     """Take steps of Newton's method, and return how far joints will be off, times the ratio of masses."""
-    ratio = integers(world, ISLAND)[island, RATIO]
-    off = ratio * aim_island(island, h, AHEAD, world)
+    ratio, off = integers(world, ISLAND)[island, RATIO], 1e300
     for step in range(most):
         begin_closings(island, world)
         begin_contacts(island, h, PRESS, world)
@@ -146,38 +167,58 @@ def _approach(island: int, h: float, most: int, world: int) -> float:
 def _take_care(island: int, h: float, world: int) -> None:
     """Begin with velocities that joints allow, and stay with them if no solution is found near to them."""
     islands = integers(world, ISLAND)
-    _project(island, h, world)
+    _project(island, h, GENTLY, PRESS, world)
     energy = kinetic_energy(island, world)
+    aim_island(island, h, AHEAD, world)
     off = _approach(island, h, ROUNDS, world)
     if not (off <= FAR * islands[island, RATIO] and kinetic_energy(island, world) <= EXCESS * energy):
         islands[island, LOST] = 1
-        _project(island, h, world)
+        _project(island, h, GENTLY, PRESS, world)
 
 
 @compiled(cached=False)
-def _project(island: int, h: float, world: int) -> None:
-    """Go back to where the substep began, and project the velocities onto what joints and contacts allow.
+def _hold(island: int, h: float, world: int) -> None:
+    """Let joints take up what contacts with other islands have given: for the end of the substep where that is near."""
+    islands = integers(world, ISLAND)
+    near = islands[island, RATIO] * aim_island(island, h, AHEAD, world) <= POOR and islands[island, LOST] == 0
+    if near:
+        begin_closings(island, world)
+    else:
+        aim_island(island, h, GENTLY, world)
+        stay_closings(island, world)
+    hold(island, h, h if near else 0.0, PRESS, world)
+
+
+@compiled(cached=False)
+def _solve_at_once(island: int, h: float, mode: int, task: int, world: int) -> None:
+    """Project velocities onto what joints and contacts allow where bodies are."""
+    aim_island(island, h, mode, world)
+    stay_closings(island, world)
+    begin_contacts(island, h, task, world)
+    solve_once(island, h, 0.0, task, True, world)
+
+
+@compiled(cached=False)
+def _project(island: int, h: float, mode: int, task: int, world: int) -> None:
+    """Go back to the velocities that were noted, and project them.
 
     Where that adds energy, a limit that has been passed by far throws what it holds: then without laws of axes, or not at all.
     """
     take_back(island, world)
     note_impulses(island, True, world)
     energy = kinetic_energy(island, world)
-    aim_island(island, h, GENTLY, world)
-    stay_closings(island, world)
-    begin_contacts(island, h, PRESS, world)
-    solve_once(island, h, 0.0, PRESS, True, world)
+    _solve_at_once(island, h, mode, task, world)
     if kinetic_energy(island, world) <= EXCESS * energy:
         return
     take_back(island, world)
     note_impulses(island, True, world)
-    aim_island(island, h, GENTLY, world)
+    aim_island(island, h, mode, world)
     stay_closings(island, world)
-    begin_contacts(island, h, PRESS, world)
-    review_contacts(island, PRESS, True, True, world)
+    begin_contacts(island, h, task, world)
+    review_contacts(island, task, True, True, world)
     _solve(island, 0.0, world)
-    give_joints(island, PRESS, world)
-    give_contacts(island, PRESS, world)
+    give_joints(island, task, world)
+    give_contacts(island, task, world)
     if not kinetic_energy(island, world) <= EXCESS * energy:
         take_back(island, world)
         note_impulses(island, True, world)
@@ -196,25 +237,6 @@ def kinetic_energy(island: int, world: int) -> float:
         moments = symmetric_at(inertia, body, int64(BODY_INERTIA))
         total += inertia[body, MASS] * dot(v, v) + dot(turn, applied(moments, turn))
     return 0.5 * total
-
-
-@compiled
-def relax_islands(t: float, h: float, world: int) -> None:
-    """Take from the velocities what joints and contacts do not allow where bodies are now, after the drift."""
-    islands = integers(world, ISLAND)
-    for island in range(rows(world, ISLAND)):
-        if islands[island, LOST] != 0:
-            repair(island, h, world)
-        aim_island(island, h, RELAX, world)
-        stay_closings(island, world)
-        begin_contacts(island, h, REST, world)
-        solve_once(island, h, 0.0, REST, True, world)
-    for island in range(rows(world, ISLAND)):
-        if is_cut(island, world):
-            aim_island(island, h, RELAX, world)
-            stay_closings(island, world)
-            hold(island, h, 0.0, REST, world)
-        end_relaxation(island, h, world)
 
 
 @compiled(cached=False)
@@ -441,13 +463,14 @@ def take_back(island: int, world: int) -> None:
         for k in range(6):
             motion[links[link, LINK_BODY], k] = work[link, BEFORE + k]
         if links[link, LINK_JOINT] >= 0:
-            _begin_anew(links[link, LINK_JOINT], world)
+            begin_anew(links[link, LINK_JOINT], world)
     for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
-        _begin_anew(links[order[place, 0], LINK_JOINT], world)
+        begin_anew(links[order[place, 0], LINK_JOINT], world)
 
 
 @compiled(cached=False)
-def _begin_anew(joint: int, world: int) -> None:
+def begin_anew(joint: int, world: int) -> None:
+    """Let a joint have given what it had in the end of the substep before."""
     numbers = floats(world, JOINT_NUMBERS)
     for k in range(6):
         numbers[joint, IMPULSE + k] = numbers[joint, SOLVED + k]
