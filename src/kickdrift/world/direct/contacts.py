@@ -81,6 +81,7 @@ PRESS = (
 )
 REST = 1  # nothing moves on
 BOUNCE = 2  # points that hit leave with the speed that restitution gives them
+SMOOTH_BOUNCE = 3  # the same without friction
 
 # Part of an overlap that is pushed out in a substep.
 _PUSHED = 0.2
@@ -145,7 +146,7 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
         if not there or (k >= 7 and own[c.ROLL * c.WIDTH] == 0.0):
             numbers[ACTIVE + k], numbers[GIVEN + k], numbers[STATE + k] = 0.0, 0.0, 0.0
             continue
-        if k >= TANGENT and task == PRESS:  # friction is as it was in the end of the substep before
+        if k >= TANGENT and task in (PRESS, SMOOTH_BOUNCE):  # friction is as it was in the end of the substep before
             numbers[ACTIVE + k] = 0.0
             continue
         begin_row(own, numbers, k, slid, velocity, a, b, int(numbers[CUT]), world)
@@ -156,11 +157,11 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
                 numbers[WANTED + k] = -gap / h if gap > 0.0 else min(-_PUSHED * gap / h, push)
             elif task == REST and gap > 0.0 and numbers[IMPULSE + k] == 0.0:
                 numbers[ACTIVE + k] = 0.0
-            elif task == BOUNCE:
+            elif task >= BOUNCE:
                 numbers[ACTIVE + k] = 1.0 if numbers[HITS + k] >= 0.0 else 0.0
                 numbers[WANTED + k], numbers[IMPULSE + k] = numbers[HITS + k], 0.0
         else:
-            if task == BOUNCE:
+            if task >= BOUNCE:
                 numbers[IMPULSE + k] = 0.0
             numbers[DIRECTION + k] = 0.0
             if k < TANGENT + 2:
@@ -200,7 +201,7 @@ def review_contacts(island: int, task: int, first: bool, opened: bool, world: in
         settled = review_points(numbers, first, opened) and settled
         if task != PRESS and not first and not opened:
             find_bounds(constraint(order[k, 0], world), numbers)
-        for bound in range(0 if task != PRESS else 3, 3):
+        for bound in range(0 if task in (REST, BOUNCE) else 3, 3):
             if numbers[ACTIVE + first_row(bound)] != 0.0:
                 settled = review_bound(numbers, bound, first, opened) and settled
     return settled
@@ -321,7 +322,7 @@ def give_contacts(island: int, task: int, world: int) -> None:
         numbers, own_fields = contact_row(index, world), constraint(index, world)
         for m in range(12):
             given[m] = 0.0
-        if task == PRESS:
+        if task in (PRESS, SMOOTH_BOUNCE):
             bind_points(numbers)
         else:
             bind(numbers)
@@ -329,7 +330,7 @@ def give_contacts(island: int, task: int, world: int) -> None:
             if numbers[ACTIVE + i] == 0.0:
                 continue
             impulse = numbers[GIVEN + i]
-            if task != BOUNCE:
+            if task < BOUNCE:
                 own_fields[impulse_field(i) * c.WIDTH] = numbers[IMPULSE + i] + impulse
             for m in range(12):
                 given[m] += impulse * numbers[WRENCH + 12 * i + m]

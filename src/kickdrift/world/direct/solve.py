@@ -140,7 +140,7 @@ def relax_islands(t: float, h: float, world: int) -> None:
             note_impulses(island, False, world)
             _project(island, h, RELAX, REST, world)
         else:
-            _solve_at_once(island, h, RELAX, REST, world)
+            solve_at_once(island, h, RELAX, REST, world)
     for island in range(rows(world, ISLAND)):
         if is_cut(island, world):
             aim_island(island, h, RELAX, world)
@@ -190,7 +190,7 @@ def _hold(island: int, h: float, world: int) -> None:
 
 
 @compiled(cached=False)
-def _solve_at_once(island: int, h: float, mode: int, task: int, world: int) -> None:
+def solve_at_once(island: int, h: float, mode: int, task: int, world: int) -> None:
     """Project velocities onto what joints and contacts allow where bodies are."""
     aim_island(island, h, mode, world)
     stay_closings(island, world)
@@ -205,13 +205,11 @@ def _project(island: int, h: float, mode: int, task: int, world: int) -> None:
     Where that adds energy, a limit that has been passed by far throws what it holds: then without laws of axes, or not at all.
     """
     take_back(island, world)
-    note_impulses(island, True, world)
     energy = kinetic_energy(island, world)
-    _solve_at_once(island, h, mode, task, world)
+    solve_at_once(island, h, mode, task, world)
     if kinetic_energy(island, world) <= EXCESS * energy:
         return
     take_back(island, world)
-    note_impulses(island, True, world)
     aim_island(island, h, mode, world)
     stay_closings(island, world)
     begin_contacts(island, h, task, world)
@@ -221,7 +219,6 @@ def _project(island: int, h: float, mode: int, task: int, world: int) -> None:
     give_contacts(island, task, world)
     if not kinetic_energy(island, world) <= EXCESS * energy:
         take_back(island, world)
-        note_impulses(island, True, world)
 
 
 @compiled(cached=False)
@@ -336,6 +333,8 @@ def review_joints(island: int, h: float, task: int, trial: int, world: int) -> b
     own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
     joints, order, opened = integers(world, JOINT), integers(world, ISLAND_CLOSING), trial > TRIALS
     settled = True
+    if task >= BOUNCE:
+        return True  # laws are forces, which do nothing in an instant
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         link = nodes[node, LINK_ROW]
         joint = links[link, LINK_JOINT]
@@ -379,7 +378,7 @@ def give_joints(island: int, task: int, world: int) -> None:
 def _give(joint: int, link: int, task: int, world: int) -> None:
     """Give bodies the impulses at a joint; those of a bounce are no guess for the next substep."""
     work, numbers = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
-    column = TOTAL if task == BOUNCE else IMPULSE
+    column = TOTAL if task >= BOUNCE else IMPULSE
     for k in range(6):
         numbers[joint, column + k] += work[link, GIVEN + k]
     push_bodies(joint, work, link, GIVEN, world)
@@ -454,16 +453,26 @@ def note_velocities(island: int, world: int) -> None:
 
 
 @compiled(cached=False)
-def take_back(island: int, world: int) -> None:
-    """Go back to the velocities that were noted, and to their impulses; taking them back would leave their rounding."""
+def take_back_velocities(island: int, world: int) -> None:
+    """Go back to the velocities that were noted; taking impulses back would leave their rounding."""
     own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
-    motion, work, order = floats(world, MOTION), floats(world, LINK_NUMBERS), integers(world, ISLAND_CLOSING)
+    motion, work = floats(world, MOTION), floats(world, LINK_NUMBERS)
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         link = nodes[node, LINK_ROW]
         for k in range(6):
             motion[links[link, LINK_BODY], k] = work[link, BEFORE + k]
-        if links[link, LINK_JOINT] >= 0:
-            begin_anew(links[link, LINK_JOINT], world)
+
+
+@compiled(cached=False)
+def take_back(island: int, world: int) -> None:
+    """Go back to the velocities that were noted, and to the impulses that they had."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    order = integers(world, ISLAND_CLOSING)
+    take_back_velocities(island, world)
+    note_impulses(island, True, world)
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        if links[nodes[node, LINK_ROW], LINK_JOINT] >= 0:
+            begin_anew(links[nodes[node, LINK_ROW], LINK_JOINT], world)
     for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
         begin_anew(links[order[place, 0], LINK_JOINT], world)
 
