@@ -40,8 +40,9 @@ from kickdrift.world.tables import RESPONSE, floats
 
 W = c.WIDTH
 
-# Impulse per speed missing, over the mass that a row moves.
-RIGID = 100.0
+# Impulse per speed missing, over the mass that a row moves. Stiffer rows change their minds more often; those of a bounce have
+# no impulses of a substep before to begin with.
+RIGID, RIGID_BOUNCE = 100.0, 1e5
 
 # Speeds by which points may be missed or pulled, m/s: no other solution is sought for them.
 UNNOTICED = 1e-5
@@ -116,7 +117,9 @@ def impulse_field(k: int) -> int:
 
 
 @compiled(cached=False)
-def begin_row(own: Any, rows: Any, k: int, slid: Vector, velocity: Any, a: int, b: int, cut: int, world: int) -> None:
+def begin_row(
+    own: Any, rows: Any, k: int, slid: Vector, velocity: Any, a: int, b: int, cut: int, rigid: float, world: int
+) -> None:
     """Write the wrench of a row, its speed and its stiffness; it takes part if it can be moved.
 
     Where the bodies are of two islands, the other one (1: a, 2: b) answers as if it were alone.
@@ -127,7 +130,7 @@ def begin_row(own: Any, rows: Any, k: int, slid: Vector, velocity: Any, a: int, 
     yielding, other = of_a + of_b, of_a if cut == 1 else of_b if cut == 2 else 0.0
     rows[ACTIVE + k] = 1.0 if yielding > 0.0 else 0.0
     rows[MASS + k] = 1.0 / yielding if yielding > 0.0 else 0.0
-    rows[STIFFNESS + k] = 1.0 / (yielding / RIGID + other) if yielding > 0.0 else 0.0
+    rows[STIFFNESS + k] = 1.0 / (yielding / rigid + other) if yielding > 0.0 else 0.0
     rows[SPEED + k], rows[IMPULSE + k] = along(wrench, velocity), own[impulse_field(k) * W]
     rows[WANTED + k], rows[MOVED + k], rows[GIVEN + k], rows[STATE + k] = 0.0, 0.0, 0.0, OPEN
 

@@ -9,6 +9,8 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.prepare import LINKED
 from kickdrift.world.direct.contact_rows import (
+    RIGID,
+    RIGID_BOUNCE,
     along,
     begin_row,
     bind,
@@ -133,7 +135,7 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
     read_both(MOTION, a, b, velocity, world)
     read_both(CHANGE, a, b, change, world)
     slid, push = slid_past(own, change), floats(world, SETTINGS)[0, PUSH_SPEED]
-    numbers[CUT] = 0.0
+    numbers[CUT], rigid = 0.0, RIGID if task < BOUNCE else RIGID_BOUNCE
     for side in range(2):
         link = node_of(world, b if side == 1 else a)
         numbers[NODES + side] = -1.0
@@ -149,7 +151,7 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
         if k >= TANGENT and task in (PRESS, SMOOTH_BOUNCE):  # friction is as it was in the end of the substep before
             numbers[ACTIVE + k] = 0.0
             continue
-        begin_row(own, numbers, k, slid, velocity, a, b, int(numbers[CUT]), world)
+        begin_row(own, numbers, k, slid, velocity, a, b, int(numbers[CUT]), rigid, world)
         if k < TANGENT:
             write_wrench(own, k, (0.0, 0.0, 0.0), wrench)
             gap = own[(c.P + c.POINT_FIELDS * k + c.GAP) * c.WIDTH] + along(wrench, change)
