@@ -10,21 +10,31 @@ from kickdrift.world import tables as t
 from kickdrift.world.adding import Part
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.broad_phase import find_pairs
-from kickdrift.world.collision.rays import RAYS
+from kickdrift.world.collision.dispatch import describe_kinds, find_extents
 from kickdrift.world.collision.search import CHANGED, shapes_changed
 from kickdrift.world.collision.tree import build, fit
 from kickdrift.world.collision.walk import NOTHING, WALK, advance, reciprocal, start
+from kickdrift.world.contacts.looking import RADIUS
 from kickdrift.world.flight import DYNAMIC, STATIC
 from kickdrift.world.queries import overlap_box, overlap_sphere, ray_cast, ray_cast_all, ray_cast_many
 from kickdrift.world.settings import GRAVITY, MARGIN
+from kickdrift.world.shapes.catalogue import RAYS
 from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.kinds import BOX, CAPSULE, HULL, MESH, PLANE, SPHERE, TRIANGLE
 from kickdrift.world.shapes.mesh import Mesh
+from kickdrift.world.shapes.polyhedron import HEADER, PLANES_AT
 from kickdrift.world.shapes.sphere import Sphere
 from kickdrift.world.trouble import FULL, KIND, TABLE, WANTED
 from kickdrift.world.world import World
 
 ALL = (1 << 62) - 1
+
+
+def reach(kind, numbers):
+    """How far a shape reaches from its origin."""
+    if kind == HULL:
+        return np.linalg.norm(numbers[HEADER : int(numbers[PLANES_AT])].reshape(-1, 3), axis=1).max()
+    return {SPHERE: np.sum, CAPSULE: np.sum, BOX: np.linalg.norm}.get(int(kind), lambda _: 0.0)(numbers)
 
 
 class Scene:
@@ -34,6 +44,8 @@ class Scene:
         self.tables, self.rng = t.Tables(), np.random.default_rng(seed)
         for table in (t.SETTINGS, t.TROUBLE, t.SEARCH):
             self.tables.resize(table, 1)
+        describe_kinds(self.tables)
+        find_extents(self.tables, [SPHERE, CAPSULE, BOX, HULL, MESH])
         self[t.SETTINGS][0, GRAVITY + 2], self[t.SETTINGS][0, MARGIN] = -9.81, 0.02
         self.body(STATIC, (0, 0, 0), (1, 0, 0, 0))
 
@@ -57,6 +69,7 @@ class Scene:
         self.tables.resize(t.GEOMETRY, begin + len(numbers))[begin:, 0] = numbers
         self[t.SHAPE][row] = kind, body, begin, len(numbers), 1 << layer, ALL, sensor, 0
         self[t.PLACE][row, :3], self[t.PLACE][row, 3:7] = position, np.divide(turn, np.linalg.norm(turn))
+        self[t.PLACE][row, RADIUS] = reach(kind, np.asarray(numbers))
         shapes_changed(self.tables)
         return row
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kickdrift.world.collision.rays import RAYS
+from kickdrift.world.shapes.catalogue import RAYS
 from kickdrift.world.shapes.kinds import BOX, CAPSULE, HULL, PLANE, SPHERE, TRIANGLE
 from kickdrift.world.shapes.polyhedron import polyhedron_numbers
 

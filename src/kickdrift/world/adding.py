@@ -14,15 +14,16 @@ from kickdrift.world.collision.filters import forget
 from kickdrift.world.flight import DYNAMIC, STATIC
 from kickdrift.world.islands import REACH
 from kickdrift.world.joints.registry import Joints
-from kickdrift.world.shape_rows import Placed, Shape, ShapeRows, Surface, reach
+from kickdrift.world.shape_rows import Placed, ShapeRows, Surface
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
+from kickdrift.world.shapes.catalogue import kind_of as shape_kind
 from kickdrift.world.shapes.heightfield import HeightField
 from kickdrift.world.shapes.hull import Hull
-from kickdrift.world.shapes.kinds import MESH, PLANE
 from kickdrift.world.shapes.mass import Mass, checked_inertia, combined, placed, rotation_matrix
 from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.plane import Plane
+from kickdrift.world.shapes.record import SOLID, Shape
 from kickdrift.world.shapes.sphere import Sphere
 from kickdrift.world.tables import MOTION, RESTED, Tables
 
@@ -55,10 +56,7 @@ class Part:
         density: float | None = None,
         **surface: Any,
     ) -> None:
-        if not hasattr(shape, "mass_properties"):
-            raise ArgumentError(
-                f"shape={shape!r} is no shape; give one of kickdrift.world.shapes, such as Box((1, 1, 1))."
-            )
+        shape_kind(shape)
         self.shape = shape
         self.position = vector("position", position, 3)
         self.orientation = unit_quaternion("orientation", orientation)
@@ -230,7 +228,7 @@ class AddsBodies:
         weight = None
         if kind == DYNAMIC:
             for part in parts:
-                if part.shape.kind in (PLANE, MESH):
+                if shape_kind(part.shape).sort != SOLID:
                     raise ArgumentError(
                         f"{type(part.shape).__name__} cannot move: it has no inside; add it static=True."
                     )
@@ -244,7 +242,7 @@ class AddsBodies:
         for part, face in zip(parts, surfaces, strict=True):
             arm = part.position - middle
             rested = self.tables.array(RESTED)[body.index]
-            rested[REACH] = max(rested[REACH], float(np.linalg.norm(arm)) + reach(part.shape))
+            rested[REACH] = max(rested[REACH], float(np.linalg.norm(arm)) + part.shape.reach)
             self.shape_rows.add(body.index, Placed(part.shape, arm, part.orientation, face))
         return body
 

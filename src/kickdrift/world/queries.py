@@ -17,15 +17,17 @@ from kickdrift.world.bodies import Body
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.bounds import find_strays
 from kickdrift.world.collision.casting import DISTANCE, HIT, NORMAL, SHAPE_HIT, cast, cast_many
+from kickdrift.world.collision.dispatch import find_extents
 from kickdrift.world.collision.forest import update_for_queries
 from kickdrift.world.collision.nearby import find_near, overlaps
 from kickdrift.world.collision.query_arguments import layer_bits, one_vector, rays_of
-from kickdrift.world.collision.rays import RAYS, SIGNATURE
 from kickdrift.world.contacts.looking import COLLIDE
 from kickdrift.world.flight import GENERATION
 from kickdrift.world.shapes.box import Box
-from kickdrift.world.shapes.kinds import BOX, MESH, SPHERE, TRIANGLE
+from kickdrift.world.shapes.catalogue import KINDS, RAYS, met_as
+from kickdrift.world.shapes.kinds import BOX, SPHERE
 from kickdrift.world.shapes.mass import rotation_matrix
+from kickdrift.world.shapes.record import RAY
 from kickdrift.world.shapes.sphere import Sphere
 from kickdrift.world.tables import BODY, MOVERS, PART_TREE, PLANES, POSE, SHAPE, TROUBLE, Tables
 from kickdrift.world.trouble import BODY as TROUBLED_BODY
@@ -216,6 +218,7 @@ def _overlap(
 
 def _strays(tables: Tables) -> Integers:
     """Bring the trees up to date with the shapes that there are, and return those that have left their boxes."""
+    find_extents(tables, _kinds(tables))
     trouble = tables.array(TROUBLE)[0]
     while not update_for_queries(tables.address):
         kind, table, wanted, body = (int(trouble[column]) for column in (KIND, TABLE, WANTED, TROUBLED_BODY))
@@ -248,24 +251,24 @@ def _one_by_one(tables: Tables, hits: RayHits) -> list[RayHit]:
 def _kinds(tables: Tables) -> list[int]:
     """Return the kinds of shapes that there are."""
     kinds = np.unique(tables.array(SHAPE)[:, 0])
-    return [TRIANGLE if kind == MESH else int(kind) for kind in kinds if kind >= 0]
+    return [int(kind) for kind in kinds if kind >= 0]
 
 
 def _ray_functions(tables: Tables) -> NDArray[np.intp]:
-    functions = np.zeros(8, dtype=np.intp)
-    for kind in _kinds(tables):
+    functions = np.zeros(len(KINDS), dtype=np.intp)
+    for kind in map(met_as, _kinds(tables)):
         functions[kind] = _ray_function(kind)
     return functions
 
 
 @cache
 def _ray_function(kind: int) -> int:
-    return address_of(RAYS[kind], SIGNATURE)
+    return address_of(RAYS[kind], RAY)
 
 
 def _pair_functions(tables: Tables, kind: int) -> NDArray[np.intp]:
-    functions = np.zeros(8, dtype=np.intp)
-    for other in _kinds(tables):
+    functions = np.zeros(len(KINDS), dtype=np.intp)
+    for other in map(met_as, _kinds(tables)):
         functions[other] = _pair_function(min(kind, other), max(kind, other))
     return functions
 

@@ -14,7 +14,7 @@ from kickdrift.world.joints import layout
 from kickdrift.world.tables import BODY, JOINT, JOINT_NUMBERS, SHAPE
 
 if TYPE_CHECKING:
-    from kickdrift.world.shape_rows import Shape
+    from kickdrift.world.shapes.record import Shape
     from kickdrift.world.world import World
 
 Floats = NDArray[np.float64]

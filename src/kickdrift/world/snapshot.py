@@ -11,13 +11,13 @@ from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world import settings, tables
 from kickdrift.world.shape_rows import Placed
-from kickdrift.world.tables import COLLIDERS, SETTINGS, SWEEPS, Table
+from kickdrift.world.tables import COLLIDERS, KINDS, SETTINGS, SWEEPS, Table
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World
 
 # Addresses of compiled functions mean nothing in another process; a world finds its own.
-_OF_THE_PROCESS = (COLLIDERS, SWEEPS)
+_OF_THE_PROCESS = (COLLIDERS, KINDS, SWEEPS)
 TABLES: Mapping[str, Table] = MappingProxyType(
     {name: table for name, table in vars(tables).items() if isinstance(table, Table) and table not in _OF_THE_PROCESS}
 )
@@ -52,7 +52,7 @@ class Snapshot:
     geometry : mapping of bytes to int
         Where the numbers of a shape begin, by its kind and numbers.
     kinds : tuple of int
-        Kinds of shapes that there have been, with triangles for meshes.
+        Kinds of shapes that there have been.
     bouncing : bool
         Whether a shape has bounced.
     """

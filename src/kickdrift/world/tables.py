@@ -63,7 +63,8 @@ GROUPS = Table(21, 24, whole=True)  # of each lane the first body (8), the secon
 SCRATCH = Table(22, 1)
 TREE = Table(23, 8)  # over the wider boxes of shapes that may move: see `kickdrift.world.collision.tree`
 STATIC_TREE = Table(24, 8)  # over those that may not
-COLLIDERS = Table(25, 8, whole=True)  # address of the function for each pair of kinds of shapes
+KINDS = Table(28, 4, whole=True)  # of shapes: see `kickdrift.world.collision.dispatch`
+COLLIDERS = Table(25, 16, whole=True)  # address of the function for each pair of kinds of shapes
 ARTICULATION = Table(26, 12, whole=True)
 ARTICULATION_NUMBERS = Table(27, 1)  # the equations of closing joints
 LINK = Table(46, 8, whole=True)  # a body of an articulation and the joint that it hangs on, parents first

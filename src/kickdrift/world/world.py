@@ -253,11 +253,11 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
         """Compile what is needed, and keep the program for as long as nothing that it depends on changes."""
         shapes, key = self.shape_rows, (step, self.substeps, self._uses, self.shape_rows.kinds)
         if not self.joints.arranged or key != self._program_key:
-            compile_step(self.word, shapes.pairs())
+            compile_step(self.word, shapes.kinds, shapes.pairs())
             part_joined(self.tables)
             sweeps = self.tables.array(SWEEPS)[0]
             sweeps[:] = *(address_of(sweep, lanes.SWEEP) for sweep in lanes.SWEEPS), WIDTH
-            shapes.compile_pairs()
+            shapes.find_functions()
             self._program_key, self._program = key, compose(self.word, step, self.substeps)
         return self._program
 

@@ -7,13 +7,14 @@ from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.io.robots.parsing import Model
-from kickdrift.world.shape_rows import Placed, Shape, Surface
+from kickdrift.world.shape_rows import Placed, Surface
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
 from kickdrift.world.shapes.heightfield import HeightField
 from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.plane import Plane
 from kickdrift.world.shapes.polyhedron import MOST_VERTICES
+from kickdrift.world.shapes.record import Shape
 from kickdrift.world.shapes.sphere import Sphere
 
 Floats = NDArray[np.float64]

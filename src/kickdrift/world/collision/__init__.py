@@ -9,8 +9,10 @@ point on a), negative where the shapes overlap.
 """
 
 from collections.abc import Callable
+from itertools import combinations_with_replacement
 from typing import Any
 
+from kickdrift.core.errors import ArgumentError
 from kickdrift.world.collision import (
     box_box,
     capsule_box,
@@ -23,6 +25,7 @@ from kickdrift.world.collision import (
     triangle_polyhedra,
     triangles,
 )
+from kickdrift.world.shapes.catalogue import KINDS, may_touch
 from kickdrift.world.shapes.kinds import BOX, CAPSULE, HULL, PLANE, SPHERE, TRIANGLE
 
 # By the kinds of two shapes, the lower one first: collide(a, b, pose, margin, manifold) -> number of points.
@@ -46,3 +49,9 @@ PAIRS: dict[tuple[int, int], Callable[..., Any]] = {
     (BOX, HULL): polyhedra.box_hull,
     (HULL, HULL): polyhedra.hull_hull,
 }
+
+_WITHOUT = [pair for pair in combinations_with_replacement(sorted(KINDS), 2) if may_touch(*pair) and pair not in PAIRS]
+if _WITHOUT:
+    raise ArgumentError(
+        f"There is no function for where {' and '.join(KINDS[kind].name for kind in _WITHOUT[0])} touch; add it to PAIRS."
+    )

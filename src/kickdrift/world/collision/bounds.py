@@ -11,22 +11,21 @@ import numpy as np
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, plus, product, times, turned
-from kickdrift.world.collision.extents import extent
+from kickdrift.world.collision.dispatch import extent_of, sort_of
 from kickdrift.world.collision.tree import Box
+from kickdrift.world.contacts.looking import RADIUS
 from kickdrift.world.flight import DYNAMIC, KIND, STATIC
 from kickdrift.world.settings import GRAVITY, MARGIN
-from kickdrift.world.shapes.kinds import MESH, PLANE
+from kickdrift.world.shapes.record import SOLID
 from kickdrift.world.tables import (
     BODY,
     BOUNDS,
-    GEOMETRY,
     MOTION,
     MOVERS,
     PLACE,
     POSE,
     SETTINGS,
     SHAPE,
-    flat,
     floats,
     integers,
     rows,
@@ -44,9 +43,8 @@ _AHEAD = 3.0  # steps: at 2 falling boxes are sought half as often again, at 4 f
 @compiled(inline=True)
 def may_move(world: int, shape: int) -> bool:
     """Whether a shape belongs to a body that moves, or could."""
-    shapes = integers(world, SHAPE)
-    kind, body = shapes[shape, 0], shapes[shape, 1]
-    moves: bool = kind != PLANE and kind != MESH and integers(world, BODY)[body, KIND] != STATIC
+    body = integers(world, SHAPE)[shape, 1]
+    moves: bool = sort_of(world, shape) == SOLID and integers(world, BODY)[body, KIND] != STATIC
     return moves
 
 
@@ -108,7 +106,7 @@ def _box_in_step(world: int, shape: int, h: float) -> tuple[Box, float, Vector]:
     if place[shape, 3] != 1.0 or dot(offset, offset) > 0.0:  # most bodies are one shape: that saves 5 ns of 30
         arm = turned(turn, offset)
         turn = product(turn, (place[shape, 3], place[shape, 4], place[shape, 5], place[shape, 6]))
-    box, reach = extent(shapes[shape, 0], flat(world, GEOMETRY), shapes[shape, 2], shapes[shape, 3], turn)
+    box, reach = extent_of(world, shape, turn), place[shape, RADIUS]
     at = plus((pose[body, 0], pose[body, 1], pose[body, 2]), arm)
     if not may_move(world, shape):
         still = (at[0] + box[0], at[1] + box[1], at[2] + box[2], at[0] + box[3], at[1] + box[4], at[2] + box[5])

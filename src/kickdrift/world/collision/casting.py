@@ -1,4 +1,4 @@
-"""Rays cast into a world: trees say which shapes to ask, and `kickdrift.world.collision.rays` where they are met."""
+"""Rays cast into a world: trees say which shapes to ask, and `kickdrift.world.shapes.rays` where they are met."""
 
 import math
 from typing import Any
@@ -10,12 +10,13 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, minus, turned, turned_back
 from kickdrift.world.collision.bounds import FIRST_NODE, LAST_NODE
-from kickdrift.world.collision.extents import FIRST_TRIANGLE
-from kickdrift.world.collision.rays import MISS, SIGNATURE, Hit
+from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.walk import NOTHING, advance, reciprocal, start
 from kickdrift.world.contacts.looking import shape_pose
-from kickdrift.world.shapes.kinds import MESH, TRIANGLE
-from kickdrift.world.shapes.mesh import TRIANGLE_SIZE
+from kickdrift.world.shapes.kinds import TRIANGLE
+from kickdrift.world.shapes.rays import MISS, Hit
+from kickdrift.world.shapes.record import RAY, SURFACE
+from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
 from kickdrift.world.tables import (
     BOUNDS,
     GEOMETRY,
@@ -36,7 +37,7 @@ DISTANCE = 1
 NORMAL = 2  # (3)
 HIT = 5
 
-_ray = caller(SIGNATURE)
+_ray = caller(RAY)
 
 
 @compiled
@@ -55,8 +56,8 @@ def cast(world: int, ray: Any, functions: Any, strays: Any, layers: int, hits: A
 
     Parameters
     ----------
-    functions : (8,) array of int
-        Addresses of the functions of `RAYS`, by the kind of shape.
+    functions : array of int
+        Addresses of the functions by which rays meet shapes, by their kind.
     strays : (M,) array of int
         Shapes that may have left their boxes in the trees; of all of them, some can be met twice.
     layers : int
@@ -95,7 +96,7 @@ def _meet(
     at, q = shape_pose(world, shape)
     origin = turned_back(q, minus((ray[0], ray[1], ray[2]), at))
     direction = turned_back(q, (ray[3], ray[4], ray[5]))
-    if shapes[shape, 0] == MESH:
+    if sort_of(world, shape) == SURFACE:
         hit = _meet_mesh(world, shape, origin, direction, limit, functions)
     else:
         begin = shapes[shape, 2]
@@ -121,12 +122,12 @@ def _meet_mesh(world: int, mesh: int, origin: Vector, direction: Vector, limit: 
     inverse = reciprocal(direction)
     walk = carray(floats_on_stack(512), (512,))
     start(walk, nodes, origin, inverse)
-    first = integers(world, SHAPE)[mesh, 2] + FIRST_TRIANGLE
+    first = integers(world, SHAPE)[mesh, 2]
     nearest = MISS
     lowest = NOTHING
     part = advance(walk, nodes, origin, inverse, limit)
     while part != NOTHING:
-        begin = first + TRIANGLE_SIZE * part
+        begin = begin_of(first, part)
         hit = _ray(functions[TRIANGLE], (numbers[begin : begin + TRIANGLE_SIZE], origin, direction, limit))
         if hit[0] < nearest[0] or (hit[0] == nearest[0] and part < lowest):
             nearest, lowest, limit = hit, part, hit[0]

@@ -3,7 +3,7 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import shaped
 from kickdrift.world.collision.bounds import FIRST_NODE, LAST_NODE
-from kickdrift.world.collision.extents import parts, triangle
+from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.roster import enlist
 from kickdrift.world.collision.search import (
     CHANGED,
@@ -16,7 +16,8 @@ from kickdrift.world.collision.search import (
     UNSEEN,
 )
 from kickdrift.world.collision.tree import NODES_PER_ITEM, build, fit
-from kickdrift.world.shapes.kinds import MESH
+from kickdrift.world.shapes.record import SURFACE
+from kickdrift.world.shapes.triangle import triangle_box, triangles_of
 from kickdrift.world.tables import (
     BOUNDS,
     FIXTURES,
@@ -110,20 +111,20 @@ def _build_part_trees(world: int) -> bool:
     total = 0
     most = 0
     for shape in range(rows(world, SHAPE)):
-        if shapes[shape, 0] == MESH:
-            total += parts(shapes[shape, 3])
-            most = max(most, parts(shapes[shape, 3]))
+        if shapes[shape, 0] >= 0 and sort_of(world, shape) == SURFACE:
+            total += triangles_of(shapes[shape, 3])
+            most = max(most, triangles_of(shapes[shape, 3]))
     if not _has_room(world, PART_TREE, NODES_PER_ITEM * total, (_SEED + _BOX) * most):
         return False
     nodes = floats(world, PART_TREE)
     last = 0
     for shape in range(rows(world, SHAPE)):
-        if shapes[shape, 0] != MESH:
+        if shapes[shape, 0] < 0 or sort_of(world, shape) != SURFACE:
             continue
-        count = parts(shapes[shape, 3])
+        count = triangles_of(shapes[shape, 3])
         seeds, boxes = shaped(scratch, (count, _SEED)), shaped(scratch[_SEED * count :], (count, _BOX))
         for part in range(count):
-            box = triangle(numbers, shapes[shape, 2], part)
+            box = triangle_box(numbers, shapes[shape, 2], part)
             for axis in range(3):
                 seeds[part, axis] = 0.5 * box[axis] + 0.5 * box[3 + axis]
             seeds[part, 3] = part

@@ -2,6 +2,7 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.bounds import is_somewhere, may_move, settle
+from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.search import (
     AT_HOME,
     CHANGED,
@@ -17,7 +18,7 @@ from kickdrift.world.collision.search import (
     UNSEEN,
 )
 from kickdrift.world.flight import AWAKE
-from kickdrift.world.shapes.kinds import MESH, PLANE
+from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.tables import (
     BODY,
     BOUNDS,
@@ -80,11 +81,11 @@ def enlist(world: int, h: float) -> bool:
         set_rows(world, table, 0)
     fixed = 0
     for shape in range(count):
-        kind, state = shapes[shape, 0], shapes[shape, STATE]
-        if kind < 0:
+        if shapes[shape, 0] < 0:
             shapes[shape, STATE] = NEW
             continue
-        if state == NEW and kind != PLANE:
+        sort, state = sort_of(world, shape), shapes[shape, STATE]
+        if state == NEW and sort != HALF_SPACE:
             for k in range(6):
                 bounds[shape, k] = 0.0
             bounds[shape, 3] = -1.0  # holds nothing
@@ -94,7 +95,7 @@ def enlist(world: int, h: float) -> bool:
                 return False
         if state != AT_HOME:
             _note(world, SOUGHT, shape)
-        if kind == PLANE:
+        if sort == HALF_SPACE:
             _note(world, PLANES, shape)
         elif may_move(world, shape):
             _note(world, MOVERS, shape)
@@ -102,7 +103,7 @@ def enlist(world: int, h: float) -> bool:
             listed = integers(world, FIXTURES)
             if state == NEW or fixed >= fixtures or listed[fixed, 0] != shape:
                 search[0, STATIC_CHANGED] = 1
-            if state == NEW and kind == MESH:
+            if state == NEW and sort == SURFACE:
                 search[0, PARTS_CHANGED] = 1
             listed[fixed, 0] = shape
             fixed += 1

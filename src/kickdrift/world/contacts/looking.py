@@ -5,6 +5,7 @@ from numba import types
 from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, plus, product, turned
+from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.contacts.layout import (
     FEATURE,
     FOUND_POSE,
@@ -16,7 +17,9 @@ from kickdrift.world.contacts.layout import (
     SHAPE_A,
     SHAPE_B,
 )
-from kickdrift.world.shapes.kinds import MESH, TRIANGLE
+from kickdrift.world.shapes.kinds import TRIANGLE
+from kickdrift.world.shapes.record import SURFACE
+from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
 from kickdrift.world.tables import (
     COLLIDERS,
     CONTACT,
@@ -78,8 +81,8 @@ def look_again(world: int, row: int, at: Vector, turn: Quaternion, margin: float
     shape = integers(world, SHAPE)
     a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
     begin_a, size_a, kind_a = shape[a, 2], shape[a, 3], shape[a, 0]
-    if kind_a == MESH:
-        begin_a, size_a, kind_a = begin_a + 1 + 12 * contact[row, PART], 12, TRIANGLE
+    if sort_of(world, a) == SURFACE:
+        begin_a, size_a, kind_a = begin_of(begin_a, contact[row, PART]), TRIANGLE_SIZE, TRIANGLE
     begin_b, size_b = shape[b, 2], shape[b, 3]
     own = manifold[64 * row : 64 * row + 64]
     found = own[FOUND_POSE : FOUND_POSE + 7]
