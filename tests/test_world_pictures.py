@@ -24,6 +24,8 @@ from kickdrift.world.recording import Appearance, Part, Recording, Rod
 from kickdrift.world.rotations import product, turned
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
+from kickdrift.world.shapes.cone import Cone
+from kickdrift.world.shapes.cylinder import Cylinder
 from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.plane import Plane
@@ -151,6 +153,8 @@ def test_a_ball_is_as_large_as_it_looks_from_where_the_camera_stands():
         Sphere(0.5),
         Box((1.0, 0.8, 0.6)),
         Capsule(0.3, 0.6),
+        Cylinder(0.4, 0.7),
+        Cone(0.5, 0.9),
         Hull([[-0.5, -0.4, -0.3], [0.5, 0, 0], [0, 0.5, 0], [0, 0, 0.5], [-0.3, 0.1, 0.2]]),
     ],
     ids=lambda shape: type(shape).__name__,

@@ -209,6 +209,8 @@ def everything():
     world.add_sphere(radius=0.3, position=(0, 0, 2), layer=3, collides_with=[0, 3], rolling_resistance=0.01)
     world.add_capsule(0.2, 0.5, position=(2, 0, 2), surface_velocity=np.array([0.1, 0.0, 0.0]), mass=2)
     world.add_hull(np.random.default_rng(1).normal(size=(9, 3)) * 0.4, position=(4, 0, 2), sensor=True)
+    world.add_cylinder(0.2, 0.5, position=(6, 0, 2))
+    world.add_cone(0.2, 0.5, position=(8, 0, 2))
     parts = [Part(Box((0.2, 0.3, 0.4))), Part(Sphere(0.1), position=(0, 0, 0.3), density=5000.0)]
     world.add_body(parts, position=(0, 0, 4), damping=0.1)
     world.add_box((1, 1, 1), position=(-3, 0, 4), kinematic=True, velocity=(0, 0, -0.1))

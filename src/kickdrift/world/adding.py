@@ -18,14 +18,17 @@ from kickdrift.world.shape_rows import Placed, ShapeRows, Surface
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
 from kickdrift.world.shapes.catalogue import kind_of as shape_kind
+from kickdrift.world.shapes.cone import Cone
+from kickdrift.world.shapes.cylinder import Cylinder
 from kickdrift.world.shapes.heightfield import HeightField
 from kickdrift.world.shapes.hull import Hull
-from kickdrift.world.shapes.mass import Mass, checked_inertia, combined, placed, rotation_matrix
+from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.plane import Plane
 from kickdrift.world.shapes.record import SOLID, Shape
 from kickdrift.world.shapes.sphere import Sphere
 from kickdrift.world.tables import MOTION, RESTED, Tables
+from kickdrift.world.weighing import weigh
 
 Floats = NDArray[np.float64]
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
@@ -100,6 +103,21 @@ class AddsBodies:
             In m; the length is that of the cylinder between the half balls.
         """
         return self.add_body(Capsule(radius, length), **options)
+
+    def add_cylinder(self, radius: float, length: float, **options: Any) -> Body:
+        """Add a cylinder about z, whose middle is its origin, with a radius and a length in m; options as in `add_body`."""
+        return self.add_body(Cylinder(radius, length), **options)
+
+    def add_cone(self, radius: float, length: float, **options: Any) -> Body:
+        """Add a cone about z, its tip above; options as in `add_body`.
+
+        Parameters
+        ----------
+        radius, length : float
+            Of its base, and from there to the tip, m. The position that is given is that of the point halfway between the
+            two; the body's own, its centre of mass, is a quarter of the length above the base.
+        """
+        return self.add_body(Cone(radius, length), **options)
 
     def add_box(self, size: ArrayLike, **options: Any) -> Body:
         """Add a box with three full edge lengths in m; options as in `add_body`."""
@@ -232,7 +250,7 @@ class AddsBodies:
                     raise ArgumentError(
                         f"{type(part.shape).__name__} cannot move: it has no inside; add it static=True."
                     )
-            weight = _weigh(parts, density, mass, inertia, centre)
+            weight = weigh(parts, density, mass, inertia, centre)
         rates = [number("damping", damping, "1/s"), number("angular_damping", angular_damping, "1/s")]
         middle = np.zeros(3) if weight is None else weight.centre
         body = self.bodies.add(kind, origin + rotation_matrix(turn) @ middle, turn)
@@ -260,30 +278,3 @@ class AddsBodies:
         self.bodies.remove(body)
         self.shape_rows.remove_of(row)
         forget(self.tables, row)
-
-
-def _weigh(
-    parts: list[Part], density: float | None, mass: float | None, inertia: ArrayLike | None, centre: ArrayLike | None
-) -> Mass:
-    if density is not None and mass is not None:
-        raise ArgumentError(f"density={density!r} and mass={mass!r} say the same twice; give one of them.")
-    common = 1000.0 if density is None else density
-    whole = combined(
-        [
-            placed(
-                p.shape.mass_properties(), p.position, p.orientation, density=common if p.density is None else p.density
-            )
-            for p in parts
-        ]
-    )
-    if mass is not None:
-        total = number("mass", mass, "kg; static=True is for what nothing moves", zero=False)
-        whole = Mass(total, whole.centre, whole.inertia * (total / whole.mass))
-    if centre is not None and inertia is None:
-        raise ArgumentError(
-            f"centre={centre!r} has no inertia about it; give inertia= as well, (3,) or (3, 3), in kg m^2."
-        )
-    if inertia is not None:
-        middle = whole.centre if centre is None else vector("centre", centre, 3)
-        whole = Mass(whole.mass, middle, checked_inertia(inertia))
-    return whole

@@ -6,7 +6,7 @@ from typing import Any
 
 from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.shapes import box, capsule, heightfield, hull, mesh, plane, sphere, triangle
+from kickdrift.world.shapes import box, capsule, cone, cylinder, heightfield, hull, mesh, plane, sphere, triangle
 from kickdrift.world.shapes.record import SOLID, SURFACE, TRIANGLE_OF_SURFACE, Kind
 
 _RECORDS = (
@@ -18,6 +18,8 @@ _RECORDS = (
     hull.RECORD,
     mesh.RECORD,
     heightfield.RECORD,
+    cylinder.RECORD,
+    cone.RECORD,
 )
 
 KINDS: Mapping[int, Kind] = MappingProxyType({record.number: record for record in _RECORDS})

@@ -1,0 +1,186 @@
+"""Where boxes and hulls touch cylinders and cones.
+
+The two separate most along the normal of a face of the polyhedron, along the axis of the frustum, or along the normal of
+the frustum where an edge or a corner of the polyhedron is deepest in it, which is found exactly: the distance from the
+surface is a convex function on an edge.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.memory import floats_on_stack
+from kickdrift.core.vectors import Vector, cross, dot, length, minus, times
+from kickdrift.world.collision.box_polyhedron import SIZE_OF_BOX, set_box
+from kickdrift.world.collision.faces import PLACED, lowest, place_polyhedron
+from kickdrift.world.collision.frames import set_frame_back
+from kickdrift.world.collision.frustum_faces import lie_on_face, stand_on_end, touch_edge
+from kickdrift.world.collision.preference import SHARE_OFF, tolerance_of
+from kickdrift.world.shapes.closest import along
+from kickdrift.world.shapes.frustum import Frustum, deepest, frustum_of, highest, radial, signed_distance
+from kickdrift.world.shapes.polyhedron import (
+    EDGES,
+    FACES,
+    THICKNESS,
+    edge,
+    loop,
+    loop_vertex,
+    plane,
+    pointer_to,
+    support,
+    vertex,
+)
+
+_NONE = -1
+
+
+@compiled
+def box_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
+    """Find where a box and a frustum touch; see `kickdrift.world.collision`."""
+    box, frame = floats_on_stack(SIZE_OF_BOX), floats_on_stack(12)
+    set_box(box, a)
+    set_frame_back(frame, pose)
+    return polyhedron_frustum(box, 6, frustum_of(b), frame, margin, manifold)
+
+
+@compiled
+def hull_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
+    """Find where a hull and a frustum touch; see `kickdrift.world.collision`."""
+    hull, frame = pointer_to(a), floats_on_stack(12)
+    set_frame_back(frame, pose)
+    return polyhedron_frustum(hull, int(hull[FACES]), frustum_of(b), frame, margin, manifold)
+
+
+@compiled
+def polyhedron_frustum(body: Any, faces: int, f: Frustum, frame: Any, margin: float, manifold: Any) -> int:
+    """Find where a polyhedron and a frustum touch.
+
+    Parameters
+    ----------
+    body : pointer to floats
+        Numbers of the polyhedron.
+    faces : int
+        How many of its faces, the first ones, are faces: the others stand for a curved surface.
+    f : (3,) tuple
+        The frustum.
+    frame : pointer to floats
+        Of the polyhedron in the frustum's.
+    margin, manifold
+        See `kickdrift.world.collision`.
+    """
+    seen = floats_on_stack(PLACED)
+    place_polyhedron(seen, body, frame)
+    face, gap_face = _NONE, -np.inf
+    for k in range(faces):
+        normal, offset = plane(seen, k)
+        gap = -highest(f, times(-1.0, normal)) - offset
+        if gap > gap_face:
+            face, gap_face = k, gap
+            if gap > margin:
+                return 0
+    upper, gap_end = False, -np.inf
+    for end in range(2):
+        if f[end] > 0.0:
+            gap = lowest(seen, (0.0, 0.0, 1.0 if end == 1 else -1.0)) - f[2]
+            if gap > gap_end:
+                upper, gap_end = end == 1, gap
+    if gap_end > margin:
+        return 0
+    flat = max(gap_face, gap_end)
+    below = (0.0, 0.0, -1.0 if upper else 1.0)
+    corner = vertex(seen, support(seen, below))
+    number, t, normal, gap_edge = _NONE, 0.0, below, -np.inf
+    if not (
+        _settled_on_end(f, upper, corner, gap_end) if gap_end > gap_face else _settled_on_face(f, body, seen, face)
+    ):
+        number, t, normal, gap_edge = _edge_farthest(f, body, seen, margin)
+        if number == _NONE or gap_edge > margin:
+            return 0
+    best = max(flat, gap_edge)
+    tolerance = tolerance_of(margin, min(body[THICKNESS], min(f[2], max(f[0], f[1]))))
+    off = SHARE_OFF * abs(best) + tolerance
+    for attempt in range(2):
+        on_face = (gap_face + tolerance >= gap_end) != (attempt == 1)
+        if (gap_face if on_face else gap_end) < best - off:
+            continue
+        if on_face:
+            count, depth = lie_on_face(f, body, seen, face, tolerance, margin, frame, manifold)
+        else:
+            count, depth = stand_on_end(f, upper, body, seen, tolerance, margin, frame, manifold)
+        if count > 0 and abs(depth - best) <= off:
+            return count
+    if number == _NONE:
+        number, t, normal, gap_edge = _edge_farthest(f, body, seen, margin)
+        if number == _NONE:
+            return 0
+    begin, last, _, _ = edge(body, number)
+    p, q = vertex(seen, begin), vertex(seen, last)
+    lower = vertex(seen, support(seen, times(-1.0, normal)))
+    if (
+        dot(normal, lower) < dot(normal, along(p, t, minus(q, p))) - tolerance
+    ):  # deep in each other: another corner is deepest
+        p = q = lower
+    return touch_edge(f, p, q, number, t, normal, margin, frame, manifold)
+
+
+@compiled
+def _edge_farthest(f: Frustum, body: Any, seen: Any, margin: float) -> tuple[int, float, Vector, float]:
+    """Find the edge along whose normal, at its deepest point, the two are farthest apart: which, where, normal and gap."""
+    number, share, normal, best = _NONE, 0.0, (0.0, 0.0, 1.0), -np.inf
+    for k in range(int(body[EDGES])):
+        begin, end, _, _ = edge(body, k)
+        p, q = vertex(seen, begin), vertex(seen, end)
+        way = minus(q, p)
+        if signed_distance(f, along(p, 0.5, way))[0] - 0.5 * length(way) > margin:
+            continue
+        t, n = deepest(f, p, q)
+        gap = lowest(seen, n) - highest(f, n)
+        if gap > best:
+            number, share, normal, best = k, t, n, gap
+    return number, share, normal, best
+
+
+@compiled(inline=True)
+def _lowest_point(f: Frustum, seen: Any, face: int) -> Vector:
+    """Return the point of a frustum that is lowest over a face."""
+    n, _ = plane(seen, face)
+    sine, x, y = radial(-n[0], -n[1])
+    if f[1] * sine - f[2] * n[2] >= f[0] * sine + f[2] * n[2]:
+        return (f[1] * x, f[1] * y, f[2])
+    return (f[0] * x, f[0] * y, -f[2])
+
+
+@compiled
+def _settled_on_face(f: Frustum, body: Any, seen: Any, face: int) -> bool:
+    """Whether no other direction separates the two more than the normal of a face, as the lowest point of the frustum tells.
+
+    Apart from the polyhedron, it is over the face; inside, it is nearer to this face than to others.
+    """
+    p = _lowest_point(f, seen, face)
+    normal, offset = plane(seen, face)
+    height = dot(normal, p) - offset
+    if height <= 0.0:
+        for k in range(int(body[FACES])):
+            other, level = plane(seen, k)
+            if dot(other, p) - level > height and k != face:
+                return False
+        return True
+    first, last = loop(body, face)
+    start = vertex(seen, loop_vertex(body, last - 1))
+    for entry in range(first, last):
+        to = vertex(seen, loop_vertex(body, entry))
+        if dot(cross(normal, minus(to, start)), minus(p, start)) < 0.0:
+            return False
+        start = to
+    return True
+
+
+@compiled
+def _settled_on_end(f: Frustum, upper: bool, corner: Vector, gap: float) -> bool:
+    """Say the same of an end of the frustum, as the corner of the polyhedron that is deepest there tells."""
+    if gap <= 0.0:
+        _, normal = signed_distance(f, corner)
+        return normal[2] == (1.0 if upper else -1.0)
+    radius = f[1] if upper else f[0]
+    return corner[0] * corner[0] + corner[1] * corner[1] <= radius * radius
