@@ -8,7 +8,7 @@ from numba import carray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import Vector, dot, times
+from kickdrift.core.vectors import Vector, dot, length, times
 from kickdrift.world.collision.frames import directed, set_frame, set_frame_back
 from kickdrift.world.collision.frustum_faces import SIDES
 from kickdrift.world.collision.frustum_polyhedra import polyhedron_frustum
@@ -19,8 +19,8 @@ from kickdrift.world.contacts.layout import FEATURE, ON_A, ON_B, POINT, POINT_SI
 from kickdrift.world.shapes.frustum import Frustum, frustum_of, highest, radial
 from kickdrift.world.shapes.polyhedron import HEADER, PLANES_AT, THICKNESS, VERTICES, polyhedron_numbers, vertex
 
-_ROUNDS = 6
-_SAME = 1e-8  # rad, by which the place where they touch may be off around the first
+_ROUNDS = 10
+_SAME = 1e-6  # rad, by which the place where they touch may be off around the first
 _LOWER, _UPPER = tuple(range(SIDES)), tuple(range(SIDES, 2 * SIDES))
 _STEPS = tuple((k, (k + 1) % SIDES) for k in range(SIDES))
 
@@ -48,22 +48,25 @@ _OTHER_WAY = 1 << 24  # of features that the second has as a polyhedron
 def frustum_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
     """Find where two frusta touch; see `kickdrift.world.collision`.
 
-    Each is a polyhedron for the other once, unless the first lies flat on the second: where a rim touches a side, only
-    the normals of that side separate the two as far as they are apart.
+    The first is a polyhedron for the second. Where a rim of the second is in the first, only the normals of the first may
+    separate the two as far as they are apart: then the second is one for the first, too.
     """
     f, g = frustum_of(a), frustum_of(b)
     frame, back = floats_on_stack(12), floats_on_stack(12)
     set_frame(frame, pose)
     set_frame_back(back, pose)
+    size = length((pose[0], pose[1], pose[2]))
+    if size > 0.0 and _gap(f, g, back, (pose[0] / size, pose[1] / size, pose[2] / size)) > margin:
+        return 0
     count = _as_polyhedron(f, g, back, margin, manifold)
-    if count > 2:
+    if count > 2 or (count > 0 and not _at_rim(g, manifold, _gap(f, g, back, _normal(manifold)))):
         return count
     other = carray(floats_on_stack(_MANIFOLD), (_MANIFOLD,))
     found = _as_polyhedron(g, f, frame, margin, other)
     if found == 0:
         return count
-    normal = times(-1.0, directed(frame, (other[0], other[1], other[2])))
-    best = _gap(f, g, back, (manifold[0], manifold[1], manifold[2]))
+    normal = times(-1.0, directed(frame, _normal(other)))
+    best = _gap(f, g, back, _normal(manifold))
     if count > 0 and _gap(f, g, back, normal) <= best + SHARE_OFF * abs(best):
         return count
     put_normal(manifold, normal)
@@ -73,6 +76,23 @@ def frustum_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> 
         on_a = (other[p + ON_B], other[p + ON_B + 1], other[p + ON_B + 2])
         put_point(manifold, k, on_a, on_b, int(other[p + FEATURE]) + _OTHER_WAY)
     return found
+
+
+@compiled(inline=True)
+def _normal(manifold: Any) -> Vector:
+    return (manifold[0], manifold[1], manifold[2])
+
+
+@compiled(inline=True)
+def _at_rim(g: Frustum, manifold: Any, gap: float) -> bool:
+    """Whether two frusta overlap where the first point of a contact is as near to a rim of the second as it is deep."""
+    if gap > 0.0:
+        return False
+    p = POINT + ON_B
+    z = manifold[p + 2]
+    away = abs((g[1] if z > 0.0 else g[0]) - math.sqrt(manifold[p] ** 2 + manifold[p + 1] ** 2))
+    near: bool = max(away, g[2] - abs(z)) < 4.0 * abs(gap) + 1e-3 * max(g[0], g[2])
+    return near
 
 
 @compiled(inline=True)
@@ -92,19 +112,26 @@ def _as_polyhedron(f: Frustum, g: Frustum, frame: Any, margin: float, manifold: 
         frame[0] * -frame[9] + frame[3] * -frame[10] + frame[6] * -frame[11],
         frame[1] * -frame[9] + frame[4] * -frame[10] + frame[7] * -frame[11],
     )
+    angle, step = math.atan2(y, x), 2.0 * math.pi / SIDES
     for turn in range(_ROUNDS):
+        x, y = math.cos(angle), math.sin(angle)
         _set_frustum(body, f, x, y)
-        # All faces at first: an edge that is near is found once the corners are where the two touch.
-        if polyhedron_frustum(body, flat + SIDES if turn == 0 else flat, g, frame, wide, manifold) == 0:
+        if polyhedron_frustum(body, flat + SIDES, -1, g, frame, wide, manifold) == 0:
             return 0
-        # The normal at a point of a round surface points away from its axis in the direction of that point.
-        _, u, v = lowest_direction((manifold[0], manifold[1], manifold[2]), FLAT_ON)
-        off = abs(u * y - v * x)
-        x, y = u, v
-        if turn > 0 and off < _SAME:
+        # The normal at a point of a round surface points away from its axis in the direction of that point: that of the side
+        # or corner of the polygon that touches says on which side of it the two touch, which is found by halves.
+        sine, u, v = lowest_direction(_normal(manifold), FLAT_ON)
+        off = math.atan2(x * v - y * u, x * u + y * v)
+        if turn == 0 or sine < FLAT_ON:
+            angle += off
+        else:
+            step *= 0.5
+            angle += max(-step, min(off, step))
+        if turn > 0 and (abs(off) < _SAME or sine < FLAT_ON):
             break
+    x, y = math.cos(angle), math.sin(angle)
     _set_frustum(body, f, x, y)
-    return polyhedron_frustum(body, flat, g, frame, margin, manifold)
+    return polyhedron_frustum(body, flat, SIDES, g, frame, margin, manifold)
 
 
 @compiled

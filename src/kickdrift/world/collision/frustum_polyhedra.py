@@ -33,6 +33,7 @@ from kickdrift.world.shapes.polyhedron import (
 )
 
 _NONE = -1
+_ROUNDING = 1e-9
 
 
 @compiled
@@ -41,7 +42,7 @@ def box_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
     box, frame = floats_on_stack(SIZE_OF_BOX), floats_on_stack(12)
     set_box(box, a)
     set_frame_back(frame, pose)
-    return polyhedron_frustum(box, 6, frustum_of(b), frame, margin, manifold)
+    return polyhedron_frustum(box, 6, 0, frustum_of(b), frame, margin, manifold)
 
 
 @compiled
@@ -49,11 +50,11 @@ def hull_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int
     """Find where a hull and a frustum touch; see `kickdrift.world.collision`."""
     hull, frame = pointer_to(a), floats_on_stack(12)
     set_frame_back(frame, pose)
-    return polyhedron_frustum(hull, int(hull[FACES]), frustum_of(b), frame, margin, manifold)
+    return polyhedron_frustum(hull, int(hull[FACES]), 0, frustum_of(b), frame, margin, manifold)
 
 
 @compiled
-def polyhedron_frustum(body: Any, faces: int, f: Frustum, frame: Any, margin: float, manifold: Any) -> int:
+def polyhedron_frustum(body: Any, faces: int, near: int, f: Frustum, frame: Any, margin: float, manifold: Any) -> int:
     """Find where a polyhedron and a frustum touch.
 
     Parameters
@@ -62,6 +63,9 @@ def polyhedron_frustum(body: Any, faces: int, f: Frustum, frame: Any, margin: fl
         Numbers of the polyhedron.
     faces : int
         How many of its faces, the first ones, are faces: the others stand for a curved surface.
+    near : int
+        0, or the number of corners of each end of what stands for a frustum: edges from the last to the second of them count.
+        -1 where the normal need not be the best one.
     f : (3,) tuple
         The frustum.
     frame : pointer to floats
@@ -94,7 +98,7 @@ def polyhedron_frustum(body: Any, faces: int, f: Frustum, frame: Any, margin: fl
     if not (
         _settled_on_end(f, upper, corner, gap_end) if gap_end > gap_face else _settled_on_face(f, body, seen, face)
     ):
-        number, t, normal, gap_edge = _edge_farthest(f, body, seen, margin)
+        number, t, normal, gap_edge = _edge_farthest(f, body, seen, near, margin)
         if number == _NONE or gap_edge > margin:
             return 0
     best = max(flat, gap_edge)
@@ -111,7 +115,7 @@ def polyhedron_frustum(body: Any, faces: int, f: Frustum, frame: Any, margin: fl
         if count > 0 and abs(depth - best) <= off:
             return count
     if number == _NONE:
-        number, t, normal, gap_edge = _edge_farthest(f, body, seen, margin)
+        number, t, normal, gap_edge = _edge_farthest(f, body, seen, near, margin)
         if number == _NONE:
             return 0
     begin, last, _, _ = edge(body, number)
@@ -125,20 +129,35 @@ def polyhedron_frustum(body: Any, faces: int, f: Frustum, frame: Any, margin: fl
 
 
 @compiled
-def _edge_farthest(f: Frustum, body: Any, seen: Any, margin: float) -> tuple[int, float, Vector, float]:
+def _edge_farthest(f: Frustum, body: Any, seen: Any, near: int, margin: float) -> tuple[int, float, Vector, float]:
     """Find the edge along whose normal, at its deepest point, the two are farthest apart: which, where, normal and gap."""
-    number, share, normal, best = _NONE, 0.0, (0.0, 0.0, 1.0), -np.inf
+    number, share, normal, best, nearest = _edge_among(f, body, seen, near, margin)
+    if nearest <= 0.0 and near >= 0:
+        number, share, normal, best, _ = _edge_among(f, body, seen, near, np.inf)
+    return number, share, normal, best
+
+
+@compiled
+def _edge_among(f: Frustum, body: Any, seen: Any, near: int, limit: float) -> tuple[int, float, Vector, float, float]:
+    """Find the same among the edges that are nearer than a limit; return how near the nearest is, too, 0.0 inside."""
+    number, share, normal, best, nearest = _NONE, 0.0, (0.0, 0.0, 1.0), -np.inf, limit
     for k in range(int(body[EDGES])):
         begin, end, _, _ = edge(body, k)
+        if near > 0 and ((begin + 1) % near > 2 or (end + 1) % near > 2):
+            continue
         p, q = vertex(seen, begin), vertex(seen, end)
         way = minus(q, p)
-        if signed_distance(f, along(p, 0.5, way))[0] - 0.5 * length(way) > margin:
+        # The distance lies above each of its tangents, and only the nearest edge tells how far those are apart that are.
+        middle, n = signed_distance(f, along(p, 0.5, way))
+        if middle - 0.5 * abs(dot(n, way)) > min(limit, nearest + _ROUNDING * length(way)):
             continue
         t, n = deepest(f, p, q)
+        if limit < np.inf:
+            nearest = min(nearest, max(signed_distance(f, along(p, t, way))[0], 0.0))
         gap = lowest(seen, n) - highest(f, n)
         if gap > best:
             number, share, normal, best = k, t, n, gap
-    return number, share, normal, best
+    return number, share, normal, best, nearest
 
 
 @compiled(inline=True)
