@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import number, turn_to, unit_quaternion, vector
-from kickdrift.world.bodies import Bodies, Body, kind_of
+from kickdrift.world.bodies import Bodies, kind_of
+from kickdrift.world.body import Body
 from kickdrift.world.collision.filters import forget
 from kickdrift.world.flight import DYNAMIC, STATIC
 from kickdrift.world.islands import REACH
@@ -174,6 +175,7 @@ class AddsBodies:
         kinematic: bool = False,
         damping: float = 0.0,
         angular_damping: float = 0.0,
+        name: str | None = None,
         **surface: Any,
     ) -> Body:
         """Add a body of one shape or several.
@@ -204,6 +206,8 @@ class AddsBodies:
             A static body never moves; a kinematic one moves with the velocity given and minds no force.
         damping, angular_damping : float
             Rates in 1/s at which velocities decay.
+        name : str, optional
+            By which `World.body` finds it, and which errors and recordings call it; no two bodies have the same.
         **surface
             `friction`, `restitution`, `rolling_resistance`, `surface_velocity`, `layer`, `collides_with` and `sensor`, as
             in `Surface`.
@@ -216,8 +220,9 @@ class AddsBodies:
         Raises
         ------
         ArgumentError
-            For sizes, masses, inertias and poses that no body can have.
+            For sizes, masses, inertias and poses that no body can have, and for the name of another body.
         """
+        name = self.bodies.names.checked(name)
         parts = list(shapes) if isinstance(shapes, Sequence) else [Part(shapes)]
         if not parts or not all(isinstance(part, Part) for part in parts):
             raise ArgumentError(f"shapes={shapes!r} has to be a shape, or a sequence of at least one Part.")
@@ -246,6 +251,7 @@ class AddsBodies:
             rested = self.tables.array(RESTED)[body.index]
             rested[REACH] = max(rested[REACH], float(np.linalg.norm(arm)) + reach(part.shape))
             self.shape_rows.add(body.index, Placed(part.shape, arm, part.orientation, face))
+        self.bodies.names.give(body.index, name)
         return body
 
     def remove(self, body: Body) -> None:

@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 class KeepsHistory:
     """The methods of a world that record, keep and restore it."""
 
-    _program_key: tuple[object, ...] | None
-
     def run(
         self, duration: float, step: float, save_every: int | None = None, progress: bool | None = None
     ) -> Recording:
@@ -60,7 +58,6 @@ class KeepsHistory:
             Of this world, or of another one, which this one then continues.
         """
         restore(self._world, snapshot)
-        self._program_key = None
 
     def save(self, path: str | Path) -> Path:
         """Write everything that the next steps depend on to a file for `kickdrift.load_world`; returns its path.

@@ -55,6 +55,8 @@ class Snapshot:
         Kinds of shapes that there have been, with triangles for meshes.
     bouncing : bool
         Whether a shape has bounced.
+    body_names, joint_names : mapping of int to str
+        By row.
     """
 
     time: float
@@ -72,6 +74,8 @@ class Snapshot:
     geometry: Mapping[bytes, int]
     kinds: tuple[int, ...]
     bouncing: bool
+    body_names: Mapping[int, str]
+    joint_names: Mapping[int, str]
 
     def with_forces(self, forces: Iterable[Function]) -> "Snapshot":
         """Return the same with other forces."""
@@ -102,6 +106,8 @@ def take(world: "World") -> Snapshot:
         geometry=MappingProxyType(dict(world.shape_rows.begins)),
         kinds=tuple(sorted(world.shape_rows.kinds)),
         bouncing=world.shape_rows.bouncing,
+        body_names=MappingProxyType(world.bodies.names.all()),
+        joint_names=MappingProxyType(world.joints.names.all()),
     )
 
 
@@ -125,3 +131,7 @@ def restore(world: "World", snapshot: Snapshot) -> None:
     shapes.shapes = dict(snapshot.shapes)
     shapes.begins = dict(snapshot.geometry)
     shapes.kinds, shapes.bouncing = frozenset(snapshot.kinds), snapshot.bouncing
+    bodies.names.replace(snapshot.body_names)
+    joints.names.replace(snapshot.joint_names)
+    world.tables.altered = True
+    world.tables.version += 1

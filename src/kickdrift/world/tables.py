@@ -143,6 +143,19 @@ class Tables:
             self.block.ctypes.data
         )  # what compiled code is given; the same for as long as the world lives
         self._arrays: dict[int, NDArray[Any]] = {}
+        # Whether something has changed that the stages of the step or their order may depend on.
+        self.altered = True
+        # Grows where bodies or joints come or go, or tables lie elsewhere, so that handles look again where theirs is.
+        self.version = 0
+
+    def count(self, table: Table) -> int:
+        """Return how many rows of a table are in use."""
+        return int(self.block.item(3 * table.place + _ROWS))
+
+    def row(self, table: Table, row: int) -> NDArray[Any]:
+        """Return a row that is in use, as a live view; what `array` takes longer for."""
+        found: NDArray[Any] = self._arrays[table.place][row]
+        return found
 
     def array(self, table: Table) -> NDArray[Any]:
         """Return the rows of a table in use, as a live view; replaced where the table grows."""
@@ -171,6 +184,7 @@ class Tables:
         new = _aligned(max(count, len(old) + len(old) // 2, 16), table.width, np.int64 if table.whole else np.float64)
         new[: len(old)] = old
         self._arrays[table.place] = new
+        self.version += 1
         self.block[place : place + 3] = new.ctypes.data, self.block[place + _ROWS], len(new)
 
     def make_room(self, place: int, count: int) -> None:

@@ -12,7 +12,8 @@ from kickdrift.world.acting import AppliesForces
 from kickdrift.world.adding import AddsBodies
 from kickdrift.world.arguments import choice, direction, number, vector
 from kickdrift.world.asking import AnswersQueries
-from kickdrift.world.bodies import Bodies, Body
+from kickdrift.world.bodies import Bodies
+from kickdrift.world.body import Body
 from kickdrift.world.collision.filters import exclude, part_joined
 from kickdrift.world.compiling import compile_step
 from kickdrift.world.contacts import lanes
@@ -24,7 +25,7 @@ from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.registry import Joints
 from kickdrift.world.losing import culprit, go_back, lost
 from kickdrift.world.measures import Energy
-from kickdrift.world.program import Program, Uses, Word, compose, word
+from kickdrift.world.program import Program, Uses, Word, addresses, compose, word
 from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.step import run
 from kickdrift.world.tables import (
@@ -114,7 +115,9 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
         self.time = 0.0
         self.n_steps = 0
         row = self.tables.resize(SETTINGS, 1)[0]
-        self.bodies = Bodies(self.tables)
+        self.shape_rows = ShapeRows(self.tables)
+        self.joints = Joints(self.tables)
+        self.bodies = Bodies(self.tables, self.shape_rows, self.joints.changed)
         self.gravity, self.substeps, self.sleeping = vector("gravity", gravity, 3), substeps, sleeping
         row[settings.MIDPOINT] = choice("midpoint", midpoint)
         row[settings.MARGIN], row[settings.SLOP] = (
@@ -140,17 +143,31 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
         self.tables.resize(TROUBLE, 1)
         self.tables.resize(COLOURS, 64)
         self.tables.resize(SWEEPS, 1)
-        self.shape_rows = ShapeRows(self.tables)
-        self.joints = Joints(self.tables)
         self.broken: list[Joint] = []
-        self._program_key: tuple[object, ...] | None = None
         self._program: Program
+        self._program_step = 0.0
+        self._composition: tuple[object, ...] | None = None
+        self._addresses: NDArray[np.intp]
         self.forces: list[Function] = []
 
     @property
     def ground(self) -> Body:
         """What never moves: row 0, to which joints can hold."""
         return self.bodies.ground
+
+    def body(self, name: str) -> Body:
+        """Return the body of a name.
+
+        Raises
+        ------
+        UnknownNameError
+            If none has it; the sentence says which there are.
+        """
+        return self.bodies.handle(self.bodies.names.row(name))
+
+    def joint(self, name: str) -> Joint:
+        """Return the joint of a name; the rest as in `body`."""
+        return self.joints.handle(self.joints.names.row(name))
 
     @property
     def position(self) -> Floats:
@@ -216,7 +233,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
         step = number("step", step, "s; 1/60 is usual", zero=False)
         if isinstance(count, bool) or not (isinstance(count, int | np.integer) and count >= 0):
             raise ArgumentError(f"count={count!r} has to be a whole number of steps, zero or more.")
-        self.tables.array(SETTINGS)[0, settings.STEP] = step
+        self.tables.row(SETTINGS, 0)[settings.STEP] = step
         self.tables.resize(EVENTS, 0)
         program = self._ready(step)
         done, at = 0, 0
@@ -242,23 +259,28 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
     def word(self) -> Word:
         """The step as a word: its stages in their order."""
         self.joints.arrange()
-        return word(self._uses, self.joints)
-
-    @property
-    def _uses(self) -> Uses:
         shapes, fast = self.shape_rows, bool(self.tables.array(SETTINGS)[0, settings.HAS_FAST])
-        return Uses(tuple(self.forces), shapes.bouncing, fast, self.sleeping, self.planar, self.threads)
+        uses = Uses(tuple(self.forces), shapes.bouncing, fast, self.sleeping, self.planar, self.threads)
+        return word(uses, self.joints)
 
     def _ready(self, step: float) -> Program:
-        """Compile what is needed, and keep the program for as long as nothing that it depends on changes."""
-        shapes, key = self.shape_rows, (step, self.substeps, self._uses, self.shape_rows.kinds)
-        if not self.joints.arranged or key != self._program_key:
-            compile_step(self.word, shapes.pairs())
-            part_joined(self.tables)
+        """Compile what is needed, and keep the program for as long as nothing that it depends on changes.
+
+        That nothing has is seen without looking at it all, which would take as long as a step of a small world.
+        """
+        if step == self._program_step and self.joints.arranged and not self.tables.altered:
+            return self._program
+        spelt, pairs, shapes = self.word, self.shape_rows.pairs(), self.shape_rows
+        part_joined(self.tables)
+        composition = spelt, self.substeps, pairs
+        if composition != self._composition:
+            compile_step(spelt, pairs)
             sweeps = self.tables.array(SWEEPS)[0]
             sweeps[:] = *(address_of(sweep, lanes.SWEEP) for sweep in lanes.SWEEPS), WIDTH
             shapes.compile_pairs()
-            self._program_key, self._program = key, compose(self.word, step, self.substeps)
+            self._addresses, self._composition = addresses(spelt, self.substeps), composition
+        self._program, self._program_step = compose(spelt, self._addresses, step, self.substeps), step
+        self.tables.altered = False
         return self._program
 
     def exclude(self, body_a: Body, body_b: Body) -> None:
@@ -281,13 +303,14 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
         trouble[:] = 0
         if kind == FAST:
             self.tables.array(SETTINGS)[0, settings.HAS_FAST] = 1.0
+            self.tables.altered = True
             return
         if kind == FULL:
             self.tables.make_room(table, wanted)
             return
         body = culprit(self.tables, step, body)
         self._go_back(done, step)
-        raise lost(self.tables, body, self.n_steps)
+        raise lost(self.tables, body, self.bodies.words(body), self.n_steps)
 
     def _go_back(self, done: int, step: float) -> None:
         """Bring the world back to where the step began after those that are done."""
