@@ -46,18 +46,20 @@ def write_law(tables: Tables, joint: int, k: int, axis: Axis, part: Part) -> Non
     """Write one part of what happens along an axis of a joint, which is measured."""
     law: NDArray[np.float64] = tables.array(JOINT_AXES)[6 * joint + k]
     if part == "limits":
-        law[[LOWER, UPPER]] = axis.limits or (-np.inf, np.inf)
+        law[LOWER], law[UPPER] = axis.limits or (-np.inf, np.inf)
     elif part == "friction":
         law[FRICTION] = axis.friction
     elif part == "motor":
-        law[[MOTOR_SPEED, MOTOR_MAXIMUM]] = (axis.motor.speed, axis.motor.maximum) if axis.motor else 0.0
+        law[MOTOR_SPEED], law[MOTOR_MAXIMUM] = (axis.motor.speed, axis.motor.maximum) if axis.motor else (0.0, 0.0)
     else:
         law[[STIFFNESS, DAMPING, TARGET, TARGET_SPEED, DRIVE_MAXIMUM, MASS]] = 0.0
         if axis.drive is not None:
             law[MASS] = mass = effective_mass(tables, joint, k)
             law[[STIFFNESS, DAMPING]] = axis.drive.coefficients(mass)
             law[[TARGET, TARGET_SPEED, DRIVE_MAXIMUM]] = axis.drive.target, axis.drive.speed, axis.drive.maximum
-    does = np.isfinite(law[[LOWER, UPPER]]).any() or law[[MOTOR_MAXIMUM, STIFFNESS, DAMPING, FRICTION]].any()
+    numbers = law.tolist()
+    does = -np.inf < numbers[LOWER] or numbers[UPPER] < np.inf
+    does = does or any(numbers[column] != 0.0 for column in (MOTOR_MAXIMUM, STIFFNESS, DAMPING, FRICTION))
     row = tables.array(JOINT)[joint]
     row[LAWS] = row[LAWS] | 1 << k if does else row[LAWS] & ~(1 << k)
     if k >= 3 and does and row[ANGULAR] == LOOSE:
