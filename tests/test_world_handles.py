@@ -167,6 +167,98 @@ def test_static_bodies_move_where_they_are_placed_and_wake_what_rested_on_them()
     assert ball.position[2] == pytest.approx(0.15, abs=0.01)
 
 
+# Locked rotations
+
+
+def test_a_body_whose_rotation_is_locked_slides_and_never_tips():
+    world = kd.World((4.0, 0, -9.81))
+    world.add_plane(friction=0.3)
+    q = (np.cos(0.3), 0, 0, np.sin(0.3))
+    pole = world.add_box((0.1, 0.2, 2.0), position=(0, 0, 1), orientation=q, friction=0.3, locked_rotation=True)
+    world.apply_torque(pole, (1e3, 1e3, 1e3))
+    world.advance(STEP, 60)
+    assert np.array_equal(pole.orientation, q)
+    assert not pole.angular_velocity.any()
+    assert pole.locked_rotation
+    assert pole.velocity == pytest.approx([4.0 - 0.3 * 9.81, 0, 0], rel=0.01, abs=1e-3)
+
+
+def test_a_ball_that_hits_a_locked_box_off_centre_bounces_like_a_point():
+    world = kd.World(WEIGHTLESS)
+    box = world.add_box((0.2, 1.0, 1.0), mass=2.0, locked_rotation=True, restitution=1.0, friction=0.0)
+    ball = world.add_sphere(0.1, position=(1, 0.3, 0.4), velocity=(-3, 0, 0), mass=1.0, restitution=1.0, friction=0.0)
+    world.advance(STEP, 60)
+    assert box.velocity == pytest.approx([-2, 0, 0], abs=1e-9)
+    assert ball.velocity == pytest.approx([1, 0, 0], abs=1e-9)
+
+
+def test_a_pendulum_on_a_locked_body_swings_like_one_on_rails():
+    def swing(locked):
+        world = kd.World((0, 0, -9.81))
+        cart = world.add_box((0.3, 0.2, 0.1), mass=1.0, locked_rotation=locked)
+        rod = world.add_box(
+            (0.05, 0.05, 1.0), position=(0, 0, -0.5), angular_velocity=(0, 2, 0), velocity=(-1, 0, 0), mass=0.5
+        )
+        slides, held = (kd.Axis(), kd.Axis(), kd.Axis(locked=True)), kd.Axis(locked=True)
+        turns = (kd.Axis(),) * 3 if locked else (held,) * 3
+        world.add_six_dof_joint(None, cart, anchor=(0, 0, 0), linear=slides, angular=turns)
+        hinge = world.add_hinge(cart, rod, anchor=(0, 0, 0), axis=(0, 1, 0))
+        world.advance(1 / 240, 240)
+        return hinge.angle, cart.position[0], np.abs(cart.orientation - (1, 0, 0, 0)).max()
+
+    (angle, place, turned), (expected, where, _) = swing(True), swing(False)
+    assert angle == pytest.approx(expected, abs=1e-7)
+    assert place == pytest.approx(where, abs=1e-7)
+    assert turned < 1e-12
+    assert abs(angle) > 0.1
+
+
+def test_rotation_is_locked_and_unlocked_between_steps_and_kept(tmp_path):
+    world = kd.World(WEIGHTLESS)
+    box = spinning(world)
+    inertia = box.inertia
+    box.locked_rotation = True
+    assert not box.angular_velocity.any()
+    then = world.snapshot()
+    box.mass = 3.0
+    assert box.locked_rotation
+    world.apply_torque(box, (1, 2, 3))
+    world.advance(STEP, 3)
+    assert not box.angular_velocity.any()
+    with pytest.raises(ArgumentError, match="rotation is locked"):
+        box.angular_velocity = 1, 0, 0
+    box.locked_rotation = False
+    assert np.array_equal(box.inertia, inertia / 2)
+    box.orientation = 1, 0, 0, 0
+    world.apply_torque(box, (0, 3.0, 0))
+    world.step(STEP)
+    assert box.angular_velocity == pytest.approx([0, 3.0 / box.inertia[1, 1] * STEP, 0], abs=1e-9)
+    world.restore(then)
+    assert box.locked_rotation
+    assert kd.load_world(world.save(tmp_path / "world")).bodies.handle(box.index).locked_rotation
+
+
+def test_rotations_that_cannot_be_locked():
+    world = kd.World()
+    for options in (
+        {"locked_rotation": True, "static": True},
+        {"locked_rotation": True, "kinematic": True},
+        {"locked_rotation": True, "angular_velocity": (0, 0, 1)},
+        {"locked_rotation": "yes"},
+        {"locked_rotation": 1},
+        {"locked_rotation": None},
+    ):
+        with pytest.raises(ArgumentError, match="locked_rotation"):
+            world.add_box((1, 1, 1), **options)
+    assert len(world.position) == 1
+    wall, box = world.add_box((1, 1, 1), static=True), world.add_box((1, 1, 1))
+    assert not wall.locked_rotation
+    with pytest.raises(ArgumentError, match="no force"):
+        wall.locked_rotation = True
+    with pytest.raises(ArgumentError, match="locked_rotation"):
+        box.locked_rotation = 1
+
+
 # Names
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.arguments import number, turn_to, unit_quaternion, vector
+from kickdrift.world.arguments import choice, number, turn_to, unit_quaternion, vector
 from kickdrift.world.bodies import Bodies, kind_of
 from kickdrift.world.body import Body
 from kickdrift.world.collision.filters import forget
@@ -175,6 +175,7 @@ class AddsBodies:
         kinematic: bool = False,
         damping: float = 0.0,
         angular_damping: float = 0.0,
+        locked_rotation: bool = False,
         name: str | None = None,
         **surface: Any,
     ) -> Body:
@@ -206,6 +207,8 @@ class AddsBodies:
             A static body never moves; a kinematic one moves with the velocity given and minds no force.
         damping, angular_damping : float
             Rates in 1/s at which velocities decay.
+        locked_rotation : bool
+            Whether it never turns, as if its inertia were infinite: for characters that stay upright.
         name : str, optional
             By which `World.body` finds it, and which errors and recordings call it; no two bodies have the same.
         **surface
@@ -231,6 +234,10 @@ class AddsBodies:
         motion = np.concatenate((vector("velocity", velocity, 3), vector("angular_velocity", angular_velocity, 3)))
         if kind == STATIC and motion.any():
             raise ArgumentError("velocity of a static body has to be zero; make it kinematic=True to move it.")
+        if choice("locked_rotation", locked_rotation) and (kind != DYNAMIC or motion[3:].any()):
+            raise ArgumentError(
+                "locked_rotation=True is for bodies that forces move, and have no angular_velocity; leave one of them out."
+            )
         surfaces = [surface_of({**surface, **part.surface}) for part in parts]
         weight = None
         if kind == DYNAMIC:
@@ -245,7 +252,7 @@ class AddsBodies:
         body = self.bodies.add(kind, origin + rotation_matrix(turn) @ middle, turn)
         self.tables.array(MOTION)[body.index, :6] = motion
         if weight is not None:
-            self.bodies.set_mass(body.index, weight, rates)
+            self.bodies.set_mass(body.index, weight, rates, locked_rotation)
         for part, face in zip(parts, surfaces, strict=True):
             arm = part.position - middle
             rested = self.tables.array(RESTED)[body.index]

@@ -139,27 +139,33 @@ class Bodies:
             raise ArgumentError(f"body={body!r} is moved by no force: it is the ground, static or kinematic.")
         return row
 
-    def set_mass(self, row: int, mass: Mass, damping: Sequence[float]) -> None:
-        """Give a body its mass, and its inertia about the centre of mass in the body's axes."""
+    def set_mass(self, row: int, mass: Mass, damping: Sequence[float], locked: bool = False) -> None:
+        """Give a body its mass, and its inertia about the centre of mass in the body's axes; a locked one never turns."""
         tables = self.tables
-        inverse = np.asarray(np.linalg.inv(mass.inertia), dtype=np.float64)
+        inverse = np.zeros((3, 3)) if locked else np.asarray(np.linalg.inv(mass.inertia), dtype=np.float64)
         moments = np.linalg.eigvalsh(mass.inertia)
         numbers = tables.array(INERTIA)[row]
         numbers[MASS] = mass.mass
         numbers[BODY_INERTIA : BODY_INERTIA + 6] = _symmetric(mass.inertia)
         numbers[INVERSE_INERTIA : INVERSE_INERTIA + 6] = _symmetric(inverse)
         numbers[[DAMPING, TURN_DAMPING]] = damping
-        numbers[SPHERICAL] = float(moments[2] - moments[0] < 1e-13 * moments[2])
+        numbers[SPHERICAL] = float(locked or moments[2] - moments[0] < 1e-13 * moments[2])
         if tables.array(BODY)[row, KIND] == DYNAMIC:
             turn = rotation_matrix(tables.array(POSE)[row, 3:7])
             response: Floats = turn @ inverse @ turn.T
             plane = tables.array(SETTINGS)[0, PLANE : PLANE + 3]
-            if plane.any():
+            if plane.any() and not locked:
                 # About the normal of the plane alone, where nothing tumbles and the inertia stays what it is.
                 response = np.outer(plane, plane) / (plane @ turn @ mass.inertia @ turn.T @ plane)
                 numbers[SPHERICAL] = 1.0
             tables.array(RESPONSE)[row, 0] = 1.0 / mass.mass
             tables.array(RESPONSE)[row, 1:7] = _symmetric(response)
+
+    def locked(self, body: Body) -> bool:
+        """Whether a body never turns: forces move it, and it has no inverse inertia."""
+        row = self.row(body)
+        dynamic = self.tables.array(BODY)[row, KIND] == DYNAMIC
+        return bool(dynamic and not self.tables.array(INERTIA)[row, INVERSE_INERTIA])
 
     def mass(self, body: Body) -> Mass:
         """Return what a body weighs, with its inertia about the origin of its axes; infinite where no force moves it."""
@@ -170,13 +176,18 @@ class Bodies:
         xx, yy, zz, xy, xz, yz = numbers[BODY_INERTIA : BODY_INERTIA + 6].tolist()
         return Mass(float(numbers[MASS]), np.zeros(3), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
 
-    def change_mass(self, body: Body, mass: float | None = None, inertia: ArrayLike | None = None) -> None:
-        """Give a body another mass, which scales its inertia, or another inertia; its velocities stay."""
+    def change_mass(
+        self, body: Body, mass: float | None = None, inertia: ArrayLike | None = None, locked: bool | None = None
+    ) -> None:
+        """Give a body another mass, which scales its inertia, or another inertia, or lock it; its velocities stay."""
         row = self.moved_row(body)
         old = self.mass(body)
+        locked = self.locked(body) if locked is None else locked
         new = old.inertia * (1.0 if mass is None else mass / old.mass) if inertia is None else checked_inertia(inertia)
         numbers = self.tables.array(INERTIA)[row]
-        self.set_mass(row, Mass(old.mass if mass is None else mass, old.centre, new), numbers[[DAMPING, TURN_DAMPING]])
+        self.set_mass(
+            row, Mass(old.mass if mass is None else mass, old.centre, new), numbers[[DAMPING, TURN_DAMPING]], locked
+        )
         # Which orientation the drift left is forgotten, so that the kick takes the angular momentum anew.
         self.tables.array(KICKED)[row, LEFT_POSE : LEFT_POSE + 4] = 0.0
         self._masses_changed()
@@ -197,6 +208,10 @@ class Bodies:
         row = self.row(body)
         if self.tables.array(BODY)[row, KIND] == STATIC and numbers.any():
             raise ArgumentError(f"body={body!r} is static and has no velocity; make it kinematic=True to move it.")
+        if columns.start == 3 and numbers.any() and self.locked(body):
+            raise ArgumentError(
+                f"angular_velocity={numbers.tolist()} of body={body!r}, whose rotation is locked; unlock it."
+            )
         self.tables.row(MOTION, row)[columns] = numbers
 
     def surface(self, body: Body, name: Literal["friction", "restitution"]) -> float:

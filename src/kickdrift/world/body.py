@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kickdrift.world.arguments import number, unit_quaternion, vector
+from kickdrift.world.arguments import choice, number, unit_quaternion, vector
 from kickdrift.world.handle import Handle
 from kickdrift.world.tables import MOTION, POSE
 
@@ -107,6 +107,17 @@ class Body(Handle):
     @inertia.setter
     def inertia(self, inertia: ArrayLike) -> None:
         self._bodies.change_mass(self, inertia=inertia)
+
+    @property
+    def locked_rotation(self) -> bool:
+        """Whether it never turns, whatever pushes it; may be given anew, and True stops its rotation."""
+        return self._bodies.locked(self)
+
+    @locked_rotation.setter
+    def locked_rotation(self, locked: bool) -> None:
+        self._bodies.change_mass(self, locked=choice("locked_rotation", locked))
+        if locked:
+            self._look().angular_velocity[:] = 0.0
 
     @property
     def friction(self) -> float:
