@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,6 +91,12 @@ class Recording(Solution):
     appearance: Appearance
 
     presenters: ClassVar[WorldPresenters]
+
+    def __getattr__(self, name: str) -> Any:
+        known = name in self.__dataclass_fields__
+        raise AttributeError(
+            f"{name} is there once the block of World.record has ended." if known else f"a Recording has no {name!r}."
+        )
 
     @property
     def moving(self) -> NDArray[np.intp]:

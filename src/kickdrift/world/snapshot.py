@@ -115,6 +115,8 @@ def restore(world: "World", snapshot: Snapshot) -> None:
     """Make a world what it was, or what another one was, when a snapshot was taken."""
     if not isinstance(snapshot, Snapshot):
         raise ArgumentError(f"snapshot={snapshot!r} is no snapshot; give what World.snapshot returned.")
+    if world.recorder is not None:
+        raise ArgumentError("the world is being recorded, and a recording does not go back; end it before you restore.")
     world.sleeping = snapshot.sleeping  # which wakes all; who sleeps is in the tables
     for name, table in TABLES.items():
         world.tables.reserve(table, snapshot.rooms[name])

@@ -1,5 +1,7 @@
 """A world: bodies that touch, stack, hinge and walk."""
 
+import time
+
 import numpy as np
 from numba.np.ufunc.parallel import _launch_threads
 from numpy.typing import ArrayLike, NDArray
@@ -23,6 +25,7 @@ from kickdrift.world.history import KeepsHistory
 from kickdrift.world.joints.adding import AddsJoints
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.registry import Joints
+from kickdrift.world.keeper import Recorder
 from kickdrift.world.losing import culprit, go_back, lost
 from kickdrift.world.measures import Energy
 from kickdrift.world.program import Program, Uses, Word, addresses, compose, word
@@ -144,6 +147,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
         self.tables.resize(COLOURS, 64)
         self.tables.resize(SWEEPS, 1)
         self.broken: list[Joint] = []
+        self.recorder: Recorder | None = None
         self._program: Program
         self._program_step = 0.0
         self._composition: tuple[object, ...] | None = None
@@ -235,22 +239,28 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
             raise ArgumentError(f"count={count!r} has to be a whole number of steps, zero or more.")
         self.tables.row(SETTINGS, 0)[settings.STEP] = step
         self.tables.resize(EVENTS, 0)
-        program = self._ready(step)
+        program, recorder = self._ready(step), self.recorder
         done, at = 0, 0
         while done < count:
-            start = self.time + done * step
+            before, start = done, self.time + done * step
+            until = count if recorder is None else min(count, done + recorder.steps_to_row)
+            began = time.perf_counter()
             try:
-                reached, at = run(*program, start, step, done, count, at, self.tables.address)
+                done, at = run(*program, start, step, done, until, at, self.tables.address)
             except Exception as error:
-                self._go_back(int(self.tables.array(TROUBLE)[0, REACHED]), step)
+                done = int(self.tables.array(TROUBLE)[0, REACHED])
+                if recorder is not None:
+                    recorder.note(done - before, step, self.time + done * step, time.perf_counter() - began)
+                self._go_back(done, step)
                 raise KickdriftError(
                     f"a force raised {type(error).__name__}: {error} in step {self.n_steps}; "
                     "all bodies are where they were before it."
                 ) from error
-            if reached < count:
-                self._help(reached, step)
+            if recorder is not None:
+                recorder.note(done - before, step, self.time + done * step, time.perf_counter() - began)
+            if done < until:
+                self._help(done, step)
                 program = self._ready(step)
-            done = reached
         self.time += count * step
         self.n_steps += count
         self.broken = self.joints.take_broken()
