@@ -1,7 +1,6 @@
 """How bodies come into a world: one method a shape."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -15,13 +14,14 @@ from kickdrift.world.collision.filters import forget
 from kickdrift.world.flight import DYNAMIC, STATIC
 from kickdrift.world.islands import REACH
 from kickdrift.world.joints.registry import Joints
-from kickdrift.world.shape_rows import Placed, Shape, ShapeRows, Surface, reach
+from kickdrift.world.part import Part, surface_of, weigh
+from kickdrift.world.shape_rows import Placed, Shape, ShapeRows, reach
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
 from kickdrift.world.shapes.heightfield import HeightField
 from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.kinds import MESH, PLANE
-from kickdrift.world.shapes.mass import Mass, checked_inertia, combined, placed, rotation_matrix
+from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.plane import Plane
 from kickdrift.world.shapes.sphere import Sphere
@@ -29,57 +29,6 @@ from kickdrift.world.tables import MOTION, RESTED, Tables
 
 Floats = NDArray[np.float64]
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
-
-
-class Part:
-    """A shape with a place in a compound body.
-
-    Parameters
-    ----------
-    shape : Shape
-        One of `kickdrift.world.shapes`.
-    position : (3,) array_like
-        Origin of the shape's frame in the body, m.
-    orientation : (4,) array_like
-        Quaternion (w, x, y, z) that turns the shape's axes into the body's.
-    density : float, optional
-        kg/m^3; the body's by default.
-    **surface
-        Those of `friction`, `restitution` and the like in which its surface differs from the body's.
-    """
-
-    def __init__(
-        self,
-        shape: Shape,
-        position: ArrayLike = (0.0, 0.0, 0.0),
-        orientation: ArrayLike = _UPRIGHT,
-        density: float | None = None,
-        **surface: Any,
-    ) -> None:
-        if not hasattr(shape, "mass_properties"):
-            raise ArgumentError(
-                f"shape={shape!r} is no shape; give one of kickdrift.world.shapes, such as Box((1, 1, 1))."
-            )
-        self.shape = shape
-        self.position = vector("position", position, 3)
-        self.orientation = unit_quaternion("orientation", orientation)
-        self.density = density
-        surface_of(surface)
-        self.surface = surface
-
-
-def surface_of(options: Mapping[str, Any]) -> Surface:
-    """Return a surface with these options.
-
-    Raises
-    ------
-    ArgumentError
-        For options that there are not, and for values that they cannot have.
-    """
-    unknown = set(options) - {field.name for field in fields(Surface)}
-    if unknown:
-        raise ArgumentError(f"{sorted(unknown)[0]}= is not known; see the options of World.add_body.")
-    return Surface(**options)
 
 
 class AddsBodies:
@@ -246,7 +195,7 @@ class AddsBodies:
                     raise ArgumentError(
                         f"{type(part.shape).__name__} cannot move: it has no inside; add it static=True."
                     )
-            weight = _weigh(parts, density, mass, inertia, centre)
+            weight = weigh(parts, density, mass, inertia, centre)
         rates = [number("damping", damping, "1/s"), number("angular_damping", angular_damping, "1/s")]
         middle = np.zeros(3) if weight is None else weight.centre
         body = self.bodies.add(kind, origin + rotation_matrix(turn) @ middle, turn)
@@ -260,6 +209,16 @@ class AddsBodies:
             self.shape_rows.add(body.index, Placed(part.shape, arm, part.orientation, face))
         self.bodies.names.give(body.index, name)
         return body
+
+    def body(self, name: str) -> Body:
+        """Return the body of a name.
+
+        Raises
+        ------
+        UnknownNameError
+            If none has it; the sentence says which there are.
+        """
+        return self.bodies.handle(self.bodies.names.row(name))
 
     def remove(self, body: Body) -> None:
         """Remove a body with its shapes; its handle is worth nothing then, and its row is used again.
@@ -275,30 +234,3 @@ class AddsBodies:
         self.bodies.remove(body)
         self.shape_rows.remove_of(row)
         forget(self.tables, row)
-
-
-def _weigh(
-    parts: list[Part], density: float | None, mass: float | None, inertia: ArrayLike | None, centre: ArrayLike | None
-) -> Mass:
-    if density is not None and mass is not None:
-        raise ArgumentError(f"density={density!r} and mass={mass!r} say the same twice; give one of them.")
-    common = 1000.0 if density is None else density
-    whole = combined(
-        [
-            placed(
-                p.shape.mass_properties(), p.position, p.orientation, density=common if p.density is None else p.density
-            )
-            for p in parts
-        ]
-    )
-    if mass is not None:
-        total = number("mass", mass, "kg; static=True is for what nothing moves", zero=False)
-        whole = Mass(total, whole.centre, whole.inertia * (total / whole.mass))
-    if centre is not None and inertia is None:
-        raise ArgumentError(
-            f"centre={centre!r} has no inertia about it; give inertia= as well, (3,) or (3, 3), in kg m^2."
-        )
-    if inertia is not None:
-        middle = whole.centre if centre is None else vector("centre", centre, 3)
-        whole = Mass(whole.mass, middle, checked_inertia(inertia))
-    return whole

@@ -119,8 +119,7 @@ def restore(world: "World", snapshot: Snapshot) -> None:
         raise ArgumentError("the world is being recorded, and a recording does not go back; end it before you restore.")
     world.sleeping = snapshot.sleeping  # which wakes all; who sleeps is in the tables
     for name, table in TABLES.items():
-        world.tables.reserve(table, snapshot.rooms[name])
-        world.tables.resize(table, len(snapshot.tables[name]))[:] = snapshot.tables[name]
+        world.tables.put(table, snapshot.tables[name], snapshot.rooms[name])
     world.time, world.n_steps = snapshot.time, snapshot.n_steps
     world.planar = bool(world.tables.array(SETTINGS)[0, settings.PLANE : settings.PLANE + 3].any())
     world.forces, world.broken = list(snapshot.forces), []

@@ -187,6 +187,18 @@ class Tables:
         self.version += 1
         self.block[place : place + 3] = new.ctypes.data, self.block[place + _ROWS], len(new)
 
+    def put(self, table: Table, values: NDArray[Any], room: int) -> None:
+        """Let a table hold these rows, with room for so many."""
+        count = len(values)
+        if count == self.count(table) and room <= self.room(
+            table
+        ):  # as it does where a world goes back to its own past
+            if count:
+                self._arrays[table.place][:count] = values
+            return
+        self.reserve(table, room)
+        self.resize(table, count)[:] = values
+
     def make_room(self, place: int, count: int) -> None:
         """Make room in the table at a place of the block, as a stage has asked; manifolds go with their contacts."""
         self.reserve(_TABLES[place], count)

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError, KickdriftError
-from kickdrift.world import measures, settings
+from kickdrift.world import settings
 from kickdrift.world.acting import AppliesForces
 from kickdrift.world.adding import AddsBodies
 from kickdrift.world.arguments import choice, direction, number, vector
@@ -27,7 +27,7 @@ from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.registry import Joints
 from kickdrift.world.keeper import Recorder
 from kickdrift.world.losing import culprit, go_back, lost
-from kickdrift.world.measures import Energy
+from kickdrift.world.measures import Measures
 from kickdrift.world.program import Program, Uses, Word, addresses, compose, word
 from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.step import run
@@ -48,7 +48,7 @@ from kickdrift.world.tuning import Tunable
 Floats = NDArray[np.float64]
 
 
-class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries, Tunable):
+class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries, Measures, Tunable):
     """Rigid bodies in three dimensions.
 
     Parameters
@@ -123,13 +123,10 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
         self.bodies = Bodies(self.tables, self.shape_rows, self.joints.changed)
         self.gravity, self.substeps, self.sleeping = vector("gravity", gravity, 3), substeps, sleeping
         row[settings.MIDPOINT] = choice("midpoint", midpoint)
-        row[settings.MARGIN], row[settings.SLOP] = (
-            number("margin", margin, "m", zero=False),
-            number("slop", slop, "m", zero=False),
-        )
-        row[settings.CONTACT_HERTZ] = (
-            0.0 if contact_hertz is None else number("contact_hertz", contact_hertz, "Hz", zero=False)
-        )
+        row[settings.MARGIN] = number("margin", margin, "m", zero=False)
+        row[settings.SLOP] = number("slop", slop, "m", zero=False)
+        if contact_hertz is not None:
+            row[settings.CONTACT_HERTZ] = number("contact_hertz", contact_hertz, "Hz", zero=False)
         row[settings.CONTACT_DAMPING] = number("contact_damping", contact_damping, "1", zero=False)
         row[settings.PUSH_SPEED] = number("push_speed", push_speed, "m/s")
         row[settings.BOUNCE_SPEED] = -1.0 if bounce_speed is None else number("bounce_speed", bounce_speed, "m/s")
@@ -159,20 +156,6 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
         """What never moves: row 0, to which joints can hold."""
         return self.bodies.ground
 
-    def body(self, name: str) -> Body:
-        """Return the body of a name.
-
-        Raises
-        ------
-        UnknownNameError
-            If none has it; the sentence says which there are.
-        """
-        return self.bodies.handle(self.bodies.names.row(name))
-
-    def joint(self, name: str) -> Joint:
-        """Return the joint of a name; the rest as in `body`."""
-        return self.joints.handle(self.joints.names.row(name))
-
     @property
     def position(self) -> Floats:
         """Centres of mass, (N, 3), m."""
@@ -192,18 +175,6 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
     def angular_velocity(self) -> Floats:
         """In the world's axes, (N, 3), rad/s."""
         return self.tables.array(MOTION)[:, 3:6]
-
-    def energy(self) -> Energy:
-        """Measure kinetic and potential energy, J; ``energy().total`` is their sum."""
-        return measures.energy(self.tables, self.bodies)
-
-    def momentum(self) -> Floats:
-        """Measure the momentum, (3,), kg m/s."""
-        return measures.momentum(self.tables, self.bodies)
-
-    def angular_momentum(self) -> Floats:
-        """Measure the angular momentum about the origin, (3,), kg m^2/s."""
-        return measures.angular_momentum(self.tables, self.bodies)
 
     @property
     def events(self) -> list[ContactEvent]:

@@ -78,6 +78,16 @@ class AddsJoints:
             )
         return self.joints.add(record, row_a, row_b)
 
+    def joint(self, name: str) -> Joint:
+        """Return the joint of a name.
+
+        Raises
+        ------
+        UnknownNameError
+            If none has it; the sentence says which there are.
+        """
+        return self.joints.handle(self.joints.names.row(name))
+
     def remove_joint(self, joint: Joint) -> None:
         """Take a joint away.
 

@@ -12,6 +12,7 @@ from kickdrift.world.flight import DYNAMIC, KIND
 from kickdrift.world.handle import Handle
 from kickdrift.world.joints.axis import Axis, Drive, Motor, finite
 from kickdrift.world.joints.layout import ARM_A, ARM_B, AXES, BODY_A, BODY_B, LOCKED, POSITION, PRINCIPAL, TOTAL
+from kickdrift.world.joints.placing import place, set_speed, signs
 from kickdrift.world.tables import BODY, JOINT, JOINT_NUMBERS, LOAD, MOTION
 
 if TYPE_CHECKING:
@@ -97,7 +98,7 @@ class Joint(Handle):
 
     @angle.setter
     def angle(self, angle: float) -> None:
-        self._joints.place(self, self._axis("angle"), "angle", angle)
+        place(self, self._axis("angle"), "angle", angle)
 
     @property
     def position(self) -> float:
@@ -111,7 +112,7 @@ class Joint(Handle):
 
     @position.setter
     def position(self, position: float) -> None:
-        self._joints.place(self, self._axis("position"), "position", position)
+        place(self, self._axis("position"), "position", position)
 
     @property
     def speed(self) -> float:
@@ -134,7 +135,7 @@ class Joint(Handle):
 
     @speed.setter
     def speed(self, speed: float) -> None:
-        self._joints.set_speed(self, self.axis(), speed)
+        set_speed(self, self.axis(), speed)
 
     @property
     def force(self) -> Floats:
@@ -227,7 +228,7 @@ class Joint(Handle):
             For a value that is not finite or beyond the limits, an axis that is locked or has no angle of its own, and where
             the joint is part of a loop, or both sides are held: then there is no side that could move alone.
         """
-        self._joints.place(self, self.axis(axis), "value", value)
+        place(self, self.axis(axis), "value", value)
 
     def axis(self, axis: int | None = None) -> int:
         """Return the axis that is meant.
@@ -262,12 +263,12 @@ class Joint(Handle):
         seen, tables = self._seen, self._joints.tables
         if seen is None or seen.version != tables.version:
             row = self._joints.row(self)
-            joint, signs = tables.row(JOINT, row), self._joints.signs(row)
+            joint, axes = tables.row(JOINT, row), signs(tables, row).tolist()
             ends = [joint.item(column) for column in (BODY_A, BODY_B)]
             moved = [tables.row(BODY, body).item(KIND) == DYNAMIC for body in ends]
             loads = [tables.row(LOAD, body) if moves else None for body, moves in zip(ends, moved, strict=True)]
             seen = self._seen = _Seen(
-                tables.version, joint.item(PRINCIPAL), joint.item(LOCKED), 1.0 if moved[1] else -1.0, signs.tolist(),
+                tables.version, joint.item(PRINCIPAL), joint.item(LOCKED), 1.0 if moved[1] else -1.0, axes,
                 tables.row(JOINT_NUMBERS, row), *(tables.row(MOTION, body) for body in ends), *loads,
             )  # fmt: skip
         return seen

@@ -4,22 +4,27 @@ Seen from the reference, the body at the joint that stays, all points and veloci
 alike, so that the rates of all joints stay what they were, that of the one placed too.
 """
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError
+from kickdrift.core.vectors import Vector, cross, exponential, minus, plus, product, turned, unit
+from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.flight import DYNAMIC
 from kickdrift.world.flight import KIND as BODY_KIND
+from kickdrift.world.joints.axis import finite
 from kickdrift.world.joints.layout import (
     ANGULAR,
+    ANGULAR_PART,
     ARM_B,
     AXES,
     BODY_A,
     BODY_B,
     BROKEN,
+    CONE,
     FRAME_B,
     HINGE,
     KIND,
@@ -35,8 +40,12 @@ from kickdrift.world.joints.layout import (
     UPPER,
 )
 from kickdrift.world.joints.measure import measure
-from kickdrift.world.rotations import product, turned
-from kickdrift.world.tables import BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, MOTION, POSE, Tables
+from kickdrift.world.rotations import product as rotated_by
+from kickdrift.world.rotations import turned as rotated
+from kickdrift.world.tables import BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, MOTION, POSE, Tables, floats
+
+if TYPE_CHECKING:
+    from kickdrift.world.joints.handle import Joint
 
 Floats = NDArray[np.float64]
 
@@ -56,7 +65,80 @@ def measure_again(joints: Any, world: int) -> None:
         measure(joints[k], world)
 
 
-def check_placeable(tables: Tables, row: int, k: int) -> None:
+@compiled
+def shift(moved: Any, reference: int, way: Vector, pivot: Vector, world: int) -> None:
+    """Shift bodies, which turn about a reference that turns as fast as before."""
+    pose, motion = floats(world, POSE), floats(world, MOTION)
+    added = cross(vector_at(motion, reference, ANGULAR_PART), way)
+    for body in moved:
+        for k in range(3):
+            pose[body, k] += way[k]
+            motion[body, k] += added[k]
+
+
+@compiled
+def turn(moved: Any, reference: int, way: Vector, pivot: Vector, world: int) -> None:
+    """Turn bodies about a point, with their velocities as the reference sees them."""
+    pose, motion = floats(world, POSE), floats(world, MOTION)
+    q, x, base = exponential(way), vector_at(pose, reference, 0), vector_at(motion, reference, 0)
+    spin = vector_at(motion, reference, ANGULAR_PART)
+    for body in moved:
+        before = vector_at(pose, body, 0)
+        seen = minus(minus(vector_at(motion, body, 0), base), cross(spin, minus(before, x)))
+        at = plus(pivot, turned(q, minus(before, pivot)))
+        v = plus(plus(base, cross(spin, minus(at, x))), turned(q, seen))
+        w = plus(spin, turned(q, minus(vector_at(motion, body, ANGULAR_PART), spin)))
+        orientation = unit(product(q, quaternion_at(pose, body, ANGULAR_PART)))
+        for k in range(3):
+            pose[body, k], motion[body, k], motion[body, 3 + k] = at[k], v[k], w[k]
+        for k in range(4):
+            pose[body, 3 + k] = orientation[k]
+
+
+def signs(tables: Tables, row: int) -> Floats:
+    """Signs of the six axes of a joint, (6,): the tables hold b against a, users see what forces move against the rest.
+
+    Distances and swings are the same from both sides.
+    """
+    joint, found = tables.row(JOINT, row), np.ones(6)
+    if tables.row(BODY, joint.item(BODY_B)).item(BODY_KIND) != DYNAMIC:
+        found[3 * (joint[LINEAR] == LINE) :] = -1.0
+        found[3] *= -1.0 if joint[ANGULAR] == CONE else 1.0
+    return found
+
+
+def place(joint: "Joint", k: int, what: str, value: float) -> None:
+    """Place a joint at a position along axis k, or an angle about it, as `Joint.place` says."""
+    row, sign, side = _ready(joint, k, what, value)
+    tables = joint.joints.tables
+    _check_limits(tables, row, k, sign, what, value)
+    _put(tables, row, k, sign * value, side)
+
+
+def set_speed(joint: "Joint", k: int, speed: float) -> None:
+    """Give axis k of a joint another rate, as `Joint.speed` says."""
+    row, sign, side = _ready(joint, k, "speed", speed)
+    tables = joint.joints.tables
+    axis, pivot = _axis(tables, row, k)
+    motion, change = tables.array(MOTION), side.sign * sign * (speed - joint.speed) * axis
+    if k < 3:
+        motion[side.moved, :3] += change
+        return
+    motion[side.moved, :3] += np.cross(change, tables.array(POSE)[side.moved, :3] - pivot)
+    motion[side.moved, 3:6] += change
+
+
+def _ready(joint: "Joint", k: int, what: str, value: float) -> tuple[int, float, Side]:
+    """Return the row of a joint, the sign of its axis and the side that moves, once it is measured where it stands."""
+    finite(what, value)
+    row, tables = joint.joints.row(joint), joint.joints.tables
+    _check_placeable(tables, row, k)
+    side = _side_of(tables, row, f"joint={joint!r}")
+    measure_again(np.array([row]), tables.address)
+    return row, float(signs(tables, row)[k]), side
+
+
+def _check_placeable(tables: Tables, row: int, k: int) -> None:
     """Refuse axes that are locked, and those that have no angle or position of their own; ArgumentError."""
     joint = tables.array(JOINT)[row]
     if joint[LOCKED] >> k & 1:
@@ -69,48 +151,26 @@ def check_placeable(tables: Tables, row: int, k: int) -> None:
         )
 
 
-def place(tables: Tables, row: int, k: int, target: float, side: Side) -> None:
+def _put(tables: Tables, row: int, k: int, target: float, side: Side) -> None:
     """Turn or shift a side of a measured joint so that its position along axis k, of b against a, is the target."""
-    joint, numbers, pose = tables.array(JOINT)[row], tables.array(JOINT_NUMBERS)[row], tables.array(POSE)
-    if k == 2 and joint[LINEAR] == LINE and target < -numbers[LENGTH]:
+    numbers = tables.row(JOINT_NUMBERS, row)
+    if k == 2 and tables.row(JOINT, row).item(LINEAR) == LINE and target < -numbers[LENGTH]:
         raise ArgumentError(
             f"position={target!r} is a distance below zero; give at least minus the joint's length, {-numbers[LENGTH]:g}."
         )
     axis, pivot = _axis(tables, row, k)
-    way = side.sign * (target - numbers[POSITION + k])
-    moved, reference = pose[side.moved], pose[side.reference, :3].copy()
-    motion = tables.array(MOTION)
-    base_v, base_w = motion[side.reference, :3].copy(), motion[side.reference, 3:6].copy()
-    v = motion[side.moved, :3] - base_v - np.cross(base_w, moved[:, :3] - reference)
-    w = motion[side.moved, 3:6] - base_w
-    if k < 3:
-        moved[:, :3] += way * axis
-    else:
-        q = np.array((np.cos(0.5 * way), *(np.sin(0.5 * way) * axis)))
-        moved[:, :3] = pivot + turned(q, moved[:, :3] - pivot)
-        moved[:, 3:7] = product(np.broadcast_to(q, (len(moved), 4)), moved[:, 3:7])
-        v, w = turned(q, v), turned(q, w)
-    pose[side.moved] = moved
-    motion[side.moved, :3] = base_v + np.cross(base_w, moved[:, :3] - reference) + v
-    motion[side.moved, 3:6] = base_w + w
+    way = side.sign * (target - numbers.item(POSITION + k)) * axis
     numbers[POSITION + k] = target  # which full turn it is
     joints = tables.array(JOINT)
-    touched = np.isin(joints[:, [BODY_A, BODY_B]], side.moved).any(axis=1) & (joints[:, KIND] != REMOVED)
-    measure_again(np.flatnonzero(touched), tables.address)
+    moves = np.zeros(tables.count(BODY), dtype=np.bool_)
+    moves[side.moved] = True
+    touched = np.flatnonzero((moves[joints[:, BODY_A]] | moves[joints[:, BODY_B]]) & (joints[:, KIND] != REMOVED))
+    move = shift if k < 3 else turn
+    move(side.moved, side.reference, (way[0], way[1], way[2]), (pivot[0], pivot[1], pivot[2]), tables.address)
+    measure_again(touched, tables.address)
 
 
-def speed_up(tables: Tables, row: int, k: int, change: float, side: Side) -> None:
-    """Change the rate of axis k of a measured joint, of b against a, by the velocities of a side."""
-    axis, pivot = _axis(tables, row, k)
-    motion, way = tables.array(MOTION), side.sign * change * axis
-    if k < 3:
-        motion[side.moved, :3] += way
-        return
-    motion[side.moved, :3] += np.cross(way, tables.array(POSE)[side.moved, :3] - pivot)
-    motion[side.moved, 3:6] += way
-
-
-def side_of(tables: Tables, row: int, words: str) -> Side:
+def _side_of(tables: Tables, row: int, words: str) -> Side:
     """Find the side of a joint that moves alone: that of the body whose motion is measured, or else the other one.
 
     Raises
@@ -137,7 +197,7 @@ def side_of(tables: Tables, row: int, words: str) -> Side:
     )
 
 
-def check_limits(tables: Tables, row: int, k: int, sign: float, what: str, value: float) -> None:
+def _check_limits(tables: Tables, row: int, k: int, sign: float, what: str, value: float) -> None:
     """Refuse a value, of the sign that users see, which is beyond the limits of an axis; ArgumentError."""
     ends = sign * tables.array(JOINT_AXES)[6 * row + k, [LOWER, UPPER]]
     lower, upper = ends.min(), ends.max()
@@ -149,12 +209,12 @@ def check_limits(tables: Tables, row: int, k: int, sign: float, what: str, value
 
 def _axis(tables: Tables, row: int, k: int) -> tuple[Floats, Floats]:
     """Return the axis of a measured joint along or about which b is moved against a, and the point where the joint acts."""
-    joint, numbers = tables.array(JOINT)[row], tables.array(JOINT_NUMBERS)[row]
-    pose = tables.array(POSE)[joint[BODY_B]]
+    joint, numbers = tables.row(JOINT, row), tables.row(JOINT_NUMBERS, row)
+    pose = tables.row(POSE, joint.item(BODY_B))
     pivot: Floats = pose[:3] + numbers[ARM_B : ARM_B + 3]
-    if k >= 3 and joint[ANGULAR] == UNIVERSAL and k - 3 != joint[PIVOT]:
+    if k >= 3 and joint.item(ANGULAR) == UNIVERSAL and k - 3 != joint.item(PIVOT):
         # The second axis of a cross is one of b; that in AXES is at right angles to the first also where they are not.
-        return turned(product(pose[3:7], numbers[FRAME_B : FRAME_B + 4]), np.eye(3)[k - 3]), pivot
+        return rotated(rotated_by(pose[3:7], numbers[FRAME_B : FRAME_B + 4]), np.eye(3)[k - 3]), pivot
     return numbers[AXES + 3 * k : AXES + 3 * k + 3].copy(), pivot
 
 

@@ -10,7 +10,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.world.flight import AWAKE, DYNAMIC
 from kickdrift.world.flight import KIND as BODY_KIND
 from kickdrift.world.joints.around import begin_joints, finish_joints, wake_joints
-from kickdrift.world.joints.axis import Axis, finite
+from kickdrift.world.joints.axis import Axis
 from kickdrift.world.joints.catalogue import KINDS
 from kickdrift.world.joints.contacts import relax_link_contacts, solve_link_contacts
 from kickdrift.world.joints.forgetting import forget_impulses
@@ -55,7 +55,7 @@ from kickdrift.world.joints.layout import (
 )
 from kickdrift.world.joints.loops import solve_loops, touch_up_loops
 from kickdrift.world.joints.measure import measure_joints
-from kickdrift.world.joints.placing import check_limits, check_placeable, measure_again, place, side_of, speed_up
+from kickdrift.world.joints.placing import signs
 from kickdrift.world.joints.record import Placement, Record
 from kickdrift.world.joints.sequential import solve_in_turn
 from kickdrift.world.joints.tree import arrange
@@ -123,7 +123,7 @@ class Joints:
         if placement.line:
             numbers[POSITION + 2] = np.linalg.norm(placement.anchor_b - placement.anchor_a) - placement.length
         clear_laws(tables, row)
-        for k, (axis, sign) in enumerate(zip(axes, self.signs(row), strict=True)):
+        for k, (axis, sign) in enumerate(zip(axes, signs(tables, row), strict=True)):
             if axis.has_law:
                 for part in PARTS:
                     write_law(tables, row, k, axis if sign > 0.0 else axis.reversed(), part)
@@ -131,17 +131,6 @@ class Joints:
         self.names.give(row, name)
         tables.version += 1
         return self.handle(row)
-
-    def signs(self, row: int) -> Floats:
-        """Signs of the six axes of a joint, (6,): the tables hold b against a, users see what forces move against the rest.
-
-        Distances and swings are the same from both sides.
-        """
-        joint, signs = self.tables.row(JOINT, row), np.ones(6)
-        if self.tables.row(BODY, joint.item(BODY_B)).item(BODY_KIND) != DYNAMIC:
-            signs[3 * (joint[LINEAR] == LINE) :] = -1.0
-            signs[3] *= -1.0 if joint[ANGULAR] == CONE else 1.0
-        return signs
 
     def change_law(self, joint: Joint, axis: int | None, change: Axis, part: Part) -> None:
         """Exchange the limits, the motor, the drive or the friction of an axis, and wake the bodies.
@@ -153,31 +142,14 @@ class Joints:
         """
         row, k = self.row(joint), joint.axis(axis)
         check_changeable(self.tables, row, k, part)
-        before = self.tables.array(JOINT)[row, LAWS]
-        write_law(self.tables, row, k, change if self.signs(row)[k] > 0.0 else change.reversed(), part)
-        self.arranged = self.arranged and before == self.tables.array(JOINT)[row, LAWS]
-        bodies = self.tables.array(BODY)
-        for body in self.tables.array(JOINT)[row, [BODY_A, BODY_B]]:
-            bodies[body, AWAKE] |= bodies[body, BODY_KIND] == DYNAMIC
-
-    def place(self, joint: Joint, k: int, what: str, value: float) -> None:
-        """Place a joint at a position along axis k, or an angle about it, as `Joint.place` says."""
-        finite(what, value)
-        row, sign = self.row(joint), float(self.signs(joint.index)[k])
-        check_placeable(self.tables, row, k)
-        check_limits(self.tables, row, k, sign, what, value)
-        side = side_of(self.tables, row, f"joint={joint!r}")
-        measure_again(np.array([row]), self.tables.address)
-        place(self.tables, row, k, sign * value, side)
-
-    def set_speed(self, joint: Joint, k: int, speed: float) -> None:
-        """Give axis k of a joint another rate, as `Joint.speed` says."""
-        finite("speed", speed)
-        row, sign = self.row(joint), float(self.signs(joint.index)[k])
-        check_placeable(self.tables, row, k)
-        side = side_of(self.tables, row, f"joint={joint!r}")
-        measure_again(np.array([row]), self.tables.address)
-        speed_up(self.tables, row, k, sign * (speed - joint.speed), side)
+        tables, numbers = self.tables, self.tables.row(JOINT, row)
+        before = numbers.item(LAWS)
+        write_law(tables, row, k, change if signs(tables, row)[k] > 0.0 else change.reversed(), part)
+        self.arranged = self.arranged and before == numbers.item(LAWS)
+        for column in (BODY_A, BODY_B):
+            body = tables.row(BODY, numbers.item(column))
+            if body.item(BODY_KIND) == DYNAMIC:
+                body[AWAKE] = 1
 
     def remove(self, joint: Joint) -> None:
         """Take a joint away.
