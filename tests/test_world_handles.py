@@ -151,6 +151,25 @@ def test_friction_and_restitution_are_those_of_the_next_step():
     assert max(heights[20:]) == pytest.approx(0.2, rel=0.01)
 
 
+@pytest.mark.parametrize("kind", ["plane", "mesh", "height field"])
+def test_ground_of_every_kind_moves_where_it_is_placed(kind):
+    world = kd.World()
+    ground = {
+        "plane": lambda: world.add_plane(),
+        "mesh": lambda: world.add_mesh([(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)], [(0, 1, 2), (0, 2, 3)]),
+        "height field": lambda: world.add_height_field(np.zeros((3, 3)), 9.0, position=(-9, -9, 0)),
+    }[kind]()
+    ball = world.add_sphere(0.1, position=(0.3, 0.2, 0.1))
+    world.advance(STEP, 30)
+    ground.position -= (0, 0, 0.5)
+    assert world.ray_cast((2, 1, 5), (0, 0, -1)).point[2] == pytest.approx(-0.5)
+    world.advance(STEP, 60)
+    assert ball.position[2] == pytest.approx(-0.4, abs=0.01)
+    ground.orientation = np.cos(0.1), 0, np.sin(0.1), 0
+    world.advance(STEP, 60)
+    assert ball.velocity[0] > 0.5  # it rolls down
+
+
 def test_static_bodies_move_where_they_are_placed_and_wake_what_rested_on_them():
     world = kd.World(sleeping=True)
     shelf = world.add_box((1, 1, 0.1), position=(0, 0, 1), static=True)
@@ -290,7 +309,8 @@ def test_a_name_is_free_again_once_its_body_or_joint_is_gone():
     ball = world.add_sphere(0.1, name="ball")
     world.add_ball_joint(ball, None, anchor=(0, 0, 0), name="joint")
     world.remove(ball)
-    assert "name" not in repr(ball)
+    with pytest.raises(ArgumentError, match=r"'ball'.* was removed"):
+        world.apply_force(ball, (0, 0, 1))
     again = world.add_sphere(0.1, name="ball")
     assert world.body("ball") == again != ball
     world.add_ball_joint(again, None, anchor=(0, 0, 0), name="joint")
@@ -444,7 +464,18 @@ def test_everything_raises_once_the_body_is_gone():
     world.add_sphere(0.2)  # in its row
     with pytest.raises(ArgumentError, match="was removed"):
         ball.position  # noqa: B018
-    assert repr(ball) == "Body(index=1, generation=1)"
+    assert repr(ball) == "Body(index=1, generation=1, name='ball')"
+
+
+def test_a_joint_that_breaks_is_called_by_its_name():
+    world = kd.World()
+    ball = world.add_sphere(0.1, mass=1.0)
+    rope = world.add_fixed_joint(None, ball, anchor=(0, 0, 0), breaking_force=5.0, name="thread")
+    world.step(STEP)
+    assert repr(world.broken) == "[Joint(index=0, generation=0, name='thread')]"
+    assert world.broken == [rope]
+    with pytest.raises(ArgumentError, match=r"'thread'.* has broken"):
+        rope.force  # noqa: B018
 
 
 def test_handles_are_equal_where_they_are_of_one_body():

@@ -208,7 +208,7 @@ class AddsBodies:
             rested[REACH] = max(rested[REACH], float(np.linalg.norm(arm)) + reach(part.shape))
             self.shape_rows.add(body.index, Placed(part.shape, arm, part.orientation, face))
         self.bodies.names.give(body.index, name)
-        return body
+        return self.bodies.handle(body.index)
 
     def body(self, name: str) -> Body:
         """Return the body of a name.

@@ -40,14 +40,16 @@ class Body(Handle):
     Notes
     -----
     Poses and velocities are live views of the rows of `World.position` and the like: what is written into them moves the
-    body, and what is to be kept is copied. Everything raises `ArgumentError` once the body is gone, and for values that
-    a body cannot have.
+    body, and what is to be kept is copied. The pose of a static body is given as a whole (``wall.position = ...``), so that it
+    is sought in its new place. Everything raises `ArgumentError` once the body is gone, and for values that a body cannot
+    have.
     """
 
     __slots__ = ("_bodies", "_seen")
 
     def __init__(self, index: int, generation: int, bodies: Bodies) -> None:
         self._index, self._generation, self._bodies = index, generation, bodies
+        self._last_name = bodies.names.of(index)
         self._seen: _Seen | None = None
 
     @property

@@ -22,9 +22,10 @@ class Registry(Protocol):
 class Handle:
     """A row of a world, known by its number and its generation; equal handles are of the same body or joint."""
 
-    __slots__ = ("_generation", "_index")
+    __slots__ = ("_generation", "_index", "_last_name")
     _index: int
     _generation: int
+    _last_name: str | None  # that it is known to have had: errors call by it what is gone
 
     @property
     def index(self) -> int:
@@ -59,8 +60,9 @@ class Handle:
         return hash((self._index, self._generation))
 
     def __repr__(self) -> str:
-        name = self._registry.names.of(self._index) if self._registry.knows(self._index, self._generation) else None
-        named = "" if name is None else f", name={name!r}"
+        if self._registry.knows(self._index, self._generation):
+            self._last_name = self._registry.names.of(self._index)
+        named = "" if self._last_name is None else f", name={self._last_name!r}"
         return f"{type(self).__name__}(index={self._index}, generation={self._generation}{named})"
 
     def __copy__(self) -> Self:

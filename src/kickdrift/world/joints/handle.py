@@ -66,6 +66,7 @@ class Joint(Handle):
 
     def __init__(self, index: int, generation: int, joints: Joints) -> None:
         self._index, self._generation, self._joints = index, generation, joints
+        self._last_name = joints.names.of(index)
         self._seen: _Seen | None = None
 
     @property
