@@ -92,7 +92,6 @@ class Bodies:
         tables.array(BODY)[row, [KIND, AWAKE, GENERATION]] = kind, int(kind != STATIC), generation
         tables.array(POSE)[row, :3] = position
         tables.array(POSE)[row, 3:7] = orientation
-        tables.version += 1
         return Body(row, generation, self)
 
     def remove(self, body: Body) -> None:

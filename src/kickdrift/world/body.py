@@ -140,7 +140,7 @@ class Body(Handle):
         self._bodies.change_surface(self, "restitution", restitution)
 
     def _look(self) -> _Seen:
-        """Return where the body lies; it is looked up again only after something has come or gone."""
+        """Return where the body lies; it is looked up again only after something has gone or was moved."""
         seen, tables = self._seen, self._bodies.tables
         if seen is None or seen.version != tables.version:
             row = self._bodies.row(self)

@@ -145,7 +145,7 @@ class Tables:
         self._arrays: dict[int, NDArray[Any]] = {}
         # Whether something has changed that the stages of the step or their order may depend on.
         self.altered = True
-        # Grows where bodies or joints come or go, or tables lie elsewhere, so that handles look again where theirs is.
+        # Grows where bodies or joints go, or tables lie elsewhere, so that handles look again where theirs is.
         self.version = 0
 
     def count(self, table: Table) -> int:

@@ -260,7 +260,7 @@ class Joint(Handle):
         return k
 
     def _look(self) -> _Seen:
-        """Return where the joint lies; it is looked up again only after something has come or gone."""
+        """Return where the joint lies; it is looked up again only after something has gone or was moved."""
         seen, tables = self._seen, self._joints.tables
         if seen is None or seen.version != tables.version:
             row = self._joints.row(self)

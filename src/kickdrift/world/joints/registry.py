@@ -129,7 +129,6 @@ class Joints:
                     write_law(tables, row, k, axis if sign > 0.0 else axis.reversed(), part)
         self.arranged = False
         self.names.give(row, name)
-        tables.version += 1
         return self.handle(row)
 
     def change_law(self, joint: Joint, axis: int | None, change: Axis, part: Part) -> None:
