@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.world import tables as t
+from kickdrift.world.adding import Part
 from kickdrift.world.asking import AnswersQueries
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.broad_phase import find_pairs
@@ -17,7 +18,6 @@ from kickdrift.world.collision.search import CHANGED, shapes_changed
 from kickdrift.world.collision.tree import build, fit
 from kickdrift.world.collision.walk import NOTHING, WALK, advance, reciprocal, start
 from kickdrift.world.flight import DYNAMIC, STATIC
-from kickdrift.world.part import Part
 from kickdrift.world.queries import overlap_box, overlap_sphere, ray_cast_many
 from kickdrift.world.settings import GRAVITY, MARGIN
 from kickdrift.world.shapes.hull import Hull

@@ -18,8 +18,8 @@ from kickdrift.engine.progress import Bar
 from kickdrift.io import archive
 from kickdrift.io.shapes import Catalogue, shapes_of
 from kickdrift.scenes.worlds import newtons_cradle, pyramid
+from kickdrift.world.adding import Part
 from kickdrift.world.collision.search import VISITS
-from kickdrift.world.part import Part
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
 from kickdrift.world.shapes.heightfield import HeightField

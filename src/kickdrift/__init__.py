@@ -36,8 +36,8 @@ from kickdrift.world.recording import Recording, WorldPresenters
 if TYPE_CHECKING:
     from kickdrift.io.robot_file import load_robot
     from kickdrift.io.world_file import load_world
+    from kickdrift.world.adding import Part
     from kickdrift.world.joints.axis import Axis, Drive, Motor
-    from kickdrift.world.part import Part
     from kickdrift.world.shapes.box import Box
     from kickdrift.world.shapes.capsule import Capsule
     from kickdrift.world.shapes.hull import Hull
@@ -97,7 +97,7 @@ def _later(module: str, name: str) -> Callable[..., Any]:
 
 _WORLDS = {
     "World": "kickdrift.world.world",
-    "Part": "kickdrift.world.part",
+    "Part": "kickdrift.world.adding",
     **dict.fromkeys(("Axis", "Drive", "Motor"), "kickdrift.world.joints.axis"),
     **{name: f"kickdrift.world.shapes.{name.lower()}" for name in ("Box", "Capsule", "Hull", "Sphere")},
     "load_robot": "kickdrift.io.robot_file",

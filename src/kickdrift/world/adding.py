@@ -1,6 +1,7 @@
 """How bodies come into a world: one method a shape."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -14,8 +15,7 @@ from kickdrift.world.collision.filters import forget
 from kickdrift.world.flight import DYNAMIC, STATIC
 from kickdrift.world.islands import REACH
 from kickdrift.world.joints.registry import Joints
-from kickdrift.world.part import Part, surface_of, weigh
-from kickdrift.world.shape_rows import Placed, Shape, ShapeRows, reach
+from kickdrift.world.shape_rows import Placed, Shape, ShapeRows, Surface, reach
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
 from kickdrift.world.shapes.heightfield import HeightField
@@ -26,9 +26,61 @@ from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.plane import Plane
 from kickdrift.world.shapes.sphere import Sphere
 from kickdrift.world.tables import MOTION, RESTED, Tables
+from kickdrift.world.weighing import weigh
 
 Floats = NDArray[np.float64]
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
+
+
+class Part:
+    """A shape with a place in a compound body.
+
+    Parameters
+    ----------
+    shape : Shape
+        One of `kickdrift.world.shapes`.
+    position : (3,) array_like
+        Origin of the shape's frame in the body, m.
+    orientation : (4,) array_like
+        Quaternion (w, x, y, z) that turns the shape's axes into the body's.
+    density : float, optional
+        kg/m^3; the body's by default.
+    **surface
+        Those of `friction`, `restitution` and the like in which its surface differs from the body's.
+    """
+
+    def __init__(
+        self,
+        shape: Shape,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        orientation: ArrayLike = _UPRIGHT,
+        density: float | None = None,
+        **surface: Any,
+    ) -> None:
+        if not hasattr(shape, "mass_properties"):
+            raise ArgumentError(
+                f"shape={shape!r} is no shape; give one of kickdrift.world.shapes, such as Box((1, 1, 1))."
+            )
+        self.shape = shape
+        self.position = vector("position", position, 3)
+        self.orientation = unit_quaternion("orientation", orientation)
+        self.density = density
+        surface_of(surface)
+        self.surface = surface
+
+
+def surface_of(options: Mapping[str, Any]) -> Surface:
+    """Return a surface with these options.
+
+    Raises
+    ------
+    ArgumentError
+        For options that there are not, and for values that they cannot have.
+    """
+    unknown = set(options) - {field.name for field in fields(Surface)}
+    if unknown:
+        raise ArgumentError(f"{sorted(unknown)[0]}= is not known; see the options of World.add_body.")
+    return Surface(**options)
 
 
 class AddsBodies:

@@ -253,7 +253,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
             return self._program
         spelt, pairs, shapes = self.word, self.shape_rows.pairs(), self.shape_rows
         part_joined(self.tables)
-        composition = spelt, self.substeps, pairs
+        composition = spelt, self.substeps, shapes.kinds
         if composition != self._composition:
             compile_step(spelt, pairs)
             sweeps = self.tables.array(SWEEPS)[0]
