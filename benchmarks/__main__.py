@@ -11,7 +11,18 @@ from pathlib import Path
 
 import llvmlite.binding
 
-from benchmarks import against_c, gravity, implicit_euler, kepler, precision, startup, wisdom_holman, world, world_scale
+from benchmarks import (
+    against_c,
+    gravity,
+    implicit_euler,
+    kepler,
+    precision,
+    rl,
+    startup,
+    wisdom_holman,
+    world,
+    world_scale,
+)
 from benchmarks.table import Missing, Row, markdown, skipped
 
 COMPARISONS: dict[str, tuple[str, Callable[[int], list[Row]]]] = {
@@ -22,6 +33,7 @@ COMPARISONS: dict[str, tuple[str, Callable[[int], list[Row]]]] = {
     "implicit": ("Implicit against semi-implicit Euler", implicit_euler.compare),
     "startup": ("Before the first step", startup.compare),
     "scale": ("Boxes at rest: a body's part of a step", world_scale.compare),
+    "rl": ("Reading, acting, stepping: a cart with a pole", rl.compare),
 }
 _WORLD = "world"
 _PRECISION = "precision"

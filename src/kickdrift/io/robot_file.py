@@ -17,7 +17,7 @@ from kickdrift.io.robots.laws import Actuator
 from kickdrift.io.robots.omissions import gathered, omissions
 from kickdrift.io.robots.parsing import Model, parse
 from kickdrift.world.arguments import unit_quaternion, vector
-from kickdrift.world.bodies import Body
+from kickdrift.world.body import Body
 from kickdrift.world.collision.filters import exclude
 from kickdrift.world.flight import STATIC
 from kickdrift.world.joints.handle import Joint

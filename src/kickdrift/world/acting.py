@@ -5,7 +5,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.compilation import Function
 from kickdrift.world.arguments import vector
-from kickdrift.world.bodies import Bodies, Body
+from kickdrift.world.bodies import Bodies
+from kickdrift.world.body import Body
 from kickdrift.world.forces import force_stage
 from kickdrift.world.tables import LOAD, POSE, Tables
 
@@ -31,14 +32,16 @@ class AppliesForces:
             Where it acts, in the world, m; the centre of mass by default.
         """
         row, f = self.bodies.moved_row(body), vector("force", force, 3)
-        arm = np.zeros(3) if point is None else vector("point", point, 3) - self.tables.array(POSE)[row, :3]
-        load = self.tables.array(LOAD)[row]
+        at = None if point is None else vector("point", point, 3)
+        load = self.tables.row(LOAD, row)
         load[:3] += f
-        load[3:6] += np.cross(arm, f)
+        if at is not None:
+            load[3:6] += np.cross(at - self.tables.row(POSE, row)[:3], f)
 
     def apply_torque(self, body: Body, torque: ArrayLike) -> None:
         """Let a torque in N m, (3,) in the world's axes, act on a body during the next step."""
-        self.tables.array(LOAD)[self.bodies.moved_row(body), 3:6] += vector("torque", torque, 3)
+        row, t = self.bodies.moved_row(body), vector("torque", torque, 3)
+        self.tables.row(LOAD, row)[3:6] += t
 
     def add_force(self, force: Function) -> None:
         """Let a function of one's own act on the bodies in every substep, compiled into the step.
@@ -58,3 +61,4 @@ class AppliesForces:
             If it is no function, names what there is not, adds to nothing, or cannot be compiled.
         """
         self.forces.append(force_stage(force))
+        self.tables.altered = True

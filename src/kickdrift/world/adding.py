@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.arguments import number, turn_to, unit_quaternion, vector
-from kickdrift.world.bodies import Bodies, Body, kind_of
+from kickdrift.world.arguments import choice, number, turn_to, unit_quaternion, vector
+from kickdrift.world.bodies import Bodies, kind_of
+from kickdrift.world.body import Body
 from kickdrift.world.collision.filters import forget
 from kickdrift.world.flight import DYNAMIC, STATIC
 from kickdrift.world.islands import REACH
@@ -109,13 +110,9 @@ class AddsBodies:
         return self.add_body(Cylinder(radius, length), **options)
 
     def add_cone(self, radius: float, length: float, **options: Any) -> Body:
-        """Add a cone about z, its tip above; options as in `add_body`.
+        """Add a cone about z of a radius and a length in m; options as in `add_body`.
 
-        Parameters
-        ----------
-        radius, length : float
-            Of its base, and from there to the tip, m. The position that is given is that of the point halfway between the
-            two; the body's own, its centre of mass, is a quarter of the length above the base.
+        The position that is given is halfway between base and tip; the body's own is its centre of mass.
         """
         return self.add_body(Cone(radius, length), **options)
 
@@ -190,6 +187,8 @@ class AddsBodies:
         kinematic: bool = False,
         damping: float = 0.0,
         angular_damping: float = 0.0,
+        locked_rotation: bool = False,
+        name: str | None = None,
         **surface: Any,
     ) -> Body:
         """Add a body of one shape or several.
@@ -220,6 +219,10 @@ class AddsBodies:
             A static body never moves; a kinematic one moves with the velocity given and minds no force.
         damping, angular_damping : float
             Rates in 1/s at which velocities decay.
+        locked_rotation : bool
+            Whether it never turns, as if its inertia were infinite: for characters that stay upright.
+        name : str, optional
+            By which `World.body` finds it, and which errors and recordings call it; no two bodies have the same.
         **surface
             `friction`, `restitution`, `rolling_resistance`, `surface_velocity`, `layer`, `collides_with` and `sensor`, as
             in `Surface`.
@@ -232,8 +235,9 @@ class AddsBodies:
         Raises
         ------
         ArgumentError
-            For sizes, masses, inertias and poses that no body can have.
+            For sizes, masses, inertias and poses that no body can have, and for the name of another body.
         """
+        name = self.bodies.names.checked(name)
         parts = list(shapes) if isinstance(shapes, Sequence) else [Part(shapes)]
         if not parts or not all(isinstance(part, Part) for part in parts):
             raise ArgumentError(f"shapes={shapes!r} has to be a shape, or a sequence of at least one Part.")
@@ -242,6 +246,10 @@ class AddsBodies:
         motion = np.concatenate((vector("velocity", velocity, 3), vector("angular_velocity", angular_velocity, 3)))
         if kind == STATIC and motion.any():
             raise ArgumentError("velocity of a static body has to be zero; make it kinematic=True to move it.")
+        if choice("locked_rotation", locked_rotation) and (kind != DYNAMIC or motion[3:].any()):
+            raise ArgumentError(
+                "locked_rotation=True is for bodies that forces move, and have no angular_velocity; leave one of them out."
+            )
         surfaces = [surface_of({**surface, **part.surface}) for part in parts]
         weight = None
         if kind == DYNAMIC:
@@ -256,13 +264,24 @@ class AddsBodies:
         body = self.bodies.add(kind, origin + rotation_matrix(turn) @ middle, turn)
         self.tables.array(MOTION)[body.index, :6] = motion
         if weight is not None:
-            self.bodies.set_mass(body.index, weight, rates)
+            self.bodies.set_mass(body.index, weight, rates, locked_rotation)
         for part, face in zip(parts, surfaces, strict=True):
             arm = part.position - middle
             rested = self.tables.array(RESTED)[body.index]
             rested[REACH] = max(rested[REACH], float(np.linalg.norm(arm)) + part.shape.reach)
             self.shape_rows.add(body.index, Placed(part.shape, arm, part.orientation, face))
-        return body
+        self.bodies.names.give(body.index, name)
+        return self.bodies.handle(body.index)
+
+    def body(self, name: str) -> Body:
+        """Return the body of a name.
+
+        Raises
+        ------
+        UnknownNameError
+            If none has it; the sentence says which there are.
+        """
+        return self.bodies.handle(self.bodies.names.row(name))
 
     def remove(self, body: Body) -> None:
         """Remove a body with its shapes; its handle is worth nothing then, and its row is used again.

@@ -1,16 +1,21 @@
 """Questions to a world: what rays meet, and what overlaps a box or a ball."""
 
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kickdrift.core.errors import ArgumentError
 from kickdrift.world import queries
-from kickdrift.world.bodies import Bodies, Body
+from kickdrift.world.bodies import Bodies
+from kickdrift.world.body import Body
+from kickdrift.world.collision.query_arguments import one_vector
 from kickdrift.world.queries import RayHit, RayHits
 from kickdrift.world.tables import SHAPE, Tables
 
 _BODY = 1  # column of SHAPE
+_Ignored = Body | Iterable[Body]
 
 
 class AnswersQueries:
@@ -20,7 +25,12 @@ class AnswersQueries:
     bodies: Bodies
 
     def ray_cast(
-        self, origin: ArrayLike, direction: ArrayLike, limit: float = np.inf, layers: Iterable[int] | None = None
+        self,
+        origin: ArrayLike,
+        direction: ArrayLike,
+        limit: float = np.inf,
+        layers: Iterable[int] | None = None,
+        ignore: _Ignored = (),
     ) -> RayHit | None:
         """Return the nearest shape that a ray meets, or None.
 
@@ -34,6 +44,8 @@ class AnswersQueries:
             How far the ray goes, m.
         layers : iterable of int, optional
             Layers whose shapes it meets, from 0 to 61; all by default.
+        ignore : Body or iterable of Body
+            Bodies that it goes through, such as the one that looks.
 
         Returns
         -------
@@ -43,21 +55,34 @@ class AnswersQueries:
         Raises
         ------
         ArgumentError
-            If the origin is not finite, the direction has no length, or the limit or a layer cannot be.
+            If the origin is not finite, the direction has no length, or the limit or a layer cannot be; for bodies to
+            ignore that are gone.
         """
-        return queries.ray_cast(self.tables, origin, direction, limit, layers)
+        ray = one_vector("origin", origin), one_vector("direction", direction)
+        found = self._hits(queries.ray_cast_many(self.tables, *ray, limit, layers, self._ignored(ignore)))
+        return found[0] if found else None
 
     def ray_cast_all(
-        self, origin: ArrayLike, direction: ArrayLike, limit: float = np.inf, layers: Iterable[int] | None = None
+        self,
+        origin: ArrayLike,
+        direction: ArrayLike,
+        limit: float = np.inf,
+        layers: Iterable[int] | None = None,
+        ignore: _Ignored = (),
     ) -> list[RayHit]:
         """Return where a ray meets every shape on its way first, the nearest shape first; as `ray_cast`."""
-        return queries.ray_cast_all(self.tables, origin, direction, limit, layers)
+        return self._hits(queries.ray_cast_all(self.tables, origin, direction, limit, layers, self._ignored(ignore)))
 
     def ray_cast_many(
-        self, origins: ArrayLike, directions: ArrayLike, limit: float = np.inf, layers: Iterable[int] | None = None
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        limit: float = np.inf,
+        layers: Iterable[int] | None = None,
+        ignore: _Ignored = (),
     ) -> RayHits:
         """Return the nearest shape that each of many rays meets, as arrays; (N, 3) directions from (N, 3) or (3,) origins."""
-        return queries.ray_cast_many(self.tables, origins, directions, limit, layers)
+        return queries.ray_cast_many(self.tables, origins, directions, limit, layers, self._ignored(ignore))
 
     def overlap_box(
         self,
@@ -65,6 +90,7 @@ class AnswersQueries:
         position: ArrayLike = (0.0, 0.0, 0.0),
         orientation: ArrayLike = (1.0, 0.0, 0.0, 0.0),
         layers: Iterable[int] | None = None,
+        ignore: _Ignored = (),
     ) -> list[Body]:
         """Return the bodies that overlap a box.
 
@@ -78,19 +104,41 @@ class AnswersQueries:
             Quaternion (w, x, y, z) that turns its axes into the world's.
         layers : iterable of int, optional
             Layers whose shapes count, from 0 to 61; all by default.
+        ignore : Body or iterable of Body
+            Bodies that do not count.
 
         Raises
         ------
         ArgumentError
-            If the size is not positive, or the pose is not finite.
+            If the size is not positive, or the pose is not finite; for bodies to ignore that are gone.
         """
-        return self._bodies_of(queries.overlap_box(self.tables, size, position, orientation, layers))
+        ignored = self._ignored(ignore)
+        return self._bodies_of(queries.overlap_box(self.tables, size, position, orientation, layers, ignored))
 
     def overlap_sphere(
-        self, radius: float, position: ArrayLike = (0.0, 0.0, 0.0), layers: Iterable[int] | None = None
+        self,
+        radius: float,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        layers: Iterable[int] | None = None,
+        ignore: _Ignored = (),
     ) -> list[Body]:
         """Return the bodies that overlap a ball of a radius in m; the rest as in `overlap_box`."""
-        return self._bodies_of(queries.overlap_sphere(self.tables, radius, position, layers))
+        return self._bodies_of(queries.overlap_sphere(self.tables, radius, position, layers, self._ignored(ignore)))
+
+    def _ignored(self, ignore: Any) -> set[int]:
+        if isinstance(ignore, Body):
+            return {self.bodies.row(ignore, "ignore")}
+        if isinstance(ignore, str) or not isinstance(ignore, Iterable):
+            raise ArgumentError(f"ignore={ignore!r} has to be a body, or several of them.")
+        return {self.bodies.row(body, "ignore") for body in ignore}
+
+    def _hits(self, hits: RayHits) -> list[RayHit]:
+        """Hits of shapes one by one, each with a handle of its body."""
+        return [
+            RayHit(int(shape), self.bodies.handle(int(body)), float(distance), point, normal)
+            for shape, body, distance, point, normal in zip(*hits, strict=True)
+            if shape >= 0
+        ]
 
     def _bodies_of(self, shapes: NDArray[np.int64]) -> list[Body]:
         return [self.bodies.handle(int(row)) for row in np.unique(self.tables.array(SHAPE)[shapes, _BODY])]

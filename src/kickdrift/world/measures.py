@@ -33,6 +33,25 @@ class Energy(NamedTuple):
         return self.kinetic + self.potential
 
 
+class Measures:
+    """The methods of a world that measure what it conserves."""
+
+    tables: Tables
+    bodies: Bodies
+
+    def energy(self) -> Energy:
+        """Measure kinetic and potential energy, J; ``energy().total`` is their sum."""
+        return energy(self.tables, self.bodies)
+
+    def momentum(self) -> Floats:
+        """Measure the momentum, (3,), kg m/s."""
+        return momentum(self.tables, self.bodies)
+
+    def angular_momentum(self) -> Floats:
+        """Measure the angular momentum about the origin, (3,), kg m^2/s."""
+        return angular_momentum(self.tables, self.bodies)
+
+
 def energy(tables: Tables, bodies: Bodies) -> Energy:
     """Measure the energy of all bodies that forces move."""
     rows = bodies.moving()

@@ -100,11 +100,17 @@ class Program(NamedTuple):
     offsets: NDArray[np.float64]
 
 
-def compose(spelt: Word, step: float, substeps: int) -> Program:
-    """Compile the stages of a word and lay them out, its substeps one after the other."""
+def addresses(spelt: Word, substeps: int) -> NDArray[np.intp]:
+    """Compile the stages of a word, and return their addresses, the substeps one after the other."""
+    before, substep, after = spelt
+    at = {stage: address_of(stage, STAGE) for part in spelt for stage in part}
+    return np.array([at[stage] for stage in (*before, *substep * substeps, *after)], dtype=np.intp)
+
+
+def compose(spelt: Word, at: NDArray[np.intp], step: float, substeps: int) -> Program:
+    """Say what times the stages of a word at these addresses cover."""
     before, substep, after = spelt
     h = step / substeps
-    addresses = [address_of(stage, STAGE) for stage in (*before, *substep * substeps, *after)]
     lengths = [step] * len(before) + [h] * len(substep) * substeps + [step] * len(after)
     offsets = [0.0] * len(before) + [k * h for k in range(substeps) for _ in substep] + [step] * len(after)
-    return Program(np.array(addresses, dtype=np.intp), np.array(lengths), np.array(offsets))
+    return Program(at, np.array(lengths), np.array(offsets))

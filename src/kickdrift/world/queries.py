@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.calls import address_of
 from kickdrift.core.errors import KickdriftError
-from kickdrift.world.bodies import Body
+from kickdrift.world.body import Body
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.bounds import find_strays
 from kickdrift.world.collision.casting import DISTANCE, HIT, NORMAL, SHAPE_HIT, cast, cast_many
@@ -22,14 +22,13 @@ from kickdrift.world.collision.forest import update_for_queries
 from kickdrift.world.collision.nearby import find_near, overlaps
 from kickdrift.world.collision.query_arguments import layer_bits, one_vector, rays_of
 from kickdrift.world.contacts.looking import COLLIDE
-from kickdrift.world.flight import GENERATION
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.catalogue import KINDS, RAYS, met_as
 from kickdrift.world.shapes.kinds import BOX, SPHERE
 from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.shapes.record import RAY
 from kickdrift.world.shapes.sphere import Sphere
-from kickdrift.world.tables import BODY, MOVERS, PART_TREE, PLANES, POSE, SHAPE, TROUBLE, Tables
+from kickdrift.world.tables import MOVERS, PART_TREE, PLANES, POSE, SHAPE, TROUBLE, Tables
 from kickdrift.world.trouble import BODY as TROUBLED_BODY
 from kickdrift.world.trouble import FULL, KIND, TABLE, WANTED
 
@@ -82,35 +81,24 @@ class RayHits(NamedTuple):
     normal: Floats
 
 
-def ray_cast(
-    tables: Tables,
-    origin: ArrayLike,
-    direction: ArrayLike,
-    limit: float = np.inf,
-    layers: Iterable[int] | None = None,
-) -> RayHit | None:
-    """Return the nearest shape that a ray meets, or None; see `World.ray_cast`."""
-    hits = ray_cast_many(tables, one_vector("origin", origin), one_vector("direction", direction), limit, layers)
-    return _one_by_one(tables, hits)[0] if hits.shape[0] >= 0 else None
-
-
 def ray_cast_all(
     tables: Tables,
     origin: ArrayLike,
     direction: ArrayLike,
     limit: float = np.inf,
     layers: Iterable[int] | None = None,
-) -> list[RayHit]:
-    """Return where a ray meets every shape on its way first, the nearest shape first; arguments as in `ray_cast`."""
+    ignored: Iterable[int] = (),
+) -> RayHits:
+    """Return where a ray meets every shape on its way first, the nearest shape first; arguments as in `ray_cast_many`."""
     rays = rays_of(one_vector("origin", origin), one_vector("direction", direction), limit)
     wanted = layer_bits(layers)
     strays = _strays(tables)
     hits = np.empty((2 * len(tables.array(SHAPE)) + 2, HIT))
-    count = cast(tables.address, rays[0], _ray_functions(tables), strays, wanted, hits)
+    count = cast(tables.address, rays[0], _ray_functions(tables), strays, wanted, _rows(ignored), hits)
     _, first = np.unique(hits[:count, SHAPE_HIT], return_index=True)
     hits = hits[first]
     hits = hits[np.argsort(hits[:, DISTANCE], kind="stable")]
-    return _one_by_one(tables, _described(tables, np.repeat(rays, len(hits), axis=0), hits))
+    return _described(tables, np.repeat(rays, len(hits), axis=0), hits)
 
 
 def ray_cast_many(
@@ -119,6 +107,7 @@ def ray_cast_many(
     directions: ArrayLike,
     limit: float = np.inf,
     layers: Iterable[int] | None = None,
+    ignored: Iterable[int] = (),
 ) -> RayHits:
     """Return the nearest shape that each of many rays meets.
 
@@ -131,19 +120,21 @@ def ray_cast_many(
     directions : (N, 3) array_like
         Any lengths but zero.
     limit, layers
-        As in `ray_cast`.
+        As in `World.ray_cast`.
+    ignored : iterable of int
+        Rows of bodies that rays go through.
 
     Raises
     ------
     ArgumentError
-        As in `ray_cast`, or if there are not as many origins as directions.
+        As in `World.ray_cast`, or if there are not as many origins as directions.
     """
     rays = rays_of(origins, directions, limit)
     wanted = layer_bits(layers)
     strays = _strays(tables)
     hits = np.full((len(rays), HIT), np.nan)
     hits[:, SHAPE_HIT], hits[:, DISTANCE] = -1, np.inf
-    cast_many(tables.address, rays, _ray_functions(tables), strays, wanted, hits)
+    cast_many(tables.address, rays, _ray_functions(tables), strays, wanted, _rows(ignored), hits)
     return _described(tables, rays, hits)
 
 
@@ -153,6 +144,7 @@ def overlap_box(
     position: ArrayLike = (0.0, 0.0, 0.0),
     orientation: ArrayLike = (1.0, 0.0, 0.0, 0.0),
     layers: Iterable[int] | None = None,
+    ignored: Iterable[int] = (),
 ) -> Integers:
     """Return the rows of the shapes that overlap a box, in ascending order.
 
@@ -168,6 +160,8 @@ def overlap_box(
         Quaternion (w, x, y, z) that turns its axes into the world's; any length but zero.
     layers : iterable of int, optional
         Layers whose shapes count, from 0 to 61; all by default.
+    ignored : iterable of int
+        Rows of bodies whose shapes do not count.
 
     Raises
     ------
@@ -176,15 +170,20 @@ def overlap_box(
     """
     box = Box(size)
     half = np.abs(rotation_matrix(orientation)) @ box.numbers
-    return _overlap(tables, BOX, box.numbers, position, orientation, half, layers)
+    return _overlap(tables, BOX, box.numbers, position, orientation, half, layers, ignored)
 
 
 def overlap_sphere(
-    tables: Tables, radius: float, position: ArrayLike = (0.0, 0.0, 0.0), layers: Iterable[int] | None = None
+    tables: Tables,
+    radius: float,
+    position: ArrayLike = (0.0, 0.0, 0.0),
+    layers: Iterable[int] | None = None,
+    ignored: Iterable[int] = (),
 ) -> Integers:
     """Return the rows of the shapes that overlap a ball of a radius in m; the rest as in `overlap_box`."""
     ball = Sphere(radius)
-    return _overlap(tables, SPHERE, ball.numbers, position, (1.0, 0.0, 0.0, 0.0), np.full(3, ball.radius), layers)
+    half = np.full(3, ball.radius)
+    return _overlap(tables, SPHERE, ball.numbers, position, (1.0, 0.0, 0.0, 0.0), half, layers, ignored)
 
 
 def _overlap(
@@ -195,6 +194,7 @@ def _overlap(
     orientation: ArrayLike,
     half: Floats,
     layers: Iterable[int] | None,
+    ignored: Iterable[int],
 ) -> Integers:
     centre = one_vector("position", position)[0]
     turn = np.asarray(orientation, dtype=np.float64)
@@ -207,6 +207,7 @@ def _overlap(
     count = find_near(tables.address, box, found)
     candidates = np.union1d(found[:count].astype(np.int64), strays)
     candidates = candidates[(shapes[candidates, 6] == 0) & (shapes[candidates, 4] & wanted != 0)]
+    candidates = candidates[~np.isin(shapes[candidates, 1], _rows(ignored))]
     functions = _pair_functions(tables, kind)
     parts = np.empty(len(tables.array(PART_TREE)) + 1)
     at, q = tuple(centre.tolist()), tuple(turn.tolist())
@@ -239,13 +240,8 @@ def _nowhere(body: int) -> KickdriftError:
     return KickdriftError(f"Body {body} has a pose that is not finite, and cannot be looked for; move it.")
 
 
-def _one_by_one(tables: Tables, hits: RayHits) -> list[RayHit]:
-    """Hits of shapes, each with a handle of its body."""
-    generations = tables.array(BODY)[hits.body, GENERATION]
-    return [
-        RayHit(int(shape), Body(int(body), int(generation)), float(distance), point, normal)
-        for generation, shape, body, distance, point, normal in zip(generations, *hits, strict=True)
-    ]
+def _rows(bodies: Iterable[int]) -> Integers:
+    return np.array(sorted(bodies), dtype=np.int64)
 
 
 def _kinds(tables: Tables) -> list[int]:

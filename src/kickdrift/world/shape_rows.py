@@ -1,7 +1,7 @@
 """Shapes in a world: rows of tables, and the numbers of equal shapes kept once."""
 
 from collections.abc import Collection
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations_with_replacement
 from typing import Any, NamedTuple
 
@@ -134,13 +134,37 @@ class ShapeRows:
         self.shapes[row] = placed
         self.bouncing = self.bouncing or surface.restitution > 0.0
         self.kinds |= {shape.kind}
+        tables.altered = True
         return row
+
+    def rows_of(self, body: int) -> NDArray[np.intp]:
+        """Rows of the shapes of a body."""
+        table = self.tables.array(SHAPE)
+        return np.flatnonzero((table[:, BODY_ROW] == body) & (table[:, KIND] != GONE))
+
+    def surface_numbers(self, body: int, name: str) -> set[float]:
+        """Return the numbers of a name that the surfaces of a body's shapes have."""
+        return {float(getattr(self.shapes[row].surface, name)) for row in self.rows_of(body).tolist()}
+
+    def change_surface(self, body: int, name: str, value: float) -> None:
+        """Give the surfaces of all shapes of a body another number of a name; ArgumentError for one that cannot be."""
+        rows = self.rows_of(body).tolist()
+        if not rows:
+            raise ArgumentError(f"{name}={value!r} is for bodies that have shapes; this one has none.")
+        changed: dict[str, Any] = {name: value}
+        new = {row: replace(self.shapes[row].surface, **changed) for row in rows}
+        for row, surface in new.items():
+            self.shapes[row] = self.shapes[row]._replace(surface=surface)
+            place = self.tables.array(PLACE)[row]
+            place[FRICTION], place[RESTITUTION] = surface.friction, surface.restitution
+            self.bouncing = self.bouncing or surface.restitution > 0.0
+        self.tables.altered = True
 
     def remove_of(self, body: int) -> None:
         """Give the rows of a body's shapes back."""
         tables = self.tables
         table = tables.array(SHAPE)
-        for row in np.flatnonzero((table[:, BODY_ROW] == body) & (table[:, KIND] != GONE)):
+        for row in self.rows_of(body):
             table[row] = 0
             table[row, KIND] = GONE
             del self.shapes[int(row)]

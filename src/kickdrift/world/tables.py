@@ -144,6 +144,19 @@ class Tables:
             self.block.ctypes.data
         )  # what compiled code is given; the same for as long as the world lives
         self._arrays: dict[int, NDArray[Any]] = {}
+        # Whether something has changed that the stages of the step or their order may depend on.
+        self.altered = True
+        # Grows where bodies or joints go, or tables lie elsewhere, so that handles look again where theirs is.
+        self.version = 0
+
+    def count(self, table: Table) -> int:
+        """Return how many rows of a table are in use."""
+        return int(self.block.item(3 * table.place + _ROWS))
+
+    def row(self, table: Table, row: int) -> NDArray[Any]:
+        """Return a row that is in use, as a live view; what `array` takes longer for."""
+        found: NDArray[Any] = self._arrays[table.place][row]
+        return found
 
     def array(self, table: Table) -> NDArray[Any]:
         """Return the rows of a table in use, as a live view; replaced where the table grows."""
@@ -172,7 +185,20 @@ class Tables:
         new = _aligned(max(count, len(old) + len(old) // 2, 16), table.width, np.int64 if table.whole else np.float64)
         new[: len(old)] = old
         self._arrays[table.place] = new
+        self.version += 1
         self.block[place : place + 3] = new.ctypes.data, self.block[place + _ROWS], len(new)
+
+    def put(self, table: Table, values: NDArray[Any], room: int) -> None:
+        """Let a table hold these rows, with room for so many."""
+        count = len(values)
+        if count == self.count(table) and room <= self.room(
+            table
+        ):  # as it does where a world goes back to its own past
+            if count:
+                self._arrays[table.place][:count] = values
+            return
+        self.reserve(table, room)
+        self.resize(table, count)[:] = values
 
     def make_room(self, place: int, count: int) -> None:
         """Make room in the table at a place of the block, as a stage has asked; manifolds go with their contacts."""

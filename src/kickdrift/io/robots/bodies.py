@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from kickdrift.core.errors import ArgumentError
 from kickdrift.io.robots.geoms import Layers, placed, touches
 from kickdrift.io.robots.parsing import Model
-from kickdrift.world.bodies import Body
+from kickdrift.world.body import Body
 from kickdrift.world.flight import DYNAMIC, KINEMATIC, STATIC
 from kickdrift.world.islands import REACH
 from kickdrift.world.shape_rows import Placed

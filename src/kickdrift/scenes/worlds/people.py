@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from kickdrift.scenes.worlds.placing import Quaternion, Vector, about, between, scatter, turned
-from kickdrift.world.bodies import Body
+from kickdrift.world.body import Body
 from kickdrift.world.joints.axis import Drive
 from kickdrift.world.world import World
 

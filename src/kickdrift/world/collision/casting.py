@@ -41,17 +41,17 @@ _ray = caller(RAY)
 
 
 @compiled
-def cast_many(world: int, rays: Any, functions: Any, strays: Any, layers: int, hits: Any) -> None:
+def cast_many(world: int, rays: Any, functions: Any, strays: Any, layers: int, ignored: Any, hits: Any) -> None:
     """Find the nearest shape that each ray meets; rows of `hits` stay as they are for rays that meet nothing.
 
     A row of `rays` is an origin (3), a unit vector (3) and a limit.
     """
     for k in range(len(rays)):
-        cast(world, rays[k], functions, strays, layers, hits[k : k + 1])
+        cast(world, rays[k], functions, strays, layers, ignored, hits[k : k + 1])
 
 
 @compiled
-def cast(world: int, ray: Any, functions: Any, strays: Any, layers: int, hits: Any) -> int:
+def cast(world: int, ray: Any, functions: Any, strays: Any, layers: int, ignored: Any, hits: Any) -> int:
     """Find all shapes that a ray meets, in no order, or where there is room for one the nearest; return how many.
 
     Parameters
@@ -62,14 +62,16 @@ def cast(world: int, ray: Any, functions: Any, strays: Any, layers: int, hits: A
         Shapes that may have left their boxes in the trees; of all of them, some can be met twice.
     layers : int
         Bits of the layers that are met. Sensors are not.
+    ignored : (K,) array of int
+        Rows of bodies that are not met.
     """
     planes = integers(world, PLANES)
     limit = ray[6]
     count = 0
     for k in range(rows(world, PLANES)):
-        count, limit = _meet(world, planes[k, 0], ray, limit, functions, layers, hits, count)
+        count, limit = _meet(world, planes[k, 0], ray, limit, functions, layers, ignored, hits, count)
     for k in range(len(strays)):
-        count, limit = _meet(world, strays[k], ray, limit, functions, layers, hits, count)
+        count, limit = _meet(world, strays[k], ray, limit, functions, layers, ignored, hits, count)
     origin, inverse = (ray[0], ray[1], ray[2]), reciprocal((ray[3], ray[4], ray[5]))
     walk = carray(floats_on_stack(512), (512,))
     for table in (STATIC_TREE, TREE):
@@ -77,14 +79,14 @@ def cast(world: int, ray: Any, functions: Any, strays: Any, layers: int, hits: A
         start(walk, nodes, origin, inverse)
         shape = advance(walk, nodes, origin, inverse, limit)
         while shape != NOTHING:
-            count, limit = _meet(world, shape, ray, limit, functions, layers, hits, count)
+            count, limit = _meet(world, shape, ray, limit, functions, layers, ignored, hits, count)
             shape = advance(walk, nodes, origin, inverse, limit)
     return count
 
 
 @compiled
 def _meet(
-    world: int, shape: int, ray: Any, limit: float, functions: Any, layers: int, hits: Any, count: int
+    world: int, shape: int, ray: Any, limit: float, functions: Any, layers: int, ignored: Any, hits: Any, count: int
 ) -> tuple[int, float]:
     """Note where a ray meets a shape; return the number of hits, and how far away others may be.
 
@@ -93,6 +95,9 @@ def _meet(
     shapes = integers(world, SHAPE)
     if shapes[shape, 0] < 0 or shapes[shape, 6] != 0 or shapes[shape, 4] & layers == 0:
         return count, limit
+    for k in range(len(ignored)):
+        if shapes[shape, 1] == ignored[k]:
+            return count, limit
     at, q = shape_pose(world, shape)
     origin = turned_back(q, minus((ray[0], ray[1], ray[2]), at))
     direction = turned_back(q, (ray[3], ray[4], ray[5]))
