@@ -15,8 +15,6 @@ from kickdrift.world.adding import Part
 from kickdrift.world.flaws import widest_gap
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
-from kickdrift.world.shapes.cone import Cone
-from kickdrift.world.shapes.cylinder import Cylinder
 from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.sphere import Sphere
 
@@ -88,7 +86,7 @@ def add_tree(rng, world, scale, size, density, at):
 
 def a_shape(rng, reach):
     """Return a shape, or the parts of a body, no point of which is farther than `reach` from the origin."""
-    match rng.integers(7):
+    match rng.integers(5):
         case 0:
             return Sphere(reach)
         case 1:
@@ -99,10 +97,6 @@ def a_shape(rng, reach):
         case 3:
             points = rng.normal(size=(int(rng.integers(6, 20)), 3))
             return Hull(points * reach / np.linalg.norm(points, axis=1).max())
-        case 4:
-            return Cylinder(0.5 * reach, 1.7 * reach)
-        case 5:
-            return Cone(0.8 * reach, 1.2 * reach)
         case _:
             bar = Part(Box((reach, reach / 4, reach / 4)))
             return [bar, Part(Sphere(reach / 3), position=(reach / 2, 0, 0), density=5000.0)]
