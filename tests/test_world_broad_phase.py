@@ -11,6 +11,7 @@ from kickdrift.world import tables as t
 from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.collision.dispatch import describe_kinds, find_extents
 from kickdrift.world.collision.filters import exclude
+from kickdrift.world.collision.narrow_phase import RADIUS
 from kickdrift.world.collision.search import (
     FITTED,
     LEFT,
@@ -22,7 +23,6 @@ from kickdrift.world.collision.search import (
 )
 from kickdrift.world.collision.tree import ITEM, build, fit, gather
 from kickdrift.world.contacts.layout import SENSOR, TOUCHING
-from kickdrift.world.contacts.looking import RADIUS
 from kickdrift.world.events import BEGINS, FIRST_BODY, SECOND_BODY
 from kickdrift.world.flight import AWAKE, DYNAMIC, KINEMATIC, STATIC
 from kickdrift.world.settings import GRAVITY, MARGIN

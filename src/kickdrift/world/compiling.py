@@ -6,8 +6,8 @@ from kickdrift.core.together import compile_together, missing, seconds_for
 from kickdrift.engine.progress import announce_compiling
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.dispatch import extents_of
+from kickdrift.world.collision.narrow_phase import COLLIDE
 from kickdrift.world.contacts.lanes import SWEEP, SWEEPS
-from kickdrift.world.contacts.looking import COLLIDE
 from kickdrift.world.program import Word
 from kickdrift.world.shapes.record import EXTENT
 from kickdrift.world.step import STAGE

@@ -8,8 +8,8 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot, minus, plus, turned
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
+from kickdrift.world.collision.narrow_phase import shape_pose
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.looking import shape_pose
 from kickdrift.world.tables import (
     CONTACT,
     EVENTS,

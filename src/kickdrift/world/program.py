@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function
 from kickdrift.world.collision.broad_phase import find_pairs
-from kickdrift.world.contacts.advance import find_impacts
+from kickdrift.world.collision.narrow_phase import place_shapes
+from kickdrift.world.collision.recycling import find_points
+from kickdrift.world.collision.time_of_impact import find_impacts
 from kickdrift.world.contacts.impact import bounce
-from kickdrift.world.contacts.looking import place_shapes
 from kickdrift.world.contacts.prepare import colour, prepare
 from kickdrift.world.contacts.solve import THREADED, relax, solve, store, warm_start
-from kickdrift.world.contacts.update import find_points
 from kickdrift.world.events import note_touching
 from kickdrift.world.flight import begin, drift, finish, flatten, kick
 from kickdrift.world.forces import begin_forces

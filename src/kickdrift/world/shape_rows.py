@@ -13,8 +13,8 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import choice
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.dispatch import describe_kinds, find_extents
+from kickdrift.world.collision.narrow_phase import COLLIDE, FRICTION, RADIUS, RESTITUTION, ROLLING, SURFACE_VELOCITY
 from kickdrift.world.collision.search import shapes_changed
-from kickdrift.world.contacts.looking import COLLIDE, FRICTION, RADIUS, RESTITUTION, ROLLING, SURFACE_VELOCITY
 from kickdrift.world.shapes.catalogue import may_touch, met_as
 from kickdrift.world.shapes.record import Shape
 from kickdrift.world.tables import BOUNDS, COLLIDERS, GEOMETRY, PLACE, PLACED, SHAPE, Tables

@@ -26,9 +26,9 @@ from kickdrift.core.vectors import (
     plus,
     times,
 )
+from kickdrift.world.collision.narrow_phase import RESTITUTION
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.looking import RESTITUTION
 from kickdrift.world.contacts.strike import (
     HIT_TIME,
     IMPULSE,

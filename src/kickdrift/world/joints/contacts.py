@@ -14,6 +14,7 @@ A row of `LINK_CONTACTS` is the answers of `kickdrift.world.contacts.coupled`, 1
 from typing import Any
 
 from kickdrift.core.compilation import compiled, specialise
+from kickdrift.world.collision.narrow_phase import RESTITUTION as BOUNCINESS
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.coupled import (
     bounces,
@@ -23,7 +24,6 @@ from kickdrift.world.contacts.coupled import (
     press,
 )
 from kickdrift.world.contacts.impact import slowest_bounce
-from kickdrift.world.contacts.looking import RESTITUTION as BOUNCINESS
 from kickdrift.world.contacts.prepare import LINKED
 from kickdrift.world.flight import LINK_COUNT
 from kickdrift.world.joints.answers import (

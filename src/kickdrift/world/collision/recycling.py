@@ -6,8 +6,8 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, conjugate, dot, minus, product, turned_back
 from kickdrift.world.collision.dispatch import is_round, sort_of
+from kickdrift.world.collision.narrow_phase import RADIUS, RESTITUTION, look_again, placed_pose, smallest
 from kickdrift.world.contacts.layout import BODY_A, BODY_B, FAST, FOUND_POSE, POINTS, RECYCLED, SHAPE_A, SHAPE_B, STATE
-from kickdrift.world.contacts.looking import RADIUS, RESTITUTION, look_again, placed_pose, smallest
 from kickdrift.world.flight import AWAKE
 from kickdrift.world.settings import HAS_FAST, MARGIN, RECYCLE_DISTANCE, STEP
 from kickdrift.world.shapes.record import HALF_SPACE
