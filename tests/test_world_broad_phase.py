@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from kickdrift.world import tables as t
 from kickdrift.world.collision.broad_phase import find_pairs
+from kickdrift.world.collision.bvh import ITEM, build, fit, gather
 from kickdrift.world.collision.dispatch import describe_kinds, find_extents
 from kickdrift.world.collision.filters import exclude
 from kickdrift.world.collision.narrow_phase import RADIUS
@@ -21,7 +22,6 @@ from kickdrift.world.collision.search import (
     filters_changed,
     shapes_changed,
 )
-from kickdrift.world.collision.tree import ITEM, build, fit, gather
 from kickdrift.world.contacts.layout import SENSOR, TOUCHING
 from kickdrift.world.events import BEGINS, FIRST_BODY, SECOND_BODY
 from kickdrift.world.flight import AWAKE, DYNAMIC, KINEMATIC, STATIC

@@ -61,7 +61,7 @@ JOINT_AXES = Table(45, 16)  # six rows a joint
 LANES = Table(20, 1)  # constraints in groups of lanes
 GROUPS = Table(21, 24, whole=True)  # of each lane the first body (8), the second (8), the contact (8)
 SCRATCH = Table(22, 1)
-TREE = Table(23, 8)  # over the wider boxes of shapes that may move: see `kickdrift.world.collision.tree`
+TREE = Table(23, 8)  # over the wider boxes of shapes that may move: see `kickdrift.world.collision.bvh`
 STATIC_TREE = Table(24, 8)  # over those that may not
 KINDS = Table(28, 4, whole=True)  # of shapes: see `kickdrift.world.collision.dispatch`
 COLLIDERS = Table(25, 16, whole=True)  # address of the function for each pair of kinds of shapes

@@ -11,9 +11,9 @@ import numpy as np
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, plus, product, times, turned
+from kickdrift.world.collision.bvh import Box
 from kickdrift.world.collision.dispatch import extent_of, sort_of
 from kickdrift.world.collision.narrow_phase import RADIUS
-from kickdrift.world.collision.tree import Box
 from kickdrift.world.flight import DYNAMIC, KIND, STATIC
 from kickdrift.world.settings import GRAVITY, MARGIN
 from kickdrift.world.shapes.record import SOLID

@@ -1,9 +1,9 @@
 """The broad phase: shapes whose wider boxes overlap make contacts, which change where a shape leaves its box."""
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.collision.bvh_update import update_trees
 from kickdrift.world.collision.filters import may_touch
-from kickdrift.world.collision.forest import update_trees
-from kickdrift.world.collision.known import forget_all, key_of, remember, slots_for
+from kickdrift.world.collision.pair_hash import forget_all, key_of, remember, slots_for
 from kickdrift.world.collision.pairs import PAIR, overlap, seek
 from kickdrift.world.collision.roster import update_bounds
 from kickdrift.world.collision.search import (

@@ -10,9 +10,9 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, minus, turned, turned_back
 from kickdrift.world.collision.bounds import FIRST_NODE, LAST_NODE
+from kickdrift.world.collision.bvh_walk import NOTHING, advance, reciprocal, start
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.narrow_phase import shape_pose
-from kickdrift.world.collision.walk import NOTHING, advance, reciprocal, start
 from kickdrift.world.shapes.kinds import TRIANGLE
 from kickdrift.world.shapes.rays import MISS, Hit
 from kickdrift.world.shapes.record import RAY, SURFACE

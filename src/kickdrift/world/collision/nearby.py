@@ -9,9 +9,9 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Quaternion, Vector, conjugate, minus, product, turned_back
 from kickdrift.world.collision.bounds import FIRST_NODE, LAST_NODE
 from kickdrift.world.collision.boxes import box_in_frame, reaches_under
+from kickdrift.world.collision.bvh import Box, gather
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.narrow_phase import collide, shape_pose
-from kickdrift.world.collision.tree import Box, gather
 from kickdrift.world.shapes.kinds import TRIANGLE
 from kickdrift.world.shapes.record import SURFACE
 from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of

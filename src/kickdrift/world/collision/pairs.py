@@ -3,12 +3,12 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.bounds import FIRST_NODE, LAST_NODE, may_move
 from kickdrift.world.collision.boxes import box_in_frame, boxes_overlap, reaches_under, wider_box
+from kickdrift.world.collision.bvh import gather
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.filters import may_touch
-from kickdrift.world.collision.known import is_known, key_of
+from kickdrift.world.collision.pair_hash import is_known, key_of
 from kickdrift.world.collision.search import AT_HOME, FOUND, PAIRS_AT, PARTS_AT, SHAPES_AT, STATE, VISITS
 from kickdrift.world.collision.sorting import sort
-from kickdrift.world.collision.tree import gather
 from kickdrift.world.shapes.kinds import TRIANGLE
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.shapes.triangle import triangle_box

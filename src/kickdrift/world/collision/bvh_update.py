@@ -3,6 +3,7 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import shaped
 from kickdrift.world.collision.bounds import FIRST_NODE, LAST_NODE
+from kickdrift.world.collision.bvh import NODES_PER_ITEM, build, fit
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.roster import enlist
 from kickdrift.world.collision.search import (
@@ -15,7 +16,6 @@ from kickdrift.world.collision.search import (
     STATIC_CHANGED,
     UNSEEN,
 )
-from kickdrift.world.collision.tree import NODES_PER_ITEM, build, fit
 from kickdrift.world.shapes.record import SURFACE
 from kickdrift.world.shapes.triangle import triangle_box, triangles_of
 from kickdrift.world.tables import (
