@@ -204,7 +204,7 @@ def expected(scene, boxes, excluded=()):
 
 
 def check(scene, pairs, step=STEP, excluded=()):
-    """Pairs are those of the wider boxes, and none is missing that comes near in the step."""
+    """Pairs are those of the fat bounds, and none is missing that comes near in the step."""
     shapes = scene[t.SHAPE]
     assert len(set(pairs)) == len(pairs)
     assert set(pairs) == expected(scene, scene[t.BOUNDS][:, :6], excluded)

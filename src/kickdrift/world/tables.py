@@ -44,11 +44,11 @@ BODY = Table(7, 8, whole=True)  # kind, awake, island, generation, link + 1 wher
 SHAPE = Table(8, 8, whole=True)
 PLACE = Table(9, 16)  # pose in the body (7), friction, restitution, rolling resistance, velocity of its surface (3)
 PLACED = Table(37, 8)  # pose of a shape in the world (7) when the step began
-# Corners of the wider box that a shape was last sought in (6), and of a mesh its nodes in PART_TREE: the first, and the one
+# Corners of the fat bounds that a shape was last sought in (6), and of a mesh its nodes in PART_TREE: the first, and the one
 # after the last
 BOUNDS = Table(10, 8)
 GEOMETRY = Table(11, 1)  # the numbers of all shapes, one shape after the other
-# Contacts: pairs of shapes whose wider boxes overlap
+# Contacts: pairs of shapes whose fat bounds overlap
 CONTACT = Table(12, 8, whole=True)  # shapes (2), part of the first, bodies (2), points, what it does, group and lane
 MANIFOLD = Table(13, 64)  # see `kickdrift.world.contacts.layout`
 SETTINGS = Table(14, 32)  # one row: see `kickdrift.world.settings`
@@ -61,7 +61,7 @@ JOINT_AXES = Table(45, 16)  # six rows a joint
 LANES = Table(20, 1)  # constraints in groups of lanes
 GROUPS = Table(21, 24, whole=True)  # of each lane the first body (8), the second (8), the contact (8)
 SCRATCH = Table(22, 1)
-TREE = Table(23, 8)  # over the wider boxes of shapes that may move: see `kickdrift.world.collision.bvh`
+TREE = Table(23, 8)  # over the fat bounds of shapes that may move: see `kickdrift.world.collision.bvh`
 STATIC_TREE = Table(24, 8)  # over those that may not
 KINDS = Table(28, 4, whole=True)  # of shapes: see `kickdrift.world.collision.dispatch`
 COLLIDERS = Table(25, 16, whole=True)  # address of the function for each pair of kinds of shapes

@@ -1,7 +1,7 @@
-"""The boxes of shapes: what one may touch in a step lies in its box, and it is sought anew when it leaves a wider one.
+"""The boxes of shapes: what one may touch in a step lies in its box, and it is sought anew when it leaves its fat bounds.
 
 The box of a shape holds its points, their way in the step, and a margin within which contacts are found before they
-touch. The wider box is larger by some slack on all sides and by some of the way ahead, so that what rests is never
+touch. The fat bounds are larger by some slack on all sides and by some of the way ahead, so that what rests is never
 sought and what falls is sought every few steps. Shapes that cannot move have neither.
 """
 
@@ -31,7 +31,7 @@ from kickdrift.world.tables import (
     rows,
 )
 
-# Columns of BOUNDS besides the wider box
+# Columns of BOUNDS besides the fat bounds
 FIRST_NODE = 6  # of a mesh in PART_TREE
 LAST_NODE = 7  # the one after it
 
@@ -50,7 +50,7 @@ def may_move(world: int, shape: int) -> bool:
 
 @compiled
 def settle(world: int, shape: int, h: float) -> bool:
-    """Give a shape that leaves its wider box in a step of h a new one; return whether it does."""
+    """Give a shape that leaves its fat bounds in a step of h new ones; return whether it does."""
     box, slack, way = _box_in_step(world, shape, h)
     bounds = floats(world, BOUNDS)
     if _holds(bounds, shape, box):
@@ -66,7 +66,7 @@ def settle(world: int, shape: int, h: float) -> bool:
 
 @compiled
 def find_strays(world: int, strays: Any) -> int:
-    """Write shapes into a list that are not in their wider boxes as they stand now; return how many."""
+    """Write shapes into a list that are not in their fat bounds as they stand now; return how many."""
     movers, bounds = integers(world, MOVERS), floats(world, BOUNDS)
     count = 0
     for k in range(rows(world, MOVERS)):
@@ -79,7 +79,7 @@ def find_strays(world: int, strays: Any) -> int:
 
 @compiled(inline=True)
 def _holds(bounds: Any, shape: int, box: Box) -> bool:
-    """Whether the wider box of a shape holds another one; not if a number is NaN."""
+    """Whether the fat bounds of a shape hold a box; not if a number is NaN."""
     inside = True
     for k in range(3):
         inside = inside and bounds[shape, k] <= box[k] and bounds[shape, 3 + k] >= box[3 + k]
@@ -88,7 +88,7 @@ def _holds(bounds: Any, shape: int, box: Box) -> bool:
 
 @compiled(inline=True)
 def is_somewhere(world: int, shape: int) -> bool:
-    """Whether the wider box of a shape is finite."""
+    """Whether the fat bounds of a shape are finite."""
     bounds = floats(world, BOUNDS)
     total = 0.0
     for k in range(6):
@@ -98,7 +98,7 @@ def is_somewhere(world: int, shape: int) -> bool:
 
 @compiled(inline=True)
 def _box_in_step(world: int, shape: int, h: float) -> tuple[Box, float, Vector]:
-    """Return the box of a shape, the slack of the wider one, and the way of its origin in a step of h."""
+    """Return the box of a shape, the slack of its fat bounds, and the way of its origin in a step of h."""
     shapes, place, pose = integers(world, SHAPE), floats(world, PLACE), floats(world, POSE)
     body = shapes[shape, 1]
     arm, turn = (0.0, 0.0, 0.0), (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])

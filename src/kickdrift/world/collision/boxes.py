@@ -11,7 +11,7 @@ from kickdrift.world.tables import BOUNDS, floats
 
 
 @compiled(inline=True)
-def wider_box(world: int, shape: int) -> Box:
+def fat_bounds(world: int, shape: int) -> Box:
     """Return the box that a shape was last sought in."""
     box: Any = floats(world, BOUNDS)
     return (box[shape, 0], box[shape, 1], box[shape, 2], box[shape, 3], box[shape, 4], box[shape, 5])

@@ -1,4 +1,4 @@
-"""The broad phase: shapes whose wider boxes overlap make contacts, which change where a shape leaves its box."""
+"""The broad phase: shapes whose fat bounds overlap make contacts, which change where a shape leaves its box."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.bvh_update import update_trees

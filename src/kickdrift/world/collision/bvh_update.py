@@ -85,7 +85,7 @@ def update_for_queries(world: int) -> bool:
 
 @compiled
 def _build_tree(world: int, items: Table, tree: Table) -> bool:
-    """Build the tree over the wider boxes of the shapes on a list."""
+    """Build the tree over the fat bounds of the shapes on a list."""
     count = rows(world, items)
     if not _has_room(world, tree, NODES_PER_ITEM * count, _SEED * count):
         return False

@@ -1,8 +1,8 @@
-"""Pairs of shapes whose wider boxes overlap: the trees are asked for every shape that is sought anew."""
+"""Pairs of shapes whose fat bounds overlap: the trees are asked for every shape that is sought anew."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.bounds import FIRST_NODE, LAST_NODE, may_move
-from kickdrift.world.collision.boxes import box_in_frame, boxes_overlap, reaches_under, wider_box
+from kickdrift.world.collision.boxes import box_in_frame, boxes_overlap, fat_bounds, reaches_under
 from kickdrift.world.collision.bvh import gather
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.filters import may_touch
@@ -56,21 +56,21 @@ def seek(world: int, shape: int) -> None:
 
 @compiled
 def overlap(world: int, a: int, b: int, part: int) -> bool:
-    """Whether the wider boxes of two shapes overlap; the first may be a plane, or a mesh of which one part counts."""
+    """Whether the fat bounds of two shapes overlap; the first may be a plane, or a mesh of which one part counts."""
     sort = sort_of(world, a)
     if sort == HALF_SPACE:
-        return reaches_under(world, a, wider_box(world, b))
+        return reaches_under(world, a, fat_bounds(world, b))
     if sort == SURFACE:
         box = triangle_box(flat(world, GEOMETRY), integers(world, SHAPE)[a, 2], part)
-        return boxes_overlap(box, box_in_frame(world, a, wider_box(world, b)))
-    return boxes_overlap(wider_box(world, a), wider_box(world, b))
+        return boxes_overlap(box, box_in_frame(world, a, fat_bounds(world, b)))
+    return boxes_overlap(fat_bounds(world, a), fat_bounds(world, b))
 
 
 @compiled
 def _seek_in(world: int, tree: Table, shape: int) -> None:
     search = integers(world, SEARCH)
     found = flat(world, SCRATCH)[search[0, SHAPES_AT] : search[0, PARTS_AT]]
-    hits, visits = gather(floats(world, tree)[: rows(world, tree)], wider_box(world, shape), found)
+    hits, visits = gather(floats(world, tree)[: rows(world, tree)], fat_bounds(world, shape), found)
     search[0, VISITS] += visits
     new = 0
     for k in range(hits):
@@ -105,7 +105,7 @@ def _add(world: int, shape: int, other: int) -> None:
     sort = sort_of(world, a)
     if sort == SURFACE:
         _add_parts(world, a, b)
-    elif sort != HALF_SPACE or reaches_under(world, a, wider_box(world, b)):
+    elif sort != HALF_SPACE or reaches_under(world, a, fat_bounds(world, b)):
         _note(world, a, b, 0)
 
 
@@ -120,7 +120,7 @@ def _add_parts(world: int, mesh: int, shape: int) -> None:
     bounds, search = floats(world, BOUNDS), integers(world, SEARCH)
     found = flat(world, SCRATCH)[search[0, PARTS_AT] : search[0, PAIRS_AT]]
     first, last = int(bounds[mesh, FIRST_NODE]), int(bounds[mesh, LAST_NODE])
-    box = box_in_frame(world, mesh, wider_box(world, shape))
+    box = box_in_frame(world, mesh, fat_bounds(world, shape))
     hits, visits = gather(floats(world, PART_TREE)[first:last], box, found)
     search[0, VISITS] += visits
     sort(found, hits)

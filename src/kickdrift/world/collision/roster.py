@@ -41,7 +41,7 @@ from kickdrift.world.trouble import ask_for_room, report_body
 
 @compiled
 def update_bounds(world: int, h: float) -> bool:
-    """List the shapes that leave their wider boxes in a step of h, to be sought; False where there is trouble."""
+    """List the shapes that leave their fat bounds in a step of h, to be sought; False where there is trouble."""
     search, shapes = integers(world, SEARCH), integers(world, SHAPE)
     if search[0, CONTACTS] != rows(world, CONTACT):  # someone else has removed some
         for shape in range(rows(world, SHAPE)):

@@ -10,9 +10,9 @@ CHANGED = 0  # whether shapes have come, gone or changed, so that the lists of t
 STATIC_CHANGED = 1  # the tree over those that may not move is built anew
 PARTS_CHANGED = 2  # the trees over the triangles of meshes are built anew
 MOVERS_CHANGED = 3  # the tree over those that may move is built anew
-LEFT = 4  # how often a shape has left its wider box since that tree was built
+LEFT = 4  # how often a shape has left its fat bounds since that tree was built
 FITTED = 5  # of them, those that its boxes have been drawn around
-REVIEW = 6  # contacts are to be looked through although no shape has left its wider box
+REVIEW = 6  # contacts are to be looked through although no shape has left its fat bounds
 VISITS = 7  # nodes of trees that have been looked at
 SLOTS = 8  # of the table of known contacts, with which SCRATCH begins
 SHAPES_AT = 9  # where in SCRATCH there is room for the shapes that a tree finds
@@ -28,8 +28,8 @@ SEEN = 2  # the trees hold them, for queries
 # Column of SHAPE, and its values
 STATE = 7
 NEW = 0  # nothing is known of it
-AT_HOME = 1  # in its wider box, and its pairs are known
-SOUGHT_ANEW = 2  # in a wider box that is new
+AT_HOME = 1  # in its fat bounds, and its pairs are known
+SOUGHT_ANEW = 2  # in fat bounds that are new
 
 
 def shapes_changed(tables: Tables, rows: ArrayLike = ()) -> None:
