@@ -16,7 +16,7 @@ from kickdrift.world.contacts.prepare import colour, prepare
 from kickdrift.world.contacts.solve import THREADED, relax, solve, store, warm_start
 from kickdrift.world.events import note_touching
 from kickdrift.world.flight import begin, drift, finish, flatten, kick
-from kickdrift.world.forces import begin_forces
+from kickdrift.world.force_stage import begin_forces
 from kickdrift.world.islands import sleep, wake
 from kickdrift.world.joints.registry import Joints
 from kickdrift.world.step import STAGE

@@ -10,10 +10,8 @@ from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.world import settings
-from kickdrift.world.acting import AppliesForces
 from kickdrift.world.adding import AddsBodies
 from kickdrift.world.arguments import choice, direction, number, vector
-from kickdrift.world.asking import AnswersQueries
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
 from kickdrift.world.collision.filters import exclude, part_joined
@@ -21,6 +19,7 @@ from kickdrift.world.compiling import compile_step
 from kickdrift.world.contacts import lanes
 from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.events import ContactEvent, events, touching
+from kickdrift.world.forces import AppliesForces
 from kickdrift.world.history import KeepsHistory
 from kickdrift.world.joints.adding import AddsJoints
 from kickdrift.world.joints.handle import Joint
@@ -29,6 +28,7 @@ from kickdrift.world.keeper import Recorder
 from kickdrift.world.losing import culprit, go_back, lost
 from kickdrift.world.measures import Measures
 from kickdrift.world.program import Program, Uses, Word, addresses, compose, word
+from kickdrift.world.queries import AnswersQueries
 from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.step import run
 from kickdrift.world.tables import (
