@@ -12,19 +12,11 @@ from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.collision.bvh import ITEM, build, fit, gather
 from kickdrift.world.collision.dispatch import describe_kinds, find_extents
 from kickdrift.world.collision.filters import exclude
-from kickdrift.world.collision.narrow_phase import RADIUS
-from kickdrift.world.collision.search import (
-    FITTED,
-    LEFT,
-    MOVERS_CHANGED,
-    STATE,
-    VISITS,
-    filters_changed,
-    shapes_changed,
-)
+from kickdrift.world.collision.search import FITTED, LEFT, MOVERS_CHANGED, VISITS, filters_changed, shapes_changed
 from kickdrift.world.contacts.layout import SENSOR, TOUCHING
 from kickdrift.world.events import BEGINS, FIRST_BODY, SECOND_BODY
 from kickdrift.world.flight import AWAKE, DYNAMIC, KINEMATIC, STATIC
+from kickdrift.world.layout import RADIUS, SEARCH_STATE
 from kickdrift.world.settings import GRAVITY, MARGIN
 from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.kinds import BOX, CAPSULE, HULL, MESH, PLANE, SPHERE, TRIANGLE
@@ -559,7 +551,7 @@ def test_nothing_is_changed_before_there_is_room():
         trouble[:] = 0
     assert asked[-2:] == [t.CONTACT.place, t.MANIFOLD.place]
     assert len(scene[t.CONTACT]) == 39
-    assert (scene[t.SHAPE][:, STATE] == 1).all()
+    assert (scene[t.SHAPE][:, SEARCH_STATE] == 1).all()
 
 
 def test_contacts_that_someone_else_removes_are_found_again():

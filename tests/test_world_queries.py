@@ -15,10 +15,10 @@ from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.collision.bvh import build, fit
 from kickdrift.world.collision.bvh_walk import NOTHING, WALK, advance, reciprocal, start
 from kickdrift.world.collision.dispatch import describe_kinds, find_extents
-from kickdrift.world.collision.narrow_phase import RADIUS
 from kickdrift.world.collision.queries import overlap_box, overlap_sphere, ray_cast_many
 from kickdrift.world.collision.search import CHANGED, shapes_changed
 from kickdrift.world.flight import DYNAMIC, STATIC
+from kickdrift.world.layout import RADIUS
 from kickdrift.world.queries import AnswersQueries
 from kickdrift.world.settings import GRAVITY, MARGIN
 from kickdrift.world.shapes.catalogue import RAYS

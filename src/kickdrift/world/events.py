@@ -9,6 +9,7 @@ from kickdrift.core.vectors import dot, minus, plus, turned
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
 from kickdrift.world.collision.narrow_phase import shape_pose
+from kickdrift.world.columns import column
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.tables import (
     CONTACT,
@@ -26,7 +27,10 @@ from kickdrift.world.tables import (
 from kickdrift.world.trouble import ask_for_room
 
 # Columns of EVENTS
-BEGINS, FIRST_BODY, SECOND_BODY, FROM_SENSOR = range(4)
+BEGINS = column(EVENTS)
+FIRST_BODY = column(EVENTS)
+SECOND_BODY = column(EVENTS)
+FROM_SENSOR = column(EVENTS)
 
 
 class ContactEvent(NamedTuple):

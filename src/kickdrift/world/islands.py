@@ -1,6 +1,7 @@
 """Sleep: islands of bodies that nearly touch or are joined rest together, and wake together."""
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.columns import column
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.flight import AWAKE, DYNAMIC, ISLAND, KIND, KINEMATIC
 from kickdrift.world.joints import layout as j
@@ -8,7 +9,10 @@ from kickdrift.world.settings import SLEEP_SPEED, SLEEP_TIME
 from kickdrift.world.tables import BODY, CONTACT, JOINT, LOAD, MOTION, POSE, RESTED, SETTINGS, floats, integers, rows
 
 # Columns of RESTED
-TIME, ISLAND_TIME, REACH, SLEPT_POSE = 0, 1, 2, 3
+TIME = column(RESTED, 1, "s")  # for how long a body has rested
+ISLAND_TIME = column(RESTED, 1, "s")  # for how long its island has
+REACH = column(RESTED, 1, "m")  # how far it reaches from its centre of mass
+SLEPT_POSE = column(RESTED, 7)  # where it sleeps
 
 
 @compiled

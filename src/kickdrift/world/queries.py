@@ -12,9 +12,9 @@ from kickdrift.world.body import Body
 from kickdrift.world.collision import queries
 from kickdrift.world.collision.queries import RayHit, RayHits
 from kickdrift.world.collision.query_arguments import one_vector
+from kickdrift.world.layout import BODY_ROW
 from kickdrift.world.tables import SHAPE, Tables
 
-_BODY = 1  # column of SHAPE
 _Ignored = Body | Iterable[Body]
 
 
@@ -141,4 +141,4 @@ class AnswersQueries:
         ]
 
     def _bodies_of(self, shapes: NDArray[np.int64]) -> list[Body]:
-        return [self.bodies.handle(int(row)) for row in np.unique(self.tables.array(SHAPE)[shapes, _BODY])]
+        return [self.bodies.handle(int(row)) for row in np.unique(self.tables.array(SHAPE)[shapes, BODY_ROW])]

@@ -12,6 +12,7 @@ from kickdrift.core.errors import unknown_name
 from kickdrift.engine.solution import Presenters, Solution
 from kickdrift.world.flight import DYNAMIC, KIND
 from kickdrift.world.joints import layout
+from kickdrift.world.layout import BODY_ROW
 from kickdrift.world.tables import BODY, JOINT, JOINT_NUMBERS, SHAPE
 
 if TYPE_CHECKING:
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from kickdrift.world.world import World
 
 Floats = NDArray[np.float64]
-_BODY_ROW = 1  # column of SHAPE
 
 
 class Part(NamedTuple):
@@ -125,7 +125,7 @@ def appearance(world: "World") -> Appearance:
     """Say what a world looks like."""
     rows = world.tables.array(SHAPE)
     parts = tuple(
-        Part(int(rows[row, _BODY_ROW]), placed.shape, placed.position, placed.orientation)
+        Part(int(rows[row, BODY_ROW]), placed.shape, placed.position, placed.orientation)
         for row, placed in sorted(world.shape_rows.shapes.items())
     )
     kinds = world.tables.array(BODY)[:, KIND].copy()

@@ -13,17 +13,25 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import choice
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.dispatch import describe_kinds, find_extents
-from kickdrift.world.collision.narrow_phase import COLLIDE, FRICTION, RADIUS, RESTITUTION, ROLLING, SURFACE_VELOCITY
+from kickdrift.world.collision.narrow_phase import COLLIDE
 from kickdrift.world.collision.search import shapes_changed
+from kickdrift.world.layout import (
+    BODY_ROW,
+    FRICTION,
+    GONE,
+    IS_SENSOR,
+    RADIUS,
+    RESTITUTION,
+    ROLLING,
+    SHAPE_KIND,
+    SURFACE_VELOCITY,
+)
 from kickdrift.world.shapes.catalogue import may_touch, met_as
 from kickdrift.world.shapes.record import Shape
 from kickdrift.world.tables import BOUNDS, COLLIDERS, GEOMETRY, PLACE, PLACED, SHAPE, Tables
 
 Floats = NDArray[np.float64]
 
-# Columns of SHAPE
-KIND, BODY_ROW, BEGIN, SIZE, LAYER, MASK, IS_SENSOR = range(7)
-GONE = -1
 _ALL_LAYERS = (1 << 62) - 1
 
 
@@ -140,7 +148,7 @@ class ShapeRows:
     def rows_of(self, body: int) -> NDArray[np.intp]:
         """Rows of the shapes of a body."""
         table = self.tables.array(SHAPE)
-        return np.flatnonzero((table[:, BODY_ROW] == body) & (table[:, KIND] != GONE))
+        return np.flatnonzero((table[:, BODY_ROW] == body) & (table[:, SHAPE_KIND] != GONE))
 
     def surface_numbers(self, body: int, name: str) -> set[float]:
         """Return the numbers of a name that the surfaces of a body's shapes have."""
@@ -166,7 +174,7 @@ class ShapeRows:
         table = tables.array(SHAPE)
         for row in self.rows_of(body):
             table[row] = 0
-            table[row, KIND] = GONE
+            table[row, SHAPE_KIND] = GONE
             del self.shapes[int(row)]
             self.free.append(int(row))
         shapes_changed(tables)

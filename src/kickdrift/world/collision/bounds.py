@@ -13,8 +13,20 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, plus, product, times, turned
 from kickdrift.world.collision.bvh import Box
 from kickdrift.world.collision.dispatch import extent_of, sort_of
-from kickdrift.world.collision.narrow_phase import RADIUS
+from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.flight import DYNAMIC, KIND, STATIC
+from kickdrift.world.layout import (
+    ANGULAR_VELOCITY,
+    BODY_ROW,
+    LOWER,
+    ORIENTATION,
+    PLACE_ORIENTATION,
+    PLACE_POSITION,
+    POSITION,
+    RADIUS,
+    UPPER,
+    VELOCITY,
+)
 from kickdrift.world.settings import GRAVITY, MARGIN
 from kickdrift.world.shapes.record import SOLID
 from kickdrift.world.tables import (
@@ -31,10 +43,6 @@ from kickdrift.world.tables import (
     rows,
 )
 
-# Columns of BOUNDS besides the fat bounds
-FIRST_NODE = 6  # of a mesh in PART_TREE
-LAST_NODE = 7  # the one after it
-
 _FRACTION = 0.125  # of the longest side: margin and slack of small shapes
 _SLACK = 0.05  # m, of large ones
 _AHEAD = 3.0  # steps: at 2 falling boxes are sought half as often again, at 4 fast ones have a third more contacts
@@ -43,7 +51,7 @@ _AHEAD = 3.0  # steps: at 2 falling boxes are sought half as often again, at 4 f
 @compiled(inline=True)
 def may_move(world: int, shape: int) -> bool:
     """Whether a shape belongs to a body that moves, or could."""
-    body = integers(world, SHAPE)[shape, 1]
+    body = integers(world, SHAPE)[shape, BODY_ROW]
     moves: bool = sort_of(world, shape) == SOLID and integers(world, BODY)[body, KIND] != STATIC
     return moves
 
@@ -56,8 +64,8 @@ def settle(world: int, shape: int, h: float) -> bool:
     if _holds(bounds, shape, box):
         return False
     for k in range(3):
-        bounds[shape, k] = box[k] - slack + _AHEAD * min(way[k], 0.0)
-        bounds[shape, 3 + k] = box[3 + k] + slack + _AHEAD * max(way[k], 0.0)
+        bounds[shape, LOWER + k] = box[k] - slack + _AHEAD * min(way[k], 0.0)
+        bounds[shape, UPPER + k] = box[3 + k] + slack + _AHEAD * max(way[k], 0.0)
     if not is_somewhere(world, shape):
         for k in range(6):
             bounds[shape, k] = np.nan  # which holds nothing, where infinity might
@@ -82,7 +90,7 @@ def _holds(bounds: Any, shape: int, box: Box) -> bool:
     """Whether the fat bounds of a shape hold a box; not if a number is NaN."""
     inside = True
     for k in range(3):
-        inside = inside and bounds[shape, k] <= box[k] and bounds[shape, 3 + k] >= box[3 + k]
+        inside = inside and bounds[shape, LOWER + k] <= box[k] and bounds[shape, UPPER + k] >= box[3 + k]
     return inside
 
 
@@ -100,22 +108,24 @@ def is_somewhere(world: int, shape: int) -> bool:
 def _box_in_step(world: int, shape: int, h: float) -> tuple[Box, float, Vector]:
     """Return the box of a shape, the slack of its fat bounds, and the way of its origin in a step of h."""
     shapes, place, pose = integers(world, SHAPE), floats(world, PLACE), floats(world, POSE)
-    body = shapes[shape, 1]
-    arm, turn = (0.0, 0.0, 0.0), (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
-    offset = (place[shape, 0], place[shape, 1], place[shape, 2])
-    if place[shape, 3] != 1.0 or dot(offset, offset) > 0.0:  # most bodies are one shape: that saves 5 ns of 30
+    body = shapes[shape, BODY_ROW]
+    arm, turn = (0.0, 0.0, 0.0), quaternion_at(pose, body, ORIENTATION)
+    offset = vector_at(place, shape, PLACE_POSITION)
+    if (
+        place[shape, PLACE_ORIENTATION] != 1.0 or dot(offset, offset) > 0.0
+    ):  # most bodies are one shape: that saves 5 ns of 30
         arm = turned(turn, offset)
-        turn = product(turn, (place[shape, 3], place[shape, 4], place[shape, 5], place[shape, 6]))
+        turn = product(turn, quaternion_at(place, shape, PLACE_ORIENTATION))
     box, reach = extent_of(world, shape, turn), place[shape, RADIUS]
-    at = plus((pose[body, 0], pose[body, 1], pose[body, 2]), arm)
+    at = plus(vector_at(pose, body, POSITION), arm)
     if not may_move(world, shape):
         still = (at[0] + box[0], at[1] + box[1], at[2] + box[2], at[0] + box[3], at[1] + box[4], at[2] + box[5])
         return still, 0.0, (0.0, 0.0, 0.0)
     settings, motion = floats(world, SETTINGS), floats(world, MOTION)
-    spin = (motion[body, 3], motion[body, 4], motion[body, 5])
-    way = times(h, plus((motion[body, 0], motion[body, 1], motion[body, 2]), cross(spin, arm)))
+    spin = vector_at(motion, body, ANGULAR_VELOCITY)
+    way = times(h, plus(vector_at(motion, body, VELOCITY), cross(spin, arm)))
     if integers(world, BODY)[body, KIND] == DYNAMIC:
-        way = plus(way, times(h * h, (settings[0, GRAVITY], settings[0, GRAVITY + 1], settings[0, GRAVITY + 2])))
+        way = plus(way, times(h * h, vector_at(settings, 0, GRAVITY)))
     sway = h * length(spin) * reach  # no point leaves the ball of radius `reach` by turning
     size = _FRACTION * max(max(box[3] - box[0], box[4] - box[1]), box[5] - box[2])
     margin = min(settings[0, MARGIN], size)

@@ -9,10 +9,10 @@ from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, minus, turned, turned_back
-from kickdrift.world.collision.bounds import FIRST_NODE, LAST_NODE
 from kickdrift.world.collision.bvh_walk import NOTHING, advance, reciprocal, start
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.narrow_phase import shape_pose
+from kickdrift.world.layout import BEGIN, BODY_ROW, FIRST_NODE, IS_SENSOR, LAST_NODE, LAYER, SHAPE_KIND, SIZE
 from kickdrift.world.shapes.kinds import TRIANGLE
 from kickdrift.world.shapes.rays import MISS, Hit
 from kickdrift.world.shapes.record import RAY, SURFACE
@@ -93,10 +93,10 @@ def _meet(
     Of shapes at the same distance the lowest is the nearest, so that it does not depend on how the trees were built.
     """
     shapes = integers(world, SHAPE)
-    if shapes[shape, 0] < 0 or shapes[shape, 6] != 0 or shapes[shape, 4] & layers == 0:
+    if shapes[shape, SHAPE_KIND] < 0 or shapes[shape, IS_SENSOR] != 0 or shapes[shape, LAYER] & layers == 0:
         return count, limit
     for k in range(len(ignored)):
-        if shapes[shape, 1] == ignored[k]:
+        if shapes[shape, BODY_ROW] == ignored[k]:
             return count, limit
     at, q = shape_pose(world, shape)
     origin = turned_back(q, minus((ray[0], ray[1], ray[2]), at))
@@ -104,9 +104,9 @@ def _meet(
     if sort_of(world, shape) == SURFACE:
         hit = _meet_mesh(world, shape, origin, direction, limit, functions)
     else:
-        begin = shapes[shape, 2]
-        numbers = flat(world, GEOMETRY)[begin : begin + shapes[shape, 3]]
-        hit = _ray(functions[shapes[shape, 0]], (numbers, origin, direction, limit))
+        begin = shapes[shape, BEGIN]
+        numbers = flat(world, GEOMETRY)[begin : begin + shapes[shape, SIZE]]
+        hit = _ray(functions[shapes[shape, SHAPE_KIND]], (numbers, origin, direction, limit))
     if hit[0] > limit or hit[0] == math.inf:
         return count, limit
     nearest = len(hits) == 1
@@ -127,7 +127,7 @@ def _meet_mesh(world: int, mesh: int, origin: Vector, direction: Vector, limit: 
     inverse = reciprocal(direction)
     walk = carray(floats_on_stack(512), (512,))
     start(walk, nodes, origin, inverse)
-    first = integers(world, SHAPE)[mesh, 2]
+    first = integers(world, SHAPE)[mesh, BEGIN]
     nearest = MISS
     lowest = NOTHING
     part = advance(walk, nodes, origin, inverse, limit)

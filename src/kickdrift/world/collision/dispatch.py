@@ -5,13 +5,17 @@ from collections.abc import Iterable
 from kickdrift.core.calls import address_of, caller
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion
+from kickdrift.world.columns import column
+from kickdrift.world.layout import BEGIN, SHAPE_KIND, SIZE
 from kickdrift.world.shapes import catalogue
 from kickdrift.world.shapes.extents import Extent
 from kickdrift.world.shapes.record import EXTENT, Kind
 from kickdrift.world.tables import GEOMETRY, KINDS, SHAPE, Tables, flat, integers
 
 # Columns of KINDS
-SORT, ROUND, EXTENT_AT = range(3)
+SORT = column(KINDS)
+ROUND = column(KINDS)
+EXTENT_AT = column(KINDS)  # address of its function
 
 _extent = caller(EXTENT)
 
@@ -19,23 +23,23 @@ _extent = caller(EXTENT)
 @compiled(inline=True)
 def sort_of(world: int, shape: int) -> int:
     """Return what the kind of a shape is: `SOLID`, `SURFACE` or `HALF_SPACE`."""
-    sort: int = integers(world, KINDS)[integers(world, SHAPE)[shape, 0], SORT]
+    sort: int = integers(world, KINDS)[integers(world, SHAPE)[shape, SHAPE_KIND], SORT]
     return sort
 
 
 @compiled(inline=True)
 def is_round(world: int, shape: int) -> bool:
     """Whether a shape rolls."""
-    return bool(integers(world, KINDS)[integers(world, SHAPE)[shape, 0], ROUND] != 0)
+    return bool(integers(world, KINDS)[integers(world, SHAPE)[shape, SHAPE_KIND], ROUND] != 0)
 
 
 @compiled(inline=True)
 def extent_of(world: int, shape: int, turn: Quaternion) -> Extent:
     """Return the box that a shape fills with an orientation, relative to its origin."""
     shapes = integers(world, SHAPE)
-    begin = shapes[shape, 2]
-    numbers = flat(world, GEOMETRY)[begin : begin + shapes[shape, 3]]
-    box: Extent = _extent(integers(world, KINDS)[shapes[shape, 0], EXTENT_AT], (numbers, turn))
+    begin = shapes[shape, BEGIN]
+    numbers = flat(world, GEOMETRY)[begin : begin + shapes[shape, SIZE]]
+    box: Extent = _extent(integers(world, KINDS)[shapes[shape, SHAPE_KIND], EXTENT_AT], (numbers, turn))
     return box
 
 

@@ -7,11 +7,11 @@ from numba import carray
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Quaternion, Vector, conjugate, minus, product, turned_back
-from kickdrift.world.collision.bounds import FIRST_NODE, LAST_NODE
 from kickdrift.world.collision.boxes import box_in_frame, reaches_under
 from kickdrift.world.collision.bvh import Box, gather
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.narrow_phase import collide, shape_pose
+from kickdrift.world.layout import BEGIN, FIRST_NODE, LAST_NODE, SHAPE_KIND, SIZE
 from kickdrift.world.shapes.kinds import TRIANGLE
 from kickdrift.world.shapes.record import SURFACE
 from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
@@ -55,7 +55,7 @@ def overlaps(
     room for the triangles of a mesh.
     """
     shapes = integers(world, SHAPE)
-    begin, size, own_kind = shapes[shape, 2], shapes[shape, 3], shapes[shape, 0]
+    begin, size, own_kind = shapes[shape, BEGIN], shapes[shape, SIZE], shapes[shape, SHAPE_KIND]
     geometry, bounds = flat(world, GEOMETRY), floats(world, BOUNDS)
     own_at, own_turn = shape_pose(world, shape)
     if sort_of(world, shape) != SURFACE:

@@ -1,9 +1,9 @@
 """Contacts that are there already, found by their shapes: a hash table at the start of SCRATCH."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.collision.bounds import FIRST_NODE
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.search import SLOTS
+from kickdrift.world.layout import FIRST_NODE
 from kickdrift.world.shapes.record import SURFACE
 from kickdrift.world.tables import BOUNDS, SCRATCH, SEARCH, SHAPE, floats, integers, rows
 

@@ -1,14 +1,15 @@
 """Pairs of shapes whose fat bounds overlap: the trees are asked for every shape that is sought anew."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.collision.bounds import FIRST_NODE, LAST_NODE, may_move
+from kickdrift.world.collision.bounds import may_move
 from kickdrift.world.collision.boxes import box_in_frame, boxes_overlap, fat_bounds, reaches_under
 from kickdrift.world.collision.bvh import gather
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.filters import may_touch
 from kickdrift.world.collision.pair_hash import is_known, key_of
-from kickdrift.world.collision.search import AT_HOME, FOUND, PAIRS_AT, PARTS_AT, SHAPES_AT, STATE, VISITS
+from kickdrift.world.collision.search import AT_HOME, FOUND, PAIRS_AT, PARTS_AT, SHAPES_AT, VISITS
 from kickdrift.world.collision.sorting import sort
+from kickdrift.world.layout import BEGIN, FIRST_NODE, LAST_NODE, SEARCH_STATE, SHAPE_KIND
 from kickdrift.world.shapes.kinds import TRIANGLE
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.shapes.triangle import triangle_box
@@ -61,7 +62,7 @@ def overlap(world: int, a: int, b: int, part: int) -> bool:
     if sort == HALF_SPACE:
         return reaches_under(world, a, fat_bounds(world, b))
     if sort == SURFACE:
-        box = triangle_box(flat(world, GEOMETRY), integers(world, SHAPE)[a, 2], part)
+        box = triangle_box(flat(world, GEOMETRY), integers(world, SHAPE)[a, BEGIN], part)
         return boxes_overlap(box, box_in_frame(world, a, fat_bounds(world, b)))
     return boxes_overlap(fat_bounds(world, a), fat_bounds(world, b))
 
@@ -86,7 +87,7 @@ def _seek_in(world: int, tree: Table, shape: int) -> None:
 def _is_new(world: int, shape: int, other: int) -> bool:
     """Whether a shape may have a pair with another one that is not known, and that the other one does not find."""
     shapes = integers(world, SHAPE)
-    if shape == other or (other < shape and shapes[other, STATE] != AT_HOME):
+    if shape == other or (other < shape and shapes[other, SEARCH_STATE] != AT_HOME):
         return False
     if sort_of(world, shape) == SURFACE or sort_of(world, other) == SURFACE:
         return True
@@ -111,7 +112,7 @@ def _add(world: int, shape: int, other: int) -> None:
 
 @compiled(inline=True)
 def _rank(world: int, shape: int) -> int:
-    rank: int = TRIANGLE if sort_of(world, shape) == SURFACE else integers(world, SHAPE)[shape, 0]
+    rank: int = TRIANGLE if sort_of(world, shape) == SURFACE else integers(world, SHAPE)[shape, SHAPE_KIND]
     return rank
 
 

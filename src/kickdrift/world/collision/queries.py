@@ -22,6 +22,7 @@ from kickdrift.world.collision.dispatch import find_extents
 from kickdrift.world.collision.narrow_phase import COLLIDE
 from kickdrift.world.collision.nearby import find_near, overlaps
 from kickdrift.world.collision.query_arguments import layer_bits, one_vector, rays_of
+from kickdrift.world.layout import BODY_ROW, IS_SENSOR, LAYER, SHAPE_KIND
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.catalogue import KINDS, RAYS, met_as
 from kickdrift.world.shapes.kinds import BOX, SPHERE
@@ -206,8 +207,8 @@ def _overlap(
     found = np.empty(len(shapes) + len(tables.array(PLANES)) + 1)
     count = find_near(tables.address, box, found)
     candidates = np.union1d(found[:count].astype(np.int64), strays)
-    candidates = candidates[(shapes[candidates, 6] == 0) & (shapes[candidates, 4] & wanted != 0)]
-    candidates = candidates[~np.isin(shapes[candidates, 1], _rows(ignored))]
+    candidates = candidates[(shapes[candidates, IS_SENSOR] == 0) & (shapes[candidates, LAYER] & wanted != 0)]
+    candidates = candidates[~np.isin(shapes[candidates, BODY_ROW], _rows(ignored))]
     functions = _pair_functions(tables, kind)
     parts = np.empty(len(tables.array(PART_TREE)) + 1)
     at, q = tuple(centre.tolist()), tuple(turn.tolist())
@@ -229,7 +230,7 @@ def _strays(tables: Tables) -> Integers:
         tables.make_room(table, wanted)
     strays = np.empty(len(tables.array(MOVERS)), dtype=np.int64)
     strays = strays[: find_strays(tables.address, strays)]
-    bodies = tables.array(SHAPE)[strays, 1]
+    bodies = tables.array(SHAPE)[strays, BODY_ROW]
     lost = bodies[~np.isfinite(tables.array(POSE)[bodies, :7]).all(axis=1)]
     if lost.size:
         raise _nowhere(int(lost[0]))
@@ -246,7 +247,7 @@ def _rows(bodies: Iterable[int]) -> Integers:
 
 def _kinds(tables: Tables) -> list[int]:
     """Return the kinds of shapes that there are."""
-    kinds = np.unique(tables.array(SHAPE)[:, 0])
+    kinds = np.unique(tables.array(SHAPE)[:, SHAPE_KIND])
     return [int(kind) for kind in kinds if kind >= 0]
 
 

@@ -6,9 +6,10 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, conjugate, dot, minus, product, turned_back
 from kickdrift.world.collision.dispatch import is_round, sort_of
-from kickdrift.world.collision.narrow_phase import RADIUS, RESTITUTION, look_again, placed_pose, smallest
+from kickdrift.world.collision.narrow_phase import look_again, placed_pose, smallest
 from kickdrift.world.contacts.layout import BODY_A, BODY_B, FAST, FOUND_POSE, POINTS, RECYCLED, SHAPE_A, SHAPE_B, STATE
 from kickdrift.world.flight import AWAKE
+from kickdrift.world.layout import ANGULAR_VELOCITY, RADIUS, RESTITUTION, VELOCITY
 from kickdrift.world.settings import HAS_FAST, MARGIN, RECYCLE_DISTANCE, STEP
 from kickdrift.world.shapes.record import HALF_SPACE
 from kickdrift.world.tables import (
@@ -84,9 +85,9 @@ def _closing_speed(world: int, row: int) -> float:
     turn_a = 0.0
     turn_b = 0.0
     for k in range(3):
-        relative += (motion[b, k] - motion[a, k]) ** 2
-        turn_a += motion[a, 3 + k] ** 2
-        turn_b += motion[b, 3 + k] ** 2
+        relative += (motion[b, VELOCITY + k] - motion[a, VELOCITY + k]) ** 2
+        turn_a += motion[a, ANGULAR_VELOCITY + k] ** 2
+        turn_b += motion[b, ANGULAR_VELOCITY + k] ** 2
     reach_a, reach_b = place[contact[row, SHAPE_A], RADIUS], place[contact[row, SHAPE_B], RADIUS]
     speed = math.sqrt(relative)
     if turn_a > 0.0:

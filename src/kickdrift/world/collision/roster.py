@@ -13,11 +13,11 @@ from kickdrift.world.collision.search import (
     PARTS_CHANGED,
     REVIEW,
     SOUGHT_ANEW,
-    STATE,
     STATIC_CHANGED,
     UNSEEN,
 )
 from kickdrift.world.flight import AWAKE
+from kickdrift.world.layout import BODY_ROW, SEARCH_STATE, SHAPE_KIND, UPPER
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.tables import (
     BODY,
@@ -45,24 +45,24 @@ def update_bounds(world: int, h: float) -> bool:
     search, shapes = integers(world, SEARCH), integers(world, SHAPE)
     if search[0, CONTACTS] != rows(world, CONTACT):  # someone else has removed some
         for shape in range(rows(world, SHAPE)):
-            if shapes[shape, STATE] == AT_HOME:
-                shapes[shape, STATE] = SOUGHT_ANEW
+            if shapes[shape, SEARCH_STATE] == AT_HOME:
+                shapes[shape, SEARCH_STATE] = SOUGHT_ANEW
         search[0, CHANGED] = UNSEEN
     if search[0, CHANGED] != 0 and not enlist(world, h):
         return False
     movers, sought, body = integers(world, MOVERS), integers(world, SOUGHT), integers(world, BODY)
     for k in range(rows(world, MOVERS)):
         shape = movers[k, 0]
-        if body[shapes[shape, 1], AWAKE] == 0 or not settle(world, shape, h):
+        if body[shapes[shape, BODY_ROW], AWAKE] == 0 or not settle(world, shape, h):
             continue
         search[0, LEFT] += 1
-        if shapes[shape, STATE] == AT_HOME:
-            shapes[shape, STATE] = SOUGHT_ANEW
+        if shapes[shape, SEARCH_STATE] == AT_HOME:
+            shapes[shape, SEARCH_STATE] = SOUGHT_ANEW
             count = rows(world, SOUGHT)
             sought[count, 0] = shape
             set_rows(world, SOUGHT, count + 1)
         if not is_somewhere(world, shape):
-            report_body(world, shapes[shape, 1])
+            report_body(world, shapes[shape, BODY_ROW])
             return False
     return True
 
@@ -81,17 +81,17 @@ def enlist(world: int, h: float) -> bool:
         set_rows(world, table, 0)
     fixed = 0
     for shape in range(count):
-        if shapes[shape, 0] < 0:
-            shapes[shape, STATE] = NEW
+        if shapes[shape, SHAPE_KIND] < 0:
+            shapes[shape, SEARCH_STATE] = NEW
             continue
-        sort, state = sort_of(world, shape), shapes[shape, STATE]
+        sort, state = sort_of(world, shape), shapes[shape, SEARCH_STATE]
         if state == NEW and sort != HALF_SPACE:
             for k in range(6):
                 bounds[shape, k] = 0.0
-            bounds[shape, 3] = -1.0  # holds nothing
+            bounds[shape, UPPER] = -1.0  # holds nothing
             settle(world, shape, h)
             if not is_somewhere(world, shape):
-                report_body(world, shapes[shape, 1])
+                report_body(world, shapes[shape, BODY_ROW])
                 return False
         if state != AT_HOME:
             _note(world, SOUGHT, shape)

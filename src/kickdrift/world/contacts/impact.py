@@ -26,7 +26,6 @@ from kickdrift.core.vectors import (
     plus,
     times,
 )
-from kickdrift.world.collision.narrow_phase import RESTITUTION
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.strike import (
@@ -42,6 +41,7 @@ from kickdrift.world.contacts.strike import (
     strike,
 )
 from kickdrift.world.flight import ADDED, IMPACT_TIME, LINK_COUNT
+from kickdrift.world.layout import RESTITUTION
 from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, MIDPOINT, SLOP
 from kickdrift.world.tables import (
     BODY,

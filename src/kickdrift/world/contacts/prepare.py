@@ -10,12 +10,13 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, turned
 from kickdrift.world.collision.dispatch import is_round
-from kickdrift.world.collision.narrow_phase import FRICTION, RADIUS, ROLLING, SURFACE_VELOCITY, placed_pose, smallest
+from kickdrift.world.collision.narrow_phase import placed_pose, smallest
 from kickdrift.world.contacts import filling as r
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.coupled import ANSWERED
 from kickdrift.world.contacts.lanes import FILL, FILL_FRICTION, LANE_COUNT, SWEEP
 from kickdrift.world.flight import AWAKE, LINK_PLACE
+from kickdrift.world.layout import FRICTION, RADIUS, ROLLING, SURFACE_VELOCITY
 from kickdrift.world.settings import CONTACT_DAMPING, CONTACT_HERTZ, SLOP, STEP, SUBSTEPS
 from kickdrift.world.tables import (
     BODY,

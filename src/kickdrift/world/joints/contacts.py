@@ -14,7 +14,6 @@ A row of `LINK_CONTACTS` is the answers of `kickdrift.world.contacts.coupled`, 1
 from typing import Any
 
 from kickdrift.core.compilation import compiled, specialise
-from kickdrift.world.collision.narrow_phase import RESTITUTION as BOUNCINESS
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.coupled import (
     bounces,
@@ -43,6 +42,7 @@ from kickdrift.world.joints.layout import (
     LOAD,
 )
 from kickdrift.world.joints.propagation import bring_down
+from kickdrift.world.layout import RESTITUTION as BOUNCINESS
 from kickdrift.world.settings import PUSH_SPEED
 from kickdrift.world.tables import (
     ARTICULATION,
