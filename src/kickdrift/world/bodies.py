@@ -26,6 +26,7 @@ from kickdrift.world.flight import (
     STATIC,
     TURN_DAMPING,
 )
+from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_MASS, ORIENTATION, POSITION
 from kickdrift.world.names import Names
 from kickdrift.world.settings import PLANE
 from kickdrift.world.shape_rows import ShapeRows
@@ -90,8 +91,8 @@ class Bodies:
         for table in _TABLES:
             tables.array(table)[row] = 0
         tables.array(BODY)[row, [KIND, AWAKE, GENERATION]] = kind, int(kind != STATIC), generation
-        tables.array(POSE)[row, :3] = position
-        tables.array(POSE)[row, 3:7] = orientation
+        tables.array(POSE)[row, POSITION : POSITION + 3] = position
+        tables.array(POSE)[row, ORIENTATION : ORIENTATION + 4] = orientation
         return Body(row, generation, self)
 
     def remove(self, body: Body) -> None:
@@ -150,15 +151,15 @@ class Bodies:
         numbers[[DAMPING, TURN_DAMPING]] = damping
         numbers[SPHERICAL] = float(locked or moments[2] - moments[0] < 1e-13 * moments[2])
         if tables.array(BODY)[row, KIND] == DYNAMIC:
-            turn = rotation_matrix(tables.array(POSE)[row, 3:7])
+            turn = rotation_matrix(tables.array(POSE)[row, ORIENTATION : ORIENTATION + 4])
             response: Floats = turn @ inverse @ turn.T
             plane = tables.array(SETTINGS)[0, PLANE : PLANE + 3]
             if plane.any() and not locked:
                 # About the normal of the plane alone, where nothing tumbles and the inertia stays what it is.
                 response = np.outer(plane, plane) / (plane @ turn @ mass.inertia @ turn.T @ plane)
                 numbers[SPHERICAL] = 1.0
-            tables.array(RESPONSE)[row, 0] = 1.0 / mass.mass
-            tables.array(RESPONSE)[row, 1:7] = _symmetric(response)
+            tables.array(RESPONSE)[row, INVERSE_MASS] = 1.0 / mass.mass
+            tables.array(RESPONSE)[row, INVERSE_INERTIA_IN_WORLD : INVERSE_INERTIA_IN_WORLD + 6] = _symmetric(response)
 
     def locked(self, body: Body) -> bool:
         """Whether a body never turns: forces move it, and it has no inverse inertia."""

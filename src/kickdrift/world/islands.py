@@ -5,6 +5,7 @@ from kickdrift.world.columns import column
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.flight import AWAKE, DYNAMIC, ISLAND, KIND, KINEMATIC
 from kickdrift.world.joints import layout as j
+from kickdrift.world.layout import ANGULAR_VELOCITY
 from kickdrift.world.settings import SLEEP_SPEED, SLEEP_TIME
 from kickdrift.world.tables import BODY, CONTACT, JOINT, LOAD, MOTION, POSE, RESTED, SETTINGS, floats, integers, rows
 
@@ -131,7 +132,7 @@ def _rests(world: int, row: int) -> bool:
     turn = 0.0
     for k in range(3):
         speed += motion[row, k] * motion[row, k]
-        turn += motion[row, 3 + k] * motion[row, 3 + k]
+        turn += motion[row, ANGULAR_VELOCITY + k] * motion[row, ANGULAR_VELOCITY + k]
     slowest: float = floats(world, SETTINGS)[0, SLEEP_SPEED]
     reach = rested[row, REACH]
     rests: bool = speed + turn * reach * reach < slowest * slowest

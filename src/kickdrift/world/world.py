@@ -25,6 +25,7 @@ from kickdrift.world.joints.adding import AddsJoints
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.registry import Joints
 from kickdrift.world.keeper import Recorder
+from kickdrift.world.layout import ANGULAR_VELOCITY, ORIENTATION, POSITION, VELOCITY
 from kickdrift.world.losing import culprit, go_back, lost
 from kickdrift.world.measures import Measures
 from kickdrift.world.program import Program, Uses, Word, addresses, compose, word
@@ -159,22 +160,22 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
     @property
     def position(self) -> Floats:
         """Centres of mass, (N, 3), m."""
-        return self.tables.array(POSE)[:, :3]
+        return self.tables.array(POSE)[:, POSITION : POSITION + 3]
 
     @property
     def orientation(self) -> Floats:
         """Quaternions (w, x, y, z), (N, 4)."""
-        return self.tables.array(POSE)[:, 3:7]
+        return self.tables.array(POSE)[:, ORIENTATION : ORIENTATION + 4]
 
     @property
     def velocity(self) -> Floats:
         """Velocities of the centres of mass, (N, 3), m/s."""
-        return self.tables.array(MOTION)[:, :3]
+        return self.tables.array(MOTION)[:, VELOCITY : VELOCITY + 3]
 
     @property
     def angular_velocity(self) -> Floats:
         """In the world's axes, (N, 3), rad/s."""
-        return self.tables.array(MOTION)[:, 3:6]
+        return self.tables.array(MOTION)[:, ANGULAR_VELOCITY : ANGULAR_VELOCITY + 3]
 
     @property
     def events(self) -> list[ContactEvent]:
@@ -241,8 +242,9 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
         """The step as a word: its stages in their order."""
         self.joints.arrange()
         shapes, fast = self.shape_rows, bool(self.tables.array(SETTINGS)[0, settings.HAS_FAST])
-        uses = Uses(tuple(self.forces), shapes.bouncing, fast, self.sleeping, self.planar, self.threads)
-        return word(uses, self.joints)
+        return word(
+            Uses(tuple(self.forces), shapes.bouncing, fast, self.sleeping, self.planar, self.threads), self.joints
+        )
 
     def _ready(self, step: float) -> Program:
         """Compile what is needed, and keep the program for as long as nothing that it depends on changes.

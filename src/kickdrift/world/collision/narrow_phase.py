@@ -94,7 +94,7 @@ def look_again(world: int, row: int, at: Vector, turn: Quaternion, margin: float
     if sort_of(world, a) == SURFACE:
         begin_a, size_a, kind_a = begin_of(begin_a, contact[row, PART]), TRIANGLE_SIZE, TRIANGLE
     begin_b, size_b = shape[b, BEGIN], shape[b, SIZE]
-    own = manifold[64 * row : 64 * row + 64]
+    own = manifold[MANIFOLD.width * row : MANIFOLD.width * (row + 1)]
     found = own[FOUND_POSE : FOUND_POSE + 7]
     found[0], found[1], found[2] = at
     found[3], found[4], found[5], found[6] = turn
