@@ -14,9 +14,8 @@ from kickdrift.world.collision.dispatch import describe_kinds, find_extents
 from kickdrift.world.collision.filters import exclude
 from kickdrift.world.collision.search import FITTED, LEFT, MOVERS_CHANGED, VISITS, filters_changed, shapes_changed
 from kickdrift.world.contacts.layout import SENSOR, TOUCHING
-from kickdrift.world.events import BEGINS, FIRST_BODY, SECOND_BODY
 from kickdrift.world.flight import AWAKE, DYNAMIC, KINEMATIC, STATIC
-from kickdrift.world.layout import RADIUS, SEARCH_STATE
+from kickdrift.world.layout import BEGINS, FIRST_BODY, RADIUS, SEARCH_STATE, SECOND_BODY
 from kickdrift.world.settings import GRAVITY, MARGIN
 from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.kinds import BOX, CAPSULE, HULL, MESH, PLANE, SPHERE, TRIANGLE

@@ -9,8 +9,8 @@ from kickdrift.core.vectors import dot, minus, plus, turned
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
 from kickdrift.world.collision.narrow_phase import shape_pose
-from kickdrift.world.columns import column
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.layout import BEGINS, FIRST_BODY, FROM_SENSOR, SECOND_BODY
 from kickdrift.world.tables import (
     CONTACT,
     EVENTS,
@@ -25,12 +25,6 @@ from kickdrift.world.tables import (
     set_rows,
 )
 from kickdrift.world.trouble import ask_for_room
-
-# Columns of EVENTS
-BEGINS = column(EVENTS)
-FIRST_BODY = column(EVENTS)
-SECOND_BODY = column(EVENTS)
-FROM_SENSOR = column(EVENTS)
 
 
 class ContactEvent(NamedTuple):

@@ -1,7 +1,7 @@
-"""Columns of the tables of bodies and shapes; those of BODY, INERTIA and KICKED are in `kickdrift.world.flight`."""
+"""Columns of the tables of bodies, shapes and events; those of BODY, INERTIA and KICKED are in `kickdrift.world.flight`."""
 
 from kickdrift.world.columns import column
-from kickdrift.world.tables import BOUNDS, CHANGE, FORCE, LOAD, MOTION, PLACE, PLACED, POSE, RESPONSE, SHAPE
+from kickdrift.world.tables import BOUNDS, CHANGE, EVENTS, FORCE, LOAD, MOTION, PLACE, PLACED, POSE, RESPONSE, SHAPE
 
 # POSE of a body
 POSITION = column(POSE, 3, "m")  # of its centre of mass
@@ -54,3 +54,9 @@ LOWER = column(BOUNDS, 3, "m")  # corners of its fat bounds
 UPPER = column(BOUNDS, 3, "m")
 FIRST_NODE = column(BOUNDS)  # of a surface in PART_TREE
 LAST_NODE = column(BOUNDS)  # the one after it
+
+# EVENTS: shapes of two bodies that begin or end to touch
+BEGINS = column(EVENTS)
+FIRST_BODY = column(EVENTS)
+SECOND_BODY = column(EVENTS)
+FROM_SENSOR = column(EVENTS)

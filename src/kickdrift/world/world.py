@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError, KickdriftError
-from kickdrift.world import settings
+from kickdrift.world import layout, settings
 from kickdrift.world.adding import AddsBodies
 from kickdrift.world.arguments import choice, direction, number, vector
 from kickdrift.world.bodies import Bodies
@@ -25,24 +25,13 @@ from kickdrift.world.joints.adding import AddsJoints
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.registry import Joints
 from kickdrift.world.keeper import Recorder
-from kickdrift.world.layout import ANGULAR_VELOCITY, ORIENTATION, POSITION, VELOCITY
 from kickdrift.world.losing import culprit, go_back, lost
 from kickdrift.world.measures import Measures
 from kickdrift.world.program import Program, Uses, Word, addresses, compose, word
 from kickdrift.world.queries import AnswersQueries
 from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.step import run
-from kickdrift.world.tables import (
-    ASKED_APART,
-    COLOURS,
-    EVENTS,
-    MOTION,
-    POSE,
-    SETTINGS,
-    SWEEPS,
-    TROUBLE,
-    Tables,
-)
+from kickdrift.world.tables import ASKED_APART, COLOURS, EVENTS, MOTION, POSE, SETTINGS, SWEEPS, TROUBLE, Tables
 from kickdrift.world.trouble import BODY, FAST, FULL, KIND, REACHED, TABLE, WANTED
 from kickdrift.world.tuning import Tunable
 
@@ -160,22 +149,22 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
     @property
     def position(self) -> Floats:
         """Centres of mass, (N, 3), m."""
-        return self.tables.array(POSE)[:, POSITION : POSITION + 3]
+        return self.tables.array(POSE)[:, layout.POSITION : layout.POSITION + 3]
 
     @property
     def orientation(self) -> Floats:
         """Quaternions (w, x, y, z), (N, 4)."""
-        return self.tables.array(POSE)[:, ORIENTATION : ORIENTATION + 4]
+        return self.tables.array(POSE)[:, layout.ORIENTATION : layout.ORIENTATION + 4]
 
     @property
     def velocity(self) -> Floats:
         """Velocities of the centres of mass, (N, 3), m/s."""
-        return self.tables.array(MOTION)[:, VELOCITY : VELOCITY + 3]
+        return self.tables.array(MOTION)[:, layout.VELOCITY : layout.VELOCITY + 3]
 
     @property
     def angular_velocity(self) -> Floats:
         """In the world's axes, (N, 3), rad/s."""
-        return self.tables.array(MOTION)[:, ANGULAR_VELOCITY : ANGULAR_VELOCITY + 3]
+        return self.tables.array(MOTION)[:, layout.ANGULAR_VELOCITY : layout.ANGULAR_VELOCITY + 3]
 
     @property
     def events(self) -> list[ContactEvent]:

@@ -9,8 +9,7 @@ from kickdrift.world.collision.roster import update_bounds
 from kickdrift.world.collision.search import AT_HOME, CONTACTS, FOUND, NEW, PAIRS_AT, PARTS_AT, REVIEW, SHAPES_AT, SLOTS
 from kickdrift.world.contacts.layout import BODY_A, BODY_B, PART, SENSOR, SHAPE_A, SHAPE_B, TOUCHING
 from kickdrift.world.contacts.layout import STATE as CONTACT_STATE
-from kickdrift.world.events import BEGINS, FIRST_BODY, FROM_SENSOR, SECOND_BODY
-from kickdrift.world.layout import BODY_ROW, IS_SENSOR, SEARCH_STATE
+from kickdrift.world.layout import BEGINS, BODY_ROW, FIRST_BODY, FROM_SENSOR, IS_SENSOR, SEARCH_STATE, SECOND_BODY
 from kickdrift.world.tables import (
     CONTACT,
     EVENTS,

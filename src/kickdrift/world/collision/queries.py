@@ -6,14 +6,13 @@ inside of a closed one overlaps nothing.
 
 from collections.abc import Iterable
 from functools import cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.calls import address_of
 from kickdrift.core.errors import KickdriftError
-from kickdrift.world.body import Body
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.bounds import find_strays
 from kickdrift.world.collision.bvh_update import update_for_queries
@@ -32,6 +31,9 @@ from kickdrift.world.shapes.sphere import Sphere
 from kickdrift.world.tables import MOVERS, PART_TREE, PLANES, POSE, SHAPE, TROUBLE, Tables
 from kickdrift.world.trouble import BODY as TROUBLED_BODY
 from kickdrift.world.trouble import FULL, KIND, TABLE, WANTED
+
+if TYPE_CHECKING:
+    from kickdrift.world.body import Body
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -56,7 +58,7 @@ class RayHit(NamedTuple):
     """
 
     shape: int
-    body: Body
+    body: "Body"
     distance: float
     point: Floats
     normal: Floats
