@@ -257,6 +257,10 @@ class Joint(Handle):
             raise ArgumentError(f"axis={axis!r} has to be 0-2 for a linear or 3-5 for an angular axis.")
         return axis
 
+    def sign(self, k: int) -> float:
+        """Return -1.0 where the tables have the other sign along an axis: they always hold b against a."""
+        return self._look().signs[k]
+
     def _axis(self, what: str) -> int:
         """Return the open axis, if it has an angle, or a position."""
         k = self.axis()

@@ -143,7 +143,7 @@ class Joints:
         check_changeable(self.tables, row, k, part)
         tables, numbers = self.tables, self.tables.row(JOINT, row)
         before = numbers.item(LAWS)
-        write_law(tables, row, k, change if signs(tables, row)[k] > 0.0 else change.reversed(), part)
+        write_law(tables, row, k, change if joint.sign(k) > 0.0 else change.reversed(), part)
         self.arranged = self.arranged and before == numbers.item(LAWS)
         for column in (BODY_A, BODY_B):
             body = tables.row(BODY, numbers.item(column))
