@@ -260,9 +260,8 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
             shapes.compile_pairs()
             self._addresses, self._composition = addresses(spelt, self.substeps), composition
         self.tables.array(SETTINGS)[0, settings.STEP] = step
-        self._breakable = self.joints.breakable
-        self._program, self._program_step = compose(spelt, self._addresses, step, self.substeps), step
-        self.tables.altered = False
+        self._program = compose(spelt, self._addresses, step, self.substeps)
+        self._program_step, self._breakable, self.tables.altered = step, self.joints.breakable, False
         return self._program
 
     def exclude(self, body_a: Body, body_b: Body) -> None:

@@ -175,8 +175,6 @@ class Joints:
     def take_broken(self) -> list[Joint]:
         """Take away the joints that have broken, and return their handles, by which they are known and no more."""
         joints = self.tables.array(JOINT)
-        if not joints[:, BROKEN].any():
-            return []
         broken = np.flatnonzero((joints[:, KIND] != REMOVED) & (joints[:, BROKEN] != 0)).tolist()
         handles = [self.handle(row) for row in broken]
         for row in broken:
