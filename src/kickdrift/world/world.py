@@ -136,9 +136,9 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
         self.broken: list[Joint] = []
         self.recorder: Recorder | None = None
         self._program: Program
-        self._program_step = 0.0
-        self._composition: tuple[object, ...] | None = None
+        self._program_step, self._breakable = 0.0, False
         self._addresses: NDArray[np.intp]
+        self._composition: tuple[object, ...] | None = None
         self.forces: list[Function] = []
 
     @property
@@ -196,35 +196,34 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
     def advance(self, step: float, count: int) -> None:
         """Do so many steps in compiled code; as `step`, again and again."""
         step = number("step", step, "s; 1/60 is usual", zero=False)
-        if isinstance(count, bool) or not (isinstance(count, int | np.integer) and count >= 0):
+        if type(count) is bool or not (isinstance(count, int | np.integer) and count >= 0):
             raise ArgumentError(f"count={count!r} has to be a whole number of steps, zero or more.")
-        self.tables.row(SETTINGS, 0)[settings.STEP] = step
-        self.tables.resize(EVENTS, 0)
+        if self.tables.count(EVENTS):
+            self.tables.resize(EVENTS, 0)
         program, recorder = self._ready(step), self.recorder
         done, at = 0, 0
         while done < count:
             before, start = done, self.time + done * step
             until = count if recorder is None else min(count, done + recorder.steps_to_row)
-            began = time.perf_counter()
+            began = 0.0 if recorder is None else time.perf_counter()
             try:
                 done, at = run(*program, start, step, done, until, at, self.tables.address)
             except Exception as error:
                 done = int(self.tables.array(TROUBLE)[0, REACHED])
-                if recorder is not None:
-                    recorder.note(done - before, step, self.time + done * step, time.perf_counter() - began)
                 self._go_back(done, step)
                 raise KickdriftError(
                     f"a force raised {type(error).__name__}: {error} in step {self.n_steps}; "
                     "all bodies are where they were before it."
                 ) from error
-            if recorder is not None:
-                recorder.note(done - before, step, self.time + done * step, time.perf_counter() - began)
+            finally:
+                if recorder is not None:
+                    recorder.note(done - before, step, start + (done - before) * step, time.perf_counter() - began)
             if done < until:
                 self._help(done, step)
                 program = self._ready(step)
         self.time += count * step
         self.n_steps += count
-        self.broken = self.joints.take_broken()
+        self.broken = self.joints.take_broken() if self._breakable else []
 
     @property
     def word(self) -> Word:
@@ -251,8 +250,9 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
             sweeps[:] = *(address_of(sweep, lanes.SWEEP) for sweep in lanes.SWEEPS), WIDTH
             shapes.find_functions()
             self._addresses, self._composition = addresses(spelt, self.substeps), composition
-        self._program, self._program_step = compose(spelt, self._addresses, step, self.substeps), step
-        self.tables.altered = False
+        self.tables.array(SETTINGS)[0, settings.STEP] = step
+        self._program = compose(spelt, self._addresses, step, self.substeps)
+        self._program_step, self._breakable, self.tables.altered = step, self.joints.breakable, False
         return self._program
 
     def exclude(self, body_a: Body, body_b: Body) -> None:

@@ -21,7 +21,7 @@ def finite(argument: str, value: float) -> None:
     ------
     ArgumentError
     """
-    if not (is_number(value) and math.isfinite(value)):
+    if not ((type(value) is float or is_number(value)) and math.isfinite(value)):
         raise ArgumentError(f"{argument}={value!r} has to be a finite number.")
 
 

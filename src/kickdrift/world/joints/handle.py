@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.flight import DYNAMIC, KIND
+from kickdrift.world.flight import DYNAMIC, KIND, STATIC
 from kickdrift.world.handle import Handle
 from kickdrift.world.joints.axis import Axis, Drive, Motor, finite
 from kickdrift.world.joints.layout import ARM_A, ARM_B, AXES, BODY_A, BODY_B, LOCKED, POSITION, PRINCIPAL, TOTAL
@@ -21,9 +21,15 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 # Columns as plain integers: adding to those of NumPy takes as long as reading a number.
-_POSITION, _TOTAL = int(POSITION), int(TOTAL)
-_ARMS, _END = int(ARM_A), int(AXES) + 18
-_ARM_B, _AXES = int(ARM_B) - _ARMS, int(AXES) - _ARMS
+_POSITION, _TOTAL, _AXES = int(POSITION), int(TOTAL), int(AXES)
+
+
+class _End(NamedTuple):
+    """Where a body of a joint lies in the tables."""
+
+    arm: Floats  # from its centre of mass to where the joint acts, (3,)
+    motion: Floats | None  # None where it never moves
+    load: Floats | None  # None where forces do not move it
 
 
 class _Seen(NamedTuple):
@@ -35,10 +41,8 @@ class _Seen(NamedTuple):
     side: float  # -1.0 where a is measured against b
     signs: list[float]
     numbers: Floats
-    motion_a: Floats
-    motion_b: Floats
-    load_a: Floats | None  # where forces move it
-    load_b: Floats | None
+    axes: list[Floats]  # (3,), of each of the six
+    ends: tuple[_End, _End]  # a and b
 
 
 class Joint(Handle):
@@ -118,21 +122,21 @@ class Joint(Handle):
     @property
     def speed(self) -> float:
         """Rate of `angle` or `position`, rad/s or m/s; a new one is given to what hangs on it, see `place`."""
-        seen, k = self._look(), self.axis()
-        numbers = seen.numbers[_ARMS:_END].tolist()
-        x, y, z = numbers[_AXES + 3 * k : _AXES + 3 * k + 3]
-        ua, va, wa, pa, qa, ra, *_ = seen.motion_a.tolist()
-        ub, vb, wb, pb, qb, rb, *_ = seen.motion_b.tolist()
-        if k >= 3:
-            turning: float = x * (pb - pa) + y * (qb - qa) + z * (rb - ra)
-            return seen.signs[k] * turning
-        ax, ay, az = numbers[:3]
-        bx, by, bz = numbers[_ARM_B : _ARM_B + 3]
-        u = ub + qb * bz - rb * by - (ua + qa * az - ra * ay)
-        v = vb + rb * bx - pb * bz - (va + ra * ax - pa * az)
-        w = wb + pb * by - qb * bx - (wa + pa * ay - qa * ax)
-        sliding: float = x * u + y * v + z * w
-        return seen.signs[k] * sliding
+        seen = self._look()
+        k = seen.principal if seen.principal >= 0 else self.axis()
+        x, y, z = seen.axes[k].tolist()
+        rate = 0.0
+        for arm, motion, _ in seen.ends:
+            rate = -rate
+            if motion is None:
+                continue
+            u, v, w, p, q, r = motion.tolist()
+            if k >= 3:
+                rate += x * p + y * q + z * r
+            else:
+                a, b, c = arm.tolist()
+                rate += x * (u + q * c - r * b) + y * (v + r * a - p * c) + z * (w + p * b - q * a)
+        return 0.0 + seen.signs[k] * rate  # never -0.0
 
     @speed.setter
     def speed(self, speed: float) -> None:
@@ -178,21 +182,23 @@ class Joint(Handle):
             For an effort that is not finite, and for an axis that is locked.
         """
         finite("effort", effort)
-        seen, k = self._look(), self.axis(axis)
+        seen = self._look()
+        k = seen.principal if axis is None and seen.principal >= 0 else self.axis(axis)
         if seen.locked >> k & 1:
             raise ArgumentError(f"axis={k} is locked, so an effort along it moves nothing; give an open one.")
-        numbers = seen.numbers[_ARMS:_END].tolist()
-        size = seen.signs[k] * effort
-        x, y, z = (size * part for part in numbers[_AXES + 3 * k : _AXES + 3 * k + 3])
-        for load, arm in ((seen.load_b, _ARM_B), (seen.load_a, 0)):
-            if load is not None:
-                u, v, w, p, q, r, *_ = load.tolist()
-                if k < 3:
-                    ax, ay, az = numbers[arm : arm + 3]
-                    load[:6] = (u + x, v + y, w + z, p + ay * z - az * y, q + az * x - ax * z, r + ax * y - ay * x)
-                else:
-                    load[3:6] = (p + x, q + y, r + z)
-            x, y, z = -x, -y, -z
+        x, y, z = seen.axes[k].tolist()
+        size = seen.signs[k] * effort  # on a the opposite, and the opposite of that on b
+        for arm, _, load in seen.ends:
+            size = -size
+            if load is None:
+                continue
+            f, g, h = size * x, size * y, size * z
+            u, v, w, p, q, r = load.tolist()
+            if k >= 3:
+                load[3:6] = (p + f, q + g, r + h)
+            else:
+                a, b, c = arm.tolist()
+                load[:] = (u + f, v + g, w + h, p + b * h - c * g, q + c * f - a * h, r + a * g - b * f)
 
     def set_motor(self, motor: Motor | None, axis: int | None = None) -> None:
         """Exchange the motor of an axis; None takes it away."""
@@ -251,6 +257,10 @@ class Joint(Handle):
             raise ArgumentError(f"axis={axis!r} has to be 0-2 for a linear or 3-5 for an angular axis.")
         return axis
 
+    def sign(self, k: int) -> float:
+        """Return -1.0 where the tables have the other sign along an axis: they always hold b against a."""
+        return self._look().signs[k]
+
     def _axis(self, what: str) -> int:
         """Return the open axis, if it has an angle, or a position."""
         k = self.axis()
@@ -264,12 +274,17 @@ class Joint(Handle):
         seen, tables = self._seen, self._joints.tables
         if seen is None or seen.version != tables.version:
             row = self._joints.row(self)
-            joint, axes = tables.row(JOINT, row), signs(tables, row).tolist()
-            ends = [joint.item(column) for column in (BODY_A, BODY_B)]
-            moved = [tables.row(BODY, body).item(KIND) == DYNAMIC for body in ends]
-            loads = [tables.row(LOAD, body) if moves else None for body, moves in zip(ends, moved, strict=True)]
+            joint, numbers = tables.row(JOINT, row), tables.row(JOINT_NUMBERS, row)
+            axes = [numbers[_AXES + 3 * k : _AXES + 3 * k + 3] for k in range(6)]
+            ends = []
+            for column, arm in ((BODY_A, ARM_A), (BODY_B, ARM_B)):
+                body = joint.item(column)
+                kind = tables.row(BODY, body).item(KIND)
+                motion = None if kind == STATIC else tables.row(MOTION, body)[:6]
+                load = tables.row(LOAD, body)[:6] if kind == DYNAMIC else None
+                ends.append(_End(numbers[arm : arm + 3], motion, load))
             seen = self._seen = _Seen(
-                tables.version, joint.item(PRINCIPAL), joint.item(LOCKED), 1.0 if moved[1] else -1.0, axes,
-                tables.row(JOINT_NUMBERS, row), *(tables.row(MOTION, body) for body in ends), *loads,
+                tables.version, joint.item(PRINCIPAL), joint.item(LOCKED), 1.0 if ends[1].load is not None else -1.0,
+                signs(tables, row).tolist(), numbers, axes, (ends[0], ends[1]),
             )  # fmt: skip
         return seen

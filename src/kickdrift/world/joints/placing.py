@@ -135,7 +135,7 @@ def _ready(joint: "Joint", k: int, what: str, value: float) -> tuple[int, float,
     _check_placeable(tables, row, k)
     side = _side_of(tables, row, f"joint={joint!r}")
     measure_again(np.array([row]), tables.address)
-    return row, float(signs(tables, row)[k]), side
+    return row, joint.sign(k), side
 
 
 def _check_placeable(tables: Tables, row: int, k: int) -> None:

@@ -143,7 +143,7 @@ class Joints:
         check_changeable(self.tables, row, k, part)
         tables, numbers = self.tables, self.tables.row(JOINT, row)
         before = numbers.item(LAWS)
-        write_law(tables, row, k, change if signs(tables, row)[k] > 0.0 else change.reversed(), part)
+        write_law(tables, row, k, change if joint.sign(k) > 0.0 else change.reversed(), part)
         self.arranged = self.arranged and before == numbers.item(LAWS)
         for column in (BODY_A, BODY_B):
             body = tables.row(BODY, numbers.item(column))
@@ -167,11 +167,14 @@ class Joints:
         for row in np.flatnonzero(there):
             self._remove_row(int(row))
 
+    @property
+    def breakable(self) -> bool:
+        """Whether a joint may break."""
+        return bool(np.isfinite(self.tables.array(JOINT_NUMBERS)[:, [BREAKING_FORCE, BREAKING_TORQUE]]).any())
+
     def take_broken(self) -> list[Joint]:
         """Take away the joints that have broken, and return their handles, by which they are known and no more."""
         joints = self.tables.array(JOINT)
-        if not np.count_nonzero(joints[:, BROKEN]):  # which takes a third of the time of any()
-            return []
         broken = np.flatnonzero((joints[:, KIND] != REMOVED) & (joints[:, BROKEN] != 0)).tolist()
         handles = [self.handle(row) for row in broken]
         for row in broken:
