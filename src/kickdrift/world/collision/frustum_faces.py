@@ -27,6 +27,8 @@ from kickdrift.world.shapes.polyhedron import MOST_VERTICES, loop, loop_vertex, 
 SIDES = 24  # of the polygon that stands for a rim
 _ANGLES = np.arange(SIDES) * (2.0 * math.pi / SIDES)
 _COS, _SIN = np.cos(_ANGLES), np.sin(_ANGLES)
+COS_BETWEEN, SIN_BETWEEN = np.cos(_ANGLES + math.pi / SIDES), np.sin(_ANGLES + math.pi / SIDES)
+_INNER = math.cos(math.pi / SIDES)  # radius of the circle in it
 
 _CORNERS = SIDES + MOST_VERTICES
 _POLYGON, _SPARE, _CANDIDATES = CORNER * _CORNERS, (CORNER + 1) * _CORNERS + CORNER, CANDIDATE * _CORNERS
@@ -91,10 +93,9 @@ def stand_on_end(
     for k in range(count):
         number = loop_vertex(body, begin + k)
         _put_corner(polygon, k, vertex(seen, number), number)
-    turn = math.pi / SIDES
     for k in range(SIDES):
-        out = (math.cos(_ANGLES[k] + turn), math.sin(_ANGLES[k] + turn), 0.0)
-        count = clip(polygon, count, spare, out, radius * math.cos(turn), 0.0, -1.0 - k)
+        out = (COS_BETWEEN[k], SIN_BETWEEN[k], 0.0)
+        count = clip(polygon, count, spare, out, radius * _INNER, 0.0, -1.0 - k)
     kept, depth = 0, margin
     for k in range(count):
         p = (polygon[CORNER * k], polygon[CORNER * k + 1], polygon[CORNER * k + 2])

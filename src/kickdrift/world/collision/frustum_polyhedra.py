@@ -99,7 +99,7 @@ def polyhedron_frustum(body: Any, faces: int, near: int, f: Frustum, frame: Any,
         _settled_on_end(f, upper, corner, gap_end) if gap_end > gap_face else _settled_on_face(f, body, seen, face)
     ):
         number, t, normal, gap_edge = _edge_farthest(f, body, seen, near, margin)
-        if number == _NONE or gap_edge > margin:
+        if gap_edge > margin or (number == _NONE and near == 0 and not _is_inside(seen, _lowest_point(f, seen, face))):
             return 0
     best = max(flat, gap_edge)
     tolerance = tolerance_of(margin, min(body[THICKNESS], min(f[2], max(f[0], f[1]))))
@@ -140,7 +140,7 @@ def _edge_farthest(f: Frustum, body: Any, seen: Any, near: int, margin: float) -
 @compiled
 def _edge_among(f: Frustum, body: Any, seen: Any, near: int, limit: float) -> tuple[int, float, Vector, float, float]:
     """Find the same among the edges that are nearer than a limit; return how near the nearest is, too, 0.0 inside."""
-    number, share, normal, best, nearest = _NONE, 0.0, (0.0, 0.0, 1.0), -np.inf, limit
+    number, share, normal, best, nearest, slope = _NONE, 0.0, (0.0, 0.0, 1.0), -np.inf, limit, 1.0
     for k in range(int(body[EDGES])):
         begin, end, _, _ = edge(body, k)
         if near > 0 and ((begin + 1) % near > 2 or (end + 1) % near > 2):
@@ -152,11 +152,16 @@ def _edge_among(f: Frustum, body: Any, seen: Any, near: int, limit: float) -> tu
         if middle - 0.5 * abs(dot(n, way)) > min(limit, nearest + _ROUNDING * length(way)):
             continue
         t, n = deepest(f, p, q)
+        distance, _ = signed_distance(f, along(p, t, way))
+        if distance > limit:
+            continue
         if limit < np.inf:
-            nearest = min(nearest, max(signed_distance(f, along(p, t, way))[0], 0.0))
-        gap = lowest(seen, n) - highest(f, n)
-        if gap > best:
-            number, share, normal, best = k, t, n, gap
+            nearest = min(nearest, max(distance, 0.0))
+        gap, size = lowest(seen, n) - highest(f, n), length(way)
+        rise = abs(dot(n, way)) / size
+        # Edges that end in one corner tell the same: the one that lies along the surface comes first.
+        if gap > best + _ROUNDING * size or (gap > best - _ROUNDING * size and rise < slope):
+            number, share, normal, best, slope = k, t, n, max(gap, best), rise
     return number, share, normal, best, nearest
 
 
@@ -168,6 +173,16 @@ def _lowest_point(f: Frustum, seen: Any, face: int) -> Vector:
     if f[1] * sine - f[2] * n[2] >= f[0] * sine + f[2] * n[2]:
         return (f[1] * x, f[1] * y, f[2])
     return (f[0] * x, f[0] * y, -f[2])
+
+
+@compiled
+def _is_inside(seen: Any, p: Vector) -> bool:
+    """Whether a point is in a polyhedron."""
+    for k in range(int(seen[FACES])):
+        normal, offset = plane(seen, k)
+        if dot(normal, p) > offset:
+            return False
+    return True
 
 
 @compiled
