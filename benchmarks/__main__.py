@@ -18,6 +18,7 @@ from benchmarks import (
     kepler,
     lab,
     precision,
+    rl,
     startup,
     wisdom_holman,
     world,
@@ -33,6 +34,7 @@ COMPARISONS: dict[str, tuple[str, Callable[[int], list[Row]]]] = {
     "implicit": ("Implicit against semi-implicit Euler", implicit_euler.compare),
     "startup": ("Before the first step", startup.compare),
     "scale": ("Boxes at rest: a body's part of a step", world_scale.compare),
+    "rl": ("Reading, acting, stepping: a cart with a pole", rl.compare),
 }
 _WORLD = "world"
 _PRECISION = "precision"

@@ -361,3 +361,22 @@ def test_labels_do_not_lie_on_each_other():
     assert sorted(text.get_text() for text in axes.texts) == [label.text for label in labels]
     assert not any(one.overlaps(other) for i, one in enumerate(boxes) for other in boxes[:i])
     assert all(axes.get_window_extent().contains(*corner) for box in boxes for corner in (box.min, box.max))
+
+
+def test_carts_that_are_compared_do_the_same():
+    pytest.importorskip("mujoco")
+    from benchmarks import rl, table
+
+    rl._check_they_do_the_same()
+    rows = rl.compare(1)
+    assert [row.verdict for row in rows].count(table.Verdict.SKIPPED) == 0
+    assert len(rows) == 7
+
+
+def test_carts_that_do_something_else_are_not_compared(monkeypatch):
+    pytest.importorskip("mujoco")
+    from benchmarks import rl
+
+    monkeypatch.setattr(rl, "_MJCF", rl._MJCF.replace('axis="0 1 0"', 'axis="0 -1 0"'))
+    with pytest.raises(AssertionError, match="end differently"):
+        rl._check_they_do_the_same()

@@ -154,7 +154,7 @@ def test_fingerprints_do_not_depend_on_the_process():
 JOBS = (
     "from kickdrift.core import together;"
     "from kickdrift.world.collision import PAIRS;"
-    "from kickdrift.world.contacts.looking import COLLIDE;"
+    "from kickdrift.world.collision.narrow_phase import COLLIDE;"
     "jobs = [(PAIRS[pair], COLLIDE) for pair in ((0, 2), (0, 3), (2, 2), (2, 3))];"
     "together._processes = lambda jobs: 2;"
 )

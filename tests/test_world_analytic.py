@@ -373,3 +373,14 @@ def test_smooth_balls_that_graze_part_along_the_line_of_centres(step):
     normal = np.array([np.sqrt(1 - 0.6**2), -0.6, 0])
     assert world.velocity[2] == pytest.approx(4 * normal[0] * normal, abs=4e-3)
     assert world.angular_velocity[1:] == pytest.approx(0.0, abs=2e-3)
+
+
+@pytest.mark.parametrize("shape", ["sphere", "capsule", "cylinder"])
+def test_what_rolls_goes_on_at_its_speed_however_slow(shape):
+    world = World()
+    world.add_plane()
+    options = {"position": (0, 0, 0.5), "velocity": (1e-8, 0, 0), "orientation": (math.sqrt(0.5), math.sqrt(0.5), 0, 0)}
+    add = {"sphere": world.add_sphere, "capsule": world.add_capsule, "cylinder": world.add_cylinder}[shape]
+    body = add(0.5, **options) if shape == "sphere" else add(0.5, 1.0, **options)
+    world.advance(STEP, 600)
+    assert abs(world.velocity[body.index, 0]) < 1e-7

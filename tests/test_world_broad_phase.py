@@ -9,30 +9,30 @@ from hypothesis import strategies as st
 
 from kickdrift.world import tables as t
 from kickdrift.world.collision.broad_phase import find_pairs
+from kickdrift.world.collision.bvh import ITEM, build, fit, gather
+from kickdrift.world.collision.dispatch import describe_kinds, find_extents
 from kickdrift.world.collision.filters import exclude
-from kickdrift.world.collision.search import (
-    FITTED,
-    LEFT,
-    MOVERS_CHANGED,
-    STATE,
-    VISITS,
-    filters_changed,
-    shapes_changed,
-)
-from kickdrift.world.collision.tree import ITEM, build, fit, gather
+from kickdrift.world.collision.search import FITTED, LEFT, MOVERS_CHANGED, VISITS, filters_changed, shapes_changed
 from kickdrift.world.contacts.layout import SENSOR, TOUCHING
-from kickdrift.world.events import BEGINS, FIRST_BODY, SECOND_BODY
 from kickdrift.world.flight import AWAKE, DYNAMIC, KINEMATIC, STATIC
+from kickdrift.world.layout import BEGINS, FIRST_BODY, RADIUS, SEARCH_STATE, SECOND_BODY
 from kickdrift.world.settings import GRAVITY, MARGIN
 from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.kinds import BOX, CAPSULE, HULL, MESH, PLANE, SPHERE, TRIANGLE
 from kickdrift.world.shapes.mesh import Mesh
-from kickdrift.world.shapes.polyhedron import HEADER, VERTICES
+from kickdrift.world.shapes.polyhedron import HEADER, PLANES_AT, VERTICES
 from kickdrift.world.trouble import BODY, FULL, KIND, NOT_FINITE, TABLE, WANTED
 
 STEP = 1 / 60
 ALL = (1 << 62) - 1
 PLACES = {table.place: table for table in vars(t).values() if isinstance(table, t.Table)}
+
+
+def reach(kind, numbers):
+    """How far a shape reaches from its origin."""
+    if kind == HULL:
+        return np.linalg.norm(numbers[HEADER : int(numbers[PLANES_AT])].reshape(-1, 3), axis=1).max()
+    return {SPHERE: np.sum, CAPSULE: np.sum, BOX: np.linalg.norm}.get(int(kind), lambda _: 0.0)(numbers)
 
 
 class Scene:
@@ -42,6 +42,8 @@ class Scene:
         self.tables, self.rng = t.Tables(), np.random.default_rng(seed)
         for table in (t.SETTINGS, t.TROUBLE, t.SEARCH):
             self.tables.resize(table, 1)
+        describe_kinds(self.tables)
+        find_extents(self.tables, [SPHERE, CAPSULE, BOX, HULL, MESH])
         self[t.SETTINGS][0, GRAVITY : GRAVITY + 3] = 0.0, 0.0, -9.81
         self[t.SETTINGS][0, MARGIN] = margin
         self.retries = 0
@@ -68,6 +70,7 @@ class Scene:
         self.tables.resize(t.GEOMETRY, begin + len(numbers))[begin:, 0] = numbers
         self[t.SHAPE][row] = kind, body, begin, len(numbers), layer, mask, sensor, 0
         self[t.PLACE][row, :3], self[t.PLACE][row, 3:7] = position, np.divide(turn, np.linalg.norm(turn))
+        self[t.PLACE][row, RADIUS] = reach(kind, np.asarray(numbers))
         shapes_changed(self.tables)
         return row
 
@@ -192,7 +195,7 @@ def expected(scene, boxes, excluded=()):
 
 
 def check(scene, pairs, step=STEP, excluded=()):
-    """Pairs are those of the wider boxes, and none is missing that comes near in the step."""
+    """Pairs are those of the fat bounds, and none is missing that comes near in the step."""
     shapes = scene[t.SHAPE]
     assert len(set(pairs)) == len(pairs)
     assert set(pairs) == expected(scene, scene[t.BOUNDS][:, :6], excluded)
@@ -547,7 +550,7 @@ def test_nothing_is_changed_before_there_is_room():
         trouble[:] = 0
     assert asked[-2:] == [t.CONTACT.place, t.MANIFOLD.place]
     assert len(scene[t.CONTACT]) == 39
-    assert (scene[t.SHAPE][:, STATE] == 1).all()
+    assert (scene[t.SHAPE][:, SEARCH_STATE] == 1).all()
 
 
 def test_contacts_that_someone_else_removes_are_found_again():

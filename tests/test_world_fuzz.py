@@ -6,6 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_worlds import a_shape, random_world, watched
 
+from kickdrift.world.shapes.cone import Cone
+from kickdrift.world.shapes.cylinder import Cylinder
 from kickdrift.world.world import World
 
 STEP = 1 / 60
@@ -16,8 +18,9 @@ def scatter(world, rng, count, scale, decades, speed):
     for k in range(count):
         reach = scale * 10 ** rng.uniform(-decades, 0)
         place = scale * (2.2 * np.array([k % 3, k // 3 % 3, k // 9 + 0.6]) + 0.05 * rng.normal(size=3))
+        shape = (Cylinder(0.5 * reach, 1.7 * reach), Cone(0.8 * reach, 1.2 * reach))[k // 3 % 2]
         world.add_body(
-            a_shape(rng, reach),
+            shape if k % 3 == 1 else a_shape(rng, reach),
             position=place,
             orientation=rng.normal(size=4),
             velocity=speed * rng.normal(size=3),

@@ -24,6 +24,8 @@ from kickdrift.world.recording import Appearance, Part, Recording, Rod
 from kickdrift.world.rotations import product, turned
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
+from kickdrift.world.shapes.cone import Cone
+from kickdrift.world.shapes.cylinder import Cylinder
 from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.plane import Plane
@@ -51,7 +53,7 @@ def recording(shapes, ways, *, turns=None, fixed=(), rods=(), times=None):
         t=t, x=x, v=np.zeros_like(x), invariants={"energy": energy}, status=Outcome.COMPLETED, message="done", step=0.1,
         n_steps=len(t) - 1, n_force_evaluations=0, wall_time=0.1, about=replace(about, system="test"),
         derived={"kinetic energy": energy - 0.5, "potential energy": 0.5 + 0 * energy},
-        orientation=q, angular_velocity=np.zeros_like(x), appearance=Appearance(kinds, parts, tuple(rods)),
+        orientation=q, angular_velocity=np.zeros_like(x), appearance=Appearance(kinds, parts, tuple(rods), {}),
     )  # fmt: skip
 
 
@@ -151,6 +153,8 @@ def test_a_ball_is_as_large_as_it_looks_from_where_the_camera_stands():
         Sphere(0.5),
         Box((1.0, 0.8, 0.6)),
         Capsule(0.3, 0.6),
+        Cylinder(0.4, 0.7),
+        Cone(0.5, 0.9),
         Hull([[-0.5, -0.4, -0.3], [0.5, 0, 0], [0, 0.5, 0], [0, 0, 0.5], [-0.3, 0.1, 0.2]]),
     ],
     ids=lambda shape: type(shape).__name__,
@@ -231,11 +235,11 @@ def test_planes_are_not_seen_from_behind():
     walls = [Part(1, Plane(), ORIGIN, turn) for turn in (UPRIGHT, np.array([np.sqrt(0.5), np.sqrt(0.5), 0, 0]))]
     made = recording([Box((1, 1, 1))], [at(0, -3, 0.5)])
     ball = made.appearance.parts[0]
-    looks = Appearance(made.appearance.kinds, (*(wall._replace(body=0) for wall in walls), ball), ())
+    looks = Appearance(made.appearance.kinds, (*(wall._replace(body=0) for wall in walls), ball), (), {})
     painter, picture = painted(replace(made, appearance=looks))
     assert painter.scenery.n_planes == 2  # floor, and a wall at y = 0 that looks to -y, towards the camera
     turned_away = walls[1]._replace(body=0, orientation=np.array([np.sqrt(0.5), -np.sqrt(0.5), 0, 0]))
-    looks = Appearance(made.appearance.kinds, (walls[0]._replace(body=0), turned_away, ball), ())
+    looks = Appearance(made.appearance.kinds, (walls[0]._replace(body=0), turned_away, ball), (), {})
     painter, picture = painted(replace(made, appearance=looks))
     assert painter.scenery.n_planes == 1
     assert like(picture[pixel(painter, made.x[0, 1])], 1)

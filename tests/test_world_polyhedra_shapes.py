@@ -13,7 +13,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.heightfield import HeightField
 from kickdrift.world.shapes.hull import Hull
-from kickdrift.world.shapes.kinds import BOX, HULL, MESH
+from kickdrift.world.shapes.kinds import BOX, HEIGHT_FIELD, HULL, MESH
 from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.polyhedron import (
     CENTRE,
@@ -189,7 +189,7 @@ def test_edges_are_sharp_where_the_surface_bends_away_by_five_degrees(degrees, s
 
 def test_a_height_field_is_two_triangles_a_cell_seen_from_above():
     field = HeightField([[0.0, 1.0, 2.0], [0.0, 0.0, 5.0]], (0.5, 2.0))
-    assert field.kind == MESH
+    assert field.kind == HEIGHT_FIELD
     rows = field.numbers[1:].reshape(-1, 12)
     corners = rows[:, :9].reshape(-1, 3, 3)
     assert len(rows) == 4

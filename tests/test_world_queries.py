@@ -1,5 +1,7 @@
 """Rays and overlap queries against asking every shape."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -10,16 +12,20 @@ from kickdrift.world import tables as t
 from kickdrift.world.adding import Part
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.broad_phase import find_pairs
-from kickdrift.world.collision.rays import RAYS
+from kickdrift.world.collision.bvh import build, fit
+from kickdrift.world.collision.bvh_walk import NOTHING, WALK, advance, reciprocal, start
+from kickdrift.world.collision.dispatch import describe_kinds, find_extents
+from kickdrift.world.collision.queries import overlap_box, overlap_sphere, ray_cast_many
 from kickdrift.world.collision.search import CHANGED, shapes_changed
-from kickdrift.world.collision.tree import build, fit
-from kickdrift.world.collision.walk import NOTHING, WALK, advance, reciprocal, start
 from kickdrift.world.flight import DYNAMIC, STATIC
-from kickdrift.world.queries import overlap_box, overlap_sphere, ray_cast, ray_cast_all, ray_cast_many
+from kickdrift.world.layout import RADIUS
+from kickdrift.world.queries import AnswersQueries
 from kickdrift.world.settings import GRAVITY, MARGIN
+from kickdrift.world.shapes.catalogue import RAYS
 from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.kinds import BOX, CAPSULE, HULL, MESH, PLANE, SPHERE, TRIANGLE
 from kickdrift.world.shapes.mesh import Mesh
+from kickdrift.world.shapes.polyhedron import HEADER, PLANES_AT
 from kickdrift.world.shapes.sphere import Sphere
 from kickdrift.world.trouble import FULL, KIND, TABLE, WANTED
 from kickdrift.world.world import World
@@ -27,15 +33,25 @@ from kickdrift.world.world import World
 ALL = (1 << 62) - 1
 
 
-class Scene:
+def reach(kind, numbers):
+    """How far a shape reaches from its origin."""
+    if kind == HULL:
+        return np.linalg.norm(numbers[HEADER : int(numbers[PLANES_AT])].reshape(-1, 3), axis=1).max()
+    return {SPHERE: np.sum, CAPSULE: np.sum, BOX: np.linalg.norm}.get(int(kind), lambda _: 0.0)(numbers)
+
+
+class Scene(AnswersQueries):
     """Tables of a world that holds shapes and nothing else, each of a body of its own or of the ground."""
 
     def __init__(self, seed=0):
         self.tables, self.rng = t.Tables(), np.random.default_rng(seed)
         for table in (t.SETTINGS, t.TROUBLE, t.SEARCH):
             self.tables.resize(table, 1)
+        describe_kinds(self.tables)
+        find_extents(self.tables, [SPHERE, CAPSULE, BOX, HULL, MESH])
         self[t.SETTINGS][0, GRAVITY + 2], self[t.SETTINGS][0, MARGIN] = -9.81, 0.02
         self.body(STATIC, (0, 0, 0), (1, 0, 0, 0))
+        self.bodies = SimpleNamespace(handle=lambda row: SimpleNamespace(index=row))
 
     def __getitem__(self, table):
         return self.tables.array(table)
@@ -57,6 +73,7 @@ class Scene:
         self.tables.resize(t.GEOMETRY, begin + len(numbers))[begin:, 0] = numbers
         self[t.SHAPE][row] = kind, body, begin, len(numbers), 1 << layer, ALL, sensor, 0
         self[t.PLACE][row, :3], self[t.PLACE][row, 3:7] = position, np.divide(turn, np.linalg.norm(turn))
+        self[t.PLACE][row, RADIUS] = reach(kind, np.asarray(numbers))
         shapes_changed(self.tables)
         return row
 
@@ -141,8 +158,8 @@ def test_rays_meet_what_they_meet_when_every_shape_is_asked(stepped):
     missed = 0
     for k, (origin, direction) in enumerate(zip(origins, directions, strict=True)):
         expected = met(scene, origin, direction)
-        hit = ray_cast(scene.tables, origin, direction)
-        every = ray_cast_all(scene.tables, origin, direction)
+        hit = scene.ray_cast(origin, direction)
+        every = scene.ray_cast_all(origin, direction)
         assert [one.shape for one in every] == sorted(expected, key=lambda shape: expected[shape][0])
         assert all(same(one, expected[one.shape]) for one in every)
         if not expected:
@@ -168,9 +185,9 @@ def test_limits_and_layers_leave_shapes_out():
         for limit, layers in ((1.0, None), (np.inf, [0, 2]), (2.0, [1]), (np.inf, [])):
             bits = ALL if layers is None else sum(1 << layer for layer in layers)
             expected = met(scene, origin, direction, limit, bits)
-            every = ray_cast_all(scene.tables, origin, direction, limit, layers)
+            every = scene.ray_cast_all(origin, direction, limit, layers)
             assert [one.shape for one in every] == sorted(expected, key=lambda shape: expected[shape][0])
-            hit = ray_cast(scene.tables, origin, direction, limit, layers)
+            hit = scene.ray_cast(origin, direction, limit, layers)
             assert (hit is None) == (not expected)
             assert hit is None or hit.shape == every[0].shape
 
@@ -180,7 +197,7 @@ def test_of_shapes_at_the_same_distance_the_lowest_is_met():
     for _ in range(30):
         scene.add(BOX, [0.5, 0.5, 0.5])
     for _ in range(2):
-        assert ray_cast(scene.tables, (3, 0.1, 0.2), (-1, 0, 0)).shape == 0
+        assert scene.ray_cast((3, 0.1, 0.2), (-1, 0, 0)).shape == 0
         scene.step()
 
 
@@ -207,7 +224,7 @@ def test_questions_leave_the_world_as_it_is():
     for scene in (asked, silent):
         scene[t.MOTION][1:, :3] = scene.rng.normal(size=(len(scene[t.POSE]) - 1, 3))
     for step in range(8):
-        ray_cast(asked.tables, (5, 0, 0), (-1, 0, 0))
+        asked.ray_cast((5, 0, 0), (-1, 0, 0))
         overlap_sphere(asked.tables, 1.0)
         for scene in (asked, silent):
             scene.step()
@@ -221,19 +238,19 @@ def test_questions_leave_the_world_as_it_is():
 def test_shapes_are_found_before_the_first_step_and_after_they_are_gone():
     scene = Scene()
     ball = scene.add(SPHERE, [0.5])
-    assert ray_cast(scene.tables, (3, 0, 0), (-2, 0, 0)).distance == 2.5
+    assert scene.ray_cast((3, 0, 0), (-2, 0, 0)).distance == 2.5
     built = scene[t.TREE].copy()
     scene[t.TREE][0, 0] -= 1e-3
-    assert ray_cast(scene.tables, (3, 0, 0), (-2, 0, 0)).distance == 2.5
+    assert scene.ray_cast((3, 0, 0), (-2, 0, 0)).distance == 2.5
     assert scene[t.TREE][0, 0] != built[0, 0]  # the tree is not built for every question
     assert scene[t.SEARCH][0, CHANGED] != 0
     scene.step()
     wall = scene.add(BOX, [0.1, 1, 1], (1, 0, 0), body=0)
-    assert ray_cast(scene.tables, (3, 0, 0), (-1, 0, 0)).shape == wall
+    assert scene.ray_cast((3, 0, 0), (-1, 0, 0)).shape == wall
     scene[t.SHAPE][wall] = 0
     scene[t.SHAPE][wall, 0] = -1
     shapes_changed(scene.tables)
-    assert ray_cast(scene.tables, (3, 0, 0), (-1, 0, 0)).shape == ball
+    assert scene.ray_cast((3, 0, 0), (-1, 0, 0)).shape == ball
 
 
 def touches(scene, kind, numbers, position, turn):
@@ -290,8 +307,8 @@ def test_overlaps_are_those_of_asking_every_shape(stepped):
 
 def test_nothing_is_met_in_an_empty_world():
     scene = Scene()
-    assert ray_cast(scene.tables, (0, 0, 0), (1, 0, 0)) is None
-    assert ray_cast_all(scene.tables, (0, 0, 0), (1, 0, 0)) == []
+    assert scene.ray_cast((0, 0, 0), (1, 0, 0)) is None
+    assert scene.ray_cast_all((0, 0, 0), (1, 0, 0)) == []
     assert len(ray_cast_many(scene.tables, np.zeros((0, 3)), np.zeros((0, 3))).shape) == 0
     assert len(overlap_box(scene.tables, (1, 1, 1))) == 0
 
@@ -300,10 +317,10 @@ def test_rays_of_any_length_and_along_the_axes_are_met():
     scene = Scene()
     scene.add(BOX, [1, 1, 1])
     for scale in (1e-300, 1e-9, 1.0, 1e300):
-        assert ray_cast(scene.tables, (3, 0.5, 0), (-scale, 0, 0)).distance == 2.0
-    assert ray_cast(scene.tables, (3, 1.0, 1.0), (-1, 0, 0)).distance == 2.0  # along an edge
-    assert ray_cast(scene.tables, (3, 1.1, 0), (-1, 0, 0)) is None
-    assert ray_cast(scene.tables, (-1e9, 0, 0), (1, 0, 0)).distance == 1e9 - 1
+        assert scene.ray_cast((3, 0.5, 0), (-scale, 0, 0)).distance == 2.0
+    assert scene.ray_cast((3, 1.0, 1.0), (-1, 0, 0)).distance == 2.0  # along an edge
+    assert scene.ray_cast((3, 1.1, 0), (-1, 0, 0)) is None
+    assert scene.ray_cast((-1e9, 0, 0), (1, 0, 0)).distance == 1e9 - 1
 
 
 @pytest.mark.parametrize(
@@ -325,9 +342,9 @@ def test_rays_of_any_length_and_along_the_axes_are_met():
 )
 def test_rays_that_cannot_be_are_refused(arguments, options, part):
     scene = Scene()
-    for function in (ray_cast, ray_cast_all):
+    for function in (scene.ray_cast, scene.ray_cast_all):
         with pytest.raises(ArgumentError, match=part):
-            function(scene.tables, *arguments, **options)
+            function(*arguments, **options)
 
 
 def test_other_questions_that_cannot_be_are_refused():
@@ -345,9 +362,9 @@ def test_other_questions_that_cannot_be_are_refused():
     scene.add(SPHERE, [1.0])
     scene[t.POSE][1, 0] = np.nan
     with pytest.raises(KickdriftError, match="Body 1 has a pose that is not finite"):
-        ray_cast(scene.tables, (3, 0, 0), (-1, 0, 0))
+        scene.ray_cast((3, 0, 0), (-1, 0, 0))
     scene[t.POSE][1, 0] = 0.0
-    assert ray_cast(scene.tables, (3, 0, 0), (-1, 0, 0)).distance == 2.0
+    assert scene.ray_cast((3, 0, 0), (-1, 0, 0)).distance == 2.0
 
 
 @settings(max_examples=50, deadline=None)
@@ -391,3 +408,42 @@ def test_a_world_answers_with_rows_and_handles():
     assert world.overlap_sphere(0.6, position=(0, 0, 0), layers=[0]) == [floor]
     world.advance(1 / 60, 60)
     assert world.ray_cast((0, 0, 5), (0, 0, -1)).distance == pytest.approx(4.0, abs=0.01)
+
+
+def test_rays_and_overlaps_go_through_what_they_are_to_ignore():
+    world = World()
+    floor = world.add_plane()
+    compound = world.add_body([Part(Sphere(0.5)), Part(Sphere(0.5), position=(0, 0, 2))], position=(0, 0, 5))
+    box = world.add_box((1, 1, 1), position=(0, 0, 2))
+    mesh = world.add_mesh([(-1, -1, 1), (1, -1, 1), (0, 1, 1)], [(0, 1, 2)])
+    down = (0, 0, 9), (0, 0, -1)
+    for ignore, expected in (
+        ((), compound),
+        (compound, box),
+        ([box], compound),
+        ((compound, box), mesh),
+        ({compound, box, mesh}, floor),
+        ([compound, box, mesh, floor], None),
+    ):
+        for _ in range(2):
+            hit = world.ray_cast(*down, ignore=ignore)
+            assert (hit and hit.body) == expected
+            every = world.ray_cast_all(*down, ignore=ignore)
+            assert (every[0].body if every else None) == expected
+            many = world.ray_cast_many(np.array([down[0]] * 3), np.array([down[1]] * 3), ignore=ignore)
+            assert many.body.tolist() == [expected.index if expected else -1] * 3
+            world.step(1e-6)
+    assert world.overlap_sphere(10.0, ignore=compound) == [floor, box, mesh]
+    assert world.overlap_box((20, 20, 20), ignore=(floor, mesh, box)) == [compound]
+    gone = world.add_sphere(1.0)
+    world.remove(gone)
+    for ignore in (3, "ball", None, gone, [gone], [box, 2], [None]):
+        for ask in (
+            lambda ignore: world.ray_cast(*down, ignore=ignore),
+            lambda ignore: world.ray_cast_all(*down, ignore=ignore),
+            lambda ignore: world.ray_cast_many(np.zeros((1, 3)), np.ones((1, 3)), ignore=ignore),
+            lambda ignore: world.overlap_sphere(1.0, ignore=ignore),
+            lambda ignore: world.overlap_box((1, 1, 1), ignore=ignore),
+        ):
+            with pytest.raises(ArgumentError, match="ignore"):
+                ask(ignore)

@@ -5,14 +5,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kickdrift.world.collision.rays import RAYS
-from kickdrift.world.shapes.kinds import BOX, CAPSULE, HULL, PLANE, SPHERE, TRIANGLE
+from kickdrift.world.shapes.catalogue import RAYS
+from kickdrift.world.shapes.kinds import BOX, CAPSULE, CONE, CYLINDER, HULL, PLANE, SPHERE, TRIANGLE
 from kickdrift.world.shapes.polyhedron import polyhedron_numbers
 
 INFINITY = float("inf")
 CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
 BOX_LOOPS = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
-SIZES = {SPHERE: 1, CAPSULE: 2, BOX: 3, HULL: 3}
+SIZES = {SPHERE: 1, CAPSULE: 2, BOX: 3, HULL: 3, CYLINDER: 2, CONE: 2}
 
 
 def cast(kind, numbers, origin, direction, limit=1e9):
@@ -23,6 +23,8 @@ def cast(kind, numbers, origin, direction, limit=1e9):
 
 
 def shape(kind, sizes):
+    if kind in (CYLINDER, CONE):
+        return np.array([sizes[0], sizes[0] if kind == CYLINDER else 0.0, sizes[1]])
     return polyhedron_numbers(CORNERS * sizes, BOX_LOOPS) if kind == HULL else np.asarray(sizes)
 
 
@@ -33,6 +35,12 @@ def depth(kind, sizes, points):
     if kind == CAPSULE:
         z = np.clip(points[..., 2], -sizes[1], sizes[1])
         return np.linalg.norm(points - z[..., None] * (0.0, 0.0, 1.0), axis=-1) - sizes[0]
+    if kind in (CYLINDER, CONE):
+        (radius, half), out = sizes, np.linalg.norm(points[..., :2], axis=-1)
+        side = out - radius
+        if kind == CONE:
+            side = (2.0 * half * side + radius * (points[..., 2] + half)) / np.hypot(2.0 * half, radius)
+        return np.maximum(side, np.abs(points[..., 2]) - half)
     return (np.abs(points) - sizes).max(axis=-1)
 
 
@@ -168,6 +176,7 @@ def test_rays_as_mujoco_has_them():
     kinds = {
         SPHERE: (mujoco.mjtGeom.mjGEOM_SPHERE, [0.7, 0.0, 0.0], [0.7]),
         CAPSULE: (mujoco.mjtGeom.mjGEOM_CAPSULE, [0.4, 0.9, 0.0], [0.4, 0.9]),
+        CYLINDER: (mujoco.mjtGeom.mjGEOM_CYLINDER, [0.4, 0.9, 0.0], [0.4, 0.4, 0.9]),
         BOX: (mujoco.mjtGeom.mjGEOM_BOX, [0.3, 0.5, 0.8], [0.3, 0.5, 0.8]),
     }
     hits = 0

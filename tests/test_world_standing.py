@@ -88,7 +88,7 @@ def test_contacts_that_joints_leave_no_freedom_do_nothing():
     assert world.position == pytest.approx(before, abs=1e-6)
 
 
-def test_limp_people_in_a_heap_gain_no_energy_and_joints_hold():
+def test_limp_humanoids_in_a_heap_gain_no_energy_and_joints_hold():
     world = worlds.ragdolls(count=4)
     energy = world.energy().total
     for _ in range(9):
@@ -98,7 +98,7 @@ def test_limp_people_in_a_heap_gain_no_energy_and_joints_hold():
     assert np.abs(world.velocity).max() < 3.0
 
 
-def test_people_in_free_fall_fall_as_everything_does():
+def test_humanoids_in_free_fall_fall_as_everything_does():
     world = World()
     person = worlds.add_person(world, position=(0, 0, 100.0))
     rows = [body.index for body in person.values()]

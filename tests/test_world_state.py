@@ -209,6 +209,8 @@ def everything():
     world.add_sphere(radius=0.3, position=(0, 0, 2), layer=3, collides_with=[0, 3], rolling_resistance=0.01)
     world.add_capsule(0.2, 0.5, position=(2, 0, 2), surface_velocity=np.array([0.1, 0.0, 0.0]), mass=2)
     world.add_hull(np.random.default_rng(1).normal(size=(9, 3)) * 0.4, position=(4, 0, 2), sensor=True)
+    world.add_cylinder(0.2, 0.5, position=(6, 0, 2))
+    world.add_cone(0.2, 0.5, position=(8, 0, 2))
     parts = [Part(Box((0.2, 0.3, 0.4))), Part(Sphere(0.1), position=(0, 0, 0.3), density=5000.0)]
     world.add_body(parts, position=(0, 0, 4), damping=0.1)
     world.add_box((1, 1, 1), position=(-3, 0, 4), kinematic=True, velocity=(0, 0, -0.1))
@@ -341,8 +343,8 @@ def test_files_of_other_sorts_say_what_they_are(tmp_path, rolled):
         kd.load(world.save(tmp_path / "world.npz"))
     with pytest.raises(FileFormatError, match="is not a kickdrift world"):
         kd.load_world(recording.save(tmp_path / "recording.npz"))
-    _rewritten(tmp_path / "world.npz", _put(0, "format", "kickdrift world 2"))
-    with pytest.raises(FileFormatError, match=r"'kickdrift world 2', and this version of kickdrift reads"):
+    _rewritten(tmp_path / "world.npz", _put(0, "format", "kickdrift world 3"))
+    with pytest.raises(FileFormatError, match=r"'kickdrift world 3', and this version of kickdrift reads"):
         kd.load_world(tmp_path / "world.npz")
     with pytest.raises(FileFormatError, match="cannot be read"):
         kd.load_world(tmp_path / "nothing.npz")
@@ -600,3 +602,130 @@ def test_overlap_and_joint_gaps_are_those_of_the_shapes():
     pair.add_ball_joint(*ends, anchor=(0.5, 0, 0))
     pair.position[2] += (0.0, 0.03, 0.04)
     assert pair.run(1e-9, 1e-9).derived["joint gap"][0] == pytest.approx(0.05, abs=1e-14)
+
+
+# Loops of one's own
+
+
+def test_a_recorded_loop_is_a_run():
+    world, other = balls(), balls()
+    run = world.run(0.5, STEP, save_every=4)
+    with other.record(save_every=4) as recording:
+        for _ in range(10):
+            other.step(run.step)
+        other.advance(run.step, 20)
+    assert type(recording) is kd.Recording
+    for name in ("x", "v", "orientation", "angular_velocity", "energy"):
+        assert np.array_equal(getattr(recording, name), getattr(run, name))
+    assert recording.t == pytest.approx(run.t, abs=1e-14)
+    assert np.array_equal(recording.derived["overlap"], run.derived["overlap"])
+    for name in ("status", "step", "n_steps", "n_force_evaluations", "about"):
+        assert getattr(recording, name) == getattr(run, name)
+    assert state(world)["POSE"] == state(other)["POSE"]
+    assert 0.0 < recording.wall_time < 60.0
+    other.step(STEP)
+    assert recording.n_steps == 30
+
+
+def test_recording_changes_nothing(tmp_path):
+    def swing(world):
+        world.advance(0.01, 30)
+        world.advance(0.005, 7)
+        return [event.begins for event in world.events], state(world)
+
+    first, second = cradle(), cradle()
+    with first.record(save_every=10) as recording:
+        recorded = swing(first)
+    assert recorded == swing(second)
+    assert recording.t == pytest.approx([0, 0.1, 0.2, 0.3, 0.335], abs=1e-12)
+    assert recording.step == 0.01
+    assert recording.n_steps == 37
+    loaded = kd.load(recording.save(tmp_path / "cradle"))
+    assert np.array_equal(loaded.x, recording.x)
+    assert "37, 5 states kept" in recording.report()
+
+
+def test_bodies_that_come_are_not_there_before_and_those_that_go_after():
+    world = balls()
+    gone = world.bodies.handle(2)
+    with world.record() as recording:
+        world.step(STEP)
+        late = world.add_sphere(0.1, position=(9, 9, 9), name="late")
+        world.advance(STEP, 99)
+        world.remove(gone)
+        world.step(STEP)
+    assert recording.x.shape == (102, 9, 3)
+    assert np.isnan(recording.x[:2, late.index]).all()
+    assert np.isfinite(recording.x[2:, late.index]).all()
+    assert np.isfinite(recording.x[:-1, gone.index]).all()
+    assert np.isnan(recording.x[-1, gone.index]).all()
+    assert np.isfinite(recording.energy).all()
+    assert recording.row("late") == late.index
+    assert "farthest way" in recording.report()
+
+
+@pytest.mark.parametrize(
+    ("error", "status"),
+    [(ZeroDivisionError, kd.Outcome.FAILED), (KeyboardInterrupt, kd.Outcome.INTERRUPTED)],
+)
+def test_a_loop_that_ends_by_an_error_keeps_what_was_done(error, status):
+    world = balls()
+    kept = []
+
+    def loop():
+        with world.record(save_every=2) as recording:
+            kept.append(recording)
+            world.advance(STEP, 5)
+            raise error("enough")
+
+    with pytest.raises(error):
+        loop()
+    recording = kept[0]
+    assert recording.status is status
+    assert recording.message.endswith("after 5 steps. enough")
+    assert len(recording.t) == 4
+    world.advance(STEP, 2)
+    with world.record() as again:  # it can be recorded again
+        pass
+    assert (again.n_steps, len(again.t), again.step) == (0, 1, 0.0)
+    assert again.success
+
+
+def test_a_body_lost_in_a_recorded_loop():
+    world = balls()
+    kept = []
+
+    def loop():
+        with world.record(save_every=2) as recording:
+            kept.append(recording)
+            world.advance(STEP, 3)
+            world.velocity[1] = 1e308
+            world.advance(1e9, 5)
+
+    with pytest.raises(kd.LostBodyError):
+        loop()
+    recording = kept[0]
+    assert recording.status is kd.Outcome.NOT_FINITE
+    assert recording.n_steps == 3
+    assert np.isfinite(recording.x[-1]).all()
+    assert recording.t[-1] == world.time
+
+
+def test_recordings_that_cannot_be():
+    world = balls()
+    then = world.snapshot()
+    for every in (0, -1, 1.5, True, "all", None):
+        with pytest.raises(ArgumentError, match="save_every"), world.record(save_every=every):
+            pass
+    with world.record() as recording:
+        with pytest.raises(AttributeError, match=r"x is there once the block of World\.record has ended"):
+            recording.x  # noqa: B018
+        with pytest.raises(ArgumentError, match="recorded already"), world.record():
+            pass
+        with pytest.raises(ArgumentError, match="does not go back"):
+            world.restore(then)
+        world.step(STEP)
+    with pytest.raises(AttributeError, match="no 'colour'"):
+        recording.colour  # noqa: B018
+    assert recording.n_steps == 1
+    world.restore(then)

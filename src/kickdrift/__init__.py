@@ -3,7 +3,8 @@
 ``kickdrift.solve`` integrates accelerations, Hamiltonians and other equations of motion; ``kickdrift.systems`` and
 ``kickdrift.methods`` are the catalogues, ``kickdrift.analysis`` judges runs, ``kickdrift.plots`` draws them,
 ``kickdrift.load`` reads a saved solution. ``kickdrift.World`` is for bodies that touch, stack, hinge and walk: with shapes
-(``Box``, ``Capsule``, ``Hull``, ``Sphere``, and ``Part`` for compounds), and what joints do (``Axis``, ``Drive``, ``Motor``).
+(``Box``, ``Capsule``, ``Cone``, ``Cylinder``, ``Hull``, ``Sphere``, and ``Part`` for compounds), and what joints do (``Axis``,
+``Drive``, ``Motor``).
 """
 
 from collections.abc import Callable
@@ -40,6 +41,8 @@ if TYPE_CHECKING:
     from kickdrift.world.joints.axis import Axis, Drive, Motor
     from kickdrift.world.shapes.box import Box
     from kickdrift.world.shapes.capsule import Capsule
+    from kickdrift.world.shapes.cone import Cone
+    from kickdrift.world.shapes.cylinder import Cylinder
     from kickdrift.world.shapes.hull import Hull
     from kickdrift.world.shapes.sphere import Sphere
     from kickdrift.world.world import World
@@ -50,7 +53,9 @@ __all__ = [
     "Box",
     "Capsule",
     "ChargedParticle",
+    "Cone",
     "Constrained",
+    "Cylinder",
     "Damped",
     "Drive",
     "FirstOrder",
@@ -99,7 +104,10 @@ _WORLDS = {
     "World": "kickdrift.world.world",
     "Part": "kickdrift.world.adding",
     **dict.fromkeys(("Axis", "Drive", "Motor"), "kickdrift.world.joints.axis"),
-    **{name: f"kickdrift.world.shapes.{name.lower()}" for name in ("Box", "Capsule", "Hull", "Sphere")},
+    **{
+        name: f"kickdrift.world.shapes.{name.lower()}"
+        for name in ("Box", "Capsule", "Cone", "Cylinder", "Hull", "Sphere")
+    },
     "load_robot": "kickdrift.io.robot_file",
     "load_world": "kickdrift.io.world_file",
 }

@@ -69,7 +69,7 @@ time, or faster if it would take more than 20 s. Of the options they have --dura
 
 \b
   kickdrift run pyramid
-  kickdrift run ragdolls --duration 2 --step 0.01 --output people
+  kickdrift run ragdolls --duration 2 --step 0.01 --output humanoids
 
 A bodies file, bodies.toml, holds these keys; all but the bodies may be left out, and any other is an error:
 

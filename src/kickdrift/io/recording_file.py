@@ -15,7 +15,12 @@ def save_recording(recording: Recording, path: str | Path) -> Path:
     """Write a recording to a file, whole or not at all; as `kickdrift.io.solution_file.save`."""
     looks, catalogue = recording.appearance, Catalogue()
     parts = [(part.body, catalogue.place(part.shape)) for part in looks.parts]
-    header = {"format": archive.RECORDING, **header_of(recording), "shapes": catalogue.words}
+    header = {
+        "format": archive.RECORDING,
+        **header_of(recording),
+        "shapes": catalogue.words,
+        "names": list(looks.names.items()),
+    }
     arrays = {
         **arrays_of(recording),
         "orientation": recording.orientation,
@@ -57,5 +62,6 @@ def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Recording:
     shown = [*(part.body for part in parts), *(body for rod in rods for body in (rod.body_a, rod.body_b))]
     if any(not 0 <= body < bodies for body in shown):
         raise ValueError(f"a shape is one of a body that there is not; there are {bodies}")
-    looks = Appearance(kinds, parts, rods)
+    names = {int(row): str(name) for row, name in head["names"]}
+    looks = Appearance(kinds, parts, rods, names)
     return Recording(**known, orientation=turns, angular_velocity=spins, appearance=looks)

@@ -31,9 +31,11 @@ def report(recording: Recording) -> str:
         values = 1e3 * recording.derived[name]
         if values.any():
             rows.append((name, f"{values.max():.3g} mm at most, {values[-1]:.3g} mm at the end"))
-    moved = np.linalg.norm(recording.x[-1] - recording.x[0], axis=1)[recording.moving]
+    moved = np.nan_to_num(np.linalg.norm(recording.x[-1] - recording.x[0], axis=1)[recording.moving])
     if moved.size:
-        rows.append(("farthest way", f"{moved.max():.4g} m, body {recording.moving[int(np.argmax(moved))]}"))
+        body = int(recording.moving[int(np.argmax(moved))])
+        called = f", {looks.names[body]!r}" if body in looks.names else ""
+        rows.append(("farthest way", f"{moved.max():.4g} m, body {body}{called}"))
     rows.append(("outcome", recording.message))
     return lines(rows)
 

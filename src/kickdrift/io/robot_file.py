@@ -17,12 +17,12 @@ from kickdrift.io.robots.laws import Actuator
 from kickdrift.io.robots.omissions import gathered, omissions
 from kickdrift.io.robots.parsing import Model, parse
 from kickdrift.world.arguments import unit_quaternion, vector
-from kickdrift.world.bodies import Body
+from kickdrift.world.body import Body
 from kickdrift.world.collision.filters import exclude
 from kickdrift.world.flight import STATIC
 from kickdrift.world.joints.handle import Joint
+from kickdrift.world.layout import LAYER
 from kickdrift.world.settings import GRAVITY
-from kickdrift.world.shape_rows import LAYER
 from kickdrift.world.tables import ASKED_APART, SETTINGS, SHAPE
 from kickdrift.world.world import World
 

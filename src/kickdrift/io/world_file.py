@@ -60,6 +60,8 @@ def save_world(world: World, path: str | Path) -> Path:
         "rooms": dict(snapshot.rooms),
         "kinds": snapshot.kinds,
         "bouncing": snapshot.bouncing,
+        "body_names": list(snapshot.body_names.items()),
+        "joint_names": list(snapshot.joint_names.items()),
         "shapes": catalogue.words,
         "surfaces": [json.loads(words) for words in surfaces],
     }
@@ -86,7 +88,8 @@ def load_world(path: str | Path, forces: Sequence[Function] = ()) -> World:
     Returns
     -------
     World
-        Bodies have the rows that they had; ``world.bodies.handle(row)`` gives the handle of one.
+        Bodies have the rows and names that they had; ``world.body(name)`` and ``world.bodies.handle(row)`` give the handle
+        of one.
 
     Raises
     ------
@@ -152,6 +155,8 @@ def _assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Snapshot:
         joints_arranged=bool(head["joints_arranged"]),
         kinds=tuple(head["kinds"]),
         bouncing=bool(head["bouncing"]),
+        body_names=_names(head["body_names"]),
+        joint_names=_names(head["joint_names"]),
         shapes=MappingProxyType(
             {row: Placed(shapes[of], place[:3], place[3:7], surfaces[face]) for (row, of, face), place in rows}
         ),
@@ -162,6 +167,10 @@ def _assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Snapshot:
             }
         ),
     )
+
+
+def _names(pairs: list[tuple[int, str]]) -> MappingProxyType[int, str]:
+    return MappingProxyType({int(row): str(name) for row, name in pairs})
 
 
 def _words(surface: Surface) -> str:

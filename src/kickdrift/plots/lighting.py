@@ -11,8 +11,8 @@ import numpy as np
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, length, minus, plus, times, turned_back
-from kickdrift.plots.rendering import AHEAD, EYE, KIND, NOTHING, RIGHT, SCALE, UP, ray, three
-from kickdrift.world.shapes.kinds import CAPSULE, PLANE, SPHERE
+from kickdrift.plots.rendering import AHEAD, EYE, LOOK, NOTHING, RIGHT, SCALE, UP, ray, three
+from kickdrift.world.shapes.record import BALL, CREASED, GLOSSY, GROUND
 
 # Columns of a setting: direction to the lamp (3), colour of the background (3), distance of the lines on planes in m,
 # and how far planes are seen, in m, from which point (3)
@@ -78,7 +78,7 @@ def paint(
     Parameters
     ----------
     camera : (14,) array
-    shapes, places : (S, 3) and (S, 11) array
+    shapes, places : (S, 4) and (S, 11) array
         As `cast` takes them.
     colours : (S, 3) array
         From 0 to 1.
@@ -115,13 +115,13 @@ def _colour(
     if shape == NOTHING:
         return background
     height, width = distance.shape
-    kind, place = shapes[shape, KIND], places[shape]
+    look, place = shapes[shape, LOOK], places[shape]
     n = (normal[row, column, 0], normal[row, column, 1], normal[row, column, 2])
     start, direction = ray(camera, column + 0.5, row + 0.5, width, height)
-    bright, gloss = _brightness(n, direction, three(setting, LAMP), lit[row, column], kind)
+    bright, gloss = _brightness(n, direction, three(setting, LAMP), lit[row, column], look)
     own = three(colours[shape], 0)
     q = (place[3], place[4], place[5], place[6])
-    if kind == PLANE:
+    if look & GROUND:
         far = distance[row, column]
         point = plus(start, times(far, direction))
         local = turned_back(q, minus(point, three(place, 0)))
@@ -129,7 +129,7 @@ def _colour(
         away = minus(point, three(setting, FADE + 1))
         seen = math.exp(-dot(away, away) / (setting[FADE] * setting[FADE]))
         return plus(times(bright * seen, own), times(1.0 - seen, background))
-    if kind == SPHERE:
+    if look & BALL:
         mark = turned_back(q, n)
         if mark[0] * mark[1] * mark[2] > 0.0:
             bright *= _MARK
@@ -137,10 +137,10 @@ def _colour(
 
 
 @compiled(fast=True, inline=True)
-def _brightness(n: Vector, direction: Vector, lamp: Vector, lit: float, kind: int) -> tuple[float, float]:
+def _brightness(n: Vector, direction: Vector, lamp: Vector, lit: float, look: int) -> tuple[float, float]:
     """Return how much light a surface has, and how much of the lamp is mirrored in it."""
     bright = _SKY + _FROM_ABOVE * (0.5 + 0.5 * n[2]) + _FROM_LAMP * lit * max(0.0, dot(n, lamp))
-    if kind != SPHERE and kind != CAPSULE:
+    if look & GLOSSY == 0:
         return bright, 0.0
     half = minus(lamp, direction)
     mirrored = max(0.0, dot(n, half)) / length(half)
@@ -170,19 +170,14 @@ def _on_edge(shapes: Any, owner: Any, normal: Any, row: int, column: int) -> boo
             continue
         other = owner[i, j]
         if own != other:
-            first = own == NOTHING or shapes[own, KIND] == PLANE
-            second = other == NOTHING or shapes[other, KIND] == PLANE
+            first = own == NOTHING or shapes[own, LOOK] & GROUND != 0
+            second = other == NOTHING or shapes[other, LOOK] & GROUND != 0
             if not (first and second):
                 return True
-        elif own != NOTHING and _is_faceted(shapes[own, KIND]):
+        elif own != NOTHING and shapes[own, LOOK] & CREASED:
             turn = 0.0
             for k in range(3):
                 turn += normal[row, column, k] * normal[i, j, k]
             if turn < _CREASE:
                 return True
     return False
-
-
-@compiled(fast=True, inline=True)
-def _is_faceted(kind: int) -> bool:
-    return kind != SPHERE and kind != CAPSULE and kind != PLANE

@@ -10,11 +10,10 @@ from numpy.typing import NDArray
 from kickdrift.plots.camera import Camera, axes_of, showing
 from kickdrift.plots.lighting import BACKGROUND, FADE, GRID, LAMP, SETTING, light, paint
 from kickdrift.plots.rendering import MIDDLE, REACH, cast, clear, ray_addresses
-from kickdrift.plots.scenery import Pose, Scenery, Sight, outline
+from kickdrift.plots.scenery import Pose, Scenery, Sight, is_plane, outline
 from kickdrift.world.flight import DYNAMIC
 from kickdrift.world.recording import Part, Recording
 from kickdrift.world.rotations import turned
-from kickdrift.world.shapes.kinds import PLANE
 
 Floats = NDArray[np.float64]
 _SAMPLES = 2  # rays for a pixel, along each side of it
@@ -127,7 +126,7 @@ def _places(recording: Recording) -> tuple[Floats, Floats]:
     (K, 3) and (K,) array
         Centres and radii, m.
     """
-    parts = [part for part in recording.appearance.parts if part.shape.kind != PLANE]
+    parts = [part for part in recording.appearance.parts if not is_plane(part)]
     moving = [part for part in parts if recording.appearance.kinds[part.body] == DYNAMIC]
     shown = [(part.body, *outline(part)) for part in moving or parts]
     for rod in recording.appearance.rods:
@@ -168,7 +167,7 @@ def _is_flat(recording: Recording, extent: float) -> bool:
 
 def _is_seen_plane(plane: Part, recording: Recording, camera: Camera) -> bool:
     """Whether a shape is a plane that a camera sees from outside, or from the side where its rays are parallel."""
-    if plane.shape.kind != PLANE:
+    if not is_plane(plane):
         return False
     at, turn = recording.x[0, plane.body], recording.orientation[0, plane.body]
     origin = at + turned(turn, plane.position)

@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 from kickdrift.core.calls import address_of, caller
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, length, minus, plus, times, turned, turned_back
-from kickdrift.world.collision.rays import RAYS, SIGNATURE
+from kickdrift.world.shapes.catalogue import KINDS, RAYS
+from kickdrift.world.shapes.record import RAY
 
-_meet = caller(SIGNATURE)
+_meet = caller(RAY)
 
 # Columns of what is known of each shape
-KIND, BEGIN, END = 0, 1, 2  # where its numbers are
+KIND, BEGIN, END, LOOK = 0, 1, 2, 3  # between begin and end are its numbers
 # Columns of its place, after its position (3) and orientation (4) in the world: a ball that holds it
 MIDDLE, REACH = 7, 10
 # Columns of a camera's numbers
@@ -30,9 +31,9 @@ _NEARER = 1.0 - 1e-6  # where surfaces lie in each other, the shape that was loo
 
 def ray_addresses(kinds: set[int]) -> NDArray[np.intp]:
     """Compile the functions by which rays meet kinds of shapes; return their addresses, by kind."""
-    addresses = np.zeros(max(RAYS) + 1, dtype=np.intp)
+    addresses = np.zeros(len(KINDS), dtype=np.intp)
     for kind in sorted(kinds):
-        addresses[kind] = address_of(RAYS[kind], SIGNATURE)
+        addresses[kind] = address_of(RAYS[kind], RAY)
     return addresses
 
 
@@ -111,8 +112,8 @@ def cast(
     camera : (14,) array
     order : array of int
         The shapes to look at, best the nearest first: what they hide is not looked at any more.
-    shapes : (S, 3) array of int
-        Kind, and where its numbers begin and end.
+    shapes : (S, 4) array of int
+        Kind, where its numbers begin and end, and its look.
     places : (S, 11) array
         Position, orientation, and middle and radius of a ball around the shape; the radius is infinite for planes.
     numbers : array

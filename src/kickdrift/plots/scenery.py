@@ -10,8 +10,10 @@ from kickdrift.plots.rendering import MIDDLE, REACH
 from kickdrift.world.flight import DYNAMIC, REMOVED
 from kickdrift.world.recording import Appearance, Part
 from kickdrift.world.rotations import product, turn_to, turned
-from kickdrift.world.shapes.kinds import BOX, CAPSULE, MESH, PLANE, SPHERE, TRIANGLE
-from kickdrift.world.shapes.mesh import TRIANGLE_SIZE
+from kickdrift.world.shapes.catalogue import KINDS, kind_of, met_as
+from kickdrift.world.shapes.kinds import BOX, CAPSULE, PLANE, TRIANGLE
+from kickdrift.world.shapes.record import BALL, HALF_SPACE
+from kickdrift.world.shapes.triangle import FIRST_TRIANGLE, TRIANGLE_SIZE
 
 Floats = NDArray[np.float64]
 _ROD = 0.002  # thickness of a rod, of the extent of the scene
@@ -34,7 +36,7 @@ class Sight(NamedTuple):
 
     Attributes
     ----------
-    shapes : (S, 3) array of int
+    shapes : (S, 4) array of int
     places : (S, 11) array
     numbers : (K,) array
     """
@@ -79,11 +81,11 @@ class Scenery:
         pieces: list[_Piece] = []
         bodies, places, colours = [], [], []
         self.n_planes = len(planes)
-        for part in (*planes, *(part for part in appearance.parts if part.shape.kind != PLANE)):
+        for part in (*planes, *(part for part in appearance.parts if not is_plane(part))):
             if appearance.kinds[part.body] == REMOVED:
                 continue
             origin = part.position
-            if part.shape.kind == PLANE:
+            if is_plane(part):
                 made = [_Piece(PLANE, np.zeros(0), np.zeros(3), np.inf)]
                 if from_side:
                     half = _SLAB * extent
@@ -104,7 +106,8 @@ class Scenery:
         pieces += [_Piece(CAPSULE, np.array([self._thickness, 0.0]), np.zeros(3), 0.0)] * len(self._rods)
         ends = np.cumsum([p.numbers.size for p in pieces], dtype=np.int64)
         sizes = np.array([p.numbers.size for p in pieces], dtype=np.int64)
-        self._shapes = np.column_stack(([p.kind for p in pieces], ends - sizes, ends)).astype(np.int64).reshape(-1, 3)
+        kinds, looks = [p.kind for p in pieces], [KINDS[p.kind].look for p in pieces]
+        self._shapes = np.column_stack((kinds, ends - sizes, ends, looks)).astype(np.int64).reshape(-1, 4)
         self._numbers = np.concatenate([np.zeros(0), *(p.numbers for p in pieces)])
         self.colours = np.array([*colours, *[_RODS] * len(self._rods)]).reshape(-1, 3)
 
@@ -134,6 +137,11 @@ class Scenery:
         return Sight(self._shapes, places, numbers)
 
 
+def is_plane(part: Part) -> bool:
+    """Whether a shape fills half of space."""
+    return kind_of(part.shape).sort == HALF_SPACE
+
+
 def colour_of(body: int) -> Floats:
     """Choose the colour of a body."""
     code = COLOURS[body % (len(COLOURS) - 1)]
@@ -148,7 +156,7 @@ def outline(part: Part) -> tuple[Floats, float]:
     """
     points = np.concatenate(part.shape.wireframe())
     low, high = points.min(axis=0), points.max(axis=0)
-    if part.shape.kind == SPHERE:
+    if kind_of(part.shape).look & BALL:
         return part.position[None] + turned(part.orientation, 0.5 * (low + high)[None]), 0.5 * float((high - low).max())
     corners = np.where(_CORNERS, high, low)
     return part.position + turned(part.orientation, corners), 0.0
@@ -157,8 +165,8 @@ def outline(part: Part) -> tuple[Floats, float]:
 def _pieces(part: Part) -> list[_Piece]:
     """Cut a shape into what rays meet: meshes into triangles."""
     shape = part.shape
-    if shape.kind == MESH:
-        triangles = shape.numbers[1:].reshape(-1, TRIANGLE_SIZE)
+    if met_as(shape.kind) == TRIANGLE:
+        triangles = shape.numbers[FIRST_TRIANGLE:].reshape(-1, TRIANGLE_SIZE)
         corners = triangles[:, :9].reshape(-1, 3, 3)
         middles = corners.mean(axis=1)
         reaches = np.linalg.norm(corners - middles[:, None], axis=2).max(axis=1)

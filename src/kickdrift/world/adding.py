@@ -8,23 +8,28 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.arguments import number, turn_to, unit_quaternion, vector
-from kickdrift.world.bodies import Bodies, Body, kind_of
+from kickdrift.world.arguments import choice, number, turn_to, unit_quaternion, vector
+from kickdrift.world.bodies import Bodies, kind_of
+from kickdrift.world.body import Body
 from kickdrift.world.collision.filters import forget
 from kickdrift.world.flight import DYNAMIC, STATIC
 from kickdrift.world.islands import REACH
 from kickdrift.world.joints.registry import Joints
-from kickdrift.world.shape_rows import Placed, Shape, ShapeRows, Surface, reach
+from kickdrift.world.shape_rows import Placed, ShapeRows, Surface
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
+from kickdrift.world.shapes.catalogue import kind_of as shape_kind
+from kickdrift.world.shapes.cone import Cone
+from kickdrift.world.shapes.cylinder import Cylinder
 from kickdrift.world.shapes.heightfield import HeightField
 from kickdrift.world.shapes.hull import Hull
-from kickdrift.world.shapes.kinds import MESH, PLANE
-from kickdrift.world.shapes.mass import Mass, checked_inertia, combined, placed, rotation_matrix
+from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.plane import Plane
+from kickdrift.world.shapes.record import SOLID, Shape
 from kickdrift.world.shapes.sphere import Sphere
 from kickdrift.world.tables import MOTION, RESTED, Tables
+from kickdrift.world.weighing import weigh
 
 Floats = NDArray[np.float64]
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
@@ -55,10 +60,7 @@ class Part:
         density: float | None = None,
         **surface: Any,
     ) -> None:
-        if not hasattr(shape, "mass_properties"):
-            raise ArgumentError(
-                f"shape={shape!r} is no shape; give one of kickdrift.world.shapes, such as Box((1, 1, 1))."
-            )
+        shape_kind(shape)
         self.shape = shape
         self.position = vector("position", position, 3)
         self.orientation = unit_quaternion("orientation", orientation)
@@ -102,6 +104,17 @@ class AddsBodies:
             In m; the length is that of the cylinder between the half balls.
         """
         return self.add_body(Capsule(radius, length), **options)
+
+    def add_cylinder(self, radius: float, length: float, **options: Any) -> Body:
+        """Add a cylinder about z, whose middle is its origin, with a radius and a length in m; options as in `add_body`."""
+        return self.add_body(Cylinder(radius, length), **options)
+
+    def add_cone(self, radius: float, length: float, **options: Any) -> Body:
+        """Add a cone about z of a radius and a length in m; options as in `add_body`.
+
+        The position that is given is halfway between base and tip; the body's own is its centre of mass.
+        """
+        return self.add_body(Cone(radius, length), **options)
 
     def add_box(self, size: ArrayLike, **options: Any) -> Body:
         """Add a box with three full edge lengths in m; options as in `add_body`."""
@@ -174,6 +187,8 @@ class AddsBodies:
         kinematic: bool = False,
         damping: float = 0.0,
         angular_damping: float = 0.0,
+        locked_rotation: bool = False,
+        name: str | None = None,
         **surface: Any,
     ) -> Body:
         """Add a body of one shape or several.
@@ -204,6 +219,10 @@ class AddsBodies:
             A static body never moves; a kinematic one moves with the velocity given and minds no force.
         damping, angular_damping : float
             Rates in 1/s at which velocities decay.
+        locked_rotation : bool
+            Whether it never turns, as if its inertia were infinite: for characters that stay upright.
+        name : str, optional
+            By which `World.body` finds it, and which errors and recordings call it; no two bodies have the same.
         **surface
             `friction`, `restitution`, `rolling_resistance`, `surface_velocity`, `layer`, `collides_with` and `sensor`, as
             in `Surface`.
@@ -216,8 +235,9 @@ class AddsBodies:
         Raises
         ------
         ArgumentError
-            For sizes, masses, inertias and poses that no body can have.
+            For sizes, masses, inertias and poses that no body can have, and for the name of another body.
         """
+        name = self.bodies.names.checked(name)
         parts = list(shapes) if isinstance(shapes, Sequence) else [Part(shapes)]
         if not parts or not all(isinstance(part, Part) for part in parts):
             raise ArgumentError(f"shapes={shapes!r} has to be a shape, or a sequence of at least one Part.")
@@ -226,27 +246,42 @@ class AddsBodies:
         motion = np.concatenate((vector("velocity", velocity, 3), vector("angular_velocity", angular_velocity, 3)))
         if kind == STATIC and motion.any():
             raise ArgumentError("velocity of a static body has to be zero; make it kinematic=True to move it.")
+        if choice("locked_rotation", locked_rotation) and (kind != DYNAMIC or motion[3:].any()):
+            raise ArgumentError(
+                "locked_rotation=True is for bodies that forces move, and have no angular_velocity; leave one of them out."
+            )
         surfaces = [surface_of({**surface, **part.surface}) for part in parts]
         weight = None
         if kind == DYNAMIC:
             for part in parts:
-                if part.shape.kind in (PLANE, MESH):
+                if shape_kind(part.shape).sort != SOLID:
                     raise ArgumentError(
                         f"{type(part.shape).__name__} cannot move: it has no inside; add it static=True."
                     )
-            weight = _weigh(parts, density, mass, inertia, centre)
+            weight = weigh(parts, density, mass, inertia, centre)
         rates = [number("damping", damping, "1/s"), number("angular_damping", angular_damping, "1/s")]
         middle = np.zeros(3) if weight is None else weight.centre
         body = self.bodies.add(kind, origin + rotation_matrix(turn) @ middle, turn)
         self.tables.array(MOTION)[body.index, :6] = motion
         if weight is not None:
-            self.bodies.set_mass(body.index, weight, rates)
+            self.bodies.set_mass(body.index, weight, rates, locked_rotation)
         for part, face in zip(parts, surfaces, strict=True):
             arm = part.position - middle
             rested = self.tables.array(RESTED)[body.index]
-            rested[REACH] = max(rested[REACH], float(np.linalg.norm(arm)) + reach(part.shape))
+            rested[REACH] = max(rested[REACH], float(np.linalg.norm(arm)) + part.shape.reach)
             self.shape_rows.add(body.index, Placed(part.shape, arm, part.orientation, face))
-        return body
+        self.bodies.names.give(body.index, name)
+        return self.bodies.handle(body.index)
+
+    def body(self, name: str) -> Body:
+        """Return the body of a name.
+
+        Raises
+        ------
+        UnknownNameError
+            If none has it; the sentence says which there are.
+        """
+        return self.bodies.handle(self.bodies.names.row(name))
 
     def remove(self, body: Body) -> None:
         """Remove a body with its shapes; its handle is worth nothing then, and its row is used again.
@@ -262,30 +297,3 @@ class AddsBodies:
         self.bodies.remove(body)
         self.shape_rows.remove_of(row)
         forget(self.tables, row)
-
-
-def _weigh(
-    parts: list[Part], density: float | None, mass: float | None, inertia: ArrayLike | None, centre: ArrayLike | None
-) -> Mass:
-    if density is not None and mass is not None:
-        raise ArgumentError(f"density={density!r} and mass={mass!r} say the same twice; give one of them.")
-    common = 1000.0 if density is None else density
-    whole = combined(
-        [
-            placed(
-                p.shape.mass_properties(), p.position, p.orientation, density=common if p.density is None else p.density
-            )
-            for p in parts
-        ]
-    )
-    if mass is not None:
-        total = number("mass", mass, "kg; static=True is for what nothing moves", zero=False)
-        whole = Mass(total, whole.centre, whole.inertia * (total / whole.mass))
-    if centre is not None and inertia is None:
-        raise ArgumentError(
-            f"centre={centre!r} has no inertia about it; give inertia= as well, (3,) or (3, 3), in kg m^2."
-        )
-    if inertia is not None:
-        middle = whole.centre if centre is None else vector("centre", centre, 3)
-        whole = Mass(whole.mass, middle, checked_inertia(inertia))
-    return whole

@@ -49,6 +49,8 @@ def turn_to(normal: ArrayLike) -> Floats:
 
 def number(argument: str, value: Any, unit: str, *, zero: bool = True) -> float:
     """Return a finite number that is positive, or zero where that is allowed; ArgumentError for others."""
+    if type(value) is float and 0.0 < value < np.inf:
+        return value
     what = f"zero or positive and finite, in {unit}" if zero else f"positive and finite, in {unit}"
     if isinstance(value, bool | str | complex) or not np.isscalar(value):
         raise ArgumentError(f"{argument}={value!r} has to be a number, {what}.")

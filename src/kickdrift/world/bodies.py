@@ -1,14 +1,15 @@
 """Bodies: rows of tables that come and go, and handles that know when theirs is gone."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import choice
+from kickdrift.world.body import Body
+from kickdrift.world.collision.search import shapes_changed
 from kickdrift.world.flight import (
     AWAKE,
     BODY_INERTIA,
@@ -18,14 +19,18 @@ from kickdrift.world.flight import (
     INVERSE_INERTIA,
     KIND,
     KINEMATIC,
+    LEFT_POSE,
     MASS,
     REMOVED,
     SPHERICAL,
     STATIC,
     TURN_DAMPING,
 )
+from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_MASS, ORIENTATION, POSITION
+from kickdrift.world.names import Names
 from kickdrift.world.settings import PLANE
-from kickdrift.world.shapes.mass import Mass, rotation_matrix
+from kickdrift.world.shape_rows import ShapeRows
+from kickdrift.world.shapes.mass import Mass, checked_inertia, rotation_matrix
 from kickdrift.world.tables import (
     BODY,
     CHANGE,
@@ -52,34 +57,30 @@ _TABLES: tuple[Table, ...] = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Body:
-    """A body of a world.
+class Bodies:
+    """The rows of bodies in the tables of a world; row 0 is the ground.
 
-    Attributes
+    Parameters
     ----------
-    index : int
-        Its row in `World.position` and the other arrays.
-    generation : int
-        Bodies that the world had seen before it; a handle of one that was removed is known by it.
+    tables : Tables
+    shape_rows : ShapeRows
+        Their shapes.
+    masses_changed : callable
+        Called after a body has got another mass or inertia.
     """
 
-    index: int
-    generation: int = 0
-
-
-class Bodies:
-    """The rows of bodies in the tables of a world; row 0 is the ground."""
-
-    def __init__(self, tables: Tables) -> None:
-        self._tables = tables
+    def __init__(self, tables: Tables, shape_rows: ShapeRows, masses_changed: Callable[[], None]) -> None:
+        self.tables = tables
+        self._shape_rows = shape_rows
+        self._masses_changed = masses_changed
+        self.names = Names("body")
         self.free: list[int] = []
         self.n_made = 0  # never goes back, not even to a snapshot: two bodies would share a handle
         self.ground = self.add(STATIC, np.zeros(3), np.array([1.0, 0, 0, 0]))
 
     def add(self, kind: int, position: Floats, orientation: Floats) -> Body:
         """Take a row for a body at rest that nothing moves."""
-        tables = self._tables
+        tables = self.tables
         if self.free:
             row = self.free.pop()
         else:
@@ -90,9 +91,9 @@ class Bodies:
         for table in _TABLES:
             tables.array(table)[row] = 0
         tables.array(BODY)[row, [KIND, AWAKE, GENERATION]] = kind, int(kind != STATIC), generation
-        tables.array(POSE)[row, :3] = position
-        tables.array(POSE)[row, 3:7] = orientation
-        return Body(row, generation)
+        tables.array(POSE)[row, POSITION : POSITION + 3] = position
+        tables.array(POSE)[row, ORIENTATION : ORIENTATION + 4] = orientation
+        return Body(row, generation, self)
 
     def remove(self, body: Body) -> None:
         """Give the row of a body back."""
@@ -100,10 +101,12 @@ class Bodies:
         if row == GROUND:
             raise ArgumentError("body is the ground of the world, which cannot be removed; remove another body.")
         for table in _TABLES:
-            self._tables.array(table)[row] = 0
-        self._tables.array(POSE)[row] = np.nan
-        self._tables.array(BODY)[row, KIND] = REMOVED
+            self.tables.array(table)[row] = 0
+        self.tables.array(POSE)[row] = np.nan
+        self.tables.array(BODY)[row, KIND] = REMOVED
+        self.names.give(row, None)
         self.free.append(row)
+        self.tables.version += 1
 
     def row(self, body: Any, argument: str = "body") -> int:
         """Return the row of a body that is there.
@@ -113,58 +116,142 @@ class Bodies:
         ArgumentError
             If it is no handle, or one of a body that was removed or of another world.
         """
+        if isinstance(body, Body) and self.knows(body.index, body.generation):
+            return body.index
         if not isinstance(body, Body):
             raise ArgumentError(f"{argument}={body!r} is not a body; give what World.add_box and the like returned.")
-        kinds = self._tables.array(BODY)
-        if not 0 <= body.index < len(kinds):
-            raise ArgumentError(f"{argument}={body!r} is not in this world, which has {len(kinds)} rows of bodies.")
-        if kinds[body.index, GENERATION] != body.generation or kinds[body.index, KIND] == REMOVED:
-            raise ArgumentError(f"{argument}={body!r} was removed, or is of another world; use one that is there.")
-        return body.index
+        count = self.tables.count(BODY)
+        if not 0 <= body.index < count:
+            raise ArgumentError(f"{argument}={body!r} is not in this world, which has {count} rows of bodies.")
+        raise ArgumentError(f"{argument}={body!r} was removed, or is of another world; use one that is there.")
+
+    def knows(self, index: int, generation: int) -> bool:
+        """Whether there is a body of a generation in a row."""
+        if not 0 <= index < self.tables.count(BODY):
+            return False
+        row = self.tables.row(BODY, index)
+        return bool(row.item(GENERATION) == generation and row.item(KIND) != REMOVED)
 
     def moved_row(self, body: Any) -> int:
         """Return the row of a body that forces move; ArgumentError for others."""
         row = self.row(body)
-        if self._tables.array(BODY)[row, KIND] != DYNAMIC:
+        if self.tables.row(BODY, row).item(KIND) != DYNAMIC:
             raise ArgumentError(f"body={body!r} is moved by no force: it is the ground, static or kinematic.")
         return row
 
-    def set_mass(self, row: int, mass: Mass, damping: Sequence[float]) -> None:
-        """Give a body its mass, and its inertia about the centre of mass in the body's axes."""
-        tables = self._tables
-        inverse = np.asarray(np.linalg.inv(mass.inertia), dtype=np.float64)
+    def set_mass(self, row: int, mass: Mass, damping: Sequence[float], locked: bool = False) -> None:
+        """Give a body its mass, and its inertia about the centre of mass in the body's axes; a locked one never turns."""
+        tables = self.tables
+        inverse = np.zeros((3, 3)) if locked else np.asarray(np.linalg.inv(mass.inertia), dtype=np.float64)
         moments = np.linalg.eigvalsh(mass.inertia)
         numbers = tables.array(INERTIA)[row]
         numbers[MASS] = mass.mass
         numbers[BODY_INERTIA : BODY_INERTIA + 6] = _symmetric(mass.inertia)
         numbers[INVERSE_INERTIA : INVERSE_INERTIA + 6] = _symmetric(inverse)
         numbers[[DAMPING, TURN_DAMPING]] = damping
-        numbers[SPHERICAL] = float(moments[2] - moments[0] < 1e-13 * moments[2])
+        numbers[SPHERICAL] = float(locked or moments[2] - moments[0] < 1e-13 * moments[2])
         if tables.array(BODY)[row, KIND] == DYNAMIC:
-            turn = rotation_matrix(tables.array(POSE)[row, 3:7])
+            turn = rotation_matrix(tables.array(POSE)[row, ORIENTATION : ORIENTATION + 4])
             response: Floats = turn @ inverse @ turn.T
             plane = tables.array(SETTINGS)[0, PLANE : PLANE + 3]
-            if plane.any():
+            if plane.any() and not locked:
                 # About the normal of the plane alone, where nothing tumbles and the inertia stays what it is.
                 response = np.outer(plane, plane) / (plane @ turn @ mass.inertia @ turn.T @ plane)
                 numbers[SPHERICAL] = 1.0
-            tables.array(RESPONSE)[row, 0] = 1.0 / mass.mass
-            tables.array(RESPONSE)[row, 1:7] = _symmetric(response)
+            tables.array(RESPONSE)[row, INVERSE_MASS] = 1.0 / mass.mass
+            tables.array(RESPONSE)[row, INVERSE_INERTIA_IN_WORLD : INVERSE_INERTIA_IN_WORLD + 6] = _symmetric(response)
+
+    def locked(self, body: Body) -> bool:
+        """Whether a body never turns: forces move it, and it has no inverse inertia."""
+        row = self.row(body)
+        dynamic = self.tables.array(BODY)[row, KIND] == DYNAMIC
+        return bool(dynamic and not self.tables.array(INERTIA)[row, INVERSE_INERTIA])
+
+    def mass(self, body: Body) -> Mass:
+        """Return what a body weighs, with its inertia about the origin of its axes; infinite where no force moves it."""
+        row = self.row(body)
+        if self.tables.array(BODY)[row, KIND] != DYNAMIC:
+            return Mass(np.inf, np.zeros(3), np.diag(np.full(3, np.inf)))
+        numbers = self.tables.array(INERTIA)[row]
+        xx, yy, zz, xy, xz, yz = numbers[BODY_INERTIA : BODY_INERTIA + 6].tolist()
+        return Mass(float(numbers[MASS]), np.zeros(3), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+
+    def change_mass(
+        self, body: Body, mass: float | None = None, inertia: ArrayLike | None = None, locked: bool | None = None
+    ) -> None:
+        """Give a body another mass, which scales its inertia, or another inertia, or lock it; its velocities stay."""
+        row = self.moved_row(body)
+        old = self.mass(body)
+        locked = self.locked(body) if locked is None else locked
+        new = old.inertia * (1.0 if mass is None else mass / old.mass) if inertia is None else checked_inertia(inertia)
+        numbers = self.tables.array(INERTIA)[row]
+        self.set_mass(
+            row, Mass(old.mass if mass is None else mass, old.centre, new), numbers[[DAMPING, TURN_DAMPING]], locked
+        )
+        # Which orientation the drift left is forgotten, so that the kick takes the angular momentum anew.
+        self.tables.array(KICKED)[row, LEFT_POSE : LEFT_POSE + 4] = 0.0
+        self._masses_changed()
+        self.wake()
+
+    def place(self, body: Body, columns: slice, numbers: Floats) -> None:
+        """Write columns of a pose; what is static is sought anew in its new place, and wakes all."""
+        row = self.row(body)
+        if row == GROUND:
+            raise ArgumentError("body is the ground of the world, which stays where it is; place another one.")
+        self.tables.row(POSE, row)[columns] = numbers
+        if self.tables.array(BODY)[row, KIND] == STATIC:
+            shapes_changed(self.tables, self._shape_rows.rows_of(row))
+            self.wake()
+
+    def move(self, body: Body, columns: slice, numbers: Floats) -> None:
+        """Write columns of the velocity and the angular velocity."""
+        row = self.row(body)
+        if self.tables.array(BODY)[row, KIND] == STATIC and numbers.any():
+            raise ArgumentError(f"body={body!r} is static and has no velocity; make it kinematic=True to move it.")
+        if columns.start == 3 and numbers.any() and self.locked(body):
+            raise ArgumentError(
+                f"angular_velocity={numbers.tolist()} of body={body!r}, whose rotation is locked; unlock it."
+            )
+        self.tables.row(MOTION, row)[columns] = numbers
+
+    def surface(self, body: Body, name: Literal["friction", "restitution"]) -> float:
+        """Return a number that the surfaces of all shapes of a body have.
+
+        Raises
+        ------
+        ArgumentError
+            If they differ, or there are none.
+        """
+        found = self._shape_rows.surface_numbers(self.row(body), name)
+        if len(found) != 1:
+            what = "has no shapes" if not found else f"has shapes of {name} {', '.join(map(str, sorted(found)))}"
+            raise ArgumentError(f"body={body!r} {what}, and so no {name} of its own.")
+        return found.pop()
+
+    def change_surface(self, body: Body, name: Literal["friction", "restitution"], value: float) -> None:
+        """Give all shapes of a body another number of their surfaces, and wake what rests on it."""
+        self._shape_rows.change_surface(self.row(body), name, value)
+        self.wake()
+
+    def words(self, row: int) -> str:
+        """Say which body is in a row, for sentences."""
+        name = self.names.of(row)
+        return f"body {row}" if name is None else f"body {row}, {name!r},"
 
     def wake(self) -> None:
         """Wake all bodies, as if none had rested: what they rest on may be gone."""
-        bodies = self._tables.array(BODY)
+        bodies = self.tables.array(BODY)
         sleeping = (bodies[:, KIND] >= KINEMATIC) & (bodies[:, AWAKE] == 0)
         bodies[sleeping, AWAKE] = 1
-        self._tables.array(RESTED)[:, 0] = 0.0
+        self.tables.array(RESTED)[:, 0] = 0.0
 
     def handle(self, row: int) -> Body:
         """Return the handle of a row."""
-        return Body(row, int(self._tables.array(BODY)[row, GENERATION]))
+        return Body(row, int(self.tables.array(BODY)[row, GENERATION]), self)
 
     def moving(self) -> NDArray[np.intp]:
         """Rows of the bodies that forces move."""
-        return np.flatnonzero(self._tables.array(BODY)[:, KIND] == DYNAMIC)
+        return np.flatnonzero(self.tables.array(BODY)[:, KIND] == DYNAMIC)
 
 
 def kind_of(static: bool, kinematic: bool) -> int:

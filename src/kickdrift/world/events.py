@@ -6,9 +6,11 @@ import numpy as np
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot, minus, plus, turned
-from kickdrift.world.bodies import Bodies, Body
+from kickdrift.world.bodies import Bodies
+from kickdrift.world.body import Body
+from kickdrift.world.collision.narrow_phase import shape_pose
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.looking import shape_pose
+from kickdrift.world.layout import BEGINS, FIRST_BODY, FROM_SENSOR, SECOND_BODY
 from kickdrift.world.tables import (
     CONTACT,
     EVENTS,
@@ -23,9 +25,6 @@ from kickdrift.world.tables import (
     set_rows,
 )
 from kickdrift.world.trouble import ask_for_room
-
-# Columns of EVENTS
-BEGINS, FIRST_BODY, SECOND_BODY, FROM_SENSOR = range(4)
 
 
 class ContactEvent(NamedTuple):

@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from kickdrift.world.contacts import layout as contacts
 from kickdrift.world.joints import layout as joints
+from kickdrift.world.layout import ORIENTATION, PLACE_ORIENTATION, PLACE_POSITION, POSITION
 from kickdrift.world.rotations import product, turned
 from kickdrift.world.tables import CONTACT, JOINT, JOINT_NUMBERS, MANIFOLD, PLACE, POSE, SHAPE, Tables
 
@@ -41,7 +42,8 @@ def widest_gap(tables: Tables) -> float:
     ends = []
     for column, anchor in ((joints.BODY_A, joints.ANCHOR_A), (joints.BODY_B, joints.ANCHOR_B)):
         bodies = pose[rows[:, column]]
-        ends.append(bodies[:, :3] + turned(bodies[:, 3:7], numbers[:, anchor : anchor + 3]))
+        at, turn = bodies[:, POSITION : POSITION + 3], bodies[:, ORIENTATION : ORIENTATION + 4]
+        ends.append(at + turned(turn, numbers[:, anchor : anchor + 3]))
     return float(np.abs(np.linalg.norm(ends[1] - ends[0], axis=1) - lengths).max(initial=0.0))
 
 
@@ -49,4 +51,6 @@ def _place(tables: Tables, shapes: NDArray[np.int64]) -> tuple[Floats, Floats]:
     """Return where shapes are in the world: origins and orientations."""
     body = tables.array(POSE)[tables.array(SHAPE)[shapes, _BODY]]
     place = tables.array(PLACE)[shapes]
-    return body[:, :3] + turned(body[:, 3:7], place[:, :3]), product(body[:, 3:7], place[:, 3:7])
+    at, turn = body[:, POSITION : POSITION + 3], body[:, ORIENTATION : ORIENTATION + 4]
+    offset, own = place[:, PLACE_POSITION : PLACE_POSITION + 3], place[:, PLACE_ORIENTATION : PLACE_ORIENTATION + 4]
+    return at + turned(turn, offset), product(turn, own)

@@ -33,7 +33,7 @@ from kickdrift.core.vectors import (
     turned_symmetric,
     unit,
 )
-from kickdrift.world.columns import symmetric_at, vector_at
+from kickdrift.world.columns import column, symmetric_at, vector_at
 from kickdrift.world.settings import GRAVITY, MIDPOINT, PLANE
 from kickdrift.world.tables import (
     BODY,
@@ -56,27 +56,30 @@ from kickdrift.world.tables import (
 )
 from kickdrift.world.trouble import report_body
 
-ADDED = 6
-SPIN = 9
-IMPACT_TIME = 12
-LEFT_TURN = 13
-LEFT_POSE = 16
-FALLS = 20
+# Columns of KICKED
+KICKED_VELOCITY = column(KICKED, 6, "m/s, rad/s")
+ADDED = column(KICKED, 3, "m/s")
+SPIN = column(KICKED, 3, "kg m^2/s")
+IMPACT_TIME = column(KICKED, 1, "s")
+LEFT_TURN = column(KICKED, 3, "rad/s")
+LEFT_POSE = column(KICKED, 4)
+FALLS = column(KICKED)
 
 # Columns of INERTIA
-MASS = 0
-BODY_INERTIA = 1
-INVERSE_INERTIA = 7
-DAMPING = 13
-TURN_DAMPING = 14
-SPHERICAL = 15  # 1.0 where all moments of inertia are equal
+MASS = column(INERTIA, 1, "kg")
+BODY_INERTIA = column(INERTIA, 6, "kg m^2")  # in the body's axes: xx, yy, zz, xy, xz, yz
+INVERSE_INERTIA = column(INERTIA, 6, "1/(kg m^2)")
+DAMPING = column(INERTIA, 1, "1/s")
+TURN_DAMPING = column(INERTIA, 1, "1/s")
+SPHERICAL = column(INERTIA)  # 1.0 where all moments of inertia are equal
 
 # Columns and values of BODY
-KIND = 0
-AWAKE = 1
-ISLAND = 2
-GENERATION = 3
-LINK_PLACE, LINK_COUNT = 4, 5
+KIND = column(BODY)
+AWAKE = column(BODY)
+ISLAND = column(BODY)
+GENERATION = column(BODY)
+LINK_PLACE = column(BODY)  # of its link + 1, where its joints are solved directly
+LINK_COUNT = column(BODY)
 REMOVED, STATIC, KINEMATIC, DYNAMIC = 0, 1, 2, 3
 
 _ROUNDS = 20

@@ -1,91 +1,64 @@
-"""Forces that users write as Python functions, compiled into the step.
+"""How forces come into a world: for a step, or as functions compiled into it."""
 
-A force names what it needs, and adds in place to the arrays `force` and `torque`:
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
->>> def drag(velocity, force):
-...     for body in range(len(force)):
-...         for k in range(3):
-...             force[body, k] -= 0.1 * velocity[body, k]
-"""
+from kickdrift.core.compilation import Function
+from kickdrift.world.arguments import vector
+from kickdrift.world.bodies import Bodies
+from kickdrift.world.body import Body
+from kickdrift.world.force_stage import force_stage
+from kickdrift.world.tables import LOAD, POSE, Tables
 
-import inspect
-from typing import Any
-
-from numba.core.errors import NumbaError
-
-from kickdrift.core.compilation import Function, compiled
-from kickdrift.core.errors import ArgumentError
-from kickdrift.engine.user_functions import argument_names
-from kickdrift.world.flight import MASS
-from kickdrift.world.step import STAGE
-from kickdrift.world.tables import FORCE, INERTIA, LOAD, MOTION, POSE, floats, rows
-
-# What a force may name, and the view of the tables that it is given.
-_ARGUMENTS = {
-    "t": "t",
-    "position": "floats(world, POSE)[:count, 0:3]",
-    "orientation": "floats(world, POSE)[:count, 3:7]",
-    "velocity": "floats(world, MOTION)[:count, 0:3]",
-    "angular_velocity": "floats(world, MOTION)[:count, 3:6]",
-    "mass": f"floats(world, INERTIA)[:count, {MASS}]",
-    "force": "floats(world, FORCE)[:count, 0:3]",
-    "torque": "floats(world, FORCE)[:count, 3:6]",
-}
-
-_TEMPLATE = """
-def stage(t, h, world):
-    count = rows(world, POSE)
-    function({views})
-"""
+Floats = NDArray[np.float64]
 
 
-@compiled
-def begin_forces(t: float, h: float, world: int) -> None:
-    """Begin with what `World.apply_force` asks for, in every substep."""
-    force, load = floats(world, FORCE), floats(world, LOAD)
-    for body in range(rows(world, LOAD)):
-        for k in range(6):
-            force[body, k] = load[body, k]
+class AppliesForces:
+    """The methods of a world that let forces act."""
 
+    tables: Tables
+    bodies: Bodies
+    forces: list[Function]
 
-def force_stage(function: Function) -> Function:
-    """Make a stage of the step of a user's function.
+    def apply_force(self, body: Body, force: ArrayLike, point: ArrayLike | None = None) -> None:
+        """Let a force in N act on a body during the next step.
 
-    Raises
-    ------
-    ArgumentError
-        If it is no function, names what there is not, adds to nothing, or cannot be compiled.
-    """
-    names = argument_names(function, "force", tuple(_ARGUMENTS), "take numbers from around the function")
-    if "force" not in names and "torque" not in names:
-        raise ArgumentError(
-            f"force {_name(function)}({', '.join(names)}) adds to nothing; name `force` or `torque`, arrays of a row a body,"
-            " and add to them in place."
-        )
-    native = function if hasattr(function, "py_func") else compiled(cached=False, checked=True)(function)
-    scope: dict[str, Any] = {
-        "__name__": __name__,
-        "function": native,
-        "floats": floats,
-        "rows": rows,
-        "POSE": POSE,
-        "MOTION": MOTION,
-        "INERTIA": INERTIA,
-        "FORCE": FORCE,
-    }
-    views = ", ".join(f"{name}={_ARGUMENTS[name]}" for name in names)
-    exec(_TEMPLATE.format(views=views), scope)  # noqa: S102 - our own template, above
-    stage: Any = compiled(cached=False)(scope["stage"])
-    try:
-        stage.compile(STAGE)
-    except NumbaError as error:
-        reason = str(error).strip().splitlines()[-1]
-        raise ArgumentError(
-            f"force {_name(function)} cannot be compiled: {reason} Use loops and NumPy functions that Numba knows."
-        ) from error
-    made: Function = stage
-    return made
+        Parameters
+        ----------
+        body : Body
+        force : (3,) array_like
+            N, in the world's axes.
+        point : (3,) array_like, optional
+            Where it acts, in the world, m; the centre of mass by default.
+        """
+        row, f = self.bodies.moved_row(body), vector("force", force, 3)
+        at = None if point is None else vector("point", point, 3)
+        load = self.tables.row(LOAD, row)
+        load[:3] += f
+        if at is not None:
+            load[3:6] += np.cross(at - self.tables.row(POSE, row)[:3], f)
 
+    def apply_torque(self, body: Body, torque: ArrayLike) -> None:
+        """Let a torque in N m, (3,) in the world's axes, act on a body during the next step."""
+        row, t = self.bodies.moved_row(body), vector("torque", torque, 3)
+        self.tables.row(LOAD, row)[3:6] += t
 
-def _name(function: Any) -> str:
-    return str(getattr(inspect.unwrap(getattr(function, "py_func", function)), "__name__", function))
+    def add_force(self, force: Function) -> None:
+        """Let a function of one's own act on the bodies in every substep, compiled into the step.
+
+        Bodies that sleep (``World(sleeping=True)``) stay asleep under it, also where it changes; `apply_force` wakes them.
+
+        Parameters
+        ----------
+        force : callable
+            Its arguments say what it needs, in any order: `t`, `position`, `orientation`, `velocity`,
+            `angular_velocity`, `mass`, and `force` (N) and `torque` (N m), to which it adds in place; arrays of a row a
+            body, in the world's axes.
+
+        Raises
+        ------
+        ArgumentError
+            If it is no function, names what there is not, adds to nothing, or cannot be compiled.
+        """
+        self.forces.append(force_stage(force))
+        self.tables.altered = True

@@ -1,10 +1,11 @@
 """How worlds are recorded, kept and restored."""
 
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from kickdrift.world.recording import Recording
-from kickdrift.world.running import run as record
+from kickdrift.world.running import record, run
 from kickdrift.world.snapshot import Snapshot, restore, take
 
 if TYPE_CHECKING:
@@ -13,8 +14,6 @@ if TYPE_CHECKING:
 
 class KeepsHistory:
     """The methods of a world that record, keep and restore it."""
-
-    _program_key: tuple[object, ...] | None
 
     def run(
         self, duration: float, step: float, save_every: int | None = None, progress: bool | None = None
@@ -43,7 +42,34 @@ class KeepsHistory:
         ArgumentError
             For a duration, step or save_every that cannot be.
         """
-        return record(self._world, duration, step, save_every, progress)
+        return run(self._world, duration, step, save_every, progress)
+
+    def record(self, save_every: int = 1) -> AbstractContextManager[Recording]:
+        """Record the steps of a loop of one's own.
+
+        >>> with world.record(save_every=2) as recording:
+        ...     for _ in range(100):
+        ...         world.apply_force(ball, (0, 0, 1.0))
+        ...         world.step(1 / 60)
+        >>> recording.plot()
+
+        Parameters
+        ----------
+        save_every : int
+            Keep the state at the beginning, after every so manieth step, and after the last one.
+
+        Returns
+        -------
+        context manager
+            Of what becomes a `Recording`, as `run` returns, once the block has ended, be it by an error: its `status` says
+            how. Its `step` is the largest one. The rows of bodies that were added on the way are NaN before.
+
+        Raises
+        ------
+        ArgumentError
+            For a `save_every` that cannot be, and for a world that is being recorded already; in the block, for `restore`.
+        """
+        return record(self._world, save_every)
 
     def snapshot(self) -> Snapshot:
         """Return the world as it is now, for `restore`: it does not change with the world."""
@@ -58,9 +84,13 @@ class KeepsHistory:
         ----------
         snapshot : Snapshot
             Of this world, or of another one, which this one then continues.
+
+        Raises
+        ------
+        ArgumentError
+            If it is no snapshot, and while the world is being recorded: a recording does not go back.
         """
         restore(self._world, snapshot)
-        self._program_key = None
 
     def save(self, path: str | Path) -> Path:
         """Write everything that the next steps depend on to a file for `kickdrift.load_world`; returns its path.

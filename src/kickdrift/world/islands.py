@@ -1,14 +1,19 @@
 """Sleep: islands of bodies that nearly touch or are joined rest together, and wake together."""
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.columns import column
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.flight import AWAKE, DYNAMIC, ISLAND, KIND, KINEMATIC
 from kickdrift.world.joints import layout as j
+from kickdrift.world.layout import ANGULAR_VELOCITY
 from kickdrift.world.settings import SLEEP_SPEED, SLEEP_TIME
 from kickdrift.world.tables import BODY, CONTACT, JOINT, LOAD, MOTION, POSE, RESTED, SETTINGS, floats, integers, rows
 
 # Columns of RESTED
-TIME, ISLAND_TIME, REACH, SLEPT_POSE = 0, 1, 2, 3
+TIME = column(RESTED, 1, "s")  # for how long a body has rested
+ISLAND_TIME = column(RESTED, 1, "s")  # for how long its island has
+REACH = column(RESTED, 1, "m")  # how far it reaches from its centre of mass
+SLEPT_POSE = column(RESTED, 7)  # where it sleeps
 
 
 @compiled
@@ -127,7 +132,7 @@ def _rests(world: int, row: int) -> bool:
     turn = 0.0
     for k in range(3):
         speed += motion[row, k] * motion[row, k]
-        turn += motion[row, 3 + k] * motion[row, 3 + k]
+        turn += motion[row, ANGULAR_VELOCITY + k] * motion[row, ANGULAR_VELOCITY + k]
     slowest: float = floats(world, SETTINGS)[0, SLEEP_SPEED]
     reach = rested[row, REACH]
     rests: bool = speed + turn * reach * reach < slowest * slowest

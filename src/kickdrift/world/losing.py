@@ -76,13 +76,13 @@ def go_back(tables: Tables) -> None:
     tables.array(CONTACT)[:, STATE] &= ~HIT
 
 
-def lost(tables: Tables, body: int, step: int) -> LostBodyError:
-    """Say which body was lost, and when; the world is back where the step began."""
+def lost(tables: Tables, body: int, words: str, step: int) -> LostBodyError:
+    """Say which body was lost, in words, and when; the world is back where the step began."""
     pose, motion = tables.array(POSE)[body, :7], tables.array(MOTION)[body, :6]
     if np.isfinite(pose).all() and np.isfinite(motion).all() and pose[3:].any():
         why = "Its forces or velocities are too large for the step: take a smaller one."
     else:
         why = "It had been given a pose or a velocity that is not finite, or an orientation of no length: give it another one."
     return LostBodyError(
-        f"body {body} was lost to infinity in step {step}; all bodies are where they were before it. {why}"
+        f"{words} was lost to infinity in step {step}; all bodies are where they were before it. {why}"
     )

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from kickdrift.world import settings
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.flight import BODY_INERTIA, MASS
+from kickdrift.world.layout import ANGULAR_VELOCITY, ORIENTATION, POSITION, VELOCITY
 from kickdrift.world.tables import INERTIA, MOTION, POSE, SETTINGS, Tables
 
 Floats = NDArray[np.float64]
@@ -33,28 +34,49 @@ class Energy(NamedTuple):
         return self.kinetic + self.potential
 
 
+class Measures:
+    """The methods of a world that measure what it conserves."""
+
+    tables: Tables
+    bodies: Bodies
+
+    def energy(self) -> Energy:
+        """Measure kinetic and potential energy, J; ``energy().total`` is their sum."""
+        return energy(self.tables, self.bodies)
+
+    def momentum(self) -> Floats:
+        """Measure the momentum, (3,), kg m/s."""
+        return momentum(self.tables, self.bodies)
+
+    def angular_momentum(self) -> Floats:
+        """Measure the angular momentum about the origin, (3,), kg m^2/s."""
+        return angular_momentum(self.tables, self.bodies)
+
+
 def energy(tables: Tables, bodies: Bodies) -> Energy:
     """Measure the energy of all bodies that forces move."""
     rows = bodies.moving()
-    mass, velocity = tables.array(INERTIA)[rows, MASS], tables.array(MOTION)[rows, :3]
-    turn = tables.array(MOTION)[rows, 3:6]
+    mass, velocity = tables.array(INERTIA)[rows, MASS], tables.array(MOTION)[rows, VELOCITY : VELOCITY + 3]
+    turn = tables.array(MOTION)[rows, ANGULAR_VELOCITY : ANGULAR_VELOCITY + 3]
     kinetic = 0.5 * mass @ np.sum(velocity**2, axis=1) + 0.5 * np.sum(turn * _spin(tables, rows))
     gravity = tables.array(SETTINGS)[0, settings.GRAVITY : settings.GRAVITY + 3]
-    return Energy(float(kinetic), float(-mass @ (tables.array(POSE)[rows, :3] @ gravity)))
+    return Energy(float(kinetic), float(-mass @ (tables.array(POSE)[rows, POSITION : POSITION + 3] @ gravity)))
 
 
 def momentum(tables: Tables, bodies: Bodies) -> Floats:
     """Measure the momentum, (3,), kg m/s."""
     rows = bodies.moving()
-    total: Floats = tables.array(INERTIA)[rows, MASS] @ tables.array(MOTION)[rows, :3]
+    total: Floats = tables.array(INERTIA)[rows, MASS] @ tables.array(MOTION)[rows, VELOCITY : VELOCITY + 3]
     return total
 
 
 def angular_momentum(tables: Tables, bodies: Bodies) -> Floats:
     """Measure the angular momentum about the origin, (3,), kg m^2/s."""
     rows = bodies.moving()
-    push = tables.array(INERTIA)[rows, MASS, None] * tables.array(MOTION)[rows, :3]
-    total: Floats = (np.cross(tables.array(POSE)[rows, :3], push) + _spin(tables, rows)).sum(axis=0)
+    push = tables.array(INERTIA)[rows, MASS, None] * tables.array(MOTION)[rows, VELOCITY : VELOCITY + 3]
+    total: Floats = (np.cross(tables.array(POSE)[rows, POSITION : POSITION + 3], push) + _spin(tables, rows)).sum(
+        axis=0
+    )
     return total
 
 
@@ -62,8 +84,10 @@ def _spin(tables: Tables, rows: NDArray[np.intp]) -> Floats:
     """Angular momentum of each body about its own centre, (N, 3)."""
     xx, yy, zz, xy, xz, yz = tables.array(INERTIA)[rows, BODY_INERTIA : BODY_INERTIA + 6].T
     moments = np.stack((xx, xy, xz, xy, yy, yz, xz, yz, zz), axis=-1).reshape(-1, 3, 3)
-    turn = _matrices(tables.array(POSE)[rows, 3:7])
-    spin: Floats = np.einsum("nij,njk,nlk,nl->ni", turn, moments, turn, tables.array(MOTION)[rows, 3:6])
+    turn = _matrices(tables.array(POSE)[rows, ORIENTATION : ORIENTATION + 4])
+    spin: Floats = np.einsum(
+        "nij,njk,nlk,nl->ni", turn, moments, turn, tables.array(MOTION)[rows, ANGULAR_VELOCITY : ANGULAR_VELOCITY + 3]
+    )
     return spin
 
 

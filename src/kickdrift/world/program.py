@@ -8,19 +8,19 @@ from numpy.typing import NDArray
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function
 from kickdrift.world.collision.broad_phase import find_pairs
-from kickdrift.world.contacts.advance import find_impacts
+from kickdrift.world.collision.narrow_phase import place_shapes
+from kickdrift.world.collision.recycling import find_points
+from kickdrift.world.collision.time_of_impact import find_impacts
 from kickdrift.world.contacts.impact import bounce
-from kickdrift.world.contacts.looking import place_shapes
 from kickdrift.world.contacts.prepare import colour, prepare
 from kickdrift.world.contacts.solve import THREADED, relax, solve, store, warm_start
-from kickdrift.world.contacts.update import find_points
 from kickdrift.world.direct.bounces import bounce_islands
 from kickdrift.world.direct.islands import find_islands
 from kickdrift.world.direct.nodes import find_nodes
 from kickdrift.world.direct.solve import relax_islands, solve_islands
 from kickdrift.world.events import note_touching
 from kickdrift.world.flight import begin, drift, finish, flatten, kick
-from kickdrift.world.forces import begin_forces
+from kickdrift.world.force_stage import begin_forces
 from kickdrift.world.islands import sleep, wake
 from kickdrift.world.joints.around import begin_joints, finish_joints, wake_joints
 from kickdrift.world.joints.impulses import warm_start_joints
@@ -109,11 +109,17 @@ class Program(NamedTuple):
     offsets: NDArray[np.float64]
 
 
-def compose(spelt: Word, step: float, substeps: int) -> Program:
-    """Compile the stages of a word and lay them out, its substeps one after the other."""
+def addresses(spelt: Word, substeps: int) -> NDArray[np.intp]:
+    """Compile the stages of a word, and return their addresses, the substeps one after the other."""
+    before, substep, after = spelt
+    at = {stage: address_of(stage, STAGE) for part in spelt for stage in part}
+    return np.array([at[stage] for stage in (*before, *substep * substeps, *after)], dtype=np.intp)
+
+
+def compose(spelt: Word, at: NDArray[np.intp], step: float, substeps: int) -> Program:
+    """Say what times the stages of a word at these addresses cover."""
     before, substep, after = spelt
     h = step / substeps
-    addresses = [address_of(stage, STAGE) for stage in (*before, *substep * substeps, *after)]
     lengths = [step] * len(before) + [h] * len(substep) * substeps + [step] * len(after)
     offsets = [0.0] * len(before) + [k * h for k in range(substeps) for _ in substep] + [step] * len(after)
-    return Program(np.array(addresses, dtype=np.intp), np.array(lengths), np.array(offsets))
+    return Program(at, np.array(lengths), np.array(offsets))

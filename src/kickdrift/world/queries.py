@@ -1,285 +1,144 @@
-"""What rays meet, and what overlaps a box or a ball: questions to a world that leave it as it is.
-
-They hold for the poses that the bodies have when they are asked. Sensors are not found. Meshes are surfaces: what is
-inside of a closed one overlaps nothing.
-"""
+"""Questions to a world: what rays meet, and what overlaps a box or a ball."""
 
 from collections.abc import Iterable
-from functools import cache
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kickdrift.core.calls import address_of
-from kickdrift.core.errors import KickdriftError
-from kickdrift.world.bodies import Body
-from kickdrift.world.collision import PAIRS
-from kickdrift.world.collision.bounds import find_strays
-from kickdrift.world.collision.casting import DISTANCE, HIT, NORMAL, SHAPE_HIT, cast, cast_many
-from kickdrift.world.collision.forest import update_for_queries
-from kickdrift.world.collision.nearby import find_near, overlaps
-from kickdrift.world.collision.query_arguments import layer_bits, one_vector, rays_of
-from kickdrift.world.collision.rays import RAYS, SIGNATURE
-from kickdrift.world.contacts.looking import COLLIDE
-from kickdrift.world.flight import GENERATION
-from kickdrift.world.shapes.box import Box
-from kickdrift.world.shapes.kinds import BOX, MESH, SPHERE, TRIANGLE
-from kickdrift.world.shapes.mass import rotation_matrix
-from kickdrift.world.shapes.sphere import Sphere
-from kickdrift.world.tables import BODY, MOVERS, PART_TREE, PLANES, POSE, SHAPE, TROUBLE, Tables
-from kickdrift.world.trouble import BODY as TROUBLED_BODY
-from kickdrift.world.trouble import FULL, KIND, TABLE, WANTED
+from kickdrift.core.errors import ArgumentError
+from kickdrift.world.bodies import Bodies
+from kickdrift.world.body import Body
+from kickdrift.world.collision import queries
+from kickdrift.world.collision.queries import RayHit, RayHits
+from kickdrift.world.collision.query_arguments import one_vector
+from kickdrift.world.layout import BODY_ROW
+from kickdrift.world.tables import SHAPE, Tables
 
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
+_Ignored = Body | Iterable[Body]
 
 
-class RayHit(NamedTuple):
-    """Where a ray meets a shape first.
+class AnswersQueries:
+    """The methods of a world that ask where things are, and leave it as it is."""
 
-    Attributes
-    ----------
-    shape : int
-        Row of the shape.
-    body : Body
-        That the shape is a part of.
-    distance : float
-        m.
-    point : (3,) array
-        m.
-    normal : (3,) array
-        Unit vector out of the shape; of a triangle, to its outside. A ray that starts inside of a shape meets it
-        where it leaves it.
-    """
+    tables: Tables
+    bodies: Bodies
 
-    shape: int
-    body: Body
-    distance: float
-    point: Floats
-    normal: Floats
+    def ray_cast(
+        self,
+        origin: ArrayLike,
+        direction: ArrayLike,
+        limit: float = np.inf,
+        layers: Iterable[int] | None = None,
+        ignore: _Ignored = (),
+    ) -> RayHit | None:
+        """Return the nearest shape that a ray meets, or None.
 
+        Parameters
+        ----------
+        origin : (3,) array_like
+            m.
+        direction : (3,) array_like
+            Any length but zero.
+        limit : float
+            How far the ray goes, m.
+        layers : iterable of int, optional
+            Layers whose shapes it meets, from 0 to 61; all by default.
+        ignore : Body or iterable of Body
+            Bodies that it goes through, such as the one that looks.
 
-class RayHits(NamedTuple):
-    """Where each of N rays meets the first shape.
+        Returns
+        -------
+        RayHit or None
+            With the body, the distance, the point and the normal there.
 
-    Attributes
-    ----------
-    shape, body : (N,) array of int
-        Rows of the shapes and of their bodies; -1 for rays that meet nothing.
-    distance : (N,) array
-        m; infinity for rays that meet nothing.
-    point, normal : (N, 3) array
-        As in `RayHit`; NaN for rays that meet nothing.
-    """
+        Raises
+        ------
+        ArgumentError
+            If the origin is not finite, the direction has no length, or the limit or a layer cannot be; for bodies to
+            ignore that are gone.
+        """
+        ray = one_vector("origin", origin), one_vector("direction", direction)
+        found = self._hits(queries.ray_cast_many(self.tables, *ray, limit, layers, self._ignored(ignore)))
+        return found[0] if found else None
 
-    shape: Integers
-    body: Integers
-    distance: Floats
-    point: Floats
-    normal: Floats
+    def ray_cast_all(
+        self,
+        origin: ArrayLike,
+        direction: ArrayLike,
+        limit: float = np.inf,
+        layers: Iterable[int] | None = None,
+        ignore: _Ignored = (),
+    ) -> list[RayHit]:
+        """Return where a ray meets every shape on its way first, the nearest shape first; as `ray_cast`."""
+        return self._hits(queries.ray_cast_all(self.tables, origin, direction, limit, layers, self._ignored(ignore)))
 
+    def ray_cast_many(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        limit: float = np.inf,
+        layers: Iterable[int] | None = None,
+        ignore: _Ignored = (),
+    ) -> RayHits:
+        """Return the nearest shape that each of many rays meets, as arrays; (N, 3) directions from (N, 3) or (3,) origins."""
+        return queries.ray_cast_many(self.tables, origins, directions, limit, layers, self._ignored(ignore))
 
-def ray_cast(
-    tables: Tables,
-    origin: ArrayLike,
-    direction: ArrayLike,
-    limit: float = np.inf,
-    layers: Iterable[int] | None = None,
-) -> RayHit | None:
-    """Return the nearest shape that a ray meets, or None; see `World.ray_cast`."""
-    hits = ray_cast_many(tables, one_vector("origin", origin), one_vector("direction", direction), limit, layers)
-    return _one_by_one(tables, hits)[0] if hits.shape[0] >= 0 else None
+    def overlap_box(
+        self,
+        size: ArrayLike,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        orientation: ArrayLike = (1.0, 0.0, 0.0, 0.0),
+        layers: Iterable[int] | None = None,
+        ignore: _Ignored = (),
+    ) -> list[Body]:
+        """Return the bodies that overlap a box.
 
+        Parameters
+        ----------
+        size : (3,) array_like
+            Lengths of its edges, m.
+        position : (3,) array_like
+            Of its middle, m.
+        orientation : (4,) array_like
+            Quaternion (w, x, y, z) that turns its axes into the world's.
+        layers : iterable of int, optional
+            Layers whose shapes count, from 0 to 61; all by default.
+        ignore : Body or iterable of Body
+            Bodies that do not count.
 
-def ray_cast_all(
-    tables: Tables,
-    origin: ArrayLike,
-    direction: ArrayLike,
-    limit: float = np.inf,
-    layers: Iterable[int] | None = None,
-) -> list[RayHit]:
-    """Return where a ray meets every shape on its way first, the nearest shape first; arguments as in `ray_cast`."""
-    rays = rays_of(one_vector("origin", origin), one_vector("direction", direction), limit)
-    wanted = layer_bits(layers)
-    strays = _strays(tables)
-    hits = np.empty((2 * len(tables.array(SHAPE)) + 2, HIT))
-    count = cast(tables.address, rays[0], _ray_functions(tables), strays, wanted, hits)
-    _, first = np.unique(hits[:count, SHAPE_HIT], return_index=True)
-    hits = hits[first]
-    hits = hits[np.argsort(hits[:, DISTANCE], kind="stable")]
-    return _one_by_one(tables, _described(tables, np.repeat(rays, len(hits), axis=0), hits))
+        Raises
+        ------
+        ArgumentError
+            If the size is not positive, or the pose is not finite; for bodies to ignore that are gone.
+        """
+        ignored = self._ignored(ignore)
+        return self._bodies_of(queries.overlap_box(self.tables, size, position, orientation, layers, ignored))
 
+    def overlap_sphere(
+        self,
+        radius: float,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        layers: Iterable[int] | None = None,
+        ignore: _Ignored = (),
+    ) -> list[Body]:
+        """Return the bodies that overlap a ball of a radius in m; the rest as in `overlap_box`."""
+        return self._bodies_of(queries.overlap_sphere(self.tables, radius, position, layers, self._ignored(ignore)))
 
-def ray_cast_many(
-    tables: Tables,
-    origins: ArrayLike,
-    directions: ArrayLike,
-    limit: float = np.inf,
-    layers: Iterable[int] | None = None,
-) -> RayHits:
-    """Return the nearest shape that each of many rays meets.
+    def _ignored(self, ignore: Any) -> set[int]:
+        if isinstance(ignore, Body):
+            return {self.bodies.row(ignore, "ignore")}
+        if isinstance(ignore, str) or not isinstance(ignore, Iterable):
+            raise ArgumentError(f"ignore={ignore!r} has to be a body, or several of them.")
+        return {self.bodies.row(body, "ignore") for body in ignore}
 
-    Parameters
-    ----------
-    tables : Tables
-        Of the world.
-    origins : (N, 3) or (3,) array_like
-        m; one is that of all rays.
-    directions : (N, 3) array_like
-        Any lengths but zero.
-    limit, layers
-        As in `ray_cast`.
+    def _hits(self, hits: RayHits) -> list[RayHit]:
+        """Hits of shapes one by one, each with a handle of its body."""
+        return [
+            RayHit(int(shape), self.bodies.handle(int(body)), float(distance), point, normal)
+            for shape, body, distance, point, normal in zip(*hits, strict=True)
+            if shape >= 0
+        ]
 
-    Raises
-    ------
-    ArgumentError
-        As in `ray_cast`, or if there are not as many origins as directions.
-    """
-    rays = rays_of(origins, directions, limit)
-    wanted = layer_bits(layers)
-    strays = _strays(tables)
-    hits = np.full((len(rays), HIT), np.nan)
-    hits[:, SHAPE_HIT], hits[:, DISTANCE] = -1, np.inf
-    cast_many(tables.address, rays, _ray_functions(tables), strays, wanted, hits)
-    return _described(tables, rays, hits)
-
-
-def overlap_box(
-    tables: Tables,
-    size: ArrayLike,
-    position: ArrayLike = (0.0, 0.0, 0.0),
-    orientation: ArrayLike = (1.0, 0.0, 0.0, 0.0),
-    layers: Iterable[int] | None = None,
-) -> Integers:
-    """Return the rows of the shapes that overlap a box, in ascending order.
-
-    Parameters
-    ----------
-    tables : Tables
-        Of the world.
-    size : (3,) array_like
-        Lengths of its edges, m.
-    position : (3,) array_like
-        Of its middle, m.
-    orientation : (4,) array_like
-        Quaternion (w, x, y, z) that turns its axes into the world's; any length but zero.
-    layers : iterable of int, optional
-        Layers whose shapes count, from 0 to 61; all by default.
-
-    Raises
-    ------
-    ArgumentError
-        If the size is not positive, or the pose is not finite.
-    """
-    box = Box(size)
-    half = np.abs(rotation_matrix(orientation)) @ box.numbers
-    return _overlap(tables, BOX, box.numbers, position, orientation, half, layers)
-
-
-def overlap_sphere(
-    tables: Tables, radius: float, position: ArrayLike = (0.0, 0.0, 0.0), layers: Iterable[int] | None = None
-) -> Integers:
-    """Return the rows of the shapes that overlap a ball of a radius in m; the rest as in `overlap_box`."""
-    ball = Sphere(radius)
-    return _overlap(tables, SPHERE, ball.numbers, position, (1.0, 0.0, 0.0, 0.0), np.full(3, ball.radius), layers)
-
-
-def _overlap(
-    tables: Tables,
-    kind: int,
-    numbers: Floats,
-    position: ArrayLike,
-    orientation: ArrayLike,
-    half: Floats,
-    layers: Iterable[int] | None,
-) -> Integers:
-    centre = one_vector("position", position)[0]
-    turn = np.asarray(orientation, dtype=np.float64)
-    turn = turn / np.sqrt(turn @ turn)
-    wanted = layer_bits(layers)
-    strays = _strays(tables)
-    box = (*(centre - half).tolist(), *(centre + half).tolist())
-    shapes = tables.array(SHAPE)
-    found = np.empty(len(shapes) + len(tables.array(PLANES)) + 1)
-    count = find_near(tables.address, box, found)
-    candidates = np.union1d(found[:count].astype(np.int64), strays)
-    candidates = candidates[(shapes[candidates, 6] == 0) & (shapes[candidates, 4] & wanted != 0)]
-    functions = _pair_functions(tables, kind)
-    parts = np.empty(len(tables.array(PART_TREE)) + 1)
-    at, q = tuple(centre.tolist()), tuple(turn.tolist())
-    touches = [
-        overlaps(tables.address, int(shape), kind, numbers, at, q, box, functions, parts) for shape in candidates
-    ]
-    return np.asarray(candidates[np.array(touches, dtype=np.bool_)], dtype=np.int64)
-
-
-def _strays(tables: Tables) -> Integers:
-    """Bring the trees up to date with the shapes that there are, and return those that have left their boxes."""
-    trouble = tables.array(TROUBLE)[0]
-    while not update_for_queries(tables.address):
-        kind, table, wanted, body = (int(trouble[column]) for column in (KIND, TABLE, WANTED, TROUBLED_BODY))
-        trouble[:] = 0
-        if kind != FULL:
-            raise _nowhere(body)
-        tables.make_room(table, wanted)
-    strays = np.empty(len(tables.array(MOVERS)), dtype=np.int64)
-    strays = strays[: find_strays(tables.address, strays)]
-    bodies = tables.array(SHAPE)[strays, 1]
-    lost = bodies[~np.isfinite(tables.array(POSE)[bodies, :7]).all(axis=1)]
-    if lost.size:
-        raise _nowhere(int(lost[0]))
-    return strays
-
-
-def _nowhere(body: int) -> KickdriftError:
-    return KickdriftError(f"Body {body} has a pose that is not finite, and cannot be looked for; move it.")
-
-
-def _one_by_one(tables: Tables, hits: RayHits) -> list[RayHit]:
-    """Hits of shapes, each with a handle of its body."""
-    generations = tables.array(BODY)[hits.body, GENERATION]
-    return [
-        RayHit(int(shape), Body(int(body), int(generation)), float(distance), point, normal)
-        for generation, shape, body, distance, point, normal in zip(generations, *hits, strict=True)
-    ]
-
-
-def _kinds(tables: Tables) -> list[int]:
-    """Return the kinds of shapes that there are."""
-    kinds = np.unique(tables.array(SHAPE)[:, 0])
-    return [TRIANGLE if kind == MESH else int(kind) for kind in kinds if kind >= 0]
-
-
-def _ray_functions(tables: Tables) -> NDArray[np.intp]:
-    functions = np.zeros(8, dtype=np.intp)
-    for kind in _kinds(tables):
-        functions[kind] = _ray_function(kind)
-    return functions
-
-
-@cache
-def _ray_function(kind: int) -> int:
-    return address_of(RAYS[kind], SIGNATURE)
-
-
-def _pair_functions(tables: Tables, kind: int) -> NDArray[np.intp]:
-    functions = np.zeros(8, dtype=np.intp)
-    for other in _kinds(tables):
-        functions[other] = _pair_function(min(kind, other), max(kind, other))
-    return functions
-
-
-@cache
-def _pair_function(kind: int, other: int) -> int:
-    return address_of(PAIRS[kind, other], COLLIDE)
-
-
-def _described(tables: Tables, rays: Floats, hits: Floats) -> RayHits:
-    shape = hits[:, SHAPE_HIT].astype(np.int64)
-    met = shape >= 0
-    body = np.full(len(hits), -1)
-    body[met] = tables.array(SHAPE)[shape[met], 1]
-    point = np.full((len(hits), 3), np.nan)
-    point[met] = rays[met, :3] + hits[met, DISTANCE, None] * rays[met, 3:6]
-    return RayHits(shape, body, hits[:, DISTANCE].copy(), point, hits[:, NORMAL : NORMAL + 3].copy())
+    def _bodies_of(self, shapes: NDArray[np.int64]) -> list[Body]:
+        return [self.bodies.handle(int(row)) for row in np.unique(self.tables.array(SHAPE)[shapes, BODY_ROW])]

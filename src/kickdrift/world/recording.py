@@ -1,24 +1,25 @@
 """Recordings: what a world did, as a solution with bodies as a dimension, and what it looks like."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.errors import unknown_name
 from kickdrift.engine.solution import Presenters, Solution
 from kickdrift.world.flight import DYNAMIC, KIND
 from kickdrift.world.joints import layout
+from kickdrift.world.layout import BODY_ROW
 from kickdrift.world.tables import BODY, JOINT, JOINT_NUMBERS, SHAPE
 
 if TYPE_CHECKING:
-    from kickdrift.world.shape_rows import Shape
+    from kickdrift.world.shapes.record import Shape
     from kickdrift.world.world import World
 
 Floats = NDArray[np.float64]
-_BODY_ROW = 1  # column of SHAPE
 
 
 class Part(NamedTuple):
@@ -48,11 +49,14 @@ class Appearance(NamedTuple):
         Of the bodies, as in `kickdrift.world.flight`: removed, static, kinematic or dynamic.
     parts : tuple of Part
     rods : tuple of Rod
+    names : mapping of int to str
+        Of the bodies that have one, by row.
     """
 
     kinds: NDArray[np.int64]
     parts: tuple[Part, ...]
     rods: tuple[Rod, ...]
+    names: Mapping[int, str]
 
 
 @dataclass(frozen=True)
@@ -88,10 +92,29 @@ class Recording(Solution):
 
     presenters: ClassVar[WorldPresenters]
 
+    def __getattr__(self, name: str) -> Any:
+        known = name in self.__dataclass_fields__
+        raise AttributeError(
+            f"{name} is there once the block of World.record has ended." if known else f"a Recording has no {name!r}."
+        )
+
     @property
     def moving(self) -> NDArray[np.intp]:
         """Rows of the bodies that forces move."""
         return np.flatnonzero(self.appearance.kinds == DYNAMIC)
+
+    def row(self, name: str) -> int:
+        """Return the row of the body of a name, as in ``recording.x[:, recording.row("ball")]``.
+
+        Raises
+        ------
+        UnknownNameError
+            If none had it at the end; the sentence says which there are.
+        """
+        rows = {known: row for row, known in self.appearance.names.items()}
+        if name not in rows:
+            raise unknown_name("name", name, rows)
+        return rows[name]
 
     def animate(self, path: str | Path, *, speed: float = 1.0, rate: int = 25, progress: bool | None = None) -> Path:
         """Write a film of the recording, a GIF or an MP4; see `kickdrift.plots.animation.animate_recording`."""
@@ -102,11 +125,11 @@ def appearance(world: "World") -> Appearance:
     """Say what a world looks like."""
     rows = world.tables.array(SHAPE)
     parts = tuple(
-        Part(int(rows[row, _BODY_ROW]), placed.shape, placed.position, placed.orientation)
+        Part(int(rows[row, BODY_ROW]), placed.shape, placed.position, placed.orientation)
         for row, placed in sorted(world.shape_rows.shapes.items())
     )
     kinds = world.tables.array(BODY)[:, KIND].copy()
-    return Appearance(kinds, parts, tuple(_rods(world, kinds)))
+    return Appearance(kinds, parts, tuple(_rods(world, kinds)), world.bodies.names.all())
 
 
 def _rods(world: "World", kinds: NDArray[np.int64]) -> list[Rod]:

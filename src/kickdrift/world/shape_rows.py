@@ -1,9 +1,9 @@
 """Shapes in a world: rows of tables, and the numbers of equal shapes kept once."""
 
 from collections.abc import Collection
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations_with_replacement
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,37 +12,27 @@ from kickdrift.core.calls import address_of
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import choice
 from kickdrift.world.collision import PAIRS
+from kickdrift.world.collision.dispatch import describe_kinds, find_extents
+from kickdrift.world.collision.narrow_phase import COLLIDE
 from kickdrift.world.collision.search import shapes_changed
-from kickdrift.world.contacts.looking import COLLIDE, FRICTION, RADIUS, RESTITUTION, ROLLING, SURFACE_VELOCITY
-from kickdrift.world.shapes.kinds import CAPSULE, MESH, PLANE, SPHERE, TRIANGLE
-from kickdrift.world.shapes.mass import MassProperties
+from kickdrift.world.layout import (
+    BODY_ROW,
+    FRICTION,
+    GONE,
+    IS_SENSOR,
+    RADIUS,
+    RESTITUTION,
+    ROLLING,
+    SHAPE_KIND,
+    SURFACE_VELOCITY,
+)
+from kickdrift.world.shapes.catalogue import may_touch, met_as
+from kickdrift.world.shapes.record import Shape
 from kickdrift.world.tables import BOUNDS, COLLIDERS, GEOMETRY, PLACE, PLACED, SHAPE, Tables
 
 Floats = NDArray[np.float64]
 
-# Columns of SHAPE
-KIND, BODY_ROW, BEGIN, SIZE, LAYER, MASK, IS_SENSOR = range(7)
-GONE = -1
 _ALL_LAYERS = (1 << 62) - 1
-
-
-class Shape(Protocol):
-    """What a shape says of itself."""
-
-    kind: ClassVar[int]
-
-    @property
-    def numbers(self) -> Floats:
-        """What compiled code knows of it."""
-        ...
-
-    def mass_properties(self) -> MassProperties:
-        """Weigh it for density 1."""
-        ...
-
-    def wireframe(self) -> list[Floats]:
-        """Lines that show it."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -113,12 +103,13 @@ class ShapeRows:
     tables: Tables
     free: list[int] = field(default_factory=list)
     begins: dict[bytes, int] = field(default_factory=dict)
-    kinds: frozenset[int] = frozenset()  # that there have been, with triangles for meshes
+    kinds: frozenset[int] = frozenset()  # that there have been
     shapes: dict[int, Placed] = field(default_factory=dict)
     bouncing: bool = False  # whether any shape has had a restitution
 
     def __post_init__(self) -> None:
-        self.tables.resize(COLLIDERS, 8)
+        self.tables.resize(COLLIDERS, COLLIDERS.width)
+        describe_kinds(self.tables)
         shapes_changed(self.tables)
 
     def add(self, body: int, placed: Placed) -> int:
@@ -146,20 +137,44 @@ class ShapeRows:
             surface.rolling_resistance,
         )
         place[SURFACE_VELOCITY : SURFACE_VELOCITY + 3] = surface.surface_velocity
-        place[RADIUS] = reach(shape)
+        place[RADIUS] = shape.reach
         shapes_changed(tables)
         self.shapes[row] = placed
         self.bouncing = self.bouncing or surface.restitution > 0.0
-        self.kinds |= {TRIANGLE if shape.kind == MESH else shape.kind}
+        self.kinds |= {shape.kind}
+        tables.altered = True
         return row
+
+    def rows_of(self, body: int) -> NDArray[np.intp]:
+        """Rows of the shapes of a body."""
+        table = self.tables.array(SHAPE)
+        return np.flatnonzero((table[:, BODY_ROW] == body) & (table[:, SHAPE_KIND] != GONE))
+
+    def surface_numbers(self, body: int, name: str) -> set[float]:
+        """Return the numbers of a name that the surfaces of a body's shapes have."""
+        return {float(getattr(self.shapes[row].surface, name)) for row in self.rows_of(body).tolist()}
+
+    def change_surface(self, body: int, name: str, value: float) -> None:
+        """Give the surfaces of all shapes of a body another number of a name; ArgumentError for one that cannot be."""
+        rows = self.rows_of(body).tolist()
+        if not rows:
+            raise ArgumentError(f"{name}={value!r} is for bodies that have shapes; this one has none.")
+        changed: dict[str, Any] = {name: value}
+        new = {row: replace(self.shapes[row].surface, **changed) for row in rows}
+        for row, surface in new.items():
+            self.shapes[row] = self.shapes[row]._replace(surface=surface)
+            place = self.tables.array(PLACE)[row]
+            place[FRICTION], place[RESTITUTION] = surface.friction, surface.restitution
+            self.bouncing = self.bouncing or surface.restitution > 0.0
+        self.tables.altered = True
 
     def remove_of(self, body: int) -> None:
         """Give the rows of a body's shapes back."""
         tables = self.tables
         table = tables.array(SHAPE)
-        for row in np.flatnonzero((table[:, BODY_ROW] == body) & (table[:, KIND] != GONE)):
+        for row in self.rows_of(body):
             table[row] = 0
-            table[row, KIND] = GONE
+            table[row, SHAPE_KIND] = GONE
             del self.shapes[int(row)]
             self.free.append(int(row))
         shapes_changed(tables)
@@ -174,8 +189,9 @@ class ShapeRows:
             self.begins[key] = begin
         return self.begins[key]
 
-    def compile_pairs(self) -> None:
-        """Find the functions for the pairs of kinds that there are; those of others are not compiled."""
+    def find_functions(self) -> None:
+        """Find the functions for the kinds that there are and their pairs; those of others are not compiled."""
+        find_extents(self.tables, self.kinds)
         colliders = self.tables.array(COLLIDERS)
         for pair in self.pairs():
             if colliders[pair] == 0:
@@ -183,14 +199,5 @@ class ShapeRows:
 
     def pairs(self) -> list[tuple[int, int]]:
         """Pairs of the kinds that there are which can touch, the lower one first."""
-        return [pair for pair in combinations_with_replacement(sorted(self.kinds), 2) if pair in PAIRS]
-
-
-def reach(shape: Shape) -> float:
-    """Farthest that any point of a shape is from the origin of its frame, m; 0.0 for those that never move."""
-    if shape.kind in (PLANE, MESH):
-        return 0.0
-    if shape.kind in (SPHERE, CAPSULE):
-        return float(shape.numbers.sum())
-    corners = np.concatenate(shape.wireframe())
-    return float(np.sqrt((corners**2).sum(axis=1).max()))
+        met = sorted({met_as(kind) for kind in self.kinds})
+        return [pair for pair in combinations_with_replacement(met, 2) if may_touch(*pair)]

@@ -11,13 +11,13 @@ from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world import settings, tables
 from kickdrift.world.shape_rows import Placed
-from kickdrift.world.tables import COLLIDERS, SETTINGS, SWEEPS, Table
+from kickdrift.world.tables import COLLIDERS, KINDS, SETTINGS, SWEEPS, Table
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World
 
 # Addresses of compiled functions mean nothing in another process; a world finds its own.
-_OF_THE_PROCESS = (COLLIDERS, SWEEPS)
+_OF_THE_PROCESS = (COLLIDERS, KINDS, SWEEPS)
 TABLES: Mapping[str, Table] = MappingProxyType(
     {name: table for name, table in vars(tables).items() if isinstance(table, Table) and table not in _OF_THE_PROCESS}
 )
@@ -52,9 +52,11 @@ class Snapshot:
     geometry : mapping of bytes to int
         Where the numbers of a shape begin, by its kind and numbers.
     kinds : tuple of int
-        Kinds of shapes that there have been, with triangles for meshes.
+        Kinds of shapes that there have been.
     bouncing : bool
         Whether a shape has bounced.
+    body_names, joint_names : mapping of int to str
+        By row.
     """
 
     time: float
@@ -72,6 +74,8 @@ class Snapshot:
     geometry: Mapping[bytes, int]
     kinds: tuple[int, ...]
     bouncing: bool
+    body_names: Mapping[int, str]
+    joint_names: Mapping[int, str]
 
     def with_forces(self, forces: Iterable[Function]) -> "Snapshot":
         """Return the same with other forces."""
@@ -102,6 +106,8 @@ def take(world: "World") -> Snapshot:
         geometry=MappingProxyType(dict(world.shape_rows.begins)),
         kinds=tuple(sorted(world.shape_rows.kinds)),
         bouncing=world.shape_rows.bouncing,
+        body_names=MappingProxyType(world.bodies.names.all()),
+        joint_names=MappingProxyType(world.joints.names.all()),
     )
 
 
@@ -109,10 +115,11 @@ def restore(world: "World", snapshot: Snapshot) -> None:
     """Make a world what it was, or what another one was, when a snapshot was taken."""
     if not isinstance(snapshot, Snapshot):
         raise ArgumentError(f"snapshot={snapshot!r} is no snapshot; give what World.snapshot returned.")
+    if world.recorder is not None:
+        raise ArgumentError("the world is being recorded, and a recording does not go back; end it before you restore.")
     world.sleeping = snapshot.sleeping  # which wakes all; who sleeps is in the tables
     for name, table in TABLES.items():
-        world.tables.reserve(table, snapshot.rooms[name])
-        world.tables.resize(table, len(snapshot.tables[name]))[:] = snapshot.tables[name]
+        world.tables.put(table, snapshot.tables[name], snapshot.rooms[name])
     world.time, world.n_steps = snapshot.time, snapshot.n_steps
     world.planar = bool(world.tables.array(SETTINGS)[0, settings.PLANE : settings.PLANE + 3].any())
     world.forces, world.broken = list(snapshot.forces), []
@@ -125,3 +132,7 @@ def restore(world: "World", snapshot: Snapshot) -> None:
     shapes.shapes = dict(snapshot.shapes)
     shapes.begins = dict(snapshot.geometry)
     shapes.kinds, shapes.bouncing = frozenset(snapshot.kinds), snapshot.bouncing
+    bodies.names.replace(snapshot.body_names)
+    joints.names.replace(snapshot.joint_names)
+    world.tables.altered = True
+    world.tables.version += 1

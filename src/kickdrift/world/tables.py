@@ -44,11 +44,11 @@ BODY = Table(7, 8, whole=True)  # kind, awake, island, generation, link + 1 wher
 SHAPE = Table(8, 8, whole=True)
 PLACE = Table(9, 16)  # pose in the body (7), friction, restitution, rolling resistance, velocity of its surface (3)
 PLACED = Table(37, 8)  # pose of a shape in the world (7) when the step began
-# Corners of the wider box that a shape was last sought in (6), and of a mesh its nodes in PART_TREE: the first, and the one
+# Corners of the fat bounds that a shape was last sought in (6), and of a mesh its nodes in PART_TREE: the first, and the one
 # after the last
 BOUNDS = Table(10, 8)
 GEOMETRY = Table(11, 1)  # the numbers of all shapes, one shape after the other
-# Contacts: pairs of shapes whose wider boxes overlap
+# Contacts: pairs of shapes whose fat bounds overlap
 CONTACT = Table(12, 8, whole=True)  # shapes (2), part of the first, bodies (2), points, what it does, group and lane
 MANIFOLD = Table(13, 64)  # see `kickdrift.world.contacts.layout`
 SETTINGS = Table(14, 32)  # one row: see `kickdrift.world.settings`
@@ -61,9 +61,10 @@ JOINT_AXES = Table(45, 16)  # six rows a joint
 LANES = Table(20, 1)  # constraints in groups of lanes
 GROUPS = Table(21, 24, whole=True)  # of each lane the first body (8), the second (8), the contact (8)
 SCRATCH = Table(22, 1)
-TREE = Table(23, 8)  # over the wider boxes of shapes that may move: see `kickdrift.world.collision.tree`
+TREE = Table(23, 8)  # over the fat bounds of shapes that may move: see `kickdrift.world.collision.bvh`
 STATIC_TREE = Table(24, 8)  # over those that may not
-COLLIDERS = Table(25, 8, whole=True)  # address of the function for each pair of kinds of shapes
+KINDS = Table(28, 4, whole=True)  # of shapes: see `kickdrift.world.collision.dispatch`
+COLLIDERS = Table(25, 16, whole=True)  # address of the function for each pair of kinds of shapes
 ARTICULATION = Table(26, 12, whole=True)
 ARTICULATION_NUMBERS = Table(27, 1)  # the equations of closing joints
 LINK = Table(46, 10, whole=True)  # a body of an articulation and the joint that it hangs on, parents first
@@ -152,6 +153,19 @@ class Tables:
             self.block.ctypes.data
         )  # what compiled code is given; the same for as long as the world lives
         self._arrays: dict[int, NDArray[Any]] = {}
+        # Whether something has changed that the stages of the step or their order may depend on.
+        self.altered = True
+        # Grows where bodies or joints go, or tables lie elsewhere, so that handles look again where theirs is.
+        self.version = 0
+
+    def count(self, table: Table) -> int:
+        """Return how many rows of a table are in use."""
+        return int(self.block.item(3 * table.place + _ROWS))
+
+    def row(self, table: Table, row: int) -> NDArray[Any]:
+        """Return a row that is in use, as a live view; what `array` takes longer for."""
+        found: NDArray[Any] = self._arrays[table.place][row]
+        return found
 
     def array(self, table: Table) -> NDArray[Any]:
         """Return the rows of a table in use, as a live view; replaced where the table grows."""
@@ -180,7 +194,20 @@ class Tables:
         new = _aligned(max(count, len(old) + len(old) // 2, 16), table.width, np.int64 if table.whole else np.float64)
         new[: len(old)] = old
         self._arrays[table.place] = new
+        self.version += 1
         self.block[place : place + 3] = new.ctypes.data, self.block[place + _ROWS], len(new)
+
+    def put(self, table: Table, values: NDArray[Any], room: int) -> None:
+        """Let a table hold these rows, with room for so many."""
+        count = len(values)
+        if count == self.count(table) and room <= self.room(
+            table
+        ):  # as it does where a world goes back to its own past
+            if count:
+                self._arrays[table.place][:count] = values
+            return
+        self.reserve(table, room)
+        self.resize(table, count)[:] = values
 
     def make_room(self, place: int, count: int) -> None:
         """Make room in the table at a place of the block, as a stage has asked, and in those that go with it."""

@@ -4,14 +4,15 @@ A stage that has trouble leaves the tables as they were and returns. Who runs th
 """
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.columns import column
 from kickdrift.world.tables import TROUBLE, Table, integers
 
 # Columns
-KIND = 0
-TABLE = 1  # place of the table that is full
-WANTED = 2  # rows that it needs
-BODY = 3  # that is nowhere
-REACHED = 4  # the step at hand, counted from the first of `kickdrift.world.step.run`
+KIND = column(TROUBLE)
+TABLE = column(TROUBLE)  # place of the table that is full
+WANTED = column(TROUBLE)  # rows that it needs
+BODY = column(TROUBLE)  # that is nowhere
+REACHED = column(TROUBLE)  # the step at hand, counted from the first of `kickdrift.world.step.run`
 
 # Kinds
 NONE = 0

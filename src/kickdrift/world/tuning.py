@@ -47,6 +47,7 @@ class Tunable:
         ):
             raise ArgumentError(f"substeps={substeps!r} has to be a whole number from 1 to {_MOST_SUBSTEPS}.")
         self.tables.array(SETTINGS)[0, SUBSTEPS] = substeps
+        self.tables.altered = True
 
     @property
     def sleeping(self) -> bool:
@@ -56,4 +57,5 @@ class Tunable:
     @sleeping.setter
     def sleeping(self, sleeping: bool) -> None:
         self._sleeping = choice("sleeping", sleeping)
+        self.tables.altered = True
         self.bodies.wake()

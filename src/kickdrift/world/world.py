@@ -1,5 +1,7 @@
 """A world: bodies that touch, stack, hinge and walk."""
 
+import time
+
 import numpy as np
 from numba.np.ufunc.parallel import _launch_threads
 from numpy.typing import ArrayLike, NDArray
@@ -7,44 +9,36 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError, KickdriftError
-from kickdrift.world import measures, settings
-from kickdrift.world.acting import AppliesForces
+from kickdrift.world import layout, settings
 from kickdrift.world.adding import AddsBodies
 from kickdrift.world.arguments import choice, direction, number, vector
-from kickdrift.world.asking import AnswersQueries
-from kickdrift.world.bodies import Bodies, Body
+from kickdrift.world.bodies import Bodies
+from kickdrift.world.body import Body
 from kickdrift.world.collision.filters import exclude, part_joined
 from kickdrift.world.compiling import compile_step
 from kickdrift.world.contacts import lanes
 from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.events import ContactEvent, events, touching
+from kickdrift.world.forces import AppliesForces
 from kickdrift.world.history import KeepsHistory
 from kickdrift.world.joints.adding import AddsJoints
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.registry import Joints
+from kickdrift.world.keeper import Recorder
 from kickdrift.world.losing import culprit, go_back, lost
-from kickdrift.world.measures import Energy
-from kickdrift.world.program import Program, Uses, Word, compose, word
+from kickdrift.world.measures import Measures
+from kickdrift.world.program import Program, Uses, Word, addresses, compose, word
+from kickdrift.world.queries import AnswersQueries
 from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.step import run
-from kickdrift.world.tables import (
-    ASKED_APART,
-    COLOURS,
-    EVENTS,
-    MOTION,
-    POSE,
-    SETTINGS,
-    SWEEPS,
-    TROUBLE,
-    Tables,
-)
+from kickdrift.world.tables import ASKED_APART, COLOURS, EVENTS, MOTION, POSE, SETTINGS, SWEEPS, TROUBLE, Tables
 from kickdrift.world.trouble import BODY, FAST, FULL, KIND, REACHED, TABLE, WANTED
 from kickdrift.world.tuning import Tunable
 
 Floats = NDArray[np.float64]
 
 
-class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries, Tunable):
+class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries, Measures, Tunable):
     """Rigid bodies in three dimensions.
 
     Parameters
@@ -114,16 +108,15 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
         self.time = 0.0
         self.n_steps = 0
         row = self.tables.resize(SETTINGS, 1)[0]
-        self.bodies = Bodies(self.tables)
+        self.shape_rows = ShapeRows(self.tables)
+        self.joints = Joints(self.tables)
+        self.bodies = Bodies(self.tables, self.shape_rows, self.joints.changed)
         self.gravity, self.substeps, self.sleeping = vector("gravity", gravity, 3), substeps, sleeping
         row[settings.MIDPOINT] = choice("midpoint", midpoint)
-        row[settings.MARGIN], row[settings.SLOP] = (
-            number("margin", margin, "m", zero=False),
-            number("slop", slop, "m", zero=False),
-        )
-        row[settings.CONTACT_HERTZ] = (
-            0.0 if contact_hertz is None else number("contact_hertz", contact_hertz, "Hz", zero=False)
-        )
+        row[settings.MARGIN] = number("margin", margin, "m", zero=False)
+        row[settings.SLOP] = number("slop", slop, "m", zero=False)
+        if contact_hertz is not None:
+            row[settings.CONTACT_HERTZ] = number("contact_hertz", contact_hertz, "Hz", zero=False)
         row[settings.CONTACT_DAMPING] = number("contact_damping", contact_damping, "1", zero=False)
         row[settings.PUSH_SPEED] = number("push_speed", push_speed, "m/s")
         row[settings.BOUNCE_SPEED] = -1.0 if bounce_speed is None else number("bounce_speed", bounce_speed, "m/s")
@@ -140,11 +133,12 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
         self.tables.resize(TROUBLE, 1)
         self.tables.resize(COLOURS, 64)
         self.tables.resize(SWEEPS, 1)
-        self.shape_rows = ShapeRows(self.tables)
-        self.joints = Joints(self.tables)
         self.broken: list[Joint] = []
-        self._program_key: tuple[object, ...] | None = None
+        self.recorder: Recorder | None = None
         self._program: Program
+        self._program_step, self._breakable = 0.0, False
+        self._addresses: NDArray[np.intp]
+        self._composition: tuple[object, ...] | None = None
         self.forces: list[Function] = []
 
     @property
@@ -155,34 +149,22 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
     @property
     def position(self) -> Floats:
         """Centres of mass, (N, 3), m."""
-        return self.tables.array(POSE)[:, :3]
+        return self.tables.array(POSE)[:, layout.POSITION : layout.POSITION + 3]
 
     @property
     def orientation(self) -> Floats:
         """Quaternions (w, x, y, z), (N, 4)."""
-        return self.tables.array(POSE)[:, 3:7]
+        return self.tables.array(POSE)[:, layout.ORIENTATION : layout.ORIENTATION + 4]
 
     @property
     def velocity(self) -> Floats:
         """Velocities of the centres of mass, (N, 3), m/s."""
-        return self.tables.array(MOTION)[:, :3]
+        return self.tables.array(MOTION)[:, layout.VELOCITY : layout.VELOCITY + 3]
 
     @property
     def angular_velocity(self) -> Floats:
         """In the world's axes, (N, 3), rad/s."""
-        return self.tables.array(MOTION)[:, 3:6]
-
-    def energy(self) -> Energy:
-        """Measure kinetic and potential energy, J; ``energy().total`` is their sum."""
-        return measures.energy(self.tables, self.bodies)
-
-    def momentum(self) -> Floats:
-        """Measure the momentum, (3,), kg m/s."""
-        return measures.momentum(self.tables, self.bodies)
-
-    def angular_momentum(self) -> Floats:
-        """Measure the angular momentum about the origin, (3,), kg m^2/s."""
-        return measures.angular_momentum(self.tables, self.bodies)
+        return self.tables.array(MOTION)[:, layout.ANGULAR_VELOCITY : layout.ANGULAR_VELOCITY + 3]
 
     @property
     def events(self) -> list[ContactEvent]:
@@ -214,51 +196,63 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
     def advance(self, step: float, count: int) -> None:
         """Do so many steps in compiled code; as `step`, again and again."""
         step = number("step", step, "s; 1/60 is usual", zero=False)
-        if isinstance(count, bool) or not (isinstance(count, int | np.integer) and count >= 0):
+        if type(count) is bool or not (isinstance(count, int | np.integer) and count >= 0):
             raise ArgumentError(f"count={count!r} has to be a whole number of steps, zero or more.")
-        self.tables.array(SETTINGS)[0, settings.STEP] = step
-        self.tables.resize(EVENTS, 0)
-        program = self._ready(step)
+        if self.tables.count(EVENTS):
+            self.tables.resize(EVENTS, 0)
+        program, recorder = self._ready(step), self.recorder
         done, at = 0, 0
         while done < count:
-            start = self.time + done * step
+            before, start = done, self.time + done * step
+            until = count if recorder is None else min(count, done + recorder.steps_to_row)
+            began = 0.0 if recorder is None else time.perf_counter()
             try:
-                reached, at = run(*program, start, step, done, count, at, self.tables.address)
+                done, at = run(*program, start, step, done, until, at, self.tables.address)
             except Exception as error:
-                self._go_back(int(self.tables.array(TROUBLE)[0, REACHED]), step)
+                done = int(self.tables.array(TROUBLE)[0, REACHED])
+                self._go_back(done, step)
                 raise KickdriftError(
                     f"a force raised {type(error).__name__}: {error} in step {self.n_steps}; "
                     "all bodies are where they were before it."
                 ) from error
-            if reached < count:
-                self._help(reached, step)
+            finally:
+                if recorder is not None:
+                    recorder.note(done - before, step, start + (done - before) * step, time.perf_counter() - began)
+            if done < until:
+                self._help(done, step)
                 program = self._ready(step)
-            done = reached
         self.time += count * step
         self.n_steps += count
-        self.broken = self.joints.take_broken()
+        self.broken = self.joints.take_broken() if self._breakable else []
 
     @property
     def word(self) -> Word:
         """The step as a word: its stages in their order."""
         self.joints.arrange()
-        return word(self._uses, self.joints)
-
-    @property
-    def _uses(self) -> Uses:
         shapes, fast = self.shape_rows, bool(self.tables.array(SETTINGS)[0, settings.HAS_FAST])
-        return Uses(tuple(self.forces), shapes.bouncing, fast, self.sleeping, self.planar, self.threads)
+        return word(
+            Uses(tuple(self.forces), shapes.bouncing, fast, self.sleeping, self.planar, self.threads), self.joints
+        )
 
     def _ready(self, step: float) -> Program:
-        """Compile what is needed, and keep the program for as long as nothing that it depends on changes."""
-        shapes, key = self.shape_rows, (step, self.substeps, self._uses, self.shape_rows.kinds)
-        if not self.joints.arranged or key != self._program_key:
-            compile_step(self.word, shapes.pairs())
-            part_joined(self.tables)
+        """Compile what is needed, and keep the program for as long as nothing that it depends on changes.
+
+        That nothing has is seen without looking at it all, which would take as long as a step of a small world.
+        """
+        if step == self._program_step and self.joints.arranged and not self.tables.altered:
+            return self._program
+        spelt, pairs, shapes = self.word, self.shape_rows.pairs(), self.shape_rows
+        part_joined(self.tables)
+        composition = spelt, self.substeps, shapes.kinds
+        if composition != self._composition:
+            compile_step(spelt, shapes.kinds, pairs)
             sweeps = self.tables.array(SWEEPS)[0]
             sweeps[:] = *(address_of(sweep, lanes.SWEEP) for sweep in lanes.SWEEPS), WIDTH
-            shapes.compile_pairs()
-            self._program_key, self._program = key, compose(self.word, step, self.substeps)
+            shapes.find_functions()
+            self._addresses, self._composition = addresses(spelt, self.substeps), composition
+        self.tables.array(SETTINGS)[0, settings.STEP] = step
+        self._program = compose(spelt, self._addresses, step, self.substeps)
+        self._program_step, self._breakable, self.tables.altered = step, self.joints.breakable, False
         return self._program
 
     def exclude(self, body_a: Body, body_b: Body) -> None:
@@ -281,13 +275,14 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
         trouble[:] = 0
         if kind == FAST:
             self.tables.array(SETTINGS)[0, settings.HAS_FAST] = 1.0
+            self.tables.altered = True
             return
         if kind == FULL:
             self.tables.make_room(table, wanted)
             return
         body = culprit(self.tables, step, body)
         self._go_back(done, step)
-        raise lost(self.tables, body, self.n_steps)
+        raise lost(self.tables, body, self.bodies.words(body), self.n_steps)
 
     def _go_back(self, done: int, step: float) -> None:
         """Bring the world back to where the step began after those that are done."""

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from kickdrift.core.errors import ArgumentError
 from kickdrift.io.robots.geoms import Layers, placed, touches
 from kickdrift.io.robots.parsing import Model
-from kickdrift.world.bodies import Body
+from kickdrift.world.body import Body
 from kickdrift.world.flight import DYNAMIC, KINEMATIC, STATIC
 from kickdrift.world.islands import REACH
-from kickdrift.world.shape_rows import Placed, reach
+from kickdrift.world.shape_rows import Placed
 from kickdrift.world.shapes.mass import Mass, combined
 from kickdrift.world.tables import RESTED
 from kickdrift.world.world import World
@@ -93,6 +93,6 @@ def add_piece(world: World, model: Model, piece: Piece) -> Body:
     for shape, position, orientation, surface in piece.shapes:
         arm = position - piece.centre
         rested = world.tables.array(RESTED)[body.index]
-        rested[REACH] = max(rested[REACH], float(np.linalg.norm(arm)) + reach(shape))
+        rested[REACH] = max(rested[REACH], float(np.linalg.norm(arm)) + shape.reach)
         world.shape_rows.add(body.index, Placed(shape, arm, orientation, surface))
     return body

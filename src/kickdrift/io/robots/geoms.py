@@ -7,18 +7,19 @@ from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.io.robots.parsing import Model
-from kickdrift.world.shape_rows import Placed, Shape, Surface
+from kickdrift.world.shape_rows import Placed, Surface
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
+from kickdrift.world.shapes.cylinder import Cylinder
 from kickdrift.world.shapes.heightfield import HeightField
 from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.plane import Plane
 from kickdrift.world.shapes.polyhedron import MOST_VERTICES
+from kickdrift.world.shapes.record import Shape
 from kickdrift.world.shapes.sphere import Sphere
 
 Floats = NDArray[np.float64]
 
-_SIDES = 32  # of the prism that a cylinder becomes: flat by 1 - cos(pi / 32), half a percent of the radius
 _MERIDIANS, _CIRCLES = 12, 10  # of an ellipsoid's corners
 
 _LAYERS = 62
@@ -56,8 +57,7 @@ def shape_of(model: Model, geom: int, notes: list[str]) -> tuple[Shape, Floats]:
     if kind == kinds.mjGEOM_BOX:
         return Box(2.0 * size), middle
     if kind == kinds.mjGEOM_CYLINDER:
-        notes.append(f"cylinder {name!r} touches as a prism of {_SIDES} sides, whose edges lie on it")
-        return Hull(_prism(float(size[0]), float(size[1]))), middle
+        return Cylinder(float(size[0]), 2.0 * float(size[1])), middle
     if kind == kinds.mjGEOM_ELLIPSOID:
         notes.append(f"ellipsoid {name!r} touches as a polyhedron, whose corners lie on it")
         return Hull(_ball() * size), middle
@@ -69,12 +69,6 @@ def shape_of(model: Model, geom: int, notes: list[str]) -> tuple[Shape, Floats]:
         f"geom {name!r} is of a type that there is no shape for; give a sphere, capsule, box, cylinder, ellipsoid, mesh,"
         " plane or height field, or contype=0 conaffinity=0."
     )
-
-
-def _prism(radius: float, half: float) -> Floats:
-    angle = np.arange(_SIDES) * (2.0 * np.pi / _SIDES)
-    rim = np.column_stack((radius * np.cos(angle), radius * np.sin(angle), np.full(_SIDES, half)))
-    return np.vstack((rim, rim * (1.0, 1.0, -1.0)))
 
 
 def _ball() -> Floats:

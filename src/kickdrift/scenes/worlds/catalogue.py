@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from kickdrift.scenes.worlds.balls import bouncing_disk, newtons_cradle
 from kickdrift.scenes.worlds.chains import chain, joint_grid
-from kickdrift.scenes.worlds.people import humanoid, ragdolls
+from kickdrift.scenes.worlds.humanoids import humanoid, ragdolls
 from kickdrift.scenes.worlds.robots import arm, quadruped, two_link_arm
 from kickdrift.scenes.worlds.stacks import dominoes, pile, pyramid
 from kickdrift.world.world import World
@@ -37,7 +37,7 @@ SCENES: dict[str, Scene] = {
     "dominoes": Scene(dominoes, 3.0, 1 / 240, "30 dominoes fall over"),
     "bouncing-disk": Scene(bouncing_disk, 8.0, 1 / 100, "a ball bounces, lower each time"),
     "cradle": Scene(lambda: newtons_cradle().world, 6.0, 1 / 240, "balls on strings pass a blow on"),
-    "ragdolls": Scene(ragdolls, 4.0, 1 / 60, "16 limp people fall onto each other"),
+    "ragdolls": Scene(ragdolls, 4.0, 1 / 60, "16 limp humanoids fall onto each other"),
     "humanoid": Scene(lambda: humanoid().world, 5.0, 1 / 200, "a person stands, held by springs in the joints"),
     "chain": Scene(lambda: chain().world, 6.0, 1 / 120, "20 rods swing a ball of 1000 times the mass"),
     "joint-grid": Scene(joint_grid, 4.0, 1 / 60, "900 balls joined to a net swing"),

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from kickdrift.scenes.worlds.placing import Vector, between
-from kickdrift.world.bodies import Body
+from kickdrift.world.body import Body
 from kickdrift.world.joints.axis import Drive
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.world import World

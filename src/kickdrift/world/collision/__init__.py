@@ -9,21 +9,28 @@ point on a), negative where the shapes overlap.
 """
 
 from collections.abc import Callable
+from itertools import combinations_with_replacement
 from typing import Any
 
+from kickdrift.core.errors import ArgumentError
 from kickdrift.world.collision import (
     box_box,
     capsule_box,
     capsule_hull,
     capsules,
+    frusta,
+    frustum_polyhedra,
+    frustum_round,
     plane_polyhedra,
     polyhedra,
     sphere_hull,
     spheres,
+    triangle_frustum,
     triangle_polyhedra,
     triangles,
 )
-from kickdrift.world.shapes.kinds import BOX, CAPSULE, HULL, PLANE, SPHERE, TRIANGLE
+from kickdrift.world.shapes.catalogue import KINDS, may_touch
+from kickdrift.world.shapes.kinds import BOX, CAPSULE, CONE, CYLINDER, HULL, PLANE, SPHERE, TRIANGLE
 
 # By the kinds of two shapes, the lower one first: collide(a, b, pose, margin, manifold) -> number of points.
 PAIRS: dict[tuple[int, int], Callable[..., Any]] = {
@@ -45,4 +52,25 @@ PAIRS: dict[tuple[int, int], Callable[..., Any]] = {
     (BOX, BOX): box_box.box_box,
     (BOX, HULL): polyhedra.box_hull,
     (HULL, HULL): polyhedra.hull_hull,
+    (PLANE, CYLINDER): frustum_round.plane_frustum,
+    (TRIANGLE, CYLINDER): triangle_frustum.triangle_frustum,
+    (SPHERE, CYLINDER): frustum_round.sphere_frustum,
+    (CAPSULE, CYLINDER): frustum_round.capsule_frustum,
+    (BOX, CYLINDER): frustum_polyhedra.box_frustum,
+    (HULL, CYLINDER): frustum_polyhedra.hull_frustum,
+    (CYLINDER, CYLINDER): frusta.frustum_frustum,
+    (PLANE, CONE): frustum_round.plane_frustum,
+    (TRIANGLE, CONE): triangle_frustum.triangle_frustum,
+    (SPHERE, CONE): frustum_round.sphere_frustum,
+    (CAPSULE, CONE): frustum_round.capsule_frustum,
+    (BOX, CONE): frustum_polyhedra.box_frustum,
+    (HULL, CONE): frustum_polyhedra.hull_frustum,
+    (CYLINDER, CONE): frusta.frustum_frustum,
+    (CONE, CONE): frusta.frustum_frustum,
 }
+
+_WITHOUT = [pair for pair in combinations_with_replacement(sorted(KINDS), 2) if may_touch(*pair) and pair not in PAIRS]
+if _WITHOUT:
+    raise ArgumentError(
+        f"There is no function for where {' and '.join(KINDS[kind].name for kind in _WITHOUT[0])} touch; add it to PAIRS."
+    )

@@ -1,7 +1,7 @@
-"""The boxes of shapes: what one may touch in a step lies in its box, and it is sought anew when it leaves a wider one.
+"""The boxes of shapes: what one may touch in a step lies in its box, and it is sought anew when it leaves its fat bounds.
 
 The box of a shape holds its points, their way in the step, and a margin within which contacts are found before they
-touch. The wider box is larger by some slack on all sides and by some of the way ahead, so that what rests is never
+touch. The fat bounds are larger by some slack on all sides and by some of the way ahead, so that what rests is never
 sought and what falls is sought every few steps. Shapes that cannot move have neither.
 """
 
@@ -11,30 +11,37 @@ import numpy as np
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, plus, product, times, turned
-from kickdrift.world.collision.extents import extent
-from kickdrift.world.collision.tree import Box
+from kickdrift.world.collision.bvh import Box
+from kickdrift.world.collision.dispatch import extent_of, sort_of
+from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.flight import DYNAMIC, KIND, STATIC
+from kickdrift.world.layout import (
+    ANGULAR_VELOCITY,
+    BODY_ROW,
+    LOWER,
+    ORIENTATION,
+    PLACE_ORIENTATION,
+    PLACE_POSITION,
+    POSITION,
+    RADIUS,
+    UPPER,
+    VELOCITY,
+)
 from kickdrift.world.settings import GRAVITY, MARGIN
-from kickdrift.world.shapes.kinds import MESH, PLANE
+from kickdrift.world.shapes.record import SOLID
 from kickdrift.world.tables import (
     BODY,
     BOUNDS,
-    GEOMETRY,
     MOTION,
     MOVERS,
     PLACE,
     POSE,
     SETTINGS,
     SHAPE,
-    flat,
     floats,
     integers,
     rows,
 )
-
-# Columns of BOUNDS besides the wider box
-FIRST_NODE = 6  # of a mesh in PART_TREE
-LAST_NODE = 7  # the one after it
 
 _FRACTION = 0.125  # of the longest side: margin and slack of small shapes
 _SLACK = 0.05  # m, of large ones
@@ -44,22 +51,21 @@ _AHEAD = 3.0  # steps: at 2 falling boxes are sought half as often again, at 4 f
 @compiled(inline=True)
 def may_move(world: int, shape: int) -> bool:
     """Whether a shape belongs to a body that moves, or could."""
-    shapes = integers(world, SHAPE)
-    kind, body = shapes[shape, 0], shapes[shape, 1]
-    moves: bool = kind != PLANE and kind != MESH and integers(world, BODY)[body, KIND] != STATIC
+    body = integers(world, SHAPE)[shape, BODY_ROW]
+    moves: bool = sort_of(world, shape) == SOLID and integers(world, BODY)[body, KIND] != STATIC
     return moves
 
 
 @compiled
 def settle(world: int, shape: int, h: float) -> bool:
-    """Give a shape that leaves its wider box in a step of h a new one; return whether it does."""
+    """Give a shape that leaves its fat bounds in a step of h new ones; return whether it does."""
     box, slack, way = _box_in_step(world, shape, h)
     bounds = floats(world, BOUNDS)
     if _holds(bounds, shape, box):
         return False
     for k in range(3):
-        bounds[shape, k] = box[k] - slack + _AHEAD * min(way[k], 0.0)
-        bounds[shape, 3 + k] = box[3 + k] + slack + _AHEAD * max(way[k], 0.0)
+        bounds[shape, LOWER + k] = box[k] - slack + _AHEAD * min(way[k], 0.0)
+        bounds[shape, UPPER + k] = box[3 + k] + slack + _AHEAD * max(way[k], 0.0)
     if not is_somewhere(world, shape):
         for k in range(6):
             bounds[shape, k] = np.nan  # which holds nothing, where infinity might
@@ -68,7 +74,7 @@ def settle(world: int, shape: int, h: float) -> bool:
 
 @compiled
 def find_strays(world: int, strays: Any) -> int:
-    """Write shapes into a list that are not in their wider boxes as they stand now; return how many."""
+    """Write shapes into a list that are not in their fat bounds as they stand now; return how many."""
     movers, bounds = integers(world, MOVERS), floats(world, BOUNDS)
     count = 0
     for k in range(rows(world, MOVERS)):
@@ -81,16 +87,16 @@ def find_strays(world: int, strays: Any) -> int:
 
 @compiled(inline=True)
 def _holds(bounds: Any, shape: int, box: Box) -> bool:
-    """Whether the wider box of a shape holds another one; not if a number is NaN."""
+    """Whether the fat bounds of a shape hold a box; not if a number is NaN."""
     inside = True
     for k in range(3):
-        inside = inside and bounds[shape, k] <= box[k] and bounds[shape, 3 + k] >= box[3 + k]
+        inside = inside and bounds[shape, LOWER + k] <= box[k] and bounds[shape, UPPER + k] >= box[3 + k]
     return inside
 
 
 @compiled(inline=True)
 def is_somewhere(world: int, shape: int) -> bool:
-    """Whether the wider box of a shape is finite."""
+    """Whether the fat bounds of a shape are finite."""
     bounds = floats(world, BOUNDS)
     total = 0.0
     for k in range(6):
@@ -100,24 +106,26 @@ def is_somewhere(world: int, shape: int) -> bool:
 
 @compiled(inline=True)
 def _box_in_step(world: int, shape: int, h: float) -> tuple[Box, float, Vector]:
-    """Return the box of a shape, the slack of the wider one, and the way of its origin in a step of h."""
+    """Return the box of a shape, the slack of its fat bounds, and the way of its origin in a step of h."""
     shapes, place, pose = integers(world, SHAPE), floats(world, PLACE), floats(world, POSE)
-    body = shapes[shape, 1]
-    arm, turn = (0.0, 0.0, 0.0), (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
-    offset = (place[shape, 0], place[shape, 1], place[shape, 2])
-    if place[shape, 3] != 1.0 or dot(offset, offset) > 0.0:  # most bodies are one shape: that saves 5 ns of 30
+    body = shapes[shape, BODY_ROW]
+    arm, turn = (0.0, 0.0, 0.0), quaternion_at(pose, body, ORIENTATION)
+    offset = vector_at(place, shape, PLACE_POSITION)
+    if (
+        place[shape, PLACE_ORIENTATION] != 1.0 or dot(offset, offset) > 0.0
+    ):  # most bodies are one shape: that saves 5 ns of 30
         arm = turned(turn, offset)
-        turn = product(turn, (place[shape, 3], place[shape, 4], place[shape, 5], place[shape, 6]))
-    box, reach = extent(shapes[shape, 0], flat(world, GEOMETRY), shapes[shape, 2], shapes[shape, 3], turn)
-    at = plus((pose[body, 0], pose[body, 1], pose[body, 2]), arm)
+        turn = product(turn, quaternion_at(place, shape, PLACE_ORIENTATION))
+    box, reach = extent_of(world, shape, turn), place[shape, RADIUS]
+    at = plus(vector_at(pose, body, POSITION), arm)
     if not may_move(world, shape):
         still = (at[0] + box[0], at[1] + box[1], at[2] + box[2], at[0] + box[3], at[1] + box[4], at[2] + box[5])
         return still, 0.0, (0.0, 0.0, 0.0)
     settings, motion = floats(world, SETTINGS), floats(world, MOTION)
-    spin = (motion[body, 3], motion[body, 4], motion[body, 5])
-    way = times(h, plus((motion[body, 0], motion[body, 1], motion[body, 2]), cross(spin, arm)))
+    spin = vector_at(motion, body, ANGULAR_VELOCITY)
+    way = times(h, plus(vector_at(motion, body, VELOCITY), cross(spin, arm)))
     if integers(world, BODY)[body, KIND] == DYNAMIC:
-        way = plus(way, times(h * h, (settings[0, GRAVITY], settings[0, GRAVITY + 1], settings[0, GRAVITY + 2])))
+        way = plus(way, times(h * h, vector_at(settings, 0, GRAVITY)))
     sway = h * length(spin) * reach  # no point leaves the ball of radius `reach` by turning
     size = _FRACTION * max(max(box[3] - box[0], box[4] - box[1]), box[5] - box[2])
     margin = min(settings[0, MARGIN], size)

@@ -4,14 +4,14 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import conjugate, dot, minus, turned, turned_back
-from kickdrift.world.collision.extents import turned_extents
-from kickdrift.world.collision.tree import Box
-from kickdrift.world.contacts.looking import shape_pose
+from kickdrift.world.collision.bvh import Box
+from kickdrift.world.collision.narrow_phase import shape_pose
+from kickdrift.world.shapes.extents import turned_extents
 from kickdrift.world.tables import BOUNDS, floats
 
 
 @compiled(inline=True)
-def wider_box(world: int, shape: int) -> Box:
+def fat_bounds(world: int, shape: int) -> Box:
     """Return the box that a shape was last sought in."""
     box: Any = floats(world, BOUNDS)
     return (box[shape, 0], box[shape, 1], box[shape, 2], box[shape, 3], box[shape, 4], box[shape, 5])

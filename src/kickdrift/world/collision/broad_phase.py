@@ -1,26 +1,15 @@
-"""The broad phase: shapes whose wider boxes overlap make contacts, which change where a shape leaves its box."""
+"""The broad phase: shapes whose fat bounds overlap make contacts, which change where a shape leaves its box."""
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.collision.bvh_update import update_trees
 from kickdrift.world.collision.filters import may_touch
-from kickdrift.world.collision.forest import update_trees
-from kickdrift.world.collision.known import forget_all, key_of, remember, slots_for
+from kickdrift.world.collision.pair_hash import forget_all, key_of, remember, slots_for
 from kickdrift.world.collision.pairs import PAIR, overlap, seek
 from kickdrift.world.collision.roster import update_bounds
-from kickdrift.world.collision.search import (
-    AT_HOME,
-    CONTACTS,
-    FOUND,
-    NEW,
-    PAIRS_AT,
-    PARTS_AT,
-    REVIEW,
-    SHAPES_AT,
-    SLOTS,
-    STATE,
-)
+from kickdrift.world.collision.search import AT_HOME, CONTACTS, FOUND, NEW, PAIRS_AT, PARTS_AT, REVIEW, SHAPES_AT, SLOTS
 from kickdrift.world.contacts.layout import BODY_A, BODY_B, PART, SENSOR, SHAPE_A, SHAPE_B, TOUCHING
 from kickdrift.world.contacts.layout import STATE as CONTACT_STATE
-from kickdrift.world.events import BEGINS, FIRST_BODY, FROM_SENSOR, SECOND_BODY
+from kickdrift.world.layout import BEGINS, BODY_ROW, FIRST_BODY, FROM_SENSOR, IS_SENSOR, SEARCH_STATE, SECOND_BODY
 from kickdrift.world.tables import (
     CONTACT,
     EVENTS,
@@ -60,7 +49,7 @@ def find_pairs(t: float, h: float, world: int) -> None:
         return
     _append(world)
     for k in range(rows(world, SOUGHT)):
-        shapes[sought[k, 0], STATE] = AT_HOME
+        shapes[sought[k, 0], SEARCH_STATE] = AT_HOME
     set_rows(world, SOUGHT, 0)
     search[0, REVIEW] = 0
 
@@ -92,7 +81,7 @@ def _look_through(world: int) -> bool:
     row = 0
     while row < rows(world, CONTACT):
         a, b, part = contact[row, SHAPE_A], contact[row, SHAPE_B], contact[row, PART]
-        if shapes[a, STATE] == AT_HOME and shapes[b, STATE] == AT_HOME:
+        if shapes[a, SEARCH_STATE] == AT_HOME and shapes[b, SEARCH_STATE] == AT_HOME:
             row += 1
         elif _stays(world, a, b, part):
             remember(world, key_of(world, a, b, part))
@@ -113,7 +102,7 @@ def _look_through(world: int) -> bool:
 def _stays(world: int, a: int, b: int, part: int) -> bool:
     """Whether shapes of which one is sought anew, or gone, still make a contact."""
     shapes = integers(world, SHAPE)
-    if shapes[a, STATE] == NEW or shapes[b, STATE] == NEW:
+    if shapes[a, SEARCH_STATE] == NEW or shapes[b, SEARCH_STATE] == NEW:
         return False
     return overlap(world, a, b, part) and (integers(world, SEARCH)[0, REVIEW] == 0 or may_touch(world, a, b))
 
@@ -123,7 +112,7 @@ def _note_parting(world: int, row: int) -> bool:
     """Note that the shapes of a contact touch no more, where they did; nothing is said of shapes that are gone."""
     contact, events, shapes = integers(world, CONTACT), integers(world, EVENTS), integers(world, SHAPE)
     a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
-    if contact[row, CONTACT_STATE] & TOUCHING == 0 or shapes[a, STATE] == NEW or shapes[b, STATE] == NEW:
+    if contact[row, CONTACT_STATE] & TOUCHING == 0 or shapes[a, SEARCH_STATE] == NEW or shapes[b, SEARCH_STATE] == NEW:
         return True
     count = rows(world, EVENTS)
     if room(world, EVENTS) <= count:
@@ -166,8 +155,8 @@ def _append(world: int) -> None:
         for k in range(MANIFOLD.width):
             manifold[row, k] = 0.0
         contact[row, SHAPE_A], contact[row, SHAPE_B], contact[row, PART] = a, b, int(pairs[at + 2])
-        contact[row, BODY_A], contact[row, BODY_B] = shapes[a, 1], shapes[b, 1]
-        if shapes[a, 6] != 0 or shapes[b, 6] != 0:
+        contact[row, BODY_A], contact[row, BODY_B] = shapes[a, BODY_ROW], shapes[b, BODY_ROW]
+        if shapes[a, IS_SENSOR] != 0 or shapes[b, IS_SENSOR] != 0:
             contact[row, CONTACT_STATE] = SENSOR
         row += 1
         at += PAIR

@@ -5,7 +5,6 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, length, minus, times, turned_back
-from kickdrift.world.collision.closest import along, clamped, outside_box, segment_box, segments
 from kickdrift.world.collision.lying import (
     ASTRAY,
     CROSSED,
@@ -18,6 +17,7 @@ from kickdrift.world.collision.lying import (
     put_capsule_first,
 )
 from kickdrift.world.collision.points import place, turn
+from kickdrift.world.shapes.closest import along, clamped, outside_box, segment_box, segments
 
 _UP: Vector = (0.0, 0.0, 1.0)
 

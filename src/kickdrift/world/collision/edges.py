@@ -12,10 +12,10 @@ import numpy as np
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, times
 from kickdrift.world.collision.candidates import crossing
-from kickdrift.world.collision.closest import along, segments
 from kickdrift.world.collision.frames import placed_back
 from kickdrift.world.collision.points import put_normal, put_point
 from kickdrift.world.collision.preference import PARALLEL
+from kickdrift.world.shapes.closest import along, segments
 from kickdrift.world.shapes.polyhedron import EDGES, edge, plane, vertex
 
 EDGE = 13

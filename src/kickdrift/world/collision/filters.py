@@ -7,6 +7,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.search import filters_changed
 from kickdrift.world.flight import DYNAMIC, KIND
 from kickdrift.world.joints import layout
+from kickdrift.world.layout import BODY_ROW, IS_SENSOR, LAYER, MASK
 from kickdrift.world.tables import ASKED_APART, BODY, EXCLUDED, JOINT, SHAPE, Tables, integers, rows
 
 
@@ -14,12 +15,12 @@ from kickdrift.world.tables import ASKED_APART, BODY, EXCLUDED, JOINT, SHAPE, Ta
 def may_touch(world: int, a: int, b: int) -> bool:
     """Whether two shapes are on layers that meet, of two bodies one of which forces move, and not both sensors."""
     shapes, bodies = integers(world, SHAPE), integers(world, BODY)
-    i, j = shapes[a, 1], shapes[b, 1]
+    i, j = shapes[a, BODY_ROW], shapes[b, BODY_ROW]
     if i == j or (bodies[i, KIND] != DYNAMIC and bodies[j, KIND] != DYNAMIC):
         return False
-    if shapes[a, 4] & shapes[b, 5] == 0 or shapes[b, 4] & shapes[a, 5] == 0:
+    if shapes[a, LAYER] & shapes[b, MASK] == 0 or shapes[b, LAYER] & shapes[a, MASK] == 0:
         return False
-    if shapes[a, 6] != 0 and shapes[b, 6] != 0:
+    if shapes[a, IS_SENSOR] != 0 and shapes[b, IS_SENSOR] != 0:
         return False
     return rows(world, EXCLUDED) == 0 or not _excluded(world, min(i, j), max(i, j))
 

@@ -60,3 +60,14 @@ def placed(frame: Any, a: Vector) -> Vector:
 def placed_back(frame: Any, a: Vector) -> Vector:
     """Return a point of the parent as the frame sees it."""
     return directed_back(frame, (a[0] - frame[9], a[1] - frame[10], a[2] - frame[11]))
+
+
+@compiled
+def set_frame_back(frame: Any, pose: Any) -> None:
+    """Write the frame of the first shape in the second's, whose pose in the first's is given."""
+    w, x, y, z = pose[3], -pose[4], -pose[5], -pose[6]
+    frame[0], frame[4], frame[8] = 1.0 - 2.0 * (y * y + z * z), 1.0 - 2.0 * (x * x + z * z), 1.0 - 2.0 * (x * x + y * y)
+    frame[1], frame[3] = 2.0 * (x * y - w * z), 2.0 * (x * y + w * z)
+    frame[2], frame[6] = 2.0 * (x * z + w * y), 2.0 * (x * z - w * y)
+    frame[5], frame[7] = 2.0 * (y * z - w * x), 2.0 * (y * z + w * x)
+    frame[9], frame[10], frame[11] = directed(frame, (-pose[0], -pose[1], -pose[2]))

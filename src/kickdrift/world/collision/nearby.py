@@ -7,13 +7,14 @@ from numba import carray
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Quaternion, Vector, conjugate, minus, product, turned_back
-from kickdrift.world.collision.bounds import FIRST_NODE, LAST_NODE
 from kickdrift.world.collision.boxes import box_in_frame, reaches_under
-from kickdrift.world.collision.extents import FIRST_TRIANGLE
-from kickdrift.world.collision.tree import Box, gather
-from kickdrift.world.contacts.looking import collide, shape_pose
-from kickdrift.world.shapes.kinds import MESH, TRIANGLE
-from kickdrift.world.shapes.mesh import TRIANGLE_SIZE
+from kickdrift.world.collision.bvh import Box, gather
+from kickdrift.world.collision.dispatch import sort_of
+from kickdrift.world.collision.narrow_phase import collide, shape_pose
+from kickdrift.world.layout import BEGIN, FIRST_NODE, LAST_NODE, SHAPE_KIND, SIZE
+from kickdrift.world.shapes.kinds import TRIANGLE
+from kickdrift.world.shapes.record import SURFACE
+from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
 from kickdrift.world.tables import (
     BOUNDS,
     GEOMETRY,
@@ -54,16 +55,16 @@ def overlaps(
     room for the triangles of a mesh.
     """
     shapes = integers(world, SHAPE)
-    begin, size, own_kind = shapes[shape, 2], shapes[shape, 3], shapes[shape, 0]
+    begin, size, own_kind = shapes[shape, BEGIN], shapes[shape, SIZE], shapes[shape, SHAPE_KIND]
     geometry, bounds = flat(world, GEOMETRY), floats(world, BOUNDS)
     own_at, own_turn = shape_pose(world, shape)
-    if own_kind != MESH:
+    if sort_of(world, shape) != SURFACE:
         own = geometry[begin : begin + size]
         return _touch(own_kind, own, own_at, own_turn, kind, numbers, at, turn, functions[own_kind])
     first, last = int(bounds[shape, FIRST_NODE]), int(bounds[shape, LAST_NODE])
     hits, _ = gather(floats(world, PART_TREE)[first:last], box_in_frame(world, shape, box), found)
     for k in range(hits):
-        start = begin + FIRST_TRIANGLE + TRIANGLE_SIZE * int(found[k])
+        start = begin_of(begin, int(found[k]))
         own = geometry[start : start + TRIANGLE_SIZE]
         if _touch(TRIANGLE, own, own_at, own_turn, kind, numbers, at, turn, functions[TRIANGLE]):
             return True

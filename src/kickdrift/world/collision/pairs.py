@@ -1,15 +1,18 @@
-"""Pairs of shapes whose wider boxes overlap: the trees are asked for every shape that is sought anew."""
+"""Pairs of shapes whose fat bounds overlap: the trees are asked for every shape that is sought anew."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.collision.bounds import FIRST_NODE, LAST_NODE, may_move
-from kickdrift.world.collision.boxes import box_in_frame, boxes_overlap, reaches_under, wider_box
-from kickdrift.world.collision.extents import triangle
+from kickdrift.world.collision.bounds import may_move
+from kickdrift.world.collision.boxes import box_in_frame, boxes_overlap, fat_bounds, reaches_under
+from kickdrift.world.collision.bvh import gather
+from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.filters import may_touch
-from kickdrift.world.collision.known import is_known, key_of
-from kickdrift.world.collision.search import AT_HOME, FOUND, PAIRS_AT, PARTS_AT, SHAPES_AT, STATE, VISITS
+from kickdrift.world.collision.pair_hash import is_known, key_of
+from kickdrift.world.collision.search import AT_HOME, FOUND, PAIRS_AT, PARTS_AT, SHAPES_AT, VISITS
 from kickdrift.world.collision.sorting import sort
-from kickdrift.world.collision.tree import gather
-from kickdrift.world.shapes.kinds import MESH, PLANE, TRIANGLE
+from kickdrift.world.layout import BEGIN, FIRST_NODE, LAST_NODE, SEARCH_STATE, SHAPE_KIND
+from kickdrift.world.shapes.kinds import TRIANGLE
+from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
+from kickdrift.world.shapes.triangle import triangle_box
 from kickdrift.world.tables import (
     BOUNDS,
     GEOMETRY,
@@ -38,8 +41,8 @@ def seek(world: int, shape: int) -> None:
 
     Of two shapes that are both sought the lower one finds the pair. Pairs that there is no room for are counted only.
     """
-    shapes, planes, movers = integers(world, SHAPE), integers(world, PLANES), integers(world, MOVERS)
-    if shapes[shape, 0] == PLANE:
+    planes, movers = integers(world, PLANES), integers(world, MOVERS)
+    if sort_of(world, shape) == HALF_SPACE:
         for k in range(rows(world, MOVERS)):
             if _is_new(world, shape, movers[k, 0]):
                 _add(world, shape, movers[k, 0])
@@ -54,22 +57,21 @@ def seek(world: int, shape: int) -> None:
 
 @compiled
 def overlap(world: int, a: int, b: int, part: int) -> bool:
-    """Whether the wider boxes of two shapes overlap; the first may be a plane, or a mesh of which one part counts."""
-    shapes = integers(world, SHAPE)
-    kind = shapes[a, 0]
-    if kind == PLANE:
-        return reaches_under(world, a, wider_box(world, b))
-    if kind == MESH:
-        box = triangle(flat(world, GEOMETRY), shapes[a, 2], part)
-        return boxes_overlap(box, box_in_frame(world, a, wider_box(world, b)))
-    return boxes_overlap(wider_box(world, a), wider_box(world, b))
+    """Whether the fat bounds of two shapes overlap; the first may be a plane, or a mesh of which one part counts."""
+    sort = sort_of(world, a)
+    if sort == HALF_SPACE:
+        return reaches_under(world, a, fat_bounds(world, b))
+    if sort == SURFACE:
+        box = triangle_box(flat(world, GEOMETRY), integers(world, SHAPE)[a, BEGIN], part)
+        return boxes_overlap(box, box_in_frame(world, a, fat_bounds(world, b)))
+    return boxes_overlap(fat_bounds(world, a), fat_bounds(world, b))
 
 
 @compiled
 def _seek_in(world: int, tree: Table, shape: int) -> None:
     search = integers(world, SEARCH)
     found = flat(world, SCRATCH)[search[0, SHAPES_AT] : search[0, PARTS_AT]]
-    hits, visits = gather(floats(world, tree)[: rows(world, tree)], wider_box(world, shape), found)
+    hits, visits = gather(floats(world, tree)[: rows(world, tree)], fat_bounds(world, shape), found)
     search[0, VISITS] += visits
     new = 0
     for k in range(hits):
@@ -85,9 +87,9 @@ def _seek_in(world: int, tree: Table, shape: int) -> None:
 def _is_new(world: int, shape: int, other: int) -> bool:
     """Whether a shape may have a pair with another one that is not known, and that the other one does not find."""
     shapes = integers(world, SHAPE)
-    if shape == other or (other < shape and shapes[other, STATE] != AT_HOME):
+    if shape == other or (other < shape and shapes[other, SEARCH_STATE] != AT_HOME):
         return False
-    if shapes[shape, 0] == MESH or shapes[other, 0] == MESH:
+    if sort_of(world, shape) == SURFACE or sort_of(world, other) == SURFACE:
         return True
     return not is_known(world, key_of(world, shape, other, 0))
 
@@ -97,20 +99,21 @@ def _add(world: int, shape: int, other: int) -> None:
     """Note a pair, or those with the parts of a mesh, if it may be; by kind, a mesh as its triangles, and row."""
     if not may_touch(world, shape, other):
         return
-    shapes = integers(world, SHAPE)
-    rank, other_rank = shapes[shape, 0], shapes[other, 0]
-    if rank == MESH:
-        rank = TRIANGLE
-    if other_rank == MESH:
-        other_rank = TRIANGLE
+    rank, other_rank = _rank(world, shape), _rank(world, other)
     a, b = shape, other
     if other_rank < rank or (other_rank == rank and other < shape):
         a, b = other, shape
-    kind = shapes[a, 0]
-    if kind == MESH:
+    sort = sort_of(world, a)
+    if sort == SURFACE:
         _add_parts(world, a, b)
-    elif kind != PLANE or reaches_under(world, a, wider_box(world, b)):
+    elif sort != HALF_SPACE or reaches_under(world, a, fat_bounds(world, b)):
         _note(world, a, b, 0)
+
+
+@compiled(inline=True)
+def _rank(world: int, shape: int) -> int:
+    rank: int = TRIANGLE if sort_of(world, shape) == SURFACE else integers(world, SHAPE)[shape, SHAPE_KIND]
+    return rank
 
 
 @compiled
@@ -118,7 +121,7 @@ def _add_parts(world: int, mesh: int, shape: int) -> None:
     bounds, search = floats(world, BOUNDS), integers(world, SEARCH)
     found = flat(world, SCRATCH)[search[0, PARTS_AT] : search[0, PAIRS_AT]]
     first, last = int(bounds[mesh, FIRST_NODE]), int(bounds[mesh, LAST_NODE])
-    box = box_in_frame(world, mesh, wider_box(world, shape))
+    box = box_in_frame(world, mesh, fat_bounds(world, shape))
     hits, visits = gather(floats(world, PART_TREE)[first:last], box, found)
     search[0, VISITS] += visits
     sort(found, hits)

@@ -2,6 +2,7 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.bounds import is_somewhere, may_move, settle
+from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.search import (
     AT_HOME,
     CHANGED,
@@ -12,12 +13,12 @@ from kickdrift.world.collision.search import (
     PARTS_CHANGED,
     REVIEW,
     SOUGHT_ANEW,
-    STATE,
     STATIC_CHANGED,
     UNSEEN,
 )
 from kickdrift.world.flight import AWAKE
-from kickdrift.world.shapes.kinds import MESH, PLANE
+from kickdrift.world.layout import BODY_ROW, SEARCH_STATE, SHAPE_KIND, UPPER
+from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.tables import (
     BODY,
     BOUNDS,
@@ -40,28 +41,28 @@ from kickdrift.world.trouble import ask_for_room, report_body
 
 @compiled
 def update_bounds(world: int, h: float) -> bool:
-    """List the shapes that leave their wider boxes in a step of h, to be sought; False where there is trouble."""
+    """List the shapes that leave their fat bounds in a step of h, to be sought; False where there is trouble."""
     search, shapes = integers(world, SEARCH), integers(world, SHAPE)
     if search[0, CONTACTS] != rows(world, CONTACT):  # someone else has removed some
         for shape in range(rows(world, SHAPE)):
-            if shapes[shape, STATE] == AT_HOME:
-                shapes[shape, STATE] = SOUGHT_ANEW
+            if shapes[shape, SEARCH_STATE] == AT_HOME:
+                shapes[shape, SEARCH_STATE] = SOUGHT_ANEW
         search[0, CHANGED] = UNSEEN
     if search[0, CHANGED] != 0 and not enlist(world, h):
         return False
     movers, sought, body = integers(world, MOVERS), integers(world, SOUGHT), integers(world, BODY)
     for k in range(rows(world, MOVERS)):
         shape = movers[k, 0]
-        if body[shapes[shape, 1], AWAKE] == 0 or not settle(world, shape, h):
+        if body[shapes[shape, BODY_ROW], AWAKE] == 0 or not settle(world, shape, h):
             continue
         search[0, LEFT] += 1
-        if shapes[shape, STATE] == AT_HOME:
-            shapes[shape, STATE] = SOUGHT_ANEW
+        if shapes[shape, SEARCH_STATE] == AT_HOME:
+            shapes[shape, SEARCH_STATE] = SOUGHT_ANEW
             count = rows(world, SOUGHT)
             sought[count, 0] = shape
             set_rows(world, SOUGHT, count + 1)
         if not is_somewhere(world, shape):
-            report_body(world, shapes[shape, 1])
+            report_body(world, shapes[shape, BODY_ROW])
             return False
     return True
 
@@ -80,21 +81,21 @@ def enlist(world: int, h: float) -> bool:
         set_rows(world, table, 0)
     fixed = 0
     for shape in range(count):
-        kind, state = shapes[shape, 0], shapes[shape, STATE]
-        if kind < 0:
-            shapes[shape, STATE] = NEW
+        if shapes[shape, SHAPE_KIND] < 0:
+            shapes[shape, SEARCH_STATE] = NEW
             continue
-        if state == NEW and kind != PLANE:
+        sort, state = sort_of(world, shape), shapes[shape, SEARCH_STATE]
+        if state == NEW and sort != HALF_SPACE:
             for k in range(6):
                 bounds[shape, k] = 0.0
-            bounds[shape, 3] = -1.0  # holds nothing
+            bounds[shape, UPPER] = -1.0  # holds nothing
             settle(world, shape, h)
             if not is_somewhere(world, shape):
-                report_body(world, shapes[shape, 1])
+                report_body(world, shapes[shape, BODY_ROW])
                 return False
         if state != AT_HOME:
             _note(world, SOUGHT, shape)
-        if kind == PLANE:
+        if sort == HALF_SPACE:
             _note(world, PLANES, shape)
         elif may_move(world, shape):
             _note(world, MOVERS, shape)
@@ -102,7 +103,7 @@ def enlist(world: int, h: float) -> bool:
             listed = integers(world, FIXTURES)
             if state == NEW or fixed >= fixtures or listed[fixed, 0] != shape:
                 search[0, STATIC_CHANGED] = 1
-            if state == NEW and kind == MESH:
+            if state == NEW and sort == SURFACE:
                 search[0, PARTS_CHANGED] = 1
             listed[fixed, 0] = shape
             fixed += 1

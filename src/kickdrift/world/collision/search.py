@@ -3,33 +3,34 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kickdrift.world.columns import column
+from kickdrift.world.layout import BODY_ROW, SEARCH_STATE
 from kickdrift.world.tables import SEARCH, SHAPE, Tables
 
 # Columns of SEARCH
-CHANGED = 0  # whether shapes have come, gone or changed, so that the lists of them are made anew
-STATIC_CHANGED = 1  # the tree over those that may not move is built anew
-PARTS_CHANGED = 2  # the trees over the triangles of meshes are built anew
-MOVERS_CHANGED = 3  # the tree over those that may move is built anew
-LEFT = 4  # how often a shape has left its wider box since that tree was built
-FITTED = 5  # of them, those that its boxes have been drawn around
-REVIEW = 6  # contacts are to be looked through although no shape has left its wider box
-VISITS = 7  # nodes of trees that have been looked at
-SLOTS = 8  # of the table of known contacts, with which SCRATCH begins
-SHAPES_AT = 9  # where in SCRATCH there is room for the shapes that a tree finds
-PARTS_AT = 10  # for the parts of a mesh
-PAIRS_AT = 11  # for the pairs that are new
-FOUND = 12  # how many of them there are
-CONTACTS = 13  # how many contacts there were at the end of the last search
+CHANGED = column(SEARCH)  # whether shapes have come, gone or changed, so that the lists of them are made anew
+STATIC_CHANGED = column(SEARCH)  # the tree over those that may not move is built anew
+PARTS_CHANGED = column(SEARCH)  # the trees over the triangles of meshes are built anew
+MOVERS_CHANGED = column(SEARCH)  # the tree over those that may move is built anew
+LEFT = column(SEARCH)  # how often a shape has left its fat bounds since that tree was built
+FITTED = column(SEARCH)  # of them, those that its boxes have been drawn around
+REVIEW = column(SEARCH)  # contacts are to be looked through although no shape has left its fat bounds
+VISITS = column(SEARCH)  # nodes of trees that have been looked at
+SLOTS = column(SEARCH)  # of the table of known contacts, with which SCRATCH begins
+SHAPES_AT = column(SEARCH)  # where in SCRATCH there is room for the shapes that a tree finds
+PARTS_AT = column(SEARCH)  # for the parts of a mesh
+PAIRS_AT = column(SEARCH)  # for the pairs that are new
+FOUND = column(SEARCH)  # how many of them there are
+CONTACTS = column(SEARCH)  # how many contacts there were at the end of the last search
 
 # Values of CHANGED besides 0
 UNSEEN = 1
 SEEN = 2  # the trees hold them, for queries
 
-# Column of SHAPE, and its values
-STATE = 7
+# Values of SEARCH_STATE
 NEW = 0  # nothing is known of it
-AT_HOME = 1  # in its wider box, and its pairs are known
-SOUGHT_ANEW = 2  # in a wider box that is new
+AT_HOME = 1  # in its fat bounds, and its pairs are known
+SOUGHT_ANEW = 2  # in fat bounds that are new
 
 
 def shapes_changed(tables: Tables, rows: ArrayLike = ()) -> None:
@@ -44,7 +45,7 @@ def shapes_changed(tables: Tables, rows: ArrayLike = ()) -> None:
         body may move now and might not before, or the other way round. Rows of zeros need not be named.
     """
     tables.resize(SEARCH, 1)[0, CHANGED] = UNSEEN
-    tables.array(SHAPE)[np.asarray(rows, dtype=np.intp), STATE] = NEW
+    tables.array(SHAPE)[np.asarray(rows, dtype=np.intp), SEARCH_STATE] = NEW
 
 
 def filters_changed(tables: Tables, bodies: ArrayLike) -> None:
@@ -59,5 +60,5 @@ def filters_changed(tables: Tables, bodies: ArrayLike) -> None:
     """
     tables.resize(SEARCH, 1)[0, CHANGED] = UNSEEN
     shapes = tables.array(SHAPE)
-    known = np.isin(shapes[:, 1], np.asarray(bodies, dtype=np.intp)) & (shapes[:, STATE] != NEW)
-    shapes[known, STATE] = SOUGHT_ANEW
+    known = np.isin(shapes[:, BODY_ROW], np.asarray(bodies, dtype=np.intp)) & (shapes[:, SEARCH_STATE] != NEW)
+    shapes[known, SEARCH_STATE] = SOUGHT_ANEW

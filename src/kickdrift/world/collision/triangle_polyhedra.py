@@ -37,7 +37,7 @@ from kickdrift.world.shapes.polyhedron import (
 
 # A body whose centre is deeper than this, or than half of the margin, is behind the triangle and not in touch with
 # it. Thin plates may sink as deep as the slop and have to be lifted out.
-_BEHIND = 0.01  # m, twice the slop of a world by default
+BEHIND = 0.01  # m, twice the slop of a world by default
 
 # How far a triangle may push down at an edge: the sine of the angle, for rounding at upright sides must not decide.
 _DOWN = 0.25
@@ -47,7 +47,7 @@ _BELOW = 4
 _PLANES = HEADER + 9
 _LOOPS = _PLANES + 20
 _EDGES = _LOOPS + 2 + 3 + 3
-_SIZE = _EDGES + 24
+SIZE_OF_TRIANGLE = _EDGES + 24
 
 
 @compiled
@@ -67,12 +67,12 @@ def triangle_hull(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> in
 @compiled
 def triangle_polyhedron(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
     """Find where a triangle and a polyhedron touch, the second given by a pointer to its numbers."""
-    triangle, frame, seen = floats_on_stack(_SIZE), floats_on_stack(12), floats_on_stack(PLACED)
-    _set_triangle(triangle, a)
+    triangle, frame, seen = floats_on_stack(SIZE_OF_TRIANGLE), floats_on_stack(12), floats_on_stack(PLACED)
+    set_triangle(triangle, a)
     face_a = int(triangle[FACES]) - 1
     normal, offset = plane(triangle, face_a)
     set_frame(frame, pose)
-    behind = min(_BEHIND, 0.5 * margin)
+    behind = min(BEHIND, 0.5 * margin)
     if dot(normal, placed(frame, (b[CENTRE], b[CENTRE + 1], b[CENTRE + 2]))) < offset - behind:
         return 0
     place_polyhedron(seen, b, frame)
@@ -116,14 +116,14 @@ def _pushes(triangle: Any, a: Any, direction: Vector) -> bool:
 
 
 @compiled
-def _set_triangle(triangle: Any, a: Any) -> None:
+def set_triangle(triangle: Any, a: Any) -> None:
     """Write a triangle as a polyhedron of one face, and its edges twice: above, and below.
 
     A side stands on each edge, which leans below the triangle. The normals beside an edge are, above, those of the
     triangle and of the side, and below, that of the side and the triangle's reversed. Edges push within those above,
     and where the surface is convex.
     """
-    for k in range(_SIZE):
+    for k in range(SIZE_OF_TRIANGLE):
         triangle[k] = 0.0
     triangle[VERTICES], triangle[FACES], triangle[EDGES] = 3, 1, 6
     triangle[PLANES_AT], triangle[LOOPS_AT], triangle[EDGES_AT] = _PLANES, _LOOPS, _EDGES

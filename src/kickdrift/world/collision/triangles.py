@@ -10,7 +10,6 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times, turned, turned_back
-from kickdrift.world.collision.closest import COINCIDENT, along, clamped, segments
 from kickdrift.world.collision.lying import (
     ASTRAY,
     CROSSED,
@@ -26,6 +25,7 @@ from kickdrift.world.collision.lying import (
     put_capsule_second,
 )
 from kickdrift.world.collision.points import place, put_normal, put_point, turn
+from kickdrift.world.shapes.closest import COINCIDENT, along, clamped, segments
 
 _UP: Vector = (0.0, 0.0, 1.0)
 _BEHIND = 0.5  # radii, by which the middle of a round shape may have sunk in

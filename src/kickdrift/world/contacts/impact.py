@@ -28,7 +28,6 @@ from kickdrift.core.vectors import (
 )
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.looking import RESTITUTION
 from kickdrift.world.contacts.prepare import LINKED
 from kickdrift.world.contacts.strike import (
     HIT_TIME,
@@ -43,6 +42,7 @@ from kickdrift.world.contacts.strike import (
     strike,
 )
 from kickdrift.world.flight import ADDED, IMPACT_TIME
+from kickdrift.world.layout import RESTITUTION
 from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, MIDPOINT, SLOP
 from kickdrift.world.tables import (
     CHANGE,

@@ -9,13 +9,14 @@ from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, turned
+from kickdrift.world.collision.dispatch import is_round
+from kickdrift.world.collision.narrow_phase import placed_pose, smallest
 from kickdrift.world.contacts import filling as r
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.lanes import FILL, FILL_FRICTION, LANE_COUNT, SWEEP
-from kickdrift.world.contacts.looking import FRICTION, RADIUS, ROLLING, SURFACE_VELOCITY, placed_pose, smallest
 from kickdrift.world.flight import AWAKE, LINK_PLACE
+from kickdrift.world.layout import FRICTION, RADIUS, ROLLING, SURFACE_VELOCITY
 from kickdrift.world.settings import CONTACT_DAMPING, CONTACT_HERTZ, SLOP, STEP, SUBSTEPS
-from kickdrift.world.shapes.kinds import CAPSULE, SPHERE
 from kickdrift.world.tables import (
     BODY,
     COLOURED,
@@ -204,9 +205,7 @@ def _glide(world: int, shape_a: int, shape_b: int, lightness_a: float, lightness
     Round shapes take it with them, whatever they roll on. Else the lighter body does, on which a wrong arm would tell more.
     Both arms end at one point, whatever the share, which keeps angular momentum.
     """
-    shape = integers(world, SHAPE)
-    round_a = shape[shape_a, 0] in (SPHERE, CAPSULE)
-    round_b = shape[shape_b, 0] in (SPHERE, CAPSULE)
+    round_a, round_b = is_round(world, shape_a), is_round(world, shape_b)
     if round_a != round_b:
         return 0.0 if round_a else 1.0
     return lightness_b / (lightness_a + lightness_b + 1e-300)

@@ -9,7 +9,6 @@ Simultaneous Impact, ACM Trans. Graph. 31 (2012) 106.
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.impact import slowest_bounce
-from kickdrift.world.contacts.looking import RESTITUTION
 from kickdrift.world.contacts.prepare import LINKED
 from kickdrift.world.direct.contact_rows import along, impulse_field, slid_past, write_wrench
 from kickdrift.world.direct.contacts import (
@@ -23,6 +22,7 @@ from kickdrift.world.direct.contacts import (
 from kickdrift.world.direct.layout import AFTER_CONTACT, FIRST_CONTACT, HITS, TANGENT
 from kickdrift.world.direct.solve import kinetic_energy, note_velocities, solve_at_once, take_back_velocities
 from kickdrift.world.joints.aim import RELAX
+from kickdrift.world.layout import RESTITUTION
 from kickdrift.world.tables import (
     CHANGE,
     COLOURS,

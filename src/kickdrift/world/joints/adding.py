@@ -5,7 +5,8 @@ from collections.abc import Callable
 from typing import Concatenate, ParamSpec, cast
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.bodies import Bodies, Body
+from kickdrift.world.bodies import Bodies
+from kickdrift.world.body import Body
 from kickdrift.world.flight import DYNAMIC, KIND
 from kickdrift.world.joints.ball import Ball
 from kickdrift.world.joints.distance import Distance
@@ -24,30 +25,33 @@ from kickdrift.world.tables import BODY, Tables
 P = ParamSpec("P")
 
 
-def _adds(kind: Callable[P, Record]) -> Callable[Concatenate["AddsJoints", Body, Body | None, P], Joint]:
+def _adds(kind: Callable[P, Record]) -> Callable[Concatenate["AddsJoints", Body | None, Body | None, P], Joint]:
     """Make the method of a world that adds a joint of a kind; what it takes after the bodies is what the record takes."""
 
     @functools.wraps(kind, updated=())
-    def add(self: "AddsJoints", body_a: Body, body_b: Body | None, *args: P.args, **kwargs: P.kwargs) -> Joint:
+    def add(self: "AddsJoints", body_a: Body | None, body_b: Body | None, *args: P.args, **kwargs: P.kwargs) -> Joint:
         return self.add_joint(body_a, body_b, kind(*args, **kwargs))
 
-    return cast(Callable[Concatenate["AddsJoints", Body, Body | None, P], Joint], add)
+    return cast(Callable[Concatenate["AddsJoints", Body | None, Body | None, P], Joint], add)
 
 
 class AddsJoints:
-    """The methods of a world that add joints: of body b, or the ground for None, to body a."""
+    """The methods of a world that add joints: of body b to body a, where None is the ground."""
 
     tables: Tables
     bodies: Bodies
     joints: Joints
 
-    def add_joint(self, body_a: Body, body_b: Body | None, record: Record) -> Joint:
+    def add_joint(self, body_a: Body | None, body_b: Body | None, record: Record) -> Joint:
         """Join two bodies as they stand.
+
+        Angles, positions, motors, drives and limits are those of b against a. Where forces move only one of the two, they
+        are those of that one against the other: it does not matter which was named first.
 
         Parameters
         ----------
         body_a, body_b : Body
-            None for the second is the ground.
+            None is the ground.
         record : Record
             What kind of joint it is: one of `kickdrift.world.joints.catalogue.KINDS`.
 
@@ -63,14 +67,26 @@ class AddsJoints:
         """
         if not isinstance(record, Record):
             raise ArgumentError(f"record={record!r} is no kind of joint; give one of kickdrift.world.joints.catalogue.")
-        row_a = self.bodies.row(body_a, "body_a")
-        row_b = self.bodies.row(self.bodies.ground if body_b is None else body_b, "body_b")
+        row_a, row_b = (
+            self.bodies.row(self.bodies.ground if body is None else body, argument)
+            for body, argument in ((body_a, "body_a"), (body_b, "body_b"))
+        )
         kinds = self.tables.array(BODY)[[row_a, row_b], KIND]
         if not (kinds == DYNAMIC).any():
             raise ArgumentError(
                 "body_a and body_b are both static or kinematic, which no joint moves; give one that moves."
             )
         return self.joints.add(record, row_a, row_b)
+
+    def joint(self, name: str) -> Joint:
+        """Return the joint of a name.
+
+        Raises
+        ------
+        UnknownNameError
+            If none has it; the sentence says which there are.
+        """
+        return self.joints.handle(self.joints.names.row(name))
 
     def remove_joint(self, joint: Joint) -> None:
         """Take a joint away.

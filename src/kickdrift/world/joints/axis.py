@@ -1,7 +1,7 @@
 """What a joint does along or about one of its axes."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,7 @@ def finite(argument: str, value: float) -> None:
     ------
     ArgumentError
     """
-    if not (is_number(value) and math.isfinite(value)):
+    if not ((type(value) is float or is_number(value)) and math.isfinite(value)):
         raise ArgumentError(f"{argument}={value!r} has to be a finite number.")
 
 
@@ -67,7 +67,7 @@ class Motor:
     Parameters
     ----------
     speed : float
-        Of body b against body a; rad/s about an axis, m/s along one.
+        At which the joint's angle or position grows; rad/s about an axis, m/s along one.
     maximum : float
         N m about an axis, N along one.
 
@@ -196,6 +196,16 @@ class Axis:
                 raise ArgumentError(f"limits={self.limits!r} leave no place; give finite ones.")
         if self.locked and self.has_law:
             raise ArgumentError("locked=True leaves nothing to limit, drive or brake; leave the axis open.")
+
+    def reversed(self) -> "Axis":
+        """Return the same as seen from the other side, where positions, speeds and efforts have the other sign."""
+        return Axis(
+            self.locked,
+            None if self.limits is None else (-self.limits[1], -self.limits[0]),
+            None if self.motor is None else replace(self.motor, speed=-self.motor.speed),
+            None if self.drive is None else replace(self.drive, target=-self.drive.target, speed=-self.drive.speed),
+            self.friction,
+        )
 
     @property
     def has_law(self) -> bool:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.flight import DYNAMIC, KIND
+from kickdrift.world.flight import DYNAMIC, KIND, STATIC
+from kickdrift.world.handle import Handle
 from kickdrift.world.joints.axis import Axis, Drive, Motor, finite
 from kickdrift.world.joints.layout import ARM_A, ARM_B, AXES, BODY_A, BODY_B, LOCKED, POSITION, PRINCIPAL, TOTAL
+from kickdrift.world.joints.placing import place, set_speed, signs
 from kickdrift.world.tables import BODY, JOINT, JOINT_NUMBERS, LOAD, MOTION
 
 if TYPE_CHECKING:
@@ -19,9 +20,32 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+# Columns as plain integers: adding to those of NumPy takes as long as reading a number.
+_POSITION, _TOTAL, _AXES = int(POSITION), int(TOTAL), int(AXES)
 
-@dataclass(frozen=True)
-class Joint:
+
+class _End(NamedTuple):
+    """Where a body of a joint lies in the tables."""
+
+    arm: Floats  # from its centre of mass to where the joint acts, (3,)
+    motion: Floats | None  # None where it never moves
+    load: Floats | None  # None where forces do not move it
+
+
+class _Seen(NamedTuple):
+    """Where a joint and its bodies lie in the tables, for as long as these have a version."""
+
+    version: int
+    principal: int
+    locked: int
+    side: float  # -1.0 where a is measured against b
+    signs: list[float]
+    numbers: Floats
+    axes: list[Floats]  # (3,), of each of the six
+    ends: tuple[_End, _End]  # a and b
+
+
+class Joint(Handle):
     """A joint of a world.
 
     Attributes
@@ -33,75 +57,117 @@ class Joint:
 
     Notes
     -----
+    Angles, positions, speeds, efforts, forces and torques are those of body b against body a. Where forces move only one
+    of the two, they are those of that one against the other, whichever was named first: the ground, a static or a kinematic
+    body is what one measures from. A hinge's angle is positive counter-clockwise about its axis, a slider's position along it.
+
     Axes 0-2 are linear and 3-5 angular; where ``axis`` is left out, the one that a hinge turns about, a slider slides along
-    and the line of a distance joint, a rope or a spring are meant. Positions and angles are those at the end of the last step.
-    Everything raises `ArgumentError` once the joint is gone.
+    and the line of a distance joint, a rope or a spring are meant. Positions and angles are those at the end of the last step,
+    or those that the joint was given since. Everything raises `ArgumentError` once the joint is gone.
     """
 
-    index: int
-    generation: int
-    joints: Joints = field(repr=False, compare=False)
+    __slots__ = ("_joints", "_seen")
+
+    def __init__(self, index: int, generation: int, joints: Joints) -> None:
+        self._index, self._generation, self._joints = index, generation, joints
+        self._last_name = joints.names.of(index)
+        self._seen: _Seen | None = None
+
+    @property
+    def joints(self) -> Joints:
+        """The joints of its world."""
+        return self._joints
+
+    @property
+    def _registry(self) -> Joints:
+        return self._joints
 
     @property
     def angles(self) -> Floats:
-        """Angles of b against a about the three axes, rad; those of hinges and universal joints count turns."""
-        return self._numbers()[POSITION + 3 : POSITION + 6].copy()
+        """Angles about the three axes, rad; those of hinges and universal joints count turns."""
+        seen = self._look()
+        return 0.0 + seen.numbers[_POSITION + 3 : _POSITION + 6] * seen.signs[3:]
 
     @property
     def positions(self) -> Floats:
-        """Positions of b against a along the three axes, m."""
-        return self._numbers()[POSITION : POSITION + 3].copy()
+        """Positions along the three axes, m."""
+        seen = self._look()
+        return 0.0 + seen.numbers[_POSITION : _POSITION + 3] * seen.signs[:3]
 
     @property
     def angle(self) -> float:
-        """Angle about the axis of a hinge, rad, with full turns counted."""
-        k = self.axis()
-        if k < 3:
-            raise ArgumentError(f"joint={self!r} slides and has no angle of its own; ask for its position.")
-        return float(self._numbers()[POSITION + k])
+        """Angle about the axis of a hinge, rad, with full turns counted; a new one places what hangs on it, see `place`."""
+        seen, k = self._look(), self._axis("angle")
+        angle: float = 0.0 + seen.signs[k] * seen.numbers.item(_POSITION + k)  # never -0.0
+        return angle
+
+    @angle.setter
+    def angle(self, angle: float) -> None:
+        place(self, self._axis("angle"), "angle", angle)
 
     @property
     def position(self) -> float:
-        """Position along the axis of a slider; of a distance joint, rope or spring the length it has too much; m."""
-        k = self.axis()
-        if k >= 3:
-            raise ArgumentError(f"joint={self!r} turns and has no position of its own; ask for its angle.")
-        return float(self._numbers()[POSITION + k])
+        """Position along the axis of a slider; of a distance joint, rope or spring the length it has too much; m.
+
+        A new one places what hangs on it, see `place`.
+        """
+        seen, k = self._look(), self._axis("position")
+        position: float = 0.0 + seen.signs[k] * seen.numbers.item(_POSITION + k)
+        return position
+
+    @position.setter
+    def position(self, position: float) -> None:
+        place(self, self._axis("position"), "position", position)
 
     @property
     def speed(self) -> float:
-        """Rate of `angle` or `position`, rad/s or m/s."""
-        k, numbers = self.axis(), self._numbers()
-        body_a, body_b = self.joints.tables.array(JOINT)[self.index, [BODY_A, BODY_B]]
-        motion = self.joints.tables.array(MOTION)
-        velocity = motion[body_b, 3:6] - motion[body_a, 3:6]
-        if k < 3:
-            velocity = motion[body_b, :3] + np.cross(motion[body_b, 3:6], numbers[ARM_B : ARM_B + 3])
-            velocity -= motion[body_a, :3] + np.cross(motion[body_a, 3:6], numbers[ARM_A : ARM_A + 3])
-        return float(numbers[AXES + 3 * k : AXES + 3 * k + 3] @ velocity)
+        """Rate of `angle` or `position`, rad/s or m/s; a new one is given to what hangs on it, see `place`."""
+        seen = self._look()
+        k = seen.principal if seen.principal >= 0 else self.axis()
+        x, y, z = seen.axes[k].tolist()
+        rate = 0.0
+        for arm, motion, _ in seen.ends:
+            rate = -rate
+            if motion is None:
+                continue
+            u, v, w, p, q, r = motion.tolist()
+            if k >= 3:
+                rate += x * p + y * q + z * r
+            else:
+                a, b, c = arm.tolist()
+                rate += x * (u + q * c - r * b) + y * (v + r * a - p * c) + z * (w + p * b - q * a)
+        return 0.0 + seen.signs[k] * rate  # never -0.0
+
+    @speed.setter
+    def speed(self, speed: float) -> None:
+        set_speed(self, self.axis(), speed)
 
     @property
     def force(self) -> Floats:
-        """Mean force on b at the joint during the last step, (3,) in the world's axes, N; that on a is its opposite."""
-        numbers = self._numbers()
-        return np.asarray(numbers[TOTAL : TOTAL + 3] @ numbers[AXES : AXES + 9].reshape(3, 3))
+        """Mean force at the joint during the last step on the body whose motion is measured, (3,) in the world's axes, N."""
+        seen = self._look()
+        numbers = seen.numbers
+        return np.asarray(seen.side * (numbers[_TOTAL : _TOTAL + 3] @ numbers[AXES : AXES + 9].reshape(3, 3)))
 
     @property
     def torque(self) -> Floats:
-        """Mean torque on b during the last step, about the point where the joint acts, (3,) in the world's axes, N m."""
-        numbers = self._numbers()
-        return np.asarray(numbers[TOTAL + 3 : TOTAL + 6] @ numbers[AXES + 9 : AXES + 18].reshape(3, 3))
+        """Mean torque on that body during the last step, about the point where the joint acts, (3,) as `force`, N m."""
+        seen = self._look()
+        numbers = seen.numbers
+        return np.asarray(seen.side * (numbers[_TOTAL + 3 : _TOTAL + 6] @ numbers[AXES + 9 : AXES + 18].reshape(3, 3)))
 
     @property
     def effort(self) -> float:
         """Torque or force along the open axis in the last step: of motor, drive, friction and limits; N m or N."""
-        k = self.axis()
-        return float(self._numbers()[TOTAL + k])
+        seen, k = self._look(), self.axis()
+        effort: float = 0.0 + seen.signs[k] * seen.numbers.item(_TOTAL + k)
+        return effort
 
     def apply_effort(self, effort: float, axis: int | None = None) -> None:
-        """Let a torque about an open axis, or a force along it, act on b during the next step, and its opposite on a.
+        """Let a torque about an open axis, or a force along it, act during the next step, and its opposite on the other body.
 
-        Its direction is that of the axis at the end of the last step. `effort`, what the joint itself does, is without it.
+        A positive one makes the angle or position grow. Its direction is that of the axis at the end of the last step.
+        `effort`, what the joint itself does, is without it.
 
         Parameters
         ----------
@@ -116,34 +182,60 @@ class Joint:
             For an effort that is not finite, and for an axis that is locked.
         """
         finite("effort", effort)
-        k, numbers = self.axis(axis), self._numbers()
-        row = self.joints.tables.array(JOINT)[self.index]
-        if row[LOCKED] >> k & 1:
+        seen = self._look()
+        k = seen.principal if axis is None and seen.principal >= 0 else self.axis(axis)
+        if seen.locked >> k & 1:
             raise ArgumentError(f"axis={k} is locked, so an effort along it moves nothing; give an open one.")
-        along = effort * numbers[AXES + 3 * k : AXES + 3 * k + 3]
-        load, kinds = self.joints.tables.array(LOAD), self.joints.tables.array(BODY)
-        for body, arm, sign in ((row[BODY_A], ARM_A, -1.0), (row[BODY_B], ARM_B, 1.0)):
-            if kinds[body, KIND] != DYNAMIC:
+        x, y, z = seen.axes[k].tolist()
+        size = seen.signs[k] * effort  # on a the opposite, and the opposite of that on b
+        for arm, _, load in seen.ends:
+            size = -size
+            if load is None:
                 continue
-            if k < 3:
-                load[body, :3] += sign * along
-            load[body, 3:6] += sign * (np.cross(numbers[arm : arm + 3], along) if k < 3 else along)
+            f, g, h = size * x, size * y, size * z
+            u, v, w, p, q, r = load.tolist()
+            if k >= 3:
+                load[3:6] = (p + f, q + g, r + h)
+            else:
+                a, b, c = arm.tolist()
+                load[:] = (u + f, v + g, w + h, p + b * h - c * g, q + c * f - a * h, r + a * g - b * f)
 
     def set_motor(self, motor: Motor | None, axis: int | None = None) -> None:
         """Exchange the motor of an axis; None takes it away."""
-        self.joints.change_law(self, axis, Axis(motor=motor), "motor")
+        self._joints.change_law(self, axis, Axis(motor=motor), "motor")
 
     def set_drive(self, drive: Drive | None, axis: int | None = None) -> None:
         """Exchange the drive of an axis; None takes it away."""
-        self.joints.change_law(self, axis, Axis(drive=drive), "drive")
+        self._joints.change_law(self, axis, Axis(drive=drive), "drive")
 
     def set_limits(self, limits: tuple[float, float] | None, axis: int | None = None) -> None:
         """Exchange the limits of an axis, m or rad; None takes them away."""
-        self.joints.change_law(self, axis, Axis(limits=limits), "limits")
+        self._joints.change_law(self, axis, Axis(limits=limits), "limits")
 
     def set_friction(self, friction: float, axis: int | None = None) -> None:
         """Exchange the dry friction of an axis, N or N m."""
-        self.joints.change_law(self, axis, Axis(friction=friction), "friction")
+        self._joints.change_law(self, axis, Axis(friction=friction), "friction")
+
+    def place(self, value: float, axis: int | None = None) -> None:
+        """Place a joint at an angle or position, with everything that hangs on it; the rates of all joints stay.
+
+        The body whose motion is measured is turned or shifted against the other one, and all that joints hold to it goes
+        with it as if it were one body. Where a way of joints leads from it to what forces do not move, the other side moves.
+
+        Parameters
+        ----------
+        value : float
+            rad about an axis, m along one.
+        axis : int, optional
+            The one open axis by default.
+
+        Raises
+        ------
+        ArgumentError
+            For a value that is not finite or beyond the limits, an axis that is locked or has no angle of its own, and where
+            the joint is part of a loop, or both sides are held: then there is no side that could move alone.
+        """
+        place(self, self.axis(axis), "value", value)
 
     def axis(self, axis: int | None = None) -> int:
         """Return the axis that is meant.
@@ -153,18 +245,46 @@ class Joint:
         ArgumentError
             If none is named and the joint has several, or none; and for one that no joint has.
         """
-        row = self.joints.row(self)
+        principal = self._look().principal
         if axis is None:
-            axis = int(self.joints.tables.array(JOINT)[row, PRINCIPAL])
-            if axis < 0:
+            if principal < 0:
                 raise ArgumentError(
                     f"axis=None is ambiguous for joint={self!r}, which has no one open axis; give 0-2 for a linear or 3-5 for"
                     " an angular one, or ask for angles or positions."
                 )
-        elif isinstance(axis, bool | float) or axis not in range(6):
+            return principal
+        if isinstance(axis, bool | float) or axis not in range(6):
             raise ArgumentError(f"axis={axis!r} has to be 0-2 for a linear or 3-5 for an angular axis.")
         return axis
 
-    def _numbers(self) -> Floats:
-        row: Floats = self.joints.tables.array(JOINT_NUMBERS)[self.joints.row(self)]
-        return row
+    def sign(self, k: int) -> float:
+        """Return -1.0 where the tables have the other sign along an axis: they always hold b against a."""
+        return self._look().signs[k]
+
+    def _axis(self, what: str) -> int:
+        """Return the open axis, if it has an angle, or a position."""
+        k = self.axis()
+        if (k < 3) == (what == "angle"):
+            does, has = ("slides", "position") if k < 3 else ("turns", "angle")
+            raise ArgumentError(f"joint={self!r} {does} and has no {what} of its own; ask for its {has}.")
+        return k
+
+    def _look(self) -> _Seen:
+        """Return where the joint lies; it is looked up again only after something has gone or was moved."""
+        seen, tables = self._seen, self._joints.tables
+        if seen is None or seen.version != tables.version:
+            row = self._joints.row(self)
+            joint, numbers = tables.row(JOINT, row), tables.row(JOINT_NUMBERS, row)
+            axes = [numbers[_AXES + 3 * k : _AXES + 3 * k + 3] for k in range(6)]
+            ends = []
+            for column, arm in ((BODY_A, ARM_A), (BODY_B, ARM_B)):
+                body = joint.item(column)
+                kind = tables.row(BODY, body).item(KIND)
+                motion = None if kind == STATIC else tables.row(MOTION, body)[:6]
+                load = tables.row(LOAD, body)[:6] if kind == DYNAMIC else None
+                ends.append(_End(numbers[arm : arm + 3], motion, load))
+            seen = self._seen = _Seen(
+                tables.version, joint.item(PRINCIPAL), joint.item(LOCKED), 1.0 if ends[1].load is not None else -1.0,
+                signs(tables, row).tolist(), numbers, axes, (ends[0], ends[1]),
+            )  # fmt: skip
+        return seen

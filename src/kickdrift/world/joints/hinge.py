@@ -17,7 +17,8 @@ class Hinge(Record):
     anchor : (3,) array_like
         A point of the axis, in the world, m.
     axis : (3,) array_like
-        Direction of the axis, in the world; angles of b against a are positive counter-clockwise about it.
+        Direction of the axis, in the world; angles are positive counter-clockwise about it: of b against a, or where forces
+        move only one of them, of that one against the other.
     limits : (2,) tuple of float, optional
         Least and greatest angle, rad; it is zero now, and counts turns.
     motor : Motor, optional

@@ -44,22 +44,29 @@ def clear_laws(tables: Tables, joint: int) -> None:
 
 def write_law(tables: Tables, joint: int, k: int, axis: Axis, part: Part) -> None:
     """Write one part of what happens along an axis of a joint, which is measured."""
-    law: NDArray[np.float64] = tables.array(JOINT_AXES)[6 * joint + k]
+    law: NDArray[np.float64] = tables.row(JOINT_AXES, 6 * joint + k)
     if part == "limits":
-        law[[LOWER, UPPER]] = axis.limits or (-np.inf, np.inf)
+        law[LOWER], law[UPPER] = axis.limits or (-np.inf, np.inf)
     elif part == "friction":
         law[FRICTION] = axis.friction
     elif part == "motor":
-        law[[MOTOR_SPEED, MOTOR_MAXIMUM]] = (axis.motor.speed, axis.motor.maximum) if axis.motor else 0.0
+        law[MOTOR_SPEED], law[MOTOR_MAXIMUM] = (axis.motor.speed, axis.motor.maximum) if axis.motor else (0.0, 0.0)
     else:
-        law[[STIFFNESS, DAMPING, TARGET, TARGET_SPEED, DRIVE_MAXIMUM, MASS]] = 0.0
-        if axis.drive is not None:
-            law[MASS] = mass = effective_mass(tables, joint, k)
-            law[[STIFFNESS, DAMPING]] = axis.drive.coefficients(mass)
-            law[[TARGET, TARGET_SPEED, DRIVE_MAXIMUM]] = axis.drive.target, axis.drive.speed, axis.drive.maximum
-    does = np.isfinite(law[[LOWER, UPPER]]).any() or law[[MOTOR_MAXIMUM, STIFFNESS, DAMPING, FRICTION]].any()
-    row = tables.array(JOINT)[joint]
-    row[LAWS] = row[LAWS] | 1 << k if does else row[LAWS] & ~(1 << k)
+        mass = law.item(MASS)  # of the drive that there was: another target makes no drive stiffer
+        stiffness, damping, target, speed, maximum = 0.0, 0.0, 0.0, 0.0, 0.0
+        if axis.drive is None:
+            mass = 0.0
+        else:
+            mass = mass or effective_mass(tables, joint, k)
+            stiffness, damping = axis.drive.coefficients(mass)
+            target, speed, maximum = axis.drive.target, axis.drive.speed, axis.drive.maximum
+        law[STIFFNESS], law[DAMPING], law[MASS] = stiffness, damping, mass
+        law[TARGET], law[TARGET_SPEED], law[DRIVE_MAXIMUM] = target, speed, maximum
+    numbers = law.tolist()
+    does = -np.inf < numbers[LOWER] or numbers[UPPER] < np.inf
+    does = does or any(numbers[column] != 0.0 for column in (MOTOR_MAXIMUM, STIFFNESS, DAMPING, FRICTION))
+    row = tables.row(JOINT, joint)
+    row[LAWS] = row.item(LAWS) | 1 << k if does else row.item(LAWS) & ~(1 << k)
     if k >= 3 and does and row[ANGULAR] == LOOSE:
         row[ANGULAR] = VECTOR
 
@@ -71,8 +78,8 @@ def check_changeable(tables: Tables, joint: int, k: int, part: Part) -> None:
     ------
     ArgumentError
     """
-    row = tables.array(JOINT)[joint]
-    if row[LOCKED] >> k & 1:
+    row = tables.row(JOINT, joint)
+    if row.item(LOCKED) >> k & 1:
         raise ArgumentError(f"axis={k} is locked, so it has no {part}; make a joint in which it is open.")
     if row[LINEAR] == LINE and k != 2:
         raise ArgumentError(f"axis={k} of a joint along a line has no {part} of its own; only axis 2, the line, has.")

@@ -55,10 +55,13 @@ class Record(ABC):
     ----------
     breaking_force, breaking_torque : float
         A joint that has to bear more, as the mean of a step, breaks: N, N m.
+    name : str, optional
+        By which `World.joint` finds it; no two joints have the same.
     """
 
     breaking_force: float = field(default=inf, kw_only=True)
     breaking_torque: float = field(default=inf, kw_only=True)
+    name: str | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         not_negative("breaking_force", self.breaking_force, "N", infinite=True)

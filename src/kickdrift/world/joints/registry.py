@@ -46,8 +46,10 @@ from kickdrift.world.joints.layout import (
     UNIVERSAL,
     VECTOR,
 )
+from kickdrift.world.joints.placing import signs
 from kickdrift.world.joints.record import Placement, Record
 from kickdrift.world.joints.tree import arrange
+from kickdrift.world.names import Names
 from kickdrift.world.rotations import product, turned
 from kickdrift.world.tables import ARTICULATION, BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, POSE, STARTED_JOINTS, Tables
 
@@ -59,6 +61,7 @@ class Joints:
 
     def __init__(self, tables: Tables) -> None:
         self.tables = tables
+        self.names = Names("joint")
         self.arranged = True
         self.n_made = 0  # never goes back, not even to a snapshot: two joints would share a handle
 
@@ -80,7 +83,7 @@ class Joints:
                 f"body_b is body_a, row {body_a}, but a joint holds two bodies together; give another one, or None for the"
                 " ground."
             )
-        placement = record.placement()
+        placement, name = record.placement(), self.names.checked(record.name)
         tables = self.tables
         row = self._free_row()
         joint, numbers = tables.array(JOINT)[row], tables.array(JOINT_NUMBERS)[row]
@@ -109,12 +112,13 @@ class Joints:
         if placement.line:
             numbers[POSITION + 2] = np.linalg.norm(placement.anchor_b - placement.anchor_a) - placement.length
         clear_laws(tables, row)
-        for k, axis in enumerate(axes):
+        for k, (axis, sign) in enumerate(zip(axes, signs(tables, row), strict=True)):
             if axis.has_law:
                 for part in PARTS:
-                    write_law(tables, row, k, axis, part)
+                    write_law(tables, row, k, axis if sign > 0.0 else axis.reversed(), part)
         self.arranged = False
-        return Joint(row, generation, self)
+        self.names.give(row, name)
+        return self.handle(row)
 
     def change_law(self, joint: Joint, axis: int | None, change: Axis, part: Part) -> None:
         """Exchange the limits, the motor, the drive or the friction of an axis, and wake the bodies.
@@ -126,12 +130,14 @@ class Joints:
         """
         row, k = self.row(joint), joint.axis(axis)
         check_changeable(self.tables, row, k, part)
-        before = self.tables.array(JOINT)[row, LAWS]
-        write_law(self.tables, row, k, change, part)
-        self.arranged = self.arranged and before == self.tables.array(JOINT)[row, LAWS]
-        bodies = self.tables.array(BODY)
-        for body in self.tables.array(JOINT)[row, [BODY_A, BODY_B]]:
-            bodies[body, AWAKE] |= bodies[body, BODY_KIND] == DYNAMIC
+        tables, numbers = self.tables, self.tables.row(JOINT, row)
+        before = numbers.item(LAWS)
+        write_law(tables, row, k, change if joint.sign(k) > 0.0 else change.reversed(), part)
+        self.arranged = self.arranged and before == numbers.item(LAWS)
+        for column in (BODY_A, BODY_B):
+            body = tables.row(BODY, numbers.item(column))
+            if body.item(BODY_KIND) == DYNAMIC:
+                body[AWAKE] = 1
 
     def remove(self, joint: Joint) -> None:
         """Take a joint away.
@@ -150,11 +156,14 @@ class Joints:
         for row in np.flatnonzero(there):
             self._remove_row(int(row))
 
+    @property
+    def breakable(self) -> bool:
+        """Whether a joint may break."""
+        return bool(np.isfinite(self.tables.array(JOINT_NUMBERS)[:, [BREAKING_FORCE, BREAKING_TORQUE]]).any())
+
     def take_broken(self) -> list[Joint]:
         """Take away the joints that have broken, and return their handles, by which they are known and no more."""
         joints = self.tables.array(JOINT)
-        if not joints[:, BROKEN].any():
-            return []
         broken = np.flatnonzero((joints[:, KIND] != REMOVED) & (joints[:, BROKEN] != 0)).tolist()
         handles = [self.handle(row) for row in broken]
         for row in broken:
@@ -162,7 +171,7 @@ class Joints:
         return handles
 
     def changed(self) -> None:
-        """Say that bodies have begun or ceased to be moved by forces."""
+        """Say that bodies have got other masses."""
         self.arranged = False
 
     def arrange(self) -> None:
@@ -184,18 +193,24 @@ class Joints:
         ArgumentError
             If it is no handle, one of a joint that was removed or has broken, or one of another world.
         """
+        if isinstance(joint, Joint) and joint.joints is self and self.knows(joint.index, joint.generation):
+            return joint.index
         if not isinstance(joint, Joint):
             raise ArgumentError(f"joint={joint!r} is not a joint; give what World.add_hinge and the like returned.")
-        rows = self.tables.array(JOINT)
-        if joint.joints is not self or not 0 <= joint.index < len(rows):
+        if joint.joints is not self or not 0 <= joint.index < self.tables.count(JOINT):
             raise ArgumentError(f"joint={joint!r} is a joint of another world.")
-        if rows[joint.index, GENERATION] != joint.generation or rows[joint.index, KIND] == REMOVED:
-            raise ArgumentError(f"joint={joint!r} was removed, or has broken; use a handle of one that is there.")
-        return joint.index
+        raise ArgumentError(f"joint={joint!r} was removed, or has broken; use a handle of one that is there.")
+
+    def knows(self, index: int, generation: int) -> bool:
+        """Whether there is a joint of a generation in a row."""
+        if not 0 <= index < self.tables.count(JOINT):
+            return False
+        row = self.tables.row(JOINT, index)
+        return bool(row.item(GENERATION) == generation and row.item(KIND) != REMOVED)
 
     def handle(self, row: int) -> Joint:
         """Return the handle of a row."""
-        return Joint(row, int(self.tables.array(JOINT)[row, GENERATION]), self)
+        return Joint(row, self.tables.row(JOINT, row).item(GENERATION), self)
 
     def _free_row(self) -> int:
         joints = self.tables.array(JOINT)
@@ -212,6 +227,8 @@ class Joints:
     def _remove_row(self, row: int) -> None:
         joint = self.tables.array(JOINT)[row]
         joint[[KIND, BROKEN, LOCKED, LAWS]] = REMOVED, 0, 0, 0
+        self.names.give(row, None)
+        self.tables.version += 1
         self.arranged = False
 
 

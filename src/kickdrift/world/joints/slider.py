@@ -17,7 +17,8 @@ class Slider(Record):
     anchor : (3,) array_like
         A point of the axis, in the world, m.
     axis : (3,) array_like
-        Direction of the axis, in the world; positions of b along it are positive.
+        Direction of the axis, in the world; positions along it are positive: of b against a, or where forces move only one of
+        them, of that one against the other.
     limits : (2,) tuple of float, optional
         Least and greatest position, m; it is zero now.
     motor : Motor, optional

@@ -1,14 +1,20 @@
 """Boxes."""
 
+import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError
+from kickdrift.core.vectors import Quaternion, Vector
+from kickdrift.world.shapes.extents import Extent, symmetric, turned_extents
 from kickdrift.world.shapes.kinds import BOX
 from kickdrift.world.shapes.mass import Array, MassProperties, extent
+from kickdrift.world.shapes.rays import MISS, Hit, ahead
+from kickdrift.world.shapes.record import SOLID, Kind
 
 # One line along the four lower edges, a side, the four upper edges; then the other three sides.
 _LINES = (
@@ -19,6 +25,34 @@ _LINES = (
     ((1, 1, -1), (1, 1, 1)),
     ((-1, 1, -1), (-1, 1, 1)),
 )
+
+
+@compiled
+def _extent(numbers: Any, q: Quaternion) -> Extent:
+    return symmetric(turned_extents(q, (numbers[0], numbers[1], numbers[2])))
+
+
+@compiled
+def _ray(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
+    """Meet a box; see `kickdrift.world.shapes.rays`."""
+    enters, leaves, face_in, face_out = -math.inf, math.inf, 0, 0
+    for i in range(3):
+        if direction[i] != 0.0:
+            low, high = (-numbers[i] - origin[i]) / direction[i], (numbers[i] - origin[i]) / direction[i]
+            if min(low, high) > enters:
+                enters, face_in = min(low, high), i
+            if max(low, high) < leaves:
+                leaves, face_out = max(low, high), i
+        elif abs(origin[i]) > numbers[i]:
+            return MISS
+    distance = ahead((enters, leaves), limit)
+    if distance == math.inf:
+        return MISS
+    face = face_in if distance == enters else face_out
+    side = math.copysign(1.0, direction[face])
+    if distance == enters:
+        side = -side
+    return (distance, side if face == 0 else 0.0, side if face == 1 else 0.0, side if face == 2 else 0.0)
 
 
 @dataclass(frozen=True)
@@ -50,6 +84,11 @@ class Box:
         """What compiled code knows of it: half of each length."""
         return 0.5 * np.array(self.size)
 
+    @property
+    def reach(self) -> float:
+        """Farthest that any point of it is from the origin of its frame, m."""
+        return float(np.linalg.norm(self.numbers))
+
     def mass_properties(self) -> MassProperties:
         """Weigh it for density 1."""
         squares = np.square(self.size)
@@ -59,3 +98,6 @@ class Box:
     def wireframe(self) -> list[Array]:
         """Return the edges as lines, in the shape's frame."""
         return [self.numbers * np.array(line, dtype=np.float64) for line in _LINES]
+
+
+RECORD = Kind(number=BOX, name="box", sort=SOLID, shape=Box, extent=_extent, ray=_ray)

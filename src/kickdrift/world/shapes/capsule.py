@@ -2,15 +2,50 @@
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Quaternion, Vector, length, minus, times, turned
+from kickdrift.world.shapes.closest import along, clamped
+from kickdrift.world.shapes.extents import Extent, symmetric
 from kickdrift.world.shapes.kinds import CAPSULE
 from kickdrift.world.shapes.mass import Array, MassProperties, extent
+from kickdrift.world.shapes.rays import MISS, Hit, ahead, through_ball, through_cylinder
+from kickdrift.world.shapes.record import GLOSSY, SOLID, Kind
 
 _QUARTER = np.linspace(0.0, 0.5 * math.pi, 9)
 _CIRCLE = np.linspace(0.0, 2.0 * math.pi, 33)
+
+
+@compiled
+def _extent(numbers: Any, q: Quaternion) -> Extent:
+    r, axis = numbers[0], turned(q, (0.0, 0.0, numbers[1]))
+    return symmetric((abs(axis[0]) + r, abs(axis[1]) + r, abs(axis[2]) + r))
+
+
+@compiled
+def _ray(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
+    """Meet a capsule; see `kickdrift.world.shapes.rays`.
+
+    Notes
+    -----
+    It is the union of a cylinder and two balls, and convex: a line enters it where it first enters one of these.
+    """
+    radius, half = numbers[0], numbers[1]
+    enters, leaves = through_cylinder(origin, direction, radius, half)
+    for side in range(2):
+        z = origin[2] - half if side == 1 else origin[2] + half
+        first, last = through_ball((origin[0], origin[1], z), direction, radius)
+        enters, leaves = min(enters, first), max(leaves, last)
+    distance = ahead((enters, leaves), limit)
+    if distance == math.inf:
+        return MISS
+    x = along(origin, distance, direction)
+    out = minus(x, (0.0, 0.0, clamped(x[2], -half, half)))
+    normal = times(1.0 / length(out), out)
+    return (distance, normal[0], normal[1], normal[2])
 
 
 @dataclass(frozen=True)
@@ -43,6 +78,11 @@ class Capsule:
         """What compiled code knows of it: the radius and half of the length."""
         return np.array([self.radius, 0.5 * self.length])
 
+    @property
+    def reach(self) -> float:
+        """Farthest that any point of it is from the origin of its frame, m."""
+        return self.radius + 0.5 * self.length
+
     def mass_properties(self) -> MassProperties:
         """Weigh it for density 1.
 
@@ -70,3 +110,15 @@ class Capsule:
         nothing = np.zeros(x.size)
         outlines = [np.column_stack((x, nothing, z)), np.column_stack((nothing, x, z))]
         return [*outlines, rim - up, rim + up]
+
+
+RECORD = Kind(
+    number=CAPSULE,
+    name="capsule",
+    sort=SOLID,
+    shape=Capsule,
+    extent=_extent,
+    ray=_ray,
+    is_round=True,
+    look=GLOSSY,
+)

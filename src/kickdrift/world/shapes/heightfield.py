@@ -7,9 +7,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.shapes.kinds import MESH
+from kickdrift.world.shapes.kinds import HEIGHT_FIELD
 from kickdrift.world.shapes.mass import LARGEST, Array, MassProperties, extent
 from kickdrift.world.shapes.mesh import Mesh
+from kickdrift.world.shapes.record import SURFACE, Kind
+from kickdrift.world.shapes.triangle import surface_extent
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +35,7 @@ class HeightField:
 
     heights: Array
     spacing: tuple[float, float]
-    kind: ClassVar[int] = MESH
+    kind: ClassVar[int] = HEIGHT_FIELD
 
     def __init__(self, heights: ArrayLike, spacing: ArrayLike) -> None:
         array = np.array(heights, dtype=np.float64)
@@ -71,6 +73,11 @@ class HeightField:
         """What compiled code knows of it: the triangles."""
         return self.mesh.numbers
 
+    @property
+    def reach(self) -> float:
+        """0.0: it never moves."""
+        return 0.0
+
     def mass_properties(self) -> MassProperties:
         """Refuse to weigh it.
 
@@ -84,3 +91,6 @@ class HeightField:
     def wireframe(self) -> list[Array]:
         """Return the lines of the grid, in the shape's frame."""
         return [*self.points, *self.points.transpose(1, 0, 2)]
+
+
+RECORD = Kind(number=HEIGHT_FIELD, name="height field", sort=SURFACE, shape=HeightField, extent=surface_extent)

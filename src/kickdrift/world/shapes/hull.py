@@ -1,16 +1,22 @@
 """Convex hulls of points."""
 
+import math
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError
+from kickdrift.core.vectors import Quaternion, Vector, dot
+from kickdrift.world.shapes.extents import Extent, around
 from kickdrift.world.shapes.kinds import HULL
 from kickdrift.world.shapes.mass import Array, MassProperties, extent
-from kickdrift.world.shapes.polyhedron import MOST_VERTICES, polyhedron_numbers
+from kickdrift.world.shapes.polyhedron import FACES, HEADER, MOST_VERTICES, VERTICES, plane, polyhedron_numbers
+from kickdrift.world.shapes.rays import MISS, Hit, ahead
+from kickdrift.world.shapes.record import SOLID, Kind
 
 if TYPE_CHECKING:
     from scipy.spatial import ConvexHull
@@ -18,6 +24,33 @@ if TYPE_CHECKING:
 # Of the largest extent: what lies so near to each other, or so near to a plane, counts as one, and so flat a set of
 # points as flat.
 _FLAT = 1e-6
+
+
+@compiled
+def _extent(numbers: Any, q: Quaternion) -> Extent:
+    return around(numbers, HEADER, 3, int(numbers[VERTICES]), 1, q)
+
+
+@compiled
+def _ray(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
+    """Meet a convex polyhedron; see `kickdrift.world.shapes.rays` (Cyrus and Beck 1978)."""
+    enters, leaves, face_in, face_out = -math.inf, math.inf, 0, 0
+    for face in range(int(numbers[FACES])):
+        normal, offset = plane(numbers, face)
+        height, rise = dot(normal, origin) - offset, dot(normal, direction)
+        if rise < 0.0:
+            if -height / rise > enters:
+                enters, face_in = -height / rise, face
+        elif rise > 0.0:
+            if -height / rise < leaves:
+                leaves, face_out = -height / rise, face
+        elif height > 0.0:
+            return MISS
+    distance = ahead((enters, leaves), limit)
+    if distance == math.inf:
+        return MISS
+    normal, _ = plane(numbers, face_in if distance == enters else face_out)
+    return (distance, normal[0], normal[1], normal[2])
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +98,11 @@ class Hull:
     def numbers(self) -> Array:
         """What compiled code knows of it."""
         return polyhedron_numbers(self.vertices, self.faces)
+
+    @property
+    def reach(self) -> float:
+        """Farthest that any point of it is from the origin of its frame, m."""
+        return float(np.sqrt((self.vertices**2).sum(axis=1).max()))
 
     def mass_properties(self) -> MassProperties:
         """Weigh it for density 1.
@@ -163,3 +201,6 @@ def _outline(triangles: list[list[int]]) -> tuple[int, ...]:
     while following[loop[-1]] != loop[0]:
         loop.append(following[loop[-1]])
     return tuple(loop)
+
+
+RECORD = Kind(number=HULL, name="hull", sort=SOLID, shape=Hull, extent=_extent, ray=_ray)

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.shapes.kinds import MESH
 from kickdrift.world.shapes.mass import LARGEST, Array, MassProperties
-
-TRIANGLE_SIZE = 12  # nine coordinates of corners, three flags of edges
+from kickdrift.world.shapes.record import SURFACE, Kind
+from kickdrift.world.shapes.triangle import surface_extent
 
 # Between neighbours: at blunter edges bodies are pushed along the normal of one of the two triangles.
 _SHARP = math.cos(math.radians(5.0))
@@ -108,6 +108,11 @@ class Mesh:
         active[one] = active[two] = falls & bends
         return active.reshape(-1, 3)
 
+    @property
+    def reach(self) -> float:
+        """0.0: it never moves."""
+        return 0.0
+
     def mass_properties(self) -> MassProperties:
         """Refuse to weigh it.
 
@@ -147,3 +152,6 @@ def _check_areas(corners: Array) -> None:
         raise ArgumentError(
             f"faces[{row}] has its corners {corners[row].tolist()} on one line, so that it has no outside; drop it."
         )
+
+
+RECORD = Kind(number=MESH, name="mesh", sort=SURFACE, shape=Mesh, extent=surface_extent)

@@ -1,16 +1,34 @@
 """The half-space under a plane."""
 
+import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
+from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError
+from kickdrift.core.vectors import Vector
 from kickdrift.world.shapes.kinds import PLANE
 from kickdrift.world.shapes.mass import Array, MassProperties
+from kickdrift.world.shapes.rays import MISS, Hit, ahead
+from kickdrift.world.shapes.record import GROUND, HALF_SPACE, Kind
 
 _HALF_WIDTH = 10.0  # m, of the part that pictures show
 _LINES = 11
+
+
+@compiled
+def _ray(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
+    """Meet a half-space; see `kickdrift.world.shapes.rays`."""
+    height, rise = origin[2], direction[2]
+    if rise < 0.0:
+        distance = ahead((-height / rise, math.inf), limit) if height >= 0.0 else math.inf
+    elif rise > 0.0:
+        distance = ahead((-math.inf, -height / rise), limit)
+    else:
+        distance = math.inf
+    return (distance, 0.0, 0.0, 1.0) if distance < math.inf else MISS
 
 
 @dataclass(frozen=True)
@@ -23,6 +41,11 @@ class Plane:
     def numbers(self) -> Array:
         """What compiled code knows of it: nothing but where it is."""
         return np.zeros(0)
+
+    @property
+    def reach(self) -> float:
+        """0.0: it never moves."""
+        return 0.0
 
     def mass_properties(self) -> MassProperties:
         """Refuse to weigh it.
@@ -41,3 +64,6 @@ class Plane:
             np.column_stack((np.full(2, x), ends, np.zeros(2))) for x in np.linspace(-_HALF_WIDTH, _HALF_WIDTH, _LINES)
         ]
         return across + [line[:, [1, 0, 2]] for line in across]
+
+
+RECORD = Kind(number=PLANE, name="plane", sort=HALF_SPACE, shape=Plane, ray=_ray, look=GROUND)

@@ -2,14 +2,36 @@
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Quaternion, Vector, times
+from kickdrift.world.shapes.closest import along
+from kickdrift.world.shapes.extents import Extent
 from kickdrift.world.shapes.kinds import SPHERE
 from kickdrift.world.shapes.mass import Array, MassProperties, extent
+from kickdrift.world.shapes.rays import MISS, Hit, ahead, through_ball
+from kickdrift.world.shapes.record import BALL, GLOSSY, SOLID, Kind
 
 _CIRCLE = np.linspace(0.0, 2.0 * math.pi, 33)
+
+
+@compiled
+def _extent(numbers: Any, q: Quaternion) -> Extent:
+    r = numbers[0]
+    return (-r, -r, -r, r, r, r)
+
+
+@compiled
+def _ray(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
+    """Meet a ball; see `kickdrift.world.shapes.rays`."""
+    distance = ahead(through_ball(origin, direction, numbers[0]), limit)
+    if distance == math.inf:
+        return MISS
+    normal = times(1.0 / numbers[0], along(origin, distance, direction))
+    return (distance, normal[0], normal[1], normal[2])
 
 
 @dataclass(frozen=True)
@@ -38,6 +60,11 @@ class Sphere:
         """What compiled code knows of it: the radius."""
         return np.array([self.radius])
 
+    @property
+    def reach(self) -> float:
+        """Farthest that any point of it is from the origin of its frame, m."""
+        return self.radius
+
     def mass_properties(self) -> MassProperties:
         """Weigh it for density 1."""
         volume = 4.0 / 3.0 * math.pi * self.radius**3
@@ -47,3 +74,15 @@ class Sphere:
         """Return great circles about the three axes, (33, 3) each, in the shape's frame."""
         circle = self.radius * np.column_stack((np.cos(_CIRCLE), np.sin(_CIRCLE), np.zeros(_CIRCLE.size)))
         return [np.roll(circle, shift, axis=1) for shift in range(3)]
+
+
+RECORD = Kind(
+    number=SPHERE,
+    name="sphere",
+    sort=SOLID,
+    shape=Sphere,
+    extent=_extent,
+    ray=_ray,
+    is_round=True,
+    look=GLOSSY | BALL,
+)

@@ -1,9 +1,10 @@
 """Contacts that are there already, found by their shapes: a hash table at the start of SCRATCH."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.collision.bounds import FIRST_NODE
+from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.search import SLOTS
-from kickdrift.world.shapes.kinds import MESH
+from kickdrift.world.layout import FIRST_NODE
+from kickdrift.world.shapes.record import SURFACE
 from kickdrift.world.tables import BOUNDS, SCRATCH, SEARCH, SHAPE, floats, integers, rows
 
 _EMPTY = -1
@@ -29,7 +30,7 @@ def forget_all(world: int) -> None:
 @compiled(inline=True)
 def key_of(world: int, a: int, b: int, part: int) -> int:
     """Return one number for a contact, whichever shape is first; parts of meshes are numbered after all shapes."""
-    if integers(world, SHAPE)[a, 0] == MESH:
+    if sort_of(world, a) == SURFACE:
         a = rows(world, SHAPE) + int(floats(world, BOUNDS)[a, FIRST_NODE]) + part
     return (min(a, b) << 32) | max(a, b)
 

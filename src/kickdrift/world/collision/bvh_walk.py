@@ -9,7 +9,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector
-from kickdrift.world.collision.tree import BRANCH, ITEM, SKIP
+from kickdrift.world.collision.bvh import BRANCH, ITEM, SKIP
 
 NOTHING = -1
 WALK = 512  # numbers: of 255 nodes, where a tree is at most 64 + log2 n deep and a twig has 8 leaves

@@ -2,8 +2,8 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import shaped
-from kickdrift.world.collision.bounds import FIRST_NODE, LAST_NODE
-from kickdrift.world.collision.extents import parts, triangle
+from kickdrift.world.collision.bvh import NODES_PER_ITEM, build, fit
+from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.roster import enlist
 from kickdrift.world.collision.search import (
     CHANGED,
@@ -15,8 +15,9 @@ from kickdrift.world.collision.search import (
     STATIC_CHANGED,
     UNSEEN,
 )
-from kickdrift.world.collision.tree import NODES_PER_ITEM, build, fit
-from kickdrift.world.shapes.kinds import MESH
+from kickdrift.world.layout import BEGIN, FIRST_NODE, LAST_NODE, LOWER, SHAPE_KIND, SIZE, UPPER
+from kickdrift.world.shapes.record import SURFACE
+from kickdrift.world.shapes.triangle import triangle_box, triangles_of
 from kickdrift.world.tables import (
     BOUNDS,
     FIXTURES,
@@ -84,7 +85,7 @@ def update_for_queries(world: int) -> bool:
 
 @compiled
 def _build_tree(world: int, items: Table, tree: Table) -> bool:
-    """Build the tree over the wider boxes of the shapes on a list."""
+    """Build the tree over the fat bounds of the shapes on a list."""
     count = rows(world, items)
     if not _has_room(world, tree, NODES_PER_ITEM * count, _SEED * count):
         return False
@@ -93,7 +94,7 @@ def _build_tree(world: int, items: Table, tree: Table) -> bool:
     for k in range(count):
         shape = listed[k, 0]
         for axis in range(3):
-            seeds[k, axis] = 0.5 * bounds[shape, axis] + 0.5 * bounds[shape, 3 + axis]
+            seeds[k, axis] = 0.5 * bounds[shape, LOWER + axis] + 0.5 * bounds[shape, UPPER + axis]
         seeds[k, 3] = shape
     nodes = floats(world, tree)
     last = build(seeds, nodes)
@@ -110,20 +111,20 @@ def _build_part_trees(world: int) -> bool:
     total = 0
     most = 0
     for shape in range(rows(world, SHAPE)):
-        if shapes[shape, 0] == MESH:
-            total += parts(shapes[shape, 3])
-            most = max(most, parts(shapes[shape, 3]))
+        if shapes[shape, SHAPE_KIND] >= 0 and sort_of(world, shape) == SURFACE:
+            total += triangles_of(shapes[shape, SIZE])
+            most = max(most, triangles_of(shapes[shape, SIZE]))
     if not _has_room(world, PART_TREE, NODES_PER_ITEM * total, (_SEED + _BOX) * most):
         return False
     nodes = floats(world, PART_TREE)
     last = 0
     for shape in range(rows(world, SHAPE)):
-        if shapes[shape, 0] != MESH:
+        if shapes[shape, SHAPE_KIND] < 0 or sort_of(world, shape) != SURFACE:
             continue
-        count = parts(shapes[shape, 3])
+        count = triangles_of(shapes[shape, SIZE])
         seeds, boxes = shaped(scratch, (count, _SEED)), shaped(scratch[_SEED * count :], (count, _BOX))
         for part in range(count):
-            box = triangle(numbers, shapes[shape, 2], part)
+            box = triangle_box(numbers, shapes[shape, BEGIN], part)
             for axis in range(3):
                 seeds[part, axis] = 0.5 * box[axis] + 0.5 * box[3 + axis]
             seeds[part, 3] = part

@@ -5,6 +5,8 @@ from numba import types
 from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, plus, product, turned
+from kickdrift.world.collision.dispatch import sort_of
+from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
     FEATURE,
     FOUND_POSE,
@@ -16,7 +18,21 @@ from kickdrift.world.contacts.layout import (
     SHAPE_A,
     SHAPE_B,
 )
-from kickdrift.world.shapes.kinds import MESH, TRIANGLE
+from kickdrift.world.layout import (
+    BEGIN,
+    BODY_ROW,
+    ORIENTATION,
+    PLACE_ORIENTATION,
+    PLACE_POSITION,
+    PLACED_ORIENTATION,
+    PLACED_POSITION,
+    POSITION,
+    SHAPE_KIND,
+    SIZE,
+)
+from kickdrift.world.shapes.kinds import TRIANGLE
+from kickdrift.world.shapes.record import SURFACE
+from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
 from kickdrift.world.tables import (
     COLLIDERS,
     CONTACT,
@@ -32,9 +48,6 @@ from kickdrift.world.tables import (
     rows,
 )
 
-# Columns of PLACE besides the pose of the shape in its body
-FRICTION, RESTITUTION, ROLLING, SURFACE_VELOCITY, RADIUS = 7, 8, 9, 10, 13
-
 _ARRAY = types.Array(types.float64, 1, "C")
 COLLIDE = types.int64(_ARRAY, _ARRAY, _ARRAY, types.float64, _ARRAY)
 
@@ -48,27 +61,27 @@ def place_shapes(t: float, h: float, world: int) -> None:
     for shape in range(rows(world, SHAPE)):
         at, turn = shape_pose(world, shape)
         for k in range(3):
-            placed[shape, k] = at[k]
+            placed[shape, PLACED_POSITION + k] = at[k]
         for k in range(4):
-            placed[shape, 3 + k] = turn[k]
+            placed[shape, PLACED_ORIENTATION + k] = turn[k]
 
 
 @compiled(inline=True)
 def shape_pose(world: int, shape: int) -> tuple[Vector, Quaternion]:
     """Return where a shape is in the world: its origin and its orientation."""
     pose, place = floats(world, POSE), floats(world, PLACE)
-    body = integers(world, SHAPE)[shape, 1]
-    q = (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
-    local = (place[shape, 3], place[shape, 4], place[shape, 5], place[shape, 6])
-    at = (place[shape, 0], place[shape, 1], place[shape, 2])
-    return plus((pose[body, 0], pose[body, 1], pose[body, 2]), turned(q, at)), product(q, local)
+    body = integers(world, SHAPE)[shape, BODY_ROW]
+    q = quaternion_at(pose, body, ORIENTATION)
+    local = quaternion_at(place, shape, PLACE_ORIENTATION)
+    at = vector_at(place, shape, PLACE_POSITION)
+    return plus(vector_at(pose, body, POSITION), turned(q, at)), product(q, local)
 
 
 @compiled(inline=True)
 def placed_pose(world: int, shape: int) -> tuple[Vector, Quaternion]:
     """Return the same as it was when the step began, which costs nothing."""
     p = floats(world, PLACED)
-    return (p[shape, 0], p[shape, 1], p[shape, 2]), (p[shape, 3], p[shape, 4], p[shape, 5], p[shape, 6])
+    return vector_at(p, shape, PLACED_POSITION), quaternion_at(p, shape, PLACED_ORIENTATION)
 
 
 @compiled
@@ -77,11 +90,11 @@ def look_again(world: int, row: int, at: Vector, turn: Quaternion, margin: float
     contact, manifold, numbers = integers(world, CONTACT), flat(world, MANIFOLD), flat(world, GEOMETRY)
     shape = integers(world, SHAPE)
     a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
-    begin_a, size_a, kind_a = shape[a, 2], shape[a, 3], shape[a, 0]
-    if kind_a == MESH:
-        begin_a, size_a, kind_a = begin_a + 1 + 12 * contact[row, PART], 12, TRIANGLE
-    begin_b, size_b = shape[b, 2], shape[b, 3]
-    own = manifold[64 * row : 64 * row + 64]
+    begin_a, size_a, kind_a = shape[a, BEGIN], shape[a, SIZE], shape[a, SHAPE_KIND]
+    if sort_of(world, a) == SURFACE:
+        begin_a, size_a, kind_a = begin_of(begin_a, contact[row, PART]), TRIANGLE_SIZE, TRIANGLE
+    begin_b, size_b = shape[b, BEGIN], shape[b, SIZE]
+    own = manifold[MANIFOLD.width * row : MANIFOLD.width * (row + 1)]
     found = own[FOUND_POSE : FOUND_POSE + 7]
     found[0], found[1], found[2] = at
     found[3], found[4], found[5], found[6] = turn
@@ -89,7 +102,7 @@ def look_again(world: int, row: int, at: Vector, turn: Quaternion, margin: float
     ids = (own[_id(0)], own[_id(1)], own[_id(2)], own[_id(3)])
     impulses = (own[NORMAL_IMPULSE], own[NORMAL_IMPULSE + 1], own[NORMAL_IMPULSE + 2], own[NORMAL_IMPULSE + 3])
     count = collide(
-        integers(world, COLLIDERS)[kind_a, shape[b, 0]],
+        integers(world, COLLIDERS)[kind_a, shape[b, SHAPE_KIND]],
         (numbers[begin_a : begin_a + size_a], numbers[begin_b : begin_b + size_b], found, margin, own),
     )
     contact[row, POINTS] = count

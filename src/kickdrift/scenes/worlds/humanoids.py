@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from kickdrift.scenes.worlds.placing import Quaternion, Vector, about, between, scatter, turned
-from kickdrift.world.bodies import Body
+from kickdrift.world.body import Body
 from kickdrift.world.joints.axis import Drive
 from kickdrift.world.world import World
 
@@ -103,7 +103,7 @@ class Humanoid(NamedTuple):
 
 
 def ragdolls(*, count: int = 16, columns: int = 2, height: float = 0.5, damping: float = 1.0) -> World:
-    """Drop limp people, face down, onto each other.
+    """Drop limp humanoids, face down, onto each other.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def ragdolls(*, count: int = 16, columns: int = 2, height: float = 0.5, damping:
         layer, place = divmod(number, columns * columns)
         row, column = divmod(place, columns)
         middle = (columns - 1) / 2
-        x = (column - middle) * 2.0 + 0.7 * (layer % 2)  # lying people take 1.8 m by 0.6 m
+        x = (column - middle) * 2.0 + 0.7 * (layer % 2)  # lying humanoids take 1.8 m by 0.6 m
         position = (x, (row - middle) * 0.8, height + 0.8 * layer)
         lean = about((0.0, 1.0, 0.0), math.pi / 2 + 0.3 * scatter(number))
         add_person(world, position=position, orientation=lean, drive=Drive(damping=damping))

@@ -24,6 +24,7 @@ from kickdrift.core.vectors import (
     turned,
     turned_back,
 )
+from kickdrift.world.collision.narrow_phase import look_again, placed_pose, smallest
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts.layout import (
     BODY_A,
@@ -39,7 +40,7 @@ from kickdrift.world.contacts.layout import (
     SLIDE_AHEAD,
     STATE,
 )
-from kickdrift.world.contacts.looking import RADIUS, look_again, placed_pose, smallest
+from kickdrift.world.layout import RADIUS
 from kickdrift.world.settings import MARGIN, STEP
 from kickdrift.world.tables import CONTACT, MANIFOLD, MOTION, PLACE, POSE, SETTINGS, floats, integers, rows
 

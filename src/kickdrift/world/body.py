@@ -1,0 +1,149 @@
+"""The handle of a body: what it says of the body, and what it sets."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kickdrift.world.arguments import choice, number, unit_quaternion, vector
+from kickdrift.world.handle import Handle
+from kickdrift.world.tables import MOTION, POSE
+
+if TYPE_CHECKING:
+    from kickdrift.world.bodies import Bodies
+
+Floats = NDArray[np.float64]
+
+
+class _Seen(NamedTuple):
+    """Where a body lies in the tables, for as long as these have a version."""
+
+    version: int
+    position: Floats
+    orientation: Floats
+    velocity: Floats
+    angular_velocity: Floats
+
+
+class Body(Handle):
+    """A body of a world.
+
+    Attributes
+    ----------
+    index : int
+        Its row in `World.position` and the other arrays.
+    generation : int
+        Bodies that the world had seen before it; a handle of one that was removed is known by it.
+
+    Notes
+    -----
+    Poses and velocities are live views of the rows of `World.position` and the like: what is written into them moves the
+    body, and what is to be kept is copied. The pose of a static body is given as a whole (``wall.position = ...``), so that it
+    is sought in its new place. Everything raises `ArgumentError` once the body is gone, and for values that a body cannot
+    have.
+    """
+
+    __slots__ = ("_bodies", "_seen")
+
+    def __init__(self, index: int, generation: int, bodies: Bodies) -> None:
+        self._index, self._generation, self._bodies = index, generation, bodies
+        self._last_name = bodies.names.of(index)
+        self._seen: _Seen | None = None
+
+    @property
+    def _registry(self) -> Bodies:
+        return self._bodies
+
+    @property
+    def position(self) -> Floats:
+        """Centre of mass, (3,), m; may be given anew."""
+        return self._look().position
+
+    @position.setter
+    def position(self, position: ArrayLike) -> None:
+        self._bodies.place(self, slice(0, 3), vector("position", position, 3))
+
+    @property
+    def orientation(self) -> Floats:
+        """Quaternion (w, x, y, z) that turns the body's axes into the world's, (4,); may be given anew."""
+        return self._look().orientation
+
+    @orientation.setter
+    def orientation(self, orientation: ArrayLike) -> None:
+        self._bodies.place(self, slice(3, 7), unit_quaternion("orientation", orientation))
+
+    @property
+    def velocity(self) -> Floats:
+        """Velocity of the centre of mass, (3,), m/s; may be given anew, but for static bodies."""
+        return self._look().velocity
+
+    @velocity.setter
+    def velocity(self, velocity: ArrayLike) -> None:
+        self._bodies.move(self, slice(0, 3), vector("velocity", velocity, 3))
+
+    @property
+    def angular_velocity(self) -> Floats:
+        """In the world's axes, (3,), rad/s; may be given anew, but for static bodies."""
+        return self._look().angular_velocity
+
+    @angular_velocity.setter
+    def angular_velocity(self, angular_velocity: ArrayLike) -> None:
+        self._bodies.move(self, slice(3, 6), vector("angular_velocity", angular_velocity, 3))
+
+    @property
+    def mass(self) -> float:
+        """Mass, kg; infinite of what no force moves. A new one scales the inertia; velocities stay."""
+        return self._bodies.mass(self).mass
+
+    @mass.setter
+    def mass(self, mass: float) -> None:
+        self._bodies.change_mass(self, mass=number("mass", mass, "kg", zero=False))
+
+    @property
+    def inertia(self) -> Floats:
+        """Inertia about the centre of mass in the body's axes, (3, 3), kg m^2, a copy; may be given anew, also as (3,)."""
+        return self._bodies.mass(self).inertia
+
+    @inertia.setter
+    def inertia(self, inertia: ArrayLike) -> None:
+        self._bodies.change_mass(self, inertia=inertia)
+
+    @property
+    def locked_rotation(self) -> bool:
+        """Whether it never turns, whatever pushes it; may be given anew, and True stops its rotation."""
+        return self._bodies.locked(self)
+
+    @locked_rotation.setter
+    def locked_rotation(self, locked: bool) -> None:
+        self._bodies.change_mass(self, locked=choice("locked_rotation", locked))
+        if locked:
+            self._look().angular_velocity[:] = 0.0
+
+    @property
+    def friction(self) -> float:
+        """Coefficient of friction of its shapes; a new one is that of all. ArgumentError where they differ."""
+        return self._bodies.surface(self, "friction")
+
+    @friction.setter
+    def friction(self, friction: float) -> None:
+        self._bodies.change_surface(self, "friction", friction)
+
+    @property
+    def restitution(self) -> float:
+        """Restitution of its shapes, from 0 to 1; a new one is that of all. ArgumentError where they differ."""
+        return self._bodies.surface(self, "restitution")
+
+    @restitution.setter
+    def restitution(self, restitution: float) -> None:
+        self._bodies.change_surface(self, "restitution", restitution)
+
+    def _look(self) -> _Seen:
+        """Return where the body lies; it is looked up again only after something has gone or was moved."""
+        seen, tables = self._seen, self._bodies.tables
+        if seen is None or seen.version != tables.version:
+            row = self._bodies.row(self)
+            pose, motion = tables.row(POSE, row), tables.row(MOTION, row)
+            seen = self._seen = _Seen(tables.version, pose[:3], pose[3:7], motion[:3], motion[3:6])
+        return seen

@@ -1,0 +1,162 @@
+"""Where two cylinders or cones touch: the first as a polyhedron, turned until one of its corners is where they touch."""
+
+import math
+from typing import Any
+
+import numpy as np
+from numba import carray
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.memory import floats_on_stack
+from kickdrift.core.vectors import Vector, dot, length, times
+from kickdrift.world.collision.frames import directed, set_frame, set_frame_back
+from kickdrift.world.collision.frustum_faces import COS_BETWEEN, SIDES, SIN_BETWEEN
+from kickdrift.world.collision.frustum_polyhedra import polyhedron_frustum
+from kickdrift.world.collision.frustum_round import FLAT_ON, lowest_direction
+from kickdrift.world.collision.points import put_normal, put_point
+from kickdrift.world.collision.preference import SHARE_OFF
+from kickdrift.world.contacts.layout import FEATURE, ON_A, ON_B, POINT, POINT_SIZE
+from kickdrift.world.shapes.frustum import Frustum, frustum_of, highest, radial
+from kickdrift.world.shapes.polyhedron import HEADER, PLANES_AT, THICKNESS, VERTICES, polyhedron_numbers, vertex
+
+_ROUNDS = 7  # which leave 0.1 degrees: two millionths of a radius
+_SAME = 1e-6  # rad, by which the place where they touch may be off around the first
+_LOWER, _UPPER = tuple(range(SIDES)), tuple(range(SIDES, 2 * SIDES))
+_STEPS = tuple((k, (k + 1) % SIDES) for k in range(SIDES))
+
+
+def _unit_ring(z: float) -> Any:
+    angle = np.arange(SIDES) * (2.0 * math.pi / SIDES)
+    return np.column_stack((np.cos(angle), np.sin(angle), np.full(SIDES, z)))
+
+
+# The ends come first, which are flat; the other faces stand for the side.
+_PRISM = polyhedron_numbers(
+    np.vstack((_unit_ring(-1.0), _unit_ring(1.0))),
+    [_LOWER[::-1], _UPPER, *((k, n, SIDES + n, SIDES + k) for k, n in _STEPS)],
+)
+_PYRAMID = polyhedron_numbers(
+    np.vstack((_unit_ring(-1.0), [(0.0, 0.0, 1.0)])), [_LOWER[::-1], *((k, n, SIDES) for k, n in _STEPS)]
+)
+
+_SIZE = len(_PRISM)
+_MANIFOLD = 64
+_OTHER_WAY = 1 << 24  # of features that the second has as a polyhedron
+
+
+@compiled
+def frustum_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
+    """Find where two frusta touch; see `kickdrift.world.collision`.
+
+    The first is a polyhedron for the second. Where a rim of the second is in the first, only the normals of the first may
+    separate the two as far as they are apart: then the second is one for the first, too.
+    """
+    f, g = frustum_of(a), frustum_of(b)
+    frame, back = floats_on_stack(12), floats_on_stack(12)
+    set_frame(frame, pose)
+    set_frame_back(back, pose)
+    size = length((pose[0], pose[1], pose[2]))
+    if size > 0.0 and _gap(f, g, back, (pose[0] / size, pose[1] / size, pose[2] / size)) > margin:
+        return 0
+    count = _as_polyhedron(f, g, back, margin, manifold)
+    if count > 1 or (count == 1 and not _at_rim(g, manifold, _gap(f, g, back, _normal(manifold)))):
+        return count
+    other = carray(floats_on_stack(_MANIFOLD), (_MANIFOLD,))
+    found = _as_polyhedron(g, f, frame, margin, other)
+    if found == 0:
+        return count
+    normal = times(-1.0, directed(frame, _normal(other)))
+    best = _gap(f, g, back, _normal(manifold))
+    if count > 0 and _gap(f, g, back, normal) <= best + SHARE_OFF * abs(best):
+        return count
+    put_normal(manifold, normal)
+    for k in range(found):
+        p = POINT + POINT_SIZE * k
+        on_b = (other[p + ON_A], other[p + ON_A + 1], other[p + ON_A + 2])
+        on_a = (other[p + ON_B], other[p + ON_B + 1], other[p + ON_B + 2])
+        put_point(manifold, k, on_a, on_b, int(other[p + FEATURE]) + _OTHER_WAY)
+    return found
+
+
+@compiled(inline=True)
+def _normal(manifold: Any) -> Vector:
+    return (manifold[0], manifold[1], manifold[2])
+
+
+@compiled(inline=True)
+def _at_rim(g: Frustum, manifold: Any, gap: float) -> bool:
+    """Whether two frusta overlap where the first point of a contact is as near to a rim of the second as it is deep."""
+    if gap > 0.0:
+        return False
+    p = POINT + ON_B
+    z = manifold[p + 2]
+    away = abs((g[1] if z > 0.0 else g[0]) - math.sqrt(manifold[p] ** 2 + manifold[p + 1] ** 2))
+    near: bool = max(away, g[2] - abs(z)) < 4.0 * abs(gap) + 1e-3 * max(g[0], g[2])
+    return near
+
+
+@compiled(inline=True)
+def _gap(f: Frustum, g: Frustum, back: Any, normal: Vector) -> float:
+    """Return how far two frusta are apart along a direction in the frame of the first, whose frame in the second's is given."""
+    n = directed(back, normal)
+    return dot(n, (-back[9], -back[10], -back[11])) - highest(f, normal) - highest(g, times(-1.0, n))
+
+
+@compiled
+def _as_polyhedron(f: Frustum, g: Frustum, frame: Any, margin: float, manifold: Any) -> int:
+    """Find where two frusta touch, the first of them as a polyhedron that has a frame in the second's."""
+    body = floats_on_stack(_SIZE)
+    flat = 2 if f[1] > 0.0 else 1
+    wide = margin + (1.0 - math.cos(math.pi / SIDES)) * max(f[0], f[1])
+    _, x, y = radial(
+        frame[0] * -frame[9] + frame[3] * -frame[10] + frame[6] * -frame[11],
+        frame[1] * -frame[9] + frame[4] * -frame[10] + frame[7] * -frame[11],
+    )
+    angle, step = math.atan2(y, x), 2.0 * math.pi / SIDES
+    for turn in range(_ROUNDS):
+        x, y = math.cos(angle), math.sin(angle)
+        _set_frustum(body, f, x, y)
+        if polyhedron_frustum(body, flat + SIDES, -1, g, frame, wide, manifold) == 0:
+            return 0
+        # The normal at a point of a round surface points away from its axis in the direction of that point: that of the side
+        # or corner of the polygon that touches says on which side of it the two touch, which is found by halves.
+        sine, u, v = lowest_direction(_normal(manifold), FLAT_ON)
+        off = math.atan2(x * v - y * u, x * u + y * v)
+        if turn == 0 or sine < FLAT_ON:
+            angle += off
+        else:
+            step *= 0.5
+            angle += max(-step, min(off, step))
+        if turn > 0 and (abs(off) < _SAME or sine < FLAT_ON):
+            break
+    x, y = math.cos(angle), math.sin(angle)
+    _set_frustum(body, f, x, y)
+    return polyhedron_frustum(body, flat, SIDES, g, frame, margin, manifold)
+
+
+@compiled
+def _set_frustum(body: Any, g: Frustum, x: float, y: float) -> None:
+    """Write a frustum as a polyhedron, with corners in a direction from its axis."""
+    lower, upper, half = g
+    template = _PRISM if upper > 0.0 else _PYRAMID
+    for k in range(len(template)):
+        body[k] = template[k]
+    for k in range(int(body[VERTICES])):
+        at = HEADER + 3 * k
+        u, v, w = vertex(template, k)
+        radius = upper if w > 0.0 else lower
+        body[at], body[at + 1], body[at + 2] = radius * (x * u - y * v), radius * (y * u + x * v), half * w
+    # Of the normals of the sides, which lean with the lines that halve them
+    flat = math.cos(math.pi / SIDES) * (lower - upper)
+    size = math.sqrt(4.0 * half * half + flat * flat)
+    first = int(body[PLANES_AT])
+    ends = 2 if upper > 0.0 else 1
+    for k in range(ends):
+        body[first + 4 * k + 3] = half
+    for k in range(SIDES):
+        at = first + 4 * (ends + k)
+        u, v = COS_BETWEEN[k], SIN_BETWEEN[k]
+        normal = (2.0 * half * (x * u - y * v) / size, 2.0 * half * (y * u + x * v) / size, flat / size)
+        body[at], body[at + 1], body[at + 2] = normal
+        body[at + 3] = dot(normal, vertex(body, k))
+    body[THICKNESS] = min(half, max(lower, upper))

@@ -1,0 +1,220 @@
+"""Where boxes and hulls touch cylinders and cones.
+
+The two separate most along the normal of a face of the polyhedron, along the axis of the frustum, or along the normal of
+the frustum where an edge or a corner of the polyhedron is deepest in it, which is found exactly: the distance from the
+surface is a convex function on an edge.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.memory import floats_on_stack
+from kickdrift.core.vectors import Vector, cross, dot, length, minus, times
+from kickdrift.world.collision.box_polyhedron import SIZE_OF_BOX, set_box
+from kickdrift.world.collision.faces import PLACED, lowest, place_polyhedron
+from kickdrift.world.collision.frames import set_frame_back
+from kickdrift.world.collision.frustum_faces import lie_on_face, stand_on_end, touch_edge
+from kickdrift.world.collision.preference import SHARE_OFF, tolerance_of
+from kickdrift.world.shapes.closest import along
+from kickdrift.world.shapes.frustum import Frustum, deepest, frustum_of, highest, radial, signed_distance
+from kickdrift.world.shapes.polyhedron import (
+    EDGES,
+    FACES,
+    THICKNESS,
+    edge,
+    loop,
+    loop_vertex,
+    plane,
+    pointer_to,
+    support,
+    vertex,
+)
+
+_NONE = -1
+_ROUNDING = 1e-9
+
+
+@compiled
+def box_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
+    """Find where a box and a frustum touch; see `kickdrift.world.collision`."""
+    box, frame = floats_on_stack(SIZE_OF_BOX), floats_on_stack(12)
+    set_box(box, a)
+    set_frame_back(frame, pose)
+    return polyhedron_frustum(box, 6, 0, frustum_of(b), frame, margin, manifold)
+
+
+@compiled
+def hull_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
+    """Find where a hull and a frustum touch; see `kickdrift.world.collision`."""
+    hull, frame = pointer_to(a), floats_on_stack(12)
+    set_frame_back(frame, pose)
+    return polyhedron_frustum(hull, int(hull[FACES]), 0, frustum_of(b), frame, margin, manifold)
+
+
+@compiled
+def polyhedron_frustum(body: Any, faces: int, near: int, f: Frustum, frame: Any, margin: float, manifold: Any) -> int:
+    """Find where a polyhedron and a frustum touch.
+
+    Parameters
+    ----------
+    body : pointer to floats
+        Numbers of the polyhedron.
+    faces : int
+        How many of its faces, the first ones, are faces: the others stand for a curved surface.
+    near : int
+        0, or the number of corners of each end of what stands for a frustum: edges from the last to the second of them count.
+        -1 where the normal need not be the best one.
+    f : (3,) tuple
+        The frustum.
+    frame : pointer to floats
+        Of the polyhedron in the frustum's.
+    margin, manifold
+        See `kickdrift.world.collision`.
+    """
+    seen = floats_on_stack(PLACED)
+    place_polyhedron(seen, body, frame)
+    face, gap_face = _NONE, -np.inf
+    for k in range(faces):
+        normal, offset = plane(seen, k)
+        gap = -highest(f, times(-1.0, normal)) - offset
+        if gap > gap_face:
+            face, gap_face = k, gap
+            if gap > margin:
+                return 0
+    upper, gap_end = False, -np.inf
+    for end in range(2):
+        if f[end] > 0.0:
+            gap = lowest(seen, (0.0, 0.0, 1.0 if end == 1 else -1.0)) - f[2]
+            if gap > gap_end:
+                upper, gap_end = end == 1, gap
+    if gap_end > margin:
+        return 0
+    flat = max(gap_face, gap_end)
+    below = (0.0, 0.0, -1.0 if upper else 1.0)
+    corner = vertex(seen, support(seen, below))
+    number, t, normal, gap_edge = _NONE, 0.0, below, -np.inf
+    if not (
+        _settled_on_end(f, upper, corner, gap_end) if gap_end > gap_face else _settled_on_face(f, body, seen, face)
+    ):
+        number, t, normal, gap_edge = _edge_farthest(f, body, seen, near, margin)
+        if gap_edge > margin or (number == _NONE and near == 0 and not _is_inside(seen, _lowest_point(f, seen, face))):
+            return 0
+    best = max(flat, gap_edge)
+    tolerance = tolerance_of(margin, min(body[THICKNESS], min(f[2], max(f[0], f[1]))))
+    off = SHARE_OFF * abs(best) + tolerance
+    for attempt in range(2):
+        on_face = (gap_face + tolerance >= gap_end) != (attempt == 1)
+        if (gap_face if on_face else gap_end) < best - off:
+            continue
+        if on_face:
+            count, depth = lie_on_face(f, body, seen, face, tolerance, margin, frame, manifold)
+        else:
+            count, depth = stand_on_end(f, upper, body, seen, tolerance, margin, frame, manifold)
+        if count > 0 and abs(depth - best) <= off:
+            return count
+    if number == _NONE:
+        number, t, normal, gap_edge = _edge_farthest(f, body, seen, near, margin)
+        if number == _NONE:
+            return 0
+    begin, last, _, _ = edge(body, number)
+    p, q = vertex(seen, begin), vertex(seen, last)
+    lower = vertex(seen, support(seen, times(-1.0, normal)))
+    if (
+        dot(normal, lower) < dot(normal, along(p, t, minus(q, p))) - tolerance
+    ):  # deep in each other: another corner is deepest
+        p = q = lower
+    return touch_edge(f, p, q, number, t, normal, margin, frame, manifold)
+
+
+@compiled
+def _edge_farthest(f: Frustum, body: Any, seen: Any, near: int, margin: float) -> tuple[int, float, Vector, float]:
+    """Find the edge along whose normal, at its deepest point, the two are farthest apart: which, where, normal and gap."""
+    number, share, normal, best, nearest = _edge_among(f, body, seen, near, margin)
+    if nearest <= 0.0 and near >= 0:
+        number, share, normal, best, _ = _edge_among(f, body, seen, near, np.inf)
+    return number, share, normal, best
+
+
+@compiled
+def _edge_among(f: Frustum, body: Any, seen: Any, near: int, limit: float) -> tuple[int, float, Vector, float, float]:
+    """Find the same among the edges that are nearer than a limit; return how near the nearest is, too, 0.0 inside."""
+    number, share, normal, best, nearest, slope = _NONE, 0.0, (0.0, 0.0, 1.0), -np.inf, limit, 1.0
+    for k in range(int(body[EDGES])):
+        begin, end, _, _ = edge(body, k)
+        if near > 0 and ((begin + 1) % near > 2 or (end + 1) % near > 2):
+            continue
+        p, q = vertex(seen, begin), vertex(seen, end)
+        way = minus(q, p)
+        # The distance lies above each of its tangents, and only the nearest edge tells how far those are apart that are.
+        middle, n = signed_distance(f, along(p, 0.5, way))
+        if middle - 0.5 * abs(dot(n, way)) > min(limit, nearest + _ROUNDING * length(way)):
+            continue
+        t, n = deepest(f, p, q)
+        distance, _ = signed_distance(f, along(p, t, way))
+        if distance > limit:
+            continue
+        if limit < np.inf:
+            nearest = min(nearest, max(distance, 0.0))
+        gap, size = lowest(seen, n) - highest(f, n), length(way)
+        rise = abs(dot(n, way)) / size
+        # Edges that end in one corner tell the same: the one that lies along the surface comes first.
+        if gap > best + _ROUNDING * size or (gap > best - _ROUNDING * size and rise < slope):
+            number, share, normal, best, slope = k, t, n, max(gap, best), rise
+    return number, share, normal, best, nearest
+
+
+@compiled(inline=True)
+def _lowest_point(f: Frustum, seen: Any, face: int) -> Vector:
+    """Return the point of a frustum that is lowest over a face."""
+    n, _ = plane(seen, face)
+    sine, x, y = radial(-n[0], -n[1])
+    if f[1] * sine - f[2] * n[2] >= f[0] * sine + f[2] * n[2]:
+        return (f[1] * x, f[1] * y, f[2])
+    return (f[0] * x, f[0] * y, -f[2])
+
+
+@compiled
+def _is_inside(seen: Any, p: Vector) -> bool:
+    """Whether a point is in a polyhedron."""
+    for k in range(int(seen[FACES])):
+        normal, offset = plane(seen, k)
+        if dot(normal, p) > offset:
+            return False
+    return True
+
+
+@compiled
+def _settled_on_face(f: Frustum, body: Any, seen: Any, face: int) -> bool:
+    """Whether no other direction separates the two more than the normal of a face, as the lowest point of the frustum tells.
+
+    Apart from the polyhedron, it is over the face; inside, it is nearer to this face than to others.
+    """
+    p = _lowest_point(f, seen, face)
+    normal, offset = plane(seen, face)
+    height = dot(normal, p) - offset
+    if height <= 0.0:
+        for k in range(int(body[FACES])):
+            other, level = plane(seen, k)
+            if dot(other, p) - level > height and k != face:
+                return False
+        return True
+    first, last = loop(body, face)
+    start = vertex(seen, loop_vertex(body, last - 1))
+    for entry in range(first, last):
+        to = vertex(seen, loop_vertex(body, entry))
+        if dot(cross(normal, minus(to, start)), minus(p, start)) < 0.0:
+            return False
+        start = to
+    return True
+
+
+@compiled
+def _settled_on_end(f: Frustum, upper: bool, corner: Vector, gap: float) -> bool:
+    """Say the same of an end of the frustum, as the corner of the polyhedron that is deepest there tells."""
+    if gap <= 0.0:
+        _, normal = signed_distance(f, corner)
+        return normal[2] == (1.0 if upper else -1.0)
+    radius = f[1] if upper else f[0]
+    return corner[0] * corner[0] + corner[1] * corner[1] <= radius * radius

@@ -1,0 +1,136 @@
+"""Where cylinders and cones touch planes, balls and capsules."""
+
+import math
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Vector, dot, minus, plus, times, turned, turned_back
+from kickdrift.world.collision.lying import ASTRAY, FLAT, SHORT, STEEP, beside, ends, foot_on_edge, put_capsule_first
+from kickdrift.world.collision.points import place, put_normal, put_point, turn
+from kickdrift.world.shapes.closest import along
+from kickdrift.world.shapes.frustum import Frustum, deepest, frustum_of, highest, radial, side_normal, signed_distance
+
+_UP: Vector = (0.0, 0.0, 1.0)
+
+# Sine of the angle between a disc and what it stands on, below which the points of its rim stay where they are in the
+# body: which one is the lowest is rounding then.
+STANDING = 1e-4
+FLAT_ON = 5e-3  # the same on a face, where many points are chosen from: which ones are chosen has to be steady
+_LEANING = 0.5  # the same, from which on only the lowest point of the rim counts
+
+
+@compiled(inline=True)
+def lowest_direction(down: Vector, least: float) -> tuple[float, float, float]:
+    """Return the sine of the angle between a direction and the axis, and where the rim is lowest along it.
+
+    Where the sine is less than `least` that is always the same place.
+    """
+    sine, x, y = radial(down[0], down[1])
+    if sine < least:
+        return sine, 1.0, 0.0
+    return sine, x, y
+
+
+@compiled
+def plane_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
+    """Find where a half-space and a frustum touch; see `kickdrift.world.collision`.
+
+    An end that nearly lies on the plane touches it at the lowest point of its rim and at three more, a quarter of a turn
+    apart; a side that nearly lies on it at both ends of its lowest line.
+    """
+    centre, q = place(pose), turn(pose)
+    lower, upper, half = frustum_of(b)
+    down = turned_back(q, (0.0, 0.0, -1.0))
+    sine, x, y = lowest_direction(down, STANDING)
+    c, s = side_normal((lower, upper, half))
+    lies = (down[0] * x + down[1] * y) * c + down[2] * s > math.sqrt(1.0 - _LEANING * _LEANING)
+    put_normal(manifold, _UP)
+    count = 0
+    for end in range(2):
+        radius, z = (lower, -half) if end == 0 else (upper, half)
+        faces_it = down[2] < 0.0 if end == 0 else down[2] > 0.0
+        stands = faces_it and sine < _LEANING and radius > 0.0
+        for k in range(4):
+            if k > 0 and not stands:
+                break
+            u, v = (x, y) if k == 0 else (-y, x) if k == 1 else (y, -x) if k == 2 else (-x, -y)
+            on_b = (radius * u, radius * v, z)
+            at = plus(centre, turned(q, on_b))
+            if at[2] <= margin and (k > 0 or lies or faces_it) and count < 4:
+                put_point(manifold, count, (at[0], at[1], 0.0), on_b, 4 * end + k)
+                count += 1
+    return count
+
+
+@compiled
+def sphere_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
+    """Find where a ball and a frustum touch; see `kickdrift.world.collision`."""
+    q = turn(pose)
+    centre = turned_back(q, times(-1.0, place(pose)))  # of the ball in the frustum's frame
+    distance, normal = signed_distance(frustum_of(b), centre)
+    if distance - a[0] > margin:
+        return 0
+    inward = turned(q, times(-1.0, normal))
+    put_normal(manifold, inward)
+    put_point(manifold, 0, times(a[0], inward), along(centre, -distance, normal), 0)
+    return 1
+
+
+@compiled
+def capsule_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
+    """Find where a capsule and a frustum touch; see `kickdrift.world.collision`.
+
+    A capsule whose axis passes through the frustum leaves it by the shortest way of the deepest point of its axis.
+    """
+    q, radius, half, f = turn(pose), a[0], a[1], frustum_of(b)
+    centre, axis = turned_back(q, times(-1.0, place(pose))), turned_back(q, _UP)
+    share, normal = deepest(f, along(centre, -half, axis), along(centre, half, axis))
+    t = (2.0 * share - 1.0) * half
+    x = along(centre, t, axis)
+    gap = dot(normal, x) - highest(f, normal)
+    if gap - radius > margin:
+        return 0
+    y = along(x, -gap, normal)
+    low, high, feet = t, t, (y, y)
+    if abs(normal[2]) > FLAT and abs(dot(normal, axis)) <= STEEP:
+        low, high = over_end(f, normal[2] > 0.0, centre, axis, -half, half)
+        z = f[2] if normal[2] > 0.0 else -f[2]
+        p, r = along(centre, low, axis), along(centre, high, axis)
+        feet = ((p[0], p[1], z), (r[0], r[1], z))
+    if not high - low > SHORT * radius:
+        middle, line, size = line_of(f, normal)
+        low, high = beside(minus(middle, centre), axis, half, line, size, normal, t, ASTRAY * radius)
+        feet = (
+            foot_on_edge(along(centre, low, axis), middle, line, size),
+            foot_on_edge(along(centre, high, axis), middle, line, size),
+        )
+    contact = ends(centre, axis, radius, normal, t, y, (low, high), feet)
+    return put_capsule_first(contact, (centre, axis, half, radius), normal, q, margin, manifold)
+
+
+@compiled(inline=True)
+def line_of(frustum: Frustum, normal: Vector) -> tuple[Vector, Vector, float]:
+    """Return the line on the side that faces a direction: its middle, its direction and half its length."""
+    lower, upper, half = frustum
+    _, x, y = radial(normal[0], normal[1])
+    c, s = side_normal(frustum)
+    mean = 0.5 * (lower + upper)
+    return (mean * x, mean * y, 0.0), (-s * x, -s * y, c), half / c
+
+
+@compiled(inline=True)
+def over_end(
+    frustum: Frustum, is_upper: bool, start: Vector, way: Vector, low: float, high: float
+) -> tuple[float, float]:
+    """Range of a line, of the part from `low` to `high`, that lies over or under an end; low > high if none does."""
+    radius = frustum[1] if is_upper else frustum[0]
+    square = way[0] * way[0] + way[1] * way[1]
+    if square < 1e-300:
+        return (low, high) if start[0] * start[0] + start[1] * start[1] <= radius * radius else (1.0, -1.0)
+    middle = -(start[0] * way[0] + start[1] * way[1]) / square
+    across = start[0] * way[1] - start[1] * way[0]
+    rest = radius * radius - across * across / square
+    if rest < 0.0:
+        return 1.0, -1.0
+    reach = math.sqrt(rest / square)
+    return max(low, middle - reach), min(high, middle + reach)

@@ -1,0 +1,54 @@
+"""Where cylinders and cones touch a triangle of a surface, from its one side: see `triangle_polyhedra`."""
+
+from typing import Any
+
+import numpy as np
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.memory import floats_on_stack
+from kickdrift.core.vectors import dot, times
+from kickdrift.world.collision.faces import PLACED, lowest, place_polyhedron
+from kickdrift.world.collision.frames import set_frame_back
+from kickdrift.world.collision.frustum_faces import lie_on_face, touch_edge
+from kickdrift.world.collision.preference import SHARE_OFF, tolerance_of
+from kickdrift.world.collision.triangle_polyhedra import BEHIND, SIZE_OF_TRIANGLE, set_triangle
+from kickdrift.world.shapes.frustum import deepest, frustum_of, highest
+from kickdrift.world.shapes.polyhedron import plane, vertex
+
+# Cosine of the angle between normal and face, below which the face on the other side of the edge sees more of it.
+_BACKWARDS = -0.01
+
+
+@compiled
+def triangle_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
+    """Find where a triangle and a frustum touch; see `kickdrift.world.collision`."""
+    triangle, frame, seen = floats_on_stack(SIZE_OF_TRIANGLE), floats_on_stack(12), floats_on_stack(PLACED)
+    set_triangle(triangle, a)
+    set_frame_back(frame, pose)
+    place_polyhedron(seen, triangle, frame)
+    f = frustum_of(b)
+    normal, offset = plane(seen, 0)
+    if -offset < -min(BEHIND, 0.5 * margin):  # how high its middle is
+        return 0
+    gap_face = -highest(f, times(-1.0, normal)) - offset
+    if gap_face > margin:
+        return 0
+    side, share, outward, gap_edge = -1, 0.0, normal, -np.inf
+    for k in range(3):
+        t, n = deepest(f, vertex(seen, k), vertex(seen, (k + 1) % 3))
+        gap = lowest(seen, n) - highest(f, n)
+        if gap > margin:
+            return 0
+        if a[9 + k] != 0.0 and gap > gap_edge and -dot(n, normal) >= _BACKWARDS:
+            side, share, outward, gap_edge = k, t, n, gap
+    best = max(gap_face, gap_edge)
+    tolerance = tolerance_of(margin, min(f[2], max(f[0], f[1])))
+    off = SHARE_OFF * abs(best) + tolerance
+    if gap_face >= best - off:
+        count, depth = lie_on_face(f, triangle, seen, 0, tolerance, margin, frame, manifold)
+        if count > 0 and (side < 0 or abs(depth - best) <= off):
+            return count
+    if side < 0:
+        return 0
+    p, q = vertex(seen, side), vertex(seen, (side + 1) % 3)
+    return touch_edge(f, p, q, side, share, outward, margin, frame, manifold)

@@ -1,0 +1,91 @@
+"""Forces that users write as Python functions, compiled into the step.
+
+A force names what it needs, and adds in place to the arrays `force` and `torque`:
+
+>>> def drag(velocity, force):
+...     for body in range(len(force)):
+...         for k in range(3):
+...             force[body, k] -= 0.1 * velocity[body, k]
+"""
+
+import inspect
+from typing import Any
+
+from numba.core.errors import NumbaError
+
+from kickdrift.core.compilation import Function, compiled
+from kickdrift.core.errors import ArgumentError
+from kickdrift.engine.user_functions import argument_names
+from kickdrift.world.flight import MASS
+from kickdrift.world.step import STAGE
+from kickdrift.world.tables import FORCE, INERTIA, LOAD, MOTION, POSE, floats, rows
+
+# What a force may name, and the view of the tables that it is given.
+_ARGUMENTS = {
+    "t": "t",
+    "position": "floats(world, POSE)[:count, 0:3]",
+    "orientation": "floats(world, POSE)[:count, 3:7]",
+    "velocity": "floats(world, MOTION)[:count, 0:3]",
+    "angular_velocity": "floats(world, MOTION)[:count, 3:6]",
+    "mass": f"floats(world, INERTIA)[:count, {MASS}]",
+    "force": "floats(world, FORCE)[:count, 0:3]",
+    "torque": "floats(world, FORCE)[:count, 3:6]",
+}
+
+_TEMPLATE = """
+def stage(t, h, world):
+    count = rows(world, POSE)
+    function({views})
+"""
+
+
+@compiled
+def begin_forces(t: float, h: float, world: int) -> None:
+    """Begin with what `World.apply_force` asks for, in every substep."""
+    force, load = floats(world, FORCE), floats(world, LOAD)
+    for body in range(rows(world, LOAD)):
+        for k in range(6):
+            force[body, k] = load[body, k]
+
+
+def force_stage(function: Function) -> Function:
+    """Make a stage of the step of a user's function.
+
+    Raises
+    ------
+    ArgumentError
+        If it is no function, names what there is not, adds to nothing, or cannot be compiled.
+    """
+    names = argument_names(function, "force", tuple(_ARGUMENTS), "take numbers from around the function")
+    if "force" not in names and "torque" not in names:
+        raise ArgumentError(
+            f"force {_name(function)}({', '.join(names)}) adds to nothing; name `force` or `torque`, arrays of a row a body,"
+            " and add to them in place."
+        )
+    native = function if hasattr(function, "py_func") else compiled(cached=False, checked=True)(function)
+    scope: dict[str, Any] = {
+        "__name__": __name__,
+        "function": native,
+        "floats": floats,
+        "rows": rows,
+        "POSE": POSE,
+        "MOTION": MOTION,
+        "INERTIA": INERTIA,
+        "FORCE": FORCE,
+    }
+    views = ", ".join(f"{name}={_ARGUMENTS[name]}" for name in names)
+    exec(_TEMPLATE.format(views=views), scope)  # noqa: S102 - our own template, above
+    stage: Any = compiled(cached=False)(scope["stage"])
+    try:
+        stage.compile(STAGE)
+    except NumbaError as error:
+        reason = str(error).strip().splitlines()[-1]
+        raise ArgumentError(
+            f"force {_name(function)} cannot be compiled: {reason} Use loops and NumPy functions that Numba knows."
+        ) from error
+    made: Function = stage
+    return made
+
+
+def _name(function: Any) -> str:
+    return str(getattr(inspect.unwrap(getattr(function, "py_func", function)), "__name__", function))

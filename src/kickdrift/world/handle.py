@@ -1,0 +1,75 @@
+"""Handles: what users hold of the rows of a world, and what knows when theirs is gone."""
+
+from typing import Any, Protocol, Self
+
+from kickdrift.world.names import Names
+
+
+class Registry(Protocol):
+    """Rows that come and go: the bodies or the joints of a world."""
+
+    names: Names
+
+    def row(self, handle: Any) -> int:
+        """Return the row of a handle; ArgumentError if it is gone."""
+        ...
+
+    def knows(self, index: int, generation: int) -> bool:
+        """Whether a row is that of a generation, and there."""
+        ...
+
+
+class Handle:
+    """A row of a world, known by its number and its generation; equal handles are of the same body or joint."""
+
+    __slots__ = ("_generation", "_index", "_last_name")
+    _index: int
+    _generation: int
+    _last_name: str | None  # that it is known to have had: errors call by it what is gone
+
+    @property
+    def index(self) -> int:
+        """Its row in the arrays and tables of the world."""
+        return self._index
+
+    @property
+    def generation(self) -> int:
+        """How many the world had seen before it; a handle of one that is gone is known by it."""
+        return self._generation
+
+    @property
+    def _registry(self) -> Registry:
+        raise NotImplementedError
+
+    @property
+    def name(self) -> str | None:
+        """Its name, or None; no two have the same. May be given anew."""
+        return self._registry.names.of(self._registry.row(self))
+
+    @name.setter
+    def name(self, name: str | None) -> None:
+        row, names = self._registry.row(self), self._registry.names
+        names.give(row, names.checked(name, row))
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        return self._index == other._index and self._generation == other._generation
+
+    def __hash__(self) -> int:
+        return hash((self._index, self._generation))
+
+    def __repr__(self) -> str:
+        if self._registry.knows(self._index, self._generation):
+            self._last_name = self._registry.names.of(self._index)
+        named = "" if self._last_name is None else f", name={self._last_name!r}"
+        return f"{type(self).__name__}(index={self._index}, generation={self._generation}{named})"
+
+    def __copy__(self) -> Self:
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        return self
+
+    def __reduce__(self) -> str | tuple[Any, ...]:
+        raise TypeError(f"{self!r} means nothing to another process; send its index or its name.")

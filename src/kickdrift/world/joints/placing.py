@@ -1,0 +1,245 @@
+"""Joints at given angles and positions: the side of a joint that hangs on it is moved as if it were one body.
+
+Seen from the reference, the body at the joint that stays, all points and velocities of the other side are turned or shifted
+alike, so that the rates of all joints stay what they were, that of the one placed too.
+"""
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.errors import ArgumentError
+from kickdrift.core.vectors import Vector, cross, exponential, minus, plus, product, turned, unit
+from kickdrift.world.columns import quaternion_at, vector_at
+from kickdrift.world.flight import DYNAMIC
+from kickdrift.world.flight import KIND as BODY_KIND
+from kickdrift.world.joints.axis import finite
+from kickdrift.world.joints.layout import (
+    ANGULAR,
+    ANGULAR_PART,
+    ARM_B,
+    AXES,
+    BODY_A,
+    BODY_B,
+    BROKEN,
+    CONE,
+    FRAME_B,
+    HINGE,
+    KIND,
+    LENGTH,
+    LINE,
+    LINEAR,
+    LOCKED,
+    LOWER,
+    PIVOT,
+    POSITION,
+    REMOVED,
+    UNIVERSAL,
+    UPPER,
+)
+from kickdrift.world.joints.measure import measure
+from kickdrift.world.rotations import product as rotated_by
+from kickdrift.world.rotations import turned as rotated
+from kickdrift.world.tables import BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, MOTION, POSE, Tables, floats
+
+if TYPE_CHECKING:
+    from kickdrift.world.joints.handle import Joint
+
+Floats = NDArray[np.float64]
+
+
+class Side(NamedTuple):
+    """The bodies that a joint moves against a reference: their rows, its row, and 1.0 if they are the side of b, or -1.0."""
+
+    moved: NDArray[np.intp]
+    reference: int
+    sign: float
+
+
+@compiled
+def measure_again(joints: Any, world: int) -> None:
+    """Measure some joints where they stand."""
+    for k in range(len(joints)):
+        measure(joints[k], world)
+
+
+@compiled
+def shift(moved: Any, reference: int, way: Vector, pivot: Vector, world: int) -> None:
+    """Shift bodies, which turn about a reference that turns as fast as before."""
+    pose, motion = floats(world, POSE), floats(world, MOTION)
+    added = cross(vector_at(motion, reference, ANGULAR_PART), way)
+    for body in moved:
+        for k in range(3):
+            pose[body, k] += way[k]
+            motion[body, k] += added[k]
+
+
+@compiled
+def turn(moved: Any, reference: int, way: Vector, pivot: Vector, world: int) -> None:
+    """Turn bodies about a point, with their velocities as the reference sees them."""
+    pose, motion = floats(world, POSE), floats(world, MOTION)
+    q, x, base = exponential(way), vector_at(pose, reference, 0), vector_at(motion, reference, 0)
+    spin = vector_at(motion, reference, ANGULAR_PART)
+    for body in moved:
+        before = vector_at(pose, body, 0)
+        seen = minus(minus(vector_at(motion, body, 0), base), cross(spin, minus(before, x)))
+        at = plus(pivot, turned(q, minus(before, pivot)))
+        v = plus(plus(base, cross(spin, minus(at, x))), turned(q, seen))
+        w = plus(spin, turned(q, minus(vector_at(motion, body, ANGULAR_PART), spin)))
+        orientation = unit(product(q, quaternion_at(pose, body, ANGULAR_PART)))
+        for k in range(3):
+            pose[body, k], motion[body, k], motion[body, 3 + k] = at[k], v[k], w[k]
+        for k in range(4):
+            pose[body, 3 + k] = orientation[k]
+
+
+def signs(tables: Tables, row: int) -> Floats:
+    """Signs of the six axes of a joint, (6,): the tables hold b against a, users see what forces move against the rest.
+
+    Distances and swings are the same from both sides.
+    """
+    joint, found = tables.row(JOINT, row), np.ones(6)
+    if tables.row(BODY, joint.item(BODY_B)).item(BODY_KIND) != DYNAMIC:
+        found[3 * (joint[LINEAR] == LINE) :] = -1.0
+        found[3] *= -1.0 if joint[ANGULAR] == CONE else 1.0
+    return found
+
+
+def place(joint: "Joint", k: int, what: str, value: float) -> None:
+    """Place a joint at a position along axis k, or an angle about it, as `Joint.place` says."""
+    row, sign, side = _ready(joint, k, what, value)
+    tables = joint.joints.tables
+    _check_limits(tables, row, k, sign, what, value)
+    _put(tables, row, k, sign * value, side)
+
+
+def set_speed(joint: "Joint", k: int, speed: float) -> None:
+    """Give axis k of a joint another rate, as `Joint.speed` says."""
+    row, sign, side = _ready(joint, k, "speed", speed)
+    tables = joint.joints.tables
+    axis, pivot = _axis(tables, row, k)
+    motion, change = tables.array(MOTION), side.sign * sign * (speed - joint.speed) * axis
+    if k < 3:
+        motion[side.moved, :3] += change
+        return
+    motion[side.moved, :3] += np.cross(change, tables.array(POSE)[side.moved, :3] - pivot)
+    motion[side.moved, 3:6] += change
+
+
+def _ready(joint: "Joint", k: int, what: str, value: float) -> tuple[int, float, Side]:
+    """Return the row of a joint, the sign of its axis and the side that moves, once it is measured where it stands."""
+    finite(what, value)
+    row, tables = joint.joints.row(joint), joint.joints.tables
+    _check_placeable(tables, row, k)
+    side = _side_of(tables, row, f"joint={joint!r}")
+    measure_again(np.array([row]), tables.address)
+    return row, joint.sign(k), side
+
+
+def _check_placeable(tables: Tables, row: int, k: int) -> None:
+    """Refuse axes that are locked, and those that have no angle or position of their own; ArgumentError."""
+    joint = tables.array(JOINT)[row]
+    if joint[LOCKED] >> k & 1:
+        raise ArgumentError(f"axis={k} is locked, so the joint cannot be placed along it; place one of its bodies.")
+    if k < 3 and joint[LINEAR] == LINE and k != 2:
+        raise ArgumentError(f"axis={k} of a joint along a line has no position of its own; only axis 2, the line, has.")
+    if k >= 3 and joint[ANGULAR] not in (HINGE, UNIVERSAL):
+        raise ArgumentError(
+            f"axis={k} is one of three open angular axes, which have no angles of their own; give a body its orientation."
+        )
+
+
+def _put(tables: Tables, row: int, k: int, target: float, side: Side) -> None:
+    """Turn or shift a side of a measured joint so that its position along axis k, of b against a, is the target."""
+    numbers = tables.row(JOINT_NUMBERS, row)
+    if k == 2 and tables.row(JOINT, row).item(LINEAR) == LINE and target < -numbers[LENGTH]:
+        raise ArgumentError(
+            f"position={target!r} is a distance below zero; give at least minus the joint's length, {-numbers[LENGTH]:g}."
+        )
+    axis, pivot = _axis(tables, row, k)
+    way = side.sign * (target - numbers.item(POSITION + k)) * axis
+    numbers[POSITION + k] = target  # which full turn it is
+    joints = tables.array(JOINT)
+    moves = np.zeros(tables.count(BODY), dtype=np.bool_)
+    moves[side.moved] = True
+    touched = np.flatnonzero((moves[joints[:, BODY_A]] | moves[joints[:, BODY_B]]) & (joints[:, KIND] != REMOVED))
+    move = shift if k < 3 else turn
+    move(side.moved, side.reference, (way[0], way[1], way[2]), (pivot[0], pivot[1], pivot[2]), tables.address)
+    measure_again(touched, tables.address)
+
+
+def _side_of(tables: Tables, row: int, words: str) -> Side:
+    """Find the side of a joint that moves alone: that of the body whose motion is measured, or else the other one.
+
+    Raises
+    ------
+    ArgumentError
+        Where joints lead from one body to the other besides this one, or from both to what forces do not move.
+    """
+    a, b = (int(body) for body in tables.array(JOINT)[row, [BODY_A, BODY_B]])
+    moves = tables.array(BODY)[:, BODY_KIND] == DYNAMIC
+    neighbours = _neighbours(tables, row)
+    for start, other, sign in ((b, a, 1.0), (a, b, -1.0)):
+        if not moves[start]:
+            continue
+        side, held = _hanging(start, neighbours, moves)
+        if other in side:
+            raise ArgumentError(
+                f"{words} is part of a loop, where no side can move alone; place its bodies one by one."
+            )
+        if not held:
+            return Side(np.array(sorted(side)), other, sign)
+    raise ArgumentError(
+        f"{words} lies on a way of joints between what forces do not move, where no side can move alone; place its bodies one"
+        " by one."
+    )
+
+
+def _check_limits(tables: Tables, row: int, k: int, sign: float, what: str, value: float) -> None:
+    """Refuse a value, of the sign that users see, which is beyond the limits of an axis; ArgumentError."""
+    ends = sign * tables.array(JOINT_AXES)[6 * row + k, [LOWER, UPPER]]
+    lower, upper = ends.min(), ends.max()
+    if not lower <= value <= upper:
+        raise ArgumentError(
+            f"{what}={value!r} is beyond the joint's limits, {lower:g} to {upper:g}; give one within them."
+        )
+
+
+def _axis(tables: Tables, row: int, k: int) -> tuple[Floats, Floats]:
+    """Return the axis of a measured joint along or about which b is moved against a, and the point where the joint acts."""
+    joint, numbers = tables.row(JOINT, row), tables.row(JOINT_NUMBERS, row)
+    pose = tables.row(POSE, joint.item(BODY_B))
+    pivot: Floats = pose[:3] + numbers[ARM_B : ARM_B + 3]
+    if k >= 3 and joint.item(ANGULAR) == UNIVERSAL and k - 3 != joint.item(PIVOT):
+        # The second axis of a cross is one of b; that in AXES is at right angles to the first also where they are not.
+        return rotated(rotated_by(pose[3:7], numbers[FRAME_B : FRAME_B + 4]), np.eye(3)[k - 3]), pivot
+    return numbers[AXES + 3 * k : AXES + 3 * k + 3].copy(), pivot
+
+
+def _neighbours(tables: Tables, without: int) -> dict[int, list[int]]:
+    """Bodies that joints hold to each other, but for one joint; springs, which only pull, do not hold."""
+    joints = tables.array(JOINT)
+    limits = tables.array(JOINT_AXES)[:, [LOWER, UPPER]].reshape(-1, 12)
+    holds = (joints[:, KIND] != REMOVED) & (joints[:, BROKEN] == 0)
+    holds &= (joints[:, LOCKED] != 0) | np.isfinite(limits).any(axis=1)
+    holds[without] = False
+    found: dict[int, list[int]] = {}
+    for a, b in joints[holds][:, [BODY_A, BODY_B]].tolist():
+        found.setdefault(a, []).append(b)
+        found.setdefault(b, []).append(a)
+    return found
+
+
+def _hanging(start: int, neighbours: dict[int, list[int]], moves: NDArray[np.bool_]) -> tuple[set[int], bool]:
+    """Return the bodies that hang together with one, and whether any is held by what forces do not move."""
+    found, ahead, held = {start}, [start], False
+    while ahead:
+        for body in neighbours.get(ahead.pop(), ()):
+            if not moves[body]:
+                held = True
+            elif body not in found:
+                found.add(body)
+                ahead.append(body)
+    return found, held

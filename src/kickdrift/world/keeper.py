@@ -1,0 +1,141 @@
+"""What is kept of a world as it goes on: the rows of a recording."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.kinds import Kind
+from kickdrift.core.outcomes import Outcome
+from kickdrift.engine.solution import Description, Invariants
+from kickdrift.world.flaws import deepest_overlap, widest_gap
+from kickdrift.world.recording import Recording, appearance
+
+if TYPE_CHECKING:
+    from kickdrift.world.world import World
+
+Floats = NDArray[np.float64]
+_UNITS = {
+    "t": "s", "x": "m", "v": "m/s", "orientation": "1", "angular velocity": "rad/s",
+    "energy": "J", "momentum": "kg m/s", "angular momentum": "kg m^2/s",
+}  # fmt: skip
+_OF_BODIES = {"x": 3, "v": 3, "orientation": 4, "angular velocity": 3}
+_OF_THE_WORLD = {"t": 1, "energy": 2, "flaws": 2, "momentum": 3, "angular momentum": 3}
+
+
+class Keeper:
+    """The rows of a recording, filled as the world goes on; NaN for bodies that are not there yet.
+
+    Parameters
+    ----------
+    world : World
+    room : int
+        Rows to expect; there may be more.
+    """
+
+    def __init__(self, world: "World", room: int) -> None:
+        self._world, self._bodies = world, len(world.position)
+        self.count = 0
+        shapes: dict[str, tuple[int, ...]] = {name: (room, size) for name, size in _OF_THE_WORLD.items()}
+        shapes |= {name: (room, self._bodies, size) for name, size in _OF_BODIES.items()}
+        self._rows: dict[str, Floats] = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
+
+    def keep(self, t: float) -> None:
+        """Add a row for a time."""
+        world, rows, row = self._world, self._rows, self.count
+        bodies = len(world.position)
+        if row == len(rows["t"]) or bodies > self._bodies:
+            self._grow(max(bodies, self._bodies))
+        rows["t"][row] = t
+        rows["x"][row, :bodies], rows["v"][row, :bodies] = world.position, world.velocity
+        rows["orientation"][row, :bodies] = world.orientation
+        rows["angular velocity"][row, :bodies] = world.angular_velocity
+        energy = world.energy()
+        rows["energy"][row] = energy.kinetic, energy.potential
+        rows["flaws"][row] = deepest_overlap(world.tables), widest_gap(world.tables)
+        rows["momentum"][row], rows["angular momentum"][row] = world.momentum(), world.angular_momentum()
+        self.count += 1
+
+    def _grow(self, bodies: int) -> None:
+        """Make room for half as many rows again where all are taken, and for so many bodies."""
+        before = len(self._rows["t"])
+        room = before + (before // 2 + 16 if self.count == before else 0)
+        for name, old in self._rows.items():
+            new = np.full((room, bodies, old.shape[2]) if name in _OF_BODIES else (room, *old.shape[1:]), np.nan)
+            new[tuple(map(slice, old.shape))] = old
+            self._rows[name] = new
+        self._bodies = bodies
+
+    def recording(
+        self, outcome: Outcome, message: str, step: float, n_steps: int, n_force_evaluations: int, seconds: float
+    ) -> Recording:
+        """Return what was kept."""
+        world, rows = self._world, {name: values[: self.count] for name, values in self._rows.items()}
+        (kinetic, potential), (overlap, gap) = rows["energy"].T.copy(), rows["flaws"].T.copy()
+        kept = {"energy": kinetic + potential, **{name: rows[name] for name in ("momentum", "angular momentum")}}
+        looks = appearance(world)
+        return Recording(
+            t=rows["t"][:, 0],
+            x=rows["x"],
+            v=rows["v"],
+            invariants=Invariants(tuple(kept), kept.__getitem__),
+            status=outcome,
+            message=message,
+            step=step,
+            n_steps=n_steps,
+            n_force_evaluations=n_force_evaluations,
+            wall_time=seconds,
+            about=Description(
+                system=f"world of {np.count_nonzero(looks.kinds) - 1} bodies",
+                method="soft steps",
+                kind=Kind.VELOCITY_DEPENDENT.name,
+                order=1,
+                word=str(world.word),
+                compensated=False,
+                dimensions=("body", "space"),
+                coordinates={"body": list(range(self._bodies)), "space": ["x", "y", "z"]},
+                units=_UNITS,
+            ),
+            derived={"kinetic energy": kinetic, "potential energy": potential, "overlap": overlap, "joint gap": gap},
+            orientation=rows["orientation"],
+            angular_velocity=rows["angular velocity"],
+            appearance=looks,
+        )
+
+
+class Recorder:
+    """What a world tells of its steps while a loop of one's own is recorded.
+
+    Parameters
+    ----------
+    world : World
+    save_every : int
+        Steps from row to row.
+    """
+
+    def __init__(self, world: "World", save_every: int) -> None:
+        self._world, self._every, self._keeper = world, save_every, Keeper(world, 64)
+        self.n_steps, self._evaluations = 0, 0
+        self._step, self._seconds = 0.0, 0.0
+        self._keeper.keep(world.time)
+
+    @property
+    def steps_to_row(self) -> int:
+        """Steps until the next row is to be kept."""
+        return self._every - self.n_steps % self._every
+
+    def note(self, count: int, step: float, time: float, seconds: float) -> None:
+        """Say that so many steps were done up to a time, and what they took."""
+        self.n_steps += count
+        self._evaluations += count * self._world.substeps
+        self._seconds += seconds
+        if count:
+            self._step = max(self._step, step)
+            if self.n_steps % self._every == 0:
+                self._keeper.keep(time)
+
+    def recording(self, outcome: Outcome, message: str) -> Recording:
+        """Keep the last state too, and return what was kept."""
+        if self.n_steps % self._every:
+            self._keeper.keep(self._world.time)
+        return self._keeper.recording(outcome, message, self._step, self.n_steps, self._evaluations, self._seconds)

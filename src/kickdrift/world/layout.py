@@ -1,0 +1,62 @@
+"""Columns of the tables of bodies, shapes and events; those of BODY, INERTIA and KICKED are in `kickdrift.world.flight`."""
+
+from kickdrift.world.columns import column
+from kickdrift.world.tables import BOUNDS, CHANGE, EVENTS, FORCE, LOAD, MOTION, PLACE, PLACED, POSE, RESPONSE, SHAPE
+
+# POSE of a body
+POSITION = column(POSE, 3, "m")  # of its centre of mass
+ORIENTATION = column(POSE, 4)  # w, x, y, z
+
+# MOTION
+VELOCITY = column(MOTION, 3, "m/s")
+ANGULAR_VELOCITY = column(MOTION, 3, "rad/s")  # in the world's axes
+
+# CHANGE since the start of the step
+DISPLACEMENT = column(CHANGE, 3, "m")
+ROTATION = column(CHANGE, 3, "rad")
+
+# RESPONSE to an impulse; zeros do not move
+INVERSE_MASS = column(RESPONSE, 1, "1/kg")
+INVERSE_INERTIA_IN_WORLD = column(RESPONSE, 6, "1/(kg m^2)")  # xx, yy, zz, xy, xz, yz
+
+# LOAD, asked for during the next step, and FORCE in this substep
+LOAD_FORCE = column(LOAD, 3, "N")
+LOAD_TORQUE = column(LOAD, 3, "N m")
+SUBSTEP_FORCE = column(FORCE, 3, "N")
+SUBSTEP_TORQUE = column(FORCE, 3, "N m")
+
+# SHAPE
+SHAPE_KIND = column(SHAPE)  # `GONE` if it was removed
+BODY_ROW = column(SHAPE)
+BEGIN = column(SHAPE)  # of its numbers in GEOMETRY
+SIZE = column(SHAPE)  # how many they are
+LAYER = column(SHAPE)  # a bit
+MASK = column(SHAPE)  # bits of the layers that it meets
+IS_SENSOR = column(SHAPE)
+SEARCH_STATE = column(SHAPE)  # see `kickdrift.world.collision.search`
+GONE = -1
+
+# PLACE of a shape in its body, and its surface
+PLACE_POSITION = column(PLACE, 3, "m")
+PLACE_ORIENTATION = column(PLACE, 4)
+FRICTION = column(PLACE)
+RESTITUTION = column(PLACE)
+ROLLING = column(PLACE, 1, "m")
+SURFACE_VELOCITY = column(PLACE, 3, "m/s")
+RADIUS = column(PLACE, 1, "m")  # how far it reaches from its origin; 0.0 of planes and surfaces
+
+# PLACED: its pose in the world when the step began
+PLACED_POSITION = column(PLACED, 3, "m")
+PLACED_ORIENTATION = column(PLACED, 4)
+
+# BOUNDS
+LOWER = column(BOUNDS, 3, "m")  # corners of its fat bounds
+UPPER = column(BOUNDS, 3, "m")
+FIRST_NODE = column(BOUNDS)  # of a surface in PART_TREE
+LAST_NODE = column(BOUNDS)  # the one after it
+
+# EVENTS: shapes of two bodies that begin or end to touch
+BEGINS = column(EVENTS)
+FIRST_BODY = column(EVENTS)
+SECOND_BODY = column(EVENTS)
+FROM_SENSOR = column(EVENTS)

@@ -1,0 +1,70 @@
+"""Names that users give to bodies and joints, each once in a world."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from kickdrift.core.errors import ArgumentError, unknown_name
+
+
+class Names:
+    """Names of rows of a table.
+
+    Parameters
+    ----------
+    what : str
+        What the rows are, for sentences: "body", "joint".
+    """
+
+    def __init__(self, what: str) -> None:
+        self._what = what
+        self._names: dict[int, str] = {}
+        self._rows: dict[str, int] = {}
+
+    def checked(self, name: Any, row: int | None = None) -> str | None:
+        """Return a name that a row can have, or None.
+
+        Raises
+        ------
+        ArgumentError
+            If it is no text, empty, or the name of another row.
+        """
+        if name is None:
+            return None
+        if not isinstance(name, str) or not name:
+            raise ArgumentError(f"name={name!r} has to be a text of at least one letter, or None.")
+        if self._rows.get(name, row) != row:
+            raise ArgumentError(
+                f"name={name!r} is that of another {self._what}, row {self._rows[name]}; give one that is new."
+            )
+        return name
+
+    def give(self, row: int, name: str | None) -> None:
+        """Let a row go by a name that was checked, or by none."""
+        self._rows.pop(self._names.pop(row, ""), None)
+        if name is not None:
+            self._names[row], self._rows[name] = name, row
+
+    def of(self, row: int) -> str | None:
+        """Return the name of a row, or None."""
+        return self._names.get(row)
+
+    def row(self, name: str) -> int:
+        """Return the row of a name.
+
+        Raises
+        ------
+        UnknownNameError
+            If none has it; the sentence says which there are.
+        """
+        if name not in self._rows:
+            raise unknown_name("name", name, self._rows)
+        return self._rows[name]
+
+    def all(self) -> dict[int, str]:
+        """Return the names by row."""
+        return dict(self._names)
+
+    def replace(self, names: Mapping[int, str]) -> None:
+        """Forget all names, and take others, by row."""
+        self._names = dict(names)
+        self._rows = {name: row for row, name in names.items()}

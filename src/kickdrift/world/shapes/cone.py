@@ -1,0 +1,80 @@
+"""Cones."""
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from kickdrift.world.shapes.frustum import frustum_extent, ray_frustum, rim
+from kickdrift.world.shapes.kinds import CONE
+from kickdrift.world.shapes.mass import Array, MassProperties, extent
+from kickdrift.world.shapes.record import CREASED, GLOSSY, SOLID, Kind
+
+
+@dataclass(frozen=True)
+class Cone:
+    """A cone about the z axis, its tip above; the origin is halfway between base and tip.
+
+    Its centre of mass is at a quarter of its length above the base, z = -length / 4.
+
+    Attributes
+    ----------
+    radius : float
+        Of the base, at z = -length / 2, m.
+    length : float
+        From the base to the tip, m.
+
+    Raises
+    ------
+    ArgumentError
+        If one of the two is not positive and finite.
+
+    Notes
+    -----
+    What is said of contacts in `Cylinder` holds for cones, too.
+    """
+
+    radius: float
+    length: float
+    kind: ClassVar[int] = CONE
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "radius", extent("radius", self.radius))
+        object.__setattr__(self, "length", extent("length", self.length))
+
+    @property
+    def numbers(self) -> Array:
+        """What compiled code knows of it: the radii of both ends and half of the length."""
+        return np.array([self.radius, 0.0, 0.5 * self.length])
+
+    @property
+    def reach(self) -> float:
+        """Farthest that any point of it is from the origin of its frame, m."""
+        return math.hypot(self.radius, 0.5 * self.length)
+
+    def mass_properties(self) -> MassProperties:
+        """Weigh it for density 1."""
+        square = self.radius**2
+        volume = math.pi * square * self.length / 3.0
+        across = volume * 3.0 * (4.0 * square + self.length**2) / 80.0
+        return MassProperties(
+            volume, np.array([0.0, 0.0, -0.25 * self.length]), np.diag([across, across, 0.3 * volume * square])
+        )
+
+    def wireframe(self) -> list[Array]:
+        """Return the rim and eight lines from there to the tip, in the shape's frame."""
+        base, tip = rim(self.radius, -0.5 * self.length), rim(0.0, 0.5 * self.length)
+        return [base, *np.stack((base, tip), axis=1)[:-1:4]]
+
+
+RECORD = Kind(
+    number=CONE,
+    name="cone",
+    sort=SOLID,
+    shape=Cone,
+    extent=frustum_extent,
+    ray=ray_frustum,
+    is_round=True,
+    look=GLOSSY | CREASED,
+)

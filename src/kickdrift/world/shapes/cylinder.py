@@ -1,0 +1,79 @@
+"""Cylinders with flat ends."""
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from kickdrift.world.shapes.frustum import frustum_extent, ray_frustum, rim
+from kickdrift.world.shapes.kinds import CYLINDER
+from kickdrift.world.shapes.mass import Array, MassProperties, extent
+from kickdrift.world.shapes.record import CREASED, GLOSSY, SOLID, Kind
+
+
+@dataclass(frozen=True)
+class Cylinder:
+    """A cylinder about the z axis, whose middle is the origin.
+
+    Attributes
+    ----------
+    radius : float
+        m.
+    length : float
+        From end to end, m.
+
+    Raises
+    ------
+    ArgumentError
+        If one of the two is not positive and finite.
+
+    Notes
+    -----
+    It is round, not a prism: it rolls, and rays, boxes around it and contacts with planes, balls and capsules are exact.
+    So are contacts with boxes, hulls and triangles, at faces as well as at edges, but for how far points reach that hold
+    up an end that is partly over a face: the rim is a polygon of 24 corners there. Of two cylinders the one is such a
+    polygon of 24 corners, one of which lies where they touch.
+    """
+
+    radius: float
+    length: float
+    kind: ClassVar[int] = CYLINDER
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "radius", extent("radius", self.radius))
+        object.__setattr__(self, "length", extent("length", self.length))
+
+    @property
+    def numbers(self) -> Array:
+        """What compiled code knows of it: the radii of both ends and half of the length."""
+        return np.array([self.radius, self.radius, 0.5 * self.length])
+
+    @property
+    def reach(self) -> float:
+        """Farthest that any point of it is from the origin of its frame, m."""
+        return math.hypot(self.radius, 0.5 * self.length)
+
+    def mass_properties(self) -> MassProperties:
+        """Weigh it for density 1."""
+        square = self.radius**2
+        volume = math.pi * square * self.length
+        across = volume * (3.0 * square + self.length**2) / 12.0
+        return MassProperties(volume, np.zeros(3), np.diag([across, across, 0.5 * volume * square]))
+
+    def wireframe(self) -> list[Array]:
+        """Return both rims and eight lines between them, in the shape's frame."""
+        lower, upper = (rim(self.radius, side * 0.5 * self.length) for side in (-1.0, 1.0))
+        return [lower, upper, *np.stack((lower, upper), axis=1)[:-1:4]]
+
+
+RECORD = Kind(
+    number=CYLINDER,
+    name="cylinder",
+    sort=SOLID,
+    shape=Cylinder,
+    extent=frustum_extent,
+    ray=ray_frustum,
+    is_round=True,
+    look=GLOSSY | CREASED,
+)

@@ -1,0 +1,209 @@
+"""Round bodies about the z axis between two discs: cylinders and cones alike.
+
+Their numbers are the radii of the lower and the upper disc, at z = -half and z = half, and that half of the length.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Quaternion, Vector, dot, minus, turned_back
+from kickdrift.world.shapes.closest import along
+from kickdrift.world.shapes.extents import Extent
+from kickdrift.world.shapes.mass import Array
+from kickdrift.world.shapes.rays import MISS, NO_CHORD, Chord, Hit, ahead
+
+Frustum = tuple[float, float, float]
+
+_CIRCLE = np.linspace(0.0, 2.0 * math.pi, 33)
+
+
+@compiled(inline=True)
+def frustum_of(numbers: Any) -> Frustum:
+    """Return the radii and half of the length."""
+    return (numbers[0], numbers[1], numbers[2])
+
+
+@compiled(inline=True)
+def radial(x: float, y: float) -> tuple[float, float, float]:
+    """Return the distance from the axis and the direction away from it; along x on the axis."""
+    size = math.sqrt(x * x + y * y)
+    if size > 1e-150:
+        return size, x / size, y / size
+    return 0.0, 1.0, 0.0
+
+
+@compiled(inline=True)
+def side_normal(frustum: Frustum) -> tuple[float, float]:
+    """Return how far the outward unit normal of the side points away from the axis, and how far up."""
+    lower, upper, half = frustum
+    size = math.sqrt(4.0 * half * half + (lower - upper) ** 2)
+    return 2.0 * half / size, (lower - upper) / size
+
+
+@compiled(inline=True)
+def highest(frustum: Frustum, n: Vector) -> float:
+    """Return the largest n . x of its points x."""
+    lower, upper, half = frustum
+    across = math.sqrt(n[0] * n[0] + n[1] * n[1])
+    return max(upper * across + half * n[2], lower * across - half * n[2])
+
+
+@compiled
+def signed_distance(frustum: Frustum, p: Vector) -> tuple[float, Vector]:
+    """Return the distance of a point from the surface, negative inside, and the outward normal at the nearest point.
+
+    It is a convex function of the point, and the normal its gradient, or one of its subgradients.
+    """
+    lower, upper, half = frustum
+    out, x, y = radial(p[0], p[1])
+    c, s = side_normal(frustum)
+    side = (out - lower) * c + (p[2] + half) * s
+    up, down = p[2] - half, -half - p[2]
+    if side <= 0.0 and up <= 0.0 and down <= 0.0:
+        if side >= up and side >= down:
+            return side, (c * x, c * y, s)
+        return (up, (0.0, 0.0, 1.0)) if up >= down else (down, (0.0, 0.0, -1.0))
+    if up >= 0.0 and out <= upper:
+        return up, (0.0, 0.0, 1.0)
+    if down >= 0.0 and out <= lower:
+        return down, (0.0, 0.0, -1.0)
+    place = (out - lower) * -s + (p[2] + half) * c  # along the side, from the lower rim on
+    if 0.0 < place < 2.0 * half / c:
+        return side, (c * x, c * y, s)
+    rim, z = (lower, -half) if place <= 0.0 else (upper, half)
+    away, rise = out - rim, p[2] - z
+    distance = math.sqrt(away * away + rise * rise)
+    if distance < 1e-150:
+        return 0.0, (c * x, c * y, s)
+    return distance, (away / distance * x, away / distance * y, rise / distance)
+
+
+@compiled
+def deepest(frustum: Frustum, start: Vector, end: Vector) -> tuple[float, Vector]:
+    """Find the point of a segment with the least signed distance.
+
+    Returns
+    -------
+    t : float
+        From 0 at the start to 1 at the end.
+    normal : (3,) tuple
+        Unit vector out of the frustum along which the two separate.
+
+    Notes
+    -----
+    The slope of a convex function grows along the segment: where it changes its sign is found by false position
+    (Illinois), bisecting where that is slow. Where it jumps, at a rim, the normals on both sides are mixed so that the
+    result is at right angles to the segment.
+    """
+    way = minus(end, start)
+    low, high = 0.0, 1.0
+    _, n_low = signed_distance(frustum, start)
+    _, n_high = signed_distance(frustum, end)
+    down, up = dot(n_low, way), dot(n_high, way)
+    if down >= 0.0:
+        return 0.0, n_low
+    if up <= 0.0:
+        return 1.0, n_high
+    below, above = down, up
+    for turn in range(60):
+        t = low + (high - low) * below / (below - above) if turn % 3 != 2 else 0.5 * (low + high)
+        _, n = signed_distance(frustum, along(start, t, way))
+        slope = dot(n, way)
+        if slope < 0.0:
+            low, n_low, down, below = t, n, slope, slope
+            above *= 0.5
+        else:
+            high, n_high, up, above = t, n, slope, slope
+            below *= 0.5
+        if high - low < 1e-14 or slope == 0.0:
+            break
+    share = up / (up - down)
+    x = share * n_low[0] + (1.0 - share) * n_high[0]
+    y = share * n_low[1] + (1.0 - share) * n_high[1]
+    z = share * n_low[2] + (1.0 - share) * n_high[2]
+    size = math.sqrt(x * x + y * y + z * z)
+    if size < 1e-9:  # through the middle of a disc: any way out
+        return low, n_low
+    return 0.5 * (low + high), (x / size, y / size, z / size)
+
+
+@compiled
+def frustum_extent(numbers: Any, q: Quaternion) -> Extent:
+    """Return the box of a frustum; see `kickdrift.world.shapes.record`."""
+    f = frustum_of(numbers)
+    x, y, z = turned_back(q, (1.0, 0.0, 0.0)), turned_back(q, (0.0, 1.0, 0.0)), turned_back(q, (0.0, 0.0, 1.0))
+    return (
+        -highest(f, (-x[0], -x[1], -x[2])),
+        -highest(f, (-y[0], -y[1], -y[2])),
+        -highest(f, (-z[0], -z[1], -z[2])),
+        highest(f, x),
+        highest(f, y),
+        highest(f, z),
+    )
+
+
+@compiled
+def ray_frustum(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
+    """Meet a frustum; see `kickdrift.world.shapes.rays`."""
+    f = frustum_of(numbers)
+    half = f[2]
+    # From the point of the line that is nearest to the middle, where the digits are
+    start = -dot(origin, direction)
+    o = along(origin, start, direction)
+    first, last = -math.inf, math.inf
+    if direction[2] != 0.0:
+        a, b = (-half - o[2]) / direction[2], (half - o[2]) / direction[2]
+        first, last = min(a, b), max(a, b)
+    elif abs(o[2]) > half:
+        return MISS
+    enters, leaves = _through_side(f, o, direction, first, last)
+    distance = ahead((start + enters, start + leaves), limit)
+    if distance == math.inf:
+        return MISS
+    entering = distance == start + enters
+    if (enters == first) if entering else (leaves == last):
+        way = math.copysign(1.0, direction[2])
+        return (distance, 0.0, 0.0, -way if entering else way)
+    p = along(o, enters if entering else leaves, direction)
+    c, s = side_normal(f)
+    _, x, y = radial(p[0], p[1])
+    return (distance, c * x, c * y, s)
+
+
+@compiled
+def _through_side(frustum: Frustum, o: Vector, d: Vector, first: float, last: float) -> Chord:
+    """Chord of a line within the side, of the part of it that lies between the planes of the discs."""
+    lower, upper, half = frustum
+    growth = (upper - lower) / (2.0 * half)
+    a, b = 0.5 * (lower + upper) + growth * o[2], growth * d[2]  # radius along the line: a + b t
+    # Inside, x^2 + y^2 - (a + b t)^2 = square t^2 + 2 linear t + constant is negative.
+    square = d[0] * d[0] + d[1] * d[1] - b * b
+    linear = o[0] * d[0] + o[1] * d[1] - a * b
+    out = math.sqrt(o[0] * o[0] + o[1] * o[1])
+    constant = (out - a) * (out + a)
+    if square == 0.0:
+        if linear == 0.0:
+            return (first, last) if constant <= 0.0 else NO_CHORD
+        root = -0.5 * constant / linear
+        return (first, min(last, root)) if linear > 0.0 else (max(first, root), last)
+    # The discriminant linear^2 - square constant, without the difference of products of large numbers
+    across = o[0] * d[1] - o[1] * d[0]
+    mixed_x, mixed_y = a * d[0] - b * o[0], a * d[1] - b * o[1]
+    rest = mixed_x * mixed_x + mixed_y * mixed_y - across * across
+    if rest < 0.0:
+        return NO_CHORD if square > 0.0 else (first, last)
+    far = -linear - math.copysign(math.sqrt(rest), linear)
+    one, other = far / square, (constant / far if far != 0.0 else 0.0)
+    low, high = min(one, other), max(one, other)
+    if square > 0.0:
+        return max(first, low), min(last, high)
+    # Steeper than the side: inside before the one root or after the other, of which one is on this side of the tip.
+    return (first, min(last, low)) if min(last, low) - first >= last - max(first, high) else (max(first, high), last)
+
+
+def rim(radius: float, z: float) -> Array:
+    """Return a circle about the z axis, (33, 3)."""
+    return np.column_stack((radius * np.cos(_CIRCLE), radius * np.sin(_CIRCLE), np.full(_CIRCLE.size, z)))

@@ -1,0 +1,45 @@
+"""What bodies weigh."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from numpy.typing import ArrayLike
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.world.arguments import number, vector
+from kickdrift.world.shapes.mass import Mass, checked_inertia, combined, placed
+
+if TYPE_CHECKING:
+    from kickdrift.world.adding import Part
+
+
+def weigh(
+    parts: "Sequence[Part]",
+    density: float | None,
+    mass: float | None,
+    inertia: ArrayLike | None,
+    centre: ArrayLike | None,
+) -> Mass:
+    """Weigh a body by its parts, or by what is given instead; see `World.add_body`."""
+    if density is not None and mass is not None:
+        raise ArgumentError(f"density={density!r} and mass={mass!r} say the same twice; give one of them.")
+    common = 1000.0 if density is None else density
+    whole = combined(
+        [
+            placed(
+                p.shape.mass_properties(), p.position, p.orientation, density=common if p.density is None else p.density
+            )
+            for p in parts
+        ]
+    )
+    if mass is not None:
+        total = number("mass", mass, "kg; static=True is for what nothing moves", zero=False)
+        whole = Mass(total, whole.centre, whole.inertia * (total / whole.mass))
+    if centre is not None and inertia is None:
+        raise ArgumentError(
+            f"centre={centre!r} has no inertia about it; give inertia= as well, (3,) or (3, 3), in kg m^2."
+        )
+    if inertia is not None:
+        middle = whole.centre if centre is None else vector("centre", centre, 3)
+        whole = Mass(whole.mass, middle, checked_inertia(inertia))
+    return whole

@@ -1,0 +1,209 @@
+"""Cylinders and cones: weight, place, contacts against Minkowski differences, rest, rolling, tumbling."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import nnls
+from scipy.spatial import ConvexHull
+
+import kickdrift as kd
+from kickdrift.world.collision import PAIRS
+from kickdrift.world.shapes.catalogue import KINDS
+from kickdrift.world.shapes.hull import Hull
+from kickdrift.world.shapes.kinds import BOX, CAPSULE, CONE, CYLINDER, HULL, SPHERE, TRIANGLE
+from kickdrift.world.shapes.mass import rotation_matrix
+
+G, STEP = 9.81, 1 / 60
+LYING = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)
+ROUND = [CYLINDER, CONE]
+CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
+SIDES = 48  # of the polygons that stand for rims: off by 1 - cos(pi / 48), two thousandths of the radius
+COSINES = np.cos(np.arange(SIDES) * 2 * np.pi / SIDES), np.sin(np.arange(SIDES) * 2 * np.pi / SIDES)
+
+
+def ring(radius, z):
+    return np.column_stack((radius * COSINES[0], radius * COSINES[1], np.full(SIDES, z)))
+
+
+def made(kind, rng):
+    """Numbers of a shape, and points and radius of the set that it is."""
+    a, b, c = rng.uniform(0.2, 1.0, 3)
+    if kind == SPHERE:
+        return np.array([a]), np.zeros((1, 3)), a
+    if kind == CAPSULE:
+        return np.array([a, b]), np.array([[0.0, 0.0, -b], [0.0, 0.0, b]]), a
+    if kind == BOX:
+        return np.array([a, b, c]), CORNERS * (a, b, c), 0.0
+    if kind == HULL:
+        hull = Hull(rng.normal(size=(9, 3)) * 0.6)
+        return hull.numbers, hull.vertices, 0.0
+    upper = a if kind == CYLINDER else 0.0
+    return np.array([a, upper, b]), np.vstack((ring(a, -b), ring(upper, b) if upper else [[0.0, 0.0, b]])), 0.0
+
+
+def apart(points, other):
+    """Return the distance of two hulls of points, or by how much they overlap, negative."""
+    difference = (other[None] - points[:, None]).reshape(-1, 3)
+    hull = ConvexHull(difference)
+    depth = hull.equations[:, 3].max()
+    if depth <= 0.0:
+        return depth
+    rows = difference[hull.vertices].T
+    shares, _ = nnls(np.vstack((rows, np.full(rows.shape[1], 1e4))), np.array([0.0, 0.0, 0.0, 1e4]), maxiter=10_000)
+    return np.linalg.norm(rows @ shares / shares.sum())
+
+
+PAIRS_WITH_ROUND = [(a, b) for b in ROUND for a in (SPHERE, CAPSULE, BOX, HULL, CYLINDER, CONE) if a <= b]
+
+
+@pytest.mark.parametrize(("first", "second"), PAIRS_WITH_ROUND)
+def test_contacts_are_as_far_apart_as_the_sets_are(first, second):
+    """Where points are, they have the distance of the two along the normal, and no other direction separates them more."""
+    rng, found = np.random.default_rng(first + 10 * second), 0
+    for trial in range(16):
+        (a, points_a, radius_a), (b, points_b, radius_b) = made(first, rng), made(second, rng)
+        q = rng.normal(size=4) if trial % 3 else np.array([1.0, 0.0, trial % 2, 0.0])
+        turn = rotation_matrix(q)
+        way = rng.normal(size=3)
+        # From afar until they nearly touch: contacts are as far apart as 5 cm, or as deep
+        at = points_b @ turn.T
+        distance, goal = 5.0, rng.uniform(-0.05, 0.05)
+        for _ in range(6):
+            gap = apart(points_a, at + distance * way / np.linalg.norm(way)) - radius_a - radius_b
+            distance -= 0.9 * (gap - goal)
+        pose = np.concatenate((distance * way / np.linalg.norm(way), q / np.linalg.norm(q)))
+        gap = apart(points_a, at + pose[:3]) - radius_a - radius_b
+        manifold = np.zeros(64)
+        count = PAIRS[first, second](a, b, pose, 0.2, manifold)
+        rows = manifold[8:40].reshape(4, 8)[:count]
+        gaps = [manifold[:3] @ (turn @ row[3:6] + pose[:3] - row[:3]) for row in rows]
+        exact = first in (SPHERE, CAPSULE)
+        assert min(gaps) == pytest.approx(gap, abs=4e-3 if exact else 8e-3)
+        assert np.linalg.norm(manifold[:3]) == pytest.approx(1.0)
+        found += count
+    assert found >= 16
+
+
+@pytest.mark.parametrize("kind", ROUND)
+def test_a_triangle_is_touched_as_the_box_under_it(kind):
+    rng = np.random.default_rng(kind)
+    triangle = np.array([-9.0, -9.0, 0.0, 9.0, -9.0, 0.0, 0.0, 9.0, 0.0, 1.0, 1.0, 1.0])
+    for _ in range(50):
+        numbers, points, _ = made(kind, rng)
+        q = rng.normal(size=4)
+        q /= np.linalg.norm(q)
+        height = -(points @ rotation_matrix(q)[2]).min() + rng.uniform(-0.01, 0.01)
+        pose = np.concatenate((rng.uniform(-1.0, 1.0, 2), [height], q))
+        below = np.concatenate((pose[:2], [height + 9.0], q))
+        flat, solid = np.zeros(64), np.zeros(64)
+        count = PAIRS[TRIANGLE, kind](triangle, numbers, pose, 0.02, flat)
+        assert count == PAIRS[BOX, kind](np.full(3, 9.0), numbers, below, 0.02, solid) > 0
+        assert flat[:3] == pytest.approx(solid[:3], abs=1e-12)
+        rows, others = (m[8:40].reshape(4, 8)[:count] for m in (flat, solid))
+        assert rows[:, 3:6] == pytest.approx(others[:, 3:6], abs=1e-9)
+        assert rows[:, :3] == pytest.approx(others[:, :3] - (0.0, 0.0, 9.0), abs=1e-9)
+
+
+@pytest.mark.parametrize("shape", [kd.Cylinder(0.3, 1.7), kd.Cone(0.8, 0.5)])
+def test_mass_is_the_sum_of_slices(shape):
+    lower, upper, half = shape.numbers
+    x, weights = np.polynomial.legendre.leggauss(8)  # exact for the polynomials of fourth degree that these are
+    z, dz = half * x, half * weights
+    r = lower + (upper - lower) * (z + half) / (2 * half)
+    volume = np.pi * r**2 @ dz
+    middle = np.pi * r**2 * z @ dz / volume
+    across = (np.pi * r**4 / 4 + np.pi * r**2 * (z - middle) ** 2) @ dz
+    found = shape.mass_properties()
+    assert found.volume == pytest.approx(volume, rel=1e-13)
+    assert found.centre == pytest.approx([0, 0, middle], abs=1e-13)
+    assert found.inertia == pytest.approx(np.diag([across, across, np.pi * r**4 / 2 @ dz]), rel=1e-12)
+
+
+def test_the_centre_of_mass_of_a_cone_is_a_quarter_up():
+    world = kd.World()
+    cone = world.add_cone(0.5, 2.0, position=(1, 2, 3), orientation=LYING)
+    assert kd.Cone(0.5, 2.0).mass_properties().centre == pytest.approx([0, 0, -0.5])
+    assert world.position[cone.index] == pytest.approx([1, 2.5, 3])
+
+
+@pytest.mark.parametrize("kind", ROUND)
+def test_the_box_around_one_is_as_large_as_it_is(kind):
+    rng = np.random.default_rng(kind)
+    for _ in range(50):
+        numbers, points, _ = made(kind, rng)
+        q = rng.normal(size=4)
+        q /= np.linalg.norm(q)
+        box = np.array(KINDS[kind].extent(numbers, tuple(q)))
+        seen = points @ rotation_matrix(q).T
+        assert (box[:3] <= seen.min(axis=0) + 1e-12).all()
+        assert (box[3:] >= seen.max(axis=0) - 1e-12).all()
+        assert np.concatenate((seen.min(axis=0), seen.max(axis=0))) == pytest.approx(box, abs=3e-3)
+
+
+def ground(world, kind, **options):
+    """Add ground whose surface is z = 0."""
+    if kind == "plane":
+        world.add_plane(**options)
+    elif kind == "box":
+        world.add_box((40, 8, 1), position=(15, 0, -0.5), static=True, **options)
+    elif kind == "cylinder":
+        world.add_cylinder(3.0, 1.0, position=(0, 0, -0.5), static=True, **options)
+    else:
+        world.add_height_field(np.zeros((80, 16)), 0.5, position=(-5.1, -3.1, 0), **options)
+
+
+@pytest.mark.parametrize("kind", ["plane", "box", "cylinder", "surface"])
+@pytest.mark.parametrize("pose", ["cylinder on its end", "cylinder on its side", "cone on its base"])
+def test_it_rests_where_it_is_put(pose, kind):
+    world = kd.World()
+    ground(world, kind)
+    if "cone" in pose:
+        body = world.add_cone(0.5, 1.0, position=(0, 0, 0.5))
+    else:
+        body = world.add_cylinder(0.5, 1.0, position=(0, 0, 0.5), orientation=LYING if "side" in pose else (1, 0, 0, 0))
+    start, turn = world.position[body.index].copy(), world.orientation[body.index].copy()
+    world.advance(STEP, 600)
+    rolls = 5e-3 if "side" in pose and kind == "surface" else 1e-4  # what leans on nothing but friction
+    assert world.position[body.index] == pytest.approx(start, abs=rolls)
+    assert world.orientation[body.index] == pytest.approx(turn, abs=2 * rolls)
+
+
+@pytest.mark.parametrize("kind", ["plane", "box", "surface"])
+def test_a_cylinder_rolls_down_a_slope_with_two_thirds_of_the_acceleration(kind):
+    angle, radius = 0.3, 0.25
+    world = kd.World(gravity=(G * math.sin(angle), 0, -G * math.cos(angle)))
+    ground(world, kind, friction=1.0)
+    body = world.add_cylinder(radius, 0.6, position=(0, 0, radius), orientation=LYING, friction=1.0).index
+    world.advance(STEP, 30)
+    before = world.velocity[body].copy()
+    world.advance(STEP, 60)
+    assert (world.velocity[body] - before)[0] == pytest.approx(2 / 3 * G * math.sin(angle), rel=1e-3)
+    assert radius * world.angular_velocity[body, 1] == pytest.approx(world.velocity[body, 0], rel=1e-3)
+    assert world.position[body, 1:] == pytest.approx([0, radius], abs=1e-3)
+
+
+@pytest.mark.parametrize("kind", ["cylinder", "cone"])
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
+def test_tumbling_gains_no_energy(kind, restitution):
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        world = kd.World()
+        world.add_plane(restitution=restitution, friction=0.5)
+        add = world.add_cylinder if kind == "cylinder" else world.add_cone
+        add(0.3, 0.8, position=(0, 0, 2), orientation=rng.normal(size=4), angular_velocity=4 * rng.normal(size=3))
+        start, most = world.energy().total, 0.0
+        for _ in range(240):
+            world.step(STEP)
+            most = max(most, world.energy().total)
+        assert most <= start * (1 + 1e-9)
+
+
+def test_cylinders_stand_on_each_other():
+    world = kd.World()
+    world.add_plane()
+    bodies = [world.add_cylinder(0.5, 0.5, position=(0.02 * (-1) ** k, 0, 0.25 + 0.5 * k)).index for k in range(5)]
+    start = world.position[bodies].copy()
+    world.advance(STEP, 300)
+    assert world.position[bodies] == pytest.approx(start, abs=0.01)
+    assert np.abs(world.velocity[bodies]).max() < 1e-3
