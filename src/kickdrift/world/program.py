@@ -9,7 +9,7 @@ from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function
 from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.contacts.advance import find_impacts
-from kickdrift.world.contacts.impact import bounce
+from kickdrift.world.contacts.impact import bounce, find_bouncing
 from kickdrift.world.contacts.looking import place_shapes
 from kickdrift.world.contacts.prepare import colour, prepare
 from kickdrift.world.contacts.solve import THREADED, relax, solve, store, warm_start
@@ -59,6 +59,7 @@ def word(uses: Uses, joints: Joints) -> Word:
         *joints.before(),
         colour,
         prepare,
+        *when(uses.bounces or uses.is_fast, find_bouncing),
     )
     substep = (
         begin_forces,

@@ -9,7 +9,7 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, cross, dot, minus, plus, times
+from kickdrift.core.vectors import Vector, cross, dot, minus, times
 from kickdrift.world.contacts import layout as c
 
 W = c.WIDTH
@@ -28,8 +28,8 @@ def _vector(own: Any, field: int) -> Vector:
 
 
 @compiled(cached=False)
-def write_row(own: Any, row: int, slid: Vector, wrench: Any) -> None:
-    """Write the wrench of a row's unit impulse, the second body having moved away from the first."""
+def write_row(own: Any, row: int, wrench: Any) -> None:
+    """Write the wrench of a row's unit impulse."""
     n, u = _vector(own, c.N), _vector(own, c.T)
     push, turn_a, turn_b = (0.0, 0.0, 0.0), n, n
     if row < TANGENT:
@@ -40,19 +40,9 @@ def write_row(own: Any, row: int, slid: Vector, wrench: Any) -> None:
         push = u if row == TANGENT else cross(n, u)
         turn_a = cross(_vector(own, c.CENTRE), push)
         turn_b = minus(turn_a, cross(_vector(own, c.BETWEEN), push))
-    more, glide_a = cross(slid, push), own[c.GLIDE_A * W]
-    turn_a, turn_b = plus(turn_a, times(glide_a, more)), plus(turn_b, times(glide_a - 1.0, more))
     for k in range(3):
         wrench[k], wrench[3 + k] = -push[k], -turn_a[k]
         wrench[6 + k], wrench[9 + k] = push[k], turn_b[k]
-
-
-@compiled(inline=True, cached=False)
-def slid_past(own: Any, change: Any) -> Vector:
-    """Say what the second body has slid past the first since the points are those of a contact, within bounds."""
-    moved = (change[6] - change[0], change[7] - change[1], change[8] - change[2])
-    moved = plus(moved, _vector(own, c.OFFSET))
-    return times(min(1.0, own[c.FARTHEST * W] / (math.sqrt(dot(moved, moved)) + 1e-300)), moved)
 
 
 @compiled(cached=False)
@@ -93,7 +83,7 @@ def note_hits(
         answers[BOUNCES + k] = 0.0
         i = (c.P + c.POINT_FIELDS * k) * W
         if e > 0.0 and own[i + c.POINT_MASS * W] > 0.0:
-            write_row(own, k, (0.0, 0.0, 0.0), wrench)
+            write_row(own, k, wrench)
             gap = own[i + c.GAP * W] + _speed(wrench, change)
             speed = max(_speed(wrench, velocity), _speed(wrench, kicked))
             if speed < -slowest and gap + 2.0 * h * speed <= 0.0:
@@ -133,14 +123,13 @@ def press(
     velocity, given : (12,) arrays
         Velocities of both bodies, and the wrench that they have been given, which the sweep changes.
     """
-    softness, slid = _vector(own, c.SOFTNESS), slid_past(own, change)
+    softness = _vector(own, c.SOFTNESS)
     for k in range(4):
         i = (c.P + c.POINT_FIELDS * k) * W
         if own[i + c.POINT_MASS * W] == 0.0:
             continue
-        write_row(own, k, (0.0, 0.0, 0.0), wrench)
+        write_row(own, k, wrench)
         gap = own[i + c.GAP * W] + _speed(wrench, change)
-        write_row(own, k, slid, wrench)
         mass = 1.0 / (max(_product(answers, k, wrench), 0.0) + _SHARE / own[i + c.POINT_MASS * W])
         scale, leak, bias = 1.0, 0.0, max(gap, 0.0) / h
         if soft > 0.0 and gap <= 0.0:
@@ -157,7 +146,7 @@ def press(
 
 
 @compiled(cached=False)
-def grip(own: Any, answers: Any, change: Any, wrench: Any, other: Any, velocity: Any, given: Any) -> None:
+def grip(own: Any, answers: Any, wrench: Any, other: Any, velocity: Any, given: Any) -> None:
     """Solve rolling resistance, twist and friction; see `kickdrift.world.contacts.lanes.solve_friction`."""
     normal, lever, friction = 0.0, 0.0, own[c.FRICTION * W]
     for k in range(4):
@@ -166,15 +155,14 @@ def grip(own: Any, answers: Any, change: Any, wrench: Any, other: Any, velocity:
         lever += own[i + c.IMPULSE * W] * own[i + c.LEVER * W]
     if own[c.ROLL * W] > 0.0:
         _roll(own, normal, velocity, given)
-    slid = slid_past(own, change)
-    write_row(own, TWIST, slid, wrench)
+    write_row(own, TWIST, wrench)
     old = own[(c.TWIST + 1) * W]
     new = old - _speed(wrench, velocity) / (max(_product(answers, TWIST, wrench), 0.0) + _SHARE / own[c.TWIST * W])
     new = min(max(new, -friction * lever), friction * lever)
     own[(c.TWIST + 1) * W] = new
     _give(answers, TWIST, wrench, new - old, velocity, given)
-    write_row(own, TANGENT, slid, wrench)
-    write_row(own, TANGENT + 1, slid, other)
+    write_row(own, TANGENT, wrench)
+    write_row(own, TANGENT + 1, other)
     alone = _SHARE * (own[c.MASS_A * W] + own[c.MASS_B * W])
     k11, k12 = max(_product(answers, TANGENT, wrench), 0.0) + alone, _product(answers, TANGENT + 1, wrench)
     k21, k22 = _product(answers, TANGENT, other), max(_product(answers, TANGENT + 1, other), 0.0) + alone

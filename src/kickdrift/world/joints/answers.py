@@ -13,7 +13,7 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import applied, length
 from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.coupled import ANSWERED, ROWS, slid_past, write_row
+from kickdrift.world.contacts.coupled import ANSWERED, ROWS, write_row
 from kickdrift.world.flight import LINK_PLACE
 from kickdrift.world.joints.aim import look_here
 from kickdrift.world.joints.articulated import factor
@@ -40,7 +40,6 @@ from kickdrift.world.joints.propagation import bring_down, carry_up
 from kickdrift.world.tables import (
     ARTICULATION,
     BODY,
-    CHANGE,
     GROUPS,
     LANES,
     LINK,
@@ -146,7 +145,6 @@ def find_answers(first: int, end: int, world: int) -> None:
     """Find how bodies answer the rows of contacts: once a step, and where the articulation has changed how it does."""
     answers, groups = floats(world, LINK_CONTACTS), integers(world, GROUPS)
     lanes, work, wrench, backwards = flat(world, LANES), floats(world, LINK_NUMBERS), twelve(), twelve()
-    moved = twelve()
     for g in range(first, end):
         anew = False
         for side in range(2):
@@ -156,10 +154,8 @@ def find_answers(first: int, end: int, world: int) -> None:
             continue
         answers[g - first, ANSWERED] = 1.0
         own = lanes[g * _SIZE : (g + 1) * _SIZE]
-        read_both(CHANGE, g, moved, world)
-        slid = slid_past(own, moved)
         for row in range(ROWS):
-            write_row(own, row, slid, wrench)
+            write_row(own, row, wrench)
             for k in range(12):
                 backwards[k] = -wrench[k]
             for side in range(2):

@@ -99,7 +99,7 @@ def _touch(t: float, h: float, world: int) -> None:
             press(own, answer, moved, wrench, SOFT, h, floats(world, SETTINGS)[0, PUSH_SPEED], velocity, given)
         else:
             bounced = bounced or bounces(answer)
-            grip(own, answer, moved, wrench, other, velocity, given)
+            grip(own, answer, wrench, other, velocity, given)
             press(own, answer, moved, wrench, SOFT, h, 0.0, velocity, given)
         _give_both(g, given, world)
     if bounced:

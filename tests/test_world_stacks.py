@@ -1,0 +1,89 @@
+"""Stacks: towers, mass ratios, loaded plates and what slides under loads."""
+
+import numpy as np
+import pytest
+
+from kickdrift import World
+
+STEP, G = 1 / 60, 9.81
+
+
+def stack(sizes, masses, offsets=None, friction=0.6):
+    world, height = World(), 0.0
+    world.add_plane(friction=friction)
+    for k, (size, mass) in enumerate(zip(sizes, masses, strict=True)):
+        x = 0.0 if offsets is None else offsets[k]
+        world.add_box(size, position=(x, 0, height + size[2] / 2), mass=mass, friction=friction)
+        height += size[2]
+    return world
+
+
+def off(world, start):
+    return np.abs(world.position - start)[:, :2].max()
+
+
+@pytest.mark.parametrize("edge", [1.0, 0.05])
+@pytest.mark.parametrize("count", [20, 40])
+def test_towers_stand(count, edge):
+    world = stack([(edge, edge, edge)] * count, [1000 * edge**3] * count)
+    start = world.position.copy()
+    world.advance(STEP, 600)
+    assert off(world, start) < 0.03
+    assert np.abs(world.velocity).max() < 0.02
+    assert (world.position[2:, 2] > start[2:, 2] - 0.35).all()
+
+
+@pytest.mark.parametrize("masses", [[1, 10], [2.0**-k for k in range(10)]])
+def test_mass_ratios_come_to_rest(masses):
+    world = stack([(1, 1, 1)] * len(masses), masses)
+    start = world.position.copy()
+    world.advance(STEP, 600)
+    assert off(world, start) < 0.005
+    assert np.abs(world.velocity).max() < 1e-6
+
+
+@pytest.mark.parametrize("masses", [[1, 100], [1, 1, 1, 1, 100], [1.5**k for k in range(10)]])
+def test_light_boxes_bear_heavy_ones(masses):
+    world = stack([(1, 1, 1)] * len(masses), masses)
+    start = world.position.copy()
+    world.advance(STEP, 600)
+    assert off(world, start) < 0.02
+    assert np.abs(world.velocity).max() < 0.02
+
+
+@pytest.mark.parametrize(("share", "stands"), [(0.8, True), (0.9, True), (1.1, False)])
+def test_bricks_overhang_as_the_harmonic_series_allows(share, stands):
+    offsets = np.concatenate([[0], -share * np.cumsum(1 / (2 * np.arange(1, 10)))])[::-1]
+    world = stack([(1, 0.5, 0.2)] * 10, [100] * 10, offsets)
+    start = world.position.copy()
+    world.advance(STEP, 600)
+    assert (off(world, start) < 0.1) == stands
+
+
+def test_a_loaded_plate_rests_and_slides_at_its_coefficient():
+    world = World()
+    world.add_plane(friction=0.4)
+    plate = world.add_box((20, 20, 1), position=(0, 0, 0.5), mass=10, friction=0.4)
+    for x in range(5):
+        for y in range(5):
+            world.add_box((1, 1, 1), position=(4 * x - 8, 4 * y - 8, 1.5), mass=1, friction=0.8)
+    world.advance(STEP, 300)
+    assert np.abs(world.velocity).max() < 1e-9
+    force = 1.1 * 0.4 * 35 * G
+    for _ in range(60):
+        world.apply_force(plate, (force, 0, 0))
+        world.step(STEP)
+    assert (force / 35 - world.velocity[plate.index, 0]) / G == pytest.approx(0.4, rel=0.005)
+
+
+def test_tilting_a_base_slowly_tips_what_stands_on_it_where_statics_says():
+    """Arms that stay where a box came to rest must not hold it up."""
+    world = World()
+    base = world.add_box((4, 4, 0.2), position=(0, 0, -0.1), kinematic=True, friction=2.0)
+    box = world.add_box((0.4, 0.4, 1.0), position=(0, 0, 0.5), friction=2.0)
+    speed = 0.05
+    world.angular_velocity[base.index] = (0, speed, 0)
+    while abs(world.angular_velocity[box.index, 1]) < 1.0:
+        world.step(STEP)
+        assert world.time < 20
+    assert speed * world.time == pytest.approx(np.arctan(0.4) + speed * 0.6, abs=0.04)
