@@ -58,7 +58,9 @@ def angular_momentum(world, bodies, moments):
     for body in bodies:
         i, q = body.index, world.orientation[body.index]
         axes = np.array([turned(tuple(q), tuple(e)) for e in np.eye(3)]).T
-        total += np.cross(world.position[i], world.velocity[i]) + axes @ (moments * (axes.T @ world.angular_velocity[i]))
+        total += np.cross(world.position[i], world.velocity[i]) + axes @ (
+            moments * (axes.T @ world.angular_velocity[i])
+        )
     return total
 
 

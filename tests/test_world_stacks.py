@@ -87,3 +87,12 @@ def test_tilting_a_base_slowly_tips_what_stands_on_it_where_statics_says():
         world.step(STEP)
         assert world.time < 20
     assert speed * world.time == pytest.approx(np.arctan(0.4) + speed * 0.6, abs=0.04)
+
+
+def test_the_residual_says_what_is_left_unsolved():
+    calm, wild = stack([(1, 1, 1)] * 3, [1, 1, 1]), stack([(1, 1, 1)] * 10, [1.0] * 9 + [1000.0])
+    calm.advance(STEP, 300)
+    assert 0.0 < calm.residual < 1e-9
+    wild.advance(STEP, 5)
+    assert 1e-3 < wild.residual < 10.0
+    assert World().residual == 0.0

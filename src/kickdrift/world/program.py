@@ -12,7 +12,7 @@ from kickdrift.world.contacts.advance import find_impacts
 from kickdrift.world.contacts.impact import bounce, find_bouncing
 from kickdrift.world.contacts.looking import place_shapes
 from kickdrift.world.contacts.prepare import colour, prepare
-from kickdrift.world.contacts.solve import THREADED, relax, solve, store, warm_start
+from kickdrift.world.contacts.solve import THREADED, measure, relax, solve, store, warm_start
 from kickdrift.world.contacts.update import find_points
 from kickdrift.world.events import note_touching
 from kickdrift.world.flight import begin, drift, finish, flatten, kick
@@ -78,6 +78,7 @@ def word(uses: Uses, joints: Joints) -> Word:
     )
     after = (
         finish,
+        measure,
         store,
         note_touching,
         *when(uses.sleeps, sleep),

@@ -15,3 +15,4 @@ PLANE = 13  # three columns: normal of the plane that a planar world moves in, o
 SLEEP_SPEED = 16  # m/s, below which an island may fall asleep; 0.0: none does
 SLEEP_TIME = 17  # s
 HAS_FAST = 18  # 1.0 once the step has the stage for fast pairs
+RESIDUAL = 19  # m/s: no setting, but what the last step has left unsolved

@@ -71,7 +71,7 @@ LINK_NUMBERS = Table(47, 232)
 LINK_CONTACTS = Table(48, 96)  # see `kickdrift.world.joints.contacts`
 COLOURS = Table(30, 4, whole=True)  # contacts of a colour, its first group and the group after its last
 COLOURED = Table(31, 1, whole=True)  # of each body the set of colours that its contacts have
-SWEEPS = Table(34, 8, whole=True)  # one row: see `kickdrift.world.contacts.lanes`
+SWEEPS = Table(34, 9, whole=True)  # one row: see `kickdrift.world.contacts.lanes`
 IMPACT = Table(51, 64)  # hits of a round of impacts: see `kickdrift.world.contacts.impact`
 BOUNCING = Table(52, 1, whole=True)  # contacts that may bounce in this step
 STARTED_POSE = Table(32, 8)  # as POSE and MOTION were when the step began

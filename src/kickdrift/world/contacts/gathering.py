@@ -38,11 +38,11 @@ from kickdrift.world.tables import (
 
 # Of the spring, times the substep. A pyramid of twenty rows sways from 0.2 on, and one of 0.15 leaves it standing.
 STIFFEST = 0.15
-# Arms are taken anew where bodies turn or slide past each other, within a step, by more than _STILL of the least width of the
-# face on which they meet. What creeps keeps those with which it came to rest, until they are wrong by more than _CREEP of it:
-# the overlap of a tall stack is soft, and with arms that follow every lean it would bend like a soft rod, and fall. Edges and
-# points have no width, and what is round rolls: their arms always follow.
-_STILL, _CREEP = 0.02, 0.2
+# Arms are taken anew where bodies turn or slide past each other faster than _STILL, in widths of the face on which they meet
+# and 1/s. What creeps keeps those with which it came to rest, until they are wrong by more than _CREEP of it: the overlap of a
+# tall stack is soft, and with arms that follow every lean it would bend like a soft rod, and fall. Edges and points have no
+# width, and what is round rolls: their arms always follow.
+_STILL, _CREEP = 1.2, 0.2
 _ROUNDING = 1e-9  # of the smaller shape, by which everything may move
 
 
@@ -119,8 +119,9 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
     raw[r.SHARE * c.WIDTH] = _share(radius_a, radius_b, response[a, 0], response[b, 0])
     raw[r.ROUND_A * c.WIDTH], raw[r.ROUND_B * c.WIDTH] = radius_a, radius_b
     least = _ROUNDING * smallest(place[shape_a, RADIUS], place[shape_b, RADIUS])
-    raw[(r.STALE + 1) * c.WIDTH] = max(_STILL * width, least)
-    raw[r.STALE * c.WIDTH] = max(_STILL * width, least) / max(height, width + least)
+    still = max(_STILL * floats(world, SETTINGS)[0, STEP] * width, least)
+    raw[(r.STALE + 1) * c.WIDTH] = still
+    raw[r.STALE * c.WIDTH] = still / max(height, width + least)
 
 
 @compiled(inline=True)

@@ -18,6 +18,7 @@ from kickdrift.world.contacts.filling import (
     CHANGE_B,
     INERTIA_A,
     INERTIA_B,
+    MARK,
     VELOCITY_A,
     VELOCITY_B,
     fill,
@@ -251,6 +252,38 @@ def apply_impulses(own: Any, s: Any, per_h: float, soft: float, push: float, n: 
         _put(s, VELOCITY_B + 3, lane, wx + cx, wy + cy, wz + cz)
 
 
+@compiled(fast=True, inline=True)
+def _point_speed(own: Any, lane: int, i: int, v: float, turning: Any, between: Any) -> float:
+    """Speed of a point that carries something, whose fields begin at i, along the normal; 0.0 of one that carries nothing."""
+    wax, way, waz, wbx, wby, wbz = turning
+    ex, ey, ez = between
+    ax, ay, az = _vector(own, c.ARM, i)
+    speed = v + (ax - ex) * wbx + (ay - ey) * wby + (az - ez) * wbz - (ax * wax + ay * way + az * waz)
+    return abs(speed) if own[i + c.IMPULSE * W] > 0.0 else 0.0
+
+
+@compiled(fast=True)
+def measure_normals(own: Any, s: Any, unused: float, none: float, nothing: float, n: int) -> None:
+    """Write into MARK of each lane how fast points that carry something part or approach, at most."""
+    for lane in range(n):
+        nx, ny, nz = _vector(own, c.N, lane)
+        ax, ay, az = _vector(s, VELOCITY_A, lane)
+        bx, by, bz = _vector(s, VELOCITY_B, lane)
+        v = nx * (bx - ax) + ny * (by - ay) + nz * (bz - az)
+        ax, ay, az = _vector(s, VELOCITY_A + 3, lane)
+        bx, by, bz = _vector(s, VELOCITY_B + 3, lane)
+        turning = (ax, ay, az, bx, by, bz)
+        dx, dy, dz = _vector(own, c.BETWEEN, lane)
+        between = (dy * nz - dz * ny, dz * nx - dx * nz, dx * ny - dy * nx)
+        i = c.P * W + lane
+        most = _point_speed(own, lane, i, v, turning, between)
+        most = max(most, _point_speed(own, lane, i + _NEXT, v, turning, between))
+        most = max(most, _point_speed(own, lane, i + 2 * _NEXT, v, turning, between))
+        s[MARK * W + lane] = max(most, _point_speed(own, lane, i + 3 * _NEXT, v, turning, between))
+
+
 # What the table `SWEEPS` holds: the addresses of these, and the number of lanes.
-SWEEPS = (apply_impulses, solve_normals, solve_friction, fill, find_stale, refresh, refresh_friction)
-APPLY_IMPULSES, SOLVE_NORMALS, SOLVE_FRICTION, FILL, FIND_STALE, REFRESH, REFRESH_FRICTION, LANE_COUNT = range(8)
+SWEEPS = (apply_impulses, solve_normals, solve_friction, fill, find_stale, refresh, refresh_friction, measure_normals)
+APPLY_IMPULSES, SOLVE_NORMALS, SOLVE_FRICTION, FILL, FIND_STALE, REFRESH, REFRESH_FRICTION, MEASURE, LANE_COUNT = range(
+    9
+)

@@ -29,6 +29,7 @@ from kickdrift.world.contacts.lanes import (
     APPLY_IMPULSES,
     FIND_STALE,
     LANE_COUNT,
+    MEASURE,
     REFRESH,
     REFRESH_FRICTION,
     SOLVE_FRICTION,
@@ -37,7 +38,7 @@ from kickdrift.world.contacts.lanes import (
 )
 from kickdrift.world.contacts.prepare import LINKED, OVERFLOW
 from kickdrift.world.contacts.refreshing import SLIP, TWIST
-from kickdrift.world.settings import PUSH_SPEED, SLOP
+from kickdrift.world.settings import PUSH_SPEED, RESIDUAL, SLOP
 from kickdrift.world.tables import (
     CHANGE,
     COLOURS,
@@ -202,6 +203,19 @@ def store(t: float, h: float, world: int) -> None:
             if own[c.ROLL * _W] > 0.0:
                 for k in range(3):
                     manifold[row, c.ROLLING_IMPULSE + k] = own[(c.ROLL + 2 + k) * _W]
+
+
+@compiled
+def measure(t: float, h: float, world: int) -> None:
+    """Measure what the sweeps have left unsolved: how fast points that carry something part or approach, at most."""
+    groups, lanes, sweeps = integers(world, GROUPS), flat(world, LANES), integers(world, SWEEPS)
+    scratch, n, most = carray(floats_on_stack(SCRATCH), (SCRATCH,)), sweeps[0, LANE_COUNT], 0.0
+    for g in range(integers(world, COLOURS)[LINKED, 1]):
+        _gather(groups, g, floats(world, MOTION), 0, VELOCITY_A, scratch, n)
+        sweep(sweeps[0, MEASURE], (lanes[g * _SIZE : (g + 1) * _SIZE], scratch, 0.0, 0.0, 0.0, n))
+        for lane in range(n):
+            most = max(most, scratch[MARK * _W + lane])
+    floats(world, SETTINGS)[0, RESIDUAL] = most
 
 
 @compiled(inline=True)
