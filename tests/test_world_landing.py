@@ -64,7 +64,7 @@ def angular_momentum(world, bodies, moments):
     return total
 
 
-@pytest.mark.parametrize("restitution", [0.5, 1.0])
+@pytest.mark.parametrize("restitution", [0.8, 1.0])
 @pytest.mark.parametrize("friction", [0.0, 0.5])
 def test_sticks_that_hit_each_other_keep_momentum_and_angular_momentum(friction, restitution):
     rng, size = np.random.default_rng(2), np.array([0.1, 0.2, 1.0])

@@ -96,3 +96,31 @@ def test_the_residual_says_what_is_left_unsolved():
     wild.advance(STEP, 5)
     assert 1e-3 < wild.residual < 10.0
     assert World().residual == 0.0
+
+
+def test_a_box_slides_over_the_triangles_of_a_mesh_as_over_a_plane():
+    """Each triangle has its own friction, aside of the centre of the box, and all of it acts against the way it slides."""
+    x, y = np.meshgrid(np.linspace(-10, 10, 21), np.linspace(-2, 2, 5), indexing="ij")
+    corner = 5 * np.arange(20)[:, None] + np.arange(4)
+    faces = [np.stack([corner, corner + 5, corner + 6], axis=-1), np.stack([corner, corner + 6, corner + 1], axis=-1)]
+    world = World()
+    world.add_mesh(np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3), np.concatenate(faces).reshape(-1, 3), friction=0.3)
+    box = world.add_box((1, 1, 1), position=(-5, 0.1, 0.5), friction=0.3).index
+    world.advance(STEP, 60)
+    world.velocity[box] = (4, 0, 0)
+    world.advance(STEP, 60)
+    assert (4 - world.velocity[box, 0]) / G == pytest.approx(0.3, rel=0.005)
+    assert abs(world.velocity[box, 1]) < 1e-3
+
+
+def test_planar_stacks_come_to_rest():
+    pyramid = [(i - 0.5 * (9 - row), 0, row + 0.5) for row in range(10) for i in range(10 - row)]
+    for places in ([(0.2 * (k % 2), 0, k + 0.5) for k in range(5)], pyramid):
+        world = World(plane_normal=(0, 1, 0))
+        world.add_plane(friction=0.6)
+        for place in places:
+            world.add_box((1, 1, 1), position=place, friction=0.6)
+        start = world.position.copy()
+        world.advance(STEP, 600)
+        assert off(world, start) < 0.01
+        assert np.abs(world.velocity).max() < 1e-6

@@ -100,20 +100,21 @@ def bounce(t: float, h: float, world: int) -> None:
             leave_impact(h, world, a)
             leave_impact(h, world, b)
             own, was_hit = constraint(world, int(impact[hit, ROW])), pushed(impact[hit]) > 0.0
-            _let_be(own, _FAR if was_hit else _MISSED)
+            own[c.REFERENCE * c.WIDTH] = _FAR if was_hit else _MISSED
+            if impact[hit, BOUNCE] > 0.0:
+                _let_be(own)
             if was_hit:
                 integers(world, CONTACT)[int(impact[hit, ROW]), c.STATE] |= c.HIT
 
 
 @compiled(inline=True)
-def _let_be(own: Any, mark: float) -> None:
-    """Keep the sweeps of this substep from a contact that has hit in it, until its arms are taken anew.
+def _let_be(own: Any) -> None:
+    """Keep the sweeps of this substep from a contact that bounced in it, until its arms are taken anew.
 
     Where its bodies have been set back to they never were: turned by a radian, they would seem to overlap there.
     """
     for k in range(4):
         own[(c.P + c.POINT_FIELDS * k + c.GAP) * c.WIDTH] = _FAR
-    own[c.REFERENCE * c.WIDTH] = mark
 
 
 @compiled(inline=True)

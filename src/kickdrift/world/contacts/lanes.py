@@ -195,7 +195,13 @@ def solve_friction(own: Any, s: Any, per_h: float, soft: float, push: float, n: 
         old1, old2 = own[c.SLID * W + lane], own[(c.SLID + 1) * W + lane]
         new1 = old1 - (k11 * s1 + k12 * s2)
         new2 = old2 - (k12 * s1 + k22 * s2)
+        # What sticks takes the impulse that stops it. What slides has friction against the way it slides, which is another
+        # direction where the contact lies aside of the centres: a step of one mass, the least, for all directions.
         most = friction * normal
+        sticks = new1 * new1 + new2 * new2 <= most * most
+        half, between = 0.5 * (k11 + k22), 0.5 * (k11 - k22)
+        mass = half - math.sqrt(between * between + k12 * k12)
+        new1, new2 = new1 if sticks else old1 - mass * s1, new2 if sticks else old2 - mass * s2
         scale = min(1.0, most / math.sqrt(new1 * new1 + new2 * new2 + 1e-300))
         new1, new2 = new1 * scale, new2 * scale
         own[c.SLID * W + lane] = new1

@@ -153,9 +153,11 @@ def _sweep_friction(world: int, hit: Any) -> float:
     s1, s2 = dot(slip, first) - own[c.SLIDE * c.WIDTH], dot(slip, second) - own[(c.SLIDE + 1) * c.WIDTH]
     k11, k22, k12 = _at(hit, GRIP)
     f1, f2 = hit[FRICTION] - (k11 * s1 + k12 * s2), hit[FRICTION + 1] - (k12 * s1 + k22 * s2)
-    size = math.sqrt(f1 * f1 + f2 * f2)
-    if size > hit[BOUND]:
-        f1, f2 = f1 * hit[BOUND] / size, f2 * hit[BOUND] / size
+    if f1 * f1 + f2 * f2 > hit[BOUND] ** 2:  # against the way it slides, as in `kickdrift.world.contacts.lanes`
+        mass = 0.5 * (k11 + k22) - math.sqrt(0.25 * (k11 - k22) ** 2 + k12 * k12)
+        f1, f2 = hit[FRICTION] - mass * s1, hit[FRICTION + 1] - mass * s2
+        scale = min(1.0, hit[BOUND] / (math.sqrt(f1 * f1 + f2 * f2) + 1e-300))
+        f1, f2 = f1 * scale, f2 * scale
     d1, d2 = f1 - hit[FRICTION], f2 - hit[FRICTION + 1]
     hit[FRICTION], hit[FRICTION + 1] = f1, f2
     push = plus(times(d1, first), times(d2, second))
