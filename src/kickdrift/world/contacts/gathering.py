@@ -64,29 +64,35 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
     arm_a, arm_b = minus(at_a, vector_at(pose, a, 0)), minus(at_b, vector_at(pose, b, 0))
     apart = minus(vector_at(pose, b, 0), vector_at(pose, a, 0))
     normal = vector_at(manifold, row, c.NORMAL)
-    back = turned_back(quaternion_at(manifold, row, c.FOUND_POSE + 3), normal)
     along, width = turned(turn_a, normal), manifold[row, c.WIDTH_OF_FACE]
     # Of the contact, along its normal, from the farther of both centres
     arm = plus(arm_a, turned(turn_a, vector_at(manifold, row, c.POINT)))
     height = max(abs(dot(along, arm)), abs(dot(along, minus(arm, apart))))
-    lay = vector_at(manifold, row, c.REST_APART)
-    turned_a = product(quaternion_at(manifold, row, c.REST_A), conjugate(turn_a))
-    turned_b = product(quaternion_at(manifold, row, c.REST_B), conjugate(turn_b))
+    turned_a, turned_b, lay = (1.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), apart
     moves = width == 0.0 or contact[row, c.STATE] & (c.MOVING | c.FAST) != 0
-    wrong = _wrong(turned_a, turned_b, minus(lay, apart), arm, apart, along, max(height, width))
-    if moves or wrong > (_CREEP * width) ** 2:
-        turned_a, turned_b, lay = (1.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), apart
+    if not moves:
+        lay = vector_at(manifold, row, c.REST_APART)
+        turned_a = product(quaternion_at(manifold, row, c.REST_A), conjugate(turn_a))
+        turned_b = product(quaternion_at(manifold, row, c.REST_B), conjugate(turn_b))
+        wrong = _wrong(turned_a, turned_b, minus(lay, apart), arm, apart, along, max(height, width))
+        if wrong > (_CREEP * width) ** 2:
+            moves, turned_a, turned_b, lay = True, (1.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), apart
+        along = turned(turned_a, along)
+    if moves:
         for k in range(4):
             manifold[row, c.REST_A + k], manifold[row, c.REST_B + k] = turn_a[k], turn_b[k]
         for k in range(3):
             manifold[row, c.REST_APART + k] = apart[k]
-    # A normal turns with the shape that is not round.
-    along = turned(turn_b, back) if radius_a > 0.0 and radius_b == 0.0 else turned(turned_a, along)
+    core_a, core_b = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    if radius_a > 0.0 or radius_b > 0.0:
+        back = turned_back(quaternion_at(manifold, row, c.FOUND_POSE + 3), normal)
+        core_a, core_b = times(-radius_a, normal), times(radius_b, back)
+        if radius_b == 0.0:  # a normal turns with the shape that is not round
+            along = turned(turn_b, back)
     for k in range(4):
         scratch[(r.TURNED_A + k) * c.WIDTH], scratch[(r.TURNED_B + k) * c.WIDTH] = turned_a[k], turned_b[k]
     for k in range(4):
         raw[(r.TURN_A + k) * c.WIDTH], raw[(r.TURN_B + k) * c.WIDTH] = turn_a[k], turn_b[k]
-    core_a, core_b = times(-radius_a, normal), times(radius_b, back)
     for k in range(3):
         raw[(r.NORMAL + k) * c.WIDTH] = along[k]
         raw[(r.ARM_A + k) * c.WIDTH] = arm_a[k]
