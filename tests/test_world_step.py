@@ -24,9 +24,9 @@ def stack(**options):
 def test_the_word_says_what_a_step_does():
     word = stack().word
     assert str(word) == (
-        "begin place-shapes find-pairs find-points colour prepare"
+        "begin place-shapes find-pairs find-points colour prepare find-bouncing"
         " (begin-forces kick bounce warm-start solve drift relax)*"
-        " finish store note-touching"
+        " finish measure store note-touching"
     )
 
 

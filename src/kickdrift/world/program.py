@@ -11,9 +11,9 @@ from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.collision.narrow_phase import place_shapes
 from kickdrift.world.collision.recycling import find_points
 from kickdrift.world.collision.time_of_impact import find_impacts
-from kickdrift.world.contacts.impact import bounce
+from kickdrift.world.contacts.impact import bounce, find_bouncing
 from kickdrift.world.contacts.prepare import colour, prepare
-from kickdrift.world.contacts.solve import THREADED, relax, solve, store, warm_start
+from kickdrift.world.contacts.solve import THREADED, measure, relax, solve, store, warm_start
 from kickdrift.world.direct.bounces import bounce_islands
 from kickdrift.world.direct.islands import find_islands
 from kickdrift.world.direct.nodes import find_nodes
@@ -67,6 +67,7 @@ def word(uses: Uses, joints: Joints) -> Word:
         colour,
         prepare,
         *when(joints.present, find_islands),
+        *when(uses.bounces or uses.is_fast, find_bouncing),
     )
     substep = (
         *when(joints.present and uses.bounces, bounce_islands),
@@ -86,6 +87,7 @@ def word(uses: Uses, joints: Joints) -> Word:
     )
     after = (
         finish,
+        measure,
         store,
         note_touching,
         *when(uses.sleeps, sleep),

@@ -50,7 +50,7 @@ BOUNDS = Table(10, 8)
 GEOMETRY = Table(11, 1)  # the numbers of all shapes, one shape after the other
 # Contacts: pairs of shapes whose fat bounds overlap
 CONTACT = Table(12, 8, whole=True)  # shapes (2), part of the first, bodies (2), points, what it does, group and lane
-MANIFOLD = Table(13, 64)  # see `kickdrift.world.contacts.layout`
+MANIFOLD = Table(13, 72)  # see `kickdrift.world.contacts.layout`
 SETTINGS = Table(14, 32)  # one row: see `kickdrift.world.settings`
 TROUBLE = Table(15, 8, whole=True)  # one row: what went wrong, which table or body
 EVENTS = Table(16, 8, whole=True)  # see `kickdrift.world.events`
@@ -80,7 +80,9 @@ BLOCK = Table(57, 144)
 ADJACENCY = Table(58, 1, whole=True)  # bits: which nodes are coupled
 COLOURS = Table(30, 4, whole=True)  # contacts of a colour, its first group and the group after its last
 COLOURED = Table(31, 1, whole=True)  # of each body the set of colours that its contacts have
-SWEEPS = Table(34, 6, whole=True)  # one row: see `kickdrift.world.contacts.lanes`
+SWEEPS = Table(34, 9, whole=True)  # one row: see `kickdrift.world.contacts.lanes`
+IMPACT = Table(59, 64)  # hits of a round of impacts: see `kickdrift.world.contacts.impact`
+BOUNCING = Table(60, 1, whole=True)  # contacts that may bounce in this step
 STARTED_POSE = Table(32, 8)  # as POSE and MOTION were when the step began
 STARTED_MOTION = Table(33, 8)
 STARTED_JOINTS = Table(50, 80)  # as JOINT_NUMBERS were
@@ -93,7 +95,7 @@ PART_TREE = Table(42, 8)  # over the triangles of each mesh, one tree after the 
 EXCLUDED = Table(43, 2, whole=True)  # pairs of bodies that never touch, the lower one first; sorted
 ASKED_APART = Table(49, 2, whole=True)  # those of them that users ask for; the others are joined
 
-_COUNT = 59
+_COUNT = 61
 _HUGE_PAGES = getattr(mmap, "MADV_HUGEPAGE", None)  # Linux
 _HUGE_PAGE, _LARGE = 1 << 21, 1 << 19  # bytes: of such a page, and of tables that go there
 _ADDRESS, _ROWS, _ROOM = 0, 1, 2  # the words that describe a table

@@ -1,15 +1,20 @@
 """Where shapes are, and where two of them touch: the function for their kinds is asked, and impulses follow their features."""
 
-from numba import types
+import math
+from typing import Any
+
+from numba import carray, types
 
 from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Quaternion, Vector, plus, product, turned
+from kickdrift.core.memory import floats_on_stack
+from kickdrift.core.vectors import Quaternion, Vector, cross, dot, minus, normal_to, plus, product, turned
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
     FEATURE,
     FOUND_POSE,
+    MOVING,
     NORMAL_IMPULSE,
     PART,
     POINT,
@@ -17,6 +22,8 @@ from kickdrift.world.contacts.layout import (
     POINTS,
     SHAPE_A,
     SHAPE_B,
+    STATE,
+    WIDTH_OF_FACE,
 )
 from kickdrift.world.layout import (
     BEGIN,
@@ -27,10 +34,11 @@ from kickdrift.world.layout import (
     PLACED_ORIENTATION,
     PLACED_POSITION,
     POSITION,
+    RADIUS,
     SHAPE_KIND,
     SIZE,
 )
-from kickdrift.world.shapes.kinds import TRIANGLE
+from kickdrift.world.shapes.kinds import CAPSULE, SPHERE, TRIANGLE
 from kickdrift.world.shapes.record import SURFACE
 from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
 from kickdrift.world.tables import (
@@ -52,6 +60,9 @@ _ARRAY = types.Array(types.float64, 1, "C")
 COLLIDE = types.int64(_ARRAY, _ARRAY, _ARRAY, types.float64, _ARRAY)
 
 collide = caller(COLLIDE)
+
+_OLD = 4 * POINT_SIZE + 4  # numbers of four points, and their impulses
+_NEAR = 0.2  # of the smaller shape, within which a point takes the impulse of another one
 
 
 @compiled
@@ -99,19 +110,78 @@ def look_again(world: int, row: int, at: Vector, turn: Quaternion, margin: float
     found[0], found[1], found[2] = at
     found[3], found[4], found[5], found[6] = turn
     before = contact[row, POINTS]
-    ids = (own[_id(0)], own[_id(1)], own[_id(2)], own[_id(3)])
-    impulses = (own[NORMAL_IMPULSE], own[NORMAL_IMPULSE + 1], own[NORMAL_IMPULSE + 2], own[NORMAL_IMPULSE + 3])
+    old = carray(floats_on_stack(_OLD), (_OLD,))
+    for k in range(before):
+        for j in range(POINT_SIZE):
+            old[POINT_SIZE * k + j] = own[POINT + POINT_SIZE * k + j]
+        old[4 * POINT_SIZE + k] = own[NORMAL_IMPULSE + k]
     count = collide(
         integers(world, COLLIDERS)[kind_a, shape[b, SHAPE_KIND]],
         (numbers[begin_a : begin_a + size_a], numbers[begin_b : begin_b + size_b], found, margin, own),
     )
     contact[row, POINTS] = count
+    if before == 0:
+        contact[row, STATE] |= MOVING
+    place = floats(world, PLACE)
+    _hand_over(own, old, before, count, _NEAR * smallest(place[a, RADIUS], place[b, RADIUS]))
+    own[WIDTH_OF_FACE] = _width(own, count)
+
+
+@compiled
+def _hand_over(own: Any, old: Any, before: int, count: int, near: float) -> None:
+    """Give points the impulses of those that had their features before, and else those of the nearest that are left.
+
+    Where corners lie on edges, rounding says whether a point is the one or a crossing of the other.
+    """
+    left = before
     for new in range(count):
-        own[NORMAL_IMPULSE + new] = 0.0
-        for old in range(before):
-            if ids[old] == own[_id(new)]:
-                own[NORMAL_IMPULSE + new] = impulses[old]
+        own[NORMAL_IMPULSE + new] = -1.0
+        for k in range(before):
+            if old[POINT_SIZE * k + FEATURE] == own[_id(new)]:
+                own[NORMAL_IMPULSE + new] = old[4 * POINT_SIZE + k]
+                old[4 * POINT_SIZE + k] = -1.0
+                left -= 1
                 break
+    for new in range(count):
+        if own[NORMAL_IMPULSE + new] >= 0.0:
+            continue
+        own[NORMAL_IMPULSE + new] = 0.0
+        nearest, square = -1, near * near
+        for k in range(before if left > 0 else 0):
+            away = minus(_at(own, POINT + POINT_SIZE * new), _at(old, POINT_SIZE * k))
+            if old[4 * POINT_SIZE + k] >= 0.0 and dot(away, away) < square:
+                nearest, square = k, dot(away, away)
+        if nearest >= 0:
+            own[NORMAL_IMPULSE + new] = old[4 * POINT_SIZE + nearest]
+            old[4 * POINT_SIZE + nearest] = -1.0
+            left -= 1
+
+
+@compiled(inline=True)
+def _at(array: Any, at: int) -> Vector:
+    return (array[at], array[at + 1], array[at + 2])
+
+
+@compiled
+def _width(own: Any, count: int) -> float:
+    """Half the least width of the face that points span; zero of an edge and of a point.
+
+    It is that of a rectangle with the same moments; they are in the frame of the first shape.
+    """
+    if count < 3:
+        return 0.0
+    along = (own[0], own[1], own[2])
+    first = normal_to(along)
+    second = cross(along, first)
+    x, y, xx, yy, xy = 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(count):
+        p = POINT + POINT_SIZE * k
+        at = (own[p], own[p + 1], own[p + 2])
+        u, v = dot(first, at), dot(second, at)
+        x, y, xx, yy, xy = x + u, y + v, xx + u * u, yy + v * v, xy + u * v
+    xx, yy, xy = xx / count - (x / count) ** 2, yy / count - (y / count) ** 2, xy / count - x * y / count**2
+    least = 0.5 * (xx + yy) - math.sqrt(0.25 * (xx - yy) ** 2 + xy * xy)
+    return math.sqrt(max(least, 0.0))
 
 
 @compiled(inline=True)
@@ -125,3 +195,11 @@ def smallest(reach_a: float, reach_b: float) -> float:
     if reach_a == 0.0:
         return reach_b
     return reach_a if reach_b == 0.0 else min(reach_a, reach_b)
+
+
+@compiled(inline=True)
+def radius(world: int, shape: int) -> float:
+    """Radius of a ball or a capsule; 0.0 of what is not round."""
+    shapes = integers(world, SHAPE)
+    kind = shapes[shape, SHAPE_KIND]
+    return flat(world, GEOMETRY)[shapes[shape, BEGIN]] if kind in (SPHERE, CAPSULE) else 0.0

@@ -1,9 +1,8 @@
 """Fast pairs: shapes that may pass through each other, or by each other, within a step are looked at where they are nearest.
 
 Conservative advancement (Mirtich 1996): from a gap s that closes at most at a speed u, nothing happens before the time s / u.
-The points of the pose in which shapes touch become points of today: arms and normal are those of the impact, and the gap is
-the one from which the motion of the step, linear in time, leads to it. Their two points lie apart by what the bodies will slide
-past each other until then (`SLIDE_AHEAD`).
+The points of the pose in which shapes touch are those of the step: they turn with their bodies, and come together there. The
+normal is the one that shapes then have.
 """
 
 from typing import Any
@@ -13,7 +12,6 @@ from kickdrift.core.vectors import (
     Quaternion,
     Vector,
     conjugate,
-    cross,
     dot,
     exponential,
     length,
@@ -24,7 +22,7 @@ from kickdrift.core.vectors import (
     turned,
     turned_back,
 )
-from kickdrift.world.collision.narrow_phase import look_again, placed_pose, smallest
+from kickdrift.world.collision.narrow_phase import look_again, placed_pose, radius, smallest
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts.layout import (
     BODY_A,
@@ -37,7 +35,6 @@ from kickdrift.world.contacts.layout import (
     RECYCLED,
     SHAPE_A,
     SHAPE_B,
-    SLIDE_AHEAD,
     STATE,
 )
 from kickdrift.world.layout import RADIUS
@@ -78,8 +75,6 @@ def _advance(world: int, row: int, way: float) -> None:
         when = min(when + gap / closing, settings[0, STEP])
     if gap > settings[0, MARGIN]:
         contact[row, POINTS] = 0
-    for k in range(3):
-        floats(world, MANIFOLD)[row, SLIDE_AHEAD + k] = 0.0
     if when > 0.0:
         _bring_back(world, row, when)
 
@@ -127,30 +122,22 @@ def _deepest(world: int, row: int, at: Vector, turn: Quaternion) -> tuple[float,
 
 @compiled
 def _bring_back(world: int, row: int, when: float) -> None:
-    """Write points and normal that were found for a time in the step as those of its start."""
-    contact, manifold, motion = integers(world, CONTACT), floats(world, MANIFOLD), floats(world, MOTION)
-    pose = floats(world, POSE)
-    a, b = contact[row, BODY_A], contact[row, BODY_B]
-    now_a, frame_a = placed_pose(world, contact[row, SHAPE_A])
-    now_b, frame_b = placed_pose(world, contact[row, SHAPE_B])
-    then_a, turn_a = _placed_at(world, contact[row, SHAPE_A], a, when)
-    then_b, turn_b = _placed_at(world, contact[row, SHAPE_B], b, when)
-    centre_a, centre_b = vector_at(pose, a, 0), vector_at(pose, b, 0)
-    way_a, way_b = times(when, vector_at(motion, a, 0)), times(when, vector_at(motion, b, 0))
-    _put(manifold, row, SLIDE_AHEAD, minus(way_b, way_a))
-    normal = turned(turn_a, vector_at(manifold, row, 0))
+    """Write the normal that was found for a time in the step as one of its start, and round shapes' points with it."""
+    contact, manifold = integers(world, CONTACT), floats(world, MANIFOLD)
+    _, frame_a = placed_pose(world, contact[row, SHAPE_A])
+    _, frame_b = placed_pose(world, contact[row, SHAPE_B])
+    _, turn, turn_a = _relative(world, row, when)
+    then = vector_at(manifold, row, 0)
+    along = turned(turn_a, then)
+    now = turned_back(frame_a, along)
+    radius_a, radius_b = radius(world, contact[row, SHAPE_A]), radius(world, contact[row, SHAPE_B])
+    on_a = times(radius_a, minus(now, then))
+    on_b = times(-radius_b, minus(turned_back(frame_b, along), turned_back(turn, then)))
     for k in range(contact[row, POINTS]):
         p = POINT + POINT_SIZE * k
-        # From the centres of mass, as they will be; what the turns then add to the gap is taken off beforehand.
-        arm_a = minus(plus(then_a, turned(turn_a, vector_at(manifold, row, p))), plus(centre_a, way_a))
-        arm_b = minus(plus(then_b, turned(turn_b, vector_at(manifold, row, p + 3))), plus(centre_b, way_b))
-        turning = dot(cross(arm_b, normal), vector_at(motion, b, 3)) - dot(
-            cross(arm_a, normal), vector_at(motion, a, 3)
-        )
-        on_a, on_b = plus(centre_a, arm_a), plus(centre_b, minus(arm_b, times(when * turning, normal)))
-        _put(manifold, row, p, turned_back(frame_a, minus(on_a, now_a)))
-        _put(manifold, row, p + 3, turned_back(frame_b, minus(on_b, now_b)))
-    _put(manifold, row, 0, turned_back(frame_a, normal))
+        _put(manifold, row, p, plus(vector_at(manifold, row, p), on_a))
+        _put(manifold, row, p + 3, plus(vector_at(manifold, row, p + 3), on_b))
+    _put(manifold, row, 0, now)
     at, turn, _ = _relative(world, row, 0.0)
     _put(manifold, row, FOUND_POSE, at)
     for k in range(4):

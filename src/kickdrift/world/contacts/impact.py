@@ -1,82 +1,127 @@
 """Bounces: impacts between the kick and the drift, at the moment in the substep in which they happen.
 
-A point whose gap closes within the substep faster than the bounce speed hits at the time s with the speed u that it then
-has. Newton's rule asks for -e u afterwards. The velocities change by an impulse, as if from the start of the substep, and
-bodies are set back by what the change would have moved them up to s. So a ball that falls on a floor has the height
-e^2 h, whatever the step. Impacts happen one manifold after the other, the points of one at once, until none is left:
-momentum goes through a row of balls that touch.
+A point whose gap closes within the substep faster than the bounce speed hits at the time s with the speed u that it then has.
+Newton's rule asks for -e u afterwards. Bodies are moved to the time of their impact, their velocities change there, and they
+are set back by what they would move with the new ones up to s. So a ball that falls on a floor has the height e^2 h, whatever
+the step.
+
+Impacts happen in rounds, after B. Smith, D. M. Kaufman, E. Vouga, R. Tamstorf and E. Grinspun, "Reflections on Simultaneous
+Impact" (2012): in each, all that hit first on their bodies, at once, until nothing hits any more. So momentum goes through a
+row of balls that touch, and what is symmetric stays so.
 
 Of shapes so fast that they may pass each other within the step, impacts with e = 0 are among them: one sweep over the points
 of a manifold does not stop them.
+
+A row of `IMPACT` is a contact that hits: its row, the first time at which one of its points does, the speed of that point, the
+coefficient e; what `kickdrift.world.contacts.strike` makes of it; and when its four points hit.
 """
 
 import math
 from typing import Any
 
-from numba import carray
-
 from kickdrift.core.compilation import compiled
-from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import (
-    Vector,
-    cross,
-    dot,
-    length,
-    minus,
-    plus,
-    times,
-)
+from kickdrift.core.vectors import cross, dot, length, minus
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.prepare import LINKED
-from kickdrift.world.contacts.strike import (
-    HIT_TIME,
-    IMPULSE,
-    POINT_SIZE,
-    SPEED,
-    WANTED,
-    arms_of,
-    field_at,
-    find_impulses,
-    glides,
-    strike,
+from kickdrift.world.contacts.hitting import (
+    arms_at,
+    constraint,
+    is_moved,
+    leave_impact,
+    move_to_impact,
+    vector_of,
 )
-from kickdrift.world.flight import ADDED, IMPACT_TIME
+from kickdrift.world.contacts.prepare import LINKED
+from kickdrift.world.contacts.strike import BOUNCE, ROW, SPEED, TIME, TIMES, find_impulses, meet, pushed
+from kickdrift.world.flight import ADDED, IMPACT_TIME, NEXT_IMPACT
 from kickdrift.world.layout import RESTITUTION
 from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, MIDPOINT, SLOP
 from kickdrift.world.tables import (
-    CHANGE,
+    BOUNCING,
     COLOURS,
     CONTACT,
+    IMPACT,
     KICKED,
-    LANES,
     MOTION,
     PLACE,
     SETTINGS,
-    flat,
     floats,
     integers,
+    room,
     rows,
+    set_rows,
 )
+from kickdrift.world.trouble import ask_for_room
 
 _ROUNDS = 100
-_SIZE = c.FIELDS * c.WIDTH
+_FAR = 1e10  # m, and rad
+_MISSED = 2e10  # in place of a turn: what looked like a hit in this substep was none
+_NOISE = 1e-9  # of the fastest hit, below which others may be rounding: they wait until they are the fastest
+
+
+@compiled
+def find_bouncing(t: float, h: float, world: int) -> None:
+    """List the contacts that may bounce."""
+    contact, place, count = integers(world, CONTACT), floats(world, PLACE), 0
+    if rows(world, CONTACT) > room(world, BOUNCING):
+        ask_for_room(world, BOUNCING, rows(world, CONTACT))
+        return
+    if rows(world, CONTACT) > room(world, IMPACT):
+        ask_for_room(world, IMPACT, rows(world, CONTACT))
+        return
+    bouncing = integers(world, BOUNCING)
+    for row in range(rows(world, CONTACT)):
+        e = max(place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION])
+        bounces = contact[row, c.PLACE_IN_GROUPS] >= 0 and (e > 0.0 or contact[row, c.STATE] & c.FAST)
+        if bounces and not _is_linked(world, row):
+            bouncing[count, 0] = row
+            count += 1
+    set_rows(world, BOUNCING, count)
 
 
 @compiled
 def bounce(t: float, h: float, world: int) -> None:
     """Let everything bounce that hits something within the substep."""
-    contact, place = integers(world, CONTACT), floats(world, PLACE)
+    if rows(world, BOUNCING) == 0:
+        return
     for _ in range(_ROUNDS):
-        hits = 0
-        for row in range(rows(world, CONTACT)):
-            if contact[row, c.PLACE_IN_GROUPS] < 0:
-                continue
-            e = max(place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION])
-            if (e > 0.0 or contact[row, c.STATE] & c.FAST) and not _is_linked(world, row):
-                hits += _bounce_one(world, row, e, h)
-        if hits == 0:
+        fastest = _find_round(h, world)
+        if fastest == 0.0:
             return
+        impact = floats(world, IMPACT)
+        for hit in range(rows(world, IMPACT)):
+            a, b = _bodies(world, hit)
+            move_to_impact(h, world, a)
+            move_to_impact(h, world, b)
+        for hit in range(rows(world, IMPACT)):
+            meet(world, impact[hit], _NOISE * fastest)
+        find_impulses(world)
+        for hit in range(rows(world, IMPACT)):
+            a, b = _bodies(world, hit)
+            leave_impact(h, world, a)
+            leave_impact(h, world, b)
+            own, was_hit = constraint(world, int(impact[hit, ROW])), pushed(impact[hit]) > 0.0
+            own[c.REFERENCE * c.WIDTH] = _FAR if was_hit else _MISSED
+            if impact[hit, BOUNCE] > 0.0:
+                _let_be(own)
+            if was_hit:
+                integers(world, CONTACT)[int(impact[hit, ROW]), c.STATE] |= c.HIT
+
+
+@compiled(inline=True)
+def _let_be(own: Any) -> None:
+    """Keep the sweeps of this substep from a contact that bounced in it, until its arms are taken anew.
+
+    Where its bodies have been set back to they never were: turned by a radian, they would seem to overlap there.
+    """
+    for k in range(4):
+        own[(c.P + c.POINT_FIELDS * k + c.GAP) * c.WIDTH] = _FAR
+
+
+@compiled(inline=True)
+def _bodies(world: int, hit: int) -> tuple[int, int]:
+    contact, row = integers(world, CONTACT), int(floats(world, IMPACT)[hit, ROW])
+    return contact[row, c.BODY_A], contact[row, c.BODY_B]
 
 
 @compiled(inline=True)
@@ -88,24 +133,6 @@ def _is_linked(world: int, row: int) -> bool:
 
 
 @compiled
-def _bounce_one(world: int, row: int, e: float, h: float) -> int:
-    """Let one manifold bounce, and return 1 if it did."""
-    points = integers(world, CONTACT)[row, c.POINTS]
-    hit = carray(floats_on_stack(16), (16,))
-    own = _constraint(world, row)
-    first = _times_of_hits(world, row, own, hit, points, h)
-    if first >= 2.0 * h:
-        return 0
-    slid = _slid(world, row, own, first)
-    found = _speeds_wanted(world, row, own, hit, points, slid, first, e)
-    if found == 0:
-        return 0
-    find_impulses(world, row, own, hit, points, slid)
-    strike(world, row, own, hit, points, slid, first)
-    return 1
-
-
-@compiled
 def slowest_bounce(h: float, world: int) -> float:
     """Return the speed from which on things bounce."""
     settings = floats(world, SETTINGS)
@@ -113,84 +140,82 @@ def slowest_bounce(h: float, world: int) -> float:
     return slowest if slowest >= 0.0 else 4.0 * h * length(vector_at(settings, 0, GRAVITY))
 
 
-@compiled(inline=True)
-def _constraint(world: int, row: int) -> Any:
-    place = integers(world, CONTACT)[row, c.PLACE_IN_GROUPS]
-    begin = place // c.WIDTH * _SIZE + place % c.WIDTH
-    return flat(world, LANES)[begin : begin + _SIZE - c.WIDTH + 1]
-
-
-@compiled(inline=True)
-def _along(table: Any, a: int, b: int, normal: Vector, arm_a: Vector, arm_b: Vector) -> float:
-    """Velocity (or displacement) of a point of b against one of a along the normal."""
-    linear = dot(normal, minus(vector_at(table, b, 0), vector_at(table, a, 0)))
-    return linear + dot(arm_b, vector_at(table, b, 3)) - dot(arm_a, vector_at(table, a, 3))
+@compiled
+def _find_round(h: float, world: int) -> float:
+    """Find the hits of a round, of which no body has an earlier one; return the speed of the fastest, 0.0 if there is none."""
+    impact, kicked, contact = floats(world, IMPACT), floats(world, KICKED), integers(world, CONTACT)
+    found, fastest = 0, 0.0
+    bouncing, place = integers(world, BOUNCING), floats(world, PLACE)
+    for k in range(rows(world, BOUNCING)):
+        row = bouncing[k, 0]
+        if constraint(world, row)[c.REFERENCE * c.WIDTH] == _MISSED:
+            continue
+        if _find_times(h, world, row, impact[found]):
+            fastest = max(fastest, impact[found, SPEED])
+            impact[found, ROW] = row
+            impact[found, BOUNCE] = max(
+                place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION]
+            )
+            kicked[contact[row, c.BODY_A], NEXT_IMPACT] = math.inf
+            kicked[contact[row, c.BODY_B], NEXT_IMPACT] = math.inf
+            found += 1
+    for hit in range(found):
+        if impact[hit, SPEED] <= _NOISE * fastest:
+            continue
+        row = int(impact[hit, ROW])
+        a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
+        kicked[a, NEXT_IMPACT] = min(kicked[a, NEXT_IMPACT], impact[hit, TIME])
+        kicked[b, NEXT_IMPACT] = min(kicked[b, NEXT_IMPACT], impact[hit, TIME])
+    near, count = 0.1 * floats(world, SETTINGS)[0, SLOP], 0
+    for hit in range(found):
+        row = int(impact[hit, ROW])
+        a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
+        first = impact[hit, TIME]
+        if is_moved(world, a):
+            first = min(first, kicked[a, NEXT_IMPACT])
+        if is_moved(world, b):
+            first = min(first, kicked[b, NEXT_IMPACT])
+        if impact[hit, SPEED] > _NOISE * fastest and (impact[hit, TIME] - first) * impact[hit, SPEED] <= near:
+            for k in range(IMPACT.width):
+                impact[count, k] = impact[hit, k]
+            count += 1
+    set_rows(world, IMPACT, count)
+    return fastest
 
 
 @compiled
-def _slid(world: int, row: int, own: Any, when: float) -> Vector:
-    """Say what the second body has slid past the first when they hit, within bounds."""
-    contact, motion, change = integers(world, CONTACT), floats(world, MOTION), floats(world, CHANGE)
-    a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
-    by_now = minus(vector_at(change, b, 0), vector_at(change, a, 0))
-    slid = plus(by_now, times(when, minus(vector_at(motion, b, 0), vector_at(motion, a, 0))))
-    slid = plus(slid, field_at(own, c.OFFSET))
-    return times(min(1.0, own[c.FARTHEST * c.WIDTH] / (length(slid) + 1e-300)), slid)
-
-
-@compiled
-def _times_of_hits(world: int, row: int, own: Any, hit: Any, points: int, h: float) -> float:
-    """Find when and how fast each point hits, and return the first time; beyond h if none does."""
-    contact, motion, change, kicked = (
-        integers(world, CONTACT),
-        floats(world, MOTION),
-        floats(world, CHANGE),
-        floats(world, KICKED),
-    )
-    settings, slowest = floats(world, SETTINGS), slowest_bounce(h, world)
-    a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], field_at(own, c.N)
-    added = settings[0, MIDPOINT] * dot(normal, minus(vector_at(kicked, b, ADDED), vector_at(kicked, a, ADDED)))
+def _find_times(h: float, world: int, row: int, hit: Any) -> bool:
+    """Find when and how fast each point of a contact hits; return whether any does within the substep."""
+    contact, motion, kicked = integers(world, CONTACT), floats(world, MOTION), floats(world, KICKED)
+    midpoint, slowest, own = floats(world, SETTINGS)[0, MIDPOINT], slowest_bounce(h, world), constraint(world, row)
+    a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], vector_of(own, c.N)
+    added = midpoint * dot(normal, minus(vector_at(kicked, b, ADDED), vector_at(kicked, a, ADDED)))
+    across = dot(normal, minus(vector_at(motion, b, 0), vector_at(motion, a, 0)))
+    turn_a, turn_b = vector_at(motion, a, 3), vector_at(motion, b, 3)
     since = max(kicked[a, IMPACT_TIME], kicked[b, IMPACT_TIME])
-    first = 2.0 * h
-    for k in range(points):
-        f = c.P + c.POINT_FIELDS * k
-        arm_a, arm_b = arms_of(own, k)
-        gap = own[(f + c.GAP) * c.WIDTH] + _along(change, a, b, normal, arm_a, arm_b)
-        # gap(s) = gap + start s + added / (2 h) s^2: free flight by the midpoint rule; without it, added is 0.
-        velocity = _along(motion, a, b, normal, arm_a, arm_b)
+    hit[TIME] = 2.0 * h
+    for k in range(4):
+        hit[TIMES + k] = math.inf
+    for k in range(contact[row, c.POINTS]):
+        arm_a, arm_b, between = arms_at(world, row, own, k, 0.0, normal)
+        gap = dot(normal, between)
+        # gap(s) = gap + start s + bend / 2 s^2: free flight by the midpoint rule (without it, added is 0), and points that go
+        # round.
+        round_a, round_b = cross(turn_a, arm_a), cross(turn_b, arm_b)
+        velocity = across + dot(normal, minus(round_b, round_a))
         start = velocity - added
-        root = start * start - 2.0 * added / h * gap
+        bend = added / h + dot(normal, minus(cross(turn_b, round_b), cross(turn_a, round_a)))
+        root = start * start - 2.0 * bend * gap
         when = 2.0 * h
         if gap <= 0.0:
             when = since
         elif root >= 0.0 and math.sqrt(root) > start:
             when = max(2.0 * gap / (math.sqrt(root) - start), since)
-        speed = start + added * when / h
-        hit[POINT_SIZE * k + HIT_TIME] = when
-        hit[POINT_SIZE * k + SPEED] = speed
+        speed = start + bend * when
+        hit[TIMES + k] = when
         # What the solver would stop in this substep hits in it, a few per cent after its end though it may be: the solver
         # asks the velocity after the kick, which in free flight is reached only at the end.
-        if speed < -slowest and when < first and (when <= h or gap + h * velocity <= 0.0):
-            first = when
-    return first
-
-
-@compiled
-def _speeds_wanted(world: int, row: int, own: Any, hit: Any, points: int, slid: Vector, first: float, e: float) -> int:
-    """Say which velocity each point that hits at the same time shall have, by Newton's rule; return how many do."""
-    contact, motion = integers(world, CONTACT), floats(world, MOTION)
-    a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], field_at(own, c.N)
-    near, aside = 0.1 * floats(world, SETTINGS)[0, SLOP], glides(own, cross(slid, normal))
-    found = 0
-    for k in range(points):
-        p = POINT_SIZE * k
-        speed = hit[p + SPEED]
-        hit[p + IMPULSE] = 0.0
-        hit[p + WANTED] = -1e300
-        if speed < 0.0 and (hit[p + HIT_TIME] - first) * -speed <= near:
-            arm_a, arm_b = arms_of(own, k)
-            before = _along(motion, a, b, normal, arm_a, arm_b)
-            velocity = _along(motion, a, b, normal, plus(arm_a, aside[0]), plus(arm_b, aside[1]))
-            hit[p + WANTED] = velocity - (1.0 + e) * (speed + velocity - before)
-            found += 1
-    return found
+        if speed < -slowest and when < hit[TIME] and (when <= h or gap + h * velocity <= 0.0):
+            hit[TIME], hit[SPEED] = when, -speed
+    hits: bool = hit[TIME] < 2.0 * h
+    return hits

@@ -13,12 +13,19 @@ from numba import types
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.filling import fill, fill_friction
+from kickdrift.world.contacts.filling import (
+    CHANGE_A,
+    CHANGE_B,
+    INERTIA_A,
+    INERTIA_B,
+    MARK,
+    VELOCITY_A,
+    VELOCITY_B,
+    fill,
+)
+from kickdrift.world.contacts.refreshing import find_stale, refresh, refresh_friction
 
 W = c.WIDTH
-# Fields of scratch: velocities of the first bodies (6) and the second (6), displacements (6 and 6), inverse inertia (6 and 6).
-VELOCITY_A, VELOCITY_B, CHANGE_A, CHANGE_B, INERTIA_A, INERTIA_B = 0, 6, 12, 18, 24, 30
-SCRATCH = 36 * W
 _NEXT = c.POINT_FIELDS * W  # from a field of a point to the same of the next
 _LEVER = (c.P + c.LEVER) * W
 
@@ -51,28 +58,6 @@ def _impulses(own: Any, lane: int) -> tuple[float, float, float, float]:
 
 
 @compiled(fast=True, inline=True)
-def _slid(own: Any, s: Any, lane: int) -> tuple[float, float, float]:
-    """Say what the second body has slid past the first since the points are those of a contact, within bounds."""
-    ax, ay, az = _vector(s, CHANGE_A, lane)
-    bx, by, bz = _vector(s, CHANGE_B, lane)
-    ex, ey, ez = _vector(own, c.OFFSET, lane)
-    dx, dy, dz = bx - ax + ex, by - ay + ey, bz - az + ez
-    scale = min(1.0, own[c.FARTHEST * W + lane] / math.sqrt(dx * dx + dy * dy + dz * dz + 1e-300))
-    return scale * dx, scale * dy, scale * dz
-
-
-@compiled(fast=True, inline=True)
-def _centre(own: Any, s: Any, lane: int) -> tuple[float, float, float, float, float, float]:
-    """Arms of both bodies to the centre of the contact."""
-    dx, dy, dz = _slid(own, s, lane)
-    ax, ay, az = _vector(own, c.CENTRE, lane)
-    bx, by, bz = _vector(own, c.BETWEEN, lane)
-    u = own[c.GLIDE_A * W + lane]
-    ax, ay, az = ax + u * dx, ay + u * dy, az + u * dz
-    return ax, ay, az, ax - bx - dx, ay - by - dy, az - bz - dz
-
-
-@compiled(fast=True, inline=True)
 def _put(array: Any, field: int, lane: int, x: float, y: float, z: float) -> None:
     i = field * W + lane
     array[i] = x
@@ -84,12 +69,11 @@ def _put(array: Any, field: int, lane: int, x: float, y: float, z: float) -> Non
 def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, arms: Any, spring: Any, state: Any) -> Any:
     """Solve one point, whose fields begin at i; `state` is the impulse of those before it and the velocities they left."""
     rate, soft_mass, soft_impulse, per_h, push, closed, sum_mass = spring
-    tx, ty, tz, gx, gy, gz, ex, ey, ez = arms
+    tx, ty, tz, ex, ey, ez = arms
     total, v, wax, way, waz, wbx, wby, wbz = state
     ax, ay, az = _vector(own, c.ARM, i)
     impulse = own[i + c.IMPULSE * W]
     gap = own[i + c.GAP * W] + opened + (ax * tx + ay * ty + az * tz)
-    ax, ay, az = ax + gx, ay + gy, az + gz
     bx, by, bz = ax - ex, ay - ey, az - ez
     # Without branches, which would keep the loop from vectorising: points apart are rigid, and their bias is gap / h.
     apart = 1.0 if gap > 0.0 else 0.0
@@ -97,10 +81,12 @@ def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, arms: Any, 
     scale = soft_mass + apart * (1.0 - soft_mass)
     leak = (1.0 - apart) * soft_impulse
     speed = v + (bx * wbx + by * wby + bz * wbz) - (ax * wax + ay * way + az * waz)
-    new = max(impulse - own[i + c.POINT_MASS * W] * (scale * speed + bias) - leak * impulse, 0.0)
-    # The second sweep adds nothing to points that are apart and carry nothing: what meets in the next substep may bounce
-    # there. Of those that carry something, rounding says whether they are apart.
-    d = min(new - impulse, 0.0 if (gap > closed) & (impulse == 0.0) else 1e300)
+    mass = own[i + c.POINT_MASS * W]
+    rounding = 1e-9 * mass * abs(speed)
+    new = max(impulse - mass * (scale * speed + bias) - leak * impulse, 0.0)
+    # The second sweep adds nothing to points that are apart, but for rounding, and carry nothing: what meets in the next
+    # substep may bounce there. Of those that carry something, rounding says whether they are apart.
+    d = min(new - impulse, 0.0 if (gap > closed) & (impulse <= rounding) else 1e300)
     own[i + c.IMPULSE * W] = impulse + d
     cx, cy, cz = _turn(s, INERTIA_A, lane, ax, ay, az)
     ex, ey, ez = _turn(s, INERTIA_B, lane, bx, by, bz)
@@ -118,8 +104,11 @@ def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, arms: Any, 
 
 @compiled(fast=True)
 def solve_normals(own: Any, s: Any, per_h: float, soft: float, push: float, n: int) -> None:
-    """One sweep over the points: softly where `soft` is 1.0, rigid and without bias where it is 0.0."""
-    closed = 1e300 if soft > 0.0 else 0.0
+    """One sweep over the points: softly where `soft` is 1.0, rigid and without bias where it is 0.0.
+
+    `push` is the speed at which they are pushed apart at most, and without bias how deep points are that begin to carry.
+    """
+    closed = 1e300 if soft > 0.0 else -push
     for lane in range(n):
         nx, ny, nz = _vector(own, c.N, lane)
         mass_a, mass_b = own[c.MASS_A * W + lane], own[c.MASS_B * W + lane]
@@ -134,15 +123,12 @@ def solve_normals(own: Any, s: Any, per_h: float, soft: float, push: float, n: i
         tax, tay, taz = _vector(s, CHANGE_A + 3, lane)
         dbx, dby, dbz = _vector(s, CHANGE_B, lane)
         tbx, tby, tbz = _vector(s, CHANGE_B + 3, lane)
-        # Arms of b are those of a less what is between the bodies and what they have slid, times the normal.
+        # Arms of b are those of a less what is between the bodies, times the normal.
         dx, dy, dz = _vector(own, c.BETWEEN, lane)
         ex, ey, ez = dy * nz - dz * ny, dz * nx - dx * nz, dx * ny - dy * nx
         dx, dy, dz = dbx - dax, dby - day, dbz - daz
         opened = nx * dx + ny * dy + nz * dz - (ex * tbx + ey * tby + ez * tbz)
-        dx, dy, dz = _slid(own, s, lane)
-        px, py, pz = dy * nz - dz * ny, dz * nx - dx * nz, dx * ny - dy * nx
-        u = own[c.GLIDE_A * W + lane]
-        arms = (tbx - tax, tby - tay, tbz - taz, u * px, u * py, u * pz, ex + px, ey + py, ez + pz)
+        arms = (tbx - tax, tby - tay, tbz - taz, ex, ey, ez)
         v = nx * (vbx - vax) + ny * (vby - vay) + nz * (vbz - vaz)
         state = (0.0, v, wax, way, waz, wbx, wby, wbz)
         spring = (rate, soft_mass, soft_impulse, per_h, push, closed, mass_a + mass_b)
@@ -197,7 +183,9 @@ def solve_friction(own: Any, s: Any, per_h: float, soft: float, push: float, n: 
         # Friction
         ux, uy, uz = _vector(own, c.T, lane)
         mx, my, mz = ny * uz - nz * uy, nz * ux - nx * uz, nx * uy - ny * ux
-        ax, ay, az, bx, by, bz = _centre(own, s, lane)
+        ax, ay, az = _vector(own, c.CENTRE, lane)
+        bx, by, bz = _vector(own, c.BETWEEN, lane)
+        bx, by, bz = ax - bx, ay - by, az - bz
         rx = vbx + wby * bz - wbz * by - vax - way * az + waz * ay
         ry = vby + wbz * bx - wbx * bz - vay - waz * ax + wax * az
         rz = vbz + wbx * by - wby * bx - vaz - wax * ay + way * ax
@@ -207,7 +195,13 @@ def solve_friction(own: Any, s: Any, per_h: float, soft: float, push: float, n: 
         old1, old2 = own[c.SLID * W + lane], own[(c.SLID + 1) * W + lane]
         new1 = old1 - (k11 * s1 + k12 * s2)
         new2 = old2 - (k12 * s1 + k22 * s2)
+        # What sticks takes the impulse that stops it. What slides has friction against the way it slides, which is another
+        # direction where the contact lies aside of the centres: a step of one mass, the least, for all directions.
         most = friction * normal
+        sticks = new1 * new1 + new2 * new2 <= most * most
+        half, between = 0.5 * (k11 + k22), 0.5 * (k11 - k22)
+        mass = half - math.sqrt(between * between + k12 * k12)
+        new1, new2 = new1 if sticks else old1 - mass * s1, new2 if sticks else old2 - mass * s2
         scale = min(1.0, most / math.sqrt(new1 * new1 + new2 * new2 + 1e-300))
         new1, new2 = new1 * scale, new2 * scale
         own[c.SLID * W + lane] = new1
@@ -231,7 +225,9 @@ def apply_impulses(own: Any, s: Any, per_h: float, soft: float, push: float, n: 
         mx, my, mz = ny * uz - nz * uy, nz * ux - nx * uz, nx * uy - ny * ux
         d1, d2 = own[c.SLID * W + lane], own[(c.SLID + 1) * W + lane]
         px, py, pz = d1 * ux + d2 * mx, d1 * uy + d2 * my, d1 * uz + d2 * mz
-        ax, ay, az, bx, by, bz = _centre(own, s, lane)
+        ax, ay, az = _vector(own, c.CENTRE, lane)
+        bx, by, bz = _vector(own, c.BETWEEN, lane)
+        bx, by, bz = ax - bx, ay - by, az - bz
         tx, ty, tz = _vector(own, c.ROLL + 2, lane)
         twist = own[(c.TWIST + 1) * W + lane]
         tx, ty, tz = tx + twist * nx, ty + twist * ny, tz + twist * nz
@@ -244,16 +240,9 @@ def apply_impulses(own: Any, s: Any, per_h: float, soft: float, push: float, n: 
             normal += impulse
             qx, qy, qz = _vector(own, f + c.ARM, lane)
             gx, gy, gz = gx + impulse * qx, gy + impulse * qy, gz + impulse * qz
-        dx, dy, dz = _slid(own, s, lane)
-        glide = own[c.GLIDE_A * W + lane] * normal
-        gx, gy, gz = (
-            gx + glide * (dy * nz - dz * ny),
-            gy + glide * (dz * nx - dx * nz),
-            gz + glide * (dx * ny - dy * nx),
-        )
         lax, lay, laz = lax + gx, lay + gy, laz + gz
         ex, ey, ez = _vector(own, c.BETWEEN, lane)
-        ex, ey, ez = normal * (ex + dx), normal * (ey + dy), normal * (ez + dz)
+        ex, ey, ez = normal * ex, normal * ey, normal * ez
         lbx, lby, lbz = lbx + gx - (ey * nz - ez * ny), lby + gy - (ez * nx - ex * nz), lbz + gz - (ex * ny - ey * nx)
         px, py, pz = px + normal * nx, py + normal * ny, pz + normal * nz
         mass_a, mass_b = own[c.MASS_A * W + lane], own[c.MASS_B * W + lane]
@@ -269,6 +258,38 @@ def apply_impulses(own: Any, s: Any, per_h: float, soft: float, push: float, n: 
         _put(s, VELOCITY_B + 3, lane, wx + cx, wy + cy, wz + cz)
 
 
+@compiled(fast=True, inline=True)
+def _point_speed(own: Any, lane: int, i: int, v: float, turning: Any, between: Any) -> float:
+    """Speed of a point that carries something, whose fields begin at i, along the normal; 0.0 of one that carries nothing."""
+    wax, way, waz, wbx, wby, wbz = turning
+    ex, ey, ez = between
+    ax, ay, az = _vector(own, c.ARM, i)
+    speed = v + (ax - ex) * wbx + (ay - ey) * wby + (az - ez) * wbz - (ax * wax + ay * way + az * waz)
+    return abs(speed) if own[i + c.IMPULSE * W] > 0.0 else 0.0
+
+
+@compiled(fast=True)
+def measure_normals(own: Any, s: Any, unused: float, none: float, nothing: float, n: int) -> None:
+    """Write into MARK of each lane how fast points that carry something part or approach, at most."""
+    for lane in range(n):
+        nx, ny, nz = _vector(own, c.N, lane)
+        ax, ay, az = _vector(s, VELOCITY_A, lane)
+        bx, by, bz = _vector(s, VELOCITY_B, lane)
+        v = nx * (bx - ax) + ny * (by - ay) + nz * (bz - az)
+        ax, ay, az = _vector(s, VELOCITY_A + 3, lane)
+        bx, by, bz = _vector(s, VELOCITY_B + 3, lane)
+        turning = (ax, ay, az, bx, by, bz)
+        dx, dy, dz = _vector(own, c.BETWEEN, lane)
+        between = (dy * nz - dz * ny, dz * nx - dx * nz, dx * ny - dy * nx)
+        i = c.P * W + lane
+        most = _point_speed(own, lane, i, v, turning, between)
+        most = max(most, _point_speed(own, lane, i + _NEXT, v, turning, between))
+        most = max(most, _point_speed(own, lane, i + 2 * _NEXT, v, turning, between))
+        s[MARK * W + lane] = max(most, _point_speed(own, lane, i + 3 * _NEXT, v, turning, between))
+
+
 # What the table `SWEEPS` holds: the addresses of these, and the number of lanes.
-SWEEPS = (apply_impulses, solve_normals, solve_friction, fill, fill_friction)
-APPLY_IMPULSES, SOLVE_NORMALS, SOLVE_FRICTION, FILL, FILL_FRICTION, LANE_COUNT = range(6)
+SWEEPS = (apply_impulses, solve_normals, solve_friction, fill, find_stale, refresh, refresh_friction, measure_normals)
+APPLY_IMPULSES, SOLVE_NORMALS, SOLVE_FRICTION, FILL, FIND_STALE, REFRESH, REFRESH_FRICTION, MEASURE, LANE_COUNT = range(
+    9
+)

@@ -1,7 +1,8 @@
 """The constraints of contacts, solved by sequential impulses over the colours, in lanes within a colour.
 
 Soft steps after E. Catto, "Solver2D" (2024): every substep is a pass with a bias that pushes overlapping bodies apart like a
-damped spring, and, after the drift, one without that takes the velocity of the push away again and applies friction.
+damped spring, and, after the drift, one without that takes the velocity of the push away again and applies friction. Arms are
+taken anew before either where bodies have moved.
 """
 
 from collections.abc import Callable
@@ -12,21 +13,32 @@ from numba import carray, prange
 from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled, specialise, unbound
 from kickdrift.core.memory import floats_on_stack
+from kickdrift.core.vectors import product
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.lanes import (
-    APPLY_IMPULSES,
+from kickdrift.world.contacts.filling import (
     CHANGE_A,
+    FROM_A_TO_B,
     INERTIA_A,
-    LANE_COUNT,
+    MARK,
     SCRATCH,
-    SOLVE_FRICTION,
-    SOLVE_NORMALS,
-    SWEEP,
+    TURNED_A,
     VELOCITY_A,
     VELOCITY_B,
 )
+from kickdrift.world.contacts.lanes import (
+    APPLY_IMPULSES,
+    FIND_STALE,
+    LANE_COUNT,
+    MEASURE,
+    REFRESH,
+    REFRESH_FRICTION,
+    SOLVE_FRICTION,
+    SOLVE_NORMALS,
+    SWEEP,
+)
 from kickdrift.world.contacts.prepare import LINKED, OVERFLOW
-from kickdrift.world.settings import PUSH_SPEED
+from kickdrift.world.contacts.refreshing import SLIP, TWIST
+from kickdrift.world.settings import PUSH_SPEED, RESIDUAL, SLOP
 from kickdrift.world.tables import (
     CHANGE,
     COLOURS,
@@ -35,8 +47,10 @@ from kickdrift.world.tables import (
     LANES,
     MANIFOLD,
     MOTION,
+    POSE,
     RESPONSE,
     SETTINGS,
+    STARTED_POSE,
     SWEEPS,
     flat,
     floats,
@@ -47,6 +61,7 @@ from kickdrift.world.tables import (
 _W = c.WIDTH
 _SIZE = c.FIELDS * _W
 
+_TOUCHING = 1e-6  # of the slop: so deep are points that touch, whatever was rounded off
 _FEWEST = 16  # groups of a colour that are worth a parallel region of some 10 us
 
 sweep = caller(SWEEP)
@@ -68,30 +83,17 @@ def _forth(t: float, h: float, world: int) -> None:
         group(h, world, g)
 
 
-def _back(t: float, h: float, world: int) -> None:
-    colours = integers(world, COLOURS)
-    for g in range(colours[OVERFLOW, 1], colours[OVERFLOW, 2]):
-        group(h, world, g)
-    for back in range(OVERFLOW):
-        k = OVERFLOW - 1 - back
-        first, last = colours[k, 1], colours[k, 2]
-        if last - first < _FEWEST:
-            for g in range(first, last):
-                group(h, world, g)
-        else:
-            for g in prange(first, last):
-                group(h, world, g)
-
-
 @compiled
 def _warm_start_group(h: float, world: int, g: int) -> None:
     motion, response, groups = floats(world, MOTION), floats(world, RESPONSE), integers(world, GROUPS)
     lanes, scratch, sweeps = flat(world, LANES), carray(floats_on_stack(SCRATCH), (SCRATCH,)), integers(world, SWEEPS)
-    change, n = floats(world, CHANGE), sweeps[0, LANE_COUNT]
+    n = sweeps[0, LANE_COUNT]
     _gather(groups, g, motion, 0, VELOCITY_A, scratch, n)
-    _gather(groups, g, change, 0, CHANGE_A, scratch, n)
     _gather(groups, g, response, 1, INERTIA_A, scratch, n)
     own = lanes[g * _SIZE : (g + 1) * _SIZE]
+    if g >= integers(world, COLOURS)[LINKED, 1]:  # no sweep of ours takes those of links anew
+        _gather(groups, g, floats(world, CHANGE), 0, CHANGE_A, scratch, n)
+        _take_anew(h, world, g, own, scratch)
     sweep(sweeps[0, APPLY_IMPULSES], (own, scratch, 1.0 / h, 1.0, 0.0, n))
     _scatter(groups, g, motion, scratch, n)
 
@@ -118,18 +120,51 @@ def _relax_group(h: float, world: int, g: int) -> None:
     _gather(groups, g, change, 0, CHANGE_A, scratch, n)
     _gather(groups, g, response, 1, INERTIA_A, scratch, n)
     own = lanes[g * _SIZE : (g + 1) * _SIZE]
+    _take_anew(h, world, g, own, scratch)
+    least = _TOUCHING * floats(world, SETTINGS)[0, SLOP]
     sweep(sweeps[0, SOLVE_FRICTION], (own, scratch, 1.0 / h, 0.0, 0.0, n))
-    sweep(sweeps[0, SOLVE_NORMALS], (own, scratch, 1.0 / h, 0.0, 0.0, n))
+    sweep(sweeps[0, SOLVE_NORMALS], (own, scratch, 1.0 / h, 0.0, least, n))
     _scatter(groups, g, motion, scratch, n)
+
+
+@compiled
+def _take_anew(h: float, world: int, g: int, own: Any, scratch: Any) -> None:
+    """Take the arms of lanes anew whose bodies have turned or slid past each other."""
+    sweeps = integers(world, SWEEPS)
+    n = sweeps[0, LANE_COUNT]
+    sweep(sweeps[0, FIND_STALE], (own, scratch, TWIST, SLIP, 0.0, n))
+    marked = 0.0
+    for lane in range(n):
+        marked += scratch[MARK * _W + lane]
+    if marked == 0.0:
+        return
+    pose, started, groups = floats(world, POSE), floats(world, STARTED_POSE), integers(world, GROUPS)
+    for lane in range(n):
+        a, b = groups[g, lane], groups[g, _W + lane]
+        _gather_turn(pose, started, a, scratch[TURNED_A * _W + lane :])
+        _gather_turn(pose, started, b, scratch[(TURNED_A + 4) * _W + lane :])
+        for k in range(3):
+            scratch[(FROM_A_TO_B + k) * _W + lane] = pose[b, k] - pose[a, k]
+    sweep(sweeps[0, REFRESH], (own, scratch, floats(world, SETTINGS)[0, SLOP], h, 0.0, n))
+    sweep(sweeps[0, REFRESH_FRICTION], (own, scratch, 0.0, 1.0, 0.0, n))
+
+
+@compiled(inline=True)
+def _gather_turn(pose: Any, started: Any, body: int, scratch: Any) -> None:
+    """Say how a body has turned since the step began."""
+    q = (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
+    before = (started[body, 3], -started[body, 4], -started[body, 5], -started[body, 6])
+    turn = product(q, before)
+    for k in range(4):
+        scratch[k * _W] = turn[k]
 
 
 # Apply the impulses of the last substep.
 warm_start = compiled(specialise(_forth, "warm_start", group=_warm_start_group, LAST=LINKED))
 # Keep bodies apart, and push apart those that overlap.
 solve = compiled(specialise(_forth, "solve", group=_solve_group))
-# Friction, twist and rolling resistance; then take the velocity of the push away. Backwards through the groups: with both
-# sweeps in one direction, a pyramid of 210 boxes sways for minutes.
-relax = compiled(specialise(_back, "relax", group=_relax_group))
+# Friction, twist and rolling resistance; then take the velocity of the push away.
+relax = compiled(specialise(_forth, "relax", group=_relax_group))
 
 # The same on Numba's threads, with the same bits: no two contacts of a colour move the same body.
 THREADED = {
@@ -137,7 +172,7 @@ THREADED = {
         specialise(_forth, "warm_start_threaded", group=_warm_start_group, LAST=LINKED)
     ),
     solve: compiled(parallel=True)(specialise(_forth, "solve_threaded", group=_solve_group)),
-    relax: compiled(parallel=True)(specialise(_back, "relax_threaded", group=_relax_group)),
+    relax: compiled(parallel=True)(specialise(_forth, "relax_threaded", group=_relax_group)),
 }
 
 
@@ -162,9 +197,25 @@ def store(t: float, h: float, world: int) -> None:
             manifold[row, c.FRICTION_IMPULSE + 1] = d1 * u[1] + d2 * (n[2] * u[0] - n[0] * u[2])
             manifold[row, c.FRICTION_IMPULSE + 2] = d1 * u[2] + d2 * (n[0] * u[1] - n[1] * u[0])
             manifold[row, c.TWIST_IMPULSE] = own[(c.TWIST + 1) * _W]
+            contact[row, c.STATE] &= ~c.MOVING
+            if own[c.REFRESHED * _W] > 0.0:
+                contact[row, c.STATE] |= c.MOVING
             if own[c.ROLL * _W] > 0.0:
                 for k in range(3):
                     manifold[row, c.ROLLING_IMPULSE + k] = own[(c.ROLL + 2 + k) * _W]
+
+
+@compiled
+def measure(t: float, h: float, world: int) -> None:
+    """Measure what the sweeps have left unsolved: how fast points that carry something part or approach, at most."""
+    groups, lanes, sweeps = integers(world, GROUPS), flat(world, LANES), integers(world, SWEEPS)
+    scratch, n, most = carray(floats_on_stack(SCRATCH), (SCRATCH,)), sweeps[0, LANE_COUNT], 0.0
+    for g in range(integers(world, COLOURS)[LINKED, 1]):
+        _gather(groups, g, floats(world, MOTION), 0, VELOCITY_A, scratch, n)
+        sweep(sweeps[0, MEASURE], (lanes[g * _SIZE : (g + 1) * _SIZE], scratch, 0.0, 0.0, 0.0, n))
+        for lane in range(n):
+            most = max(most, scratch[MARK * _W + lane])
+    floats(world, SETTINGS)[0, RESIDUAL] = most
 
 
 @compiled(inline=True)

@@ -1,159 +1,238 @@
-"""The impulses of an impact: found for all points of a manifold at once, and applied at a moment of the substep."""
+"""The impulses of a round of impacts: found for all of its points at once.
+
+First those with which nothing approaches any more; then friction, which makes the energy as small as Coulomb's bound lets it,
+with as much more or less on the points as keeps them at rest along the normal; then what throws them back. In this order no
+impact adds energy, whatever e and friction, while Newton's rule holds exactly: friction acts on what e does not. After
+A. Chatterjee and A. Ruina, "A New Algebraic Rigid-Body Collision Law Based on Impulse Space Considerations" (1998). Newton's
+rule with friction of its own can add energy (Kane's paradox).
+"""
 
 import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import (
-    Vector,
-    applied,
-    cross,
-    dot,
-    exponential,
-    minus,
-    plus,
-    product,
-    times,
-    turned,
-    turned_back,
-    turned_symmetric,
-    unit,
-)
+from kickdrift.core.vectors import Vector, applied, cross, dot, length, minus, plus, times
 from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.flight import BODY_INERTIA, IMPACT_TIME, SPHERICAL, SPIN
-from kickdrift.world.tables import CHANGE, CONTACT, INERTIA, KICKED, MOTION, POSE, RESPONSE, floats, integers
+from kickdrift.world.contacts.hitting import arms_at, constraint, normal_at, vector_of
+from kickdrift.world.flight import IMPACT_TIME
+from kickdrift.world.settings import SLOP
+from kickdrift.world.tables import CONTACT, IMPACT, KICKED, MOTION, RESPONSE, SETTINGS, floats, integers, rows
 
-# Of each of four points on the stack: time of the hit, speed, velocity wanted, impulse
-HIT_TIME, SPEED, WANTED, IMPULSE, POINT_SIZE = 0, 1, 2, 3, 4
+# Columns of IMPACT: arms of both bodies to the contact, inverse of the response to friction, friction, its bound; of each of
+# four points the arms times the normal, velocity wanted, impulse, and the impulse that stops it, below zero where it does not
+# hit; when they hit; normal and first tangent.
+ROW, TIME, SPEED, BOUNCE, ARM_A, ARM_B, GRIP, FRICTION, BOUND = 0, 1, 2, 3, 4, 7, 10, 13, 15
+POINTS, POINT_SIZE = 16, 9
+TURN_A, TURN_B, WANTED, IMPULSE, PLASTIC = 0, 3, 6, 7, 8
+TIMES, NORMAL, TANGENT = 52, 56, 59
 _SWEEPS = 400
+_BOUNDS = 4  # times that friction is found, each with what the last one has made of the normal impulses
+_ENOUGH = 1e-15  # of the largest impulse
 _INVERSE = 1  # column of RESPONSE: inverse inertia
 
 
-@compiled(inline=True)
-def field_at(own: Any, field: int) -> Vector:
-    """Three fields of a constraint, whose lane `own` begins at."""
-    return (own[field * c.WIDTH], own[(field + 1) * c.WIDTH], own[(field + 2) * c.WIDTH])
+@compiled
+def meet(world: int, hit: Any, least: float) -> None:
+    """Write arms and velocities wanted of a contact whose bodies are where they hit; points slower than the least do not."""
+    row, kicked, contact = int(hit[ROW]), floats(world, KICKED), integers(world, CONTACT)
+    a, b, own = contact[row, c.BODY_A], contact[row, c.BODY_B], constraint(world, row)
+    when = max(kicked[a, IMPACT_TIME], kicked[b, IMPACT_TIME])
+    normal = normal_at(world, row, own, when)
+    first = minus(vector_of(own, c.T), times(dot(normal, vector_of(own, c.T)), normal))
+    first = times(1.0 / length(first), first)
+    _put(hit, NORMAL, normal)
+    _put(hit, TANGENT, first)
+    near, share = 0.1 * floats(world, SETTINGS)[0, SLOP], own[c.SHARE * c.WIDTH]
+    centre_a, centre_b, found = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
+    for k in range(4):
+        hit[POINTS + POINT_SIZE * k + PLASTIC] = -1.0
+        if not (hit[TIMES + k] - when) * hit[SPEED] <= near:
+            continue
+        point = hit[POINTS + POINT_SIZE * k : POINTS + POINT_SIZE * (k + 1)]
+        arm_a, arm_b, between = arms_at(world, row, own, k, when, normal)
+        arm_a, arm_b = plus(arm_a, times(share, between)), minus(arm_b, times(1.0 - share, between))
+        centre_a, centre_b, found = plus(centre_a, arm_a), plus(centre_b, arm_b), found + 1.0
+        _put(point, TURN_A, cross(arm_a, normal))
+        _put(point, TURN_B, cross(arm_b, normal))
+        speed = _speed(world, a, b, normal, point)
+        if speed < -least:
+            point[WANTED], point[IMPULSE], point[PLASTIC] = -hit[BOUNCE] * speed, 0.0, 0.0
+    _put(hit, ARM_A, times(1.0 / max(found, 1.0), centre_a))
+    _put(hit, ARM_B, times(1.0 / max(found, 1.0), centre_b))
+    second = cross(normal, first)
+    k11, k22 = _yielding(world, a, b, hit, first, first), _yielding(world, a, b, hit, second, second)
+    k12 = _yielding(world, a, b, hit, first, second)
+    scale = 1.0 / (k11 * k22 - k12 * k12)
+    _put(hit, GRIP, (scale * k22, scale * k11, -scale * k12))
+    hit[FRICTION], hit[FRICTION + 1] = 0.0, 0.0
 
 
 @compiled(inline=True)
-def arms_of(own: Any, point: int) -> tuple[Vector, Vector]:
-    """Arms of both bodies to a point, times the normal."""
-    arm = field_at(own, c.P + c.POINT_FIELDS * point + c.ARM)
-    return arm, minus(arm, cross(field_at(own, c.BETWEEN), field_at(own, c.N)))
+def _put(array: Any, at: int, vector: Vector) -> None:
+    array[at], array[at + 1], array[at + 2] = vector
 
 
 @compiled(inline=True)
-def glides(own: Any, slid: Vector) -> tuple[Vector, Vector]:
-    """Add what to the arms of both bodies, one of which has moved away from the other."""
-    share = own[c.GLIDE_A * c.WIDTH]
-    return times(share, slid), times(share - 1.0, slid)
+def _at(array: Any, at: int) -> Vector:
+    return (array[at], array[at + 1], array[at + 2])
 
 
 @compiled
-def find_impulses(world: int, row: int, own: Any, hit: Any, points: int, slid: Vector) -> None:
-    """Impulses >= 0 that give every point at least the velocity wanted, zero where it has more: Gauss-Seidel."""
-    contact, motion, response = integers(world, CONTACT), floats(world, MOTION), floats(world, RESPONSE)
-    a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], field_at(own, c.N)
+def _yielding(world: int, a: int, b: int, hit: Any, along: Vector, other: Vector) -> float:
+    """Velocity along one direction at the centre by a unit impulse along another."""
+    response = floats(world, RESPONSE)
+    arm_a, arm_b = _at(hit, ARM_A), _at(hit, ARM_B)
     inverse_a, inverse_b = symmetric_at(response, a, _INVERSE), symmetric_at(response, b, _INVERSE)
-    mass, aside = response[a, 0] + response[b, 0], glides(own, cross(slid, normal))
-    v = dot(normal, minus(vector_at(motion, b, 0), vector_at(motion, a, 0)))
-    w_a, w_b = vector_at(motion, a, 3), vector_at(motion, b, 3)
+    linear: float = (response[a, 0] + response[b, 0]) * dot(along, other)
+    turned_a: float = dot(cross(arm_a, along), applied(inverse_a, cross(arm_a, other)))
+    turned_b: float = dot(cross(arm_b, along), applied(inverse_b, cross(arm_b, other)))
+    return linear + turned_a + turned_b
+
+
+@compiled(inline=True)
+def _speed(world: int, a: int, b: int, normal: Vector, point: Any) -> float:
+    """Velocity at which a point of b moves away from a."""
+    motion = floats(world, MOTION)
+    linear = dot(normal, minus(vector_at(motion, b, 0), vector_at(motion, a, 0)))
+    speed: float = linear + dot(_at(point, TURN_B), vector_at(motion, b, 3))
+    return speed - dot(_at(point, TURN_A), vector_at(motion, a, 3))
+
+
+@compiled(inline=True)
+def _push(world: int, a: int, b: int, push: Vector, turn_a: Vector, turn_b: Vector) -> None:
+    """Apply an impulse to b and its reverse to a, with angular impulses."""
+    motion, response = floats(world, MOTION), floats(world, RESPONSE)
+    change_a = applied(symmetric_at(response, a, _INVERSE), turn_a)
+    change_b = applied(symmetric_at(response, b, _INVERSE), turn_b)
+    for k in range(3):
+        motion[a, k] -= response[a, 0] * push[k]
+        motion[b, k] += response[b, 0] * push[k]
+        motion[a, 3 + k] -= change_a[k]
+        motion[b, 3 + k] += change_b[k]
+
+
+@compiled
+def _sweep_points(world: int, hit: Any, stopping: bool, least: float, thrown: bool) -> float:
+    """Sweep over the points of a contact that hit, or those that were stopped, and return the largest change of an impulse.
+
+    They are asked for no velocity, or, `thrown`, for the one that they want; impulses stay above `least` times the ones that
+    stopped them.
+    """
+    row, contact, response = int(hit[ROW]), integers(world, CONTACT), floats(world, RESPONSE)
+    a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
+    normal = _at(hit, NORMAL)
+    inverse_a, inverse_b = symmetric_at(response, a, _INVERSE), symmetric_at(response, b, _INVERSE)
+    largest = 0.0
+    for k in range(4):
+        point = hit[POINTS + POINT_SIZE * k : POINTS + POINT_SIZE * (k + 1)]
+        if point[PLASTIC] < 0.0 or (not stopping and point[PLASTIC] == 0.0 and not thrown):
+            continue
+        turn_a, turn_b = _at(point, TURN_A), _at(point, TURN_B)
+        yielding = response[a, 0] + response[b, 0]
+        yielding += dot(turn_a, applied(inverse_a, turn_a)) + dot(turn_b, applied(inverse_b, turn_b))
+        missing = (point[WANTED] if thrown else 0.0) - _speed(world, a, b, normal, point)
+        d = max(point[IMPULSE] + missing / yielding, -least * point[PLASTIC]) - point[IMPULSE]
+        point[IMPULSE] += d
+        _push(world, a, b, times(d, normal), times(d, turn_a), times(d, turn_b))
+        largest = max(largest, abs(d))
+    return largest
+
+
+@compiled
+def _sweep_friction(world: int, hit: Any) -> float:
+    """Sweep over the friction of a contact, and return the change of its impulse."""
+    row, contact, motion = int(hit[ROW]), integers(world, CONTACT), floats(world, MOTION)
+    a, b, own = contact[row, c.BODY_A], contact[row, c.BODY_B], constraint(world, row)
+    first, arm_a, arm_b = _at(hit, TANGENT), _at(hit, ARM_A), _at(hit, ARM_B)
+    second = cross(_at(hit, NORMAL), first)
+    slip = minus(
+        plus(vector_at(motion, b, 0), cross(vector_at(motion, b, 3), arm_b)),
+        plus(vector_at(motion, a, 0), cross(vector_at(motion, a, 3), arm_a)),
+    )
+    s1, s2 = dot(slip, first) - own[c.SLIDE * c.WIDTH], dot(slip, second) - own[(c.SLIDE + 1) * c.WIDTH]
+    k11, k22, k12 = _at(hit, GRIP)
+    f1, f2 = hit[FRICTION] - (k11 * s1 + k12 * s2), hit[FRICTION + 1] - (k12 * s1 + k22 * s2)
+    if f1 * f1 + f2 * f2 > hit[BOUND] ** 2:  # against the way it slides, as in `kickdrift.world.contacts.lanes`
+        mass = 0.5 * (k11 + k22) - math.sqrt(0.25 * (k11 - k22) ** 2 + k12 * k12)
+        f1, f2 = hit[FRICTION] - mass * s1, hit[FRICTION + 1] - mass * s2
+        scale = min(1.0, hit[BOUND] / (math.sqrt(f1 * f1 + f2 * f2) + 1e-300))
+        f1, f2 = f1 * scale, f2 * scale
+    d1, d2 = f1 - hit[FRICTION], f2 - hit[FRICTION + 1]
+    hit[FRICTION], hit[FRICTION + 1] = f1, f2
+    push = plus(times(d1, first), times(d2, second))
+    _push(world, a, b, push, cross(arm_a, push), cross(arm_b, push))
+    return math.sqrt(d1 * d1 + d2 * d2)
+
+
+@compiled
+def pushed(hit: Any) -> float:
+    """Sum of the normal impulses of a contact."""
+    total = 0.0
+    for k in range(4):
+        point = hit[POINTS + POINT_SIZE * k : POINTS + POINT_SIZE * (k + 1)]
+        total += point[IMPULSE] if point[PLASTIC] >= 0.0 else 0.0
+    return total
+
+
+@compiled
+def find_impulses(world: int) -> None:
+    """Find and apply the impulses of a round."""
+    impact, count = floats(world, IMPACT), rows(world, IMPACT)
     scale = 0.0
     for _ in range(_SWEEPS):
         largest = 0.0
-        for k in range(points):
-            p = POINT_SIZE * k
-            if hit[p + WANTED] == -1e300:
-                continue
-            arm_a, arm_b = arms_of(own, k)
-            arm_a, arm_b = plus(arm_a, aside[0]), plus(arm_b, aside[1])
-            missing = hit[p + WANTED] - (v + dot(arm_b, w_b) - dot(arm_a, w_a))
-            old = hit[p + IMPULSE]
-            # Of now: bodies that spin fast have turned since the step began, and another mass would diverge.
-            yielding = mass + dot(arm_a, applied(inverse_a, arm_a)) + dot(arm_b, applied(inverse_b, arm_b))
-            new = max(old + missing / yielding, 0.0)
-            hit[p + IMPULSE] = new
-            d = new - old
-            v += d * mass
-            w_a = minus(w_a, times(d, applied(inverse_a, arm_a)))
-            w_b = plus(w_b, times(d, applied(inverse_b, arm_b)))
-            largest = max(largest, abs(d))
-            scale = max(scale, new)
-        if largest <= 1e-14 * scale:
+        for hit in range(count):
+            largest = max(largest, _sweep_points(world, impact[hit], True, 0.0, False))
+            scale = max(scale, pushed(impact[hit]))
+        if largest <= _ENOUGH * scale:
+            break
+    rough = False
+    for hit in range(count):
+        for k in range(4):
+            p = POINTS + POINT_SIZE * k
+            impact[hit, p + PLASTIC] = impact[hit, p + IMPULSE] if impact[hit, p + PLASTIC] >= 0.0 else -1.0
+        rough = rough or constraint(world, int(impact[hit, ROW]))[c.FRICTION * c.WIDTH] > 0.0
+    if rough:
+        for _ in range(_BOUNDS):
+            _find_friction(world, scale)
+    for hit in range(count):
+        _throw_back(world, impact[hit])
+    for _ in range(_SWEEPS):
+        largest = 0.0
+        for hit in range(count):
+            largest = max(largest, _sweep_points(world, impact[hit], False, 0.0, True))
+        if largest <= _ENOUGH * scale:
             return
 
 
 @compiled
-def strike(world: int, row: int, own: Any, hit: Any, points: int, slid: Vector, when: float) -> None:
-    """Apply the impulses, and friction for as much as they carry, at a time of the substep."""
-    contact, motion, response = integers(world, CONTACT), floats(world, MOTION), floats(world, RESPONSE)
-    a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], field_at(own, c.N)
-    inverse_a, inverse_b = symmetric_at(response, a, _INVERSE), symmetric_at(response, b, _INVERSE)
-    contact[row, c.STATE] |= c.HIT
-    total = 0.0
-    turn_a = (0.0, 0.0, 0.0)
-    turn_b = (0.0, 0.0, 0.0)
-    for k in range(points):
-        impulse, (arm_a, arm_b) = hit[POINT_SIZE * k + IMPULSE], arms_of(own, k)
-        total += impulse
-        turn_a, turn_b = plus(turn_a, times(impulse, arm_a)), plus(turn_b, times(impulse, arm_b))
-    push = times(total, normal)
-    aside = glides(own, cross(slid, push))
-    turn_a, turn_b = plus(turn_a, aside[0]), plus(turn_b, aside[1])
-    v_a = minus(vector_at(motion, a, 0), times(response[a, 0], push))
-    v_b = plus(vector_at(motion, b, 0), times(response[b, 0], push))
-    w_a = minus(vector_at(motion, a, 3), applied(inverse_a, turn_a))
-    w_b = plus(vector_at(motion, b, 3), applied(inverse_b, turn_b))
-    # Friction at the centre
-    first, centre, more = field_at(own, c.T), field_at(own, c.CENTRE), glides(own, slid)
-    arm_a, arm_b = plus(centre, more[0]), plus(minus(centre, field_at(own, c.BETWEEN)), more[1])
-    second = cross(normal, first)
-    slip = minus(plus(v_b, cross(w_b, arm_b)), plus(v_a, cross(w_a, arm_a)))
-    s1, s2 = dot(slip, first) - own[c.SLIDE * c.WIDTH], dot(slip, second) - own[(c.SLIDE + 1) * c.WIDTH]
-    k11, k22, k12 = field_at(own, c.GRIP)
-    f1, f2 = -(k11 * s1 + k12 * s2), -(k12 * s1 + k22 * s2)
-    most, size = own[c.FRICTION * c.WIDTH] * total, math.sqrt(f1 * f1 + f2 * f2)
-    if size > most:
-        f1, f2 = f1 * most / size, f2 * most / size
-    grip = plus(times(f1, first), times(f2, second))
-    v_a, v_b = minus(v_a, times(response[a, 0], grip)), plus(v_b, times(response[b, 0], grip))
-    w_a = minus(w_a, applied(inverse_a, cross(arm_a, grip)))
-    w_b = plus(w_b, applied(inverse_b, cross(arm_b, grip)))
-    _set(world, a, v_a, w_a, when)
-    _set(world, b, v_b, w_b, when)
+def _find_friction(world: int, scale: float) -> None:
+    """Find friction within what the normal impulses allow, and what they have to be for nothing to part or approach."""
+    impact, count = floats(world, IMPACT), rows(world, IMPACT)
+    for hit in range(count):
+        total = pushed(impact[hit])
+        for k in range(4):
+            total += impact[hit, BOUNCE] * max(impact[hit, POINTS + POINT_SIZE * k + PLASTIC], 0.0)
+        impact[hit, BOUND] = constraint(world, int(impact[hit, ROW]))[c.FRICTION * c.WIDTH] * max(total, 0.0)
+    for _ in range(_SWEEPS):
+        largest = 0.0
+        for hit in range(count):
+            largest = max(largest, _sweep_friction(world, impact[hit]))
+            largest = max(largest, _sweep_points(world, impact[hit], False, impact[hit, BOUNCE], False))
+        if largest <= _ENOUGH * scale:
+            return
 
 
 @compiled
-def _set(world: int, body: int, velocity: Vector, turn: Vector, when: float) -> None:
-    """Give a body new velocities, and set it back by what they would move it before the impact."""
-    if floats(world, RESPONSE)[body, 0] == 0.0:
-        return
-    motion, kicked, change, pose = (
-        floats(world, MOTION),
-        floats(world, KICKED),
-        floats(world, CHANGE),
-        floats(world, POSE),
-    )
-    back = times(-when, minus(velocity, vector_at(motion, body, 0)))
-    turn_back = times(-when, minus(turn, vector_at(motion, body, 3)))
-    q = (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
-    inertia = floats(world, INERTIA)
-    if inertia[body, SPHERICAL] == 0.0:
-        moments = symmetric_at(inertia, body, BODY_INERTIA)
-        won = turned(q, applied(moments, turned_back(q, minus(turn, vector_at(motion, body, 3)))))
-        responses = turned_symmetric(exponential(turn_back), symmetric_at(floats(world, RESPONSE), body, _INVERSE))
-        for k in range(3):
-            kicked[body, SPIN + k] += won[k]
-        for k in range(6):
-            floats(world, RESPONSE)[body, 1 + k] = responses[k]
-    for k in range(3):
-        motion[body, k], kicked[body, k] = velocity[k], velocity[k]
-        motion[body, 3 + k], kicked[body, 3 + k] = turn[k], turn[k]
-        pose[body, k] += back[k]
-        change[body, k] += back[k]
-        change[body, 3 + k] += turn_back[k]
-    q = unit(product(exponential(turn_back), q))
+def _throw_back(world: int, hit: Any) -> None:
+    """Apply e times the impulses that stopped the points of a contact."""
+    row, contact = int(hit[ROW]), integers(world, CONTACT)
+    normal = _at(hit, NORMAL)
     for k in range(4):
-        pose[body, 3 + k] = q[k]
-    kicked[body, IMPACT_TIME] = when
+        point = hit[POINTS + POINT_SIZE * k : POINTS + POINT_SIZE * (k + 1)]
+        d = hit[BOUNCE] * max(point[PLASTIC], 0.0)
+        if d > 0.0:
+            point[IMPULSE] += d
+            turn_a, turn_b = times(d, _at(point, TURN_A)), times(d, _at(point, TURN_B))
+            _push(world, contact[row, c.BODY_A], contact[row, c.BODY_B], times(d, normal), turn_a, turn_b)

@@ -10,7 +10,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.impact import slowest_bounce
 from kickdrift.world.contacts.prepare import LINKED
-from kickdrift.world.direct.contact_rows import along, impulse_field, slid_past, write_wrench
+from kickdrift.world.direct.contact_rows import along, impulse_field, write_wrench
 from kickdrift.world.direct.contacts import (
     BOUNCE,
     SMOOTH_BOUNCE,
@@ -80,15 +80,14 @@ def _hits(index: int, e: float, h: float, world: int) -> bool:
     velocity, change, wrench = twelve(), twelve(), twelve()
     read_both(MOTION, groups[g, 0], groups[g, c.WIDTH], velocity, world)
     read_both(CHANGE, groups[g, 0], groups[g, c.WIDTH], change, world)
-    slid, hit = slid_past(own, change), False
+    hit = False
     for k in range(TANGENT):
         numbers[HITS + k] = -1.0
         i = (c.P + c.POINT_FIELDS * k) * c.WIDTH
         if e == 0.0 or own[i + c.POINT_MASS * c.WIDTH] == 0.0:
             continue
-        write_wrench(own, k, (0.0, 0.0, 0.0), wrench)
+        write_wrench(own, k, wrench)
         gap = own[i + c.GAP * c.WIDTH] + along(wrench, change)
-        write_wrench(own, k, slid, wrench)
         speed = along(wrench, velocity)
         if speed < -slowest and gap + 2.0 * h * speed <= 0.0:
             numbers[HITS + k] = -e * speed

@@ -9,7 +9,7 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, cross, dot, minus, plus, times
+from kickdrift.core.vectors import Vector, cross, dot, minus
 from kickdrift.world.columns import symmetric_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.direct.layout import (
@@ -57,8 +57,8 @@ def _vector(own: Any, field: int) -> Vector:
 
 
 @compiled(cached=False)
-def write_wrench(own: Any, k: int, slid: Vector, wrench: Any) -> None:
-    """Write the wrench of a row's unit impulse, the second body having moved away from the first."""
+def write_wrench(own: Any, k: int, wrench: Any) -> None:
+    """Write the wrench of a row's unit impulse."""
     n, u = _vector(own, c.N), _vector(own, c.T)
     push: Vector = (0.0, 0.0, 0.0)
     turn_a, turn_b = n, n
@@ -73,19 +73,9 @@ def write_wrench(own: Any, k: int, slid: Vector, wrench: Any) -> None:
     elif k >= ROLL:
         turn_a = (1.0 if k == ROLL else 0.0, 1.0 if k == ROLL + 1 else 0.0, 1.0 if k == ROLL + 2 else 0.0)
         turn_b = turn_a
-    more, glide_a = cross(slid, push), own[c.GLIDE_A * W]
-    turn_a, turn_b = plus(turn_a, times(glide_a, more)), plus(turn_b, times(glide_a - 1.0, more))
     for i in range(3):
         wrench[i], wrench[3 + i] = -push[i], -turn_a[i]
         wrench[6 + i], wrench[9 + i] = push[i], turn_b[i]
-
-
-@compiled(inline=True, cached=False)
-def slid_past(own: Any, change: Any) -> Vector:
-    """Say what the second body has slid past the first since the points are those of a contact, within bounds."""
-    moved = (change[6] - change[0], change[7] - change[1], change[8] - change[2])
-    moved = plus(moved, _vector(own, c.OFFSET))
-    return times(min(1.0, own[c.FARTHEST * W] / (math.sqrt(dot(moved, moved)) + 1e-300)), moved)
 
 
 @compiled(cached=False)
@@ -117,15 +107,13 @@ def impulse_field(k: int) -> int:
 
 
 @compiled(cached=False)
-def begin_row(
-    own: Any, rows: Any, k: int, slid: Vector, velocity: Any, a: int, b: int, cut: int, rigid: float, world: int
-) -> None:
+def begin_row(own: Any, rows: Any, k: int, velocity: Any, a: int, b: int, cut: int, rigid: float, world: int) -> None:
     """Write the wrench of a row, its speed and its stiffness; it takes part if it can be moved.
 
     Where the bodies are of two islands, the other one (1: a, 2: b) answers as if it were alone.
     """
     wrench = rows[WRENCH + 12 * k : WRENCH + 12 * k + 12]
-    write_wrench(own, k, slid, wrench)
+    write_wrench(own, k, wrench)
     of_a, of_b = mobility(wrench, a, 0, world), mobility(wrench, b, 1, world)
     yielding, other = of_a + of_b, of_a if cut == 1 else of_b if cut == 2 else 0.0
     rows[ACTIVE + k] = 1.0 if yielding > 0.0 else 0.0
@@ -285,14 +273,13 @@ def fix(rows: Any) -> None:
 @compiled(cached=False)
 def give_of(rows: Any, k: int, bound: int) -> float:
     """Impulse along a row with the solution at hand."""
+    impulse: float = rows[CONSTANT + k]
     if bound < 0:
-        if rows[STATE + k] == HELD:
-            return rows[CONSTANT + k] - rows[STIFFNESS + k] * rows[MOVED + k]
-        return rows[CONSTANT + k]
+        return impulse - rows[STIFFNESS + k] * rows[MOVED + k] if rows[STATE + k] == HELD else impulse
     begin, count = first_row(bound), bound_rows(bound)
     if rows[STATE + begin] == HELD:
-        return rows[CONSTANT + k] - rows[STIFFNESS + begin] * rows[MOVED + k]
+        return impulse - rows[STIFFNESS + begin] * rows[MOVED + k]
     left = rows[MOVED + k]
     for j in range(begin, begin + count):
         left -= rows[DIRECTION + k] * rows[DIRECTION + j] * rows[MOVED + j]
-    return rows[CONSTANT + k] - rows[STIFFNESS + begin] * rows[SLIDE + bound] * left
+    return impulse - rows[STIFFNESS + begin] * rows[SLIDE + bound] * left

@@ -23,8 +23,6 @@ from kickdrift.world.direct.contact_rows import (
     impulse_field,
     review_bound,
     review_points,
-    slid_past,
-    write_wrench,
 )
 from kickdrift.world.direct.factorisation import add_row
 from kickdrift.world.direct.islands import node_of
@@ -131,10 +129,10 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
     g = integers(world, COLOURS)[LINKED, 1] + index
     own, numbers = constraint(index, world), contact_row(index, world)
     a, b = groups[g, 0], groups[g, c.WIDTH]
-    velocity, change, wrench = twelve(), twelve(), twelve()
+    velocity, change = twelve(), twelve()
     read_both(MOTION, a, b, velocity, world)
     read_both(CHANGE, a, b, change, world)
-    slid, push = slid_past(own, change), floats(world, SETTINGS)[0, PUSH_SPEED]
+    push = floats(world, SETTINGS)[0, PUSH_SPEED]
     numbers[CUT], rigid = 0.0, RIGID if task < BOUNCE else RIGID_BOUNCE
     for side in range(2):
         link = node_of(world, b if side == 1 else a)
@@ -151,10 +149,10 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
         if k >= TANGENT and task in (PRESS, SMOOTH_BOUNCE):  # friction is as it was in the end of the substep before
             numbers[ACTIVE + k] = 0.0
             continue
-        begin_row(own, numbers, k, slid, velocity, a, b, int(numbers[CUT]), rigid, world)
+        begin_row(own, numbers, k, velocity, a, b, int(numbers[CUT]), rigid, world)
         if k < TANGENT:
-            write_wrench(own, k, (0.0, 0.0, 0.0), wrench)
-            gap = own[(c.P + c.POINT_FIELDS * k + c.GAP) * c.WIDTH] + along(wrench, change)
+            gap = own[(c.P + c.POINT_FIELDS * k + c.GAP) * c.WIDTH]
+            gap += along(numbers[WRENCH + 12 * k : WRENCH + 12 * k + 12], change)
             if task == PRESS:
                 numbers[WANTED + k] = -gap / h if gap > 0.0 else min(-_PUSHED * gap / h, push)
             elif task == REST and gap > 0.0 and numbers[IMPULSE + k] == 0.0:

@@ -160,7 +160,7 @@ def clear_blocks(first: int, after: int, world: int) -> None:
 def block_of(a: int, b: int, world: int) -> int:
     """Row of the block of two nodes, of which a is eliminated first."""
     nodes, neighbours = integers(world, NODE), integers(world, NEIGHBOUR)
-    row = nodes[a, FIRST_NEIGHBOUR]
+    row: int = nodes[a, FIRST_NEIGHBOUR]
     while neighbours[row, 0] != b:
         row += 1
     return row

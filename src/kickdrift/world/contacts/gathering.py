@@ -1,0 +1,184 @@
+"""What the constraint of one contact is made of, gathered from the tables for `kickdrift.world.contacts.filling`."""
+
+import math
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import (
+    Quaternion,
+    Vector,
+    conjugate,
+    cross,
+    dot,
+    minus,
+    plus,
+    product,
+    times,
+    turned,
+    turned_back,
+)
+from kickdrift.world.collision.narrow_phase import placed_pose, radius, smallest
+from kickdrift.world.columns import quaternion_at, vector_at
+from kickdrift.world.contacts import filling as r
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.refreshing import SLIP, TWIST
+from kickdrift.world.layout import FRICTION, RADIUS, ROLLING, SURFACE_VELOCITY
+from kickdrift.world.settings import CONTACT_DAMPING, CONTACT_HERTZ, STEP, SUBSTEPS
+from kickdrift.world.tables import (
+    CONTACT,
+    MANIFOLD,
+    MOTION,
+    PLACE,
+    POSE,
+    RESPONSE,
+    SETTINGS,
+    SHAPE,
+    floats,
+    integers,
+)
+
+# Of the spring, times the substep. A pyramid of twenty rows sways from 0.2 on, and one of 0.15 leaves it standing.
+STIFFEST = 0.15
+# Arms are taken anew where bodies turn or slide past each other faster than _STILL, in widths of the face on which they meet
+# and 1/s. What creeps keeps those with which it came to rest, until they are wrong by more than _CREEP of it: the overlap of a
+# tall stack is soft, and with arms that follow every lean it would bend like a soft rod, and fall. Edges and points have no
+# width, and what is round rolls: their arms always follow.
+_STILL, _CREEP = 1.2, 0.2
+_ROUNDING = 1e-9  # of the smaller shape, by which everything may move
+
+
+@compiled
+def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch: Any) -> None:
+    """Gather what the constraint of one contact is made of; field k is raw[k WIDTH]."""
+    contact, manifold = integers(world, CONTACT), floats(world, MANIFOLD)
+    pose, motion, response, place = (
+        floats(world, POSE),
+        floats(world, MOTION),
+        floats(world, RESPONSE),
+        floats(world, PLACE),
+    )
+    shape_a, shape_b = contact[row, c.SHAPE_A], contact[row, c.SHAPE_B]
+    a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
+    at_a, turn_a = placed_pose(world, shape_a)
+    at_b, turn_b = placed_pose(world, shape_b)
+    radius_a, radius_b = radius(world, shape_a), radius(world, shape_b)
+    arm_a, arm_b = minus(at_a, vector_at(pose, a, 0)), minus(at_b, vector_at(pose, b, 0))
+    apart = minus(vector_at(pose, b, 0), vector_at(pose, a, 0))
+    normal = vector_at(manifold, row, c.NORMAL)
+    along, width = turned(turn_a, normal), manifold[row, c.WIDTH_OF_FACE]
+    # Of the contact, along its normal, from the farther of both centres
+    arm = plus(arm_a, turned(turn_a, vector_at(manifold, row, c.POINT)))
+    height = max(abs(dot(along, arm)), abs(dot(along, minus(arm, apart))))
+    turned_a, turned_b, lay = (1.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), apart
+    moves = width == 0.0 or contact[row, c.STATE] & (c.MOVING | c.FAST) != 0
+    if not moves:
+        lay = vector_at(manifold, row, c.REST_APART)
+        turned_a = product(quaternion_at(manifold, row, c.REST_A), conjugate(turn_a))
+        turned_b = product(quaternion_at(manifold, row, c.REST_B), conjugate(turn_b))
+        wrong = _wrong(turned_a, turned_b, minus(lay, apart), arm, apart, along, max(height, width))
+        if wrong > (_CREEP * width) ** 2:
+            moves, turned_a, turned_b, lay = True, (1.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), apart
+        along = turned(turned_a, along)
+    if moves:
+        for k in range(4):
+            manifold[row, c.REST_A + k], manifold[row, c.REST_B + k] = turn_a[k], turn_b[k]
+        for k in range(3):
+            manifold[row, c.REST_APART + k] = apart[k]
+    core_a, core_b = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    if radius_a > 0.0 or radius_b > 0.0:
+        back = turned_back(quaternion_at(manifold, row, c.FOUND_POSE + 3), normal)
+        core_a, core_b = times(-radius_a, normal), times(radius_b, back)
+        if radius_b == 0.0:  # a normal turns with the shape that is not round
+            along = turned(turn_b, back)
+    for k in range(4):
+        scratch[(r.TURNED_A + k) * c.WIDTH], scratch[(r.TURNED_B + k) * c.WIDTH] = turned_a[k], turned_b[k]
+    for k in range(4):
+        raw[(r.TURN_A + k) * c.WIDTH], raw[(r.TURN_B + k) * c.WIDTH] = turn_a[k], turn_b[k]
+    for k in range(3):
+        raw[(r.NORMAL + k) * c.WIDTH] = along[k]
+        raw[(r.ARM_A + k) * c.WIDTH] = arm_a[k]
+        raw[(r.ARM_B + k) * c.WIDTH] = arm_b[k]
+        raw[(r.APART + k) * c.WIDTH] = apart[k]
+        scratch[(r.FROM_A_TO_B + k) * c.WIDTH] = lay[k]
+        raw[(r.SLID + k) * c.WIDTH] = manifold[row, c.FRICTION_IMPULSE + k]
+        raw[(r.TURNING_A + k) * c.WIDTH], raw[(r.TURNING_B + k) * c.WIDTH] = motion[a, 3 + k], motion[b, 3 + k]
+        raw[(r.ROLLED + k) * c.WIDTH] = manifold[row, c.ROLLING_IMPULSE + k]
+    points = contact[row, c.POINTS]
+    for k in range(4):
+        p = c.POINT + c.POINT_SIZE * k
+        for j in range(3):
+            raw[(r.ON_A + 6 * k + j) * c.WIDTH] = manifold[row, p + j] + core_a[j] if k < points else 0.0
+            raw[(r.ON_B + 6 * k + j) * c.WIDTH] = manifold[row, p + 3 + j] + core_b[j] if k < points else 0.0
+        raw[(r.IMPULSE + k) * c.WIDTH] = manifold[row, c.NORMAL_IMPULSE + k] if k < points else 0.0
+    raw[r.COUNT * c.WIDTH] = points
+    raw[r.MASS_A * c.WIDTH], raw[r.MASS_B * c.WIDTH] = response[a, 0], response[b, 0]
+    for k in range(6):
+        scratch[(r.INERTIA_A + k) * c.WIDTH] = response[a, 1 + k]
+        scratch[(r.INERTIA_B + k) * c.WIDTH] = response[b, 1 + k]
+    raw[r.FRICTION * c.WIDTH] = math.sqrt(place[shape_a, FRICTION] * place[shape_b, FRICTION])
+    raw[r.RESISTANCE * c.WIDTH] = max(place[shape_a, ROLLING], place[shape_b, ROLLING])
+    raw[r.TWISTED * c.WIDTH] = manifold[row, c.TWIST_IMPULSE]
+    fixed = response[a, 0] == 0.0 or response[b, 0] == 0.0
+    slide_a, slide_b = _surface_velocity(world, shape_a), _surface_velocity(world, shape_b)
+    for k in range(3):
+        raw[(r.SLIDE + k) * c.WIDTH] = slide_a[k] - slide_b[k]
+        raw[(r.SOFTNESS + k) * c.WIDTH] = soft[k] if fixed else softer[k]
+    raw[r.SHARE * c.WIDTH] = _share(radius_a, radius_b, response[a, 0], response[b, 0])
+    raw[r.ROUND_A * c.WIDTH], raw[r.ROUND_B * c.WIDTH] = radius_a, radius_b
+    least = _ROUNDING * smallest(place[shape_a, RADIUS], place[shape_b, RADIUS])
+    still = max(_STILL * floats(world, SETTINGS)[0, STEP] * width, least)
+    raw[(r.STALE + 1) * c.WIDTH] = still
+    raw[r.STALE * c.WIDTH] = still / max(height, width + least)
+
+
+@compiled(inline=True)
+def _wrong(
+    turned_a: Quaternion, turned_b: Quaternion, slid: Vector, arm: Vector, apart: Vector, normal: Vector, reach: float
+) -> float:
+    """Square of how much arms differ where bodies were turned and slid past each other; `arm` is one of the first body."""
+    tilt_a = times(math.copysign(2.0, turned_a[0]), (turned_a[1], turned_a[2], turned_a[3]))
+    tilt_b = times(math.copysign(2.0, turned_b[0]), (turned_b[1], turned_b[2], turned_b[3]))
+    slid = minus(plus(slid, cross(tilt_b, minus(arm, apart))), cross(tilt_a, arm))
+    along, twist_a, twist_b = dot(normal, slid), dot(normal, tilt_a), dot(normal, tilt_b)
+    turn = max(dot(tilt_a, tilt_a), dot(tilt_b, tilt_b)) + TWIST**2 * max(twist_a * twist_a, twist_b * twist_b)
+    return SLIP**2 * (dot(slid, slid) - along * along) + turn * reach * reach
+
+
+@compiled(inline=True)
+def _share(radius_a: float, radius_b: float, lightness_a: float, lightness_b: float) -> float:
+    """Say how far from the first body's point to the second's the contact lies, where they have slid past each other.
+
+    Round shapes take it with them, whatever they roll on. Else the lighter body does, on which a wrong arm would tell more.
+    """
+    if (radius_a > 0.0) != (radius_b > 0.0):
+        return 0.0 if radius_a > 0.0 else 1.0
+    return lightness_b / (lightness_a + lightness_b + 1e-300)
+
+
+@compiled
+def softness(world: int, fixed: bool) -> Vector:
+    """Rate of the bias, scale of the mass and of the impulse of a damped spring, implicit and whatever the masses.
+
+    It is twice as stiff against what cannot move.
+    """
+    settings = floats(world, SETTINGS)
+    h, damping = settings[0, STEP] / settings[0, SUBSTEPS], settings[0, CONTACT_DAMPING]
+    hertz = settings[0, CONTACT_HERTZ] if settings[0, CONTACT_HERTZ] > 0.0 else STIFFEST / h
+    if fixed:
+        hertz, damping = 2.0 * hertz, 0.5 * damping
+    rate = 2.0 * math.pi * hertz
+    a1 = 2.0 * damping + h * rate
+    a2 = h * rate * a1
+    a3 = 1.0 / (1.0 + a2)
+    return rate / a1, a2 * a3, a3
+
+
+@compiled(inline=True)
+def _surface_velocity(world: int, shape: int) -> Vector:
+    place, pose = floats(world, PLACE), floats(world, POSE)
+    s = SURFACE_VELOCITY
+    velocity = (place[shape, s], place[shape, s + 1], place[shape, s + 2])
+    if velocity[0] == 0.0 and velocity[1] == 0.0 and velocity[2] == 0.0:
+        return velocity
+    body = integers(world, SHAPE)[shape, 1]
+    return turned((pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6]), velocity)

@@ -1,0 +1,198 @@
+"""Bodies where they hit: moved to the moment of their impact within the substep, and set back afterwards.
+
+They fly there as the two letters `kick` and `drift` would have them: by the midpoint rule, and turning with their angular
+momentum. What they are left with begins the substep anew, from where it leads through the impact.
+"""
+
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import (
+    Quaternion,
+    Vector,
+    applied,
+    conjugate,
+    exponential,
+    length,
+    minus,
+    plus,
+    product,
+    times,
+    turned,
+    turned_back,
+    turned_symmetric,
+    unit,
+)
+from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.flight import (
+    ADDED,
+    BODY_INERTIA,
+    IMPACT_TIME,
+    INVERSE_INERTIA,
+    NEXT_IMPACT,
+    SPHERICAL,
+    SPIN,
+    mean_turn,
+)
+from kickdrift.world.settings import MIDPOINT
+from kickdrift.world.tables import (
+    CHANGE,
+    CONTACT,
+    INERTIA,
+    KICKED,
+    LANES,
+    MOTION,
+    POSE,
+    RESPONSE,
+    SETTINGS,
+    STARTED_POSE,
+    flat,
+    floats,
+    integers,
+)
+
+_INVERSE = 1  # column of RESPONSE: inverse inertia
+_SIZE = c.FIELDS * c.WIDTH
+
+
+@compiled(inline=True)
+def constraint(world: int, row: int) -> Any:
+    """Return the fields of a contact's lane."""
+    place = integers(world, CONTACT)[row, c.PLACE_IN_GROUPS]
+    begin = place // c.WIDTH * _SIZE + place % c.WIDTH
+    return flat(world, LANES)[begin : begin + _SIZE - c.WIDTH + 1]
+
+
+@compiled(inline=True)
+def vector_of(own: Any, field: int) -> Vector:
+    """Three fields of a constraint, whose lane `own` begins at."""
+    return (own[field * c.WIDTH], own[(field + 1) * c.WIDTH], own[(field + 2) * c.WIDTH])
+
+
+@compiled(inline=True)
+def is_moved(world: int, body: int) -> bool:
+    """Whether impulses move a body."""
+    moved: bool = floats(world, RESPONSE)[body, 0] > 0.0
+    return moved
+
+
+@compiled(inline=True)
+def _place_at(world: int, body: int, when: float) -> tuple[Vector, Quaternion]:
+    """Return where a body is, and how it has turned since the step began; what impulses do not move, at a time from now."""
+    pose, started, motion = floats(world, POSE), floats(world, STARTED_POSE), floats(world, MOTION)
+    at, q = vector_at(pose, body, 0), quaternion_at(pose, body, 3)
+    if when > 0.0 and not is_moved(world, body):
+        at = plus(at, times(when, vector_at(motion, body, 0)))
+        q = product(exponential(times(when, vector_at(motion, body, 3))), q)
+    return at, product(q, conjugate(quaternion_at(started, body, 3)))
+
+
+@compiled
+def arms_at(world: int, row: int, own: Any, point: int, when: float, normal: Vector) -> tuple[Vector, Vector, Vector]:
+    """Arms of both bodies to their own points, and the way from the first to the second."""
+    contact = integers(world, CONTACT)
+    at_a, turn_a = _place_at(world, contact[row, c.BODY_A], when)
+    at_b, turn_b = _place_at(world, contact[row, c.BODY_B], when)
+    arm_a, arm_b = vector_of(own, c.ANCHORS + 6 * point), vector_of(own, c.ANCHORS + 6 * point + 3)
+    arm_a = plus(turned(turn_a, arm_a), times(own[c.ROUND_A * c.WIDTH], normal))
+    arm_b = minus(turned(turn_b, arm_b), times(own[c.ROUND_B * c.WIDTH], normal))
+    return arm_a, arm_b, minus(plus(minus(at_b, at_a), arm_b), arm_a)
+
+
+@compiled
+def move_to_impact(h: float, world: int, body: int) -> None:
+    """Move a body to where it is at its next impact, with the angular velocity that it has there."""
+    kicked, pose = floats(world, KICKED), floats(world, POSE)
+    when, last = kicked[body, NEXT_IMPACT], kicked[body, IMPACT_TIME]
+    if when < 0.0 or not is_moved(world, body):
+        return
+    kicked[body, IMPACT_TIME], kicked[body, NEXT_IMPACT] = when, -1.0
+    way, turn, inertia = _way(h, world, body, when), vector_at(kicked, body, 3), floats(world, INERTIA)
+    # From where its last impact left it: what lies before that is no flight.
+    q = product(exponential(times(last, turn)), quaternion_at(pose, body, 3))
+    after = turn
+    if inertia[body, SPHERICAL] == 0.0:
+        moments = symmetric_at(inertia, body, BODY_INERTIA)
+        after = mean_turn(when - last, q, moments, vector_at(kicked, body, SPIN), turn)
+    slower = _left_to_gain(h, world, when)
+    for k in range(3):
+        pose[body, k] += way[k]
+        floats(world, MOTION)[body, k] -= slower * kicked[body, ADDED + k]
+        floats(world, CHANGE)[body, 3 + k] += last * turn[k] + (when - last) * after[k]
+    _turn_to(world, body, product(exponential(times(when - last, after)), q))
+    if inertia[body, SPHERICAL] == 0.0:
+        turn = applied(symmetric_at(floats(world, RESPONSE), body, _INVERSE), vector_at(kicked, body, SPIN))
+        for k in range(3):
+            floats(world, MOTION)[body, 3 + k] = turn[k]
+
+
+@compiled
+def leave_impact(h: float, world: int, body: int) -> None:
+    """Set a body back to where it would have begun the substep to be where it is now with the velocities that it has."""
+    kicked, pose, motion, change = (
+        floats(world, KICKED),
+        floats(world, POSE),
+        floats(world, MOTION),
+        floats(world, CHANGE),
+    )
+    if kicked[body, NEXT_IMPACT] != -1.0 or not is_moved(world, body):
+        return
+    kicked[body, NEXT_IMPACT] = -2.0
+    when, inertia = kicked[body, IMPACT_TIME], floats(world, INERTIA)
+    way, q, turn = _way(h, world, body, when), quaternion_at(pose, body, 3), vector_at(motion, body, 3)
+    if inertia[body, SPHERICAL] == 0.0:
+        moments, spin = symmetric_at(inertia, body, BODY_INERTIA), vector_at(kicked, body, SPIN)
+        before = applied(symmetric_at(floats(world, RESPONSE), body, _INVERSE), spin)
+        spin = plus(spin, turned(q, applied(moments, turned_back(q, minus(turn, before)))))
+        turn = mean_turn(h - when, q, moments, spin, turn)
+        for k in range(3):
+            kicked[body, SPIN + k] = spin[k]
+    faster = _left_to_gain(h, world, when)
+    for k in range(3):
+        motion[body, k] += faster * kicked[body, ADDED + k]
+        back = when * (motion[body, k] - kicked[body, k])
+        pose[body, k] -= way[k] + back
+        change[body, k] -= back
+        change[body, 3 + k] -= when * turn[k]
+        kicked[body, k], kicked[body, 3 + k], motion[body, 3 + k] = motion[body, k], turn[k], turn[k]
+    _turn_to(world, body, product(exponential(times(-when, turn)), q))
+
+
+@compiled(inline=True)
+def _way(h: float, world: int, body: int, when: float) -> Vector:
+    """How far a body flies from the start of the substep until a time, by the midpoint rule if that is asked for."""
+    kicked, midpoint = floats(world, KICKED), floats(world, SETTINGS)[0, MIDPOINT]
+    late = midpoint * when * (0.5 * when / h - 1.0)
+    return plus(times(when, vector_at(kicked, body, 0)), times(late, vector_at(kicked, body, ADDED)))
+
+
+@compiled(inline=True)
+def _left_to_gain(h: float, world: int, when: float) -> float:
+    """Say what part of the kick a body has yet to gain at a time, by the midpoint rule if that is asked for."""
+    left: float = floats(world, SETTINGS)[0, MIDPOINT] * (1.0 - when / h)
+    return left
+
+
+@compiled
+def _turn_to(world: int, body: int, turn: Quaternion) -> None:
+    """Give a body an orientation, and the inertia that it has there."""
+    pose, response, inertia = floats(world, POSE), floats(world, RESPONSE), floats(world, INERTIA)
+    q = unit(turn)
+    for k in range(4):
+        pose[body, 3 + k] = q[k]
+    if inertia[body, SPHERICAL] == 0.0:
+        inverse = turned_symmetric(q, symmetric_at(inertia, body, INVERSE_INERTIA))
+        for k in range(6):
+            response[body, 1 + k] = inverse[k]
+
+
+@compiled
+def normal_at(world: int, row: int, own: Any, when: float) -> Vector:
+    """Return the normal of a contact where its bodies hit: of two round shapes the line between their cores."""
+    normal, both = vector_of(own, c.N), own[c.ROUND_A * c.WIDTH] + own[c.ROUND_B * c.WIDTH]
+    if own[c.ROUND_A * c.WIDTH] == 0.0 or own[c.ROUND_B * c.WIDTH] == 0.0 or own[c.COUNT * c.WIDTH] > 1.0:
+        return normal
+    _, _, between = arms_at(world, row, own, 0, when, normal)
+    line = plus(between, times(both, normal))
+    return times(1.0 / length(line), line)

@@ -1,0 +1,203 @@
+"""Arms, effective masses and gaps of constraints, in lanes, for the poses that bodies have now.
+
+`refresh` is the one source of arms, effective masses and gaps. Points turn with their bodies; of round shapes it is the core
+(a centre, a point of the segment) that does, and the radius lies along the normal, so that what spins about the core feels no
+turn and what rolls no gap. Both arms end at one point, which keeps momentum and angular momentum.
+"""
+
+import math
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.filling import (
+    CHANGE_A,
+    CHANGE_B,
+    FROM_A_TO_B,
+    INERTIA_A,
+    INERTIA_B,
+    MARK,
+    TURNED_A,
+    TURNED_B,
+    VELOCITY_A,
+    VELOCITY_B,
+    bend_of,
+    put,
+    response_to,
+    turned,
+    vector,
+)
+
+W = c.WIDTH
+# How many times smaller than tilts have twists and slides to be, if arms are to stay as they are.
+TWIST, SLIP = 50.0, 2.0
+_NEXT = c.POINT_FIELDS * W  # from a field of a point to the same of the next
+_ANCHORS = c.ANCHORS * W
+
+
+@compiled(fast=True)
+def find_stale(own: Any, s: Any, twist: float, slip: float, none: float, n: int) -> None:
+    """Mark lanes whose bodies have turned, or slid past each other, since their arms were taken.
+
+    Against twisting and sliding it is as many times stricter than against tilting as `twist` and `slip` say.
+    """
+    for lane in range(n):
+        nx, ny, nz = vector(own, c.N * W + lane)
+        ax, ay, az = vector(s, (CHANGE_A + 3) * W + lane)
+        bx, by, bz = vector(s, (CHANGE_B + 3) * W + lane)
+        x, y, z = vector(own, c.REFERENCE * W + lane)
+        ax, ay, az = ax - x, ay - y, az - z
+        x, y, z = vector(own, (c.REFERENCE + 3) * W + lane)
+        bx, by, bz = bx - x, by - y, bz - z
+        dx, dy, dz = vector(s, CHANGE_B * W + lane)
+        x, y, z = vector(s, CHANGE_A * W + lane)
+        dx, dy, dz = dx - x, dy - y, dz - z
+        x, y, z = vector(own, (c.REFERENCE + 6) * W + lane)
+        dx, dy, dz = dx - x, dy - y, dz - z
+        x, y, z = vector(own, c.CENTRE * W + lane)
+        dx, dy, dz = dx - (ay * z - az * y), dy - (az * x - ax * z), dz - (ax * y - ay * x)
+        px, py, pz = vector(own, c.BETWEEN * W + lane)
+        x, y, z = x - px, y - py, z - pz
+        dx, dy, dz = dx + (by * z - bz * y), dy + (bz * x - bx * z), dz + (bx * y - by * x)
+        along = nx * dx + ny * dy + nz * dz
+        slid = dx * dx + dy * dy + dz * dz - along * along
+        twist_a, twist_b = nx * ax + ny * ay + nz * az, nx * bx + ny * by + nz * bz
+        more = twist * twist - 1.0
+        turned_a = ax * ax + ay * ay + az * az + more * twist_a * twist_a
+        turned_b = bx * bx + by * by + bz * bz + more * twist_b * twist_b
+        most, farthest = own[c.STALE * W + lane], own[(c.STALE + 1) * W + lane]
+        turned = 1.0 if max(turned_a, turned_b) > most * most else 0.0
+        s[MARK * W + lane] = max(turned, 1.0 if slip * slip * slid > farthest * farthest else 0.0)
+
+
+@compiled(fast=True, inline=True)
+def _refresh_point(own: Any, s: Any, lane: int, i: int, at: int, k: float, slop: float, h: float, sums: Any) -> Any:
+    """Take arms and mass of point k anew, and the gap where bodies have moved; return the weighted sum of points so far."""
+    nx, ny, nz = vector(own, c.N * W + lane)
+    weight, sx, sy, sz = sums
+    there = 1.0 if own[c.COUNT * W + lane] > k else 0.0
+    dx, dy, dz = vector(s, FROM_A_TO_B * W + lane)
+    radius = own[c.ROUND_A * W + lane]
+    x, y, z = vector(own, at)
+    ax, ay, az = turned(s, TURNED_A * W + lane, x, y, z)
+    ax, ay, az = ax + radius * nx, ay + radius * ny, az + radius * nz
+    radius = own[c.ROUND_B * W + lane]
+    x, y, z = vector(own, at + 3 * W)
+    bx, by, bz = turned(s, TURNED_B * W + lane, x, y, z)
+    bx, by, bz = bx + dx - radius * nx - ax, by + dy - radius * ny - ay, bz + dz - radius * nz - az
+    gap = nx * bx + ny * by + nz * bz
+    n, core_a, core_b = (nx, ny, nz), own[c.ROUND_A * W + lane], own[c.ROUND_B * W + lane]
+    x, y, z = ax - core_a * nx, ay - core_a * ny, az - core_a * nz
+    bend = bend_of(s, (VELOCITY_A + 3) * W + lane, n, x, y, z)
+    x, y, z = ax + bx - dx + core_b * nx, ay + by - dy + core_b * ny, az + bz - dz + core_b * nz
+    bend = bend_of(s, (VELOCITY_B + 3) * W + lane, n, x, y, z) - bend
+    share = own[c.SHARE * W + lane]
+    px, py, pz = ax + share * bx, ay + share * by, az + share * bz
+    qx, qy, qz = px - dx, py - dy, pz - dz
+    ux, uy, uz = py * nz - pz * ny, pz * nx - px * nz, px * ny - py * nx
+    vx, vy, vz = qy * nz - qz * ny, qz * nx - qx * nz, qx * ny - qy * nx
+    response = own[c.MASS_A * W + lane] + own[c.MASS_B * W + lane]
+    response += response_to(s, INERTIA_A * W + lane, ux, uy, uz, ux, uy, uz)
+    response += response_to(s, INERTIA_B * W + lane, vx, vy, vz, vx, vy, vz)
+    ax, ay, az = vector(s, CHANGE_A * W + lane)
+    bx, by, bz = vector(s, CHANGE_B * W + lane)
+    linear = nx * (bx - ax) + ny * (by - ay) + nz * (bz - az)
+    ax, ay, az = vector(s, (CHANGE_A + 3) * W + lane)
+    bx, by, bz = vector(s, (CHANGE_B + 3) * W + lane)
+    linear += vx * bx + vy * by + vz * bz - ux * ax - uy * ay - uz * az
+    anew = s[MARK * W + lane] > 0.0
+    old = own[i + c.GAP * W]
+    own[i + c.GAP * W] = gap - linear + 0.5 * h * h * bend if anew & (h > 0.0) else old
+    x, y, z = vector(own, i)
+    x, y, z = there * ux if anew else x, there * uy if anew else y, there * uz if anew else z
+    put(own, i, x, y, z)
+    old = own[i + c.POINT_MASS * W]
+    own[i + c.POINT_MASS * W] = there / (response + 1e-300) if anew else old
+    # Points that touch carry the friction: the centre must not jump where a distant one comes or goes.
+    part = there * min(max(2.0 - gap / (4.0 * slop), 1e-10), 1.0)
+    return weight + part, sx + part * px, sy + part * py, sz + part * pz
+
+
+@compiled(fast=True, inline=True)
+def _lever(own: Any, i: int, nx: float, ny: float, nz: float, cx: float, cy: float, cz: float) -> float:
+    """Distance of a point from the centre of the contact in its plane: arms are at right angles to the normal."""
+    ax, ay, az = vector(own, i + c.ARM * W)
+    bx, by, bz = cy * nz - cz * ny, cz * nx - cx * nz, cx * ny - cy * nx
+    return math.sqrt((ax - bx) * (ax - bx) + (ay - by) * (ay - by) + (az - bz) * (az - bz))
+
+
+@compiled(fast=True)
+def refresh(own: Any, s: Any, slop: float, h: float, none: float, n: int) -> None:
+    """Take arms and effective masses of the marked lanes anew; gaps, too, unless h is 0.0."""
+    for lane in range(n):
+        sums = (0.0, 0.0, 0.0, 0.0)
+        i, at = c.P * W + lane, _ANCHORS + lane
+        sums = _refresh_point(own, s, lane, i, at, 0.5, slop, h, sums)
+        sums = _refresh_point(own, s, lane, i + _NEXT, at + 6 * W, 1.5, slop, h, sums)
+        sums = _refresh_point(own, s, lane, i + 2 * _NEXT, at + 12 * W, 2.5, slop, h, sums)
+        sums = _refresh_point(own, s, lane, i + 3 * _NEXT, at + 18 * W, 3.5, slop, h, sums)
+        weight, cx, cy, cz = sums
+        scale = 1.0 / (weight + 1e-300)
+        cx, cy, cz = cx * scale, cy * scale, cz * scale
+        anew = s[MARK * W + lane] > 0.0
+        x, y, z = vector(own, c.CENTRE * W + lane)
+        cx, cy, cz = cx if anew else x, cy if anew else y, cz if anew else z
+        put(own, c.CENTRE * W + lane, cx, cy, cz)
+        x, y, z = vector(own, c.BETWEEN * W + lane)
+        px, py, pz = vector(s, FROM_A_TO_B * W + lane)
+        px, py, pz = px if anew else x, py if anew else y, pz if anew else z
+        put(own, c.BETWEEN * W + lane, px, py, pz)
+
+
+@compiled(fast=True)
+def refresh_friction(own: Any, s: Any, unused: float, moved: float, none: float, n: int) -> None:
+    """Do the same for friction, twist and rolling resistance, after `refresh`."""
+    for lane in range(n):
+        nx, ny, nz = vector(own, c.N * W + lane)
+        ux, uy, uz = vector(own, c.T * W + lane)
+        vx, vy, vz = ny * uz - nz * uy, nz * ux - nx * uz, nx * uy - ny * ux
+        ax, ay, az = vector(own, c.CENTRE * W + lane)
+        bx, by, bz = vector(own, c.BETWEEN * W + lane)
+        bx, by, bz = ax - bx, ay - by, az - bz
+        i = c.P * W + lane
+        own[i + c.LEVER * W] = _lever(own, i, nx, ny, nz, ax, ay, az)
+        own[i + _NEXT + c.LEVER * W] = _lever(own, i + _NEXT, nx, ny, nz, ax, ay, az)
+        own[i + 2 * _NEXT + c.LEVER * W] = _lever(own, i + 2 * _NEXT, nx, ny, nz, ax, ay, az)
+        own[i + 3 * _NEXT + c.LEVER * W] = _lever(own, i + 3 * _NEXT, nx, ny, nz, ax, ay, az)
+        k11 = own[c.MASS_A * W + lane] + own[c.MASS_B * W + lane]
+        k22, k12 = k11, 0.0
+        px, py, pz = ay * uz - az * uy, az * ux - ax * uz, ax * uy - ay * ux
+        qx, qy, qz = ay * vz - az * vy, az * vx - ax * vz, ax * vy - ay * vx
+        i = INERTIA_A * W + lane
+        k11 += response_to(s, i, px, py, pz, px, py, pz)
+        k22 += response_to(s, i, qx, qy, qz, qx, qy, qz)
+        k12 += response_to(s, i, px, py, pz, qx, qy, qz)
+        px, py, pz = by * uz - bz * uy, bz * ux - bx * uz, bx * uy - by * ux
+        qx, qy, qz = by * vz - bz * vy, bz * vx - bx * vz, bx * vy - by * vx
+        j = INERTIA_B * W + lane
+        k11 += response_to(s, j, px, py, pz, px, py, pz)
+        k22 += response_to(s, j, qx, qy, qz, qx, qy, qz)
+        k12 += response_to(s, j, px, py, pz, qx, qy, qz)
+        scale = 1.0 / (k11 * k22 - k12 * k12 + 1e-300)
+        spin = response_to(s, i, nx, ny, nz, nx, ny, nz) + response_to(s, j, nx, ny, nz, nx, ny, nz)
+        # The mean of the three moments of inertia: one number serves every axis of rolling.
+        trace = s[i] + s[i + W] + s[i + 2 * W] + s[j] + s[j + W] + s[j + 2 * W]
+        anew = s[MARK * W + lane] > 0.0
+        x, y, z = vector(own, c.GRIP * W + lane)
+        x, y, z = k22 * scale if anew else x, k11 * scale if anew else y, -k12 * scale if anew else z
+        put(own, c.GRIP * W + lane, x, y, z)
+        x, y = own[c.TWIST * W + lane], own[(c.ROLL + 1) * W + lane]
+        own[c.TWIST * W + lane] = 1.0 / (spin + 1e-300) if anew else x
+        own[(c.ROLL + 1) * W + lane] = 3.0 / (trace + 1e-300) if anew else y
+        ax, ay, az = vector(s, (CHANGE_A + 3) * W + lane)
+        x, y, z = vector(own, c.REFERENCE * W + lane)
+        put(own, c.REFERENCE * W + lane, ax if anew else x, ay if anew else y, az if anew else z)
+        ax, ay, az = vector(s, (CHANGE_B + 3) * W + lane)
+        x, y, z = vector(own, (c.REFERENCE + 3) * W + lane)
+        put(own, (c.REFERENCE + 3) * W + lane, ax if anew else x, ay if anew else y, az if anew else z)
+        ax, ay, az = vector(s, CHANGE_A * W + lane)
+        bx, by, bz = vector(s, CHANGE_B * W + lane)
+        x, y, z = vector(own, (c.REFERENCE + 6) * W + lane)
+        bx, by, bz = bx - ax, by - ay, bz - az
+        put(own, (c.REFERENCE + 6) * W + lane, bx if anew else x, by if anew else y, bz if anew else z)
+        own[c.REFRESHED * W + lane] = max(own[c.REFRESHED * W + lane], moved * s[MARK * W + lane])
