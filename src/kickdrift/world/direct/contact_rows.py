@@ -274,12 +274,15 @@ def fix(rows: Any) -> None:
 def give_of(rows: Any, k: int, bound: int) -> float:
     """Impulse along a row with the solution at hand."""
     impulse: float = rows[CONSTANT + k]
+    stiffness, moved = 0.0, 0.0
     if bound < 0:
-        return impulse - rows[STIFFNESS + k] * rows[MOVED + k] if rows[STATE + k] == HELD else impulse
-    begin, count = first_row(bound), bound_rows(bound)
-    if rows[STATE + begin] == HELD:
-        return impulse - rows[STIFFNESS + begin] * rows[MOVED + k]
-    left = rows[MOVED + k]
-    for j in range(begin, begin + count):
-        left -= rows[DIRECTION + k] * rows[DIRECTION + j] * rows[MOVED + j]
-    return impulse - rows[STIFFNESS + begin] * rows[SLIDE + bound] * left
+        if rows[STATE + k] == HELD:
+            stiffness, moved = rows[STIFFNESS + k], rows[MOVED + k]
+    else:
+        begin, end = first_row(bound), first_row(bound) + bound_rows(bound)
+        stiffness, moved = rows[STIFFNESS + begin], rows[MOVED + k]
+        if rows[STATE + begin] != HELD:
+            stiffness *= rows[SLIDE + bound]
+            for j in range(begin, end):
+                moved -= rows[DIRECTION + k] * rows[DIRECTION + j] * rows[MOVED + j]
+    return impulse - stiffness * moved
