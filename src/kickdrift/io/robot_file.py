@@ -12,7 +12,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.io.robots.bodies import Piece, add_piece, pieces
 from kickdrift.io.robots.closures import closures, exclusions
 from kickdrift.io.robots.geoms import Layers
-from kickdrift.io.robots.joints import Link, link_of
+from kickdrift.io.robots.joints import Link, chain_of
 from kickdrift.io.robots.laws import Actuator
 from kickdrift.io.robots.omissions import gathered, omissions
 from kickdrift.io.robots.parsing import Model, parse
@@ -36,7 +36,7 @@ class Robot(NamedTuple):
     bodies : mapping of str to Body
         By the names of the file; bodies that are fixed to each other are one. What is fixed to the world does not move.
     joints : mapping of str to Joint
-        By the names of the file; hinges and slides between the same two bodies are one. What floats has none.
+        By the names of the file; several hinges and slides at one body may be one. What floats has none.
     axes : mapping of str to int
         Which axis of its joint each of the file's joints is, for ``Joint.angles``, ``Joint.set_drive`` and the like;
         -1 for balls.
@@ -44,6 +44,8 @@ class Robot(NamedTuple):
         Balls and fixed joints that close loops, by the names of the file's constraints.
     actuators : mapping of str to Actuator
         Motors and servos. Servos are drives of their joints with the control zero.
+    between : mapping of str to Body
+        Small bodies between joints of one body that no joint here is all of, by the names of the joints that move them.
     notes : tuple of str
         What the file says and the robot here does not do, or not in the same way.
     """
@@ -54,6 +56,7 @@ class Robot(NamedTuple):
     axes: Mapping[str, int]
     closures: Mapping[str, Joint]
     actuators: Mapping[str, Actuator]
+    between: Mapping[str, Body]
     notes: tuple[str, ...]
 
 
@@ -110,16 +113,19 @@ def load_robot(
     actuators: dict[str, Actuator] = {}
     try:
         parts = pieces(model, Layers(model, used), notes)
-        links = [link for part in parts if (link := link_of(model, part, actuators, notes)) is not None]
+        chains = [chain_of(model, part, actuators, notes) for part in parts]
         closing = closures(model, notes)
     except ArgumentError as error:
         raise ArgumentError(f"path={str(path)!r}: {error}") from None
     pairs = exclusions(model, parts, notes)
+    links = [link for chain in chains for link in chain.links]
+    small = {number: piece for chain in chains for number, piece in chain.between.items()}
     world = _world(model, world, notes)
     bodies = _add_bodies(world, model, parts)
-    _exclude(world, [(bodies[a], bodies[b]) for a, b in pairs])
-    joints = _add_joints(world, model, links, bodies)
     names = {model.name("body", row): body for row, body in bodies.items()}
+    _exclude(world, [(bodies[a], bodies[b]) for a, b in pairs])
+    bodies |= {number: add_piece(world, model, piece) for number, piece in small.items()}
+    joints = _add_joints(world, model, links, bodies)
     axes = {name: axis for link in links for name, axis in link.names.items()}
     return Robot(
         world=world,
@@ -128,6 +134,9 @@ def load_robot(
         axes=MappingProxyType(axes),
         closures=MappingProxyType(_add_joints(world, model, closing, bodies)),
         actuators=MappingProxyType(actuators),
+        between=MappingProxyType(
+            {model.name("joint", number - model.compiled.nbody): bodies[number] for number in small}
+        ),
         notes=gathered(notes),
     )
 
@@ -163,7 +172,6 @@ def _add_joints(world: World, model: Model, links: list[Link], bodies: dict[int,
     """Add joints; those to bodies that are fixed to the world hold to the ground."""
     joints: dict[str, Joint] = {}
     for a, b, record, names in links:
-        fixed = [model.compiled.body_weldid[body] == 0 for body in (a, b)]
-        ends = [world.ground if still else bodies[body] for body, still in zip((a, b), fixed, strict=True)]
+        ends = [world.ground if model.is_fixed(body) else bodies[body] for body in (a, b)]
         joints |= dict.fromkeys(names, world.add_joint(ends[0], ends[1], record))
     return joints

@@ -9,7 +9,6 @@ from kickdrift.io.robots.parsing import Model
 
 # Arrays of a model that ask for something where they are not zero: kind of the rows, and what it is.
 _NONZERO = {
-    "dof_armature": ("joint", "armature, the inertia of a rotor"),
     "dof_dampingpoly": ("joint", "damping beyond the linear term"),
     "jnt_stiffnesspoly": ("joint", "stiffness beyond the linear term"),
     "jnt_springyield": ("joint", "yielding springs"),

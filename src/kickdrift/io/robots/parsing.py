@@ -46,6 +46,10 @@ class Model(NamedTuple):
         """Whether a number is one of MuJoCo's enumerations, which NumPy's numbers on the right do not equal."""
         return int(value) in map(int, kinds)
 
+    def is_fixed(self, body: int) -> bool:
+        """Whether a body is fixed to the world; numbers from ``nbody`` on are of bodies that move."""
+        return body < self.compiled.nbody and bool(self.compiled.body_weldid[body] == 0)
+
     def point(self, point: Floats) -> Floats:
         """Take a point from the file's axes to the world's."""
         return self.position + self.direction(point)
