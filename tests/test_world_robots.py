@@ -9,6 +9,8 @@ import pytest
 
 mujoco = pytest.importorskip("mujoco")
 
+from robot_references import falls, reference  # noqa: E402
+
 from kickdrift.core.errors import ArgumentError, FileFormatError, MissingExtraError  # noqa: E402
 from kickdrift.io.robot_file import load_robot  # noqa: E402
 from kickdrift.io.robots.omissions import gathered  # noqa: E402
@@ -21,18 +23,6 @@ from kickdrift.world.world import World  # noqa: E402
 
 FILES = Path(__file__).parent / "data" / "robots"
 NAMES = ["arm.xml", "arm.urdf", "quadruped.xml", "quadruped.urdf"]
-
-
-def reference(path, floating=False):
-    """The file in MuJoCo alone, at its reference pose."""
-    spec = mujoco.MjSpec.from_file(str(path))
-    spec.compiler.fusestatic = False
-    if floating:
-        spec.worldbody.first_body().add_freejoint()
-    model = spec.compile()
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    return model, data
 
 
 def text(tmp_path, inside, rest="", name="robot.xml"):
@@ -272,29 +262,6 @@ def limb(tmp_path, joints, armatures=()):
     return text(tmp_path, LIMB.format("".join(lines)))
 
 
-def positions(robot):
-    """Of those of a robot's joints that have one axis, by name."""
-    both = {name: (*joint.positions, *joint.angles) for name, joint in robot.joints.items()}
-    return {name: both[name][axis] for name, axis in robot.axes.items() if axis >= 0}
-
-
-def falls(path, duration=0.3, counts=(100, 400)):
-    """Positions of joints in MuJoCo after a fall, and how far off those here are with steps of each size."""
-    model, data = reference(path)
-    model.opt.timestep, model.opt.integrator = duration / 3000, mujoco.mjtIntegrator.mjINT_RK4
-    for _ in range(3000):
-        mujoco.mj_step(model, data)
-    errors = []
-    for count in counts:
-        robot = load_robot(path)
-        robot.world.advance(duration / count, count)
-        there = {
-            name: data.joint(name).qpos[0] - model.qpos0[model.joint(name).qposadr[0]] for name in positions(robot)
-        }
-        errors.append(max(abs(value - there[name]) for name, value in positions(robot).items()))
-    return np.array(list(there.values())), np.array(errors)
-
-
 @pytest.mark.parametrize("joints", SEVERAL.values(), ids=SEVERAL)
 def test_several_joints_at_one_body_move_as_in_mujoco(tmp_path, joints):
     path = limb(tmp_path, joints)
@@ -457,6 +424,66 @@ def test_the_root_of_a_urdf_is_fixed_or_floats():
     assert len(free.world.bodies.moving()) == 13
     assert fixed.bodies["FL_foot"] == fixed.bodies["FL_calf"]
     assert list(load_robot(FILES / "quadruped.xml").actuators)[:2] == ["FL_abduction", "FL_hip_pitch"]
+
+
+def link(inertia, mass=2.0, shapes="", name="a"):
+    """A link of a URDF file, whose centre of mass is not its origin."""
+    moments = dict(zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), (*inertia, 0, 0, 0), strict=False))
+    numbers = " ".join(f'{key}="{value}"' for key, value in moments.items())
+    inertial = f'<inertial><origin xyz="0.1 0 0"/><mass value="{mass}"/><inertia {numbers}/></inertial>'
+    return f'<link name="{name}">{inertial}{shapes}</link>'
+
+
+BOX = "<{0}><geometry><box size='0.2 0.4 0.6'/></geometry></{0}>"
+
+
+def test_inertias_that_are_none_come_from_the_shapes(tmp_path):
+    path = tmp_path / "robot.urdf"
+    path.write_text(f"<robot name='r'>{link((0, 0, 0), shapes=BOX.format('collision'))}</robot>")
+    robot = load_robot(path, floating=True)
+    row = robot.bodies["a"].index
+    expected = np.array([0.52, 0.4, 0.2]) * 2.0 / 12.0
+    np.testing.assert_allclose(robot.world.tables.array(INERTIA)[row, :7], [2.0, *expected, 0, 0, 0], 0.0, 1e-14)
+    np.testing.assert_allclose(robot.world.position[row], (0.1, 0.0, 0.0), 0.0, 1e-14)
+    assert any("inertia of body 'a'" in note for note in robot.notes)
+    for shapes in ("", BOX.format("visual")):
+        path.write_text(f"<robot name='r'>{link((1, 1, 0), shapes=shapes)}</robot>")
+        with pytest.raises(FileFormatError, match="Element name 'a'"):
+            load_robot(path, floating=True)
+
+
+def test_inertias_beyond_those_of_bodies_are_kept(tmp_path):
+    path = tmp_path / "robot.urdf"
+    path.write_text(f"<robot name='r'>{link((0.1, 0.2, 0.9, 0.01, 0.02, 0.03))}</robot>")
+    robot = load_robot(path, floating=True)
+    numbers = robot.world.tables.array(INERTIA)[robot.bodies["a"].index, :7]
+    np.testing.assert_allclose(numbers, [2.0, 0.1, 0.2, 0.9, 0.01, 0.02, 0.03], 0.0, 1e-12)
+    assert any("inertia of body 'a' is one that no body has" in note for note in robot.notes)
+    inertial = '<inertial pos="0 0 0" quat="0.8 0.6 0 0" mass="1" diaginertia="0.1 0.2 0.9"/>'
+    robot = load_robot(text(tmp_path, f"<body name='b'><freejoint/>{inertial}</body>"))
+    xx, yy, zz, xy, xz, yz = robot.world.tables.array(INERTIA)[robot.bodies["b"].index, 1:7]
+    turn = rotation_matrix((0.8, 0.6, 0.0, 0.0))
+    np.testing.assert_allclose(
+        [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], turn @ np.diag((0.1, 0.2, 0.9)) @ turn.T, 0.0, 1e-14
+    )
+
+
+def test_files_of_packages_are_found_above_a_robot_scaled_or_named(tmp_path):
+    cube = [f"v {x} {y} {z}" for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+    faces = "124 143 567 786 156 125 348 374 157 137 246 268"
+    folder = tmp_path / "arm_description"
+    (folder / "meshes").mkdir(parents=True)
+    (folder / "urdf").mkdir()
+    (folder / "meshes" / "cube.obj").write_text("\n".join([*cube, *("f " + " ".join(face) for face in faces.split())]))
+    path = folder / "urdf" / "arm.urdf"
+    for package in ("arm_description/", ""):
+        mesh = f"<geometry><mesh filename='package://{package}meshes/cube.obj' scale='0.5 1 2'/></geometry>"
+        path.write_text(f"<robot name='r'>{link((1, 1, 1), shapes=f'<collision>{mesh}</collision>')}</robot>")
+        (placed,) = load_robot(path).world.shape_rows.shapes.values()
+        assert placed.shape.mass_properties().volume == pytest.approx(8.0)
+    path.write_text(path.read_text().replace("cube.obj", "ball.obj"))
+    with pytest.raises(FileFormatError, match=r"meshes/ball\.obj"):
+        load_robot(path)
 
 
 def test_gravity_is_that_of_the_file_or_of_the_world(tmp_path):

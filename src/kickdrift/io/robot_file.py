@@ -107,8 +107,8 @@ def load_robot(
     if world is not None and not isinstance(world, World):
         raise ArgumentError(f"world={world!r} is no world; give a kickdrift.World, or None for a new one.")
     place, turn = vector("position", position, 3), unit_quaternion("orientation", orientation)
-    model = parse(path, floating, place, turn)
-    notes = omissions(model)
+    model, notes = parse(path, floating, place, turn)
+    notes += omissions(model)
     used = 0 if world is None else int(np.bitwise_or.reduce(world.tables.array(SHAPE)[:, LAYER], initial=0))
     actuators: dict[str, Actuator] = {}
     try:

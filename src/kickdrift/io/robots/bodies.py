@@ -12,7 +12,7 @@ from kickdrift.world.bodies import Body
 from kickdrift.world.flight import DYNAMIC, KINEMATIC, STATIC
 from kickdrift.world.islands import REACH
 from kickdrift.world.shape_rows import Placed, reach
-from kickdrift.world.shapes.mass import Mass, combined
+from kickdrift.world.shapes.mass import Mass, summed
 from kickdrift.world.tables import RESTED
 from kickdrift.world.world import World
 
@@ -62,7 +62,7 @@ def pieces(model: Model, layers: Layers, notes: list[str]) -> list[Piece]:
         piece = Piece(members, kind)
         try:
             if kind == DYNAMIC:
-                piece.mass = combined([_mass(model, body, head) for body in members])
+                piece.mass = summed([_mass(model, body, head) for body in members])
             for body in members:
                 geoms = range(m.body_geomadr[body], m.body_geomadr[body] + m.body_geomnum[body])
                 piece.shapes += [placed(model, g, head, layers, notes) for g in geoms if touches(model, g)]
