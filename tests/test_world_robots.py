@@ -14,10 +14,13 @@ from robot_references import falls, reference  # noqa: E402
 from kickdrift.core.errors import ArgumentError, FileFormatError, MissingExtraError  # noqa: E402
 from kickdrift.io.robot_file import load_robot  # noqa: E402
 from kickdrift.io.robots.omissions import gathered  # noqa: E402
+from kickdrift.io.world_file import load_world  # noqa: E402
 from kickdrift.world.joints import layout  # noqa: E402
 from kickdrift.world.joints.axis import Drive  # noqa: E402
 from kickdrift.world.joints.layout import ANCHOR_A, ANCHOR_B, BODY_A, BODY_B, FRAME_A, LOWER, UPPER  # noqa: E402
 from kickdrift.world.shapes.mass import rotation_matrix  # noqa: E402
+from kickdrift.world.shapes.plane import Plane  # noqa: E402
+from kickdrift.world.shapes.sphere import Sphere  # noqa: E402
 from kickdrift.world.tables import ASKED_APART, INERTIA, JOINT, JOINT_AXES, JOINT_NUMBERS, SHAPE  # noqa: E402
 from kickdrift.world.world import World  # noqa: E402
 
@@ -383,7 +386,7 @@ def test_layers_meet_where_bit_masks_do(tmp_path):
         assert strangers == [bool(a | b) and bool((a | b) & 1) for a, b in masks]
 
 
-def test_geoms_become_shapes_and_show_pieces_do_not(tmp_path):
+def test_geoms_become_shapes(tmp_path):
     cube = " ".join(f"{x} {y} {z}" for x in (-1, 1) for y in (-1, 1) for z in (-1, 1))
     heights = "0 0.5 1 0 0.25 0.5"
     inside = """<geom type="hfield" hfield="h" pos="0 0 -3"/><geom type="plane" size="1 1 1" pos="0 0 -9"/>
@@ -393,9 +396,10 @@ def test_geoms_become_shapes_and_show_pieces_do_not(tmp_path):
     assets = f'''<asset><mesh name="m" vertex="{cube}"/>
       <hfield name="h" nrow="2" ncol="3" size="2 1 0.4 0.1" elevation="{heights}"/></asset>'''
     robot = load_robot(text(tmp_path, inside, assets))
-    shapes = [placed.shape for placed in robot.world.shape_rows.shapes.values()]
+    *shapes, shown = [placed.shape for placed in robot.world.shape_rows.shapes.values()]
     kinds = [type(shape).__name__ for shape in shapes]
     assert kinds == ["HeightField", "Plane", "Hull", "Hull", "Hull", "Capsule", "Box"]
+    assert shown.radius == 0.5
     terrain, _, mesh, cylinder, ellipsoid, capsule, box = shapes
     assert terrain.heights.shape == (3, 2)
     assert terrain.spacing == (2.0, 2.0)
@@ -406,6 +410,49 @@ def test_geoms_become_shapes_and_show_pieces_do_not(tmp_path):
     assert (capsule.radius, capsule.length) == (0.1, 0.4)
     np.testing.assert_allclose(box.numbers, (0.1, 0.2, 0.3))
     assert sum("touches as" in note for note in robot.notes) == 3
+
+
+def test_what_is_for_show_is_drawn_and_touches_nothing(tmp_path):
+    inside = """<geom type="plane" size="1 1 1"/><body name="b" pos="0 0 0.1"><freejoint/>
+      <inertial pos="0 0 0.03" mass="2" diaginertia="0.01 0.01 0.01"/>
+      <geom size="0.1"/><geom size="0.1" contype="0" conaffinity="0"/>
+      <geom size="0.2" pos="0 0 0.3" contype="0" conaffinity="0"/>
+      <geom size="0.4" pos="0 0 0.3" contype="0" conaffinity="0" group="3"/></body>
+      <body pos="5 0 0"><geom size="0.3" contype="0" conaffinity="0"/></body>"""
+    robot = load_robot(text(tmp_path, inside))
+    world, row = robot.world, robot.bodies["b"].index
+    recording = world.run(1.0, step=0.01)
+    drawn = [part.shape.radius for part in recording.appearance.parts if part.body == row]
+    assert drawn == [0.1, 0.2]
+    assert world.position[row, 2] == pytest.approx(0.13, abs=5e-3)
+    assert world.ray_cast((0.0, 0.0, 3.0), (0.0, 0.0, -1.0)).distance == pytest.approx(2.8, abs=5e-3)
+    assert world.ray_cast((5.0, 0.0, 3.0), (0.0, 0.0, -1.0)).distance == pytest.approx(3.0)
+    assert world.overlap_sphere(0.05, (0.0, 0.0, 0.45)) == []
+    again = load_world(world.save(tmp_path / "world.npz"))
+    assert [type(placed.shape) for placed in again.shape_rows.shapes.values()] == [Plane, Sphere, Sphere, Sphere]
+    count = len(world.shape_rows.shapes)
+    world.remove(robot.bodies["b"])
+    assert len(world.shape_rows.shapes) == count - 2
+    world.add_sphere(0.1)
+    world.step(0.01)
+
+
+def test_visuals_of_links_are_drawn_where_mujoco_can(tmp_path):
+    path = tmp_path / "robot.urdf"
+    shapes = (
+        BOX.format("collision") + BOX.format("visual") + "<visual><geometry><sphere radius='0.7'/></geometry></visual>"
+    )
+    path.write_text(f"<robot name='r'>{link((1, 1, 1), shapes=shapes)}</robot>")
+    robot = load_robot(path, floating=True)
+    box, ball = (placed for placed in robot.world.shape_rows.shapes.values())
+    assert ball.shape.radius == 0.7
+    np.testing.assert_allclose(box.shape.numbers, (0.1, 0.2, 0.3))
+    assert robot.world.tables.array(INERTIA)[robot.bodies["a"].index, 0] == 2.0
+    assert robot.notes == ()
+    path.write_text(path.read_text().replace("<sphere radius='0.7'/>", "<mesh filename='missing.dae'/>"))
+    robot = load_robot(path, floating=True)
+    assert len(robot.world.shape_rows.shapes) == 1
+    assert any("only for show" in note and "missing.dae" in note for note in robot.notes)
 
 
 def test_surfaces_have_the_friction_of_their_geoms(tmp_path):
@@ -466,6 +513,13 @@ def test_inertias_beyond_those_of_bodies_are_kept(tmp_path):
     np.testing.assert_allclose(
         [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], turn @ np.diag((0.1, 0.2, 0.9)) @ turn.T, 0.0, 1e-14
     )
+
+
+def test_materials_that_there_are_not_do_no_harm(tmp_path):
+    geoms = '<geom size="0.1" material="steel"/><geom size="0.2" material="none"/>'
+    rest = '<asset><material name="steel"/></asset>'
+    robot = load_robot(text(tmp_path, f"<body><freejoint/>{geoms}</body>", rest))
+    assert len(robot.world.shape_rows.shapes) == 2
 
 
 def test_files_of_packages_are_found_above_a_robot_scaled_or_named(tmp_path):

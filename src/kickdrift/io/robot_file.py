@@ -100,9 +100,12 @@ def load_robot(
     Notes
     -----
     Contacts, limits and constraints are those of the world: rigid, and without the ``solref``, ``solimp`` and ``margin``
-    of the file. Geoms with contype and conaffinity zero are left out, but what they weigh is not. Bodies do not touch
-    their parents and those that are excluded. Angles are zero in the reference pose; keyframes, sensors, cameras and
-    lights are ignored.
+    of the file. Geoms with contype and conaffinity zero and the visuals of links are drawn, meshes as their convex hulls;
+    nothing meets them, rays neither, and what they weigh counts. Bodies do not touch their parents and those that are
+    excluded. Angles are zero in the reference pose; keyframes, sensors, cameras and lights are ignored.
+
+    Where the joints of one body are none here, there are small bodies between them, taken out of it. Rotors (``armature``)
+    are inertia of what their joint moves about its axis: as in MuJoCo where the parent does not turn about it.
     """
     if world is not None and not isinstance(world, World):
         raise ArgumentError(f"world={world!r} is no world; give a kickdrift.World, or None for a new one.")
@@ -154,10 +157,12 @@ def _world(model: Model, world: World | None, notes: list[str]) -> World:
 
 
 def _add_bodies(world: World, model: Model, parts: list[Piece]) -> dict[int, Body]:
-    """Add all bodies; of those that are fixed to the world, the ones that have shapes."""
+    """Add all bodies; of those that are fixed to the world, the ones that have shapes or are drawn."""
     bodies: dict[int, Body] = {}
     for part in parts:
-        body = world.ground if part.kind == STATIC and not part.shapes else add_piece(world, model, part)
+        body = (
+            world.ground if part.kind == STATIC and not (part.shapes or part.shown) else add_piece(world, model, part)
+        )
         bodies |= dict.fromkeys(part.members, body)
     return bodies
 

@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 
 # Columns of SHAPE
 KIND, BODY_ROW, BEGIN, SIZE, LAYER, MASK, IS_SENSOR = range(7)
-GONE = -1
+GONE, SHOWN = -1, -2  # in place of a kind; what is only shown, the compiled code does not see
 _ALL_LAYERS = (1 << 62) - 1
 
 
@@ -124,12 +124,7 @@ class ShapeRows:
     def add(self, body: int, placed: Placed) -> int:
         """Take a row for a shape of a body."""
         tables, (shape, position, orientation, surface) = self.tables, placed
-        if self.free:
-            row = self.free.pop()
-        else:
-            row = len(tables.array(SHAPE))
-            for table in (SHAPE, PLACE, PLACED, BOUNDS):
-                tables.resize(table, row + 1)
+        row = self._take_row()
         begin = self._keep(shape)
         mask = _ALL_LAYERS
         if surface.collides_with is not None:
@@ -151,6 +146,22 @@ class ShapeRows:
         self.shapes[row] = placed
         self.bouncing = self.bouncing or surface.restitution > 0.0
         self.kinds |= {TRIANGLE if shape.kind == MESH else shape.kind}
+        return row
+
+    def show(self, body: int, placed: Placed) -> None:
+        """Add a shape of a body to pictures only: nothing touches it, and rays do not meet it."""
+        row = self._take_row()
+        self.tables.array(SHAPE)[row] = 0
+        self.tables.array(SHAPE)[row, [KIND, BODY_ROW]] = SHOWN, body
+        shapes_changed(self.tables)
+        self.shapes[row] = placed
+
+    def _take_row(self) -> int:
+        if self.free:
+            return self.free.pop()
+        row = len(self.tables.array(SHAPE))
+        for table in (SHAPE, PLACE, PLACED, BOUNDS):
+            self.tables.resize(table, row + 1)
         return row
 
     def remove_of(self, body: int) -> None:

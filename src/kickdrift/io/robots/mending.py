@@ -1,4 +1,4 @@
-"""What files often have that MuJoCo refuses, made so that it does not, with a note: paths of packages, and inertias."""
+"""What files often have that MuJoCo refuses, made so that it does not: paths of packages, materials, inertias."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -20,6 +20,14 @@ def find_packages(spec: Any, folder: Path) -> None:
     for mesh in spec.meshes:
         if mesh.file.startswith(_PACKAGE):
             mesh.file = _in_package(mesh.file, folder)
+
+
+def drop_materials(spec: Any) -> None:
+    """Take materials that there are not from geoms: nothing here looks at them."""
+    known = {material.name for material in spec.materials}
+    for geom in spec.geoms:
+        if geom.material not in known:
+            geom.material = ""
 
 
 def _in_package(file: str, folder: Path) -> str:

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError, FileFormatError, missing_extra
-from kickdrift.io.robots.mending import find_packages, mend_inertias
+from kickdrift.io.robots.mending import drop_materials, find_packages, mend_inertias
+from kickdrift.world.shapes.hull import Hull
 
 Floats = NDArray[np.float64]
 
@@ -30,6 +31,8 @@ class Model(NamedTuple):
         The package, its ``MjModel`` and the ``MjData`` that holds the reference pose.
     position, orientation : (3,) and (4,) array
         Of the file's axes in the world.
+    hulls : dict
+        Hulls of meshes that are made already, by their numbers; each with how many points it is of, 0 for all.
     """
 
     mujoco: Any
@@ -37,6 +40,7 @@ class Model(NamedTuple):
     data: Any
     position: Floats
     orientation: Floats
+    hulls: dict[int, tuple[Hull, int]]
 
     def name(self, kind: str, index: int) -> str:
         """Return the name of a body, joint, geom, actuator or site; of one without, the kind and its number."""
@@ -131,7 +135,7 @@ def parse(path: str | Path, floating: bool, position: Floats, orientation: Float
     compiled = _compile(mujoco, Path(path), content, floating, notes)
     data = mujoco.MjData(compiled)
     mujoco.mj_kinematics(compiled, data)
-    return Model(mujoco, compiled, data, position, orientation), notes
+    return Model(mujoco, compiled, data, position, orientation, {}), notes
 
 
 def _compile(mujoco: Any, path: Path, content: bytes, floating: bool, notes: list[str]) -> Any:
@@ -164,6 +168,7 @@ def _build(mujoco: Any, spec: Any, path: Path, floating: bool, notes: list[str])
     if floating:
         _set_free(spec)
     find_packages(spec, path.resolve().parent)
+    drop_materials(spec)
     repairs = mend_inertias(mujoco, spec, notes)
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
