@@ -366,6 +366,27 @@ def test_parents_and_excluded_bodies_do_not_touch(tmp_path):
     assert len(load_robot(text(tmp_path, TWO, flag)).world.tables.array(ASKED_APART)) == 0
 
 
+def test_links_of_a_urdf_do_not_touch_the_base_that_they_hang_at(tmp_path):
+    ball = "<collision><geometry><sphere radius='0.2'/></geometry></collision>"
+    hinges = "".join(
+        f'<joint name="{b}" type="continuous"><parent link="{a}"/><child link="{b}"/><axis xyz="0 1 0"/></joint>'
+        for a, b in ("ab", "bc")
+    )
+    links = "".join(link((1, 1, 1), shapes=ball, name=name) for name in "abc")
+    path = tmp_path / "robot.urdf"
+    path.write_text(f"<robot name='r'>{links}{hinges}</robot>")
+    robot = load_robot(path)
+    a, b, c = (robot.bodies[name].index for name in "abc")
+    assert robot.world.tables.array(ASKED_APART).tolist() == [[a, b], [b, c]]
+    assert [note for note in robot.notes if "overlap" in note] == [
+        "bodies 'a', 'c' overlap by 0.4 m in the reference pose and push each other apart; move or exclude them"
+    ]
+    path.write_text(
+        f"<robot name='r'>{link((1, 1, 1), name='a')}{links[len(link((1, 1, 1), shapes=ball)) :]}{hinges}</robot>"
+    )
+    assert load_robot(path).world.tables.array(ASKED_APART).min() > 0
+
+
 def test_layers_meet_where_bit_masks_do(tmp_path):
     masks = [(1, 1), (2, 1), (0, 1), (4, 4), (2, 2), (1, 0)]
     inside = "".join(
@@ -520,6 +541,7 @@ def test_materials_that_there_are_not_do_no_harm(tmp_path):
     rest = '<asset><material name="steel"/></asset>'
     robot = load_robot(text(tmp_path, f"<body><freejoint/>{geoms}</body>", rest))
     assert len(robot.world.shape_rows.shapes) == 2
+    assert robot.notes == ("left out: material 'none', which the file does not have",)
 
 
 def test_files_of_packages_are_found_above_a_robot_scaled_or_named(tmp_path):

@@ -14,7 +14,7 @@ from kickdrift.io.robots.closures import closures, exclusions
 from kickdrift.io.robots.geoms import Layers
 from kickdrift.io.robots.joints import Link, chain_of
 from kickdrift.io.robots.laws import Actuator
-from kickdrift.io.robots.omissions import gathered, omissions
+from kickdrift.io.robots.omissions import gathered, omissions, overlaps
 from kickdrift.io.robots.parsing import Model, parse
 from kickdrift.world.arguments import unit_quaternion, vector
 from kickdrift.world.bodies import Body
@@ -121,6 +121,7 @@ def load_robot(
     except ArgumentError as error:
         raise ArgumentError(f"path={str(path)!r}: {error}") from None
     pairs = exclusions(model, parts, notes)
+    notes += overlaps(model, pairs)
     links = [link for chain in chains for link in chain.links]
     small = {number: piece for chain in chains for number, piece in chain.between.items()}
     world = _world(model, world, notes)
@@ -168,8 +169,8 @@ def _add_bodies(world: World, model: Model, parts: list[Piece]) -> dict[int, Bod
 
 
 def _exclude(world: World, pairs: list[tuple[Body, Body]]) -> None:
-    """Add to the pairs of bodies that never touch."""
-    new = [(a.index, b.index) for a, b in pairs]
+    """Add to the pairs of bodies that never touch; the ground stands for those that have no shapes."""
+    new = [(a.index, b.index) for a, b in pairs if world.ground not in (a, b)]
     exclude(world.tables, [*map(tuple, world.tables.array(ASKED_APART).tolist()), *new])
 
 

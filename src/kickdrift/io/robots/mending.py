@@ -22,11 +22,12 @@ def find_packages(spec: Any, folder: Path) -> None:
             mesh.file = _in_package(mesh.file, folder)
 
 
-def drop_materials(spec: Any) -> None:
+def drop_materials(spec: Any, notes: list[str]) -> None:
     """Take materials that there are not from geoms: nothing here looks at them."""
     known = {material.name for material in spec.materials}
     for geom in spec.geoms:
-        if geom.material not in known:
+        if geom.material and geom.material not in known:
+            notes.append(f"left out: material {geom.material!r}, which the file does not have")
             geom.material = ""
 
 

@@ -31,6 +31,7 @@ class Model(NamedTuple):
         The package, its ``MjModel`` and the ``MjData`` that holds the reference pose.
     position, orientation : (3,) and (4,) array
         Of the file's axes in the world.
+    is_urdf : bool
     hulls : dict
         Hulls of meshes that are made already, by their numbers; each with how many points it is of, 0 for all.
     """
@@ -40,6 +41,7 @@ class Model(NamedTuple):
     data: Any
     position: Floats
     orientation: Floats
+    is_urdf: bool
     hulls: dict[int, tuple[Hull, int]]
 
     def name(self, kind: str, index: int) -> str:
@@ -135,7 +137,7 @@ def parse(path: str | Path, floating: bool, position: Floats, orientation: Float
     compiled = _compile(mujoco, Path(path), content, floating, notes)
     data = mujoco.MjData(compiled)
     mujoco.mj_kinematics(compiled, data)
-    return Model(mujoco, compiled, data, position, orientation, {}), notes
+    return Model(mujoco, compiled, data, position, orientation, root[1] == b"robot", {}), notes
 
 
 def _compile(mujoco: Any, path: Path, content: bytes, floating: bool, notes: list[str]) -> Any:
@@ -168,7 +170,7 @@ def _build(mujoco: Any, spec: Any, path: Path, floating: bool, notes: list[str])
     if floating:
         _set_free(spec)
     find_packages(spec, path.resolve().parent)
-    drop_materials(spec)
+    drop_materials(spec, notes)
     repairs = mend_inertias(mujoco, spec, notes)
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
