@@ -318,6 +318,12 @@ def test_rotors_resist_as_in_mujoco(tmp_path, joints, armatures):
     assert errors[1] < 0.3 * errors[0]
 
 
+def test_the_rotor_of_a_second_slide_is_left_out(tmp_path):
+    robot = load_robot(limb(tmp_path, ("type='slide' axis='1 0 0'", "type='slide' axis='0 1 0'"), (0.0, 0.5)))
+    assert any("left out: armature of joint 'j1'" in note for note in robot.notes)
+    assert robot.world.tables.array(INERTIA)[robot.world.bodies.moving(), 0].sum() == pytest.approx(0.7, rel=1e-12)
+
+
 def test_rotors_whose_parents_turn_are_said_to_resist_that_too(tmp_path):
     inside = f'<body><joint name="a" axis="0 1 0" armature="1"/>{BALL}<body>{{}}{BALL}</body></body>'
     robot = load_robot(text(tmp_path, inside.format('<joint name="b" axis="0 1 0" armature="2"/>')))

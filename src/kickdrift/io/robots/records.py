@@ -41,7 +41,10 @@ def record_of(model: Model, rows: list[int], axes: dict[int, Axis], notes: list[
     types = [int(m.jnt_type[row]) for row in rows]
     if types == [kinds.mjJNT_BALL]:
         return _ball(model, rows[0], notes), {rows[0]: -1}
-    if kinds.mjJNT_BALL in types or np.any(m.dof_armature[m.jnt_dofadr[rows[:-1]]]):
+    rotors = m.dof_armature[m.jnt_dofadr[rows]].tolist()
+    if len(rows) > 1 and types[-1] == kinds.mjJNT_SLIDE and rotors[-1]:
+        return None  # the mass that it is must move along this slide only
+    if kinds.mjJNT_BALL in types or any(rotors[:-1]):
         return None  # a rotor belongs to what its own joint moves
     turning = [row for row, kind in zip(rows, types, strict=True) if kind == kinds.mjJNT_HINGE]
     sliding = [row for row in rows if row not in turning]
