@@ -148,22 +148,6 @@ class ShapeRows:
         self.kinds |= {TRIANGLE if shape.kind == MESH else shape.kind}
         return row
 
-    def show(self, body: int, placed: Placed) -> None:
-        """Add a shape of a body to pictures only: nothing touches it, and rays do not meet it."""
-        row = self._take_row()
-        self.tables.array(SHAPE)[row] = 0
-        self.tables.array(SHAPE)[row, [KIND, BODY_ROW]] = SHOWN, body
-        shapes_changed(self.tables)
-        self.shapes[row] = placed
-
-    def _take_row(self) -> int:
-        if self.free:
-            return self.free.pop()
-        row = len(self.tables.array(SHAPE))
-        for table in (SHAPE, PLACE, PLACED, BOUNDS):
-            self.tables.resize(table, row + 1)
-        return row
-
     def remove_of(self, body: int) -> None:
         """Give the rows of a body's shapes back."""
         tables = self.tables
@@ -184,6 +168,22 @@ class ShapeRows:
             self.tables.resize(GEOMETRY, begin + shape.numbers.size)[begin:, 0] = shape.numbers
             self.begins[key] = begin
         return self.begins[key]
+
+    def show(self, body: int, placed: Placed) -> None:
+        """Add a shape of a body to pictures only: nothing touches it, and rays do not meet it."""
+        row = self._take_row()
+        self.tables.array(SHAPE)[row] = 0
+        self.tables.array(SHAPE)[row, [KIND, BODY_ROW]] = SHOWN, body
+        shapes_changed(self.tables)
+        self.shapes[row] = placed
+
+    def _take_row(self) -> int:
+        if self.free:
+            return self.free.pop()
+        row = len(self.tables.array(SHAPE))
+        for table in (SHAPE, PLACE, PLACED, BOUNDS):
+            self.tables.resize(table, row + 1)
+        return row
 
     def compile_pairs(self) -> None:
         """Find the functions for the pairs of kinds that there are; those of others are not compiled."""

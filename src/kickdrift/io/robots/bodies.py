@@ -91,7 +91,7 @@ def _shown(model: Model, piece: Piece, layers: Layers, notes: list[str]) -> list
                 notes.append(f"geom {model.name('geom', geom)!r}, which is only for show, is not drawn: {error}")
                 continue
             if not any(_same(made, other) for other in piece.shapes):
-                found.append(made)
+                found.append(made._replace(surface=piece.shapes[0].surface) if piece.shapes else made)
     return found
 
 
