@@ -439,6 +439,23 @@ def test_geoms_become_shapes(tmp_path):
     assert sum("touches as" in note for note in robot.notes) == 3
 
 
+def test_includes_and_classes_count(tmp_path):
+    (tmp_path / "parts").mkdir()
+    part = (
+        '<body name="b" childclass="light"><joint class="stiff"/><geom type="capsule" fromto="0 0 0 0.3 0 0.4"/></body>'
+    )
+    (tmp_path / "parts" / "arm.xml").write_text(f"<mujocoinclude>{part}</mujocoinclude>")
+    classes = '<default class="light"><geom size="0.05" mass="3"/><joint damping="1"/></default>'
+    classes += '<default class="stiff"><joint axis="0 1 0" damping="2" range="-10 20"/></default>'
+    rest = f"<default>{classes}</default>"
+    robot = load_robot(text(tmp_path, '<include file="parts/arm.xml"/>', rest))
+    (placed,) = robot.world.shape_rows.shapes.values()
+    assert (placed.shape.radius, placed.shape.length) == (0.05, pytest.approx(0.5))
+    assert robot.world.tables.array(INERTIA)[robot.bodies["b"].index, 0] == pytest.approx(3.0)
+    law = robot.world.tables.array(JOINT_AXES)[6 * robot.joints["joint 0"].index + 5]
+    np.testing.assert_allclose(law[[LOWER, UPPER, layout.DAMPING]], [np.radians(-10), np.radians(20), 2.0])
+
+
 def test_what_is_for_show_is_drawn_and_touches_nothing(tmp_path):
     inside = """<geom type="plane" size="1 1 1"/><body name="b" pos="0 0 0.1"><freejoint/>
       <inertial pos="0 0 0.03" mass="2" diaginertia="0.01 0.01 0.01"/>
