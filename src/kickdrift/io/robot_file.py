@@ -12,9 +12,9 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.io.robots.bodies import Piece, add_piece, pieces
 from kickdrift.io.robots.closures import closures, exclusions
 from kickdrift.io.robots.geoms import Layers
-from kickdrift.io.robots.joints import Link, link_of
+from kickdrift.io.robots.joints import Link, chain_of
 from kickdrift.io.robots.laws import Actuator
-from kickdrift.io.robots.omissions import gathered, omissions
+from kickdrift.io.robots.omissions import gathered, omissions, overlaps
 from kickdrift.io.robots.parsing import Model, parse
 from kickdrift.world.arguments import unit_quaternion, vector
 from kickdrift.world.body import Body
@@ -36,7 +36,7 @@ class Robot(NamedTuple):
     bodies : mapping of str to Body
         By the names of the file; bodies that are fixed to each other are one. What is fixed to the world does not move.
     joints : mapping of str to Joint
-        By the names of the file; hinges and slides between the same two bodies are one. What floats has none.
+        By the names of the file; several hinges and slides at one body may be one. What floats has none.
     axes : mapping of str to int
         Which axis of its joint each of the file's joints is, for ``Joint.angles``, ``Joint.set_drive`` and the like;
         -1 for balls.
@@ -44,6 +44,8 @@ class Robot(NamedTuple):
         Balls and fixed joints that close loops, by the names of the file's constraints.
     actuators : mapping of str to Actuator
         Motors and servos. Servos are drives of their joints with the control zero.
+    between : mapping of str to Body
+        Small bodies between joints of one body that no joint here is all of, by the names of the joints that move them.
     notes : tuple of str
         What the file says and the robot here does not do, or not in the same way.
     """
@@ -54,6 +56,7 @@ class Robot(NamedTuple):
     axes: Mapping[str, int]
     closures: Mapping[str, Joint]
     actuators: Mapping[str, Actuator]
+    between: Mapping[str, Body]
     notes: tuple[str, ...]
 
 
@@ -97,29 +100,36 @@ def load_robot(
     Notes
     -----
     Contacts, limits and constraints are those of the world: rigid, and without the ``solref``, ``solimp`` and ``margin``
-    of the file. Geoms with contype and conaffinity zero are left out, but what they weigh is not. Bodies do not touch
-    their parents and those that are excluded. Angles are zero in the reference pose; keyframes, sensors, cameras and
-    lights are ignored.
+    of the file. Geoms with contype and conaffinity zero and the visuals of links are drawn, meshes as their convex hulls;
+    nothing meets them, rays neither, and what they weigh counts. Bodies do not touch their parents and those that are
+    excluded. Angles are zero in the reference pose; keyframes, sensors, cameras and lights are ignored.
+
+    Where the joints of one body are none here, there are small bodies between them, taken out of it. Rotors (``armature``)
+    are inertia of what their joint moves about its axis: as in MuJoCo where the parent does not turn about it.
     """
     if world is not None and not isinstance(world, World):
         raise ArgumentError(f"world={world!r} is no world; give a kickdrift.World, or None for a new one.")
     place, turn = vector("position", position, 3), unit_quaternion("orientation", orientation)
-    model = parse(path, floating, place, turn)
-    notes = omissions(model)
+    model, notes = parse(path, floating, place, turn)
+    notes += omissions(model)
     used = 0 if world is None else int(np.bitwise_or.reduce(world.tables.array(SHAPE)[:, LAYER], initial=0))
     actuators: dict[str, Actuator] = {}
     try:
         parts = pieces(model, Layers(model, used), notes)
-        links = [link for part in parts if (link := link_of(model, part, actuators, notes)) is not None]
+        chains = [chain_of(model, part, actuators, notes) for part in parts]
         closing = closures(model, notes)
     except ArgumentError as error:
         raise ArgumentError(f"path={str(path)!r}: {error}") from None
     pairs = exclusions(model, parts, notes)
+    notes += overlaps(model, pairs)
+    links = [link for chain in chains for link in chain.links]
+    small = {number: piece for chain in chains for number, piece in chain.between.items()}
     world = _world(model, world, notes)
     bodies = _add_bodies(world, model, parts)
-    _exclude(world, [(bodies[a], bodies[b]) for a, b in pairs])
-    joints = _add_joints(world, model, links, bodies)
     names = {model.name("body", row): body for row, body in bodies.items()}
+    _exclude(world, [(bodies[a], bodies[b]) for a, b in pairs])
+    bodies |= {number: add_piece(world, model, piece) for number, piece in small.items()}
+    joints = _add_joints(world, model, links, bodies)
     axes = {name: axis for link in links for name, axis in link.names.items()}
     return Robot(
         world=world,
@@ -128,6 +138,9 @@ def load_robot(
         axes=MappingProxyType(axes),
         closures=MappingProxyType(_add_joints(world, model, closing, bodies)),
         actuators=MappingProxyType(actuators),
+        between=MappingProxyType(
+            {model.name("joint", number - model.compiled.nbody): bodies[number] for number in small}
+        ),
         notes=gathered(notes),
     )
 
@@ -145,17 +158,19 @@ def _world(model: Model, world: World | None, notes: list[str]) -> World:
 
 
 def _add_bodies(world: World, model: Model, parts: list[Piece]) -> dict[int, Body]:
-    """Add all bodies; of those that are fixed to the world, the ones that have shapes."""
+    """Add all bodies; of those that are fixed to the world, the ones that have shapes or are drawn."""
     bodies: dict[int, Body] = {}
     for part in parts:
-        body = world.ground if part.kind == STATIC and not part.shapes else add_piece(world, model, part)
+        body = (
+            world.ground if part.kind == STATIC and not (part.shapes or part.shown) else add_piece(world, model, part)
+        )
         bodies |= dict.fromkeys(part.members, body)
     return bodies
 
 
 def _exclude(world: World, pairs: list[tuple[Body, Body]]) -> None:
-    """Add to the pairs of bodies that never touch."""
-    new = [(a.index, b.index) for a, b in pairs]
+    """Add to the pairs of bodies that never touch; the ground stands for those that have no shapes."""
+    new = [(a.index, b.index) for a, b in pairs if world.ground not in (a, b)]
     exclude(world.tables, [*map(tuple, world.tables.array(ASKED_APART).tolist()), *new])
 
 
@@ -163,7 +178,6 @@ def _add_joints(world: World, model: Model, links: list[Link], bodies: dict[int,
     """Add joints; those to bodies that are fixed to the world hold to the ground."""
     joints: dict[str, Joint] = {}
     for a, b, record, names in links:
-        fixed = [model.compiled.body_weldid[body] == 0 for body in (a, b)]
-        ends = [world.ground if still else bodies[body] for body, still in zip((a, b), fixed, strict=True)]
+        ends = [world.ground if model.is_fixed(body) else bodies[body] for body in (a, b)]
         joints |= dict.fromkeys(names, world.add_joint(ends[0], ends[1], record))
     return joints

@@ -32,6 +32,7 @@ from kickdrift.world.tables import BOUNDS, COLLIDERS, GEOMETRY, PLACE, PLACED, S
 
 Floats = NDArray[np.float64]
 
+SHOWN = -2  # in place of a kind; what is only shown, the compiled code does not see
 _ALL_LAYERS = (1 << 62) - 1
 
 
@@ -115,12 +116,7 @@ class ShapeRows:
     def add(self, body: int, placed: Placed) -> int:
         """Take a row for a shape of a body."""
         tables, (shape, position, orientation, surface) = self.tables, placed
-        if self.free:
-            row = self.free.pop()
-        else:
-            row = len(tables.array(SHAPE))
-            for table in (SHAPE, PLACE, PLACED, BOUNDS):
-                tables.resize(table, row + 1)
+        row = self._take_row()
         begin = self._keep(shape)
         mask = _ALL_LAYERS
         if surface.collides_with is not None:
@@ -188,6 +184,23 @@ class ShapeRows:
             self.tables.resize(GEOMETRY, begin + shape.numbers.size)[begin:, 0] = shape.numbers
             self.begins[key] = begin
         return self.begins[key]
+
+    def show(self, body: int, placed: Placed) -> None:
+        """Add a shape of a body to pictures only: nothing touches it, and rays do not meet it."""
+        row = self._take_row()
+        self.tables.array(SHAPE)[row] = 0
+        self.tables.array(SHAPE)[row, [SHAPE_KIND, BODY_ROW]] = SHOWN, body
+        shapes_changed(self.tables)
+        self.tables.altered = True
+        self.shapes[row] = placed
+
+    def _take_row(self) -> int:
+        if self.free:
+            return self.free.pop()
+        row = len(self.tables.array(SHAPE))
+        for table in (SHAPE, PLACE, PLACED, BOUNDS):
+            self.tables.resize(table, row + 1)
+        return row
 
     def find_functions(self) -> None:
         """Find the functions for the kinds that there are and their pairs; those of others are not compiled."""

@@ -6,17 +6,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.io.robots.geoms import Layers, placed, touches
+from kickdrift.io.robots.geoms import Layers, is_shown, placed, touches
 from kickdrift.io.robots.parsing import Model
 from kickdrift.world.body import Body
 from kickdrift.world.flight import DYNAMIC, KINEMATIC, STATIC
 from kickdrift.world.islands import REACH
 from kickdrift.world.shape_rows import Placed
-from kickdrift.world.shapes.mass import Mass, combined
+from kickdrift.world.shapes.hull import Hull
+from kickdrift.world.shapes.mass import Mass, summed
 from kickdrift.world.tables import RESTED
 from kickdrift.world.world import World
 
 Floats = NDArray[np.float64]
+
+_SAME = 1e-9  # m, or of a quaternion
 
 
 @dataclass
@@ -33,6 +36,8 @@ class Piece:
         In the axes of the first member and from its origin.
     shapes : list of Placed
         In the same axes.
+    shown : list of Placed
+        What is only drawn, likewise.
     damping : float
         Rate at which its velocity decays, 1/s.
     """
@@ -41,6 +46,7 @@ class Piece:
     kind: int
     mass: Mass | None = None
     shapes: list[Placed] = field(default_factory=list)
+    shown: list[Placed] = field(default_factory=list)
     damping: float = 0.0
 
     @property
@@ -62,14 +68,38 @@ def pieces(model: Model, layers: Layers, notes: list[str]) -> list[Piece]:
         piece = Piece(members, kind)
         try:
             if kind == DYNAMIC:
-                piece.mass = combined([_mass(model, body, head) for body in members])
+                piece.mass = summed([_mass(model, body, head) for body in members])
             for body in members:
                 geoms = range(m.body_geomadr[body], m.body_geomadr[body] + m.body_geomnum[body])
                 piece.shapes += [placed(model, g, head, layers, notes) for g in geoms if touches(model, g)]
         except ArgumentError as error:
             raise ArgumentError(f"body {model.name('body', head)!r}: {error}") from None
+        piece.shown = _shown(model, piece, layers, notes)
         made.append(piece)
     return made
+
+
+def _shown(model: Model, piece: Piece, layers: Layers, notes: list[str]) -> list[Placed]:
+    """Make what is only drawn of a piece: what would be drawn twice, and what no shape is, is left out."""
+    m, found = model.compiled, []
+    for body in piece.members:
+        geoms = range(m.body_geomadr[body], m.body_geomadr[body] + m.body_geomnum[body])
+        for geom in (geom for geom in geoms if is_shown(model, geom)):
+            try:
+                made = placed(model, geom, piece.members[0], layers, [])
+            except ArgumentError as error:
+                notes.append(f"geom {model.name('geom', geom)!r}, which is only for show, is not drawn: {error}")
+                continue
+            if not any(_same(made, other) for other in piece.shapes):
+                found.append(made._replace(surface=piece.shapes[0].surface) if piece.shapes else made)
+    return found
+
+
+def _same(a: Placed, b: Placed) -> bool:
+    same = a.shape is b.shape  # of hulls, which are one for each mesh
+    if not same and a.shape.kind == b.shape.kind and not isinstance(a.shape, Hull):
+        same = np.array_equal(a.shape.numbers, b.shape.numbers)
+    return same and np.allclose([*a.position, *a.orientation], [*b.position, *b.orientation], 0.0, _SAME)
 
 
 def _mass(model: Model, body: int, head: int) -> Mass:
@@ -95,4 +125,6 @@ def add_piece(world: World, model: Model, piece: Piece) -> Body:
         rested = world.tables.array(RESTED)[body.index]
         rested[REACH] = max(rested[REACH], float(np.linalg.norm(arm)) + shape.reach)
         world.shape_rows.add(body.index, Placed(shape, arm, orientation, surface))
+    for shape, position, orientation, surface in piece.shown:
+        world.shape_rows.show(body.index, Placed(shape, position - piece.centre, orientation, surface))
     return body

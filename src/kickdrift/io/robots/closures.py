@@ -92,9 +92,11 @@ def exclusions(model: Model, parts: list[Piece], notes: list[str]) -> list[tuple
     pairs = []
     if not m.opt.disableflags & model.mujoco.mjtDisableBit.mjDSBL_FILTERPARENT:
         for head in (piece.members[0] for piece in parts):
-            parent = int(m.body_weldid[m.body_parentid[head]])
-            if m.body_weldid[head] and parent:
-                pairs.append((head, parent))
+            parent = int(m.body_parentid[head])
+            if m.body_weldid[head] and m.body_weldid[parent]:
+                pairs.append((head, int(m.body_weldid[parent])))
+            elif m.body_weldid[head] and parent and model.is_urdf:
+                pairs.append((head, parent))  # in MJCF, what is fixed to the world is part of it and touches all
     for signature in m.exclude_signature.tolist():
         pair = (first[signature >> 16], first[signature & 0xFFFF])
         pairs.append(pair)

@@ -31,6 +31,11 @@ def touches(model: Model, geom: int) -> bool:
     return bool(m.geom_contype[geom] or m.geom_conaffinity[geom])
 
 
+def is_shown(model: Model, geom: int) -> bool:
+    """Whether a geom is only for show, in one of the groups that MuJoCo's viewer shows at first."""
+    return not touches(model, geom) and int(model.compiled.geom_group[geom]) < 3
+
+
 def shape_of(model: Model, geom: int, notes: list[str]) -> tuple[Shape, Floats]:
     """Make the shape of a geom.
 
@@ -62,7 +67,7 @@ def shape_of(model: Model, geom: int, notes: list[str]) -> tuple[Shape, Floats]:
         notes.append(f"ellipsoid {name!r} touches as a polyhedron, whose corners lie on it")
         return Hull(_ball() * size), middle
     if kind == kinds.mjGEOM_MESH:
-        return Hull(_few(_vertices(m, geom), name, notes)), middle
+        return _hull(model, geom, notes), middle
     if kind == kinds.mjGEOM_HFIELD:
         return _terrain(m, int(m.geom_dataid[geom]))
     raise ArgumentError(
@@ -80,27 +85,44 @@ def _ball() -> Floats:
     return np.vstack((np.stack(circles, axis=-1).reshape(-1, 3), [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)]))
 
 
-def _vertices(m: Any, geom: int) -> Floats:
+def _hull(model: Model, geom: int, notes: list[str]) -> Hull:
+    """Make the convex hull of a mesh, once of each."""
+    m, name = model.compiled, model.name("geom", geom)
     mesh = int(m.geom_dataid[geom])
     first = int(m.mesh_vertadr[mesh])
-    return np.asarray(m.mesh_vert[first : first + int(m.mesh_vertnum[mesh])], dtype=np.float64)
-
-
-def _few(points: Floats, name: str, notes: list[str]) -> Floats:
-    """Choose so many of a mesh's points that a hull can have them: those that lead in directions all around."""
-    notes.append(f"mesh {name!r} touches as its convex hull")
-    try:
-        Hull(points)
-    except ArgumentError as error:
-        if len(points) <= MOST_VERTICES:
+    points = np.asarray(m.mesh_vert[first : first + int(m.mesh_vertnum[mesh])], dtype=np.float64)
+    if mesh not in model.hulls:
+        try:
+            model.hulls[mesh] = _hull_of(points)
+        except ArgumentError as error:
             raise ArgumentError(f"mesh {name!r}: {error}") from None
-    else:
-        return points
+    hull, count = model.hulls[mesh]
+    notes.append(
+        f"mesh {name!r} touches as its convex hull" + (f" of {count} of its {len(points)} points" if count else "")
+    )
+    return hull
+
+
+def _hull_of(points: Floats) -> tuple[Hull, int]:
+    """Make a hull, and say of how many points it is where there are more than it can have; 0 if it is of all."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        corners = len(ConvexHull(points).vertices)
+    except (QhullError, ValueError):
+        corners = 0  # the hull says what is wrong with them
+    if corners <= MOST_VERTICES:
+        return Hull(points), 0
+    chosen = _outermost(points)
+    return Hull(chosen), len(chosen)
+
+
+def _outermost(points: Floats) -> Floats:
+    """Choose those points that lead in directions all around."""
     k = np.arange(MOST_VERTICES) + 0.5  # on a spiral around the sphere, equally dense everywhere
     z, angle = 1.0 - 2.0 * k / MOST_VERTICES, k * (np.pi * (3.0 - np.sqrt(5.0)))
     ways = np.column_stack((np.sqrt(1.0 - z * z) * np.cos(angle), np.sqrt(1.0 - z * z) * np.sin(angle), z))
     chosen: Floats = points[np.unique((points @ ways.T).argmax(axis=0))]
-    notes[-1] += f" of {len(chosen)} of its {len(points)} points"
     return chosen
 
 
@@ -160,4 +182,5 @@ def placed(model: Model, geom: int, body: int, layers: Layers, notes: list[str])
     turn = np.empty(4)
     model.mujoco.mju_mat2Quat(turn, model.data.geom_xmat[geom])
     where, turn = model.seen_from(body, model.data.geom_xpos[geom] + frame @ origin, turn)
-    return Placed(shape, where, turn, layers.surface(model, geom))
+    surface = layers.surface(model, geom) if touches(model, geom) else Surface(collides_with=())
+    return Placed(shape, where, turn, surface)

@@ -1,25 +1,25 @@
-"""Joints of bodies to their parents."""
+"""Joints of bodies to their parents, with the small bodies between those that follow each other at one body."""
 
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.errors import ArgumentError
 from kickdrift.io.robots.bodies import Piece
 from kickdrift.io.robots.laws import Actuator, axis_of
 from kickdrift.io.robots.parsing import Model
-from kickdrift.world.joints.axis import LOCKED, Axis, Drive
-from kickdrift.world.joints.ball import Ball
-from kickdrift.world.joints.hinge import Hinge
+from kickdrift.io.robots.records import Found, record_of
+from kickdrift.io.robots.rotors import add_rotor
+from kickdrift.world.flight import DYNAMIC
+from kickdrift.world.joints.axis import Axis
 from kickdrift.world.joints.record import Record
-from kickdrift.world.joints.six_dof import SixDof
-from kickdrift.world.joints.slider import Slider
-from kickdrift.world.joints.universal import Universal
+from kickdrift.world.shapes.mass import Mass
 
 Floats = NDArray[np.float64]
 
-_PARALLEL = 1e-6  # sine or cosine that counts as zero; files are written with six digits
+# Least moment of inertia of a small body, of the least one of the body that it is taken from. It is what the motion is wrong
+# by; joints are solved directly, so that a ratio of masses costs digits only.
+_SMALL = 1e-4
 
 
 class Link(NamedTuple):
@@ -28,7 +28,7 @@ class Link(NamedTuple):
     Attributes
     ----------
     body_a, body_b : int
-        MuJoCo's bodies.
+        MuJoCo's bodies; from ``nbody`` on small ones, ``nbody`` and the joint that moves them.
     record : Record
     names : dict of str to int
         The file's joints that it stands for, and the axis that each of them is.
@@ -40,112 +40,77 @@ class Link(NamedTuple):
     names: dict[str, int]
 
 
-def link_of(model: Model, piece: Piece, actuators: dict[str, Actuator], notes: list[str]) -> Link | None:
-    """Say how a body hangs at its parent, or None for one that floats.
+class Chain(NamedTuple):
+    """How a body hangs at its parent: the joints in their order, and the small bodies between them by their numbers."""
 
-    Raises
-    ------
-    ArgumentError
-        For several joints between two bodies that no joint here is.
+    links: list[Link]
+    between: dict[int, Piece]
+
+
+def chain_of(model: Model, piece: Piece, actuators: dict[str, Actuator], notes: list[str]) -> Chain:
+    """Say how a body hangs at its parent; what floats has no links.
+
+    The small bodies and the rotors of motors change the mass of the piece.
     """
     m, kinds = model.compiled, model.mujoco.mjtJoint
     head = piece.members[0]
     rows = list(range(m.body_jntadr[head], m.body_jntadr[head] + m.body_jntnum[head]))
-    types = [int(m.jnt_type[row]) for row in rows]
+    chain = Chain([], {})
     if not rows:
-        return None
-    if types == [kinds.mjJNT_FREE]:
+        return chain
+    if int(m.jnt_type[rows[0]]) == kinds.mjJNT_FREE:
         _float(model, piece, rows[0], notes)
-        return None
-    turning = [row for row, kind in zip(rows, types, strict=True) if kind == kinds.mjJNT_HINGE]
-    sliding = [row for row, kind in zip(rows, types, strict=True) if kind == kinds.mjJNT_SLIDE]
-    if types == [kinds.mjJNT_BALL]:
-        record, names = _ball(model, rows[0], notes), {model.name("joint", rows[0]): -1}
-    elif len(turning) + len(sliding) == len(rows):
-        record, names = _of_axes(model, head, turning, sliding, actuators, notes)
-    else:
-        raise _refused(model, head, "a ball and others")
-    record.placement()  # refuses what no joint is, before anything is added
-    return Link(int(m.body_parentid[head]), head, record, names)
+        return chain
+    single = [row for row in rows if int(m.jnt_type[row]) != kinds.mjJNT_BALL]
+    axes = {row: axis_of(model, row, actuators, notes) for row in single}
+    runs = _runs(model, rows, axes, notes)
+    parent = int(m.body_parentid[head])
+    for (record, places), following in zip(runs, [*runs[1:], None], strict=True):
+        last = max(places)
+        moved, number = piece, head
+        if following is not None:
+            moved, number = _small(model, piece, min(following[1])), m.nbody + last
+            chain.between[number] = moved
+            notes.append(
+                f"joint {model.name('joint', last)!r} moves a small body, of {_SMALL:g} of the inertia of the body that"
+                " hangs on it and the joints after it"
+            )
+        add_rotor(model, last, parent, moved, notes)
+        record.placement()  # refuses what no joint is, before anything is added
+        chain.links.append(Link(parent, number, record, {model.name("joint", row): at for row, at in places.items()}))
+        parent = number
+    return chain
 
 
-def _refused(model: Model, head: int, what: str) -> ArgumentError:
-    return ArgumentError(
-        f"body {model.name('body', head)!r} hangs at its parent by {what}; a joint here has a ball, slides at right angles"
-        " with one hinge, or two hinges at right angles through one point: put a light body between the joints."
-    )
+def _runs(model: Model, rows: list[int], axes: dict[int, Axis], notes: list[str]) -> list[Found]:
+    """Cut joints that follow each other into runs, each as long as one joint here can be."""
+    runs: list[Found] = []
+    while rows:
+        for count in range(len(rows), 0, -1):
+            found = record_of(model, rows[:count], axes, notes)
+            if found is not None:
+                runs.append(found)
+                rows = rows[count:]
+                break
+    return runs
 
 
-def _of_axes(
-    model: Model, head: int, turning: list[int], sliding: list[int], actuators: dict[str, Actuator], notes: list[str]
-) -> tuple[Record, dict[str, int]]:
-    """Make one joint of the slides and hinges between two bodies."""
-    rows = sorted(turning + sliding)
-    axes = {row: axis_of(model, row, actuators, notes) for row in rows}
-    names = {row: model.name("joint", row) for row in rows}
-    ways = {row: model.direction(model.data.xaxis[row]) for row in rows}
-    points = {row: model.point(model.data.xanchor[row]) for row in rows}
-    if len(rows) == 1:
-        row, axis = rows[0], axes[rows[0]]
-        kind = Hinge if turning else Slider
-        record = kind(points[row], ways[row], limits=axis.limits, drive=axis.drive, friction=axis.friction)
-        return record, {names[row]: 5 if turning else 2}
-    if len(turning) == 2 and not sliding:
-        first, second = turning
-        if abs(ways[first] @ ways[second]) > _PARALLEL or not np.allclose(points[first], points[second], 0.0, 1e-9):
-            raise _refused(model, head, "two hinges that are not at right angles, or not through one point")
-        cross = Universal(points[first], ways[first], ways[second], axes[first], axes[second])
-        return cross, {names[first]: 3, names[second]: 4}
-    if len(turning) > 1:
-        raise _refused(model, head, f"{len(turning)} hinges and {len(sliding)} slides")
-    return _of_six(model, head, turning, sliding, ways, points, axes, names)
+def _small(model: Model, piece: Piece, joint: int) -> Piece:
+    """Take a small body out of a piece, at the anchor of the joint between the two.
 
-
-def _of_six(
-    model: Model, head: int, turning: list[int], sliding: list[int],
-    ways: dict[int, Floats], points: dict[int, Floats], axes: dict[int, Axis], names: dict[int, str],
-) -> tuple[Record, dict[str, int]]:  # fmt: skip
-    """Make one joint of some slides, and of a hinge that turns what has slid."""
-    frame = [ways[row] for row in sliding]
-    for row in turning:
-        along = [k for k, way in enumerate(frame) if way @ ways[row] > 1.0 - _PARALLEL]
-        if not along:
-            frame.append(ways[row])
-        if sliding[-1] > row and not (len(sliding) == 1 and along):
-            raise _refused(model, head, "a hinge that turns the slides")
-    across = np.array([[a @ b for a in frame] for b in frame]) - np.eye(len(frame))
-    if len(frame) > 3 or np.abs(across).max() > _PARALLEL:
-        raise _refused(model, head, "axes that are not at right angles")
-    if len(frame) == 2:
-        frame.append(np.cross(frame[0], frame[1]))
-    if len(frame) == 1:
-        side = np.cross(frame[0], np.eye(3)[np.abs(frame[0]).argmin()])
-        frame.append(side / np.linalg.norm(side))
-        frame.append(np.cross(frame[0], frame[1]))
-    if np.linalg.det(frame) < 0.0:
-        frame[0], frame[1] = frame[1], frame[0]
-    place = {row: int(np.argmax([way @ ways[row] for way in frame])) for row in (*sliding, *turning)}
-    linear, angular = [LOCKED] * 3, [LOCKED] * 3
-    for row in sliding:
-        linear[place[row]] = axes[row]
-    for row in turning:
-        angular[place[row]] = axes[row]
-    anchor = points[(turning or sliding)[0]]
-    record = SixDof(anchor, frame[0], frame[1], (linear[0], linear[1], linear[2]), (angular[0], angular[1], angular[2]))
-    return record, {names[row]: place[row] + 3 * (row in turning) for row in (*sliding, *turning)}
-
-
-def _ball(model: Model, row: int, notes: list[str]) -> Record:
-    m, name = model.compiled, model.name("joint", row)
-    at, dof = int(m.jnt_qposadr[row]), int(m.jnt_dofadr[row])
-    if m.jnt_limited[row]:
-        notes.append(f"the limit of ball {name!r} is left out: it is one of the whole angle, not of swing or twist")
-    stiffness, damping = float(m.jnt_stiffness[row]), float(m.dof_damping[dof])
-    if stiffness > 0.0 and not np.allclose(m.qpos_spring[at : at + 4], m.qpos0[at : at + 4], 0.0, 1e-12):
-        raise ArgumentError(f"springref of ball {name!r} is not its reference orientation; leave it out.")
-    drive = Drive(stiffness=stiffness, damping=damping) if stiffness > 0.0 or damping > 0.0 else None
-    friction = float(m.dof_frictionloss[dof])
-    return Ball(model.point(model.data.xanchor[row]), drive=drive, friction=friction)
+    The point is one of both, so that where the joint turns, only the moment of inertia is not where it was. The rest of the
+    piece has the same mass, centre and inertia together with it; its least moment loses about twice what the small one has.
+    """
+    m, head = piece.mass, piece.members[0]
+    assert m is not None
+    at, _ = model.seen_from(head, model.data.xanchor[joint], model.data.xquat[head])
+    arm = at - m.centre
+    moment = _SMALL * float(np.linalg.eigvalsh(m.inertia)[0])
+    mass = moment * m.mass / (moment / _SMALL + m.mass * float(arm @ arm))
+    rest = m.mass - mass
+    lost = moment * np.eye(3) + m.mass * mass / rest * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    piece.mass = Mass(rest, m.centre - mass / rest * arm, m.inertia - lost)
+    return Piece([head], DYNAMIC, Mass(mass, at, moment * np.eye(3)))
 
 
 def _float(model: Model, piece: Piece, row: int, notes: list[str]) -> None:
@@ -157,3 +122,5 @@ def _float(model: Model, piece: Piece, row: int, notes: list[str]) -> None:
         notes.append(f"damping of free joint {name!r} slows the body's centre of mass here, and not its turning")
     if m.dof_frictionloss[dof] > 0.0 or m.jnt_stiffness[row] > 0.0:
         notes.append(f"friction and stiffness of free joint {name!r} are left out")
+    if m.dof_armature[dof] > 0.0:
+        notes.append(f"left out: armature of free joint {name!r}")

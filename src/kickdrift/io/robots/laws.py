@@ -8,6 +8,8 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.io.robots.parsing import Model
 from kickdrift.world.joints.axis import Axis, Drive
 
+_ANY = (-math.inf, math.inf)
+
 
 @dataclass(frozen=True)
 class Actuator:
@@ -21,9 +23,9 @@ class Actuator:
     bias : (3,) tuple of float
         Zeros for a motor, whose control is its force.
     control_range : (2,) tuple of float
-        Least and greatest control; nothing holds to it.
-    maximum : float
-        Greatest force, in N or N m at the joint.
+        Least and greatest control; one beyond them counts as the nearest of them, as in MuJoCo.
+    force_range : (2,) tuple of float
+        Least and greatest force, in N or N m at the joint.
     zero : float
         The file's position of the joint, where `Joint.angle` or `Joint.position` is zero.
     passive : Drive
@@ -35,7 +37,7 @@ class Actuator:
     gain: float
     bias: tuple[float, float, float]
     control_range: tuple[float, float]
-    maximum: float
+    force_range: tuple[float, float]
     zero: float
     passive: Drive
 
@@ -43,6 +45,11 @@ class Actuator:
     def servo(self) -> bool:
         """Whether it is a spring or damper towards its control."""
         return self.bias[1] < 0.0 or self.bias[2] < 0.0
+
+    @property
+    def maximum(self) -> float:
+        """Greatest force in either direction, in N or N m at the joint."""
+        return max(abs(end) for end in self.force_range)
 
     def drive(self, control: float) -> Drive:
         """Return what the joint does at a control, together with its own spring and damper, for ``Joint.set_drive``.
@@ -58,7 +65,7 @@ class Actuator:
                 " Joint.apply_effort."
             )
         stiffness, damping = -self.bias[1] * self.gear**2, -self.bias[2] * self.gear**2
-        constant = self.gear * (self.gain * control + self.bias[0])  # at position and speed zero of the file
+        constant = self._force(control)  # at position and speed zero of the file
         passive = self.passive
         total, rate = stiffness + passive.stiffness, damping + passive.damping
         if total == 0.0:
@@ -67,7 +74,7 @@ class Actuator:
         return Drive(stiffness=total, damping=rate, target=pull / total, maximum=self.maximum)
 
     def effort(self, control: float) -> float:
-        """Return the force or torque of a motor at a control, at most its maximum, for ``Joint.apply_effort``; N or N m.
+        """Return the force or torque of a motor at a control, within its range, for ``Joint.apply_effort``; N or N m.
 
         Raises
         ------
@@ -78,7 +85,14 @@ class Actuator:
             raise ArgumentError(
                 f"control={control!r} of a servo is no force; give its drive(control) to Joint.set_drive."
             )
-        return min(max(self.gear * (self.gain * control + self.bias[0]), -self.maximum), self.maximum)
+        return _clipped(self._force(control), self.force_range)
+
+    def _force(self, control: float) -> float:
+        return self.gear * (self.gain * _clipped(control, self.control_range) + self.bias[0])
+
+
+def _clipped(value: float, ends: tuple[float, float]) -> float:
+    return min(max(value, ends[0]), ends[1])
 
 
 def axis_of(model: Model, joint: int, actuators: dict[str, Actuator], notes: list[str]) -> Axis:
@@ -110,6 +124,10 @@ def axis_of(model: Model, joint: int, actuators: dict[str, Actuator], notes: lis
             raise ArgumentError(f"joint {name!r} has two servos; a joint here has one, so give one of them.")
         if actuator.servo:
             drive = actuator.drive(0.0)
+            if -actuator.force_range[0] != actuator.force_range[1]:
+                notes.append(
+                    f"the force of servo {model.name('actuator', row)!r} has the greater one of its limits in both directions"
+                )
             if drive.maximum < math.inf and (passive.stiffness > 0.0 or passive.damping > 0.0):
                 notes.append(
                     f"the greatest force of the servo of joint {name!r} holds for it and the joint's own spring and"
@@ -130,21 +148,29 @@ def _actuator(model: Model, row: int, zero: float, passive: Drive, notes: list[s
         notes.append(f"actuator {name!r} is left out: it is no motor, and no servo without dynamics of its own")
         return None
     gear = float(m.actuator_gear[row, 0])
-    maximum = math.inf
-    if m.actuator_forcelimited[row]:
-        maximum = abs(gear) * _symmetric(f"forcerange of actuator {name!r}", m.actuator_forcerange[row], notes)
-    if m.jnt_actfrclimited[joint]:
-        title = f"actuatorfrcrange of joint {model.name('joint', joint)!r}"
-        maximum = min(maximum, _symmetric(title, m.jnt_actfrcrange[joint], notes))
-    reach = m.actuator_ctrlrange[row].tolist() if m.actuator_ctrllimited[row] else (-math.inf, math.inf)
+    clamped = m.actuator_ctrllimited[row] and not m.opt.disableflags & mj.mjtDisableBit.mjDSBL_CLAMPCTRL
     return Actuator(
-        model.name("joint", joint), gear, float(m.actuator_gainprm[row, 0]), bias, (reach[0], reach[1]), maximum, zero,
-        passive,
-    )  # fmt: skip
+        joint=model.name("joint", joint),
+        gear=gear,
+        gain=float(m.actuator_gainprm[row, 0]),
+        bias=bias,
+        control_range=_ends(m.actuator_ctrlrange[row]) if clamped else _ANY,
+        force_range=_force_range(m, row, gear, joint),
+        zero=zero,
+        passive=passive,
+    )
 
 
-def _symmetric(title: str, ends: Any, notes: list[str]) -> float:
-    lower, upper = (float(end) for end in ends)
-    if lower != -upper:
-        notes.append(f"{title} is not the same in both directions; here the greater one counts in both")
-    return max(abs(lower), abs(upper))
+def _force_range(m: Any, row: int, gear: float, joint: int) -> tuple[float, float]:
+    """Return the least and the greatest force of an actuator at its joint, which may have a range of its own."""
+    least, greatest = _ANY
+    if m.actuator_forcelimited[row]:
+        least, greatest = sorted(gear * end for end in _ends(m.actuator_forcerange[row]))
+    if m.jnt_actfrclimited[joint]:
+        lower, upper = _ends(m.jnt_actfrcrange[joint])
+        least, greatest = max(least, lower), min(greatest, upper)
+    return least, greatest
+
+
+def _ends(pair: Any) -> tuple[float, float]:
+    return float(pair[0]), float(pair[1])

@@ -1,6 +1,7 @@
 """What a file says and nothing here does."""
 
 import re
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,6 @@ from kickdrift.io.robots.parsing import Model
 
 # Arrays of a model that ask for something where they are not zero: kind of the rows, and what it is.
 _NONZERO = {
-    "dof_armature": ("joint", "armature, the inertia of a rotor"),
     "dof_dampingpoly": ("joint", "damping beyond the linear term"),
     "jnt_stiffnesspoly": ("joint", "stiffness beyond the linear term"),
     "jnt_springyield": ("joint", "yielding springs"),
@@ -30,6 +30,8 @@ _COUNTS = {
     "nplugin": "plugins",
 }
 
+_OVERLAP = 1e-3  # m
+
 _NAME = re.compile(r"([^']*)('[^']*')(.*)", re.DOTALL)
 
 
@@ -48,6 +50,23 @@ def omissions(model: Model) -> list[str]:
     if m.opt.density or m.opt.viscosity:
         notes.append("left out: the medium, with its wind, density and viscosity")
     return notes + _actuators(model) + _friction(m, model)
+
+
+def overlaps(model: Model, apart: Iterable[tuple[int, int]]) -> list[str]:
+    """List bodies that overlap in the reference pose, but for pairs that never touch."""
+    m, d = model.compiled, model.data
+    model.mujoco.mj_collision(m, d)
+    deepest: dict[tuple[int, int], float] = {}
+    for contact in d.contact[: d.ncon]:
+        a, b = sorted(int(m.body_weldid[body]) or int(body) for body in m.geom_bodyid[contact.geom])
+        deepest[a, b] = min(deepest.get((a, b), 0.0), float(contact.dist))
+    left_out = {tuple(sorted(pair)) for pair in apart}
+    return [
+        f"bodies {model.named('body', pair)} overlap by {-depth:.2g} m in the reference pose and push each other apart; move"
+        " or exclude them"
+        for pair, depth in deepest.items()
+        if depth < -_OVERLAP and pair not in left_out
+    ]
 
 
 def gathered(notes: list[str]) -> tuple[str, ...]:

@@ -1,6 +1,7 @@
 """MJCF and URDF texts through MuJoCo's parser and compiler."""
 
 import re
+import warnings
 from collections.abc import Iterable
 from importlib import import_module
 from pathlib import Path
@@ -10,8 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError, FileFormatError, missing_extra
+from kickdrift.io.robots.mending import drop_materials, find_packages, mend_inertias
+from kickdrift.world.shapes.hull import Hull
 
 Floats = NDArray[np.float64]
+
+# Of a URDF file, to have shapes that touch nothing; MuJoCo leaves them out by default.
+_SHOWN = '<mujoco><compiler discardvisual="false"/></mujoco>'
 
 _ROOT = re.compile(rb"<\s*(mujoco|robot)[\s>/]")
 
@@ -25,6 +31,9 @@ class Model(NamedTuple):
         The package, its ``MjModel`` and the ``MjData`` that holds the reference pose.
     position, orientation : (3,) and (4,) array
         Of the file's axes in the world.
+    is_urdf : bool
+    hulls : dict
+        Hulls of meshes that are made already, by their numbers; each with how many points it is of, 0 for all.
     """
 
     mujoco: Any
@@ -32,6 +41,8 @@ class Model(NamedTuple):
     data: Any
     position: Floats
     orientation: Floats
+    is_urdf: bool
+    hulls: dict[int, tuple[Hull, int]]
 
     def name(self, kind: str, index: int) -> str:
         """Return the name of a body, joint, geom, actuator or site; of one without, the kind and its number."""
@@ -45,6 +56,10 @@ class Model(NamedTuple):
     def is_one_of(self, value: Any, *kinds: Any) -> bool:
         """Whether a number is one of MuJoCo's enumerations, which NumPy's numbers on the right do not equal."""
         return int(value) in map(int, kinds)
+
+    def is_fixed(self, body: int) -> bool:
+        """Whether a body is fixed to the world; numbers from ``nbody`` on are of bodies that move."""
+        return body < self.compiled.nbody and bool(self.compiled.body_weldid[body] == 0)
 
     def point(self, point: Floats) -> Floats:
         """Take a point from the file's axes to the world's."""
@@ -80,8 +95,14 @@ class Model(NamedTuple):
         return result.reshape(3, 3)
 
 
-def parse(path: str | Path, floating: bool, position: Floats, orientation: Floats) -> Model:
+def parse(path: str | Path, floating: bool, position: Floats, orientation: Floats) -> tuple[Model, list[str]]:
     """Read a file.
+
+    Returns
+    -------
+    Model
+    list of str
+        Notes on what is not as the file says.
 
     Raises
     ------
@@ -97,11 +118,12 @@ def parse(path: str | Path, floating: bool, position: Floats, orientation: Float
     except ImportError:
         raise missing_extra("kickdrift.load_robot", "mujoco", "robots") from None
     try:
-        root = _ROOT.search(Path(path).read_bytes())
+        content = Path(path).read_bytes()
     except OSError as error:
         raise FileFormatError(f"path={str(path)!r} cannot be read: {error.strerror or error}.") from None
     except ValueError as error:
         raise FileFormatError(f"path={str(path)!r} names no file: {error}.") from None
+    root = _ROOT.search(content)
     if root is None:
         raise FileFormatError(
             f"path={str(path)!r} is neither MJCF nor URDF: it has no element <mujoco> and none <robot>."
@@ -111,20 +133,56 @@ def parse(path: str | Path, floating: bool, position: Floats, orientation: Float
             f"floating=True is for URDF, which cannot say whether its root is fixed; path={str(path)!r} is MJCF: give its"
             " root a <freejoint/>."
         )
-    try:
-        spec = mujoco.MjSpec.from_file(str(path))
-        spec.compiler.fusestatic = False  # keeps the names of bodies that are fixed to others
-        if floating:
-            _set_free(spec)
-        compiled = spec.compile()
-    except (ValueError, RuntimeError, mujoco.FatalError) as error:
-        reason = "; ".join(line.strip() for line in str(error).splitlines() if line.strip())
-        raise FileFormatError(
-            f"path={str(path)!r} is no robot that MuJoCo {mujoco.__version__} understands: {reason}"
-        ) from None
+    notes: list[str] = []
+    compiled = _compile(mujoco, Path(path), content, floating, notes)
     data = mujoco.MjData(compiled)
     mujoco.mj_kinematics(compiled, data)
-    return Model(mujoco, compiled, data, position, orientation)
+    return Model(mujoco, compiled, data, position, orientation, root[1] == b"robot", {}), notes
+
+
+def _compile(mujoco: Any, path: Path, content: bytes, floating: bool, notes: list[str]) -> Any:
+    """Compile a file, of a URDF file also what is for show, where MuJoCo can."""
+    refused = (ValueError, RuntimeError, mujoco.FatalError)
+    text = content.decode("utf-8", "replace")
+    end = text.rfind("</robot>")
+    if end >= 0 and "<mujoco" not in text:  # which says itself what it wants
+        shown: list[str] = []
+        try:
+            compiled = _build(
+                mujoco, mujoco.MjSpec.from_string(text[:end] + _SHOWN + text[end:]), path, floating, shown
+            )
+        except refused as error:
+            notes.append(f"left out: what is only for show, which MuJoCo does not compile: {_reason(error)}")
+        else:
+            notes += shown
+            return compiled
+    try:
+        return _build(mujoco, mujoco.MjSpec.from_file(str(path)), path, floating, notes)
+    except refused as error:
+        raise FileFormatError(
+            f"path={str(path)!r} is no robot that MuJoCo {mujoco.__version__} understands: {_reason(error)}"
+        ) from None
+
+
+def _build(mujoco: Any, spec: Any, path: Path, floating: bool, notes: list[str]) -> Any:
+    spec.modelfiledir = str(path.parent)
+    spec.compiler.fusestatic = False  # keeps the names of bodies that are fixed to others
+    if floating:
+        _set_free(spec)
+    find_packages(spec, path.resolve().parent)
+    drop_materials(spec, notes)
+    repairs = mend_inertias(mujoco, spec, notes)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        compiled = spec.compile()
+    notes += [f"MuJoCo says: {warning.message}" for warning in said if "texture" not in str(warning.message)]
+    for repair in repairs:
+        repair(compiled)
+    return compiled
+
+
+def _reason(error: Exception) -> str:
+    return "; ".join(line.strip() for line in str(error).splitlines() if line.strip())
 
 
 def _set_free(spec: Any) -> None:

@@ -112,6 +112,12 @@ def combined(parts: Sequence[Mass]) -> Mass:
     """
     if not parts:
         raise ArgumentError("A body of no shapes has no mass; give it a shape, or a mass and an inertia.")
+    whole = summed(parts)
+    return whole._replace(inertia=checked_inertia(whole.inertia))
+
+
+def summed(parts: Sequence[Mass]) -> Mass:
+    """Add parts up as `combined` does, whatever their inertias are."""
     masses = np.array([part.mass for part in parts])
     total = float(masses.sum())
     centre = masses @ np.array([part.centre for part in parts]) / total
@@ -119,7 +125,7 @@ def combined(parts: Sequence[Mass]) -> Mass:
     for part in parts:
         arm = part.centre - centre
         inertia += part.inertia + part.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
-    return Mass(total, centre, checked_inertia(inertia))
+    return Mass(total, centre, inertia)
 
 
 def checked_inertia(inertia: ArrayLike, argument: str = "inertia") -> Array:
