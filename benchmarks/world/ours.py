@@ -19,8 +19,8 @@ from kickdrift.world.joints.layout import (
     TARGET,
     UPPER,
 )
+from kickdrift.world.layout import BODY_ROW, LAYER, MASK
 from kickdrift.world.settings import GRAVITY
-from kickdrift.world.shape_rows import BODY_ROW, LAYER, MASK
 from kickdrift.world.shapes.kinds import BOX, CAPSULE, PLANE, SPHERE
 from kickdrift.world.tables import INERTIA, JOINT, JOINT_AXES, JOINT_NUMBERS, SETTINGS, SHAPE
 from kickdrift.world.world import World

@@ -1,7 +1,7 @@
 """Bounces in islands: what hits leaves with the speed that restitution gives it, and joints take their part at once.
 
-At the start of a substep, where joints hold, in rounds: all points that will hit within the substep faster than the bounce speed
-get the speed -e times their own, those of one manifold that would in the next one too, which keeps what lands flat from
+At the start of a substep, where joints hold, in rounds: all points that will hit within the substep faster than the bounce
+speed get the speed -e times their own, those of one manifold that would in the next one too, which keeps what lands flat from
 turning; then what these push onto others, until none hits. Smith, Kaufman, Vouga, Tamstorf, Grinspun, Reflections on
 Simultaneous Impact, ACM Trans. Graph. 31 (2012) 106.
 """

@@ -1,8 +1,8 @@
 """The rows of a contact as the direct solver takes them: wrenches, the speed wanted, and the piece of its law that is assumed.
 
 A point pushes or is open. Friction, twist and rolling resistance each hold what touches at its speed, or slide at their
-greatest impulse, mu times what the points carry: the projection of lambda - D (s - wanted) onto a disk, of which a trial of Newton's
-method takes the derivative.
+greatest impulse, mu times what the points carry: the projection of lambda - D (s - wanted) onto a disk, of which a trial of
+Newton's method takes the derivative.
 """
 
 import math
