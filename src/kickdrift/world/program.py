@@ -17,7 +17,7 @@ from kickdrift.world.contacts.solve import THREADED, measure, relax, solve, stor
 from kickdrift.world.direct.bounces import bounce_islands
 from kickdrift.world.direct.islands import find_islands
 from kickdrift.world.direct.nodes import find_nodes
-from kickdrift.world.direct.solve import relax_islands, solve_islands
+from kickdrift.world.direct.solve import measure_islands, relax_islands, solve_islands
 from kickdrift.world.events import note_touching
 from kickdrift.world.flight import begin, drift, finish, flatten, kick
 from kickdrift.world.force_stage import begin_forces
@@ -88,6 +88,7 @@ def word(uses: Uses, joints: Joints) -> Word:
     after = (
         finish,
         measure,
+        *when(joints.present, measure_islands),
         store,
         note_touching,
         *when(uses.sleeps, sleep),

@@ -170,6 +170,20 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
 
 
 @compiled(cached=False)
+def left_of_contacts(island: int, world: int) -> float:
+    """Return how fast points that carry something part or approach, at most, m/s."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    groups, begin, velocity, most = integers(world, GROUPS), integers(world, COLOURS)[LINKED, 1], twelve(), 0.0
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        numbers, fields = contact_row(order[k, 0], world), constraint(order[k, 0], world)
+        read_both(MOTION, groups[begin + order[k, 0], 0], groups[begin + order[k, 0], c.WIDTH], velocity, world)
+        for i in range(TANGENT):
+            if numbers[ACTIVE + i] != 0.0 and fields[impulse_field(i) * c.WIDTH] > 0.0:
+                most = max(most, abs(along(numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12], velocity)))
+    return most
+
+
+@compiled(cached=False)
 def is_cut(island: int, world: int) -> bool:
     """Whether an island touches another one."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)

@@ -30,6 +30,7 @@ from kickdrift.world.direct.contacts import (
     fix_contacts,
     give_contacts,
     is_cut,
+    left_of_contacts,
     load_contacts,
     note_impulses,
     predict_contacts,
@@ -75,6 +76,7 @@ from kickdrift.world.joints.layout import (
 from kickdrift.world.joints.layout import BODY as LINK_BODY
 from kickdrift.world.joints.measure import measure, put_vector
 from kickdrift.world.joints.repair import shift_body
+from kickdrift.world.settings import RESIDUAL
 from kickdrift.world.tables import (
     INERTIA,
     ISLAND,
@@ -86,6 +88,7 @@ from kickdrift.world.tables import (
     MOTION,
     NODE,
     POSE,
+    SETTINGS,
     floats,
     integers,
     rows,
@@ -147,6 +150,14 @@ def relax_islands(t: float, h: float, world: int) -> None:
             stay_closings(island, world)
             hold(island, h, 0.0, REST, world)
         end_relaxation(island, h, world)
+
+
+@compiled
+def measure_islands(t: float, h: float, world: int) -> None:
+    """Measure what is left unsolved of the contacts of islands: how fast points that press part or approach, at most."""
+    settings = floats(world, SETTINGS)
+    for island in range(rows(world, ISLAND)):
+        settings[0, RESIDUAL] = max(settings[0, RESIDUAL], left_of_contacts(island, world))
 
 
 @compiled(cached=False)
