@@ -39,7 +39,7 @@ from kickdrift.world.tables import ISLAND, ISLAND_CLOSING, JOINT_NUMBERS, LINK, 
 _RIGID, FORGOTTEN = 1e6, 1e-3
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def _write(table: Any, row: int, axes: int, arm_a: int, arm_b: int, k: int, wrench: Any) -> None:
     """Write the wrench of a unit impulse along an axis."""
     axis = vector_at(table, row, axes + 3 * k)
@@ -51,7 +51,7 @@ def _write(table: Any, row: int, axes: int, arm_a: int, arm_b: int, k: int, wren
         wrench[i], wrench[3 + i], wrench[6 + i], wrench[9 + i] = -push[i], -turn_a[i], push[i], turn_b[i]
 
 
-@compiled(inline=True, cached=False)
+@compiled(inline=True, cached=False, fast=True)
 def _stiffness(link: int, k: int, world: int) -> float:
     """Impulse along an axis of a closing joint per change of speed; 0.0 along one that nothing moves."""
     links, work = integers(world, LINK), floats(world, LINK_NUMBERS)
@@ -62,7 +62,7 @@ def _stiffness(link: int, k: int, world: int) -> float:
     return slope
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def begin_closings(island: int, world: int) -> None:
     """Begin with the impulses of the substep before."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CLOSING)
@@ -74,7 +74,7 @@ def begin_closings(island: int, world: int) -> None:
             work[link, BEGUN + k] = (1.0 - FORGOTTEN) * numbers[joint, SOLVED + k] - numbers[joint, IMPULSE + k]
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def stay_closings(island: int, world: int) -> None:
     """Begin with the impulses that there are."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CLOSING)
@@ -84,7 +84,7 @@ def stay_closings(island: int, world: int) -> None:
             work[order[place, 0], BEGUN + k] = 0.0
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def refine_closings(island: int, world: int) -> float:
     """Begin with the impulses of the solution at hand, and return the greatest speed that it leaves, m/s or rad/s."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CLOSING)
@@ -98,7 +98,7 @@ def refine_closings(island: int, world: int) -> float:
     return worst
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def add_closings(island: int, world: int) -> None:
     """Add the rows of closing joints to the matrix of an island."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CLOSING)
@@ -115,7 +115,7 @@ def add_closings(island: int, world: int) -> None:
                 add_row(a, b, stiffness, start, ahead, world)
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def load_closings(island: int, world: int) -> None:
     """Add to the loads on the nodes of an island what its closing joints give if no speed changes."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CLOSING)
@@ -137,14 +137,14 @@ def load_closings(island: int, world: int) -> None:
                         work[to, LOAD + i] += impulse * start[6 * side + i]
 
 
-@compiled(inline=True, cached=False)
+@compiled(inline=True, cached=False, fast=True)
 def _node(links: Any, link: int, side: int) -> int:
     to = links[link, LINK_A + side]
     node: int = links[to, PLACE] if to >= 0 else -1
     return node
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def predict_closings(island: int, world: int) -> None:
     """Find the changes of speed and the impulses along the axes of closing joints."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CLOSING)

@@ -51,12 +51,12 @@ UNNOTICED = 1e-5
 SLIPPED = 1e-4
 
 
-@compiled(inline=True, cached=False)
+@compiled(inline=True, cached=False, fast=True)
 def _vector(own: Any, field: int) -> Vector:
     return own[field * W], own[(field + 1) * W], own[(field + 2) * W]
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def write_wrench(own: Any, k: int, wrench: Any) -> None:
     """Write the wrench of a row's unit impulse."""
     n, u = _vector(own, c.N), _vector(own, c.T)
@@ -78,7 +78,7 @@ def write_wrench(own: Any, k: int, wrench: Any) -> None:
         wrench[6 + i], wrench[9 + i] = push[i], turn_b[i]
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def along(wrench: Any, velocity: Any) -> float:
     """Speed along a row."""
     total = 0.0
@@ -87,7 +87,7 @@ def along(wrench: Any, velocity: Any) -> float:
     return total
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def mobility(wrench: Any, body: int, side: int, world: int) -> float:
     """Speed along a row per impulse along it, of one of its bodies alone."""
     response, at = floats(world, RESPONSE), 6 * side
@@ -96,7 +96,7 @@ def mobility(wrench: Any, body: int, side: int, world: int) -> float:
     return total + turning(symmetric_at(response, body, TURN_RESPONSE), turn)
 
 
-@compiled(inline=True, cached=False)
+@compiled(inline=True, cached=False, fast=True)
 def impulse_field(k: int) -> int:
     """Field of a constraint that holds the impulse of a row."""
     if k < TANGENT:
@@ -106,7 +106,7 @@ def impulse_field(k: int) -> int:
     return c.TWIST + 1 if k == TWIST else c.ROLL + 2 + k - ROLL
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def begin_row(own: Any, rows: Any, k: int, velocity: Any, a: int, b: int, cut: int, rigid: float, world: int) -> None:
     """Write the wrench of a row, its speed and its stiffness; it takes part if it can be moved.
 
@@ -123,19 +123,19 @@ def begin_row(own: Any, rows: Any, k: int, velocity: Any, a: int, b: int, cut: i
     rows[WANTED + k], rows[MOVED + k], rows[GIVEN + k], rows[STATE + k] = 0.0, 0.0, 0.0, OPEN
 
 
-@compiled(inline=True, cached=False)
+@compiled(inline=True, cached=False, fast=True)
 def first_row(bound: int) -> int:
     """First row of a bound: tangents, twist, rolling."""
     return TANGENT if bound == 0 else TWIST if bound == 1 else ROLL
 
 
-@compiled(inline=True, cached=False)
+@compiled(inline=True, cached=False, fast=True)
 def bound_rows(bound: int) -> int:
     """Rows that have a bound in common."""
     return 2 if bound == 0 else 1 if bound == 1 else 3
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def find_bounds(own: Any, rows: Any) -> None:
     """Bound friction, twist and rolling resistance by what the points carry with the solution at hand."""
     normal, lever = 0.0, 0.0
@@ -148,7 +148,7 @@ def find_bounds(own: Any, rows: Any) -> None:
     rows[BOUND], rows[BOUND + 1], rows[BOUND + 2] = friction * normal, friction * lever, own[c.ROLL * W] * normal
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def review_points(rows: Any, first: bool, opened: bool) -> bool:
     """Assume that points push or are open as the solution at hand says; return whether that is nothing new."""
     settled = True
@@ -169,7 +169,7 @@ def review_points(rows: Any, first: bool, opened: bool) -> bool:
     return settled
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def review_bound(rows: Any, bound: int, first: bool, opened: bool) -> bool:
     """Assume that friction, twist or rolling resistance holds or slides; return whether that is nothing new.
 
@@ -210,7 +210,7 @@ def review_bound(rows: Any, bound: int, first: bool, opened: bool) -> bool:
     return settled
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def _wish(rows: Any, begin: int, end: int, stiffness: float) -> float:
     """Find the impulse that would hold, as a constant of the rows, and return its size."""
     square = 0.0
@@ -221,7 +221,7 @@ def _wish(rows: Any, begin: int, end: int, stiffness: float) -> float:
     return math.sqrt(square)
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def _slide(rows: Any, bound: int, most: float, share: float) -> None:
     """Let rows slide with their greatest impulse, of which a share of the stiffness turns the direction."""
     begin, count = first_row(bound), bound_rows(bound)
@@ -234,7 +234,7 @@ def _slide(rows: Any, bound: int, most: float, share: float) -> None:
         rows[CONSTANT + k] = most * rows[DIRECTION + k] - rows[IMPULSE + k] + turning
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def bind_points(rows: Any) -> None:
     """Let no point pull."""
     for k in range(TANGENT):
@@ -242,7 +242,7 @@ def bind_points(rows: Any) -> None:
             rows[GIVEN + k] = max(rows[GIVEN + k], -rows[IMPULSE + k])
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def bind(rows: Any) -> None:
     """Keep the impulses of the solution at hand within their bounds."""
     bind_points(rows)
@@ -258,7 +258,7 @@ def bind(rows: Any) -> None:
             rows[GIVEN + k] = share * (rows[IMPULSE + k] + rows[GIVEN + k]) - rows[IMPULSE + k]
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def fix(rows: Any) -> None:
     """Let all rows give what they do by the solution at hand, whatever moves."""
     bind(rows)
@@ -270,7 +270,7 @@ def fix(rows: Any) -> None:
         rows[STATE + first_row(bound)], rows[SLIDE + bound] = SLIDING, 0.0
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def give_of(rows: Any, k: int, bound: int) -> float:
     """Impulse along a row with the solution at hand."""
     impulse: float = rows[CONSTANT + k]

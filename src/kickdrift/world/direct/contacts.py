@@ -87,20 +87,20 @@ SMOOTH_BOUNCE = 3  # the same without friction
 _PUSHED = 0.2
 
 
-@compiled(inline=True, cached=False)
+@compiled(inline=True, cached=False, fast=True)
 def contact_row(index: int, world: int) -> Any:
     """Return the numbers of a contact, counted from the first of the linked colour."""
     return flat(world, CONTACT_ROW)[_COLUMNS * index : _COLUMNS * (index + 1)]
 
 
-@compiled(inline=True, cached=False)
+@compiled(inline=True, cached=False, fast=True)
 def constraint(index: int, world: int) -> Any:
     """Return the constraint of a contact, in lane 0 of its group."""
     g = integers(world, COLOURS)[LINKED, 1] + index
     return flat(world, LANES)[g * _SIZE : (g + 1) * _SIZE]
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def read_both(table: Table, a: int, b: int, numbers: Any, world: int) -> None:
     """Read the first six numbers of both bodies of a contact."""
     columns = floats(world, table)
@@ -108,13 +108,13 @@ def read_both(table: Table, a: int, b: int, numbers: Any, world: int) -> None:
         numbers[k], numbers[6 + k] = columns[a, k], columns[b, k]
 
 
-@compiled(inline=True, cached=False)
+@compiled(inline=True, cached=False, fast=True)
 def twelve() -> Any:
     """Return room for the velocities of two bodies, or for what acts on them."""
     return carray(floats_on_stack(12), (12,))
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def begin_contacts(island: int, h: float, task: int, world: int) -> None:
     """Say what is wanted of the rows of all contacts of an island, as bodies move now."""
     own = integers(world, ISLAND)[island]
@@ -123,7 +123,7 @@ def begin_contacts(island: int, h: float, task: int, world: int) -> None:
         _begin_contact(order[k, 0], island, h, task, world)
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> None:
     groups, links = integers(world, GROUPS), integers(world, LINK)
     g = integers(world, COLOURS)[LINKED, 1] + index
@@ -169,7 +169,7 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
     find_bounds(own, numbers)
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def left_of_contacts(island: int, world: int) -> float:
     """Return how fast points that carry something part or approach, at most, m/s."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
@@ -183,7 +183,7 @@ def left_of_contacts(island: int, world: int) -> float:
     return most
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def is_cut(island: int, world: int) -> bool:
     """Whether an island touches another one."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
@@ -193,7 +193,7 @@ def is_cut(island: int, world: int) -> bool:
     return cut
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def note_impulses(island: int, back: bool, world: int) -> None:
     """Keep the impulses that a substep begins with, or go back to them."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
@@ -206,7 +206,7 @@ def note_impulses(island: int, back: bool, world: int) -> None:
                 numbers[START + i] = fields[impulse_field(i) * c.WIDTH]
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def review_contacts(island: int, task: int, first: bool, opened: bool, world: int) -> bool:
     """Assume pieces of the laws of contacts as the solution at hand says; return whether it was made with them."""
     own, order, settled = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), True
@@ -221,7 +221,7 @@ def review_contacts(island: int, task: int, first: bool, opened: bool, world: in
     return settled
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def fix_contacts(island: int, world: int) -> None:
     """Let the contacts of an island give what they do by the solution at hand, within their bounds."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
@@ -229,7 +229,7 @@ def fix_contacts(island: int, world: int) -> None:
         fix(contact_row(order[k, 0], world))
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def refine_contacts(island: int, world: int) -> float:
     """Begin with the impulses of the solution at hand, and return the greatest speed that it leaves where rows hold, m/s."""
     own, order, worst = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), 0.0
@@ -247,7 +247,7 @@ def refine_contacts(island: int, world: int) -> float:
     return worst
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def add_contacts(island: int, world: int) -> None:
     """Add the rows of contacts to the matrix of an island."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
@@ -278,7 +278,7 @@ def add_contacts(island: int, world: int) -> None:
                 add_row(a, b, stiffness, row, wrench, world)
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def load_contacts(island: int, world: int) -> None:
     """Add to the loads on the nodes of an island what its contacts give if no speed changes."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
@@ -290,7 +290,7 @@ def load_contacts(island: int, world: int) -> None:
                 _load(a, b, numbers[CONSTANT + i], numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12], world)
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def _load(a: int, b: int, impulse: float, wrench: Any, world: int) -> None:
     """Let an impulse along a row act on the nodes of a contact."""
     nodes, work = integers(world, NODE), floats(world, LINK_NUMBERS)
@@ -302,7 +302,7 @@ def _load(a: int, b: int, impulse: float, wrench: Any, world: int) -> None:
                 work[link, LOAD + i] += impulse * wrench[6 * side + i]
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def predict_contacts(island: int, world: int) -> None:
     """Find the changes of speed and the impulses along the rows, for the solution at hand."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
@@ -325,7 +325,7 @@ def predict_contacts(island: int, world: int) -> None:
                 numbers[GIVEN + i] = give_of(numbers, i, -1 if i < TANGENT else 0 if i < 6 else 1 if i == 6 else 2)
 
 
-@compiled(cached=False)
+@compiled(cached=False, fast=True)
 def give_contacts(island: int, task: int, world: int) -> None:
     """Give bodies the impulses that were found, none of which pulls."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)

@@ -96,7 +96,8 @@ from kickdrift.world.tables import (
 
 # Newton's method stops where the parts of their arms that joints are off by, times the ratio of masses, are below CLOSE. The
 # usual island takes two steps; one that is not NEAR after QUICK of them begins again from velocities that joints allow.
-QUICK, ROUNDS, CLOSE, NEAR = 3, 6, 1e-7, 1e-5
+# Each step squares what trees are off by, so that below SURE no one looks whether the step has done so.
+QUICK, ROUNDS, CLOSE, NEAR, SURE = 3, 6, 1e-6, 1e-5, 1e-3
 
 # Given up is what is farther off than that at the end, in parts of the arms, or has more energy than that times what velocities
 # have that joints allow: there are solutions far away, which no one wants.
@@ -123,7 +124,7 @@ def solve_islands(t: float, h: float, world: int) -> None:
         note_impulses(island, False, world)
         islands[island, LOST] = 0
         off = islands[island, RATIO] * aim_island(island, h, AHEAD, world)
-        if not (off <= POOR and _approach(island, h, QUICK, world) <= NEAR):
+        if not (off <= POOR and _approach(island, h, off, QUICK, world) <= NEAR):
             _take_care(island, h, world)
     for island in range(rows(world, ISLAND)):
         if is_cut(island, world):
@@ -161,14 +162,15 @@ def measure_islands(t: float, h: float, world: int) -> None:
 
 
 @compiled(cached=False)
-def _approach(island: int, h: float, most: int, world: int) -> float:
+def _approach(island: int, h: float, off: float, most: int, world: int) -> float:
     """Take steps of Newton's method, and return how far joints will be off, times the ratio of masses."""
-    ratio, off = integers(world, ISLAND)[island, RATIO], 1e300
+    own = integers(world, ISLAND)[island]
+    ratio, closed = own[RATIO], own[AFTER_CLOSING] > own[FIRST_CLOSING]
     for step in range(most):
         begin_closings(island, world)
         begin_contacts(island, h, PRESS, world)
         solve_once(island, h, h, PRESS, step == 0, world)
-        off = ratio * aim_island(island, h, AHEAD, world)
+        off = ratio * aim_island(island, h, AHEAD, world) if closed or off > SURE else off * off
         if off <= CLOSE:
             break
     return off
@@ -180,8 +182,8 @@ def _take_care(island: int, h: float, world: int) -> None:
     islands = integers(world, ISLAND)
     _project(island, h, GENTLY, PRESS, world)
     energy = kinetic_energy(island, world)
-    aim_island(island, h, AHEAD, world)
-    off = _approach(island, h, ROUNDS, world)
+    off = islands[island, RATIO] * aim_island(island, h, AHEAD, world)
+    off = _approach(island, h, off, ROUNDS, world)
     if not (off <= FAR * islands[island, RATIO] and kinetic_energy(island, world) <= EXCESS * energy):
         islands[island, LOST] = 1
         _project(island, h, GENTLY, PRESS, world)
@@ -306,7 +308,7 @@ def _solve(island: int, ahead: float, world: int) -> None:
     factor(integers(world, ISLAND)[island, FIRST_NODE], integers(world, ISLAND)[island, AFTER_NODE], world)
     _predict(island, True, world)
     for _ in range(REFINEMENTS):
-        if max(refine_closings(island, world), 1e-3 * refine_contacts(island, world)) < UNNOTICED:
+        if max(refine_closings(island, world), 1e-4 * refine_contacts(island, world)) < UNNOTICED:
             break
         _predict(island, True, world)
 
