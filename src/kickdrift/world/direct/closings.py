@@ -6,8 +6,8 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross
 from kickdrift.world.columns import vector_at
 from kickdrift.world.direct.contacts import twelve
-from kickdrift.world.direct.factorisation import add_row
 from kickdrift.world.direct.layout import AFTER_CLOSING, FIRST_CLOSING
+from kickdrift.world.direct.matrix import add_row
 from kickdrift.world.joints.layout import (
     ARM_A,
     ARM_A_AHEAD,

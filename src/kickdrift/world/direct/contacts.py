@@ -13,18 +13,14 @@ from kickdrift.world.direct.contact_rows import (
     RIGID_BOUNCE,
     along,
     begin_row,
-    bind,
-    bind_points,
     bound_rows,
     find_bounds,
     first_row,
     fix,
-    give_of,
     impulse_field,
     review_bound,
     review_points,
 )
-from kickdrift.world.direct.factorisation import add_row
 from kickdrift.world.direct.islands import node_of
 from kickdrift.world.direct.layout import (
     ACTIVE,
@@ -38,11 +34,9 @@ from kickdrift.world.direct.layout import (
     HITS,
     IMPULSE,
     LINK_ROW,
-    MOVED,
     NODE_ISLAND,
     NODES,
     SLIDE,
-    SPEED,
     START,
     STATE,
     STIFFNESS,
@@ -50,8 +44,8 @@ from kickdrift.world.direct.layout import (
     WANTED,
     WRENCH,
 )
-from kickdrift.world.joints.impulses import push_body
-from kickdrift.world.joints.layout import GAIN, LOAD, PLACE
+from kickdrift.world.direct.matrix import add_row
+from kickdrift.world.joints.layout import LOAD, PLACE
 from kickdrift.world.settings import PUSH_SPEED
 from kickdrift.world.tables import (
     CHANGE,
@@ -170,20 +164,6 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
 
 
 @compiled(cached=False, fast=True)
-def left_of_contacts(island: int, world: int) -> float:
-    """Return how fast points that carry something part or approach, at most, m/s."""
-    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    groups, begin, velocity, most = integers(world, GROUPS), integers(world, COLOURS)[LINKED, 1], twelve(), 0.0
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        numbers, fields = contact_row(order[k, 0], world), constraint(order[k, 0], world)
-        read_both(MOTION, groups[begin + order[k, 0], 0], groups[begin + order[k, 0], c.WIDTH], velocity, world)
-        for i in range(TANGENT):
-            if numbers[ACTIVE + i] != 0.0 and fields[impulse_field(i) * c.WIDTH] > 0.0:
-                most = max(most, abs(along(numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12], velocity)))
-    return most
-
-
-@compiled(cached=False, fast=True)
 def is_cut(island: int, world: int) -> bool:
     """Whether an island touches another one."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
@@ -227,24 +207,6 @@ def fix_contacts(island: int, world: int) -> None:
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         fix(contact_row(order[k, 0], world))
-
-
-@compiled(cached=False, fast=True)
-def refine_contacts(island: int, world: int) -> float:
-    """Begin with the impulses of the solution at hand, and return the greatest speed that it leaves where rows hold, m/s."""
-    own, order, worst = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), 0.0
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        numbers = contact_row(order[k, 0], world)
-        for i in range(10):
-            first = i if i < TANGENT else first_row(0 if i < 6 else 1 if i == 6 else 2)
-            if numbers[ACTIVE + i] != 0.0 and numbers[STATE + first] == HELD:
-                missing = numbers[WANTED + i] - numbers[SPEED + i]
-                if numbers[CUT] != 0.0:
-                    continue
-                if i < TANGENT + 2:
-                    worst = max(worst, abs(missing - numbers[MOVED + i]))
-                numbers[CONSTANT + i] = numbers[GIVEN + i] + numbers[STIFFNESS + first] * missing
-    return worst
 
 
 @compiled(cached=False, fast=True)
@@ -300,56 +262,3 @@ def _load(a: int, b: int, impulse: float, wrench: Any, world: int) -> None:
             link = nodes[node, LINK_ROW]
             for i in range(6):
                 work[link, LOAD + i] += impulse * wrench[6 * side + i]
-
-
-@compiled(cached=False, fast=True)
-def predict_contacts(island: int, world: int) -> None:
-    """Find the changes of speed and the impulses along the rows, for the solution at hand."""
-    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    nodes, work = integers(world, NODE), floats(world, LINK_NUMBERS)
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        numbers = contact_row(order[k, 0], world)
-        for i in range(10):
-            if numbers[ACTIVE + i] == 0.0:
-                continue
-            total = 0.0
-            for side in range(2):
-                node = int(numbers[NODES + side])
-                if node >= 0:
-                    link = nodes[node, LINK_ROW]
-                    for m in range(6):
-                        total += numbers[WRENCH + 12 * i + 6 * side + m] * work[link, GAIN + m]
-            numbers[MOVED + i] = total
-        for i in range(10):
-            if numbers[ACTIVE + i] != 0.0:
-                numbers[GIVEN + i] = give_of(numbers, i, -1 if i < TANGENT else 0 if i < 6 else 1 if i == 6 else 2)
-
-
-@compiled(cached=False, fast=True)
-def give_contacts(island: int, task: int, world: int) -> None:
-    """Give bodies the impulses that were found, none of which pulls."""
-    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    groups, begin = integers(world, GROUPS), integers(world, COLOURS)[LINKED, 1]
-    given = twelve()
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        index = order[k, 0]
-        numbers, own_fields = contact_row(index, world), constraint(index, world)
-        for m in range(12):
-            given[m] = 0.0
-        if task in (PRESS, SMOOTH_BOUNCE):
-            bind_points(numbers)
-        else:
-            bind(numbers)
-        for i in range(10):
-            if numbers[ACTIVE + i] == 0.0:
-                continue
-            impulse = numbers[GIVEN + i]
-            if task < BOUNCE:
-                own_fields[impulse_field(i) * c.WIDTH] = numbers[IMPULSE + i] + impulse
-            for m in range(12):
-                given[m] += impulse * numbers[WRENCH + 12 * i + m]
-        for side in range(2):
-            if numbers[NODES + side] >= 0.0 or numbers[CUT] == 1.0 + side:
-                body, at = groups[begin + index, c.WIDTH * side], 6 * side
-                push = (given[at], given[at + 1], given[at + 2])
-                push_body(body, push, (given[at + 3], given[at + 4], given[at + 5]), world)

@@ -21,6 +21,7 @@ from kickdrift.world.direct.closings import (
     refine_closings,
     stay_closings,
 )
+from kickdrift.world.direct.contact_impulses import give_contacts, left_of_contacts, predict_contacts, refine_contacts
 from kickdrift.world.direct.contacts import (
     BOUNCE,
     PRESS,
@@ -28,16 +29,12 @@ from kickdrift.world.direct.contacts import (
     add_contacts,
     begin_contacts,
     fix_contacts,
-    give_contacts,
     is_cut,
-    left_of_contacts,
     load_contacts,
     note_impulses,
-    predict_contacts,
-    refine_contacts,
     review_contacts,
 )
-from kickdrift.world.direct.factorisation import clear_blocks, factor, put_inertia
+from kickdrift.world.direct.factorisation import factor
 from kickdrift.world.direct.layout import (
     AFTER_CLOSING,
     AFTER_NODE,
@@ -47,6 +44,7 @@ from kickdrift.world.direct.layout import (
     LOST,
     RATIO,
 )
+from kickdrift.world.direct.matrix import clear_blocks, put_inertia
 from kickdrift.world.direct.substitution import substitute
 from kickdrift.world.flight import BODY_INERTIA, MASS
 from kickdrift.world.joints.aim import AHEAD, GENTLY, RELAX, REPAIR, aim
@@ -97,7 +95,7 @@ from kickdrift.world.tables import (
 # Newton's method stops where the parts of their arms that joints are off by, times the ratio of masses, are below CLOSE. The
 # usual island takes two steps; one that is not NEAR after QUICK of them begins again from velocities that joints allow.
 # Each step squares what trees are off by, so that below SURE no one looks whether the step has done so.
-QUICK, ROUNDS, CLOSE, NEAR, SURE = 3, 6, 1e-6, 1e-5, 1e-3
+QUICK, ROUNDS, CLOSE, CLOSE_LOOPS, NEAR, SURE = 3, 6, 1e-6, 1e-9, 1e-5, 1e-3
 
 # Given up is what is farther off than that at the end, in parts of the arms, or has more energy than that times what velocities
 # have that joints allow: there are solutions far away, which no one wants.
@@ -171,7 +169,7 @@ def _approach(island: int, h: float, off: float, most: int, world: int) -> float
         begin_contacts(island, h, PRESS, world)
         solve_once(island, h, h, PRESS, step == 0, world)
         off = ratio * aim_island(island, h, AHEAD, world) if closed or off > SURE else off * off
-        if off <= CLOSE:
+        if off <= (CLOSE_LOOPS if closed else CLOSE):
             break
     return off
 

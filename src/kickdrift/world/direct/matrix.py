@@ -1,0 +1,110 @@
+"""The matrix of an island before it is factored: inertias of bodies, and rows times their stiffness."""
+
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Symmetric, cross, inverse_symmetric, plus, times
+from kickdrift.world.columns import symmetric_at, vector_at
+from kickdrift.world.direct.layout import FIRST_NEIGHBOUR, LINK_ROW, LOWER, NEIGHBOURS, UPPER
+from kickdrift.world.joints.layout import ANGULAR_PART, BODY, INERTIA, TURN_RESPONSE
+from kickdrift.world.joints.measure import put_vector
+from kickdrift.world.tables import BLOCK, LINK, LINK_NUMBERS, MOTION, NEIGHBOUR, NODE, RESPONSE, floats, integers
+
+# Of bodies that cannot turn, or turn about some axes only, as if they were heavier than they are: with 1e8, what they
+# then turn and what is lost to rounding are both parts in 1e8, which the next substep corrects.
+_IMMOVABLE = 1e8
+
+
+@compiled(inline=True, cached=False, fast=True)
+def _divided(s: Symmetric, divisor: float) -> Symmetric:
+    """Divide a symmetric matrix by a number."""
+    return (s[0] / divisor, s[1] / divisor, s[2] / divisor, s[3] / divisor, s[4] / divisor, s[5] / divisor)
+
+
+@compiled(cached=False, fast=True)
+def put_inertia(link: int, ahead: float, world: int) -> None:
+    """Fill in the inertia of the body alone, about its centre of mass.
+
+    A change dw of its angular velocity w turns it, after a time h, by h T dw with T = 1 + h w x / 2 + ...: velocities
+    ahead are T dw, and the inertia is I T^-1, where T^-1 = 1 - h w x / 2 + (h w x)^2 / 12 up to h^4. A negative time is for
+    changes of position alone: then all bodies weigh the same, so that light ones are not thrown about for heavy ones.
+    """
+    work, response = floats(world, LINK_NUMBERS), floats(world, RESPONSE)
+    body = integers(world, LINK)[link, BODY]
+    for k in range(36):
+        work[link, INERTIA + k] = 0.0
+    w = symmetric_at(response, body, TURN_RESPONSE)
+    trace = w[0] + w[1] + w[2]
+    mass = 1.0 / response[body, 0] if response[body, 0] > 0.0 else _IMMOVABLE / trace
+    if trace > 0.0:
+        c = cross((w[3], w[1], w[5]), (w[4], w[5], w[2]))
+        if w[0] * c[0] + w[3] * c[1] + w[4] * c[2] < 1e-14 * trace * trace * trace:
+            least = trace / _IMMOVABLE
+            w = (w[0] + least, w[1] + least, w[2] + least, w[3], w[4], w[5])
+        moments = inverse_symmetric(w)
+    else:
+        immovable = _IMMOVABLE * mass
+        moments = (immovable, immovable, immovable, 0.0, 0.0, 0.0)
+    if ahead < 0.0:
+        mass, moments, ahead = 1.0, _divided(moments, mass), 0.0
+    turn = times(ahead, vector_at(floats(world, MOTION), body, ANGULAR_PART))
+    for k in range(3):
+        work[link, INERTIA + 7 * k] = mass
+        row = (moments[3], moments[1], moments[5]) if k == 1 else (moments[4], moments[5], moments[2])
+        row = (moments[0], moments[3], moments[4]) if k == 0 else row
+        once = cross(turn, row)
+        row = plus(row, plus(times(0.5, once), times(1.0 / 12.0, cross(turn, once))))
+        put_vector(work, link, INERTIA + 21 + 6 * k, row)
+
+
+@compiled(cached=False, fast=True)
+def clear_blocks(first: int, after: int, world: int) -> None:
+    """Begin with nodes that are not coupled."""
+    nodes, blocks = integers(world, NODE), floats(world, BLOCK)
+    for node in range(first, after):
+        begin = nodes[node, FIRST_NEIGHBOUR]
+        for row in range(begin, begin + nodes[node, NEIGHBOURS]):
+            for k in range(72):
+                blocks[row, k] = 0.0
+
+
+@compiled(cached=False, fast=True)
+def block_of(a: int, b: int, world: int) -> int:
+    """Row of the block of two nodes, of which a is eliminated first."""
+    nodes, neighbours = integers(world, NODE), integers(world, NEIGHBOUR)
+    row: int = nodes[a, FIRST_NEIGHBOUR]
+    while neighbours[row, 0] != b:
+        row += 1
+    return row
+
+
+@compiled(cached=False, fast=True)
+def add_row(a: int, b: int, stiffness: float, start: Any, ahead: Any, world: int) -> None:
+    """Add to the matrix stiffness times the wrenches of a row, that of its impulse and that of its speed.
+
+    Parameters
+    ----------
+    a, b : int
+        Nodes of both bodies; -1 for one that nothing moves.
+    start, ahead : (12,) array
+        What a unit impulse does at the start of the substep, and the speed per velocity at its end.
+    """
+    nodes, work = integers(world, NODE), floats(world, LINK_NUMBERS)
+    for side in range(2):
+        node = b if side == 1 else a
+        if node >= 0:
+            link = nodes[node, LINK_ROW]
+            for i in range(6):
+                scaled = stiffness * start[6 * side + i]
+                for j in range(6):
+                    work[link, INERTIA + 6 * i + j] += scaled * ahead[6 * side + j]
+    if a >= 0 and b >= 0:
+        blocks = floats(world, BLOCK)
+        row, upper, lower = block_of(min(a, b), max(a, b), world), UPPER, LOWER
+        if b < a:
+            upper, lower = LOWER, UPPER
+        for i in range(6):
+            one, other = stiffness * start[i], stiffness * start[6 + i]
+            for j in range(6):
+                blocks[row, upper + 6 * i + j] += one * ahead[6 + j]
+                blocks[row, lower + 6 * i + j] += other * ahead[j]
