@@ -80,7 +80,7 @@ KIND = column(BODY)
 AWAKE = column(BODY)
 ISLAND = column(BODY)
 GENERATION = column(BODY)
-LINK_PLACE = column(BODY)  # of its link + 1, where its joints are solved directly
+LINK_PLACE = column(BODY)  # of its link + 1, where its joints are solved directly; -1 where one after the other
 LINK_COUNT = column(BODY)
 REMOVED, STATIC, KINEMATIC, DYNAMIC = 0, 1, 2, 3
 

@@ -26,6 +26,7 @@ from kickdrift.world.joints.around import begin_joints, finish_joints, wake_join
 from kickdrift.world.joints.impulses import warm_start_joints
 from kickdrift.world.joints.measure import measure_joints
 from kickdrift.world.joints.registry import Joints
+from kickdrift.world.joints.sequential import relax_in_turn, solve_in_turn
 from kickdrift.world.step import STAGE
 
 Stages = tuple[Function, ...]
@@ -78,11 +79,13 @@ def word(uses: Uses, joints: Joints) -> Word:
         warm_start,
         *when(joints.present, warm_start_joints),
         solve,
+        *when(joints.sequential, solve_in_turn),
         *when(joints.present, solve_islands),
         *when(uses.planar, flatten),
         drift,
         relax,
         *when(joints.present, measure_joints),
+        *when(joints.sequential, relax_in_turn),
         *when(joints.present, relax_islands),
     )
     after = (

@@ -40,7 +40,7 @@ _RIGID, FORGOTTEN = 1e6, 1e-3
 
 
 @compiled(cached=False, fast=True)
-def _write(table: Any, row: int, axes: int, arm_a: int, arm_b: int, k: int, wrench: Any) -> None:
+def write_axis(table: Any, row: int, axes: int, arm_a: int, arm_b: int, k: int, wrench: Any) -> None:
     """Write the wrench of a unit impulse along an axis."""
     axis = vector_at(table, row, axes + 3 * k)
     nothing: Vector = (0.0, 0.0, 0.0)
@@ -110,8 +110,8 @@ def add_closings(island: int, world: int) -> None:
         for k in range(6):
             stiffness = _stiffness(link, k, world)
             if stiffness > 0.0:
-                _write(numbers, links[link, LINK_JOINT], AXES, ARM_A, ARM_B, k, start)
-                _write(work, link, AXES_AHEAD, ARM_A_AHEAD, ARM_B_AHEAD, k, ahead)
+                write_axis(numbers, links[link, LINK_JOINT], AXES, ARM_A, ARM_B, k, start)
+                write_axis(work, link, AXES_AHEAD, ARM_A_AHEAD, ARM_B_AHEAD, k, ahead)
                 add_row(a, b, stiffness, start, ahead, world)
 
 
@@ -129,7 +129,7 @@ def load_closings(island: int, world: int) -> None:
                 impulse = work[link, BEGUN + k] + _stiffness(link, k, world) * work[link, CHANGE + k]
             if impulse == 0.0:
                 continue
-            _write(numbers, links[link, LINK_JOINT], AXES, ARM_A, ARM_B, k, start)
+            write_axis(numbers, links[link, LINK_JOINT], AXES, ARM_A, ARM_B, k, start)
             for side in range(2):
                 to = links[link, LINK_A + side]
                 if to >= 0:
@@ -153,7 +153,7 @@ def predict_closings(island: int, world: int) -> None:
     for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
         link = order[place, 0]
         for k in range(6):
-            _write(work, link, AXES_AHEAD, ARM_A_AHEAD, ARM_B_AHEAD, k, ahead)
+            write_axis(work, link, AXES_AHEAD, ARM_A_AHEAD, ARM_B_AHEAD, k, ahead)
             total = 0.0
             for side in range(2):
                 to = links[link, LINK_A + side]

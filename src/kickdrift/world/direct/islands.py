@@ -33,6 +33,7 @@ from kickdrift.world.joints.layout import (
     PARENT,
     PLACE,
     ROOT,
+    SEQUENTIAL,
     SIZE,
 )
 from kickdrift.world.tables import (
@@ -131,7 +132,7 @@ def _join(world: int) -> int:
     for row in range(rows(world, ARTICULATION)):
         first, end = articulations[row, FIRST], articulations[row, FIRST] + articulations[row, LINKS]
         joined = max(joined, end + articulations[row, CLOSINGS])
-        if articulations[row, END] > first:
+        if articulations[row, END] > first and articulations[row, SEQUENTIAL] == 0:
             links[first, SIZE] = end - first
             for link in range(first, end):
                 links[link, ROOT] = first
@@ -198,7 +199,7 @@ def _sort_closings(world: int) -> None:
     for turn in range(2):
         for row in range(rows(world, ARTICULATION)):
             first, closings = articulations[row, FIRST], articulations[row, CLOSINGS]
-            if closings == 0 or articulations[row, END] == first:
+            if closings == 0 or links[first, ROOT] < 0:
                 continue
             island = links[links[first, ROOT], PLACE]
             for closing in range(first + articulations[row, LINKS], articulations[row, END]):

@@ -380,13 +380,13 @@ def give_joints(island: int, task: int, world: int) -> None:
         joint = links[link, LINK_JOINT]
         if joint >= 0:
             split_impulse(link, joint, world)
-            _give(joint, link, task, world)
+            give_joint(joint, link, task, world)
     for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
-        _give(links[order[place, 0], LINK_JOINT], order[place, 0], task, world)
+        give_joint(links[order[place, 0], LINK_JOINT], order[place, 0], task, world)
 
 
 @compiled(cached=False)
-def _give(joint: int, link: int, task: int, world: int) -> None:
+def give_joint(joint: int, link: int, task: int, world: int) -> None:
     """Give bodies the impulses at a joint; those of a bounce are no guess for the next substep."""
     work, numbers = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     column = TOTAL if task >= BOUNCE else IMPULSE
@@ -403,13 +403,14 @@ def end_solution(island: int, h: float, world: int) -> None:
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         link = nodes[node, LINK_ROW]
         if links[link, LINK_JOINT] >= 0:
-            _end_joint(links[link, LINK_JOINT], link, h, world)
+            end_joint(links[link, LINK_JOINT], link, h, world)
     for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
-        _end_joint(links[order[place, 0], LINK_JOINT], order[place, 0], h, world)
+        end_joint(links[order[place, 0], LINK_JOINT], order[place, 0], h, world)
 
 
 @compiled(cached=False)
-def _end_joint(joint: int, link: int, h: float, world: int) -> None:
+def end_joint(joint: int, link: int, h: float, world: int) -> None:
+    """Keep what a joint has given before the drift."""
     numbers = floats(world, JOINT_NUMBERS)
     for k in range(6):
         numbers[joint, SOLVED + k] = numbers[joint, IMPULSE + k]
@@ -427,14 +428,14 @@ def end_relaxation(island: int, h: float, world: int) -> None:
         link = nodes[node, LINK_ROW]
         if links[link, LINK_JOINT] >= 0:
             set_brakes(link, links[link, LINK_JOINT], h, world)
-            _turn_on(links[link, LINK_JOINT], links[link, LINK_BODY], h, lost, world)
+            turn_on(links[link, LINK_JOINT], links[link, LINK_BODY], h, lost, world)
     for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
         joint = links[order[place, 0], LINK_JOINT]
-        _turn_on(joint, joints[joint, BODY_B], h, lost, world)
+        turn_on(joint, joints[joint, BODY_B], h, lost, world)
 
 
 @compiled(cached=False)
-def _turn_on(joint: int, body: int, h: float, lost: bool, world: int) -> None:
+def turn_on(joint: int, body: int, h: float, lost: bool, world: int) -> None:
     """Let the next substep begin as this one did, turned as the body was.
 
     With the impulse of the relaxation, which bends the paths of what turns, the first guess of Newton's method would be farther

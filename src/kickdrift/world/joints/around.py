@@ -20,7 +20,6 @@ from kickdrift.world.joints.layout import (
     LINK_JOINT,
     LINKS,
     LOCKED,
-    RELAXING,
     TOTAL,
 )
 from kickdrift.world.tables import ARTICULATION, BODY, JOINT, JOINT_NUMBERS, LINK, floats, integers, rows
@@ -51,7 +50,6 @@ def begin_joints(t: float, h: float, world: int) -> None:
     """Keep the speeds before the first kick, and count impulses from here."""
     articulations, links, numbers = integers(world, ARTICULATION), integers(world, LINK), floats(world, JOINT_NUMBERS)
     for row in range(rows(world, ARTICULATION)):
-        articulations[row, RELAXING] = 0
         for link in range(articulations[row, FIRST], articulations[row, END]):
             joint = links[link, LINK_JOINT]
             if joint >= 0:

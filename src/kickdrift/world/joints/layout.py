@@ -69,7 +69,7 @@ MOBILITY = 13  # speed per impulse of the two bodies alone
 # Columns of ARTICULATION
 FIRST, LINKS, CLOSINGS = 0, 1, 2  # rows of LINK: the first, how many links, how many closing joints after them
 END = 3  # row of LINK after the last one of them; FIRST while the articulation sleeps
-RELAXING = 6  # 1: after the drift
+SEQUENTIAL = 6  # 1: its joints are solved one after the other, and its bodies are no nodes
 
 # Columns of GRAPH
 JOINED_ROWS = 0  # rows of LINK that joints have; after them come free bodies that are solved directly in this step

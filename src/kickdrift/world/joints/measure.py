@@ -50,7 +50,6 @@ from kickdrift.world.joints.layout import (
     PIVOT,
     POINT,
     POSITION,
-    RELAXING,
     TARGET,
     TURN_RESPONSE,
     TWIST_SCALE,
@@ -116,7 +115,6 @@ def measure_joints(t: float, h: float, world: int) -> None:
     """Measure joints where they stand: before the substeps, and after each drift."""
     articulations, links = integers(world, ARTICULATION), integers(world, LINK)
     for row in range(rows(world, ARTICULATION)):
-        articulations[row, RELAXING] = 1
         for link in range(articulations[row, FIRST], articulations[row, END]):
             if links[link, LINK_JOINT] >= 0:
                 measure(links[link, LINK_JOINT], world)

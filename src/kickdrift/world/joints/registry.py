@@ -43,6 +43,7 @@ from kickdrift.world.joints.layout import (
     PRINCIPAL,
     REMOVED,
     RIGID,
+    SEQUENTIAL,
     UNIVERSAL,
     VECTOR,
 )
@@ -184,6 +185,11 @@ class Joints:
     def present(self) -> bool:
         """Whether any joint holds something that moves; `arrange` first."""
         return len(self.tables.array(ARTICULATION)) > 0
+
+    @property
+    def sequential(self) -> bool:
+        """Whether any joints are solved one after the other; `arrange` first."""
+        return bool(self.tables.array(ARTICULATION)[:, SEQUENTIAL].any())
 
     def row(self, joint: Any) -> int:
         """Return the row of a joint that is there.

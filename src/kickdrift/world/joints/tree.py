@@ -26,6 +26,7 @@ from kickdrift.world.joints.layout import (
     NONE,
     PARENT,
     REMOVED,
+    SEQUENTIAL,
     SIGN,
 )
 from kickdrift.world.tables import (
@@ -40,6 +41,10 @@ from kickdrift.world.tables import (
 )
 from kickdrift.world.tables import BODY as BODIES
 
+# Pairs of neighbours that elimination may meet, per node, and of how many nodes at least; with more of them, the joints of an
+# articulation are solved one after the other. A pair takes 0.8 us in a step of four substeps: a grid of 8 x 8 balls 2.3 ms.
+_PAIRS, _NODES = 50, 100
+
 
 class _Edge(NamedTuple):
     joint: int
@@ -51,6 +56,7 @@ class _Edge(NamedTuple):
 class _Part(NamedTuple):
     links: list[list[int]]
     closings: list[list[int]]
+    sequential: bool
 
 
 def arrange(tables: Tables) -> None:
@@ -60,9 +66,8 @@ def arrange(tables: Tables) -> None:
     for members in _components(edges):
         links, closings = _span(members, tables)
         place = {link[0]: k for k, link in enumerate(links)}
-        parts.append(
-            _Part(links, [[edge.joint, place.get(edge.a, NONE), place.get(edge.b, NONE)] for edge in closings])
-        )
+        rows = [[edge.joint, place.get(edge.a, NONE), place.get(edge.b, NONE)] for edge in closings]
+        parts.append(_Part(links, rows, bool(closings) and _is_dense(links, rows)))
     _write(tables, parts)
 
 
@@ -136,6 +141,39 @@ def _span(edges: list[_Edge], tables: Tables) -> tuple[list[list[int]], list[_Ed
     return links, [edge for edge in edges if edge.joint not in used]
 
 
+def _is_dense(links: list[list[int]], closings: list[list[int]]) -> bool:
+    """Whether nodes have too many neighbours where they are eliminated as `kickdrift.world.direct.islands` does it."""
+    near: list[set[int]] = [set() for _ in links]
+    children, gone, left = [0] * len(links), [False] * len(links), _PAIRS * max(_NODES, len(links))
+    for _, _, parent, _ in links:
+        if parent != NONE:
+            children[parent] += 1
+    for _, a, b in closings:
+        if NONE not in (a, b):
+            near[a].add(b)
+            near[b].add(a)
+    heap = [(len(near[node]), node) for node in range(len(links)) if children[node] == 0]
+    heapq.heapify(heap)
+    while heap:
+        degree, node = heapq.heappop(heap)
+        if gone[node] or degree != len(near[node]):
+            continue  # it has other neighbours since, and is in the heap once more
+        gone[node], parent = True, links[node][2]
+        left -= degree * degree
+        if left < 0:
+            return True
+        coupled = near[node] | {parent} if near[node] and parent != NONE else near[node]
+        for other in coupled:
+            near[other] = (near[other] | coupled) - {other, node}
+            if children[other] == 0:
+                heapq.heappush(heap, (len(near[other]), other))
+        if parent != NONE:
+            children[parent] -= 1
+            if children[parent] == 0:
+                heapq.heappush(heap, (len(near[parent]), parent))
+    return False
+
+
 def _write(tables: Tables, parts: list[_Part]) -> None:
     """Fill in the tables."""
     table = tables.resize(ARTICULATION, len(parts))
@@ -148,11 +186,11 @@ def _write(tables: Tables, parts: list[_Part]) -> None:
     rows[:] = 0
     rows[:, [PARENT, LINK_A, LINK_B]] = NONE
     first = 0
-    for row, (links, closings) in zip(table, parts, strict=True):
-        row[[FIRST, LINKS, CLOSINGS, END]] = first, len(links), len(closings), first
+    for row, (links, closings, sequential) in zip(table, parts, strict=True):
+        row[[FIRST, LINKS, CLOSINGS, END, SEQUENTIAL]] = first, len(links), len(closings), first, sequential
         for k, (body, joint, parent, sign) in enumerate(links, first):
             rows[k, [BODY, LINK_JOINT, SIGN]] = body, joint, sign
-            tables.array(BODIES)[body, [LINK_PLACE, LINK_COUNT]] = k + 1, len(links)
+            tables.array(BODIES)[body, [LINK_PLACE, LINK_COUNT]] = (-1, 0) if sequential else (k + 1, len(links))
             rows[k, PARENT] = NONE if parent == NONE else first + parent
         first += len(links)
         for k, (joint, a, b) in enumerate(closings, first):

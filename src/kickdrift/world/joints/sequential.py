@@ -1,0 +1,197 @@
+"""Joints with too many loops for a direct solution, one after the other: each exact, all of them approached.
+
+This is block Gauss-Seidel, as the solvers of games have it: what a joint gives is taken up by its neighbours in the next
+substep, helped on by warm starting. Chains in it stretch under loads far heavier than themselves.
+
+Locked axes are damped springs here, of frequency f and damping ratio z, written so that the mass drops out: with w = 2 pi f,
+a = 2 z + h w and r = h w a, they take off w / a of the error in a second, r / (1 + r) of the impulse that a rigid joint would
+give, and 1 / (1 + r) of the impulse so far. A grid of 20 x 20 that is rigid instead gains energy until it tears. Nordby,
+Lacoursiere and Catto's soft constraints: E. Catto, Soft Constraints, Game Developers Conference (2011).
+"""
+
+import math
+from typing import Any
+
+from numba import carray
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.memory import floats_on_stack
+from kickdrift.core.vectors import applied
+from kickdrift.world.columns import symmetric_at, vector_at
+from kickdrift.world.direct.closings import write_axis
+from kickdrift.world.direct.contacts import PRESS, REST
+from kickdrift.world.direct.solve import LAST_TRIALS, TRIALS, end_joint, give_joint, turn_on
+from kickdrift.world.joints.aim import GENTLY, RELAX, aim
+from kickdrift.world.joints.laws import review_laws
+from kickdrift.world.joints.layout import (
+    ARM_A,
+    ARM_B,
+    AXES,
+    BODY_A,
+    BODY_B,
+    CHANGE,
+    END,
+    FIRST,
+    GIVEN,
+    HELD,
+    IMPULSE,
+    LAWS,
+    LINK_JOINT,
+    LOCKED,
+    MISALIGNMENT,
+    MOVED,
+    PUSH,
+    SEQUENTIAL,
+    SLOPE,
+    TURN_RESPONSE,
+    int64,
+)
+from kickdrift.world.joints.measure import put_vector
+from kickdrift.world.tables import (
+    ARTICULATION,
+    JOINT,
+    JOINT_NUMBERS,
+    LINK,
+    LINK_NUMBERS,
+    RESPONSE,
+    floats,
+    integers,
+    rows,
+)
+
+# Of the springs: 1/s, but a quarter of the frequency of substeps at most, and ratio.
+_HERTZ, _DAMPING = 60.0, 2.0
+
+# An axis of which less than this part is left, once others are held, is one that they hold already.
+_IMPLIED = 1e-10
+
+
+@compiled
+def solve_in_turn(t: float, h: float, world: int) -> None:
+    """Give the impulses with which joints hold, one joint after the other, before the drift."""
+    links, joints = integers(world, LINK), integers(world, JOINT)
+    articulations, work, numbers = (
+        integers(world, ARTICULATION),
+        floats(world, LINK_NUMBERS),
+        floats(world, JOINT_NUMBERS),
+    )
+    speed = 2.0 * math.pi * min(_HERTZ, 0.25 / h)
+    rate = speed / (2.0 * _DAMPING + h * speed)
+    share = 1.0 / (1.0 + h * speed * (2.0 * _DAMPING + h * speed))
+    for row in range(rows(world, ARTICULATION)):
+        at = articulations[row, FIRST]  # all its joints work in one row of numbers, which stays in the cache
+        for link in range(at, articulations[row, END] if articulations[row, SEQUENTIAL] != 0 else at):
+            joint = links[link, LINK_JOINT]
+            if joint < 0:
+                continue
+            aim(joint, at, h, GENTLY, world)
+            for k in range(6):
+                work[at, CHANGE + k] = (1.0 - share) * (work[at, CHANGE + k] - rate * numbers[joint, MISALIGNMENT + k])
+            _solve(joint, at, h, False, world)
+            for k in range(6):
+                if joints[joint, LOCKED] >> k & 1:
+                    work[at, GIVEN + k] -= share * numbers[joint, IMPULSE + k]
+            give_joint(joint, at, PRESS, world)
+            end_joint(joint, at, h, world)
+
+
+@compiled
+def relax_in_turn(t: float, h: float, world: int) -> None:
+    """Take from the velocities what joints do not allow where bodies are now, one joint after the other, after the drift."""
+    articulations, links, joints = integers(world, ARTICULATION), integers(world, LINK), integers(world, JOINT)
+    for row in range(rows(world, ARTICULATION)):
+        if articulations[row, SEQUENTIAL] == 0:
+            continue
+        at = articulations[row, FIRST]
+        for link in range(at, articulations[row, END]):
+            if links[link, LINK_JOINT] >= 0:
+                aim(links[link, LINK_JOINT], at, h, RELAX, world)
+                _solve(links[link, LINK_JOINT], at, h, True, world)
+                give_joint(links[link, LINK_JOINT], at, REST, world)
+        for link in range(at, articulations[row, END]):
+            joint = links[link, LINK_JOINT]
+            if joint >= 0:
+                turn_on(joint, joints[joint, BODY_B], h, False, world)
+
+
+@compiled(cached=False)
+def _solve(joint: int, at: int, h: float, relaxing: bool, world: int) -> None:
+    """Find the impulses of one joint for itself."""
+    laws, work = integers(world, JOINT)[joint, LAWS], floats(world, LINK_NUMBERS)
+    active = integers(world, JOINT)[joint, LOCKED] | laws
+    answers = carray(floats_on_stack(36), (6, 6))
+    _find_answers(joint, active, answers, world)
+    for trial in range(TRIALS + LAST_TRIALS):
+        settled = laws == 0 or not review_laws(joint, at, h, relaxing, trial > TRIALS, world)
+        if trial > 0 and settled:
+            break
+        _solve_axes(at, active, answers, world)
+        for k in range(6):
+            work[at, MOVED + k] = 0.0
+            for other in range(6):
+                if active >> k & 1 and active >> other & 1:
+                    work[at, MOVED + k] += answers[k, other] * work[at, GIVEN + other]
+
+
+@compiled(cached=False)
+def _find_answers(joint: int, active: int, answers: Any, world: int) -> None:
+    """Find the speed along each axis by a unit impulse along each other one."""
+    joints, response, numbers = integers(world, JOINT), floats(world, RESPONSE), floats(world, JOINT_NUMBERS)
+    wrenches, moved = carray(floats_on_stack(72), (6, 12)), carray(floats_on_stack(12), (1, 12))
+    for k in range(6):
+        if not active >> k & 1:
+            continue
+        write_axis(numbers, joint, AXES, ARM_A, ARM_B, k, wrenches[k])
+        for side in range(2):
+            body, begin = joints[joint, BODY_A + side], int64(6 * side)
+            for i in range(begin, begin + 3):
+                moved[0, i] = response[body, 0] * wrenches[k, i]
+            turn = vector_at(wrenches, k, begin + 3)
+            put_vector(moved, 0, begin + 3, applied(symmetric_at(response, body, TURN_RESPONSE), turn))
+        for other in range(k + 1):
+            if active >> other & 1:
+                total = 0.0
+                for i in range(12):
+                    total += wrenches[other, i] * moved[0, i]
+                answers[k, other], answers[other, k] = total, total
+
+
+@compiled(cached=False)
+def _solve_axes(at: int, active: int, answers: Any, world: int) -> None:
+    """Find the impulses along the axes for the pieces of laws that are assumed.
+
+    An equation of a held axis says which change of speed it wants, one of an open axis its impulse: row by row they are those
+    of a positive matrix, which needs no pivots.
+    """
+    held, work = integers(world, LINK)[at, HELD], floats(world, LINK_NUMBERS)
+    matrix = carray(floats_on_stack(42), (6, 7))
+    for k in range(6):
+        work[at, GIVEN + k] = 0.0
+        if not active >> k & 1:
+            continue
+        is_held = held >> k & 1 != 0
+        for j in range(6):
+            if active >> j & 1:
+                matrix[k, j] = answers[k, j] if is_held else work[at, SLOPE + k] * answers[k, j]
+        matrix[k, 6] = work[at, CHANGE + k] if is_held else work[at, PUSH + k]
+        matrix[k, k] += 0.0 if is_held else 1.0
+    for k in range(6):
+        if not active >> k & 1:
+            continue
+        before = matrix[k, k]
+        for i in range(k):
+            if active >> i & 1 and matrix[i, i] > 0.0:
+                share = matrix[k, i] / matrix[i, i]
+                for j in range(i + 1, 7):
+                    if j == 6 or active >> j & 1:
+                        matrix[k, j] -= share * matrix[i, j]
+        if not matrix[k, k] > _IMPLIED * before:
+            matrix[k, k] = 0.0
+    for back in range(6):
+        k = 5 - back
+        if active >> k & 1 and matrix[k, k] > 0.0:
+            total = matrix[k, 6]
+            for j in range(k + 1, 6):
+                if active >> j & 1:
+                    total -= matrix[k, j] * work[at, GIVEN + j]
+            work[at, GIVEN + k] = total / matrix[k, k]
