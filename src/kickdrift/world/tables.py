@@ -66,7 +66,6 @@ STATIC_TREE = Table(24, 8)  # over those that may not
 KINDS = Table(28, 4, whole=True)  # of shapes: see `kickdrift.world.collision.dispatch`
 COLLIDERS = Table(25, 16, whole=True)  # address of the function for each pair of kinds of shapes
 ARTICULATION = Table(26, 12, whole=True)
-ARTICULATION_NUMBERS = Table(27, 1)  # the equations of closing joints
 LINK = Table(46, 10, whole=True)  # a body of an articulation and the joint that it hangs on, parents first
 LINK_NUMBERS = Table(47, 232)
 CONTACT_ROW = Table(48, 256)  # of contacts that are solved directly: see `kickdrift.world.direct.layout`

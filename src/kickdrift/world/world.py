@@ -41,12 +41,15 @@ Floats = NDArray[np.float64]
 class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries, Measures, Tunable):
     """Rigid bodies in three dimensions.
 
+    Free bodies are solved by sweeps over their contacts. Bodies that joints hold together, and what touches them, are islands
+    that are solved directly, with all of their joints and contacts at once.
+
     Parameters
     ----------
     gravity : (3,) array_like
         m/s^2.
     substeps : int
-        Parts of a step in which contacts and joints are solved; more of them make everything stiffer.
+        Parts of a step in which contacts and joints are solved; more of them make contacts stiffer, and follow faster turns.
     midpoint : bool
         Bodies in free flight move with the mean of their velocities before and after the kick, so that gravity costs no
         energy; without it, as in the semi-implicit Euler method, with the one after.
@@ -54,7 +57,8 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
         How far apart shapes are when a contact between them is begun, and how deep they may sink in; m.
     contact_hertz, contact_damping : float
         Frequency and damping ratio of the spring that pushes overlapping bodies apart; by default the frequency is 0.15
-        over the substep, the stiffest that leaves high stacks alone.
+        over the substep, the stiffest that leaves high stacks alone. Of contacts that are swept; in islands with joints a
+        fifth of an overlap is pushed out in a substep.
     push_speed : float
         At which they are pushed apart at most, m/s.
     bounce_speed : float, optional
@@ -80,6 +84,8 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
         In the world's axes, rad/s.
     gravity, substeps, sleeping
         As above; each may be set between steps.
+    residual : float
+        What the sweeps left unsolved in the last step, m/s, read-only.
     time : float
         s.
     broken : list of Joint

@@ -182,9 +182,19 @@ def _take_care(island: int, h: float, world: int) -> None:
     energy = kinetic_energy(island, world)
     off = islands[island, RATIO] * aim_island(island, h, AHEAD, world)
     off = _approach(island, h, off, ROUNDS, world)
-    if not (off <= FAR * islands[island, RATIO] and kinetic_energy(island, world) <= EXCESS * energy):
+    if not (off <= FAR * islands[island, RATIO] and kinetic_energy(island, world) <= _lawful(island, h, world) * energy):
         islands[island, LOST] = 1
         _project(island, h, GENTLY, PRESS, world)
+
+
+@compiled(cached=False)
+def _lawful(island: int, h: float, world: int) -> float:
+    """Part of its energy that an island may have before the drift: what turns by an angle a in the substep has a^2 / 2 more."""
+    own, nodes, work = integers(world, ISLAND)[island], integers(world, NODE), floats(world, LINK_NUMBERS)
+    fastest = 0.0
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        fastest = max(fastest, h * length(vector_at(work, nodes[node, LINK_ROW], int64(BEFORE + 3))))
+    return 1.01 + 0.6 * min(fastest, 1.5) ** 2
 
 
 @compiled(cached=False)

@@ -5,9 +5,10 @@ the anchor of b, so that action and reaction cancel to the last bit of the angul
 open; what happens along an open one, its *law*, is a row of `JOINT_AXES`: row 6 j + k for axis k of joint j, where axes
 0-2 are linear and 3-5 angular.
 
-Joints are solved by articulation: a tree of bodies, each of which hangs on one joint (a *link*), and the joints that close
-loops in it. A body that nothing moves ends a tree. `LINK` holds of each articulation first its links, parents before
-children, then its closing joints. Where too many of them close loops, the joints are solved one after the other instead.
+Joints arrange bodies in articulations: a tree of bodies, each of which hangs on one joint (a *link*), and the joints that
+close loops in it. A body that nothing moves ends a tree. `LINK` holds of each articulation first its links, parents before
+children, then its closing joints, and after all of them, for one step, free bodies that touch a link. All of them are solved
+in `kickdrift.world.direct`.
 
 Columns at which vectors begin are of type int64: for each plain integer that it is called with, Numba compiles a function
 anew.
@@ -103,7 +104,7 @@ PASSING = int64(144)  # of open axis k, six numbers: impulse along it per speed 
 AXES_AHEAD = int64(180)  # AXES and arms as they will be at the end of the substep
 ARM_A_AHEAD, ARM_B_AHEAD = int64(198), int64(201)
 BRAKE = 204  # of open angular axes: damping, impulse per speed; see `kickdrift.world.joints.brakes`
-BEFORE, BEFORE_TURN = 222, int64(225)  # velocity of the body before the joints are solved
+BEFORE = 222  # velocity of the body before it is solved, to go back to
 
 # Columns of POSE, MOTION and RESPONSE, and of everything that has a linear and an angular part
 LINEAR_PART, ANGULAR_PART = int64(0), int64(3)

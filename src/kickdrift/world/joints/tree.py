@@ -1,4 +1,4 @@
-"""Which joints form trees, which close loops in them, and in which order they are solved."""
+"""Which joints form trees, and which close loops in them."""
 
 import heapq
 from collections import defaultdict

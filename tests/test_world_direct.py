@@ -1,0 +1,371 @@
+"""Islands with joints, solved directly: rigid impacts, limits of motors and friction, energy, and dense equations."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from scipy.linalg import null_space
+from scipy.optimize import nnls
+from scipy.spatial.transform import Rotation
+from test_world_joints_equations import KINDS, Rows, join, motion
+
+from kickdrift.world.joints.axis import Motor
+from kickdrift.world.joints.layout import ANCHOR_A, ANCHOR_B, BODY_A, BODY_B
+from kickdrift.world.tables import JOINT, JOINT_NUMBERS, MOTION, POSE
+from kickdrift.world.world import World
+
+STEP = 1 / 60
+G = 9.81
+WEIGHTLESS = (0.0, 0.0, 0.0)
+UP, ACROSS, ALONG = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)
+
+
+def apart(world):
+    """Return the greatest distance of the two ends of any joint, m."""
+    joints, numbers, ends = world.tables.array(JOINT), world.tables.array(JOINT_NUMBERS), []
+    for column, at in ((BODY_A, ANCHOR_A), (BODY_B, ANCHOR_B)):
+        turns = Rotation.from_quat(world.orientation[joints[:, column]], scalar_first=True)
+        ends.append(world.position[joints[:, column]] + turns.apply(numbers[:, at : at + 3]))
+    return np.linalg.norm(ends[0] - ends[1], axis=1).max()
+
+
+# Impacts on what hangs on joints, against the theory of rigid impact
+
+
+@pytest.mark.parametrize("restitution", [1.0, 0.5])
+@pytest.mark.parametrize("seed", range(4))
+def test_a_ball_and_a_door_part_as_rigid_impact_says(seed, restitution):
+    rng = np.random.default_rng(seed)
+    heavy, light, arm, speed = rng.uniform(1, 10), rng.uniform(0.2, 5), rng.uniform(0.2, 0.9), rng.uniform(1, 4)
+    world = World(WEIGHTLESS)
+    surface = {"restitution": restitution, "friction": 0.0}
+    door = world.add_box((1.0, 0.05, 2.0), position=(0.5, 0, 0), mass=heavy, **surface)
+    world.add_hinge(None, door, anchor=(0, 0, 0), axis=UP)
+    ball = world.add_sphere(0.1, position=(arm, -0.225, 0), velocity=(0, speed, 0), mass=light, **surface)
+    world.advance(STEP, 9)
+    inertia = heavy * (1 + 0.05**2) / 12 + 0.25 * heavy
+    impulse = (1 + restitution) * speed / (1 / light + arm**2 / inertia)
+    rate = impulse * arm / inertia
+    assert door.angular_velocity == pytest.approx([0, 0, rate], abs=0.01 * rate)
+    assert ball.velocity == pytest.approx([0, speed - impulse / light, 0], abs=0.01 * speed)
+
+
+@pytest.mark.parametrize("restitution", [1.0, 0.5])
+@pytest.mark.parametrize("arm", [0.3, 2 / 3, 0.9])
+def test_a_rod_on_a_hinge_rebounds_with_its_rate_times_e(arm, restitution):
+    # Also at the centre of percussion, at two thirds, where the hinge bears nothing.
+    world = World(WEIGHTLESS)
+    surface = {"restitution": restitution, "friction": 0.0}
+    rod = world.add_box(
+        (1.0, 0.05, 0.05), position=(0.5, 0, 0), mass=2.0, velocity=(0, 0, -1.5), angular_velocity=(0, 3, 0), **surface
+    )
+    hinge = world.add_hinge(None, rod, anchor=(0, 0, 0), axis=ACROSS)
+    world.add_sphere(0.1, position=(arm, 0, -0.225), static=True, **surface)
+    world.advance(STEP, 15)
+    assert hinge.speed == pytest.approx(-3.0 * restitution, rel=0.01)
+
+
+def test_a_blow_goes_through_a_chain_at_once():
+    # Three rods in a row on ball joints, struck along the row by a ball of the mass of all three.
+    world = World(WEIGHTLESS)
+    rods = [world.add_box((0.4, 0.1, 0.1), position=(0.5 * k, 0, 0), mass=1.0, restitution=1.0) for k in range(3)]
+    for k in range(2):
+        world.add_ball_joint(rods[k], rods[k + 1], anchor=(0.5 * k + 0.25, 0, 0))
+    ball = world.add_sphere(0.1, position=(-0.5, 0, 0), velocity=(3, 0, 0), mass=3.0, restitution=1.0)
+    world.advance(STEP, 20)
+    assert ball.velocity == pytest.approx([0, 0, 0], abs=1e-6)
+    assert world.velocity[1:4] == pytest.approx(np.array([[3, 0, 0]] * 3), abs=1e-6)
+
+
+# Motors, brakes and grippers give what they may, also where contacts carry the load
+
+
+@pytest.mark.parametrize(("pusher_mass", "box_mass", "gap"), [(3.0, 50.0, 0.0), (0.1, 50.0, 0.0), (3.0, 50.0, 0.2)])
+def test_a_pusher_gives_what_its_motor_may_and_what_it_brings(pusher_mass, box_mass, gap):
+    force = 500.0
+    world = World()
+    world.add_plane(friction=0.0)
+    pusher = world.add_box((0.2, 0.5, 0.5), position=(-0.1 - gap, 0, 0.3), mass=pusher_mass, friction=0.0)
+    box = world.add_box((1, 1, 1), position=(0.5, 0, 0.5), mass=box_mass, friction=0.0)
+    slider = world.add_slider(None, pusher, anchor=(0, 0, 0.3), axis=ALONG, motor=Motor(1.0, force))
+    before, given = 0.0, []
+    for _ in range(30):
+        world.step(STEP)
+        momentum = pusher_mass * pusher.velocity[0] + box_mass * box.velocity[0]
+        given.append((momentum - before) / STEP)
+        before = momentum
+        assert abs(slider.effort) <= 1.01 * force
+    assert max(given) <= 1.01 * force
+    assert min(given) >= -1e-6 * force
+    if gap == 0.0:
+        assert given[:5] == pytest.approx([force] * 5, rel=0.01)
+    if pusher_mass > 1.0:
+        assert box.velocity[0] == pytest.approx(1.0, rel=0.01)
+
+
+@pytest.mark.xfail(reason="leaves with 1.024 m/s: its contact begins with too great an impulse")
+def test_a_light_pusher_drives_a_heavy_box_no_faster_than_it_goes():
+    world = World()
+    world.add_plane(friction=0.0)
+    pusher = world.add_box((0.2, 0.5, 0.5), position=(-0.1, 0, 0.3), mass=0.1, friction=0.0)
+    box = world.add_box((1, 1, 1), position=(0.5, 0, 0.5), mass=50.0, friction=0.0)
+    world.add_slider(None, pusher, anchor=(0, 0, 0.3), axis=ALONG, motor=Motor(1.0, 500.0))
+    world.advance(STEP, 30)
+    assert box.velocity[0] == pytest.approx(1.0, rel=0.01)
+
+
+def test_friction_of_a_joint_under_a_blow_stays_below_its_maximum():
+    world, friction, light, heavy = World(WEIGHTLESS), 20.0, 1.0, 4.0
+    carriage = world.add_box((0.5, 0.5, 0.5), mass=heavy, friction=0.0)
+    slider = world.add_slider(None, carriage, anchor=(0, 0, 0), axis=ALONG, friction=friction)
+    ball = world.add_sphere(0.1, position=(-0.6, 0, 0), velocity=(5, 0, 0), mass=light, friction=0.0)
+    before = 5.0 * light
+    for _ in range(15):
+        world.step(STEP)
+        momentum = light * ball.velocity[0] + heavy * carriage.velocity[0]
+        assert (before - momentum) / STEP <= 1.01 * friction
+        assert abs(slider.effort) <= 1.01 * friction
+        before = momentum
+    # Both go on together, braked since the substep before the ball came, after 0.25 m at 5 m/s.
+    assert momentum == pytest.approx(5.0 * light - friction * (15 * STEP - 0.05), abs=1.01 * friction * STEP / 4)
+
+
+@pytest.mark.parametrize("share", [0.8, 1.2])
+def test_a_cart_rolls_with_what_its_brakes_leave(share):
+    angle, radius, whole = 0.26, 0.2, 14.0
+    world = World((G * math.sin(angle), 0, -G * math.cos(angle)))
+    world.add_plane(friction=1.0)
+    torque = share * whole * G * math.sin(angle) * radius / 4
+    body = world.add_box((1.2, 0.4, 0.2), position=(0, 0, 0.3), mass=10.0, friction=1.0)
+    brakes = []
+    for x in (-0.5, 0.5):
+        for y in (-0.45, 0.45):
+            wheel = world.add_sphere(radius, position=(x, y, radius), mass=1.0, friction=1.0)
+            brakes.append(world.add_hinge(body, wheel, anchor=(x, y, radius), axis=ACROSS, friction=torque))
+    for _ in range(60):
+        world.step(STEP)
+        assert max(abs(brake.effort) for brake in brakes) <= 1.01 * torque
+    exact = (1 - share) * whole * G * math.sin(angle) / (whole + 4 * 0.4) if share < 1 else 0.0
+    assert body.velocity[0] == pytest.approx(exact, rel=0.01, abs=1e-3)
+
+
+@pytest.mark.parametrize("share", [0.97, 1.03])
+def test_a_gripper_holds_what_friction_can(share):
+    force, mu = 40.0, 0.5
+    mass = share * 2 * mu * force / G
+    world = World()
+    box = world.add_box((0.1, 0.1, 0.1), mass=mass, friction=mu)
+    for side in (-1.0, 1.0):
+        place = (0.06 * side, 0, 0)
+        finger = world.add_box((0.02, 0.08, 0.08), position=place, mass=0.5, friction=mu)
+        world.add_slider(None, finger, anchor=place, axis=(-side, 0, 0), motor=Motor(0.1, force))
+    world.advance(STEP, 6)
+    before = box.velocity[2]
+    world.advance(STEP, 12)
+    # Within 1 % of what friction holds.
+    assert (before - box.velocity[2]) / (12 * STEP) == pytest.approx(max(0.0, G - 2 * mu * force / mass), abs=0.01 * G)
+
+
+# Energy
+
+
+ROTORS = [(rate, off) for rate in (10.0, 30.0, 70.0, 150.0) for off in (0.0, 0.5)] + [(300.0, 0.0)]
+TOO_FAST = pytest.param(300.0, 0.5, marks=pytest.mark.xfail(reason="loses 46 %: it turns by 1.25 rad in a substep"))
+
+
+@pytest.mark.parametrize(("rate", "off"), [*ROTORS, TOO_FAST])
+def test_rotors_on_hinges_keep_their_energy(rate, off):
+    world = World(WEIGHTLESS)
+    rotor = world.add_box(
+        (0.4, 0.2, 0.1), position=(off, 0, 0), mass=2.0, velocity=(0, rate * off, 0), angular_velocity=(0, 0, rate)
+    )
+    world.add_hinge(None, rotor, anchor=(0, 0, 0), axis=UP)
+    start = world.energy().total
+    world.advance(STEP, 120)
+    assert world.energy().total == pytest.approx(start, rel=0.01)
+    assert apart(world) < 0.01
+
+
+@pytest.mark.parametrize("rate", [20.0, 60.0])
+def test_a_hub_with_a_weight_keeps_its_energy(rate):
+    world = World(WEIGHTLESS)
+    spin = {"angular_velocity": (0, 0, rate)}
+    hub = world.add_box((0.4, 0.4, 0.1), mass=2.0, **spin)
+    weight = world.add_sphere(0.1, position=(0.5, 0, 0), mass=1.0, velocity=(0, 0.5 * rate, 0), **spin)
+    world.add_hinge(None, hub, anchor=(0, 0, 0), axis=UP)
+    world.add_fixed_joint(hub, weight, anchor=(0.3, 0, 0))
+    start = world.energy().total
+    world.advance(STEP, 120)
+    assert world.energy().total == pytest.approx(start, rel=0.01)
+    assert apart(world) < 0.01
+
+
+WHIP = pytest.param(0, marks=pytest.mark.xfail(reason="loses 31 % as its light end cracks like a whip"))
+
+
+@pytest.mark.parametrize("seed", [WHIP, *range(1, 5)])
+def test_chains_of_random_rods_keep_their_energy(seed):
+    rng, world, x = np.random.default_rng(seed), World(), 0.0
+    before, free = None, {"collides_with": ()}
+    for _ in range(6):
+        length, mass = rng.uniform(0.2, 0.8), 10.0 ** rng.uniform(-0.5, 1)
+        rod = world.add_box((length, 0.05, 0.05), position=(x + length / 2, 0, 0), mass=mass, **free)
+        if seed % 2:
+            world.add_hinge(before, rod, anchor=(x, 0, 0), axis=ACROSS)
+        else:
+            world.add_ball_joint(before, rod, anchor=(x, 0, 0))
+        before, x = rod, x + length
+    start, scale, worst = world.energy().total, 0.0, 0.0
+    for _ in range(30):
+        world.advance(STEP, 10)
+        scale = max(scale, world.energy().kinetic)
+        worst = max(worst, abs(world.energy().total - start))
+    assert worst < 0.01 * scale
+    assert apart(world) < 1e-3
+
+
+# Loops, and what stands and rests on joints
+
+
+def test_a_door_on_three_hinges_swings_as_on_one():
+    # Five of each hinge's rows, fifteen for five that are wanted; the hinges bear its weight together.
+    angles, forces = [], []
+    for heights in ((0.0,), (-0.8, 0.0, 0.8)):
+        world = World((0.0, -3.0, -G))
+        door = world.add_box((1.0, 0.05, 2.0), position=(0.5, 0, 0), mass=20.0)
+        hinges = [world.add_hinge(None, door, anchor=(0, 0, height), axis=UP) for height in heights]
+        world.advance(STEP, 60)
+        angles.append(hinges[0].angle)
+        forces.append(sum(hinge.force for hinge in hinges))
+        assert apart(world) < 1e-6
+    assert angles[1] == pytest.approx(angles[0], abs=1e-5)
+    assert angles[0] < -1.0
+    assert forces[1] == pytest.approx(forces[0], abs=1e-3 * 20.0 * G)
+    assert forces[0][2] == pytest.approx(20.0 * G, rel=1e-6)
+
+
+@pytest.mark.parametrize("joint", ["add_hinge", "add_ball_joint"])
+def test_a_planar_rope_bridge_carries_a_ball(joint):
+    world, planks, width = World(plane_normal=ACROSS), 12, 0.5
+    ends = [np.zeros(3)]
+    before = world.ground
+    for angle in np.linspace(0.3, -0.3, planks):
+        step = width * np.array([math.cos(angle), 0.0, -math.sin(angle)])
+        turn = (math.cos(angle / 2), 0.0, math.sin(angle / 2), 0.0)
+        plank = world.add_box((width, 1.0, 0.1), position=ends[-1] + step / 2, orientation=turn, mass=3.0)
+        options = {"axis": ACROSS} if joint == "add_hinge" else {}
+        getattr(world, joint)(before, plank, anchor=ends[-1], **options)
+        before = plank
+        ends.append(ends[-1] + step)
+    getattr(world, joint)(before, world.ground, anchor=ends[-1], **options)
+    middle = ends[planks // 2]
+    ball = world.add_sphere(0.35, position=middle + np.array([0, 0, 0.405]), mass=15.0)
+    for _ in range(30):
+        world.advance(STEP, 6)
+        assert abs(ball.position - middle - np.array([0, 0, 0.4])).max() < 0.2
+        assert apart(world) < 1e-3
+
+
+def test_a_box_comes_to_rest_on_the_link_of_a_robot():
+    world = World()
+    upper = world.add_box((1.0, 0.4, 0.1), position=(0.5, 0, 1), mass=5.0, friction=0.6)
+    lower = world.add_box((0.6, 0.4, 0.1), position=(1.3, 0, 1), mass=2.0, friction=0.6)
+    shoulder = world.add_hinge(None, upper, anchor=(0, 0, 1), axis=ACROSS, motor=Motor(0.0, 500.0))
+    elbow = world.add_hinge(upper, lower, anchor=(1, 0, 1), axis=ACROSS, motor=Motor(0.0, 500.0))
+    boxes = [world.add_box((0.3, 0.3, 0.3), position=(x, 0, 1.21), mass=4.0, friction=0.6) for x in (0.5, 1.3)]
+    world.advance(STEP, 300)
+    assert np.abs(world.velocity).max() < 1e-6
+    assert shoulder.effort == pytest.approx(-G * (9.0 * 0.5 + 6.0 * 1.3), rel=1e-3)
+    assert elbow.effort == pytest.approx(-G * 6.0 * 0.3, rel=1e-3)
+    assert boxes[0].position[2] > 1.19
+
+
+# Dense equations
+
+
+def touching_tangle(seed, loops):
+    """Put eight balls side by side, without friction, and join five of them; return what touches: (a, b, normal)."""
+    rng = np.random.default_rng(seed)
+    world = World(WEIGHTLESS, substeps=1)
+    rows = Rows(world)
+    bodies = [
+        world.add_sphere(
+            0.5, position=place, mass=rng.uniform(0.1, 10), inertia=rng.uniform(1, 1.9, 3) * rng.uniform(0.05, 1),
+            velocity=rng.normal(size=3), angular_velocity=rng.normal(size=3), friction=0.0,
+        )
+        for place in np.ndindex(2, 2, 2)
+    ]  # fmt: skip
+    held = 5
+    pairs = [(int(rng.integers(k)), k) for k in range(1, held)]
+    pairs += [tuple(sorted(rng.choice(held, 2, replace=False).tolist())) for _ in range(loops)]
+    for k, (a, b) in enumerate(pairs):
+        join(world, rows, rng, KINDS[rng.integers(len(KINDS))] if k < held - 1 else "ball", bodies[a], bodies[b])
+    touching = []
+    for a, b in itertools.combinations(range(len(bodies)), 2):
+        way = bodies[b].position - bodies[a].position
+        if (a, b) not in pairs and np.linalg.norm(way) == 1.0:
+            touching.append((bodies[a].index, bodies[b].index, way))
+    return world, rows, touching
+
+
+def nearest_allowed(rows, touching, before):
+    """Of the velocities that joints allow and with which nothing that touches approaches, the nearest by kinetic energy."""
+    matrix, light = rows.dense()
+    normals = np.zeros((len(touching), len(before)))
+    for row, (a, b, n) in zip(normals, touching, strict=True):
+        row[6 * a : 6 * a + 3], row[6 * b : 6 * b + 3] = -n, n
+    root = np.zeros_like(light)  # the ground, the first body, does not move
+    root[6:, 6:] = np.linalg.cholesky(light[6:, 6:])
+    free = null_space(matrix @ root, rcond=1e-10)
+    allowed = free @ (normals @ root @ free).T
+    allowed = allowed[:, np.linalg.norm(allowed, axis=0) > 1e-9]  # without what joints hold at its distance
+    start = free @ (free[6:].T @ np.linalg.solve(root[6:, 6:], before[6:]))
+    impulses = nnls(allowed, -start, maxiter=10_000)[0]
+    return root @ (start + allowed @ impulses), (impulses > 1e-3).sum()
+
+
+UNSOLVED = pytest.param(4, 0, marks=pytest.mark.xfail(reason="points approach with 0.5 m/s after the last trial"))
+
+
+@pytest.mark.parametrize(("seed", "loops"), [*itertools.product(range(3), (0, 2)), (4, 2), UNSOLVED])
+def test_joints_and_contacts_together_are_those_of_the_dense_equations(seed, loops):
+    world, rows, touching = touching_tangle(seed, loops)
+    before = motion(world)
+    exact, pressed = nearest_allowed(rows, touching, before)
+    world.step(1e-7)
+    assert pressed >= 2
+    assert motion(world) == pytest.approx(exact, abs=1e-3)
+
+
+# The same bits
+
+
+def gripped():
+    """Build a gripper with a box on a hinged shelf, which tips a tower of two."""
+    world = World()
+    world.add_plane(friction=0.6)
+    shelf = world.add_box((1.0, 0.4, 0.1), position=(0.5, 0, 0.5), mass=3.0)
+    world.add_hinge(None, shelf, anchor=(0, 0, 0.5), axis=ACROSS, friction=5.0)
+    for height in (0.7, 1.0):
+        world.add_box((0.3, 0.3, 0.3), position=(0.6, 0, height), mass=1.0, restitution=0.3)
+    return world
+
+
+def bits(world):
+    return [world.tables.array(table).tobytes() for table in (POSE, MOTION, JOINT_NUMBERS)]
+
+
+def test_bits_are_the_same_run_to_run_and_after_restore():
+    world, other = gripped(), gripped()
+    world.advance(STEP, 25)
+    kept = world.snapshot()
+    world.advance(STEP, 40)
+    wanted = bits(world)
+    world.restore(kept)
+    for _ in range(40):
+        world.step(STEP)
+    assert bits(world) == wanted
+    other.advance(STEP, 65)
+    assert bits(other) == wanted
+    assert np.abs(world.velocity).max() > 0.01 or world.position[2][2] < 0.3
