@@ -16,7 +16,6 @@ _UP: Vector = (0.0, 0.0, 1.0)
 # body: which one is the lowest is rounding then.
 STANDING = 1e-4
 FLAT_ON = 5e-3  # the same on a face, where many points are chosen from: which ones are chosen has to be steady
-_LEANING = 0.5  # the same, from which on only the lowest point of the rim counts
 
 
 @compiled(inline=True)
@@ -43,13 +42,13 @@ def plane_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> in
     down = turned_back(q, (0.0, 0.0, -1.0))
     sine, x, y = lowest_direction(down, STANDING)
     c, s = side_normal((lower, upper, half))
-    lies = (down[0] * x + down[1] * y) * c + down[2] * s > math.sqrt(1.0 - _LEANING * _LEANING)
+    lies = (down[0] * x + down[1] * y) * c + down[2] * s > FLAT
     put_normal(manifold, _UP)
     count = 0
     for end in range(2):
         radius, z = (lower, -half) if end == 0 else (upper, half)
         faces_it = down[2] < 0.0 if end == 0 else down[2] > 0.0
-        stands = faces_it and sine < _LEANING and radius > 0.0
+        stands = faces_it and sine < STEEP and radius > 0.0
         for k in range(4):
             if k > 0 and not stands:
                 break

@@ -16,16 +16,21 @@ NORMAL = 0  # in the world's axes (3)
 TURN_A, ARM_A = 3, 7  # orientation of the first shape, and its origin from the centre of its body (3)
 TURN_B, ARM_B = 10, 14
 APART = 17  # from the centre of the first body to that of the second (3)
-ON_A, ON_B = 20, 23  # points in the frames of the shapes (3 and 3), six numbers a point
-IMPULSE = 44  # of four points
-COUNT = 48
-MASS_A, MASS_B = 49, 50  # inverse
-FRICTION, SLIDE, SLID, TWISTED = 51, 52, 55, 58
-RESISTANCE, ROLLED = 59, 60
-SOFTNESS = 63
-SHARE, ROUND_A, ROUND_B, STALE = 66, 67, 68, 69
-TURNING_A, TURNING_B = 71, 74  # angular velocities (3 and 3)
-RAW = 77
+ON_A, ON_B, RADII = (
+    20,
+    23,
+    26,
+)  # points in the frames of the shapes (3 and 3), and radii about them: eight numbers a point
+IMPULSE = 52  # of four points
+COUNT = 56
+MASS_A, MASS_B = 57, 58  # inverse
+FRICTION, SLIDE, SLID, TWISTED = 59, 60, 63, 66
+RESISTANCE, ROLLED = 67, 68
+SOFTNESS = 71
+SHARE, STALE = 74, 75
+AXIS_A, AXIS_B = 77, 80  # in the world's axes (3 and 3)
+TURNING_A, TURNING_B = 83, 86  # angular velocities (3 and 3)
+RAW = 89
 
 # Fields of scratch: velocities of the first bodies (6) and the second (6), displacements (6 and 6), inverse inertia (6 and 6);
 # how both have turned since the anchors lay as they do (4 and 4), from the first to the second (3), and 1.0 where arms are
@@ -34,7 +39,7 @@ VELOCITY_A, VELOCITY_B, CHANGE_A, CHANGE_B, INERTIA_A, INERTIA_B = 0, 6, 12, 18,
 TURNED_A, TURNED_B, FROM_A_TO_B, MARK = 36, 40, 44, 47
 SCRATCH = 48 * W
 _NEXT = c.POINT_FIELDS * W  # from a field of a point to the same of the next
-_ANCHORS = c.ANCHORS * W
+_ANCHORS, _ANCHOR = c.ANCHORS * W, c.ANCHOR_SIZE * W
 
 
 @compiled(fast=True, inline=True)
@@ -79,7 +84,31 @@ def bend_of(array: Any, i: int, n: Any, x: float, y: float, z: float) -> float:
 
 
 @compiled(fast=True, inline=True)
-def _fill_point(own: Any, raw: Any, lane: int, j: int, i: int, at: int, h: float) -> None:
+def away(array: Any, i: int, n: Any, x: float, y: float, z: float) -> Any:
+    """Say where radii about an axis point that goes round with the angular velocity that begins at i.
+
+    Returns
+    -------
+    direction : (3,) tuple
+        Unit vector: the part of n at right angles to the axis; n if there is none.
+    rise : float
+        How much of a radius is along n.
+    bend : float
+        How fast that changes, 1/s^2: with m = n . axis it is sqrt(1 - m^2), and m' and m'' are those of a point with that arm.
+    """
+    nx, ny, nz = n
+    along = nx * x + ny * y + nz * z
+    p, q, r = array[i], array[i + W], array[i + 2 * W]
+    slope = nx * (q * z - r * y) + ny * (r * x - p * z) + nz * (p * y - q * x)
+    bend = bend_of(array, i, n, x, y, z)
+    x, y, z = nx - along * x, ny - along * y, nz - along * z
+    rise = math.sqrt(x * x + y * y + z * z + 1e-300)
+    scale = 1.0 / rise
+    return (x * scale, y * scale, z * scale), rise, -(slope * slope * scale * scale + along * bend) * scale
+
+
+@compiled(fast=True, inline=True)
+def _fill_point(own: Any, raw: Any, lane: int, j: int, i: int, at: int, h: float, round_a: Any, round_b: Any) -> None:
     """Put the anchors of a point, whose raw fields begin at j, at `at`, and its gap to its fields, which begin at i.
 
     Sweeps take it that gaps close at a speed that stays. What goes round comes nearer or farther within the substep besides.
@@ -99,23 +128,33 @@ def _fill_point(own: Any, raw: Any, lane: int, j: int, i: int, at: int, h: float
     gap = nx * (bx + dx - ax) + ny * (by + dy - ay) + nz * (bz + dz - az)
     n = (nx, ny, nz)
     bend = bend_of(raw, TURNING_B * W + lane, n, bx, by, bz) - bend_of(raw, TURNING_A * W + lane, n, ax, ay, az)
-    own[i + c.GAP * W] = gap - raw[ROUND_A * W + lane] - raw[ROUND_B * W + lane] + 0.5 * h * h * bend
+    (_, rise_a, bend_a), (_, rise_b, bend_b) = round_a, round_b
+    radius_a, radius_b = raw[j + c.RADII * W], raw[j + (c.RADII + 1) * W]
+    own[at + c.RADII * W], own[at + (c.RADII + 1) * W] = radius_a, radius_b
+    bend -= radius_a * bend_a + radius_b * bend_b
+    own[i + c.GAP * W] = gap - radius_a * rise_a - radius_b * rise_b + 0.5 * h * h * bend
 
 
 @compiled(fast=True)
-def fill(own: Any, raw: Any, h: float, unused: float, none: float, n: int) -> None:
+def fill(own: Any, raw: Any, h: float, unused: float, none: float, count: int) -> None:
     """Make all of the constraints of a group but what `refresh` does."""
-    for lane in range(n):
+    for lane in range(count):
         i, j, at = c.P * W + lane, ON_A * W + lane, _ANCHORS + lane
-        _fill_point(own, raw, lane, j, i, at, h)
-        _fill_point(own, raw, lane, j + 6 * W, i + _NEXT, at + 6 * W, h)
-        _fill_point(own, raw, lane, j + 12 * W, i + 2 * _NEXT, at + 12 * W, h)
-        _fill_point(own, raw, lane, j + 18 * W, i + 3 * _NEXT, at + 18 * W, h)
+        n = vector(raw, NORMAL * W + lane)
+        x, y, z = vector(raw, AXIS_A * W + lane)
+        put(own, c.AXES * W + lane, x, y, z)
+        round_a = away(raw, TURNING_A * W + lane, n, x, y, z)
+        x, y, z = vector(raw, AXIS_B * W + lane)
+        put(own, (c.AXES + 3) * W + lane, x, y, z)
+        round_b = away(raw, TURNING_B * W + lane, n, x, y, z)
+        _fill_point(own, raw, lane, j, i, at, h, round_a, round_b)
+        _fill_point(own, raw, lane, j + _ANCHOR, i + _NEXT, at + _ANCHOR, h, round_a, round_b)
+        _fill_point(own, raw, lane, j + 2 * _ANCHOR, i + 2 * _NEXT, at + 2 * _ANCHOR, h, round_a, round_b)
+        _fill_point(own, raw, lane, j + 3 * _ANCHOR, i + 3 * _NEXT, at + 3 * _ANCHOR, h, round_a, round_b)
         i += c.IMPULSE * W
         own[i], own[i + _NEXT] = raw[IMPULSE * W + lane], raw[(IMPULSE + 1) * W + lane]
         own[i + 2 * _NEXT], own[i + 3 * _NEXT] = raw[(IMPULSE + 2) * W + lane], raw[(IMPULSE + 3) * W + lane]
         own[c.SHARE * W + lane], own[c.COUNT * W + lane] = raw[SHARE * W + lane], raw[COUNT * W + lane]
-        own[c.ROUND_A * W + lane], own[c.ROUND_B * W + lane] = raw[ROUND_A * W + lane], raw[ROUND_B * W + lane]
         own[c.STALE * W + lane], own[(c.STALE + 1) * W + lane] = raw[STALE * W + lane], raw[(STALE + 1) * W + lane]
         own[c.REFRESHED * W + lane] = 0.0
         own[c.MASS_A * W + lane], own[c.MASS_B * W + lane] = raw[MASS_A * W + lane], raw[MASS_B * W + lane]

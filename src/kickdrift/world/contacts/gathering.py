@@ -22,6 +22,7 @@ from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts import filling as r
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.refreshing import SLIP, TWIST
+from kickdrift.world.contacts.rounding import radius_at, rolls, rounding
 from kickdrift.world.layout import FRICTION, RADIUS, ROLLING, SURFACE_VELOCITY
 from kickdrift.world.settings import CONTACT_DAMPING, CONTACT_HERTZ, STEP, SUBSTEPS
 from kickdrift.world.tables import (
@@ -61,7 +62,6 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
     at_a, turn_a = placed_pose(world, shape_a)
     at_b, turn_b = placed_pose(world, shape_b)
-    radius_a, radius_b = radius(world, shape_a), radius(world, shape_b)
     arm_a, arm_b = minus(at_a, vector_at(pose, a, 0)), minus(at_b, vector_at(pose, b, 0))
     apart = minus(vector_at(pose, b, 0), vector_at(pose, a, 0))
     normal = vector_at(manifold, row, c.NORMAL)
@@ -69,8 +69,12 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
     # Of the contact, along its normal, from the farther of both centres
     arm = plus(arm_a, turned(turn_a, vector_at(manifold, row, c.POINT)))
     height = max(abs(dot(along, arm)), abs(dot(along, minus(arm, apart))))
+    step, turning_a, turning_b = floats(world, SETTINGS)[0, STEP], vector_at(motion, a, 3), vector_at(motion, b, 3)
+    back = turned_back(quaternion_at(manifold, row, c.FOUND_POSE + 3), normal)
+    round_a = rounding(world, shape_a, radius(world, shape_a), turn_a, normal, along, times(step, turning_a))
+    round_b = rounding(world, shape_b, radius(world, shape_b), turn_b, times(-1.0, back), along, times(step, turning_b))
     turned_a, turned_b, lay = (1.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), apart
-    moves = width == 0.0 or contact[row, c.STATE] & (c.MOVING | c.FAST) != 0
+    moves = width == 0.0 or rolls(round_a) or rolls(round_b) or contact[row, c.STATE] & (c.MOVING | c.FAST) != 0
     if not moves:
         lay = vector_at(manifold, row, c.REST_APART)
         turned_a = product(quaternion_at(manifold, row, c.REST_A), conjugate(turn_a))
@@ -84,12 +88,8 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
             manifold[row, c.REST_A + k], manifold[row, c.REST_B + k] = turn_a[k], turn_b[k]
         for k in range(3):
             manifold[row, c.REST_APART + k] = apart[k]
-    core_a, core_b = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    if radius_a > 0.0 or radius_b > 0.0:
-        back = turned_back(quaternion_at(manifold, row, c.FOUND_POSE + 3), normal)
-        core_a, core_b = times(-radius_a, normal), times(radius_b, back)
-        if radius_b == 0.0:  # a normal turns with the shape that is not round
-            along = turned(turn_b, back)
+    if rolls(round_a) and not rolls(round_b):  # a normal turns with the shape that is not round
+        along = turned(turn_b, back)
     for k in range(4):
         scratch[(r.TURNED_A + k) * c.WIDTH], scratch[(r.TURNED_B + k) * c.WIDTH] = turned_a[k], turned_b[k]
     for k in range(4):
@@ -101,14 +101,19 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
         raw[(r.APART + k) * c.WIDTH] = apart[k]
         scratch[(r.FROM_A_TO_B + k) * c.WIDTH] = lay[k]
         raw[(r.SLID + k) * c.WIDTH] = manifold[row, c.FRICTION_IMPULSE + k]
-        raw[(r.TURNING_A + k) * c.WIDTH], raw[(r.TURNING_B + k) * c.WIDTH] = motion[a, 3 + k], motion[b, 3 + k]
+        raw[(r.TURNING_A + k) * c.WIDTH], raw[(r.TURNING_B + k) * c.WIDTH] = turning_a[k], turning_b[k]
+        raw[(r.AXIS_A + k) * c.WIDTH], raw[(r.AXIS_B + k) * c.WIDTH] = round_a[1][k], round_b[1][k]
         raw[(r.ROLLED + k) * c.WIDTH] = manifold[row, c.ROLLING_IMPULSE + k]
     points = contact[row, c.POINTS]
     for k in range(4):
-        p = c.POINT + c.POINT_SIZE * k
+        p, at = c.POINT + c.POINT_SIZE * k, c.ANCHOR_SIZE * k
+        on_a, on_b = vector_at(manifold, row, p + c.ON_A), vector_at(manifold, row, p + c.ON_B)
+        radius_a, radius_b = radius_at(round_a, on_a), radius_at(round_b, on_b)
+        on_a, on_b = minus(on_a, times(radius_a, round_a[2])), minus(on_b, times(radius_b, round_b[2]))
         for j in range(3):
-            raw[(r.ON_A + 6 * k + j) * c.WIDTH] = manifold[row, p + j] + core_a[j] if k < points else 0.0
-            raw[(r.ON_B + 6 * k + j) * c.WIDTH] = manifold[row, p + 3 + j] + core_b[j] if k < points else 0.0
+            raw[(r.ON_A + at + j) * c.WIDTH] = on_a[j] if k < points else 0.0
+            raw[(r.ON_B + at + j) * c.WIDTH] = on_b[j] if k < points else 0.0
+        raw[(r.RADII + at) * c.WIDTH], raw[(r.RADII + at + 1) * c.WIDTH] = radius_a, radius_b
         raw[(r.IMPULSE + k) * c.WIDTH] = manifold[row, c.NORMAL_IMPULSE + k] if k < points else 0.0
     raw[r.COUNT * c.WIDTH] = points
     raw[r.MASS_A * c.WIDTH], raw[r.MASS_B * c.WIDTH] = response[a, 0], response[b, 0]
@@ -123,8 +128,7 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
     for k in range(3):
         raw[(r.SLIDE + k) * c.WIDTH] = slide_a[k] - slide_b[k]
         raw[(r.SOFTNESS + k) * c.WIDTH] = soft[k] if fixed else softer[k]
-    raw[r.SHARE * c.WIDTH] = _share(radius_a, radius_b, response[a, 0], response[b, 0])
-    raw[r.ROUND_A * c.WIDTH], raw[r.ROUND_B * c.WIDTH] = radius_a, radius_b
+    raw[r.SHARE * c.WIDTH] = _share(rolls(round_a), rolls(round_b), response[a, 0], response[b, 0])
     least = _ROUNDING * smallest(place[shape_a, RADIUS], place[shape_b, RADIUS])
     still = max(_STILL * floats(world, SETTINGS)[0, STEP] * width, least)
     raw[(r.STALE + 1) * c.WIDTH] = still
@@ -145,13 +149,13 @@ def _wrong(
 
 
 @compiled(inline=True)
-def _share(radius_a: float, radius_b: float, lightness_a: float, lightness_b: float) -> float:
+def _share(rolls_a: bool, rolls_b: bool, lightness_a: float, lightness_b: float) -> float:
     """Say how far from the first body's point to the second's the contact lies, where they have slid past each other.
 
     Round shapes take it with them, whatever they roll on. Else the lighter body does, on which a wrong arm would tell more.
     """
-    if (radius_a > 0.0) != (radius_b > 0.0):
-        return 0.0 if radius_a > 0.0 else 1.0
+    if rolls_a != rolls_b:
+        return 0.0 if rolls_a else 1.0
     return lightness_b / (lightness_a + lightness_b + 1e-300)
 
 

@@ -12,6 +12,7 @@ from kickdrift.core.vectors import (
     Vector,
     applied,
     conjugate,
+    dot,
     exponential,
     length,
     minus,
@@ -94,10 +95,19 @@ def arms_at(world: int, row: int, own: Any, point: int, when: float, normal: Vec
     contact = integers(world, CONTACT)
     at_a, turn_a = _place_at(world, contact[row, c.BODY_A], when)
     at_b, turn_b = _place_at(world, contact[row, c.BODY_B], when)
-    arm_a, arm_b = vector_of(own, c.ANCHORS + 6 * point), vector_of(own, c.ANCHORS + 6 * point + 3)
-    arm_a = plus(turned(turn_a, arm_a), times(own[c.ROUND_A * c.WIDTH], normal))
-    arm_b = minus(turned(turn_b, arm_b), times(own[c.ROUND_B * c.WIDTH], normal))
+    anchor = c.ANCHORS + c.ANCHOR_SIZE * point
+    arm_a, arm_b = turned(turn_a, vector_of(own, anchor)), turned(turn_b, vector_of(own, anchor + c.ANCHOR_B))
+    radius_a, radius_b = own[(anchor + c.RADII) * c.WIDTH], own[(anchor + c.RADII + 1) * c.WIDTH]
+    arm_a = plus(arm_a, times(radius_a, _away(turned(turn_a, vector_of(own, c.AXES)), normal)))
+    arm_b = minus(arm_b, times(radius_b, _away(turned(turn_b, vector_of(own, c.AXES + 3)), normal)))
     return arm_a, arm_b, minus(plus(minus(at_b, at_a), arm_b), arm_a)
+
+
+@compiled(inline=True)
+def _away(axis: Vector, normal: Vector) -> Vector:
+    """Return where radii about an axis point; along the normal, if there is none."""
+    way = minus(normal, times(dot(normal, axis), axis))
+    return times(1.0 / max(length(way), 1e-150), way)
 
 
 @compiled
@@ -189,10 +199,12 @@ def _turn_to(world: int, body: int, turn: Quaternion) -> None:
 
 @compiled
 def normal_at(world: int, row: int, own: Any, when: float) -> Vector:
-    """Return the normal of a contact where its bodies hit: of two round shapes the line between their cores."""
-    normal, both = vector_of(own, c.N), own[c.ROUND_A * c.WIDTH] + own[c.ROUND_B * c.WIDTH]
-    if own[c.ROUND_A * c.WIDTH] == 0.0 or own[c.ROUND_B * c.WIDTH] == 0.0 or own[c.COUNT * c.WIDTH] > 1.0:
+    """Return the normal of a contact where its bodies hit: of two balls or capsules the line between their cores."""
+    normal, radii, axes = vector_of(own, c.N), c.ANCHORS + c.RADII, c.AXES
+    radius_a, radius_b = own[radii * c.WIDTH], own[(radii + 1) * c.WIDTH]
+    about_axes = length(vector_of(own, axes)) + length(vector_of(own, axes + 3)) > 0.0
+    if radius_a == 0.0 or radius_b == 0.0 or about_axes or own[c.COUNT * c.WIDTH] > 1.0:
         return normal
     _, _, between = arms_at(world, row, own, 0, when, normal)
-    line = plus(between, times(both, normal))
+    line = plus(between, times(radius_a + radius_b, normal))
     return times(1.0 / length(line), line)

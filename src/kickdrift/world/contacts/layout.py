@@ -58,10 +58,14 @@ POINT_MASS = 4
 IMPULSE = 5
 LEVER = 6  # distance from the centre
 POINT_FIELDS = 7
-# Of the four points, from both bodies, when the step began (3 and 3); of round shapes, their core
+# Of the four points, when the step began: from both bodies (3 and 3), and the radii of both shapes about them (2). What is
+# round has its core there, see `kickdrift.world.contacts.rounding`.
 ANCHORS = P + 4 * POINT_FIELDS
-SHARE = ANCHORS + 24  # of the way from the point on a to that on b, at which both arms end
-ROUND_A, ROUND_B = SHARE + 1, SHARE + 2  # radii of round shapes
-COUNT = SHARE + 3  # of points
-REFRESHED = SHARE + 4  # 1.0 where arms were taken anew within the step
+ANCHOR_SIZE, ANCHOR_B, RADII = 8, 3, 6
+AXES = (
+    ANCHORS + 4 * ANCHOR_SIZE
+)  # that radii are at right angles to, when the step began (3 and 3); zeros of balls and capsules
+SHARE = AXES + 6  # of the way from the point on a to that on b, at which both arms end
+COUNT = SHARE + 1  # of points
+REFRESHED = SHARE + 2  # 1.0 where arms were taken anew within the step
 FIELDS = REFRESHED + 1

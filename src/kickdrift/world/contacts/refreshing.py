@@ -1,8 +1,8 @@
 """Arms, effective masses and gaps of constraints, in lanes, for the poses that bodies have now.
 
 `refresh` is the one source of arms, effective masses and gaps. Points turn with their bodies; of round shapes it is the core
-(a centre, a point of the segment) that does, and the radius lies along the normal, so that what spins about the core feels no
-turn and what rolls no gap. Both arms end at one point, which keeps momentum and angular momentum.
+that does (`kickdrift.world.contacts.rounding`), and the radius lies along the normal, so that what spins about the core feels
+no turn and what rolls no gap. Both arms end at one point, which keeps momentum and angular momentum.
 """
 
 import math
@@ -21,6 +21,7 @@ from kickdrift.world.contacts.filling import (
     TURNED_B,
     VELOCITY_A,
     VELOCITY_B,
+    away,
     bend_of,
     put,
     response_to,
@@ -32,7 +33,7 @@ W = c.WIDTH
 # How many times smaller than tilts have twists and slides to be, if arms are to stay as they are.
 TWIST, SLIP = 50.0, 2.0
 _NEXT = c.POINT_FIELDS * W  # from a field of a point to the same of the next
-_ANCHORS = c.ANCHORS * W
+_ANCHORS, _ANCHOR = c.ANCHORS * W, c.ANCHOR_SIZE * W
 
 
 @compiled(fast=True)
@@ -71,26 +72,27 @@ def find_stale(own: Any, s: Any, twist: float, slip: float, none: float, n: int)
 
 
 @compiled(fast=True, inline=True)
-def _refresh_point(own: Any, s: Any, lane: int, i: int, at: int, k: float, slop: float, h: float, sums: Any) -> Any:
+def _refresh_point(
+    own: Any, s: Any, lane: int, i: int, at: int, k: float, slop: float, h: float, rounds: Any, sums: Any
+) -> Any:
     """Take arms and mass of point k anew, and the gap where bodies have moved; return the weighted sum of points so far."""
     nx, ny, nz = vector(own, c.N * W + lane)
     weight, sx, sy, sz = sums
     there = 1.0 if own[c.COUNT * W + lane] > k else 0.0
     dx, dy, dz = vector(s, FROM_A_TO_B * W + lane)
-    radius = own[c.ROUND_A * W + lane]
+    n = (nx, ny, nz)
+    ((px, py, pz), _, bend_a), ((qx, qy, qz), _, bend_b) = rounds
+    radius = own[at + c.RADII * W]
     x, y, z = vector(own, at)
-    ax, ay, az = turned(s, TURNED_A * W + lane, x, y, z)
-    ax, ay, az = ax + radius * nx, ay + radius * ny, az + radius * nz
-    radius = own[c.ROUND_B * W + lane]
-    x, y, z = vector(own, at + 3 * W)
-    bx, by, bz = turned(s, TURNED_B * W + lane, x, y, z)
-    bx, by, bz = bx + dx - radius * nx - ax, by + dy - radius * ny - ay, bz + dz - radius * nz - az
+    x, y, z = turned(s, TURNED_A * W + lane, x, y, z)
+    bend = bend_of(s, (VELOCITY_A + 3) * W + lane, n, x, y, z) + radius * bend_a
+    ax, ay, az = x + radius * px, y + radius * py, z + radius * pz
+    radius = own[at + (c.RADII + 1) * W]
+    x, y, z = vector(own, at + c.ANCHOR_B * W)
+    x, y, z = turned(s, TURNED_B * W + lane, x, y, z)
+    bend = bend_of(s, (VELOCITY_B + 3) * W + lane, n, x, y, z) - radius * bend_b - bend
+    bx, by, bz = x + dx - radius * qx - ax, y + dy - radius * qy - ay, z + dz - radius * qz - az
     gap = nx * bx + ny * by + nz * bz
-    n, core_a, core_b = (nx, ny, nz), own[c.ROUND_A * W + lane], own[c.ROUND_B * W + lane]
-    x, y, z = ax - core_a * nx, ay - core_a * ny, az - core_a * nz
-    bend = bend_of(s, (VELOCITY_A + 3) * W + lane, n, x, y, z)
-    x, y, z = ax + bx - dx + core_b * nx, ay + by - dy + core_b * ny, az + bz - dz + core_b * nz
-    bend = bend_of(s, (VELOCITY_B + 3) * W + lane, n, x, y, z) - bend
     share = own[c.SHARE * W + lane]
     px, py, pz = ax + share * bx, ay + share * by, az + share * bz
     qx, qy, qz = px - dx, py - dy, pz - dz
@@ -132,10 +134,17 @@ def refresh(own: Any, s: Any, slop: float, h: float, none: float, n: int) -> Non
     for lane in range(n):
         sums = (0.0, 0.0, 0.0, 0.0)
         i, at = c.P * W + lane, _ANCHORS + lane
-        sums = _refresh_point(own, s, lane, i, at, 0.5, slop, h, sums)
-        sums = _refresh_point(own, s, lane, i + _NEXT, at + 6 * W, 1.5, slop, h, sums)
-        sums = _refresh_point(own, s, lane, i + 2 * _NEXT, at + 12 * W, 2.5, slop, h, sums)
-        sums = _refresh_point(own, s, lane, i + 3 * _NEXT, at + 18 * W, 3.5, slop, h, sums)
+        normal = vector(own, c.N * W + lane)
+        x, y, z = vector(own, c.AXES * W + lane)
+        x, y, z = turned(s, TURNED_A * W + lane, x, y, z)
+        round_a = away(s, (VELOCITY_A + 3) * W + lane, normal, x, y, z)
+        x, y, z = vector(own, (c.AXES + 3) * W + lane)
+        x, y, z = turned(s, TURNED_B * W + lane, x, y, z)
+        rounds = (round_a, away(s, (VELOCITY_B + 3) * W + lane, normal, x, y, z))
+        sums = _refresh_point(own, s, lane, i, at, 0.5, slop, h, rounds, sums)
+        sums = _refresh_point(own, s, lane, i + _NEXT, at + _ANCHOR, 1.5, slop, h, rounds, sums)
+        sums = _refresh_point(own, s, lane, i + 2 * _NEXT, at + 2 * _ANCHOR, 2.5, slop, h, rounds, sums)
+        sums = _refresh_point(own, s, lane, i + 3 * _NEXT, at + 3 * _ANCHOR, 3.5, slop, h, rounds, sums)
         weight, cx, cy, cz = sums
         scale = 1.0 / (weight + 1e-300)
         cx, cy, cz = cx * scale, cy * scale, cz * scale

@@ -182,7 +182,9 @@ def _take_care(island: int, h: float, world: int) -> None:
     energy = kinetic_energy(island, world)
     off = islands[island, RATIO] * aim_island(island, h, AHEAD, world)
     off = _approach(island, h, off, ROUNDS, world)
-    if not (off <= FAR * islands[island, RATIO] and kinetic_energy(island, world) <= _lawful(island, h, world) * energy):
+    if not (
+        off <= FAR * islands[island, RATIO] and kinetic_energy(island, world) <= _lawful(island, h, world) * energy
+    ):
         islands[island, LOST] = 1
         _project(island, h, GENTLY, PRESS, world)
 

@@ -1,0 +1,100 @@
+"""Cylinders and cones that roll and spin, against steady motions of rigid bodies: a coin that leans, a cone around its tip."""
+
+import math
+
+import numpy as np
+import pytest
+
+import kickdrift as kd
+from kickdrift.world.shapes.mass import rotation_matrix
+
+G, STEP = 9.81, 1 / 240
+GROUND = ["plane", "box"]
+
+
+def ground(world, kind):
+    if kind == "plane":
+        world.add_plane(friction=1.0)
+    else:
+        world.add_box((20, 20, 1), position=(0, 0, -0.5), static=True, friction=1.0)
+
+
+def turning(world, body, rate, about):
+    """Let a body turn about an axis through a point."""
+    world.angular_velocity[body] = rate
+    world.velocity[body] = np.cross(rate, world.position[body] - about)
+
+
+@pytest.mark.parametrize("kind", GROUND)
+@pytest.mark.parametrize("tilt", [0.5, 1.0])
+def test_a_leaning_coin_rolls_round_in_place_and_keeps_its_energy(kind, tilt):
+    """A thin disc turns about the diameter to its lowest point, which goes round at sqrt(4 g / (R sin tilt))."""
+    radius, thickness = 0.5, 0.05
+    world = kd.World()
+    ground(world, kind)
+    up, axis = np.array([0, math.cos(tilt), math.sin(tilt)]), np.array([0, -math.sin(tilt), math.cos(tilt)])
+    middle = radius * up + 0.5 * thickness * axis
+    turn = (math.cos(tilt / 2), math.sin(tilt / 2), 0, 0)
+    coin = world.add_cylinder(radius, thickness, position=middle, orientation=turn, friction=1.0).index
+    turning(world, coin, math.sqrt(4 * G / (radius * math.sin(tilt))) * math.sin(tilt) * up, (0, 0, 0))
+    start = world.energy().total
+    for _ in range(240):
+        world.step(STEP)
+        assert world.energy().total == pytest.approx(start, rel=4e-3)
+    # By as much as the coin is not thin
+    assert np.linalg.norm(world.position[coin] - (0, middle[1], middle[2])) < 4 * thickness
+
+
+@pytest.mark.parametrize("kind", GROUND)
+def test_a_cone_rolls_around_its_tip(kind):
+    radius, height, rate = 0.3, 0.6, 4.0
+    world = kd.World()
+    ground(world, kind)
+    angle = math.atan2(radius, height)
+    along = np.array([math.cos(angle), 0, math.sin(angle)])  # from the tip, on the ground, to the base
+    lean = math.atan2(-along[0], -along[2])
+    turn = (math.cos(lean / 2), 0, math.sin(lean / 2), 0)
+    cone = world.add_cone(radius, height, position=0.5 * height * along, orientation=turn, friction=1.0).index
+    turning(world, cone, (-rate, 0, 0), (0, 0, 0))
+    start, rise = world.energy().total, world.position[cone, 2]
+    for _ in range(240):
+        world.step(STEP)
+        tip = world.position[cone] + rotation_matrix(world.orientation[cone]) @ (0, 0, 0.75 * height)
+        assert tip == pytest.approx(np.zeros(3), abs=1e-3)
+    # It turns about the line on which it lies, which goes round with that times the tangent of the half angle.
+    assert np.linalg.norm(world.angular_velocity[cone]) == pytest.approx(rate, rel=1e-3)
+    spun = -world.angular_velocity[cone, :2] / rate
+    assert abs(math.atan2(spun[1], spun[0])) == pytest.approx(rate * math.tan(angle), rel=2e-3)
+    assert world.position[cone, 2] == pytest.approx(rise, abs=5e-4)
+    assert world.energy().total == pytest.approx(start, rel=1e-3)
+
+
+@pytest.mark.parametrize(("kind", "friction"), [("plane", 0.0), ("box", 0.0), ("plane", 0.25)])
+def test_a_cylinder_spins_on_its_end_until_friction_stops_it(kind, friction):
+    """Its points push at the rim, so that friction mu m g acts at its radius: the spin falls by 2 mu g / r a second."""
+    world = kd.World()
+    ground(world, kind)
+    options = {"position": (0, 0, 0.3), "angular_velocity": (0, 0, 30.0), "friction": friction**2}
+    body = world.add_cylinder(0.3, 0.6, **options).index
+    world.advance(1 / 60, 60)
+    assert world.angular_velocity[body] == pytest.approx([0, 0, 30.0 - 2 * friction * G / 0.3], abs=1e-2)
+    assert world.position[body] == pytest.approx([0, 0, 0.3], abs=2e-4)
+
+
+@pytest.mark.parametrize("kind", GROUND)
+def test_a_wheel_rolls_on_at_its_speed(kind):
+    world = kd.World()
+    ground(world, kind)
+    wheel = world.add_cylinder(
+        0.5,
+        0.1,
+        position=(-9, 0, 0.5),
+        orientation=(math.sqrt(0.5), math.sqrt(0.5), 0, 0),
+        velocity=(8, 0, 0),
+        angular_velocity=(0, 16, 0),
+        friction=1.0,
+    ).index
+    world.advance(1 / 60, 120)
+    assert world.velocity[wheel] == pytest.approx([8, 0, 0], abs=8e-3)
+    assert world.angular_velocity[wheel] == pytest.approx([0, 16, 0], abs=1e-2)
+    assert world.position[wheel] == pytest.approx([7, 0, 0.5], abs=2e-2)
