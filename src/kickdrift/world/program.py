@@ -17,6 +17,7 @@ from kickdrift.world.contacts.solve import THREADED, measure, relax, solve, stor
 from kickdrift.world.direct.bounces import bounce_islands
 from kickdrift.world.direct.islands import find_islands
 from kickdrift.world.direct.nodes import find_nodes
+from kickdrift.world.direct.sequential import relax_in_turn, solve_in_turn
 from kickdrift.world.direct.solve import measure_islands, relax_islands, solve_islands
 from kickdrift.world.events import note_touching
 from kickdrift.world.flight import begin, drift, finish, flatten, kick
@@ -26,7 +27,6 @@ from kickdrift.world.joints.around import begin_joints, finish_joints, wake_join
 from kickdrift.world.joints.impulses import warm_start_joints
 from kickdrift.world.joints.measure import measure_joints
 from kickdrift.world.joints.registry import Joints
-from kickdrift.world.joints.sequential import relax_in_turn, solve_in_turn
 from kickdrift.world.step import STAGE
 
 Stages = tuple[Function, ...]

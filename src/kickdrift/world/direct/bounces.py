@@ -20,7 +20,8 @@ from kickdrift.world.direct.contacts import (
     twelve,
 )
 from kickdrift.world.direct.layout import AFTER_CONTACT, FIRST_CONTACT, HITS, TANGENT
-from kickdrift.world.direct.solve import kinetic_energy, note_velocities, solve_at_once, take_back_velocities
+from kickdrift.world.direct.solve import solve_at_once
+from kickdrift.world.direct.velocities import kinetic_energy, note_velocities, take_back_velocities
 from kickdrift.world.joints.aim import RELAX
 from kickdrift.world.layout import RESTITUTION
 from kickdrift.world.tables import (

@@ -21,7 +21,6 @@ from kickdrift.world.direct.contact_rows import (
     review_bound,
     review_points,
 )
-from kickdrift.world.direct.islands import node_of
 from kickdrift.world.direct.layout import (
     ACTIVE,
     AFTER_CONTACT,
@@ -45,6 +44,7 @@ from kickdrift.world.direct.layout import (
     WRENCH,
 )
 from kickdrift.world.direct.matrix import add_row
+from kickdrift.world.direct.nodes import node_of
 from kickdrift.world.joints.layout import LOAD, PLACE
 from kickdrift.world.settings import PUSH_SPEED
 from kickdrift.world.tables import (

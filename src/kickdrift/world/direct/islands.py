@@ -11,36 +11,30 @@ from kickdrift.world.direct.layout import (
     AFTER_NODE,
     FIRST_CLOSING,
     FIRST_CONTACT,
-    FIRST_NEIGHBOUR,
     FIRST_NODE,
     LINK_ROW,
     LOST,
-    NEIGHBOURS,
     NODE_ISLAND,
-    PARENT_NODE,
     RATIO,
 )
-from kickdrift.world.flight import LINK_PLACE, MASS
+from kickdrift.world.direct.nodes import has_room, node_of
+from kickdrift.world.direct.ordering import order_nodes
+from kickdrift.world.flight import MASS
 from kickdrift.world.joints.layout import BODY as LINK_BODY
 from kickdrift.world.joints.layout import (
     CLOSINGS,
     END,
     FIRST,
-    LINK_A,
-    LINK_B,
     LINKS,
     NONE,
-    PARENT,
     PLACE,
     ROOT,
     SEQUENTIAL,
     SIZE,
 )
 from kickdrift.world.tables import (
-    ADJACENCY,
     ARTICULATION,
     BLOCK,
-    BODY,
     COLOURS,
     GROUPS,
     INERTIA,
@@ -50,16 +44,11 @@ from kickdrift.world.tables import (
     LINK,
     NEIGHBOUR,
     NODE,
-    Table,
     floats,
     integers,
-    room,
     rows,
     set_rows,
 )
-from kickdrift.world.trouble import ask_for_room
-
-_BITS = 62  # of a word that tell nodes
 
 # Nodes that contacts unite to an island. Contacts between larger ones are solved by each of them in turn.
 LARGEST = 40
@@ -72,10 +61,10 @@ def find_islands(t: float, h: float, world: int) -> None:
     contacts = colours[LINKED, 2] - colours[LINKED, 1]
     n = _join(world)
     if not (
-        _has_room(world, NODE, n)
-        and _has_room(world, ISLAND, n)
-        and _has_room(world, ISLAND_CONTACT, 2 * contacts)
-        and _has_room(world, ISLAND_CLOSING, rows(world, LINK))
+        has_room(world, NODE, n)
+        and has_room(world, ISLAND, n)
+        and has_room(world, ISLAND_CONTACT, 2 * contacts)
+        and has_room(world, ISLAND_CLOSING, rows(world, LINK))
     ):
         return
     islands = integers(world, ISLAND)
@@ -83,7 +72,7 @@ def find_islands(t: float, h: float, world: int) -> None:
     for row in range(rows(world, LINK)):
         if links[row, ROOT] == row:
             links[row, PLACE] = count
-            for column in range(16):
+            for column in range(ISLAND.width):
                 islands[count, column] = 0
             count += 1
     set_rows(world, ISLAND, count)
@@ -93,18 +82,9 @@ def find_islands(t: float, h: float, world: int) -> None:
     set_rows(world, NODE, n)
     set_rows(world, NEIGHBOUR, 0)
     for island in range(count):
-        if not _order(world, island):
+        if not order_nodes(world, island):
             return
     set_rows(world, BLOCK, rows(world, NEIGHBOUR))
-
-
-@compiled(inline=True)
-def _has_room(world: int, table: Table, count: int) -> bool:
-    """Whether a table has room for so many rows; asks for it if not."""
-    if count > room(world, table):
-        ask_for_room(world, table, count)
-        return False
-    return True
 
 
 @compiled(cached=False)
@@ -112,13 +92,6 @@ def _first_of(links: Any, row: int) -> int:
     while links[row, ROOT] != row:
         row = links[row, ROOT]
     return row
-
-
-@compiled(cached=False)
-def node_of(world: int, body: int) -> int:
-    """Row of LINK of a body that is solved directly; -1 of others, and of what sleeps."""
-    row: int = integers(world, BODY)[body, LINK_PLACE] - 1
-    return row if row >= 0 and integers(world, LINK)[row, ROOT] >= 0 else -1
 
 
 @compiled(cached=False)
@@ -236,149 +209,3 @@ def _sort_nodes(world: int) -> None:
         islands[island, RATIO], islands[island, LOST] = int(greatest / least + 1.0), 0
     for place in range(islands[rows(world, ISLAND) - 1, AFTER_NODE] if rows(world, ISLAND) > 0 else 0):
         links[nodes[place, LINK_ROW], PLACE] = place
-
-
-@compiled(cached=False)
-def _order(world: int, island: int) -> bool:
-    """Find the order of elimination of an island, the least coupled node first, and who is coupled to whom by then."""
-    links, nodes, own = integers(world, LINK), integers(world, NODE), integers(world, ISLAND)[island]
-    first, after = own[FIRST_NODE], own[AFTER_NODE]
-    n = after - first
-    words = (n + _BITS - 1) // _BITS
-    if not _has_room(world, ADJACENCY, n * (words + 2)):
-        return False
-    bits = integers(world, ADJACENCY)
-    coupled = _couple(world, island, words)
-    if not coupled:
-        for place in range(first, after):
-            parent = links[nodes[place, LINK_ROW], PARENT]
-            nodes[place, PARENT_NODE] = links[parent, PLACE] if parent >= 0 else NONE
-            nodes[place, FIRST_NEIGHBOUR], nodes[place, NEIGHBOURS] = rows(world, NEIGHBOUR), 0
-        return True
-    # After the bits: of each node how many of its children are left (-1: it is gone), and which it was in the list.
-    children, member = n * words, n * (words + 1)
-    for i in range(n):
-        bits[children + i, 0], bits[member + i, 0] = 0, nodes[first + i, LINK_ROW]
-    for i in range(n):
-        parent = links[bits[member + i, 0], PARENT]
-        if parent >= 0:
-            bits[children + links[parent, PLACE] - first, 0] += 1
-    for place in range(first, after):
-        best, fewest = -1, 1 << 60
-        for i in range(n):
-            if bits[children + i, 0] == 0:
-                degree = _count(bits, i, words)
-                if degree < fewest:
-                    best, fewest = i, degree
-        parent = links[bits[member + best, 0], PARENT]
-        p = links[parent, PLACE] - first if parent >= 0 else -1
-        if not _eliminate(world, first, best, p, words, place):
-            return False
-        bits[children + best, 0] = -1
-        if p >= 0:
-            bits[children + p, 0] -= 1
-        nodes[place, LINK_ROW] = bits[member + best, 0]
-    _place_neighbours(world, first, after, member)
-    return True
-
-
-@compiled(cached=False)
-def _place_neighbours(world: int, first: int, after: int, member: int) -> None:
-    """Say of parents and neighbours where in the order they are, now that it is known."""
-    links, nodes = integers(world, LINK), integers(world, NODE)
-    neighbours, bits = integers(world, NEIGHBOUR), integers(world, ADJACENCY)
-    for place in range(first, after):
-        links[nodes[place, LINK_ROW], PLACE] = place
-    for place in range(first, after):
-        parent = links[nodes[place, LINK_ROW], PARENT]
-        nodes[place, PARENT_NODE] = links[parent, PLACE] if parent >= 0 else NONE
-        begin = nodes[place, FIRST_NEIGHBOUR]
-        for row in range(begin, begin + nodes[place, NEIGHBOURS]):
-            neighbours[row, 0] = links[bits[member + neighbours[row, 0], 0], PLACE]
-
-
-@compiled(inline=True, cached=False)
-def _set(bits: Any, i: int, j: int, words: int) -> None:
-    bits[i * words + j // _BITS, 0] |= 1 << (j % _BITS)
-
-
-@compiled(inline=True, cached=False)
-def _clear(bits: Any, i: int, j: int, words: int) -> None:
-    bits[i * words + j // _BITS, 0] &= ~(1 << (j % _BITS))
-
-
-@compiled(cached=False)
-def _count(bits: Any, i: int, words: int) -> int:
-    total = 0
-    for w in range(words):
-        word = bits[i * words + w, 0]
-        while word != 0:
-            word &= word - 1
-            total += 1
-    return total
-
-
-@compiled(cached=False)
-def _couple(world: int, island: int, words: int) -> bool:
-    """Write which nodes contacts and closing joints couple, and say whether they do at all."""
-    links, groups, own = integers(world, LINK), integers(world, GROUPS), integers(world, ISLAND)[island]
-    bits, order = integers(world, ADJACENCY), integers(world, ISLAND_CONTACT)
-    closings, begin = integers(world, ISLAND_CLOSING), integers(world, COLOURS)[LINKED, 1]
-    first, coupled = own[FIRST_NODE], False
-    for k in range((own[AFTER_NODE] - first) * words):
-        bits[k, 0] = 0
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        g = begin + order[k, 0]
-        a, b = node_of(world, groups[g, 0]), node_of(world, groups[g, c.WIDTH])
-        if a >= 0 and b >= 0 and links[a, ROOT] == links[b, ROOT]:
-            i, j = links[a, PLACE] - first, links[b, PLACE] - first
-            _set(bits, i, j, words)
-            _set(bits, j, i, words)
-            coupled = True
-    for k in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
-        a, b = links[closings[k, 0], LINK_A], links[closings[k, 0], LINK_B]
-        if a >= 0 and b >= 0:
-            i, j = links[a, PLACE] - first, links[b, PLACE] - first
-            _set(bits, i, j, words)
-            _set(bits, j, i, words)
-            coupled = True
-    return coupled
-
-
-@compiled(cached=False)
-def _eliminate(world: int, first: int, i: int, parent: int, words: int, place: int) -> bool:
-    """Couple what a node is coupled to, its parent among it, and write its neighbours (by their place in the list so far)."""
-    nodes, neighbours, bits = integers(world, NODE), integers(world, NEIGHBOUR), integers(world, ADJACENCY)
-    count = _count(bits, i, words)
-    row = rows(world, NEIGHBOUR)
-    if not (_has_room(world, NEIGHBOUR, row + count) and _has_room(world, BLOCK, row + count)):
-        return False
-    nodes[place, FIRST_NEIGHBOUR], nodes[place, NEIGHBOURS] = row, count
-    for w in range(words):
-        word = bits[i * words + w, 0]
-        while word != 0:
-            lowest = word & -word
-            j = w * _BITS
-            while lowest > 1:
-                lowest >>= 1
-                j += 1
-            neighbours[row, 0] = j
-            row += 1
-            word &= word - 1
-    set_rows(world, NEIGHBOUR, row)
-    if parent >= 0 and count > 0:
-        _set(bits, i, parent, words)
-    for w in range(words):
-        word = bits[i * words + w, 0]
-        while word != 0:
-            lowest = word & -word
-            j = w * _BITS
-            while lowest > 1:
-                lowest >>= 1
-                j += 1
-            word &= word - 1
-            for v in range(words):
-                bits[j * words + v, 0] |= bits[i * words + v, 0]
-            _clear(bits, j, j, words)
-            _clear(bits, j, i, words)
-    return True

@@ -5,7 +5,7 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.flight import AWAKE, DYNAMIC, LINK_COUNT, LINK_PLACE
 from kickdrift.world.flight import KIND as BODY_KIND
 from kickdrift.world.joints.layout import BODY as LINK_BODY
-from kickdrift.world.joints.layout import JOINED_ROWS, LINK_A, LINK_B, LINK_JOINT, NONE, PARENT, SIGN
+from kickdrift.world.joints.layout import JOINED_ROWS, LINK_A, LINK_B, LINK_JOINT, NONE, PARENT, ROOT, SIGN
 from kickdrift.world.tables import (
     BODY,
     CONTACT,
@@ -13,6 +13,7 @@ from kickdrift.world.tables import (
     LINK,
     LINK_NUMBERS,
     RESPONSE,
+    Table,
     floats,
     integers,
     room,
@@ -83,3 +84,19 @@ def _forget(world: int, joined: int, count: int) -> None:
     for row in range(joined, count):
         body[links[row, LINK_BODY], LINK_PLACE], body[links[row, LINK_BODY], LINK_COUNT] = 0, 0
     set_rows(world, LINK, joined)
+
+
+@compiled(cached=False)
+def node_of(world: int, body: int) -> int:
+    """Row of LINK of a body that is solved directly; -1 of others, and of what sleeps."""
+    row: int = integers(world, BODY)[body, LINK_PLACE] - 1
+    return row if row >= 0 and integers(world, LINK)[row, ROOT] >= 0 else -1
+
+
+@compiled(inline=True)
+def has_room(world: int, table: Table, count: int) -> bool:
+    """Whether a table has room for so many rows; asks for it if not."""
+    if count > room(world, table):
+        ask_for_room(world, table, count)
+        return False
+    return True

@@ -20,7 +20,8 @@ from kickdrift.core.vectors import applied
 from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.direct.closings import write_axis
 from kickdrift.world.direct.contacts import PRESS, REST
-from kickdrift.world.direct.solve import LAST_TRIALS, TRIALS, end_joint, give_joint, turn_on
+from kickdrift.world.direct.equations import LAST_TRIALS, TRIALS
+from kickdrift.world.direct.joint_impulses import end_joint, give_joint, turn_on
 from kickdrift.world.joints.aim import GENTLY, RELAX, aim
 from kickdrift.world.joints.laws import review_laws
 from kickdrift.world.joints.layout import (

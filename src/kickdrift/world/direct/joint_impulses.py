@@ -1,0 +1,141 @@
+"""What a solution of the equations of an island gives its joints, and what the next substep begins with."""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import dot, exponential, times, turned
+from kickdrift.world.columns import vector_at
+from kickdrift.world.direct.contacts import (
+    BOUNCE,
+)
+from kickdrift.world.direct.layout import (
+    AFTER_CLOSING,
+    AFTER_NODE,
+    FIRST_CLOSING,
+    FIRST_NODE,
+    LINK_ROW,
+    LOST,
+)
+from kickdrift.world.joints.brakes import set_brakes
+from kickdrift.world.joints.impulses import note_speeds, push_bodies
+from kickdrift.world.joints.laws import end_laws
+from kickdrift.world.joints.layout import (
+    ANGULAR_PART,
+    AXES,
+    BODY_B,
+    GIVEN,
+    IMPULSE,
+    LAWS,
+    LINEAR,
+    LINK_JOINT,
+    POINT,
+    SIGN,
+    SOLVED,
+    TOTAL,
+    WRENCH,
+)
+from kickdrift.world.joints.layout import BODY as LINK_BODY
+from kickdrift.world.joints.measure import put_vector
+from kickdrift.world.tables import (
+    ISLAND,
+    ISLAND_CLOSING,
+    JOINT,
+    JOINT_NUMBERS,
+    LINK,
+    LINK_NUMBERS,
+    MOTION,
+    NODE,
+    floats,
+    integers,
+)
+
+
+@compiled(cached=False)
+def split_impulse(link: int, joint: int, world: int) -> None:
+    """Split the impulse at a joint of a tree among its axes."""
+    links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
+    force, torque = vector_at(work, link, WRENCH), vector_at(work, link, WRENCH + 3)
+    for k in range(6):
+        along = dot(vector_at(numbers, joint, AXES + 3 * k), force if k < 3 else torque)
+        work[link, GIVEN + k] = links[link, SIGN] * along
+
+
+@compiled(cached=False)
+def give_joints(island: int, task: int, world: int) -> None:
+    """Give bodies the impulses of joints that were found."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    order = integers(world, ISLAND_CLOSING)
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        link = nodes[node, LINK_ROW]
+        joint = links[link, LINK_JOINT]
+        if joint >= 0:
+            split_impulse(link, joint, world)
+            give_joint(joint, link, task, world)
+    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+        give_joint(links[order[place, 0], LINK_JOINT], order[place, 0], task, world)
+
+
+@compiled(cached=False)
+def give_joint(joint: int, link: int, task: int, world: int) -> None:
+    """Give bodies the impulses at a joint; those of a bounce are no guess for the next substep."""
+    work, numbers = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
+    column = TOTAL if task >= BOUNCE else IMPULSE
+    for k in range(6):
+        numbers[joint, column + k] += work[link, GIVEN + k]
+    push_bodies(joint, work, link, GIVEN, world)
+
+
+@compiled(cached=False)
+def end_solution(island: int, h: float, world: int) -> None:
+    """Keep what was given before the drift."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    order = integers(world, ISLAND_CLOSING)
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        link = nodes[node, LINK_ROW]
+        if links[link, LINK_JOINT] >= 0:
+            end_joint(links[link, LINK_JOINT], link, h, world)
+    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+        end_joint(links[order[place, 0], LINK_JOINT], order[place, 0], h, world)
+
+
+@compiled(cached=False)
+def end_joint(joint: int, link: int, h: float, world: int) -> None:
+    """Keep what a joint has given before the drift."""
+    numbers = floats(world, JOINT_NUMBERS)
+    for k in range(6):
+        numbers[joint, SOLVED + k] = numbers[joint, IMPULSE + k]
+    if integers(world, JOINT)[joint, LAWS] != 0:
+        end_laws(joint, link, h, world)
+
+
+@compiled(cached=False)
+def end_relaxation(island: int, h: float, world: int) -> None:
+    """Add up the impulses of the substep, and make ready for the next one."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    order, joints = integers(world, ISLAND_CLOSING), integers(world, JOINT)
+    lost = own[LOST] != 0
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        link = nodes[node, LINK_ROW]
+        if links[link, LINK_JOINT] >= 0:
+            set_brakes(link, links[link, LINK_JOINT], h, world)
+            turn_on(links[link, LINK_JOINT], links[link, LINK_BODY], h, lost, world)
+    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+        joint = links[order[place, 0], LINK_JOINT]
+        turn_on(joint, joints[joint, BODY_B], h, lost, world)
+
+
+@compiled(cached=False)
+def turn_on(joint: int, body: int, h: float, lost: bool, world: int) -> None:
+    """Let the next substep begin as this one did, turned as the body was.
+
+    With the impulse of the relaxation, which bends the paths of what turns, the first guess of Newton's method would be farther
+    away. Impulses of no solution are no guess.
+    """
+    numbers = floats(world, JOINT_NUMBERS)
+    note_speeds(joint, world)
+    for k in range(6):
+        numbers[joint, TOTAL + k] += numbers[joint, IMPULSE + k]
+        numbers[joint, IMPULSE + k] = 0.0 if lost else numbers[joint, SOLVED + k]
+    if integers(world, JOINT)[joint, LINEAR] == POINT:
+        turn = exponential(times(h, vector_at(floats(world, MOTION), body, ANGULAR_PART)))
+        put_vector(numbers, joint, IMPULSE, turned(turn, vector_at(numbers, joint, IMPULSE)))
+    for k in range(6):
+        numbers[joint, SOLVED + k] = numbers[joint, IMPULSE + k]

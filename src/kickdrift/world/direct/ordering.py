@@ -1,0 +1,184 @@
+"""The order in which the nodes of an island are eliminated, and who is coupled to whom by then: minimum degree, by bits."""
+
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.prepare import LINKED
+from kickdrift.world.direct.layout import (
+    AFTER_CLOSING,
+    AFTER_CONTACT,
+    AFTER_NODE,
+    FIRST_CLOSING,
+    FIRST_CONTACT,
+    FIRST_NEIGHBOUR,
+    FIRST_NODE,
+    LINK_ROW,
+    NEIGHBOURS,
+    PARENT_NODE,
+)
+from kickdrift.world.direct.nodes import has_room, node_of
+from kickdrift.world.joints.layout import LINK_A, LINK_B, NONE, PARENT, PLACE, ROOT
+from kickdrift.world.tables import (
+    ADJACENCY,
+    BLOCK,
+    COLOURS,
+    GROUPS,
+    ISLAND,
+    ISLAND_CLOSING,
+    ISLAND_CONTACT,
+    LINK,
+    NEIGHBOUR,
+    NODE,
+    integers,
+    rows,
+    set_rows,
+)
+
+_BITS = 62  # of a word that tell nodes
+
+
+@compiled(cached=False)
+def order_nodes(world: int, island: int) -> bool:
+    """Find the order of elimination of an island, the least coupled node first, and who is coupled to whom by then."""
+    links, nodes, own = integers(world, LINK), integers(world, NODE), integers(world, ISLAND)[island]
+    first, after = own[FIRST_NODE], own[AFTER_NODE]
+    n = after - first
+    words = (n + _BITS - 1) // _BITS
+    if not has_room(world, ADJACENCY, n * (words + 2)):
+        return False
+    bits = integers(world, ADJACENCY)
+    coupled = _couple(world, island, words)
+    if not coupled:
+        for place in range(first, after):
+            parent = links[nodes[place, LINK_ROW], PARENT]
+            nodes[place, PARENT_NODE] = links[parent, PLACE] if parent >= 0 else NONE
+            nodes[place, FIRST_NEIGHBOUR], nodes[place, NEIGHBOURS] = rows(world, NEIGHBOUR), 0
+        return True
+    # After the bits: of each node how many of its children are left (-1: it is gone), and which it was in the list.
+    children, member = n * words, n * (words + 1)
+    for i in range(n):
+        bits[children + i, 0], bits[member + i, 0] = 0, nodes[first + i, LINK_ROW]
+    for i in range(n):
+        parent = links[bits[member + i, 0], PARENT]
+        if parent >= 0:
+            bits[children + links[parent, PLACE] - first, 0] += 1
+    for place in range(first, after):
+        best, fewest = -1, 1 << 60
+        for i in range(n):
+            if bits[children + i, 0] == 0:
+                degree = _count(bits, i, words)
+                if degree < fewest:
+                    best, fewest = i, degree
+        parent = links[bits[member + best, 0], PARENT]
+        p = links[parent, PLACE] - first if parent >= 0 else -1
+        if not _eliminate(world, first, best, p, words, place):
+            return False
+        bits[children + best, 0] = -1
+        if p >= 0:
+            bits[children + p, 0] -= 1
+        nodes[place, LINK_ROW] = bits[member + best, 0]
+    _place_neighbours(world, first, after, member)
+    return True
+
+
+@compiled(cached=False)
+def _place_neighbours(world: int, first: int, after: int, member: int) -> None:
+    """Say of parents and neighbours where in the order they are, now that it is known."""
+    links, nodes = integers(world, LINK), integers(world, NODE)
+    neighbours, bits = integers(world, NEIGHBOUR), integers(world, ADJACENCY)
+    for place in range(first, after):
+        links[nodes[place, LINK_ROW], PLACE] = place
+    for place in range(first, after):
+        parent = links[nodes[place, LINK_ROW], PARENT]
+        nodes[place, PARENT_NODE] = links[parent, PLACE] if parent >= 0 else NONE
+        begin = nodes[place, FIRST_NEIGHBOUR]
+        for row in range(begin, begin + nodes[place, NEIGHBOURS]):
+            neighbours[row, 0] = links[bits[member + neighbours[row, 0], 0], PLACE]
+
+
+@compiled(inline=True, cached=False)
+def _set(bits: Any, i: int, j: int, words: int) -> None:
+    bits[i * words + j // _BITS, 0] |= 1 << (j % _BITS)
+
+
+@compiled(inline=True, cached=False)
+def _clear(bits: Any, i: int, j: int, words: int) -> None:
+    bits[i * words + j // _BITS, 0] &= ~(1 << (j % _BITS))
+
+
+@compiled(cached=False)
+def _count(bits: Any, i: int, words: int) -> int:
+    total = 0
+    for w in range(words):
+        word = bits[i * words + w, 0]
+        while word != 0:
+            word &= word - 1
+            total += 1
+    return total
+
+
+@compiled(cached=False)
+def _couple(world: int, island: int, words: int) -> bool:
+    """Write which nodes contacts and closing joints couple, and say whether they do at all."""
+    links, groups, own = integers(world, LINK), integers(world, GROUPS), integers(world, ISLAND)[island]
+    bits, order = integers(world, ADJACENCY), integers(world, ISLAND_CONTACT)
+    closings, begin = integers(world, ISLAND_CLOSING), integers(world, COLOURS)[LINKED, 1]
+    first, coupled = own[FIRST_NODE], False
+    for k in range((own[AFTER_NODE] - first) * words):
+        bits[k, 0] = 0
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        g = begin + order[k, 0]
+        a, b = node_of(world, groups[g, 0]), node_of(world, groups[g, c.WIDTH])
+        if a >= 0 and b >= 0 and links[a, ROOT] == links[b, ROOT]:
+            i, j = links[a, PLACE] - first, links[b, PLACE] - first
+            _set(bits, i, j, words)
+            _set(bits, j, i, words)
+            coupled = True
+    for k in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+        a, b = links[closings[k, 0], LINK_A], links[closings[k, 0], LINK_B]
+        if a >= 0 and b >= 0:
+            i, j = links[a, PLACE] - first, links[b, PLACE] - first
+            _set(bits, i, j, words)
+            _set(bits, j, i, words)
+            coupled = True
+    return coupled
+
+
+@compiled(cached=False)
+def _eliminate(world: int, first: int, i: int, parent: int, words: int, place: int) -> bool:
+    """Couple what a node is coupled to, its parent among it, and write its neighbours (by their place in the list so far)."""
+    nodes, neighbours, bits = integers(world, NODE), integers(world, NEIGHBOUR), integers(world, ADJACENCY)
+    count = _count(bits, i, words)
+    row = rows(world, NEIGHBOUR)
+    if not (has_room(world, NEIGHBOUR, row + count) and has_room(world, BLOCK, row + count)):
+        return False
+    nodes[place, FIRST_NEIGHBOUR], nodes[place, NEIGHBOURS] = row, count
+    for w in range(words):
+        word = bits[i * words + w, 0]
+        while word != 0:
+            lowest = word & -word
+            j = w * _BITS
+            while lowest > 1:
+                lowest >>= 1
+                j += 1
+            neighbours[row, 0] = j
+            row += 1
+            word &= word - 1
+    set_rows(world, NEIGHBOUR, row)
+    if parent >= 0 and count > 0:
+        _set(bits, i, parent, words)
+    for w in range(words):
+        word = bits[i * words + w, 0]
+        while word != 0:
+            lowest = word & -word
+            j = w * _BITS
+            while lowest > 1:
+                lowest >>= 1
+                j += 1
+            word &= word - 1
+            for v in range(words):
+                bits[j * words + v, 0] |= bits[i * words + v, 0]
+            _clear(bits, j, j, words)
+            _clear(bits, j, i, words)
+    return True

@@ -1,0 +1,97 @@
+"""Velocities of an island: their energy, and going back to those that were noted."""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import applied, dot, turned_back
+from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
+from kickdrift.world.direct.contacts import (
+    note_impulses,
+)
+from kickdrift.world.direct.layout import (
+    AFTER_CLOSING,
+    AFTER_NODE,
+    FIRST_CLOSING,
+    FIRST_NODE,
+    LINK_ROW,
+)
+from kickdrift.world.flight import BODY_INERTIA, MASS
+from kickdrift.world.joints.layout import (
+    ANGULAR_PART,
+    BEFORE,
+    IMPULSE,
+    LINK_JOINT,
+    SOLVED,
+    int64,
+)
+from kickdrift.world.joints.layout import BODY as LINK_BODY
+from kickdrift.world.tables import (
+    INERTIA,
+    ISLAND,
+    ISLAND_CLOSING,
+    JOINT_NUMBERS,
+    LINK,
+    LINK_NUMBERS,
+    MOTION,
+    NODE,
+    POSE,
+    floats,
+    integers,
+)
+
+
+@compiled(cached=False)
+def kinetic_energy(island: int, world: int) -> float:
+    """Kinetic energy of an island."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    motion, pose, inertia = floats(world, MOTION), floats(world, POSE), floats(world, INERTIA)
+    total = 0.0
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        body = links[nodes[node, LINK_ROW], LINK_BODY]
+        v = vector_at(motion, body, int64(0))
+        turn = turned_back(quaternion_at(pose, body, ANGULAR_PART), vector_at(motion, body, ANGULAR_PART))
+        moments = symmetric_at(inertia, body, int64(BODY_INERTIA))
+        total += inertia[body, MASS] * dot(v, v) + dot(turn, applied(moments, turn))
+    return 0.5 * total
+
+
+@compiled(cached=False)
+def note_velocities(island: int, world: int) -> None:
+    """Keep the velocities of an island."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    motion, work = floats(world, MOTION), floats(world, LINK_NUMBERS)
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        link = nodes[node, LINK_ROW]
+        for k in range(6):
+            work[link, BEFORE + k] = motion[links[link, LINK_BODY], k]
+
+
+@compiled(cached=False)
+def take_back_velocities(island: int, world: int) -> None:
+    """Go back to the velocities that were noted; taking impulses back would leave their rounding."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    motion, work = floats(world, MOTION), floats(world, LINK_NUMBERS)
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        link = nodes[node, LINK_ROW]
+        for k in range(6):
+            motion[links[link, LINK_BODY], k] = work[link, BEFORE + k]
+
+
+@compiled(cached=False)
+def take_back(island: int, world: int) -> None:
+    """Go back to the velocities that were noted, and to the impulses that they had."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    order = integers(world, ISLAND_CLOSING)
+    take_back_velocities(island, world)
+    note_impulses(island, True, world)
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        if links[nodes[node, LINK_ROW], LINK_JOINT] >= 0:
+            begin_anew(links[nodes[node, LINK_ROW], LINK_JOINT], world)
+    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+        begin_anew(links[order[place, 0], LINK_JOINT], world)
+
+
+@compiled(cached=False)
+def begin_anew(joint: int, world: int) -> None:
+    """Let a joint have given what it had in the end of the substep before."""
+    numbers = floats(world, JOINT_NUMBERS)
+    for k in range(6):
+        numbers[joint, IMPULSE + k] = numbers[joint, SOLVED + k]
