@@ -211,7 +211,7 @@ def test_volume_is_preserved(method):
     assert determinant(method, 0.4) == pytest.approx(1, abs=1e-9)
 
 
-@pytest.mark.parametrize("method", ["kick-drift", RK4], ids=str)
+@pytest.mark.parametrize("method", ["kick-drift", RK4], ids=["kick-drift", "rk4"])
 def test_other_methods_lose_volume(method):
     assert abs(determinant(method, 0.4) - 1) > 1e-4
 

@@ -66,7 +66,7 @@ from kickdrift.world.tables import (
 # Newton's method stops where the parts of their arms that joints are off by, times the ratio of masses, are below CLOSE. The
 # usual island takes two steps; one that is not NEAR after QUICK of them begins again from velocities that joints allow.
 # Each step squares what trees are off by, so that below SURE no one looks whether the step has done so.
-QUICK, ROUNDS, CLOSE, CLOSE_LOOPS, NEAR, SURE = 3, 6, 1e-6, 1e-9, 1e-5, 1e-3
+QUICK, ROUNDS, CLOSE, CLOSE_LOOPS, NEAR, SURE = 3, 6, 1e-7, 1e-9, 1e-5, 3e-4
 
 # Given up is what is farther off than that at the end, in parts of the arms, or has more energy than that times what velocities
 # have that joints allow: there are solutions far away, which no one wants.
@@ -161,7 +161,7 @@ def _lawful(island: int, h: float, world: int) -> float:
     fastest = 0.0
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         fastest = max(fastest, h * length(vector_at(work, nodes[node, LINK_ROW], int64(BEFORE + 3))))
-    return 1.01 + 0.6 * min(fastest, 1.5) ** 2
+    return 1.1 + 0.6 * min(fastest, 1.5) ** 2
 
 
 @compiled(cached=False)
