@@ -62,10 +62,9 @@ class Tunable:
 
     @property
     def residual(self) -> float:
-        """What the sweeps left unsolved in the last step, m/s.
+        """What the solver left unsolved in the last step, m/s.
 
-        The largest speed, along the normal, of points of free bodies that press on each other: zero where every impulse is
-        right, and what a loaded stack still sinks or jitters at. More substeps make it smaller. Contacts of what joints hold,
-        which are solved directly, are not among them.
+        The largest speed, along the normal, of points that press on each other, those of islands with joints among them: zero
+        where every impulse is right, and what a loaded stack still sinks or jitters at. More substeps make it smaller.
         """
         return float(self.tables.array(SETTINGS)[0, RESIDUAL])
