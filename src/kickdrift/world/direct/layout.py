@@ -24,7 +24,7 @@ PASSING, COUPLING = int64(72), int64(108)  # of open axis k, six numbers each: i
 
 # Rows of a contact, and columns of CONTACT_ROW. A row of a contact is a wrench of twelve numbers: impulse and angular impulse
 # of its unit on the first body, the same on the second.
-TANGENT, TWIST, ROLL, ROWS = 4, 6, 7, 10  # the first four are the points
+TANGENT, TWIST, ROLL = 4, 6, 7  # the first four are the points
 WRENCH = 0
 SPEED = 120  # before the solution
 WANTED = 130  # speed

@@ -107,6 +107,22 @@ def _clear(bits: Any, i: int, j: int, words: int) -> None:
     bits[i * words + j // _BITS, 0] &= ~(1 << (j % _BITS))
 
 
+@compiled(inline=True, cached=False)
+def _unite(bits: Any, i: int, j: int, words: int) -> None:
+    _set(bits, i, j, words)
+    _set(bits, j, i, words)
+
+
+@compiled(inline=True, cached=False)
+def _lowest(word: int) -> int:
+    """Place of the lowest bit of a word that is set."""
+    lowest, place = word & -word, 0
+    while lowest > 1:
+        lowest >>= 1
+        place += 1
+    return place
+
+
 @compiled(cached=False)
 def _count(bits: Any, i: int, words: int) -> int:
     total = 0
@@ -132,15 +148,13 @@ def _couple(world: int, island: int, words: int) -> bool:
         a, b = node_of(world, groups[g, 0]), node_of(world, groups[g, c.WIDTH])
         if a >= 0 and b >= 0 and links[a, ROOT] == links[b, ROOT]:
             i, j = links[a, PLACE] - first, links[b, PLACE] - first
-            _set(bits, i, j, words)
-            _set(bits, j, i, words)
+            _unite(bits, i, j, words)
             coupled = True
     for k in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
         a, b = links[closings[k, 0], LINK_A], links[closings[k, 0], LINK_B]
         if a >= 0 and b >= 0:
             i, j = links[a, PLACE] - first, links[b, PLACE] - first
-            _set(bits, i, j, words)
-            _set(bits, j, i, words)
+            _unite(bits, i, j, words)
             coupled = True
     return coupled
 
@@ -157,11 +171,7 @@ def _eliminate(world: int, first: int, i: int, parent: int, words: int, place: i
     for w in range(words):
         word = bits[i * words + w, 0]
         while word != 0:
-            lowest = word & -word
-            j = w * _BITS
-            while lowest > 1:
-                lowest >>= 1
-                j += 1
+            j = w * _BITS + _lowest(word)
             neighbours[row, 0] = j
             row += 1
             word &= word - 1
@@ -171,11 +181,7 @@ def _eliminate(world: int, first: int, i: int, parent: int, words: int, place: i
     for w in range(words):
         word = bits[i * words + w, 0]
         while word != 0:
-            lowest = word & -word
-            j = w * _BITS
-            while lowest > 1:
-                lowest >>= 1
-                j += 1
+            j = w * _BITS + _lowest(word)
             word &= word - 1
             for v in range(words):
                 bits[j * words + v, 0] |= bits[i * words + v, 0]
