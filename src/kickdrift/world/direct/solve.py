@@ -156,9 +156,9 @@ def _take_care(island: int, h: float, world: int) -> None:
 
 @compiled(cached=False)
 def _lawful(island: int, h: float, world: int) -> float:
-    """Part of its energy that an island may have before the drift: what turns by an angle a in the substep has a^2 / 2 more.
+    """Part of its energy that an island may have before the drift: turned by an angle a in the substep, it has a^2 / 2 more.
 
-    With a margin of a tenth: solutions far away, which no one wants, have more. A grid of 4 x 4 balls has one with a sixth more.
+    With a margin of a tenth: solutions far away, which no one wants, have more, that of a grid of 4 x 4 balls by a sixth.
     """
     own, nodes, work = integers(world, ISLAND)[island], integers(world, NODE), floats(world, LINK_NUMBERS)
     fastest = 0.0
