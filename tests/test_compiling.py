@@ -12,7 +12,7 @@ import pytest
 from kickdrift.core.cache import fingerprint
 from kickdrift.core.compilation import compiled, is_on_disk, specialise, unbound
 from kickdrift.engine.progress import announce_compiling, announcements
-from kickdrift.world.contacts.lanes import SWEEPS
+from kickdrift.world.contacts.contact_solver_simd import KERNELS
 
 INNER = """
 from kickdrift.core.compilation import compiled
@@ -142,10 +142,11 @@ def test_names_are_part_of_a_fingerprint(one, other):
 
 def test_fingerprints_do_not_depend_on_the_process():
     code = (
-        "from kickdrift.world.contacts.lanes import SWEEPS; from kickdrift.core.cache import fingerprint;"
-        "print([fingerprint(sweep.py_func) for sweep in SWEEPS], SWEEPS[0]._cache._file('', SWEEPS[0].targetctx).name)"
+        "from kickdrift.world.contacts.contact_solver_simd import KERNELS as sweeps;"
+        "from kickdrift.core.cache import fingerprint;"
+        "print([fingerprint(sweep.py_func) for sweep in sweeps], sweeps[0]._cache._file('', sweeps[0].targetctx).name)"
     )
-    here = str([fingerprint(sweep.py_func) for sweep in SWEEPS])
+    here = str([fingerprint(sweep.py_func) for sweep in KERNELS])
     found = {python(code, PYTHONHASHSEED=seed) for seed in ("1", "2")}
     assert len(found) == 1
     assert found.pop().startswith(here)

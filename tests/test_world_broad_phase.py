@@ -21,7 +21,7 @@ from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.kinds import BOX, CAPSULE, HULL, MESH, PLANE, SPHERE, TRIANGLE
 from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.polyhedron import HEADER, PLANES_AT, VERTICES
-from kickdrift.world.trouble import BODY, FULL, KIND, NOT_FINITE, TABLE, WANTED
+from kickdrift.world.step_status import FULL, LOST_BODY, NOT_FINITE, ROWS_WANTED, STATUS, TABLE
 
 STEP = 1 / 60
 ALL = (1 << 62) - 1
@@ -40,7 +40,7 @@ class Scene:
 
     def __init__(self, seed=0, margin=0.02):
         self.tables, self.rng = t.Tables(), np.random.default_rng(seed)
-        for table in (t.SETTINGS, t.TROUBLE, t.SEARCH):
+        for table in (t.SETTINGS, t.STEP_STATUS, t.SEARCH):
             self.tables.resize(table, 1)
         describe_kinds(self.tables)
         find_extents(self.tables, [SPHERE, CAPSULE, BOX, HULL, MESH])
@@ -83,16 +83,16 @@ class Scene:
 
     def find(self, step=STEP):
         """Run the stage, making room where it asks for it; returns the pairs."""
-        trouble = self[t.TROUBLE][0]
+        trouble = self[t.STEP_STATUS][0]
         find_pairs(0.0, step, self.tables.address)
-        while trouble[KIND] == FULL:
+        while trouble[STATUS] == FULL:
             self.retries += 1
             full = {t.CONTACT, t.MANIFOLD} if trouble[TABLE] == t.CONTACT.place else {PLACES[int(trouble[TABLE])]}
             for table in full:
-                self.tables.reserve(table, int(trouble[WANTED]))
+                self.tables.reserve(table, int(trouble[ROWS_WANTED]))
             trouble[:] = 0
             find_pairs(0.0, step, self.tables.address)
-        assert trouble[KIND] == 0, trouble
+        assert trouble[STATUS] == 0, trouble
         return [tuple(map(int, row[:3])) for row in self[t.CONTACT]]
 
     def move(self, step=STEP):
@@ -524,8 +524,8 @@ def test_a_body_that_is_nowhere_is_named_and_can_be_brought_back(table, value):
     body = int(scene[t.SHAPE][rows[2], 1])
     scene[table][body, 1] = value
     find_pairs(0.0, STEP, scene.tables.address)
-    trouble = scene[t.TROUBLE][0]
-    assert (trouble[KIND], trouble[BODY]) == (NOT_FINITE, body)
+    trouble = scene[t.STEP_STATUS][0]
+    assert (trouble[STATUS], trouble[LOST_BODY]) == (NOT_FINITE, body)
     assert len(scene[t.CONTACT]) == len(pairs)
     trouble[:] = 0
     scene[table][body, 1] = 0.0
@@ -538,15 +538,15 @@ def test_nothing_is_changed_before_there_is_room():
     for k in range(40):
         scene.box((0.9 * k, 0, 0))
     scene.tables.reserve(t.SCRATCH, 1000)
-    trouble = scene[t.TROUBLE][0]
+    trouble = scene[t.STEP_STATUS][0]
     asked = []
     for _ in range(20):
         find_pairs(0.0, STEP, scene.tables.address)
-        if trouble[KIND] == 0:
+        if trouble[STATUS] == 0:
             break
         assert len(scene[t.CONTACT]) == 0
         asked.append(int(trouble[TABLE]))
-        scene.tables.reserve(PLACES[asked[-1]], int(trouble[WANTED]))
+        scene.tables.reserve(PLACES[asked[-1]], int(trouble[ROWS_WANTED]))
         trouble[:] = 0
     assert asked[-2:] == [t.CONTACT.place, t.MANIFOLD.place]
     assert len(scene[t.CONTACT]) == 39

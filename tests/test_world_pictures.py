@@ -20,7 +20,7 @@ from kickdrift.plots.camera import axes_of, showing
 from kickdrift.plots.painter import AHEAD, Painter
 from kickdrift.plots.scenery import Pose, colour_of
 from kickdrift.world.flight import DYNAMIC, STATIC
-from kickdrift.world.recording import Appearance, Part, Recording, Rod
+from kickdrift.world.recording import Appearance, DrawnShape, Recording, Rod
 from kickdrift.world.rotations import product, turned
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
@@ -46,7 +46,7 @@ def recording(shapes, ways, *, turns=None, fixed=(), rods=(), times=None):
         q[:, body] = turn
     still = [isinstance(shape, Plane | Mesh) or n in fixed for n, shape in enumerate(shapes)]
     kinds = np.array([STATIC, *(STATIC if fixed_ else DYNAMIC for fixed_ in still)])
-    parts = tuple(Part(n + 1, shape, ORIGIN, UPRIGHT) for n, shape in enumerate(shapes))
+    parts = tuple(DrawnShape(n + 1, shape, ORIGIN, UPRIGHT) for n, shape in enumerate(shapes))
     about = kd.solve(lambda x: -x, (0.0, 1.0), 1.0, 0.0, step=0.5, compile=False).about
     energy = np.linspace(1.0, 0.5, len(t))
     return Recording(
@@ -232,7 +232,7 @@ def test_balls_have_marks_that_show_how_they_turn():
 
 
 def test_planes_are_not_seen_from_behind():
-    walls = [Part(1, Plane(), ORIGIN, turn) for turn in (UPRIGHT, np.array([np.sqrt(0.5), np.sqrt(0.5), 0, 0]))]
+    walls = [DrawnShape(1, Plane(), ORIGIN, turn) for turn in (UPRIGHT, np.array([np.sqrt(0.5), np.sqrt(0.5), 0, 0]))]
     made = recording([Box((1, 1, 1))], [at(0, -3, 0.5)])
     ball = made.appearance.parts[0]
     looks = Appearance(made.appearance.kinds, (*(wall._replace(body=0) for wall in walls), ball), (), {})

@@ -19,7 +19,7 @@ from kickdrift.world.collision.queries import overlap_box, overlap_sphere, ray_c
 from kickdrift.world.collision.search import CHANGED, shapes_changed
 from kickdrift.world.flight import DYNAMIC, STATIC
 from kickdrift.world.layout import RADIUS
-from kickdrift.world.queries import AnswersQueries
+from kickdrift.world.queries import SpatialQueries
 from kickdrift.world.settings import GRAVITY, MARGIN
 from kickdrift.world.shapes.catalogue import RAYS
 from kickdrift.world.shapes.hull import Hull
@@ -27,7 +27,7 @@ from kickdrift.world.shapes.kinds import BOX, CAPSULE, HULL, MESH, PLANE, SPHERE
 from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.polyhedron import HEADER, PLANES_AT
 from kickdrift.world.shapes.sphere import Sphere
-from kickdrift.world.trouble import FULL, KIND, TABLE, WANTED
+from kickdrift.world.step_status import FULL, ROWS_WANTED, STATUS, TABLE
 from kickdrift.world.world import World
 
 ALL = (1 << 62) - 1
@@ -40,12 +40,12 @@ def reach(kind, numbers):
     return {SPHERE: np.sum, CAPSULE: np.sum, BOX: np.linalg.norm}.get(int(kind), lambda _: 0.0)(numbers)
 
 
-class Scene(AnswersQueries):
+class Scene(SpatialQueries):
     """Tables of a world that holds shapes and nothing else, each of a body of its own or of the ground."""
 
     def __init__(self, seed=0):
         self.tables, self.rng = t.Tables(), np.random.default_rng(seed)
-        for table in (t.SETTINGS, t.TROUBLE, t.SEARCH):
+        for table in (t.SETTINGS, t.STEP_STATUS, t.SEARCH):
             self.tables.resize(table, 1)
         describe_kinds(self.tables)
         find_extents(self.tables, [SPHERE, CAPSULE, BOX, HULL, MESH])
@@ -78,10 +78,10 @@ class Scene(AnswersQueries):
         return row
 
     def step(self):
-        trouble = self[t.TROUBLE][0]
+        trouble = self[t.STEP_STATUS][0]
         find_pairs(0.0, 1 / 60, self.tables.address)
-        while trouble[KIND] == FULL:
-            place, wanted = int(trouble[TABLE]), int(trouble[WANTED])
+        while trouble[STATUS] == FULL:
+            place, wanted = int(trouble[TABLE]), int(trouble[ROWS_WANTED])
             trouble[:] = 0
             self.tables.make_room(place, wanted)
             find_pairs(0.0, 1 / 60, self.tables.address)

@@ -17,7 +17,7 @@ from kickdrift.io.robots.omissions import gathered  # noqa: E402
 from kickdrift.io.world_file import load_world  # noqa: E402
 from kickdrift.world.joints import layout  # noqa: E402
 from kickdrift.world.joints.axis import Drive  # noqa: E402
-from kickdrift.world.joints.layout import ANCHOR_A, ANCHOR_B, BODY_A, BODY_B, FRAME_A, LOWER, UPPER  # noqa: E402
+from kickdrift.world.joints.layout import ANCHOR_A, ANCHOR_B, BODY_A, BODY_B, FRAME_A, LOWER_LIMIT, UPPER_LIMIT  # noqa: E402
 from kickdrift.world.shapes.mass import rotation_matrix  # noqa: E402
 from kickdrift.world.shapes.plane import Plane  # noqa: E402
 from kickdrift.world.shapes.sphere import Sphere  # noqa: E402
@@ -86,8 +86,8 @@ def test_anchors_and_axes_are_those_of_mujoco(name):
         np.testing.assert_allclose(frame[:, 2], data.xaxis[row], 0.0, 1e-12)
         law = world.tables.array(JOINT_AXES)[6 * joint.index + robot.axes[model.joint(row).name]]
         limits = model.jnt_range[row] if model.jnt_limited[row] else (-np.inf, np.inf)
-        np.testing.assert_array_equal(law[[LOWER, UPPER]], limits)
-        assert law[layout.FRICTION] == model.dof_frictionloss[model.jnt_dofadr[row]]
+        np.testing.assert_array_equal(law[[LOWER_LIMIT, UPPER_LIMIT]], limits)
+        assert law[layout.JOINT_FRICTION] == model.dof_frictionloss[model.jnt_dofadr[row]]
         assert robot.axes[model.joint(row).name] == 5
         assert joint.angle == 0.0
 
@@ -231,7 +231,7 @@ def test_joints_between_the_same_two_bodies_are_one(tmp_path):
     for name, way in (("x", (1, 0, 0)), ("z", (0, 0, 1)), ("turn", (0, 1, 0))):
         np.testing.assert_allclose(frame[robot.axes[name]], way, 0.0, 1e-12)
     law = world.tables.array(JOINT_AXES)[6 * joint.index + robot.axes["x"]]
-    np.testing.assert_array_equal(law[[LOWER, UPPER]], (-1.0, 2.0))
+    np.testing.assert_array_equal(law[[LOWER_LIMIT, UPPER_LIMIT]], (-1.0, 2.0))
     assert world.tables.array(JOINT)[joint.index, layout.LOCKED].bit_count() == 3
     cross = f'<body><joint name="u" axis="1 0 0"/><joint name="v" axis="0 0 1"/>{BALL}</body>'
     robot = load_robot(text(tmp_path, cross))
@@ -453,7 +453,9 @@ def test_includes_and_classes_count(tmp_path):
     assert (placed.shape.radius, placed.shape.length) == (0.05, pytest.approx(0.5))
     assert robot.world.tables.array(INERTIA)[robot.bodies["b"].index, 0] == pytest.approx(3.0)
     law = robot.world.tables.array(JOINT_AXES)[6 * robot.joints["joint 0"].index + 5]
-    np.testing.assert_allclose(law[[LOWER, UPPER, layout.DAMPING]], [np.radians(-10), np.radians(20), 2.0])
+    np.testing.assert_allclose(
+        law[[LOWER_LIMIT, UPPER_LIMIT, layout.DRIVE_DAMPING]], [np.radians(-10), np.radians(20), 2.0]
+    )
 
 
 def test_what_is_for_show_is_drawn_and_touches_nothing(tmp_path):

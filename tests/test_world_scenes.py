@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 from kickdrift.scenes import worlds
 from kickdrift.scenes.worlds.placing import about, between, scatter, turned
-from kickdrift.world.flaws import deepest_overlap
+from kickdrift.world.constraint_error import deepest_overlap
 from kickdrift.world.tables import INERTIA
 from kickdrift.world.world import World
 

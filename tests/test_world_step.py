@@ -7,7 +7,7 @@ import pytest
 
 import kickdrift as kd
 from kickdrift.core.compilation import compiled
-from kickdrift.world.contacts import lanes
+from kickdrift.world.contacts import contact_solver_simd
 from kickdrift.world.tables import CONTACT, MANIFOLD, MOTION, POSE
 
 
@@ -39,10 +39,10 @@ def test_stages_that_a_world_has_no_use_for_are_not_in_its_word():
     assert "flatten" in str(kd.World(plane_normal=(0, 1, 0)).word)
 
 
-@pytest.mark.parametrize("sweep", lanes.SWEEPS, ids=lambda sweep: sweep.__name__)
+@pytest.mark.parametrize("sweep", contact_solver_simd.KERNELS, ids=lambda sweep: sweep.__name__)
 def test_sweeps_over_lanes_are_vector_instructions(sweep):
     fresh = compiled(fast=True, cached=False)(sweep.py_func)
-    fresh.compile(lanes.SWEEP)
+    fresh.compile(contact_solver_simd.SWEEP)
     (assembly,) = fresh.inspect_asm().values()
     packed = re.findall(r"^\s+v?(?:mul|add|sub|max|min|fn?madd\d*|fn?msub\d*)pd\b", assembly, re.MULTILINE)
     single = re.findall(r"^\s+v?(?:mul|add|sub|max|min|fn?madd\d*|fn?msub\d*)sd\b", assembly, re.MULTILINE)
@@ -56,7 +56,7 @@ def test_lanes_that_touch_each_other_would_not_be_vector_instructions():
             own[lane] = own[lane - 1] * s[lane] + soft
 
     fresh = compiled(fast=True, cached=False)(chained)
-    fresh.compile(lanes.SWEEP)
+    fresh.compile(contact_solver_simd.SWEEP)
     (assembly,) = fresh.inspect_asm().values()
     assert not re.findall(r"^\s+v?(?:mul|fn?madd\d*)pd\b", assembly, re.MULTILINE)
 

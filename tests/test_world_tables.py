@@ -48,11 +48,11 @@ def declared():
         "world",
         "layout",
         "settings",
-        "islands",
+        "sleeping",
         "collision.search",
         "collision.dispatch",
         "events",
-        "trouble",
+        "step_status",
     ):
         import_module(f"kickdrift.world.{module}")
     tables = {table.place: (name, table) for name, table in vars(t).items() if isinstance(table, t.Table)}
@@ -71,7 +71,7 @@ def test_declared_columns_follow_each_other_and_fit_their_tables():
         "SEARCH",
         "SETTINGS",
         "EVENTS",
-        "TROUBLE",
+        "STEP_STATUS",
         "RESTED",
     } <= names
     for name, table, columns in declared():

@@ -11,13 +11,13 @@ from kickdrift.world.joints.layout import (
     ANCHOR_B,
     BODY_A,
     BODY_B,
-    DAMPING,
+    DRIVE_DAMPING,
+    DRIVE_STIFFNESS,
     FRAME_B,
-    KIND,
-    LOWER,
-    STIFFNESS,
+    JOINT_KIND,
+    LOWER_LIMIT,
     TARGET,
-    UPPER,
+    UPPER_LIMIT,
 )
 from kickdrift.world.layout import BODY_ROW, LAYER, MASK
 from kickdrift.world.settings import GRAVITY
@@ -90,15 +90,15 @@ def _joint(world: World, row: int) -> Joint:
     law = world.tables.array(JOINT_AXES)[6 * row + 5]
     b = int(joint[BODY_B])
     turn = rotation(world.orientation[b])
-    limits = (float(law[LOWER]), float(law[UPPER]))
+    limits = (float(law[LOWER_LIMIT]), float(law[UPPER_LIMIT]))
     return Joint(
-        {Ball: "ball", Hinge: "hinge"}[KINDS[joint[KIND]]],
+        {Ball: "ball", Hinge: "hinge"}[KINDS[joint[JOINT_KIND]]],
         int(joint[BODY_A]) - 1,
         b - 1,
         world.position[b] + turn @ numbers[ANCHOR_B : ANCHOR_B + 3],
         turn @ rotation(numbers[FRAME_B : FRAME_B + 4])[:, 2],
         limits if np.isfinite(limits).all() else None,
         float(law[TARGET]),
-        float(law[STIFFNESS]),
-        float(law[DAMPING]),
+        float(law[DRIVE_STIFFNESS]),
+        float(law[DRIVE_DAMPING]),
     )

@@ -8,7 +8,7 @@ import numpy as np
 from kickdrift.io import archive
 from kickdrift.io.shapes import Catalogue, shapes_of
 from kickdrift.io.solution_file import arrays_of, header_of, members
-from kickdrift.world.recording import Appearance, Part, Recording, Rod
+from kickdrift.world.recording import Appearance, DrawnShape, Recording, Rod
 
 
 def save_recording(recording: Recording, path: str | Path) -> Path:
@@ -56,7 +56,7 @@ def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Recording:
         raise ValueError(f"x and orientation have shapes {known['x'].shape} and {turns.shape}")
     shapes = shapes_of(head["shapes"], arrays["shape numbers"])
     rows = zip(arrays["parts"].tolist(), arrays["places"], strict=True)
-    parts = tuple(Part(body, shapes[shape], place[:3], place[3:7]) for (body, shape), place in rows)
+    parts = tuple(DrawnShape(body, shapes[shape], place[:3], place[3:7]) for (body, shape), place in rows)
     ends = zip(arrays["rods"].tolist(), arrays["rod ends"], strict=True)
     rods = tuple(Rod(a, end[:3], b, end[3:6]) for (a, b), end in ends)
     shown = [*(part.body for part in parts), *(body for rod in rods for body in (rod.body_a, rod.body_b))]

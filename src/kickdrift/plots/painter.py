@@ -12,7 +12,7 @@ from kickdrift.plots.lighting import BACKGROUND, FADE, GRID, LAMP, SETTING, ligh
 from kickdrift.plots.rendering import MIDDLE, REACH, cast, clear, ray_addresses
 from kickdrift.plots.scenery import Pose, Scenery, Sight, is_plane, outline
 from kickdrift.world.flight import DYNAMIC
-from kickdrift.world.recording import Part, Recording
+from kickdrift.world.recording import DrawnShape, Recording
 from kickdrift.world.rotations import turned
 
 Floats = NDArray[np.float64]
@@ -165,7 +165,7 @@ def _is_flat(recording: Recording, extent: float) -> bool:
     return bool(ways < _FLAT * extent and leans < 10 * _FLAT)
 
 
-def _is_seen_plane(plane: Part, recording: Recording, camera: Camera) -> bool:
+def _is_seen_plane(plane: DrawnShape, recording: Recording, camera: Camera) -> bool:
     """Whether a shape is a plane that a camera sees from outside, or from the side where its rays are parallel."""
     if not is_plane(plane):
         return False

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from kickdrift.plots.page import COLOURS
 from kickdrift.plots.rendering import MIDDLE, REACH
 from kickdrift.world.flight import DYNAMIC, REMOVED
-from kickdrift.world.recording import Appearance, Part
+from kickdrift.world.recording import Appearance, DrawnShape
 from kickdrift.world.rotations import product, turn_to, turned
 from kickdrift.world.shapes.catalogue import KINDS, kind_of, met_as
 from kickdrift.world.shapes.kinds import BOX, CAPSULE, PLANE, TRIANGLE
@@ -75,7 +75,7 @@ class Scenery:
         They are the first of the shapes.
     """
 
-    def __init__(self, appearance: Appearance, extent: float, planes: list[Part], *, from_side: bool) -> None:
+    def __init__(self, appearance: Appearance, extent: float, planes: list[DrawnShape], *, from_side: bool) -> None:
         self._rods = appearance.rods
         self._thickness = _ROD * extent
         pieces: list[_Piece] = []
@@ -137,7 +137,7 @@ class Scenery:
         return Sight(self._shapes, places, numbers)
 
 
-def is_plane(part: Part) -> bool:
+def is_plane(part: DrawnShape) -> bool:
     """Whether a shape fills half of space."""
     return kind_of(part.shape).sort == HALF_SPACE
 
@@ -149,7 +149,7 @@ def colour_of(body: int) -> Floats:
     return pure + _LIGHTER * (1.0 - pure)
 
 
-def outline(part: Part) -> tuple[Floats, float]:
+def outline(part: DrawnShape) -> tuple[Floats, float]:
     """Return points of a shape that is no plane, in the axes of its body, and how far it reaches beyond them.
 
     They are the corners of the box around the lines that show it; of a ball its centre.
@@ -162,7 +162,7 @@ def outline(part: Part) -> tuple[Floats, float]:
     return part.position + turned(part.orientation, corners), 0.0
 
 
-def _pieces(part: Part) -> list[_Piece]:
+def _pieces(part: DrawnShape) -> list[_Piece]:
     """Cut a shape into what rays meet: meshes into triangles."""
     shape = part.shape
     if met_as(shape.kind) == TRIANGLE:
@@ -175,7 +175,7 @@ def _pieces(part: Part) -> list[_Piece]:
     return [_Piece(shape.kind, shape.numbers, middle, _LARGER * reach)]
 
 
-def _ball(part: Part) -> tuple[Floats, float]:
+def _ball(part: DrawnShape) -> tuple[Floats, float]:
     """Return a ball around the lines of a shape in its own frame."""
     points = np.concatenate(part.shape.wireframe())
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))

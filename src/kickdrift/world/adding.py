@@ -13,8 +13,8 @@ from kickdrift.world.bodies import Bodies, kind_of
 from kickdrift.world.body import Body
 from kickdrift.world.collision.filters import forget
 from kickdrift.world.flight import DYNAMIC, STATIC
-from kickdrift.world.islands import REACH
 from kickdrift.world.joints.registry import Joints
+from kickdrift.world.mass_properties import mass_properties_of
 from kickdrift.world.shape_rows import Placed, ShapeRows, Surface
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
@@ -28,8 +28,8 @@ from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.plane import Plane
 from kickdrift.world.shapes.record import SOLID, Shape
 from kickdrift.world.shapes.sphere import Sphere
+from kickdrift.world.sleeping import REACH
 from kickdrift.world.tables import MOTION, RESTED, Tables
-from kickdrift.world.weighing import weigh
 
 Floats = NDArray[np.float64]
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
@@ -258,7 +258,7 @@ class AddsBodies:
                     raise ArgumentError(
                         f"{type(part.shape).__name__} cannot move: it has no inside; add it static=True."
                     )
-            weight = weigh(parts, density, mass, inertia, centre)
+            weight = mass_properties_of(parts, density, mass, inertia, centre)
         rates = [number("damping", damping, "1/s"), number("angular_damping", angular_damping, "1/s")]
         middle = np.zeros(3) if weight is None else weight.centre
         body = self.bodies.add(kind, origin + rotation_matrix(turn) @ middle, turn)

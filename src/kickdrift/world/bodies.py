@@ -13,11 +13,11 @@ from kickdrift.world.collision.search import shapes_changed
 from kickdrift.world.flight import (
     AWAKE,
     BODY_INERTIA,
+    BODY_KIND,
     DAMPING,
     DYNAMIC,
     GENERATION,
     INVERSE_INERTIA,
-    KIND,
     KINEMATIC,
     LEFT_POSE,
     MASS,
@@ -26,22 +26,22 @@ from kickdrift.world.flight import (
     STATIC,
     TURN_DAMPING,
 )
-from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_MASS, ORIENTATION, POSITION
+from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS, ORIENTATION, POSITION
 from kickdrift.world.names import Names
-from kickdrift.world.settings import PLANE
+from kickdrift.world.settings import PLANE_NORMAL
 from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.shapes.mass import Mass, checked_inertia, rotation_matrix
 from kickdrift.world.tables import (
     BODY,
-    CHANGE,
     COLOURED,
+    DELTA_POSE,
     FORCE,
     INERTIA,
+    INVERSE_MASS,
     KICKED,
     LOAD,
     MOTION,
     POSE,
-    RESPONSE,
     RESTED,
     SETTINGS,
     STARTED_MOTION,
@@ -53,7 +53,7 @@ from kickdrift.world.tables import (
 Floats = NDArray[np.float64]
 GROUND = 0
 _TABLES: tuple[Table, ...] = (
-    POSE, MOTION, CHANGE, RESPONSE, INERTIA, LOAD, FORCE, KICKED, RESTED, BODY, COLOURED, STARTED_POSE, STARTED_MOTION
+    POSE, MOTION, DELTA_POSE, INVERSE_MASS, INERTIA, LOAD, FORCE, KICKED, RESTED, BODY, COLOURED, STARTED_POSE, STARTED_MOTION
 )  # fmt: skip
 
 
@@ -90,7 +90,7 @@ class Bodies:
         generation, self.n_made = self.n_made, self.n_made + 1
         for table in _TABLES:
             tables.array(table)[row] = 0
-        tables.array(BODY)[row, [KIND, AWAKE, GENERATION]] = kind, int(kind != STATIC), generation
+        tables.array(BODY)[row, [BODY_KIND, AWAKE, GENERATION]] = kind, int(kind != STATIC), generation
         tables.array(POSE)[row, POSITION : POSITION + 3] = position
         tables.array(POSE)[row, ORIENTATION : ORIENTATION + 4] = orientation
         return Body(row, generation, self)
@@ -103,7 +103,7 @@ class Bodies:
         for table in _TABLES:
             self.tables.array(table)[row] = 0
         self.tables.array(POSE)[row] = np.nan
-        self.tables.array(BODY)[row, KIND] = REMOVED
+        self.tables.array(BODY)[row, BODY_KIND] = REMOVED
         self.names.give(row, None)
         self.free.append(row)
         self.tables.version += 1
@@ -130,12 +130,12 @@ class Bodies:
         if not 0 <= index < self.tables.count(BODY):
             return False
         row = self.tables.row(BODY, index)
-        return bool(row.item(GENERATION) == generation and row.item(KIND) != REMOVED)
+        return bool(row.item(GENERATION) == generation and row.item(BODY_KIND) != REMOVED)
 
     def moved_row(self, body: Any) -> int:
         """Return the row of a body that forces move; ArgumentError for others."""
         row = self.row(body)
-        if self.tables.row(BODY, row).item(KIND) != DYNAMIC:
+        if self.tables.row(BODY, row).item(BODY_KIND) != DYNAMIC:
             raise ArgumentError(f"body={body!r} is moved by no force: it is the ground, static or kinematic.")
         return row
 
@@ -150,27 +150,29 @@ class Bodies:
         numbers[INVERSE_INERTIA : INVERSE_INERTIA + 6] = _symmetric(inverse)
         numbers[[DAMPING, TURN_DAMPING]] = damping
         numbers[SPHERICAL] = float(locked or moments[2] - moments[0] < 1e-13 * moments[2])
-        if tables.array(BODY)[row, KIND] == DYNAMIC:
+        if tables.array(BODY)[row, BODY_KIND] == DYNAMIC:
             turn = rotation_matrix(tables.array(POSE)[row, ORIENTATION : ORIENTATION + 4])
             response: Floats = turn @ inverse @ turn.T
-            plane = tables.array(SETTINGS)[0, PLANE : PLANE + 3]
+            plane = tables.array(SETTINGS)[0, PLANE_NORMAL : PLANE_NORMAL + 3]
             if plane.any() and not locked:
                 # About the normal of the plane alone, where nothing tumbles and the inertia stays what it is.
                 response = np.outer(plane, plane) / (plane @ turn @ mass.inertia @ turn.T @ plane)
                 numbers[SPHERICAL] = 1.0
-            tables.array(RESPONSE)[row, INVERSE_MASS] = 1.0 / mass.mass
-            tables.array(RESPONSE)[row, INVERSE_INERTIA_IN_WORLD : INVERSE_INERTIA_IN_WORLD + 6] = _symmetric(response)
+            tables.array(INVERSE_MASS)[row, INVERSE_LINEAR_MASS] = 1.0 / mass.mass
+            tables.array(INVERSE_MASS)[row, INVERSE_INERTIA_IN_WORLD : INVERSE_INERTIA_IN_WORLD + 6] = _symmetric(
+                response
+            )
 
     def locked(self, body: Body) -> bool:
         """Whether a body never turns: forces move it, and it has no inverse inertia."""
         row = self.row(body)
-        dynamic = self.tables.array(BODY)[row, KIND] == DYNAMIC
+        dynamic = self.tables.array(BODY)[row, BODY_KIND] == DYNAMIC
         return bool(dynamic and not self.tables.array(INERTIA)[row, INVERSE_INERTIA])
 
     def mass(self, body: Body) -> Mass:
         """Return what a body weighs, with its inertia about the origin of its axes; infinite where no force moves it."""
         row = self.row(body)
-        if self.tables.array(BODY)[row, KIND] != DYNAMIC:
+        if self.tables.array(BODY)[row, BODY_KIND] != DYNAMIC:
             return Mass(np.inf, np.zeros(3), np.diag(np.full(3, np.inf)))
         numbers = self.tables.array(INERTIA)[row]
         xx, yy, zz, xy, xz, yz = numbers[BODY_INERTIA : BODY_INERTIA + 6].tolist()
@@ -199,14 +201,14 @@ class Bodies:
         if row == GROUND:
             raise ArgumentError("body is the ground of the world, which stays where it is; place another one.")
         self.tables.row(POSE, row)[columns] = numbers
-        if self.tables.array(BODY)[row, KIND] == STATIC:
+        if self.tables.array(BODY)[row, BODY_KIND] == STATIC:
             shapes_changed(self.tables, self._shape_rows.rows_of(row))
             self.wake()
 
     def move(self, body: Body, columns: slice, numbers: Floats) -> None:
         """Write columns of the velocity and the angular velocity."""
         row = self.row(body)
-        if self.tables.array(BODY)[row, KIND] == STATIC and numbers.any():
+        if self.tables.array(BODY)[row, BODY_KIND] == STATIC and numbers.any():
             raise ArgumentError(f"body={body!r} is static and has no velocity; make it kinematic=True to move it.")
         if columns.start == 3 and numbers.any() and self.locked(body):
             raise ArgumentError(
@@ -241,7 +243,7 @@ class Bodies:
     def wake(self) -> None:
         """Wake all bodies, as if none had rested: what they rest on may be gone."""
         bodies = self.tables.array(BODY)
-        sleeping = (bodies[:, KIND] >= KINEMATIC) & (bodies[:, AWAKE] == 0)
+        sleeping = (bodies[:, BODY_KIND] >= KINEMATIC) & (bodies[:, AWAKE] == 0)
         bodies[sleeping, AWAKE] = 1
         self.tables.array(RESTED)[:, 0] = 0.0
 
@@ -251,7 +253,7 @@ class Bodies:
 
     def moving(self) -> NDArray[np.intp]:
         """Rows of the bodies that forces move."""
-        return np.flatnonzero(self.tables.array(BODY)[:, KIND] == DYNAMIC)
+        return np.flatnonzero(self.tables.array(BODY)[:, BODY_KIND] == DYNAMIC)
 
 
 def kind_of(static: bool, kinematic: bool) -> int:

@@ -7,7 +7,7 @@ from kickdrift.engine.progress import announce_compiling
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.dispatch import extents_of
 from kickdrift.world.collision.narrow_phase import COLLIDE
-from kickdrift.world.contacts.lanes import SWEEP, SWEEPS
+from kickdrift.world.contacts.contact_solver_simd import KERNELS, SWEEP
 from kickdrift.world.program import Word
 from kickdrift.world.shapes.record import EXTENT
 from kickdrift.world.step import STAGE
@@ -16,7 +16,7 @@ from kickdrift.world.step import STAGE
 def compile_step(spelt: Word, kinds: Iterable[int], pairs: Iterable[tuple[int, int]]) -> None:
     """Compile the stages of a step and the functions for kinds of shapes and pairs of them, unless they are on disk."""
     stages = [(stage, STAGE) for part in spelt for stage in part]
-    sweeps = [(sweep, SWEEP) for sweep in SWEEPS]
+    sweeps = [(sweep, SWEEP) for sweep in KERNELS]
     extents = [(kind.extent, EXTENT) for kind in extents_of(kinds) if kind.extent is not None]
     jobs = missing([*stages, *sweeps, *extents, *((PAIRS[pair], COLLIDE) for pair in pairs)])
     if jobs:

@@ -11,6 +11,7 @@ from kickdrift.world.body import Body
 from kickdrift.world.collision.narrow_phase import shape_pose
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.layout import BEGINS, FIRST_BODY, FROM_SENSOR, SECOND_BODY
+from kickdrift.world.step_status import ask_for_room
 from kickdrift.world.tables import (
     CONTACT,
     EVENTS,
@@ -24,7 +25,6 @@ from kickdrift.world.tables import (
     rows,
     set_rows,
 )
-from kickdrift.world.trouble import ask_for_room
 
 
 class ContactEvent(NamedTuple):
@@ -52,17 +52,17 @@ def note_touching(t: float, h: float, world: int) -> None:
     count = rows(world, EVENTS)
     changed = 0
     for row in range(rows(world, CONTACT)):
-        changed += _touches(world, row) != contact[row, c.STATE] & c.TOUCHING
+        changed += _touches(world, row) != contact[row, c.CONTACT_STATE] & c.TOUCHING
     if count + changed > room(world, EVENTS):
         ask_for_room(world, EVENTS, count + changed)
         return
     for row in range(rows(world, CONTACT)):
         now = _touches(world, row)
-        contact[row, c.STATE] &= ~c.HIT
-        state = contact[row, c.STATE]
+        contact[row, c.CONTACT_STATE] &= ~c.BOUNCED
+        state = contact[row, c.CONTACT_STATE]
         if now == state & c.TOUCHING:
             continue
-        contact[row, c.STATE] = state ^ c.TOUCHING
+        contact[row, c.CONTACT_STATE] = state ^ c.TOUCHING
         events[count, BEGINS] = now
         events[count, FIRST_BODY], events[count, SECOND_BODY] = contact[row, c.BODY_A], contact[row, c.BODY_B]
         events[count, FROM_SENSOR] = (state & c.SENSOR) // c.SENSOR
@@ -75,12 +75,12 @@ def _touches(world: int, row: int) -> int:
     """Whether a contact carries an impulse, or, of a sensor, whether shapes overlap."""
     contact, lanes = integers(world, CONTACT), flat(world, LANES)
     points, place = contact[row, c.POINTS], contact[row, c.PLACE_IN_GROUPS]
-    if contact[row, c.STATE] & c.SENSOR:
+    if contact[row, c.CONTACT_STATE] & c.SENSOR:
         return _overlap(world, row)
-    if contact[row, c.STATE] & c.HIT:
+    if contact[row, c.CONTACT_STATE] & c.BOUNCED:
         return c.TOUCHING
     if place < 0:
-        return contact[row, c.STATE] & c.TOUCHING if points > 0 else 0
+        return contact[row, c.CONTACT_STATE] & c.TOUCHING if points > 0 else 0
     begin = place // c.WIDTH * c.FIELDS * c.WIDTH + place % c.WIDTH
     for k in range(points):
         if lanes[begin + (c.P + c.POINT_FIELDS * k + c.IMPULSE) * c.WIDTH] > 0.0:
@@ -119,5 +119,5 @@ def events(tables: Tables, bodies: Bodies) -> list[ContactEvent]:
 def touching(tables: Tables, bodies: Bodies) -> list[Any]:
     """Return the pairs of bodies that touch."""
     rows_ = tables.array(CONTACT)
-    rows_ = rows_[rows_[:, c.STATE] & c.TOUCHING != 0]
+    rows_ = rows_[rows_[:, c.CONTACT_STATE] & c.TOUCHING != 0]
     return [(bodies.handle(int(row[c.BODY_A])), bodies.handle(int(row[c.BODY_B]))) for row in rows_]

@@ -35,18 +35,19 @@ from kickdrift.core.vectors import (
     unit,
 )
 from kickdrift.world.columns import column, symmetric_at, vector_at
-from kickdrift.world.settings import GRAVITY, MIDPOINT, PLANE
+from kickdrift.world.settings import GRAVITY, MIDPOINT, PLANE_NORMAL
+from kickdrift.world.step_status import report_body
 from kickdrift.world.tables import (
     BODY,
-    CHANGE,
+    DELTA_POSE,
     FORCE,
     INERTIA,
+    INVERSE_MASS,
     JOINT_NUMBERS,
     KICKED,
     LOAD,
     MOTION,
     POSE,
-    RESPONSE,
     SETTINGS,
     STARTED_JOINTS,
     STARTED_MOTION,
@@ -55,7 +56,6 @@ from kickdrift.world.tables import (
     integers,
     rows,
 )
-from kickdrift.world.trouble import report_body
 
 # Columns of KICKED
 KICKED_VELOCITY = column(KICKED, 6, "m/s, rad/s")
@@ -76,9 +76,9 @@ TURN_DAMPING = column(INERTIA, 1, "1/s")
 SPHERICAL = column(INERTIA)  # 1.0 where all moments of inertia are equal
 
 # Columns and values of BODY
-KIND = column(BODY)
+BODY_KIND = column(BODY)
 AWAKE = column(BODY)
-ISLAND = column(BODY)
+SLEEP_ISLAND = column(BODY)
 GENERATION = column(BODY)
 LINK_PLACE = column(BODY)  # of its link + 1, where its joints are solved directly; -1 where one after the other
 LINK_COUNT = column(BODY)
@@ -92,9 +92,9 @@ _ROUNDING = 1e-34  # square of half a unit in the last place, nearly
 @compiled
 def begin(t: float, h: float, world: int) -> None:
     """Count displacements from here, and keep what there is in case the step cannot be done."""
-    change, pose, motion = floats(world, CHANGE), floats(world, POSE), floats(world, MOTION)
+    change, pose, motion = floats(world, DELTA_POSE), floats(world, POSE), floats(world, MOTION)
     old_pose, old_motion = floats(world, STARTED_POSE), floats(world, STARTED_MOTION)
-    for body in range(rows(world, CHANGE)):
+    for body in range(rows(world, DELTA_POSE)):
         for k in range(8):
             change[body, k] = 0.0
             old_pose[body, k] = pose[body, k]
@@ -114,7 +114,7 @@ def finish(t: float, h: float, world: int) -> None:
         total = 0.0
         for k in range(6):
             total += abs(pose[body, k]) + abs(motion[body, k])
-        if not total < math.inf and kind[body, KIND] != REMOVED:
+        if not total < math.inf and kind[body, BODY_KIND] != REMOVED:
             report_body(world, body)
             return
     for body in range(rows(world, LOAD)):
@@ -125,7 +125,7 @@ def finish(t: float, h: float, world: int) -> None:
 @compiled
 def flatten(t: float, h: float, world: int) -> None:
     """Take from the velocities what leads out of the plane that a planar world moves in."""
-    motion, plane = floats(world, MOTION), vector_at(floats(world, SETTINGS), 0, PLANE)
+    motion, plane = floats(world, MOTION), vector_at(floats(world, SETTINGS), 0, PLANE_NORMAL)
     for body in range(rows(world, MOTION)):
         v, w = vector_at(motion, body, 0), vector_at(motion, body, 3)
         v, w = minus(v, times(dot(plane, v), plane)), times(dot(plane, w), plane)
@@ -137,10 +137,10 @@ def flatten(t: float, h: float, world: int) -> None:
 def kick(t: float, h: float, world: int) -> None:
     """Add h times the acceleration to the velocities, and say with which velocities free bodies turn."""
     motion, kicked, force = floats(world, MOTION), floats(world, KICKED), floats(world, FORCE)
-    inertia, response, pose = floats(world, INERTIA), floats(world, RESPONSE), floats(world, POSE)
+    inertia, response, pose = floats(world, INERTIA), floats(world, INVERSE_MASS), floats(world, POSE)
     body_kind, settings = integers(world, BODY), floats(world, SETTINGS)
     for body in range(rows(world, POSE)):
-        if body_kind[body, KIND] != DYNAMIC or body_kind[body, AWAKE] == 0:
+        if body_kind[body, BODY_KIND] != DYNAMIC or body_kind[body, AWAKE] == 0:
             for k in range(6):
                 kicked[body, k] = motion[body, k]
             for k in range(6, 13):
@@ -242,11 +242,11 @@ def drift(t: float, h: float, world: int) -> None:
     Free bodies that were pushed turn as they do in free flight with the angular momentum that they have now: about an axis
     that is right to first order only, a capsule without friction would win or lose spin.
     """
-    motion, kicked, change = floats(world, MOTION), floats(world, KICKED), floats(world, CHANGE)
-    inertia, response, pose = floats(world, INERTIA), floats(world, RESPONSE), floats(world, POSE)
+    motion, kicked, change = floats(world, MOTION), floats(world, KICKED), floats(world, DELTA_POSE)
+    inertia, response, pose = floats(world, INERTIA), floats(world, INVERSE_MASS), floats(world, POSE)
     body_kind, midpoint = integers(world, BODY), floats(world, SETTINGS)[0, MIDPOINT]
     for body in range(rows(world, POSE)):
-        kind = body_kind[body, KIND]
+        kind = body_kind[body, BODY_KIND]
         if kind < KINEMATIC or body_kind[body, AWAKE] == 0:
             continue
         free = midpoint != 0.0

@@ -1,7 +1,19 @@
 """Columns of the tables of bodies, shapes and events; those of BODY, INERTIA and KICKED are in `kickdrift.world.flight`."""
 
 from kickdrift.world.columns import column
-from kickdrift.world.tables import BOUNDS, CHANGE, EVENTS, FORCE, LOAD, MOTION, PLACE, PLACED, POSE, RESPONSE, SHAPE
+from kickdrift.world.tables import (
+    BOUNDS,
+    DELTA_POSE,
+    EVENTS,
+    FORCE,
+    INVERSE_MASS,
+    LOAD,
+    MOTION,
+    PLACE,
+    PLACED,
+    POSE,
+    SHAPE,
+)
 
 # POSE of a body
 POSITION = column(POSE, 3, "m")  # of its centre of mass
@@ -11,13 +23,13 @@ ORIENTATION = column(POSE, 4)  # w, x, y, z
 VELOCITY = column(MOTION, 3, "m/s")
 ANGULAR_VELOCITY = column(MOTION, 3, "rad/s")  # in the world's axes
 
-# CHANGE since the start of the step
-DISPLACEMENT = column(CHANGE, 3, "m")
-ROTATION = column(CHANGE, 3, "rad")
+# DELTA_POSE since the start of the step
+DISPLACEMENT = column(DELTA_POSE, 3, "m")
+ROTATION = column(DELTA_POSE, 3, "rad")
 
-# RESPONSE to an impulse; zeros do not move
-INVERSE_MASS = column(RESPONSE, 1, "1/kg")
-INVERSE_INERTIA_IN_WORLD = column(RESPONSE, 6, "1/(kg m^2)")  # xx, yy, zz, xy, xz, yz
+# INVERSE_MASS; zeros do not move
+INVERSE_LINEAR_MASS = column(INVERSE_MASS, 1, "1/kg")
+INVERSE_INERTIA_IN_WORLD = column(INVERSE_MASS, 6, "1/(kg m^2)")  # xx, yy, zz, xy, xz, yz
 
 # LOAD, asked for during the next step, and FORCE in this substep
 LOAD_FORCE = column(LOAD, 3, "N")
@@ -52,8 +64,8 @@ PLACED_ORIENTATION = column(PLACED, 4)
 # BOUNDS
 LOWER = column(BOUNDS, 3, "m")  # corners of its fat bounds
 UPPER = column(BOUNDS, 3, "m")
-FIRST_NODE = column(BOUNDS)  # of a surface in PART_TREE
-LAST_NODE = column(BOUNDS)  # the one after it
+FIRST_TREE_NODE = column(BOUNDS)  # of a surface in TRIANGLE_TREE
+LAST_TREE_NODE = column(BOUNDS)  # the one after it
 
 # EVENTS: shapes of two bodies that begin or end to touch
 BEGINS = column(EVENTS)

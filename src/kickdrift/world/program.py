@@ -11,8 +11,8 @@ from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.collision.narrow_phase import place_shapes
 from kickdrift.world.collision.recycling import find_points
 from kickdrift.world.collision.time_of_impact import find_impacts
-from kickdrift.world.contacts.impact import bounce, find_bouncing
 from kickdrift.world.contacts.prepare import colour, prepare
+from kickdrift.world.contacts.restitution import bounce, find_bouncing
 from kickdrift.world.contacts.solve import THREADED, measure, relax, solve, store, warm_start
 from kickdrift.world.direct.bounces import bounce_islands
 from kickdrift.world.direct.islands import find_islands
@@ -22,11 +22,11 @@ from kickdrift.world.direct.solve import measure_islands, relax_islands, solve_i
 from kickdrift.world.events import note_touching
 from kickdrift.world.flight import begin, drift, finish, flatten, kick
 from kickdrift.world.force_stage import begin_forces
-from kickdrift.world.islands import sleep, wake
 from kickdrift.world.joints.around import begin_joints, finish_joints, wake_joints
 from kickdrift.world.joints.impulses import warm_start_joints
 from kickdrift.world.joints.measure import measure_joints
 from kickdrift.world.joints.registry import Joints
+from kickdrift.world.sleeping import sleep, wake
 from kickdrift.world.step import STAGE
 
 Stages = tuple[Function, ...]

@@ -18,7 +18,7 @@ from kickdrift.world.tables import SHAPE, Tables
 _Ignored = Body | Iterable[Body]
 
 
-class AnswersQueries:
+class SpatialQueries:
     """The methods of a world that ask where things are, and leave it as it is."""
 
     tables: Tables

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.errors import unknown_name
 from kickdrift.engine.solution import Presenters, Solution
-from kickdrift.world.flight import DYNAMIC, KIND
+from kickdrift.world.flight import BODY_KIND, DYNAMIC
 from kickdrift.world.joints import layout
 from kickdrift.world.layout import BODY_ROW
 from kickdrift.world.tables import BODY, JOINT, JOINT_NUMBERS, SHAPE
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 
-class Part(NamedTuple):
+class DrawnShape(NamedTuple):
     """A shape of a body: the row of the body, the shape, and its place in the body."""
 
     body: int
@@ -54,7 +54,7 @@ class Appearance(NamedTuple):
     """
 
     kinds: NDArray[np.int64]
-    parts: tuple[Part, ...]
+    parts: tuple[DrawnShape, ...]
     rods: tuple[Rod, ...]
     names: Mapping[int, str]
 
@@ -125,10 +125,10 @@ def appearance(world: "World") -> Appearance:
     """Say what a world looks like."""
     rows = world.tables.array(SHAPE)
     parts = tuple(
-        Part(int(rows[row, BODY_ROW]), placed.shape, placed.position, placed.orientation)
+        DrawnShape(int(rows[row, BODY_ROW]), placed.shape, placed.position, placed.orientation)
         for row, placed in sorted(world.shape_rows.shapes.items())
     )
-    kinds = world.tables.array(BODY)[:, KIND].copy()
+    kinds = world.tables.array(BODY)[:, BODY_KIND].copy()
     return Appearance(kinds, parts, tuple(_rods(world, kinds)), world.bodies.names.all())
 
 
@@ -136,7 +136,7 @@ def _rods(world: "World", kinds: NDArray[np.int64]) -> list[Rod]:
     """Lines from the centres of bodies that move to their joints, and between the ends of joints of a length."""
     rods: list[Rod] = []
     for joint, numbers in zip(world.tables.array(JOINT), world.tables.array(JOINT_NUMBERS), strict=True):
-        if joint[layout.KIND] == layout.REMOVED:
+        if joint[layout.JOINT_KIND] == layout.REMOVED:
             continue
         a, b = int(joint[layout.BODY_A]), int(joint[layout.BODY_B])
         on_a = numbers[layout.ANCHOR_A : layout.ANCHOR_A + 3].copy()

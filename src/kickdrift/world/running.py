@@ -15,7 +15,7 @@ from kickdrift.core.errors import ArgumentError, LostBodyError
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.grid import Grid, lay_grid
 from kickdrift.engine.progress import Bar, announcements
-from kickdrift.world.keeper import Keeper, Recorder
+from kickdrift.world.recorder import Recorder, RecordingRows
 from kickdrift.world.recording import Recording
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ def run(world: "World", duration: float, step: float, save_every: int | None, pr
     grid = _lay(duration, step, save_every, len(world.position))
     with announcements(progress):
         world.advance(grid.step, 0)
-    keeper, t0 = Keeper(world, len(grid.save_steps) + 1), world.time  # one row more for a run that ends early
+    keeper, t0 = RecordingRows(world, len(grid.save_steps) + 1), world.time  # one row more for a run that ends early
     outcome, cause, seconds = Outcome.COMPLETED, "", 0.0
     done, chunk, bar = 0, 1, Bar(grid.n_steps, progress)
     keeper.keep(t0)

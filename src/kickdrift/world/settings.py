@@ -16,7 +16,7 @@ BOUNCE_SPEED = column(SETTINGS, 1, "m/s")  # below which nothing bounces
 RECYCLE_DISTANCE = column(
     SETTINGS, 1, "m"
 )  # by which bodies may move before the shapes of a contact are looked at again
-PLANE = column(SETTINGS, 3)  # normal of the plane that a planar world moves in, or zeros
+PLANE_NORMAL = column(SETTINGS, 3)  # normal of the plane that a planar world moves in, or zeros
 SLEEP_SPEED = column(SETTINGS, 1, "m/s")  # below which an island may fall asleep; 0.0: none does
 SLEEP_TIME = column(SETTINGS, 1, "s")
 HAS_FAST = column(SETTINGS)  # 1.0 once the step has the stage for fast pairs

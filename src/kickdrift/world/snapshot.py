@@ -11,13 +11,13 @@ from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world import settings, tables
 from kickdrift.world.shape_rows import Placed
-from kickdrift.world.tables import COLLIDERS, KINDS, SETTINGS, SWEEPS, Table
+from kickdrift.world.tables import COLLIDERS, SETTINGS, SHAPE_KINDS, SWEEPS, Table
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World
 
 # Addresses of compiled functions mean nothing in another process; a world finds its own.
-_OF_THE_PROCESS = (COLLIDERS, KINDS, SWEEPS)
+_OF_THE_PROCESS = (COLLIDERS, SHAPE_KINDS, SWEEPS)
 TABLES: Mapping[str, Table] = MappingProxyType(
     {name: table for name, table in vars(tables).items() if isinstance(table, Table) and table not in _OF_THE_PROCESS}
 )
@@ -121,7 +121,7 @@ def restore(world: "World", snapshot: Snapshot) -> None:
     for name, table in TABLES.items():
         world.tables.put(table, snapshot.tables[name], snapshot.rooms[name])
     world.time, world.n_steps = snapshot.time, snapshot.n_steps
-    world.planar = bool(world.tables.array(SETTINGS)[0, settings.PLANE : settings.PLANE + 3].any())
+    world.planar = bool(world.tables.array(SETTINGS)[0, settings.PLANE_NORMAL : settings.PLANE_NORMAL + 3].any())
     world.forces, world.broken = list(snapshot.forces), []
     bodies, joints, shapes = world.bodies, world.joints, world.shape_rows
     bodies.free[:] = snapshot.free_bodies

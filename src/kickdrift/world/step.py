@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
-from kickdrift.world.tables import TROUBLE, integers
-from kickdrift.world.trouble import KIND, REACHED
+from kickdrift.world.step_status import REACHED, STATUS
+from kickdrift.world.tables import STEP_STATUS, integers
 
 STAGE = types.none(types.float64, types.float64, types.intp)
 
@@ -39,13 +39,13 @@ def run(
     step, stage : int
         Where it ended: (`last`, 0), or the stage that wrote into the table of troubles.
     """
-    trouble: Any = integers(world, TROUBLE)
+    trouble: Any = integers(world, STEP_STATUS)
     for n in range(first, last):
         t = t0 + (n - first) * step
         trouble[0, REACHED] = n
         for k in range(at, stages.size):
             call(stages[k], (t + offsets[k], lengths[k], world))
-            if trouble[0, KIND] != 0:
+            if trouble[0, STATUS] != 0:
                 return n, k
         at = 0
     trouble[0, REACHED] = 0

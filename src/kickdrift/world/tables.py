@@ -29,8 +29,8 @@ class Table(NamedTuple):
 # Bodies; row 0 is the ground, which never moves. Rows of eight floats are one cache line.
 POSE = Table(0, 8)  # centre of mass (3), orientation (4: w, x, y, z)
 MOTION = Table(1, 8)  # velocity of the centre of mass (3), angular velocity in the world's axes (3)
-CHANGE = Table(2, 8)  # since the start of the step: displacement (3), rotation vector (3)
-RESPONSE = Table(3, 8)  # 1/mass, and the inverse inertia in the world's axes (6); zeros do not move
+DELTA_POSE = Table(2, 8)  # since the start of the step: displacement (3), rotation vector (3)
+INVERSE_MASS = Table(3, 8)  # 1/mass, and the inverse inertia in the world's axes (6); zeros do not move
 INERTIA = Table(4, 16)  # mass, inertia in the body's axes (6), its inverse (6), damping of velocity and of rotation (2)
 LOAD = Table(5, 8)  # force (3) and torque (3) asked for during the next step
 # For how long a body has rested, for how long its island has, how far it reaches, where it sleeps (7)
@@ -44,15 +44,15 @@ BODY = Table(7, 8, whole=True)  # kind, awake, island, generation, link + 1 wher
 SHAPE = Table(8, 8, whole=True)
 PLACE = Table(9, 16)  # pose in the body (7), friction, restitution, rolling resistance, velocity of its surface (3)
 PLACED = Table(37, 8)  # pose of a shape in the world (7) when the step began
-# Corners of the fat bounds that a shape was last sought in (6), and of a mesh its nodes in PART_TREE: the first, and the one
-# after the last
+# Corners of the fat bounds that a shape was last sought in (6), and of a mesh its nodes in TRIANGLE_TREE: the first, and the
+# one after the last
 BOUNDS = Table(10, 8)
 GEOMETRY = Table(11, 1)  # the numbers of all shapes, one shape after the other
 # Contacts: pairs of shapes whose fat bounds overlap
-CONTACT = Table(12, 8, whole=True)  # shapes (2), part of the first, bodies (2), points, what it does, group and lane
+CONTACT = Table(12, 8, whole=True)  # shapes (2), triangle of a, bodies (2), points, what it does, group and lane
 MANIFOLD = Table(13, 72)  # see `kickdrift.world.contacts.layout`
 SETTINGS = Table(14, 32)  # one row: see `kickdrift.world.settings`
-TROUBLE = Table(15, 8, whole=True)  # one row: what went wrong, which table or body
+STEP_STATUS = Table(15, 8, whole=True)  # one row: what went wrong, which table or body
 EVENTS = Table(16, 8, whole=True)  # see `kickdrift.world.events`
 # Joints: see `kickdrift.world.joints.layout`
 JOINT = Table(17, 16, whole=True)
@@ -63,7 +63,7 @@ GROUPS = Table(21, 24, whole=True)  # of each lane the first body (8), the secon
 SCRATCH = Table(22, 1)
 TREE = Table(23, 8)  # over the fat bounds of shapes that may move: see `kickdrift.world.collision.bvh`
 STATIC_TREE = Table(24, 8)  # over those that may not
-KINDS = Table(28, 4, whole=True)  # of shapes: see `kickdrift.world.collision.dispatch`
+SHAPE_KINDS = Table(28, 4, whole=True)  # of shapes: see `kickdrift.world.collision.dispatch`
 COLLIDERS = Table(25, 16, whole=True)  # address of the function for each pair of kinds of shapes
 ARTICULATION = Table(26, 12, whole=True)
 LINK = Table(46, 10, whole=True)  # a body of an articulation and the joint that it hangs on, parents first
@@ -79,8 +79,8 @@ BLOCK = Table(57, 144)
 ADJACENCY = Table(58, 1, whole=True)  # bits: which nodes are coupled
 COLOURS = Table(30, 4, whole=True)  # contacts of a colour, its first group and the group after its last
 COLOURED = Table(31, 1, whole=True)  # of each body the set of colours that its contacts have
-SWEEPS = Table(34, 9, whole=True)  # one row: see `kickdrift.world.contacts.lanes`
-IMPACT = Table(59, 64)  # hits of a round of impacts: see `kickdrift.world.contacts.impact`
+SWEEPS = Table(34, 9, whole=True)  # one row: see `kickdrift.world.contacts.contact_solver_simd`
+IMPACT = Table(59, 64)  # hits of a round of impacts: see `kickdrift.world.contacts.restitution`
 BOUNCING = Table(60, 1, whole=True)  # contacts that may bounce in this step
 STARTED_POSE = Table(32, 8)  # as POSE and MOTION were when the step began
 STARTED_MOTION = Table(33, 8)
@@ -90,7 +90,7 @@ MOVERS = Table(39, 1, whole=True)  # shapes that may move
 FIXTURES = Table(44, 1, whole=True)  # shapes that may not
 PLANES = Table(40, 1, whole=True)  # shapes that are planes
 SOUGHT = Table(41, 1, whole=True)  # shapes whose pairs are to be found anew
-PART_TREE = Table(42, 8)  # over the triangles of each mesh, one tree after the other
+TRIANGLE_TREE = Table(42, 8)  # over the triangles of each mesh, one tree after the other
 EXCLUDED = Table(43, 2, whole=True)  # pairs of bodies that never touch, the lower one first; sorted
 ASKED_APART = Table(49, 2, whole=True)  # those of them that users ask for; the others are joined
 

@@ -16,7 +16,8 @@ from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
 from kickdrift.world.collision.filters import exclude, part_joined
 from kickdrift.world.compiling import compile_step
-from kickdrift.world.contacts import lanes
+from kickdrift.world.conserved_quantities import ConservedQuantities
+from kickdrift.world.contacts import contact_solver_simd
 from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.events import ContactEvent, events, touching
 from kickdrift.world.forces import AppliesForces
@@ -24,21 +25,20 @@ from kickdrift.world.history import KeepsHistory
 from kickdrift.world.joints.adding import AddsJoints
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.registry import Joints
-from kickdrift.world.keeper import Recorder
-from kickdrift.world.losing import culprit, go_back, lost
-from kickdrift.world.measures import Measures
 from kickdrift.world.program import Program, Uses, Word, addresses, compose, word
-from kickdrift.world.queries import AnswersQueries
+from kickdrift.world.queries import SpatialQueries
+from kickdrift.world.recorder import Recorder
+from kickdrift.world.rollback import find_lost_body, lost_body_error, roll_back
 from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.step import run
-from kickdrift.world.tables import ASKED_APART, COLOURS, EVENTS, MOTION, POSE, SETTINGS, SWEEPS, TROUBLE, Tables
-from kickdrift.world.trouble import BODY, FAST, FULL, KIND, REACHED, TABLE, WANTED
+from kickdrift.world.step_status import FULL, LOST_BODY, NEEDS_TIME_OF_IMPACT, REACHED, ROWS_WANTED, STATUS, TABLE
+from kickdrift.world.tables import ASKED_APART, COLOURS, EVENTS, MOTION, POSE, SETTINGS, STEP_STATUS, SWEEPS, Tables
 from kickdrift.world.tuning import Tunable
 
 Floats = NDArray[np.float64]
 
 
-class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries, Measures, Tunable):
+class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries, ConservedQuantities, Tunable):
     """Rigid bodies in three dimensions.
 
     Free bodies are solved by sweeps over their contacts. Bodies that joints hold together, and what touches them, are islands
@@ -134,9 +134,9 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
             _launch_threads()
         row[settings.RECYCLE_DISTANCE] = 0.5 * margin
         if plane_normal is not None:
-            row[settings.PLANE : settings.PLANE + 3] = direction("plane_normal", plane_normal)
+            row[settings.PLANE_NORMAL : settings.PLANE_NORMAL + 3] = direction("plane_normal", plane_normal)
         self.planar = plane_normal is not None
-        self.tables.resize(TROUBLE, 1)
+        self.tables.resize(STEP_STATUS, 1)
         self.tables.resize(COLOURS, 64)
         self.tables.resize(SWEEPS, 1)
         self.broken: list[Joint] = []
@@ -215,7 +215,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
             try:
                 done, at = run(*program, start, step, done, until, at, self.tables.address)
             except Exception as error:
-                done = int(self.tables.array(TROUBLE)[0, REACHED])
+                done = int(self.tables.array(STEP_STATUS)[0, REACHED])
                 self._go_back(done, step)
                 raise KickdriftError(
                     f"a force raised {type(error).__name__}: {error} in step {self.n_steps}; "
@@ -253,7 +253,10 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
         if composition != self._composition:
             compile_step(spelt, shapes.kinds, pairs)
             sweeps = self.tables.array(SWEEPS)[0]
-            sweeps[:] = *(address_of(sweep, lanes.SWEEP) for sweep in lanes.SWEEPS), WIDTH
+            sweeps[:] = (
+                *(address_of(sweep, contact_solver_simd.SWEEP) for sweep in contact_solver_simd.KERNELS),
+                WIDTH,
+            )
             shapes.find_functions()
             self._addresses, self._composition = addresses(spelt, self.substeps), composition
         self.tables.array(SETTINGS)[0, settings.STEP] = step
@@ -276,22 +279,22 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, AnswersQueries,
 
     def _help(self, done: int, step: float) -> None:
         """Do what a stage has asked for; raise what cannot be helped."""
-        trouble = self.tables.array(TROUBLE)[0]
-        kind, table, wanted, body = (int(trouble[column]) for column in (KIND, TABLE, WANTED, BODY))
+        trouble = self.tables.array(STEP_STATUS)[0]
+        kind, table, wanted, body = (int(trouble[column]) for column in (STATUS, TABLE, ROWS_WANTED, LOST_BODY))
         trouble[:] = 0
-        if kind == FAST:
+        if kind == NEEDS_TIME_OF_IMPACT:
             self.tables.array(SETTINGS)[0, settings.HAS_FAST] = 1.0
             self.tables.altered = True
             return
         if kind == FULL:
             self.tables.make_room(table, wanted)
             return
-        body = culprit(self.tables, step, body)
+        body = find_lost_body(self.tables, step, body)
         self._go_back(done, step)
-        raise lost(self.tables, body, self.bodies.words(body), self.n_steps)
+        raise lost_body_error(self.tables, body, self.bodies.words(body), self.n_steps)
 
     def _go_back(self, done: int, step: float) -> None:
         """Bring the world back to where the step began after those that are done."""
-        go_back(self.tables)
+        roll_back(self.tables)
         self.time += done * step
         self.n_steps += done

@@ -10,10 +10,10 @@ from kickdrift.io.robots.geoms import Layers, is_shown, placed, touches
 from kickdrift.io.robots.parsing import Model
 from kickdrift.world.body import Body
 from kickdrift.world.flight import DYNAMIC, KINEMATIC, STATIC
-from kickdrift.world.islands import REACH
 from kickdrift.world.shape_rows import Placed
 from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.mass import Mass, summed
+from kickdrift.world.sleeping import REACH
 from kickdrift.world.tables import RESTED
 from kickdrift.world.world import World
 

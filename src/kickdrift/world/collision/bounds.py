@@ -14,7 +14,7 @@ from kickdrift.core.vectors import Vector, cross, dot, length, plus, product, ti
 from kickdrift.world.collision.bvh import Box
 from kickdrift.world.collision.dispatch import extent_of, sort_of
 from kickdrift.world.columns import quaternion_at, vector_at
-from kickdrift.world.flight import DYNAMIC, KIND, STATIC
+from kickdrift.world.flight import BODY_KIND, DYNAMIC, STATIC
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
     BODY_ROW,
@@ -52,7 +52,7 @@ _AHEAD = 3.0  # steps: at 2 falling boxes are sought half as often again, at 4 f
 def may_move(world: int, shape: int) -> bool:
     """Whether a shape belongs to a body that moves, or could."""
     body = integers(world, SHAPE)[shape, BODY_ROW]
-    moves: bool = sort_of(world, shape) == SOLID and integers(world, BODY)[body, KIND] != STATIC
+    moves: bool = sort_of(world, shape) == SOLID and integers(world, BODY)[body, BODY_KIND] != STATIC
     return moves
 
 
@@ -124,7 +124,7 @@ def _box_in_step(world: int, shape: int, h: float) -> tuple[Box, float, Vector]:
     settings, motion = floats(world, SETTINGS), floats(world, MOTION)
     spin = vector_at(motion, body, ANGULAR_VELOCITY)
     way = times(h, plus(vector_at(motion, body, VELOCITY), cross(spin, arm)))
-    if integers(world, BODY)[body, KIND] == DYNAMIC:
+    if integers(world, BODY)[body, BODY_KIND] == DYNAMIC:
         way = plus(way, times(h * h, vector_at(settings, 0, GRAVITY)))
     sway = h * length(spin) * reach  # no point leaves the ball of radius `reach` by turning
     size = _FRACTION * max(max(box[3] - box[0], box[4] - box[1]), box[5] - box[2])

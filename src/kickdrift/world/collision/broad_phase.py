@@ -7,18 +7,27 @@ from kickdrift.world.collision.pair_hash import forget_all, key_of, remember, sl
 from kickdrift.world.collision.pairs import PAIR, overlap, seek
 from kickdrift.world.collision.roster import update_bounds
 from kickdrift.world.collision.search import AT_HOME, CONTACTS, FOUND, NEW, PAIRS_AT, PARTS_AT, REVIEW, SHAPES_AT, SLOTS
-from kickdrift.world.contacts.layout import BODY_A, BODY_B, PART, SENSOR, SHAPE_A, SHAPE_B, TOUCHING
-from kickdrift.world.contacts.layout import STATE as CONTACT_STATE
+from kickdrift.world.contacts.layout import (
+    BODY_A,
+    BODY_B,
+    CONTACT_STATE,
+    SENSOR,
+    SHAPE_A,
+    SHAPE_B,
+    TOUCHING,
+    TRIANGLE_INDEX,
+)
 from kickdrift.world.layout import BEGINS, BODY_ROW, FIRST_BODY, FROM_SENSOR, IS_SENSOR, SEARCH_STATE, SECOND_BODY
+from kickdrift.world.step_status import ask_for_room
 from kickdrift.world.tables import (
     CONTACT,
     EVENTS,
     MANIFOLD,
-    PART_TREE,
     SCRATCH,
     SEARCH,
     SHAPE,
     SOUGHT,
+    TRIANGLE_TREE,
     flat,
     floats,
     integers,
@@ -26,7 +35,6 @@ from kickdrift.world.tables import (
     rows,
     set_rows,
 )
-from kickdrift.world.trouble import ask_for_room
 
 
 @compiled
@@ -61,7 +69,7 @@ def _lay_out_scratch(world: int) -> bool:
     search[0, SLOTS] = slots_for(rows(world, CONTACT))
     search[0, SHAPES_AT] = search[0, SLOTS]
     search[0, PARTS_AT] = search[0, SHAPES_AT] + rows(world, SHAPE) + 1
-    search[0, PAIRS_AT] = search[0, PARTS_AT] + rows(world, PART_TREE) + 1
+    search[0, PAIRS_AT] = search[0, PARTS_AT] + rows(world, TRIANGLE_TREE) + 1
     search[0, FOUND] = 0
     if room(world, SCRATCH) >= search[0, PAIRS_AT]:
         return True
@@ -80,7 +88,7 @@ def _look_through(world: int) -> bool:
     forget_all(world)
     row = 0
     while row < rows(world, CONTACT):
-        a, b, part = contact[row, SHAPE_A], contact[row, SHAPE_B], contact[row, PART]
+        a, b, part = contact[row, SHAPE_A], contact[row, SHAPE_B], contact[row, TRIANGLE_INDEX]
         if shapes[a, SEARCH_STATE] == AT_HOME and shapes[b, SEARCH_STATE] == AT_HOME:
             row += 1
         elif _stays(world, a, b, part):
@@ -154,7 +162,7 @@ def _append(world: int) -> None:
             contact[row, k] = 0
         for k in range(MANIFOLD.width):
             manifold[row, k] = 0.0
-        contact[row, SHAPE_A], contact[row, SHAPE_B], contact[row, PART] = a, b, int(pairs[at + 2])
+        contact[row, SHAPE_A], contact[row, SHAPE_B], contact[row, TRIANGLE_INDEX] = a, b, int(pairs[at + 2])
         contact[row, BODY_A], contact[row, BODY_B] = shapes[a, BODY_ROW], shapes[b, BODY_ROW]
         if shapes[a, IS_SENSOR] != 0 or shapes[b, IS_SENSOR] != 0:
             contact[row, CONTACT_STATE] = SENSOR

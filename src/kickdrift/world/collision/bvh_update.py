@@ -15,20 +15,21 @@ from kickdrift.world.collision.search import (
     STATIC_CHANGED,
     UNSEEN,
 )
-from kickdrift.world.layout import BEGIN, FIRST_NODE, LAST_NODE, LOWER, SHAPE_KIND, SIZE, UPPER
+from kickdrift.world.layout import BEGIN, FIRST_TREE_NODE, LAST_TREE_NODE, LOWER, SHAPE_KIND, SIZE, UPPER
 from kickdrift.world.shapes.record import SURFACE
 from kickdrift.world.shapes.triangle import triangle_box, triangles_of
+from kickdrift.world.step_status import ask_for_room
 from kickdrift.world.tables import (
     BOUNDS,
     FIXTURES,
     GEOMETRY,
     MOVERS,
-    PART_TREE,
     SCRATCH,
     SEARCH,
     SHAPE,
     STATIC_TREE,
     TREE,
+    TRIANGLE_TREE,
     Table,
     flat,
     floats,
@@ -37,7 +38,6 @@ from kickdrift.world.tables import (
     rows,
     set_rows,
 )
-from kickdrift.world.trouble import ask_for_room
 
 _SEED = 4  # numbers: centre and item
 _BOX = 6
@@ -114,9 +114,9 @@ def _build_part_trees(world: int) -> bool:
         if shapes[shape, SHAPE_KIND] >= 0 and sort_of(world, shape) == SURFACE:
             total += triangles_of(shapes[shape, SIZE])
             most = max(most, triangles_of(shapes[shape, SIZE]))
-    if not _has_room(world, PART_TREE, NODES_PER_ITEM * total, (_SEED + _BOX) * most):
+    if not _has_room(world, TRIANGLE_TREE, NODES_PER_ITEM * total, (_SEED + _BOX) * most):
         return False
-    nodes = floats(world, PART_TREE)
+    nodes = floats(world, TRIANGLE_TREE)
     last = 0
     for shape in range(rows(world, SHAPE)):
         if shapes[shape, SHAPE_KIND] < 0 or sort_of(world, shape) != SURFACE:
@@ -133,8 +133,8 @@ def _build_part_trees(world: int) -> bool:
         first = last
         last += build(seeds, nodes[first:])
         fit(nodes[first:last], boxes)
-        bounds[shape, FIRST_NODE], bounds[shape, LAST_NODE] = first, last
-    set_rows(world, PART_TREE, last)
+        bounds[shape, FIRST_TREE_NODE], bounds[shape, LAST_TREE_NODE] = first, last
+    set_rows(world, TRIANGLE_TREE, last)
     return True
 
 

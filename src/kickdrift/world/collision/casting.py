@@ -12,7 +12,7 @@ from kickdrift.core.vectors import Vector, minus, turned, turned_back
 from kickdrift.world.collision.bvh_walk import NOTHING, advance, reciprocal, start
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.narrow_phase import shape_pose
-from kickdrift.world.layout import BEGIN, BODY_ROW, FIRST_NODE, IS_SENSOR, LAST_NODE, LAYER, SHAPE_KIND, SIZE
+from kickdrift.world.layout import BEGIN, BODY_ROW, FIRST_TREE_NODE, IS_SENSOR, LAST_TREE_NODE, LAYER, SHAPE_KIND, SIZE
 from kickdrift.world.shapes.kinds import TRIANGLE
 from kickdrift.world.shapes.rays import MISS, Hit
 from kickdrift.world.shapes.record import RAY, SURFACE
@@ -20,11 +20,11 @@ from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
 from kickdrift.world.tables import (
     BOUNDS,
     GEOMETRY,
-    PART_TREE,
     PLANES,
     SHAPE,
     STATIC_TREE,
     TREE,
+    TRIANGLE_TREE,
     flat,
     floats,
     integers,
@@ -123,7 +123,7 @@ def _meet(
 def _meet_mesh(world: int, mesh: int, origin: Vector, direction: Vector, limit: float, functions: Any) -> Hit:
     """Return where a ray meets the first triangle of a mesh."""
     bounds, numbers = floats(world, BOUNDS), flat(world, GEOMETRY)
-    nodes = floats(world, PART_TREE)[int(bounds[mesh, FIRST_NODE]) : int(bounds[mesh, LAST_NODE])]
+    nodes = floats(world, TRIANGLE_TREE)[int(bounds[mesh, FIRST_TREE_NODE]) : int(bounds[mesh, LAST_TREE_NODE])]
     inverse = reciprocal(direction)
     walk = carray(floats_on_stack(512), (512,))
     start(walk, nodes, origin, inverse)

@@ -1,4 +1,4 @@
-"""What compiled code asks of kinds of shapes: rows of `kickdrift.world.tables.KINDS`, made of the records in the catalogue."""
+"""What compiled code asks of kinds of shapes: rows of `kickdrift.world.tables.SHAPE_KINDS`, made of the catalogue's records."""
 
 from collections.abc import Iterable
 
@@ -10,12 +10,12 @@ from kickdrift.world.layout import BEGIN, SHAPE_KIND, SIZE
 from kickdrift.world.shapes import catalogue
 from kickdrift.world.shapes.extents import Extent
 from kickdrift.world.shapes.record import EXTENT, Kind
-from kickdrift.world.tables import GEOMETRY, KINDS, SHAPE, Tables, flat, integers
+from kickdrift.world.tables import GEOMETRY, SHAPE, SHAPE_KINDS, Tables, flat, integers
 
-# Columns of KINDS
-SORT = column(KINDS)
-ROUND = column(KINDS)
-EXTENT_AT = column(KINDS)  # address of its function
+# Columns of SHAPE_KINDS
+SORT = column(SHAPE_KINDS)
+ROUND = column(SHAPE_KINDS)
+EXTENT_AT = column(SHAPE_KINDS)  # address of its function
 
 _extent = caller(EXTENT)
 
@@ -23,14 +23,14 @@ _extent = caller(EXTENT)
 @compiled(inline=True)
 def sort_of(world: int, shape: int) -> int:
     """Return what the kind of a shape is: `SOLID`, `SURFACE` or `HALF_SPACE`."""
-    sort: int = integers(world, KINDS)[integers(world, SHAPE)[shape, SHAPE_KIND], SORT]
+    sort: int = integers(world, SHAPE_KINDS)[integers(world, SHAPE)[shape, SHAPE_KIND], SORT]
     return sort
 
 
 @compiled(inline=True)
 def is_round(world: int, shape: int) -> bool:
     """Whether a shape rolls."""
-    return bool(integers(world, KINDS)[integers(world, SHAPE)[shape, SHAPE_KIND], ROUND] != 0)
+    return bool(integers(world, SHAPE_KINDS)[integers(world, SHAPE)[shape, SHAPE_KIND], ROUND] != 0)
 
 
 @compiled(inline=True)
@@ -39,13 +39,13 @@ def extent_of(world: int, shape: int, turn: Quaternion) -> Extent:
     shapes = integers(world, SHAPE)
     begin = shapes[shape, BEGIN]
     numbers = flat(world, GEOMETRY)[begin : begin + shapes[shape, SIZE]]
-    box: Extent = _extent(integers(world, KINDS)[shapes[shape, SHAPE_KIND], EXTENT_AT], (numbers, turn))
+    box: Extent = _extent(integers(world, SHAPE_KINDS)[shapes[shape, SHAPE_KIND], EXTENT_AT], (numbers, turn))
     return box
 
 
 def describe_kinds(tables: Tables) -> None:
     """Write what is known of all kinds, but for their functions."""
-    rows = tables.resize(KINDS, len(catalogue.KINDS))
+    rows = tables.resize(SHAPE_KINDS, len(catalogue.KINDS))
     for number, kind in catalogue.KINDS.items():
         rows[number, [SORT, ROUND]] = kind.sort, kind.is_round
 
@@ -57,7 +57,7 @@ def extents_of(kinds: Iterable[int]) -> list[Kind]:
 
 def find_extents(tables: Tables, kinds: Iterable[int]) -> None:
     """Compile the functions of kinds that are about to be asked how large they are, unless they are compiled."""
-    rows = tables.array(KINDS)
+    rows = tables.array(SHAPE_KINDS)
     for kind in extents_of(kinds):
         if rows[kind.number, EXTENT_AT] == 0 and kind.extent is not None:
             rows[kind.number, EXTENT_AT] = address_of(kind.extent, EXTENT)

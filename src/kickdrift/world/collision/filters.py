@@ -5,7 +5,7 @@ from numpy.typing import ArrayLike
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.search import filters_changed
-from kickdrift.world.flight import DYNAMIC, KIND
+from kickdrift.world.flight import BODY_KIND, DYNAMIC
 from kickdrift.world.joints import layout
 from kickdrift.world.layout import BODY_ROW, IS_SENSOR, LAYER, MASK
 from kickdrift.world.tables import ASKED_APART, BODY, EXCLUDED, JOINT, SHAPE, Tables, integers, rows
@@ -16,7 +16,7 @@ def may_touch(world: int, a: int, b: int) -> bool:
     """Whether two shapes are on layers that meet, of two bodies one of which forces move, and not both sensors."""
     shapes, bodies = integers(world, SHAPE), integers(world, BODY)
     i, j = shapes[a, BODY_ROW], shapes[b, BODY_ROW]
-    if i == j or (bodies[i, KIND] != DYNAMIC and bodies[j, KIND] != DYNAMIC):
+    if i == j or (bodies[i, BODY_KIND] != DYNAMIC and bodies[j, BODY_KIND] != DYNAMIC):
         return False
     if shapes[a, LAYER] & shapes[b, MASK] == 0 or shapes[b, LAYER] & shapes[a, MASK] == 0:
         return False
@@ -65,7 +65,7 @@ def forget(tables: Tables, body: int) -> None:
 def part_joined(tables: Tables) -> None:
     """Let bodies pass through each other that joints hold together or users ask for, and all others touch."""
     joint = tables.array(JOINT)
-    held = joint[joint[:, layout.KIND] != layout.REMOVED][:, [layout.BODY_A, layout.BODY_B]]
+    held = joint[joint[:, layout.JOINT_KIND] != layout.REMOVED][:, [layout.BODY_A, layout.BODY_B]]
     now = {(min(pair), max(pair)) for pair in [*held.tolist(), *tables.array(ASKED_APART).tolist()]}
     before = set(map(tuple, tables.array(EXCLUDED).tolist()))
     if now != before:

@@ -12,17 +12,17 @@ from kickdrift.core.vectors import Quaternion, Vector, cross, dot, minus, normal
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
+    CONTACT_STATE,
     FEATURE,
     FOUND_POSE,
     MOVING,
     NORMAL_IMPULSE,
-    PART,
     POINT,
     POINT_SIZE,
     POINTS,
     SHAPE_A,
     SHAPE_B,
-    STATE,
+    TRIANGLE_INDEX,
     WIDTH_OF_FACE,
 )
 from kickdrift.world.layout import (
@@ -103,7 +103,7 @@ def look_again(world: int, row: int, at: Vector, turn: Quaternion, margin: float
     a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
     begin_a, size_a, kind_a = shape[a, BEGIN], shape[a, SIZE], shape[a, SHAPE_KIND]
     if sort_of(world, a) == SURFACE:
-        begin_a, size_a, kind_a = begin_of(begin_a, contact[row, PART]), TRIANGLE_SIZE, TRIANGLE
+        begin_a, size_a, kind_a = begin_of(begin_a, contact[row, TRIANGLE_INDEX]), TRIANGLE_SIZE, TRIANGLE
     begin_b, size_b = shape[b, BEGIN], shape[b, SIZE]
     own = manifold[MANIFOLD.width * row : MANIFOLD.width * (row + 1)]
     found = own[FOUND_POSE : FOUND_POSE + 7]
@@ -121,7 +121,7 @@ def look_again(world: int, row: int, at: Vector, turn: Quaternion, margin: float
     )
     contact[row, POINTS] = count
     if before == 0:
-        contact[row, STATE] |= MOVING
+        contact[row, CONTACT_STATE] |= MOVING
     place = floats(world, PLACE)
     _hand_over(own, old, before, count, _NEAR * smallest(place[a, RADIUS], place[b, RADIUS]))
     own[WIDTH_OF_FACE] = _width(own, count)

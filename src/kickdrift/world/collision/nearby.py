@@ -11,18 +11,18 @@ from kickdrift.world.collision.boxes import box_in_frame, reaches_under
 from kickdrift.world.collision.bvh import Box, gather
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.narrow_phase import collide, shape_pose
-from kickdrift.world.layout import BEGIN, FIRST_NODE, LAST_NODE, SHAPE_KIND, SIZE
+from kickdrift.world.layout import BEGIN, FIRST_TREE_NODE, LAST_TREE_NODE, SHAPE_KIND, SIZE
 from kickdrift.world.shapes.kinds import TRIANGLE
 from kickdrift.world.shapes.record import SURFACE
 from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
 from kickdrift.world.tables import (
     BOUNDS,
     GEOMETRY,
-    PART_TREE,
     PLANES,
     SHAPE,
     STATIC_TREE,
     TREE,
+    TRIANGLE_TREE,
     flat,
     floats,
     integers,
@@ -61,8 +61,8 @@ def overlaps(
     if sort_of(world, shape) != SURFACE:
         own = geometry[begin : begin + size]
         return _touch(own_kind, own, own_at, own_turn, kind, numbers, at, turn, functions[own_kind])
-    first, last = int(bounds[shape, FIRST_NODE]), int(bounds[shape, LAST_NODE])
-    hits, _ = gather(floats(world, PART_TREE)[first:last], box_in_frame(world, shape, box), found)
+    first, last = int(bounds[shape, FIRST_TREE_NODE]), int(bounds[shape, LAST_TREE_NODE])
+    hits, _ = gather(floats(world, TRIANGLE_TREE)[first:last], box_in_frame(world, shape, box), found)
     for k in range(hits):
         start = begin_of(begin, int(found[k]))
         own = geometry[start : start + TRIANGLE_SIZE]

@@ -3,7 +3,7 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.search import SLOTS
-from kickdrift.world.layout import FIRST_NODE
+from kickdrift.world.layout import FIRST_TREE_NODE
 from kickdrift.world.shapes.record import SURFACE
 from kickdrift.world.tables import BOUNDS, SCRATCH, SEARCH, SHAPE, floats, integers, rows
 
@@ -31,7 +31,7 @@ def forget_all(world: int) -> None:
 def key_of(world: int, a: int, b: int, part: int) -> int:
     """Return one number for a contact, whichever shape is first; parts of meshes are numbered after all shapes."""
     if sort_of(world, a) == SURFACE:
-        a = rows(world, SHAPE) + int(floats(world, BOUNDS)[a, FIRST_NODE]) + part
+        a = rows(world, SHAPE) + int(floats(world, BOUNDS)[a, FIRST_TREE_NODE]) + part
     return (min(a, b) << 32) | max(a, b)
 
 

@@ -9,7 +9,7 @@ from kickdrift.world.collision.filters import may_touch
 from kickdrift.world.collision.pair_hash import is_known, key_of
 from kickdrift.world.collision.search import AT_HOME, FOUND, PAIRS_AT, PARTS_AT, SHAPES_AT, VISITS
 from kickdrift.world.collision.sorting import sort
-from kickdrift.world.layout import BEGIN, FIRST_NODE, LAST_NODE, SEARCH_STATE, SHAPE_KIND
+from kickdrift.world.layout import BEGIN, FIRST_TREE_NODE, LAST_TREE_NODE, SEARCH_STATE, SHAPE_KIND
 from kickdrift.world.shapes.kinds import TRIANGLE
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.shapes.triangle import triangle_box
@@ -17,13 +17,13 @@ from kickdrift.world.tables import (
     BOUNDS,
     GEOMETRY,
     MOVERS,
-    PART_TREE,
     PLANES,
     SCRATCH,
     SEARCH,
     SHAPE,
     STATIC_TREE,
     TREE,
+    TRIANGLE_TREE,
     Table,
     flat,
     floats,
@@ -120,9 +120,9 @@ def _rank(world: int, shape: int) -> int:
 def _add_parts(world: int, mesh: int, shape: int) -> None:
     bounds, search = floats(world, BOUNDS), integers(world, SEARCH)
     found = flat(world, SCRATCH)[search[0, PARTS_AT] : search[0, PAIRS_AT]]
-    first, last = int(bounds[mesh, FIRST_NODE]), int(bounds[mesh, LAST_NODE])
+    first, last = int(bounds[mesh, FIRST_TREE_NODE]), int(bounds[mesh, LAST_TREE_NODE])
     box = box_in_frame(world, mesh, fat_bounds(world, shape))
-    hits, visits = gather(floats(world, PART_TREE)[first:last], box, found)
+    hits, visits = gather(floats(world, TRIANGLE_TREE)[first:last], box, found)
     search[0, VISITS] += visits
     sort(found, hits)
     for k in range(hits):

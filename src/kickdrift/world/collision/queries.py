@@ -28,9 +28,8 @@ from kickdrift.world.shapes.kinds import BOX, SPHERE
 from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.shapes.record import RAY
 from kickdrift.world.shapes.sphere import Sphere
-from kickdrift.world.tables import MOVERS, PART_TREE, PLANES, POSE, SHAPE, TROUBLE, Tables
-from kickdrift.world.trouble import BODY as TROUBLED_BODY
-from kickdrift.world.trouble import FULL, KIND, TABLE, WANTED
+from kickdrift.world.step_status import FULL, LOST_BODY, ROWS_WANTED, STATUS, TABLE
+from kickdrift.world.tables import MOVERS, PLANES, POSE, SHAPE, STEP_STATUS, TRIANGLE_TREE, Tables
 
 if TYPE_CHECKING:
     from kickdrift.world.body import Body
@@ -212,7 +211,7 @@ def _overlap(
     candidates = candidates[(shapes[candidates, IS_SENSOR] == 0) & (shapes[candidates, LAYER] & wanted != 0)]
     candidates = candidates[~np.isin(shapes[candidates, BODY_ROW], _rows(ignored))]
     functions = _pair_functions(tables, kind)
-    parts = np.empty(len(tables.array(PART_TREE)) + 1)
+    parts = np.empty(len(tables.array(TRIANGLE_TREE)) + 1)
     at, q = tuple(centre.tolist()), tuple(turn.tolist())
     touches = [
         overlaps(tables.address, int(shape), kind, numbers, at, q, box, functions, parts) for shape in candidates
@@ -223,9 +222,9 @@ def _overlap(
 def _strays(tables: Tables) -> Integers:
     """Bring the trees up to date with the shapes that there are, and return those that have left their boxes."""
     find_extents(tables, _kinds(tables))
-    trouble = tables.array(TROUBLE)[0]
+    trouble = tables.array(STEP_STATUS)[0]
     while not update_for_queries(tables.address):
-        kind, table, wanted, body = (int(trouble[column]) for column in (KIND, TABLE, WANTED, TROUBLED_BODY))
+        kind, table, wanted, body = (int(trouble[column]) for column in (STATUS, TABLE, ROWS_WANTED, LOST_BODY))
         trouble[:] = 0
         if kind != FULL:
             raise _nowhere(body)

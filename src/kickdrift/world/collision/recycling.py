@@ -7,11 +7,22 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, conjugate, dot, minus, product, turned_back
 from kickdrift.world.collision.dispatch import is_round, sort_of
 from kickdrift.world.collision.narrow_phase import look_again, placed_pose, smallest
-from kickdrift.world.contacts.layout import BODY_A, BODY_B, FAST, FOUND_POSE, POINTS, RECYCLED, SHAPE_A, SHAPE_B, STATE
+from kickdrift.world.contacts.layout import (
+    BODY_A,
+    BODY_B,
+    CONTACT_STATE,
+    FAST,
+    FOUND_POSE,
+    POINTS,
+    RECYCLED,
+    SHAPE_A,
+    SHAPE_B,
+)
 from kickdrift.world.flight import AWAKE
 from kickdrift.world.layout import ANGULAR_VELOCITY, RADIUS, RESTITUTION, VELOCITY
 from kickdrift.world.settings import HAS_FAST, MARGIN, RECYCLE_DISTANCE, STEP
 from kickdrift.world.shapes.record import HALF_SPACE
+from kickdrift.world.step_status import NEEDS_TIME_OF_IMPACT, STATUS
 from kickdrift.world.tables import (
     BODY,
     CONTACT,
@@ -19,13 +30,11 @@ from kickdrift.world.tables import (
     MOTION,
     PLACE,
     SETTINGS,
-    TROUBLE,
+    STEP_STATUS,
     floats,
     integers,
     rows,
 )
-from kickdrift.world.trouble import FAST as FAST_PAIRS
-from kickdrift.world.trouble import KIND
 
 _STANDING = 1e-4  # of its reach, by which a round shape that stands on three points or more may move
 
@@ -38,7 +47,7 @@ def find_points(t: float, h: float, world: int) -> None:
     awake = integers(world, BODY)
     for row in range(rows(world, CONTACT)):
         a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
-        contact[row, STATE] &= ~FAST
+        contact[row, CONTACT_STATE] &= ~FAST
         if awake[contact[row, BODY_A], AWAKE] == 0 and awake[contact[row, BODY_B], AWAKE] == 0:
             continue
         at_a, turn_a = placed_pose(world, a)
@@ -53,9 +62,9 @@ def find_points(t: float, h: float, world: int) -> None:
             continue
         manifold[row, RECYCLED] = settings[0, MARGIN] + way
         if way > _far(world, a, b):
-            contact[row, STATE] |= FAST
+            contact[row, CONTACT_STATE] |= FAST
             if settings[0, HAS_FAST] == 0.0:
-                integers(world, TROUBLE)[0, KIND] = FAST_PAIRS
+                integers(world, STEP_STATUS)[0, STATUS] = NEEDS_TIME_OF_IMPACT
         else:
             look_again(world, row, at, turn, settings[0, MARGIN] + way)
 

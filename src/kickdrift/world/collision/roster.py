@@ -19,6 +19,7 @@ from kickdrift.world.collision.search import (
 from kickdrift.world.flight import AWAKE
 from kickdrift.world.layout import BODY_ROW, SEARCH_STATE, SHAPE_KIND, UPPER
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
+from kickdrift.world.step_status import ask_for_room, report_body
 from kickdrift.world.tables import (
     BODY,
     BOUNDS,
@@ -36,7 +37,6 @@ from kickdrift.world.tables import (
     rows,
     set_rows,
 )
-from kickdrift.world.trouble import ask_for_room, report_body
 
 
 @compiled

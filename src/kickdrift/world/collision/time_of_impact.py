@@ -27,6 +27,7 @@ from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts.layout import (
     BODY_A,
     BODY_B,
+    CONTACT_STATE,
     FAST,
     FOUND_POSE,
     POINT,
@@ -35,7 +36,6 @@ from kickdrift.world.contacts.layout import (
     RECYCLED,
     SHAPE_A,
     SHAPE_B,
-    STATE,
 )
 from kickdrift.world.layout import RADIUS
 from kickdrift.world.settings import MARGIN, STEP
@@ -49,7 +49,7 @@ def find_impacts(t: float, h: float, world: int) -> None:
     """Find the points of the contacts that `find_points` has left because their shapes are too fast."""
     contact, manifold, settings = integers(world, CONTACT), floats(world, MANIFOLD), floats(world, SETTINGS)
     for row in range(rows(world, CONTACT)):
-        if contact[row, STATE] & FAST:
+        if contact[row, CONTACT_STATE] & FAST:
             _advance(world, row, manifold[row, RECYCLED] - settings[0, MARGIN])
 
 

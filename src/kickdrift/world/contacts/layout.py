@@ -10,16 +10,16 @@ the face that the points span.
 
 Constraints stand in groups of WIDTH: field k of lane l of group g is number (g FIELDS + k) WIDTH + l of the table `LANES`,
 so that the loops over lanes vectorise. Fields that the sweeps read come first; from ANCHORS on stand those of which
-`kickdrift.world.contacts.filling` makes them.
+`kickdrift.world.contacts.prepare_simd` makes them.
 """
 
 # Columns of CONTACT
-SHAPE_A, SHAPE_B, PART, BODY_A, BODY_B, POINTS, STATE, PLACE_IN_GROUPS = range(8)
+SHAPE_A, SHAPE_B, TRIANGLE_INDEX, BODY_A, BODY_B, POINTS, CONTACT_STATE, PLACE_IN_GROUPS = range(8)
 
-# Bits of STATE
+# Bits of CONTACT_STATE
 TOUCHING = 1
 SENSOR = 2
-HIT = 4  # bounced in this step
+BOUNCED = 4  # bounced in this step
 FAST = 8  # its shapes may pass each other within the step
 MOVING = 16  # its arms were taken anew within the last step, or it is new
 
@@ -59,7 +59,7 @@ IMPULSE = 5
 LEVER = 6  # distance from the centre
 POINT_FIELDS = 7
 # Of the four points, when the step began: from both bodies (3 and 3), and the radii of both shapes about them (2). What is
-# round has its core there, see `kickdrift.world.contacts.rounding`.
+# round has its core there, see `kickdrift.world.contacts.rolling_core`.
 ANCHORS = P + 4 * POINT_FIELDS
 ANCHOR_SIZE, ANCHOR_B, RADII = 8, 3, 6
 AXES = (

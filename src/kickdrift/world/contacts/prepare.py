@@ -5,12 +5,13 @@ from numba import carray
 from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
-from kickdrift.world.contacts import filling as r
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.gathering import gather, softness
-from kickdrift.world.contacts.lanes import FILL, LANE_COUNT, REFRESH, REFRESH_FRICTION, SWEEP
+from kickdrift.world.contacts import prepare_simd as r
+from kickdrift.world.contacts.contact_solver_simd import FILL, LANE_COUNT, REFRESH, REFRESH_FRICTION, SWEEP
+from kickdrift.world.contacts.gather import gather, softness
 from kickdrift.world.flight import AWAKE, LINK_PLACE
 from kickdrift.world.settings import SLOP, STEP, SUBSTEPS
+from kickdrift.world.step_status import ask_for_room
 from kickdrift.world.tables import (
     BODY,
     COLOURED,
@@ -18,8 +19,8 @@ from kickdrift.world.tables import (
     CONTACT,
     CONTACT_ROW,
     GROUPS,
+    INVERSE_MASS,
     LANES,
-    RESPONSE,
     SETTINGS,
     SWEEPS,
     flat,
@@ -29,10 +30,9 @@ from kickdrift.world.tables import (
     rows,
     set_rows,
 )
-from kickdrift.world.trouble import ask_for_room
 
 _COLOURS = 62
-_RAW, _SCRATCH = r.RAW * c.WIDTH, r.SCRATCH
+_RAW, _SCRATCH = r.RAW * c.WIDTH, r.SCRATCH_SIZE
 
 sweep = caller(SWEEP)
 
@@ -46,7 +46,7 @@ def colour(t: float, h: float, world: int) -> None:
 
     Greedy, in the order of the contacts: the first colour that neither body has yet. Bodies that do not move have none.
     """
-    contact, response, body = integers(world, CONTACT), floats(world, RESPONSE), integers(world, BODY)
+    contact, response, body = integers(world, CONTACT), floats(world, INVERSE_MASS), integers(world, BODY)
     taken, colours = integers(world, COLOURED), integers(world, COLOURS)
     for k in range(rows(world, COLOURED)):
         taken[k, 0] = 0
@@ -55,7 +55,7 @@ def colour(t: float, h: float, world: int) -> None:
     for row in range(rows(world, CONTACT)):
         contact[row, c.PLACE_IN_GROUPS] = -1
         a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
-        if contact[row, c.POINTS] == 0 or contact[row, c.STATE] & c.SENSOR:
+        if contact[row, c.POINTS] == 0 or contact[row, c.CONTACT_STATE] & c.SENSOR:
             continue
         if body[a, AWAKE] == 0 and body[b, AWAKE] == 0:
             continue

@@ -15,17 +15,7 @@ from kickdrift.core.compilation import compiled, specialise, unbound
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import product
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.filling import (
-    CHANGE_A,
-    FROM_A_TO_B,
-    INERTIA_A,
-    MARK,
-    SCRATCH,
-    TURNED_A,
-    VELOCITY_A,
-    VELOCITY_B,
-)
-from kickdrift.world.contacts.lanes import (
+from kickdrift.world.contacts.contact_solver_simd import (
     APPLY_IMPULSES,
     FIND_STALE,
     LANE_COUNT,
@@ -36,19 +26,29 @@ from kickdrift.world.contacts.lanes import (
     SOLVE_NORMALS,
     SWEEP,
 )
+from kickdrift.world.contacts.effective_mass_simd import SLIP_STRICTNESS, TWIST_STRICTNESS
 from kickdrift.world.contacts.prepare import LINKED, OVERFLOW
-from kickdrift.world.contacts.refreshing import SLIP, TWIST
+from kickdrift.world.contacts.prepare_simd import (
+    DELTA_POSE_A,
+    FROM_A_TO_B,
+    INERTIA_A,
+    MARK,
+    SCRATCH_SIZE,
+    TURNED_A,
+    VELOCITY_A,
+    VELOCITY_B,
+)
 from kickdrift.world.settings import PUSH_SPEED, RESIDUAL, SLOP
 from kickdrift.world.tables import (
-    CHANGE,
     COLOURS,
     CONTACT,
+    DELTA_POSE,
     GROUPS,
+    INVERSE_MASS,
     LANES,
     MANIFOLD,
     MOTION,
     POSE,
-    RESPONSE,
     SETTINGS,
     STARTED_POSE,
     SWEEPS,
@@ -85,14 +85,18 @@ def _forth(t: float, h: float, world: int) -> None:
 
 @compiled
 def _warm_start_group(h: float, world: int, g: int) -> None:
-    motion, response, groups = floats(world, MOTION), floats(world, RESPONSE), integers(world, GROUPS)
-    lanes, scratch, sweeps = flat(world, LANES), carray(floats_on_stack(SCRATCH), (SCRATCH,)), integers(world, SWEEPS)
+    motion, response, groups = floats(world, MOTION), floats(world, INVERSE_MASS), integers(world, GROUPS)
+    lanes, scratch, sweeps = (
+        flat(world, LANES),
+        carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)),
+        integers(world, SWEEPS),
+    )
     n = sweeps[0, LANE_COUNT]
     _gather(groups, g, motion, 0, VELOCITY_A, scratch, n)
     _gather(groups, g, response, 1, INERTIA_A, scratch, n)
     own = lanes[g * _SIZE : (g + 1) * _SIZE]
     if g >= integers(world, COLOURS)[LINKED, 1]:  # no sweep of ours takes those of links anew
-        _gather(groups, g, floats(world, CHANGE), 0, CHANGE_A, scratch, n)
+        _gather(groups, g, floats(world, DELTA_POSE), 0, DELTA_POSE_A, scratch, n)
         _take_anew(h, world, g, own, scratch)
     sweep(sweeps[0, APPLY_IMPULSES], (own, scratch, 1.0 / h, 1.0, 0.0, n))
     _scatter(groups, g, motion, scratch, n)
@@ -100,11 +104,15 @@ def _warm_start_group(h: float, world: int, g: int) -> None:
 
 @compiled
 def _solve_group(h: float, world: int, g: int) -> None:
-    motion, response, groups = floats(world, MOTION), floats(world, RESPONSE), integers(world, GROUPS)
-    lanes, scratch, sweeps = flat(world, LANES), carray(floats_on_stack(SCRATCH), (SCRATCH,)), integers(world, SWEEPS)
-    change, push, n = floats(world, CHANGE), floats(world, SETTINGS)[0, PUSH_SPEED], sweeps[0, LANE_COUNT]
+    motion, response, groups = floats(world, MOTION), floats(world, INVERSE_MASS), integers(world, GROUPS)
+    lanes, scratch, sweeps = (
+        flat(world, LANES),
+        carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)),
+        integers(world, SWEEPS),
+    )
+    change, push, n = floats(world, DELTA_POSE), floats(world, SETTINGS)[0, PUSH_SPEED], sweeps[0, LANE_COUNT]
     _gather(groups, g, motion, 0, VELOCITY_A, scratch, n)
-    _gather(groups, g, change, 0, CHANGE_A, scratch, n)
+    _gather(groups, g, change, 0, DELTA_POSE_A, scratch, n)
     _gather(groups, g, response, 1, INERTIA_A, scratch, n)
     own = lanes[g * _SIZE : (g + 1) * _SIZE]
     sweep(sweeps[0, SOLVE_NORMALS], (own, scratch, 1.0 / h, 1.0, push, n))
@@ -113,11 +121,15 @@ def _solve_group(h: float, world: int, g: int) -> None:
 
 @compiled
 def _relax_group(h: float, world: int, g: int) -> None:
-    motion, response, groups = floats(world, MOTION), floats(world, RESPONSE), integers(world, GROUPS)
-    lanes, scratch, sweeps = flat(world, LANES), carray(floats_on_stack(SCRATCH), (SCRATCH,)), integers(world, SWEEPS)
-    change, n = floats(world, CHANGE), sweeps[0, LANE_COUNT]
+    motion, response, groups = floats(world, MOTION), floats(world, INVERSE_MASS), integers(world, GROUPS)
+    lanes, scratch, sweeps = (
+        flat(world, LANES),
+        carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)),
+        integers(world, SWEEPS),
+    )
+    change, n = floats(world, DELTA_POSE), sweeps[0, LANE_COUNT]
     _gather(groups, g, motion, 0, VELOCITY_A, scratch, n)
-    _gather(groups, g, change, 0, CHANGE_A, scratch, n)
+    _gather(groups, g, change, 0, DELTA_POSE_A, scratch, n)
     _gather(groups, g, response, 1, INERTIA_A, scratch, n)
     own = lanes[g * _SIZE : (g + 1) * _SIZE]
     _take_anew(h, world, g, own, scratch)
@@ -132,7 +144,7 @@ def _take_anew(h: float, world: int, g: int, own: Any, scratch: Any) -> None:
     """Take the arms of lanes anew whose bodies have turned or slid past each other."""
     sweeps = integers(world, SWEEPS)
     n = sweeps[0, LANE_COUNT]
-    sweep(sweeps[0, FIND_STALE], (own, scratch, TWIST, SLIP, 0.0, n))
+    sweep(sweeps[0, FIND_STALE], (own, scratch, TWIST_STRICTNESS, SLIP_STRICTNESS, 0.0, n))
     marked = 0.0
     for lane in range(n):
         marked += scratch[MARK * _W + lane]
@@ -197,9 +209,9 @@ def store(t: float, h: float, world: int) -> None:
             manifold[row, c.FRICTION_IMPULSE + 1] = d1 * u[1] + d2 * (n[2] * u[0] - n[0] * u[2])
             manifold[row, c.FRICTION_IMPULSE + 2] = d1 * u[2] + d2 * (n[0] * u[1] - n[1] * u[0])
             manifold[row, c.TWIST_IMPULSE] = own[(c.TWIST + 1) * _W]
-            contact[row, c.STATE] &= ~c.MOVING
+            contact[row, c.CONTACT_STATE] &= ~c.MOVING
             if own[c.REFRESHED * _W] > 0.0:
-                contact[row, c.STATE] |= c.MOVING
+                contact[row, c.CONTACT_STATE] |= c.MOVING
             if own[c.ROLL * _W] > 0.0:
                 for k in range(3):
                     manifold[row, c.ROLLING_IMPULSE + k] = own[(c.ROLL + 2 + k) * _W]
@@ -209,7 +221,7 @@ def store(t: float, h: float, world: int) -> None:
 def measure(t: float, h: float, world: int) -> None:
     """Measure what the sweeps have left unsolved: how fast points that carry something part or approach, at most."""
     groups, lanes, sweeps = integers(world, GROUPS), flat(world, LANES), integers(world, SWEEPS)
-    scratch, n, most = carray(floats_on_stack(SCRATCH), (SCRATCH,)), sweeps[0, LANE_COUNT], 0.0
+    scratch, n, most = carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)), sweeps[0, LANE_COUNT], 0.0
     for g in range(integers(world, COLOURS)[LINKED, 1]):
         _gather(groups, g, floats(world, MOTION), 0, VELOCITY_A, scratch, n)
         sweep(sweeps[0, MEASURE], (lanes[g * _SIZE : (g + 1) * _SIZE], scratch, 0.0, 0.0, 0.0, n))

@@ -8,8 +8,8 @@ Simultaneous Impact, ACM Trans. Graph. 31 (2012) 106.
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.impact import slowest_bounce
 from kickdrift.world.contacts.prepare import LINKED
+from kickdrift.world.contacts.restitution import slowest_bounce
 from kickdrift.world.direct.contact_rows import along, impulse_field, write_wrench
 from kickdrift.world.direct.contacts import (
     BOUNCE,
@@ -22,12 +22,12 @@ from kickdrift.world.direct.contacts import (
 from kickdrift.world.direct.layout import AFTER_CONTACT, FIRST_CONTACT, HITS, TANGENT
 from kickdrift.world.direct.solve import solve_at_once
 from kickdrift.world.direct.velocities import kinetic_energy, note_velocities, take_back_velocities
-from kickdrift.world.joints.aim import RELAX
+from kickdrift.world.joints.right_hand_side import RELAX
 from kickdrift.world.layout import RESTITUTION
 from kickdrift.world.tables import (
-    CHANGE,
     COLOURS,
     CONTACT,
+    DELTA_POSE,
     GROUPS,
     ISLAND,
     ISLAND_CONTACT,
@@ -69,7 +69,7 @@ def _find_hits(island: int, h: float, world: int) -> bool:
         row = groups[begin + order[k, 0], 2 * c.WIDTH]
         e = max(place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION])
         if _hits(order[k, 0], e, h, world):
-            contact[row, c.STATE] |= c.HIT
+            contact[row, c.CONTACT_STATE] |= c.BOUNCED
             found = True
     return found
 
@@ -80,7 +80,7 @@ def _hits(index: int, e: float, h: float, world: int) -> bool:
     own, numbers, slowest = constraint(index, world), contact_row(index, world), slowest_bounce(h, world)
     velocity, change, wrench = twelve(), twelve(), twelve()
     read_both(MOTION, groups[g, 0], groups[g, c.WIDTH], velocity, world)
-    read_both(CHANGE, groups[g, 0], groups[g, c.WIDTH], change, world)
+    read_both(DELTA_POSE, groups[g, 0], groups[g, c.WIDTH], change, world)
     hit = False
     for k in range(TANGENT):
         numbers[HITS + k] = -1.0

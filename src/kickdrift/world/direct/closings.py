@@ -15,18 +15,18 @@ from kickdrift.world.joints.layout import (
     ARM_B_AHEAD,
     AXES,
     AXES_AHEAD,
+    AXIS_IMPULSE,
     BEGUN,
-    CHANGE,
+    CLOSING_IMPULSE,
+    DELTA_SPEED,
     GAIN,
-    GIVEN,
-    HELD,
-    IMPULSE,
+    HELD_AXES,
+    JOINT_IMPULSE,
     LINK_A,
     LINK_JOINT,
-    LOAD,
-    MOVED,
-    PLACE,
+    NODE_ROW,
     PUSH,
+    RIGHT_HAND_SIDE,
     SLOPE,
     SOLVED,
 )
@@ -55,7 +55,7 @@ def write_axis(table: Any, row: int, axes: int, arm_a: int, arm_b: int, k: int, 
 def _stiffness(link: int, k: int, world: int) -> float:
     """Impulse along an axis of a closing joint per change of speed; 0.0 along one that nothing moves."""
     links, work = integers(world, LINK), floats(world, LINK_NUMBERS)
-    if links[link, HELD] >> k & 1:
+    if links[link, HELD_AXES] >> k & 1:
         yielding = mobility(links[link, LINK_JOINT], k, world)
         return _RIGID / yielding if yielding > 0.0 else 0.0
     slope: float = work[link, SLOPE + k]
@@ -71,7 +71,7 @@ def begin_closings(island: int, world: int) -> None:
         link = order[place, 0]
         joint = links[link, LINK_JOINT]
         for k in range(6):
-            work[link, BEGUN + k] = (1.0 - FORGOTTEN) * numbers[joint, SOLVED + k] - numbers[joint, IMPULSE + k]
+            work[link, BEGUN + k] = (1.0 - FORGOTTEN) * numbers[joint, SOLVED + k] - numbers[joint, JOINT_IMPULSE + k]
 
 
 @compiled(cached=False, fast=True)
@@ -92,9 +92,9 @@ def refine_closings(island: int, world: int) -> float:
     for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
         link = order[place, 0]
         for k in range(6):
-            if links[link, HELD] >> k & 1 and _stiffness(link, k, world) > 0.0:
-                worst = max(worst, abs(work[link, CHANGE + k] - work[link, MOVED + k]))
-                work[link, BEGUN + k] = work[link, GIVEN + k]
+            if links[link, HELD_AXES] >> k & 1 and _stiffness(link, k, world) > 0.0:
+                worst = max(worst, abs(work[link, RIGHT_HAND_SIDE + k] - work[link, DELTA_SPEED + k]))
+                work[link, BEGUN + k] = work[link, AXIS_IMPULSE + k]
     return worst
 
 
@@ -125,8 +125,8 @@ def load_closings(island: int, world: int) -> None:
         link = order[place, 0]
         for k in range(6):
             impulse = work[link, PUSH + k]
-            if links[link, HELD] >> k & 1:
-                impulse = work[link, BEGUN + k] + _stiffness(link, k, world) * work[link, CHANGE + k]
+            if links[link, HELD_AXES] >> k & 1:
+                impulse = work[link, BEGUN + k] + _stiffness(link, k, world) * work[link, RIGHT_HAND_SIDE + k]
             if impulse == 0.0:
                 continue
             write_axis(numbers, links[link, LINK_JOINT], AXES, ARM_A, ARM_B, k, start)
@@ -134,13 +134,13 @@ def load_closings(island: int, world: int) -> None:
                 to = links[link, LINK_A + side]
                 if to >= 0:
                     for i in range(6):
-                        work[to, LOAD + i] += impulse * start[6 * side + i]
+                        work[to, CLOSING_IMPULSE + i] += impulse * start[6 * side + i]
 
 
 @compiled(inline=True, cached=False, fast=True)
 def _node(links: Any, link: int, side: int) -> int:
     to = links[link, LINK_A + side]
-    node: int = links[to, PLACE] if to >= 0 else -1
+    node: int = links[to, NODE_ROW] if to >= 0 else -1
     return node
 
 
@@ -160,9 +160,11 @@ def predict_closings(island: int, world: int) -> None:
                 if to >= 0:
                     for i in range(6):
                         total += ahead[6 * side + i] * work[to, GAIN + i]
-            work[link, MOVED + k] = total
+            work[link, DELTA_SPEED + k] = total
             stiffness = _stiffness(link, k, world)
-            if links[link, HELD] >> k & 1:
-                work[link, GIVEN + k] = work[link, BEGUN + k] + stiffness * (work[link, CHANGE + k] - total)
+            if links[link, HELD_AXES] >> k & 1:
+                work[link, AXIS_IMPULSE + k] = work[link, BEGUN + k] + stiffness * (
+                    work[link, RIGHT_HAND_SIDE + k] - total
+                )
             else:
-                work[link, GIVEN + k] = work[link, PUSH + k] - stiffness * total
+                work[link, AXIS_IMPULSE + k] = work[link, PUSH + k] - stiffness * total

@@ -20,10 +20,10 @@ from kickdrift.world.direct.layout import (
     GIVEN,
     HELD,
     IMPULSE,
-    MASS,
     MOVED,
     OPEN,
     ROLL,
+    ROW_MASS,
     SLIDE,
     SLIDING,
     SPEED,
@@ -34,9 +34,9 @@ from kickdrift.world.direct.layout import (
     WANTED,
     WRENCH,
 )
-from kickdrift.world.joints.layout import TURN_RESPONSE
+from kickdrift.world.joints.layout import INVERSE_INERTIA_PART
 from kickdrift.world.joints.measure import turning
-from kickdrift.world.tables import RESPONSE, floats
+from kickdrift.world.tables import INVERSE_MASS, floats
 
 W = c.WIDTH
 
@@ -90,10 +90,10 @@ def along(wrench: Any, velocity: Any) -> float:
 @compiled(cached=False, fast=True)
 def mobility(wrench: Any, body: int, side: int, world: int) -> float:
     """Speed along a row per impulse along it, of one of its bodies alone."""
-    response, at = floats(world, RESPONSE), 6 * side
+    response, at = floats(world, INVERSE_MASS), 6 * side
     push, turn = (wrench[at], wrench[at + 1], wrench[at + 2]), (wrench[at + 3], wrench[at + 4], wrench[at + 5])
     total: float = response[body, 0] * dot(push, push)
-    return total + turning(symmetric_at(response, body, TURN_RESPONSE), turn)
+    return total + turning(symmetric_at(response, body, INVERSE_INERTIA_PART), turn)
 
 
 @compiled(inline=True, cached=False, fast=True)
@@ -117,7 +117,7 @@ def begin_row(own: Any, rows: Any, k: int, velocity: Any, a: int, b: int, cut: i
     of_a, of_b = mobility(wrench, a, 0, world), mobility(wrench, b, 1, world)
     yielding, other = of_a + of_b, of_a if cut == 1 else of_b if cut == 2 else 0.0
     rows[ACTIVE + k] = 1.0 if yielding > 0.0 else 0.0
-    rows[MASS + k] = 1.0 / yielding if yielding > 0.0 else 0.0
+    rows[ROW_MASS + k] = 1.0 / yielding if yielding > 0.0 else 0.0
     rows[STIFFNESS + k] = 1.0 / (yielding / rigid + other) if yielding > 0.0 else 0.0
     rows[SPEED + k], rows[IMPULSE + k] = along(wrench, velocity), own[impulse_field(k) * W]
     rows[WANTED + k], rows[MOVED + k], rows[GIVEN + k], rows[STATE + k] = 0.0, 0.0, 0.0, OPEN
@@ -149,17 +149,17 @@ def find_bounds(own: Any, rows: Any) -> None:
 
 
 @compiled(cached=False, fast=True)
-def review_points(rows: Any, first: bool, opened: bool) -> bool:
+def update_point_states(rows: Any, first: bool, opened: bool) -> bool:
     """Assume that points push or are open as the solution at hand says; return whether that is nothing new."""
     settled = True
     for k in range(TANGENT):
         if rows[ACTIVE + k] == 0.0:
             continue
         missing, stiffness = rows[WANTED + k] - rows[SPEED + k], rows[STIFFNESS + k]
-        pull = rows[MASS + k] if first else stiffness
+        pull = rows[ROW_MASS + k] if first else stiffness
         wish = rows[IMPULSE + k] + pull * (missing - rows[MOVED + k])
         if not first:
-            wish += -UNNOTICED * stiffness if rows[STATE + k] == OPEN else UNNOTICED * rows[MASS + k]
+            wish += -UNNOTICED * stiffness if rows[STATE + k] == OPEN else UNNOTICED * rows[ROW_MASS + k]
         state = HELD if wish > 0.0 else OPEN
         if opened and rows[STATE + k] == OPEN:
             state = OPEN
@@ -170,7 +170,7 @@ def review_points(rows: Any, first: bool, opened: bool) -> bool:
 
 
 @compiled(cached=False, fast=True)
-def review_bound(rows: Any, bound: int, first: bool, opened: bool) -> bool:
+def update_bound_states(rows: Any, bound: int, first: bool, opened: bool) -> bool:
     """Assume that friction, twist or rolling resistance holds or slides; return whether that is nothing new.
 
     With ``opened`` what slides goes on to, with the impulse that it has.
@@ -181,12 +181,12 @@ def review_bound(rows: Any, bound: int, first: bool, opened: bool) -> bool:
     if opened and was == SLIDING:
         _slide(rows, bound, most, 0.0)
         return True
-    if most <= UNNOTICED * rows[MASS + begin]:
+    if most <= UNNOTICED * rows[ROW_MASS + begin]:
         for k in range(begin, end):
             rows[CONSTANT + k], rows[DIRECTION + k] = -rows[IMPULSE + k], 0.0
         rows[STATE + begin], rows[SLIDE + bound] = SLIDING, 0.0
         return True
-    size = _wish(rows, begin, end, rows[MASS + begin] if first else stiffness)
+    size = _wish(rows, begin, end, rows[ROW_MASS + begin] if first else stiffness)
     state = HELD if size <= most else SLIDING
     if first and state == SLIDING:
         size = _wish(rows, begin, end, stiffness)
@@ -197,7 +197,7 @@ def review_bound(rows: Any, bound: int, first: bool, opened: bool) -> bool:
         off = max(off, abs(within - rows[IMPULSE + k] - rows[GIVEN + k]))
     if not first and was == SLIDING and turn < 0.0:
         state = HELD  # pushed back beyond rest: it is held there
-    settled: bool = not first and off <= SLIPPED * rows[MASS + begin]
+    settled: bool = not first and off <= SLIPPED * rows[ROW_MASS + begin]
     rows[STATE + begin] = state
     if state == HELD:
         for k in range(begin, end):

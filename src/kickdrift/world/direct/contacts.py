@@ -18,8 +18,8 @@ from kickdrift.world.direct.contact_rows import (
     first_row,
     fix,
     impulse_field,
-    review_bound,
-    review_points,
+    update_bound_states,
+    update_point_states,
 )
 from kickdrift.world.direct.layout import (
     ACTIVE,
@@ -45,12 +45,12 @@ from kickdrift.world.direct.layout import (
 )
 from kickdrift.world.direct.matrix import add_row
 from kickdrift.world.direct.nodes import node_of
-from kickdrift.world.joints.layout import LOAD, PLACE
+from kickdrift.world.joints.layout import CLOSING_IMPULSE, NODE_ROW
 from kickdrift.world.settings import PUSH_SPEED
 from kickdrift.world.tables import (
-    CHANGE,
     COLOURS,
     CONTACT_ROW,
+    DELTA_POSE,
     GROUPS,
     ISLAND,
     ISLAND_CONTACT,
@@ -125,14 +125,14 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
     a, b = groups[g, 0], groups[g, c.WIDTH]
     velocity, change = twelve(), twelve()
     read_both(MOTION, a, b, velocity, world)
-    read_both(CHANGE, a, b, change, world)
+    read_both(DELTA_POSE, a, b, change, world)
     push = floats(world, SETTINGS)[0, PUSH_SPEED]
     numbers[CUT], rigid = 0.0, RIGID if task < BOUNCE else RIGID_BOUNCE
     for side in range(2):
         link = node_of(world, b if side == 1 else a)
         numbers[NODES + side] = -1.0
-        if link >= 0 and integers(world, NODE)[links[link, PLACE], NODE_ISLAND] == island:
-            numbers[NODES + side] = links[link, PLACE]
+        if link >= 0 and integers(world, NODE)[links[link, NODE_ROW], NODE_ISLAND] == island:
+            numbers[NODES + side] = links[link, NODE_ROW]
         elif link >= 0:
             numbers[CUT] = 1.0 + side
     for k in range(10):
@@ -187,17 +187,17 @@ def note_impulses(island: int, back: bool, world: int) -> None:
 
 
 @compiled(cached=False, fast=True)
-def review_contacts(island: int, task: int, first: bool, opened: bool, world: int) -> bool:
+def update_contact_states(island: int, task: int, first: bool, opened: bool, world: int) -> bool:
     """Assume pieces of the laws of contacts as the solution at hand says; return whether it was made with them."""
     own, order, settled = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), True
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers = contact_row(order[k, 0], world)
-        settled = review_points(numbers, first, opened) and settled
+        settled = update_point_states(numbers, first, opened) and settled
         if task != PRESS and not first and not opened:
             find_bounds(constraint(order[k, 0], world), numbers)
         for bound in range(0 if task in (REST, BOUNCE) else 3, 3):
             if numbers[ACTIVE + first_row(bound)] != 0.0:
-                settled = review_bound(numbers, bound, first, opened) and settled
+                settled = update_bound_states(numbers, bound, first, opened) and settled
     return settled
 
 
@@ -261,4 +261,4 @@ def _load(a: int, b: int, impulse: float, wrench: Any, world: int) -> None:
         if node >= 0:
             link = nodes[node, LINK_ROW]
             for i in range(6):
-                work[link, LOAD + i] += impulse * wrench[6 * side + i]
+                work[link, CLOSING_IMPULSE + i] += impulse * wrench[6 * side + i]

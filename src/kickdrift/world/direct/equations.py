@@ -14,7 +14,7 @@ from kickdrift.world.direct.contacts import (
     add_contacts,
     fix_contacts,
     load_contacts,
-    review_contacts,
+    update_contact_states,
 )
 from kickdrift.world.direct.factorisation import factor
 from kickdrift.world.direct.joint_impulses import give_joints, split_impulse
@@ -27,13 +27,13 @@ from kickdrift.world.direct.layout import (
 )
 from kickdrift.world.direct.matrix import clear_blocks, put_inertia
 from kickdrift.world.direct.substitution import substitute
-from kickdrift.world.joints.aim import aim
-from kickdrift.world.joints.laws import review_laws
+from kickdrift.world.joints.laws import update_law_states
 from kickdrift.world.joints.layout import (
+    CLOSING_IMPULSE,
     LAWS,
     LINK_JOINT,
-    LOAD,
 )
+from kickdrift.world.joints.right_hand_side import write_right_hand_side
 from kickdrift.world.tables import (
     ISLAND,
     ISLAND_CLOSING,
@@ -60,11 +60,11 @@ def aim_island(island: int, h: float, mode: int, world: int) -> float:
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         link = nodes[node, LINK_ROW]
         if links[link, LINK_JOINT] >= 0:
-            off = aim(links[link, LINK_JOINT], link, h, mode, world)
+            off = write_right_hand_side(links[link, LINK_JOINT], link, h, mode, world)
             worst = worst if off <= worst else off  # which is no number where it is none
     for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
         link = order[place, 0]
-        off = aim(links[link, LINK_JOINT], link, h, mode, world)
+        off = write_right_hand_side(links[link, LINK_JOINT], link, h, mode, world)
         worst = worst if off <= worst else off
     return worst
 
@@ -74,8 +74,8 @@ def solve_once(island: int, h: float, ahead: float, task: int, first: bool, worl
     """Solve the equations until all pieces of laws fit that were assumed, and give the impulses."""
     settled = False
     for trial in range(TRIALS + LAST_TRIALS):
-        settled = review_joints(island, h, task, trial, world)
-        settled = review_contacts(island, task, first and trial == 0, trial > TRIALS, world) and settled
+        settled = update_joint_states(island, h, task, trial, world)
+        settled = update_contact_states(island, task, first and trial == 0, trial > TRIALS, world) and settled
         if trial > 0 and settled:
             break
         solve_assumed(island, ahead, world)
@@ -91,7 +91,7 @@ def hold(island: int, h: float, ahead: float, task: int, world: int) -> None:
     """Let joints alone take up what contacts with other islands have given since they were solved."""
     own = integers(world, ISLAND)[island]
     for trial in range(TRIALS + LAST_TRIALS):
-        settled = review_joints(island, h, task, trial, world)
+        settled = update_joint_states(island, h, task, trial, world)
         if trial > 0 and settled:
             break
         assemble(island, ahead, world)
@@ -120,7 +120,7 @@ def predict(island: int, touched: bool, world: int) -> None:
     work = floats(world, LINK_NUMBERS)
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         for k in range(6):
-            work[nodes[node, LINK_ROW], LOAD + k] = 0.0
+            work[nodes[node, LINK_ROW], CLOSING_IMPULSE + k] = 0.0
     load_closings(island, world)
     if touched:
         load_contacts(island, world)
@@ -141,7 +141,7 @@ def assemble(island: int, ahead: float, world: int) -> None:
 
 
 @compiled(cached=False)
-def review_joints(island: int, h: float, task: int, trial: int, world: int) -> bool:
+def update_joint_states(island: int, h: float, task: int, trial: int, world: int) -> bool:
     """Assume the pieces of laws of joints that the solution at hand points to, and say whether it was made with them."""
     own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
     joints, order, opened = integers(world, JOINT), integers(world, ISLAND_CLOSING), trial > TRIALS
@@ -154,9 +154,9 @@ def review_joints(island: int, h: float, task: int, trial: int, world: int) -> b
         if joint >= 0 and joints[joint, LAWS] != 0:
             if trial > 0:
                 split_impulse(link, joint, world)
-            settled = not review_laws(joint, link, h, task != PRESS, opened, world) and settled
+            settled = not update_law_states(joint, link, h, task != PRESS, opened, world) and settled
     for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
         joint = links[order[place, 0], LINK_JOINT]
         if joints[joint, LAWS] != 0:
-            settled = not review_laws(joint, order[place, 0], h, task != PRESS, opened, world) and settled
+            settled = not update_law_states(joint, order[place, 0], h, task != PRESS, opened, world) and settled
     return settled

@@ -22,18 +22,14 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, cross, dot, times
 from kickdrift.world.columns import vector_at
 from kickdrift.world.direct.layout import (
-    COUPLING as COUPLINGS,
-)
-from kickdrift.world.direct.layout import (
+    BLOCK_COUPLING,
+    BLOCK_PASSING,
     FIRST_NEIGHBOUR,
     LINK_ROW,
-    LOWER,
+    LOWER_BLOCK,
     NEIGHBOURS,
     PARENT_NODE,
-    UPPER,
-)
-from kickdrift.world.direct.layout import (
-    PASSING as PASSINGS,
+    UPPER_BLOCK,
 )
 from kickdrift.world.direct.matrix import block_of
 from kickdrift.world.joints.layout import (
@@ -41,11 +37,11 @@ from kickdrift.world.joints.layout import (
     ARM_A_AHEAD,
     ARM_B,
     ARM_B_AHEAD,
+    ARTICULATED_INERTIA,
     AXES,
     AXES_AHEAD,
     COUPLING,
-    HELD,
-    INERTIA,
+    HELD_AXES,
     LINK_JOINT,
     PASSING,
     SIGN,
@@ -115,25 +111,25 @@ def _eliminate_link(node: int, world: int) -> None:
     end = begin + nodes[node, NEIGHBOURS]
     own, other = arms(numbers, joint, ARM_A, ARM_B, links[link, SIGN])
     own_ahead, other_ahead = arms(work, link, ARM_A_AHEAD, ARM_B_AHEAD, links[link, SIGN])
-    _move_columns(work, link, INERTIA, times(-1.0, own_ahead))
-    _move_rows(work, link, INERTIA, times(-1.0, own))
+    _move_columns(work, link, ARTICULATED_INERTIA, times(-1.0, own_ahead))
+    _move_rows(work, link, ARTICULATED_INERTIA, times(-1.0, own))
     for row in range(begin, end):
-        _move_rows(blocks, row, UPPER, times(-1.0, own))
-        _move_columns(blocks, row, LOWER, times(-1.0, own_ahead))
+        _move_rows(blocks, row, UPPER_BLOCK, times(-1.0, own))
+        _move_columns(blocks, row, LOWER_BLOCK, times(-1.0, own_ahead))
     for k in range(6):
         work[link, YIELD + k] = 0.0
-        if not links[link, HELD] >> k & 1:
+        if not links[link, HELD_AXES] >> k & 1:
             _eliminate_axis(node, link, joint, k, begin, end, world)
     if parent < 0:
         return
     above = nodes[parent, LINK_ROW]
     moved = carray(floats_on_stack(36), (1, 36))
     for k in range(36):
-        moved[_ONLY, k] = work[link, INERTIA + k]
+        moved[_ONLY, k] = work[link, ARTICULATED_INERTIA + k]
     _move_columns(moved, _ONLY, _ONLY, other_ahead)
     _move_rows(moved, _ONLY, _ONLY, other)
     for k in range(36):
-        work[above, INERTIA + k] += moved[_ONLY, k]
+        work[above, ARTICULATED_INERTIA + k] += moved[_ONLY, k]
     for row in range(begin, end):
         _hand_up(row, neighbours[row, 0], parent, other, other_ahead, world)
 
@@ -142,12 +138,12 @@ def _eliminate_link(node: int, world: int) -> None:
 def _hand_up(row: int, neighbour: int, parent: int, other: Vector, other_ahead: Vector, world: int) -> None:
     """Couple the parent of a link to a neighbour as the link was."""
     work, blocks = floats(world, LINK_NUMBERS), floats(world, BLOCK)
-    target, to, back = parent, INERTIA, INERTIA
+    target, to, back = parent, ARTICULATED_INERTIA, ARTICULATED_INERTIA
     if neighbour == parent:
         target = integers(world, NODE)[parent, LINK_ROW]
     else:
         target = block_of(min(parent, neighbour), max(parent, neighbour), world)
-        to, back = (UPPER, LOWER) if parent < neighbour else (LOWER, UPPER)
+        to, back = (UPPER_BLOCK, LOWER_BLOCK) if parent < neighbour else (LOWER_BLOCK, UPPER_BLOCK)
     for j in range(6):
         top = (blocks[row, j], blocks[row, 6 + j], blocks[row, 12 + j])
         turn = cross(other, top)
@@ -159,15 +155,15 @@ def _hand_up(row: int, neighbour: int, parent: int, other: Vector, other_ahead: 
                 blocks[target, to + 6 * i + j] += top[i]
                 blocks[target, to + 18 + 6 * i + j] += blocks[row, 18 + 6 * i + j] + turn[i]
     for i in range(6):
-        left = vector_at(blocks, row, LOWER + 6 * i)
+        left = vector_at(blocks, row, LOWER_BLOCK + 6 * i)
         turn = cross(other_ahead, left)
         for j in range(3):
             if neighbour == parent:
                 work[target, back + 6 * i + j] += left[j]
-                work[target, back + 6 * i + 3 + j] += blocks[row, LOWER + 6 * i + 3 + j] + turn[j]
+                work[target, back + 6 * i + 3 + j] += blocks[row, LOWER_BLOCK + 6 * i + 3 + j] + turn[j]
             else:
                 blocks[target, back + 6 * i + j] += left[j]
-                blocks[target, back + 6 * i + 3 + j] += blocks[row, LOWER + 6 * i + 3 + j] + turn[j]
+                blocks[target, back + 6 * i + 3 + j] += blocks[row, LOWER_BLOCK + 6 * i + 3 + j] + turn[j]
 
 
 @compiled(cached=False, fast=True)
@@ -179,39 +175,39 @@ def _eliminate_axis(node: int, link: int, joint: int, k: int, begin: int, end: i
     row, column = PASSING + 6 * k, COUPLING + 6 * k
     for j in range(6):
         work[link, row + j] = (
-            axis[0] * work[link, INERTIA + 6 * half + j]
-            + axis[1] * work[link, INERTIA + 6 * half + 6 + j]
-            + axis[2] * work[link, INERTIA + 6 * half + 12 + j]
+            axis[0] * work[link, ARTICULATED_INERTIA + 6 * half + j]
+            + axis[1] * work[link, ARTICULATED_INERTIA + 6 * half + 6 + j]
+            + axis[2] * work[link, ARTICULATED_INERTIA + 6 * half + 12 + j]
         )
     for i in range(6):
-        work[link, column + i] = dot(ahead, vector_at(work, link, INERTIA + 6 * i + half))
+        work[link, column + i] = dot(ahead, vector_at(work, link, ARTICULATED_INERTIA + 6 * i + half))
     stiff = dot(ahead, vector_at(work, link, row + half)) + work[link, SLOPE + k]
     give = 1.0 / stiff if stiff > 0.0 else 0.0
     work[link, YIELD + k] = give
     for i in range(6):
         share = give * work[link, column + i]
         for j in range(6):
-            work[link, INERTIA + 6 * i + j] -= share * work[link, row + j]
+            work[link, ARTICULATED_INERTIA + 6 * i + j] -= share * work[link, row + j]
     if begin == end:
         return
     for block in range(begin, end):
         for j in range(6):
-            blocks[block, PASSINGS + 6 * k + j] = (
-                axis[0] * blocks[block, UPPER + 6 * half + j]
-                + axis[1] * blocks[block, UPPER + 6 * half + 6 + j]
-                + axis[2] * blocks[block, UPPER + 6 * half + 12 + j]
+            blocks[block, BLOCK_PASSING + 6 * k + j] = (
+                axis[0] * blocks[block, UPPER_BLOCK + 6 * half + j]
+                + axis[1] * blocks[block, UPPER_BLOCK + 6 * half + 6 + j]
+                + axis[2] * blocks[block, UPPER_BLOCK + 6 * half + 12 + j]
             )
         for i in range(6):
-            blocks[block, COUPLINGS + 6 * k + i] = dot(ahead, vector_at(blocks, block, LOWER + 6 * i + half))
+            blocks[block, BLOCK_COUPLING + 6 * k + i] = dot(ahead, vector_at(blocks, block, LOWER_BLOCK + 6 * i + half))
     for block in range(begin, end):
         for i in range(6):
-            share, other = give * work[link, column + i], give * blocks[block, COUPLINGS + 6 * k + i]
+            share, other = give * work[link, column + i], give * blocks[block, BLOCK_COUPLING + 6 * k + i]
             for j in range(6):
-                blocks[block, UPPER + 6 * i + j] -= share * blocks[block, PASSINGS + 6 * k + j]
-                blocks[block, LOWER + 6 * i + j] -= other * work[link, row + j]
+                blocks[block, UPPER_BLOCK + 6 * i + j] -= share * blocks[block, BLOCK_PASSING + 6 * k + j]
+                blocks[block, LOWER_BLOCK + 6 * i + j] -= other * work[link, row + j]
     for one in range(begin, end):
         for two in range(begin, end):
-            _subtract(one, two, COUPLINGS + 6 * k, PASSINGS + 6 * k, give, 1, world)
+            _subtract(one, two, BLOCK_COUPLING + 6 * k, BLOCK_PASSING + 6 * k, give, 1, world)
 
 
 @compiled(cached=False, fast=True)
@@ -228,9 +224,9 @@ def _subtract(one: int, two: int, left: int, right: int, factor_: float, inner: 
             for m in range(inner):
                 share = factor_ * blocks[one, left + inner * i + m]
                 for j in range(6):
-                    work[link, INERTIA + 6 * i + j] -= share * blocks[two, right + 6 * m + j]
+                    work[link, ARTICULATED_INERTIA + 6 * i + j] -= share * blocks[two, right + 6 * m + j]
         return
-    target, to = block_of(min(a, b), max(a, b), world), UPPER if a < b else LOWER
+    target, to = block_of(min(a, b), max(a, b), world), UPPER_BLOCK if a < b else LOWER_BLOCK
     for i in range(6):
         for m in range(inner):
             share = factor_ * blocks[one, left + inner * i + m]
@@ -245,27 +241,27 @@ def _eliminate_free(node: int, world: int) -> None:
     link, begin = nodes[node, LINK_ROW], nodes[node, FIRST_NEIGHBOUR]
     end = begin + nodes[node, NEIGHBOURS]
     for k in range(6):
-        pivot = work[link, INERTIA + 7 * k]
-        work[link, INERTIA + 7 * k] = 1.0 / pivot if pivot > 0.0 else 0.0
+        pivot = work[link, ARTICULATED_INERTIA + 7 * k]
+        work[link, ARTICULATED_INERTIA + 7 * k] = 1.0 / pivot if pivot > 0.0 else 0.0
         for i in range(k + 1, 6):
-            share = work[link, INERTIA + 6 * i + k] * work[link, INERTIA + 7 * k]
-            work[link, INERTIA + 6 * i + k] = share
+            share = work[link, ARTICULATED_INERTIA + 6 * i + k] * work[link, ARTICULATED_INERTIA + 7 * k]
+            work[link, ARTICULATED_INERTIA + 6 * i + k] = share
             for j in range(k + 1, 6):
-                work[link, INERTIA + 6 * i + j] -= share * work[link, INERTIA + 6 * k + j]
+                work[link, ARTICULATED_INERTIA + 6 * i + j] -= share * work[link, ARTICULATED_INERTIA + 6 * k + j]
     for block in range(begin, end):
         for i in range(6):
             for k in range(i):
-                share = work[link, INERTIA + 6 * i + k]
+                share = work[link, ARTICULATED_INERTIA + 6 * i + k]
                 for j in range(6):
-                    blocks[block, UPPER + 6 * i + j] -= share * blocks[block, UPPER + 6 * k + j]
+                    blocks[block, UPPER_BLOCK + 6 * i + j] -= share * blocks[block, UPPER_BLOCK + 6 * k + j]
         for back in range(6):
             i = 5 - back
             for k in range(i + 1, 6):
-                share = work[link, INERTIA + 6 * i + k]
+                share = work[link, ARTICULATED_INERTIA + 6 * i + k]
                 for j in range(6):
-                    blocks[block, UPPER + 6 * i + j] -= share * blocks[block, UPPER + 6 * k + j]
+                    blocks[block, UPPER_BLOCK + 6 * i + j] -= share * blocks[block, UPPER_BLOCK + 6 * k + j]
             for j in range(6):
-                blocks[block, UPPER + 6 * i + j] *= work[link, INERTIA + 7 * i]
+                blocks[block, UPPER_BLOCK + 6 * i + j] *= work[link, ARTICULATED_INERTIA + 7 * i]
     for one in range(begin, end):
         for two in range(begin, end):
-            _subtract(one, two, LOWER, UPPER, 1.0, 6, world)
+            _subtract(one, two, LOWER_BLOCK, UPPER_BLOCK, 1.0, 6, world)

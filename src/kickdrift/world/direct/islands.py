@@ -20,17 +20,17 @@ from kickdrift.world.direct.layout import (
 from kickdrift.world.direct.nodes import has_room, node_of
 from kickdrift.world.direct.ordering import order_nodes
 from kickdrift.world.flight import MASS
-from kickdrift.world.joints.layout import BODY as LINK_BODY
 from kickdrift.world.joints.layout import (
     CLOSINGS,
     END,
     FIRST,
+    ISLAND_SIZE,
+    LINK_BODY,
     LINKS,
+    NODE_ROW,
     NONE,
-    PLACE,
     ROOT,
     SEQUENTIAL,
-    SIZE,
 )
 from kickdrift.world.tables import (
     ARTICULATION,
@@ -71,7 +71,7 @@ def find_islands(t: float, h: float, world: int) -> None:
     count = 0
     for row in range(rows(world, LINK)):
         if links[row, ROOT] == row:
-            links[row, PLACE] = count
+            links[row, NODE_ROW] = count
             for column in range(ISLAND.width):
                 islands[count, column] = 0
             count += 1
@@ -106,20 +106,20 @@ def _join(world: int) -> int:
         first, end = articulations[row, FIRST], articulations[row, FIRST] + articulations[row, LINKS]
         joined = max(joined, end + articulations[row, CLOSINGS])
         if articulations[row, END] > first and articulations[row, SEQUENTIAL] == 0:
-            links[first, SIZE] = end - first
+            links[first, ISLAND_SIZE] = end - first
             for link in range(first, end):
                 links[link, ROOT] = first
                 n += 1
     for row in range(joined, rows(world, LINK)):
-        links[row, ROOT], links[row, SIZE] = row, 1
+        links[row, ROOT], links[row, ISLAND_SIZE] = row, 1
         n += 1
     for g in range(colours[LINKED, 1], colours[LINKED, 2]):
         a, b = node_of(world, groups[g, 0]), node_of(world, groups[g, c.WIDTH])
         if a >= 0 and b >= 0:
             a, b = _first_of(links, a), _first_of(links, b)
-            if a != b and links[a, SIZE] + links[b, SIZE] <= LARGEST:
+            if a != b and links[a, ISLAND_SIZE] + links[b, ISLAND_SIZE] <= LARGEST:
                 links[max(a, b), ROOT] = min(a, b)
-                links[min(a, b), SIZE] += links[max(a, b), SIZE]
+                links[min(a, b), ISLAND_SIZE] += links[max(a, b), ISLAND_SIZE]
     for row in range(rows(world, LINK)):
         if links[row, ROOT] >= 0:
             links[row, ROOT] = _first_of(links, row)
@@ -131,8 +131,8 @@ def islands_of_contact(world: int, g: int) -> tuple[int, int]:
     """Islands of a group of the linked colour; -1 for the second where there is but one."""
     links, groups = integers(world, LINK), integers(world, GROUPS)
     a, b = node_of(world, groups[g, 0]), node_of(world, groups[g, c.WIDTH])
-    one = links[links[a, ROOT], PLACE] if a >= 0 else -1
-    two = links[links[b, ROOT], PLACE] if b >= 0 else -1
+    one = links[links[a, ROOT], NODE_ROW] if a >= 0 else -1
+    two = links[links[b, ROOT], NODE_ROW] if b >= 0 else -1
     if one < 0:
         return two, -1
     return one, two if two != one else -1
@@ -174,7 +174,7 @@ def _sort_closings(world: int) -> None:
             first, closings = articulations[row, FIRST], articulations[row, CLOSINGS]
             if closings == 0 or links[first, ROOT] < 0:
                 continue
-            island = links[links[first, ROOT], PLACE]
+            island = links[links[first, ROOT], NODE_ROW]
             for closing in range(first + articulations[row, LINKS], articulations[row, END]):
                 if turn == 1:
                     order[islands[island, AFTER_CLOSING], 0] = closing
@@ -192,12 +192,12 @@ def _sort_nodes(world: int) -> None:
     inertia = floats(world, INERTIA)
     for row in range(rows(world, LINK)):
         if links[row, ROOT] >= 0:
-            islands[links[links[row, ROOT], PLACE], AFTER_NODE] += 1
+            islands[links[links[row, ROOT], NODE_ROW], AFTER_NODE] += 1
     _begin(islands, rows(world, ISLAND), FIRST_NODE, AFTER_NODE)
     for back in range(rows(world, LINK)):
         row = rows(world, LINK) - 1 - back
         if links[row, ROOT] >= 0:
-            island = links[links[row, ROOT], PLACE]
+            island = links[links[row, ROOT], NODE_ROW]
             place = islands[island, AFTER_NODE]
             nodes[place, LINK_ROW], nodes[place, NODE_ISLAND] = row, island
             islands[island, AFTER_NODE] += 1
@@ -208,4 +208,4 @@ def _sort_nodes(world: int) -> None:
             least, greatest = min(least, mass), max(greatest, mass)
         islands[island, RATIO], islands[island, LOST] = int(greatest / least + 1.0), 0
     for place in range(islands[rows(world, ISLAND) - 1, AFTER_NODE] if rows(world, ISLAND) > 0 else 0):
-        links[nodes[place, LINK_ROW], PLACE] = place
+        links[nodes[place, LINK_ROW], NODE_ROW] = place

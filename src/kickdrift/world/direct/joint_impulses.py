@@ -20,19 +20,19 @@ from kickdrift.world.joints.laws import end_laws
 from kickdrift.world.joints.layout import (
     ANGULAR_PART,
     AXES,
+    AXIS_IMPULSE,
     BODY_B,
-    GIVEN,
-    IMPULSE,
+    JOINT_IMPULSE,
+    JOINT_WRENCH,
     LAWS,
     LINEAR,
+    LINK_BODY,
     LINK_JOINT,
     POINT,
     SIGN,
     SOLVED,
     TOTAL,
-    WRENCH,
 )
-from kickdrift.world.joints.layout import BODY as LINK_BODY
 from kickdrift.world.joints.measure import put_vector
 from kickdrift.world.tables import (
     ISLAND,
@@ -52,10 +52,10 @@ from kickdrift.world.tables import (
 def split_impulse(link: int, joint: int, world: int) -> None:
     """Split the impulse at a joint of a tree among its axes."""
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
-    force, torque = vector_at(work, link, WRENCH), vector_at(work, link, WRENCH + 3)
+    force, torque = vector_at(work, link, JOINT_WRENCH), vector_at(work, link, JOINT_WRENCH + 3)
     for k in range(6):
         along = dot(vector_at(numbers, joint, AXES + 3 * k), force if k < 3 else torque)
-        work[link, GIVEN + k] = links[link, SIGN] * along
+        work[link, AXIS_IMPULSE + k] = links[link, SIGN] * along
 
 
 @compiled(cached=False)
@@ -77,10 +77,10 @@ def give_joints(island: int, task: int, world: int) -> None:
 def give_joint(joint: int, link: int, task: int, world: int) -> None:
     """Give bodies the impulses at a joint; those of a bounce are no guess for the next substep."""
     work, numbers = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
-    column = TOTAL if task >= BOUNCE else IMPULSE
+    column = TOTAL if task >= BOUNCE else JOINT_IMPULSE
     for k in range(6):
-        numbers[joint, column + k] += work[link, GIVEN + k]
-    push_bodies(joint, work, link, GIVEN, world)
+        numbers[joint, column + k] += work[link, AXIS_IMPULSE + k]
+    push_bodies(joint, work, link, AXIS_IMPULSE, world)
 
 
 @compiled(cached=False)
@@ -101,7 +101,7 @@ def end_joint(joint: int, link: int, h: float, world: int) -> None:
     """Keep what a joint has given before the drift."""
     numbers = floats(world, JOINT_NUMBERS)
     for k in range(6):
-        numbers[joint, SOLVED + k] = numbers[joint, IMPULSE + k]
+        numbers[joint, SOLVED + k] = numbers[joint, JOINT_IMPULSE + k]
     if integers(world, JOINT)[joint, LAWS] != 0:
         end_laws(joint, link, h, world)
 
@@ -132,10 +132,10 @@ def turn_on(joint: int, body: int, h: float, lost: bool, world: int) -> None:
     numbers = floats(world, JOINT_NUMBERS)
     note_speeds(joint, world)
     for k in range(6):
-        numbers[joint, TOTAL + k] += numbers[joint, IMPULSE + k]
-        numbers[joint, IMPULSE + k] = 0.0 if lost else numbers[joint, SOLVED + k]
+        numbers[joint, TOTAL + k] += numbers[joint, JOINT_IMPULSE + k]
+        numbers[joint, JOINT_IMPULSE + k] = 0.0 if lost else numbers[joint, SOLVED + k]
     if integers(world, JOINT)[joint, LINEAR] == POINT:
         turn = exponential(times(h, vector_at(floats(world, MOTION), body, ANGULAR_PART)))
-        put_vector(numbers, joint, IMPULSE, turned(turn, vector_at(numbers, joint, IMPULSE)))
+        put_vector(numbers, joint, JOINT_IMPULSE, turned(turn, vector_at(numbers, joint, JOINT_IMPULSE)))
     for k in range(6):
-        numbers[joint, SOLVED + k] = numbers[joint, IMPULSE + k]
+        numbers[joint, SOLVED + k] = numbers[joint, JOINT_IMPULSE + k]

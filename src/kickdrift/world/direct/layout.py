@@ -19,8 +19,8 @@ RATIO = 7  # of the greatest mass to the least
 LINK_ROW, PARENT_NODE, FIRST_NEIGHBOUR, NEIGHBOURS, NODE_ISLAND = 0, 1, 2, 3, 4
 
 # Columns of BLOCK: 6x6 blocks of the matrix, of the node's row and the neighbour's column, and the other way round
-UPPER, LOWER = int64(0), int64(36)
-PASSING, COUPLING = int64(72), int64(108)  # of open axis k, six numbers each: its row and its column
+UPPER_BLOCK, LOWER_BLOCK = int64(0), int64(36)
+BLOCK_PASSING, BLOCK_COUPLING = int64(72), int64(108)  # of open axis k, six numbers each: its row and its column
 
 # Rows of a contact, and columns of CONTACT_ROW. A row of a contact is a wrench of twelve numbers: impulse and angular impulse
 # of its unit on the first body, the same on the second.
@@ -39,7 +39,7 @@ ACTIVE = 202  # 1.0 where the row takes part
 IMPULSE = 212  # before the solution
 NODES = 222  # places in the order of both bodies; -1 where none is moved
 START = 228  # impulse when the substep began
-MASS = 239  # that a row moves, of both bodies alone
+ROW_MASS = 239  # that a row moves, of both bodies alone
 CUT = 238  # 1.0 where one of the bodies belongs to another island
 HITS = 224  # of each point, the speed wanted after an impact; -1.0 where it has none
 OPEN, HELD, SLIDING = 0.0, 1.0, 2.0

@@ -5,10 +5,10 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Symmetric, cross, inverse_symmetric, plus, times
 from kickdrift.world.columns import symmetric_at, vector_at
-from kickdrift.world.direct.layout import FIRST_NEIGHBOUR, LINK_ROW, LOWER, NEIGHBOURS, UPPER
-from kickdrift.world.joints.layout import ANGULAR_PART, BODY, INERTIA, TURN_RESPONSE
+from kickdrift.world.direct.layout import FIRST_NEIGHBOUR, LINK_ROW, LOWER_BLOCK, NEIGHBOURS, UPPER_BLOCK
+from kickdrift.world.joints.layout import ANGULAR_PART, ARTICULATED_INERTIA, INVERSE_INERTIA_PART, LINK_BODY
 from kickdrift.world.joints.measure import put_vector
-from kickdrift.world.tables import BLOCK, LINK, LINK_NUMBERS, MOTION, NEIGHBOUR, NODE, RESPONSE, floats, integers
+from kickdrift.world.tables import BLOCK, INVERSE_MASS, LINK, LINK_NUMBERS, MOTION, NEIGHBOUR, NODE, floats, integers
 
 # Of bodies that cannot turn, or turn about some axes only, as if they were heavier than they are: with 1e8, what they
 # then turn and what is lost to rounding are both parts in 1e8, which the next substep corrects.
@@ -29,11 +29,11 @@ def put_inertia(link: int, ahead: float, world: int) -> None:
     ahead are T dw, and the inertia is I T^-1, where T^-1 = 1 - h w x / 2 + (h w x)^2 / 12 up to h^4. A negative time is for
     changes of position alone: then all bodies weigh the same, so that light ones are not thrown about for heavy ones.
     """
-    work, response = floats(world, LINK_NUMBERS), floats(world, RESPONSE)
-    body = integers(world, LINK)[link, BODY]
+    work, response = floats(world, LINK_NUMBERS), floats(world, INVERSE_MASS)
+    body = integers(world, LINK)[link, LINK_BODY]
     for k in range(36):
-        work[link, INERTIA + k] = 0.0
-    w = symmetric_at(response, body, TURN_RESPONSE)
+        work[link, ARTICULATED_INERTIA + k] = 0.0
+    w = symmetric_at(response, body, INVERSE_INERTIA_PART)
     trace = w[0] + w[1] + w[2]
     mass = 1.0 / response[body, 0] if response[body, 0] > 0.0 else _IMMOVABLE / trace
     if trace > 0.0:
@@ -49,12 +49,12 @@ def put_inertia(link: int, ahead: float, world: int) -> None:
         mass, moments, ahead = 1.0, _divided(moments, mass), 0.0
     turn = times(ahead, vector_at(floats(world, MOTION), body, ANGULAR_PART))
     for k in range(3):
-        work[link, INERTIA + 7 * k] = mass
+        work[link, ARTICULATED_INERTIA + 7 * k] = mass
         row = (moments[3], moments[1], moments[5]) if k == 1 else (moments[4], moments[5], moments[2])
         row = (moments[0], moments[3], moments[4]) if k == 0 else row
         once = cross(turn, row)
         row = plus(row, plus(times(0.5, once), times(1.0 / 12.0, cross(turn, once))))
-        put_vector(work, link, INERTIA + 21 + 6 * k, row)
+        put_vector(work, link, ARTICULATED_INERTIA + 21 + 6 * k, row)
 
 
 @compiled(cached=False, fast=True)
@@ -97,12 +97,12 @@ def add_row(a: int, b: int, stiffness: float, start: Any, ahead: Any, world: int
             for i in range(6):
                 scaled = stiffness * start[6 * side + i]
                 for j in range(6):
-                    work[link, INERTIA + 6 * i + j] += scaled * ahead[6 * side + j]
+                    work[link, ARTICULATED_INERTIA + 6 * i + j] += scaled * ahead[6 * side + j]
     if a >= 0 and b >= 0:
         blocks = floats(world, BLOCK)
-        row, upper, lower = block_of(min(a, b), max(a, b), world), UPPER, LOWER
+        row, upper, lower = block_of(min(a, b), max(a, b), world), UPPER_BLOCK, LOWER_BLOCK
         if b < a:
-            upper, lower = LOWER, UPPER
+            upper, lower = LOWER_BLOCK, UPPER_BLOCK
         for i in range(6):
             one, other = stiffness * start[i], stiffness * start[6 + i]
             for j in range(6):

@@ -2,17 +2,16 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.flight import AWAKE, DYNAMIC, LINK_COUNT, LINK_PLACE
-from kickdrift.world.flight import KIND as BODY_KIND
-from kickdrift.world.joints.layout import BODY as LINK_BODY
-from kickdrift.world.joints.layout import JOINED_ROWS, LINK_A, LINK_B, LINK_JOINT, NONE, PARENT, ROOT, SIGN
+from kickdrift.world.flight import AWAKE, BODY_KIND, DYNAMIC, LINK_COUNT, LINK_PLACE
+from kickdrift.world.joints.layout import JOINED_ROWS, LINK_A, LINK_B, LINK_BODY, LINK_JOINT, NONE, PARENT, ROOT, SIGN
+from kickdrift.world.step_status import ask_for_room
 from kickdrift.world.tables import (
     BODY,
     CONTACT,
     GRAPH,
+    INVERSE_MASS,
     LINK,
     LINK_NUMBERS,
-    RESPONSE,
     Table,
     floats,
     integers,
@@ -20,7 +19,6 @@ from kickdrift.world.tables import (
     rows,
     set_rows,
 )
-from kickdrift.world.trouble import ask_for_room
 
 # Contacts that a free body may be away from the nearest link: what is farther is left to the sweeps.
 FARTHEST = 6
@@ -38,7 +36,7 @@ def find_nodes(t: float, h: float, world: int) -> None:
     for _ in range(FARTHEST):
         begun = count
         for row in range(rows(world, CONTACT)):
-            if contact[row, c.POINTS] == 0 or contact[row, c.STATE] & c.SENSOR:
+            if contact[row, c.POINTS] == 0 or contact[row, c.CONTACT_STATE] & c.SENSOR:
                 continue
             a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
             node_a, node_b = _is_node(world, a, begun), _is_node(world, b, begun)
@@ -64,7 +62,7 @@ def find_nodes(t: float, h: float, world: int) -> None:
 @compiled(inline=True)
 def moves(world: int, row: int) -> bool:
     """Whether impulses move a body."""
-    body, response = integers(world, BODY), floats(world, RESPONSE)
+    body, response = integers(world, BODY), floats(world, INVERSE_MASS)
     does: bool = body[row, BODY_KIND] == DYNAMIC and body[row, AWAKE] != 0 and response[row, 0] > 0.0
     return does
 

@@ -18,7 +18,7 @@ from kickdrift.world.direct.layout import (
     PARENT_NODE,
 )
 from kickdrift.world.direct.nodes import has_room, node_of
-from kickdrift.world.joints.layout import LINK_A, LINK_B, NONE, PARENT, PLACE, ROOT
+from kickdrift.world.joints.layout import LINK_A, LINK_B, NODE_ROW, NONE, PARENT, ROOT
 from kickdrift.world.tables import (
     ADJACENCY,
     BLOCK,
@@ -52,7 +52,7 @@ def order_nodes(world: int, island: int) -> bool:
     if not coupled:
         for place in range(first, after):
             parent = links[nodes[place, LINK_ROW], PARENT]
-            nodes[place, PARENT_NODE] = links[parent, PLACE] if parent >= 0 else NONE
+            nodes[place, PARENT_NODE] = links[parent, NODE_ROW] if parent >= 0 else NONE
             nodes[place, FIRST_NEIGHBOUR], nodes[place, NEIGHBOURS] = rows(world, NEIGHBOUR), 0
         return True
     # After the bits: of each node how many of its children are left (-1: it is gone), and which it was in the list.
@@ -62,7 +62,7 @@ def order_nodes(world: int, island: int) -> bool:
     for i in range(n):
         parent = links[bits[member + i, 0], PARENT]
         if parent >= 0:
-            bits[children + links[parent, PLACE] - first, 0] += 1
+            bits[children + links[parent, NODE_ROW] - first, 0] += 1
     for place in range(first, after):
         best, fewest = -1, 1 << 60
         for i in range(n):
@@ -71,7 +71,7 @@ def order_nodes(world: int, island: int) -> bool:
                 if degree < fewest:
                     best, fewest = i, degree
         parent = links[bits[member + best, 0], PARENT]
-        p = links[parent, PLACE] - first if parent >= 0 else -1
+        p = links[parent, NODE_ROW] - first if parent >= 0 else -1
         if not _eliminate(world, first, best, p, words, place):
             return False
         bits[children + best, 0] = -1
@@ -88,13 +88,13 @@ def _place_neighbours(world: int, first: int, after: int, member: int) -> None:
     links, nodes = integers(world, LINK), integers(world, NODE)
     neighbours, bits = integers(world, NEIGHBOUR), integers(world, ADJACENCY)
     for place in range(first, after):
-        links[nodes[place, LINK_ROW], PLACE] = place
+        links[nodes[place, LINK_ROW], NODE_ROW] = place
     for place in range(first, after):
         parent = links[nodes[place, LINK_ROW], PARENT]
-        nodes[place, PARENT_NODE] = links[parent, PLACE] if parent >= 0 else NONE
+        nodes[place, PARENT_NODE] = links[parent, NODE_ROW] if parent >= 0 else NONE
         begin = nodes[place, FIRST_NEIGHBOUR]
         for row in range(begin, begin + nodes[place, NEIGHBOURS]):
-            neighbours[row, 0] = links[bits[member + neighbours[row, 0], 0], PLACE]
+            neighbours[row, 0] = links[bits[member + neighbours[row, 0], 0], NODE_ROW]
 
 
 @compiled(inline=True, cached=False)
@@ -147,13 +147,13 @@ def _couple(world: int, island: int, words: int) -> bool:
         g = begin + order[k, 0]
         a, b = node_of(world, groups[g, 0]), node_of(world, groups[g, c.WIDTH])
         if a >= 0 and b >= 0 and links[a, ROOT] == links[b, ROOT]:
-            i, j = links[a, PLACE] - first, links[b, PLACE] - first
+            i, j = links[a, NODE_ROW] - first, links[b, NODE_ROW] - first
             _unite(bits, i, j, words)
             coupled = True
     for k in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
         a, b = links[closings[k, 0], LINK_A], links[closings[k, 0], LINK_B]
         if a >= 0 and b >= 0:
-            i, j = links[a, PLACE] - first, links[b, PLACE] - first
+            i, j = links[a, NODE_ROW] - first, links[b, NODE_ROW] - first
             _unite(bits, i, j, words)
             coupled = True
     return coupled

@@ -22,39 +22,39 @@ from kickdrift.world.direct.closings import write_axis
 from kickdrift.world.direct.contacts import PRESS, REST
 from kickdrift.world.direct.equations import LAST_TRIALS, TRIALS
 from kickdrift.world.direct.joint_impulses import end_joint, give_joint, turn_on
-from kickdrift.world.joints.aim import GENTLY, RELAX, aim
-from kickdrift.world.joints.laws import review_laws
+from kickdrift.world.joints.laws import update_law_states
 from kickdrift.world.joints.layout import (
     ARM_A,
     ARM_B,
     AXES,
+    AXIS_IMPULSE,
     BODY_A,
     BODY_B,
-    CHANGE,
+    DELTA_SPEED,
     END,
     FIRST,
-    GIVEN,
-    HELD,
-    IMPULSE,
+    HELD_AXES,
+    INVERSE_INERTIA_PART,
+    JOINT_IMPULSE,
     LAWS,
     LINK_JOINT,
     LOCKED,
     MISALIGNMENT,
-    MOVED,
     PUSH,
+    RIGHT_HAND_SIDE,
     SEQUENTIAL,
     SLOPE,
-    TURN_RESPONSE,
     int64,
 )
 from kickdrift.world.joints.measure import put_vector
+from kickdrift.world.joints.right_hand_side import GENTLY, RELAX, write_right_hand_side
 from kickdrift.world.tables import (
     ARTICULATION,
+    INVERSE_MASS,
     JOINT,
     JOINT_NUMBERS,
     LINK,
     LINK_NUMBERS,
-    RESPONSE,
     floats,
     integers,
     rows,
@@ -85,13 +85,15 @@ def solve_in_turn(t: float, h: float, world: int) -> None:
             joint = links[link, LINK_JOINT]
             if joint < 0:
                 continue
-            aim(joint, at, h, GENTLY, world)
+            write_right_hand_side(joint, at, h, GENTLY, world)
             for k in range(6):
-                work[at, CHANGE + k] = (1.0 - share) * (work[at, CHANGE + k] - rate * numbers[joint, MISALIGNMENT + k])
+                work[at, RIGHT_HAND_SIDE + k] = (1.0 - share) * (
+                    work[at, RIGHT_HAND_SIDE + k] - rate * numbers[joint, MISALIGNMENT + k]
+                )
             _solve(joint, at, h, False, world)
             for k in range(6):
                 if joints[joint, LOCKED] >> k & 1:
-                    work[at, GIVEN + k] -= share * numbers[joint, IMPULSE + k]
+                    work[at, AXIS_IMPULSE + k] -= share * numbers[joint, JOINT_IMPULSE + k]
             give_joint(joint, at, PRESS, world)
             end_joint(joint, at, h, world)
 
@@ -106,7 +108,7 @@ def relax_in_turn(t: float, h: float, world: int) -> None:
         at = articulations[row, FIRST]
         for link in range(at, articulations[row, END]):
             if links[link, LINK_JOINT] >= 0:
-                aim(links[link, LINK_JOINT], at, h, RELAX, world)
+                write_right_hand_side(links[link, LINK_JOINT], at, h, RELAX, world)
                 _solve(links[link, LINK_JOINT], at, h, True, world)
                 give_joint(links[link, LINK_JOINT], at, REST, world)
         for link in range(at, articulations[row, END]):
@@ -123,21 +125,21 @@ def _solve(joint: int, at: int, h: float, relaxing: bool, world: int) -> None:
     answers = carray(floats_on_stack(36), (6, 6))
     _find_answers(joint, active, answers, world)
     for trial in range(TRIALS + LAST_TRIALS):
-        settled = laws == 0 or not review_laws(joint, at, h, relaxing, trial > TRIALS, world)
+        settled = laws == 0 or not update_law_states(joint, at, h, relaxing, trial > TRIALS, world)
         if trial > 0 and settled:
             break
         _solve_axes(at, active, answers, world)
         for k in range(6):
-            work[at, MOVED + k] = 0.0
+            work[at, DELTA_SPEED + k] = 0.0
             for other in range(6):
                 if active >> k & 1 and active >> other & 1:
-                    work[at, MOVED + k] += answers[k, other] * work[at, GIVEN + other]
+                    work[at, DELTA_SPEED + k] += answers[k, other] * work[at, AXIS_IMPULSE + other]
 
 
 @compiled(cached=False)
 def _find_answers(joint: int, active: int, answers: Any, world: int) -> None:
     """Find the speed along each axis by a unit impulse along each other one."""
-    joints, response, numbers = integers(world, JOINT), floats(world, RESPONSE), floats(world, JOINT_NUMBERS)
+    joints, response, numbers = integers(world, JOINT), floats(world, INVERSE_MASS), floats(world, JOINT_NUMBERS)
     wrenches, moved = carray(floats_on_stack(72), (6, 12)), carray(floats_on_stack(12), (1, 12))
     for k in range(6):
         if not active >> k & 1:
@@ -148,7 +150,7 @@ def _find_answers(joint: int, active: int, answers: Any, world: int) -> None:
             for i in range(begin, begin + 3):
                 moved[0, i] = response[body, 0] * wrenches[k, i]
             turn = vector_at(wrenches, k, begin + 3)
-            put_vector(moved, 0, begin + 3, applied(symmetric_at(response, body, TURN_RESPONSE), turn))
+            put_vector(moved, 0, begin + 3, applied(symmetric_at(response, body, INVERSE_INERTIA_PART), turn))
         for other in range(k + 1):
             if active >> other & 1:
                 total = 0.0
@@ -164,17 +166,17 @@ def _solve_axes(at: int, active: int, answers: Any, world: int) -> None:
     An equation of a held axis says which change of speed it wants, one of an open axis its impulse: row by row they are those
     of a positive matrix, which needs no pivots.
     """
-    held, work = integers(world, LINK)[at, HELD], floats(world, LINK_NUMBERS)
+    held, work = integers(world, LINK)[at, HELD_AXES], floats(world, LINK_NUMBERS)
     matrix = carray(floats_on_stack(42), (6, 7))
     for k in range(6):
-        work[at, GIVEN + k] = 0.0
+        work[at, AXIS_IMPULSE + k] = 0.0
         if not active >> k & 1:
             continue
         is_held = held >> k & 1 != 0
         for j in range(6):
             if active >> j & 1:
                 matrix[k, j] = answers[k, j] if is_held else work[at, SLOPE + k] * answers[k, j]
-        matrix[k, 6] = work[at, CHANGE + k] if is_held else work[at, PUSH + k]
+        matrix[k, 6] = work[at, RIGHT_HAND_SIDE + k] if is_held else work[at, PUSH + k]
         matrix[k, k] += 0.0 if is_held else 1.0
     for k in range(6):
         if not active >> k & 1:
@@ -194,5 +196,5 @@ def _solve_axes(at: int, active: int, answers: Any, world: int) -> None:
             total = matrix[k, 6]
             for j in range(k + 1, 6):
                 if active >> j & 1:
-                    total -= matrix[k, j] * work[at, GIVEN + j]
-            work[at, GIVEN + k] = total / matrix[k, k]
+                    total -= matrix[k, j] * work[at, AXIS_IMPULSE + j]
+            work[at, AXIS_IMPULSE + k] = total / matrix[k, k]

@@ -24,7 +24,7 @@ from kickdrift.world.direct.contacts import (
     begin_contacts,
     is_cut,
     note_impulses,
-    review_contacts,
+    update_contact_states,
 )
 from kickdrift.world.direct.equations import aim_island, assemble, hold, predict, solve_assumed, solve_once
 from kickdrift.world.direct.factorisation import factor
@@ -39,17 +39,17 @@ from kickdrift.world.direct.layout import (
     RATIO,
 )
 from kickdrift.world.direct.velocities import kinetic_energy, note_velocities, take_back
-from kickdrift.world.joints.aim import AHEAD, GENTLY, RELAX, REPAIR
 from kickdrift.world.joints.falling import let_fall
 from kickdrift.world.joints.layout import (
     BEFORE,
     GAIN,
+    LINK_BODY,
     LINK_JOINT,
     int64,
 )
-from kickdrift.world.joints.layout import BODY as LINK_BODY
 from kickdrift.world.joints.measure import measure
 from kickdrift.world.joints.repair import shift_body
+from kickdrift.world.joints.right_hand_side import AHEAD, GENTLY, RELAX, REPAIR
 from kickdrift.world.settings import RESIDUAL
 from kickdrift.world.tables import (
     ISLAND,
@@ -204,7 +204,7 @@ def _project(island: int, h: float, mode: int, task: int, world: int) -> None:
     aim_island(island, h, mode, world)
     stay_closings(island, world)
     begin_contacts(island, h, task, world)
-    review_contacts(island, task, True, True, world)
+    update_contact_states(island, task, True, True, world)
     solve_assumed(island, 0.0, world)
     give_joints(island, task, world)
     give_contacts(island, task, world)

@@ -6,29 +6,36 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, minus, plus
 from kickdrift.world.columns import vector_at
 from kickdrift.world.direct.factorisation import arms
-from kickdrift.world.direct.layout import COUPLING as COUPLINGS
-from kickdrift.world.direct.layout import FIRST_NEIGHBOUR, LINK_ROW, LOWER, NEIGHBOURS, PARENT_NODE, UPPER
-from kickdrift.world.direct.layout import PASSING as PASSINGS
+from kickdrift.world.direct.layout import (
+    BLOCK_COUPLING,
+    BLOCK_PASSING,
+    FIRST_NEIGHBOUR,
+    LINK_ROW,
+    LOWER_BLOCK,
+    NEIGHBOURS,
+    PARENT_NODE,
+    UPPER_BLOCK,
+)
 from kickdrift.world.joints.layout import (
     ARM_A,
     ARM_A_AHEAD,
     ARM_B,
     ARM_B_AHEAD,
+    ARTICULATED_INERTIA,
     AXES,
     AXES_AHEAD,
-    CHANGE,
+    BIAS_IMPULSE,
+    CLOSING_IMPULSE,
     COUPLING,
+    DELTA_SPEED,
     GAIN,
-    HELD,
-    IMPACT,
-    INERTIA,
+    HELD_AXES,
+    JOINT_WRENCH,
     LINK_JOINT,
-    LOAD,
-    MOVED,
     PASSING,
     PUSH,
+    RIGHT_HAND_SIDE,
     SIGN,
-    WRENCH,
     YIELD,
 )
 from kickdrift.world.joints.measure import put_vector
@@ -37,12 +44,12 @@ from kickdrift.world.tables import BLOCK, JOINT_NUMBERS, LINK, LINK_NUMBERS, NEI
 
 @compiled(cached=False, fast=True)
 def substitute(first: int, after: int, world: int) -> None:
-    """Find the changes of velocity (`GAIN`) for the loads on the nodes, and what joints pass on (`WRENCH`)."""
+    """Find the changes of velocity (`GAIN`) for the loads on the nodes, and what joints pass on (`JOINT_WRENCH`)."""
     nodes, links, work = integers(world, NODE), integers(world, LINK), floats(world, LINK_NUMBERS)
     for node in range(first, after):
         link = nodes[node, LINK_ROW]
         for k in range(6):
-            work[link, IMPACT + k] = -work[link, LOAD + k]
+            work[link, BIAS_IMPULSE + k] = -work[link, CLOSING_IMPULSE + k]
     for node in range(first, after):
         if links[nodes[node, LINK_ROW], LINK_JOINT] >= 0:
             _gather(node, world)
@@ -64,10 +71,10 @@ def _gather(node: int, world: int) -> None:
     link, parent = nodes[node, LINK_ROW], nodes[node, PARENT_NODE]
     joint, begin = links[link, LINK_JOINT], nodes[node, FIRST_NEIGHBOUR]
     end = begin + nodes[node, NEIGHBOURS]
-    held, sign = links[link, HELD], links[link, SIGN]
+    held, sign = links[link, HELD_AXES], links[link, SIGN]
     own, other = arms(numbers, joint, ARM_A, ARM_B, sign)
-    push = vector_at(work, link, IMPACT)
-    put_vector(work, link, IMPACT + 3, minus(vector_at(work, link, IMPACT + 3), cross(own, push)))
+    push = vector_at(work, link, BIAS_IMPULSE)
+    put_vector(work, link, BIAS_IMPULSE + 3, minus(vector_at(work, link, BIAS_IMPULSE + 3), cross(own, push)))
     for k in range(6):
         work[link, GAIN + k] = 0.0
     for k in range(6):
@@ -75,28 +82,28 @@ def _gather(node: int, world: int) -> None:
         if held >> k & 1:
             ahead = vector_at(work, link, AXES_AHEAD + 3 * k)
             for i in range(3):
-                work[link, GAIN + half + i] += sign * work[link, CHANGE + k] * ahead[i]
+                work[link, GAIN + half + i] += sign * work[link, RIGHT_HAND_SIDE + k] * ahead[i]
         else:
-            extra = sign * work[link, PUSH + k] - dot(axis, vector_at(work, link, IMPACT + half))
-            work[link, MOVED + k] = extra
+            extra = sign * work[link, PUSH + k] - dot(axis, vector_at(work, link, BIAS_IMPULSE + half))
+            work[link, DELTA_SPEED + k] = extra
             extra *= work[link, YIELD + k]
             for i in range(6):
-                work[link, IMPACT + i] += extra * work[link, COUPLING + 6 * k + i]
+                work[link, BIAS_IMPULSE + i] += extra * work[link, COUPLING + 6 * k + i]
             for block in range(begin, end):
                 to = nodes[neighbours[block, 0], LINK_ROW]
                 for i in range(6):
-                    work[to, IMPACT + i] += extra * blocks[block, COUPLINGS + 6 * k + i]
-    _add_product(work, link, INERTIA, work, link, GAIN, work, link, IMPACT)
+                    work[to, BIAS_IMPULSE + i] += extra * blocks[block, BLOCK_COUPLING + 6 * k + i]
+    _add_product(work, link, ARTICULATED_INERTIA, work, link, GAIN, work, link, BIAS_IMPULSE)
     for block in range(begin, end):
         to = nodes[neighbours[block, 0], LINK_ROW]
-        _add_product(blocks, block, LOWER, work, link, GAIN, work, to, IMPACT)
+        _add_product(blocks, block, LOWER_BLOCK, work, link, GAIN, work, to, BIAS_IMPULSE)
     if parent >= 0:
         above = nodes[parent, LINK_ROW]
-        push = vector_at(work, link, IMPACT)
-        turn = plus(vector_at(work, link, IMPACT + 3), cross(other, push))
+        push = vector_at(work, link, BIAS_IMPULSE)
+        turn = plus(vector_at(work, link, BIAS_IMPULSE + 3), cross(other, push))
         for k in range(3):
-            work[above, IMPACT + k] += push[k]
-            work[above, IMPACT + 3 + k] += turn[k]
+            work[above, BIAS_IMPULSE + k] += push[k]
+            work[above, BIAS_IMPULSE + 3 + k] += turn[k]
 
 
 @compiled(inline=True, cached=False, fast=True)
@@ -117,7 +124,7 @@ def _spread(node: int, world: int) -> None:
     link, parent = nodes[node, LINK_ROW], nodes[node, PARENT_NODE]
     begin = nodes[node, FIRST_NEIGHBOUR]
     end = begin + nodes[node, NEIGHBOURS]
-    held, sign = links[link, HELD], links[link, SIGN]
+    held, sign = links[link, HELD_AXES], links[link, SIGN]
     own, other = arms(work, link, ARM_A_AHEAD, ARM_B_AHEAD, sign)
     v: Vector = (0.0, 0.0, 0.0)
     w: Vector = (0.0, 0.0, 0.0)
@@ -129,24 +136,26 @@ def _spread(node: int, world: int) -> None:
     put_vector(work, link, GAIN, v)
     put_vector(work, link, GAIN + 3, w)
     for k in range(6):
-        work[link, WRENCH + k] = work[link, IMPACT + k]
-    _add_product(work, link, INERTIA, work, link, GAIN, work, link, WRENCH)
+        work[link, JOINT_WRENCH + k] = work[link, BIAS_IMPULSE + k]
+    _add_product(work, link, ARTICULATED_INERTIA, work, link, GAIN, work, link, JOINT_WRENCH)
     for block in range(begin, end):
-        _add_product(blocks, block, UPPER, work, nodes[neighbours[block, 0], LINK_ROW], GAIN, work, link, WRENCH)
+        _add_product(
+            blocks, block, UPPER_BLOCK, work, nodes[neighbours[block, 0], LINK_ROW], GAIN, work, link, JOINT_WRENCH
+        )
     put_vector(work, link, GAIN, plus(v, wanted[0]))
     put_vector(work, link, GAIN + 3, plus(w, wanted[1]))
     for k in range(5, -1, -1):
         if held >> k & 1:
             continue
-        extra = work[link, MOVED + k]
+        extra = work[link, DELTA_SPEED + k]
         for i in range(6):
             extra -= work[link, PASSING + 6 * k + i] * work[link, GAIN + i]
         for block in range(begin, end):
             of = nodes[neighbours[block, 0], LINK_ROW]
             for i in range(6):
-                extra -= blocks[block, PASSINGS + 6 * k + i] * work[of, GAIN + i]
+                extra -= blocks[block, BLOCK_PASSING + 6 * k + i] * work[of, GAIN + i]
         extra *= work[link, YIELD + k]
-        work[link, MOVED + k] = sign * extra
+        work[link, DELTA_SPEED + k] = sign * extra
         ahead, half = vector_at(work, link, AXES_AHEAD + 3 * k), 0 if k < 3 else 3
         for i in range(3):
             work[link, GAIN + half + i] += extra * ahead[i]
@@ -161,18 +170,18 @@ def _solve_free(node: int, world: int) -> None:
     work, blocks = floats(world, LINK_NUMBERS), floats(world, BLOCK)
     link, begin = nodes[node, LINK_ROW], nodes[node, FIRST_NEIGHBOUR]
     for i in range(6):
-        total = -work[link, IMPACT + i]
+        total = -work[link, BIAS_IMPULSE + i]
         for k in range(i):
-            total -= work[link, INERTIA + 6 * i + k] * work[link, GAIN + k]
+            total -= work[link, ARTICULATED_INERTIA + 6 * i + k] * work[link, GAIN + k]
         work[link, GAIN + i] = total
     for i in range(5, -1, -1):
         total = work[link, GAIN + i]
         for k in range(i + 1, 6):
-            total -= work[link, INERTIA + 6 * i + k] * work[link, GAIN + k]
-        work[link, GAIN + i] = total * work[link, INERTIA + 7 * i]
+            total -= work[link, ARTICULATED_INERTIA + 6 * i + k] * work[link, GAIN + k]
+        work[link, GAIN + i] = total * work[link, ARTICULATED_INERTIA + 7 * i]
     for block in range(begin, begin + nodes[node, NEIGHBOURS]):
         to = nodes[neighbours[block, 0], LINK_ROW]
-        _add_product(blocks, block, LOWER, work, link, GAIN, work, to, IMPACT)
+        _add_product(blocks, block, LOWER_BLOCK, work, link, GAIN, work, to, BIAS_IMPULSE)
 
 
 @compiled(cached=False, fast=True)
@@ -186,5 +195,5 @@ def _complete_free(node: int, world: int) -> None:
         for i in range(6):
             total = 0.0
             for j in range(6):
-                total += blocks[block, UPPER + 6 * i + j] * work[of, GAIN + j]
+                total += blocks[block, UPPER_BLOCK + 6 * i + j] * work[of, GAIN + j]
             work[link, GAIN + i] -= total

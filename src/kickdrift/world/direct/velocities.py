@@ -17,12 +17,12 @@ from kickdrift.world.flight import BODY_INERTIA, MASS
 from kickdrift.world.joints.layout import (
     ANGULAR_PART,
     BEFORE,
-    IMPULSE,
+    JOINT_IMPULSE,
+    LINK_BODY,
     LINK_JOINT,
     SOLVED,
     int64,
 )
-from kickdrift.world.joints.layout import BODY as LINK_BODY
 from kickdrift.world.tables import (
     INERTIA,
     ISLAND,
@@ -94,4 +94,4 @@ def begin_anew(joint: int, world: int) -> None:
     """Let a joint have given what it had in the end of the substep before."""
     numbers = floats(world, JOINT_NUMBERS)
     for k in range(6):
-        numbers[joint, IMPULSE + k] = numbers[joint, SOLVED + k]
+        numbers[joint, JOINT_IMPULSE + k] = numbers[joint, SOLVED + k]

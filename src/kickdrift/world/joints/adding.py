@@ -7,7 +7,7 @@ from typing import Concatenate, ParamSpec, cast
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
-from kickdrift.world.flight import DYNAMIC, KIND
+from kickdrift.world.flight import BODY_KIND, DYNAMIC
 from kickdrift.world.joints.ball import Ball
 from kickdrift.world.joints.distance import Distance
 from kickdrift.world.joints.fixed import Fixed
@@ -71,7 +71,7 @@ class AddsJoints:
             self.bodies.row(self.bodies.ground if body is None else body, argument)
             for body, argument in ((body_a, "body_a"), (body_b, "body_b"))
         )
-        kinds = self.tables.array(BODY)[[row_a, row_b], KIND]
+        kinds = self.tables.array(BODY)[[row_a, row_b], BODY_KIND]
         if not (kinds == DYNAMIC).any():
             raise ArgumentError(
                 "body_a and body_b are both static or kinematic, which no joint moves; give one that moves."

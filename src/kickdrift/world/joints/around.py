@@ -3,10 +3,8 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import length
 from kickdrift.world.columns import vector_at
-from kickdrift.world.flight import AWAKE, DYNAMIC
-from kickdrift.world.flight import KIND as BODY_KIND
+from kickdrift.world.flight import AWAKE, BODY_KIND, DYNAMIC
 from kickdrift.world.joints.impulses import note_speeds
-from kickdrift.world.joints.layout import BODY as LINK_BODY
 from kickdrift.world.joints.layout import (
     BODY_A,
     BREAKING_FORCE,
@@ -15,8 +13,9 @@ from kickdrift.world.joints.layout import (
     CLOSINGS,
     END,
     FIRST,
-    IMPULSE,
+    JOINT_IMPULSE,
     LAWS,
+    LINK_BODY,
     LINK_JOINT,
     LINKS,
     LOCKED,
@@ -74,4 +73,4 @@ def finish_joints(t: float, h: float, world: int) -> None:
             if force > numbers[joint, BREAKING_FORCE] or torque > numbers[joint, BREAKING_TORQUE]:
                 joints[joint, LOCKED], joints[joint, LAWS], joints[joint, BROKEN] = 0, 0, 1
                 for k in range(6):
-                    numbers[joint, IMPULSE + k] = 0.0
+                    numbers[joint, JOINT_IMPULSE + k] = 0.0

@@ -12,7 +12,7 @@ for a second.
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot, plus, times
 from kickdrift.world.columns import vector_at
-from kickdrift.world.joints.layout import ARM_A, ARM_B, AXES, BRAKE, IMPULSE, LOCKED, PARENT, PULL, SIGN, YIELD
+from kickdrift.world.joints.layout import ARM_A, ARM_B, AXES, BRAKE, JOINT_IMPULSE, LOCKED, PARENT, PULL, SIGN, YIELD
 from kickdrift.world.tables import JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, floats, integers
 
 _RESOLVED, _BRAKING = 0.11, 0.5
@@ -24,7 +24,7 @@ def set_brakes(link: int, joint: int, h: float, world: int) -> None:
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     force, held = (0.0, 0.0, 0.0), integers(world, JOINT)[joint, LOCKED]
     for k in range(3):
-        numbers[joint, PULL + k] = 0.5 * (numbers[joint, PULL + k] + numbers[joint, IMPULSE + k])
+        numbers[joint, PULL + k] = 0.5 * (numbers[joint, PULL + k] + numbers[joint, JOINT_IMPULSE + k])
         force = plus(
             force, times(h * links[link, SIGN] * numbers[joint, PULL + k], vector_at(numbers, joint, AXES + 3 * k))
         )

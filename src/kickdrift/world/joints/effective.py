@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.world.joints.layout import ARM_A, ARM_B, AXES, BODY_A, BODY_B, LOCKED
-from kickdrift.world.tables import JOINT, JOINT_NUMBERS, RESPONSE, Tables
+from kickdrift.world.tables import INVERSE_MASS, JOINT, JOINT_NUMBERS, Tables
 
 Floats = NDArray[np.float64]
 
@@ -19,7 +19,7 @@ def effective_mass(tables: Tables, joint: int, axis: int) -> float:
     locked = [k for k in range(6) if int(row[LOCKED]) >> k & 1]
     mobility = np.zeros((6, 6))
     for body, arm in ((row[BODY_A], ARM_A), (row[BODY_B], ARM_B)):
-        inverse_mass, xx, yy, zz, xy, xz, yz = tables.array(RESPONSE)[body, :7]
+        inverse_mass, xx, yy, zz, xy, xz, yz = tables.array(INVERSE_MASS)[body, :7]
         inverse_inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         turns = np.vstack((np.cross(numbers[arm : arm + 3], axes[:3]), axes[3:]))
         pushes = np.vstack((axes[:3], np.zeros((3, 3))))

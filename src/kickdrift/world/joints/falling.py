@@ -8,7 +8,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.flight import ADDED, FALLS, MASS
-from kickdrift.world.joints.layout import BODY, END, FIRST, LINK_JOINT, LINKS
+from kickdrift.world.joints.layout import END, FIRST, LINK_BODY, LINK_JOINT, LINKS
 from kickdrift.world.tables import ARTICULATION, INERTIA, KICKED, LINK, MOTION, floats, integers, rows
 
 # Of what the kick added, and of the momenta, which joints leave as they are but for that.
@@ -23,7 +23,7 @@ def let_fall(world: int) -> None:
         first = articulations[row, FIRST]
         if articulations[row, END] > first and links[first, LINK_JOINT] < 0 and _is_falling(row, world):
             for link in range(first, first + articulations[row, LINKS]):
-                kicked[links[link, BODY], FALLS] = 1.0
+                kicked[links[link, LINK_BODY], FALLS] = 1.0
 
 
 @compiled(cached=False)
@@ -31,11 +31,11 @@ def _is_falling(row: int, world: int) -> bool:
     """Whether the momentum of an articulation is what the kick has made of it, and the kick the same for all links."""
     articulation: Any = integers(world, ARTICULATION)[row]
     links, motion, kicked = integers(world, LINK), floats(world, MOTION), floats(world, KICKED)
-    first, inertia = links[articulation[FIRST], BODY], floats(world, INERTIA)
+    first, inertia = links[articulation[FIRST], LINK_BODY], floats(world, INERTIA)
     for k in range(3):
         given, unnoticed = 0.0, 0.0
         for link in range(articulation[FIRST], articulation[FIRST] + articulation[LINKS]):
-            body = links[link, BODY]
+            body = links[link, LINK_BODY]
             added, mass = kicked[body, ADDED + k], inertia[body, MASS]
             if abs(added - kicked[first, ADDED + k]) > _SAME * abs(added):
                 return False

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.flight import DYNAMIC, KIND, STATIC
+from kickdrift.world.flight import BODY_KIND, DYNAMIC, STATIC
 from kickdrift.world.handle import Handle
 from kickdrift.world.joints.axis import Axis, Drive, Motor, finite
-from kickdrift.world.joints.layout import ARM_A, ARM_B, AXES, BODY_A, BODY_B, LOCKED, POSITION, PRINCIPAL, TOTAL
+from kickdrift.world.joints.layout import ARM_A, ARM_B, AXES, BODY_A, BODY_B, JOINT_POSITION, LOCKED, PRINCIPAL, TOTAL
 from kickdrift.world.joints.placing import place, set_speed, signs
 from kickdrift.world.tables import BODY, JOINT, JOINT_NUMBERS, LOAD, MOTION
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 # Columns as plain integers: adding to those of NumPy takes as long as reading a number.
-_POSITION, _TOTAL, _AXES = int(POSITION), int(TOTAL), int(AXES)
+_POSITION, _TOTAL, _AXES = int(JOINT_POSITION), int(TOTAL), int(AXES)
 
 
 class _End(NamedTuple):
@@ -279,7 +279,7 @@ class Joint(Handle):
             ends = []
             for column, arm in ((BODY_A, ARM_A), (BODY_B, ARM_B)):
                 body = joint.item(column)
-                kind = tables.row(BODY, body).item(KIND)
+                kind = tables.row(BODY, body).item(BODY_KIND)
                 motion = None if kind == STATIC else tables.row(MOTION, body)[:6]
                 load = tables.row(LOAD, body)[:6] if kind == DYNAMIC else None
                 ends.append(_End(numbers[arm : arm + 3], motion, load))

@@ -12,21 +12,21 @@ from kickdrift.world.joints.layout import (
     BODY_A,
     END,
     FIRST,
-    IMPULSE,
+    INVERSE_INERTIA_PART,
+    JOINT_IMPULSE,
     LAWS,
     LINK_JOINT,
     START_SPEED,
-    TURN_RESPONSE,
 )
 from kickdrift.world.joints.measure import relative_velocity
 from kickdrift.world.tables import (
     ARTICULATION,
+    INVERSE_MASS,
     JOINT,
     JOINT_AXES,
     JOINT_NUMBERS,
     LINK,
     MOTION,
-    RESPONSE,
     floats,
     integers,
     rows,
@@ -40,7 +40,7 @@ def warm_start_joints(t: float, h: float, world: int) -> None:
     for row in range(rows(world, ARTICULATION)):
         for link in range(articulations[row, FIRST], articulations[row, END]):
             if links[link, LINK_JOINT] >= 0:
-                push_bodies(links[link, LINK_JOINT], numbers, links[link, LINK_JOINT], IMPULSE, world)
+                push_bodies(links[link, LINK_JOINT], numbers, links[link, LINK_JOINT], JOINT_IMPULSE, world)
 
 
 @compiled(cached=False)
@@ -72,8 +72,8 @@ def push_bodies(joint: int, source: Any, row: int, column: int, world: int) -> N
 @compiled(inline=True, cached=False)
 def push_body(body: int, push: Vector, turn: Vector, world: int) -> None:
     """Let an impulse at the centre of mass and an angular impulse act on a body."""
-    motion, response = floats(world, MOTION), floats(world, RESPONSE)
-    turned = applied(symmetric_at(response, body, TURN_RESPONSE), turn)
+    motion, response = floats(world, MOTION), floats(world, INVERSE_MASS)
+    turned = applied(symmetric_at(response, body, INVERSE_INERTIA_PART), turn)
     for k in range(3):
         motion[body, k] += response[body, 0] * push[k]
         motion[body, 3 + k] += turned[k]

@@ -10,49 +10,49 @@ from kickdrift.world.joints.axis import Axis
 from kickdrift.world.joints.effective import effective_mass
 from kickdrift.world.joints.layout import (
     ANGULAR,
-    CONE,
-    DAMPING,
+    DRIVE_DAMPING,
     DRIVE_MAXIMUM,
-    FRICTION,
+    DRIVE_STIFFNESS,
+    DRIVEN_MASS,
+    JOINT_FRICTION,
     LAWS,
     LINE,
     LINEAR,
     LOCKED,
     LOOSE,
-    LOWER,
-    MASS,
+    LOWER_LIMIT,
     MOTOR_MAXIMUM,
     MOTOR_SPEED,
-    STIFFNESS,
+    SWING_TWIST,
     TARGET,
     TARGET_SPEED,
-    UPPER,
+    UPPER_LIMIT,
     VECTOR,
 )
 from kickdrift.world.tables import JOINT, JOINT_AXES, Tables
 
-Part = Literal["limits", "motor", "drive", "friction"]
-PARTS: tuple[Part, ...] = ("limits", "motor", "drive", "friction")
+LawPart = Literal["limits", "motor", "drive", "friction"]
+LAW_PARTS: tuple[LawPart, ...] = ("limits", "motor", "drive", "friction")
 
 
 def clear_laws(tables: Tables, joint: int) -> None:
     """Let nothing happen along the axes of a joint."""
     laws = tables.array(JOINT_AXES)[6 * joint : 6 * joint + 6]
     laws[:] = 0.0
-    laws[:, [LOWER, UPPER, DRIVE_MAXIMUM]] = -np.inf, np.inf, np.inf
+    laws[:, [LOWER_LIMIT, UPPER_LIMIT, DRIVE_MAXIMUM]] = -np.inf, np.inf, np.inf
 
 
-def write_law(tables: Tables, joint: int, k: int, axis: Axis, part: Part) -> None:
+def write_law(tables: Tables, joint: int, k: int, axis: Axis, part: LawPart) -> None:
     """Write one part of what happens along an axis of a joint, which is measured."""
     law: NDArray[np.float64] = tables.row(JOINT_AXES, 6 * joint + k)
     if part == "limits":
-        law[LOWER], law[UPPER] = axis.limits or (-np.inf, np.inf)
+        law[LOWER_LIMIT], law[UPPER_LIMIT] = axis.limits or (-np.inf, np.inf)
     elif part == "friction":
-        law[FRICTION] = axis.friction
+        law[JOINT_FRICTION] = axis.friction
     elif part == "motor":
         law[MOTOR_SPEED], law[MOTOR_MAXIMUM] = (axis.motor.speed, axis.motor.maximum) if axis.motor else (0.0, 0.0)
     else:
-        mass = law.item(MASS)  # of the drive that there was: another target makes no drive stiffer
+        mass = law.item(DRIVEN_MASS)  # of the drive that there was: another target makes no drive stiffer
         stiffness, damping, target, speed, maximum = 0.0, 0.0, 0.0, 0.0, 0.0
         if axis.drive is None:
             mass = 0.0
@@ -60,18 +60,20 @@ def write_law(tables: Tables, joint: int, k: int, axis: Axis, part: Part) -> Non
             mass = mass or effective_mass(tables, joint, k)
             stiffness, damping = axis.drive.coefficients(mass)
             target, speed, maximum = axis.drive.target, axis.drive.speed, axis.drive.maximum
-        law[STIFFNESS], law[DAMPING], law[MASS] = stiffness, damping, mass
+        law[DRIVE_STIFFNESS], law[DRIVE_DAMPING], law[DRIVEN_MASS] = stiffness, damping, mass
         law[TARGET], law[TARGET_SPEED], law[DRIVE_MAXIMUM] = target, speed, maximum
     numbers = law.tolist()
-    does = -np.inf < numbers[LOWER] or numbers[UPPER] < np.inf
-    does = does or any(numbers[column] != 0.0 for column in (MOTOR_MAXIMUM, STIFFNESS, DAMPING, FRICTION))
+    does = -np.inf < numbers[LOWER_LIMIT] or numbers[UPPER_LIMIT] < np.inf
+    does = does or any(
+        numbers[column] != 0.0 for column in (MOTOR_MAXIMUM, DRIVE_STIFFNESS, DRIVE_DAMPING, JOINT_FRICTION)
+    )
     row = tables.row(JOINT, joint)
     row[LAWS] = row.item(LAWS) | 1 << k if does else row.item(LAWS) & ~(1 << k)
     if k >= 3 and does and row[ANGULAR] == LOOSE:
         row[ANGULAR] = VECTOR
 
 
-def check_changeable(tables: Tables, joint: int, k: int, part: Part) -> None:
+def check_changeable(tables: Tables, joint: int, k: int, part: LawPart) -> None:
     """Refuse to change the law of an axis that has none of its own.
 
     Raises
@@ -83,7 +85,7 @@ def check_changeable(tables: Tables, joint: int, k: int, part: Part) -> None:
         raise ArgumentError(f"axis={k} is locked, so it has no {part}; make a joint in which it is open.")
     if row[LINEAR] == LINE and k != 2:
         raise ArgumentError(f"axis={k} of a joint along a line has no {part} of its own; only axis 2, the line, has.")
-    if row[ANGULAR] == CONE and k >= 3:
+    if row[ANGULAR] == SWING_TWIST and k >= 3:
         raise ArgumentError(
             f"axis={k} is one of swing and twist, whose {part} cannot be changed; remove the joint and add another one."
         )

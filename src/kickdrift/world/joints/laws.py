@@ -21,36 +21,36 @@ import math
 from kickdrift.core.compilation import compiled
 from kickdrift.world.joints.layout import (
     ANGULAR,
+    AXIS_IMPULSE,
+    AXIS_SPEED,
     BRAKE,
-    CHANGE,
-    CONE,
-    DAMPING,
+    DELTA_SPEED,
     DRIVE_CONSTANT,
+    DRIVE_DAMPING,
     DRIVE_MAXIMUM,
     DRIVE_SLOPE,
+    DRIVE_STIFFNESS,
     DRIVEN,
-    FRICTION,
-    GIVEN,
-    HELD,
-    IMPULSE,
+    DRIVEN_MASS,
+    HELD_AXES,
+    JOINT_FRICTION,
+    JOINT_IMPULSE,
+    JOINT_POSITION,
+    LAW_STATE,
     LAWS,
-    LOWER,
-    MASS,
+    LOWER_LIMIT,
     MOBILITY,
     MOTOR_MAXIMUM,
     MOTOR_SPEED,
-    MOVED,
-    POSITION,
     PUSH,
+    RIGHT_HAND_SIDE,
     SLOPE,
-    SPEED,
     START_SPEED,
-    STATE,
-    STIFFNESS,
+    SWING_TWIST,
     TARGET,
     TARGET_SPEED,
     TWIST_SCALE,
-    UPPER,
+    UPPER_LIMIT,
 )
 from kickdrift.world.tables import JOINT, JOINT_AXES, JOINT_NUMBERS, LINK, LINK_NUMBERS, floats, integers
 
@@ -143,10 +143,10 @@ def _drive_of(joint: int, link: int, k: int, h: float, world: int) -> tuple[floa
     """Impulse of a drive: constant, slope, maximum; see the top of this file."""
     numbers, laws = floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     row = 6 * joint + k
-    stiffness, damping = laws[row, STIFFNESS], laws[row, DAMPING]
-    off = numbers[joint, DRIVEN + k - 3] if k >= 3 else numbers[joint, POSITION + k] - laws[row, TARGET]
+    stiffness, damping = laws[row, DRIVE_STIFFNESS], laws[row, DRIVE_DAMPING]
+    off = numbers[joint, DRIVEN + k - 3] if k >= 3 else numbers[joint, JOINT_POSITION + k] - laws[row, TARGET]
     stiff = h * h * stiffness
-    alpha = stiff * stiff / (laws[row, MASS] * laws[row, MASS] + stiff * stiff) if stiff > 0.0 else 0.0
+    alpha = stiff * stiff / (laws[row, DRIVEN_MASS] * laws[row, DRIVEN_MASS] + stiff * stiff) if stiff > 0.0 else 0.0
     beta = 0.25 * (1.0 - alpha)
     constant = h * (damping * laws[row, TARGET_SPEED] - stiffness * (off - h * beta * laws[row, START_SPEED]))
     slope = h * (damping + h * stiffness * (alpha + beta))
@@ -166,43 +166,45 @@ def _assume(
     links, joints = integers(world, LINK), integers(world, JOINT)
     work, numbers, laws = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     row = 6 * joint + k
-    at = numbers[joint, POSITION + k]
-    lower, upper = laws[row, LOWER] - at, laws[row, UPPER] - at
+    at = numbers[joint, JOINT_POSITION + k]
+    lower, upper = laws[row, LOWER_LIMIT] - at, laws[row, UPPER_LIMIT] - at
     if relaxing:  # what has been passed is left as it is, and the drive is the one that it was before the drift
         lower, upper = min(lower, 0.0), max(upper, 0.0)
         constant, slope, maximum = laws[row, DRIVE_CONSTANT], laws[row, DRIVE_SLOPE], h * laws[row, DRIVE_MAXIMUM]
     else:
         constant, slope, maximum = _drive_of(joint, link, k, h, world)
-    scale = numbers[joint, TWIST_SCALE] if k == 5 and joints[joint, ANGULAR] == CONE else 1.0
+    scale = numbers[joint, TWIST_SCALE] if k == 5 and joints[joint, ANGULAR] == SWING_TWIST else 1.0
     code, held, value, slope = solution(
         speed - laws[row, MOBILITY] * impulse, laws[row, MOBILITY], scale * lower / h, scale * upper / h,
-        h * laws[row, FRICTION], h * laws[row, MOTOR_MAXIMUM], laws[row, MOTOR_SPEED], constant, slope, maximum,
+        h * laws[row, JOINT_FRICTION], h * laws[row, MOTOR_MAXIMUM], laws[row, MOTOR_SPEED], constant, slope, maximum,
     )  # fmt: skip
-    if code == work[link, STATE + k] or (opened and held and not links[link, HELD] >> k & 1):
+    if code == work[link, LAW_STATE + k] or (opened and held and not links[link, HELD_AXES] >> k & 1):
         return False
     if opened and held:  # at another piece: held for no reason, at a limit far away, it would be thrown there
         code, held, value, slope = 0, False, 0.0, 0.0
-    work[link, STATE + k] = code
-    before = work[link, SPEED + k]
+    work[link, LAW_STATE + k] = code
+    before = work[link, AXIS_SPEED + k]
     if held:
-        links[link, HELD] |= 1 << k
-        work[link, CHANGE + k] = value - before
+        links[link, HELD_AXES] |= 1 << k
+        work[link, RIGHT_HAND_SIDE + k] = value - before
     else:
-        links[link, HELD] &= ~(1 << k)
-        work[link, PUSH + k] = value - slope * before - numbers[joint, IMPULSE + k]
+        links[link, HELD_AXES] &= ~(1 << k)
+        work[link, PUSH + k] = value - slope * before - numbers[joint, JOINT_IMPULSE + k]
         work[link, SLOPE + k] = slope
     return True
 
 
 @compiled(cached=False)
-def review_laws(joint: int, link: int, h: float, relaxing: bool, opened: bool, world: int) -> bool:
+def update_law_states(joint: int, link: int, h: float, relaxing: bool, opened: bool, world: int) -> bool:
     """Assume the pieces that the solution points to, and say whether any are others than it was made with."""
     laws, work, numbers = integers(world, JOINT)[joint, LAWS], floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
-    held, changed = integers(world, LINK)[link, HELD], False
+    held, changed = integers(world, LINK)[link, HELD_AXES], False
     for k in range(6):
         if laws >> k & 1:
-            speed = work[link, SPEED + k] + (work[link, CHANGE + k] if held >> k & 1 else work[link, MOVED + k])
-            impulse = numbers[joint, IMPULSE + k] + work[link, GIVEN + k]
+            speed = work[link, AXIS_SPEED + k] + (
+                work[link, RIGHT_HAND_SIDE + k] if held >> k & 1 else work[link, DELTA_SPEED + k]
+            )
+            impulse = numbers[joint, JOINT_IMPULSE + k] + work[link, AXIS_IMPULSE + k]
             changed = _assume(joint, k, link, h, relaxing, speed, impulse, opened, world) or changed
     return changed
 

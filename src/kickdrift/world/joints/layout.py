@@ -21,7 +21,7 @@ import numpy as np
 int64: Callable[[int], int] = np.int64  # type: ignore[assignment]  # an int that is no literal: functions compile once for all
 
 # Columns of JOINT
-KIND, BODY_A, BODY_B, GENERATION = 0, 1, 2, 3  # place in the catalogue of joints; REMOVED where there is none
+JOINT_KIND, BODY_A, BODY_B, GENERATION = 0, 1, 2, 3  # place in the catalogue of joints; REMOVED where there is none
 LINEAR, ANGULAR, PIVOT = 4, 5, 6  # how positions and angles are measured, see below, and the axis that this refers to
 LOCKED, LAWS = 7, 8  # sets of axes, bit k for axis k: held for good; open, and not without force
 BROKEN = 9
@@ -39,7 +39,9 @@ HINGE = 1  # one is, PIVOT
 UNIVERSAL = 2  # two are, PIVOT in a and the next one, cyclically, in b
 LOOSE = 3  # three are, and no law is asked for
 VECTOR = 4  # three are; the angles are the components of the rotation vector
-CONE = 5  # three are; swing about axis 0, where the cone is left, and twist about axis 2, the mean of both axes 2
+SWING_TWIST = (
+    5  # three are; swing about axis 0, where the cone is left, and twist about axis 2, the mean of both axes 2
+)
 
 # Columns of JOINT_NUMBERS
 ANCHOR_A, FRAME_A = int64(0), int64(3)  # in the axes of the body: point, quaternion
@@ -47,22 +49,24 @@ ANCHOR_B, FRAME_B = int64(7), int64(10)
 LENGTH = 14
 BREAKING_FORCE, BREAKING_TORQUE = 15, 16
 TWIST_SCALE = 17  # rotation about axis 2 per twist
-IMPULSE = int64(18)  # of the substep along and about the axes, on b; what a warm start gives
+JOINT_IMPULSE = int64(18)  # of the substep along and about the axes, on b; what a warm start gives
 TOTAL = int64(24)  # impulse of the step; after it, force and torque
-POSITION = int64(30)  # positions along and angles about the axes; those of hinges and universal joints count turns
+JOINT_POSITION = int64(
+    30
+)  # positions along and angles about the axes; those of hinges and universal joints count turns
 DRIVEN = int64(36)  # angles less the targets of drives
 ARM_A, ARM_B = int64(39), int64(42)  # from the centres of mass to where the joint acts, in the world's axes
 AXES = int64(45)  # linear axes (9), angular axes (9), in the world's axes
 MISALIGNMENT = int64(63)  # of locked axes, as it would be at the end of the substep were the joint to do nothing
 PULL = int64(75)  # linear impulse of the last substeps, a mean
-SOLVED = int64(69)  # the part of IMPULSE that was given before the drift
+SOLVED = int64(69)  # the part of JOINT_IMPULSE that was given before the drift
 
 # Columns of JOINT_AXES. Zero motors, drives and frictions do nothing; infinite limits are none.
-LOWER, UPPER = 0, 1
+LOWER_LIMIT, UPPER_LIMIT = 0, 1
 MOTOR_SPEED, MOTOR_MAXIMUM = 2, 3
-STIFFNESS, DAMPING, TARGET, TARGET_SPEED, DRIVE_MAXIMUM = 4, 5, 6, 7, 8
-FRICTION = 9
-MASS = 10  # that drives are reckoned to move
+DRIVE_STIFFNESS, DRIVE_DAMPING, TARGET, TARGET_SPEED, DRIVE_MAXIMUM = 4, 5, 6, 7, 8
+JOINT_FRICTION = 9
+DRIVEN_MASS = 10  # that drives are reckoned to move
 START_SPEED = 11  # before the kick
 DRIVE_CONSTANT, DRIVE_SLOPE = 12, 14  # of the substep: impulse of the drive is constant - slope x speed
 MOBILITY = 13  # speed per impulse of the two bodies alone
@@ -76,36 +80,38 @@ SEQUENTIAL = 6  # 1: its joints are solved one after the other, and its bodies a
 JOINED_ROWS = 0  # rows of LINK that joints have; after them come free bodies that are solved directly in this step
 
 # Columns of LINK
-BODY, PARENT, LINK_JOINT = 0, 1, 2  # PARENT is a row of LINK, NONE for one that nothing moves
+LINK_BODY, PARENT, LINK_JOINT = 0, 1, 2  # PARENT is a row of LINK, NONE for one that nothing moves
 SIGN = 3  # 1 where the body is b of its joint, -1 where it is a
-HELD = 4  # set of axes whose speed is prescribed in the system of equations at hand
+HELD_AXES = 4  # set of axes whose speed is prescribed in the system of equations at hand
 LINK_A, LINK_B = 5, 6  # of a closing joint
 ROOT = 7  # first node of the island; NONE while it sleeps
-PLACE = 8  # of the node in the order of elimination
-SIZE = 9  # of the island, where ROOT is the row itself
+NODE_ROW = 8  # of the node in the order of elimination
+ISLAND_SIZE = 9  # of the island, where ROOT is the row itself
 NONE = -1
 
 # Columns of LINK_NUMBERS. Six numbers are three linear and three angular ones in the world's axes, or one to each axis.
-INERTIA = 0  # 6x6, of what hangs on the joint, as its other side feels it, about the point where the joint acts
+ARTICULATED_INERTIA = (
+    0  # 6x6, of what hangs on the joint, as its other side feels it, about the point where the joint acts
+)
 COUPLING = int64(36)  # of open axis k, six numbers: impulse at the joint per speed along the axis
 YIELD = 72  # of open axes: speed per impulse
-IMPACT = int64(78)  # impulse at the joint if its other side stays as it is
+BIAS_IMPULSE = int64(78)  # impulse at the joint if its other side stays as it is
 BEGUN = 72  # of closing joints: impulse that a solution begins with, less the one that there is
 GAIN = int64(84)  # of velocity: of the body
-WRENCH = int64(90)  # impulse at the joint, on the body
-CHANGE = 96  # of speed of a held axis that is wanted
+JOINT_WRENCH = int64(90)  # impulse at the joint, on the body
+RIGHT_HAND_SIDE = 96  # of speed of a held axis that is wanted
 PUSH, SLOPE = 102, 108  # of an open axis: impulse is PUSH - SLOPE times change of speed
-SPEED = 114  # before the joint acts
-STATE = 120  # of a law: which piece of it is assumed
-LOAD = 126  # impulse on the body by closing joints
-MOVED = 132  # change of speed of an open axis
-GIVEN = int64(138)  # impulse on b along and about each axis
+AXIS_SPEED = 114  # before the joint acts
+LAW_STATE = 120  # of a law: which piece of it is assumed
+CLOSING_IMPULSE = 126  # impulse on the body by closing joints
+DELTA_SPEED = 132  # change of speed of an open axis
+AXIS_IMPULSE = int64(138)  # impulse on b along and about each axis
 PASSING = int64(144)  # of open axis k, six numbers: impulse along it per speed of the other side
 AXES_AHEAD = int64(180)  # AXES and arms as they will be at the end of the substep
 ARM_A_AHEAD, ARM_B_AHEAD = int64(198), int64(201)
 BRAKE = 204  # of open angular axes: damping, impulse per speed; see `kickdrift.world.joints.brakes`
 BEFORE = 222  # velocity of the body before it is solved, to go back to
 
-# Columns of POSE, MOTION and RESPONSE, and of everything that has a linear and an angular part
+# Columns of POSE, MOTION and INVERSE_MASS, and of everything that has a linear and an angular part
 LINEAR_PART, ANGULAR_PART = int64(0), int64(3)
-TURN_RESPONSE = int64(1)  # of RESPONSE
+INVERSE_INERTIA_PART = int64(1)  # of INVERSE_MASS

@@ -33,13 +33,14 @@ from kickdrift.world.joints.layout import (
     AXES,
     BODY_A,
     BODY_B,
-    CONE,
     DRIVEN,
     END,
     FIRST,
     FRAME_A,
     FRAME_B,
     HINGE,
+    INVERSE_INERTIA_PART,
+    JOINT_POSITION,
     LAWS,
     LENGTH,
     LINE,
@@ -49,22 +50,21 @@ from kickdrift.world.joints.layout import (
     MOBILITY,
     PIVOT,
     POINT,
-    POSITION,
+    SWING_TWIST,
     TARGET,
-    TURN_RESPONSE,
     TWIST_SCALE,
     UNIVERSAL,
     VECTOR,
 )
 from kickdrift.world.tables import (
     ARTICULATION,
+    INVERSE_MASS,
     JOINT,
     JOINT_AXES,
     JOINT_NUMBERS,
     LINK,
     MOTION,
     POSE,
-    RESPONSE,
     floats,
     integers,
     rows,
@@ -137,33 +137,33 @@ def measure(joint: int, world: int) -> None:
     if joints[joint, LINEAR] == POINT:
         for k in range(3):
             put_vector(numbers, joint, AXES + 3 * k, axis_unit(k))
-        put_vector(numbers, joint, POSITION, way)
+        put_vector(numbers, joint, JOINT_POSITION, way)
     elif joints[joint, LINEAR] == LINE:
-        put_vector(numbers, joint, POSITION, put_line(numbers, joint, AXES, way, fa, numbers[joint, LENGTH]))
+        put_vector(numbers, joint, JOINT_POSITION, put_line(numbers, joint, AXES, way, fa, numbers[joint, LENGTH]))
     else:
         for k in range(3):
             put_vector(numbers, joint, AXES + 3 * k, turned(fa, axis_unit(k)))
-        put_vector(numbers, joint, POSITION, turned_back(fa, way))
+        put_vector(numbers, joint, JOINT_POSITION, turned_back(fa, way))
     mode = joints[joint, ANGULAR]
     if mode == UNIVERSAL:
         _measure_universal(joint, joints[joint, PIVOT], fa, relative, world)
-    elif mode == CONE:
+    elif mode == SWING_TWIST:
         _measure_cone(joint, fa, relative, world)
     else:
         for k in range(3):
             put_vector(numbers, joint, AXES + 9 + 3 * k, turned(fa, axis_unit(k)))
         if mode == HINGE:
-            p = POSITION + 3 + joints[joint, PIVOT]
+            p = JOINT_POSITION + 3 + joints[joint, PIVOT]
             angle = 2.0 * math.atan2(relative[1 + joints[joint, PIVOT]], relative[0])
             numbers[joint, p] = _unwound(angle, numbers[joint, p])
         elif mode == VECTOR:
-            put_vector(numbers, joint, POSITION + 3, rotation_vector(relative))
+            put_vector(numbers, joint, JOINT_POSITION + 3, rotation_vector(relative))
     for k in range(6):
         if joints[joint, LAWS] >> k & 1:
             laws = floats(world, JOINT_AXES)
             laws[6 * joint + k, MOBILITY] = mobility(joint, k, world)
-            if k >= 3 and mode != CONE:
-                numbers[joint, DRIVEN + k - 3] = numbers[joint, POSITION + k] - laws[6 * joint + k, TARGET]
+            if k >= 3 and mode != SWING_TWIST:
+                numbers[joint, DRIVEN + k - 3] = numbers[joint, JOINT_POSITION + k] - laws[6 * joint + k, TARGET]
 
 
 @compiled(cached=False)
@@ -196,7 +196,7 @@ def _measure_universal(joint: int, i: int, fa: Quaternion, relative: Quaternion,
     second_in_a = turned(relative, axis_unit(j))
     put_cross(numbers, joint, AXES + 9, i, fa, second_in_a)
     first_in_b = turned_back(relative, axis_unit(i))
-    p = POSITION + 3
+    p = JOINT_POSITION + 3
     numbers[joint, p + i] = _unwound(
         math.atan2(dot(second_in_a, axis_unit(k)), dot(second_in_a, axis_unit(j))), numbers[joint, p + i]
     )
@@ -223,7 +223,10 @@ def _measure_cone(joint: int, fa: Quaternion, relative: Quaternion, world: int) 
     put_vector(numbers, joint, AXES + 15, turned(fa, mean))
     twist = 2.0 * math.atan2(relative[3], relative[0])
     put_vector(
-        numbers, joint, POSITION + 3, (swing, 0.0, twist - 2.0 * math.pi * math.floor(twist / (2.0 * math.pi) + 0.5))
+        numbers,
+        joint,
+        JOINT_POSITION + 3,
+        (swing, 0.0, twist - 2.0 * math.pi * math.floor(twist / (2.0 * math.pi) + 0.5)),
     )
     numbers[joint, TWIST_SCALE] = max(math.cos(0.5 * swing), _LEAST_SCALE)
     first = 6 * joint + 3
@@ -242,7 +245,7 @@ def turning(inverse: Symmetric, turn: Vector) -> float:
 @compiled(cached=False)
 def mobility(joint: int, k: int, world: int) -> float:
     """Speed along an axis per impulse along it, of the two bodies alone."""
-    joints, numbers, response = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, RESPONSE)
+    joints, numbers, response = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, INVERSE_MASS)
     axis, total = vector_at(numbers, joint, AXES + 3 * k), 0.0
     for side in range(2):
         body = joints[joint, BODY_B if side == 1 else BODY_A]
@@ -250,5 +253,5 @@ def mobility(joint: int, k: int, world: int) -> float:
         if k < 3:
             turn = cross(vector_at(numbers, joint, ARM_B if side == 1 else ARM_A), axis)
             total += response[body, 0]
-        total += turning(symmetric_at(response, body, TURN_RESPONSE), turn)
+        total += turning(symmetric_at(response, body, INVERSE_INERTIA_PART), turn)
     return total

@@ -13,8 +13,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.vectors import Vector, cross, exponential, minus, plus, product, turned, unit
 from kickdrift.world.columns import quaternion_at, vector_at
-from kickdrift.world.flight import DYNAMIC
-from kickdrift.world.flight import KIND as BODY_KIND
+from kickdrift.world.flight import BODY_KIND, DYNAMIC
 from kickdrift.world.joints.axis import finite
 from kickdrift.world.joints.layout import (
     ANGULAR,
@@ -24,20 +23,20 @@ from kickdrift.world.joints.layout import (
     BODY_A,
     BODY_B,
     BROKEN,
-    CONE,
     FRAME_B,
     HINGE,
-    KIND,
+    JOINT_KIND,
+    JOINT_POSITION,
     LENGTH,
     LINE,
     LINEAR,
     LOCKED,
-    LOWER,
+    LOWER_LIMIT,
     PIVOT,
-    POSITION,
     REMOVED,
+    SWING_TWIST,
     UNIVERSAL,
-    UPPER,
+    UPPER_LIMIT,
 )
 from kickdrift.world.joints.measure import measure
 from kickdrift.world.rotations import product as rotated_by
@@ -103,7 +102,7 @@ def signs(tables: Tables, row: int) -> Floats:
     joint, found = tables.row(JOINT, row), np.ones(6)
     if tables.row(BODY, joint.item(BODY_B)).item(BODY_KIND) != DYNAMIC:
         found[3 * (joint[LINEAR] == LINE) :] = -1.0
-        found[3] *= -1.0 if joint[ANGULAR] == CONE else 1.0
+        found[3] *= -1.0 if joint[ANGULAR] == SWING_TWIST else 1.0
     return found
 
 
@@ -159,12 +158,12 @@ def _put(tables: Tables, row: int, k: int, target: float, side: Side) -> None:
             f"position={target!r} is a distance below zero; give at least minus the joint's length, {-numbers[LENGTH]:g}."
         )
     axis, pivot = _axis(tables, row, k)
-    way = side.sign * (target - numbers.item(POSITION + k)) * axis
-    numbers[POSITION + k] = target  # which full turn it is
+    way = side.sign * (target - numbers.item(JOINT_POSITION + k)) * axis
+    numbers[JOINT_POSITION + k] = target  # which full turn it is
     joints = tables.array(JOINT)
     moves = np.zeros(tables.count(BODY), dtype=np.bool_)
     moves[side.moved] = True
-    touched = np.flatnonzero((moves[joints[:, BODY_A]] | moves[joints[:, BODY_B]]) & (joints[:, KIND] != REMOVED))
+    touched = np.flatnonzero((moves[joints[:, BODY_A]] | moves[joints[:, BODY_B]]) & (joints[:, JOINT_KIND] != REMOVED))
     move = shift if k < 3 else turn
     move(side.moved, side.reference, (way[0], way[1], way[2]), (pivot[0], pivot[1], pivot[2]), tables.address)
     measure_again(touched, tables.address)
@@ -199,7 +198,7 @@ def _side_of(tables: Tables, row: int, words: str) -> Side:
 
 def _check_limits(tables: Tables, row: int, k: int, sign: float, what: str, value: float) -> None:
     """Refuse a value, of the sign that users see, which is beyond the limits of an axis; ArgumentError."""
-    ends = sign * tables.array(JOINT_AXES)[6 * row + k, [LOWER, UPPER]]
+    ends = sign * tables.array(JOINT_AXES)[6 * row + k, [LOWER_LIMIT, UPPER_LIMIT]]
     lower, upper = ends.min(), ends.max()
     if not lower <= value <= upper:
         raise ArgumentError(
@@ -221,8 +220,8 @@ def _axis(tables: Tables, row: int, k: int) -> tuple[Floats, Floats]:
 def _neighbours(tables: Tables, without: int) -> dict[int, list[int]]:
     """Bodies that joints hold to each other, but for one joint; springs, which only pull, do not hold."""
     joints = tables.array(JOINT)
-    limits = tables.array(JOINT_AXES)[:, [LOWER, UPPER]].reshape(-1, 12)
-    holds = (joints[:, KIND] != REMOVED) & (joints[:, BROKEN] == 0)
+    limits = tables.array(JOINT_AXES)[:, [LOWER_LIMIT, UPPER_LIMIT]].reshape(-1, 12)
+    holds = (joints[:, JOINT_KIND] != REMOVED) & (joints[:, BROKEN] == 0)
     holds &= (joints[:, LOCKED] != 0) | np.isfinite(limits).any(axis=1)
     holds[without] = False
     found: dict[int, list[int]] = {}

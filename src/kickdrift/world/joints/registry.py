@@ -6,12 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.flight import AWAKE, DYNAMIC
-from kickdrift.world.flight import KIND as BODY_KIND
+from kickdrift.world.flight import AWAKE, BODY_KIND, DYNAMIC
 from kickdrift.world.joints.axis import Axis
 from kickdrift.world.joints.catalogue import KINDS
 from kickdrift.world.joints.handle import Joint
-from kickdrift.world.joints.law_rows import PARTS, Part, check_changeable, clear_laws, write_law
+from kickdrift.world.joints.law_rows import LAW_PARTS, LawPart, check_changeable, clear_laws, write_law
 from kickdrift.world.joints.layout import (
     ANCHOR_A,
     ANCHOR_B,
@@ -24,13 +23,13 @@ from kickdrift.world.joints.layout import (
     BREAKING_FORCE,
     BREAKING_TORQUE,
     BROKEN,
-    CONE,
     FRAME,
     FRAME_A,
     FRAME_B,
     GENERATION,
     HINGE,
-    KIND,
+    JOINT_KIND,
+    JOINT_POSITION,
     LAWS,
     LENGTH,
     LINE,
@@ -39,11 +38,11 @@ from kickdrift.world.joints.layout import (
     LOOSE,
     PIVOT,
     POINT,
-    POSITION,
     PRINCIPAL,
     REMOVED,
     RIGID,
     SEQUENTIAL,
+    SWING_TWIST,
     UNIVERSAL,
     VECTOR,
 )
@@ -67,7 +66,7 @@ class Joints:
         self.n_made = 0  # never goes back, not even to a snapshot: two joints would share a handle
 
     def __len__(self) -> int:
-        return int((self.tables.array(JOINT)[:, KIND] != REMOVED).sum())
+        return int((self.tables.array(JOINT)[:, JOINT_KIND] != REMOVED).sum())
 
     def add(self, record: Record, body_a: int, body_b: int) -> Joint:
         """Join two bodies, given by their rows, as they stand.
@@ -90,7 +89,7 @@ class Joints:
         joint, numbers = tables.array(JOINT)[row], tables.array(JOINT_NUMBERS)[row]
         generation, self.n_made = self.n_made, self.n_made + 1
         joint[:], numbers[:] = 0, 0.0
-        joint[[KIND, BODY_A, BODY_B, GENERATION]] = KINDS.index(type(record)), body_a, body_b, generation
+        joint[[JOINT_KIND, BODY_A, BODY_B, GENERATION]] = KINDS.index(type(record)), body_a, body_b, generation
         joint[[LINEAR, PRINCIPAL]] = _linear_mode(placement), placement.principal
         joint[[ANGULAR, PIVOT]] = _angular_mode(placement)
         axes = (*placement.linear, *placement.angular)
@@ -111,17 +110,17 @@ class Joints:
         along = np.eye(3) if joint[LINEAR] == POINT else placement.frame
         numbers[AXES : AXES + 18] = np.concatenate((along.T.ravel(), placement.frame.T.ravel()))
         if placement.line:
-            numbers[POSITION + 2] = np.linalg.norm(placement.anchor_b - placement.anchor_a) - placement.length
+            numbers[JOINT_POSITION + 2] = np.linalg.norm(placement.anchor_b - placement.anchor_a) - placement.length
         clear_laws(tables, row)
         for k, (axis, sign) in enumerate(zip(axes, signs(tables, row), strict=True)):
             if axis.has_law:
-                for part in PARTS:
+                for part in LAW_PARTS:
                     write_law(tables, row, k, axis if sign > 0.0 else axis.reversed(), part)
         self.arranged = False
         self.names.give(row, name)
         return self.handle(row)
 
-    def change_law(self, joint: Joint, axis: int | None, change: Axis, part: Part) -> None:
+    def change_law(self, joint: Joint, axis: int | None, change: Axis, part: LawPart) -> None:
         """Exchange the limits, the motor, the drive or the friction of an axis, and wake the bodies.
 
         Raises
@@ -153,7 +152,7 @@ class Joints:
     def remove_of_body(self, body: int) -> None:
         """Take away all joints of the body in a row, before it is removed."""
         joints = self.tables.array(JOINT)
-        there = (joints[:, KIND] != REMOVED) & ((joints[:, BODY_A] == body) | (joints[:, BODY_B] == body))
+        there = (joints[:, JOINT_KIND] != REMOVED) & ((joints[:, BODY_A] == body) | (joints[:, BODY_B] == body))
         for row in np.flatnonzero(there):
             self._remove_row(int(row))
 
@@ -165,7 +164,7 @@ class Joints:
     def take_broken(self) -> list[Joint]:
         """Take away the joints that have broken, and return their handles, by which they are known and no more."""
         joints = self.tables.array(JOINT)
-        broken = np.flatnonzero((joints[:, KIND] != REMOVED) & (joints[:, BROKEN] != 0)).tolist()
+        broken = np.flatnonzero((joints[:, JOINT_KIND] != REMOVED) & (joints[:, BROKEN] != 0)).tolist()
         handles = [self.handle(row) for row in broken]
         for row in broken:
             self._remove_row(row)
@@ -212,7 +211,7 @@ class Joints:
         if not 0 <= index < self.tables.count(JOINT):
             return False
         row = self.tables.row(JOINT, index)
-        return bool(row.item(GENERATION) == generation and row.item(KIND) != REMOVED)
+        return bool(row.item(GENERATION) == generation and row.item(JOINT_KIND) != REMOVED)
 
     def handle(self, row: int) -> Joint:
         """Return the handle of a row."""
@@ -220,7 +219,7 @@ class Joints:
 
     def _free_row(self) -> int:
         joints = self.tables.array(JOINT)
-        free = np.flatnonzero(joints[:, KIND] == REMOVED)
+        free = np.flatnonzero(joints[:, JOINT_KIND] == REMOVED)
         if len(free):
             return int(free[0])
         row = len(joints)
@@ -232,7 +231,7 @@ class Joints:
 
     def _remove_row(self, row: int) -> None:
         joint = self.tables.array(JOINT)[row]
-        joint[[KIND, BROKEN, LOCKED, LAWS]] = REMOVED, 0, 0, 0
+        joint[[JOINT_KIND, BROKEN, LOCKED, LAWS]] = REMOVED, 0, 0, 0
         self.names.give(row, None)
         self.tables.version += 1
         self.arranged = False
@@ -255,5 +254,5 @@ def _angular_mode(placement: Placement) -> tuple[int, int]:
     if sum(is_open) == 2:
         return UNIVERSAL, (is_open.index(False) + 1) % 3
     if placement.cone:
-        return CONE, 0
+        return SWING_TWIST, 0
     return (VECTOR if any(axis.has_law for axis in placement.angular) else LOOSE), 0

@@ -3,9 +3,8 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, exponential, product, turned, turned_symmetric, unit
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
-from kickdrift.world.joints.layout import ANGULAR_PART, TURN_RESPONSE
-from kickdrift.world.tables import CHANGE as CHANGES
-from kickdrift.world.tables import MOTION, POSE, RESPONSE, floats
+from kickdrift.world.joints.layout import ANGULAR_PART, INVERSE_INERTIA_PART
+from kickdrift.world.tables import DELTA_POSE, INVERSE_MASS, MOTION, POSE, floats
 
 
 @compiled(cached=False)
@@ -13,14 +12,14 @@ def shift_body(body: int, way: Vector, turn: Vector, world: int) -> None:
     """Change the pose of a body, and turn its angular velocity with it, which keeps its energy."""
     pose, change, motion, response = (
         floats(world, POSE),
-        floats(world, CHANGES),
+        floats(world, DELTA_POSE),
         floats(world, MOTION),
-        floats(world, RESPONSE),
+        floats(world, INVERSE_MASS),
     )
     by = exponential(turn)
     q = unit(product(by, quaternion_at(pose, body, ANGULAR_PART)))
     w = turned(by, vector_at(motion, body, ANGULAR_PART))
-    inverse = turned_symmetric(by, symmetric_at(response, body, TURN_RESPONSE))
+    inverse = turned_symmetric(by, symmetric_at(response, body, INVERSE_INERTIA_PART))
     for k in range(3):
         pose[body, k] += way[k]
         change[body, k] += way[k]

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from kickdrift.world.flight import LINK_COUNT, LINK_PLACE, MASS
 from kickdrift.world.joints.layout import (
-    BODY,
     BODY_A,
     BODY_B,
     BROKEN,
@@ -17,9 +16,10 @@ from kickdrift.world.joints.layout import (
     END,
     FIRST,
     JOINED_ROWS,
-    KIND,
+    JOINT_KIND,
     LINK_A,
     LINK_B,
+    LINK_BODY,
     LINK_JOINT,
     LINKS,
     LOCKED,
@@ -31,15 +31,15 @@ from kickdrift.world.joints.layout import (
 )
 from kickdrift.world.tables import (
     ARTICULATION,
+    BODY,
     GRAPH,
     INERTIA,
+    INVERSE_MASS,
     JOINT,
     LINK,
     LINK_NUMBERS,
-    RESPONSE,
     Tables,
 )
-from kickdrift.world.tables import BODY as BODIES
 
 # Pairs of neighbours that elimination may meet, per node, and of how many nodes at least; with more of them, the joints of an
 # articulation are solved one after the other. A pair takes 0.8 us in a step of four substeps: a grid of 8 x 8 balls 2.3 ms.
@@ -74,8 +74,8 @@ def arrange(tables: Tables) -> None:
 def _edges(tables: Tables) -> list[_Edge]:
     """Joints that hold something that moves; a body that nothing moves is -1."""
     joints = tables.array(JOINT)
-    moves: NDArray[np.bool_] = np.any(tables.array(RESPONSE)[:, :7] != 0.0, axis=1)
-    there = np.flatnonzero((joints[:, KIND] != REMOVED) & (joints[:, BROKEN] == 0))
+    moves: NDArray[np.bool_] = np.any(tables.array(INVERSE_MASS)[:, :7] != 0.0, axis=1)
+    there = np.flatnonzero((joints[:, JOINT_KIND] != REMOVED) & (joints[:, BROKEN] == 0))
     edges = []
     for joint in there.tolist():
         a, b = (int(body) if moves[body] else NONE for body in joints[joint, [BODY_A, BODY_B]])
@@ -182,15 +182,15 @@ def _write(tables: Tables, parts: list[_Part]) -> None:
     rows = tables.resize(LINK, size)
     table[:] = 0
     tables.array(LINK_NUMBERS)[:] = 0.0
-    tables.array(BODIES)[:, [LINK_PLACE, LINK_COUNT]] = 0
+    tables.array(BODY)[:, [LINK_PLACE, LINK_COUNT]] = 0
     rows[:] = 0
     rows[:, [PARENT, LINK_A, LINK_B]] = NONE
     first = 0
     for row, (links, closings, sequential) in zip(table, parts, strict=True):
         row[[FIRST, LINKS, CLOSINGS, END, SEQUENTIAL]] = first, len(links), len(closings), first, sequential
         for k, (body, joint, parent, sign) in enumerate(links, first):
-            rows[k, [BODY, LINK_JOINT, SIGN]] = body, joint, sign
-            tables.array(BODIES)[body, [LINK_PLACE, LINK_COUNT]] = (-1, 0) if sequential else (k + 1, len(links))
+            rows[k, [LINK_BODY, LINK_JOINT, SIGN]] = body, joint, sign
+            tables.array(BODY)[body, [LINK_PLACE, LINK_COUNT]] = (-1, 0) if sequential else (k + 1, len(links))
             rows[k, PARENT] = NONE if parent == NONE else first + parent
         first += len(links)
         for k, (joint, a, b) in enumerate(closings, first):

@@ -34,7 +34,7 @@ class Energy(NamedTuple):
         return self.kinetic + self.potential
 
 
-class Measures:
+class ConservedQuantities:
     """The methods of a world that measure what it conserves."""
 
     tables: Tables

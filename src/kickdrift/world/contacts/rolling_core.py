@@ -16,7 +16,7 @@ from kickdrift.world.shapes.kinds import CONE, CYLINDER
 from kickdrift.world.tables import SHAPE, integers
 
 # Radius of all points, or 0.0; the axis in the world's axes, or zeros; where the radius points, in the frame of the shape
-Round = tuple[float, Vector, Vector]
+RollingCore = tuple[float, Vector, Vector]
 
 _NONE: Vector = (0.0, 0.0, 0.0)
 # Sine of the angle between an end and what it stands on, below which its points are fixed in the body: where the rim is lowest
@@ -26,9 +26,9 @@ _ASTRAY = 0.01  # of the radius, by which points of the side may be beside the n
 
 
 @compiled
-def rounding(
+def rolling_core(
     world: int, shape: int, radius: float, turn: Quaternion, way: Vector, normal: Vector, tilt: Vector
-) -> Round:
+) -> RollingCore:
     """Say how a shape rolls on a contact that has a direction in its frame, and a normal in the world's axes.
 
     `tilt` is by how much its body is about to turn in a step.
@@ -43,13 +43,13 @@ def rounding(
 
 
 @compiled(inline=True)
-def rolls(shape: Round) -> bool:
+def rolls(shape: RollingCore) -> bool:
     """Whether any points of a shape are not fixed in its body."""
     return bool(shape[0] > 0.0 or dot(shape[1], shape[1]) > 0.0)
 
 
 @compiled
-def radius_at(shape: Round, point: Vector) -> float:
+def radius_at(shape: RollingCore, point: Vector) -> float:
     """Return how far a point of a shape is from the core that it rolls about; 0.0 if it is fixed in the body."""
     radius, axis, way = shape
     if dot(axis, axis) == 0.0:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from kickdrift.world.adding import Part
 
 
-def weigh(
+def mass_properties_of(
     parts: "Sequence[Part]",
     density: float | None,
     mass: float | None,

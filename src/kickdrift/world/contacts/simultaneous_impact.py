@@ -14,10 +14,10 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, applied, cross, dot, length, minus, plus, times
 from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.hitting import arms_at, constraint, normal_at, vector_of
+from kickdrift.world.contacts.impact_motion import arms_at, constraint, normal_at, vector_of
 from kickdrift.world.flight import IMPACT_TIME
 from kickdrift.world.settings import SLOP
-from kickdrift.world.tables import CONTACT, IMPACT, KICKED, MOTION, RESPONSE, SETTINGS, floats, integers, rows
+from kickdrift.world.tables import CONTACT, IMPACT, INVERSE_MASS, KICKED, MOTION, SETTINGS, floats, integers, rows
 
 # Columns of IMPACT: arms of both bodies to the contact, inverse of the response to friction, friction, its bound; of each of
 # four points the arms times the normal, velocity wanted, impulse, and the impulse that stops it, below zero where it does not
@@ -29,7 +29,7 @@ TIMES, NORMAL, TANGENT = 52, 56, 59
 _SWEEPS = 400
 _BOUNDS = 4  # times that friction is found, each with what the last one has made of the normal impulses
 _ENOUGH = 1e-15  # of the largest impulse
-_INVERSE = 1  # column of RESPONSE: inverse inertia
+_INVERSE = 1  # column of INVERSE_MASS: inverse inertia
 
 
 @compiled
@@ -81,7 +81,7 @@ def _at(array: Any, at: int) -> Vector:
 @compiled
 def _yielding(world: int, a: int, b: int, hit: Any, along: Vector, other: Vector) -> float:
     """Velocity along one direction at the centre by a unit impulse along another."""
-    response = floats(world, RESPONSE)
+    response = floats(world, INVERSE_MASS)
     arm_a, arm_b = _at(hit, ARM_A), _at(hit, ARM_B)
     inverse_a, inverse_b = symmetric_at(response, a, _INVERSE), symmetric_at(response, b, _INVERSE)
     linear: float = (response[a, 0] + response[b, 0]) * dot(along, other)
@@ -102,7 +102,7 @@ def _speed(world: int, a: int, b: int, normal: Vector, point: Any) -> float:
 @compiled(inline=True)
 def _push(world: int, a: int, b: int, push: Vector, turn_a: Vector, turn_b: Vector) -> None:
     """Apply an impulse to b and its reverse to a, with angular impulses."""
-    motion, response = floats(world, MOTION), floats(world, RESPONSE)
+    motion, response = floats(world, MOTION), floats(world, INVERSE_MASS)
     change_a = applied(symmetric_at(response, a, _INVERSE), turn_a)
     change_b = applied(symmetric_at(response, b, _INVERSE), turn_b)
     for k in range(3):
@@ -119,7 +119,7 @@ def _sweep_points(world: int, hit: Any, stopping: bool, least: float, thrown: bo
     They are asked for no velocity, or, `thrown`, for the one that they want; impulses stay above `least` times the ones that
     stopped them.
     """
-    row, contact, response = int(hit[ROW]), integers(world, CONTACT), floats(world, RESPONSE)
+    row, contact, response = int(hit[ROW]), integers(world, CONTACT), floats(world, INVERSE_MASS)
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
     normal = _at(hit, NORMAL)
     inverse_a, inverse_b = symmetric_at(response, a, _INVERSE), symmetric_at(response, b, _INVERSE)
@@ -153,7 +153,9 @@ def _sweep_friction(world: int, hit: Any) -> float:
     s1, s2 = dot(slip, first) - own[c.SLIDE * c.WIDTH], dot(slip, second) - own[(c.SLIDE + 1) * c.WIDTH]
     k11, k22, k12 = _at(hit, GRIP)
     f1, f2 = hit[FRICTION] - (k11 * s1 + k12 * s2), hit[FRICTION + 1] - (k12 * s1 + k22 * s2)
-    if f1 * f1 + f2 * f2 > hit[BOUND] ** 2:  # against the way it slides, as in `kickdrift.world.contacts.lanes`
+    if (
+        f1 * f1 + f2 * f2 > hit[BOUND] ** 2
+    ):  # against the way it slides, as in `kickdrift.world.contacts.contact_solver_simd`
         mass = 0.5 * (k11 + k22) - math.sqrt(0.25 * (k11 - k22) ** 2 + k12 * k12)
         f1, f2 = hit[FRICTION] - mass * s1, hit[FRICTION + 1] - mass * s2
         scale = min(1.0, hit[BOUND] / (math.sqrt(f1 * f1 + f2 * f2) + 1e-300))

@@ -16,7 +16,7 @@ _BODY = 1  # column of SHAPE
 def deepest_overlap(tables: Tables) -> float:
     """Measure how deep bodies that touch have sunk into each other, at most, m; 0.0 where none has."""
     rows, manifolds = tables.array(CONTACT), tables.array(MANIFOLD)
-    solid = (rows[:, contacts.STATE] & contacts.SENSOR) == 0
+    solid = (rows[:, contacts.CONTACT_STATE] & contacts.SENSOR) == 0
     rows, manifolds = rows[solid], manifolds[solid]
     at_a, turn_a = _place(tables, rows[:, contacts.SHAPE_A])
     at_b, turn_b = _place(tables, rows[:, contacts.SHAPE_B])
@@ -37,7 +37,7 @@ def widest_gap(tables: Tables) -> float:
     rows, numbers, pose = tables.array(JOINT), tables.array(JOINT_NUMBERS), tables.array(POSE)
     locked = rows[:, joints.LOCKED]
     on_line = (rows[:, joints.LINEAR] == joints.LINE) & (locked & 0b100 != 0)
-    held = (rows[:, joints.KIND] != joints.REMOVED) & (on_line | (locked & 0b111 == 0b111))
+    held = (rows[:, joints.JOINT_KIND] != joints.REMOVED) & (on_line | (locked & 0b111 == 0b111))
     rows, numbers, lengths = rows[held], numbers[held], np.where(on_line, numbers[:, joints.LENGTH], 0.0)[held]
     ends = []
     for column, anchor in ((joints.BODY_A, joints.ANCHOR_A), (joints.BODY_B, joints.ANCHOR_B)):

@@ -29,17 +29,19 @@ from kickdrift.world.joints.layout import (
     ARM_B_AHEAD,
     AXES,
     AXES_AHEAD,
+    AXIS_IMPULSE,
+    AXIS_SPEED,
     BODY_A,
     BODY_B,
     BRAKE,
-    CHANGE,
+    DELTA_SPEED,
     FRAME,
     FRAME_A,
     FRAME_B,
-    GIVEN,
-    HELD,
+    HELD_AXES,
     HINGE,
-    IMPULSE,
+    JOINT_IMPULSE,
+    LAW_STATE,
     LENGTH,
     LINE,
     LINEAR,
@@ -47,13 +49,11 @@ from kickdrift.world.joints.layout import (
     LOCKED,
     LOOSE,
     MISALIGNMENT,
-    MOVED,
     PIVOT,
     PUSH,
+    RIGHT_HAND_SIDE,
     RIGID,
     SLOPE,
-    SPEED,
-    STATE,
     int64,
 )
 from kickdrift.world.joints.measure import axis_unit, put_cross, put_line, put_vector, relative_velocity
@@ -79,7 +79,7 @@ REPAIR = int64(3)  # a change of position, as a speed, after which nothing is of
 
 
 @compiled(cached=False)
-def aim(joint: int, link: int, h: float, mode: int, world: int) -> float:
+def write_right_hand_side(joint: int, link: int, h: float, mode: int, world: int) -> float:
     """Say what is wanted of the axes of a joint: of locked ones the speed that puts them right, of laws nothing yet.
 
     Returns
@@ -89,7 +89,7 @@ def aim(joint: int, link: int, h: float, mode: int, world: int) -> float:
     """
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     locked = integers(world, JOINT)[joint, LOCKED]
-    links[link, HELD] = locked
+    links[link, HELD_AXES] = locked
     v, w = relative_velocity(joint, world)
     look_here(joint, link, world)
     if mode != RELAX:
@@ -99,15 +99,15 @@ def aim(joint: int, link: int, h: float, mode: int, world: int) -> float:
         speed = dot(vector_at(numbers, joint, AXES + 3 * k), v if k < 3 else w)
         brake = work[link, BRAKE + k - 3] if mode == AHEAD and k >= 3 else 0.0
         wrong = numbers[joint, MISALIGNMENT + k]
-        work[link, SPEED + k] = speed
-        work[link, CHANGE + k] = 0.0
+        work[link, AXIS_SPEED + k] = speed
+        work[link, RIGHT_HAND_SIDE + k] = 0.0
         if locked >> k & 1:
-            work[link, CHANGE + k] = -wrong / h if mode in (AHEAD, REPAIR) else -speed
+            work[link, RIGHT_HAND_SIDE + k] = -wrong / h if mode in (AHEAD, REPAIR) else -speed
             off += wrong * wrong if k < 3 else 0.0
             turned_off += wrong * wrong if k >= 3 else 0.0
         work[link, SLOPE + k] = brake
-        work[link, PUSH + k] = 0.0 if mode in (RELAX, REPAIR) else -brake * speed - numbers[joint, IMPULSE + k]
-        for column in (STATE, MOVED, GIVEN):
+        work[link, PUSH + k] = 0.0 if mode in (RELAX, REPAIR) else -brake * speed - numbers[joint, JOINT_IMPULSE + k]
+        for column in (LAW_STATE, DELTA_SPEED, AXIS_IMPULSE):
             work[link, column + k] = 0.0
     joints, rested = integers(world, JOINT), floats(world, RESTED)
     size = length(vector_at(numbers, joint, ARM_A)) + length(vector_at(numbers, joint, ARM_B))

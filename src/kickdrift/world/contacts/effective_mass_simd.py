@@ -1,8 +1,8 @@
 """Arms, effective masses and gaps of constraints, in lanes, for the poses that bodies have now.
 
 `refresh` is the one source of arms, effective masses and gaps. Points turn with their bodies; of round shapes it is the core
-that does (`kickdrift.world.contacts.rounding`), and the radius lies along the normal, so that what spins about the core feels
-no turn and what rolls no gap. Both arms end at one point, which keeps momentum and angular momentum.
+that does (`kickdrift.world.contacts.rolling_core`), and the radius lies along the normal, so that what spins about the core
+feels no turn and what rolls no gap. Both arms end at one point, which keeps momentum and angular momentum.
 """
 
 import math
@@ -10,9 +10,9 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.filling import (
-    CHANGE_A,
-    CHANGE_B,
+from kickdrift.world.contacts.prepare_simd import (
+    DELTA_POSE_A,
+    DELTA_POSE_B,
     FROM_A_TO_B,
     INERTIA_A,
     INERTIA_B,
@@ -31,7 +31,7 @@ from kickdrift.world.contacts.filling import (
 
 W = c.WIDTH
 # How many times smaller than tilts have twists and slides to be, if arms are to stay as they are.
-TWIST, SLIP = 50.0, 2.0
+TWIST_STRICTNESS, SLIP_STRICTNESS = 50.0, 2.0
 _NEXT = c.POINT_FIELDS * W  # from a field of a point to the same of the next
 _ANCHORS, _ANCHOR = c.ANCHORS * W, c.ANCHOR_SIZE * W
 
@@ -44,14 +44,14 @@ def find_stale(own: Any, s: Any, twist: float, slip: float, none: float, n: int)
     """
     for lane in range(n):
         nx, ny, nz = vector(own, c.N * W + lane)
-        ax, ay, az = vector(s, (CHANGE_A + 3) * W + lane)
-        bx, by, bz = vector(s, (CHANGE_B + 3) * W + lane)
+        ax, ay, az = vector(s, (DELTA_POSE_A + 3) * W + lane)
+        bx, by, bz = vector(s, (DELTA_POSE_B + 3) * W + lane)
         x, y, z = vector(own, c.REFERENCE * W + lane)
         ax, ay, az = ax - x, ay - y, az - z
         x, y, z = vector(own, (c.REFERENCE + 3) * W + lane)
         bx, by, bz = bx - x, by - y, bz - z
-        dx, dy, dz = vector(s, CHANGE_B * W + lane)
-        x, y, z = vector(s, CHANGE_A * W + lane)
+        dx, dy, dz = vector(s, DELTA_POSE_B * W + lane)
+        x, y, z = vector(s, DELTA_POSE_A * W + lane)
         dx, dy, dz = dx - x, dy - y, dz - z
         x, y, z = vector(own, (c.REFERENCE + 6) * W + lane)
         dx, dy, dz = dx - x, dy - y, dz - z
@@ -101,11 +101,11 @@ def _refresh_point(
     response = own[c.MASS_A * W + lane] + own[c.MASS_B * W + lane]
     response += response_to(s, INERTIA_A * W + lane, ux, uy, uz, ux, uy, uz)
     response += response_to(s, INERTIA_B * W + lane, vx, vy, vz, vx, vy, vz)
-    ax, ay, az = vector(s, CHANGE_A * W + lane)
-    bx, by, bz = vector(s, CHANGE_B * W + lane)
+    ax, ay, az = vector(s, DELTA_POSE_A * W + lane)
+    bx, by, bz = vector(s, DELTA_POSE_B * W + lane)
     linear = nx * (bx - ax) + ny * (by - ay) + nz * (bz - az)
-    ax, ay, az = vector(s, (CHANGE_A + 3) * W + lane)
-    bx, by, bz = vector(s, (CHANGE_B + 3) * W + lane)
+    ax, ay, az = vector(s, (DELTA_POSE_A + 3) * W + lane)
+    bx, by, bz = vector(s, (DELTA_POSE_B + 3) * W + lane)
     linear += vx * bx + vy * by + vz * bz - ux * ax - uy * ay - uz * az
     anew = s[MARK * W + lane] > 0.0
     old = own[i + c.GAP * W]
@@ -198,14 +198,14 @@ def refresh_friction(own: Any, s: Any, unused: float, moved: float, none: float,
         x, y = own[c.TWIST * W + lane], own[(c.ROLL + 1) * W + lane]
         own[c.TWIST * W + lane] = 1.0 / (spin + 1e-300) if anew else x
         own[(c.ROLL + 1) * W + lane] = 3.0 / (trace + 1e-300) if anew else y
-        ax, ay, az = vector(s, (CHANGE_A + 3) * W + lane)
+        ax, ay, az = vector(s, (DELTA_POSE_A + 3) * W + lane)
         x, y, z = vector(own, c.REFERENCE * W + lane)
         put(own, c.REFERENCE * W + lane, ax if anew else x, ay if anew else y, az if anew else z)
-        ax, ay, az = vector(s, (CHANGE_B + 3) * W + lane)
+        ax, ay, az = vector(s, (DELTA_POSE_B + 3) * W + lane)
         x, y, z = vector(own, (c.REFERENCE + 3) * W + lane)
         put(own, (c.REFERENCE + 3) * W + lane, ax if anew else x, ay if anew else y, az if anew else z)
-        ax, ay, az = vector(s, CHANGE_A * W + lane)
-        bx, by, bz = vector(s, CHANGE_B * W + lane)
+        ax, ay, az = vector(s, DELTA_POSE_A * W + lane)
+        bx, by, bz = vector(s, DELTA_POSE_B * W + lane)
         x, y, z = vector(own, (c.REFERENCE + 6) * W + lane)
         bx, by, bz = bx - ax, by - ay, bz - az
         put(own, (c.REFERENCE + 6) * W + lane, bx if anew else x, by if anew else y, bz if anew else z)

@@ -13,7 +13,7 @@ Of shapes so fast that they may pass each other within the step, impacts with e 
 of a manifold does not stop them.
 
 A row of `IMPACT` is a contact that hits: its row, the first time at which one of its points does, the speed of that point, the
-coefficient e; what `kickdrift.world.contacts.strike` makes of it; and when its four points hit.
+coefficient e; what `kickdrift.world.contacts.simultaneous_impact` makes of it; and when its four points hit.
 """
 
 import math
@@ -23,7 +23,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import cross, dot, length, minus
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.hitting import (
+from kickdrift.world.contacts.impact_motion import (
     arms_at,
     constraint,
     is_moved,
@@ -32,10 +32,11 @@ from kickdrift.world.contacts.hitting import (
     vector_of,
 )
 from kickdrift.world.contacts.prepare import LINKED
-from kickdrift.world.contacts.strike import BOUNCE, ROW, SPEED, TIME, TIMES, find_impulses, meet, pushed
+from kickdrift.world.contacts.simultaneous_impact import BOUNCE, ROW, SPEED, TIME, TIMES, find_impulses, meet, pushed
 from kickdrift.world.flight import ADDED, IMPACT_TIME, NEXT_IMPACT
 from kickdrift.world.layout import RESTITUTION
 from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, MIDPOINT, SLOP
+from kickdrift.world.step_status import ask_for_room
 from kickdrift.world.tables import (
     BOUNCING,
     COLOURS,
@@ -51,7 +52,6 @@ from kickdrift.world.tables import (
     rows,
     set_rows,
 )
-from kickdrift.world.trouble import ask_for_room
 
 _ROUNDS = 100
 _FAR = 1e10  # m, and rad
@@ -72,7 +72,7 @@ def find_bouncing(t: float, h: float, world: int) -> None:
     bouncing = integers(world, BOUNCING)
     for row in range(rows(world, CONTACT)):
         e = max(place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION])
-        bounces = contact[row, c.PLACE_IN_GROUPS] >= 0 and (e > 0.0 or contact[row, c.STATE] & c.FAST)
+        bounces = contact[row, c.PLACE_IN_GROUPS] >= 0 and (e > 0.0 or contact[row, c.CONTACT_STATE] & c.FAST)
         if bounces and not _is_linked(world, row):
             bouncing[count, 0] = row
             count += 1
@@ -105,7 +105,7 @@ def bounce(t: float, h: float, world: int) -> None:
             if impact[hit, BOUNCE] > 0.0:
                 _let_be(own)
             if was_hit:
-                integers(world, CONTACT)[int(impact[hit, ROW]), c.STATE] |= c.HIT
+                integers(world, CONTACT)[int(impact[hit, ROW]), c.CONTACT_STATE] |= c.BOUNCED
 
 
 @compiled(inline=True)

@@ -1,4 +1,4 @@
-"""What the constraint of one contact is made of, gathered from the tables for `kickdrift.world.contacts.filling`."""
+"""What the constraint of one contact is made of, gathered from the tables for `kickdrift.world.contacts.prepare_simd`."""
 
 import math
 from typing import Any
@@ -19,19 +19,19 @@ from kickdrift.core.vectors import (
 )
 from kickdrift.world.collision.narrow_phase import placed_pose, radius, smallest
 from kickdrift.world.columns import quaternion_at, vector_at
-from kickdrift.world.contacts import filling as r
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.refreshing import SLIP, TWIST
-from kickdrift.world.contacts.rounding import radius_at, rolls, rounding
+from kickdrift.world.contacts import prepare_simd as r
+from kickdrift.world.contacts.effective_mass_simd import SLIP_STRICTNESS, TWIST_STRICTNESS
+from kickdrift.world.contacts.rolling_core import radius_at, rolling_core, rolls
 from kickdrift.world.layout import FRICTION, RADIUS, ROLLING, SURFACE_VELOCITY
 from kickdrift.world.settings import CONTACT_DAMPING, CONTACT_HERTZ, STEP, SUBSTEPS
 from kickdrift.world.tables import (
     CONTACT,
+    INVERSE_MASS,
     MANIFOLD,
     MOTION,
     PLACE,
     POSE,
-    RESPONSE,
     SETTINGS,
     SHAPE,
     floats,
@@ -55,7 +55,7 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
     pose, motion, response, place = (
         floats(world, POSE),
         floats(world, MOTION),
-        floats(world, RESPONSE),
+        floats(world, INVERSE_MASS),
         floats(world, PLACE),
     )
     shape_a, shape_b = contact[row, c.SHAPE_A], contact[row, c.SHAPE_B]
@@ -71,10 +71,12 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
     height = max(abs(dot(along, arm)), abs(dot(along, minus(arm, apart))))
     step, turning_a, turning_b = floats(world, SETTINGS)[0, STEP], vector_at(motion, a, 3), vector_at(motion, b, 3)
     back = turned_back(quaternion_at(manifold, row, c.FOUND_POSE + 3), normal)
-    round_a = rounding(world, shape_a, radius(world, shape_a), turn_a, normal, along, times(step, turning_a))
-    round_b = rounding(world, shape_b, radius(world, shape_b), turn_b, times(-1.0, back), along, times(step, turning_b))
+    round_a = rolling_core(world, shape_a, radius(world, shape_a), turn_a, normal, along, times(step, turning_a))
+    round_b = rolling_core(
+        world, shape_b, radius(world, shape_b), turn_b, times(-1.0, back), along, times(step, turning_b)
+    )
     turned_a, turned_b, lay = (1.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), apart
-    moves = width == 0.0 or rolls(round_a) or rolls(round_b) or contact[row, c.STATE] & (c.MOVING | c.FAST) != 0
+    moves = width == 0.0 or rolls(round_a) or rolls(round_b) or contact[row, c.CONTACT_STATE] & (c.MOVING | c.FAST) != 0
     if not moves:
         lay = vector_at(manifold, row, c.REST_APART)
         turned_a = product(quaternion_at(manifold, row, c.REST_A), conjugate(turn_a))
@@ -144,8 +146,10 @@ def _wrong(
     tilt_b = times(math.copysign(2.0, turned_b[0]), (turned_b[1], turned_b[2], turned_b[3]))
     slid = minus(plus(slid, cross(tilt_b, minus(arm, apart))), cross(tilt_a, arm))
     along, twist_a, twist_b = dot(normal, slid), dot(normal, tilt_a), dot(normal, tilt_b)
-    turn = max(dot(tilt_a, tilt_a), dot(tilt_b, tilt_b)) + TWIST**2 * max(twist_a * twist_a, twist_b * twist_b)
-    return SLIP**2 * (dot(slid, slid) - along * along) + turn * reach * reach
+    turn = max(dot(tilt_a, tilt_a), dot(tilt_b, tilt_b)) + TWIST_STRICTNESS**2 * max(
+        twist_a * twist_a, twist_b * twist_b
+    )
+    return SLIP_STRICTNESS**2 * (dot(slid, slid) - along * along) + turn * reach * reach
 
 
 @compiled(inline=True)

@@ -1,7 +1,8 @@
 """Constraints from manifolds, in lanes: what `kickdrift.world.contacts.prepare` gathers of eight contacts, made into a group.
 
-`raw` are the fields gathered, `own` those of the group, `s` the scratch of `kickdrift.world.contacts.lanes`, where it is said
-how loops over lanes are written. Everything is seen from the centre of mass of the first body, where little is rounded off.
+`raw` are the fields gathered, `own` those of the group, `s` the scratch of `kickdrift.world.contacts.contact_solver_simd`,
+where it is said how loops over lanes are written. Everything is seen from the centre of mass of the first body, where little
+is rounded off.
 """
 
 import math
@@ -35,9 +36,9 @@ RAW = 89
 # Fields of scratch: velocities of the first bodies (6) and the second (6), displacements (6 and 6), inverse inertia (6 and 6);
 # how both have turned since the anchors lay as they do (4 and 4), from the first to the second (3), and 1.0 where arms are
 # to be taken anew.
-VELOCITY_A, VELOCITY_B, CHANGE_A, CHANGE_B, INERTIA_A, INERTIA_B = 0, 6, 12, 18, 24, 30
+VELOCITY_A, VELOCITY_B, DELTA_POSE_A, DELTA_POSE_B, INERTIA_A, INERTIA_B = 0, 6, 12, 18, 24, 30
 TURNED_A, TURNED_B, FROM_A_TO_B, MARK = 36, 40, 44, 47
-SCRATCH = 48 * W
+SCRATCH_SIZE = 48 * W
 _NEXT = c.POINT_FIELDS * W  # from a field of a point to the same of the next
 _ANCHORS, _ANCHOR = c.ANCHORS * W, c.ANCHOR_SIZE * W
 

@@ -3,7 +3,7 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.world.columns import column
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.flight import AWAKE, DYNAMIC, ISLAND, KIND, KINEMATIC
+from kickdrift.world.flight import AWAKE, BODY_KIND, DYNAMIC, KINEMATIC, SLEEP_ISLAND
 from kickdrift.world.joints import layout as j
 from kickdrift.world.layout import ANGULAR_VELOCITY
 from kickdrift.world.settings import SLEEP_SPEED, SLEEP_TIME
@@ -22,20 +22,20 @@ def wake(t: float, h: float, world: int) -> None:
     body, load = integers(world, BODY), floats(world, LOAD)
     contact, joint = integers(world, CONTACT), integers(world, JOINT)
     for row in range(rows(world, BODY)):
-        if body[row, KIND] < KINEMATIC or body[row, AWAKE] != 0:
+        if body[row, BODY_KIND] < KINEMATIC or body[row, AWAKE] != 0:
             continue
         pushed = _moves(world, row)
         for k in range(6):
             pushed = pushed or load[row, k] != 0.0
-        if pushed and body[row, KIND] == DYNAMIC:
-            _wake_island(world, body[row, ISLAND])
+        if pushed and body[row, BODY_KIND] == DYNAMIC:
+            _wake_island(world, body[row, SLEEP_ISLAND])
         elif pushed:
             body[row, AWAKE] = 1
     for row in range(rows(world, CONTACT)):
         if _is_near(world, row):
             _wake_one_by_other(world, contact[row, c.BODY_A], contact[row, c.BODY_B])
     for row in range(rows(world, JOINT)):
-        if joint[row, j.KIND] != j.REMOVED:
+        if joint[row, j.JOINT_KIND] != j.REMOVED:
             _wake_one_by_other(world, joint[row, j.BODY_A], joint[row, j.BODY_B])
 
 
@@ -55,24 +55,24 @@ def _moves(world: int, row: int) -> bool:
 def _is_near(world: int, row: int) -> bool:
     """Whether two bodies touch or nearly do: one wakes the other, so that they also have to sleep together."""
     contact = integers(world, CONTACT)
-    near: bool = contact[row, c.POINTS] != 0 and contact[row, c.STATE] & c.SENSOR == 0
+    near: bool = contact[row, c.POINTS] != 0 and contact[row, c.CONTACT_STATE] & c.SENSOR == 0
     return near
 
 
 @compiled
 def _wake_one_by_other(world: int, a: int, b: int) -> None:
     body = integers(world, BODY)
-    if body[a, AWAKE] != 0 and body[b, AWAKE] == 0 and body[b, KIND] == DYNAMIC:
-        _wake_island(world, body[b, ISLAND])
-    elif body[b, AWAKE] != 0 and body[a, AWAKE] == 0 and body[a, KIND] == DYNAMIC:
-        _wake_island(world, body[a, ISLAND])
+    if body[a, AWAKE] != 0 and body[b, AWAKE] == 0 and body[b, BODY_KIND] == DYNAMIC:
+        _wake_island(world, body[b, SLEEP_ISLAND])
+    elif body[b, AWAKE] != 0 and body[a, AWAKE] == 0 and body[a, BODY_KIND] == DYNAMIC:
+        _wake_island(world, body[a, SLEEP_ISLAND])
 
 
 @compiled
 def _wake_island(world: int, island: int) -> None:
     body, rested = integers(world, BODY), floats(world, RESTED)
     for row in range(rows(world, BODY)):
-        if body[row, KIND] == DYNAMIC and body[row, AWAKE] == 0 and body[row, ISLAND] == island:
+        if body[row, BODY_KIND] == DYNAMIC and body[row, AWAKE] == 0 and body[row, SLEEP_ISLAND] == island:
             body[row, AWAKE] = 1
             rested[row, TIME] = 0.0
 
@@ -87,29 +87,29 @@ def sleep(t: float, h: float, world: int) -> None:
     joint, rested, settings = integers(world, JOINT), floats(world, RESTED), floats(world, SETTINGS)
     for row in range(rows(world, BODY)):
         if body[row, AWAKE] != 0:
-            body[row, ISLAND] = row
+            body[row, SLEEP_ISLAND] = row
             rested[row, TIME] = rested[row, TIME] + h if _rests(world, row) else 0.0
-        if body[row, KIND] == KINEMATIC:
+        if body[row, BODY_KIND] == KINEMATIC:
             body[row, AWAKE] = int(_moves(world, row))
             _keep_pose(world, row)
     for row in range(rows(world, CONTACT)):
         if _is_near(world, row):
             _unite(world, contact[row, c.BODY_A], contact[row, c.BODY_B])
     for row in range(rows(world, JOINT)):
-        if joint[row, j.KIND] != j.REMOVED:
+        if joint[row, j.JOINT_KIND] != j.REMOVED:
             _unite(world, joint[row, j.BODY_A], joint[row, j.BODY_B])
     # Of each island, the least that any body has rested, kept with its first body.
     for row in range(rows(world, BODY)):
-        if body[row, KIND] == DYNAMIC and body[row, AWAKE] != 0:
+        if body[row, BODY_KIND] == DYNAMIC and body[row, AWAKE] != 0:
             first = _first_of(world, row)
             rested[first, ISLAND_TIME] = (
                 rested[row, TIME] if first == row else min(rested[first, ISLAND_TIME], rested[row, TIME])
             )
     for row in range(rows(world, BODY)):
-        if body[row, KIND] != DYNAMIC or body[row, AWAKE] == 0:
+        if body[row, BODY_KIND] != DYNAMIC or body[row, AWAKE] == 0:
             continue
         first = _first_of(world, row)
-        body[row, ISLAND] = first
+        body[row, SLEEP_ISLAND] = first
         if rested[first, ISLAND_TIME] >= settings[0, SLEEP_TIME]:
             body[row, AWAKE] = 0
             for k in range(6):
@@ -143,15 +143,15 @@ def _rests(world: int, row: int) -> bool:
 def _first_of(world: int, row: int) -> int:
     """Return the first body of the island of one that is awake."""
     body = integers(world, BODY)
-    while body[row, ISLAND] != row:
-        row = body[row, ISLAND]
+    while body[row, SLEEP_ISLAND] != row:
+        row = body[row, SLEEP_ISLAND]
     return row
 
 
 @compiled
 def _unite(world: int, a: int, b: int) -> None:
     body = integers(world, BODY)
-    if body[a, KIND] != DYNAMIC or body[b, KIND] != DYNAMIC or body[a, AWAKE] == 0 or body[b, AWAKE] == 0:
+    if body[a, BODY_KIND] != DYNAMIC or body[b, BODY_KIND] != DYNAMIC or body[a, AWAKE] == 0 or body[b, AWAKE] == 0:
         return
     first, second = _first_of(world, a), _first_of(world, b)
-    body[max(first, second), ISLAND] = min(first, second)
+    body[max(first, second), SLEEP_ISLAND] = min(first, second)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.solution import Description, Invariants
-from kickdrift.world.flaws import deepest_overlap, widest_gap
+from kickdrift.world.constraint_error import deepest_overlap, widest_gap
 from kickdrift.world.recording import Recording, appearance
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ _OF_BODIES = {"x": 3, "v": 3, "orientation": 4, "angular velocity": 3}
 _OF_THE_WORLD = {"t": 1, "energy": 2, "flaws": 2, "momentum": 3, "angular momentum": 3}
 
 
-class Keeper:
+class RecordingRows:
     """The rows of a recording, filled as the world goes on; NaN for bodies that are not there yet.
 
     Parameters
@@ -114,7 +114,7 @@ class Recorder:
     """
 
     def __init__(self, world: "World", save_every: int) -> None:
-        self._world, self._every, self._keeper = world, save_every, Keeper(world, 64)
+        self._world, self._every, self._keeper = world, save_every, RecordingRows(world, 64)
         self.n_steps, self._evaluations = 0, 0
         self._step, self._seconds = 0.0, 0.0
         self._keeper.keep(world.time)

@@ -13,9 +13,10 @@ from numba import types
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.filling import (
-    CHANGE_A,
-    CHANGE_B,
+from kickdrift.world.contacts.effective_mass_simd import find_stale, refresh, refresh_friction
+from kickdrift.world.contacts.prepare_simd import (
+    DELTA_POSE_A,
+    DELTA_POSE_B,
     INERTIA_A,
     INERTIA_B,
     MARK,
@@ -23,7 +24,6 @@ from kickdrift.world.contacts.filling import (
     VELOCITY_B,
     fill,
 )
-from kickdrift.world.contacts.refreshing import find_stale, refresh, refresh_friction
 
 W = c.WIDTH
 _NEXT = c.POINT_FIELDS * W  # from a field of a point to the same of the next
@@ -119,10 +119,10 @@ def solve_normals(own: Any, s: Any, per_h: float, soft: float, push: float, n: i
         wax, way, waz = _vector(s, VELOCITY_A + 3, lane)
         vbx, vby, vbz = _vector(s, VELOCITY_B, lane)
         wbx, wby, wbz = _vector(s, VELOCITY_B + 3, lane)
-        dax, day, daz = _vector(s, CHANGE_A, lane)
-        tax, tay, taz = _vector(s, CHANGE_A + 3, lane)
-        dbx, dby, dbz = _vector(s, CHANGE_B, lane)
-        tbx, tby, tbz = _vector(s, CHANGE_B + 3, lane)
+        dax, day, daz = _vector(s, DELTA_POSE_A, lane)
+        tax, tay, taz = _vector(s, DELTA_POSE_A + 3, lane)
+        dbx, dby, dbz = _vector(s, DELTA_POSE_B, lane)
+        tbx, tby, tbz = _vector(s, DELTA_POSE_B + 3, lane)
         # Arms of b are those of a less what is between the bodies, times the normal.
         dx, dy, dz = _vector(own, c.BETWEEN, lane)
         ex, ey, ez = dy * nz - dz * ny, dz * nx - dx * nz, dx * ny - dy * nx
@@ -289,7 +289,7 @@ def measure_normals(own: Any, s: Any, unused: float, none: float, nothing: float
 
 
 # What the table `SWEEPS` holds: the addresses of these, and the number of lanes.
-SWEEPS = (apply_impulses, solve_normals, solve_friction, fill, find_stale, refresh, refresh_friction, measure_normals)
+KERNELS = (apply_impulses, solve_normals, solve_friction, fill, find_stale, refresh, refresh_friction, measure_normals)
 APPLY_IMPULSES, SOLVE_NORMALS, SOLVE_FRICTION, FILL, FIND_STALE, REFRESH, REFRESH_FRICTION, MEASURE, LANE_COUNT = range(
     9
 )

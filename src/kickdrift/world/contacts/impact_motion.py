@@ -38,14 +38,14 @@ from kickdrift.world.flight import (
 )
 from kickdrift.world.settings import MIDPOINT
 from kickdrift.world.tables import (
-    CHANGE,
     CONTACT,
+    DELTA_POSE,
     INERTIA,
+    INVERSE_MASS,
     KICKED,
     LANES,
     MOTION,
     POSE,
-    RESPONSE,
     SETTINGS,
     STARTED_POSE,
     flat,
@@ -53,7 +53,7 @@ from kickdrift.world.tables import (
     integers,
 )
 
-_INVERSE = 1  # column of RESPONSE: inverse inertia
+_INVERSE = 1  # column of INVERSE_MASS: inverse inertia
 _SIZE = c.FIELDS * c.WIDTH
 
 
@@ -74,7 +74,7 @@ def vector_of(own: Any, field: int) -> Vector:
 @compiled(inline=True)
 def is_moved(world: int, body: int) -> bool:
     """Whether impulses move a body."""
-    moved: bool = floats(world, RESPONSE)[body, 0] > 0.0
+    moved: bool = floats(world, INVERSE_MASS)[body, 0] > 0.0
     return moved
 
 
@@ -129,10 +129,10 @@ def move_to_impact(h: float, world: int, body: int) -> None:
     for k in range(3):
         pose[body, k] += way[k]
         floats(world, MOTION)[body, k] -= slower * kicked[body, ADDED + k]
-        floats(world, CHANGE)[body, 3 + k] += last * turn[k] + (when - last) * after[k]
+        floats(world, DELTA_POSE)[body, 3 + k] += last * turn[k] + (when - last) * after[k]
     _turn_to(world, body, product(exponential(times(when - last, after)), q))
     if inertia[body, SPHERICAL] == 0.0:
-        turn = applied(symmetric_at(floats(world, RESPONSE), body, _INVERSE), vector_at(kicked, body, SPIN))
+        turn = applied(symmetric_at(floats(world, INVERSE_MASS), body, _INVERSE), vector_at(kicked, body, SPIN))
         for k in range(3):
             floats(world, MOTION)[body, 3 + k] = turn[k]
 
@@ -144,7 +144,7 @@ def leave_impact(h: float, world: int, body: int) -> None:
         floats(world, KICKED),
         floats(world, POSE),
         floats(world, MOTION),
-        floats(world, CHANGE),
+        floats(world, DELTA_POSE),
     )
     if kicked[body, NEXT_IMPACT] != -1.0 or not is_moved(world, body):
         return
@@ -153,7 +153,7 @@ def leave_impact(h: float, world: int, body: int) -> None:
     way, q, turn = _way(h, world, body, when), quaternion_at(pose, body, 3), vector_at(motion, body, 3)
     if inertia[body, SPHERICAL] == 0.0:
         moments, spin = symmetric_at(inertia, body, BODY_INERTIA), vector_at(kicked, body, SPIN)
-        before = applied(symmetric_at(floats(world, RESPONSE), body, _INVERSE), spin)
+        before = applied(symmetric_at(floats(world, INVERSE_MASS), body, _INVERSE), spin)
         spin = plus(spin, turned(q, applied(moments, turned_back(q, minus(turn, before)))))
         turn = mean_turn(h - when, q, moments, spin, turn)
         for k in range(3):
@@ -187,7 +187,7 @@ def _left_to_gain(h: float, world: int, when: float) -> float:
 @compiled
 def _turn_to(world: int, body: int, turn: Quaternion) -> None:
     """Give a body an orientation, and the inertia that it has there."""
-    pose, response, inertia = floats(world, POSE), floats(world, RESPONSE), floats(world, INERTIA)
+    pose, response, inertia = floats(world, POSE), floats(world, INVERSE_MASS), floats(world, INERTIA)
     q = unit(turn)
     for k in range(4):
         pose[body, 3 + k] = q[k]

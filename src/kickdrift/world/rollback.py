@@ -3,20 +3,20 @@
 import numpy as np
 
 from kickdrift.core.errors import LostBodyError
-from kickdrift.world.contacts.layout import HIT, STATE
-from kickdrift.world.flight import INVERSE_INERTIA, KIND, KINEMATIC, MASS
-from kickdrift.world.islands import REACH
+from kickdrift.world.contacts.layout import BOUNCED, CONTACT_STATE
+from kickdrift.world.flight import BODY_KIND, INVERSE_INERTIA, KINEMATIC, MASS
+from kickdrift.world.sleeping import REACH
 from kickdrift.world.tables import (
     BODY,
     CONTACT,
     INERTIA,
+    INVERSE_MASS,
     JOINT_NUMBERS,
     KICKED,
     LINK_NUMBERS,
     LOAD,
     MOTION,
     POSE,
-    RESPONSE,
     RESTED,
     STARTED_JOINTS,
     STARTED_MOTION,
@@ -27,7 +27,7 @@ from kickdrift.world.tables import (
 _FAR = 1e100  # m or m/s: as good as infinite
 
 
-def culprit(tables: Tables, step: float, found: int) -> int:
+def find_lost_body(tables: Tables, step: float, found: int) -> int:
     """Say which body was lost.
 
     Where joints hold bodies together all are lost at once: it is one that was nowhere before, or else the one that was
@@ -43,8 +43,8 @@ def culprit(tables: Tables, step: float, found: int) -> int:
         Row of a body that is nowhere.
     """
     now = np.hstack((tables.array(POSE)[:, :7], tables.array(MOTION)[:, :6]))
-    moves = tables.array(BODY)[:, KIND] >= KINEMATIC
-    lost = moves & ~(np.abs(now) < _FAR).all(axis=1)
+    moves = tables.array(BODY)[:, BODY_KIND] >= KINEMATIC
+    lost_body_error = moves & ~(np.abs(now) < _FAR).all(axis=1)
     motion, load = tables.array(STARTED_MOTION), tables.array(LOAD)
     inertia, reach = tables.array(INERTIA), tables.array(RESTED)[:, REACH]
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
@@ -58,25 +58,27 @@ def culprit(tables: Tables, step: float, found: int) -> int:
         )
         speeds = np.max(pushes, axis=0) + 0.0 * tables.array(STARTED_POSE)[:, :7].sum(axis=1)
     speeds = np.where(np.isfinite(speeds), speeds, np.inf)
-    of = moves & (lost | (speeds > _FAR))
+    of = moves & (lost_body_error | (speeds > _FAR))
     return int(np.argmax(np.where(of, speeds, -1.0))) if of.any() else found
 
 
-def go_back(tables: Tables) -> None:
+def roll_back(tables: Tables) -> None:
     """Bring a world back to where the step began, without the forces that were asked for it."""
     tables.array(POSE)[:] = tables.array(STARTED_POSE)
     tables.array(MOTION)[:] = tables.array(STARTED_MOTION)
     tables.array(LOAD)[:] = 0.0
     tables.array(KICKED)[:] = 0.0  # which orientations the drift left is forgotten, so that all of a body is found anew
     # Those of unequal moments are found anew by the kick.
-    lost = ~np.isfinite(tables.array(RESPONSE)[:, :7]).all(axis=1)
-    tables.array(RESPONSE)[lost, 1:7] = tables.array(INERTIA)[lost, INVERSE_INERTIA : INVERSE_INERTIA + 6]
+    lost_body_error = ~np.isfinite(tables.array(INVERSE_MASS)[:, :7]).all(axis=1)
+    tables.array(INVERSE_MASS)[lost_body_error, 1:7] = tables.array(INERTIA)[
+        lost_body_error, INVERSE_INERTIA : INVERSE_INERTIA + 6
+    ]
     tables.array(JOINT_NUMBERS)[:] = tables.array(STARTED_JOINTS)
     tables.array(LINK_NUMBERS)[:] = 0.0
-    tables.array(CONTACT)[:, STATE] &= ~HIT
+    tables.array(CONTACT)[:, CONTACT_STATE] &= ~BOUNCED
 
 
-def lost(tables: Tables, body: int, words: str, step: int) -> LostBodyError:
+def lost_body_error(tables: Tables, body: int, words: str, step: int) -> LostBodyError:
     """Say which body was lost, in words, and when; the world is back where the step began."""
     pose, motion = tables.array(POSE)[body, :7], tables.array(MOTION)[body, :6]
     if np.isfinite(pose).all() and np.isfinite(motion).all() and pose[3:].any():

@@ -1,0 +1,37 @@
+"""What a stage says where it cannot go on: columns of the one row of `kickdrift.world.tables.STEP_STATUS`.
+
+A stage that has trouble leaves the tables as they were and returns. Who runs the stages looks here after each.
+"""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.world.columns import column
+from kickdrift.world.tables import STEP_STATUS, Table, integers
+
+# Columns
+STATUS = column(STEP_STATUS)
+TABLE = column(STEP_STATUS)  # place of the table that is full
+ROWS_WANTED = column(STEP_STATUS)  # rows that it needs
+LOST_BODY = column(STEP_STATUS)  # that is nowhere
+REACHED = column(STEP_STATUS)  # the step at hand, counted from the first of `kickdrift.world.step.run`
+
+# Kinds
+OK = 0
+FULL = 1  # a table needs more room: make it, clear the row and run the stage again
+NOT_FINITE = 2  # a body has a pose or a velocity that is not finite
+NEEDS_TIME_OF_IMPACT = 3  # shapes are so fast that the step needs the stage `find_impacts`
+
+
+@compiled(inline=True)
+def ask_for_room(world: int, table: Table, count: int) -> None:
+    """Say that a table needs room for so many rows, unless something else is wrong already."""
+    row = integers(world, STEP_STATUS)
+    if row[0, STATUS] == OK:
+        row[0, STATUS], row[0, TABLE], row[0, ROWS_WANTED] = FULL, table[0], count
+
+
+@compiled(inline=True)
+def report_body(world: int, body: int) -> None:
+    """Say that a body is nowhere, unless something else is wrong already."""
+    row = integers(world, STEP_STATUS)
+    if row[0, STATUS] == OK:
+        row[0, STATUS], row[0, LOST_BODY] = NOT_FINITE, body
