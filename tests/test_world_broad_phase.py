@@ -83,16 +83,16 @@ class Scene:
 
     def find(self, step=STEP):
         """Run the stage, making room where it asks for it; returns the pairs."""
-        trouble = self[t.STEP_STATUS][0]
+        status = self[t.STEP_STATUS][0]
         find_pairs(0.0, step, self.tables.address)
-        while trouble[STATUS] == FULL:
+        while status[STATUS] == FULL:
             self.retries += 1
-            full = {t.CONTACT, t.MANIFOLD} if trouble[TABLE] == t.CONTACT.place else {PLACES[int(trouble[TABLE])]}
+            full = {t.CONTACT, t.MANIFOLD} if status[TABLE] == t.CONTACT.place else {PLACES[int(status[TABLE])]}
             for table in full:
-                self.tables.reserve(table, int(trouble[ROWS_WANTED]))
-            trouble[:] = 0
+                self.tables.reserve(table, int(status[ROWS_WANTED]))
+            status[:] = 0
             find_pairs(0.0, step, self.tables.address)
-        assert trouble[STATUS] == 0, trouble
+        assert status[STATUS] == 0, status
         return [tuple(map(int, row[:3])) for row in self[t.CONTACT]]
 
     def move(self, step=STEP):
@@ -524,10 +524,10 @@ def test_a_body_that_is_nowhere_is_named_and_can_be_brought_back(table, value):
     body = int(scene[t.SHAPE][rows[2], 1])
     scene[table][body, 1] = value
     find_pairs(0.0, STEP, scene.tables.address)
-    trouble = scene[t.STEP_STATUS][0]
-    assert (trouble[STATUS], trouble[LOST_BODY]) == (NOT_FINITE, body)
+    status = scene[t.STEP_STATUS][0]
+    assert (status[STATUS], status[LOST_BODY]) == (NOT_FINITE, body)
     assert len(scene[t.CONTACT]) == len(pairs)
-    trouble[:] = 0
+    status[:] = 0
     scene[table][body, 1] = 0.0
     assert set(scene.find()) == set(pairs)
     assert np.isfinite(scene[t.BOUNDS][:, :6]).all()
@@ -538,16 +538,16 @@ def test_nothing_is_changed_before_there_is_room():
     for k in range(40):
         scene.box((0.9 * k, 0, 0))
     scene.tables.reserve(t.SCRATCH, 1000)
-    trouble = scene[t.STEP_STATUS][0]
+    status = scene[t.STEP_STATUS][0]
     asked = []
     for _ in range(20):
         find_pairs(0.0, STEP, scene.tables.address)
-        if trouble[STATUS] == 0:
+        if status[STATUS] == 0:
             break
         assert len(scene[t.CONTACT]) == 0
-        asked.append(int(trouble[TABLE]))
-        scene.tables.reserve(PLACES[asked[-1]], int(trouble[ROWS_WANTED]))
-        trouble[:] = 0
+        asked.append(int(status[TABLE]))
+        scene.tables.reserve(PLACES[asked[-1]], int(status[ROWS_WANTED]))
+        status[:] = 0
     assert asked[-2:] == [t.CONTACT.place, t.MANIFOLD.place]
     assert len(scene[t.CONTACT]) == 39
     assert (scene[t.SHAPE][:, SEARCH_STATE] == 1).all()

@@ -78,11 +78,11 @@ class Scene(SpatialQueries):
         return row
 
     def step(self):
-        trouble = self[t.STEP_STATUS][0]
+        status = self[t.STEP_STATUS][0]
         find_pairs(0.0, 1 / 60, self.tables.address)
-        while trouble[STATUS] == FULL:
-            place, wanted = int(trouble[TABLE]), int(trouble[ROWS_WANTED])
-            trouble[:] = 0
+        while status[STATUS] == FULL:
+            place, wanted = int(status[TABLE]), int(status[ROWS_WANTED])
+            status[:] = 0
             self.tables.make_room(place, wanted)
             find_pairs(0.0, 1 / 60, self.tables.address)
 

@@ -1,4 +1,4 @@
-"""What a world conserves: energy, momentum and angular momentum."""
+"""Conserved quantities of a world: energy, momentum and angular momentum."""
 
 from typing import NamedTuple
 

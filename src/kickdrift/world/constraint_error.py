@@ -1,4 +1,4 @@
-"""How far contacts and joints are from what they should be."""
+"""Errors of constraints: how far contacts and joints are from what they should be."""
 
 import numpy as np
 from numpy.typing import NDArray

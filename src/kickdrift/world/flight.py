@@ -92,11 +92,11 @@ _ROUNDING = 1e-34  # square of half a unit in the last place, nearly
 @compiled
 def begin(t: float, h: float, world: int) -> None:
     """Count displacements from here, and keep what there is in case the step cannot be done."""
-    change, pose, motion = floats(world, DELTA_POSE), floats(world, POSE), floats(world, MOTION)
+    delta_pose, pose, motion = floats(world, DELTA_POSE), floats(world, POSE), floats(world, MOTION)
     old_pose, old_motion = floats(world, STARTED_POSE), floats(world, STARTED_MOTION)
     for body in range(rows(world, DELTA_POSE)):
         for k in range(8):
-            change[body, k] = 0.0
+            delta_pose[body, k] = 0.0
             old_pose[body, k] = pose[body, k]
             old_motion[body, k] = motion[body, k]
     joints, old_joints = floats(world, JOINT_NUMBERS), floats(world, STARTED_JOINTS)
@@ -137,7 +137,7 @@ def flatten(t: float, h: float, world: int) -> None:
 def kick(t: float, h: float, world: int) -> None:
     """Add h times the acceleration to the velocities, and say with which velocities free bodies turn."""
     motion, kicked, force = floats(world, MOTION), floats(world, KICKED), floats(world, FORCE)
-    inertia, response, pose = floats(world, INERTIA), floats(world, INVERSE_MASS), floats(world, POSE)
+    inertia, inverse_mass, pose = floats(world, INERTIA), floats(world, INVERSE_MASS), floats(world, POSE)
     body_kind, settings = integers(world, BODY), floats(world, SETTINGS)
     for body in range(rows(world, POSE)):
         if body_kind[body, BODY_KIND] != DYNAMIC or body_kind[body, AWAKE] == 0:
@@ -149,13 +149,13 @@ def kick(t: float, h: float, world: int) -> None:
         keep = 1.0 / (1.0 + h * inertia[body, DAMPING])
         for k in range(3):
             old = motion[body, k]
-            motion[body, k] = keep * (old + h * (settings[0, GRAVITY + k] + response[body, 0] * force[body, k]))
+            motion[body, k] = keep * (old + h * (settings[0, GRAVITY + k] + inverse_mass[body, 0] * force[body, k]))
             kicked[body, k] = motion[body, k]
             kicked[body, ADDED + k] = motion[body, k] - old
         if inertia[body, SPHERICAL] == 0.0:
-            _follow_pose(body, pose, motion, inertia, response, kicked)
+            _follow_pose(body, pose, motion, inertia, inverse_mass, kicked)
         torque = vector_at(force, body, 3)
-        turn = applied(symmetric_at(response, body, 1), torque)
+        turn = applied(symmetric_at(inverse_mass, body, 1), torque)
         keep = 1.0 / (1.0 + h * inertia[body, TURN_DAMPING])
         for k in range(3):
             motion[body, 3 + k] = keep * (motion[body, 3 + k] + h * turn[k])
@@ -167,7 +167,7 @@ def kick(t: float, h: float, world: int) -> None:
 
 
 @compiled
-def _follow_pose(body: int, pose: Any, motion: Any, inertia: Any, response: Any, kicked: Any) -> None:
+def _follow_pose(body: int, pose: Any, motion: Any, inertia: Any, inverse_mass: Any, kicked: Any) -> None:
     """Begin anew with a body whose orientation is not the one that the drift left: it is new, or was turned by hand."""
     same = True
     for k in range(4):
@@ -178,7 +178,7 @@ def _follow_pose(body: int, pose: Any, motion: Any, inertia: Any, response: Any,
     turned_inverse = turned_symmetric(q, symmetric_at(inertia, body, INVERSE_INERTIA))
     spin = _turned_product(q, symmetric_at(inertia, body, BODY_INERTIA), vector_at(motion, body, 3))
     for k in range(6):
-        response[body, 1 + k] = turned_inverse[k]
+        inverse_mass[body, 1 + k] = turned_inverse[k]
     for k in range(3):
         kicked[body, SPIN + k] = spin[k]
         kicked[body, LEFT_TURN + k] = motion[body, 3 + k]
@@ -242,8 +242,8 @@ def drift(t: float, h: float, world: int) -> None:
     Free bodies that were pushed turn as they do in free flight with the angular momentum that they have now: about an axis
     that is right to first order only, a capsule without friction would win or lose spin.
     """
-    motion, kicked, change = floats(world, MOTION), floats(world, KICKED), floats(world, DELTA_POSE)
-    inertia, response, pose = floats(world, INERTIA), floats(world, INVERSE_MASS), floats(world, POSE)
+    motion, kicked, delta_pose = floats(world, MOTION), floats(world, KICKED), floats(world, DELTA_POSE)
+    inertia, inverse_mass, pose = floats(world, INERTIA), floats(world, INVERSE_MASS), floats(world, POSE)
     body_kind, midpoint = integers(world, BODY), floats(world, SETTINGS)[0, MIDPOINT]
     for body in range(rows(world, POSE)):
         kind = body_kind[body, BODY_KIND]
@@ -260,7 +260,7 @@ def drift(t: float, h: float, world: int) -> None:
         for k in range(3):
             way = h * (motion[body, k] - back * kicked[body, ADDED + k])
             pose[body, k] += way
-            change[body, k] += way
+            delta_pose[body, k] += way
         before = (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
         w = (motion[body, 3], motion[body, 4], motion[body, 5])
         turns, way, left = inertia[body, SPHERICAL] == 0.0 and kind == DYNAMIC, times(h, w), h
@@ -276,7 +276,7 @@ def drift(t: float, h: float, world: int) -> None:
                 w = mean_turn(left, before, moments, spin, w)
                 way = plus(way, times(left, w))
         for k in range(3):
-            change[body, 3 + k] += way[k]
+            delta_pose[body, 3 + k] += way[k]
         q = unit(product(exponential(times(left, w)), before))
         for k in range(4):
             pose[body, 3 + k] = q[k]
@@ -289,4 +289,4 @@ def drift(t: float, h: float, world: int) -> None:
             for k in range(4):
                 kicked[body, LEFT_POSE + k] = q[k]
             for k in range(6):
-                response[body, 1 + k] = turned_inverse[k]
+                inverse_mass[body, 1 + k] = turned_inverse[k]

@@ -1,4 +1,4 @@
-"""What bodies weigh."""
+"""Mass properties of bodies: from their parts, or as given."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING

@@ -20,7 +20,7 @@ _UNITS = {
     "energy": "J", "momentum": "kg m/s", "angular momentum": "kg m^2/s",
 }  # fmt: skip
 _OF_BODIES = {"x": 3, "v": 3, "orientation": 4, "angular velocity": 3}
-_OF_THE_WORLD = {"t": 1, "energy": 2, "flaws": 2, "momentum": 3, "angular momentum": 3}
+_OF_THE_WORLD = {"t": 1, "energy": 2, "constraint error": 2, "momentum": 3, "angular momentum": 3}
 
 
 class RecordingRows:
@@ -52,7 +52,7 @@ class RecordingRows:
         rows["angular velocity"][row, :bodies] = world.angular_velocity
         energy = world.energy()
         rows["energy"][row] = energy.kinetic, energy.potential
-        rows["flaws"][row] = deepest_overlap(world.tables), widest_gap(world.tables)
+        rows["constraint error"][row] = deepest_overlap(world.tables), widest_gap(world.tables)
         rows["momentum"][row], rows["angular momentum"][row] = world.momentum(), world.angular_momentum()
         self.count += 1
 
@@ -71,7 +71,7 @@ class RecordingRows:
     ) -> Recording:
         """Return what was kept."""
         world, rows = self._world, {name: values[: self.count] for name, values in self._rows.items()}
-        (kinetic, potential), (overlap, gap) = rows["energy"].T.copy(), rows["flaws"].T.copy()
+        (kinetic, potential), (overlap, gap) = rows["energy"].T.copy(), rows["constraint error"].T.copy()
         kept = {"energy": kinetic + potential, **{name: rows[name] for name in ("momentum", "angular momentum")}}
         looks = appearance(world)
         return Recording(
@@ -114,10 +114,10 @@ class Recorder:
     """
 
     def __init__(self, world: "World", save_every: int) -> None:
-        self._world, self._every, self._keeper = world, save_every, RecordingRows(world, 64)
+        self._world, self._every, self._rows = world, save_every, RecordingRows(world, 64)
         self.n_steps, self._evaluations = 0, 0
         self._step, self._seconds = 0.0, 0.0
-        self._keeper.keep(world.time)
+        self._rows.keep(world.time)
 
     @property
     def steps_to_row(self) -> int:
@@ -132,10 +132,10 @@ class Recorder:
         if count:
             self._step = max(self._step, step)
             if self.n_steps % self._every == 0:
-                self._keeper.keep(time)
+                self._rows.keep(time)
 
     def recording(self, outcome: Outcome, message: str) -> Recording:
         """Keep the last state too, and return what was kept."""
         if self.n_steps % self._every:
-            self._keeper.keep(self._world.time)
-        return self._keeper.recording(outcome, message, self._step, self.n_steps, self._evaluations, self._seconds)
+            self._rows.keep(self._world.time)
+        return self._rows.recording(outcome, message, self._step, self.n_steps, self._evaluations, self._seconds)

@@ -1,4 +1,4 @@
-"""Worlds that have lost a body to infinity: which one it was, and back to where the step began."""
+"""Rollback: which body a world has lost to infinity, and back to where the step began."""
 
 import numpy as np
 

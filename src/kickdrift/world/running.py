@@ -31,13 +31,13 @@ def run(world: "World", duration: float, step: float, save_every: int | None, pr
     grid = _lay(duration, step, save_every, len(world.position))
     with announcements(progress):
         world.advance(grid.step, 0)
-    keeper, t0 = RecordingRows(world, len(grid.save_steps) + 1), world.time  # one row more for a run that ends early
+    rows, t0 = RecordingRows(world, len(grid.save_steps) + 1), world.time  # one row more for a run that ends early
     outcome, cause, seconds = Outcome.COMPLETED, "", 0.0
     done, chunk, bar = 0, 1, Bar(grid.n_steps, progress)
-    keeper.keep(t0)
+    rows.keep(t0)
     with closing(bar), _interruption_noted() as interrupted:
         while done < grid.n_steps and not interrupted.is_set():
-            count = min(chunk, int(grid.save_steps[keeper.count]) - done)
+            count = min(chunk, int(grid.save_steps[rows.count]) - done)
             before, started = world.n_steps, time.perf_counter()
             try:
                 world.advance(grid.step, count)
@@ -47,16 +47,16 @@ def run(world: "World", duration: float, step: float, save_every: int | None, pr
             done, seconds = done + world.n_steps - before, seconds + took
             if outcome is not Outcome.COMPLETED:
                 break
-            if done == grid.save_steps[keeper.count]:
-                keeper.keep(t0 + grid.times[keeper.count])
+            if done == grid.save_steps[rows.count]:
+                rows.keep(t0 + grid.times[rows.count])
             chunk = max(1, min(10 * count, int(count * _CHUNK_SECONDS / max(took, 1e-9))))
             bar.show(done, seconds)
     if outcome is Outcome.COMPLETED and done < grid.n_steps:
         outcome = Outcome.INTERRUPTED
-    if done != grid.save_steps[keeper.count - 1]:
-        keeper.keep(t0 + done * grid.step)
+    if done != grid.save_steps[rows.count - 1]:
+        rows.keep(t0 + done * grid.step)
     message = _message(outcome, cause, world, done, grid)
-    return keeper.recording(outcome, message, grid.step, done, done * world.substeps, seconds)
+    return rows.recording(outcome, message, grid.step, done, done * world.substeps, seconds)
 
 
 @contextmanager

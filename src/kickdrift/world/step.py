@@ -37,16 +37,16 @@ def run(
     Returns
     -------
     step, stage : int
-        Where it ended: (`last`, 0), or the stage that wrote into the table of troubles.
+        Where it ended: (`last`, 0), or the stage that wrote into `STEP_STATUS`.
     """
-    trouble: Any = integers(world, STEP_STATUS)
+    status: Any = integers(world, STEP_STATUS)
     for n in range(first, last):
         t = t0 + (n - first) * step
-        trouble[0, REACHED] = n
+        status[0, REACHED] = n
         for k in range(at, stages.size):
             call(stages[k], (t + offsets[k], lengths[k], world))
-            if trouble[0, STATUS] != 0:
+            if status[0, STATUS] != 0:
                 return n, k
         at = 0
-    trouble[0, REACHED] = 0
+    status[0, REACHED] = 0
     return last, 0

@@ -1,6 +1,6 @@
 """What a stage says where it cannot go on: columns of the one row of `kickdrift.world.tables.STEP_STATUS`.
 
-A stage that has trouble leaves the tables as they were and returns. Who runs the stages looks here after each.
+A stage that cannot go on leaves the tables as they were and returns. Who runs the stages looks here after each.
 """
 
 from kickdrift.core.compilation import compiled
@@ -14,7 +14,7 @@ ROWS_WANTED = column(STEP_STATUS)  # rows that it needs
 LOST_BODY = column(STEP_STATUS)  # that is nowhere
 REACHED = column(STEP_STATUS)  # the step at hand, counted from the first of `kickdrift.world.step.run`
 
-# Kinds
+# Values of STATUS
 OK = 0
 FULL = 1  # a table needs more room: make it, clear the row and run the stage again
 NOT_FINITE = 2  # a body has a pose or a velocity that is not finite

@@ -279,9 +279,9 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
 
     def _help(self, done: int, step: float) -> None:
         """Do what a stage has asked for; raise what cannot be helped."""
-        trouble = self.tables.array(STEP_STATUS)[0]
-        kind, table, wanted, body = (int(trouble[column]) for column in (STATUS, TABLE, ROWS_WANTED, LOST_BODY))
-        trouble[:] = 0
+        status = self.tables.array(STEP_STATUS)[0]
+        kind, table, wanted, body = (int(status[column]) for column in (STATUS, TABLE, ROWS_WANTED, LOST_BODY))
+        status[:] = 0
         if kind == NEEDS_TIME_OF_IMPACT:
             self.tables.array(SETTINGS)[0, settings.HAS_FAST] = 1.0
             self.tables.altered = True

@@ -222,10 +222,10 @@ def _overlap(
 def _strays(tables: Tables) -> Integers:
     """Bring the trees up to date with the shapes that there are, and return those that have left their boxes."""
     find_extents(tables, _kinds(tables))
-    trouble = tables.array(STEP_STATUS)[0]
+    status = tables.array(STEP_STATUS)[0]
     while not update_for_queries(tables.address):
-        kind, table, wanted, body = (int(trouble[column]) for column in (STATUS, TABLE, ROWS_WANTED, LOST_BODY))
-        trouble[:] = 0
+        kind, table, wanted, body = (int(status[column]) for column in (STATUS, TABLE, ROWS_WANTED, LOST_BODY))
+        status[:] = 0
         if kind != FULL:
             raise _nowhere(body)
         tables.make_room(table, wanted)

@@ -41,7 +41,7 @@ from kickdrift.world.tables import (
 
 @compiled
 def update_bounds(world: int, h: float) -> bool:
-    """List the shapes that leave their fat bounds in a step of h, to be sought; False where there is trouble."""
+    """List the shapes that leave their fat bounds in a step of h, to be sought; False where there is something wrong."""
     search, shapes = integers(world, SEARCH), integers(world, SHAPE)
     if search[0, CONTACTS] != rows(world, CONTACT):  # someone else has removed some
         for shape in range(rows(world, SHAPE)):

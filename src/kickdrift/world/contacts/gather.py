@@ -52,7 +52,7 @@ _ROUNDING = 1e-9  # of the smaller shape, by which everything may move
 def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch: Any) -> None:
     """Gather what the constraint of one contact is made of; field k is raw[k WIDTH]."""
     contact, manifold = integers(world, CONTACT), floats(world, MANIFOLD)
-    pose, motion, response, place = (
+    pose, motion, inverse_mass, place = (
         floats(world, POSE),
         floats(world, MOTION),
         floats(world, INVERSE_MASS),
@@ -118,19 +118,19 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
         raw[(r.RADII + at) * c.WIDTH], raw[(r.RADII + at + 1) * c.WIDTH] = radius_a, radius_b
         raw[(r.IMPULSE + k) * c.WIDTH] = manifold[row, c.NORMAL_IMPULSE + k] if k < points else 0.0
     raw[r.COUNT * c.WIDTH] = points
-    raw[r.MASS_A * c.WIDTH], raw[r.MASS_B * c.WIDTH] = response[a, 0], response[b, 0]
+    raw[r.MASS_A * c.WIDTH], raw[r.MASS_B * c.WIDTH] = inverse_mass[a, 0], inverse_mass[b, 0]
     for k in range(6):
-        scratch[(r.INERTIA_A + k) * c.WIDTH] = response[a, 1 + k]
-        scratch[(r.INERTIA_B + k) * c.WIDTH] = response[b, 1 + k]
+        scratch[(r.INERTIA_A + k) * c.WIDTH] = inverse_mass[a, 1 + k]
+        scratch[(r.INERTIA_B + k) * c.WIDTH] = inverse_mass[b, 1 + k]
     raw[r.FRICTION * c.WIDTH] = math.sqrt(place[shape_a, FRICTION] * place[shape_b, FRICTION])
     raw[r.RESISTANCE * c.WIDTH] = max(place[shape_a, ROLLING], place[shape_b, ROLLING])
     raw[r.TWISTED * c.WIDTH] = manifold[row, c.TWIST_IMPULSE]
-    fixed = response[a, 0] == 0.0 or response[b, 0] == 0.0
+    fixed = inverse_mass[a, 0] == 0.0 or inverse_mass[b, 0] == 0.0
     slide_a, slide_b = _surface_velocity(world, shape_a), _surface_velocity(world, shape_b)
     for k in range(3):
         raw[(r.SLIDE + k) * c.WIDTH] = slide_a[k] - slide_b[k]
         raw[(r.SOFTNESS + k) * c.WIDTH] = soft[k] if fixed else softer[k]
-    raw[r.SHARE * c.WIDTH] = _share(rolls(round_a), rolls(round_b), response[a, 0], response[b, 0])
+    raw[r.SHARE * c.WIDTH] = _share(rolls(round_a), rolls(round_b), inverse_mass[a, 0], inverse_mass[b, 0])
     least = _ROUNDING * smallest(place[shape_a, RADIUS], place[shape_b, RADIUS])
     still = max(_STILL * floats(world, SETTINGS)[0, STEP] * width, least)
     raw[(r.STALE + 1) * c.WIDTH] = still

@@ -140,7 +140,7 @@ def move_to_impact(h: float, world: int, body: int) -> None:
 @compiled
 def leave_impact(h: float, world: int, body: int) -> None:
     """Set a body back to where it would have begun the substep to be where it is now with the velocities that it has."""
-    kicked, pose, motion, change = (
+    kicked, pose, motion, delta_pose = (
         floats(world, KICKED),
         floats(world, POSE),
         floats(world, MOTION),
@@ -163,8 +163,8 @@ def leave_impact(h: float, world: int, body: int) -> None:
         motion[body, k] += faster * kicked[body, ADDED + k]
         back = when * (motion[body, k] - kicked[body, k])
         pose[body, k] -= way[k] + back
-        change[body, k] -= back
-        change[body, 3 + k] -= when * turn[k]
+        delta_pose[body, k] -= back
+        delta_pose[body, 3 + k] -= when * turn[k]
         kicked[body, k], kicked[body, 3 + k], motion[body, 3 + k] = motion[body, k], turn[k], turn[k]
     _turn_to(world, body, product(exponential(times(-when, turn)), q))
 
@@ -187,14 +187,14 @@ def _left_to_gain(h: float, world: int, when: float) -> float:
 @compiled
 def _turn_to(world: int, body: int, turn: Quaternion) -> None:
     """Give a body an orientation, and the inertia that it has there."""
-    pose, response, inertia = floats(world, POSE), floats(world, INVERSE_MASS), floats(world, INERTIA)
+    pose, inverse_mass, inertia = floats(world, POSE), floats(world, INVERSE_MASS), floats(world, INERTIA)
     q = unit(turn)
     for k in range(4):
         pose[body, 3 + k] = q[k]
     if inertia[body, SPHERICAL] == 0.0:
         inverse = turned_symmetric(q, symmetric_at(inertia, body, INVERSE_INERTIA))
         for k in range(6):
-            response[body, 1 + k] = inverse[k]
+            inverse_mass[body, 1 + k] = inverse[k]
 
 
 @compiled

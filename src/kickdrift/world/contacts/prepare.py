@@ -46,7 +46,7 @@ def colour(t: float, h: float, world: int) -> None:
 
     Greedy, in the order of the contacts: the first colour that neither body has yet. Bodies that do not move have none.
     """
-    contact, response, body = integers(world, CONTACT), floats(world, INVERSE_MASS), integers(world, BODY)
+    contact, inverse_mass, body = integers(world, CONTACT), floats(world, INVERSE_MASS), integers(world, BODY)
     taken, colours = integers(world, COLOURED), integers(world, COLOURS)
     for k in range(rows(world, COLOURED)):
         taken[k, 0] = 0
@@ -59,7 +59,7 @@ def colour(t: float, h: float, world: int) -> None:
             continue
         if body[a, AWAKE] == 0 and body[b, AWAKE] == 0:
             continue
-        moves_a, moves_b = response[a, 0] > 0.0, response[b, 0] > 0.0
+        moves_a, moves_b = inverse_mass[a, 0] > 0.0, inverse_mass[b, 0] > 0.0
         node_a, node_b = body[a, LINK_PLACE] > 0, body[b, LINK_PLACE] > 0
         if (node_a or node_b) and (node_a or not moves_a) and (node_b or not moves_b):
             contact[row, c.PLACE_IN_GROUPS] = LINKED

@@ -81,10 +81,10 @@ def _at(array: Any, at: int) -> Vector:
 @compiled
 def _yielding(world: int, a: int, b: int, hit: Any, along: Vector, other: Vector) -> float:
     """Velocity along one direction at the centre by a unit impulse along another."""
-    response = floats(world, INVERSE_MASS)
+    inverse_mass = floats(world, INVERSE_MASS)
     arm_a, arm_b = _at(hit, ARM_A), _at(hit, ARM_B)
-    inverse_a, inverse_b = symmetric_at(response, a, _INVERSE), symmetric_at(response, b, _INVERSE)
-    linear: float = (response[a, 0] + response[b, 0]) * dot(along, other)
+    inverse_a, inverse_b = symmetric_at(inverse_mass, a, _INVERSE), symmetric_at(inverse_mass, b, _INVERSE)
+    linear: float = (inverse_mass[a, 0] + inverse_mass[b, 0]) * dot(along, other)
     turned_a: float = dot(cross(arm_a, along), applied(inverse_a, cross(arm_a, other)))
     turned_b: float = dot(cross(arm_b, along), applied(inverse_b, cross(arm_b, other)))
     return linear + turned_a + turned_b
@@ -102,12 +102,12 @@ def _speed(world: int, a: int, b: int, normal: Vector, point: Any) -> float:
 @compiled(inline=True)
 def _push(world: int, a: int, b: int, push: Vector, turn_a: Vector, turn_b: Vector) -> None:
     """Apply an impulse to b and its reverse to a, with angular impulses."""
-    motion, response = floats(world, MOTION), floats(world, INVERSE_MASS)
-    change_a = applied(symmetric_at(response, a, _INVERSE), turn_a)
-    change_b = applied(symmetric_at(response, b, _INVERSE), turn_b)
+    motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
+    change_a = applied(symmetric_at(inverse_mass, a, _INVERSE), turn_a)
+    change_b = applied(symmetric_at(inverse_mass, b, _INVERSE), turn_b)
     for k in range(3):
-        motion[a, k] -= response[a, 0] * push[k]
-        motion[b, k] += response[b, 0] * push[k]
+        motion[a, k] -= inverse_mass[a, 0] * push[k]
+        motion[b, k] += inverse_mass[b, 0] * push[k]
         motion[a, 3 + k] -= change_a[k]
         motion[b, 3 + k] += change_b[k]
 
@@ -119,17 +119,17 @@ def _sweep_points(world: int, hit: Any, stopping: bool, least: float, thrown: bo
     They are asked for no velocity, or, `thrown`, for the one that they want; impulses stay above `least` times the ones that
     stopped them.
     """
-    row, contact, response = int(hit[ROW]), integers(world, CONTACT), floats(world, INVERSE_MASS)
+    row, contact, inverse_mass = int(hit[ROW]), integers(world, CONTACT), floats(world, INVERSE_MASS)
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
     normal = _at(hit, NORMAL)
-    inverse_a, inverse_b = symmetric_at(response, a, _INVERSE), symmetric_at(response, b, _INVERSE)
+    inverse_a, inverse_b = symmetric_at(inverse_mass, a, _INVERSE), symmetric_at(inverse_mass, b, _INVERSE)
     largest = 0.0
     for k in range(4):
         point = hit[POINTS + POINT_SIZE * k : POINTS + POINT_SIZE * (k + 1)]
         if point[PLASTIC] < 0.0 or (not stopping and point[PLASTIC] == 0.0 and not thrown):
             continue
         turn_a, turn_b = _at(point, TURN_A), _at(point, TURN_B)
-        yielding = response[a, 0] + response[b, 0]
+        yielding = inverse_mass[a, 0] + inverse_mass[b, 0]
         yielding += dot(turn_a, applied(inverse_a, turn_a)) + dot(turn_b, applied(inverse_b, turn_b))
         missing = (point[WANTED] if thrown else 0.0) - _speed(world, a, b, normal, point)
         d = max(point[IMPULSE] + missing / yielding, -least * point[PLASTIC]) - point[IMPULSE]

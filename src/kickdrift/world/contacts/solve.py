@@ -85,7 +85,7 @@ def _forth(t: float, h: float, world: int) -> None:
 
 @compiled
 def _warm_start_group(h: float, world: int, g: int) -> None:
-    motion, response, groups = floats(world, MOTION), floats(world, INVERSE_MASS), integers(world, GROUPS)
+    motion, inverse_mass, groups = floats(world, MOTION), floats(world, INVERSE_MASS), integers(world, GROUPS)
     lanes, scratch, sweeps = (
         flat(world, LANES),
         carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)),
@@ -93,7 +93,7 @@ def _warm_start_group(h: float, world: int, g: int) -> None:
     )
     n = sweeps[0, LANE_COUNT]
     _gather(groups, g, motion, 0, VELOCITY_A, scratch, n)
-    _gather(groups, g, response, 1, INERTIA_A, scratch, n)
+    _gather(groups, g, inverse_mass, 1, INERTIA_A, scratch, n)
     own = lanes[g * _SIZE : (g + 1) * _SIZE]
     if g >= integers(world, COLOURS)[LINKED, 1]:  # no sweep of ours takes those of links anew
         _gather(groups, g, floats(world, DELTA_POSE), 0, DELTA_POSE_A, scratch, n)
@@ -104,16 +104,16 @@ def _warm_start_group(h: float, world: int, g: int) -> None:
 
 @compiled
 def _solve_group(h: float, world: int, g: int) -> None:
-    motion, response, groups = floats(world, MOTION), floats(world, INVERSE_MASS), integers(world, GROUPS)
+    motion, inverse_mass, groups = floats(world, MOTION), floats(world, INVERSE_MASS), integers(world, GROUPS)
     lanes, scratch, sweeps = (
         flat(world, LANES),
         carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)),
         integers(world, SWEEPS),
     )
-    change, push, n = floats(world, DELTA_POSE), floats(world, SETTINGS)[0, PUSH_SPEED], sweeps[0, LANE_COUNT]
+    delta_pose, push, n = floats(world, DELTA_POSE), floats(world, SETTINGS)[0, PUSH_SPEED], sweeps[0, LANE_COUNT]
     _gather(groups, g, motion, 0, VELOCITY_A, scratch, n)
-    _gather(groups, g, change, 0, DELTA_POSE_A, scratch, n)
-    _gather(groups, g, response, 1, INERTIA_A, scratch, n)
+    _gather(groups, g, delta_pose, 0, DELTA_POSE_A, scratch, n)
+    _gather(groups, g, inverse_mass, 1, INERTIA_A, scratch, n)
     own = lanes[g * _SIZE : (g + 1) * _SIZE]
     sweep(sweeps[0, SOLVE_NORMALS], (own, scratch, 1.0 / h, 1.0, push, n))
     _scatter(groups, g, motion, scratch, n)
@@ -121,16 +121,16 @@ def _solve_group(h: float, world: int, g: int) -> None:
 
 @compiled
 def _relax_group(h: float, world: int, g: int) -> None:
-    motion, response, groups = floats(world, MOTION), floats(world, INVERSE_MASS), integers(world, GROUPS)
+    motion, inverse_mass, groups = floats(world, MOTION), floats(world, INVERSE_MASS), integers(world, GROUPS)
     lanes, scratch, sweeps = (
         flat(world, LANES),
         carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)),
         integers(world, SWEEPS),
     )
-    change, n = floats(world, DELTA_POSE), sweeps[0, LANE_COUNT]
+    delta_pose, n = floats(world, DELTA_POSE), sweeps[0, LANE_COUNT]
     _gather(groups, g, motion, 0, VELOCITY_A, scratch, n)
-    _gather(groups, g, change, 0, DELTA_POSE_A, scratch, n)
-    _gather(groups, g, response, 1, INERTIA_A, scratch, n)
+    _gather(groups, g, delta_pose, 0, DELTA_POSE_A, scratch, n)
+    _gather(groups, g, inverse_mass, 1, INERTIA_A, scratch, n)
     own = lanes[g * _SIZE : (g + 1) * _SIZE]
     _take_anew(h, world, g, own, scratch)
     least = _TOUCHING * floats(world, SETTINGS)[0, SLOP]

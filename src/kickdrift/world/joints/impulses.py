@@ -72,8 +72,8 @@ def push_bodies(joint: int, source: Any, row: int, column: int, world: int) -> N
 @compiled(inline=True, cached=False)
 def push_body(body: int, push: Vector, turn: Vector, world: int) -> None:
     """Let an impulse at the centre of mass and an angular impulse act on a body."""
-    motion, response = floats(world, MOTION), floats(world, INVERSE_MASS)
-    turned = applied(symmetric_at(response, body, INVERSE_INERTIA_PART), turn)
+    motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
+    turned = applied(symmetric_at(inverse_mass, body, INVERSE_INERTIA_PART), turn)
     for k in range(3):
-        motion[body, k] += response[body, 0] * push[k]
+        motion[body, k] += inverse_mass[body, 0] * push[k]
         motion[body, 3 + k] += turned[k]

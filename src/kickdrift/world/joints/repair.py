@@ -10,7 +10,7 @@ from kickdrift.world.tables import DELTA_POSE, INVERSE_MASS, MOTION, POSE, float
 @compiled(cached=False)
 def shift_body(body: int, way: Vector, turn: Vector, world: int) -> None:
     """Change the pose of a body, and turn its angular velocity with it, which keeps its energy."""
-    pose, change, motion, response = (
+    pose, delta_pose, motion, inverse_mass = (
         floats(world, POSE),
         floats(world, DELTA_POSE),
         floats(world, MOTION),
@@ -19,13 +19,13 @@ def shift_body(body: int, way: Vector, turn: Vector, world: int) -> None:
     by = exponential(turn)
     q = unit(product(by, quaternion_at(pose, body, ANGULAR_PART)))
     w = turned(by, vector_at(motion, body, ANGULAR_PART))
-    inverse = turned_symmetric(by, symmetric_at(response, body, INVERSE_INERTIA_PART))
+    inverse = turned_symmetric(by, symmetric_at(inverse_mass, body, INVERSE_INERTIA_PART))
     for k in range(3):
         pose[body, k] += way[k]
-        change[body, k] += way[k]
-        change[body, 3 + k] += turn[k]
+        delta_pose[body, k] += way[k]
+        delta_pose[body, 3 + k] += turn[k]
         motion[body, 3 + k] = w[k]
     for k in range(4):
         pose[body, 3 + k] = q[k]
     for k in range(6):
-        response[body, 1 + k] = inverse[k]
+        inverse_mass[body, 1 + k] = inverse[k]
