@@ -343,8 +343,8 @@ def test_files_of_other_sorts_say_what_they_are(tmp_path, rolled):
         kd.load(world.save(tmp_path / "world.npz"))
     with pytest.raises(FileFormatError, match="is not a kickdrift world"):
         kd.load_world(recording.save(tmp_path / "recording.npz"))
-    _rewritten(tmp_path / "world.npz", _put(0, "format", "kickdrift world 3"))
-    with pytest.raises(FileFormatError, match=r"'kickdrift world 3', and this version of kickdrift reads"):
+    _rewritten(tmp_path / "world.npz", _put(0, "format", "kickdrift world 4"))
+    with pytest.raises(FileFormatError, match=r"'kickdrift world 4', and this version of kickdrift reads"):
         kd.load_world(tmp_path / "world.npz")
     with pytest.raises(FileFormatError, match="cannot be read"):
         kd.load_world(tmp_path / "nothing.npz")
