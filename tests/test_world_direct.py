@@ -104,7 +104,6 @@ def test_a_pusher_gives_what_its_motor_may_and_what_it_brings(pusher_mass, box_m
         assert box.velocity[0] == pytest.approx(1.0, rel=0.01)
 
 
-@pytest.mark.xfail(reason="leaves with 1.024 m/s: its contact begins with too great an impulse")
 def test_a_light_pusher_drives_a_heavy_box_no_faster_than_it_goes():
     world = World()
     world.add_plane(friction=0.0)

@@ -67,8 +67,8 @@ SHAPE_KINDS = Table(28, 4, whole=True)  # of shapes: see `kickdrift.world.collis
 COLLIDERS = Table(25, 16, whole=True)  # address of the function for each pair of kinds of shapes
 ARTICULATION = Table(26, 12, whole=True)
 LINK = Table(46, 10, whole=True)  # a body of an articulation and the joint that it hangs on, parents first
-LINK_NUMBERS = Table(47, 232)
-CONTACT_ROW = Table(48, 256)  # of contacts that are solved directly: see `kickdrift.world.direct.layout`
+LINK_NUMBERS = Table(47, 248)
+CONTACT_ROW = Table(48, 288)  # of contacts that are solved directly: see `kickdrift.world.direct.layout`
 GRAPH = Table(51, 4, whole=True)  # one row: see `kickdrift.world.direct.nodes`
 ISLAND = Table(52, 8, whole=True)
 ISLAND_CONTACT = Table(53, 1, whole=True)  # contacts of the linked colour, one island after the other

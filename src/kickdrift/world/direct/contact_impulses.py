@@ -8,7 +8,7 @@ from kickdrift.world.direct.contacts import BOUNCE, PRESS, SMOOTH_BOUNCE, constr
 from kickdrift.world.direct.layout import (
     ACTIVE,
     AFTER_CONTACT,
-    CONSTANT,
+    BASE,
     CUT,
     FIRST_CONTACT,
     GIVEN,
@@ -19,7 +19,6 @@ from kickdrift.world.direct.layout import (
     NODES,
     SPEED,
     STATE,
-    STIFFNESS,
     TANGENT,
     WANTED,
     WRENCH,
@@ -53,7 +52,7 @@ def refine_contacts(island: int, world: int) -> float:
                     continue
                 if i < TANGENT + 2:
                     worst = max(worst, abs(missing - numbers[MOVED + i]))
-                numbers[CONSTANT + i] = numbers[GIVEN + i] + numbers[STIFFNESS + first] * missing
+                numbers[BASE + i] = numbers[GIVEN + i]
     return worst
 
 

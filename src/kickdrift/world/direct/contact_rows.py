@@ -13,7 +13,10 @@ from kickdrift.core.vectors import Vector, cross, dot, minus
 from kickdrift.world.columns import symmetric_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.direct.layout import (
+    ACCEPTED,
     ACTIVE,
+    BASE,
+    BORNE,
     BOUND,
     CONSTANT,
     DIRECTION,
@@ -42,7 +45,7 @@ W = c.WIDTH
 
 # Impulse per speed missing, over the mass that a row moves. Stiffer rows change their minds more often; those of a bounce have
 # no impulses of a substep before to begin with.
-RIGID, RIGID_BOUNCE = 100.0, 1e5
+RIGID, RIGID_BOUNCE = 1e3, 1e5
 
 # Speeds by which points may be missed or pulled, m/s: no other solution is sought for them.
 UNNOTICED = 1e-5
@@ -121,6 +124,7 @@ def begin_row(own: Any, rows: Any, k: int, velocity: Any, a: int, b: int, cut: i
     rows[STIFFNESS + k] = 1.0 / (yielding / rigid + other) if yielding > 0.0 else 0.0
     rows[SPEED + k], rows[IMPULSE + k] = along(wrench, velocity), own[impulse_field(k) * W]
     rows[WANTED + k], rows[MOVED + k], rows[GIVEN + k], rows[STATE + k] = 0.0, 0.0, 0.0, OPEN
+    rows[ACCEPTED + k], rows[BORNE + k], rows[BASE + k] = 0.0, 0.0, 0.0
 
 
 @compiled(inline=True, cached=False, fast=True)
@@ -149,7 +153,7 @@ def find_bounds(own: Any, rows: Any) -> None:
 
 
 @compiled(cached=False, fast=True)
-def update_point_states(rows: Any, first: bool, opened: bool) -> bool:
+def update_point_states(rows: Any, first: bool) -> bool:
     """Assume that points push or are open as the solution at hand says; return whether that is nothing new."""
     settled = True
     for k in range(TANGENT):
@@ -157,30 +161,22 @@ def update_point_states(rows: Any, first: bool, opened: bool) -> bool:
             continue
         missing, stiffness = rows[WANTED + k] - rows[SPEED + k], rows[STIFFNESS + k]
         pull = rows[ROW_MASS + k] if first else stiffness
-        wish = rows[IMPULSE + k] + pull * (missing - rows[MOVED + k])
+        wish = rows[IMPULSE + k] + rows[BASE + k] + pull * (missing - rows[MOVED + k])
         if not first:
             wish += -UNNOTICED * stiffness if rows[STATE + k] == OPEN else UNNOTICED * rows[ROW_MASS + k]
         state = HELD if wish > 0.0 else OPEN
-        if opened and rows[STATE + k] == OPEN:
-            state = OPEN
         settled = settled and state == rows[STATE + k]
         rows[STATE + k] = state
-        rows[CONSTANT + k] = stiffness * missing if state == HELD else -rows[IMPULSE + k]
+        rows[CONSTANT + k] = rows[BASE + k] + stiffness * missing if state == HELD else -rows[IMPULSE + k]
     return settled
 
 
 @compiled(cached=False, fast=True)
-def update_bound_states(rows: Any, bound: int, first: bool, opened: bool) -> bool:
-    """Assume that friction, twist or rolling resistance holds or slides; return whether that is nothing new.
-
-    With ``opened`` what slides goes on to, with the impulse that it has.
-    """
+def update_bound_states(rows: Any, bound: int, first: bool) -> bool:
+    """Assume that friction, twist or rolling resistance holds or slides; return whether that is nothing new."""
     begin, count = first_row(bound), bound_rows(bound)
     end, most = begin + count, rows[BOUND + bound]
     stiffness, was = rows[STIFFNESS + begin], rows[STATE + begin]
-    if opened and was == SLIDING:
-        _slide(rows, bound, most, 0.0)
-        return True
     if most <= UNNOTICED * rows[ROW_MASS + begin]:
         for k in range(begin, end):
             rows[CONSTANT + k], rows[DIRECTION + k] = -rows[IMPULSE + k], 0.0
@@ -190,23 +186,20 @@ def update_bound_states(rows: Any, bound: int, first: bool, opened: bool) -> boo
     state = HELD if size <= most else SLIDING
     if first and state == SLIDING:
         size = _wish(rows, begin, end, stiffness)
-    turn, off = 0.0, 0.0
+    off = 0.0
     for k in range(begin, end):
-        turn += rows[CONSTANT + k] * rows[DIRECTION + k]
         within = rows[CONSTANT + k] * min(1.0, most / (size + 1e-300))
         off = max(off, abs(within - rows[IMPULSE + k] - rows[GIVEN + k]))
-    if not first and was == SLIDING and turn < 0.0:
-        state = HELD  # pushed back beyond rest: it is held there
     settled: bool = not first and off <= SLIPPED * rows[ROW_MASS + begin]
     rows[STATE + begin] = state
     if state == HELD:
         for k in range(begin, end):
-            rows[CONSTANT + k] = stiffness * (rows[WANTED + k] - rows[SPEED + k])
+            rows[CONSTANT + k] = rows[BASE + k] + stiffness * (rows[WANTED + k] - rows[SPEED + k])
             rows[DIRECTION + k] = 0.0
         return settled or was == HELD
     for k in range(begin, end):
         rows[DIRECTION + k] = rows[CONSTANT + k] / size
-    _slide(rows, bound, most, most / size if not opened else 0.0)
+    _slide(rows, bound, most, most / size)
     return settled
 
 
@@ -215,7 +208,7 @@ def _wish(rows: Any, begin: int, end: int, stiffness: float) -> float:
     """Find the impulse that would hold, as a constant of the rows, and return its size."""
     square = 0.0
     for k in range(begin, end):
-        wish = rows[IMPULSE + k] - stiffness * (rows[SPEED + k] + rows[MOVED + k] - rows[WANTED + k])
+        wish = rows[IMPULSE + k] + rows[BASE + k] - stiffness * (rows[SPEED + k] + rows[MOVED + k] - rows[WANTED + k])
         rows[CONSTANT + k] = wish
         square += wish * wish
     return math.sqrt(square)

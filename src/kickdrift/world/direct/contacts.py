@@ -187,17 +187,17 @@ def note_impulses(island: int, back: bool, world: int) -> None:
 
 
 @compiled(cached=False, fast=True)
-def update_contact_states(island: int, task: int, first: bool, opened: bool, world: int) -> bool:
+def update_contact_states(island: int, task: int, first: bool, world: int) -> bool:
     """Assume pieces of the laws of contacts as the solution at hand says; return whether it was made with them."""
     own, order, settled = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), True
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers = contact_row(order[k, 0], world)
-        settled = update_point_states(numbers, first, opened) and settled
-        if task != PRESS and not first and not opened:
+        settled = update_point_states(numbers, first) and settled
+        if task != PRESS and not first:
             find_bounds(constraint(order[k, 0], world), numbers)
         for bound in range(0 if task in (REST, BOUNCE) else 3, 3):
             if numbers[ACTIVE + first_row(bound)] != 0.0:
-                settled = update_bound_states(numbers, bound, first, opened) and settled
+                settled = update_bound_states(numbers, bound, first) and settled
     return settled
 
 

@@ -17,7 +17,7 @@ from kickdrift.world.direct.contacts import (
     update_contact_states,
 )
 from kickdrift.world.direct.factorisation import factor
-from kickdrift.world.direct.joint_impulses import give_joints, split_impulse
+from kickdrift.world.direct.joint_impulses import give_joints
 from kickdrift.world.direct.layout import (
     AFTER_CLOSING,
     AFTER_NODE,
@@ -25,9 +25,10 @@ from kickdrift.world.direct.layout import (
     FIRST_NODE,
     LINK_ROW,
 )
+from kickdrift.world.direct.line_search import search_line
 from kickdrift.world.direct.matrix import clear_blocks, put_inertia
 from kickdrift.world.direct.substitution import substitute
-from kickdrift.world.joints.laws import update_law_states
+from kickdrift.world.joints.laws import refine_laws, update_law_states
 from kickdrift.world.joints.layout import (
     CLOSING_IMPULSE,
     LAWS,
@@ -45,8 +46,8 @@ from kickdrift.world.tables import (
     integers,
 )
 
-# Solutions with other pieces of laws assumed, and then with axes and points let go only, which comes to an end.
-TRIALS, LAST_TRIALS = 3, 3
+# Solutions with other pieces of laws assumed.
+TRIALS = 16
 
 # Times that a solution is put right by its own matrix, if it leaves more than that of a held row: m/s.
 REFINEMENTS, UNNOTICED = 3, 1e-9
@@ -70,47 +71,65 @@ def aim_island(island: int, h: float, mode: int, world: int) -> float:
 
 
 @compiled(cached=False)
-def solve_once(island: int, h: float, ahead: float, task: int, first: bool, world: int) -> None:
-    """Solve the equations until all pieces of laws fit that were assumed, and give the impulses."""
-    settled = False
-    for trial in range(TRIALS + LAST_TRIALS):
-        settled = update_joint_states(island, h, task, trial, world)
-        settled = update_contact_states(island, task, first and trial == 0, trial > TRIALS, world) and settled
-        if trial > 0 and settled:
-            break
-        solve_assumed(island, ahead, world)
-    if not settled:
-        fix_contacts(island, world)
-        solve_assumed(island, ahead, world)
+def solve_once(island: int, h: float, ahead: float, task: int, first: bool, touched: bool, world: int) -> None:
+    """Solve the equations until all pieces of laws fit that were assumed, and give the impulses.
+
+    Without ``touched`` contacts give what they have given: joints alone take it up.
+    """
+    left, whole = REFINEMENTS, True
+    for trial in range(TRIALS):
+        settled = review(island, h, task, trial == 0, first, touched, world) and whole and trial > 0
+        if settled:
+            if left == 0 or refine(island, touched, world) < UNNOTICED:
+                break
+            left -= 1
+            settled = review(island, h, task, False, False, touched, world)
+        if not settled:
+            factor_island(island, ahead, touched, world)
+        predict(island, touched, world)
+        whole = search_line(island, h, task, trial == 0, touched, world)
+    else:
+        if touched:
+            fix_contacts(island, world)
+        solve_assumed(island, ahead, touched, world)
     give_joints(island, task, world)
-    give_contacts(island, task, world)
+    if touched:
+        give_contacts(island, task, world)
 
 
 @compiled(cached=False)
-def hold(island: int, h: float, ahead: float, task: int, world: int) -> None:
-    """Let joints alone take up what contacts with other islands have given since they were solved."""
-    own = integers(world, ISLAND)[island]
-    for trial in range(TRIALS + LAST_TRIALS):
-        settled = update_joint_states(island, h, task, trial, world)
-        if trial > 0 and settled:
-            break
-        assemble(island, ahead, world)
-        factor(own[FIRST_NODE], own[AFTER_NODE], world)
-        predict(island, False, world)
-    give_joints(island, task, world)
-
-
-@compiled(cached=False)
-def solve_assumed(island: int, ahead: float, world: int) -> None:
+def solve_assumed(island: int, ahead: float, touched: bool, world: int) -> None:
     """Solve the equations with the pieces of laws that are assumed."""
+    factor_island(island, ahead, touched, world)
+    predict(island, touched, world)
+
+
+@compiled(cached=False)
+def factor_island(island: int, ahead: float, touched: bool, world: int) -> None:
+    """Factor the matrix of an island with the pieces of laws that are assumed."""
     assemble(island, ahead, world)
-    add_contacts(island, world)
+    if touched:
+        add_contacts(island, world)
     factor(integers(world, ISLAND)[island, FIRST_NODE], integers(world, ISLAND)[island, AFTER_NODE], world)
-    predict(island, True, world)
-    for _ in range(REFINEMENTS):
-        if max(refine_closings(island, world), 1e-4 * refine_contacts(island, world)) < UNNOTICED:
-            break
-        predict(island, True, world)
+
+
+@compiled(cached=False)
+def refine(island: int, touched: bool, world: int) -> float:
+    """Let the next solution begin with the impulses of the one at hand, and return what that leaves where rows hold, m/s."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    joints, order, worst = integers(world, JOINT), integers(world, ISLAND_CLOSING), refine_closings(island, world)
+    if touched:
+        worst = max(worst, 1e-4 * refine_contacts(island, world))
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        link = nodes[node, LINK_ROW]
+        joint = links[link, LINK_JOINT]
+        if joint >= 0 and joints[joint, LAWS] != 0:
+            worst = max(worst, 1e-2 * refine_laws(joint, link, world))
+    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+        link = order[place, 0]
+        if joints[links[link, LINK_JOINT], LAWS] != 0:
+            worst = max(worst, 1e-2 * refine_laws(links[link, LINK_JOINT], link, world))
+    return worst
 
 
 @compiled(cached=False)
@@ -141,22 +160,21 @@ def assemble(island: int, ahead: float, world: int) -> None:
 
 
 @compiled(cached=False)
-def update_joint_states(island: int, h: float, task: int, trial: int, world: int) -> bool:
-    """Assume the pieces of laws of joints that the solution at hand points to, and say whether it was made with them."""
+def review(island: int, h: float, task: int, begun: bool, first: bool, touched: bool, world: int) -> bool:
+    """Assume the pieces of laws that the solution at hand points to, and return whether it was made with them."""
     own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
-    joints, order, opened = integers(world, JOINT), integers(world, ISLAND_CLOSING), trial > TRIALS
-    settled = True
+    joints, order, settled = integers(world, JOINT), integers(world, ISLAND_CLOSING), True
+    if touched:
+        settled = update_contact_states(island, task, begun and first, world)
     if task >= BOUNCE:
-        return True  # laws are forces, which do nothing in an instant
+        return settled  # laws of joints are forces, which do nothing in an instant
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         link = nodes[node, LINK_ROW]
         joint = links[link, LINK_JOINT]
         if joint >= 0 and joints[joint, LAWS] != 0:
-            if trial > 0:
-                split_impulse(link, joint, world)
-            settled = not update_law_states(joint, link, h, task != PRESS, opened, world) and settled
+            settled = update_law_states(joint, link, h, task != PRESS, begun, world) and settled
     for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
         joint = links[order[place, 0], LINK_JOINT]
         if joints[joint, LAWS] != 0:
-            settled = not update_law_states(joint, order[place, 0], h, task != PRESS, opened, world) and settled
+            settled = update_law_states(joint, order[place, 0], h, task != PRESS, begun, world) and settled
     return settled

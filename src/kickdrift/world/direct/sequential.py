@@ -20,10 +20,11 @@ from kickdrift.core.vectors import applied
 from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.direct.closings import write_axis
 from kickdrift.world.direct.contacts import PRESS, REST
-from kickdrift.world.direct.equations import LAST_TRIALS, TRIALS
+from kickdrift.world.direct.equations import TRIALS
 from kickdrift.world.direct.joint_impulses import end_joint, give_joint, turn_on
 from kickdrift.world.joints.laws import update_law_states
 from kickdrift.world.joints.layout import (
+    ACCEPTED_DELTA_SPEED,
     ARM_A,
     ARM_B,
     AXES,
@@ -124,8 +125,8 @@ def _solve(joint: int, at: int, h: float, relaxing: bool, world: int) -> None:
     active = integers(world, JOINT)[joint, LOCKED] | laws
     answers = carray(floats_on_stack(36), (6, 6))
     _find_answers(joint, active, answers, world)
-    for trial in range(TRIALS + LAST_TRIALS):
-        settled = laws == 0 or not update_law_states(joint, at, h, relaxing, trial > TRIALS, world)
+    for trial in range(TRIALS):
+        settled = laws == 0 or update_law_states(joint, at, h, relaxing, trial == 0, world)
         if trial > 0 and settled:
             break
         _solve_axes(at, active, answers, world)
@@ -134,6 +135,7 @@ def _solve(joint: int, at: int, h: float, relaxing: bool, world: int) -> None:
             for other in range(6):
                 if active >> k & 1 and active >> other & 1:
                     work[at, DELTA_SPEED + k] += answers[k, other] * work[at, AXIS_IMPULSE + other]
+            work[at, ACCEPTED_DELTA_SPEED + k] = work[at, DELTA_SPEED + k]
 
 
 @compiled(cached=False)

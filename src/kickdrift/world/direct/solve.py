@@ -26,7 +26,7 @@ from kickdrift.world.direct.contacts import (
     note_impulses,
     update_contact_states,
 )
-from kickdrift.world.direct.equations import aim_island, assemble, hold, predict, solve_assumed, solve_once
+from kickdrift.world.direct.equations import aim_island, assemble, predict, solve_assumed, solve_once
 from kickdrift.world.direct.factorisation import factor
 from kickdrift.world.direct.joint_impulses import end_relaxation, end_solution, give_joints
 from kickdrift.world.direct.layout import (
@@ -112,7 +112,7 @@ def relax_islands(t: float, h: float, world: int) -> None:
         if is_cut(island, world):
             aim_island(island, h, RELAX, world)
             stay_closings(island, world)
-            hold(island, h, 0.0, REST, world)
+            solve_once(island, h, 0.0, REST, True, False, world)
         end_relaxation(island, h, world)
 
 
@@ -132,7 +132,7 @@ def _approach(island: int, h: float, off: float, most: int, world: int) -> float
     for step in range(most):
         begin_closings(island, world)
         begin_contacts(island, h, PRESS, world)
-        solve_once(island, h, h, PRESS, step == 0, world)
+        solve_once(island, h, h, PRESS, step == 0, True, world)
         off = ratio * aim_island(island, h, AHEAD, world) if closed or off > SURE else off * off
         if off <= (CLOSE_LOOPS if closed else CLOSE):
             break
@@ -177,7 +177,7 @@ def _hold(island: int, h: float, world: int) -> None:
     else:
         aim_island(island, h, GENTLY, world)
         stay_closings(island, world)
-    hold(island, h, h if near else 0.0, PRESS, world)
+    solve_once(island, h, h if near else 0.0, PRESS, True, False, world)
 
 
 @compiled(cached=False)
@@ -186,7 +186,7 @@ def solve_at_once(island: int, h: float, mode: int, task: int, world: int) -> No
     aim_island(island, h, mode, world)
     stay_closings(island, world)
     begin_contacts(island, h, task, world)
-    solve_once(island, h, 0.0, task, True, world)
+    solve_once(island, h, 0.0, task, True, True, world)
 
 
 @compiled(cached=False)
@@ -204,8 +204,8 @@ def _project(island: int, h: float, mode: int, task: int, world: int) -> None:
     aim_island(island, h, mode, world)
     stay_closings(island, world)
     begin_contacts(island, h, task, world)
-    update_contact_states(island, task, True, True, world)
-    solve_assumed(island, 0.0, world)
+    update_contact_states(island, task, True, world)
+    solve_assumed(island, 0.0, True, world)
     give_joints(island, task, world)
     give_contacts(island, task, world)
     if not kinetic_energy(island, world) <= EXCESS * energy:

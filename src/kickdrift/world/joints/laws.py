@@ -4,6 +4,7 @@ The law is a graph that falls from the left to the right: a limit, a motor and f
 drive is a slope between its maxima, and all add up. Together with a straight line that rises, speed = free speed + mobility x
 impulse, it has one solution. Which piece that lies on is what a joint assumes of its law; the articulation is solved with
 the pieces assumed, and solved again as long as a solution lies on other ones (an active-set, or semi-smooth Newton, method).
+Upright pieces are all but upright then: the solution is begun again with their impulses until it makes no difference.
 
 A drive acts by the position and the speed that it will have,
 
@@ -20,11 +21,11 @@ import math
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.joints.layout import (
+    ACCEPTED_DELTA_SPEED,
+    ACCEPTED_IMPULSE,
     ANGULAR,
-    AXIS_IMPULSE,
     AXIS_SPEED,
     BRAKE,
-    DELTA_SPEED,
     DRIVE_CONSTANT,
     DRIVE_DAMPING,
     DRIVE_MAXIMUM,
@@ -32,10 +33,10 @@ from kickdrift.world.joints.layout import (
     DRIVE_STIFFNESS,
     DRIVEN,
     DRIVEN_MASS,
-    HELD_AXES,
     JOINT_FRICTION,
     JOINT_IMPULSE,
     JOINT_POSITION,
+    LAW_BASE,
     LAW_STATE,
     LAWS,
     LOWER_LIMIT,
@@ -43,7 +44,6 @@ from kickdrift.world.joints.layout import (
     MOTOR_MAXIMUM,
     MOTOR_SPEED,
     PUSH,
-    RIGHT_HAND_SIDE,
     SLOPE,
     START_SPEED,
     SWING_TWIST,
@@ -52,7 +52,11 @@ from kickdrift.world.joints.layout import (
     TWIST_SCALE,
     UPPER_LIMIT,
 )
-from kickdrift.world.tables import JOINT, JOINT_AXES, JOINT_NUMBERS, LINK, LINK_NUMBERS, floats, integers
+from kickdrift.world.tables import JOINT, JOINT_AXES, JOINT_NUMBERS, LINK_NUMBERS, floats, integers
+
+# Impulse of an upright piece per speed missing, over the mass that it moves. What is left is put right by solutions that begin
+# with its impulse.
+_RIGID = 1e6
 
 _OPEN = 5  # codes of pieces: upright ones 1-4, others _OPEN and three digits to the base 3
 
@@ -156,15 +160,11 @@ def _drive_of(joint: int, link: int, k: int, h: float, world: int) -> tuple[floa
 
 
 @compiled(cached=False)
-def _assume(
-    joint: int, k: int, link: int, h: float, relaxing: bool, speed: float, impulse: float, opened: bool, world: int
-) -> bool:
-    """Put the piece of a law that a speed and an impulse point to into the equations; say whether it was another one.
-
-    With ``opened`` the axis may be let go, but not be held.
-    """
-    links, joints = integers(world, LINK), integers(world, JOINT)
-    work, numbers, laws = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
+def _piece(
+    joint: int, k: int, link: int, h: float, relaxing: bool, speed: float, impulse: float, mobility: float, world: int
+) -> tuple[int, bool, float, float]:
+    """Find the piece of a law that meets the line of a mobility through a speed and an impulse; see `solution`."""
+    joints, numbers, laws = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     row = 6 * joint + k
     at = numbers[joint, JOINT_POSITION + k]
     lower, upper = laws[row, LOWER_LIMIT] - at, laws[row, UPPER_LIMIT] - at
@@ -174,39 +174,61 @@ def _assume(
     else:
         constant, slope, maximum = _drive_of(joint, link, k, h, world)
     scale = numbers[joint, TWIST_SCALE] if k == 5 and joints[joint, ANGULAR] == SWING_TWIST else 1.0
-    code, held, value, slope = solution(
-        speed - laws[row, MOBILITY] * impulse, laws[row, MOBILITY], scale * lower / h, scale * upper / h,
+    return solution(
+        speed - mobility * impulse, mobility, scale * lower / h, scale * upper / h,
         h * laws[row, JOINT_FRICTION], h * laws[row, MOTOR_MAXIMUM], laws[row, MOTOR_SPEED], constant, slope, maximum,
     )  # fmt: skip
-    if code == work[link, LAW_STATE + k] or (opened and held and not links[link, HELD_AXES] >> k & 1):
-        return False
-    if opened and held:  # at another piece: held for no reason, at a limit far away, it would be thrown there
-        code, held, value, slope = 0, False, 0.0, 0.0
-    work[link, LAW_STATE + k] = code
-    before = work[link, AXIS_SPEED + k]
-    if held:
-        links[link, HELD_AXES] |= 1 << k
-        work[link, RIGHT_HAND_SIDE + k] = value - before
-    else:
-        links[link, HELD_AXES] &= ~(1 << k)
-        work[link, PUSH + k] = value - slope * before - numbers[joint, JOINT_IMPULSE + k]
-        work[link, SLOPE + k] = slope
-    return True
 
 
 @compiled(cached=False)
-def update_law_states(joint: int, link: int, h: float, relaxing: bool, opened: bool, world: int) -> bool:
-    """Assume the pieces that the solution points to, and say whether any are others than it was made with."""
+def law_impulse(joint: int, k: int, link: int, h: float, relaxing: bool, moved: float, world: int) -> float:
+    """Impulse that a law gives, beyond the one before the solution, where the speed has changed by `moved`."""
+    work, before = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)[joint, JOINT_IMPULSE + k]
+    mobility = floats(world, JOINT_AXES)[6 * joint + k, MOBILITY] / _RIGID
+    speed, base = work[link, AXIS_SPEED + k] + moved, work[link, LAW_BASE + k]
+    _, held, value, slope = _piece(joint, k, link, h, relaxing, speed, before + base, mobility, world)
+    impulse: float = base + (value - speed) / mobility if held else value - slope * speed - before
+    return impulse
+
+
+@compiled(cached=False)
+def update_law_states(joint: int, link: int, h: float, relaxing: bool, first: bool, world: int) -> bool:
+    """Assume the pieces that the solution points to, and return whether it was made with them."""
     laws, work, numbers = integers(world, JOINT)[joint, LAWS], floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
-    held, changed = integers(world, LINK)[link, HELD_AXES], False
+    settled = True
+    for k in range(6):
+        if not laws >> k & 1:
+            continue
+        if first:
+            work[link, LAW_BASE + k], work[link, ACCEPTED_DELTA_SPEED + k], work[link, ACCEPTED_IMPULSE + k] = (
+                0.0,
+                0.0,
+                0.0,
+            )
+        mobility = floats(world, JOINT_AXES)[6 * joint + k, MOBILITY]
+        before, rigid, base = work[link, AXIS_SPEED + k], mobility / _RIGID, work[link, LAW_BASE + k]
+        speed, impulse = before + work[link, ACCEPTED_DELTA_SPEED + k], numbers[joint, JOINT_IMPULSE + k] + base
+        line = mobility if first else rigid
+        code, held, value, slope = _piece(joint, k, link, h, relaxing, speed, impulse, line, world)
+        settled = settled and code == work[link, LAW_STATE + k]
+        work[link, LAW_STATE + k] = code
+        work[link, SLOPE + k] = 1.0 / rigid if held else slope
+        free = base if held else value - numbers[joint, JOINT_IMPULSE + k]
+        work[link, PUSH + k] = free + (value - before) / rigid if held else free - slope * before
+    return settled
+
+
+@compiled(cached=False)
+def refine_laws(joint: int, link: int, world: int) -> float:
+    """Let upright pieces begin with the impulses of the solution at hand, and return the speed that it leaves them."""
+    laws, work, worst = integers(world, JOINT)[joint, LAWS], floats(world, LINK_NUMBERS), 0.0
     for k in range(6):
         if laws >> k & 1:
-            speed = work[link, AXIS_SPEED + k] + (
-                work[link, RIGHT_HAND_SIDE + k] if held >> k & 1 else work[link, DELTA_SPEED + k]
-            )
-            impulse = numbers[joint, JOINT_IMPULSE + k] + work[link, AXIS_IMPULSE + k]
-            changed = _assume(joint, k, link, h, relaxing, speed, impulse, opened, world) or changed
-    return changed
+            given = work[link, PUSH + k] - work[link, SLOPE + k] * work[link, ACCEPTED_DELTA_SPEED + k]
+            if work[link, LAW_STATE + k] < _OPEN:
+                worst = max(worst, abs(given - work[link, LAW_BASE + k]) / work[link, SLOPE + k])
+            work[link, LAW_BASE + k] = given
+    return worst
 
 
 @compiled(cached=False)

@@ -111,6 +111,9 @@ AXES_AHEAD = int64(180)  # AXES and arms as they will be at the end of the subst
 ARM_A_AHEAD, ARM_B_AHEAD = int64(198), int64(201)
 BRAKE = 204  # of open angular axes: damping, impulse per speed; see `kickdrift.world.joints.brakes`
 BEFORE = 222  # velocity of the body before it is solved, to go back to
+LAW_BASE = 228  # of laws: impulse, less the one before the solution, that upright pieces begin with
+# Of laws, for the solution that was accepted last: change of speed, and the impulse that bodies bear there
+ACCEPTED_DELTA_SPEED, ACCEPTED_IMPULSE = 234, 240
 
 # Columns of POSE, MOTION and INVERSE_MASS, and of everything that has a linear and an angular part
 LINEAR_PART, ANGULAR_PART = int64(0), int64(3)

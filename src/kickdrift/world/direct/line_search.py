@@ -1,0 +1,183 @@
+"""How far to go towards a solution with the pieces of laws that were assumed, which may not be those that it lies on.
+
+With bounds of friction as they are, the laws of contacts are gradients of convex functions of the velocities, and so is the
+inertia: what is solved is where their sum is least. A step of Newton's method leads down, but may lead too far; then the least
+along the way is taken, which makes the method come to an end from anywhere. Castro, Permenter, Han, IEEE Trans. Robotics 39
+(2023) 1301, section IV.
+"""
+
+import math
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.world.direct.contact_rows import bound_rows, first_row
+from kickdrift.world.direct.contacts import BOUNCE, PRESS, contact_row
+from kickdrift.world.direct.layout import (
+    ACCEPTED,
+    ACTIVE,
+    AFTER_CLOSING,
+    AFTER_CONTACT,
+    AFTER_NODE,
+    BASE,
+    BORNE,
+    BOUND,
+    FIRST_CLOSING,
+    FIRST_CONTACT,
+    FIRST_NODE,
+    GIVEN,
+    IMPULSE,
+    LINK_ROW,
+    MOVED,
+    SPEED,
+    STIFFNESS,
+    TANGENT,
+    WANTED,
+)
+from kickdrift.world.joints.laws import law_impulse
+from kickdrift.world.joints.layout import (
+    ACCEPTED_DELTA_SPEED,
+    ACCEPTED_IMPULSE,
+    DELTA_SPEED,
+    LAWS,
+    LINK_JOINT,
+    PUSH,
+    SLOPE,
+)
+from kickdrift.world.tables import (
+    ISLAND,
+    ISLAND_CLOSING,
+    ISLAND_CONTACT,
+    JOINT,
+    LINK,
+    LINK_NUMBERS,
+    NODE,
+    floats,
+    integers,
+)
+
+# Of the slope that a whole step begins with, what may be left at its end; and halvings of the way.
+_FLAT, _HALVINGS = 1e-3, 20
+
+
+@compiled(cached=False, fast=True)
+def search_line(island: int, h: float, task: int, full: bool, touched: bool, world: int) -> bool:
+    """Accept the least on the way from the accepted solution to the one at hand; return whether that is the one at hand."""
+    whole = full or _is_down_to_the_end(island, h, task, touched, world)
+    share = 1.0 if whole else _least(island, h, task, touched, world)
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    if touched:
+        for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+            _accept(contact_row(order[k, 0], world), share)
+    nodes = integers(world, NODE)
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        _accept_laws(nodes[node, LINK_ROW], share, world)
+    closings = integers(world, ISLAND_CLOSING)
+    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+        _accept_laws(closings[place, 0], share, world)
+    return whole
+
+
+@compiled(cached=False, fast=True)
+def _is_down_to_the_end(island: int, h: float, task: int, touched: bool, world: int) -> bool:
+    last = _slope(island, 1.0, h, task, touched, world)
+    return last <= 0.0 or last <= -_FLAT * _slope(island, 0.0, h, task, touched, world)
+
+
+@compiled(cached=False, fast=True)
+def _least(island: int, h: float, task: int, touched: bool, world: int) -> float:
+    """Return the part of the way at which the slope, which rises, is zero."""
+    low, high = 0.0, 1.0
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        if _slope(island, middle, h, task, touched, world) > 0.0:
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+@compiled(cached=False, fast=True)
+def _slope(island: int, share: float, h: float, task: int, touched: bool, world: int) -> float:
+    """Slope of what is to be least, along the way and at a part of it."""
+    own, order, total = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), 0.0
+    if touched:
+        for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+            total += _slope_of_contact(contact_row(order[k, 0], world), share)
+    if task >= BOUNCE:
+        return total
+    nodes, closings = integers(world, NODE), integers(world, ISLAND_CLOSING)
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        total += _slope_of_laws(nodes[node, LINK_ROW], share, h, task != PRESS, world)
+    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+        total += _slope_of_laws(closings[place, 0], share, h, task != PRESS, world)
+    return total
+
+
+@compiled(cached=False, fast=True)
+def _slope_of_contact(rows: Any, share: float) -> float:
+    total = 0.0
+    for i in range(TANGENT):
+        if rows[ACTIVE + i] != 0.0:
+            way = rows[MOVED + i] - rows[ACCEPTED + i]
+            wish = _wish(rows, i, i, rows[ACCEPTED + i] + share * way)
+            borne = rows[BORNE + i] + share * (rows[GIVEN + i] - rows[BORNE + i])
+            total += way * (borne + rows[IMPULSE + i] - max(wish, 0.0))
+    for bound in range(3):
+        begin, end = first_row(bound), first_row(bound) + bound_rows(bound)
+        if rows[ACTIVE + begin] == 0.0:
+            continue
+        square, uphill = 1e-300, 0.0
+        for i in range(begin, end):
+            way = rows[MOVED + i] - rows[ACCEPTED + i]
+            wish = _wish(rows, i, begin, rows[ACCEPTED + i] + share * way)
+            square += wish * wish
+            uphill += way * wish
+            total += way * (rows[BORNE + i] + share * (rows[GIVEN + i] - rows[BORNE + i]) + rows[IMPULSE + i])
+        total -= uphill * min(1.0, rows[BOUND + bound] / math.sqrt(square))
+    return total
+
+
+@compiled(cached=False, fast=True)
+def _slope_of_laws(link: int, share: float, h: float, relaxing: bool, world: int) -> float:
+    joint, work, total = integers(world, LINK)[link, LINK_JOINT], floats(world, LINK_NUMBERS), 0.0
+    laws = integers(world, JOINT)[joint, LAWS] if joint >= 0 else 0
+    for k in range(6):
+        if laws >> k & 1:
+            way = work[link, DELTA_SPEED + k] - work[link, ACCEPTED_DELTA_SPEED + k]
+            given = work[link, PUSH + k] - work[link, SLOPE + k] * work[link, DELTA_SPEED + k]
+            borne = work[link, ACCEPTED_IMPULSE + k] + share * (given - work[link, ACCEPTED_IMPULSE + k])
+            law = law_impulse(joint, k, link, h, relaxing, work[link, ACCEPTED_DELTA_SPEED + k] + share * way, world)
+            total += way * (borne - law)
+    return total
+
+
+@compiled(inline=True, cached=False, fast=True)
+def _wish(rows: Any, i: int, begin: int, moved: float) -> float:
+    """Impulse that a row would have if it held."""
+    wish: float = (
+        rows[IMPULSE + i] + rows[BASE + i] - rows[STIFFNESS + begin] * (rows[SPEED + i] + moved - rows[WANTED + i])
+    )
+    return wish
+
+
+@compiled(cached=False, fast=True)
+def _accept(rows: Any, share: float) -> None:
+    for i in range(10):
+        rows[BORNE + i] += share * (rows[GIVEN + i] - rows[BORNE + i])
+        rows[ACCEPTED + i] += share * (rows[MOVED + i] - rows[ACCEPTED + i])
+        rows[MOVED + i] = rows[ACCEPTED + i]
+        if i < TANGENT and share < 1.0:
+            rows[GIVEN + i] = max(_wish(rows, i, i, rows[MOVED + i]), 0.0) - rows[IMPULSE + i]
+
+
+@compiled(cached=False, fast=True)
+def _accept_laws(link: int, share: float, world: int) -> None:
+    joint, work = integers(world, LINK)[link, LINK_JOINT], floats(world, LINK_NUMBERS)
+    laws = integers(world, JOINT)[joint, LAWS] if joint >= 0 else 0
+    for k in range(6):
+        if laws >> k & 1:
+            given = work[link, PUSH + k] - work[link, SLOPE + k] * work[link, DELTA_SPEED + k]
+            work[link, ACCEPTED_IMPULSE + k] += share * (given - work[link, ACCEPTED_IMPULSE + k])
+            work[link, ACCEPTED_DELTA_SPEED + k] += share * (
+                work[link, DELTA_SPEED + k] - work[link, ACCEPTED_DELTA_SPEED + k]
+            )
