@@ -9,6 +9,7 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.prepare import LINKED
 from kickdrift.world.direct.contact_rows import (
+    GRIP,
     RIGID,
     RIGID_BOUNCE,
     along,
@@ -127,7 +128,9 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
     read_both(MOTION, a, b, velocity, world)
     read_both(DELTA_POSE, a, b, change, world)
     push = floats(world, SETTINGS)[0, PUSH_SPEED]
-    numbers[CUT], rigid = 0.0, RIGID if task < BOUNCE else RIGID_BOUNCE
+    numbers[CUT], rigid, grip = 0.0, RIGID, GRIP
+    if task >= BOUNCE:
+        rigid, grip = RIGID_BOUNCE, RIGID_BOUNCE
     for side in range(2):
         link = node_of(world, b if side == 1 else a)
         numbers[NODES + side] = -1.0
@@ -143,7 +146,7 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
         if k >= TANGENT and task in (PRESS, SMOOTH_BOUNCE):  # friction is as it was in the end of the substep before
             numbers[ACTIVE + k] = 0.0
             continue
-        begin_row(own, numbers, k, velocity, a, b, int(numbers[CUT]), rigid, world)
+        begin_row(own, numbers, k, velocity, a, b, int(numbers[CUT]), rigid if k < TANGENT else grip, world)
         if k < TANGENT:
             gap = own[(c.P + c.POINT_FIELDS * k + c.GAP) * c.WIDTH]
             gap += along(numbers[WRENCH + 12 * k : WRENCH + 12 * k + 12], change)
@@ -187,13 +190,13 @@ def note_impulses(island: int, back: bool, world: int) -> None:
 
 
 @compiled(cached=False, fast=True)
-def update_contact_states(island: int, task: int, first: bool, world: int) -> bool:
+def update_contact_states(island: int, task: int, first: bool, bounded: bool, world: int) -> bool:
     """Assume pieces of the laws of contacts as the solution at hand says; return whether it was made with them."""
     own, order, settled = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), True
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers = contact_row(order[k, 0], world)
         settled = update_point_states(numbers, first) and settled
-        if task != PRESS and not first:
+        if task != PRESS and not first and not bounded:
             find_bounds(constraint(order[k, 0], world), numbers)
         for bound in range(0 if task in (REST, BOUNCE) else 3, 3):
             if numbers[ACTIVE + first_row(bound)] != 0.0:

@@ -47,7 +47,10 @@ from kickdrift.world.tables import (
 )
 
 # Solutions with other pieces of laws assumed.
-TRIALS = 16
+TRIALS = 20
+
+# After so many of them bounds of friction stay as they are, as those of convex laws do.
+BOUNDED = 8
 
 # Times that a solution is put right by its own matrix, if it leaves more than that of a held row: m/s.
 REFINEMENTS, UNNOTICED = 3, 1e-9
@@ -71,30 +74,32 @@ def aim_island(island: int, h: float, mode: int, world: int) -> float:
 
 
 @compiled(cached=False)
-def solve_once(island: int, h: float, ahead: float, task: int, first: bool, touched: bool, world: int) -> None:
-    """Solve the equations until all pieces of laws fit that were assumed, and give the impulses.
+def solve_once(island: int, h: float, ahead: float, task: int, first: bool, touched: bool, world: int) -> bool:
+    """Solve the equations until all pieces of laws fit that were assumed, and give the impulses; return whether they do.
 
     Without ``touched`` contacts give what they have given: joints alone take it up.
     """
-    left, whole = REFINEMENTS, True
+    left, whole, found = REFINEMENTS, True, False
     for trial in range(TRIALS):
-        settled = review(island, h, task, trial == 0, first, touched, world) and whole and trial > 0
+        settled = review(island, h, task, trial == 0, first, trial > BOUNDED, touched, world) and whole and trial > 0
         if settled:
-            if left == 0 or refine(island, touched, world) < UNNOTICED:
+            found = left == 0 or refine(island, touched, world) < UNNOTICED
+            if found:
                 break
             left -= 1
-            settled = review(island, h, task, False, False, touched, world)
+            settled = review(island, h, task, False, False, True, touched, world)
         if not settled:
             factor_island(island, ahead, touched, world)
         predict(island, touched, world)
         whole = search_line(island, h, task, trial == 0, touched, world)
-    else:
+    if not found:
         if touched:
             fix_contacts(island, world)
         solve_assumed(island, ahead, touched, world)
     give_joints(island, task, world)
     if touched:
         give_contacts(island, task, world)
+    return found
 
 
 @compiled(cached=False)
@@ -160,12 +165,14 @@ def assemble(island: int, ahead: float, world: int) -> None:
 
 
 @compiled(cached=False)
-def review(island: int, h: float, task: int, begun: bool, first: bool, touched: bool, world: int) -> bool:
+def review(
+    island: int, h: float, task: int, begun: bool, first: bool, bounded: bool, touched: bool, world: int
+) -> bool:
     """Assume the pieces of laws that the solution at hand points to, and return whether it was made with them."""
     own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
     joints, order, settled = integers(world, JOINT), integers(world, ISLAND_CLOSING), True
     if touched:
-        settled = update_contact_states(island, task, begun and first, world)
+        settled = update_contact_states(island, task, begun and first, bounded, world)
     if task >= BOUNCE:
         return settled  # laws of joints are forces, which do nothing in an instant
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):

@@ -33,6 +33,7 @@ from kickdrift.world.direct.layout import (
     TANGENT,
     WANTED,
 )
+from kickdrift.world.direct.velocities import kinetic_energy
 from kickdrift.world.joints.laws import law_impulse
 from kickdrift.world.joints.layout import (
     ACCEPTED_DELTA_SPEED,
@@ -58,6 +59,9 @@ from kickdrift.world.tables import (
 # Of the slope that a whole step begins with, what may be left at its end; and halvings of the way.
 _FLAT, _HALVINGS = 1e-3, 20
 
+# Of the energy, by which slopes may be rounded off.
+_ROUNDING = 1e-12
+
 
 @compiled(cached=False, fast=True)
 def search_line(island: int, h: float, task: int, full: bool, touched: bool, world: int) -> bool:
@@ -80,7 +84,10 @@ def search_line(island: int, h: float, task: int, full: bool, touched: bool, wor
 @compiled(cached=False, fast=True)
 def _is_down_to_the_end(island: int, h: float, task: int, touched: bool, world: int) -> bool:
     last = _slope(island, 1.0, h, task, touched, world)
-    return last <= 0.0 or last <= -_FLAT * _slope(island, 0.0, h, task, touched, world)
+    if last <= 0.0:
+        return True
+    first = -_slope(island, 0.0, h, task, touched, world)
+    return first <= 0.0 or last <= _FLAT * first or last <= _ROUNDING * kinetic_energy(island, world)
 
 
 @compiled(cached=False, fast=True)

@@ -10,6 +10,8 @@ Where the substep is too long for that, as where a chain with a heavy end cracks
 the drift too, and bodies are put back to where the joints hold them.
 """
 
+import math
+
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import length, times
 from kickdrift.world.columns import vector_at
@@ -38,7 +40,7 @@ from kickdrift.world.direct.layout import (
     LOST,
     RATIO,
 )
-from kickdrift.world.direct.velocities import kinetic_energy, note_velocities, take_back
+from kickdrift.world.direct.velocities import fastest_turn, kinetic_energy, note_velocities, noted_energy, take_back
 from kickdrift.world.joints.falling import let_fall
 from kickdrift.world.joints.layout import (
     BEFORE,
@@ -75,6 +77,9 @@ FAR, EXCESS = 1e-3, 1.5
 # First guesses that are farther off than that are replaced by velocities that joints allow, from which no step leads astray.
 POOR = 0.1
 
+# Angle of a substep from which on solutions may be far away, and times the energy that is too much.
+FAST, WILD = 0.5, 4.0
+
 REPAIRS = 8
 
 
@@ -87,7 +92,7 @@ def solve_islands(t: float, h: float, world: int) -> None:
         note_impulses(island, False, world)
         islands[island, LOST] = 0
         off = islands[island, RATIO] * aim_island(island, h, AHEAD, world)
-        if not (off <= POOR and _approach(island, h, off, QUICK, world) <= NEAR):
+        if not (off <= POOR and _approach(island, h, off, QUICK, world) <= NEAR) or _is_thrown(island, h, world):
             _take_care(island, h, world)
     for island in range(rows(world, ISLAND)):
         if is_cut(island, world):
@@ -132,11 +137,21 @@ def _approach(island: int, h: float, off: float, most: int, world: int) -> float
     for step in range(most):
         begin_closings(island, world)
         begin_contacts(island, h, PRESS, world)
-        solve_once(island, h, h, PRESS, step == 0, True, world)
+        if not solve_once(island, h, h, PRESS, step == 0, True, world):
+            return math.inf
         off = ratio * aim_island(island, h, AHEAD, world) if closed or off > SURE else off * off
         if off <= (CLOSE_LOOPS if closed else CLOSE):
             break
     return off
+
+
+@compiled(cached=False)
+def _is_thrown(island: int, h: float, world: int) -> bool:
+    """Whether an island turns fast with far more energy than it had: at a solution far away, which no one wants."""
+    thrown: bool = fastest_turn(island, h, world) > FAST and kinetic_energy(island, world) > WILD * noted_energy(
+        island, world
+    )
+    return thrown
 
 
 @compiled(cached=False)
@@ -204,7 +219,7 @@ def _project(island: int, h: float, mode: int, task: int, world: int) -> None:
     aim_island(island, h, mode, world)
     stay_closings(island, world)
     begin_contacts(island, h, task, world)
-    update_contact_states(island, task, True, world)
+    update_contact_states(island, task, True, True, world)
     solve_assumed(island, 0.0, True, world)
     give_joints(island, task, world)
     give_contacts(island, task, world)

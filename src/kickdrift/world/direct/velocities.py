@@ -1,7 +1,9 @@
 """Velocities of an island: their energy, and going back to those that were noted."""
 
+import math
+
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import applied, dot, turned_back
+from kickdrift.core.vectors import Vector, applied, dot, turned_back
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.direct.contacts import (
     note_impulses,
@@ -18,6 +20,7 @@ from kickdrift.world.joints.layout import (
     ANGULAR_PART,
     BEFORE,
     JOINT_IMPULSE,
+    LINEAR_PART,
     LINK_BODY,
     LINK_JOINT,
     SOLVED,
@@ -42,15 +45,44 @@ from kickdrift.world.tables import (
 def kinetic_energy(island: int, world: int) -> float:
     """Kinetic energy of an island."""
     own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
-    motion, pose, inertia = floats(world, MOTION), floats(world, POSE), floats(world, INERTIA)
-    total = 0.0
+    motion, total = floats(world, MOTION), 0.0
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         body = links[nodes[node, LINK_ROW], LINK_BODY]
-        v = vector_at(motion, body, int64(0))
-        turn = turned_back(quaternion_at(pose, body, ANGULAR_PART), vector_at(motion, body, ANGULAR_PART))
-        moments = symmetric_at(inertia, body, int64(BODY_INERTIA))
-        total += inertia[body, MASS] * dot(v, v) + dot(turn, applied(moments, turn))
-    return 0.5 * total
+        total += _energy(body, vector_at(motion, body, LINEAR_PART), vector_at(motion, body, ANGULAR_PART), world)
+    return total
+
+
+@compiled(cached=False)
+def noted_energy(island: int, world: int) -> float:
+    """Kinetic energy that an island had with the velocities that were noted."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    work, total = floats(world, LINK_NUMBERS), 0.0
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        link = nodes[node, LINK_ROW]
+        total += _energy(
+            links[link, LINK_BODY], vector_at(work, link, BEFORE), vector_at(work, link, BEFORE + 3), world
+        )
+    return total
+
+
+@compiled(cached=False)
+def _energy(body: int, v: Vector, w: Vector, world: int) -> float:
+    pose, inertia = floats(world, POSE), floats(world, INERTIA)
+    turn = turned_back(quaternion_at(pose, body, ANGULAR_PART), w)
+    moments = symmetric_at(inertia, body, int64(BODY_INERTIA))
+    energy: float = 0.5 * (inertia[body, MASS] * dot(v, v) + dot(turn, applied(moments, turn)))
+    return energy
+
+
+@compiled(cached=False)
+def fastest_turn(island: int, h: float, world: int) -> float:
+    """Greatest angle by which a body of an island turns in a substep."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    motion, most = floats(world, MOTION), 0.0
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        w = vector_at(motion, links[nodes[node, LINK_ROW], LINK_BODY], ANGULAR_PART)
+        most = max(most, dot(w, w))
+    return h * math.sqrt(most)
 
 
 @compiled(cached=False)
