@@ -51,7 +51,7 @@ def _billiards() -> Trial:
     builder, radius, speed = Builder(0.0, friction=0.0, restitution=1.0), 0.03, 5.0
     mirror = [builder.sphere(radius, position=(-0.5, 0.0, 0.0), mass=0.17, velocity=(speed, 0.0, 0.0))]
     for row in range(5):
-        first = mirror[-1] + 1 if row else 1
+        first = len(mirror)
         for place in range(row + 1):
             y = (place - row / 2) * 2 * radius
             builder.sphere(radius, position=(row * radius * 3**0.5, y, 0.0), mass=0.17)
