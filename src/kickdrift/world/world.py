@@ -60,7 +60,8 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         over the substep, the stiffest that leaves high stacks alone. Of contacts that are swept; in islands with joints a
         fifth of an overlap is pushed out in a substep.
     push_speed : float
-        At which they are pushed apart at most, m/s.
+        At which they are pushed apart at most, m/s. What lies on several that are pushed at once gets faster: with 3 m/s
+        four rows of boxes that overlap by a quarter throw the uppermost up at 7 m/s, with 1.5 m/s none exceeds 4 m/s.
     bounce_speed : float, optional
         Approaches that are slower do not bounce, m/s; four times what gravity adds in a substep by default.
     sleeping : bool
@@ -102,7 +103,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         slop: float = 0.005,
         contact_hertz: float | None = None,
         contact_damping: float = 4.0,
-        push_speed: float = 3.0,
+        push_speed: float = 1.5,
         bounce_speed: float | None = None,
         sleeping: bool = False,
         sleep_speed: float = 0.05,
