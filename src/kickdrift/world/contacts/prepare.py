@@ -9,6 +9,7 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts import prepare_simd as r
 from kickdrift.world.contacts.contact_solver_simd import FILL, LANE_COUNT, REFRESH, REFRESH_FRICTION, SWEEP
 from kickdrift.world.contacts.gather import gather, softness
+from kickdrift.world.contacts.transposing import fetch_rows
 from kickdrift.world.flight import AWAKE, LINK_PLACE
 from kickdrift.world.settings import SLOP, STEP, SUBSTEPS
 from kickdrift.world.step_status import ask_for_room
@@ -21,9 +22,11 @@ from kickdrift.world.tables import (
     GROUPS,
     INVERSE_MASS,
     LANES,
+    MANIFOLD,
     SETTINGS,
     SWEEPS,
     flat,
+    flat_integers,
     floats,
     integers,
     room,
@@ -32,6 +35,7 @@ from kickdrift.world.tables import (
 )
 
 _COLOURS = 62
+_MANY = 250  # groups, whose manifolds do not fit into a megabyte
 _RAW, _SCRATCH = r.RAW * c.WIDTH, r.SCRATCH_SIZE
 
 sweep = caller(SWEEP)
@@ -125,7 +129,11 @@ def prepare(t: float, h: float, world: int) -> None:
     soft, softer = softness(world, True), softness(world, False)
     for k in range(_SCRATCH):
         scratch[k] = 0.0
+    numbers, many = flat_integers(world, GROUPS), rows(world, GROUPS) > _MANY
     for g in range(rows(world, GROUPS)):
+        if many and g + 1 < rows(world, GROUPS):
+            for k in range(0, MANIFOLD.width, 8):  # a cache line each
+                fetch_rows(floats(world, MANIFOLD), k, numbers, GROUPS.width * (g + 1) + 2 * c.WIDTH)
         for lane in range(c.WIDTH):
             scratch[r.MARK * c.WIDTH + lane] = 1.0
             row = groups[g, 2 * c.WIDTH + lane]

@@ -32,12 +32,14 @@ from kickdrift.world.contacts.prepare_simd import (
     DELTA_POSE_A,
     FROM_A_TO_B,
     INERTIA_A,
+    INERTIA_B,
     MARK,
     SCRATCH_SIZE,
     TURNED_A,
     VELOCITY_A,
     VELOCITY_B,
 )
+from kickdrift.world.contacts.transposing import fetch_rows, gather_rows, scatter_rows
 from kickdrift.world.settings import PUSH_SPEED, RESIDUAL, SLOP
 from kickdrift.world.tables import (
     COLOURS,
@@ -53,6 +55,7 @@ from kickdrift.world.tables import (
     STARTED_POSE,
     SWEEPS,
     flat,
+    flat_integers,
     floats,
     integers,
     rows,
@@ -62,6 +65,7 @@ _W = c.WIDTH
 _SIZE = c.FIELDS * _W
 
 _TOUCHING = 1e-6  # of the slop: so deep are points that touch, whatever was rounded off
+_MANY = 3000  # bodies, whose velocities, displacements and inertia do not fit into half a megabyte
 _FEWEST = 16  # groups of a colour that are worth a parallel region of some 10 us
 
 sweep = caller(SWEEP)
@@ -85,58 +89,61 @@ def _forth(t: float, h: float, world: int) -> None:
 
 @compiled
 def _warm_start_group(h: float, world: int, g: int) -> None:
-    motion, inverse_mass, groups = floats(world, MOTION), floats(world, INVERSE_MASS), integers(world, GROUPS)
+    motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
     lanes, scratch, sweeps = (
         flat(world, LANES),
         carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)),
         integers(world, SWEEPS),
     )
     n = sweeps[0, LANE_COUNT]
-    _gather(groups, g, motion, 0, VELOCITY_A, scratch, n)
-    _gather(groups, g, inverse_mass, 1, INERTIA_A, scratch, n)
+    _fetch(world, g)
+    _gather(world, g, motion, VELOCITY_A, scratch)
+    _gather_inertia(world, g, inverse_mass, scratch)
     own = lanes[g * _SIZE : (g + 1) * _SIZE]
     if g >= integers(world, COLOURS)[LINKED, 1]:  # no sweep of ours takes those of links anew
-        _gather(groups, g, floats(world, DELTA_POSE), 0, DELTA_POSE_A, scratch, n)
+        _gather(world, g, floats(world, DELTA_POSE), DELTA_POSE_A, scratch)
         _take_anew(h, world, g, own, scratch)
     sweep(sweeps[0, APPLY_IMPULSES], (own, scratch, 1.0 / h, 1.0, 0.0, n))
-    _scatter(groups, g, motion, scratch, n)
+    _scatter(world, g, motion, scratch)
 
 
 @compiled
 def _solve_group(h: float, world: int, g: int) -> None:
-    motion, inverse_mass, groups = floats(world, MOTION), floats(world, INVERSE_MASS), integers(world, GROUPS)
+    motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
     lanes, scratch, sweeps = (
         flat(world, LANES),
         carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)),
         integers(world, SWEEPS),
     )
+    _fetch(world, g)
     delta_pose, push, n = floats(world, DELTA_POSE), floats(world, SETTINGS)[0, PUSH_SPEED], sweeps[0, LANE_COUNT]
-    _gather(groups, g, motion, 0, VELOCITY_A, scratch, n)
-    _gather(groups, g, delta_pose, 0, DELTA_POSE_A, scratch, n)
-    _gather(groups, g, inverse_mass, 1, INERTIA_A, scratch, n)
+    _gather(world, g, motion, VELOCITY_A, scratch)
+    _gather(world, g, delta_pose, DELTA_POSE_A, scratch)
+    _gather_inertia(world, g, inverse_mass, scratch)
     own = lanes[g * _SIZE : (g + 1) * _SIZE]
     sweep(sweeps[0, SOLVE_NORMALS], (own, scratch, 1.0 / h, 1.0, push, n))
-    _scatter(groups, g, motion, scratch, n)
+    _scatter(world, g, motion, scratch)
 
 
 @compiled
 def _relax_group(h: float, world: int, g: int) -> None:
-    motion, inverse_mass, groups = floats(world, MOTION), floats(world, INVERSE_MASS), integers(world, GROUPS)
+    motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
     lanes, scratch, sweeps = (
         flat(world, LANES),
         carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)),
         integers(world, SWEEPS),
     )
     delta_pose, n = floats(world, DELTA_POSE), sweeps[0, LANE_COUNT]
-    _gather(groups, g, motion, 0, VELOCITY_A, scratch, n)
-    _gather(groups, g, delta_pose, 0, DELTA_POSE_A, scratch, n)
-    _gather(groups, g, inverse_mass, 1, INERTIA_A, scratch, n)
+    _fetch(world, g)
+    _gather(world, g, motion, VELOCITY_A, scratch)
+    _gather(world, g, delta_pose, DELTA_POSE_A, scratch)
+    _gather_inertia(world, g, inverse_mass, scratch)
     own = lanes[g * _SIZE : (g + 1) * _SIZE]
     _take_anew(h, world, g, own, scratch)
     least = _TOUCHING * floats(world, SETTINGS)[0, SLOP]
     sweep(sweeps[0, SOLVE_FRICTION], (own, scratch, 1.0 / h, 0.0, 0.0, n))
     sweep(sweeps[0, SOLVE_NORMALS], (own, scratch, 1.0 / h, 0.0, least, n))
-    _scatter(groups, g, motion, scratch, n)
+    _scatter(world, g, motion, scratch)
 
 
 @compiled
@@ -220,30 +227,45 @@ def store(t: float, h: float, world: int) -> None:
 @compiled
 def measure(t: float, h: float, world: int) -> None:
     """Measure what the sweeps have left unsolved: how fast points that carry something part or approach, at most."""
-    groups, lanes, sweeps = integers(world, GROUPS), flat(world, LANES), integers(world, SWEEPS)
+    lanes, sweeps = flat(world, LANES), integers(world, SWEEPS)
     scratch, n, most = carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)), sweeps[0, LANE_COUNT], 0.0
     for g in range(integers(world, COLOURS)[LINKED, 1]):
-        _gather(groups, g, floats(world, MOTION), 0, VELOCITY_A, scratch, n)
+        _gather(world, g, floats(world, MOTION), VELOCITY_A, scratch)
         sweep(sweeps[0, MEASURE], (lanes[g * _SIZE : (g + 1) * _SIZE], scratch, 0.0, 0.0, 0.0, n))
         for lane in range(n):
             most = max(most, scratch[MARK * _W + lane])
     floats(world, SETTINGS)[0, RESIDUAL] = most
 
 
+@compiled
+def _fetch(world: int, g: int) -> None:
+    """Ask for the bodies of the group after the next: of many bodies, they are too far for a processor to see them coming."""
+    if rows(world, MOTION) < _MANY or g + 2 >= rows(world, GROUPS):
+        return
+    bodies, begin = flat_integers(world, GROUPS), GROUPS.width * (g + 2)
+    for side in range(0, 2 * _W, _W):
+        fetch_rows(floats(world, MOTION), 0, bodies, begin + side)
+        fetch_rows(floats(world, DELTA_POSE), 0, bodies, begin + side)
+        fetch_rows(floats(world, INVERSE_MASS), 0, bodies, begin + side)
+
+
 @compiled(inline=True)
-def _gather(groups: Any, g: int, table: Any, column: int, field: int, scratch: Any, n: int) -> None:
+def _gather(world: int, g: int, table: Any, field: int, scratch: Any) -> None:
     """Copy six numbers of both bodies of every lane, those of the second six fields further."""
-    for lane in range(n):
-        a, b = groups[g, lane], groups[g, _W + lane]
-        for k in range(6):
-            scratch[(field + k) * _W + lane] = table[a, column + k]
-            scratch[(field + 6 + k) * _W + lane] = table[b, column + k]
+    bodies = flat_integers(world, GROUPS)
+    gather_rows(table, 0, 0, 6, bodies, GROUPS.width * g, scratch, field)
+    gather_rows(table, 0, 0, 6, bodies, GROUPS.width * g + _W, scratch, field + 6)
 
 
 @compiled(inline=True)
-def _scatter(groups: Any, g: int, motion: Any, scratch: Any, n: int) -> None:
-    for lane in range(n):
-        a, b = groups[g, lane], groups[g, _W + lane]
-        for k in range(6):
-            motion[a, k] = scratch[(VELOCITY_A + k) * _W + lane]
-            motion[b, k] = scratch[(VELOCITY_B + k) * _W + lane]
+def _gather_inertia(world: int, g: int, inverse_mass: Any, scratch: Any) -> None:
+    bodies = flat_integers(world, GROUPS)
+    gather_rows(inverse_mass, 0, 1, 6, bodies, GROUPS.width * g, scratch, INERTIA_A)
+    gather_rows(inverse_mass, 0, 1, 6, bodies, GROUPS.width * g + _W, scratch, INERTIA_B)
+
+
+@compiled(inline=True)
+def _scatter(world: int, g: int, motion: Any, scratch: Any) -> None:
+    bodies = flat_integers(world, GROUPS)
+    scatter_rows(motion, bodies, GROUPS.width * g, scratch, VELOCITY_A)
+    scatter_rows(motion, bodies, GROUPS.width * g + _W, scratch, VELOCITY_B)
