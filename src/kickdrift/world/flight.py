@@ -82,6 +82,9 @@ SLEEP_ISLAND = column(BODY)
 GENERATION = column(BODY)
 LINK_PLACE = column(BODY)  # of its link + 1, where its joints are solved directly; -1 where one after the other
 LINK_COUNT = column(BODY)
+UNSOLVED = column(BODY)  # steps in a row in which sweeps left its contacts unsolved: see `kickdrift.world.direct.heaps`
+IN_HEAP = column(BODY)  # 1: of a heap that is solved directly
+HEAP, HEAP_SIZE = column(BODY), column(BODY)  # first body of its heap, and of that how many there are
 REMOVED, STATIC, KINEMATIC, DYNAMIC = 0, 1, 2, 3
 
 _ROUNDS = 20

@@ -12,9 +12,11 @@ from kickdrift.world.collision.narrow_phase import place_shapes
 from kickdrift.world.collision.recycling import find_points
 from kickdrift.world.collision.time_of_impact import find_impacts
 from kickdrift.world.contacts.prepare import colour, prepare
+from kickdrift.world.contacts.residual import measure
 from kickdrift.world.contacts.restitution import bounce, find_bouncing
-from kickdrift.world.contacts.solve import THREADED, measure, relax, solve, store, warm_start
+from kickdrift.world.contacts.solve import THREADED, relax, solve, store, warm_start
 from kickdrift.world.direct.bounces import bounce_islands
+from kickdrift.world.direct.heaps import count_unsolved, find_heaps
 from kickdrift.world.direct.islands import find_islands
 from kickdrift.world.direct.nodes import find_nodes
 from kickdrift.world.direct.sequential import relax_in_turn, solve_in_turn
@@ -38,6 +40,7 @@ class Uses(NamedTuple):
     forces: Stages
     bounces: bool
     is_fast: bool
+    direct: bool
     sleeps: bool
     planar: bool
     threads: bool
@@ -57,21 +60,24 @@ class Word(NamedTuple):
 
 def word(uses: Uses, joints: Joints) -> Word:
     """Spell the step, to be read from top to bottom."""
+    direct = joints.present or uses.direct
     before = (
         begin,
+        find_heaps,
         place_shapes,
         find_pairs,
         find_points,
         *when(uses.is_fast, find_impacts),
         *when(uses.sleeps, wake),
-        *when(joints.present, wake_joints, measure_joints, begin_joints, find_nodes),
+        *when(joints.present, wake_joints, measure_joints, begin_joints),
+        *when(direct, find_nodes),
         colour,
         prepare,
-        *when(joints.present, find_islands),
+        *when(direct, find_islands),
         *when(uses.bounces or uses.is_fast, find_bouncing),
     )
     substep = (
-        *when(joints.present and uses.bounces, bounce_islands),
+        *when(direct and uses.bounces, bounce_islands),
         begin_forces,
         *uses.forces,
         kick,
@@ -80,18 +86,19 @@ def word(uses: Uses, joints: Joints) -> Word:
         *when(joints.present, warm_start_joints),
         solve,
         *when(joints.sequential, solve_in_turn),
-        *when(joints.present, solve_islands),
+        *when(direct, solve_islands),
         *when(uses.planar, flatten),
         drift,
         relax,
         *when(joints.present, measure_joints),
         *when(joints.sequential, relax_in_turn),
-        *when(joints.present, relax_islands),
+        *when(direct, relax_islands),
     )
     after = (
         finish,
         measure,
-        *when(joints.present, measure_islands),
+        *when(direct, measure_islands),
+        count_unsolved,
         store,
         note_touching,
         *when(uses.sleeps, sleep),

@@ -20,4 +20,5 @@ PLANE_NORMAL = column(SETTINGS, 3)  # normal of the plane that a planar world mo
 SLEEP_SPEED = column(SETTINGS, 1, "m/s")  # below which an island may fall asleep; 0.0: none does
 SLEEP_TIME = column(SETTINGS, 1, "s")
 HAS_FAST = column(SETTINGS)  # 1.0 once the step has the stage for fast pairs
+HAS_DIRECT = column(SETTINGS)  # 1.0 once the step has the stages of the direct solver
 RESIDUAL = column(SETTINGS, 1, "m/s")  # no setting, but what the last step has left unsolved

@@ -19,6 +19,7 @@ OK = 0
 FULL = 1  # a table needs more room: make it, clear the row and run the stage again
 NOT_FINITE = 2  # a body has a pose or a velocity that is not finite
 NEEDS_TIME_OF_IMPACT = 3  # shapes are so fast that the step needs the stage `find_impacts`
+NEEDS_DIRECT_SOLVER = 4  # a heap is left unsolved by the sweeps
 
 
 @compiled(inline=True)

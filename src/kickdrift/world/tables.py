@@ -37,7 +37,7 @@ LOAD = Table(5, 8)  # force (3) and torque (3) asked for during the next step
 RESTED = Table(36, 12)
 FORCE = Table(35, 8)  # force (3) and torque (3) in this substep
 KICKED = Table(6, 24)  # see `kickdrift.world.flight`
-BODY = Table(7, 8, whole=True)  # kind, awake, island, generation, link + 1 where joints are solved directly, links
+BODY = Table(7, 12, whole=True)  # see `kickdrift.world.flight`
 # Shapes
 # Kind (-1: removed), body, where its numbers begin in GEOMETRY, how many, layer, mask, sensor, state of its search (see
 # `kickdrift.world.collision.search`)

@@ -31,7 +31,16 @@ from kickdrift.world.recorder import Recorder
 from kickdrift.world.rollback import find_lost_body, lost_body_error, roll_back
 from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.step import run
-from kickdrift.world.step_status import FULL, LOST_BODY, NEEDS_TIME_OF_IMPACT, REACHED, ROWS_WANTED, STATUS, TABLE
+from kickdrift.world.step_status import (
+    FULL,
+    LOST_BODY,
+    NEEDS_DIRECT_SOLVER,
+    NEEDS_TIME_OF_IMPACT,
+    REACHED,
+    ROWS_WANTED,
+    STATUS,
+    TABLE,
+)
 from kickdrift.world.tables import ASKED_APART, COLOURS, EVENTS, MOTION, POSE, SETTINGS, STEP_STATUS, SWEEPS, Tables
 from kickdrift.world.tuning import Tunable
 
@@ -236,9 +245,10 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
     def word(self) -> Word:
         """The step as a word: its stages in their order."""
         self.joints.arrange()
-        shapes, fast = self.shape_rows, bool(self.tables.array(SETTINGS)[0, settings.HAS_FAST])
+        fast, direct = self.tables.array(SETTINGS)[0, [settings.HAS_FAST, settings.HAS_DIRECT]].astype(bool).tolist()
+        bouncing = self.shape_rows.bouncing
         return word(
-            Uses(tuple(self.forces), shapes.bouncing, fast, self.sleeping, self.planar, self.threads), self.joints
+            Uses(tuple(self.forces), bouncing, fast, direct, self.sleeping, self.planar, self.threads), self.joints
         )
 
     def _ready(self, step: float) -> Program:
@@ -283,8 +293,9 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         status = self.tables.array(STEP_STATUS)[0]
         kind, table, wanted, body = (int(status[column]) for column in (STATUS, TABLE, ROWS_WANTED, LOST_BODY))
         status[:] = 0
-        if kind == NEEDS_TIME_OF_IMPACT:
-            self.tables.array(SETTINGS)[0, settings.HAS_FAST] = 1.0
+        if kind in (NEEDS_TIME_OF_IMPACT, NEEDS_DIRECT_SOLVER):
+            needed = settings.HAS_FAST if kind == NEEDS_TIME_OF_IMPACT else settings.HAS_DIRECT
+            self.tables.array(SETTINGS)[0, needed] = 1.0
             self.tables.altered = True
             return
         if kind == FULL:

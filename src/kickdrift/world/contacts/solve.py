@@ -19,7 +19,6 @@ from kickdrift.world.contacts.contact_solver_simd import (
     APPLY_IMPULSES,
     FIND_STALE,
     LANE_COUNT,
-    MEASURE,
     REFRESH,
     REFRESH_FRICTION,
     SOLVE_FRICTION,
@@ -40,7 +39,7 @@ from kickdrift.world.contacts.prepare_simd import (
     VELOCITY_B,
 )
 from kickdrift.world.contacts.transposing import fetch_rows, gather_rows, scatter_rows
-from kickdrift.world.settings import PUSH_SPEED, RESIDUAL, SLOP
+from kickdrift.world.settings import PUSH_SPEED, SLOP
 from kickdrift.world.tables import (
     COLOURS,
     CONTACT,
@@ -222,19 +221,6 @@ def store(t: float, h: float, world: int) -> None:
             if own[c.ROLL * _W] > 0.0:
                 for k in range(3):
                     manifold[row, c.ROLLING_IMPULSE + k] = own[(c.ROLL + 2 + k) * _W]
-
-
-@compiled
-def measure(t: float, h: float, world: int) -> None:
-    """Measure what the sweeps have left unsolved: how fast points that carry something part or approach, at most."""
-    lanes, sweeps = flat(world, LANES), integers(world, SWEEPS)
-    scratch, n, most = carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)), sweeps[0, LANE_COUNT], 0.0
-    for g in range(integers(world, COLOURS)[LINKED, 1]):
-        _gather(world, g, floats(world, MOTION), VELOCITY_A, scratch)
-        sweep(sweeps[0, MEASURE], (lanes[g * _SIZE : (g + 1) * _SIZE], scratch, 0.0, 0.0, 0.0, n))
-        for lane in range(n):
-            most = max(most, scratch[MARK * _W + lane])
-    floats(world, SETTINGS)[0, RESIDUAL] = most
 
 
 @compiled

@@ -78,9 +78,6 @@ REST = 1  # nothing moves on
 BOUNCE = 2  # points that hit leave with the speed that restitution gives them
 SMOOTH_BOUNCE = 3  # the same without friction
 
-# Part of an overlap that is pushed out in a substep.
-_PUSHED = 0.2
-
 
 @compiled(inline=True, cached=False, fast=True)
 def contact_row(index: int, world: int) -> Any:
@@ -151,7 +148,7 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
             gap = own[(c.P + c.POINT_FIELDS * k + c.GAP) * c.WIDTH]
             gap += along(numbers[WRENCH + 12 * k : WRENCH + 12 * k + 12], change)
             if task == PRESS:
-                numbers[WANTED + k] = -gap / h if gap > 0.0 else min(-_PUSHED * gap / h, push)
+                numbers[WANTED + k] = -gap / h if gap > 0.0 else min(-own[c.SOFTNESS * c.WIDTH] * gap, push)
             elif task == REST and gap > 0.0 and numbers[IMPULSE + k] == 0.0:
                 numbers[ACTIVE + k] = 0.0
             elif task >= BOUNCE:

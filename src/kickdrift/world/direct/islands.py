@@ -51,7 +51,7 @@ from kickdrift.world.tables import (
 )
 
 # Nodes that contacts unite to an island. Contacts between larger ones are solved by each of them in turn.
-LARGEST = 40
+LARGEST = 64
 
 
 @compiled

@@ -2,7 +2,7 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.flight import AWAKE, BODY_KIND, DYNAMIC, LINK_COUNT, LINK_PLACE
+from kickdrift.world.flight import AWAKE, BODY_KIND, DYNAMIC, IN_HEAP, LINK_COUNT, LINK_PLACE
 from kickdrift.world.joints.layout import JOINED_ROWS, LINK_A, LINK_B, LINK_BODY, LINK_JOINT, NONE, PARENT, ROOT, SIGN
 from kickdrift.world.step_status import ask_for_room
 from kickdrift.world.tables import (
@@ -32,7 +32,9 @@ def find_nodes(t: float, h: float, world: int) -> None:
     for row in range(joined, rows(world, LINK)):
         body[links[row, LINK_BODY], LINK_PLACE], body[links[row, LINK_BODY], LINK_COUNT] = 0, 0
     set_rows(world, LINK, joined)
-    count = joined
+    count = _add_heaps(world, joined)
+    if count < 0:
+        return
     for _ in range(FARTHEST):
         begun = count
         for row in range(rows(world, CONTACT)):
@@ -45,18 +47,39 @@ def find_nodes(t: float, h: float, world: int) -> None:
             new = b if node_a else a
             if body[new, LINK_PLACE] != 0 or not moves(world, new):
                 continue
-            if count >= min(room(world, LINK), room(world, LINK_NUMBERS)):
-                _forget(world, joined, count)
-                ask_for_room(world, LINK, count + 64)
+            if not _add_node(world, new, joined, count):
                 return
-            body[new, LINK_PLACE], body[new, LINK_COUNT] = count + 1, 1
-            links[count, LINK_BODY], links[count, LINK_JOINT], links[count, PARENT] = new, NONE, NONE
-            links[count, SIGN], links[count, LINK_A], links[count, LINK_B] = 1, NONE, NONE
             count += 1
         if count == begun:
             break
     set_rows(world, LINK, count)
     set_rows(world, LINK_NUMBERS, max(count, rows(world, LINK_NUMBERS)))
+
+
+@compiled(cached=False)
+def _add_heaps(world: int, joined: int) -> int:
+    """Give bodies of heaps that the sweeps have left unsolved a row; return how many rows there are, or -1 without room."""
+    body, count = integers(world, BODY), joined
+    for row in range(rows(world, BODY)):
+        if body[row, IN_HEAP] != 0 and body[row, LINK_PLACE] == 0 and moves(world, row):
+            if not _add_node(world, row, joined, count):
+                return -1
+            count += 1
+    return count
+
+
+@compiled(cached=False)
+def _add_node(world: int, row: int, joined: int, count: int) -> bool:
+    """Give a body a row of `LINK`; return whether there was room."""
+    body, links = integers(world, BODY), integers(world, LINK)
+    if count >= min(room(world, LINK), room(world, LINK_NUMBERS)):
+        _forget(world, joined, count)
+        ask_for_room(world, LINK, count + 64)
+        return False
+    body[row, LINK_PLACE], body[row, LINK_COUNT] = count + 1, 1
+    links[count, LINK_BODY], links[count, LINK_JOINT], links[count, PARENT] = row, NONE, NONE
+    links[count, SIGN], links[count, LINK_A], links[count, LINK_B] = 1, NONE, NONE
+    return True
 
 
 @compiled(inline=True)

@@ -62,7 +62,7 @@ class Joints:
     def __init__(self, tables: Tables) -> None:
         self.tables = tables
         self.names = Names("joint")
-        self.arranged = True
+        self.arranged = False
         self.n_made = 0  # never goes back, not even to a snapshot: two joints would share a handle
 
     def __len__(self) -> int:

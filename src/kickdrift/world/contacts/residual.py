@@ -1,0 +1,84 @@
+"""What the sweeps leave unsolved: how fast points that press on each other part or approach after a step."""
+
+import math
+
+from numba import carray
+
+from kickdrift.core.calls import caller
+from kickdrift.core.compilation import compiled
+from kickdrift.core.memory import floats_on_stack
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.contact_solver_simd import LANE_COUNT, MEASURE, SWEEP
+from kickdrift.world.contacts.prepare import LINKED
+from kickdrift.world.contacts.prepare_simd import MARK, SCRATCH_SIZE, VELOCITY_A, VELOCITY_B
+from kickdrift.world.contacts.transposing import gather_rows
+from kickdrift.world.flight import UNSOLVED
+from kickdrift.world.settings import GRAVITY, RESIDUAL
+from kickdrift.world.tables import (
+    BODY,
+    COLOURS,
+    GROUPS,
+    LANES,
+    MOTION,
+    SETTINGS,
+    SWEEPS,
+    flat,
+    flat_integers,
+    floats,
+    integers,
+)
+
+_W = c.WIDTH
+_SIZE = c.FIELDS * _W
+
+# Of the velocity that gravity gives in a step: what sweeps may leave of contacts; times that, what is far too much; and times
+# what is left, the speed of bodies that have not come to rest yet anyway.
+_NOTED, _FAR, _CALM = 0.01, 30.0, 10.0
+
+# Bits of UNSOLVED above its count: a body was left with more in this step, with far more; it touches something and is solved
+# directly.
+LEFT, FAR_LEFT, TOUCHES = 1 << 20, 1 << 21, 1 << 22
+
+sweep = caller(SWEEP)
+
+
+@compiled
+def measure(t: float, h: float, world: int) -> None:
+    """Measure the residual, and mark the bodies that are left with too much of it, and those that are solved directly."""
+    groups, colours, body = integers(world, GROUPS), integers(world, COLOURS), integers(world, BODY)
+    lanes, sweeps, bodies = flat(world, LANES), integers(world, SWEEPS), flat_integers(world, GROUPS)
+    scratch, motion = carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)), floats(world, MOTION)
+    most, noted, n = 0.0, _noted(h, world), sweeps[0, LANE_COUNT]
+    for g in range(colours[LINKED, 1]):
+        gather_rows(motion, 0, 0, 6, bodies, GROUPS.width * g, scratch, VELOCITY_A)
+        gather_rows(motion, 0, 0, 6, bodies, GROUPS.width * g + _W, scratch, VELOCITY_B)
+        sweep(sweeps[0, MEASURE], (lanes[g * _SIZE : (g + 1) * _SIZE], scratch, 0.0, 0.0, 0.0, n))
+        for lane in range(n):
+            left = scratch[MARK * _W + lane]
+            most = max(most, left)
+            if left > noted:
+                for side in range(2):
+                    row = groups[g, side * _W + lane]
+                    if _is_slow(world, row, _CALM * left):
+                        body[row, UNSOLVED] |= LEFT | FAR_LEFT if left > _FAR * noted else LEFT
+    for g in range(colours[LINKED, 1], colours[LINKED, 2]):
+        body[groups[g, 0], UNSOLVED] |= TOUCHES
+        body[groups[g, _W], UNSOLVED] |= TOUCHES
+    floats(world, SETTINGS)[0, RESIDUAL] = most
+
+
+@compiled(inline=True)
+def _noted(h: float, world: int) -> float:
+    """Residual from which on it is noted: infinite where nothing presses."""
+    settings = floats(world, SETTINGS)
+    x, y, z = settings[0, GRAVITY], settings[0, GRAVITY + 1], settings[0, GRAVITY + 2]
+    gravity = math.sqrt(x * x + y * y + z * z)
+    return _NOTED * h * gravity if gravity > 0.0 else math.inf
+
+
+@compiled(inline=True)
+def _is_slow(world: int, row: int, speed: float) -> bool:
+    motion = floats(world, MOTION)
+    square = motion[row, 0] ** 2 + motion[row, 1] ** 2 + motion[row, 2] ** 2
+    slow: bool = square < speed * speed
+    return slow

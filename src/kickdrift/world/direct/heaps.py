@@ -1,0 +1,88 @@
+"""Heaps that the sweeps do not bring to rest: small ones are solved directly from then on.
+
+A sweep carries an impulse from one contact to the next, so that a load ten or a hundred times as heavy as what it stands on, a
+plate on which many boxes stand, or a tall tower wants more sweeps than a step has. What is left shows in the velocities: points
+that press on each other part or approach. A body with such points in many steps, one after the other, is *unsolved*, and so is
+its heap: all bodies that contacts hold together.
+"""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.residual import FAR_LEFT, LEFT, TOUCHES
+from kickdrift.world.flight import AWAKE, BODY_KIND, DYNAMIC, HEAP, HEAP_SIZE, IN_HEAP, LINK_PLACE, UNSOLVED
+from kickdrift.world.joints.layout import JOINED_ROWS
+from kickdrift.world.settings import HAS_DIRECT
+from kickdrift.world.step_status import NEEDS_DIRECT_SOLVER, OK, STATUS
+from kickdrift.world.tables import BODY, CONTACT, GRAPH, INVERSE_MASS, SETTINGS, STEP_STATUS, floats, integers, rows
+
+# Steps after which a body is unsolved, for how many of them one counts in which it is far from solved, and bodies of a heap
+# that a direct solution is worth.
+LONG, HASTE, LARGEST = 24, 6, 64
+
+
+@compiled
+def find_heaps(t: float, h: float, world: int) -> None:
+    """Mark the bodies of small heaps that the sweeps have left unsolved for long."""
+    body, status = integers(world, BODY), integers(world, STEP_STATUS)
+    any_unsolved = False
+    for row in range(rows(world, BODY)):
+        body[row, IN_HEAP], body[row, HEAP], body[row, HEAP_SIZE] = 0, row, 0
+        any_unsolved = any_unsolved or (body[row, UNSOLVED] >= LONG and body[row, AWAKE] != 0)
+    if not any_unsolved:
+        return
+    _join_heaps(world)
+    unsolved = 1 << 30
+    for row in range(rows(world, BODY)):
+        if _is_free(world, row):
+            first = _first_of(world, row)
+            body[row, HEAP] = first
+            body[first, HEAP_SIZE] += 1
+            if body[row, UNSOLVED] >= LONG:
+                body[first, HEAP_SIZE] |= unsolved
+    found = False
+    for row in range(rows(world, BODY)):
+        size = body[body[row, HEAP], HEAP_SIZE]
+        if _is_free(world, row) and unsolved < size <= unsolved + LARGEST:
+            body[row, IN_HEAP], found = 1, True
+    if found and floats(world, SETTINGS)[0, HAS_DIRECT] == 0.0 and status[0, STATUS] == OK:
+        status[0, STATUS] = NEEDS_DIRECT_SOLVER
+
+
+@compiled(inline=True)
+def _is_free(world: int, row: int) -> bool:
+    """Whether a body moves, and no joint holds it."""
+    body = integers(world, BODY)
+    free: bool = body[row, BODY_KIND] == DYNAMIC and body[row, AWAKE] != 0 and floats(world, INVERSE_MASS)[row, 0] > 0.0
+    return free and (body[row, LINK_PLACE] == 0 or body[row, LINK_PLACE] > integers(world, GRAPH)[0, JOINED_ROWS])
+
+
+@compiled
+def _first_of(world: int, row: int) -> int:
+    body = integers(world, BODY)
+    while body[row, HEAP] != row:
+        row = body[row, HEAP]
+    return row
+
+
+@compiled
+def _join_heaps(world: int) -> None:
+    """Unite the free bodies that contacts hold together."""
+    body, contact = integers(world, BODY), integers(world, CONTACT)
+    for row in range(rows(world, CONTACT)):
+        a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
+        touches = contact[row, c.POINTS] != 0 and contact[row, c.CONTACT_STATE] & c.SENSOR == 0
+        if touches and _is_free(world, a) and _is_free(world, b):
+            a, b = _first_of(world, a), _first_of(world, b)
+            body[max(a, b), HEAP] = min(a, b)
+
+
+@compiled
+def count_unsolved(t: float, h: float, world: int) -> None:
+    """Count for how many steps bodies were left unsolved; those solved directly stay so until they touch nothing."""
+    body = integers(world, BODY)
+    for row in range(rows(world, BODY)):
+        seen, count = body[row, UNSOLVED], body[row, UNSOLVED] & (LEFT - 1)
+        if count < LONG:
+            body[row, UNSOLVED] = count + HASTE if seen & FAR_LEFT else count + 1 if seen & LEFT else 0
+        else:
+            body[row, UNSOLVED] = count if seen & TOUCHES else 0
