@@ -24,9 +24,9 @@ def stack(**options):
 def test_the_word_says_what_a_step_does():
     word = stack().word
     assert str(word) == (
-        "begin place-shapes find-pairs find-points colour prepare find-bouncing"
+        "begin find-heaps place-shapes find-pairs find-points colour prepare find-bouncing"
         " (begin-forces kick bounce warm-start solve drift relax)*"
-        " finish measure store note-touching"
+        " finish measure count-unsolved store note-touching"
     )
 
 

@@ -70,7 +70,7 @@ LINK = Table(46, 10, whole=True)  # a body of an articulation and the joint that
 LINK_NUMBERS = Table(47, 248)
 CONTACT_ROW = Table(48, 288)  # of contacts that are solved directly: see `kickdrift.world.direct.layout`
 GRAPH = Table(51, 4, whole=True)  # one row: see `kickdrift.world.direct.nodes`
-ISLAND = Table(52, 8, whole=True)
+ISLAND = Table(52, 12, whole=True)
 ISLAND_CONTACT = Table(53, 1, whole=True)  # contacts of the linked colour, one island after the other
 ISLAND_CLOSING = Table(54, 1, whole=True)  # rows of LINK of joints that close loops
 NODE = Table(55, 8, whole=True)

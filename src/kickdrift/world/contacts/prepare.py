@@ -125,7 +125,7 @@ def prepare(t: float, h: float, world: int) -> None:
     raw, sweeps, settings = carray(floats_on_stack(_RAW), (_RAW,)), integers(world, SWEEPS), floats(world, SETTINGS)
     slop = settings[0, SLOP]
     substep = settings[0, STEP] / settings[0, SUBSTEPS]
-    scratch, n = carray(floats_on_stack(_SCRATCH), (_SCRATCH,)), sweeps[0, LANE_COUNT]
+    scratch = carray(floats_on_stack(_SCRATCH), (_SCRATCH,))
     soft, softer = softness(world, True), softness(world, False)
     for k in range(_SCRATCH):
         scratch[k] = 0.0
@@ -145,6 +145,7 @@ def prepare(t: float, h: float, world: int) -> None:
             for k in range(r.INERTIA_A, r.MARK):
                 scratch[k * c.WIDTH + lane] = 0.0
         own = lanes[g * c.FIELDS * c.WIDTH : (g + 1) * c.FIELDS * c.WIDTH]
+        n = sweeps[0, LANE_COUNT] if g < colours[OVERFLOW, 1] else 1
         sweep(sweeps[0, FILL], (own, raw, substep, 0.0, 0.0, n))
         sweep(sweeps[0, REFRESH], (own, scratch, slop, 0.0, 0.0, n))
         sweep(sweeps[0, REFRESH_FRICTION], (own, scratch, 0.0, 0.0, 0.0, n))

@@ -94,16 +94,19 @@ def _warm_start_group(h: float, world: int, g: int) -> None:
         carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)),
         integers(world, SWEEPS),
     )
-    n = sweeps[0, LANE_COUNT]
     _fetch(world, g)
     _gather(world, g, motion, VELOCITY_A, scratch)
     _gather_inertia(world, g, inverse_mass, scratch)
-    own = lanes[g * _SIZE : (g + 1) * _SIZE]
-    if g >= integers(world, COLOURS)[LINKED, 1]:  # no sweep of ours takes those of links anew
-        _gather(world, g, floats(world, DELTA_POSE), DELTA_POSE_A, scratch)
-        _take_anew(h, world, g, own, scratch)
+    own, n = lanes[g * _SIZE : (g + 1) * _SIZE], 1 if _is_linked(world, g) else sweeps[0, LANE_COUNT]
     sweep(sweeps[0, APPLY_IMPULSES], (own, scratch, 1.0 / h, 1.0, 0.0, n))
     _scatter(world, g, motion, scratch)
+
+
+@compiled(inline=True)
+def _is_linked(world: int, g: int) -> bool:
+    """Whether a group is one contact that is solved directly."""
+    linked: bool = g >= integers(world, COLOURS)[LINKED, 1]
+    return linked
 
 
 @compiled
@@ -132,13 +135,15 @@ def _relax_group(h: float, world: int, g: int) -> None:
         carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)),
         integers(world, SWEEPS),
     )
-    delta_pose, n = floats(world, DELTA_POSE), sweeps[0, LANE_COUNT]
+    delta_pose, n = floats(world, DELTA_POSE), 1 if _is_linked(world, g) else sweeps[0, LANE_COUNT]
     _fetch(world, g)
     _gather(world, g, motion, VELOCITY_A, scratch)
     _gather(world, g, delta_pose, DELTA_POSE_A, scratch)
     _gather_inertia(world, g, inverse_mass, scratch)
     own = lanes[g * _SIZE : (g + 1) * _SIZE]
-    _take_anew(h, world, g, own, scratch)
+    _take_anew(h, world, g, own, scratch, n)
+    if _is_linked(world, g):  # whose impulses the direct solver finds
+        return
     least = _TOUCHING * floats(world, SETTINGS)[0, SLOP]
     sweep(sweeps[0, SOLVE_FRICTION], (own, scratch, 1.0 / h, 0.0, 0.0, n))
     sweep(sweeps[0, SOLVE_NORMALS], (own, scratch, 1.0 / h, 0.0, least, n))
@@ -146,10 +151,9 @@ def _relax_group(h: float, world: int, g: int) -> None:
 
 
 @compiled
-def _take_anew(h: float, world: int, g: int, own: Any, scratch: Any) -> None:
+def _take_anew(h: float, world: int, g: int, own: Any, scratch: Any, n: int) -> None:
     """Take the arms of lanes anew whose bodies have turned or slid past each other."""
     sweeps = integers(world, SWEEPS)
-    n = sweeps[0, LANE_COUNT]
     sweep(sweeps[0, FIND_STALE], (own, scratch, TWIST_STRICTNESS, SLIP_STRICTNESS, 0.0, n))
     marked = 0.0
     for lane in range(n):
@@ -182,7 +186,7 @@ warm_start = compiled(specialise(_forth, "warm_start", group=_warm_start_group, 
 # Keep bodies apart, and push apart those that overlap.
 solve = compiled(specialise(_forth, "solve", group=_solve_group))
 # Friction, twist and rolling resistance; then take the velocity of the push away.
-relax = compiled(specialise(_forth, "relax", group=_relax_group))
+relax = compiled(specialise(_forth, "relax", group=_relax_group, LAST=LINKED))
 
 # The same on Numba's threads, with the same bits: no two contacts of a colour move the same body.
 THREADED = {
@@ -190,7 +194,7 @@ THREADED = {
         specialise(_forth, "warm_start_threaded", group=_warm_start_group, LAST=LINKED)
     ),
     solve: compiled(parallel=True)(specialise(_forth, "solve_threaded", group=_solve_group)),
-    relax: compiled(parallel=True)(specialise(_forth, "relax_threaded", group=_relax_group)),
+    relax: compiled(parallel=True)(specialise(_forth, "relax_threaded", group=_relax_group, LAST=LINKED)),
 }
 
 

@@ -3,8 +3,25 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.prepare import LINKED
-from kickdrift.world.direct.contact_rows import along, bind, bind_points, first_row, give_of, impulse_field
-from kickdrift.world.direct.contacts import BOUNCE, PRESS, SMOOTH_BOUNCE, constraint, contact_row, read_both, twelve
+from kickdrift.world.direct.contact_rows import (
+    along,
+    bind,
+    bind_points,
+    first_row,
+    give_of,
+    impulse_field,
+    write_wrench,
+)
+from kickdrift.world.direct.contacts import (
+    BOUNCE,
+    PRESS,
+    REST,
+    SMOOTH_BOUNCE,
+    constraint,
+    contact_row,
+    read_both,
+    twelve,
+)
 from kickdrift.world.direct.layout import (
     ACTIVE,
     AFTER_CONTACT,
@@ -107,6 +124,19 @@ def give_contacts(island: int, task: int, world: int) -> None:
                 body, at = groups[begin + index, c.WIDTH * side], 6 * side
                 push = (given[at], given[at + 1], given[at + 2])
                 push_body(body, push, (given[at + 3], given[at + 4], given[at + 5]), world)
+
+
+@compiled(cached=False, fast=True)
+def forget_contacts(island: int, world: int) -> None:
+    """Take from bodies the impulses that contacts began with."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        numbers, fields = contact_row(order[k, 0], world), constraint(order[k, 0], world)
+        for i in range(10):
+            numbers[ACTIVE + i], numbers[IMPULSE + i] = 1.0, fields[impulse_field(i) * c.WIDTH]
+            numbers[GIVEN + i] = -numbers[IMPULSE + i]
+            write_wrench(fields, i, numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12])
+    give_contacts(island, REST, world)
 
 
 @compiled(cached=False, fast=True)

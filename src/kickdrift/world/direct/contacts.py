@@ -10,6 +10,7 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.prepare import LINKED
 from kickdrift.world.direct.contact_rows import (
     GRIP,
+    PRESSING,
     RIGID,
     RIGID_BOUNCE,
     along,
@@ -125,7 +126,7 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
     read_both(MOTION, a, b, velocity, world)
     read_both(DELTA_POSE, a, b, change, world)
     push = floats(world, SETTINGS)[0, PUSH_SPEED]
-    numbers[CUT], rigid, grip = 0.0, RIGID, GRIP
+    numbers[CUT], rigid, grip = 0.0, PRESSING if task == PRESS else RIGID, GRIP
     if task >= BOUNCE:
         rigid, grip = RIGID_BOUNCE, RIGID_BOUNCE
     for side in range(2):

@@ -124,7 +124,7 @@ def refine(island: int, touched: bool, world: int) -> float:
     own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
     joints, order, worst = integers(world, JOINT), integers(world, ISLAND_CLOSING), refine_closings(island, world)
     if touched:
-        worst = max(worst, 1e-4 * refine_contacts(island, world))
+        worst = max(worst, 1e-3 * refine_contacts(island, world))
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         link = nodes[node, LINK_ROW]
         joint = links[link, LINK_JOINT]

@@ -3,7 +3,7 @@
 A sweep carries an impulse from one contact to the next, so that a load ten or a hundred times as heavy as what it stands on, a
 plate on which many boxes stand, or a tall tower wants more sweeps than a step has. What is left shows in the velocities: points
 that press on each other part or approach. A body with such points in many steps, one after the other, is *unsolved*, and so is
-its heap: all bodies that contacts hold together.
+its heap: all bodies that contacts hold together. A body for itself is none.
 """
 
 from kickdrift.core.compilation import compiled
@@ -42,7 +42,7 @@ def find_heaps(t: float, h: float, world: int) -> None:
     found = False
     for row in range(rows(world, BODY)):
         size = body[body[row, HEAP], HEAP_SIZE]
-        if _is_free(world, row) and unsolved < size <= unsolved + LARGEST:
+        if _is_free(world, row) and unsolved + 1 < size <= unsolved + LARGEST:
             body[row, IN_HEAP], found = 1, True
     if found and floats(world, SETTINGS)[0, HAS_DIRECT] == 0.0 and status[0, STATUS] == OK:
         status[0, STATUS] = NEEDS_DIRECT_SOLVER

@@ -12,6 +12,7 @@ from kickdrift.world.direct.layout import (
     FIRST_CLOSING,
     FIRST_CONTACT,
     FIRST_NODE,
+    HAS_JOINTS,
     LINK_ROW,
     LOST,
     NODE_ISLAND,
@@ -26,6 +27,7 @@ from kickdrift.world.joints.layout import (
     FIRST,
     ISLAND_SIZE,
     LINK_BODY,
+    LINK_JOINT,
     LINKS,
     NODE_ROW,
     NONE,
@@ -202,10 +204,12 @@ def _sort_nodes(world: int) -> None:
             nodes[place, LINK_ROW], nodes[place, NODE_ISLAND] = row, island
             islands[island, AFTER_NODE] += 1
     for island in range(rows(world, ISLAND)):
-        least, greatest = 1e300, 0.0
+        least, greatest, joints = 1e300, 0.0, islands[island, AFTER_CLOSING] - islands[island, FIRST_CLOSING]
         for place in range(islands[island, FIRST_NODE], islands[island, AFTER_NODE]):
+            joints += int(links[nodes[place, LINK_ROW], LINK_JOINT] >= 0)
             mass = inertia[links[nodes[place, LINK_ROW], LINK_BODY], MASS]
             least, greatest = min(least, mass), max(greatest, mass)
         islands[island, RATIO], islands[island, LOST] = int(greatest / least + 1.0), 0
+        islands[island, HAS_JOINTS] = int(joints > 0)
     for place in range(islands[rows(world, ISLAND) - 1, AFTER_NODE] if rows(world, ISLAND) > 0 else 0):
         links[nodes[place, LINK_ROW], NODE_ROW] = place

@@ -33,7 +33,7 @@ from kickdrift.world.direct.layout import (
     TANGENT,
     WANTED,
 )
-from kickdrift.world.direct.velocities import kinetic_energy
+from kickdrift.world.direct.velocities import kinetic_energy, mass_of
 from kickdrift.world.joints.laws import law_impulse
 from kickdrift.world.joints.layout import (
     ACCEPTED_DELTA_SPEED,
@@ -59,8 +59,8 @@ from kickdrift.world.tables import (
 # Of the slope that a whole step begins with, what may be left at its end; and halvings of the way.
 _FLAT, _HALVINGS = 1e-3, 20
 
-# Of the energy, by which slopes may be rounded off.
-_ROUNDING = 1e-12
+# Of the energy, by which slopes may be rounded off, and the speed of all bodies at which that is not worth while, m/s.
+_ROUNDING, _UNNOTICED = 1e-12, 1e-7
 
 
 @compiled(cached=False, fast=True)
@@ -87,7 +87,10 @@ def _is_down_to_the_end(island: int, h: float, task: int, touched: bool, world: 
     if last <= 0.0:
         return True
     first = -_slope(island, 0.0, h, task, touched, world)
-    return first <= 0.0 or last <= _FLAT * first or last <= _ROUNDING * kinetic_energy(island, world)
+    if first <= 0.0 or last <= _FLAT * first:
+        return True
+    unnoticed = _UNNOTICED * _UNNOTICED * mass_of(island, world)
+    return last <= max(unnoticed, _ROUNDING * kinetic_energy(island, world))
 
 
 @compiled(cached=False, fast=True)

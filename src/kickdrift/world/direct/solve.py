@@ -19,7 +19,7 @@ from kickdrift.world.direct.closings import (
     begin_closings,
     stay_closings,
 )
-from kickdrift.world.direct.contact_impulses import give_contacts, left_of_contacts
+from kickdrift.world.direct.contact_impulses import forget_contacts, give_contacts, left_of_contacts
 from kickdrift.world.direct.contacts import (
     PRESS,
     REST,
@@ -36,11 +36,19 @@ from kickdrift.world.direct.layout import (
     AFTER_NODE,
     FIRST_CLOSING,
     FIRST_NODE,
+    HAS_JOINTS,
     LINK_ROW,
     LOST,
     RATIO,
 )
-from kickdrift.world.direct.velocities import fastest_turn, kinetic_energy, note_velocities, noted_energy, take_back
+from kickdrift.world.direct.velocities import (
+    fastest_turn,
+    kinetic_energy,
+    mass_of,
+    note_velocities,
+    noted_energy,
+    take_back,
+)
 from kickdrift.world.joints.falling import let_fall
 from kickdrift.world.joints.layout import (
     BEFORE,
@@ -52,7 +60,7 @@ from kickdrift.world.joints.layout import (
 from kickdrift.world.joints.measure import measure
 from kickdrift.world.joints.repair import shift_body
 from kickdrift.world.joints.right_hand_side import AHEAD, GENTLY, RELAX, REPAIR
-from kickdrift.world.settings import RESIDUAL
+from kickdrift.world.settings import PUSH_SPEED, RESIDUAL
 from kickdrift.world.tables import (
     ISLAND,
     ISLAND_CLOSING,
@@ -91,6 +99,9 @@ def solve_islands(t: float, h: float, world: int) -> None:
         note_velocities(island, world)
         note_impulses(island, False, world)
         islands[island, LOST] = 0
+        if islands[island, HAS_JOINTS] == 0:
+            _press(island, h, world)
+            continue
         off = islands[island, RATIO] * aim_island(island, h, AHEAD, world)
         if not (off <= POOR and _approach(island, h, off, QUICK, world) <= NEAR) or _is_thrown(island, h, world):
             _take_care(island, h, world)
@@ -127,6 +138,22 @@ def measure_islands(t: float, h: float, world: int) -> None:
     settings = floats(world, SETTINGS)
     for island in range(rows(world, ISLAND)):
         settings[0, RESIDUAL] = max(settings[0, RESIDUAL], left_of_contacts(island, world))
+
+
+@compiled(cached=False)
+def _press(island: int, h: float, world: int) -> None:
+    """Solve an island without joints: from impulses of the substep before, from none if those lead astray, or not at all."""
+    for trial in range(2):
+        begin_contacts(island, h, PRESS, world)
+        solve_once(island, h, h, PRESS, True, True, world)
+        pushed = mass_of(island, world) * floats(world, SETTINGS)[0, PUSH_SPEED] ** 2
+        if kinetic_energy(island, world) <= WILD * noted_energy(island, world) + pushed:
+            return
+        take_back(island, world)
+        if trial == 0:
+            forget_contacts(island, world)
+            note_velocities(island, world)
+            note_impulses(island, False, world)
 
 
 @compiled(cached=False)

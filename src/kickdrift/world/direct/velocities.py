@@ -53,6 +53,16 @@ def kinetic_energy(island: int, world: int) -> float:
 
 
 @compiled(cached=False)
+def mass_of(island: int, world: int) -> float:
+    """Mass of an island."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    total = 0.0
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        total += floats(world, INERTIA)[links[nodes[node, LINK_ROW], LINK_BODY], MASS]
+    return total
+
+
+@compiled(cached=False)
 def noted_energy(island: int, world: int) -> float:
     """Kinetic energy that an island had with the velocities that were noted."""
     own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)

@@ -1,0 +1,98 @@
+"""Heaps that the sweeps leave unsolved: they are solved directly, come to rest, and nothing else changes."""
+
+import numpy as np
+import pytest
+
+from kickdrift import World
+from kickdrift.world.flight import IN_HEAP, UNSOLVED
+from kickdrift.world.tables import BODY, MOTION, POSE
+
+STEP = 1 / 60
+
+
+def tower(masses, friction=0.6):
+    world = World()
+    world.add_plane(friction=friction)
+    for k, mass in enumerate(masses):
+        world.add_box((1, 1, 1), position=(0, 0, k + 0.5), mass=mass, friction=friction)
+    return world
+
+
+def plate(mass, load, count):
+    """Build a plate with `count` x `count` boxes on it."""
+    world = World()
+    world.add_plane(friction=0.4)
+    world.add_box((20, 20, 1), position=(0, 0, 0.5), mass=mass, friction=0.4)
+    places = np.linspace(-9, 9, count)
+    for x in places:
+        for y in places:
+            world.add_box((1, 1, 1), position=(x, y, 1.5), mass=load, friction=0.8)
+    return world
+
+
+def in_heaps(world):
+    return int(world.tables.array(BODY)[:, IN_HEAP].sum())
+
+
+HARD = [
+    pytest.param(lambda: tower([1, 1000]), id="1 kg under 1000"),
+    pytest.param(lambda: tower([1, 1, 1, 1, 100]), id="4 of 1 kg under 100"),
+    pytest.param(lambda: tower([1.5**k for k in range(10)]), id="10, masses growing by 1.5"),
+    pytest.param(lambda: tower([1] * 20), id="20 of 1 kg"),
+    pytest.param(lambda: plate(1, 1, 5), id="plate of 1 kg, 25 of 1 kg"),
+    pytest.param(lambda: plate(10, 100, 3), id="plate of 10 kg, 9 of 100 kg"),
+]
+
+
+@pytest.mark.parametrize("build", HARD)
+def test_hard_heaps_come_to_rest(build):
+    world = build()
+    start = world.position.copy()
+    world.advance(STEP, 900)
+    assert in_heaps(world) == len(start) - 2  # without the ground and the plane
+    assert np.abs(world.velocity).max() < 1e-6
+    assert world.residual < 1e-7
+    assert np.abs(world.position - start)[:, :2].max() < 0.05
+    assert np.abs(world.position - start)[:, 2].max() < 0.01
+
+
+@pytest.mark.parametrize("build", [lambda: tower([1]), lambda: tower([1, 1, 1]), lambda: tower([1] * 70)])
+def test_easy_heaps_single_bodies_and_large_heaps_are_left_to_the_sweeps(build):
+    world = build()
+    for _ in range(20):
+        world.advance(STEP, 10)
+        assert in_heaps(world) == 0
+    assert "solve-islands" not in str(world.word)
+
+
+def test_a_heap_that_has_been_taken_apart_is_one_no_more():
+    world = tower([1, 100])
+    world.advance(STEP, 120)
+    assert in_heaps(world) == 2
+    world.velocity[1:, 2] = 5.0
+    world.velocity[2, 0] = 10.0
+    world.advance(STEP, 40)
+    assert in_heaps(world) == 0
+    assert (world.tables.array(BODY)[1:, UNSOLVED] == 0).all()
+
+
+def test_bits_of_heaps_are_the_same_after_restore():
+    world = tower([1, 1, 100])
+    world.advance(STEP, 25)
+    kept = world.snapshot()
+    world.advance(STEP, 60)
+    assert in_heaps(world) == 3
+    wanted = [world.tables.array(table).tobytes() for table in (POSE, MOTION)]
+    world.restore(kept)
+    world.advance(STEP, 60)
+    assert [world.tables.array(table).tobytes() for table in (POSE, MOTION)] == wanted
+
+
+def test_planar_heaps_rest():
+    world = World(plane_normal=(0, 1, 0))
+    world.add_plane(friction=0.6)
+    for row in range(10):
+        for place in range(10 - row):
+            world.add_box((1, 1, 1), position=(place - (9 - row) / 2, 0, row + 0.5), mass=1.0, friction=0.6)
+    world.advance(STEP, 600)
+    assert np.abs(world.velocity).max() < 1e-6
