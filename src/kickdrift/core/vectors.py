@@ -102,10 +102,12 @@ def exponential(a: Vector) -> Quaternion:
     """Rotation about the direction of a vector by its length."""
     square = 0.25 * dot(a, a)
     if square < 0.01:  # the next terms of both series are below 1e-20, and the functions of the library take longer
-        c = 1.0 / 24.0 - square * (1.0 / 720.0 - square * (1.0 / 40320.0 - square / 3628800.0))
-        c = 1.0 - square * (0.5 - square * c)
-        s = 1.0 / 120.0 - square * (1.0 / 5040.0 - square * (1.0 / 362880.0 - square / 39916800.0))
-        s = 0.5 - square * (1.0 / 12.0 - 0.5 * square * s)
+        # Times constants: with divisions, the kick of a chain of 20 links takes a sixth longer.
+        fourth = square * square
+        c = 1.0 / 24.0 - square * (1.0 / 720.0) + fourth * (1.0 / 40320.0 - square * (1.0 / 3628800.0))
+        c = 1.0 - (square * 0.5 - fourth * c)
+        s = 1.0 / 240.0 - square * (1.0 / 10080.0) + fourth * (1.0 / 725760.0 - square * (1.0 / 79833600.0))
+        s = 0.5 - (square * (1.0 / 12.0) - fourth * s)
     else:
         half = math.sqrt(square)
         c = math.cos(half)

@@ -99,6 +99,13 @@ def colour(t: float, h: float, world: int) -> None:
     set_rows(world, GROUPS, first)
 
 
+@compiled(inline=True)
+def lanes_of(world: int, g: int) -> int:
+    """Lanes of a group that are worked on: the first one alone where its contact is solved directly."""
+    count: int = integers(world, SWEEPS)[0, LANE_COUNT]
+    return 1 if g >= integers(world, COLOURS)[LINKED, 1] else count
+
+
 @compiled
 def prepare(t: float, h: float, world: int) -> None:
     """Fill the groups with constraints."""
@@ -134,7 +141,8 @@ def prepare(t: float, h: float, world: int) -> None:
         if many and g + 1 < rows(world, GROUPS):
             for k in range(0, MANIFOLD.width, 8):  # a cache line each
                 fetch_rows(floats(world, MANIFOLD), k, numbers, GROUPS.width * (g + 1) + 2 * c.WIDTH)
-        for lane in range(c.WIDTH):
+        n = lanes_of(world, g)
+        for lane in range(n):
             scratch[r.MARK * c.WIDTH + lane] = 1.0
             row = groups[g, 2 * c.WIDTH + lane]
             if row >= 0:
@@ -145,7 +153,6 @@ def prepare(t: float, h: float, world: int) -> None:
             for k in range(r.INERTIA_A, r.MARK):
                 scratch[k * c.WIDTH + lane] = 0.0
         own = lanes[g * c.FIELDS * c.WIDTH : (g + 1) * c.FIELDS * c.WIDTH]
-        n = sweeps[0, LANE_COUNT] if g < colours[OVERFLOW, 1] else 1
         sweep(sweeps[0, FILL], (own, raw, substep, 0.0, 0.0, n))
         sweep(sweeps[0, REFRESH], (own, scratch, slop, 0.0, 0.0, n))
         sweep(sweeps[0, REFRESH_FRICTION], (own, scratch, 0.0, 0.0, 0.0, n))

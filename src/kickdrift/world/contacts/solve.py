@@ -26,7 +26,7 @@ from kickdrift.world.contacts.contact_solver_simd import (
     SWEEP,
 )
 from kickdrift.world.contacts.effective_mass_simd import SLIP_STRICTNESS, TWIST_STRICTNESS
-from kickdrift.world.contacts.prepare import LINKED, OVERFLOW
+from kickdrift.world.contacts.prepare import LINKED, OVERFLOW, lanes_of
 from kickdrift.world.contacts.prepare_simd import (
     DELTA_POSE_A,
     FROM_A_TO_B,
@@ -97,7 +97,7 @@ def _warm_start_group(h: float, world: int, g: int) -> None:
     _fetch(world, g)
     _gather(world, g, motion, VELOCITY_A, scratch)
     _gather_inertia(world, g, inverse_mass, scratch)
-    own, n = lanes[g * _SIZE : (g + 1) * _SIZE], 1 if _is_linked(world, g) else sweeps[0, LANE_COUNT]
+    own, n = lanes[g * _SIZE : (g + 1) * _SIZE], lanes_of(world, g)
     sweep(sweeps[0, APPLY_IMPULSES], (own, scratch, 1.0 / h, 1.0, 0.0, n))
     _scatter(world, g, motion, scratch)
 
@@ -135,7 +135,7 @@ def _relax_group(h: float, world: int, g: int) -> None:
         carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)),
         integers(world, SWEEPS),
     )
-    delta_pose, n = floats(world, DELTA_POSE), 1 if _is_linked(world, g) else sweeps[0, LANE_COUNT]
+    delta_pose, n = floats(world, DELTA_POSE), lanes_of(world, g)
     _fetch(world, g)
     _gather(world, g, motion, VELOCITY_A, scratch)
     _gather(world, g, delta_pose, DELTA_POSE_A, scratch)

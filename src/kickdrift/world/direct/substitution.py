@@ -3,7 +3,7 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, cross, dot, minus, plus
+from kickdrift.core.vectors import Vector, cross, dot, minus, plus, times
 from kickdrift.world.columns import vector_at
 from kickdrift.world.direct.factorisation import arms
 from kickdrift.world.direct.layout import (
@@ -41,6 +41,8 @@ from kickdrift.world.joints.layout import (
 from kickdrift.world.joints.measure import put_vector
 from kickdrift.world.tables import BLOCK, JOINT_NUMBERS, LINK, LINK_NUMBERS, NEIGHBOUR, NODE, floats, integers
 
+_NOTHING: Vector = (0.0, 0.0, 0.0)
+
 
 @compiled(cached=False, fast=True)
 def substitute(first: int, after: int, world: int) -> None:
@@ -73,37 +75,49 @@ def _gather(node: int, world: int) -> None:
     end = begin + nodes[node, NEIGHBOURS]
     held, sign = links[link, HELD_AXES], links[link, SIGN]
     own, other = arms(numbers, joint, ARM_A, ARM_B, sign)
+    # In registers, not in the table: the compiler does not know that what is written there is not what is read next.
     push = vector_at(work, link, BIAS_IMPULSE)
-    put_vector(work, link, BIAS_IMPULSE + 3, minus(vector_at(work, link, BIAS_IMPULSE + 3), cross(own, push)))
+    turn = minus(vector_at(work, link, BIAS_IMPULSE + 3), cross(own, push))
+    gain: tuple[Vector, Vector] = (_NOTHING, _NOTHING)
     for k in range(6):
-        work[link, GAIN + k] = 0.0
-    for k in range(6):
-        axis, half = vector_at(numbers, joint, AXES + 3 * k), 0 if k < 3 else 3
         if held >> k & 1:
-            ahead = vector_at(work, link, AXES_AHEAD + 3 * k)
-            for i in range(3):
-                work[link, GAIN + half + i] += sign * work[link, RIGHT_HAND_SIDE + k] * ahead[i]
+            wanted = times(sign * work[link, RIGHT_HAND_SIDE + k], vector_at(work, link, AXES_AHEAD + 3 * k))
+            gain = (plus(gain[0], wanted), gain[1]) if k < 3 else (gain[0], plus(gain[1], wanted))
         else:
-            extra = sign * work[link, PUSH + k] - dot(axis, vector_at(work, link, BIAS_IMPULSE + half))
+            axis, column = vector_at(numbers, joint, AXES + 3 * k), COUPLING + 6 * k
+            extra = sign * work[link, PUSH + k] - dot(axis, push if k < 3 else turn)
             work[link, DELTA_SPEED + k] = extra
             extra *= work[link, YIELD + k]
-            for i in range(6):
-                work[link, BIAS_IMPULSE + i] += extra * work[link, COUPLING + 6 * k + i]
+            push = plus(push, times(extra, vector_at(work, link, column)))
+            turn = plus(turn, times(extra, vector_at(work, link, column + 3)))
             for block in range(begin, end):
                 to = nodes[neighbours[block, 0], LINK_ROW]
                 for i in range(6):
                     work[to, BIAS_IMPULSE + i] += extra * blocks[block, BLOCK_COUPLING + 6 * k + i]
-    _add_product(work, link, ARTICULATED_INERTIA, work, link, GAIN, work, link, BIAS_IMPULSE)
+    push = plus(push, _product(work, link, ARTICULATED_INERTIA, gain))
+    turn = plus(turn, _product(work, link, ARTICULATED_INERTIA + 18, gain))
+    put_vector(work, link, GAIN, gain[0])
+    put_vector(work, link, GAIN + 3, gain[1])
+    put_vector(work, link, BIAS_IMPULSE, push)
+    put_vector(work, link, BIAS_IMPULSE + 3, turn)
     for block in range(begin, end):
         to = nodes[neighbours[block, 0], LINK_ROW]
         _add_product(blocks, block, LOWER_BLOCK, work, link, GAIN, work, to, BIAS_IMPULSE)
     if parent >= 0:
         above = nodes[parent, LINK_ROW]
-        push = vector_at(work, link, BIAS_IMPULSE)
-        turn = plus(vector_at(work, link, BIAS_IMPULSE + 3), cross(other, push))
-        for k in range(3):
-            work[above, BIAS_IMPULSE + k] += push[k]
-            work[above, BIAS_IMPULSE + 3 + k] += turn[k]
+        put_vector(work, above, BIAS_IMPULSE, plus(vector_at(work, above, BIAS_IMPULSE), push))
+        turn = plus(turn, cross(other, push))
+        put_vector(work, above, BIAS_IMPULSE + 3, plus(vector_at(work, above, BIAS_IMPULSE + 3), turn))
+
+
+@compiled(inline=True, cached=False, fast=True)
+def _product(m: Any, row: int, at: int, x: tuple[Vector, Vector]) -> Vector:
+    """Three rows of a block times six numbers."""
+    return (
+        dot(vector_at(m, row, at), x[0]) + dot(vector_at(m, row, at + 3), x[1]),
+        dot(vector_at(m, row, at + 6), x[0]) + dot(vector_at(m, row, at + 9), x[1]),
+        dot(vector_at(m, row, at + 12), x[0]) + dot(vector_at(m, row, at + 15), x[1]),
+    )
 
 
 @compiled(inline=True, cached=False, fast=True)
@@ -132,35 +146,32 @@ def _spread(node: int, world: int) -> None:
         above = nodes[parent, LINK_ROW]
         w = vector_at(work, above, GAIN + 3)
         v = plus(vector_at(work, above, GAIN), cross(w, other))
-    wanted = (vector_at(work, link, GAIN), vector_at(work, link, GAIN + 3))
-    put_vector(work, link, GAIN, v)
-    put_vector(work, link, GAIN + 3, w)
-    for k in range(6):
-        work[link, JOINT_WRENCH + k] = work[link, BIAS_IMPULSE + k]
-    _add_product(work, link, ARTICULATED_INERTIA, work, link, GAIN, work, link, JOINT_WRENCH)
+    push = plus(vector_at(work, link, BIAS_IMPULSE), _product(work, link, ARTICULATED_INERTIA, (v, w)))
+    turn = plus(vector_at(work, link, BIAS_IMPULSE + 3), _product(work, link, ARTICULATED_INERTIA + 18, (v, w)))
+    put_vector(work, link, JOINT_WRENCH, push)
+    put_vector(work, link, JOINT_WRENCH + 3, turn)
     for block in range(begin, end):
         _add_product(
             blocks, block, UPPER_BLOCK, work, nodes[neighbours[block, 0], LINK_ROW], GAIN, work, link, JOINT_WRENCH
         )
-    put_vector(work, link, GAIN, plus(v, wanted[0]))
-    put_vector(work, link, GAIN + 3, plus(w, wanted[1]))
+    v, w = plus(v, vector_at(work, link, GAIN)), plus(w, vector_at(work, link, GAIN + 3))
     for k in range(5, -1, -1):
         if held >> k & 1:
             continue
-        extra = work[link, DELTA_SPEED + k]
-        for i in range(6):
-            extra -= work[link, PASSING + 6 * k + i] * work[link, GAIN + i]
+        row = PASSING + 6 * k
+        extra = (
+            work[link, DELTA_SPEED + k] - dot(vector_at(work, link, row), v) - dot(vector_at(work, link, row + 3), w)
+        )
         for block in range(begin, end):
             of = nodes[neighbours[block, 0], LINK_ROW]
             for i in range(6):
                 extra -= blocks[block, BLOCK_PASSING + 6 * k + i] * work[of, GAIN + i]
         extra *= work[link, YIELD + k]
         work[link, DELTA_SPEED + k] = sign * extra
-        ahead, half = vector_at(work, link, AXES_AHEAD + 3 * k), 0 if k < 3 else 3
-        for i in range(3):
-            work[link, GAIN + half + i] += extra * ahead[i]
-    turn = vector_at(work, link, GAIN + 3)
-    put_vector(work, link, GAIN, plus(vector_at(work, link, GAIN), cross(own, turn)))
+        change = times(extra, vector_at(work, link, AXES_AHEAD + 3 * k))
+        v, w = (plus(v, change), w) if k < 3 else (v, plus(w, change))
+    put_vector(work, link, GAIN, plus(v, cross(own, w)))
+    put_vector(work, link, GAIN + 3, w)
 
 
 @compiled(cached=False, fast=True)

@@ -71,7 +71,7 @@ def _drive(s: float, constant: float, slope: float, maximum: float) -> float:
     return min(maximum, max(-maximum, constant - slope * s))
 
 
-@compiled(cached=False)
+@compiled(inline=True, cached=False)
 def solution(
     free: float,
     mobility: float,
@@ -142,7 +142,7 @@ def solution(
     return code, False, others + constant, slope
 
 
-@compiled(cached=False)
+@compiled(inline=True, cached=False)
 def _drive_of(joint: int, link: int, k: int, h: float, world: int) -> tuple[float, float, float]:
     """Impulse of a drive: constant, slope, maximum; see the top of this file."""
     numbers, laws = floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
@@ -159,7 +159,7 @@ def _drive_of(joint: int, link: int, k: int, h: float, world: int) -> tuple[floa
     return constant, slope, h * laws[row, DRIVE_MAXIMUM]
 
 
-@compiled(cached=False)
+@compiled(inline=True, cached=False)
 def _piece(
     joint: int, k: int, link: int, h: float, relaxing: bool, speed: float, impulse: float, mobility: float, world: int
 ) -> tuple[int, bool, float, float]:

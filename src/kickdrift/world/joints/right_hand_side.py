@@ -94,7 +94,7 @@ def write_right_hand_side(joint: int, link: int, h: float, mode: int, world: int
     look_here(joint, link, world)
     if mode != RELAX:
         _look_ahead(joint, link, h if mode == AHEAD else 0.0, world)
-    off, turned_off = 0.0, 0.0
+    off, turned_off, per_h = 0.0, 0.0, 1.0 / h
     for k in range(6):
         speed = dot(vector_at(numbers, joint, AXES + 3 * k), v if k < 3 else w)
         brake = work[link, BRAKE + k - 3] if mode == AHEAD and k >= 3 else 0.0
@@ -102,7 +102,7 @@ def write_right_hand_side(joint: int, link: int, h: float, mode: int, world: int
         work[link, AXIS_SPEED + k] = speed
         work[link, RIGHT_HAND_SIDE + k] = 0.0
         if locked >> k & 1:
-            work[link, RIGHT_HAND_SIDE + k] = -wrong / h if mode in (AHEAD, REPAIR) else -speed
+            work[link, RIGHT_HAND_SIDE + k] = -wrong * per_h if mode in (AHEAD, REPAIR) else -speed
             off += wrong * wrong if k < 3 else 0.0
             turned_off += wrong * wrong if k >= 3 else 0.0
         work[link, SLOPE + k] = brake
