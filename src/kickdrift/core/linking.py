@@ -51,12 +51,6 @@ class Whole(JITCodeLibrary):  # type: ignore[misc]
         for library in list(called(part))[1:]:
             self._reload_init.update(library._reload_init)
             self._final_module.link_in(_module_of(library), preserve=True)
-        # For no other caller they can be inlined and changed at will; under names of their own, since the linker takes code of
-        # the same name for the same. Functions of Numba's runtime are known by their names to what removes their calls.
-        for function in self._final_module.functions:
-            if function.linkage.name == "linkonce_odr" and function.name.startswith("_ZN"):
-                function.linkage = "internal"
-                function.name = f"{function.name}.{part.name}"
         self._optimize_final_module()
         self._final_module.verify()
         self._finalize_final_module()
