@@ -106,9 +106,8 @@ def test_shorter_steps_bear_more():
         world = World()
         world.add_plane()
         world.add_box((1, 1, 1), position=(0, 0, 0.5), mass=1.0)
-        world.add_box((1, 1, 1), position=(0, 0, 1.5), mass=100.0)
         world.advance(step, round(4 / step))
-        sunk.append(1.5 - world.position[3, 2])
+        sunk.append(0.5 - world.position[2, 2])
     assert sunk[1] < sunk[0] / 8  # springs of a frequency of 1/h: as h^2
 
 

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError, KickdriftError
-from kickdrift.world import layout, settings
+from kickdrift.world import layout, settings, step_status
 from kickdrift.world.adding import AddsBodies
 from kickdrift.world.arguments import choice, direction, number, vector
 from kickdrift.world.bodies import Bodies
@@ -31,16 +31,6 @@ from kickdrift.world.recorder import Recorder
 from kickdrift.world.rollback import find_lost_body, lost_body_error, roll_back
 from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.step import run
-from kickdrift.world.step_status import (
-    FULL,
-    LOST_BODY,
-    NEEDS_DIRECT_SOLVER,
-    NEEDS_TIME_OF_IMPACT,
-    REACHED,
-    ROWS_WANTED,
-    STATUS,
-    TABLE,
-)
 from kickdrift.world.tables import ASKED_APART, COLOURS, EVENTS, MOTION, POSE, SETTINGS, STEP_STATUS, SWEEPS, Tables
 from kickdrift.world.tuning import Tunable
 
@@ -66,8 +56,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         How far apart shapes are when a contact between them is begun, and how deep they may sink in; m.
     contact_hertz, contact_damping : float
         Frequency and damping ratio of the spring that pushes overlapping bodies apart; by default the frequency is 0.15
-        over the substep, the stiffest that leaves high stacks alone. Of contacts that are swept; in islands with joints a
-        fifth of an overlap is pushed out in a substep.
+        over the substep, the stiffest that leaves high stacks alone.
     push_speed : float
         At which they are pushed apart at most, m/s. What lies on several that are pushed at once gets faster: with 3 m/s
         four rows of boxes that overlap by a quarter throw the uppermost up at 7 m/s, with 1.5 m/s none exceeds 4 m/s.
@@ -225,7 +214,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
             try:
                 done, at = run(*program, start, step, done, until, at, self.tables.address)
             except Exception as error:
-                done = int(self.tables.array(STEP_STATUS)[0, REACHED])
+                done = int(self.tables.array(STEP_STATUS)[0, step_status.REACHED])
                 self._go_back(done, step)
                 raise KickdriftError(
                     f"a force raised {type(error).__name__}: {error} in step {self.n_steps}; "
@@ -291,19 +280,19 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
     def _help(self, done: int, step: float) -> None:
         """Do what a stage has asked for; raise what cannot be helped."""
         status = self.tables.array(STEP_STATUS)[0]
-        kind, table, wanted, body = (int(status[column]) for column in (STATUS, TABLE, ROWS_WANTED, LOST_BODY))
+        columns = step_status.STATUS, step_status.TABLE, step_status.ROWS_WANTED, step_status.LOST_BODY
+        kind, table, wanted, body = status[list(columns)].tolist()
         status[:] = 0
-        if kind in (NEEDS_TIME_OF_IMPACT, NEEDS_DIRECT_SOLVER):
-            needed = settings.HAS_FAST if kind == NEEDS_TIME_OF_IMPACT else settings.HAS_DIRECT
+        if kind in (step_status.NEEDS_TIME_OF_IMPACT, step_status.NEEDS_DIRECT_SOLVER):
+            needed = settings.HAS_DIRECT if kind == step_status.NEEDS_DIRECT_SOLVER else settings.HAS_FAST
             self.tables.array(SETTINGS)[0, needed] = 1.0
             self.tables.altered = True
-            return
-        if kind == FULL:
+        elif kind == step_status.FULL:
             self.tables.make_room(table, wanted)
-            return
-        body = find_lost_body(self.tables, step, body)
-        self._go_back(done, step)
-        raise lost_body_error(self.tables, body, self.bodies.words(body), self.n_steps)
+        else:
+            body = find_lost_body(self.tables, step, body)
+            self._go_back(done, step)
+            raise lost_body_error(self.tables, body, self.bodies.words(body), self.n_steps)
 
     def _go_back(self, done: int, step: float) -> None:
         """Bring the world back to where the step began after those that are done."""
