@@ -5,6 +5,7 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.prepare import LINKED
+from kickdrift.world.direct.heaps import LARGEST as HEAP_LARGEST
 from kickdrift.world.direct.layout import (
     AFTER_CLOSING,
     AFTER_CONTACT,
@@ -52,8 +53,9 @@ from kickdrift.world.tables import (
     set_rows,
 )
 
-# Nodes that contacts unite to an island. Contacts between larger ones are solved by each of them in turn.
-LARGEST = 64
+# Nodes that contacts unite to an island where joints hold any of them: fill grows fast. Contacts between larger ones are solved
+# by each of them in turn. Sixteen ragdolls take 3.2 ms a step with 12 to 40 nodes, and 4.7 ms with 64.
+LARGEST = 32
 
 
 @compiled
@@ -119,7 +121,8 @@ def _join(world: int) -> int:
         a, b = node_of(world, groups[g, 0]), node_of(world, groups[g, c.WIDTH])
         if a >= 0 and b >= 0:
             a, b = _first_of(links, a), _first_of(links, b)
-            if a != b and links[a, ISLAND_SIZE] + links[b, ISLAND_SIZE] <= LARGEST:
+            most = LARGEST if min(a, b) < joined else HEAP_LARGEST
+            if a != b and links[a, ISLAND_SIZE] + links[b, ISLAND_SIZE] <= most:
                 links[max(a, b), ROOT] = min(a, b)
                 links[min(a, b), ISLAND_SIZE] += links[max(a, b), ISLAND_SIZE]
     for row in range(rows(world, LINK)):
