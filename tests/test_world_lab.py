@@ -19,11 +19,8 @@ import kickdrift as kd
 OURS = CONTESTANTS[0]
 # What does not hold yet, and what it comes to; a scene that begins to hold fails here and leaves the list.
 NOT_YET = {
-    "tower: 10 cubes, edges growing by 1.5": "speed 13 m/s; off 21 m; sinks 15 m",
-    "card house of 5 storeys, 10 mm": "off 0.71 m; sinks 1.5 m",
-    "card house of 3 storeys, 20 mm": "off 0.41 m; sinks 0.78 m",
-    "cube of 20 m on two of 1 m": "sinks 1 m; overlap 0.99 m",
-    "64 balls in a pen": "speed 0.052 m/s: a ball goes on rolling",
+    "tower: 10 cubes, edges growing by 1.5": "small cubes are squeezed out",
+    "cube of 20 m on two of 1 m": "speed 0.16 m/s",
     "coin of 24 corners": "flat after 0.3333 s",
     "joint grid of 10 x 10": "energy off 0.38",
     "top at 1000 rad/s": "energy off 0.95; precession 11.65 rad/s",

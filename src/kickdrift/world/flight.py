@@ -84,7 +84,9 @@ LINK_PLACE = column(BODY)  # of its link + 1, where its joints are solved direct
 LINK_COUNT = column(BODY)
 UNSOLVED = column(BODY)  # steps in a row in which sweeps left its contacts unsolved: see `kickdrift.world.direct.heaps`
 IN_HEAP = column(BODY)  # 1: of a heap that is solved directly
-HEAP, HEAP_SIZE = column(BODY), column(BODY)  # first body of its heap, and of that how many there are
+HEAP = column(BODY)  # first body of its heap
+HEAP_SIZE = column(BODY)  # of a first body: how many there are
+HEAP_UNSOLVED = column(BODY)  # and the most of their UNSOLVED
 REMOVED, STATIC, KINEMATIC, DYNAMIC = 0, 1, 2, 3
 
 _ROUNDS = 20

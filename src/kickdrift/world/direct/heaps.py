@@ -9,15 +9,29 @@ its heap: all bodies that contacts hold together. A body for itself is none.
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.residual import FAR_LEFT, LEFT, TOUCHES
-from kickdrift.world.flight import AWAKE, BODY_KIND, DYNAMIC, HEAP, HEAP_SIZE, IN_HEAP, LINK_PLACE, UNSOLVED
+from kickdrift.world.flight import (
+    AWAKE,
+    BODY_KIND,
+    DYNAMIC,
+    HEAP,
+    HEAP_SIZE,
+    HEAP_UNSOLVED,
+    IN_HEAP,
+    LINK_PLACE,
+    UNSOLVED,
+)
 from kickdrift.world.joints.layout import JOINED_ROWS
 from kickdrift.world.settings import HAS_DIRECT
 from kickdrift.world.step_status import NEEDS_DIRECT_SOLVER, OK, STATUS
 from kickdrift.world.tables import BODY, CONTACT, GRAPH, INVERSE_MASS, SETTINGS, STEP_STATUS, floats, integers, rows
 
-# Steps after which a body is unsolved, for how many of them one counts in which it is far from solved, and bodies of a heap
-# that a direct solution is worth.
-LONG, HASTE, LARGEST = 24, 6, 64
+# Steps after which a heap is unsolved, of few bodies; one more for so many bodies; and for how many of them a step counts in
+# which a body is far from solved. A direct solution of 55 boxes takes thirty times as long as the sweeps, whose pyramid comes to
+# rest by itself; a card house of 40 falls if it waits for more than 20 steps.
+_PATIENCE, _MORE, _HASTE = 6, 4, 6
+
+# Bodies of a heap that a direct solution is worth, and the count of those that are solved directly.
+LARGEST, _FOUND = 64, 1 << 16
 
 
 @compiled
@@ -26,24 +40,22 @@ def find_heaps(t: float, h: float, world: int) -> None:
     body, status = integers(world, BODY), integers(world, STEP_STATUS)
     any_unsolved = False
     for row in range(rows(world, BODY)):
-        body[row, IN_HEAP], body[row, HEAP], body[row, HEAP_SIZE] = 0, row, 0
-        any_unsolved = any_unsolved or (body[row, UNSOLVED] >= LONG and body[row, AWAKE] != 0)
+        body[row, IN_HEAP], body[row, HEAP], body[row, HEAP_SIZE], body[row, HEAP_UNSOLVED] = 0, row, 0, 0
+        any_unsolved = any_unsolved or (body[row, UNSOLVED] >= _PATIENCE and body[row, AWAKE] != 0)
     if not any_unsolved:
         return
     _join_heaps(world)
-    unsolved = 1 << 30
     for row in range(rows(world, BODY)):
         if _is_free(world, row):
             first = _first_of(world, row)
             body[row, HEAP] = first
             body[first, HEAP_SIZE] += 1
-            if body[row, UNSOLVED] >= LONG:
-                body[first, HEAP_SIZE] |= unsolved
+            body[first, HEAP_UNSOLVED] = max(body[first, HEAP_UNSOLVED], body[row, UNSOLVED])
     found = False
     for row in range(rows(world, BODY)):
-        size = body[body[row, HEAP], HEAP_SIZE]
-        if _is_free(world, row) and unsolved + 1 < size <= unsolved + LARGEST:
-            body[row, IN_HEAP], found = 1, True
+        size, unsolved = body[body[row, HEAP], HEAP_SIZE], body[body[row, HEAP], HEAP_UNSOLVED]
+        if _is_free(world, row) and 1 < size <= LARGEST and unsolved >= _PATIENCE + size // _MORE:
+            body[row, IN_HEAP], body[row, UNSOLVED], found = 1, _FOUND, True
     if found and floats(world, SETTINGS)[0, HAS_DIRECT] == 0.0 and status[0, STATUS] == OK:
         status[0, STATUS] = NEEDS_DIRECT_SOLVER
 
@@ -82,7 +94,7 @@ def count_unsolved(t: float, h: float, world: int) -> None:
     body = integers(world, BODY)
     for row in range(rows(world, BODY)):
         seen, count = body[row, UNSOLVED], body[row, UNSOLVED] & (LEFT - 1)
-        if count < LONG:
-            body[row, UNSOLVED] = count + HASTE if seen & FAR_LEFT else count + 1 if seen & LEFT else 0
-        else:
+        if count >= _FOUND:
             body[row, UNSOLVED] = count if seen & TOUCHES else 0
+        else:
+            body[row, UNSOLVED] = count + _HASTE if seen & FAR_LEFT else count + 1 if seen & LEFT else 0
