@@ -26,8 +26,8 @@ from kickdrift.world.step_status import NEEDS_DIRECT_SOLVER, OK, STATUS
 from kickdrift.world.tables import BODY, CONTACT, GRAPH, INVERSE_MASS, SETTINGS, STEP_STATUS, floats, integers, rows
 
 # Steps after which a heap is unsolved, of few bodies; one more for so many bodies; and for how many of them a step counts in
-# which a body is far from solved. A direct solution of 55 boxes takes thirty times as long as the sweeps, whose pyramid comes to
-# rest by itself; a card house of 40 falls if it waits for more than 20 steps.
+# which a body is far from solved. A direct solution of 55 boxes takes thirty times as long as the sweeps, whose pyramid comes
+# to rest by itself; a card house of 40 falls if it waits for more than 20 steps.
 _PATIENCE, _MORE, _HASTE = 6, 4, 6
 
 # Bodies of a heap that a direct solution is worth, and the count of those that are solved directly.
