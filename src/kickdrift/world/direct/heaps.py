@@ -30,13 +30,14 @@ from kickdrift.world.tables import BODY, CONTACT, GRAPH, INVERSE_MASS, SETTINGS,
 # to rest by itself; a card house of 40 falls if it waits for more than 20 steps.
 _PATIENCE, _MORE, _HASTE = 6, 4, 6
 
-# Bodies of a heap that a direct solution is worth, and the count of those that are solved directly.
-LARGEST, _FOUND = 64, 1 << 16
+# Bodies of a heap that a direct solution is worth, of all such heaps, and free bodies of a world: a pile of 1000 boxes falls
+# apart into small heaps, which would take thirty times as long. And the count of those that are solved directly.
+LARGEST, _MOST, _CROWD, _FOUND = 64, 128, 256, 1 << 16
 
 
 @compiled
 def find_heaps(t: float, h: float, world: int) -> None:
-    """Mark the bodies of small heaps that the sweeps have left unsolved for long."""
+    """Mark the bodies of small heaps that the sweeps have left unsolved for long, unless they are too many."""
     body, status = integers(world, BODY), integers(world, STEP_STATUS)
     any_unsolved = False
     for row in range(rows(world, BODY)):
@@ -51,12 +52,22 @@ def find_heaps(t: float, h: float, world: int) -> None:
             body[row, HEAP] = first
             body[first, HEAP_SIZE] += 1
             body[first, HEAP_UNSOLVED] = max(body[first, HEAP_UNSOLVED], body[row, UNSOLVED])
-    found = False
+    found, free = 0, 0
     for row in range(rows(world, BODY)):
         size, unsolved = body[body[row, HEAP], HEAP_SIZE], body[body[row, HEAP], HEAP_UNSOLVED]
+        free += int(_is_free(world, row))
         if _is_free(world, row) and 1 < size <= LARGEST and unsolved >= _PATIENCE + size // _MORE:
-            body[row, IN_HEAP], body[row, UNSOLVED], found = 1, _FOUND, True
-    if found and floats(world, SETTINGS)[0, HAS_DIRECT] == 0.0 and status[0, STATUS] == OK:
+            body[row, IN_HEAP] = 1
+            found += 1
+    for row in range(rows(world, BODY)):
+        body[row, IN_HEAP] = body[row, IN_HEAP] if found <= _MOST and free <= _CROWD else 0
+        body[row, UNSOLVED] = _FOUND if body[row, IN_HEAP] != 0 else body[row, UNSOLVED]
+    if (
+        0 < found <= _MOST
+        and free <= _CROWD
+        and floats(world, SETTINGS)[0, HAS_DIRECT] == 0.0
+        and status[0, STATUS] == OK
+    ):
         status[0, STATUS] = NEEDS_DIRECT_SOLVER
 
 
