@@ -85,6 +85,7 @@ LINK_COUNT = column(BODY)
 UNSOLVED = column(BODY)  # steps in a row in which sweeps left its contacts unsolved: see `kickdrift.world.direct.heaps`
 IN_HEAP = column(BODY)  # 1: of a heap that is solved directly
 HEAP, HEAP_SIZE = column(BODY), column(BODY)  # first body of its heap, and of that how many there are
+LEFT_FOR = column(BODY)  # steps in which it was left unsolved, less those in which it was not
 REMOVED, STATIC, KINEMATIC, DYNAMIC = 0, 1, 2, 3
 
 _ROUNDS = 20

@@ -21,4 +21,8 @@ SLEEP_SPEED = column(SETTINGS, 1, "m/s")  # below which an island may fall aslee
 SLEEP_TIME = column(SETTINGS, 1, "s")
 HAS_FAST = column(SETTINGS)  # 1.0 once the step has the stage for fast pairs
 HAS_DIRECT = column(SETTINGS)  # 1.0 once the step has the stages of the direct solver
-RESIDUAL = column(SETTINGS, 1, "m/s")  # no setting, but what the last step has left unsolved
+# No settings, but what the last step has left unsolved, and what warnings tell of: a body that is left unsolved, one that turns
+# too fast, its turn in a substep, and the part of its energy that is lost
+RESIDUAL = column(SETTINGS, 1, "m/s")
+UNSOLVED_BODY, FAST_BODY = column(SETTINGS), column(SETTINGS)
+FAST_TURN, FAST_LOSS = column(SETTINGS, 1, "rad"), column(SETTINGS)

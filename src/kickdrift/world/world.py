@@ -36,13 +36,16 @@ from kickdrift.world.step_status import (
     LOST_BODY,
     NEEDS_DIRECT_SOLVER,
     NEEDS_TIME_OF_IMPACT,
+    OK,
     REACHED,
     ROWS_WANTED,
+    SAID,
     STATUS,
     TABLE,
 )
 from kickdrift.world.tables import ASKED_APART, COLOURS, EVENTS, MOTION, POSE, SETTINGS, STEP_STATUS, SWEEPS, Tables
 from kickdrift.world.tuning import Tunable
+from kickdrift.world.unsolved import warn
 
 Floats = NDArray[np.float64]
 
@@ -151,6 +154,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         self.tables.resize(SWEEPS, 1)
         self.broken: list[Joint] = []
         self.recorder: Recorder | None = None
+        self._said = 0
         self._program: Program
         self._program_step, self._breakable = 0.0, False
         self._addresses: NDArray[np.intp]
@@ -237,6 +241,9 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
             if done < until:
                 self._help(done, step)
                 program = self._ready(step)
+            elif at:
+                self._warn(at, start + (done - before) * step)
+                at = 0
         self.time += count * step
         self.n_steps += count
         self.broken = self.joints.take_broken() if self._breakable else []
@@ -292,7 +299,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         """Do what a stage has asked for; raise what cannot be helped."""
         status = self.tables.array(STEP_STATUS)[0]
         kind, table, wanted, body = (int(status[column]) for column in (STATUS, TABLE, ROWS_WANTED, LOST_BODY))
-        status[:] = 0
+        status[STATUS] = OK
         if kind in (NEEDS_TIME_OF_IMPACT, NEEDS_DIRECT_SOLVER):
             needed = settings.HAS_FAST if kind == NEEDS_TIME_OF_IMPACT else settings.HAS_DIRECT
             self.tables.array(SETTINGS)[0, needed] = 1.0
@@ -304,6 +311,12 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         body = find_lost_body(self.tables, step, body)
         self._go_back(done, step)
         raise lost_body_error(self.tables, body, self.bodies.words(body), self.n_steps)
+
+    def _warn(self, found: int, time: float) -> None:
+        """Say what stages have found, once."""
+        new, self._said = found & ~self._said, self._said | found
+        self.tables.array(STEP_STATUS)[0, SAID] = self._said
+        warn(new, self.tables, self.bodies, time)
 
     def _go_back(self, done: int, step: float) -> None:
         """Bring the world back to where the step began after those that are done."""

@@ -9,15 +9,18 @@ its heap: all bodies that contacts hold together. A body for itself is none.
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.residual import FAR_LEFT, LEFT, TOUCHES
-from kickdrift.world.flight import AWAKE, BODY_KIND, DYNAMIC, HEAP, HEAP_SIZE, IN_HEAP, LINK_PLACE, UNSOLVED
+from kickdrift.world.flight import AWAKE, BODY_KIND, DYNAMIC, HEAP, HEAP_SIZE, IN_HEAP, LEFT_FOR, LINK_PLACE, UNSOLVED
 from kickdrift.world.joints.layout import JOINED_ROWS
-from kickdrift.world.settings import HAS_DIRECT
-from kickdrift.world.step_status import NEEDS_DIRECT_SOLVER, OK, STATUS
+from kickdrift.world.settings import HAS_DIRECT, UNSOLVED_BODY
+from kickdrift.world.step_status import LEFT_UNSOLVED, NEEDS_DIRECT_SOLVER, OK, STATUS, WARNING
 from kickdrift.world.tables import BODY, CONTACT, GRAPH, INVERSE_MASS, SETTINGS, STEP_STATUS, floats, integers, rows
 
 # Steps after which a body is unsolved, for how many of them one counts in which it is far from solved, and bodies of a heap
 # that a direct solution is worth.
 LONG, HASTE, LARGEST = 24, 6, 64
+
+# Seconds after which it is said that a body is left unsolved: of one in a heap that is too large for a direct solution.
+TOO_LONG = 2.0
 
 
 @compiled
@@ -81,8 +84,22 @@ def count_unsolved(t: float, h: float, world: int) -> None:
     """Count for how many steps bodies were left unsolved; those solved directly stay so until they touch nothing."""
     body = integers(world, BODY)
     for row in range(rows(world, BODY)):
+        _count_left(row, h, world)
         seen, count = body[row, UNSOLVED], body[row, UNSOLVED] & (LEFT - 1)
         if count < LONG:
             body[row, UNSOLVED] = count + HASTE if seen & FAR_LEFT else count + 1 if seen & LEFT else 0
         else:
             body[row, UNSOLVED] = count if seen & TOUCHES else 0
+
+
+@compiled(inline=True)
+def _count_left(row: int, h: float, world: int) -> None:
+    """Say so where a body is left unsolved for too long."""
+    body = integers(world, BODY)
+    if body[row, UNSOLVED] & LEFT == 0 or body[row, BODY_KIND] != DYNAMIC:
+        body[row, LEFT_FOR] = max(body[row, LEFT_FOR] - 1, 0)
+        return
+    body[row, LEFT_FOR] += 1
+    if body[row, LEFT_FOR] * h >= TOO_LONG:
+        floats(world, SETTINGS)[0, UNSOLVED_BODY] = row
+        integers(world, STEP_STATUS)[0, WARNING] |= LEFT_UNSOLVED
