@@ -221,7 +221,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         if self.tables.count(EVENTS):
             self.tables.resize(EVENTS, 0)
         program, recorder = self._ready(step), self.recorder
-        done, at = 0, 0
+        done, at, found = 0, 0, 0
         while done < count:
             before, start = done, self.time + done * step
             until = count if recorder is None else min(count, done + recorder.steps_to_row)
@@ -241,12 +241,13 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
             if done < until:
                 self._help(done, step)
                 program = self._ready(step)
-            elif at:
-                self._warn(at, start + (done - before) * step)
-                at = 0
+            else:
+                found, at = found | at, 0
         self.time += count * step
         self.n_steps += count
         self.broken = self.joints.take_broken() if self._breakable else []
+        if found:
+            self._warn(found)
 
     @property
     def word(self) -> Word:
@@ -312,11 +313,11 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         self._go_back(done, step)
         raise lost_body_error(self.tables, body, self.bodies.words(body), self.n_steps)
 
-    def _warn(self, found: int, time: float) -> None:
+    def _warn(self, found: int) -> None:
         """Say what stages have found, once."""
         new, self._said = found & ~self._said, self._said | found
         self.tables.array(STEP_STATUS)[0, SAID] = self._said
-        warn(new, self.tables, self.bodies, time)
+        warn(new, self.tables, self.bodies)
 
     def _go_back(self, done: int, step: float) -> None:
         """Bring the world back to where the step began after those that are done."""

@@ -7,20 +7,34 @@ its heap: all bodies that contacts hold together. A body for itself is none.
 """
 
 from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import dot
+from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.residual import FAR_LEFT, LEFT, TOUCHES
 from kickdrift.world.flight import AWAKE, BODY_KIND, DYNAMIC, HEAP, HEAP_SIZE, IN_HEAP, LEFT_FOR, LINK_PLACE, UNSOLVED
 from kickdrift.world.joints.layout import JOINED_ROWS
-from kickdrift.world.settings import HAS_DIRECT, UNSOLVED_BODY
+from kickdrift.world.settings import GRAVITY, HAS_DIRECT, UNSOLVED_BODY, UNSOLVED_SINCE
 from kickdrift.world.step_status import LEFT_UNSOLVED, NEEDS_DIRECT_SOLVER, OK, STATUS, WARNING
-from kickdrift.world.tables import BODY, CONTACT, GRAPH, INVERSE_MASS, SETTINGS, STEP_STATUS, floats, integers, rows
+from kickdrift.world.tables import (
+    BODY,
+    CONTACT,
+    GRAPH,
+    INVERSE_MASS,
+    MOTION,
+    SETTINGS,
+    STEP_STATUS,
+    floats,
+    integers,
+    rows,
+)
 
 # Steps after which a body is unsolved, for how many of them one counts in which it is far from solved, and bodies of a heap
 # that a direct solution is worth.
 LONG, HASTE, LARGEST = 24, 6, 64
 
-# Seconds after which it is said that a body is left unsolved: of one in a heap that is too large for a direct solution.
-TOO_LONG = 2.0
+# Seconds after which it is said that a body is left unsolved: of one in a heap that is too large for a direct solution. 1024
+# cubes that fall into a heap are for 5 s before they come to rest.
+TOO_LONG = 6.0
 
 
 @compiled
@@ -84,7 +98,7 @@ def count_unsolved(t: float, h: float, world: int) -> None:
     """Count for how many steps bodies were left unsolved; those solved directly stay so until they touch nothing."""
     body = integers(world, BODY)
     for row in range(rows(world, BODY)):
-        _count_left(row, h, world)
+        _count_left(row, t, h, world)
         seen, count = body[row, UNSOLVED], body[row, UNSOLVED] & (LEFT - 1)
         if count < LONG:
             body[row, UNSOLVED] = count + HASTE if seen & FAR_LEFT else count + 1 if seen & LEFT else 0
@@ -93,13 +107,16 @@ def count_unsolved(t: float, h: float, world: int) -> None:
 
 
 @compiled(inline=True)
-def _count_left(row: int, h: float, world: int) -> None:
-    """Say so where a body is left unsolved for too long."""
+def _count_left(row: int, t: float, h: float, world: int) -> None:
+    """Say so where a body that rests, slower than gravity makes it in a step, is left unsolved for too long."""
     body = integers(world, BODY)
-    if body[row, UNSOLVED] & LEFT == 0 or body[row, BODY_KIND] != DYNAMIC:
+    v, gravity = vector_at(floats(world, MOTION), row, 0), vector_at(floats(world, SETTINGS), 0, GRAVITY)
+    rests = body[row, BODY_KIND] == DYNAMIC and dot(v, v) < h * h * dot(gravity, gravity)
+    if body[row, UNSOLVED] & LEFT == 0 or not rests:
         body[row, LEFT_FOR] = max(body[row, LEFT_FOR] - 1, 0)
         return
     body[row, LEFT_FOR] += 1
-    if body[row, LEFT_FOR] * h >= TOO_LONG:
-        floats(world, SETTINGS)[0, UNSOLVED_BODY] = row
-        integers(world, STEP_STATUS)[0, WARNING] |= LEFT_UNSOLVED
+    lasted, status, settings = body[row, LEFT_FOR] * h, integers(world, STEP_STATUS), floats(world, SETTINGS)
+    if lasted >= TOO_LONG and status[0, WARNING] & LEFT_UNSOLVED == 0:
+        settings[0, UNSOLVED_BODY], settings[0, UNSOLVED_SINCE] = row, max(t - lasted, 0.0)
+        status[0, WARNING] |= LEFT_UNSOLVED

@@ -38,7 +38,7 @@ from kickdrift.world.joints.layout import (
     UPPER_LIMIT,
     int64,
 )
-from kickdrift.world.settings import FAST_BODY, FAST_LOSS, FAST_TURN, GRAVITY, SUBSTEPS
+from kickdrift.world.settings import FAST_BODY, FAST_LOSS, FAST_TIME, FAST_TURN, GRAVITY, SUBSTEPS
 from kickdrift.world.step_status import TURNS_TOO_FAST, WARNING
 from kickdrift.world.tables import (
     BODY,
@@ -74,14 +74,18 @@ def note_losses(t: float, h: float, world: int) -> None:
     """Note which islands turn too fast for the energy that they should keep."""
     islands, settings, status = integers(world, ISLAND), floats(world, SETTINGS), integers(world, STEP_STATUS)
     substep = h / settings[0, SUBSTEPS]
+    if status[0, WARNING] & TURNS_TOO_FAST:
+        return
     for island in range(rows(world, ISLAND)):
         body, rate = _fastest(island, world)
         if (islands[island, GIVEN_UP] == 0 and rate * substep <= FAR) or not _is_alone(island, world):
             continue
         loss = _loss(island, h, world)
         if loss > MOST:
-            settings[0, FAST_BODY], settings[0, FAST_TURN], settings[0, FAST_LOSS] = body, rate * substep, loss
+            settings[0, FAST_BODY], settings[0, FAST_TIME] = body, t
+            settings[0, FAST_TURN], settings[0, FAST_LOSS] = rate * substep, loss
             status[0, WARNING] |= TURNS_TOO_FAST
+            return
 
 
 @compiled(cached=False)
