@@ -16,17 +16,23 @@ from kickdrift.world.settings import (
     UNSOLVED_BODY,
     UNSOLVED_SINCE,
 )
-from kickdrift.world.step_status import LEFT_UNSOLVED, TURNS_TOO_FAST
-from kickdrift.world.tables import SETTINGS, Tables
+from kickdrift.world.step_status import LEFT_UNSOLVED, SAID, TURNS_TOO_FAST
+from kickdrift.world.tables import SETTINGS, STEP_STATUS, Tables
 
 _TURN = 0.5  # rad: of a substep that is short enough
 
 
-def warn(found: int, tables: Tables, bodies: Bodies) -> None:
-    """Say what stages have found: a set of bits of `kickdrift.world.step_status.WARNING`."""
+def say(found: int, said: int, tables: Tables, bodies: Bodies) -> int:
+    """Warn of what stages have found and was not said before, and return what has been now.
+
+    Both are sets of bits of `kickdrift.world.step_status.WARNING`. What was said is noted in the tables, so that steps do not come
+    back with it, and kept by the world, as tables go back to their past.
+    """
+    tables.array(STEP_STATUS)[0, SAID] = found | said
     for bit, sentence in ((LEFT_UNSOLVED, _unsolved), (TURNS_TOO_FAST, _too_fast)):
-        if found & bit:
+        if found & ~said & bit:
             warnings.warn(sentence(tables, bodies), UnsolvedWarning, stacklevel=depth_of_caller())
+    return found | said
 
 
 def _unsolved(tables: Tables, bodies: Bodies) -> str:

@@ -39,13 +39,12 @@ from kickdrift.world.step_status import (
     OK,
     REACHED,
     ROWS_WANTED,
-    SAID,
     STATUS,
     TABLE,
 )
 from kickdrift.world.tables import ASKED_APART, COLOURS, EVENTS, MOTION, POSE, SETTINGS, STEP_STATUS, SWEEPS, Tables
 from kickdrift.world.tuning import Tunable
-from kickdrift.world.unsolved import warn
+from kickdrift.world.unsolved import say
 
 Floats = NDArray[np.float64]
 
@@ -210,6 +209,12 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
             For a step that is not positive and finite.
         KickdriftError
             If a body is lost to infinity; the world then is as it was before the step.
+
+        Warns
+        -----
+        UnsolvedWarning
+            Once if joints lose energy because bodies turn too far in a substep, and once if a body has rested for seconds on
+            contacts that the solver leaves unsolved; the sentence says what would help.
         """
         self.advance(step, 1)
 
@@ -247,7 +252,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         self.n_steps += count
         self.broken = self.joints.take_broken() if self._breakable else []
         if found:
-            self._warn(found)
+            self._said = say(found, self._said, self.tables, self.bodies)
 
     @property
     def word(self) -> Word:
@@ -312,12 +317,6 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         body = find_lost_body(self.tables, step, body)
         self._go_back(done, step)
         raise lost_body_error(self.tables, body, self.bodies.words(body), self.n_steps)
-
-    def _warn(self, found: int) -> None:
-        """Say what stages have found, once."""
-        new, self._said = found & ~self._said, self._said | found
-        self.tables.array(STEP_STATUS)[0, SAID] = self._said
-        warn(new, self.tables, self.bodies)
 
     def _go_back(self, done: int, step: float) -> None:
         """Bring the world back to where the step began after those that are done."""
