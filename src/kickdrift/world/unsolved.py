@@ -25,8 +25,8 @@ _TURN = 0.5  # rad: of a substep that is short enough
 def say(found: int, said: int, tables: Tables, bodies: Bodies) -> int:
     """Warn of what stages have found and was not said before, and return what has been now.
 
-    Both are sets of bits of `kickdrift.world.step_status.WARNING`. What was said is noted in the tables, so that steps do not come
-    back with it, and kept by the world, as tables go back to their past.
+    Both are sets of bits of `kickdrift.world.step_status.WARNING`. What was said is noted in the tables, so that steps do not
+    come back with it, and kept by the world, as tables go back to their past.
     """
     tables.array(STEP_STATUS)[0, SAID] = found | said
     for bit, sentence in ((LEFT_UNSOLVED, _unsolved), (TURNS_TOO_FAST, _too_fast)):
