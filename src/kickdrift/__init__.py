@@ -12,7 +12,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from kickdrift import analysis, methods, plots, systems
-from kickdrift.core.errors import ArgumentError, InterpretedWarning, KickdriftError, LostBodyError, MethodMismatchError
+from kickdrift.core.errors import (
+    ArgumentError,
+    InterpretedWarning,
+    KickdriftError,
+    LostBodyError,
+    MethodMismatchError,
+    UnsolvedWarning,
+)
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.solution import Presenters, Solution
 from kickdrift.engine.solve import solve
@@ -77,6 +84,7 @@ __all__ = [
     "Solution",
     "Sphere",
     "System",
+    "UnsolvedWarning",
     "World",
     "analysis",
     "load",

@@ -1,7 +1,9 @@
 """Errors are sentences: the argument, its value, why it cannot be, and what to do instead."""
 
 import difflib
+import inspect
 from collections.abc import Iterable
+from itertools import takewhile
 
 
 class KickdriftError(Exception):
@@ -36,6 +38,10 @@ class InterpretedWarning(UserWarning):
     """A user's function that Numba cannot compile, and so runs interpreted."""
 
 
+class UnsolvedWarning(UserWarning):
+    """What the solver of a world has left undone for so long, or lost so much by, that its numbers are not to be relied on."""
+
+
 def unknown_name(argument: str, value: object, known: Iterable[str]) -> UnknownNameError:
     """Build the error for a name that is not in a catalogue, with the nearest ones that are."""
     known = sorted(known)
@@ -49,3 +55,11 @@ def missing_extra(feature: str, package: str, extra: str) -> MissingExtraError:
     return MissingExtraError(
         f"{feature} needs the package {package!r}, which is not installed; run: pip install 'kickdrift[{extra}]'"
     )
+
+
+def depth_of_caller() -> int:
+    """How far up the first frame outside kickdrift is, for a warning that points there."""
+    package = __name__.split(".")[0] + "."
+    frames = inspect.stack(context=0)[1:]
+    inside = takewhile(lambda frame: f"{frame.frame.f_globals.get('__name__')}.".startswith(package), frames)
+    return len(list(inside)) + 1

@@ -6,7 +6,6 @@ import warnings
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
-from itertools import takewhile
 from typing import Any, cast
 
 import numba
@@ -15,7 +14,7 @@ from numba.core.errors import NumbaError
 
 from kickdrift.core import memory
 from kickdrift.core.compilation import Function, compiled
-from kickdrift.core.errors import ArgumentError, InterpretedWarning
+from kickdrift.core.errors import ArgumentError, InterpretedWarning, depth_of_caller
 from kickdrift.engine.flows.layout import FLAT
 from kickdrift.engine.frozen import frozen
 from kickdrift.systems.problem import name_of
@@ -170,13 +169,5 @@ def _warn_interpreted(function: Function, error: Exception) -> None:
         f" Numba {numba.__version__} cannot compile it: {reason} Use only NumPy and math functions and numbers passed"
         " as args=(...), or pass compile=False to run it interpreted without this warning.",
         InterpretedWarning,
-        stacklevel=_depth_of_caller(),
+        stacklevel=depth_of_caller(),
     )
-
-
-def _depth_of_caller() -> int:
-    """How far up the first frame outside kickdrift is, for a warning that points there."""
-    package = __name__.split(".")[0] + "."
-    frames = inspect.stack(context=0)[1:]
-    inside = takewhile(lambda frame: f"{frame.frame.f_globals.get('__name__')}.".startswith(package), frames)
-    return len(list(inside)) + 1

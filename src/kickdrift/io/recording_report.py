@@ -27,10 +27,10 @@ def report(recording: Recording) -> str:
     for name in ("momentum", "angular momentum"):
         sizes = np.linalg.norm(recording.invariants[name], axis=1)
         rows.append((name, _change(sizes, about.units[name])))
-    for name in ("overlap", "joint gap"):
+    for name, unit in (("overlap", "mm"), ("joint gap", "mm"), ("residual", "mm/s")):
         values = 1e3 * recording.derived[name]
         if values.any():
-            rows.append((name, f"{values.max():.3g} mm at most, {values[-1]:.3g} mm at the end"))
+            rows.append((name, f"{values.max():.3g} {unit} at most, {values[-1]:.3g} {unit} at the end"))
     moved = np.nan_to_num(np.linalg.norm(recording.x[-1] - recording.x[0], axis=1)[recording.moving])
     if moved.size:
         body = int(recording.moving[int(np.argmax(moved))])

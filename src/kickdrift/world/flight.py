@@ -87,6 +87,7 @@ IN_HEAP = column(BODY)  # 1: of a heap that is solved directly
 HEAP = column(BODY)  # first body of its heap
 HEAP_SIZE = column(BODY)  # of a first body: how many there are
 HEAP_UNSOLVED = column(BODY)  # and the most of their UNSOLVED
+LEFT_FOR = column(BODY)  # steps in which it was left unsolved, less those in which it was not
 REMOVED, STATIC, KINEMATIC, DYNAMIC = 0, 1, 2, 3
 
 _ROUNDS = 20

@@ -18,6 +18,7 @@ from kickdrift.world.contacts.solve import THREADED, relax, solve, store, warm_s
 from kickdrift.world.direct.bounces import bounce_islands
 from kickdrift.world.direct.heaps import count_unsolved, find_heaps
 from kickdrift.world.direct.islands import find_islands
+from kickdrift.world.direct.losses import note_losses
 from kickdrift.world.direct.nodes import find_nodes
 from kickdrift.world.direct.sequential import relax_in_turn, solve_in_turn
 from kickdrift.world.direct.solve import measure_islands, relax_islands, solve_islands
@@ -98,6 +99,7 @@ def word(uses: Uses, joints: Joints) -> Word:
         finish,
         measure,
         *when(direct, measure_islands),
+        *when(joints.present, note_losses),
         count_unsolved,
         store,
         note_touching,

@@ -20,7 +20,7 @@ _UNITS = {
     "energy": "J", "momentum": "kg m/s", "angular momentum": "kg m^2/s",
 }  # fmt: skip
 _OF_BODIES = {"x": 3, "v": 3, "orientation": 4, "angular velocity": 3}
-_OF_THE_WORLD = {"t": 1, "energy": 2, "constraint error": 2, "momentum": 3, "angular momentum": 3}
+_OF_THE_WORLD = {"t": 1, "energy": 2, "constraint error": 2, "residual": 1, "momentum": 3, "angular momentum": 3}
 
 
 class RecordingRows:
@@ -53,6 +53,7 @@ class RecordingRows:
         energy = world.energy()
         rows["energy"][row] = energy.kinetic, energy.potential
         rows["constraint error"][row] = deepest_overlap(world.tables), widest_gap(world.tables)
+        rows["residual"][row] = world.residual
         rows["momentum"][row], rows["angular momentum"][row] = world.momentum(), world.angular_momentum()
         self.count += 1
 
@@ -96,7 +97,13 @@ class RecordingRows:
                 coordinates={"body": list(range(self._bodies)), "space": ["x", "y", "z"]},
                 units=_UNITS,
             ),
-            derived={"kinetic energy": kinetic, "potential energy": potential, "overlap": overlap, "joint gap": gap},
+            derived={
+                "kinetic energy": kinetic,
+                "potential energy": potential,
+                "overlap": overlap,
+                "joint gap": gap,
+                "residual": rows["residual"][:, 0],
+            },
             orientation=rows["orientation"],
             angular_velocity=rows["angular velocity"],
             appearance=looks,

@@ -83,7 +83,8 @@ class Recording(Solution):
     Notes
     -----
     `derived` has "kinetic energy" and "potential energy", J; "overlap", how deep bodies that touch have sunk into each
-    other, and "joint gap", how far points are from the distance at which joints hold them, at most, m.
+    other, and "joint gap", how far points are from the distance at which joints hold them, at most, m; and
+    "residual", what the solver left unsolved, m/s, see `World.residual`.
     """
 
     orientation: Floats

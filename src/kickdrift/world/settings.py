@@ -21,4 +21,10 @@ SLEEP_SPEED = column(SETTINGS, 1, "m/s")  # below which an island may fall aslee
 SLEEP_TIME = column(SETTINGS, 1, "s")
 HAS_FAST = column(SETTINGS)  # 1.0 once the step has the stage for fast pairs
 HAS_DIRECT = column(SETTINGS)  # 1.0 once the step has the stages of the direct solver
-RESIDUAL = column(SETTINGS, 1, "m/s")  # no setting, but what the last step has left unsolved
+# No settings, but what the last step has left unsolved, and what warnings tell of: a body that is left unsolved, and since
+# when; one that turns too fast, the end of the first step in which it did, its turn in a substep, and the part of the energy
+# that was lost.
+RESIDUAL = column(SETTINGS, 1, "m/s")
+UNSOLVED_BODY, UNSOLVED_SINCE = column(SETTINGS), column(SETTINGS, 1, "s")
+FAST_BODY, FAST_TIME = column(SETTINGS), column(SETTINGS, 1, "s")
+FAST_TURN, FAST_LOSS = column(SETTINGS, 1, "rad"), column(SETTINGS)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
-from kickdrift.world.step_status import REACHED, STATUS
+from kickdrift.world.step_status import REACHED, SAID, STATUS, WARNING
 from kickdrift.world.tables import STEP_STATUS, integers
 
 STAGE = types.none(types.float64, types.float64, types.intp)
@@ -37,7 +37,7 @@ def run(
     Returns
     -------
     step, stage : int
-        Where it ended: (`last`, 0), or the stage that wrote into `STEP_STATUS`.
+        Where it ended: the stage that wrote a status into `STEP_STATUS`; after `last`, the set of warnings that are to be said.
     """
     status: Any = integers(world, STEP_STATUS)
     for n in range(first, last):
@@ -49,4 +49,4 @@ def run(
                 return n, k
         at = 0
     status[0, REACHED] = 0
-    return last, 0
+    return last, status[0, WARNING] & ~status[0, SAID]

@@ -13,6 +13,12 @@ TABLE = column(STEP_STATUS)  # place of the table that is full
 ROWS_WANTED = column(STEP_STATUS)  # rows that it needs
 LOST_BODY = column(STEP_STATUS)  # that is nowhere
 REACHED = column(STEP_STATUS)  # the step at hand, counted from the first of `kickdrift.world.step.run`
+WARNING = column(STEP_STATUS)  # set of what is to be said; no reason to stop
+SAID = column(STEP_STATUS)  # those of them that were said
+
+# Bits of WARNING
+LEFT_UNSOLVED = 1  # a body has rested for long on contacts that the sweeps leave unsolved
+TURNS_TOO_FAST = 2  # joints have lost energy of what turns too far in a substep
 
 # Values of STATUS
 OK = 0

@@ -6,8 +6,10 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import choice, vector
 from kickdrift.world.bodies import Bodies
+from kickdrift.world.body import Body
+from kickdrift.world.collision.filters import exclude
 from kickdrift.world.settings import GRAVITY, RESIDUAL, SUBSTEPS
-from kickdrift.world.tables import SETTINGS, Tables
+from kickdrift.world.tables import ASKED_APART, SETTINGS, Tables
 
 _MOST_SUBSTEPS = 10_000
 
@@ -68,3 +70,16 @@ class Tunable:
         where every impulse is right, and what a loaded stack still sinks or jitters at. More substeps make it smaller.
         """
         return float(self.tables.array(SETTINGS)[0, RESIDUAL])
+
+    def exclude(self, body_a: Body, body_b: Body) -> None:
+        """Let two bodies pass through each other; those that a joint holds together do so anyway.
+
+        Raises
+        ------
+        ArgumentError
+            For a body with itself, and bodies that are gone.
+        """
+        pair = (self.bodies.row(body_a, "body_a"), self.bodies.row(body_b, "body_b"))
+        if pair[0] == pair[1]:
+            raise ArgumentError(f"body_b={body_b!r} is body_a, and the parts of a body never touch; give another one.")
+        exclude(self.tables, [*self.tables.array(ASKED_APART).tolist(), pair])

@@ -14,7 +14,7 @@ from kickdrift.world.adding import AddsBodies
 from kickdrift.world.arguments import choice, direction, number, vector
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
-from kickdrift.world.collision.filters import exclude, part_joined
+from kickdrift.world.collision.filters import part_joined
 from kickdrift.world.compiling import compile_step
 from kickdrift.world.conserved_quantities import ConservedQuantities
 from kickdrift.world.contacts import contact_solver_simd
@@ -31,8 +31,9 @@ from kickdrift.world.recorder import Recorder
 from kickdrift.world.rollback import find_lost_body, lost_body_error, roll_back
 from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.step import run
-from kickdrift.world.tables import ASKED_APART, COLOURS, EVENTS, MOTION, POSE, SETTINGS, STEP_STATUS, SWEEPS, Tables
+from kickdrift.world.tables import COLOURS, EVENTS, MOTION, POSE, SETTINGS, STEP_STATUS, SWEEPS, Tables
 from kickdrift.world.tuning import Tunable
+from kickdrift.world.unsolved import say
 
 Floats = NDArray[np.float64]
 
@@ -140,6 +141,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         self.tables.resize(SWEEPS, 1)
         self.broken: list[Joint] = []
         self.recorder: Recorder | None = None
+        self._said = 0
         self._program: Program
         self._program_step, self._breakable = 0.0, False
         self._addresses: NDArray[np.intp]
@@ -195,6 +197,12 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
             For a step that is not positive and finite.
         KickdriftError
             If a body is lost to infinity; the world then is as it was before the step.
+
+        Warns
+        -----
+        UnsolvedWarning
+            Once if joints lose energy because bodies turn too far in a substep, and once if a body has rested for seconds on
+            contacts that the solver leaves unsolved; the sentence says what would help.
         """
         self.advance(step, 1)
 
@@ -206,7 +214,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         if self.tables.count(EVENTS):
             self.tables.resize(EVENTS, 0)
         program, recorder = self._ready(step), self.recorder
-        done, at = 0, 0
+        done, at, found = 0, 0, 0
         while done < count:
             before, start = done, self.time + done * step
             until = count if recorder is None else min(count, done + recorder.steps_to_row)
@@ -226,9 +234,13 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
             if done < until:
                 self._help(done, step)
                 program = self._ready(step)
+            else:
+                found, at = found | at, 0
         self.time += count * step
         self.n_steps += count
         self.broken = self.joints.take_broken() if self._breakable else []
+        if found:
+            self._said = say(found, self._said, self.tables, self.bodies)
 
     @property
     def word(self) -> Word:
@@ -264,25 +276,12 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         self._program_step, self._breakable, self.tables.altered = step, self.joints.breakable, False
         return self._program
 
-    def exclude(self, body_a: Body, body_b: Body) -> None:
-        """Let two bodies pass through each other; those that a joint holds together do so anyway.
-
-        Raises
-        ------
-        ArgumentError
-            For a body with itself, and bodies that are gone.
-        """
-        pair = (self.bodies.row(body_a, "body_a"), self.bodies.row(body_b, "body_b"))
-        if pair[0] == pair[1]:
-            raise ArgumentError(f"body_b={body_b!r} is body_a, and the parts of a body never touch; give another one.")
-        exclude(self.tables, [*self.tables.array(ASKED_APART).tolist(), pair])
-
     def _help(self, done: int, step: float) -> None:
         """Do what a stage has asked for; raise what cannot be helped."""
         status = self.tables.array(STEP_STATUS)[0]
         columns = step_status.STATUS, step_status.TABLE, step_status.ROWS_WANTED, step_status.LOST_BODY
         kind, table, wanted, body = status[list(columns)].tolist()
-        status[:] = 0
+        status[step_status.STATUS] = step_status.OK
         if kind in (step_status.NEEDS_TIME_OF_IMPACT, step_status.NEEDS_DIRECT_SOLVER):
             needed = settings.HAS_DIRECT if kind == step_status.NEEDS_DIRECT_SOLVER else settings.HAS_FAST
             self.tables.array(SETTINGS)[0, needed] = 1.0

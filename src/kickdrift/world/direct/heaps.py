@@ -7,6 +7,8 @@ its heap: all bodies that contacts hold together. A body for itself is none.
 """
 
 from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import dot
+from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.residual import FAR_LEFT, LEFT, TOUCHES
 from kickdrift.world.flight import (
@@ -17,13 +19,25 @@ from kickdrift.world.flight import (
     HEAP_SIZE,
     HEAP_UNSOLVED,
     IN_HEAP,
+    LEFT_FOR,
     LINK_PLACE,
     UNSOLVED,
 )
 from kickdrift.world.joints.layout import JOINED_ROWS
-from kickdrift.world.settings import HAS_DIRECT
-from kickdrift.world.step_status import NEEDS_DIRECT_SOLVER, OK, STATUS
-from kickdrift.world.tables import BODY, CONTACT, GRAPH, INVERSE_MASS, SETTINGS, STEP_STATUS, floats, integers, rows
+from kickdrift.world.settings import GRAVITY, HAS_DIRECT, UNSOLVED_BODY, UNSOLVED_SINCE
+from kickdrift.world.step_status import LEFT_UNSOLVED, NEEDS_DIRECT_SOLVER, OK, STATUS, WARNING
+from kickdrift.world.tables import (
+    BODY,
+    CONTACT,
+    GRAPH,
+    INVERSE_MASS,
+    MOTION,
+    SETTINGS,
+    STEP_STATUS,
+    floats,
+    integers,
+    rows,
+)
 
 # Steps after which a heap is unsolved, of few bodies; one more for so many bodies; and for how many of them a step counts in
 # which a body is far from solved. A direct solution of 55 boxes takes thirty times as long as the sweeps, whose pyramid comes
@@ -33,6 +47,10 @@ _PATIENCE, _MORE, _HASTE = 6, 4, 6
 # Bodies of a heap that a direct solution is worth, of all such heaps, and free bodies of a world: a pile of 1000 boxes falls
 # apart into small heaps, which would take thirty times as long. And the count of those that are solved directly.
 LARGEST, _MOST, _CROWD, _FOUND = 64, 128, 256, 1 << 16
+
+# Seconds after which it is said that a body is left unsolved: of one in a heap that is too large for a direct solution. 1024
+# cubes that fall into a heap are for 5 s before they come to rest.
+TOO_LONG = 6.0
 
 
 @compiled
@@ -104,8 +122,25 @@ def count_unsolved(t: float, h: float, world: int) -> None:
     """Count for how many steps bodies were left unsolved; those solved directly stay so until they touch nothing."""
     body = integers(world, BODY)
     for row in range(rows(world, BODY)):
+        _count_left(row, t, h, world)
         seen, count = body[row, UNSOLVED], body[row, UNSOLVED] & (LEFT - 1)
         if count >= _FOUND:
             body[row, UNSOLVED] = count if seen & TOUCHES else 0
         else:
             body[row, UNSOLVED] = count + _HASTE if seen & FAR_LEFT else count + 1 if seen & LEFT else 0
+
+
+@compiled(inline=True)
+def _count_left(row: int, t: float, h: float, world: int) -> None:
+    """Say so where a body that rests, slower than gravity makes it in a step, is left unsolved for too long."""
+    body = integers(world, BODY)
+    v, gravity = vector_at(floats(world, MOTION), row, 0), vector_at(floats(world, SETTINGS), 0, GRAVITY)
+    rests = body[row, BODY_KIND] == DYNAMIC and dot(v, v) < h * h * dot(gravity, gravity)
+    if body[row, UNSOLVED] & LEFT == 0 or not rests:
+        body[row, LEFT_FOR] = max(body[row, LEFT_FOR] - 1, 0)
+        return
+    body[row, LEFT_FOR] += 1
+    lasted, status, settings = body[row, LEFT_FOR] * h, integers(world, STEP_STATUS), floats(world, SETTINGS)
+    if lasted >= TOO_LONG and status[0, WARNING] & LEFT_UNSOLVED == 0:
+        settings[0, UNSOLVED_BODY], settings[0, UNSOLVED_SINCE] = row, max(t - lasted, 0.0)
+        status[0, WARNING] |= LEFT_UNSOLVED

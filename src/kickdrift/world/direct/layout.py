@@ -15,6 +15,7 @@ FIRST_CLOSING, AFTER_CLOSING = 4, 5  # rows of ISLAND_CLOSING
 LOST = 6  # 1: Newton's method found no impulses with which nothing will be off
 RATIO = 7  # of the greatest mass to the least
 HAS_JOINTS = 8  # 1 where joints hold any of its nodes
+GIVEN_UP = 9  # substeps of this step in which it was lost
 
 # Columns of NODE, a row for each place in the order
 LINK_ROW, PARENT_NODE, FIRST_NEIGHBOUR, NEIGHBOURS, NODE_ISLAND = 0, 1, 2, 3, 4

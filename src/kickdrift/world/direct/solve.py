@@ -36,6 +36,7 @@ from kickdrift.world.direct.layout import (
     AFTER_NODE,
     FIRST_CLOSING,
     FIRST_NODE,
+    GIVEN_UP,
     HAS_JOINTS,
     LINK_ROW,
     LOST,
@@ -193,6 +194,7 @@ def _take_care(island: int, h: float, world: int) -> None:
         off <= FAR * islands[island, RATIO] and kinetic_energy(island, world) <= _lawful(island, h, world) * energy
     ):
         islands[island, LOST] = 1
+        islands[island, GIVEN_UP] += 1
         _project(island, h, GENTLY, PRESS, world)
 
 

@@ -1,0 +1,54 @@
+"""Warnings of what the solver could not do: once a world, with what would help."""
+
+import math
+import warnings
+
+from kickdrift.core.errors import UnsolvedWarning, depth_of_caller
+from kickdrift.world.bodies import Bodies
+from kickdrift.world.settings import (
+    FAST_BODY,
+    FAST_LOSS,
+    FAST_TIME,
+    FAST_TURN,
+    RESIDUAL,
+    STEP,
+    SUBSTEPS,
+    UNSOLVED_BODY,
+    UNSOLVED_SINCE,
+)
+from kickdrift.world.step_status import LEFT_UNSOLVED, SAID, TURNS_TOO_FAST
+from kickdrift.world.tables import SETTINGS, STEP_STATUS, Tables
+
+_TURN = 0.5  # rad: of a substep that is short enough
+
+
+def say(found: int, said: int, tables: Tables, bodies: Bodies) -> int:
+    """Warn of what stages have found and was not said before, and return what has been now.
+
+    Both are sets of bits of `kickdrift.world.step_status.WARNING`. What was said is noted in the tables, so that steps do not
+    come back with it, and kept by the world, as tables go back to their past.
+    """
+    tables.array(STEP_STATUS)[0, SAID] = found | said
+    for bit, sentence in ((LEFT_UNSOLVED, _unsolved), (TURNS_TOO_FAST, _too_fast)):
+        if found & ~said & bit:
+            warnings.warn(sentence(tables, bodies), UnsolvedWarning, stacklevel=depth_of_caller())
+    return found | said
+
+
+def _unsolved(tables: Tables, bodies: Bodies) -> str:
+    row = tables.array(SETTINGS)[0]
+    return (
+        f"{bodies.words(int(row[UNSOLVED_BODY]))} rests on contacts that the solver has left unsolved since"
+        f" t={row[UNSOLVED_SINCE]:.3g} s: its heap sinks or creeps, and world.residual is {row[RESIDUAL]:.2g} m/s. Take more"
+        f" substeps, as world.substeps = {2 * int(row[SUBSTEPS])}, or a smaller step than {row[STEP]:.3g} s."
+    )
+
+
+def _too_fast(tables: Tables, bodies: Bodies) -> str:
+    row = tables.array(SETTINGS)[0]
+    times = max(float(row[FAST_TURN]) / _TURN, 2.0)
+    return (
+        f"{bodies.words(int(row[FAST_BODY]))} turns by {row[FAST_TURN]:.2g} rad in a substep, too far for its joints: they lost"
+        f" {100 * row[FAST_LOSS]:.2g} % of the energy of what they hold in the step to t={row[FAST_TIME]:.4g} s. Take"
+        f" world.substeps = {math.ceil(row[SUBSTEPS] * times)}, or a step of {row[STEP] / times:.2g} s."
+    )

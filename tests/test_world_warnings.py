@@ -1,0 +1,137 @@
+"""What the solver cannot do is said once, with what would help; all else is silent (pytest makes an error of a warning)."""
+
+import re
+import warnings
+
+import numpy as np
+import pytest
+
+import kickdrift as kd
+
+STEP = 1 / 60
+WEIGHTLESS, UP = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)
+
+
+def rotor(rate, off, gravity=WEIGHTLESS, motor=None, **settings):
+    world = kd.World(gravity, **settings)
+    body = world.add_box(
+        (0.4, 0.2, 0.1),
+        position=(off, 0, 0),
+        mass=2.0,
+        velocity=(0, rate * off, 0),
+        angular_velocity=(0, 0, rate),
+        name="rotor",
+    )
+    world.add_hinge(None, body, anchor=(0, 0, 0), axis=UP, motor=motor)
+    return world
+
+
+def tower(count):
+    world = kd.World()
+    world.add_plane()
+    for k in range(count):
+        world.add_box((1, 1, 1), position=(0, 0, k + 0.5))
+    return world
+
+
+@pytest.mark.parametrize("rate", [200.0, 260.0, 300.0, 600.0])
+def test_a_rotor_that_turns_too_far_is_named_and_the_substeps_said_keep_its_energy(rate):
+    world = rotor(rate, 0.5)
+    start = world.energy().total
+    with pytest.warns(kd.UnsolvedWarning, match="'rotor', turns by") as said:
+        world.advance(STEP, 300)
+    assert len(said) == 1
+    assert said[0].filename == __file__
+    assert world.energy().total < 0.99 * start
+    substeps = int(re.search(r"world\.substeps = (\d+)", str(said[0].message)).group(1))
+    world = rotor(rate, 0.5, substeps=substeps)
+    world.advance(STEP, 300)
+    assert world.energy().total == pytest.approx(start, rel=0.01)
+
+
+def test_the_step_said_keeps_the_energy_too():
+    with pytest.warns(kd.UnsolvedWarning) as said:
+        rotor(300.0, 0.5).step(STEP)
+    step = float(re.search(r"a step of ([0-9.]+) s", str(said[0].message)).group(1))
+    world = rotor(300.0, 0.5)
+    start = world.energy().total
+    world.advance(step, round(5 / step))
+    assert world.energy().total == pytest.approx(start, rel=0.01)
+
+
+@pytest.mark.parametrize(("rate", "off"), [(300.0, 0.0), (1000.0, 0.0), (150.0, 0.5), (300.0, 0.1)])
+@pytest.mark.parametrize("gravity", [WEIGHTLESS, (0, -9.81, 0)])
+def test_rotors_that_keep_their_energy_are_silent(rate, off, gravity):
+    rotor(rate, off, gravity).advance(STEP, 120)
+
+
+@pytest.mark.parametrize("maximum", [2.0, 200.0])
+@pytest.mark.parametrize(("start", "end"), [(0.0, 300.0), (300.0, 0.0), (300.0, -300.0)])
+def test_motors_that_speed_up_and_brake_are_silent(start, end, maximum):
+    rotor(start, 0.0, motor=kd.Motor(end, maximum)).advance(STEP, 120)
+
+
+def test_torques_and_damping_are_no_loss():
+    world = kd.World(WEIGHTLESS)
+    body = world.add_box((0.4, 0.2, 0.1), mass=2.0, angular_velocity=(0, 0, 300), angular_damping=5.0)
+    world.add_hinge(None, body, anchor=(0, 0, 0), axis=UP)
+    for _ in range(60):
+        world.apply_torque(body, (0, 0, -3))
+        world.step(STEP)
+    assert abs(world.angular_velocity[body.index, 2]) < 100
+
+
+def test_a_motor_that_drives_a_rotor_too_fast_is_said():
+    with pytest.warns(kd.UnsolvedWarning, match="'rotor', turns by"):
+        rotor(0.0, 0.5, motor=kd.Motor(260.0, 200.0)).advance(STEP, 120)
+
+
+def test_a_tower_too_high_for_the_sweeps_is_said():
+    world = tower(70)
+    with pytest.warns(
+        kd.UnsolvedWarning, match=r"left unsolved since t=.*world\.residual is.*world\.substeps = 8"
+    ) as said:
+        world.advance(STEP, 500)
+    assert len(said) == 1
+    assert world.residual > 0.001
+
+
+def test_a_tower_that_is_solved_is_silent():
+    world = tower(40)
+    world.advance(STEP, 500)
+    assert world.residual < 1e-5
+
+
+def test_a_warning_is_said_once_a_world_also_after_it_went_back():
+    world = rotor(300.0, 0.5)
+    before = world.snapshot()
+    with pytest.warns(kd.UnsolvedWarning):
+        world.step(STEP)
+    world.restore(before)
+    world.advance(STEP, 2)
+    with pytest.warns(kd.UnsolvedWarning):
+        rotor(300.0, 0.5).step(STEP)
+
+
+def test_a_warning_made_an_error_leaves_the_step_done():
+    world = rotor(300.0, 0.5)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(kd.UnsolvedWarning):
+            world.advance(STEP, 3)
+    assert world.n_steps == 3
+    assert world.time == pytest.approx(3 * STEP)
+
+
+def test_recordings_keep_and_report_what_is_left():
+    world = tower(3)
+    world.velocity[2:, 0] = 1.0
+    recording = world.run(0.5, STEP)
+    residual = recording.derived["residual"]
+    assert residual.shape == recording.t.shape
+    assert residual[-1] == world.residual
+    assert np.isfinite(residual).all()
+    largest, last = (f"{1e3 * value:.3g} mm/s" for value in (residual.max(), residual[-1]))
+    assert re.search(
+        rf"^residual +{re.escape(largest)} at most, {re.escape(last)} at the end$", recording.report(), re.M
+    )
