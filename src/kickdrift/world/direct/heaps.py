@@ -44,9 +44,9 @@ from kickdrift.world.tables import (
 # to rest by itself; a card house of 40 falls if it waits for more than 20 steps.
 _PATIENCE, _MORE, _HASTE = 6, 4, 6
 
-# Bodies of a heap that a direct solution is worth, of all such heaps, and free bodies of a world: a pile of 1000 boxes falls
-# apart into small heaps, which would take thirty times as long. And the count of those that are solved directly.
-LARGEST, _MOST, _CROWD, _FOUND = 64, 128, 256, 1 << 16
+# Bodies of a heap that a direct solution is worth, and free bodies of a world: a pile of 1000 boxes falls apart into small
+# heaps, which would take thirty times as long. And the count of those that are solved directly.
+LARGEST, _CROWD, _FOUND = 64, 256, 1 << 16
 
 # Seconds after which it is said that a body is left unsolved: of one in a heap that is too large for a direct solution. 1024
 # cubes that fall into a heap are for 5 s before they come to rest.
@@ -55,7 +55,7 @@ TOO_LONG = 6.0
 
 @compiled
 def find_heaps(t: float, h: float, world: int) -> None:
-    """Mark the bodies of small heaps that the sweeps have left unsolved for long, unless they are too many."""
+    """Mark the bodies of small heaps that the sweeps have left unsolved for long, unless the world is a crowd."""
     body, status = integers(world, BODY), integers(world, STEP_STATUS)
     any_unsolved = False
     for row in range(rows(world, BODY)):
@@ -64,28 +64,20 @@ def find_heaps(t: float, h: float, world: int) -> None:
     if not any_unsolved:
         return
     _join_heaps(world)
+    free = 0
     for row in range(rows(world, BODY)):
         if _is_free(world, row):
+            free += 1
             first = _first_of(world, row)
             body[row, HEAP] = first
             body[first, HEAP_SIZE] += 1
             body[first, HEAP_UNSOLVED] = max(body[first, HEAP_UNSOLVED], body[row, UNSOLVED])
-    found, free = 0, 0
+    found = False
     for row in range(rows(world, BODY)):
         size, unsolved = body[body[row, HEAP], HEAP_SIZE], body[body[row, HEAP], HEAP_UNSOLVED]
-        free += int(_is_free(world, row))
-        if _is_free(world, row) and 1 < size <= LARGEST and unsolved >= _PATIENCE + size // _MORE:
-            body[row, IN_HEAP] = 1
-            found += 1
-    for row in range(rows(world, BODY)):
-        body[row, IN_HEAP] = body[row, IN_HEAP] if found <= _MOST and free <= _CROWD else 0
-        body[row, UNSOLVED] = _FOUND if body[row, IN_HEAP] != 0 else body[row, UNSOLVED]
-    if (
-        0 < found <= _MOST
-        and free <= _CROWD
-        and floats(world, SETTINGS)[0, HAS_DIRECT] == 0.0
-        and status[0, STATUS] == OK
-    ):
+        if _is_free(world, row) and 1 < size <= LARGEST and unsolved >= _PATIENCE + size // _MORE and free <= _CROWD:
+            body[row, IN_HEAP], body[row, UNSOLVED], found = 1, _FOUND, True
+    if found and floats(world, SETTINGS)[0, HAS_DIRECT] == 0.0 and status[0, STATUS] == OK:
         status[0, STATUS] = NEEDS_DIRECT_SOLVER
 
 
