@@ -23,6 +23,7 @@ from kickdrift.world.direct.layout import (
     AFTER_NODE,
     FIRST_CLOSING,
     FIRST_NODE,
+    HAS_JOINTS,
     LINK_ROW,
 )
 from kickdrift.world.direct.line_search import search_line
@@ -52,8 +53,10 @@ TRIALS = 20
 # After so many of them bounds of friction stay as they are, as those of convex laws do.
 BOUNDED = 8
 
-# Times that a solution is put right by its own matrix, if it leaves more than that of a held row: m/s.
+# Times that a solution is put right by its own matrix, if it leaves more than that of a held row, m/s: where joints hold any of
+# the bodies, and in heaps, which stand at the worst ratios of masses and come to rest the further the better.
 REFINEMENTS, UNNOTICED = 3, 1e-9
+_HEAP_REFINEMENTS, _NOTICED_POINT, _NOTICED_HEAP_POINT = 5, 1e-6, 1e-7
 
 
 @compiled(cached=False)
@@ -79,7 +82,8 @@ def solve_once(island: int, h: float, ahead: float, task: int, first: bool, touc
 
     Without ``touched`` contacts give what they have given: joints alone take it up.
     """
-    left, whole, found = REFINEMENTS, True, False
+    heap = integers(world, ISLAND)[island, HAS_JOINTS] == 0
+    left, whole, found = _HEAP_REFINEMENTS if heap else REFINEMENTS, True, False
     for trial in range(TRIALS):
         settled = review(island, h, task, trial == 0, first, trial > BOUNDED, touched, world) and whole and trial > 0
         if settled:
@@ -124,7 +128,8 @@ def refine(island: int, touched: bool, world: int) -> float:
     own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
     joints, order, worst = integers(world, JOINT), integers(world, ISLAND_CLOSING), refine_closings(island, world)
     if touched:
-        worst = max(worst, 1e-3 * refine_contacts(island, world))
+        noticed = _NOTICED_POINT if own[HAS_JOINTS] != 0 else _NOTICED_HEAP_POINT
+        worst = max(worst, UNNOTICED / noticed * refine_contacts(island, world))
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         link = nodes[node, LINK_ROW]
         joint = links[link, LINK_JOINT]
