@@ -172,7 +172,7 @@ def predict_closings(island: int, world: int) -> None:
         for k in range(6):
             total = 0.0
             if _is_gear(link, world):
-                total = moved_gear(link, world)
+                total = moved_gear(link, world) if links[link, HELD_AXES] >> k & 1 else 0.0
             else:
                 write_axis(work, link, AXES_AHEAD, ARM_A_AHEAD, ARM_B_AHEAD, k, ahead)
                 for side in range(2):
