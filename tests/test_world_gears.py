@@ -312,3 +312,55 @@ def test_gears_that_cannot_be(match, change):
     assert len(world.joints) == before
     with pytest.raises(ArgumentError, match="add_gear"):
         world.add_joint(*bodies, Gear(first, second, 2.0))
+
+
+def test_a_planetary_gear_turns_as_willis_says():
+    """Sun and planet on a carrier, the ring held: the sun turns 1 + z_ring / z_sun times as fast as the carrier."""
+    sun_teeth, planet_teeth, ring_teeth = 20, 30, 80
+    world = kd.World(WEIGHTLESS)
+    carrier = world.add_box((0.4, 0.1, 0.02), mass=1.0)
+    sun = world.add_cylinder(0.08, 0.02, mass=2.0)
+    planet = world.add_cylinder(0.12, 0.02, position=(0.2, 0, 0), mass=3.0)
+    arm = world.add_hinge(None, carrier, anchor=(0, 0, 0), axis=UP)
+    of_sun = world.add_hinge(carrier, sun, anchor=(0, 0, 0), axis=UP)
+    of_planet = world.add_hinge(carrier, planet, anchor=(0.2, 0, 0), axis=UP)
+    world.add_gear(of_sun, of_planet, -planet_teeth / sun_teeth)
+    world.add_gear(of_planet, arm, -ring_teeth / planet_teeth)  # the ring turns backwards, seen from the carrier
+    for _ in range(240):
+        world.apply_force(sun, (0, 0.5, 0), point=(0.1, 0, 0))  # a couple of 0.1 N m
+        world.apply_force(sun, (0, -0.5, 0), point=(-0.1, 0, 0))
+        world.step(STEP)
+    ratio = 1 + ring_teeth / sun_teeth
+    moments = 0.5 * 2.0 * 0.08**2, 1.0 * (0.4**2 + 0.1**2) / 12 + 3.0 * 0.2**2, 0.5 * 3.0 * 0.12**2
+    felt = moments[0] + (moments[1] + moments[2] * (1 - ring_teeth / planet_teeth) ** 2) / ratio**2
+    assert sun.angular_velocity[2] == pytest.approx(0.1 / felt, rel=1e-6)
+    assert sun.angular_velocity[2] == pytest.approx(ratio * arm.speed, rel=1e-9)
+
+
+def test_a_housing_that_is_moved_takes_its_wheels_with_it():
+    world = kd.World(WEIGHTLESS)
+    table = world.add_box((1, 1, 0.1), kinematic=True, angular_velocity=(0, 0, 2.0))
+    wheels = [world.add_cylinder(0.1, 0.05, position=(x, 0, 0.3), mass=2.0) for x in (0.3, -0.3)]
+    hinges = [world.add_hinge(table, wheel, anchor=wheel.position, axis=UP) for wheel in wheels]
+    world.add_gear(*hinges, -1.0)
+    world.advance(STEP, 480)
+    for hinge in hinges:  # both would lag behind alike, which the gear does not let them
+        assert hinge.angle == pytest.approx(0.0, abs=1e-6)
+    assert wheels[0].angular_velocity[2] == pytest.approx(2.0, rel=1e-6)
+
+
+def test_wheels_that_press_on_something_keep_their_ratio():
+    world = kd.World()
+    world.add_plane(friction=0.5)
+    hinges = []
+    for side in (-1, 1):
+        jaw = world.add_box((0.05, 0.2, 0.5), position=(0.15 * side, 0, 0.3), mass=0.5)
+        hinges.append(world.add_hinge(None, jaw, anchor=(0.15 * side, 0, 0.55), axis=(0, 1, 0)))
+    block = world.add_box((0.2, 0.2, 0.2), position=(0, 0, 0.1), mass=1.0)
+    world.add_gear(*hinges, -1.0)
+    for _ in range(240):
+        hinges[0].apply_effort(-20.0)  # closes both jaws, of which one only is driven
+        world.step(STEP)
+        assert hinges[0].angle == pytest.approx(-hinges[1].angle, abs=1e-9)
+    assert abs(block.position[0]) < 1e-3
+    assert 0.01 < abs(hinges[0].angle) < 0.2
