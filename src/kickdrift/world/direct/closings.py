@@ -6,8 +6,10 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross
 from kickdrift.world.columns import vector_at
 from kickdrift.world.direct.contacts import twelve
+from kickdrift.world.direct.gears import add_gear, load_gear, moved_gear
 from kickdrift.world.direct.layout import AFTER_CLOSING, FIRST_CLOSING
 from kickdrift.world.direct.matrix import add_row
+from kickdrift.world.joints.gearing import mobility_of_gear
 from kickdrift.world.joints.layout import (
     ARM_A,
     ARM_A_AHEAD,
@@ -20,8 +22,10 @@ from kickdrift.world.joints.layout import (
     CLOSING_IMPULSE,
     DELTA_SPEED,
     GAIN,
+    GEARED,
     HELD_AXES,
     JOINT_IMPULSE,
+    LINEAR,
     LINK_A,
     LINK_JOINT,
     NODE_ROW,
@@ -31,7 +35,7 @@ from kickdrift.world.joints.layout import (
     SOLVED,
 )
 from kickdrift.world.joints.measure import mobility
-from kickdrift.world.tables import ISLAND, ISLAND_CLOSING, JOINT_NUMBERS, LINK, LINK_NUMBERS, floats, integers
+from kickdrift.world.tables import ISLAND, ISLAND_CLOSING, JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, floats, integers
 
 # Impulse along a held axis per speed missing, over the mass that it moves. What is left of a solution is put right by the next
 # one, which begins with its impulses; so that those of joints that say the same twice do not grow against each other, each step
@@ -52,11 +56,19 @@ def write_axis(table: Any, row: int, axes: int, arm_a: int, arm_b: int, k: int, 
 
 
 @compiled(inline=True, cached=False, fast=True)
+def _is_gear(link: int, world: int) -> bool:
+    joints, links = integers(world, JOINT), integers(world, LINK)
+    is_gear: bool = joints[links[link, LINK_JOINT], LINEAR] == GEARED
+    return is_gear
+
+
+@compiled(inline=True, cached=False, fast=True)
 def _stiffness(link: int, k: int, world: int) -> float:
     """Impulse along an axis of a closing joint per change of speed; 0.0 along one that nothing moves."""
     links, work = integers(world, LINK), floats(world, LINK_NUMBERS)
     if links[link, HELD_AXES] >> k & 1:
-        yielding = mobility(links[link, LINK_JOINT], k, world)
+        joint = links[link, LINK_JOINT]
+        yielding = mobility_of_gear(joint, link, world) if _is_gear(link, world) else mobility(joint, k, world)
         return _RIGID / yielding if yielding > 0.0 else 0.0
     slope: float = work[link, SLOPE + k]
     return slope
@@ -109,7 +121,9 @@ def add_closings(island: int, world: int) -> None:
         a, b = _node(links, link, 0), _node(links, link, 1)
         for k in range(6):
             stiffness = _stiffness(link, k, world)
-            if stiffness > 0.0:
+            if stiffness > 0.0 and _is_gear(link, world):
+                add_gear(link, stiffness, world)
+            elif stiffness > 0.0:
                 write_axis(numbers, links[link, LINK_JOINT], AXES, ARM_A, ARM_B, k, start)
                 write_axis(work, link, AXES_AHEAD, ARM_A_AHEAD, ARM_B_AHEAD, k, ahead)
                 add_row(a, b, stiffness, start, ahead, world)
@@ -128,6 +142,9 @@ def load_closings(island: int, world: int) -> None:
             if links[link, HELD_AXES] >> k & 1:
                 impulse = work[link, BEGUN + k] + _stiffness(link, k, world) * work[link, RIGHT_HAND_SIDE + k]
             if impulse == 0.0:
+                continue
+            if _is_gear(link, world):
+                load_gear(link, impulse, world)
                 continue
             write_axis(numbers, links[link, LINK_JOINT], AXES, ARM_A, ARM_B, k, start)
             for side in range(2):
@@ -153,13 +170,16 @@ def predict_closings(island: int, world: int) -> None:
     for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
         link = order[place, 0]
         for k in range(6):
-            write_axis(work, link, AXES_AHEAD, ARM_A_AHEAD, ARM_B_AHEAD, k, ahead)
             total = 0.0
-            for side in range(2):
-                to = links[link, LINK_A + side]
-                if to >= 0:
-                    for i in range(6):
-                        total += ahead[6 * side + i] * work[to, GAIN + i]
+            if _is_gear(link, world):
+                total = moved_gear(link, world) if links[link, HELD_AXES] >> k & 1 else 0.0
+            else:
+                write_axis(work, link, AXES_AHEAD, ARM_A_AHEAD, ARM_B_AHEAD, k, ahead)
+                for side in range(2):
+                    to = links[link, LINK_A + side]
+                    if to >= 0:
+                        for i in range(6):
+                            total += ahead[6 * side + i] * work[to, GAIN + i]
             work[link, DELTA_SPEED + k] = total
             stiffness = _stiffness(link, k, world)
             if links[link, HELD_AXES] >> k & 1:

@@ -5,6 +5,7 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.prepare import LINKED
+from kickdrift.world.direct.gears import geared_link
 from kickdrift.world.direct.layout import (
     AFTER_CLOSING,
     AFTER_CONTACT,
@@ -18,7 +19,7 @@ from kickdrift.world.direct.layout import (
     PARENT_NODE,
 )
 from kickdrift.world.direct.nodes import has_room, node_of
-from kickdrift.world.joints.layout import LINK_A, LINK_B, NODE_ROW, NONE, PARENT, ROOT
+from kickdrift.world.joints.layout import GEARED, LINEAR, LINK_A, LINK_B, LINK_JOINT, NODE_ROW, NONE, PARENT, ROOT
 from kickdrift.world.tables import (
     ADJACENCY,
     BLOCK,
@@ -27,6 +28,7 @@ from kickdrift.world.tables import (
     ISLAND,
     ISLAND_CLOSING,
     ISLAND_CONTACT,
+    JOINT,
     LINK,
     NEIGHBOUR,
     NODE,
@@ -140,6 +142,7 @@ def _couple(world: int, island: int, words: int) -> bool:
     links, groups, own = integers(world, LINK), integers(world, GROUPS), integers(world, ISLAND)[island]
     bits, order = integers(world, ADJACENCY), integers(world, ISLAND_CONTACT)
     closings, begin = integers(world, ISLAND_CLOSING), integers(world, COLOURS)[LINKED, 1]
+    joints = integers(world, JOINT)
     first, coupled = own[FIRST_NODE], False
     for k in range((own[AFTER_NODE] - first) * words):
         bits[k, 0] = 0
@@ -156,6 +159,12 @@ def _couple(world: int, island: int, words: int) -> bool:
             i, j = links[a, NODE_ROW] - first, links[b, NODE_ROW] - first
             _unite(bits, i, j, words)
             coupled = True
+        if joints[links[closings[k, 0], LINK_JOINT], LINEAR] == GEARED:
+            for one in range(4):
+                for two in range(one):
+                    a, b = geared_link(closings[k, 0], one, world), geared_link(closings[k, 0], two, world)
+                    if a >= 0 and b >= 0 and a != b:
+                        _unite(bits, links[a, NODE_ROW] - first, links[b, NODE_ROW] - first, words)
     return coupled
 
 

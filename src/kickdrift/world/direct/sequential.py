@@ -22,6 +22,7 @@ from kickdrift.world.direct.closings import write_axis
 from kickdrift.world.direct.contacts import PRESS, REST
 from kickdrift.world.direct.equations import TRIALS
 from kickdrift.world.direct.joint_impulses import end_joint, give_joint, turn_on
+from kickdrift.world.joints.gearing import mobility_of_gear
 from kickdrift.world.joints.laws import update_law_states
 from kickdrift.world.joints.layout import (
     ACCEPTED_DELTA_SPEED,
@@ -34,13 +35,16 @@ from kickdrift.world.joints.layout import (
     DELTA_SPEED,
     END,
     FIRST,
+    GEARED,
     HELD_AXES,
     INVERSE_INERTIA_PART,
     JOINT_IMPULSE,
     LAWS,
+    LINEAR,
     LINK_JOINT,
     LOCKED,
     MISALIGNMENT,
+    PRINCIPAL,
     PUSH,
     RIGHT_HAND_SIDE,
     SEQUENTIAL,
@@ -124,7 +128,7 @@ def _solve(joint: int, at: int, h: float, relaxing: bool, world: int) -> None:
     laws, work = integers(world, JOINT)[joint, LAWS], floats(world, LINK_NUMBERS)
     active = integers(world, JOINT)[joint, LOCKED] | laws
     answers = carray(floats_on_stack(36), (6, 6))
-    _find_answers(joint, active, answers, world)
+    _find_answers(joint, at, active, answers, world)
     for trial in range(TRIALS):
         settled = laws == 0 or update_law_states(joint, at, h, relaxing, trial == 0, world)
         if trial > 0 and settled:
@@ -139,10 +143,14 @@ def _solve(joint: int, at: int, h: float, relaxing: bool, world: int) -> None:
 
 
 @compiled(cached=False)
-def _find_answers(joint: int, active: int, answers: Any, world: int) -> None:
+def _find_answers(joint: int, at: int, active: int, answers: Any, world: int) -> None:
     """Find the speed along each axis by a unit impulse along each other one."""
     joints, response, numbers = integers(world, JOINT), floats(world, INVERSE_MASS), floats(world, JOINT_NUMBERS)
     wrenches, moved = carray(floats_on_stack(72), (6, 12)), carray(floats_on_stack(12), (1, 12))
+    if joints[joint, LINEAR] == GEARED:
+        k = joints[joint, PRINCIPAL]
+        answers[k, k] = mobility_of_gear(joint, at, world)
+        return
     for k in range(6):
         if not active >> k & 1:
             continue

@@ -11,6 +11,7 @@ from kickdrift.world.flight import BODY_KIND, DYNAMIC
 from kickdrift.world.joints.ball import Ball
 from kickdrift.world.joints.distance import Distance
 from kickdrift.world.joints.fixed import Fixed
+from kickdrift.world.joints.gear import Gear
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.hinge import Hinge
 from kickdrift.world.joints.record import Record
@@ -33,6 +34,19 @@ def _adds(kind: Callable[P, Record]) -> Callable[Concatenate["AddsJoints", Body 
         return self.add_joint(body_a, body_b, kind(*args, **kwargs))
 
     return cast(Callable[Concatenate["AddsJoints", Body | None, Body | None, P], Joint], add)
+
+
+def _couples(kind: Callable[P, Gear]) -> Callable[Concatenate["AddsJoints", P], Joint]:
+    """Make the method of a world that adds a gear, which takes joints instead of bodies."""
+
+    @functools.wraps(kind, updated=())
+    def add(self: "AddsJoints", *args: P.args, **kwargs: P.kwargs) -> Joint:
+        gear = kind(*args, **kwargs)
+        for joint in (gear.joint_a, gear.joint_b):
+            self.joints.row(joint)
+        return self.joints.add(gear, *gear.bodies())
+
+    return cast(Callable[Concatenate["AddsJoints", P], Joint], add)
 
 
 class AddsJoints:
@@ -67,6 +81,8 @@ class AddsJoints:
         """
         if not isinstance(record, Record):
             raise ArgumentError(f"record={record!r} is no kind of joint; give one of kickdrift.world.joints.catalogue.")
+        if isinstance(record, Gear):
+            raise ArgumentError(f"record={record!r} couples joints, not bodies; give what it is made of to add_gear.")
         row_a, row_b = (
             self.bodies.row(self.bodies.ground if body is None else body, argument)
             for body, argument in ((body_a, "body_a"), (body_b, "body_b"))
@@ -107,3 +123,4 @@ class AddsJoints:
     add_distance_joint = _adds(Distance)
     add_rope = _adds(Rope)
     add_spring = _adds(Spring)
+    add_gear = _couples(Gear)

@@ -2,9 +2,13 @@
 
 from typing import Any
 
+from numba import carray
+
 from kickdrift.core.compilation import compiled
+from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, applied, cross, dot, plus, times
 from kickdrift.world.columns import symmetric_at, vector_at
+from kickdrift.world.joints.gearing import geared_body, put_wrenches
 from kickdrift.world.joints.layout import (
     ARM_A,
     ARM_B,
@@ -12,11 +16,15 @@ from kickdrift.world.joints.layout import (
     BODY_A,
     END,
     FIRST,
+    GEARED,
     INVERSE_INERTIA_PART,
     JOINT_IMPULSE,
     LAWS,
+    LINEAR,
     LINK_JOINT,
+    PRINCIPAL,
     START_SPEED,
+    int64,
 )
 from kickdrift.world.joints.measure import relative_velocity
 from kickdrift.world.tables import (
@@ -59,6 +67,9 @@ def note_speeds(joint: int, world: int) -> None:
 def push_bodies(joint: int, source: Any, row: int, column: int, world: int) -> None:
     """Let six impulses along and about the axes of a joint act on b, and their opposites at the same point on a."""
     joints, numbers = integers(world, JOINT), floats(world, JOINT_NUMBERS)
+    if joints[joint, LINEAR] == GEARED:
+        _push_geared(joint, source[row, column + joints[joint, PRINCIPAL]], world)
+        return
     force, torque = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for k in range(3):
         force = plus(force, times(source[row, column + k], vector_at(numbers, joint, AXES + 3 * k)))
@@ -67,6 +78,17 @@ def push_bodies(joint: int, source: Any, row: int, column: int, world: int) -> N
         sign = 1.0 if side == 1 else -1.0
         turn = plus(torque, cross(vector_at(numbers, joint, ARM_B if side == 1 else ARM_A), force))
         push_body(joints[joint, BODY_A + side], times(sign, force), times(sign, turn), world)
+
+
+@compiled(cached=False)
+def _push_geared(joint: int, impulse: float, world: int) -> None:
+    """Let the impulse of a gear act on the bodies of its joints."""
+    wrenches = carray(floats_on_stack(24), (1, 24))
+    put_wrenches(joint, 0.0, wrenches, 0, int64(0), world)
+    for i in range(4):
+        push = times(impulse, vector_at(wrenches, 0, int64(6 * i)))
+        turn = times(impulse, vector_at(wrenches, 0, int64(6 * i + 3)))
+        push_body(geared_body(joint, i, world), push, turn, world)
 
 
 @compiled(inline=True, cached=False)

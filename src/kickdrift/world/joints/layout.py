@@ -26,12 +26,14 @@ LINEAR, ANGULAR, PIVOT = 4, 5, 6  # how positions and angles are measured, see b
 LOCKED, LAWS = 7, 8  # sets of axes, bit k for axis k: held for good; open, and not without force
 BROKEN = 9
 PRINCIPAL = 10  # the axis that is meant where none is named; NONE
+GEARED_JOINTS, GEARED_AXES = 11, 13  # of gears: two rows of JOINT, and their axes; the gear holds its axis PRINCIPAL
 REMOVED = -1
 
 # Values of LINEAR
 FRAME = 0  # along the axes of the frame in a
 POINT = 1  # all are locked, and along the world's axes
 LINE = 2  # axis 2 points from the anchor of a to that of b; the position along it is their distance less LENGTH
+GEARED = 3  # a gear: positions of two axes of other joints times RATES, less LENGTH
 
 # Values of ANGULAR
 RIGID = 0  # no axis is open
@@ -60,6 +62,7 @@ AXES = int64(45)  # linear axes (9), angular axes (9), in the world's axes
 MISALIGNMENT = int64(63)  # of locked axes, as it would be at the end of the substep were the joint to do nothing
 PULL = int64(75)  # linear impulse of the last substeps, a mean
 SOLVED = int64(69)  # the part of JOINT_IMPULSE that was given before the drift
+RATES = 78  # of gears: two, see `Geared`
 
 # Columns of JOINT_AXES. Zero motors, drives and frictions do nothing; infinite limits are none.
 LOWER_LIMIT, UPPER_LIMIT = 0, 1
@@ -93,6 +96,7 @@ NONE = -1
 ARTICULATED_INERTIA = (
     0  # 6x6, of what hangs on the joint, as its other side feels it, about the point where the joint acts
 )
+START_WRENCHES, AHEAD_WRENCHES = int64(0), int64(36)  # of gears: four wrenches, before and after the drift
 COUPLING = int64(36)  # of open axis k, six numbers: impulse at the joint per speed along the axis
 YIELD = 72  # of open axes: speed per impulse
 BIAS_IMPULSE = int64(78)  # impulse at the joint if its other side stays as it is

@@ -38,6 +38,7 @@ from kickdrift.world.joints.layout import (
     FIRST,
     FRAME_A,
     FRAME_B,
+    GEARED,
     HINGE,
     INVERSE_INERTIA_PART,
     JOINT_POSITION,
@@ -105,7 +106,7 @@ def normalised(a: Vector, otherwise: Vector) -> Vector:
 
 
 @compiled(inline=True, cached=False)
-def _unwound(angle: float, before: float) -> float:
+def unwound(angle: float, before: float) -> float:
     """Return the angle, known but for full turns, that is nearest to what it was before."""
     return angle + 2.0 * math.pi * math.floor((before - angle) / (2.0 * math.pi) + 0.5)
 
@@ -124,6 +125,8 @@ def measure_joints(t: float, h: float, world: int) -> None:
 def measure(joint: int, world: int) -> None:
     """Fill in axes, arms, positions and angles of a joint as its bodies stand."""
     pose, joints, numbers = floats(world, POSE), integers(world, JOINT), floats(world, JOINT_NUMBERS)
+    if joints[joint, LINEAR] == GEARED:
+        return  # once its joints are: as the right-hand side is written
     a, b = joints[joint, BODY_A], joints[joint, BODY_B]
     qa, qb = quaternion_at(pose, a, ANGULAR_PART), quaternion_at(pose, b, ANGULAR_PART)
     arm_b = turned(qb, vector_at(numbers, joint, ANCHOR_B))
@@ -155,7 +158,7 @@ def measure(joint: int, world: int) -> None:
         if mode == HINGE:
             p = JOINT_POSITION + 3 + joints[joint, PIVOT]
             angle = 2.0 * math.atan2(relative[1 + joints[joint, PIVOT]], relative[0])
-            numbers[joint, p] = _unwound(angle, numbers[joint, p])
+            numbers[joint, p] = unwound(angle, numbers[joint, p])
         elif mode == VECTOR:
             put_vector(numbers, joint, JOINT_POSITION + 3, rotation_vector(relative))
     for k in range(6):
@@ -197,10 +200,10 @@ def _measure_universal(joint: int, i: int, fa: Quaternion, relative: Quaternion,
     put_cross(numbers, joint, AXES + 9, i, fa, second_in_a)
     first_in_b = turned_back(relative, axis_unit(i))
     p = JOINT_POSITION + 3
-    numbers[joint, p + i] = _unwound(
+    numbers[joint, p + i] = unwound(
         math.atan2(dot(second_in_a, axis_unit(k)), dot(second_in_a, axis_unit(j))), numbers[joint, p + i]
     )
-    numbers[joint, p + j] = _unwound(
+    numbers[joint, p + j] = unwound(
         math.atan2(dot(first_in_b, axis_unit(k)), dot(first_in_b, axis_unit(i))), numbers[joint, p + j]
     )
 

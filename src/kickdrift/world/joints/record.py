@@ -15,6 +15,14 @@ Floats = NDArray[np.float64]
 Axes = tuple[Axis, Axis, Axis]
 
 
+class Geared(NamedTuple):
+    """Two rows of joints, the axes of them that a gear couples, and the rates of their positions that it holds the sum of."""
+
+    joints: tuple[int, int]
+    axes: tuple[int, int]
+    rates: tuple[float, float]
+
+
 class Placement(NamedTuple):
     """Where a joint is and what its axes do, when it is made.
 
@@ -29,11 +37,13 @@ class Placement(NamedTuple):
     line : bool
         Whether axis 2 always points from one anchor to the other.
     length : float
-        Where `line`: distance of the anchors that counts as position zero, m.
+        Where `line`: distance of the anchors that counts as position zero, m. Of a gear: the sum that it holds.
     cone : bool
         Where all angular axes are open: whether angles are swing (axis 0) and twist (axis 2), or the rotation vector.
     principal : int
         The axis that is meant where none is named: 0-2 linear, 3-5 angular; -1 for none.
+    geared : Geared, optional
+        Of a gear, which has no place of its own: what it couples.
     """
 
     anchor_a: Floats
@@ -45,6 +55,7 @@ class Placement(NamedTuple):
     length: float = 0.0
     cone: bool = False
     principal: int = -1
+    geared: Geared | None = None
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,9 @@ from kickdrift.world.joints.layout import (
     FRAME,
     FRAME_A,
     FRAME_B,
+    GEARED,
+    GEARED_AXES,
+    GEARED_JOINTS,
     GENERATION,
     HINGE,
     JOINT_KIND,
@@ -39,6 +42,7 @@ from kickdrift.world.joints.layout import (
     PIVOT,
     POINT,
     PRINCIPAL,
+    RATES,
     REMOVED,
     RIGID,
     SEQUENTIAL,
@@ -111,6 +115,12 @@ class Joints:
         numbers[AXES : AXES + 18] = np.concatenate((along.T.ravel(), placement.frame.T.ravel()))
         if placement.line:
             numbers[JOINT_POSITION + 2] = np.linalg.norm(placement.anchor_b - placement.anchor_a) - placement.length
+        if placement.geared is not None:
+            joint[GEARED_JOINTS : GEARED_JOINTS + 2] = placement.geared.joints
+            joint[GEARED_AXES : GEARED_AXES + 2] = placement.geared.axes
+            numbers[RATES : RATES + 2] = placement.geared.rates
+            numbers[[*range(ANCHOR_A, ANCHOR_A + 3), *range(ANCHOR_B, ANCHOR_B + 3)]] = 0.0
+            numbers[ARM_A : AXES + 18] = 0.0  # it acts at no place of its own
         clear_laws(tables, row)
         for k, (axis, sign) in enumerate(zip(axes, signs(tables, row), strict=True)):
             if axis.has_law:
@@ -235,10 +245,17 @@ class Joints:
         self.names.give(row, None)
         self.tables.version += 1
         self.arranged = False
+        joints = self.tables.array(JOINT)
+        geared = (joints[:, LINEAR] == GEARED) & (joints[:, JOINT_KIND] != REMOVED)
+        geared &= (joints[:, GEARED_JOINTS : GEARED_JOINTS + 2] == row).any(axis=1)
+        for gear in np.flatnonzero(geared):
+            self._remove_row(int(gear))
 
 
 def _linear_mode(placement: Placement) -> int:
     """Say how positions are measured."""
+    if placement.geared is not None:
+        return GEARED
     if placement.line:
         return LINE
     return POINT if all(axis.locked for axis in placement.linear) else FRAME

@@ -18,7 +18,9 @@ from kickdrift.core.vectors import (
     turned_back,
 )
 from kickdrift.world.columns import quaternion_at, vector_at
+from kickdrift.world.joints.gearing import geared_body, put_wrenches, speed_of_gear
 from kickdrift.world.joints.layout import (
+    AHEAD_WRENCHES,
     ANCHOR_A,
     ANCHOR_B,
     ANGULAR,
@@ -38,9 +40,11 @@ from kickdrift.world.joints.layout import (
     FRAME,
     FRAME_A,
     FRAME_B,
+    GEARED,
     HELD_AXES,
     HINGE,
     JOINT_IMPULSE,
+    JOINT_POSITION,
     LAW_STATE,
     LENGTH,
     LINE,
@@ -50,10 +54,12 @@ from kickdrift.world.joints.layout import (
     LOOSE,
     MISALIGNMENT,
     PIVOT,
+    PRINCIPAL,
     PUSH,
     RIGHT_HAND_SIDE,
     RIGID,
     SLOPE,
+    START_WRENCHES,
     int64,
 )
 from kickdrift.world.joints.measure import axis_unit, put_cross, put_line, put_vector, relative_velocity
@@ -90,6 +96,8 @@ def write_right_hand_side(joint: int, link: int, h: float, mode: int, world: int
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     locked = integers(world, JOINT)[joint, LOCKED]
     links[link, HELD_AXES] = locked
+    if integers(world, JOINT)[joint, LINEAR] == GEARED:
+        return _write_gear(joint, link, h, mode, world)
     v, w = relative_velocity(joint, world)
     look_here(joint, link, world)
     if mode != RELAX:
@@ -114,6 +122,29 @@ def write_right_hand_side(joint: int, link: int, h: float, mode: int, world: int
     size += rested[joints[joint, BODY_A], _REACH] + rested[joints[joint, BODY_B], _REACH]
     off = off / (size * size) if size > 0.0 else 0.0
     return math.sqrt(turned_off + off) if mode == AHEAD else 0.0
+
+
+@compiled(cached=False)
+def _write_gear(joint: int, link: int, h: float, mode: int, world: int) -> float:
+    """Say what is wanted of a gear; how far it will be off, as an angle or in parts of its bodies."""
+    joints, work, numbers = integers(world, JOINT), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
+    k = joints[joint, PRINCIPAL]
+    put_wrenches(joint, 0.0, work, link, START_WRENCHES, world)
+    wrong = put_wrenches(joint, h if mode == AHEAD else 0.0, work, link, AHEAD_WRENCHES, world)
+    for column in (RIGHT_HAND_SIDE, SLOPE, PUSH, AXIS_SPEED, LAW_STATE, DELTA_SPEED, AXIS_IMPULSE):
+        for axis in range(6):
+            work[link, column + axis] = 0.0
+    work[link, AXIS_SPEED + k] = speed_of_gear(joint, link, world)
+    work[link, RIGHT_HAND_SIDE + k] = -wrong / h if mode in (AHEAD, REPAIR) else -work[link, AXIS_SPEED + k]
+    numbers[joint, MISALIGNMENT + k] = wrong
+    if mode == RELAX:
+        numbers[joint, JOINT_POSITION + k] = wrong
+    size = 0.0
+    for i in range(4):
+        size += floats(world, RESTED)[geared_body(joint, i, world), _REACH]
+    if mode != AHEAD:
+        return 0.0
+    return abs(wrong) if k >= 3 else abs(wrong) / size if size > 0.0 else 0.0
 
 
 @compiled(inline=True, cached=False)

@@ -2,6 +2,7 @@
 
 import heapq
 from collections import defaultdict
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -15,8 +16,11 @@ from kickdrift.world.joints.layout import (
     CLOSINGS,
     END,
     FIRST,
+    GEARED,
+    GEARED_JOINTS,
     JOINED_ROWS,
     JOINT_KIND,
+    LINEAR,
     LINK_A,
     LINK_B,
     LINK_BODY,
@@ -51,6 +55,7 @@ class _Edge(NamedTuple):
     a: int
     b: int
     weight: int  # locked axes: joints with few of them are better where they close a loop
+    bodies: tuple[int, ...] = ()  # of a gear, which no tree grows along: all that it acts on
 
 
 class _Part(NamedTuple):
@@ -64,10 +69,12 @@ def arrange(tables: Tables) -> None:
     edges = _edges(tables)
     parts: list[_Part] = []
     for members in _components(edges):
-        links, closings = _span(members, tables)
+        links, closings = _span_all(members, tables)
         place = {link[0]: k for k, link in enumerate(links)}
         rows = [[edge.joint, place.get(edge.a, NONE), place.get(edge.b, NONE)] for edge in closings]
-        parts.append(_Part(links, rows, bool(closings) and _is_dense(links, rows)))
+        pairs = [pair for edge in closings for pair in combinations(edge.bodies or (edge.a, edge.b), 2)]
+        coupled = [(place[a], place[b]) for a, b in pairs if a in place and b in place and a != b]
+        parts.append(_Part(links, rows, bool(closings) and _is_dense(links, coupled)))
     _write(tables, parts)
 
 
@@ -80,7 +87,11 @@ def _edges(tables: Tables) -> list[_Edge]:
     for joint in there.tolist():
         a, b = (int(body) if moves[body] else NONE for body in joints[joint, [BODY_A, BODY_B]])
         if a != NONE or b != NONE:
-            edges.append(_Edge(joint, a, b, int(joints[joint, LOCKED]).bit_count()))
+            bodies: tuple[int, ...] = ()
+            if joints[joint, LINEAR] == GEARED:
+                geared = joints[joint, GEARED_JOINTS : GEARED_JOINTS + 2]
+                bodies = tuple(joints[geared][:, [BODY_A, BODY_B]].ravel().tolist())
+            edges.append(_Edge(joint, a, b, int(joints[joint, LOCKED]).bit_count(), bodies))
     return edges
 
 
@@ -101,6 +112,20 @@ def _components(edges: list[_Edge]) -> list[list[_Edge]]:
     for edge in edges:
         parts.setdefault(find(edge.a if edge.a != NONE else edge.b), []).append(edge)
     return list(parts.values())
+
+
+def _span_all(edges: list[_Edge], tables: Tables) -> tuple[list[list[int]], list[_Edge]]:
+    """Grow a tree in each part that hangs together without gears; return links and closing joints as `_span`, gears last."""
+    links: list[list[int]] = []
+    closings: list[_Edge] = []
+    for held in _components([edge for edge in edges if not edge.bodies]):
+        grown, others = _span(held, tables)
+        first = len(links)
+        links += [
+            [body, joint, parent if parent == NONE else first + parent, sign] for body, joint, parent, sign in grown
+        ]
+        closings += others
+    return links, closings + [edge for edge in edges if edge.bodies]
 
 
 def _span(edges: list[_Edge], tables: Tables) -> tuple[list[list[int]], list[_Edge]]:
@@ -141,17 +166,16 @@ def _span(edges: list[_Edge], tables: Tables) -> tuple[list[list[int]], list[_Ed
     return links, [edge for edge in edges if edge.joint not in used]
 
 
-def _is_dense(links: list[list[int]], closings: list[list[int]]) -> bool:
+def _is_dense(links: list[list[int]], coupled: list[tuple[int, int]]) -> bool:
     """Whether nodes have too many neighbours where they are eliminated as `kickdrift.world.direct.islands` does it."""
     near: list[set[int]] = [set() for _ in links]
     children, gone, left = [0] * len(links), [False] * len(links), _PAIRS * max(_NODES, len(links))
     for _, _, parent, _ in links:
         if parent != NONE:
             children[parent] += 1
-    for _, a, b in closings:
-        if NONE not in (a, b):
-            near[a].add(b)
-            near[b].add(a)
+    for a, b in coupled:
+        near[a].add(b)
+        near[b].add(a)
     heap = [(len(near[node]), node) for node in range(len(links)) if children[node] == 0]
     heapq.heapify(heap)
     while heap:
@@ -162,9 +186,9 @@ def _is_dense(links: list[list[int]], closings: list[list[int]]) -> bool:
         left -= degree * degree
         if left < 0:
             return True
-        coupled = near[node] | {parent} if near[node] and parent != NONE else near[node]
-        for other in coupled:
-            near[other] = (near[other] | coupled) - {other, node}
+        all_near = near[node] | {parent} if near[node] and parent != NONE else near[node]
+        for other in all_near:
+            near[other] = (near[other] | all_near) - {other, node}
             if children[other] == 0:
                 heapq.heappush(heap, (len(near[other]), other))
         if parent != NONE:

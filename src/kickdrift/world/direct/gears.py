@@ -1,0 +1,69 @@
+"""Gears in the equations of an island: closing joints of one row, with up to four wrenches."""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.world.direct.layout import LOWER_BLOCK, UPPER_BLOCK
+from kickdrift.world.direct.matrix import block_of
+from kickdrift.world.direct.nodes import node_of
+from kickdrift.world.joints.gearing import geared_body
+from kickdrift.world.joints.layout import (
+    AHEAD_WRENCHES,
+    ARTICULATED_INERTIA,
+    CLOSING_IMPULSE,
+    GAIN,
+    LINK_JOINT,
+    NODE_ROW,
+    START_WRENCHES,
+)
+from kickdrift.world.tables import BLOCK, LINK, LINK_NUMBERS, floats, integers
+
+
+@compiled(cached=False)
+def geared_link(link: int, i: int, world: int) -> int:
+    """Row of `LINK` of the body that the i-th wrench of a gear acts on; -1 for one that nothing moves."""
+    row: int = node_of(world, geared_body(integers(world, LINK)[link, LINK_JOINT], i, world))
+    return row
+
+
+@compiled(cached=False)
+def add_gear(link: int, stiffness: float, world: int) -> None:
+    """Add the row of a gear to the matrix of an island."""
+    links, work, blocks = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, BLOCK)
+    for i in range(4):
+        for j in range(4):
+            one, two = geared_link(link, i, world), geared_link(link, j, world)
+            if one < 0 or two < 0:
+                continue
+            a, b = links[one, NODE_ROW], links[two, NODE_ROW]
+            block = block_of(min(a, b), max(a, b), world) if a != b else 0
+            at = UPPER_BLOCK if a < b else LOWER_BLOCK
+            for m in range(6):
+                scaled = stiffness * work[link, START_WRENCHES + 6 * i + m]
+                for n in range(6):
+                    added = scaled * work[link, AHEAD_WRENCHES + 6 * j + n]
+                    if a == b:
+                        work[one, ARTICULATED_INERTIA + 6 * m + n] += added
+                    else:
+                        blocks[block, at + 6 * m + n] += added
+
+
+@compiled(cached=False)
+def load_gear(link: int, impulse: float, world: int) -> None:
+    """Add the impulse of a gear to the loads on nodes."""
+    work = floats(world, LINK_NUMBERS)
+    for i in range(4):
+        to = geared_link(link, i, world)
+        if to >= 0:
+            for m in range(6):
+                work[to, CLOSING_IMPULSE + m] += impulse * work[link, START_WRENCHES + 6 * i + m]
+
+
+@compiled(cached=False)
+def moved_gear(link: int, world: int) -> float:
+    """Change of the speed of a gear by the solution at hand."""
+    work, total = floats(world, LINK_NUMBERS), 0.0
+    for i in range(4):
+        to = geared_link(link, i, world)
+        if to >= 0:
+            for m in range(6):
+                total += work[link, AHEAD_WRENCHES + 6 * i + m] * work[to, GAIN + m]
+    return total

@@ -1,0 +1,124 @@
+"""The gear, which couples axes of two joints: wheels that mesh, belts, racks and screws."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.world.flight import BODY_KIND, DYNAMIC
+from kickdrift.world.joints import axis as axes_of
+from kickdrift.world.joints.axis import FREE, finite
+from kickdrift.world.joints.handle import Joint
+from kickdrift.world.joints.layout import (
+    ANGULAR,
+    BODY_A,
+    BODY_B,
+    HINGE,
+    JOINT_POSITION,
+    LINE,
+    LINEAR,
+    LOCKED,
+    PRINCIPAL,
+)
+from kickdrift.world.joints.placing import measure_again
+from kickdrift.world.joints.record import Geared, Placement, Record
+from kickdrift.world.tables import BODY, JOINT, JOINT_NUMBERS
+
+
+@dataclass(frozen=True)
+class Gear(Record):
+    """One joint moves as another one does, times a ratio: wheels that mesh, belts, racks and screws.
+
+    From where they stand, the angle or position of joint a changes by ``ratio`` times as much as that of joint b. What
+    that takes acts about or along the axes of both joints, on both bodies of each: a housing that moves bears its part.
+
+    Parameters
+    ----------
+    joint_a, joint_b : Joint
+        Hinges and sliders, of any bodies; or others, with the axes named.
+    ratio : float
+        Change of joint a per change of joint b. Wheels that mesh turn against each other: it is minus the radius of wheel b
+        over that of wheel a, where both axes have the same direction. With a slider as joint a and a hinge as joint b it is
+        in m/rad: the radius of a pinion on a rack, or the pitch of a screw over 2 pi.
+    axis_a, axis_b : int, optional
+        The axes that are coupled: 0-2 along, 3-5 about them; by default the one that a hinge turns about or a slider slides
+        along. Joint b may be joint a, with another axis: a cylindrical joint (`SixDof`) becomes a screw.
+
+    Raises
+    ------
+    ArgumentError
+        For joints that are gone or of different worlds, axes that are locked or have no angle or position that can be
+        coupled, an axis with itself, and a ratio that is zero or not finite.
+
+    Notes
+    -----
+    The handle's `Joint.effort` is the torque or force on joint a, that on joint b is ``-ratio`` times as great; with a hinge as
+    joint a, the gear breaks with ``breaking_torque``, with a slider with ``breaking_force``. A gear goes with its joints, of
+    which none can be placed while it is there. A joint that turns by more than half a turn in a substep slips by full turns.
+    """
+
+    joint_a: Joint
+    joint_b: Joint
+    ratio: float
+    axis_a: int | None = None
+    axis_b: int | None = None
+
+    def bodies(self) -> tuple[int, int]:
+        """Return the rows of a body of each joint, different ones: forces move the second, and the first if they can."""
+        tables = self.joint_a.joints.tables
+        first, second = (tables.row(JOINT, joint.index) for joint in (self.joint_a, self.joint_b))
+        moves = tables.array(BODY)[:, BODY_KIND] == DYNAMIC
+        pairs = [(first.item(a), second.item(b)) for a in (BODY_B, BODY_A) for b in (BODY_B, BODY_A)]
+        return max((pair for pair in pairs if pair[0] != pair[1]), key=lambda pair: (moves[pair[1]], moves[pair[0]]))
+
+    def placement(self) -> Placement:
+        """Say which axes are coupled, and what their positions add up to."""
+        finite("ratio", self.ratio)
+        if self.ratio == 0.0:
+            raise ArgumentError(
+                f"ratio={self.ratio!r} couples nothing; give the change of joint a per change of joint b."
+            )
+        ends = (("a", self.joint_a, self.axis_a), ("b", self.joint_b, self.axis_b))
+        axes = tuple(_axis(name, joint, axis) for name, joint, axis in ends)
+        joints = (self.joint_a.index, self.joint_b.index)
+        if joints[0] == joints[1] and axes[0] == axes[1]:
+            raise ArgumentError(f"joint_b={self.joint_b!r} is joint_a with the same axis; give another joint or axis.")
+        registry = self.joint_a.joints
+        measure_again(np.array(joints), registry.tables.address)
+        rates = (self.joint_a.sign(axes[0]), -self.ratio * self.joint_b.sign(axes[1]))
+        numbers = registry.tables.array(JOINT_NUMBERS)
+        total = sum(
+            rate * numbers.item(row, JOINT_POSITION + k) for rate, row, k in zip(rates, joints, axes, strict=True)
+        )
+        locks = [axes_of.LOCKED if k == axes[0] else FREE for k in range(6)]
+        nowhere = np.zeros(3)
+        return Placement(
+            nowhere, nowhere, np.eye(3), (locks[0], locks[1], locks[2]), (locks[3], locks[4], locks[5]), length=total,
+            principal=axes[0], geared=Geared(joints, (axes[0], axes[1]), rates),
+        )  # fmt: skip
+
+
+def _axis(name: str, joint: Joint, axis: int | None) -> int:
+    """Return the axis of a joint that is coupled.
+
+    Raises
+    ------
+    ArgumentError
+    """
+    row = joint.joints.tables.row(JOINT, joint.joints.row(joint))
+    if axis is None and row.item(PRINCIPAL) < 0:
+        raise ArgumentError(
+            f"axis_{name}=None is ambiguous for joint_{name}={joint!r}, which has no one open axis; give 0-2 for a linear or"
+            " 3-5 for an angular one."
+        )
+    k = joint.axis(axis)
+    if row.item(LOCKED) >> k & 1:
+        raise ArgumentError(
+            f"axis_{name}={k} of joint_{name}={joint!r} is locked and cannot be geared; give an open one."
+        )
+    if (k < 3 and row.item(LINEAR) == LINE) or (k >= 3 and row.item(ANGULAR) != HINGE):
+        raise ArgumentError(
+            f"axis_{name}={k} of joint_{name}={joint!r} cannot be geared; give a linear axis that is fixed in a body, as that"
+            " of a slider, or the only open angular one, as that of a hinge."
+        )
+    return k

@@ -1,0 +1,125 @@
+"""Gears as rows of the equations: what a gear does to the bodies of the two joints that it couples.
+
+A gear holds rate x position of one axis + rate x position of another one. Its wrench is that of both axes times their rates,
+on up to four bodies; the one of a joint that is b to its a comes second.
+"""
+
+import math
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import (
+    Vector,
+    applied,
+    conjugate,
+    cross,
+    dot,
+    exponential,
+    minus,
+    plus,
+    product,
+    times,
+    turned,
+)
+from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
+from kickdrift.world.joints.layout import (
+    ANCHOR_A,
+    ANCHOR_B,
+    ANGULAR_PART,
+    BODY_A,
+    BODY_B,
+    FRAME_A,
+    FRAME_B,
+    GEARED_AXES,
+    GEARED_JOINTS,
+    INVERSE_INERTIA_PART,
+    JOINT_POSITION,
+    LENGTH,
+    LINEAR_PART,
+    RATES,
+    START_WRENCHES,
+)
+from kickdrift.world.joints.measure import axis_unit, put_vector, unwound
+from kickdrift.world.tables import INVERSE_MASS, JOINT, JOINT_NUMBERS, LINK_NUMBERS, MOTION, POSE, floats, integers
+
+_NOTHING: Vector = (0.0, 0.0, 0.0)
+
+
+@compiled(cached=False)
+def geared_body(joint: int, i: int, world: int) -> int:
+    """Return the body that the i-th of the four wrenches of a gear acts on."""
+    joints = integers(world, JOINT)
+    body: int = joints[joints[joint, GEARED_JOINTS + i // 2], BODY_A + i % 2]
+    return body
+
+
+@compiled(cached=False)
+def put_wrenches(joint: int, h: float, table: Any, row: int, column: int, world: int) -> float:
+    """Write the four wrenches of a gear as they will be after a time with the velocities as they are.
+
+    Returns
+    -------
+    float
+        How far the gear will be off then.
+    """
+    joints, numbers = integers(world, JOINT), floats(world, JOINT_NUMBERS)
+    off: float = -numbers[joint, LENGTH]
+    for side in range(2):
+        rate, k = numbers[joint, RATES + side], joints[joint, GEARED_AXES + side]
+        at, axis, arm_a, arm_b = _axis_ahead(joints[joint, GEARED_JOINTS + side], k, h, world)
+        off += rate * at
+        axis = times(rate, axis)
+        push = axis if k < 3 else _NOTHING
+        begin = column + 12 * side
+        put_vector(table, row, begin, times(-1.0, push))
+        put_vector(table, row, begin + 3, times(-1.0, cross(arm_a, axis) if k < 3 else axis))
+        put_vector(table, row, begin + 6, push)
+        put_vector(table, row, begin + 9, cross(arm_b, axis) if k < 3 else axis)
+    return off
+
+
+@compiled(cached=False)
+def _axis_ahead(joint: int, k: int, h: float, world: int) -> tuple[float, Vector, Vector, Vector]:
+    """Position along or about an axis of a hinge or slider after a time, the axis, and the arms of a and b."""
+    pose, motion = floats(world, POSE), floats(world, MOTION)
+    joints, numbers = integers(world, JOINT), floats(world, JOINT_NUMBERS)
+    a, b = joints[joint, BODY_A], joints[joint, BODY_B]
+    qa = product(exponential(times(h, vector_at(motion, a, ANGULAR_PART))), quaternion_at(pose, a, ANGULAR_PART))
+    qb = product(exponential(times(h, vector_at(motion, b, ANGULAR_PART))), quaternion_at(pose, b, ANGULAR_PART))
+    fa = product(qa, quaternion_at(numbers, joint, FRAME_A))
+    axis = turned(fa, axis_unit(k % 3))
+    if k >= 3:
+        relative = product(conjugate(fa), product(qb, quaternion_at(numbers, joint, FRAME_B)))
+        angle = unwound(2.0 * math.atan2(relative[k - 2], relative[0]), numbers[joint, JOINT_POSITION + k])
+        return angle, axis, _NOTHING, _NOTHING
+    arm_b = turned(qb, vector_at(numbers, joint, ANCHOR_B))
+    moved = minus(vector_at(motion, b, LINEAR_PART), vector_at(motion, a, LINEAR_PART))
+    arm_a = plus(minus(vector_at(pose, b, LINEAR_PART), vector_at(pose, a, LINEAR_PART)), plus(arm_b, times(h, moved)))
+    return dot(axis, minus(arm_a, turned(qa, vector_at(numbers, joint, ANCHOR_A)))), axis, arm_a, arm_b
+
+
+@compiled(cached=False)
+def speed_of_gear(joint: int, link: int, world: int) -> float:
+    """Rate of what a gear holds, by the wrenches in a row of `LINK_NUMBERS`."""
+    work, motion, total = floats(world, LINK_NUMBERS), floats(world, MOTION), 0.0
+    for i in range(4):
+        body = geared_body(joint, i, world)
+        for m in range(6):
+            total += work[link, START_WRENCHES + 6 * i + m] * motion[body, m]
+    return total
+
+
+@compiled(cached=False)
+def mobility_of_gear(joint: int, link: int, world: int) -> float:
+    """Speed per impulse of a gear, of its bodies alone, by the wrenches in a row of `LINK_NUMBERS`."""
+    work, response, total = floats(world, LINK_NUMBERS), floats(world, INVERSE_MASS), 0.0
+    for i in range(4):
+        body = geared_body(joint, i, world)
+        inverse = symmetric_at(response, body, INVERSE_INERTIA_PART)
+        push = vector_at(work, link, START_WRENCHES + 6 * i)
+        turn = applied(inverse, vector_at(work, link, START_WRENCHES + 6 * i + 3))
+        for j in range(4):
+            if geared_body(joint, j, world) == body:
+                total += response[body, 0] * dot(push, vector_at(work, link, START_WRENCHES + 6 * j))
+                total += dot(turn, vector_at(work, link, START_WRENCHES + 6 * j + 3))
+    return total
