@@ -11,8 +11,14 @@ import pytest
 
 from kickdrift.core.cache import fingerprint
 from kickdrift.core.compilation import compiled, is_on_disk, specialise, unbound
+from kickdrift.core.linking import Part, Whole
+from kickdrift.core.together import _families
 from kickdrift.engine.progress import announce_compiling, announcements
+from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.contacts.contact_solver_simd import KERNELS
+from kickdrift.world.direct.bounces import bounce_islands
+from kickdrift.world.direct.solve import relax_islands, solve_islands
+from kickdrift.world.step import STAGE
 
 INNER = """
 from kickdrift.core.compilation import compiled
@@ -81,6 +87,29 @@ def test_the_interpreter_calls_what_compiled_code_calls():
         assert double(2) == 4
         assert double(1.5, times=3) == 4.5
         np.testing.assert_array_equal(double(np.arange(3.0)), [0.0, 2.0, 4.0])
+
+
+def test_what_is_only_called_by_compiled_code_is_no_machine_code(module):
+    functions = module("x**power")
+    functions.outer.compile(FLOAT)
+    (inner,) = functions.inner.overloads.values()
+    assert isinstance(inner.library, Part)
+    assert not functions.inner._wholes
+    outer = functions.outer.get_compile_result(FLOAT).library
+    assert isinstance(outer, Whole)
+    assert [function.name for function in outer.get_defined_functions()] == [
+        functions.outer.get_compile_result(FLOAT).fndesc.llvm_func_name
+    ]
+
+
+def test_functions_of_numba_call_ours_with_all_that_they_call(module):
+    outer = module("x**power").outer
+
+    @numba.njit
+    def twice(x):
+        return 2.0 * outer(x)
+
+    assert twice(2.0) == 2.0 * (3.0 * 4.0 + 8.0)
 
 
 def test_code_is_found_again_and_not_once_a_function_that_it_uses_has_changed(module, tmp_path):
@@ -165,7 +194,7 @@ def test_another_process_compiles_what_is_found_here(tmp_path):
     code = JOBS + (
         "from collections import deque;"
         "before = len(together.missing(jobs * 2));"
-        "workers = together._workers(1, deque(jobs), together._places());"
+        "workers = together._workers(1, deque([job] for job in jobs), together._places());"
         "workers.__enter__(); workers.__exit__(None, None, None);"
         "print(before, len(together.missing(jobs)), together.seconds_for(jobs) > 0.0)"
     )
@@ -184,3 +213,12 @@ def test_compiling_is_announced_where_it_is_wanted_and_takes_longer_than_a_momen
             announce_compiling("22 functions", seconds)
         line = "kickdrift: compiling 22 functions once on this machine, about 12 s ...\n"
         assert capsys.readouterr().err == (line if said else "")
+
+
+def test_what_needs_the_same_is_compiled_in_one_process():
+    stages = [solve_islands, bounce_islands, find_pairs, relax_islands]
+    families = _families([(stage, STAGE) for stage in stages])
+    assert [{function for function, _ in family} for family in families] == [
+        {solve_islands, bounce_islands, relax_islands},
+        {find_pairs},
+    ]

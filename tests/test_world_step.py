@@ -42,8 +42,7 @@ def test_stages_that_a_world_has_no_use_for_are_not_in_its_word():
 @pytest.mark.parametrize("sweep", contact_solver_simd.KERNELS, ids=lambda sweep: sweep.__name__)
 def test_sweeps_over_lanes_are_vector_instructions(sweep):
     fresh = compiled(fast=True, cached=False)(sweep.py_func)
-    fresh.compile(contact_solver_simd.SWEEP)
-    (assembly,) = fresh.inspect_asm().values()
+    assembly = fresh.get_compile_result(contact_solver_simd.SWEEP).library.get_asm_str()
     packed = re.findall(r"^\s+v?(?:mul|add|sub|max|min|fn?madd\d*|fn?msub\d*)pd\b", assembly, re.MULTILINE)
     single = re.findall(r"^\s+v?(?:mul|add|sub|max|min|fn?madd\d*|fn?msub\d*)sd\b", assembly, re.MULTILINE)
     # What is left after whole vectors is done one by one, by as many instructions again.
@@ -56,8 +55,7 @@ def test_lanes_that_touch_each_other_would_not_be_vector_instructions():
             own[lane] = own[lane - 1] * s[lane] + soft
 
     fresh = compiled(fast=True, cached=False)(chained)
-    fresh.compile(contact_solver_simd.SWEEP)
-    (assembly,) = fresh.inspect_asm().values()
+    assembly = fresh.get_compile_result(contact_solver_simd.SWEEP).library.get_asm_str()
     assert not re.findall(r"^\s+v?(?:mul|fn?madd\d*)pd\b", assembly, re.MULTILINE)
 
 

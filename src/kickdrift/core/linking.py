@@ -1,0 +1,76 @@
+"""Libraries of compiled code that are optimised once, where all that they call has come together.
+
+Numba links and optimises a function with all that it calls, translates that to machine code, and then does the same for
+each of its callers, up to the one that is run. A *part* is a function as Numba wrote it, for others to be linked with; a
+*whole* is one with all its parts, optimised and translated once: a world with joints takes 38 s of processor time
+instead of 72.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+from numba.core.codegen import JITCodeLibrary
+from numba.core.environment import lookup_environment
+
+
+class Part(JITCodeLibrary):  # type: ignore[misc]
+    """The code of one function, which is not run but linked."""
+
+    _own: Any = None
+
+    def finalize(self) -> None:
+        """Let nothing be added any more."""
+        self._finalized = True
+
+    def own_module(self) -> Any:
+        """Return a module of this function alone, of which each caller may have one."""
+        if self._own is None:
+            self._own = self._final_module.clone()
+            for function in self._own.functions:
+                if not function.is_declaration and function.linkage.name == "external":
+                    function.linkage = "linkonce_odr"
+        return self._own
+
+    def _get_module_for_linking(self) -> Any:
+        """Return a module with all that the function calls, for Numba's own libraries."""
+        self._ensure_finalized()
+        module = self.own_module().clone()
+        for library in list(called(self))[1:]:
+            module.link_in(_module_of(library), preserve=True)
+        return module
+
+
+class Whole(JITCodeLibrary):  # type: ignore[misc]
+    """A function and all that it calls, ready to be run."""
+
+    def __init__(self, part: Part) -> None:
+        super().__init__(part.codegen, part.name)
+        self.enable_object_caching()
+        self._final_module = part._final_module.clone()
+        self._final_module.name = part._final_module.name
+        for library in list(called(part))[1:]:
+            self._reload_init.update(library._reload_init)
+            self._final_module.link_in(_module_of(library), preserve=True)
+        self._optimize_final_module()
+        self._final_module.verify()
+        self._finalize_final_module()
+        for variable in self._final_module.global_variables:
+            environment = lookup_environment(variable.name)
+            if environment is not None:
+                self.codegen.set_env(variable.name, environment)
+
+
+def called(part: Part) -> Iterator[JITCodeLibrary]:
+    """Go through a part and all libraries that it calls, each once."""
+    seen, waiting = set(), [part]
+    while waiting:
+        library = waiting.pop()
+        if library not in seen:
+            seen.add(library)
+            yield library
+            if isinstance(library, Part):
+                waiting += reversed(library._linking_libraries)
+
+
+def _module_of(library: Any) -> Any:
+    return library.own_module() if isinstance(library, Part) else library._get_module_for_linking()
