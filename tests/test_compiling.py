@@ -8,8 +8,10 @@ import sys
 import numba
 import numpy as np
 import pytest
+from numba import types
 
 from kickdrift.core.cache import fingerprint
+from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import compiled, is_on_disk, specialise, unbound
 from kickdrift.core.linking import Part, Whole
 from kickdrift.core.together import _families
@@ -222,3 +224,17 @@ def test_what_needs_the_same_is_compiled_in_one_process():
         {solve_islands, bounce_islands, relax_islands},
         {find_pairs},
     ]
+
+
+def test_a_function_that_was_compiled_for_a_caller_has_an_address_of_its_own():
+    @compiled(cached=False)
+    def called(x):
+        return 2.0 * x
+
+    @compiled(cached=False)
+    def caller_of(x):
+        return called(x) + 1.0
+
+    signature = types.float64(types.float64)
+    assert address_of(caller_of, signature) != 0
+    assert address_of(called, signature) != 0

@@ -96,3 +96,27 @@ def test_planar_heaps_rest():
             world.add_box((1, 1, 1), position=(place - (9 - row) / 2, 0, row + 0.5), mass=1.0, friction=0.6)
     world.advance(STEP, 600)
     assert np.abs(world.velocity).max() < 1e-6
+
+
+@pytest.mark.parametrize("seed", [1, 6, 15, 23, 27])
+def test_mixed_heaps_gain_no_energy(seed):
+    rng, planar = np.random.default_rng(seed), seed % 4 == 3
+    world = World(plane_normal=(0, 1, 0) if planar else None)
+    world.add_plane(friction=0.5)
+    for k in range(25):
+        place = (rng.uniform(-2, 2), 0 if planar else rng.uniform(-2, 2), rng.uniform(0.5, 8))
+        options = {"position": place, "mass": 10 ** rng.uniform(-2, 2), "friction": rng.uniform(0, 1)}
+        if k % 3 == 0:
+            world.add_box(tuple(rng.uniform(0.2, 1, 3)), **options)
+        elif k % 3 == 1:
+            world.add_sphere(rng.uniform(0.1, 0.5), **options)
+        else:
+            world.add_capsule(rng.uniform(0.1, 0.3), rng.uniform(0.3, 1), **options)
+    world.advance(STEP, 5)  # out of the overlaps of the start
+    before, heaps = world.energy().total, 0
+    for _ in range(200):
+        world.step(STEP)
+        now = world.energy().total
+        assert now - before < 1e-3 * abs(before) + 1.0
+        before, heaps = now, max(heaps, in_heaps(world))
+    assert heaps > 2

@@ -22,8 +22,8 @@ from kickdrift.world.tables import SETTINGS, STEP_STATUS, Tables
 _TURN = 0.5  # rad: of a substep that is short enough
 
 
-def say(found: int, said: int, tables: Tables, bodies: Bodies) -> int:
-    """Warn of what stages have found and was not said before, and return what has been now.
+def say(found: int, said: int, tables: Tables, bodies: Bodies) -> None:
+    """Warn of what stages have found and was not said before.
 
     Both are sets of bits of `kickdrift.world.step_status.WARNING`. What was said is noted in the tables, so that steps do not
     come back with it, and kept by the world, as tables go back to their past.
@@ -32,7 +32,6 @@ def say(found: int, said: int, tables: Tables, bodies: Bodies) -> int:
     for bit, sentence in ((LEFT_UNSOLVED, _unsolved), (TURNS_TOO_FAST, _too_fast)):
         if found & ~said & bit:
             warnings.warn(sentence(tables, bodies), UnsolvedWarning, stacklevel=depth_of_caller())
-    return found | said
 
 
 def _unsolved(tables: Tables, bodies: Bodies) -> str:

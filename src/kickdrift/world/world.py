@@ -240,7 +240,8 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         self.n_steps += count
         self.broken = self.joints.take_broken() if self._breakable else []
         if found:
-            self._said = say(found, self._said, self.tables, self.bodies)
+            said, self._said = self._said, self._said | found  # first: a warning may be an error
+            say(found, said, self.tables, self.bodies)
 
     @property
     def word(self) -> Word:

@@ -57,6 +57,9 @@ def bounce_islands(t: float, h: float, world: int) -> None:
             if kinetic_energy(island, world) > NO_MORE * energy:
                 take_back_velocities(island, world)
                 solve_at_once(island, h, RELAX, SMOOTH_BOUNCE, world)
+                if kinetic_energy(island, world) > NO_MORE * energy:  # no solution: nothing bounces
+                    take_back_velocities(island, world)
+                    break
 
 
 @compiled(cached=False)

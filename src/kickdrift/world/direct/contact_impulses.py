@@ -140,6 +140,33 @@ def forget_contacts(island: int, world: int) -> None:
 
 
 @compiled(cached=False, fast=True)
+def clear_contacts(island: int, world: int) -> None:
+    """Let contacts have given nothing."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        fields = constraint(order[k, 0], world)
+        for i in range(10):
+            fields[impulse_field(i) * c.WIDTH] = 0.0
+
+
+@compiled(cached=False, fast=True)
+def driven(island: int, world: int) -> float:
+    """Greatest speed of what touches an island from without, and of surfaces, m/s."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    groups, begin, velocity, most = integers(world, GROUPS), integers(world, COLOURS)[LINKED, 1], twelve(), 0.0
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        fields, g = constraint(order[k, 0], world), begin + order[k, 0]
+        read_both(MOTION, groups[g, 0], groups[g, c.WIDTH], velocity, world)
+        numbers = contact_row(order[k, 0], world)
+        most = max(most, abs(fields[c.SLIDE * c.WIDTH]), abs(fields[(c.SLIDE + 1) * c.WIDTH]))
+        for side in range(2):
+            if numbers[NODES + side] < 0.0:
+                for i in range(3):
+                    most = max(most, abs(velocity[6 * side + i]))
+    return most
+
+
+@compiled(cached=False, fast=True)
 def left_of_contacts(island: int, world: int) -> float:
     """Return how fast points that carry something part or approach, at most, m/s."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)

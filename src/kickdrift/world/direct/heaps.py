@@ -2,8 +2,8 @@
 
 A sweep carries an impulse from one contact to the next, so that a load ten or a hundred times as heavy as what it stands on, a
 plate on which many boxes stand, or a tall tower wants more sweeps than a step has. What is left shows in the velocities: points
-that press on each other part or approach. A body with such points in many steps, one after the other, is *unsolved*, and so is
-its heap: all bodies that contacts hold together. A body for itself is none.
+that press on each other part or approach. A body with such points in some steps, one after the other, is *unsolved*, and so is
+its heap: all bodies that contacts hold together. A single body is no heap.
 """
 
 from kickdrift.core.compilation import compiled
@@ -39,8 +39,8 @@ from kickdrift.world.tables import (
     rows,
 )
 
-# Steps after which a heap is unsolved, of few bodies; one more for so many bodies; and for how many of them a step counts in
-# which a body is far from solved. A direct solution of 55 boxes takes thirty times as long as the sweeps, whose pyramid comes
+# Steps after which a heap is unsolved if it has few bodies; so many bodies more want one step more; a step in which a body is
+# far from solved counts for so many. A direct solution of 55 boxes takes thirty times as long as the sweeps, whose pyramid comes
 # to rest by itself; a card house of 40 falls if it waits for more than 20 steps.
 _PATIENCE, _MORE, _HASTE = 6, 4, 6
 

@@ -19,7 +19,13 @@ from kickdrift.world.direct.closings import (
     begin_closings,
     stay_closings,
 )
-from kickdrift.world.direct.contact_impulses import forget_contacts, give_contacts, left_of_contacts
+from kickdrift.world.direct.contact_impulses import (
+    clear_contacts,
+    driven,
+    forget_contacts,
+    give_contacts,
+    left_of_contacts,
+)
 from kickdrift.world.direct.contacts import (
     PRESS,
     REST,
@@ -43,7 +49,10 @@ from kickdrift.world.direct.layout import (
     RATIO,
 )
 from kickdrift.world.direct.velocities import (
+    begin_from_kick,
+    fastest,
     fastest_turn,
+    kicked_energy,
     kinetic_energy,
     mass_of,
     note_velocities,
@@ -65,8 +74,10 @@ from kickdrift.world.settings import PUSH_SPEED, RESIDUAL
 from kickdrift.world.tables import (
     ISLAND,
     ISLAND_CLOSING,
+    KICKED,
     LINK,
     LINK_NUMBERS,
+    MOTION,
     NODE,
     SETTINGS,
     floats,
@@ -88,6 +99,9 @@ POOR = 0.1
 
 # Angle of a substep from which on solutions may be far away, and times the energy that is too much.
 FAST, WILD = 0.5, 4.0
+
+# Square of a speed that no one notices, m^2/s^2.
+_STILL = 1e-12
 
 REPAIRS = 8
 
@@ -123,6 +137,8 @@ def relax_islands(t: float, h: float, world: int) -> None:
             note_velocities(island, world)
             note_impulses(island, False, world)
             _project(island, h, RELAX, REST, world)
+        elif islands[island, HAS_JOINTS] == 0:
+            _rest(island, h, world)
         else:
             solve_at_once(island, h, RELAX, REST, world)
     for island in range(rows(world, ISLAND)):
@@ -143,18 +159,38 @@ def measure_islands(t: float, h: float, world: int) -> None:
 
 @compiled(cached=False)
 def _press(island: int, h: float, world: int) -> None:
-    """Solve an island without joints: from impulses of the substep before, from none if those lead astray, or not at all."""
+    """Solve an island without joints: from impulses of the substep before, from none if those lead astray, or not at all.
+
+    Impulses of a solution that was none may be far too large, and would throw the lightest body.
+    """
+    most = WILD * (fastest(island, KICKED, world) + floats(world, SETTINGS)[0, PUSH_SPEED])
     for trial in range(2):
-        begin_contacts(island, h, PRESS, world)
-        solve_once(island, h, h, PRESS, True, True, world)
-        pushed = mass_of(island, world) * floats(world, SETTINGS)[0, PUSH_SPEED] ** 2
-        if kinetic_energy(island, world) <= WILD * noted_energy(island, world) + pushed:
-            return
-        take_back(island, world)
-        if trial == 0:
+        if trial == 1 or fastest(island, MOTION, world) > most:
             forget_contacts(island, world)
             note_velocities(island, world)
             note_impulses(island, False, world)
+        begin_contacts(island, h, PRESS, world)
+        solve_once(island, h, h, PRESS, True, True, world)
+        if fastest(island, MOTION, world) <= most:
+            return
+        take_back(island, world)
+
+
+@compiled(cached=False)
+def _rest(island: int, h: float, world: int) -> None:
+    """Project velocities of an island without joints.
+
+    Contacts give no more energy than there was after the kick, and than what drives the island from without. Where they do, it
+    is those after the kick that are projected, without impulses of the substep, or nothing touches.
+    """
+    for _ in range(2):
+        speed = driven(island, world)
+        most = 1.001 * kicked_energy(island, world) + mass_of(island, world) * (speed * speed + _STILL)
+        solve_at_once(island, h, RELAX, REST, world)
+        if kinetic_energy(island, world) <= most:
+            return
+        begin_from_kick(island, world)
+        clear_contacts(island, world)
 
 
 @compiled(cached=False)

@@ -31,11 +31,13 @@ from kickdrift.world.tables import (
     ISLAND,
     ISLAND_CLOSING,
     JOINT_NUMBERS,
+    KICKED,
     LINK,
     LINK_NUMBERS,
     MOTION,
     NODE,
     POSE,
+    Table,
     floats,
     integers,
 )
@@ -137,3 +139,36 @@ def begin_anew(joint: int, world: int) -> None:
     numbers = floats(world, JOINT_NUMBERS)
     for k in range(6):
         numbers[joint, JOINT_IMPULSE + k] = numbers[joint, SOLVED + k]
+
+
+@compiled(cached=False)
+def fastest(island: int, table: Table, world: int) -> float:
+    """Greatest speed of a body of an island, m/s, by the velocities in a table, which has them first."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    velocities, most = floats(world, table), 0.0
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        v = vector_at(velocities, links[nodes[node, LINK_ROW], LINK_BODY], LINEAR_PART)
+        most = max(most, dot(v, v))
+    return math.sqrt(most)
+
+
+@compiled(cached=False)
+def kicked_energy(island: int, world: int) -> float:
+    """Kinetic energy that an island had after the kick."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    kicked, total = floats(world, KICKED), 0.0
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        body = links[nodes[node, LINK_ROW], LINK_BODY]
+        total += _energy(body, vector_at(kicked, body, LINEAR_PART), vector_at(kicked, body, ANGULAR_PART), world)
+    return total
+
+
+@compiled(cached=False)
+def begin_from_kick(island: int, world: int) -> None:
+    """Go back to the velocities after the kick."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    kicked, motion = floats(world, KICKED), floats(world, MOTION)
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        body = links[nodes[node, LINK_ROW], LINK_BODY]
+        for k in range(6):
+            motion[body, k] = kicked[body, k]
