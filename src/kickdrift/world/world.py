@@ -240,7 +240,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         self.n_steps += count
         self.broken = self.joints.take_broken() if self._breakable else []
         if found:
-            said, self._said = self._said, self._said | found  # first: a warning may be an error
+            said, self._said = self._said, self._said | found
             say(found, said, self.tables, self.bodies)
 
     @property
@@ -248,10 +248,8 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         """The step as a word: its stages in their order."""
         self.joints.arrange()
         fast, direct = self.tables.array(SETTINGS)[0, [settings.HAS_FAST, settings.HAS_DIRECT]].astype(bool).tolist()
-        bouncing = self.shape_rows.bouncing
-        return word(
-            Uses(tuple(self.forces), bouncing, fast, direct, self.sleeping, self.planar, self.threads), self.joints
-        )
+        forces, bouncing = tuple(self.forces), self.shape_rows.bouncing
+        return word(Uses(forces, bouncing, fast, direct, self.sleeping, self.planar, self.threads), self.joints)
 
     def _ready(self, step: float) -> Program:
         """Compile what is needed, and keep the program for as long as nothing that it depends on changes.

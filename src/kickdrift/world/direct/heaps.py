@@ -40,8 +40,8 @@ from kickdrift.world.tables import (
 )
 
 # Steps after which a heap is unsolved if it has few bodies; so many bodies more want one step more; a step in which a body is
-# far from solved counts for so many. A direct solution of 55 boxes takes thirty times as long as the sweeps, whose pyramid comes
-# to rest by itself; a card house of 40 falls if it waits for more than 20 steps.
+# far from solved counts for so many. A direct solution of 55 boxes takes thirty times as long as the sweeps, whose pyramid
+# comes to rest by itself; a card house of 40 falls if it waits for more than 20 steps.
 _PATIENCE, _MORE, _HASTE = 6, 4, 6
 
 # Bodies of a heap that a direct solution is worth, and free bodies of a world: a pile of 1000 boxes falls apart into small
