@@ -13,7 +13,7 @@ the drift too, and bodies are put back to where the joints hold them.
 import math
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import length, times
+from kickdrift.core.vectors import length
 from kickdrift.world.columns import vector_at
 from kickdrift.world.direct.closings import (
     begin_closings,
@@ -34,8 +34,7 @@ from kickdrift.world.direct.contacts import (
     note_impulses,
     update_contact_states,
 )
-from kickdrift.world.direct.equations import aim_island, assemble, predict, solve_assumed, solve_once
-from kickdrift.world.direct.factorisation import factor
+from kickdrift.world.direct.equations import aim_island, solve_assumed, solve_once
 from kickdrift.world.direct.joint_impulses import end_relaxation, end_solution, give_joints
 from kickdrift.world.direct.layout import (
     AFTER_CLOSING,
@@ -48,6 +47,7 @@ from kickdrift.world.direct.layout import (
     LOST,
     RATIO,
 )
+from kickdrift.world.direct.repair import repair
 from kickdrift.world.direct.velocities import (
     begin_from_kick,
     fastest,
@@ -62,20 +62,13 @@ from kickdrift.world.direct.velocities import (
 from kickdrift.world.joints.falling import let_fall
 from kickdrift.world.joints.layout import (
     BEFORE,
-    GAIN,
-    LINK_BODY,
-    LINK_JOINT,
     int64,
 )
-from kickdrift.world.joints.measure import measure
-from kickdrift.world.joints.repair import shift_body
-from kickdrift.world.joints.right_hand_side import AHEAD, GENTLY, RELAX, REPAIR
+from kickdrift.world.joints.right_hand_side import AHEAD, GENTLY, RELAX
 from kickdrift.world.settings import PUSH_SPEED, RESIDUAL
 from kickdrift.world.tables import (
     ISLAND,
-    ISLAND_CLOSING,
     KICKED,
-    LINK,
     LINK_NUMBERS,
     MOTION,
     NODE,
@@ -102,8 +95,6 @@ FAST, WILD = 0.5, 4.0
 
 # Square of a speed that no one notices, m^2/s^2.
 _STILL = 1e-12
-
-REPAIRS = 8
 
 
 @compiled
@@ -290,27 +281,3 @@ def _project(island: int, h: float, mode: int, task: int, world: int) -> None:
     give_contacts(island, task, world)
     if not kinetic_energy(island, world) <= EXCESS * energy:
         take_back(island, world)
-
-
-@compiled(cached=False)
-def repair(island: int, h: float, world: int) -> None:
-    """Put bodies where joints hold them, by changes of position that have no velocity."""
-    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
-    order, work = integers(world, ISLAND_CLOSING), floats(world, LINK_NUMBERS)
-    first, after = own[FIRST_NODE], own[AFTER_NODE]
-    for _ in range(REPAIRS):
-        aim_island(island, h, REPAIR, world)
-        stay_closings(island, world)
-        assemble(island, -1.0, world)
-        factor(first, after, world)
-        predict(island, False, world)
-        for node in range(first, after):
-            link = nodes[node, LINK_ROW]
-            way, turn = times(h, vector_at(work, link, GAIN)), times(h, vector_at(work, link, GAIN + 3))
-            turn = times(1.0 / max(1.0, 2.0 * length(turn)), turn)
-            shift_body(links[link, LINK_BODY], way, turn, world)
-        for node in range(first, after):
-            if links[nodes[node, LINK_ROW], LINK_JOINT] >= 0:
-                measure(links[nodes[node, LINK_ROW], LINK_JOINT], world)
-        for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
-            measure(links[order[place, 0], LINK_JOINT], world)

@@ -1,0 +1,60 @@
+"""Bodies of an island put back to where joints hold them."""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import length, times
+from kickdrift.world.columns import vector_at
+from kickdrift.world.direct.closings import (
+    stay_closings,
+)
+from kickdrift.world.direct.equations import aim_island, assemble, predict
+from kickdrift.world.direct.factorisation import factor
+from kickdrift.world.direct.layout import (
+    AFTER_CLOSING,
+    AFTER_NODE,
+    FIRST_CLOSING,
+    FIRST_NODE,
+    LINK_ROW,
+)
+from kickdrift.world.joints.layout import (
+    GAIN,
+    LINK_BODY,
+    LINK_JOINT,
+)
+from kickdrift.world.joints.measure import measure
+from kickdrift.world.joints.repair import shift_body
+from kickdrift.world.joints.right_hand_side import REPAIR
+from kickdrift.world.tables import (
+    ISLAND,
+    ISLAND_CLOSING,
+    LINK,
+    LINK_NUMBERS,
+    NODE,
+    floats,
+    integers,
+)
+
+REPAIRS = 8
+
+
+@compiled(cached=False)
+def repair(island: int, h: float, world: int) -> None:
+    """Put bodies where joints hold them, by changes of position that have no velocity."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    order, work = integers(world, ISLAND_CLOSING), floats(world, LINK_NUMBERS)
+    first, after = own[FIRST_NODE], own[AFTER_NODE]
+    for _ in range(REPAIRS):
+        aim_island(island, h, REPAIR, world)
+        stay_closings(island, world)
+        assemble(island, -1.0, world)
+        factor(first, after, world)
+        predict(island, False, world)
+        for node in range(first, after):
+            link = nodes[node, LINK_ROW]
+            way, turn = times(h, vector_at(work, link, GAIN)), times(h, vector_at(work, link, GAIN + 3))
+            turn = times(1.0 / max(1.0, 2.0 * length(turn)), turn)
+            shift_body(links[link, LINK_BODY], way, turn, world)
+        for node in range(first, after):
+            if links[nodes[node, LINK_ROW], LINK_JOINT] >= 0:
+                measure(links[nodes[node, LINK_ROW], LINK_JOINT], world)
+        for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+            measure(links[order[place, 0], LINK_JOINT], world)
