@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import kickdrift as kd
+from kickdrift.scenes import worlds
 
 STEP = 1 / 60
 WEIGHTLESS, UP = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)
@@ -84,6 +85,12 @@ def test_torques_and_damping_are_no_loss():
 def test_a_motor_that_drives_a_rotor_too_fast_is_said():
     with pytest.warns(kd.UnsolvedWarning, match="'rotor', turns by"):
         rotor(0.0, 0.5, motor=kd.Motor(260.0, 200.0)).advance(STEP, 120)
+
+
+def test_loops_that_are_stretched_taut_lose_energy_and_it_is_said():
+    with pytest.warns(kd.UnsolvedWarning, match="came to where no impulses hold their joints") as said:
+        worlds.joint_grid(size=4).advance(STEP, 400)
+    assert len(said) == 1
 
 
 def test_a_tower_too_high_for_the_sweeps_is_said():

@@ -15,7 +15,7 @@ _SLOW = 0.05  # m/s at which Box3D and kickdrift would let a body sleep; the rep
 
 
 def rests(most: float = _SLOW) -> Criterion:
-    """Want nothing to move in the last quarter: the largest component of any velocity."""
+    """Want nothing to move in the last quarter, or no faster: the largest component of any velocity."""
     return Criterion("speed", "m/s", _speed, most=most)
 
 
@@ -47,6 +47,11 @@ def gains(most: float = 0.01) -> Criterion:
 def keeps(within: float = 0.01, spread: float | None = None) -> Criterion:
     """Want the energy of all to stay, within a part of `spread` in J or of the largest kinetic energy."""
     return Criterion("energy off", "", partial(_off, spread=spread), most=within)
+
+
+def rises(most: float) -> Criterion:
+    """Want the energy of all never to rise over its start."""
+    return Criterion("energy gained", "J", _rise, most=most)
 
 
 def comes_to(label: str, unit: str, measure: Measure, exact: float, within: float = 0.01) -> Criterion:
@@ -117,3 +122,8 @@ def turned_back(q: Floats, v: Floats) -> Floats:
 def _off(scene: Scene, watched: Watched, spread: float | None) -> float:
     kinetic, whole = np.array([energies(scene, p, m) for p, m in zip(watched.poses, watched.motions, strict=True)]).T
     return float(np.abs(whole - whole[0]).max() / (kinetic.max() if spread is None else spread))
+
+
+def _rise(scene: Scene, watched: Watched) -> float:
+    whole = [energies(scene, p, m)[1] for p, m in zip(watched.poses, watched.motions, strict=True)]
+    return float(max(whole) - whole[0])

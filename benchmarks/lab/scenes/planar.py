@@ -3,7 +3,7 @@
 import numpy as np
 
 from benchmarks.lab.building import GROUND, Builder
-from benchmarks.lab.measures import apart, at_most, overlaps, rests, sinks, stays
+from benchmarks.lab.measures import apart, at_most, overlaps, rests, rises, sinks, stays
 from benchmarks.lab.scenes.towers import pyramid
 from benchmarks.lab.trial import Trial
 from benchmarks.world.described import Floats, Scene
@@ -40,7 +40,10 @@ def hang_planks(builder: Builder, angles: Floats, width: float, mass: float) -> 
 
 
 def _bridge(planar: bool, planks: int = 12, ball: float = 15.0) -> Trial:
-    """Put a ball on the middle of a bridge of planks of 3 kg, gently."""
+    """Put a ball on the middle of a bridge of planks of 3 kg, gently.
+
+    Neither hinges nor rolling take energy, so that both may swing for as long as they like; the speed is information.
+    """
     builder, radius = Builder(planar=planar), 0.35
     ends = hang_planks(builder, np.linspace(0.3, -0.3, planks), 0.5, 3.0)
     builder.sphere(radius, position=(0.0, 0.0, ends[planks // 2, 2] + 0.05 + radius + 0.005), mass=ball)
@@ -48,7 +51,7 @@ def _bridge(planar: bool, planks: int = 12, ball: float = 15.0) -> Trial:
     def fallen(scene: Scene, watched: Watched) -> float:
         return float((watched.poses[:, :-1, 2].min(axis=1) - watched.poses[:, -1, 2]).max())
 
-    criteria = (rests(0.2), sinks(0.5), at_most("below the planks", "m", fallen, 0.0), apart(0.02))
+    criteria = (rests(np.inf), rises(0.0), sinks(0.5), at_most("below the planks", "m", fallen, 0.0), apart(0.02))
     name = "planar: ball on a bridge of hinges" if planar else "ball on a bridge of hinges"
     return Trial(name, (builder.scene(),), 20.0, criteria, looks=80)
 

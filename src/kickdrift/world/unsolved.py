@@ -5,6 +5,7 @@ import warnings
 
 from kickdrift.core.errors import UnsolvedWarning, depth_of_caller
 from kickdrift.world.bodies import Bodies
+from kickdrift.world.direct.losses import FAR
 from kickdrift.world.settings import (
     FAST_BODY,
     FAST_LOSS,
@@ -18,9 +19,6 @@ from kickdrift.world.settings import (
 )
 from kickdrift.world.step_status import LEFT_UNSOLVED, SAID, TURNS_TOO_FAST
 from kickdrift.world.tables import SETTINGS, STEP_STATUS, Tables
-
-_TURN = 0.5  # rad: of a substep that is short enough
-
 
 def say(found: int, said: int, tables: Tables, bodies: Bodies) -> None:
     """Warn of what stages have found and was not said before.
@@ -45,9 +43,12 @@ def _unsolved(tables: Tables, bodies: Bodies) -> str:
 
 def _too_fast(tables: Tables, bodies: Bodies) -> str:
     row = tables.array(SETTINGS)[0]
-    times = max(float(row[FAST_TURN]) / _TURN, 2.0)
+    turn, body = float(row[FAST_TURN]), bodies.words(int(row[FAST_BODY]))
+    times = max(turn / FAR, 2.0)
+    why = f"{body} turns by {turn:.2g} rad in a substep, too far for its joints"
+    if turn <= FAR:
+        why = f"{body} and what it is joined to came to where no impulses hold their joints at the end of the substep"
     return (
-        f"{bodies.words(int(row[FAST_BODY]))} turns by {row[FAST_TURN]:.2g} rad in a substep, too far for its joints: they lost"
-        f" {100 * row[FAST_LOSS]:.2g} % of the energy of what they hold in the step to t={row[FAST_TIME]:.4g} s. Take"
-        f" world.substeps = {math.ceil(row[SUBSTEPS] * times)}, or a step of {row[STEP] / times:.2g} s."
+        f"{why}: they lost {100 * row[FAST_LOSS]:.2g} % of the energy of what they hold in the step to t={row[FAST_TIME]:.4g} s."
+        f" Take world.substeps = {math.ceil(row[SUBSTEPS] * times)}, or a step of {row[STEP] / times:.2g} s."
     )

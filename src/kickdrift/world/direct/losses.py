@@ -1,7 +1,7 @@
 """Energy that joints lose where their bodies turn too far in a substep: it is said, once.
 
 An island that turns by half a radian in a substep, or more, may have its solution far away, or none: the velocities that joints
-then allow are far from those that it had. What it loses in a step to neither gravity, forces, damping, motors nor friction is
+then allow are far from those that it had. So may one whose loops come to be stretched taut, however slowly. What it loses in a step to neither gravity, forces, damping, motors nor friction is
 lost to the length of the substep. Islands that touch something are not judged, nor those with limits at work, which take what
 they like.
 """
@@ -63,7 +63,7 @@ from kickdrift.world.tables import (
     rows,
 )
 
-# Turn of a substep from which on an island is judged, and part of its energy that it may lose in a step.
+# Turn of a substep from which on any island is judged, rad, and part of its energy that it may lose in a step.
 FAR, MOST = 0.5, 0.01
 
 TINY = 1e-300  # J
