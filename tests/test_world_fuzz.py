@@ -88,7 +88,9 @@ THROWN = (3,)
 SEEDS = [pytest.param(k, marks=pytest.mark.xfail(strict=False)) if k in THROWN else k for k in range(16)]
 
 
-@pytest.mark.filterwarnings("ignore::kickdrift.UnsolvedWarning")  # some turn by several radians in a substep, and it is said
+@pytest.mark.filterwarnings(
+    "ignore::kickdrift.UnsolvedWarning"
+)  # some turn by several radians in a substep, and it is said
 @pytest.mark.parametrize("seed", SEEDS)
 def test_random_articulations_stay_finite_slow_and_together(seed):
     world, scale = random_world(seed)

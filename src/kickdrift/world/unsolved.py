@@ -20,6 +20,7 @@ from kickdrift.world.settings import (
 from kickdrift.world.step_status import LEFT_UNSOLVED, SAID, TURNS_TOO_FAST
 from kickdrift.world.tables import SETTINGS, STEP_STATUS, Tables
 
+
 def say(found: int, said: int, tables: Tables, bodies: Bodies) -> None:
     """Warn of what stages have found and was not said before.
 
@@ -48,7 +49,8 @@ def _too_fast(tables: Tables, bodies: Bodies) -> str:
     why = f"{body} turns by {turn:.2g} rad in a substep, too far for its joints"
     if turn <= FAR:
         why = f"{body} and what it is joined to came to where no impulses hold their joints at the end of the substep"
+    loss, end = 100 * row[FAST_LOSS], row[FAST_TIME]
     return (
-        f"{why}: they lost {100 * row[FAST_LOSS]:.2g} % of the energy of what they hold in the step to t={row[FAST_TIME]:.4g} s."
+        f"{why}: they lost {loss:.2g} % of the energy of what they hold in the step to t={end:.4g} s."
         f" Take world.substeps = {math.ceil(row[SUBSTEPS] * times)}, or a step of {row[STEP] / times:.2g} s."
     )

@@ -50,6 +50,11 @@ W = c.WIDTH
 # at 5e-6 m/s.
 PRESSING, RIGID, GRIP, RIGID_BOUNCE = 100.0, 1e3, 30.0, 1e5
 
+# A row that bears the weight of far more than it moves is as stiff as if it moved these parts of it: of points, and of friction
+# under them. Without, the multipliers of a light body under a heavy one hardly come nearer from one solution to the next: a
+# tower of 40 boxes rests at 2e-4 m/s, with them at 1e-14. Friction with 0.5 lets dominoes fall in half the time.
+BEARING, BEARING_GRIP = 2.0, 0.1
+
 # Speeds by which points may be missed or pulled, m/s: no other solution is sought for them.
 UNNOTICED = 1e-5
 
@@ -113,10 +118,13 @@ def impulse_field(k: int) -> int:
 
 
 @compiled(cached=False, fast=True)
-def begin_row(own: Any, rows: Any, k: int, velocity: Any, a: int, b: int, cut: int, rigid: float, world: int) -> None:
+def begin_row(
+    own: Any, rows: Any, k: int, velocity: Any, a: int, b: int, cut: int, rigid: float, least: float, world: int
+) -> None:
     """Write the wrench of a row, its speed and its stiffness; it takes part if it can be moved.
 
-    Where the bodies are of two islands, the other one (1: a, 2: b) answers as if it were alone.
+    It is as stiff as if it moved the mass ``least``, or more. Where the bodies are of two islands, the other one (1: a, 2: b)
+    answers as if it were alone.
     """
     wrench = rows[WRENCH + 12 * k : WRENCH + 12 * k + 12]
     write_wrench(own, k, wrench)
@@ -124,7 +132,8 @@ def begin_row(own: Any, rows: Any, k: int, velocity: Any, a: int, b: int, cut: i
     yielding, other = of_a + of_b, of_a if cut == 1 else of_b if cut == 2 else 0.0
     rows[ACTIVE + k] = 1.0 if yielding > 0.0 else 0.0
     rows[ROW_MASS + k] = 1.0 / yielding if yielding > 0.0 else 0.0
-    rows[STIFFNESS + k] = 1.0 / (yielding / rigid + other) if yielding > 0.0 else 0.0
+    stiff = rigid * max(1.0, yielding * least)
+    rows[STIFFNESS + k] = 1.0 / (yielding / stiff + other) if yielding > 0.0 else 0.0
     rows[SPEED + k], rows[IMPULSE + k] = along(wrench, velocity), own[impulse_field(k) * W]
     rows[WANTED + k], rows[MOVED + k], rows[GIVEN + k], rows[STATE + k] = 0.0, 0.0, 0.0, OPEN
     rows[ACCEPTED + k], rows[BORNE + k], rows[BASE + k] = 0.0, 0.0, 0.0

@@ -1,9 +1,9 @@
 """Energy that joints lose where their bodies turn too far in a substep: it is said, once.
 
-An island that turns by half a radian in a substep, or more, may have its solution far away, or none: the velocities that joints
-then allow are far from those that it had. So may one whose loops come to be stretched taut, however slowly. What it loses in a step to neither gravity, forces, damping, motors nor friction is
-lost to the length of the substep. Islands that touch something are not judged, nor those with limits at work, which take what
-they like.
+An island that turns by half a radian in a substep, or more, may have its solution far away, or none: the velocities that
+joints then allow are far from those that it had. So may one whose loops come to be stretched taut, however slowly. What it
+loses in a step to neither gravity, forces, damping, motors nor friction is lost to the length of the substep. Islands that
+touch something are not judged, nor those with limits at work, which take what they like.
 """
 
 import math

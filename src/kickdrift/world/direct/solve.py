@@ -156,7 +156,7 @@ def _press(island: int, h: float, world: int) -> None:
     """
     most = WILD * (fastest(island, KICKED, world) + floats(world, SETTINGS)[0, PUSH_SPEED])
     for trial in range(2):
-        if trial == 1 or fastest(island, MOTION, world) > most:
+        if trial == 1:
             forget_contacts(island, world)
             note_velocities(island, world)
             note_impulses(island, False, world)
