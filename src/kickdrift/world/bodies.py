@@ -41,6 +41,7 @@ from kickdrift.world.tables import (
     KICKED,
     LOAD,
     MOTION,
+    NOTED,
     POSE,
     RESTED,
     SETTINGS,
@@ -53,7 +54,8 @@ from kickdrift.world.tables import (
 Floats = NDArray[np.float64]
 GROUND = 0
 _TABLES: tuple[Table, ...] = (
-    POSE, MOTION, DELTA_POSE, INVERSE_MASS, INERTIA, LOAD, FORCE, KICKED, RESTED, BODY, COLOURED, STARTED_POSE, STARTED_MOTION
+    POSE, MOTION, DELTA_POSE, INVERSE_MASS, INERTIA, LOAD, FORCE, KICKED, NOTED, RESTED, BODY, COLOURED, STARTED_POSE,
+    STARTED_MOTION,
 )  # fmt: skip
 
 

@@ -37,6 +37,7 @@ LOAD = Table(5, 8)  # force (3) and torque (3) asked for during the next step
 RESTED = Table(36, 12)
 FORCE = Table(35, 8)  # force (3) and torque (3) in this substep
 KICKED = Table(6, 24)  # see `kickdrift.world.flight`
+NOTED = Table(19, 8)  # as MOTION was before a solution of the direct solver, to go back to
 BODY = Table(7, 12, whole=True)  # see `kickdrift.world.flight`
 # Shapes
 # Kind (-1: removed), body, where its numbers begin in GEOMETRY, how many, layer, mask, sensor, state of its search (see
@@ -72,7 +73,7 @@ CONTACT_ROW = Table(48, 288)  # of contacts that are solved directly: see `kickd
 GRAPH = Table(51, 4, whole=True)  # one row: see `kickdrift.world.direct.nodes`
 ISLAND = Table(52, 12, whole=True)
 ISLAND_CONTACT = Table(53, 1, whole=True)  # contacts of the linked colour, one island after the other
-ISLAND_CLOSING = Table(54, 1, whole=True)  # rows of LINK of joints that close loops
+ISLAND_JOINT = Table(54, 1, whole=True)  # rows of LINK that have joints, one island after the other
 NODE = Table(55, 8, whole=True)
 NEIGHBOUR = Table(56, 1, whole=True)  # node
 BLOCK = Table(57, 144)

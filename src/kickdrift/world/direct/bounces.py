@@ -10,7 +10,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.prepare import LINKED
 from kickdrift.world.contacts.restitution import slowest_bounce
-from kickdrift.world.direct.contact_rows import along, impulse_field, write_wrench
+from kickdrift.world.direct.contact_rows import impulse_field
 from kickdrift.world.direct.contacts import (
     BOUNCE,
     SMOOTH_BOUNCE,
@@ -22,6 +22,7 @@ from kickdrift.world.direct.contacts import (
 from kickdrift.world.direct.layout import AFTER_CONTACT, FIRST_CONTACT, HITS, TANGENT
 from kickdrift.world.direct.solve import solve_at_once
 from kickdrift.world.direct.velocities import kinetic_energy, note_velocities, take_back_velocities
+from kickdrift.world.direct.wrenches import along, write_wrench
 from kickdrift.world.joints.right_hand_side import RELAX
 from kickdrift.world.layout import RESTITUTION
 from kickdrift.world.tables import (
@@ -52,12 +53,12 @@ def bounce_islands(t: float, h: float, world: int) -> None:
             if not _find_hits(island, h, world):
                 break
             note_velocities(island, world)
-            energy = kinetic_energy(island, world)
+            energy = kinetic_energy(island, MOTION, world)
             solve_at_once(island, h, RELAX, BOUNCE, world)
-            if kinetic_energy(island, world) > NO_MORE * energy:
+            if kinetic_energy(island, MOTION, world) > NO_MORE * energy:
                 take_back_velocities(island, world)
                 solve_at_once(island, h, RELAX, SMOOTH_BOUNCE, world)
-                if kinetic_energy(island, world) > NO_MORE * energy:  # no solution: nothing bounces
+                if kinetic_energy(island, MOTION, world) > NO_MORE * energy:  # no solution: nothing bounces
                     take_back_velocities(island, world)
                     break
 

@@ -7,7 +7,7 @@ from kickdrift.core.vectors import Vector, cross
 from kickdrift.world.columns import vector_at
 from kickdrift.world.direct.contacts import twelve
 from kickdrift.world.direct.gears import add_gear, load_gear, moved_gear
-from kickdrift.world.direct.layout import AFTER_CLOSING, FIRST_CLOSING
+from kickdrift.world.direct.layout import AFTER_JOINT, FIRST_CLOSING
 from kickdrift.world.direct.matrix import add_row
 from kickdrift.world.joints.gearing import mobility_of_gear
 from kickdrift.world.joints.layout import (
@@ -35,7 +35,7 @@ from kickdrift.world.joints.layout import (
     SOLVED,
 )
 from kickdrift.world.joints.measure import mobility
-from kickdrift.world.tables import ISLAND, ISLAND_CLOSING, JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, floats, integers
+from kickdrift.world.tables import ISLAND, ISLAND_JOINT, JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, floats, integers
 
 # Impulse along a held axis per speed missing, over the mass that it moves. What is left of a solution is put right by the next
 # one, which begins with its impulses; so that those of joints that say the same twice do not grow against each other, each step
@@ -77,9 +77,9 @@ def _stiffness(link: int, k: int, world: int) -> float:
 @compiled(cached=False, fast=True)
 def begin_closings(island: int, world: int) -> None:
     """Begin with the impulses of the substep before."""
-    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CLOSING)
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT)
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
-    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+    for place in range(own[FIRST_CLOSING], own[AFTER_JOINT]):
         link = order[place, 0]
         joint = links[link, LINK_JOINT]
         for k in range(6):
@@ -89,9 +89,9 @@ def begin_closings(island: int, world: int) -> None:
 @compiled(cached=False, fast=True)
 def stay_closings(island: int, world: int) -> None:
     """Begin with the impulses that there are."""
-    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CLOSING)
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT)
     work = floats(world, LINK_NUMBERS)
-    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+    for place in range(own[FIRST_CLOSING], own[AFTER_JOINT]):
         for k in range(6):
             work[order[place, 0], BEGUN + k] = 0.0
 
@@ -99,9 +99,9 @@ def stay_closings(island: int, world: int) -> None:
 @compiled(cached=False, fast=True)
 def refine_closings(island: int, world: int) -> float:
     """Begin with the impulses of the solution at hand, and return the greatest speed that it leaves, m/s or rad/s."""
-    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CLOSING)
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT)
     links, work, worst = integers(world, LINK), floats(world, LINK_NUMBERS), 0.0
-    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+    for place in range(own[FIRST_CLOSING], own[AFTER_JOINT]):
         link = order[place, 0]
         for k in range(6):
             if links[link, HELD_AXES] >> k & 1 and _stiffness(link, k, world) > 0.0:
@@ -113,10 +113,10 @@ def refine_closings(island: int, world: int) -> float:
 @compiled(cached=False, fast=True)
 def add_closings(island: int, world: int) -> None:
     """Add the rows of closing joints to the matrix of an island."""
-    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CLOSING)
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT)
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     start, ahead = twelve(), twelve()
-    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+    for place in range(own[FIRST_CLOSING], own[AFTER_JOINT]):
         link = order[place, 0]
         a, b = _node(links, link, 0), _node(links, link, 1)
         for k in range(6):
@@ -132,10 +132,10 @@ def add_closings(island: int, world: int) -> None:
 @compiled(cached=False, fast=True)
 def load_closings(island: int, world: int) -> None:
     """Add to the loads on the nodes of an island what its closing joints give if no speed changes."""
-    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CLOSING)
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT)
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     start = twelve()
-    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+    for place in range(own[FIRST_CLOSING], own[AFTER_JOINT]):
         link = order[place, 0]
         for k in range(6):
             impulse = work[link, PUSH + k]
@@ -164,10 +164,10 @@ def _node(links: Any, link: int, side: int) -> int:
 @compiled(cached=False, fast=True)
 def predict_closings(island: int, world: int) -> None:
     """Find the changes of speed and the impulses along the axes of closing joints."""
-    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CLOSING)
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT)
     links, work = integers(world, LINK), floats(world, LINK_NUMBERS)
     ahead = twelve()
-    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+    for place in range(own[FIRST_CLOSING], own[AFTER_JOINT]):
         link = order[place, 0]
         for k in range(6):
             total = 0.0

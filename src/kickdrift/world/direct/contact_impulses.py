@@ -4,13 +4,11 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.prepare import LINKED
 from kickdrift.world.direct.contact_rows import (
-    along,
     bind,
     bind_points,
     first_row,
     give_of,
     impulse_field,
-    write_wrench,
 )
 from kickdrift.world.direct.contacts import (
     BOUNCE,
@@ -40,6 +38,7 @@ from kickdrift.world.direct.layout import (
     WANTED,
     WRENCH,
 )
+from kickdrift.world.direct.wrenches import along, write_wrench
 from kickdrift.world.joints.impulses import push_body
 from kickdrift.world.joints.layout import GAIN
 from kickdrift.world.tables import (

@@ -9,8 +9,6 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, cross, dot, minus
-from kickdrift.world.columns import symmetric_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.direct.layout import (
     ACCEPTED,
@@ -19,6 +17,7 @@ from kickdrift.world.direct.layout import (
     BORNE,
     BOUND,
     CONSTANT,
+    CUT,
     DIRECTION,
     GIVEN,
     HELD,
@@ -35,13 +34,12 @@ from kickdrift.world.direct.layout import (
     TANGENT,
     TWIST,
     WANTED,
+    WEIGHT,
     WRENCH,
 )
-from kickdrift.world.joints.layout import INVERSE_INERTIA_PART
-from kickdrift.world.joints.measure import turning
-from kickdrift.world.tables import INVERSE_MASS, floats
+from kickdrift.world.direct.wrenches import along, mobility, write_wrench
 
-W = c.WIDTH
+_W = c.WIDTH
 
 # Impulse per speed missing, over the mass that a row moves: of points that are pushed apart, of points that rest, of friction,
 # and of all in a bounce, which has no impulses of a substep before to begin with. The stiffer, the more often solutions lie on
@@ -53,58 +51,13 @@ PRESSING, RIGID, GRIP, RIGID_BOUNCE = 100.0, 1e3, 30.0, 1e5
 # A row that bears the weight of far more than it moves is as stiff as if it moved these parts of it: of points, and of friction
 # under them. Without, the multipliers of a light body under a heavy one hardly come nearer from one solution to the next: a
 # tower of 40 boxes rests at 2e-4 m/s, with them at 1e-14. Friction with 0.5 lets dominoes fall in half the time.
-BEARING, BEARING_GRIP = 2.0, 0.1
+BEARING, BEARING_GRIP = 2.0, 0.05
 
 # Speeds by which points may be missed or pulled, m/s: no other solution is sought for them.
 UNNOTICED = 1e-5
 
 # What friction may be off by in direction and size, over the mass that it moves, m/s.
 SLIPPED = 1e-4
-
-
-@compiled(inline=True, cached=False, fast=True)
-def _vector(own: Any, field: int) -> Vector:
-    return own[field * W], own[(field + 1) * W], own[(field + 2) * W]
-
-
-@compiled(cached=False, fast=True)
-def write_wrench(own: Any, k: int, wrench: Any) -> None:
-    """Write the wrench of a row's unit impulse."""
-    n, u = _vector(own, c.N), _vector(own, c.T)
-    push: Vector = (0.0, 0.0, 0.0)
-    turn_a, turn_b = n, n
-    if k < TANGENT:
-        push = n
-        turn_a = _vector(own, c.P + c.POINT_FIELDS * k + c.ARM)
-        turn_b = minus(turn_a, cross(_vector(own, c.BETWEEN), n))
-    elif k < TWIST:
-        push = u if k == TANGENT else cross(n, u)
-        turn_a = cross(_vector(own, c.CENTRE), push)
-        turn_b = minus(turn_a, cross(_vector(own, c.BETWEEN), push))
-    elif k >= ROLL:
-        turn_a = (1.0 if k == ROLL else 0.0, 1.0 if k == ROLL + 1 else 0.0, 1.0 if k == ROLL + 2 else 0.0)
-        turn_b = turn_a
-    for i in range(3):
-        wrench[i], wrench[3 + i] = -push[i], -turn_a[i]
-        wrench[6 + i], wrench[9 + i] = push[i], turn_b[i]
-
-
-@compiled(cached=False, fast=True)
-def along(wrench: Any, velocity: Any) -> float:
-    """Speed along a row."""
-    total = 0.0
-    for k in range(12):
-        total += wrench[k] * velocity[k]
-    return total
-
-
-@compiled(cached=False, fast=True)
-def mobility(wrench: Any, body: int, side: int, world: int) -> float:
-    """Speed along a row per impulse along it, of one of its bodies alone."""
-    response, at = floats(world, INVERSE_MASS), 6 * side
-    push, turn = (wrench[at], wrench[at + 1], wrench[at + 2]), (wrench[at + 3], wrench[at + 4], wrench[at + 5])
-    total: float = response[body, 0] * dot(push, push)
-    return total + turning(symmetric_at(response, body, INVERSE_INERTIA_PART), turn)
 
 
 @compiled(inline=True, cached=False, fast=True)
@@ -118,23 +71,36 @@ def impulse_field(k: int) -> int:
 
 
 @compiled(cached=False, fast=True)
-def begin_row(
-    own: Any, rows: Any, k: int, velocity: Any, a: int, b: int, cut: int, rigid: float, least: float, world: int
-) -> None:
+def weigh(own: Any, rows: Any, fallen: float, most: float) -> None:
+    """Find how much mass bears on points and tangents, at most as much as there is.
+
+    Weights gain the speed ``fallen`` in a substep, none in an instant.
+    """
+    total = 0.0
+    for k in range(TANGENT):
+        impulse = own[impulse_field(k) * _W]
+        rows[WEIGHT + k] = BEARING * min(impulse / fallen, most) if fallen > 0.0 else 0.0
+        total += rows[WEIGHT + k]
+    for k in range(TANGENT, TWIST):
+        rows[WEIGHT + k] = BEARING_GRIP * total
+
+
+@compiled(cached=False, fast=True)
+def begin_row(own: Any, rows: Any, k: int, velocity: Any, a: int, b: int, rigid: float, world: int) -> None:
     """Write the wrench of a row, its speed and its stiffness; it takes part if it can be moved.
 
-    It is as stiff as if it moved the mass ``least``, or more. Where the bodies are of two islands, the other one (1: a, 2: b)
-    answers as if it were alone.
+    It is as stiff as if it moved the mass that bears on it, or more. Where the bodies are of two islands, the other one (`CUT`:
+    1: a, 2: b) answers as if it were alone.
     """
     wrench = rows[WRENCH + 12 * k : WRENCH + 12 * k + 12]
     write_wrench(own, k, wrench)
     of_a, of_b = mobility(wrench, a, 0, world), mobility(wrench, b, 1, world)
-    yielding, other = of_a + of_b, of_a if cut == 1 else of_b if cut == 2 else 0.0
+    yielding, other = of_a + of_b, of_a if rows[CUT] == 1.0 else of_b if rows[CUT] == 2.0 else 0.0
     rows[ACTIVE + k] = 1.0 if yielding > 0.0 else 0.0
     rows[ROW_MASS + k] = 1.0 / yielding if yielding > 0.0 else 0.0
-    stiff = rigid * max(1.0, yielding * least)
+    stiff = rigid * (max(1.0, yielding * rows[WEIGHT + k]) if k < TWIST else 1.0)
     rows[STIFFNESS + k] = 1.0 / (yielding / stiff + other) if yielding > 0.0 else 0.0
-    rows[SPEED + k], rows[IMPULSE + k] = along(wrench, velocity), own[impulse_field(k) * W]
+    rows[SPEED + k], rows[IMPULSE + k] = along(wrench, velocity), own[impulse_field(k) * _W]
     rows[WANTED + k], rows[MOVED + k], rows[GIVEN + k], rows[STATE + k] = 0.0, 0.0, 0.0, OPEN
     rows[ACCEPTED + k], rows[BORNE + k], rows[BASE + k] = 0.0, 0.0, 0.0
 
@@ -159,9 +125,9 @@ def find_bounds(own: Any, rows: Any) -> None:
         if rows[ACTIVE + k] != 0.0:
             carried = max(rows[IMPULSE + k] + rows[GIVEN + k], 0.0)
             normal += carried
-            lever += carried * own[(c.P + c.POINT_FIELDS * k + c.LEVER) * W]
-    friction = own[c.FRICTION * W]
-    rows[BOUND], rows[BOUND + 1], rows[BOUND + 2] = friction * normal, friction * lever, own[c.ROLL * W] * normal
+            lever += carried * own[(c.P + c.POINT_FIELDS * k + c.LEVER) * _W]
+    friction = own[c.FRICTION * _W]
+    rows[BOUND], rows[BOUND + 1], rows[BOUND + 2] = friction * normal, friction * lever, own[c.ROLL * _W] * normal
 
 
 @compiled(cached=False, fast=True)

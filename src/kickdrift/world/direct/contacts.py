@@ -11,13 +11,10 @@ from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.prepare import LINKED
 from kickdrift.world.direct.contact_rows import (
-    BEARING,
-    BEARING_GRIP,
     GRIP,
     PRESSING,
     RIGID,
     RIGID_BOUNCE,
-    along,
     begin_row,
     bound_rows,
     find_bounds,
@@ -26,6 +23,7 @@ from kickdrift.world.direct.contact_rows import (
     impulse_field,
     update_bound_states,
     update_point_states,
+    weigh,
 )
 from kickdrift.world.direct.layout import (
     ACTIVE,
@@ -46,12 +44,12 @@ from kickdrift.world.direct.layout import (
     STATE,
     STIFFNESS,
     TANGENT,
-    TWIST,
     WANTED,
     WRENCH,
 )
 from kickdrift.world.direct.matrix import add_row
-from kickdrift.world.direct.nodes import node_of
+from kickdrift.world.direct.nodes import mass_of, node_of
+from kickdrift.world.direct.wrenches import along
 from kickdrift.world.joints.layout import CLOSING_IMPULSE, NODE_ROW
 from kickdrift.world.settings import GRAVITY, PUSH_SPEED
 from kickdrift.world.tables import (
@@ -117,14 +115,14 @@ def begin_contacts(island: int, h: float, task: int, world: int) -> None:
     """Say what is wanted of the rows of all contacts of an island, as bodies move now."""
     own = integers(world, ISLAND)[island]
     order = integers(world, ISLAND_CONTACT)
-    fallen = h * length(vector_at(floats(world, SETTINGS), 0, GRAVITY)) if task < BOUNCE else 0.0
+    fallen, mass = h * length(vector_at(floats(world, SETTINGS), 0, GRAVITY)), mass_of(island, world)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        _begin_contact(order[k, 0], island, h, task, fallen, world)
+        weigh(constraint(order[k, 0], world), contact_row(order[k, 0], world), fallen if task < BOUNCE else 0.0, mass)
+        _begin_contact(order[k, 0], island, h, task, world)
 
 
 @compiled(cached=False, fast=True)
-def _begin_contact(index: int, island: int, h: float, task: int, fallen: float, world: int) -> None:
-    """Say what is wanted of the rows of a contact; weights gain the speed ``fallen`` in the substep, none in an instant."""
+def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> None:
     groups, links = integers(world, GROUPS), integers(world, LINK)
     g = integers(world, COLOURS)[LINKED, 1] + index
     own, numbers = constraint(index, world), contact_row(index, world)
@@ -132,7 +130,7 @@ def _begin_contact(index: int, island: int, h: float, task: int, fallen: float, 
     velocity, change = twelve(), twelve()
     read_both(MOTION, a, b, velocity, world)
     read_both(DELTA_POSE, a, b, change, world)
-    push, borne = floats(world, SETTINGS)[0, PUSH_SPEED], 0.0
+    push = floats(world, SETTINGS)[0, PUSH_SPEED]
     numbers[CUT], rigid, grip = 0.0, PRESSING if task == PRESS else RIGID, GRIP
     if task >= BOUNCE:
         rigid, grip = RIGID_BOUNCE, RIGID_BOUNCE
@@ -151,12 +149,7 @@ def _begin_contact(index: int, island: int, h: float, task: int, fallen: float, 
         if k >= TANGENT and task in (PRESS, SMOOTH_BOUNCE):  # friction is as it was in the end of the substep before
             numbers[ACTIVE + k] = 0.0
             continue
-        least = BEARING_GRIP * borne if k < TWIST else 0.0
-        if k < TANGENT and fallen > 0.0:
-            weight = own[impulse_field(k) * c.WIDTH] / fallen
-            least = BEARING * weight
-            borne += weight
-        begin_row(own, numbers, k, velocity, a, b, int(numbers[CUT]), rigid if k < TANGENT else grip, least, world)
+        begin_row(own, numbers, k, velocity, a, b, rigid if k < TANGENT else grip, world)
         if k < TANGENT:
             gap = own[(c.P + c.POINT_FIELDS * k + c.GAP) * c.WIDTH]
             gap += along(numbers[WRENCH + 12 * k : WRENCH + 12 * k + 12], change)

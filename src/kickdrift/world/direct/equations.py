@@ -19,9 +19,9 @@ from kickdrift.world.direct.contacts import (
 from kickdrift.world.direct.factorisation import factor
 from kickdrift.world.direct.joint_impulses import give_joints
 from kickdrift.world.direct.layout import (
-    AFTER_CLOSING,
+    AFTER_JOINT,
     AFTER_NODE,
-    FIRST_CLOSING,
+    FIRST_JOINT,
     FIRST_NODE,
     HAS_JOINTS,
     LINK_ROW,
@@ -38,7 +38,7 @@ from kickdrift.world.joints.layout import (
 from kickdrift.world.joints.right_hand_side import write_right_hand_side
 from kickdrift.world.tables import (
     ISLAND,
-    ISLAND_CLOSING,
+    ISLAND_JOINT,
     JOINT,
     LINK,
     LINK_NUMBERS,
@@ -62,17 +62,12 @@ _HEAP_REFINEMENTS, _NOTICED_POINT, _NOTICED_HEAP_POINT = 5, 1e-6, 1e-7
 @compiled(cached=False)
 def aim_island(island: int, h: float, mode: int, world: int) -> float:
     """Say what is wanted of each joint of an island, and return how far any of them will be off at most."""
-    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
-    order, worst = integers(world, ISLAND_CLOSING), 0.0
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        link = nodes[node, LINK_ROW]
-        if links[link, LINK_JOINT] >= 0:
-            off = write_right_hand_side(links[link, LINK_JOINT], link, h, mode, world)
-            worst = worst if off <= worst else off  # which is no number where it is none
-    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+    own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
+    worst = 0.0
+    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         link = order[place, 0]
         off = write_right_hand_side(links[link, LINK_JOINT], link, h, mode, world)
-        worst = worst if off <= worst else off
+        worst = worst if off <= worst else off  # which is no number where it is none
     return worst
 
 
@@ -87,7 +82,7 @@ def solve_once(island: int, h: float, ahead: float, task: int, first: bool, touc
     for trial in range(TRIALS):
         settled = review(island, h, task, trial == 0, first, trial > BOUNDED, touched, world) and whole and trial > 0
         if settled:
-            found = left == 0 or refine(island, touched, world) < UNNOTICED
+            found = left == 0 or refine(island, task, touched, world) < UNNOTICED
             if found:
                 break
             left -= 1
@@ -123,19 +118,16 @@ def factor_island(island: int, ahead: float, touched: bool, world: int) -> None:
 
 
 @compiled(cached=False)
-def refine(island: int, touched: bool, world: int) -> float:
+def refine(island: int, task: int, touched: bool, world: int) -> float:
     """Let the next solution begin with the impulses of the one at hand, and return what that leaves where rows hold, m/s."""
-    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
-    joints, order, worst = integers(world, JOINT), integers(world, ISLAND_CLOSING), refine_closings(island, world)
+    own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
+    joints, worst = integers(world, JOINT), refine_closings(island, world)
     if touched:
         noticed = _NOTICED_POINT if own[HAS_JOINTS] != 0 else _NOTICED_HEAP_POINT
         worst = max(worst, UNNOTICED / noticed * refine_contacts(island, world))
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        link = nodes[node, LINK_ROW]
-        joint = links[link, LINK_JOINT]
-        if joint >= 0 and joints[joint, LAWS] != 0:
-            worst = max(worst, 1e-2 * refine_laws(joint, link, world))
-    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+    if task >= BOUNCE:
+        return worst
+    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         link = order[place, 0]
         if joints[links[link, LINK_JOINT], LAWS] != 0:
             worst = max(worst, 1e-2 * refine_laws(links[link, LINK_JOINT], link, world))
@@ -174,18 +166,13 @@ def review(
     island: int, h: float, task: int, begun: bool, first: bool, bounded: bool, touched: bool, world: int
 ) -> bool:
     """Assume the pieces of laws that the solution at hand points to, and return whether it was made with them."""
-    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
-    joints, order, settled = integers(world, JOINT), integers(world, ISLAND_CLOSING), True
+    own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
+    joints, settled = integers(world, JOINT), True
     if touched:
         settled = update_contact_states(island, task, begun and first, bounded, world)
     if task >= BOUNCE:
         return settled  # laws of joints are forces, which do nothing in an instant
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        link = nodes[node, LINK_ROW]
-        joint = links[link, LINK_JOINT]
-        if joint >= 0 and joints[joint, LAWS] != 0:
-            settled = update_law_states(joint, link, h, task != PRESS, begun, world) and settled
-    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         joint = links[order[place, 0], LINK_JOINT]
         if joints[joint, LAWS] != 0:
             settled = update_law_states(joint, order[place, 0], h, task != PRESS, begun, world) and settled

@@ -7,11 +7,12 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.prepare import LINKED
 from kickdrift.world.direct.heaps import LARGEST as HEAP_LARGEST
 from kickdrift.world.direct.layout import (
-    AFTER_CLOSING,
     AFTER_CONTACT,
+    AFTER_JOINT,
     AFTER_NODE,
     FIRST_CLOSING,
     FIRST_CONTACT,
+    FIRST_JOINT,
     FIRST_NODE,
     HAS_JOINTS,
     LINK_ROW,
@@ -19,7 +20,7 @@ from kickdrift.world.direct.layout import (
     NODE_ISLAND,
     RATIO,
 )
-from kickdrift.world.direct.nodes import has_room, node_of
+from kickdrift.world.direct.nodes import body_of, has_room, node_of
 from kickdrift.world.direct.ordering import order_nodes
 from kickdrift.world.flight import MASS
 from kickdrift.world.joints.layout import (
@@ -27,7 +28,6 @@ from kickdrift.world.joints.layout import (
     END,
     FIRST,
     ISLAND_SIZE,
-    LINK_BODY,
     LINK_JOINT,
     LINKS,
     NODE_ROW,
@@ -42,8 +42,8 @@ from kickdrift.world.tables import (
     GROUPS,
     INERTIA,
     ISLAND,
-    ISLAND_CLOSING,
     ISLAND_CONTACT,
+    ISLAND_JOINT,
     LINK,
     NEIGHBOUR,
     NODE,
@@ -68,7 +68,7 @@ def find_islands(t: float, h: float, world: int) -> None:
         has_room(world, NODE, n)
         and has_room(world, ISLAND, n)
         and has_room(world, ISLAND_CONTACT, 2 * contacts)
-        and has_room(world, ISLAND_CLOSING, rows(world, LINK))
+        and has_room(world, ISLAND_JOINT, rows(world, LINK))
     ):
         return
     islands = integers(world, ISLAND)
@@ -81,7 +81,7 @@ def find_islands(t: float, h: float, world: int) -> None:
             count += 1
     set_rows(world, ISLAND, count)
     _sort_contacts(world)
-    _sort_closings(world)
+    _sort_joints(world)
     _sort_nodes(world)
     set_rows(world, NODE, n)
     set_rows(world, NEIGHBOUR, 0)
@@ -171,23 +171,38 @@ def _sort_contacts(world: int) -> None:
 
 
 @compiled(cached=False)
-def _sort_closings(world: int) -> None:
-    links, articulations = integers(world, LINK), integers(world, ARTICULATION)
-    islands, order, count = integers(world, ISLAND), integers(world, ISLAND_CLOSING), 0
-    for turn in range(2):
+def _sort_joints(world: int) -> None:
+    """Write the joints of each island: first those of its trees, then those that close loops."""
+    islands, order, links = integers(world, ISLAND), integers(world, ISLAND_JOINT), integers(world, LINK)
+    articulations, count = integers(world, ARTICULATION), 0
+    for row in range(rows(world, ARTICULATION)):
+        island = _island_of_articulation(world, row)
+        if island >= 0:
+            islands[island, AFTER_JOINT] += articulations[row, END] - articulations[row, FIRST]
+            count += articulations[row, END] - articulations[row, FIRST]
+    _begin(islands, rows(world, ISLAND), FIRST_JOINT, AFTER_JOINT)
+    for closing in range(2):
+        for island in range(rows(world, ISLAND)):
+            islands[island, FIRST_CLOSING] = islands[island, AFTER_JOINT]
         for row in range(rows(world, ARTICULATION)):
-            first, closings = articulations[row, FIRST], articulations[row, CLOSINGS]
-            if closings == 0 or links[first, ROOT] < 0:
+            island = _island_of_articulation(world, row)
+            if island < 0:
                 continue
-            island = links[links[first, ROOT], NODE_ROW]
-            for closing in range(first + articulations[row, LINKS], articulations[row, END]):
-                if turn == 1:
-                    order[islands[island, AFTER_CLOSING], 0] = closing
-                    count += 1
-                islands[island, AFTER_CLOSING] += 1
-        if turn == 0:
-            _begin(islands, rows(world, ISLAND), FIRST_CLOSING, AFTER_CLOSING)
-    set_rows(world, ISLAND_CLOSING, count)
+            first, middle = articulations[row, FIRST], articulations[row, FIRST] + articulations[row, LINKS]
+            for link in range(middle if closing else first, articulations[row, END] if closing else middle):
+                if links[link, LINK_JOINT] >= 0:
+                    order[islands[island, AFTER_JOINT], 0] = link
+                    islands[island, AFTER_JOINT] += 1
+    set_rows(world, ISLAND_JOINT, count)
+
+
+@compiled(inline=True)
+def _island_of_articulation(world: int, row: int) -> int:
+    """Island of an articulation; -1 where it sleeps, or its joints are solved in turn."""
+    links = integers(world, LINK)
+    root = links[integers(world, ARTICULATION)[row, FIRST], ROOT]
+    island: int = links[root, NODE_ROW] if root >= 0 else -1
+    return island
 
 
 @compiled(cached=False)
@@ -207,12 +222,11 @@ def _sort_nodes(world: int) -> None:
             nodes[place, LINK_ROW], nodes[place, NODE_ISLAND] = row, island
             islands[island, AFTER_NODE] += 1
     for island in range(rows(world, ISLAND)):
-        least, greatest, joints = 1e300, 0.0, islands[island, AFTER_CLOSING] - islands[island, FIRST_CLOSING]
+        least, greatest = 1e300, 0.0
         for place in range(islands[island, FIRST_NODE], islands[island, AFTER_NODE]):
-            joints += int(links[nodes[place, LINK_ROW], LINK_JOINT] >= 0)
-            mass = inertia[links[nodes[place, LINK_ROW], LINK_BODY], MASS]
+            mass = inertia[body_of(place, world), MASS]
             least, greatest = min(least, mass), max(greatest, mass)
         islands[island, RATIO], islands[island, LOST] = int(greatest / least + 1.0), 0
-        islands[island, HAS_JOINTS] = int(joints > 0)
+        islands[island, HAS_JOINTS] = int(islands[island, AFTER_JOINT] > islands[island, FIRST_JOINT])
     for place in range(islands[rows(world, ISLAND) - 1, AFTER_NODE] if rows(world, ISLAND) > 0 else 0):
         links[nodes[place, LINK_ROW], NODE_ROW] = place

@@ -7,11 +7,9 @@ from kickdrift.world.direct.contacts import (
     BOUNCE,
 )
 from kickdrift.world.direct.layout import (
-    AFTER_CLOSING,
-    AFTER_NODE,
+    AFTER_JOINT,
     FIRST_CLOSING,
-    FIRST_NODE,
-    LINK_ROW,
+    FIRST_JOINT,
     LOST,
 )
 from kickdrift.world.joints.brakes import set_brakes
@@ -36,13 +34,12 @@ from kickdrift.world.joints.layout import (
 from kickdrift.world.joints.measure import put_vector
 from kickdrift.world.tables import (
     ISLAND,
-    ISLAND_CLOSING,
+    ISLAND_JOINT,
     JOINT,
     JOINT_NUMBERS,
     LINK,
     LINK_NUMBERS,
     MOTION,
-    NODE,
     floats,
     integers,
 )
@@ -61,16 +58,12 @@ def split_impulse(link: int, joint: int, world: int) -> None:
 @compiled(cached=False)
 def give_joints(island: int, task: int, world: int) -> None:
     """Give bodies the impulses of joints that were found."""
-    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
-    order = integers(world, ISLAND_CLOSING)
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        link = nodes[node, LINK_ROW]
-        joint = links[link, LINK_JOINT]
-        if joint >= 0:
-            split_impulse(link, joint, world)
-            give_joint(joint, link, task, world)
-    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
-        give_joint(links[order[place, 0], LINK_JOINT], order[place, 0], task, world)
+    own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
+    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
+        link = order[place, 0]
+        if place < own[FIRST_CLOSING]:
+            split_impulse(link, links[link, LINK_JOINT], world)
+        give_joint(links[link, LINK_JOINT], link, task, world)
 
 
 @compiled(cached=False)
@@ -86,13 +79,8 @@ def give_joint(joint: int, link: int, task: int, world: int) -> None:
 @compiled(cached=False)
 def end_solution(island: int, h: float, world: int) -> None:
     """Keep what was given before the drift."""
-    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
-    order = integers(world, ISLAND_CLOSING)
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        link = nodes[node, LINK_ROW]
-        if links[link, LINK_JOINT] >= 0:
-            end_joint(links[link, LINK_JOINT], link, h, world)
-    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+    own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
+    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         end_joint(links[order[place, 0], LINK_JOINT], order[place, 0], h, world)
 
 
@@ -109,17 +97,14 @@ def end_joint(joint: int, link: int, h: float, world: int) -> None:
 @compiled(cached=False)
 def end_relaxation(island: int, h: float, world: int) -> None:
     """Add up the impulses of the substep, and make ready for the next one."""
-    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
-    order, joints = integers(world, ISLAND_CLOSING), integers(world, JOINT)
-    lost = own[LOST] != 0
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        link = nodes[node, LINK_ROW]
-        if links[link, LINK_JOINT] >= 0:
-            set_brakes(link, links[link, LINK_JOINT], h, world)
-            turn_on(links[link, LINK_JOINT], links[link, LINK_BODY], h, lost, world)
-    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
-        joint = links[order[place, 0], LINK_JOINT]
-        turn_on(joint, joints[joint, BODY_B], h, lost, world)
+    own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
+    joints, lost = integers(world, JOINT), own[LOST] != 0
+    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
+        link = order[place, 0]
+        joint = links[link, LINK_JOINT]
+        if place < own[FIRST_CLOSING]:
+            set_brakes(link, joint, h, world)
+        turn_on(joint, links[link, LINK_BODY] if place < own[FIRST_CLOSING] else joints[joint, BODY_B], h, lost, world)
 
 
 @compiled(cached=False)

@@ -11,7 +11,7 @@ from kickdrift.world.joints.layout import int64
 # Columns of ISLAND
 FIRST_NODE, AFTER_NODE = 0, 1  # places in the order of elimination
 FIRST_CONTACT, AFTER_CONTACT = 2, 3  # rows of ISLAND_CONTACT
-FIRST_CLOSING, AFTER_CLOSING = 4, 5  # rows of ISLAND_CLOSING
+FIRST_JOINT, FIRST_CLOSING, AFTER_JOINT = 10, 4, 5  # rows of ISLAND_JOINT: of trees first, then those that close loops
 LOST = 6  # 1: Newton's method found no impulses with which nothing will be off
 RATIO = 7  # of the greatest mass to the least
 HAS_JOINTS = 8  # 1 where joints hold any of its nodes
@@ -45,6 +45,7 @@ ROW_MASS = 239  # that a row moves, of both bodies alone
 ACCEPTED = 250  # MOVED of the solution that was accepted last
 BASE = 270  # impulse, less the one before the solution, that rows begin with which hold
 BORNE = 260  # impulse that the bodies bear there
+WEIGHT = 280  # mass that bears on each row, of points and tangents
 CUT = 238  # 1.0 where one of the bodies belongs to another island
 HITS = 224  # of each point, the speed wanted after an impact; -1.0 where it has none
 OPEN, HELD, SLIDING = 0.0, 1.0, 2.0

@@ -15,25 +15,23 @@ from kickdrift.world.direct.contacts import BOUNCE, PRESS, contact_row
 from kickdrift.world.direct.layout import (
     ACCEPTED,
     ACTIVE,
-    AFTER_CLOSING,
     AFTER_CONTACT,
-    AFTER_NODE,
+    AFTER_JOINT,
     BASE,
     BORNE,
     BOUND,
-    FIRST_CLOSING,
     FIRST_CONTACT,
-    FIRST_NODE,
+    FIRST_JOINT,
     GIVEN,
     IMPULSE,
-    LINK_ROW,
     MOVED,
     SPEED,
     STIFFNESS,
     TANGENT,
     WANTED,
 )
-from kickdrift.world.direct.velocities import kinetic_energy, mass_of
+from kickdrift.world.direct.nodes import mass_of
+from kickdrift.world.direct.velocities import kinetic_energy
 from kickdrift.world.joints.laws import law_impulse
 from kickdrift.world.joints.layout import (
     ACCEPTED_DELTA_SPEED,
@@ -46,12 +44,12 @@ from kickdrift.world.joints.layout import (
 )
 from kickdrift.world.tables import (
     ISLAND,
-    ISLAND_CLOSING,
     ISLAND_CONTACT,
+    ISLAND_JOINT,
     JOINT,
     LINK,
     LINK_NUMBERS,
-    NODE,
+    MOTION,
     floats,
     integers,
 )
@@ -72,12 +70,9 @@ def search_line(island: int, h: float, task: int, full: bool, touched: bool, wor
     if touched:
         for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
             _accept(contact_row(order[k, 0], world), share)
-    nodes = integers(world, NODE)
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        _accept_laws(nodes[node, LINK_ROW], share, world)
-    closings = integers(world, ISLAND_CLOSING)
-    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
-        _accept_laws(closings[place, 0], share, world)
+    links = integers(world, ISLAND_JOINT)
+    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
+        _accept_laws(links[place, 0], share, world)
     return whole
 
 
@@ -90,7 +85,7 @@ def _is_down_to_the_end(island: int, h: float, task: int, touched: bool, world: 
     if first <= 0.0 or last <= _FLAT * first:
         return True
     unnoticed = _UNNOTICED * _UNNOTICED * mass_of(island, world)
-    return last <= max(unnoticed, _ROUNDING * kinetic_energy(island, world))
+    return last <= max(unnoticed, _ROUNDING * kinetic_energy(island, MOTION, world))
 
 
 @compiled(cached=False, fast=True)
@@ -115,11 +110,9 @@ def _slope(island: int, share: float, h: float, task: int, touched: bool, world:
             total += _slope_of_contact(contact_row(order[k, 0], world), share)
     if task >= BOUNCE:
         return total
-    nodes, closings = integers(world, NODE), integers(world, ISLAND_CLOSING)
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        total += _slope_of_laws(nodes[node, LINK_ROW], share, h, task != PRESS, world)
-    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
-        total += _slope_of_laws(closings[place, 0], share, h, task != PRESS, world)
+    links = integers(world, ISLAND_JOINT)
+    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
+        total += _slope_of_laws(links[place, 0], share, h, task != PRESS, world)
     return total
 
 
@@ -150,7 +143,7 @@ def _slope_of_contact(rows: Any, share: float) -> float:
 @compiled(cached=False, fast=True)
 def _slope_of_laws(link: int, share: float, h: float, relaxing: bool, world: int) -> float:
     joint, work, total = integers(world, LINK)[link, LINK_JOINT], floats(world, LINK_NUMBERS), 0.0
-    laws = integers(world, JOINT)[joint, LAWS] if joint >= 0 else 0
+    laws = integers(world, JOINT)[joint, LAWS]
     for k in range(6):
         if laws >> k & 1:
             way = work[link, DELTA_SPEED + k] - work[link, ACCEPTED_DELTA_SPEED + k]
@@ -183,7 +176,7 @@ def _accept(rows: Any, share: float) -> None:
 @compiled(cached=False, fast=True)
 def _accept_laws(link: int, share: float, world: int) -> None:
     joint, work = integers(world, LINK)[link, LINK_JOINT], floats(world, LINK_NUMBERS)
-    laws = integers(world, JOINT)[joint, LAWS] if joint >= 0 else 0
+    laws = integers(world, JOINT)[joint, LAWS]
     for k in range(6):
         if laws >> k & 1:
             given = work[link, PUSH + k] - work[link, SLOPE + k] * work[link, DELTA_SPEED + k]

@@ -9,19 +9,20 @@ touch something are not judged, nor those with limits at work, which take what t
 import math
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import applied, dot, minus, times, turned_back
-from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
+from kickdrift.core.vectors import dot, minus, times
+from kickdrift.world.columns import vector_at
 from kickdrift.world.direct.layout import (
-    AFTER_CLOSING,
     AFTER_CONTACT,
+    AFTER_JOINT,
     AFTER_NODE,
-    FIRST_CLOSING,
     FIRST_CONTACT,
+    FIRST_JOINT,
     FIRST_NODE,
     GIVEN_UP,
-    LINK_ROW,
 )
-from kickdrift.world.flight import BODY_INERTIA, BODY_KIND, DAMPING, KINEMATIC, MASS, TURN_DAMPING
+from kickdrift.world.direct.nodes import body_of
+from kickdrift.world.direct.velocities import energy_of
+from kickdrift.world.flight import BODY_KIND, DAMPING, KINEMATIC, MASS, TURN_DAMPING
 from kickdrift.world.joints.layout import (
     ANGULAR,
     ANGULAR_PART,
@@ -31,12 +32,10 @@ from kickdrift.world.joints.layout import (
     HINGE,
     LAWS,
     LINEAR_PART,
-    LINK_BODY,
     LINK_JOINT,
     LOWER_LIMIT,
     TOTAL,
     UPPER_LIMIT,
-    int64,
 )
 from kickdrift.world.settings import FAST_BODY, FAST_LOSS, FAST_TIME, FAST_TURN, GRAVITY, SUBSTEPS
 from kickdrift.world.step_status import TURNS_TOO_FAST, WARNING
@@ -45,19 +44,17 @@ from kickdrift.world.tables import (
     FORCE,
     INERTIA,
     ISLAND,
-    ISLAND_CLOSING,
+    ISLAND_JOINT,
     JOINT,
     JOINT_AXES,
     JOINT_NUMBERS,
     LINK,
     MOTION,
-    NODE,
     POSE,
     SETTINGS,
     STARTED_MOTION,
     STARTED_POSE,
     STEP_STATUS,
-    Table,
     floats,
     integers,
     rows,
@@ -98,10 +95,10 @@ def _is_alone(island: int, world: int) -> bool:
 @compiled(cached=False)
 def _fastest(island: int, world: int) -> tuple[int, float]:
     """Return the body of an island that turned the fastest before or after the step, and how fast."""
-    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    own = integers(world, ISLAND)[island]
     before, after, most, fastest = floats(world, STARTED_MOTION), floats(world, MOTION), -1.0, 0
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        body = links[nodes[node, LINK_ROW], LINK_BODY]
+        body = body_of(node, world)
         old, new = vector_at(before, body, ANGULAR_PART), vector_at(after, body, ANGULAR_PART)
         square = max(dot(old, old), dot(new, new))
         if square > most:
@@ -112,18 +109,15 @@ def _fastest(island: int, world: int) -> tuple[int, float]:
 @compiled(cached=False)
 def _loss(island: int, h: float, world: int) -> float:
     """Part of its energy that an island has lost in a step to nothing that takes it; not a number where that cannot be said."""
-    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
-    order, inertia, start, end, given = integers(world, ISLAND_CLOSING), floats(world, INERTIA), 0.0, 0.0, 0.0
+    own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
+    inertia, start, end, given = floats(world, INERTIA), 0.0, 0.0, 0.0
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        link = nodes[node, LINK_ROW]
-        body = links[link, LINK_BODY]
-        energy = _energy(STARTED_MOTION, STARTED_POSE, body, world)
+        body = body_of(node, world)
+        energy = energy_of(body, STARTED_MOTION, STARTED_POSE, world)
         start += energy
-        end += _energy(MOTION, POSE, body, world)
+        end += energy_of(body, MOTION, POSE, world)
         given += _work(body, h, world) - 2.0 * h * max(inertia[body, DAMPING], inertia[body, TURN_DAMPING]) * energy
-        if links[link, LINK_JOINT] >= 0:
-            given += _work_of_joint(links[link, LINK_JOINT], world)
-    for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         given += _work_of_joint(links[order[place, 0], LINK_JOINT], world)
     return (start + given - end) / max(max(start, end), max(abs(given), TINY))
 
@@ -168,14 +162,3 @@ def _work_of_joint(joint: int, world: int) -> float:
             new = minus(vector_at(after, b, ANGULAR_PART), vector_at(after, a, ANGULAR_PART))
             total += min(dot(axis, old), dot(axis, new))
     return total
-
-
-@compiled(cached=False)
-def _energy(motion: Table, pose: Table, body: int, world: int) -> float:
-    """Kinetic energy of a body as two tables have it."""
-    speeds, inertia = floats(world, motion), floats(world, INERTIA)
-    v = vector_at(speeds, body, LINEAR_PART)
-    turn = turned_back(quaternion_at(floats(world, pose), body, ANGULAR_PART), vector_at(speeds, body, ANGULAR_PART))
-    moments = symmetric_at(inertia, body, int64(BODY_INERTIA))
-    energy: float = 0.5 * (inertia[body, MASS] * dot(v, v) + dot(turn, applied(moments, turn)))
-    return energy

@@ -1,17 +1,21 @@
-"""Which bodies are solved directly: links of articulations, and free bodies that touch them."""
+"""Which bodies are solved directly: links of articulations, free bodies near to what they touch, and unsolved heaps."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.flight import AWAKE, BODY_KIND, DYNAMIC, IN_HEAP, LINK_COUNT, LINK_PLACE
+from kickdrift.world.direct.layout import AFTER_NODE, FIRST_NODE, LINK_ROW
+from kickdrift.world.flight import AWAKE, BODY_KIND, DYNAMIC, IN_HEAP, LINK_COUNT, LINK_PLACE, MASS
 from kickdrift.world.joints.layout import JOINED_ROWS, LINK_A, LINK_B, LINK_BODY, LINK_JOINT, NONE, PARENT, ROOT, SIGN
 from kickdrift.world.step_status import ask_for_room
 from kickdrift.world.tables import (
     BODY,
     CONTACT,
     GRAPH,
+    INERTIA,
     INVERSE_MASS,
+    ISLAND,
     LINK,
     LINK_NUMBERS,
+    NODE,
     Table,
     floats,
     integers,
@@ -112,6 +116,22 @@ def node_of(world: int, body: int) -> int:
     """Row of LINK of a body that is solved directly; -1 of others, and of what sleeps."""
     row: int = integers(world, BODY)[body, LINK_PLACE] - 1
     return row if row >= 0 and integers(world, LINK)[row, ROOT] >= 0 else -1
+
+
+@compiled(inline=True)
+def body_of(node: int, world: int) -> int:
+    """Body of a node of an island."""
+    body: int = integers(world, LINK)[integers(world, NODE)[node, LINK_ROW], LINK_BODY]
+    return body
+
+
+@compiled(cached=False)
+def mass_of(island: int, world: int) -> float:
+    """Mass of an island."""
+    own, total = integers(world, ISLAND)[island], 0.0
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        total += floats(world, INERTIA)[body_of(node, world), MASS]
+    return total
 
 
 @compiled(inline=True)

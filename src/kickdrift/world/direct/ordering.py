@@ -7,8 +7,8 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.prepare import LINKED
 from kickdrift.world.direct.gears import geared_link
 from kickdrift.world.direct.layout import (
-    AFTER_CLOSING,
     AFTER_CONTACT,
+    AFTER_JOINT,
     AFTER_NODE,
     FIRST_CLOSING,
     FIRST_CONTACT,
@@ -26,8 +26,8 @@ from kickdrift.world.tables import (
     COLOURS,
     GROUPS,
     ISLAND,
-    ISLAND_CLOSING,
     ISLAND_CONTACT,
+    ISLAND_JOINT,
     JOINT,
     LINK,
     NEIGHBOUR,
@@ -141,7 +141,7 @@ def _couple(world: int, island: int, words: int) -> bool:
     """Write which nodes contacts and closing joints couple, and say whether they do at all."""
     links, groups, own = integers(world, LINK), integers(world, GROUPS), integers(world, ISLAND)[island]
     bits, order = integers(world, ADJACENCY), integers(world, ISLAND_CONTACT)
-    closings, begin = integers(world, ISLAND_CLOSING), integers(world, COLOURS)[LINKED, 1]
+    closings, begin = integers(world, ISLAND_JOINT), integers(world, COLOURS)[LINKED, 1]
     joints = integers(world, JOINT)
     first, coupled = own[FIRST_NODE], False
     for k in range((own[AFTER_NODE] - first) * words):
@@ -153,7 +153,7 @@ def _couple(world: int, island: int, words: int) -> bool:
             i, j = links[a, NODE_ROW] - first, links[b, NODE_ROW] - first
             _unite(bits, i, j, words)
             coupled = True
-    for k in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+    for k in range(own[FIRST_CLOSING], own[AFTER_JOINT]):
         a, b = links[closings[k, 0], LINK_A], links[closings[k, 0], LINK_B]
         if a >= 0 and b >= 0:
             i, j = links[a, NODE_ROW] - first, links[b, NODE_ROW] - first

@@ -9,9 +9,9 @@ from kickdrift.world.direct.closings import (
 from kickdrift.world.direct.equations import aim_island, assemble, predict
 from kickdrift.world.direct.factorisation import factor
 from kickdrift.world.direct.layout import (
-    AFTER_CLOSING,
+    AFTER_JOINT,
     AFTER_NODE,
-    FIRST_CLOSING,
+    FIRST_JOINT,
     FIRST_NODE,
     LINK_ROW,
 )
@@ -25,7 +25,7 @@ from kickdrift.world.joints.repair import shift_body
 from kickdrift.world.joints.right_hand_side import REPAIR
 from kickdrift.world.tables import (
     ISLAND,
-    ISLAND_CLOSING,
+    ISLAND_JOINT,
     LINK,
     LINK_NUMBERS,
     NODE,
@@ -40,7 +40,7 @@ REPAIRS = 8
 def repair(island: int, h: float, world: int) -> None:
     """Put bodies where joints hold them, by changes of position that have no velocity."""
     own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
-    order, work = integers(world, ISLAND_CLOSING), floats(world, LINK_NUMBERS)
+    order, work = integers(world, ISLAND_JOINT), floats(world, LINK_NUMBERS)
     first, after = own[FIRST_NODE], own[AFTER_NODE]
     for _ in range(REPAIRS):
         aim_island(island, h, REPAIR, world)
@@ -53,8 +53,5 @@ def repair(island: int, h: float, world: int) -> None:
             way, turn = times(h, vector_at(work, link, GAIN)), times(h, vector_at(work, link, GAIN + 3))
             turn = times(1.0 / max(1.0, 2.0 * length(turn)), turn)
             shift_body(links[link, LINK_BODY], way, turn, world)
-        for node in range(first, after):
-            if links[nodes[node, LINK_ROW], LINK_JOINT] >= 0:
-                measure(links[nodes[node, LINK_ROW], LINK_JOINT], world)
-        for place in range(own[FIRST_CLOSING], own[AFTER_CLOSING]):
+        for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
             measure(links[order[place, 0], LINK_JOINT], world)

@@ -13,8 +13,6 @@ the drift too, and bodies are put back to where the joints hold them.
 import math
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import length
-from kickdrift.world.columns import vector_at
 from kickdrift.world.direct.closings import (
     begin_closings,
     stay_closings,
@@ -37,41 +35,31 @@ from kickdrift.world.direct.contacts import (
 from kickdrift.world.direct.equations import aim_island, solve_assumed, solve_once
 from kickdrift.world.direct.joint_impulses import end_relaxation, end_solution, give_joints
 from kickdrift.world.direct.layout import (
-    AFTER_CLOSING,
-    AFTER_NODE,
+    AFTER_JOINT,
     FIRST_CLOSING,
-    FIRST_NODE,
     GIVEN_UP,
     HAS_JOINTS,
-    LINK_ROW,
     LOST,
     RATIO,
 )
+from kickdrift.world.direct.nodes import mass_of
 from kickdrift.world.direct.repair import repair
 from kickdrift.world.direct.velocities import (
     begin_from_kick,
     fastest,
-    fastest_turn,
-    kicked_energy,
     kinetic_energy,
-    mass_of,
     note_velocities,
-    noted_energy,
     take_back,
 )
 from kickdrift.world.joints.falling import let_fall
-from kickdrift.world.joints.layout import (
-    BEFORE,
-    int64,
-)
+from kickdrift.world.joints.layout import ANGULAR_PART, LINEAR_PART
 from kickdrift.world.joints.right_hand_side import AHEAD, GENTLY, RELAX
 from kickdrift.world.settings import PUSH_SPEED, RESIDUAL
 from kickdrift.world.tables import (
     ISLAND,
     KICKED,
-    LINK_NUMBERS,
     MOTION,
-    NODE,
+    NOTED,
     SETTINGS,
     floats,
     integers,
@@ -154,7 +142,7 @@ def _press(island: int, h: float, world: int) -> None:
 
     Impulses of a solution that was none may be far too large, and would throw the lightest body.
     """
-    most = WILD * (fastest(island, KICKED, world) + floats(world, SETTINGS)[0, PUSH_SPEED])
+    most = WILD * (fastest(island, KICKED, LINEAR_PART, world) + floats(world, SETTINGS)[0, PUSH_SPEED])
     for trial in range(2):
         if trial == 1:
             forget_contacts(island, world)
@@ -162,7 +150,7 @@ def _press(island: int, h: float, world: int) -> None:
             note_impulses(island, False, world)
         begin_contacts(island, h, PRESS, world)
         solve_once(island, h, h, PRESS, True, True, world)
-        if fastest(island, MOTION, world) <= most:
+        if fastest(island, MOTION, LINEAR_PART, world) <= most:
             return
         take_back(island, world)
 
@@ -176,9 +164,9 @@ def _rest(island: int, h: float, world: int) -> None:
     """
     for _ in range(2):
         speed = driven(island, world)
-        most = 1.001 * kicked_energy(island, world) + mass_of(island, world) * (speed * speed + _STILL)
+        most = 1.001 * kinetic_energy(island, KICKED, world) + mass_of(island, world) * (speed * speed + _STILL)
         solve_at_once(island, h, RELAX, REST, world)
-        if kinetic_energy(island, world) <= most:
+        if kinetic_energy(island, MOTION, world) <= most:
             return
         begin_from_kick(island, world)
         clear_contacts(island, world)
@@ -188,7 +176,7 @@ def _rest(island: int, h: float, world: int) -> None:
 def _approach(island: int, h: float, off: float, most: int, world: int) -> float:
     """Take steps of Newton's method, and return how far joints will be off, times the ratio of masses."""
     own = integers(world, ISLAND)[island]
-    ratio, closed = own[RATIO], own[AFTER_CLOSING] > own[FIRST_CLOSING]
+    ratio, closed = own[RATIO], own[AFTER_JOINT] > own[FIRST_CLOSING]
     for step in range(most):
         begin_closings(island, world)
         begin_contacts(island, h, PRESS, world)
@@ -203,8 +191,9 @@ def _approach(island: int, h: float, off: float, most: int, world: int) -> float
 @compiled(cached=False)
 def _is_thrown(island: int, h: float, world: int) -> bool:
     """Whether an island turns fast with far more energy than it had: at a solution far away, which no one wants."""
-    thrown: bool = fastest_turn(island, h, world) > FAST and kinetic_energy(island, world) > WILD * noted_energy(
-        island, world
+    most = WILD * kinetic_energy(island, NOTED, world)
+    thrown: bool = (
+        h * fastest(island, MOTION, ANGULAR_PART, world) > FAST and kinetic_energy(island, MOTION, world) > most
     )
     return thrown
 
@@ -214,11 +203,12 @@ def _take_care(island: int, h: float, world: int) -> None:
     """Begin with velocities that joints allow, and stay with them if no solution is found near to them."""
     islands = integers(world, ISLAND)
     _project(island, h, GENTLY, PRESS, world)
-    energy = kinetic_energy(island, world)
+    energy = kinetic_energy(island, MOTION, world)
     off = islands[island, RATIO] * aim_island(island, h, AHEAD, world)
     off = _approach(island, h, off, ROUNDS, world)
     if not (
-        off <= FAR * islands[island, RATIO] and kinetic_energy(island, world) <= _lawful(island, h, world) * energy
+        off <= FAR * islands[island, RATIO]
+        and kinetic_energy(island, MOTION, world) <= _lawful(island, h, world) * energy
     ):
         islands[island, LOST] = 1
         islands[island, GIVEN_UP] += 1
@@ -231,11 +221,8 @@ def _lawful(island: int, h: float, world: int) -> float:
 
     With a margin of a tenth: solutions far away, which no one wants, have more, that of a grid of 4 x 4 balls by a sixth.
     """
-    own, nodes, work = integers(world, ISLAND)[island], integers(world, NODE), floats(world, LINK_NUMBERS)
-    fastest = 0.0
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        fastest = max(fastest, h * length(vector_at(work, nodes[node, LINK_ROW], int64(BEFORE + 3))))
-    return 1.1 + 0.6 * min(fastest, 1.5) ** 2
+    turn = h * fastest(island, NOTED, ANGULAR_PART, world)
+    return 1.1 + 0.6 * min(turn, 1.5) ** 2
 
 
 @compiled(cached=False)
@@ -267,9 +254,9 @@ def _project(island: int, h: float, mode: int, task: int, world: int) -> None:
     Where that adds energy, a limit that has been passed by far throws what it holds: then without laws of axes, or not at all.
     """
     take_back(island, world)
-    energy = kinetic_energy(island, world)
+    energy = kinetic_energy(island, MOTION, world)
     solve_at_once(island, h, mode, task, world)
-    if kinetic_energy(island, world) <= EXCESS * energy:
+    if kinetic_energy(island, MOTION, world) <= EXCESS * energy:
         return
     take_back(island, world)
     aim_island(island, h, mode, world)
@@ -279,5 +266,5 @@ def _project(island: int, h: float, mode: int, task: int, world: int) -> None:
     solve_assumed(island, 0.0, True, world)
     give_joints(island, task, world)
     give_contacts(island, task, world)
-    if not kinetic_energy(island, world) <= EXCESS * energy:
+    if not kinetic_energy(island, MOTION, world) <= EXCESS * energy:
         take_back(island, world)

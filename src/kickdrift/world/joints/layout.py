@@ -114,10 +114,9 @@ PASSING = int64(144)  # of open axis k, six numbers: impulse along it per speed 
 AXES_AHEAD = int64(180)  # AXES and arms as they will be at the end of the substep
 ARM_A_AHEAD, ARM_B_AHEAD = int64(198), int64(201)
 BRAKE = 204  # of open angular axes: damping, impulse per speed; see `kickdrift.world.joints.brakes`
-BEFORE = 222  # velocity of the body before it is solved, to go back to
-LAW_BASE = 228  # of laws: impulse, less the one before the solution, that upright pieces begin with
+LAW_BASE = 222  # of laws: impulse, less the one before the solution, that upright pieces begin with
 # Of laws, for the solution that was accepted last: change of speed, and the impulse that bodies bear there
-ACCEPTED_DELTA_SPEED, ACCEPTED_IMPULSE = 234, 240
+ACCEPTED_DELTA_SPEED, ACCEPTED_IMPULSE = 228, 234
 
 # Columns of POSE, MOTION and INVERSE_MASS, and of everything that has a linear and an angular part
 LINEAR_PART, ANGULAR_PART = int64(0), int64(3)

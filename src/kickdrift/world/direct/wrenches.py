@@ -1,0 +1,59 @@
+"""Wrenches of the rows of a contact: what a unit impulse along a row does to both bodies, and how fast they move along it."""
+
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Vector, cross, dot, minus
+from kickdrift.world.columns import symmetric_at
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.direct.layout import ROLL, TANGENT, TWIST
+from kickdrift.world.joints.layout import INVERSE_INERTIA_PART
+from kickdrift.world.joints.measure import turning
+from kickdrift.world.tables import INVERSE_MASS, floats
+
+W = c.WIDTH
+
+
+@compiled(inline=True, cached=False, fast=True)
+def _vector(own: Any, field: int) -> Vector:
+    return own[field * W], own[(field + 1) * W], own[(field + 2) * W]
+
+
+@compiled(cached=False, fast=True)
+def write_wrench(own: Any, k: int, wrench: Any) -> None:
+    """Write the wrench of a row's unit impulse."""
+    n, u = _vector(own, c.N), _vector(own, c.T)
+    push: Vector = (0.0, 0.0, 0.0)
+    turn_a, turn_b = n, n
+    if k < TANGENT:
+        push = n
+        turn_a = _vector(own, c.P + c.POINT_FIELDS * k + c.ARM)
+        turn_b = minus(turn_a, cross(_vector(own, c.BETWEEN), n))
+    elif k < TWIST:
+        push = u if k == TANGENT else cross(n, u)
+        turn_a = cross(_vector(own, c.CENTRE), push)
+        turn_b = minus(turn_a, cross(_vector(own, c.BETWEEN), push))
+    elif k >= ROLL:
+        turn_a = (1.0 if k == ROLL else 0.0, 1.0 if k == ROLL + 1 else 0.0, 1.0 if k == ROLL + 2 else 0.0)
+        turn_b = turn_a
+    for i in range(3):
+        wrench[i], wrench[3 + i] = -push[i], -turn_a[i]
+        wrench[6 + i], wrench[9 + i] = push[i], turn_b[i]
+
+
+@compiled(cached=False, fast=True)
+def along(wrench: Any, velocity: Any) -> float:
+    """Speed along a row."""
+    total = 0.0
+    for k in range(12):
+        total += wrench[k] * velocity[k]
+    return total
+
+
+@compiled(cached=False, fast=True)
+def mobility(wrench: Any, body: int, side: int, world: int) -> float:
+    """Speed along a row per impulse along it, of one of its bodies alone."""
+    response, at = floats(world, INVERSE_MASS), 6 * side
+    push, turn = (wrench[at], wrench[at + 1], wrench[at + 2]), (wrench[at + 3], wrench[at + 4], wrench[at + 5])
+    total: float = response[body, 0] * dot(push, push)
+    return total + turning(symmetric_at(response, body, INVERSE_INERTIA_PART), turn)
