@@ -141,32 +141,46 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
             numbers[NODES + side] = links[link, NODE_ROW]
         elif link >= 0:
             numbers[CUT] = 1.0 + side
-    for k in range(10):
-        there = own[(c.P + c.POINT_FIELDS * k + c.POINT_MASS) * c.WIDTH] > 0.0 if k < TANGENT else True
-        if not there or (k >= 7 and own[c.ROLL * c.WIDTH] == 0.0):
+    presses, lever = False, 0.0
+    for k in range(TANGENT):
+        at = (c.P + c.POINT_FIELDS * k) * c.WIDTH
+        if own[at + c.POINT_MASS * c.WIDTH] <= 0.0:
             numbers[ACTIVE + k], numbers[GIVEN + k], numbers[STATE + k] = 0.0, 0.0, 0.0
             continue
-        if k >= TANGENT and task in (PRESS, SMOOTH_BOUNCE):  # friction is as it was in the end of the substep before
+        begin_row(own, numbers, k, velocity, a, b, rigid, world)
+        gap = own[at + c.GAP * c.WIDTH] + along(numbers[WRENCH + 12 * k : WRENCH + 12 * k + 12], change)
+        if task == PRESS:
+            numbers[WANTED + k] = -gap / h if gap > 0.0 else min(-own[c.SOFTNESS * c.WIDTH] * gap, push)
+        elif task == REST and gap > 0.0 and numbers[IMPULSE + k] == 0.0:
             numbers[ACTIVE + k] = 0.0
+        elif task >= BOUNCE:
+            numbers[ACTIVE + k] = 1.0 if numbers[HITS + k] >= 0.0 else 0.0
+            numbers[WANTED + k], numbers[IMPULSE + k] = numbers[HITS + k], 0.0
+        presses, lever = presses or numbers[ACTIVE + k] != 0.0, max(lever, own[at + c.LEVER * c.WIDTH])
+    for bound in range(3):
+        reach = own[c.ROLL * c.WIDTH] if bound == 2 else lever if bound == 1 else 1.0
+        # Friction of a substep is as it was in the end of the one before until bodies have moved.
+        if task in (PRESS, SMOOTH_BOUNCE) or _is_idle(own, bound, reach if presses else 0.0):
+            for k in range(first_row(bound), first_row(bound) + bound_rows(bound)):
+                numbers[ACTIVE + k], numbers[GIVEN + k], numbers[STATE + k] = 0.0, 0.0, 0.0
             continue
-        begin_row(own, numbers, k, velocity, a, b, rigid if k < TANGENT else grip, world)
-        if k < TANGENT:
-            gap = own[(c.P + c.POINT_FIELDS * k + c.GAP) * c.WIDTH]
-            gap += along(numbers[WRENCH + 12 * k : WRENCH + 12 * k + 12], change)
-            if task == PRESS:
-                numbers[WANTED + k] = -gap / h if gap > 0.0 else min(-own[c.SOFTNESS * c.WIDTH] * gap, push)
-            elif task == REST and gap > 0.0 and numbers[IMPULSE + k] == 0.0:
-                numbers[ACTIVE + k] = 0.0
-            elif task >= BOUNCE:
-                numbers[ACTIVE + k] = 1.0 if numbers[HITS + k] >= 0.0 else 0.0
-                numbers[WANTED + k], numbers[IMPULSE + k] = numbers[HITS + k], 0.0
-        else:
+        for k in range(first_row(bound), first_row(bound) + bound_rows(bound)):
+            begin_row(own, numbers, k, velocity, a, b, grip, world)
+            numbers[DIRECTION + k] = 0.0
             if task >= BOUNCE:
                 numbers[IMPULSE + k] = 0.0
-            numbers[DIRECTION + k] = 0.0
-            if k < TANGENT + 2:
+            if bound == 0:
                 numbers[WANTED + k] = own[(c.SLIDE + k - TANGENT) * c.WIDTH]
     find_bounds(own, numbers)
+
+
+@compiled(inline=True, cached=False, fast=True)
+def _is_idle(own: Any, bound: int, reach: float) -> bool:
+    """Whether friction, twist or rolling resistance can give nothing, and has given nothing that is to be taken back."""
+    idle = reach == 0.0
+    for k in range(first_row(bound), first_row(bound) + bound_rows(bound)):
+        idle = idle and own[impulse_field(k) * c.WIDTH] == 0.0
+    return idle
 
 
 @compiled(cached=False, fast=True)
