@@ -15,7 +15,7 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import multipliers, quantities
 from kickdrift.engine.adoption import adopt
 from kickdrift.engine.fit import AUTO, check_direction, choose
-from kickdrift.engine.grid import lay_grid
+from kickdrift.engine.grid import Grid, lay_grid
 from kickdrift.engine.inside import Inside
 from kickdrift.engine.progress import compiling_announced
 from kickdrift.engine.run import Run
@@ -119,6 +119,13 @@ def solve(
             f"step={step!r}, save_every={save_every!r} and method={method!r} need more memory than there is ({error});"
             " keep fewer steps, or take an explicit method: implicit ones keep a matrix of the state's size squared."
         ) from None
+    return _solution(system, chosen, grid, inside, run, compensated)
+
+
+def _solution(
+    system: System, chosen: methods.Method, grid: Grid, inside: Inside, run: Run, compensated: bool
+) -> Solution:
+    """Run, and return what was kept."""
     ending = run.go()
     t = np.append(grid.times, grid.times[-1])[: ending.saved]
     if ending.outcome is not Outcome.COMPLETED and ending.saved:

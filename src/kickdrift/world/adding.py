@@ -26,7 +26,7 @@ from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.plane import Plane
-from kickdrift.world.shapes.record import SOLID, Shape
+from kickdrift.world.shapes.record import Shape
 from kickdrift.world.shapes.sphere import Sphere
 from kickdrift.world.sleeping import REACH
 from kickdrift.world.tables import MOTION, RESTED, Tables
@@ -251,14 +251,7 @@ class AddsBodies:
                 "locked_rotation=True is for bodies that forces move, and have no angular_velocity; leave one of them out."
             )
         surfaces = [surface_of({**surface, **part.surface}) for part in parts]
-        weight = None
-        if kind == DYNAMIC:
-            for part in parts:
-                if shape_kind(part.shape).sort != SOLID:
-                    raise ArgumentError(
-                        f"{type(part.shape).__name__} cannot move: it has no inside; add it static=True."
-                    )
-            weight = mass_properties_of(parts, density, mass, inertia, centre)
+        weight = mass_properties_of(parts, density, mass, inertia, centre) if kind == DYNAMIC else None
         rates = [number("damping", damping, "1/s"), number("angular_damping", angular_damping, "1/s")]
         middle = np.zeros(3) if weight is None else weight.centre
         body = self.bodies.add(kind, origin + rotation_matrix(turn) @ middle, turn)

@@ -7,7 +7,9 @@ from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import number, vector
+from kickdrift.world.shapes.catalogue import kind_of
 from kickdrift.world.shapes.mass import Mass, checked_inertia, combined, placed
+from kickdrift.world.shapes.record import SOLID
 
 if TYPE_CHECKING:
     from kickdrift.world.adding import Part
@@ -23,6 +25,9 @@ def mass_properties_of(
     """Weigh a body by its parts, or by what is given instead; see `World.add_body`."""
     if density is not None and mass is not None:
         raise ArgumentError(f"density={density!r} and mass={mass!r} say the same twice; give one of them.")
+    for part in parts:
+        if kind_of(part.shape).sort != SOLID:
+            raise ArgumentError(f"{type(part.shape).__name__} cannot move: it has no inside; add it static=True.")
     common = 1000.0 if density is None else density
     whole = combined(
         [
