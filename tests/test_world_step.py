@@ -24,7 +24,7 @@ def stack(**options):
 def test_the_word_says_what_a_step_does():
     word = stack().word
     assert str(word) == (
-        "begin find-heaps place-shapes find-pairs find-points colour prepare find-bouncing"
+        "begin place-shapes find-pairs find-points find-heaps colour prepare find-bouncing"
         " (begin-forces kick bounce warm-start solve drift relax)*"
         " finish measure count-unsolved store note-touching"
     )

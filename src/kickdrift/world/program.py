@@ -64,13 +64,13 @@ def word(uses: Uses, joints: Joints) -> Word:
     direct = joints.present or uses.direct
     before = (
         begin,
-        find_heaps,
         place_shapes,
         find_pairs,
         find_points,
         *when(uses.is_fast, find_impacts),
         *when(uses.sleeps, wake),
         *when(joints.present, wake_joints, measure_joints, begin_joints),
+        find_heaps,
         *when(direct, find_nodes),
         colour,
         prepare,
