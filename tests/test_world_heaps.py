@@ -76,6 +76,18 @@ def test_a_heap_that_has_been_taken_apart_is_one_no_more():
     assert (world.tables.array(BODY)[1:, UNSOLVED] == 0).all()
 
 
+def test_a_heap_that_awakes_is_solved_as_it_was_when_it_fell_asleep():
+    world = tower([1, 1, 1, 1, 100])
+    world.sleeping = True
+    world.advance(STEP, 300)
+    assert in_heaps(world) == 0
+    world.add_sphere(0.1, position=(0, 0, 5.1), mass=1.0)
+    world.advance(STEP, 2)
+    assert in_heaps(world) == 6
+    world.advance(STEP, 30)
+    assert np.abs(world.velocity).max() < 1e-3
+
+
 def test_bits_of_heaps_are_the_same_after_restore():
     world = tower([1, 1, 100])
     world.advance(STEP, 25)

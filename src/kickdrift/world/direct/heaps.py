@@ -111,9 +111,14 @@ def _join_heaps(world: int) -> None:
 
 @compiled
 def count_unsolved(t: float, h: float, world: int) -> None:
-    """Count for how many steps bodies were left unsolved; those solved directly stay so until they touch nothing."""
+    """Count for how many steps bodies were left unsolved; those solved directly stay so until they touch nothing.
+
+    Those that sleep stay what they are, so that a heap which awakes is solved as it was.
+    """
     body = integers(world, BODY)
     for row in range(rows(world, BODY)):
+        if body[row, BODY_KIND] == DYNAMIC and body[row, AWAKE] == 0:
+            continue
         _count_left(row, t, h, world)
         seen, count = body[row, UNSOLVED], body[row, UNSOLVED] & (LEFT - 1)
         if count >= _FOUND:
