@@ -42,7 +42,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
     """Rigid bodies in three dimensions.
 
     Free bodies are solved by sweeps over their contacts. Bodies that joints hold together, and what touches them, are islands
-    that are solved directly, with all of their joints and contacts at once.
+    that are solved directly, with all of their joints and contacts at once; so are small heaps that sweeps leave unsolved.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
     gravity, substeps, sleeping
         As above; each may be set between steps.
     residual : float
-        What the sweeps left unsolved in the last step, m/s, read-only.
+        What the last step left unsolved: how fast points that press on each other part or approach, m/s, read-only.
     time : float
         s.
     broken : list of Joint
