@@ -17,6 +17,7 @@ from kickdrift.world.direct.layout import (
     BORNE,
     BOUND,
     CONSTANT,
+    CONTACT_ROWS,
     CUT,
     DIRECTION,
     GIVEN,
@@ -235,10 +236,10 @@ def fix(rows: Any) -> None:
 
     What laws would give there is far from it where rows are stiff.
     """
-    for k in range(10):
+    for k in range(CONTACT_ROWS):
         rows[GIVEN + k] = rows[BORNE + k]
     bind(rows)
-    for k in range(10):
+    for k in range(CONTACT_ROWS):
         rows[CONSTANT + k] = rows[GIVEN + k]
     for k in range(TANGENT):
         rows[STATE + k] = OPEN

@@ -29,6 +29,7 @@ from kickdrift.world.direct.layout import (
     ACTIVE,
     AFTER_CONTACT,
     CONSTANT,
+    CONTACT_ROWS,
     CUT,
     DIRECTION,
     FIRST_CONTACT,
@@ -39,6 +40,7 @@ from kickdrift.world.direct.layout import (
     LINK_ROW,
     NODE_ISLAND,
     NODES,
+    ROLL,
     SLIDE,
     START,
     STATE,
@@ -92,7 +94,7 @@ def contact_row(index: int, world: int) -> Any:
 @compiled(inline=True, cached=False, fast=True)
 def constraint(index: int, world: int) -> Any:
     """Return the constraint of a contact, in lane 0 of its group."""
-    g = integers(world, COLOURS)[LINKED, 1] + index
+    g = integers(world, COLOURS)[LINKED, c.FIRST_GROUP] + index
     return flat(world, LANES)[g * _SIZE : (g + 1) * _SIZE]
 
 
@@ -124,9 +126,9 @@ def begin_contacts(island: int, h: float, task: int, world: int) -> None:
 @compiled(cached=False, fast=True)
 def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> None:
     groups, links = integers(world, GROUPS), integers(world, LINK)
-    g = integers(world, COLOURS)[LINKED, 1] + index
+    g = integers(world, COLOURS)[LINKED, c.FIRST_GROUP] + index
     own, numbers = constraint(index, world), contact_row(index, world)
-    a, b = groups[g, 0], groups[g, c.WIDTH]
+    a, b = groups[g, c.BODIES_A], groups[g, c.BODIES_B]
     velocity, change = twelve(), twelve()
     read_both(MOTION, a, b, velocity, world)
     read_both(DELTA_POSE, a, b, change, world)
@@ -141,9 +143,9 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
             numbers[NODES + side] = links[link, NODE_ROW]
         elif link >= 0:
             numbers[CUT] = 1.0 + side
-    for k in range(10):
+    for k in range(CONTACT_ROWS):
         there = own[(c.P + c.POINT_FIELDS * k + c.POINT_MASS) * c.WIDTH] > 0.0 if k < TANGENT else True
-        if not there or (k >= 7 and own[c.ROLL * c.WIDTH] == 0.0):
+        if not there or (k >= ROLL and own[c.ROLL * c.WIDTH] == 0.0):
             numbers[ACTIVE + k], numbers[GIVEN + k], numbers[STATE + k] = 0.0, 0.0, 0.0
             continue
         if k >= TANGENT and task in (PRESS, SMOOTH_BOUNCE):  # friction is as it was in the end of the substep before
@@ -185,7 +187,7 @@ def note_impulses(island: int, back: bool, world: int) -> None:
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers, fields = contact_row(order[k, 0], world), constraint(order[k, 0], world)
-        for i in range(10):
+        for i in range(CONTACT_ROWS):
             if back:
                 fields[impulse_field(i) * c.WIDTH] = numbers[START + i]
             else:
@@ -253,7 +255,7 @@ def load_contacts(island: int, world: int) -> None:
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers = contact_row(order[k, 0], world)
         a, b = int(numbers[NODES]), int(numbers[NODES + 1])
-        for i in range(10):
+        for i in range(CONTACT_ROWS):
             if numbers[ACTIVE + i] != 0.0:
                 _load(a, b, numbers[CONSTANT + i], numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12], world)
 

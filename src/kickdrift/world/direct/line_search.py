@@ -20,6 +20,7 @@ from kickdrift.world.direct.layout import (
     BASE,
     BORNE,
     BOUND,
+    CONTACT_ROWS,
     FIRST_CONTACT,
     FIRST_JOINT,
     GIVEN,
@@ -165,7 +166,7 @@ def _wish(rows: Any, i: int, begin: int, moved: float) -> float:
 
 @compiled(cached=False, fast=True)
 def _accept(rows: Any, share: float) -> None:
-    for i in range(10):
+    for i in range(CONTACT_ROWS):
         rows[BORNE + i] += share * (rows[GIVEN + i] - rows[BORNE + i])
         rows[ACCEPTED + i] += share * (rows[MOVED + i] - rows[ACCEPTED + i])
         rows[MOVED + i] = rows[ACCEPTED + i]
