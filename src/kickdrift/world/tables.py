@@ -62,18 +62,21 @@ TREE = Table(23, 8)  # over the fat bounds of shapes that may move: see `kickdri
 STATIC_TREE = Table(24, 8)  # over those that may not
 SHAPE_KINDS = Table(28, 4, whole=True)  # of shapes: see `kickdrift.world.collision.dispatch`
 COLLIDERS = Table(25, 16, whole=True)  # address of the function for each pair of kinds of shapes
-ARTICULATION = Table(26, 8, whole=True)  # see `kickdrift.world.joints.layout`
-LINK = Table(46, 10, whole=True)  # bodies and joints of articulations, parents first: see the same
+# Trees of joints: see `kickdrift.world.joints.layout`
+ARTICULATION = Table(26, 8, whole=True)
+LINK = Table(46, 10, whole=True)  # a body of an articulation and the joint that it hangs on, parents first
 LINK_NUMBERS = Table(47, 232)
-CONTACT_ROW = Table(48, 288)  # of contacts that are solved directly: see `kickdrift.world.direct.layout`
-GRAPH = Table(51, 4, whole=True)  # one row: see `kickdrift.world.joints.layout`
-ISLAND = Table(52, 12, whole=True)  # see `kickdrift.world.direct.layout`
+GRAPH = Table(51, 4, whole=True)  # one row
+# The direct solver: see `kickdrift.world.direct.layout`
+CONTACT_ROW = Table(48, 288)  # of contacts that are solved directly
+ISLAND = Table(52, 12, whole=True)
 ISLAND_CONTACT = Table(53, 1, whole=True)  # contacts of the linked colour, one island after the other
 ISLAND_JOINT = Table(54, 1, whole=True)  # rows of LINK that have joints, one island after the other
-NODE = Table(55, 8, whole=True)  # see `kickdrift.world.direct.layout`
+NODE = Table(55, 8, whole=True)
 NEIGHBOUR = Table(56, 1, whole=True)  # node
-BLOCK = Table(57, 144)  # see `kickdrift.world.direct.layout`
+BLOCK = Table(57, 144)
 ADJACENCY = Table(58, 1, whole=True)  # bits: which nodes are coupled
+# The sweeps
 COLOURS = Table(30, 4, whole=True)  # of contacts: see `kickdrift.world.contacts.layout`
 COLOURED = Table(31, 1, whole=True)  # of each body the set of colours that its contacts have
 SWEEPS = Table(34, 9, whole=True)  # one row: see `kickdrift.world.contacts.layout`

@@ -108,9 +108,7 @@ REFERENCE = _CONSTRAINT.field(9, "rad, m")  # turns of both bodies, and what the
 STALE = _CONSTRAINT.field(2, "rad, m")  # by how much they may differ from now: turns, slide
 P = _CONSTRAINT.field(4 * POINT_FIELDS)
 ANCHORS = _CONSTRAINT.field(4 * ANCHOR_SIZE)
-AXES = _CONSTRAINT.field(
-    6
-)  # that radii of both are at right angles to, when the step began; zeros of balls and capsules
+AXES = _CONSTRAINT.field(6)  # that radii are at right angles to, when the step began; zeros of balls and capsules
 SHARE = _CONSTRAINT.field()  # of the way from the point on a to that on b, at which both arms end
 COUNT = _CONSTRAINT.field()  # of points
 REFRESHED = _CONSTRAINT.field()  # 1.0 where arms were taken anew within the step

@@ -54,9 +54,8 @@ MOVED = column(CONTACT_ROW, CONTACT_ROWS)  # change of speed by the solution at 
 GIVEN = column(CONTACT_ROW, CONTACT_ROWS)  # impulse by it
 STATE = column(CONTACT_ROW, CONTACT_ROWS)  # OPEN, HELD or SLIDING
 BOUND = column(CONTACT_ROW, 3)  # greatest impulse along the tangents, of twist, of rolling
-SLIDE = column(
-    CONTACT_ROW, 3
-)  # of a bound that is reached: the part of the stiffness left at right angles to the impulse
+# Of a bound that is reached: the part of the stiffness that is left at right angles to the impulse
+SLIDE = column(CONTACT_ROW, 3)
 DIRECTION = (
     column(CONTACT_ROW, CONTACT_ROWS - TANGENT) - TANGENT
 )  # of the impulse at its bound, of rows from TANGENT on

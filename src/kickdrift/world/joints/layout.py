@@ -56,13 +56,11 @@ LENGTH = column(JOINT_NUMBERS, 1, "m")
 BREAKING_FORCE = column(JOINT_NUMBERS, 1, "N")
 BREAKING_TORQUE = column(JOINT_NUMBERS, 1, "N m")
 TWIST_SCALE = column(JOINT_NUMBERS)  # rotation about axis 2 per twist
-JOINT_IMPULSE = column(
-    JOINT_NUMBERS, 6, "N s, N m s"
-)  # of the substep, on b, along and about the axes: a warm start gives it
+# Of the substep along and about the axes, on b; what a warm start gives
+JOINT_IMPULSE = column(JOINT_NUMBERS, 6, "N s, N m s")
 TOTAL = column(JOINT_NUMBERS, 6, "N s, N m s")  # impulse of the step; after it, force and torque
-JOINT_POSITION = column(
-    JOINT_NUMBERS, 6, "m, rad"
-)  # along and about the axes; of hinges and universal joints turns count
+# Positions along and angles about the axes; those of hinges and universal joints count turns
+JOINT_POSITION = column(JOINT_NUMBERS, 6, "m, rad")
 DRIVEN = column(JOINT_NUMBERS, 3, "rad")  # angles less the targets of drives
 ARM_A = column(JOINT_NUMBERS, 3, "m")  # from the centres of mass to where the joint acts, in the world's axes
 ARM_B = column(JOINT_NUMBERS, 3, "m")
@@ -85,9 +83,7 @@ DRIVE_MAXIMUM = column(JOINT_AXES, 1, "N or N m")
 JOINT_FRICTION = column(JOINT_AXES, 1, "N or N m")
 DRIVEN_MASS = column(JOINT_AXES, 1, "kg or kg m^2")  # that drives are reckoned to move
 START_SPEED = column(JOINT_AXES, 1, "m/s or rad/s")  # before the kick
-DRIVE_CONSTANT = column(
-    JOINT_AXES, 1, "N s or N m s"
-)  # of the substep: impulse of the drive is constant - slope x speed
+DRIVE_CONSTANT = column(JOINT_AXES, 1, "N s or N m s")  # impulse of the drive in the substep: constant - slope x speed
 MOBILITY = column(JOINT_AXES, 1, "1/kg or 1/(kg m^2)")  # speed per impulse of the two bodies alone
 DRIVE_SLOPE = column(JOINT_AXES, 1, "kg or kg m^2")
 
@@ -115,14 +111,14 @@ ISLAND_SIZE = column(LINK)  # of the island, where ROOT is the row itself
 NONE = -1
 
 # Columns of LINK_NUMBERS. Six numbers are three linear and three angular ones in the world's axes, or one to each axis.
-ARTICULATED_INERTIA = column(
-    LINK_NUMBERS, 36
-)  # 6x6, of what hangs on the joint, as its other side feels it, about its point
+# 6x6, of what hangs on the joint, as its other side feels it, about the point where the joint acts
+ARTICULATED_INERTIA = column(LINK_NUMBERS, 36)
 START_WRENCHES = column(LINK_NUMBERS, 24, over=ARTICULATED_INERTIA)  # of gears: four wrenches, before the drift
 COUPLING = column(LINK_NUMBERS, 36)  # of open axis k, six numbers: impulse at the joint per speed along the axis
 AHEAD_WRENCHES = column(LINK_NUMBERS, 24, over=COUPLING)  # of gears: four wrenches, after the drift
 YIELD = column(LINK_NUMBERS, 6, "1/kg, 1/(kg m^2)")  # of open axes: speed per impulse
-BEGUN = column(LINK_NUMBERS, 6, "N s, N m s", over=YIELD)  # of closing joints: see `kickdrift.world.direct.closings`
+# Of closing joints: impulse that a solution begins with, less the one that there is
+BEGUN = column(LINK_NUMBERS, 6, "N s, N m s", over=YIELD)
 BIAS_IMPULSE = column(LINK_NUMBERS, 6, "N s, N m s")  # impulse at the joint if its other side stays as it is
 GAIN = column(LINK_NUMBERS, 6, "m/s, rad/s")  # of velocity: of the body
 JOINT_WRENCH = column(LINK_NUMBERS, 6, "N s, N m s")  # impulse at the joint, on the body
@@ -139,9 +135,8 @@ AXES_AHEAD = column(LINK_NUMBERS, 18)  # AXES and arms as they will be at the en
 ARM_A_AHEAD = column(LINK_NUMBERS, 3, "m")
 ARM_B_AHEAD = column(LINK_NUMBERS, 3, "m")
 BRAKE = column(LINK_NUMBERS, 3, "N m s")  # of angular axes: damping, see `kickdrift.world.joints.brakes`
-LAW_BASE = column(
-    LINK_NUMBERS, 6, "N s, N m s"
-)  # of laws: impulse, less the one before the solution, that upright pieces have
+# Of laws: impulse, less the one before the solution, that upright pieces begin with
+LAW_BASE = column(LINK_NUMBERS, 6, "N s, N m s")
 # Of laws, for the solution that was accepted last: change of speed, and the impulse that bodies bear there
 ACCEPTED_DELTA_SPEED = column(LINK_NUMBERS, 6, "m/s, rad/s")
 ACCEPTED_IMPULSE = column(LINK_NUMBERS, 6, "N s, N m s")
