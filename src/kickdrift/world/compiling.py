@@ -16,7 +16,7 @@ from kickdrift.world.step import STAGE
 def compile_step(spelt: Word, kinds: Iterable[int], pairs: Iterable[tuple[int, int]]) -> None:
     """Compile the stages of a step and the functions for kinds of shapes and pairs of them, unless they are on disk."""
     stages = [(stage, STAGE) for part in spelt for stage in part]
-    sweeps = [(sweep, SWEEP) for sweep in KERNELS]
+    sweeps = [(sweep, SWEEP) for sweep in KERNELS.values()]
     extents = [(kind.extent, EXTENT) for kind in extents_of(kinds) if kind.extent is not None]
     jobs = missing([*stages, *sweeps, *extents, *((PAIRS[pair], COLLIDE) for pair in pairs)])
     if jobs:

@@ -5,12 +5,11 @@ from numpy.typing import NDArray
 
 from kickdrift.world.contacts import layout as contacts
 from kickdrift.world.joints import layout as joints
-from kickdrift.world.layout import ORIENTATION, PLACE_ORIENTATION, PLACE_POSITION, POSITION
+from kickdrift.world.layout import BODY_ROW, ORIENTATION, PLACE_ORIENTATION, PLACE_POSITION, POSITION
 from kickdrift.world.rotations import product, turned
 from kickdrift.world.tables import CONTACT, JOINT, JOINT_NUMBERS, MANIFOLD, PLACE, POSE, SHAPE, Tables
 
 Floats = NDArray[np.float64]
-_BODY = 1  # column of SHAPE
 
 
 def deepest_overlap(tables: Tables) -> float:
@@ -49,7 +48,7 @@ def widest_gap(tables: Tables) -> float:
 
 def _place(tables: Tables, shapes: NDArray[np.int64]) -> tuple[Floats, Floats]:
     """Return where shapes are in the world: origins and orientations."""
-    body = tables.array(POSE)[tables.array(SHAPE)[shapes, _BODY]]
+    body = tables.array(POSE)[tables.array(SHAPE)[shapes, BODY_ROW]]
     place = tables.array(PLACE)[shapes]
     at, turn = body[:, POSITION : POSITION + 3], body[:, ORIENTATION : ORIENTATION + 4]
     offset, own = place[:, PLACE_POSITION : PLACE_POSITION + 3], place[:, PLACE_ORIENTATION : PLACE_ORIENTATION + 4]

@@ -9,6 +9,7 @@ from kickdrift.core.vectors import dot, minus, plus, turned
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
 from kickdrift.world.collision.narrow_phase import shape_pose
+from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.layout import BEGINS, FIRST_BODY, FROM_SENSOR, SECOND_BODY
 from kickdrift.world.step_status import ask_for_room
@@ -93,11 +94,11 @@ def _overlap(world: int, row: int) -> int:
     contact, manifold = integers(world, CONTACT), floats(world, MANIFOLD)
     at_a, turn_a = shape_pose(world, contact[row, c.SHAPE_A])
     at_b, turn_b = shape_pose(world, contact[row, c.SHAPE_B])
-    normal = turned(turn_a, (manifold[row, 0], manifold[row, 1], manifold[row, 2]))
+    normal = turned(turn_a, vector_at(manifold, row, c.NORMAL))
     for k in range(contact[row, c.POINTS]):
         p = c.POINT + c.POINT_SIZE * k
-        on_a = plus(at_a, turned(turn_a, (manifold[row, p], manifold[row, p + 1], manifold[row, p + 2])))
-        on_b = plus(at_b, turned(turn_b, (manifold[row, p + 3], manifold[row, p + 4], manifold[row, p + 5])))
+        on_a = plus(at_a, turned(turn_a, vector_at(manifold, row, p + c.ON_A)))
+        on_b = plus(at_b, turned(turn_b, vector_at(manifold, row, p + c.ON_B)))
         if dot(normal, minus(on_b, on_a)) <= 0.0:
             return c.TOUCHING
     return 0

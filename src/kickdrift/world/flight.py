@@ -6,10 +6,7 @@ w* = I^-1 (P + P') / 2 keep P . I^-1 P, because P' - P is at right angles to the
 before and after). Between the two letters the velocity of a body is w*, the one that it will move with, so that contacts and
 joints act on what moves.
 
-Columns of `KICKED`: velocity after the kick (6), what the kick added to the velocity (3), L (3), time of the last impact in
-the substep (1); angular velocity (3) and orientation (4) that the drift left; 1 where joints say that the body falls freely;
-time of the next impact in the substep (1).
-L is carried on as it is: taken anew from the angular velocity after every drift, it would lose a rounding each time, and
+`KICKED` carries L on as it is: taken anew from the angular velocity after every drift, it would lose a rounding each time, and
 they add up.
 """
 
@@ -58,14 +55,14 @@ from kickdrift.world.tables import (
 )
 
 # Columns of KICKED
-KICKED_VELOCITY = column(KICKED, 6, "m/s, rad/s")
-ADDED = column(KICKED, 3, "m/s")
-SPIN = column(KICKED, 3, "kg m^2/s")
-IMPACT_TIME = column(KICKED, 1, "s")
-LEFT_TURN = column(KICKED, 3, "rad/s")
-LEFT_POSE = column(KICKED, 4)
-FALLS = column(KICKED)
-NEXT_IMPACT = column(KICKED, 1, "s")
+KICKED_VELOCITY = column(KICKED, 6, "m/s, rad/s")  # after the kick
+ADDED = column(KICKED, 3, "m/s")  # by the kick
+SPIN = column(KICKED, 3, "kg m^2/s")  # L
+IMPACT_TIME = column(KICKED, 1, "s")  # of the last impact in the substep
+LEFT_TURN = column(KICKED, 3, "rad/s")  # angular velocity that the drift left
+LEFT_POSE = column(KICKED, 4)  # and orientation
+FALLS = column(KICKED)  # 1.0 where joints say that the body falls freely
+NEXT_IMPACT = column(KICKED, 1, "s")  # in the substep
 
 # Columns of INERTIA
 MASS = column(INERTIA, 1, "kg")

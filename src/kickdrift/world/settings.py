@@ -13,9 +13,7 @@ CONTACT_HERTZ = column(SETTINGS, 1, "Hz")
 CONTACT_DAMPING = column(SETTINGS)  # ratio
 PUSH_SPEED = column(SETTINGS, 1, "m/s")  # of bodies that are pushed apart, at most
 BOUNCE_SPEED = column(SETTINGS, 1, "m/s")  # below which nothing bounces
-RECYCLE_DISTANCE = column(
-    SETTINGS, 1, "m"
-)  # by which bodies may move before the shapes of a contact are looked at again
+RECYCLE_DISTANCE = column(SETTINGS, 1, "m")  # by which bodies may move before a contact's shapes are looked at again
 PLANE_NORMAL = column(SETTINGS, 3)  # normal of the plane that a planar world moves in, or zeros
 SLEEP_SPEED = column(SETTINGS, 1, "m/s")  # below which an island may fall asleep; 0.0: none does
 SLEEP_TIME = column(SETTINGS, 1, "s")

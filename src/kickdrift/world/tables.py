@@ -27,50 +27,48 @@ class Table(NamedTuple):
 
 
 # Bodies; row 0 is the ground, which never moves. Rows of eight floats are one cache line.
-POSE = Table(0, 8)  # centre of mass (3), orientation (4: w, x, y, z)
-MOTION = Table(1, 8)  # velocity of the centre of mass (3), angular velocity in the world's axes (3)
-DELTA_POSE = Table(2, 8)  # since the start of the step: displacement (3), rotation vector (3)
-INVERSE_MASS = Table(3, 8)  # 1/mass, and the inverse inertia in the world's axes (6); zeros do not move
-INERTIA = Table(4, 16)  # mass, inertia in the body's axes (6), its inverse (6), damping of velocity and of rotation (2)
-LOAD = Table(5, 8)  # force (3) and torque (3) asked for during the next step
-# For how long a body has rested, for how long its island has, how far it reaches, where it sleeps (7)
-RESTED = Table(36, 12)
-FORCE = Table(35, 8)  # force (3) and torque (3) in this substep
+# Columns are declared in `kickdrift.world.layout`, or where it is said here.
+POSE = Table(0, 8)
+MOTION = Table(1, 8)  # of the centre of mass
+DELTA_POSE = Table(2, 8)  # since the start of the step
+INVERSE_MASS = Table(3, 8)
+INERTIA = Table(4, 16)  # see `kickdrift.world.flight`
+LOAD = Table(5, 8)  # asked for during the next step
+RESTED = Table(36, 12)  # see `kickdrift.world.sleeping`
+FORCE = Table(35, 8)  # in this substep
 KICKED = Table(6, 24)  # see `kickdrift.world.flight`
-NOTED = Table(19, 8)  # as MOTION was before a solution of the direct solver, to go back to
+NOTED = Table(19, MOTION.width)  # as MOTION was before a solution of the direct solver, to go back to
 BODY = Table(7, 12, whole=True)  # see `kickdrift.world.flight`
 # Shapes
-# Kind (-1: removed), body, where its numbers begin in GEOMETRY, how many, layer, mask, sensor, state of its search (see
-# `kickdrift.world.collision.search`)
 SHAPE = Table(8, 8, whole=True)
-PLACE = Table(9, 16)  # pose in the body (7), friction, restitution, rolling resistance, velocity of its surface (3)
-PLACED = Table(37, 8)  # pose of a shape in the world (7) when the step began
-# Corners of the fat bounds that a shape was last sought in (6), and of a mesh its nodes in TRIANGLE_TREE: the first, and the
-# one after the last
-BOUNDS = Table(10, 8)
+PLACE = Table(9, 16)  # in the body, and its surface
+PLACED = Table(37, 8)  # in the world when the step began
+BOUNDS = Table(10, 8)  # fat ones that a shape was last sought in
 GEOMETRY = Table(11, 1)  # the numbers of all shapes, one shape after the other
-# Contacts: pairs of shapes whose fat bounds overlap
-CONTACT = Table(12, 8, whole=True)  # shapes (2), triangle of a, bodies (2), points, what it does, group and lane
-MANIFOLD = Table(13, 72)  # see `kickdrift.world.contacts.layout`
+# Contacts: pairs of shapes whose fat bounds overlap; see `kickdrift.world.contacts.layout`
+CONTACT = Table(12, 8, whole=True)
+MANIFOLD = Table(13, 72)
 SETTINGS = Table(14, 32)  # one row: see `kickdrift.world.settings`
-STEP_STATUS = Table(15, 8, whole=True)  # one row: what went wrong, which table or body
-EVENTS = Table(16, 8, whole=True)  # see `kickdrift.world.events`
+STEP_STATUS = Table(15, 8, whole=True)  # one row: see `kickdrift.world.step_status`
+EVENTS = Table(16, 8, whole=True)
 # Joints: see `kickdrift.world.joints.layout`
 JOINT = Table(17, 16, whole=True)
 JOINT_NUMBERS = Table(18, 80)
 JOINT_AXES = Table(45, 16)  # six rows a joint
-LANES = Table(20, 1)  # constraints in groups of lanes
-GROUPS = Table(21, 24, whole=True)  # of each lane the first body (8), the second (8), the contact (8)
+LANES = Table(20, 1)  # constraints in groups of lanes, whose fields are in `kickdrift.world.contacts.layout`
+GROUPS = Table(21, 24, whole=True)  # what is in these lanes: see there
 SCRATCH = Table(22, 1)
 TREE = Table(23, 8)  # over the fat bounds of shapes that may move: see `kickdrift.world.collision.bvh`
 STATIC_TREE = Table(24, 8)  # over those that may not
 SHAPE_KINDS = Table(28, 4, whole=True)  # of shapes: see `kickdrift.world.collision.dispatch`
 COLLIDERS = Table(25, 16, whole=True)  # address of the function for each pair of kinds of shapes
-ARTICULATION = Table(26, 12, whole=True)
+# Trees of joints: see `kickdrift.world.joints.layout`
+ARTICULATION = Table(26, 8, whole=True)
 LINK = Table(46, 10, whole=True)  # a body of an articulation and the joint that it hangs on, parents first
-LINK_NUMBERS = Table(47, 248)
-CONTACT_ROW = Table(48, 288)  # of contacts that are solved directly: see `kickdrift.world.direct.layout`
-GRAPH = Table(51, 4, whole=True)  # one row: see `kickdrift.world.direct.nodes`
+LINK_NUMBERS = Table(47, 232)
+GRAPH = Table(51, 4, whole=True)  # one row
+# The direct solver: see `kickdrift.world.direct.layout`
+CONTACT_ROW = Table(48, 288)  # of contacts that are solved directly
 ISLAND = Table(52, 12, whole=True)
 ISLAND_CONTACT = Table(53, 1, whole=True)  # contacts of the linked colour, one island after the other
 ISLAND_JOINT = Table(54, 1, whole=True)  # rows of LINK that have joints, one island after the other
@@ -78,21 +76,22 @@ NODE = Table(55, 8, whole=True)
 NEIGHBOUR = Table(56, 1, whole=True)  # node
 BLOCK = Table(57, 144)
 ADJACENCY = Table(58, 1, whole=True)  # bits: which nodes are coupled
-COLOURS = Table(30, 4, whole=True)  # contacts of a colour, its first group and the group after its last
+# The sweeps
+COLOURS = Table(30, 4, whole=True)  # of contacts: see `kickdrift.world.contacts.layout`
 COLOURED = Table(31, 1, whole=True)  # of each body the set of colours that its contacts have
-SWEEPS = Table(34, 9, whole=True)  # one row: see `kickdrift.world.contacts.contact_solver_simd`
-IMPACT = Table(59, 64)  # hits of a round of impacts: see `kickdrift.world.contacts.restitution`
+SWEEPS = Table(34, 9, whole=True)  # one row: see `kickdrift.world.contacts.layout`
+IMPACT = Table(59, 64)  # hits of a round of impacts: see `kickdrift.world.contacts.simultaneous_impact`
 BOUNCING = Table(60, 1, whole=True)  # contacts that may bounce in this step
-STARTED_POSE = Table(32, 8)  # as POSE and MOTION were when the step began
-STARTED_MOTION = Table(33, 8)
-STARTED_JOINTS = Table(50, 80)  # as JOINT_NUMBERS were
+STARTED_POSE = Table(32, POSE.width)  # as POSE, MOTION and JOINT_NUMBERS were when the step began
+STARTED_MOTION = Table(33, MOTION.width)
+STARTED_JOINTS = Table(50, JOINT_NUMBERS.width)
 SEARCH = Table(38, 16, whole=True)  # one row: see `kickdrift.world.collision.search`
 MOVERS = Table(39, 1, whole=True)  # shapes that may move
 FIXTURES = Table(44, 1, whole=True)  # shapes that may not
 PLANES = Table(40, 1, whole=True)  # shapes that are planes
 SOUGHT = Table(41, 1, whole=True)  # shapes whose pairs are to be found anew
 TRIANGLE_TREE = Table(42, 8)  # over the triangles of each mesh, one tree after the other
-EXCLUDED = Table(43, 2, whole=True)  # pairs of bodies that never touch, the lower one first; sorted
+EXCLUDED = Table(43, 2, whole=True)  # pairs of bodies that never touch, sorted: see `kickdrift.world.collision.filters`
 ASKED_APART = Table(49, 2, whole=True)  # those of them that users ask for; the others are joined
 
 _COUNT = 61

@@ -18,7 +18,7 @@ from kickdrift.world.collision.filters import part_joined
 from kickdrift.world.compiling import compile_step
 from kickdrift.world.conserved_quantities import ConservedQuantities
 from kickdrift.world.contacts import contact_solver_simd
-from kickdrift.world.contacts.layout import WIDTH
+from kickdrift.world.contacts.layout import LANE_COUNT, WIDTH
 from kickdrift.world.events import ContactEvent, events, touching
 from kickdrift.world.forces import AppliesForces
 from kickdrift.world.history import KeepsHistory
@@ -264,10 +264,9 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         if composition != self._composition:
             compile_step(spelt, shapes.kinds, pairs)
             sweeps = self.tables.array(SWEEPS)[0]
-            sweeps[:] = (
-                *(address_of(sweep, contact_solver_simd.SWEEP) for sweep in contact_solver_simd.KERNELS),
-                WIDTH,
-            )
+            for column, sweep in contact_solver_simd.KERNELS.items():
+                sweeps[column] = address_of(sweep, contact_solver_simd.SWEEP)
+            sweeps[LANE_COUNT] = WIDTH
             shapes.find_functions()
             self._addresses, self._composition = addresses(spelt, self.substeps), composition
         self.tables.array(SETTINGS)[0, settings.STEP] = step

@@ -6,7 +6,7 @@ import numpy as np
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, times
-from kickdrift.world.collision.clipping import CORNER
+from kickdrift.world.collision.clipping import CORNER, LABEL
 from kickdrift.world.collision.frames import placed
 from kickdrift.world.shapes.polyhedron import (
     EDGES_AT,
@@ -87,5 +87,5 @@ def put_face(half: Any, frame: Any, face: int, polygon: Any) -> int:
     for k in range(end - begin):
         at = CORNER * k
         polygon[at], polygon[at + 1], polygon[at + 2] = corner_of(half, frame, loop_vertex(UNIT_BOX, begin + k))
-        polygon[at + 3] = k
+        polygon[at + LABEL] = k
     return end - begin

@@ -4,7 +4,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.bvh_update import update_trees
 from kickdrift.world.collision.filters import may_touch
 from kickdrift.world.collision.pair_hash import forget_all, key_of, remember, slots_for
-from kickdrift.world.collision.pairs import PAIR, overlap, seek
+from kickdrift.world.collision.pairs import FIRST_SHAPE, PAIR, PART, SECOND_SHAPE, overlap, seek
 from kickdrift.world.collision.roster import update_bounds
 from kickdrift.world.collision.search import AT_HOME, CONTACTS, FOUND, NEW, PAIRS_AT, PARTS_AT, REVIEW, SHAPES_AT, SLOTS
 from kickdrift.world.contacts.layout import (
@@ -157,12 +157,12 @@ def _append(world: int) -> None:
     row = rows(world, CONTACT)
     at = search[0, PAIRS_AT]
     for _ in range(search[0, FOUND]):
-        a, b = int(pairs[at]), int(pairs[at + 1])
+        a, b = int(pairs[at + FIRST_SHAPE]), int(pairs[at + SECOND_SHAPE])
         for k in range(CONTACT.width):
             contact[row, k] = 0
         for k in range(MANIFOLD.width):
             manifold[row, k] = 0.0
-        contact[row, SHAPE_A], contact[row, SHAPE_B], contact[row, TRIANGLE_INDEX] = a, b, int(pairs[at + 2])
+        contact[row, SHAPE_A], contact[row, SHAPE_B], contact[row, TRIANGLE_INDEX] = a, b, int(pairs[at + PART])
         contact[row, BODY_A], contact[row, BODY_B] = shapes[a, BODY_ROW], shapes[b, BODY_ROW]
         if shapes[a, IS_SENSOR] != 0 or shapes[b, IS_SENSOR] != 0:
             contact[row, CONTACT_STATE] = SENSOR

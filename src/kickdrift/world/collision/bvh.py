@@ -1,9 +1,8 @@
 """A tree of boxes, in the order in which it is walked: what overlaps a box is found among n in about log n steps.
 
-A node is a row: corners of its box (6), the node that comes after all that is below it, and what it is: the item that
-a leaf stands for, `TWIG` where only leaves are below, or `BRANCH`. The nodes below one follow it directly, so that a
-walk needs no stack: where a box overlaps, it goes on to the next row, and where not, it skips what is below. Bounding
-volume hierarchies with skip pointers: Smits, Efficiency issues for ray tracing, J. Graphics Tools 3 (1998).
+A node is a row of `TREE`, or of another table like it. The nodes below one follow it directly, so that a walk needs no
+stack: where a box overlaps, it goes on to the next row, and where not, it skips what is below. Bounding volume hierarchies
+with skip pointers: Smits, Efficiency issues for ray tracing, J. Graphics Tools 3 (1998).
 """
 
 from typing import Any
@@ -12,10 +11,19 @@ from numba import carray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
+from kickdrift.world.columns import Fields, column
+from kickdrift.world.tables import TREE
 
-# Columns of a node
-SKIP = 6
-ITEM = 7
+# Columns of TREE, STATIC_TREE and TRIANGLE_TREE
+column(TREE, 6, "m")  # corners of its box
+SKIP = column(TREE)  # the node that comes after all that is below it
+ITEM = column(TREE)  # what a leaf stands for; `TWIG` where only leaves are below, or `BRANCH`
+
+# Numbers of a seed, of which a leaf grows
+_SEED = Fields()
+_SEED.field(3, "m")  # centre of the box
+SEED_ITEM = _SEED.field()
+SEED = _SEED.close()
 
 NODES_PER_ITEM = 3  # at most: its leaf, a twig and a branch
 
@@ -34,7 +42,7 @@ _DEEP = 64  # beyond this depth items are halved by count: no tree gets deeper t
 def build(seeds: Any, nodes: Any) -> int:
     """Arrange items in a tree, halving the longest side of what encloses their centres; `fit` does the rest.
 
-    A row of `seeds` is the centre of a box (3) and its item; the rows are permuted. Returns the number of nodes.
+    The rows of `seeds` are permuted. Returns the number of nodes.
     """
     stack = carray(floats_on_stack(768), (256, 3))
     stack[0, 0], stack[0, 1], stack[0, 2] = 0, len(seeds), 0
@@ -55,7 +63,7 @@ def build(seeds: Any, nodes: Any) -> int:
         nodes[last, SKIP] = last + 1 + end - first
         last += 1
         for k in range(first, end):
-            nodes[last, ITEM] = seeds[k, 3]
+            nodes[last, ITEM] = seeds[k, SEED_ITEM]
             nodes[last, SKIP] = last + 1
             last += 1
     return last
@@ -84,7 +92,7 @@ def _halve(seeds: Any, first: int, end: int, depth: int) -> int:
             right -= 1
         if left > right:
             break
-        for k in range(4):
+        for k in range(SEED):
             seeds[left, k], seeds[right, k] = seeds[right, k], seeds[left, k]
     return left
 

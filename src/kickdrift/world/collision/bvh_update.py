@@ -2,7 +2,7 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import shaped
-from kickdrift.world.collision.bvh import NODES_PER_ITEM, build, fit
+from kickdrift.world.collision.bvh import NODES_PER_ITEM, SEED, SEED_ITEM, build, fit
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.roster import enlist
 from kickdrift.world.collision.search import (
@@ -39,8 +39,7 @@ from kickdrift.world.tables import (
     set_rows,
 )
 
-_SEED = 4  # numbers: centre and item
-_BOX = 6
+_BOX = 6  # numbers
 
 
 @compiled
@@ -87,15 +86,15 @@ def update_for_queries(world: int) -> bool:
 def _build_tree(world: int, items: Table, tree: Table) -> bool:
     """Build the tree over the fat bounds of the shapes on a list."""
     count = rows(world, items)
-    if not _has_room(world, tree, NODES_PER_ITEM * count, _SEED * count):
+    if not _has_room(world, tree, NODES_PER_ITEM * count, SEED * count):
         return False
     listed, bounds = integers(world, items), floats(world, BOUNDS)
-    seeds = shaped(flat(world, SCRATCH), (count, _SEED))
+    seeds = shaped(flat(world, SCRATCH), (count, SEED))
     for k in range(count):
         shape = listed[k, 0]
         for axis in range(3):
             seeds[k, axis] = 0.5 * bounds[shape, LOWER + axis] + 0.5 * bounds[shape, UPPER + axis]
-        seeds[k, 3] = shape
+        seeds[k, SEED_ITEM] = shape
     nodes = floats(world, tree)
     last = build(seeds, nodes)
     fit(nodes[:last], bounds)
@@ -114,7 +113,7 @@ def _build_part_trees(world: int) -> bool:
         if shapes[shape, SHAPE_KIND] >= 0 and sort_of(world, shape) == SURFACE:
             total += triangles_of(shapes[shape, SIZE])
             most = max(most, triangles_of(shapes[shape, SIZE]))
-    if not _has_room(world, TRIANGLE_TREE, NODES_PER_ITEM * total, (_SEED + _BOX) * most):
+    if not _has_room(world, TRIANGLE_TREE, NODES_PER_ITEM * total, (SEED + _BOX) * most):
         return False
     nodes = floats(world, TRIANGLE_TREE)
     last = 0
@@ -122,12 +121,12 @@ def _build_part_trees(world: int) -> bool:
         if shapes[shape, SHAPE_KIND] < 0 or sort_of(world, shape) != SURFACE:
             continue
         count = triangles_of(shapes[shape, SIZE])
-        seeds, boxes = shaped(scratch, (count, _SEED)), shaped(scratch[_SEED * count :], (count, _BOX))
+        seeds, boxes = shaped(scratch, (count, SEED)), shaped(scratch[SEED * count :], (count, _BOX))
         for part in range(count):
             box = triangle_box(numbers, shapes[shape, BEGIN], part)
             for axis in range(3):
                 seeds[part, axis] = 0.5 * box[axis] + 0.5 * box[3 + axis]
-            seeds[part, 3] = part
+            seeds[part, SEED_ITEM] = part
             for k in range(6):
                 boxes[part, k] = box[k]
         first = last

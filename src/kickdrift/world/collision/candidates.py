@@ -1,19 +1,24 @@
 """Candidates for the points of a manifold, and the up to four of them that are chosen.
 
-A candidate is a row of `CANDIDATE` numbers: a point of the incident face in the frame of the first shape (3), its
-separation from the reference face, and the id of the features that meet there.
+A candidate is a point of the incident face, a row of `CANDIDATE` numbers.
 """
 
 from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, minus, times
-from kickdrift.world.collision.clipping import CORNER, between
+from kickdrift.world.collision.clipping import CORNER, LABEL, between
 from kickdrift.world.collision.frames import placed_back
 from kickdrift.world.collision.points import put_normal, put_point
+from kickdrift.world.columns import Fields
 from kickdrift.world.shapes.polyhedron import MOST_VERTICES, loop, loop_edge, loop_vertex
 
-CANDIDATE = 5
+# Numbers of a candidate
+_CANDIDATE = Fields()
+_CANDIDATE.field(3, "m")  # the point, in the frame of the first shape
+SEPARATION = _CANDIDATE.field(1, "m")  # from the reference face
+FEATURES = _CANDIDATE.field()  # id of those that meet there
+CANDIDATE = _CANDIDATE.close()
 
 _STEADY = 0.95  # a candidate must be better by this factor than one before it: the choice stays from step to step
 _THIN = 1e-6  # area of a triangle, over the square of its longest side, below which its third corner adds nothing
@@ -50,7 +55,7 @@ def corner_feature(
 def put_candidate(candidates: Any, at: int, point: Vector, gap: float, feature: int) -> None:
     """Write a candidate from a given number on."""
     candidates[at], candidates[at + 1], candidates[at + 2] = point
-    candidates[at + 3], candidates[at + 4] = gap, feature
+    candidates[at + SEPARATION], candidates[at + FEATURES] = gap, feature
 
 
 @compiled
@@ -82,7 +87,7 @@ def put_candidates(
         point = (polygon[at], polygon[at + 1], polygon[at + 2])
         gap = dot(normal, point) - offset
         if gap <= margin:
-            before, after = polygon[CORNER * (k - 1 if k > 0 else count - 1) + 3], polygon[at + 3]
+            before, after = polygon[CORNER * (k - 1 if k > 0 else count - 1) + LABEL], polygon[at + LABEL]
             feature = corner_feature(reference, face, incident, other, before, after, second_is_reference)
             put_candidate(candidates, CANDIDATE * kept, point, gap, feature)
             kept, depth = kept + 1, min(depth, gap)
@@ -102,7 +107,7 @@ def choose(candidates: Any, count: int, normal: Vector, tolerance: float, chosen
         return count
     first = count - 1
     for k in range(count - 1):
-        if candidates[CANDIDATE * k + 3] < candidates[CANDIDATE * first + 3] - tolerance:
+        if candidates[CANDIDATE * k + SEPARATION] < candidates[CANDIDATE * first + SEPARATION] - tolerance:
             first = k
     chosen[0] = first
     a = _point(candidates, first)
@@ -172,7 +177,7 @@ def put_manifold(
     for k in range(count):
         at = CANDIDATE * int(chosen[k])
         point = (candidates[at], candidates[at + 1], candidates[at + 2])
-        under = minus(point, times(candidates[at + 3], normal))
+        under = minus(point, times(candidates[at + SEPARATION], normal))
         on_a, on_b = (point, under) if second_is_reference else (under, point)
-        put_point(manifold, k, on_a, placed_back(frame, on_b), int(candidates[at + 4]))
+        put_point(manifold, k, on_a, placed_back(frame, on_b), int(candidates[at + FEATURES]))
     put_normal(manifold, times(-1.0 if second_is_reference else 1.0, normal))

@@ -12,6 +12,7 @@ from kickdrift.core.vectors import Vector, minus, turned, turned_back
 from kickdrift.world.collision.bvh_walk import NOTHING, advance, reciprocal, start
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.narrow_phase import shape_pose
+from kickdrift.world.columns import Fields
 from kickdrift.world.layout import BEGIN, BODY_ROW, FIRST_TREE_NODE, IS_SENSOR, LAST_TREE_NODE, LAYER, SHAPE_KIND, SIZE
 from kickdrift.world.shapes.kinds import TRIANGLE
 from kickdrift.world.shapes.rays import MISS, Hit
@@ -31,11 +32,12 @@ from kickdrift.world.tables import (
     rows,
 )
 
-# Columns of hits
-SHAPE_HIT = 0
-DISTANCE = 1
-NORMAL = 2  # (3)
-HIT = 5
+# Numbers of a hit
+_HIT = Fields()
+SHAPE_HIT = _HIT.field()
+DISTANCE = _HIT.field(1, "m")
+NORMAL = _HIT.field(3)
+HIT = _HIT.close()
 
 _ray = caller(RAY)
 

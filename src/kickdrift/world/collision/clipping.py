@@ -1,6 +1,6 @@
 """Clipping of one face by the sides of another (Sutherland and Hodgman 1974).
 
-A polygon is a row of corners of `CORNER` numbers: a point (3) and a label of the side that leaves it. Sides of the
+A polygon is a row of corners of `CORNER` numbers: a point and a label of the side that leaves it. Sides of the
 incident face, the one that is clipped, keep their number k as label; what the k-th side of the reference face cuts is
 labelled -1 - k. A corner between two labels is thus a vertex of the one face, a vertex of the other, or a crossing of
 two edges: the same features, and so the same contact, whichever of the two faces clips the other.
@@ -10,8 +10,13 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector
+from kickdrift.world.columns import Fields
 
-CORNER = 4
+# Numbers of a corner
+_CORNER = Fields()
+_CORNER.field(3, "m")  # point
+LABEL = _CORNER.field()
+CORNER = _CORNER.close()
 
 
 @compiled
@@ -55,13 +60,13 @@ def clip(polygon: Any, count: int, spare: Any, normal: Vector, offset: float, sl
                 spare[to + i] = polygon[at + i]
             kept += 1
             if here >= 0.0 and there > slack:  # the corner is on the plane: no second one there
-                spare[to + 3] = label
+                spare[to + LABEL] = label
         if (here < 0.0 and there > slack) or (there < 0.0 and here > slack):
             to = count + CORNER * kept
             share = here / (here - there)
             for i in range(3):
                 spare[to + i] = polygon[at + i] + share * (polygon[CORNER * following + i] - polygon[at + i])
-            spare[to + 3] = label if here < 0.0 else polygon[at + 3]
+            spare[to + LABEL] = label if here < 0.0 else polygon[at + LABEL]
             kept += 1
     for i in range(CORNER * kept):
         polygon[i] = spare[count + i]

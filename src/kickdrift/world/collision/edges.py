@@ -1,7 +1,6 @@
 """Edges of two polyhedra against each other: as separating axes, and as the closest of all features.
 
-Edges are rows of `EDGE` numbers: middle (3), the way from there to one end (3), number, normals of the faces on both
-sides (6).
+Edges are rows of `EDGE` numbers.
 """
 
 import math
@@ -15,11 +14,18 @@ from kickdrift.world.collision.candidates import crossing
 from kickdrift.world.collision.frames import placed_back
 from kickdrift.world.collision.points import put_normal, put_point
 from kickdrift.world.collision.preference import PARALLEL
+from kickdrift.world.columns import Fields
 from kickdrift.world.shapes.closest import along, segments
 from kickdrift.world.shapes.polyhedron import EDGES, edge, plane, vertex
 
-EDGE = 13
-_HALF, _NUMBER, _LEFT, _RIGHT = 3, 6, 7, 10
+# Numbers of an edge
+_EDGE = Fields()
+_EDGE.field(3, "m")  # its middle
+_HALF = _EDGE.field(3, "m")  # the way from there to one end
+_NUMBER = _EDGE.field()
+_LEFT = _EDGE.field(3)  # normals of the faces on both sides
+_RIGHT = _EDGE.field(3)
+EDGE = _EDGE.close()
 
 _ROUNDING = 1e-9  # of the lengths of edges
 

@@ -12,7 +12,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, times
 from kickdrift.world.collision.candidates import CANDIDATE, put_candidates
-from kickdrift.world.collision.clipping import CORNER, clip
+from kickdrift.world.collision.clipping import CORNER, LABEL, clip
 from kickdrift.world.collision.frames import directed, placed
 from kickdrift.world.shapes.polyhedron import (
     EDGES,
@@ -122,7 +122,7 @@ def clipped_face(
     for k in range(count):
         at = CORNER * k
         polygon[at], polygon[at + 1], polygon[at + 2] = vertex(incident_seen, loop_vertex(incident, begin + k))
-        polygon[at + 3] = k
+        polygon[at + LABEL] = k
     begin, end = loop(reference, face)
     p = vertex(reference_seen, loop_vertex(reference, end - 1))
     for k in range(begin, end):

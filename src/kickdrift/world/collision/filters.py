@@ -5,10 +5,15 @@ from numpy.typing import ArrayLike
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.search import filters_changed
+from kickdrift.world.columns import column
 from kickdrift.world.flight import BODY_KIND, DYNAMIC
 from kickdrift.world.joints import layout
 from kickdrift.world.layout import BODY_ROW, IS_SENSOR, LAYER, MASK
 from kickdrift.world.tables import ASKED_APART, BODY, EXCLUDED, JOINT, SHAPE, Tables, integers, rows
+
+# Columns of EXCLUDED and ASKED_APART: pairs of bodies
+LOW_BODY = column(EXCLUDED)  # the one whose row is lower
+HIGH_BODY = column(EXCLUDED)
 
 
 @compiled
@@ -32,11 +37,11 @@ def _excluded(world: int, i: int, j: int) -> bool:
     low, high = 0, rows(world, EXCLUDED)
     while low < high:
         middle = (low + high) // 2
-        if pairs[middle, 0] < i or (pairs[middle, 0] == i and pairs[middle, 1] < j):
+        if pairs[middle, LOW_BODY] < i or (pairs[middle, LOW_BODY] == i and pairs[middle, HIGH_BODY] < j):
             low = middle + 1
         else:
             high = middle
-    return low < rows(world, EXCLUDED) and pairs[low, 0] == i and pairs[low, 1] == j
+    return low < rows(world, EXCLUDED) and pairs[low, LOW_BODY] == i and pairs[low, HIGH_BODY] == j
 
 
 def exclude(tables: Tables, pairs: ArrayLike) -> None:

@@ -15,9 +15,10 @@ from kickdrift.world.collision.frustum_polyhedra import polyhedron_frustum
 from kickdrift.world.collision.frustum_round import FLAT_ON, lowest_direction
 from kickdrift.world.collision.points import put_normal, put_point
 from kickdrift.world.collision.preference import SHARE_OFF
-from kickdrift.world.contacts.layout import FEATURE, ON_A, ON_B, POINT, POINT_SIZE
+from kickdrift.world.contacts.layout import FEATURE, NORMAL, ON_A, ON_B, POINT, POINT_SIZE
 from kickdrift.world.shapes.frustum import Frustum, frustum_of, highest, radial
 from kickdrift.world.shapes.polyhedron import HEADER, PLANES_AT, THICKNESS, VERTICES, polyhedron_numbers, vertex
+from kickdrift.world.tables import MANIFOLD
 
 _ROUNDS = 7  # which leave 0.1 degrees: two millionths of a radius
 _SAME = 1e-6  # rad, by which the place where they touch may be off around the first
@@ -40,7 +41,7 @@ _PYRAMID = polyhedron_numbers(
 )
 
 _SIZE = len(_PRISM)
-_MANIFOLD = 64
+_MANIFOLD = MANIFOLD.width
 _OTHER_WAY = 1 << 24  # of features that the second has as a polyhedron
 
 
@@ -80,7 +81,7 @@ def frustum_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> 
 
 @compiled(inline=True)
 def _normal(manifold: Any) -> Vector:
-    return (manifold[0], manifold[1], manifold[2])
+    return (manifold[NORMAL], manifold[NORMAL + 1], manifold[NORMAL + 2])
 
 
 @compiled(inline=True)

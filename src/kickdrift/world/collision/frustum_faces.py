@@ -12,8 +12,8 @@ import numpy as np
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times
-from kickdrift.world.collision.candidates import CANDIDATE, choose, put_candidate
-from kickdrift.world.collision.clipping import CORNER, clip
+from kickdrift.world.collision.candidates import CANDIDATE, FEATURES, SEPARATION, choose, put_candidate
+from kickdrift.world.collision.clipping import CORNER, LABEL, clip
 from kickdrift.world.collision.faces import incident_face
 from kickdrift.world.collision.frames import directed_back, placed_back
 from kickdrift.world.collision.frustum_round import FLAT_ON, line_of, lowest_direction, over_end
@@ -66,8 +66,8 @@ def lie_on_face(
         p = (polygon[CORNER * k], polygon[CORNER * k + 1], polygon[CORNER * k + 2])
         gap = dot(normal, p) - offset
         if gap <= margin:
-            before = polygon[CORNER * (k - 1 if k > 0 else count - 1) + 3]
-            feature = int(before + _ENDS) * _OF_LABELS + int(polygon[CORNER * k + 3] + _ENDS)
+            before = polygon[CORNER * (k - 1 if k > 0 else count - 1) + LABEL]
+            feature = int(before + _ENDS) * _OF_LABELS + int(polygon[CORNER * k + LABEL] + _ENDS)
             put_candidate(candidates, CANDIDATE * kept, p, gap, feature)
             kept, depth = kept + 1, min(depth, gap)
     chosen = floats_on_stack(4)
@@ -75,7 +75,8 @@ def lie_on_face(
     for k in range(kept):
         i = CANDIDATE * int(chosen[k])
         p = (candidates[i], candidates[i + 1], candidates[i + 2])
-        put_point(manifold, k, placed_back(frame, along(p, -candidates[i + 3], normal)), p, int(candidates[i + 4]))
+        gap, feature = candidates[i + SEPARATION], int(candidates[i + FEATURES])
+        put_point(manifold, k, placed_back(frame, along(p, -gap, normal)), p, feature)
     put_normal(manifold, directed_back(frame, normal))
     return kept, depth
 
@@ -101,8 +102,8 @@ def stand_on_end(
         p = (polygon[CORNER * k], polygon[CORNER * k + 1], polygon[CORNER * k + 2])
         gap = dot(normal, p) - f[2]
         if gap <= margin:
-            before = polygon[CORNER * (k - 1 if k > 0 else count - 1) + 3]
-            feature = int(before + _ENDS) * _OF_LABELS + int(polygon[CORNER * k + 3] + _ENDS)
+            before = polygon[CORNER * (k - 1 if k > 0 else count - 1) + LABEL]
+            feature = int(before + _ENDS) * _OF_LABELS + int(polygon[CORNER * k + LABEL] + _ENDS)
             put_candidate(candidates, CANDIDATE * kept, p, gap, feature)
             kept, depth = kept + 1, min(depth, gap)
     chosen = floats_on_stack(4)
@@ -110,7 +111,8 @@ def stand_on_end(
     for k in range(kept):
         i = CANDIDATE * int(chosen[k])
         p = (candidates[i], candidates[i + 1], candidates[i + 2])
-        put_point(manifold, k, placed_back(frame, p), along(p, -candidates[i + 3], normal), int(candidates[i + 4]))
+        gap, feature = candidates[i + SEPARATION], int(candidates[i + FEATURES])
+        put_point(manifold, k, placed_back(frame, p), along(p, -gap, normal), feature)
     put_normal(manifold, directed_back(frame, times(-1.0, normal)))
     return kept, depth
 
@@ -161,7 +163,7 @@ def touch_edge(
 def _put_corner(polygon: Any, k: int, point: Vector, label: float) -> None:
     at = CORNER * k
     polygon[at], polygon[at + 1], polygon[at + 2] = point
-    polygon[at + 3] = label
+    polygon[at + LABEL] = label
 
 
 @compiled(inline=True)

@@ -10,13 +10,15 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Quaternion, Vector, cross, dot, minus, normal_to, plus, product, turned
 from kickdrift.world.collision.dispatch import sort_of
-from kickdrift.world.columns import quaternion_at, vector_at
+from kickdrift.world.columns import Fields, quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
     CONTACT_STATE,
     FEATURE,
     FOUND_POSE,
     MOVING,
+    NORMAL,
     NORMAL_IMPULSE,
+    ON_A,
     POINT,
     POINT_SIZE,
     POINTS,
@@ -61,7 +63,11 @@ COLLIDE = types.int64(_ARRAY, _ARRAY, _ARRAY, types.float64, _ARRAY)
 
 collide = caller(COLLIDE)
 
-_OLD = 4 * POINT_SIZE + 4  # numbers of four points, and their impulses
+# Numbers of a manifold that are kept while its points are found anew
+_KEPT = Fields()
+_KEPT.field(4 * POINT_SIZE)  # points
+_OLD_IMPULSE = _KEPT.field(4, "N s")
+_OLD = _KEPT.close()
 _NEAR = 0.2  # of the smaller shape, within which a point takes the impulse of another one
 
 
@@ -114,7 +120,7 @@ def look_again(world: int, row: int, at: Vector, turn: Quaternion, margin: float
     for k in range(before):
         for j in range(POINT_SIZE):
             old[POINT_SIZE * k + j] = own[POINT + POINT_SIZE * k + j]
-        old[4 * POINT_SIZE + k] = own[NORMAL_IMPULSE + k]
+        old[_OLD_IMPULSE + k] = own[NORMAL_IMPULSE + k]
     count = collide(
         integers(world, COLLIDERS)[kind_a, shape[b, SHAPE_KIND]],
         (numbers[begin_a : begin_a + size_a], numbers[begin_b : begin_b + size_b], found, margin, own),
@@ -138,8 +144,8 @@ def _hand_over(own: Any, old: Any, before: int, count: int, near: float) -> None
         own[NORMAL_IMPULSE + new] = -1.0
         for k in range(before):
             if old[POINT_SIZE * k + FEATURE] == own[_id(new)]:
-                own[NORMAL_IMPULSE + new] = old[4 * POINT_SIZE + k]
-                old[4 * POINT_SIZE + k] = -1.0
+                own[NORMAL_IMPULSE + new] = old[_OLD_IMPULSE + k]
+                old[_OLD_IMPULSE + k] = -1.0
                 left -= 1
                 break
     for new in range(count):
@@ -148,12 +154,12 @@ def _hand_over(own: Any, old: Any, before: int, count: int, near: float) -> None
         own[NORMAL_IMPULSE + new] = 0.0
         nearest, square = -1, near * near
         for k in range(before if left > 0 else 0):
-            away = minus(_at(own, POINT + POINT_SIZE * new), _at(old, POINT_SIZE * k))
-            if old[4 * POINT_SIZE + k] >= 0.0 and dot(away, away) < square:
+            away = minus(_at(own, POINT + POINT_SIZE * new + ON_A), _at(old, POINT_SIZE * k + ON_A))
+            if old[_OLD_IMPULSE + k] >= 0.0 and dot(away, away) < square:
                 nearest, square = k, dot(away, away)
         if nearest >= 0:
-            own[NORMAL_IMPULSE + new] = old[4 * POINT_SIZE + nearest]
-            old[4 * POINT_SIZE + nearest] = -1.0
+            own[NORMAL_IMPULSE + new] = old[_OLD_IMPULSE + nearest]
+            old[_OLD_IMPULSE + nearest] = -1.0
             left -= 1
 
 
@@ -170,13 +176,13 @@ def _width(own: Any, count: int) -> float:
     """
     if count < 3:
         return 0.0
-    along = (own[0], own[1], own[2])
+    along = _at(own, NORMAL)
     first = normal_to(along)
     second = cross(along, first)
     x, y, xx, yy, xy = 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(count):
         p = POINT + POINT_SIZE * k
-        at = (own[p], own[p + 1], own[p + 2])
+        at = _at(own, p + ON_A)
         u, v = dot(first, at), dot(second, at)
         x, y, xx, yy, xy = x + u, y + v, xx + u * u, yy + v * v, xy + u * v
     xx, yy, xy = xx / count - (x / count) ** 2, yy / count - (y / count) ** 2, xy / count - x * y / count**2

@@ -18,6 +18,7 @@ from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
 from kickdrift.world.tables import (
     BOUNDS,
     GEOMETRY,
+    MANIFOLD,
     PLANES,
     SHAPE,
     STATIC_TREE,
@@ -28,6 +29,8 @@ from kickdrift.world.tables import (
     integers,
     rows,
 )
+
+_MANIFOLD = MANIFOLD.width
 
 
 @compiled
@@ -87,10 +90,10 @@ def _touch(
     if kind_b < kind_a:
         kind_a, a, at_a, turn_a, kind_b, b, at_b, turn_b = kind_b, b, at_b, turn_b, kind_a, a, at_a, turn_a
     pose = carray(floats_on_stack(7), (7,))
-    manifold = carray(floats_on_stack(64), (64,))
+    manifold = carray(floats_on_stack(_MANIFOLD), (_MANIFOLD,))
     pose[0], pose[1], pose[2] = turned_back(turn_a, minus(at_b, at_a))
     pose[3], pose[4], pose[5], pose[6] = product(conjugate(turn_a), turn_b)
-    for k in range(64):
+    for k in range(_MANIFOLD):
         manifold[k] = 0.0
     count: int = collide(function, (a, b, pose, 0.0, manifold))
     return count > 0

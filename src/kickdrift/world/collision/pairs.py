@@ -9,6 +9,7 @@ from kickdrift.world.collision.filters import may_touch
 from kickdrift.world.collision.pair_hash import is_known, key_of
 from kickdrift.world.collision.search import AT_HOME, FOUND, PAIRS_AT, PARTS_AT, SHAPES_AT, VISITS
 from kickdrift.world.collision.sorting import sort
+from kickdrift.world.columns import Fields
 from kickdrift.world.layout import BEGIN, FIRST_TREE_NODE, LAST_TREE_NODE, SEARCH_STATE, SHAPE_KIND
 from kickdrift.world.shapes.kinds import TRIANGLE
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
@@ -32,7 +33,12 @@ from kickdrift.world.tables import (
     rows,
 )
 
-PAIR = 3  # numbers of a pair that was found: shapes and part
+# Numbers of a pair that was found
+_PAIR = Fields()
+FIRST_SHAPE = _PAIR.field()
+SECOND_SHAPE = _PAIR.field()
+PART = _PAIR.field()  # of the first, where it is a mesh
+PAIR = _PAIR.close()
 
 
 @compiled
@@ -135,5 +141,5 @@ def _note(world: int, a: int, b: int, part: int) -> None:
     search, pairs = integers(world, SEARCH), flat(world, SCRATCH)
     at = search[0, PAIRS_AT] + PAIR * search[0, FOUND]
     if at + PAIR <= room(world, SCRATCH):
-        pairs[at], pairs[at + 1], pairs[at + 2] = a, b, part
+        pairs[at + FIRST_SHAPE], pairs[at + SECOND_SHAPE], pairs[at + PART] = a, b, part
     search[0, FOUND] += 1

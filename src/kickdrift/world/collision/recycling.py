@@ -7,6 +7,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, conjugate, dot, minus, product, turned_back
 from kickdrift.world.collision.dispatch import is_round, sort_of
 from kickdrift.world.collision.narrow_phase import look_again, placed_pose, smallest
+from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
     BODY_A,
     BODY_B,
@@ -109,10 +110,8 @@ def _closing_speed(world: int, row: int) -> float:
 @compiled(inline=True)
 def _moved(manifold: Any, row: int, at: Vector, turn: Quaternion, radius: float) -> float:
     """Bound how far any point of the second shape has moved in the first's frame since its points were found."""
-    f = FOUND_POSE
-    then = (manifold[row, f], manifold[row, f + 1], manifold[row, f + 2])
-    q = (manifold[row, f + 3], manifold[row, f + 4], manifold[row, f + 5], manifold[row, f + 6])
-    way = minus(at, then)
+    q = quaternion_at(manifold, row, FOUND_POSE + 3)
+    way = minus(at, vector_at(manifold, row, FOUND_POSE))
     d = product(conjugate(q), turn)
     angle = 2.0 * math.sqrt(d[1] * d[1] + d[2] * d[2] + d[3] * d[3])
     return math.sqrt(dot(way, way)) + angle * radius

@@ -30,6 +30,9 @@ from kickdrift.world.contacts.layout import (
     CONTACT_STATE,
     FAST,
     FOUND_POSE,
+    NORMAL,
+    ON_A,
+    ON_B,
     POINT,
     POINT_SIZE,
     POINTS,
@@ -111,12 +114,12 @@ def _relative(world: int, row: int, when: float) -> tuple[Vector, Quaternion, Qu
 def _deepest(world: int, row: int, at: Vector, turn: Quaternion) -> tuple[float, Vector]:
     """Smallest gap of the points of a contact, and the normal, in the frame of the first shape."""
     manifold = floats(world, MANIFOLD)
-    normal = vector_at(manifold, row, 0)
+    normal = vector_at(manifold, row, NORMAL)
     gap = 1e300
     for k in range(integers(world, CONTACT)[row, POINTS]):
         p = POINT + POINT_SIZE * k
-        on_b = plus(at, turned(turn, vector_at(manifold, row, p + 3)))
-        gap = min(gap, dot(normal, minus(on_b, vector_at(manifold, row, p))))
+        on_b = plus(at, turned(turn, vector_at(manifold, row, p + ON_B)))
+        gap = min(gap, dot(normal, minus(on_b, vector_at(manifold, row, p + ON_A))))
     return gap, normal
 
 
@@ -127,7 +130,7 @@ def _bring_back(world: int, row: int, when: float) -> None:
     _, frame_a = placed_pose(world, contact[row, SHAPE_A])
     _, frame_b = placed_pose(world, contact[row, SHAPE_B])
     _, turn, turn_a = _relative(world, row, when)
-    then = vector_at(manifold, row, 0)
+    then = vector_at(manifold, row, NORMAL)
     along = turned(turn_a, then)
     now = turned_back(frame_a, along)
     radius_a, radius_b = radius(world, contact[row, SHAPE_A]), radius(world, contact[row, SHAPE_B])
@@ -135,9 +138,9 @@ def _bring_back(world: int, row: int, when: float) -> None:
     on_b = times(-radius_b, minus(turned_back(frame_b, along), turned_back(turn, then)))
     for k in range(contact[row, POINTS]):
         p = POINT + POINT_SIZE * k
-        _put(manifold, row, p, plus(vector_at(manifold, row, p), on_a))
-        _put(manifold, row, p + 3, plus(vector_at(manifold, row, p + 3), on_b))
-    _put(manifold, row, 0, now)
+        _put(manifold, row, p + ON_A, plus(vector_at(manifold, row, p + ON_A), on_a))
+        _put(manifold, row, p + ON_B, plus(vector_at(manifold, row, p + ON_B), on_b))
+    _put(manifold, row, NORMAL, now)
     at, turn, _ = _relative(world, row, 0.0)
     _put(manifold, row, FOUND_POSE, at)
     for k in range(4):

@@ -14,6 +14,7 @@ from kickdrift.world.collision.preference import SHARE_OFF, tolerance_of
 from kickdrift.world.collision.triangle_polyhedra import BEHIND, SIZE_OF_TRIANGLE, set_triangle
 from kickdrift.world.shapes.frustum import deepest, frustum_of, highest
 from kickdrift.world.shapes.polyhedron import plane, vertex
+from kickdrift.world.shapes.triangle import ACTIVE_EDGES
 
 # Cosine of the angle between normal and face, below which the face on the other side of the edge sees more of it.
 _BACKWARDS = -0.01
@@ -39,7 +40,7 @@ def triangle_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) ->
         gap = lowest(seen, n) - highest(f, n)
         if gap > margin:
             return 0
-        if a[9 + k] != 0.0 and gap > gap_edge and -dot(n, normal) >= _BACKWARDS:
+        if a[ACTIVE_EDGES + k] != 0.0 and gap > gap_edge and -dot(n, normal) >= _BACKWARDS:
             side, share, outward, gap_edge = k, t, n, gap
     best = max(gap_face, gap_edge)
     tolerance = tolerance_of(margin, min(f[2], max(f[0], f[1])))

@@ -34,6 +34,7 @@ from kickdrift.world.shapes.polyhedron import (
     pointer_to,
     vertex,
 )
+from kickdrift.world.shapes.triangle import ACTIVE_EDGES
 
 # A body whose centre is deeper than this, or than half of the margin, is behind the triangle and not in touch with
 # it. Thin plates may sink as deep as the slop and have to be lifted out.
@@ -112,7 +113,7 @@ def _pushes(triangle: Any, a: Any, direction: Vector) -> bool:
             up = along
         elif along > most:
             best, most = k - 1, along
-    return a[9 + best] != 0.0 and up > -_DOWN
+    return a[ACTIVE_EDGES + best] != 0.0 and up > -_DOWN
 
 
 @compiled
@@ -146,7 +147,7 @@ def set_triangle(triangle: Any, a: Any) -> None:
         _put_plane(triangle, _PLANES + 4 + 4 * k, minus(side, times(_DOWN, normal)), begin)
         other -= 1
         _put_edge(triangle, _EDGES + 4 * other, k, 1 + k, _BELOW)
-        if a[9 + k] != 0.0:
+        if a[ACTIVE_EDGES + k] != 0.0:
             at = _EDGES + 4 * pushing
             pushing += 1
         else:

@@ -26,6 +26,7 @@ from kickdrift.world.collision.lying import (
 )
 from kickdrift.world.collision.points import place, put_normal, put_point, turn
 from kickdrift.world.shapes.closest import COINCIDENT, along, clamped, segments
+from kickdrift.world.shapes.triangle import ACTIVE_EDGES
 
 _UP: Vector = (0.0, 0.0, 1.0)
 _BEHIND = 0.5  # radii, by which the middle of a round shape may have sunk in
@@ -141,11 +142,11 @@ def _edge(corners: Corners, k: int) -> tuple[Vector, Vector]:
 @compiled(inline=True)
 def _convex(a: Any, edge: int, t: float) -> bool:
     """Whether an edge, or at one of its ends, -1 or 1, the one that it meets there, is convex."""
-    if a[9 + edge] != 0.0:
+    if a[ACTIVE_EDGES + edge] != 0.0:
         return True
     if t >= 1.0:
-        return bool(a[9 + (edge + 1) % 3] != 0.0)
-    return bool(t <= -1.0 and a[9 + (edge + 2) % 3] != 0.0)
+        return bool(a[ACTIVE_EDGES + (edge + 1) % 3] != 0.0)
+    return bool(t <= -1.0 and a[ACTIVE_EDGES + (edge + 2) % 3] != 0.0)
 
 
 @compiled
@@ -204,7 +205,7 @@ def _over(a: Any, corners: Corners, up: Vector, centre: Vector, axis: Vector, ha
         start, to = _edge(corners, k)
         inward = times(1.0 / length(to), cross(up, to))
         inside, slope = dot(inward, minus(centre, start)), dot(inward, axis)
-        if a[9 + k] == 0.0:
+        if a[ACTIVE_EDGES + k] == 0.0:
             inside += overlap
         if slope > 0.0:
             low = max(low, -inside / slope)

@@ -288,8 +288,8 @@ def measure_normals(own: Any, s: Any, unused: float, none: float, nothing: float
         s[MARK * W + lane] = max(most, _point_speed(own, lane, i + 3 * _NEXT, v, turning, between))
 
 
-# What the table `SWEEPS` holds: the addresses of these, and the number of lanes.
-KERNELS = (apply_impulses, solve_normals, solve_friction, fill, find_stale, refresh, refresh_friction, measure_normals)
-APPLY_IMPULSES, SOLVE_NORMALS, SOLVE_FRICTION, FILL, FIND_STALE, REFRESH, REFRESH_FRICTION, MEASURE, LANE_COUNT = range(
-    9
-)
+# By columns of the table `SWEEPS`, which holds their addresses
+KERNELS = {
+    c.APPLY_IMPULSES: apply_impulses, c.SOLVE_NORMALS: solve_normals, c.SOLVE_FRICTION: solve_friction, c.FILL: fill,
+    c.FIND_STALE: find_stale, c.REFRESH: refresh, c.REFRESH_FRICTION: refresh_friction, c.MEASURE: measure_normals,
+}  # fmt: skip

@@ -23,7 +23,7 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts import prepare_simd as r
 from kickdrift.world.contacts.effective_mass_simd import SLIP_STRICTNESS, TWIST_STRICTNESS
 from kickdrift.world.contacts.rolling_core import radius_at, rolling_core, rolls
-from kickdrift.world.layout import FRICTION, RADIUS, ROLLING, SURFACE_VELOCITY
+from kickdrift.world.layout import BODY_ROW, FRICTION, INVERSE_INERTIA_IN_WORLD, RADIUS, ROLLING, SURFACE_VELOCITY
 from kickdrift.world.settings import CONTACT_DAMPING, CONTACT_HERTZ, STEP, SUBSTEPS
 from kickdrift.world.tables import (
     CONTACT,
@@ -120,8 +120,8 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
     raw[r.COUNT * c.WIDTH] = points
     raw[r.MASS_A * c.WIDTH], raw[r.MASS_B * c.WIDTH] = inverse_mass[a, 0], inverse_mass[b, 0]
     for k in range(6):
-        scratch[(r.INERTIA_A + k) * c.WIDTH] = inverse_mass[a, 1 + k]
-        scratch[(r.INERTIA_B + k) * c.WIDTH] = inverse_mass[b, 1 + k]
+        scratch[(r.INERTIA_A + k) * c.WIDTH] = inverse_mass[a, INVERSE_INERTIA_IN_WORLD + k]
+        scratch[(r.INERTIA_B + k) * c.WIDTH] = inverse_mass[b, INVERSE_INERTIA_IN_WORLD + k]
     raw[r.FRICTION * c.WIDTH] = math.sqrt(place[shape_a, FRICTION] * place[shape_b, FRICTION])
     raw[r.RESISTANCE * c.WIDTH] = max(place[shape_a, ROLLING], place[shape_b, ROLLING])
     raw[r.TWISTED * c.WIDTH] = manifold[row, c.TWIST_IMPULSE]
@@ -188,5 +188,5 @@ def _surface_velocity(world: int, shape: int) -> Vector:
     velocity = (place[shape, s], place[shape, s + 1], place[shape, s + 2])
     if velocity[0] == 0.0 and velocity[1] == 0.0 and velocity[2] == 0.0:
         return velocity
-    body = integers(world, SHAPE)[shape, 1]
+    body = integers(world, SHAPE)[shape, BODY_ROW]
     return turned((pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6]), velocity)

@@ -36,6 +36,7 @@ from kickdrift.world.flight import (
     SPIN,
     mean_turn,
 )
+from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
 from kickdrift.world.settings import MIDPOINT
 from kickdrift.world.tables import (
     CONTACT,
@@ -53,7 +54,6 @@ from kickdrift.world.tables import (
     integers,
 )
 
-_INVERSE = 1  # column of INVERSE_MASS: inverse inertia
 _SIZE = c.FIELDS * c.WIDTH
 
 
@@ -132,7 +132,9 @@ def move_to_impact(h: float, world: int, body: int) -> None:
         floats(world, DELTA_POSE)[body, 3 + k] += last * turn[k] + (when - last) * after[k]
     _turn_to(world, body, product(exponential(times(when - last, after)), q))
     if inertia[body, SPHERICAL] == 0.0:
-        turn = applied(symmetric_at(floats(world, INVERSE_MASS), body, _INVERSE), vector_at(kicked, body, SPIN))
+        turn = applied(
+            symmetric_at(floats(world, INVERSE_MASS), body, INVERSE_INERTIA_IN_WORLD), vector_at(kicked, body, SPIN)
+        )
         for k in range(3):
             floats(world, MOTION)[body, 3 + k] = turn[k]
 
@@ -153,7 +155,7 @@ def leave_impact(h: float, world: int, body: int) -> None:
     way, q, turn = _way(h, world, body, when), quaternion_at(pose, body, 3), vector_at(motion, body, 3)
     if inertia[body, SPHERICAL] == 0.0:
         moments, spin = symmetric_at(inertia, body, BODY_INERTIA), vector_at(kicked, body, SPIN)
-        before = applied(symmetric_at(floats(world, INVERSE_MASS), body, _INVERSE), spin)
+        before = applied(symmetric_at(floats(world, INVERSE_MASS), body, INVERSE_INERTIA_IN_WORLD), spin)
         spin = plus(spin, turned(q, applied(moments, turned_back(q, minus(turn, before)))))
         turn = mean_turn(h - when, q, moments, spin, turn)
         for k in range(3):

@@ -7,7 +7,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts import prepare_simd as r
-from kickdrift.world.contacts.contact_solver_simd import FILL, LANE_COUNT, REFRESH, REFRESH_FRICTION, SWEEP
+from kickdrift.world.contacts.contact_solver_simd import SWEEP
 from kickdrift.world.contacts.gather import gather, softness
 from kickdrift.world.contacts.transposing import fetch_rows
 from kickdrift.world.flight import AWAKE, LINK_PLACE
@@ -55,7 +55,7 @@ def colour(t: float, h: float, world: int) -> None:
     for k in range(rows(world, COLOURED)):
         taken[k, 0] = 0
     for k in range(LINKED + 1):
-        colours[k, 0] = 0
+        colours[k, c.COLOUR_CONTACTS] = 0
     for row in range(rows(world, CONTACT)):
         contact[row, c.PLACE_IN_GROUPS] = -1
         a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
@@ -67,7 +67,7 @@ def colour(t: float, h: float, world: int) -> None:
         node_a, node_b = body[a, LINK_PLACE] > 0, body[b, LINK_PLACE] > 0
         if (node_a or node_b) and (node_a or not moves_a) and (node_b or not moves_b):
             contact[row, c.PLACE_IN_GROUPS] = LINKED
-            colours[LINKED, 0] += 1
+            colours[LINKED, c.COLOUR_CONTACTS] += 1
             continue
         used = (taken[a, 0] if moves_a else 0) | (taken[b, 0] if moves_b else 0)
         k = 0
@@ -79,31 +79,31 @@ def colour(t: float, h: float, world: int) -> None:
             if moves_b:
                 taken[b, 0] |= 1 << k
         contact[row, c.PLACE_IN_GROUPS] = k
-        colours[k, 0] += 1
+        colours[k, c.COLOUR_CONTACTS] += 1
     first = 0
     for k in range(LINKED + 1):
-        count = colours[k, 0]
-        colours[k, 1] = first
+        count = colours[k, c.COLOUR_CONTACTS]
+        colours[k, c.FIRST_GROUP] = first
         first += count if k >= OVERFLOW else (count + c.WIDTH - 1) // c.WIDTH
-        colours[k, 2] = first
+        colours[k, c.AFTER_GROUP] = first
     if first > room(world, GROUPS):
         ask_for_room(world, GROUPS, first)
         return
     if first * c.FIELDS * c.WIDTH > room(world, LANES):
         ask_for_room(world, LANES, first * c.FIELDS * c.WIDTH)
         return
-    if colours[LINKED, 0] > room(world, CONTACT_ROW):
-        ask_for_room(world, CONTACT_ROW, colours[LINKED, 0])
+    if colours[LINKED, c.COLOUR_CONTACTS] > room(world, CONTACT_ROW):
+        ask_for_room(world, CONTACT_ROW, colours[LINKED, c.COLOUR_CONTACTS])
         return
-    set_rows(world, CONTACT_ROW, colours[LINKED, 0])
+    set_rows(world, CONTACT_ROW, colours[LINKED, c.COLOUR_CONTACTS])
     set_rows(world, GROUPS, first)
 
 
 @compiled(inline=True)
 def lanes_of(world: int, g: int) -> int:
     """Lanes of a group that are worked on: the first one alone where its contact is solved directly."""
-    count: int = integers(world, SWEEPS)[0, LANE_COUNT]
-    return 1 if g >= integers(world, COLOURS)[LINKED, 1] else count
+    count: int = integers(world, SWEEPS)[0, c.LANE_COUNT]
+    return 1 if g >= integers(world, COLOURS)[LINKED, c.FIRST_GROUP] else count
 
 
 @compiled
@@ -113,22 +113,22 @@ def prepare(t: float, h: float, world: int) -> None:
     lanes = flat(world, LANES)
     for g in range(rows(world, GROUPS)):
         for lane in range(c.WIDTH):
-            groups[g, lane], groups[g, c.WIDTH + lane], groups[g, 2 * c.WIDTH + lane] = 0, 0, -1
+            groups[g, c.BODIES_A + lane], groups[g, c.BODIES_B + lane], groups[g, c.GROUP_CONTACTS + lane] = 0, 0, -1
     for k in range(LINKED + 1):
-        colours[k, 0] = 0
+        colours[k, c.COLOUR_CONTACTS] = 0
     for row in range(rows(world, CONTACT)):
         k = contact[row, c.PLACE_IN_GROUPS]
         if k < 0:
             continue
-        index = colours[k, 0]
-        colours[k, 0] += 1
-        group, lane = colours[k, 1] + index // c.WIDTH, index % c.WIDTH
+        index = colours[k, c.COLOUR_CONTACTS]
+        colours[k, c.COLOUR_CONTACTS] += 1
+        group, lane = colours[k, c.FIRST_GROUP] + index // c.WIDTH, index % c.WIDTH
         if k >= OVERFLOW:
-            group, lane = colours[k, 1] + index, 0
+            group, lane = colours[k, c.FIRST_GROUP] + index, 0
         contact[row, c.PLACE_IN_GROUPS] = group * c.WIDTH + lane
-        groups[group, lane] = contact[row, c.BODY_A]
-        groups[group, c.WIDTH + lane] = contact[row, c.BODY_B]
-        groups[group, 2 * c.WIDTH + lane] = row
+        groups[group, c.BODIES_A + lane] = contact[row, c.BODY_A]
+        groups[group, c.BODIES_B + lane] = contact[row, c.BODY_B]
+        groups[group, c.GROUP_CONTACTS + lane] = row
     raw, sweeps, settings = carray(floats_on_stack(_RAW), (_RAW,)), integers(world, SWEEPS), floats(world, SETTINGS)
     slop = settings[0, SLOP]
     substep = settings[0, STEP] / settings[0, SUBSTEPS]
@@ -140,11 +140,11 @@ def prepare(t: float, h: float, world: int) -> None:
     for g in range(rows(world, GROUPS)):
         if many and g + 1 < rows(world, GROUPS):
             for k in range(0, MANIFOLD.width, 8):  # a cache line each
-                fetch_rows(floats(world, MANIFOLD), k, numbers, GROUPS.width * (g + 1) + 2 * c.WIDTH)
+                fetch_rows(floats(world, MANIFOLD), k, numbers, GROUPS.width * (g + 1) + c.GROUP_CONTACTS)
         n = lanes_of(world, g)
         for lane in range(n):
             scratch[r.MARK * c.WIDTH + lane] = 1.0
-            row = groups[g, 2 * c.WIDTH + lane]
+            row = groups[g, c.GROUP_CONTACTS + lane]
             if row >= 0:
                 gather(world, row, soft, softer, raw[lane:], scratch[lane:])
                 continue
@@ -153,6 +153,6 @@ def prepare(t: float, h: float, world: int) -> None:
             for k in range(r.INERTIA_A, r.MARK):
                 scratch[k * c.WIDTH + lane] = 0.0
         own = lanes[g * c.FIELDS * c.WIDTH : (g + 1) * c.FIELDS * c.WIDTH]
-        sweep(sweeps[0, FILL], (own, raw, substep, 0.0, 0.0, n))
-        sweep(sweeps[0, REFRESH], (own, scratch, slop, 0.0, 0.0, n))
-        sweep(sweeps[0, REFRESH_FRICTION], (own, scratch, 0.0, 0.0, 0.0, n))
+        sweep(sweeps[0, c.FILL], (own, raw, substep, 0.0, 0.0, n))
+        sweep(sweeps[0, c.REFRESH], (own, scratch, slop, 0.0, 0.0, n))
+        sweep(sweeps[0, c.REFRESH_FRICTION], (own, scratch, 0.0, 0.0, 0.0, n))

@@ -9,36 +9,52 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.columns import Fields
 from kickdrift.world.contacts import layout as c
 
 W = c.WIDTH
 # Fields of raw
-NORMAL = 0  # in the world's axes (3)
-TURN_A, ARM_A = 3, 7  # orientation of the first shape, and its origin from the centre of its body (3)
-TURN_B, ARM_B = 10, 14
-APART = 17  # from the centre of the first body to that of the second (3)
-ON_A, ON_B, RADII = (
-    20,
-    23,
-    26,
-)  # points in the frames of the shapes (3 and 3), and radii about them: eight numbers a point
-IMPULSE = 52  # of four points
-COUNT = 56
-MASS_A, MASS_B = 57, 58  # inverse
-FRICTION, SLIDE, SLID, TWISTED = 59, 60, 63, 66
-RESISTANCE, ROLLED = 67, 68
-SOFTNESS = 71
-SHARE, STALE = 74, 75
-AXIS_A, AXIS_B = 77, 80  # in the world's axes (3 and 3)
-TURNING_A, TURNING_B = 83, 86  # angular velocities (3 and 3)
-RAW = 89
+_RAW = Fields()
+NORMAL = _RAW.field(3)  # in the world's axes
+TURN_A = _RAW.field(4)  # orientation of the first shape
+ARM_A = _RAW.field(3, "m")  # and its origin from the centre of its body
+TURN_B = _RAW.field(4)
+ARM_B = _RAW.field(3, "m")
+APART = _RAW.field(3, "m")  # from the centre of the first body to that of the second
+_POINTS = _RAW.field(4 * c.ANCHOR_SIZE)  # as those of a constraint, in the frames of the shapes
+ON_A, ON_B, RADII = _POINTS + c.ANCHOR_A, _POINTS + c.ANCHOR_B, _POINTS + c.RADII
+IMPULSE = _RAW.field(4, "N s")  # of the points
+COUNT = _RAW.field()
+MASS_A = _RAW.field(1, "1/kg")  # inverse
+MASS_B = _RAW.field(1, "1/kg")
+FRICTION = _RAW.field()
+SLIDE = _RAW.field(3, "m/s")
+SLID = _RAW.field(3, "N s")
+TWISTED = _RAW.field(1, "N m s")
+RESISTANCE = _RAW.field(1, "m")
+ROLLED = _RAW.field(3, "N m s")
+SOFTNESS = _RAW.field(3)
+SHARE = _RAW.field()
+STALE = _RAW.field(2, "rad, m")
+AXIS_A = _RAW.field(3)  # in the world's axes
+AXIS_B = _RAW.field(3)
+TURNING_A = _RAW.field(3, "rad/s")  # angular velocities
+TURNING_B = _RAW.field(3, "rad/s")
+RAW = _RAW.close()
 
-# Fields of scratch: velocities of the first bodies (6) and the second (6), displacements (6 and 6), inverse inertia (6 and 6);
-# how both have turned since the anchors lay as they do (4 and 4), from the first to the second (3), and 1.0 where arms are
-# to be taken anew.
-VELOCITY_A, VELOCITY_B, DELTA_POSE_A, DELTA_POSE_B, INERTIA_A, INERTIA_B = 0, 6, 12, 18, 24, 30
-TURNED_A, TURNED_B, FROM_A_TO_B, MARK = 36, 40, 44, 47
-SCRATCH_SIZE = 48 * W
+# Fields of scratch, of the first bodies and the second
+_SCRATCH = Fields()
+VELOCITY_A = _SCRATCH.field(6, "m/s, rad/s")
+VELOCITY_B = _SCRATCH.field(6, "m/s, rad/s")
+DELTA_POSE_A = _SCRATCH.field(6, "m, rad")
+DELTA_POSE_B = _SCRATCH.field(6, "m, rad")
+INERTIA_A = _SCRATCH.field(6, "1/(kg m^2)")  # inverse
+INERTIA_B = _SCRATCH.field(6, "1/(kg m^2)")
+TURNED_A = _SCRATCH.field(4)  # how they have turned since the anchors lay as they do
+TURNED_B = _SCRATCH.field(4)
+FROM_A_TO_B = _SCRATCH.field(3, "m")
+MARK = _SCRATCH.field()  # 1.0 where arms are to be taken anew
+SCRATCH_SIZE = _SCRATCH.close() * W
 _NEXT = c.POINT_FIELDS * W  # from a field of a point to the same of the next
 _ANCHORS, _ANCHOR = c.ANCHORS * W, c.ANCHOR_SIZE * W
 

@@ -8,7 +8,7 @@ from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.contact_solver_simd import LANE_COUNT, MEASURE, SWEEP
+from kickdrift.world.contacts.contact_solver_simd import SWEEP
 from kickdrift.world.contacts.prepare import LINKED
 from kickdrift.world.contacts.prepare_simd import MARK, SCRATCH_SIZE, VELOCITY_A, VELOCITY_B
 from kickdrift.world.contacts.transposing import gather_rows
@@ -48,22 +48,22 @@ def measure(t: float, h: float, world: int) -> None:
     groups, colours, body = integers(world, GROUPS), integers(world, COLOURS), integers(world, BODY)
     lanes, sweeps, bodies = flat(world, LANES), integers(world, SWEEPS), flat_integers(world, GROUPS)
     scratch, motion = carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)), floats(world, MOTION)
-    most, noted, n = 0.0, _noted(h, world), sweeps[0, LANE_COUNT]
-    for g in range(colours[LINKED, 1]):
-        gather_rows(motion, 0, 0, 6, bodies, GROUPS.width * g, scratch, VELOCITY_A)
-        gather_rows(motion, 0, 0, 6, bodies, GROUPS.width * g + _W, scratch, VELOCITY_B)
-        sweep(sweeps[0, MEASURE], (lanes[g * _SIZE : (g + 1) * _SIZE], scratch, 0.0, 0.0, 0.0, n))
+    most, noted, n = 0.0, _noted(h, world), sweeps[0, c.LANE_COUNT]
+    for g in range(colours[LINKED, c.FIRST_GROUP]):
+        gather_rows(motion, 0, 0, 6, bodies, GROUPS.width * g + c.BODIES_A, scratch, VELOCITY_A)
+        gather_rows(motion, 0, 0, 6, bodies, GROUPS.width * g + c.BODIES_B, scratch, VELOCITY_B)
+        sweep(sweeps[0, c.MEASURE], (lanes[g * _SIZE : (g + 1) * _SIZE], scratch, 0.0, 0.0, 0.0, n))
         for lane in range(n):
             left = scratch[MARK * _W + lane]
             most = max(most, left)
             if left > noted:
                 for side in range(2):
-                    row = groups[g, side * _W + lane]
+                    row = groups[g, c.BODIES_A + _W * side + lane]
                     if _is_slow(world, row, _CALM * left):
                         body[row, UNSOLVED] |= LEFT | FAR_LEFT if left > _FAR * noted else LEFT
-    for g in range(colours[LINKED, 1], colours[LINKED, 2]):
-        body[groups[g, 0], UNSOLVED] |= TOUCHES
-        body[groups[g, _W], UNSOLVED] |= TOUCHES
+    for g in range(colours[LINKED, c.FIRST_GROUP], colours[LINKED, c.AFTER_GROUP]):
+        body[groups[g, c.BODIES_A], UNSOLVED] |= TOUCHES
+        body[groups[g, c.BODIES_B], UNSOLVED] |= TOUCHES
     floats(world, SETTINGS)[0, RESIDUAL] = most
 
 

@@ -12,8 +12,8 @@ row of balls that touch, and what is symmetric stays so.
 Of shapes so fast that they may pass each other within the step, impacts with e = 0 are among them: one sweep over the points
 of a manifold does not stop them.
 
-A row of `IMPACT` is a contact that hits: its row, the first time at which one of its points does, the speed of that point, the
-coefficient e; what `kickdrift.world.contacts.simultaneous_impact` makes of it; and when its four points hit.
+A row of `IMPACT` is a contact that hits. Here it is found when, how fast and with which coefficient; the rest of its columns,
+see `kickdrift.world.contacts.simultaneous_impact`, is made of that.
 """
 
 import math
@@ -128,7 +128,7 @@ def _bodies(world: int, hit: int) -> tuple[int, int]:
 def _is_linked(world: int, row: int) -> bool:
     """Whether a contact is solved directly, and bounces there: see `kickdrift.world.direct.bounces`."""
     place: int = integers(world, CONTACT)[row, c.PLACE_IN_GROUPS]
-    linked: bool = place // c.WIDTH >= integers(world, COLOURS)[LINKED, 1]
+    linked: bool = place // c.WIDTH >= integers(world, COLOURS)[LINKED, c.FIRST_GROUP]
     return linked
 
 

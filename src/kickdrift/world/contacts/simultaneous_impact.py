@@ -12,24 +12,40 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, applied, cross, dot, length, minus, plus, times
-from kickdrift.world.columns import symmetric_at, vector_at
+from kickdrift.world.columns import Fields, column, symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.impact_motion import arms_at, constraint, normal_at, vector_of
 from kickdrift.world.flight import IMPACT_TIME
+from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
 from kickdrift.world.settings import SLOP
 from kickdrift.world.tables import CONTACT, IMPACT, INVERSE_MASS, KICKED, MOTION, SETTINGS, floats, integers, rows
 
-# Columns of IMPACT: arms of both bodies to the contact, inverse of the response to friction, friction, its bound; of each of
-# four points the arms times the normal, velocity wanted, impulse, and the impulse that stops it, below zero where it does not
-# hit; when they hit; normal and first tangent.
-ROW, TIME, SPEED, BOUNCE, ARM_A, ARM_B, GRIP, FRICTION, BOUND = 0, 1, 2, 3, 4, 7, 10, 13, 15
-POINTS, POINT_SIZE = 16, 9
-TURN_A, TURN_B, WANTED, IMPULSE, PLASTIC = 0, 3, 6, 7, 8
-TIMES, NORMAL, TANGENT = 52, 56, 59
+# Numbers of a point that hits
+_POINT = Fields()
+TURN_A = _POINT.field(3, "m")  # arms times the normal
+TURN_B = _POINT.field(3, "m")
+WANTED = _POINT.field(1, "m/s")  # velocity
+IMPULSE = _POINT.field(1, "N s")
+PLASTIC = _POINT.field(1, "N s")  # impulse that stops it, below zero where it does not hit
+POINT_SIZE = _POINT.close()
+
+# Columns of IMPACT
+ROW = column(IMPACT)  # of the contact
+TIME = column(IMPACT, 1, "s")  # the first at which one of its points hits
+SPEED = column(IMPACT, 1, "m/s")  # of that point
+BOUNCE = column(IMPACT)  # coefficient e
+ARM_A = column(IMPACT, 3, "m")  # of both bodies to the contact
+ARM_B = column(IMPACT, 3, "m")
+GRIP = column(IMPACT, 3, "kg")  # inverse of the response to friction
+FRICTION = column(IMPACT, 2, "N s")
+BOUND = column(IMPACT, 1, "N s")  # of friction
+POINTS = column(IMPACT, 4 * POINT_SIZE)
+TIMES = column(IMPACT, 4, "s")  # when the points hit
+NORMAL = column(IMPACT, 3)
+TANGENT = column(IMPACT, 3)  # the first
 _SWEEPS = 400
 _BOUNDS = 4  # times that friction is found, each with what the last one has made of the normal impulses
 _ENOUGH = 1e-15  # of the largest impulse
-_INVERSE = 1  # column of INVERSE_MASS: inverse inertia
 
 
 @compiled
@@ -83,7 +99,8 @@ def _yielding(world: int, a: int, b: int, hit: Any, along: Vector, other: Vector
     """Velocity along one direction at the centre by a unit impulse along another."""
     inverse_mass = floats(world, INVERSE_MASS)
     arm_a, arm_b = _at(hit, ARM_A), _at(hit, ARM_B)
-    inverse_a, inverse_b = symmetric_at(inverse_mass, a, _INVERSE), symmetric_at(inverse_mass, b, _INVERSE)
+    inverse_a = symmetric_at(inverse_mass, a, INVERSE_INERTIA_IN_WORLD)
+    inverse_b = symmetric_at(inverse_mass, b, INVERSE_INERTIA_IN_WORLD)
     linear: float = (inverse_mass[a, 0] + inverse_mass[b, 0]) * dot(along, other)
     turned_a: float = dot(cross(arm_a, along), applied(inverse_a, cross(arm_a, other)))
     turned_b: float = dot(cross(arm_b, along), applied(inverse_b, cross(arm_b, other)))
@@ -103,8 +120,8 @@ def _speed(world: int, a: int, b: int, normal: Vector, point: Any) -> float:
 def _push(world: int, a: int, b: int, push: Vector, turn_a: Vector, turn_b: Vector) -> None:
     """Apply an impulse to b and its reverse to a, with angular impulses."""
     motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
-    change_a = applied(symmetric_at(inverse_mass, a, _INVERSE), turn_a)
-    change_b = applied(symmetric_at(inverse_mass, b, _INVERSE), turn_b)
+    change_a = applied(symmetric_at(inverse_mass, a, INVERSE_INERTIA_IN_WORLD), turn_a)
+    change_b = applied(symmetric_at(inverse_mass, b, INVERSE_INERTIA_IN_WORLD), turn_b)
     for k in range(3):
         motion[a, k] -= inverse_mass[a, 0] * push[k]
         motion[b, k] += inverse_mass[b, 0] * push[k]
@@ -122,7 +139,8 @@ def _sweep_points(world: int, hit: Any, stopping: bool, least: float, thrown: bo
     row, contact, inverse_mass = int(hit[ROW]), integers(world, CONTACT), floats(world, INVERSE_MASS)
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
     normal = _at(hit, NORMAL)
-    inverse_a, inverse_b = symmetric_at(inverse_mass, a, _INVERSE), symmetric_at(inverse_mass, b, _INVERSE)
+    inverse_a = symmetric_at(inverse_mass, a, INVERSE_INERTIA_IN_WORLD)
+    inverse_b = symmetric_at(inverse_mass, b, INVERSE_INERTIA_IN_WORLD)
     largest = 0.0
     for k in range(4):
         point = hit[POINTS + POINT_SIZE * k : POINTS + POINT_SIZE * (k + 1)]

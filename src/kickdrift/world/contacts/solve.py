@@ -15,16 +15,7 @@ from kickdrift.core.compilation import compiled, specialise, unbound
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import product
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.contact_solver_simd import (
-    APPLY_IMPULSES,
-    FIND_STALE,
-    LANE_COUNT,
-    REFRESH,
-    REFRESH_FRICTION,
-    SOLVE_FRICTION,
-    SOLVE_NORMALS,
-    SWEEP,
-)
+from kickdrift.world.contacts.contact_solver_simd import SWEEP
 from kickdrift.world.contacts.effective_mass_simd import SLIP_STRICTNESS, TWIST_STRICTNESS
 from kickdrift.world.contacts.prepare import LINKED, OVERFLOW, lanes_of
 from kickdrift.world.contacts.prepare_simd import (
@@ -35,10 +26,12 @@ from kickdrift.world.contacts.prepare_simd import (
     MARK,
     SCRATCH_SIZE,
     TURNED_A,
+    TURNED_B,
     VELOCITY_A,
     VELOCITY_B,
 )
 from kickdrift.world.contacts.transposing import fetch_rows, gather_rows, scatter_rows
+from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
 from kickdrift.world.settings import PUSH_SPEED, SLOP
 from kickdrift.world.tables import (
     COLOURS,
@@ -75,14 +68,14 @@ LAST = OVERFLOW  # colour
 def _forth(t: float, h: float, world: int) -> None:
     colours = integers(world, COLOURS)
     for k in range(OVERFLOW):
-        first, last = colours[k, 1], colours[k, 2]
+        first, last = colours[k, c.FIRST_GROUP], colours[k, c.AFTER_GROUP]
         if last - first < _FEWEST:
             for g in range(first, last):
                 group(h, world, g)
         else:
             for g in prange(first, last):
                 group(h, world, g)
-    for g in range(colours[OVERFLOW, 1], colours[LAST, 2]):
+    for g in range(colours[OVERFLOW, c.FIRST_GROUP], colours[LAST, c.AFTER_GROUP]):
         group(h, world, g)
 
 
@@ -98,14 +91,14 @@ def _warm_start_group(h: float, world: int, g: int) -> None:
     _gather(world, g, motion, VELOCITY_A, scratch)
     _gather_inertia(world, g, inverse_mass, scratch)
     own, n = lanes[g * _SIZE : (g + 1) * _SIZE], lanes_of(world, g)
-    sweep(sweeps[0, APPLY_IMPULSES], (own, scratch, 1.0 / h, 1.0, 0.0, n))
+    sweep(sweeps[0, c.APPLY_IMPULSES], (own, scratch, 1.0 / h, 1.0, 0.0, n))
     _scatter(world, g, motion, scratch)
 
 
 @compiled(inline=True)
 def _is_linked(world: int, g: int) -> bool:
     """Whether a group is one contact that is solved directly."""
-    linked: bool = g >= integers(world, COLOURS)[LINKED, 1]
+    linked: bool = g >= integers(world, COLOURS)[LINKED, c.FIRST_GROUP]
     return linked
 
 
@@ -118,12 +111,12 @@ def _solve_group(h: float, world: int, g: int) -> None:
         integers(world, SWEEPS),
     )
     _fetch(world, g)
-    delta_pose, push, n = floats(world, DELTA_POSE), floats(world, SETTINGS)[0, PUSH_SPEED], sweeps[0, LANE_COUNT]
+    delta_pose, push, n = floats(world, DELTA_POSE), floats(world, SETTINGS)[0, PUSH_SPEED], sweeps[0, c.LANE_COUNT]
     _gather(world, g, motion, VELOCITY_A, scratch)
     _gather(world, g, delta_pose, DELTA_POSE_A, scratch)
     _gather_inertia(world, g, inverse_mass, scratch)
     own = lanes[g * _SIZE : (g + 1) * _SIZE]
-    sweep(sweeps[0, SOLVE_NORMALS], (own, scratch, 1.0 / h, 1.0, push, n))
+    sweep(sweeps[0, c.SOLVE_NORMALS], (own, scratch, 1.0 / h, 1.0, push, n))
     _scatter(world, g, motion, scratch)
 
 
@@ -145,8 +138,8 @@ def _relax_group(h: float, world: int, g: int) -> None:
     if _is_linked(world, g):  # whose impulses the direct solver finds
         return
     least = _TOUCHING * floats(world, SETTINGS)[0, SLOP]
-    sweep(sweeps[0, SOLVE_FRICTION], (own, scratch, 1.0 / h, 0.0, 0.0, n))
-    sweep(sweeps[0, SOLVE_NORMALS], (own, scratch, 1.0 / h, 0.0, least, n))
+    sweep(sweeps[0, c.SOLVE_FRICTION], (own, scratch, 1.0 / h, 0.0, 0.0, n))
+    sweep(sweeps[0, c.SOLVE_NORMALS], (own, scratch, 1.0 / h, 0.0, least, n))
     _scatter(world, g, motion, scratch)
 
 
@@ -154,7 +147,7 @@ def _relax_group(h: float, world: int, g: int) -> None:
 def _take_anew(h: float, world: int, g: int, own: Any, scratch: Any, n: int) -> None:
     """Take the arms of lanes anew whose bodies have turned or slid past each other."""
     sweeps = integers(world, SWEEPS)
-    sweep(sweeps[0, FIND_STALE], (own, scratch, TWIST_STRICTNESS, SLIP_STRICTNESS, 0.0, n))
+    sweep(sweeps[0, c.FIND_STALE], (own, scratch, TWIST_STRICTNESS, SLIP_STRICTNESS, 0.0, n))
     marked = 0.0
     for lane in range(n):
         marked += scratch[MARK * _W + lane]
@@ -162,13 +155,13 @@ def _take_anew(h: float, world: int, g: int, own: Any, scratch: Any, n: int) -> 
         return
     pose, started, groups = floats(world, POSE), floats(world, STARTED_POSE), integers(world, GROUPS)
     for lane in range(n):
-        a, b = groups[g, lane], groups[g, _W + lane]
+        a, b = groups[g, c.BODIES_A + lane], groups[g, c.BODIES_B + lane]
         _gather_turn(pose, started, a, scratch[TURNED_A * _W + lane :])
-        _gather_turn(pose, started, b, scratch[(TURNED_A + 4) * _W + lane :])
+        _gather_turn(pose, started, b, scratch[TURNED_B * _W + lane :])
         for k in range(3):
             scratch[(FROM_A_TO_B + k) * _W + lane] = pose[b, k] - pose[a, k]
-    sweep(sweeps[0, REFRESH], (own, scratch, floats(world, SETTINGS)[0, SLOP], h, 0.0, n))
-    sweep(sweeps[0, REFRESH_FRICTION], (own, scratch, 0.0, 1.0, 0.0, n))
+    sweep(sweeps[0, c.REFRESH], (own, scratch, floats(world, SETTINGS)[0, SLOP], h, 0.0, n))
+    sweep(sweeps[0, c.REFRESH_FRICTION], (own, scratch, 0.0, 1.0, 0.0, n))
 
 
 @compiled(inline=True)
@@ -205,7 +198,7 @@ def store(t: float, h: float, world: int) -> None:
     contact = integers(world, CONTACT)
     for g in range(rows(world, GROUPS)):
         for lane in range(_W):
-            row = groups[g, 2 * _W + lane]
+            row = groups[g, c.GROUP_CONTACTS + lane]
             if row < 0:
                 continue
             own = lanes[g * _SIZE + lane : (g + 1) * _SIZE]
@@ -233,7 +226,7 @@ def _fetch(world: int, g: int) -> None:
     if rows(world, MOTION) < _MANY or g + 2 >= rows(world, GROUPS):
         return
     bodies, begin = flat_integers(world, GROUPS), GROUPS.width * (g + 2)
-    for side in range(0, 2 * _W, _W):
+    for side in (c.BODIES_A, c.BODIES_B):
         fetch_rows(floats(world, MOTION), 0, bodies, begin + side)
         fetch_rows(floats(world, DELTA_POSE), 0, bodies, begin + side)
         fetch_rows(floats(world, INVERSE_MASS), 0, bodies, begin + side)
@@ -243,19 +236,19 @@ def _fetch(world: int, g: int) -> None:
 def _gather(world: int, g: int, table: Any, field: int, scratch: Any) -> None:
     """Copy six numbers of both bodies of every lane, those of the second six fields further."""
     bodies = flat_integers(world, GROUPS)
-    gather_rows(table, 0, 0, 6, bodies, GROUPS.width * g, scratch, field)
-    gather_rows(table, 0, 0, 6, bodies, GROUPS.width * g + _W, scratch, field + 6)
+    gather_rows(table, 0, 0, 6, bodies, GROUPS.width * g + c.BODIES_A, scratch, field)
+    gather_rows(table, 0, 0, 6, bodies, GROUPS.width * g + c.BODIES_B, scratch, field + 6)
 
 
 @compiled(inline=True)
 def _gather_inertia(world: int, g: int, inverse_mass: Any, scratch: Any) -> None:
     bodies = flat_integers(world, GROUPS)
-    gather_rows(inverse_mass, 0, 1, 6, bodies, GROUPS.width * g, scratch, INERTIA_A)
-    gather_rows(inverse_mass, 0, 1, 6, bodies, GROUPS.width * g + _W, scratch, INERTIA_B)
+    gather_rows(inverse_mass, 0, INVERSE_INERTIA_IN_WORLD, 6, bodies, GROUPS.width * g + c.BODIES_A, scratch, INERTIA_A)
+    gather_rows(inverse_mass, 0, INVERSE_INERTIA_IN_WORLD, 6, bodies, GROUPS.width * g + c.BODIES_B, scratch, INERTIA_B)
 
 
 @compiled(inline=True)
 def _scatter(world: int, g: int, motion: Any, scratch: Any) -> None:
     bodies = flat_integers(world, GROUPS)
-    scatter_rows(motion, bodies, GROUPS.width * g, scratch, VELOCITY_A)
-    scatter_rows(motion, bodies, GROUPS.width * g + _W, scratch, VELOCITY_B)
+    scatter_rows(motion, bodies, GROUPS.width * g + c.BODIES_A, scratch, VELOCITY_A)
+    scatter_rows(motion, bodies, GROUPS.width * g + c.BODIES_B, scratch, VELOCITY_B)

@@ -19,7 +19,13 @@ from kickdrift.world.direct.contacts import (
     read_both,
     twelve,
 )
-from kickdrift.world.direct.layout import AFTER_CONTACT, FIRST_CONTACT, HITS, TANGENT
+from kickdrift.world.direct.layout import (
+    AFTER_CONTACT,
+    CONTACT_ROWS,
+    FIRST_CONTACT,
+    HITS,
+    TANGENT,
+)
 from kickdrift.world.direct.solve import solve_at_once
 from kickdrift.world.direct.velocities import kinetic_energy, note_velocities, take_back_velocities
 from kickdrift.world.direct.wrenches import along, write_wrench
@@ -68,9 +74,9 @@ def _find_hits(island: int, h: float, world: int) -> bool:
     """Say which points of an island hit, and with what speed they shall leave; return whether any does."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     groups, contact, place = integers(world, GROUPS), integers(world, CONTACT), floats(world, PLACE)
-    begin, found = integers(world, COLOURS)[LINKED, 1], False
+    begin, found = integers(world, COLOURS)[LINKED, c.FIRST_GROUP], False
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        row = groups[begin + order[k, 0], 2 * c.WIDTH]
+        row = groups[begin + order[k, 0], c.GROUP_CONTACTS]
         e = max(place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION])
         if _hits(order[k, 0], e, h, world):
             contact[row, c.CONTACT_STATE] |= c.BOUNCED
@@ -80,11 +86,11 @@ def _find_hits(island: int, h: float, world: int) -> bool:
 
 @compiled(cached=False)
 def _hits(index: int, e: float, h: float, world: int) -> bool:
-    groups, g = integers(world, GROUPS), integers(world, COLOURS)[LINKED, 1] + index
+    groups, g = integers(world, GROUPS), integers(world, COLOURS)[LINKED, c.FIRST_GROUP] + index
     own, numbers, slowest = constraint(index, world), contact_row(index, world), slowest_bounce(h, world)
     velocity, change, wrench = twelve(), twelve(), twelve()
-    read_both(MOTION, groups[g, 0], groups[g, c.WIDTH], velocity, world)
-    read_both(DELTA_POSE, groups[g, 0], groups[g, c.WIDTH], change, world)
+    read_both(MOTION, groups[g, c.BODIES_A], groups[g, c.BODIES_B], velocity, world)
+    read_both(DELTA_POSE, groups[g, c.BODIES_A], groups[g, c.BODIES_B], change, world)
     hit = False
     for k in range(TANGENT):
         numbers[HITS + k] = -1.0
@@ -100,6 +106,6 @@ def _hits(index: int, e: float, h: float, world: int) -> bool:
     for k in range(TANGENT):
         numbers[HITS + k] = numbers[HITS + k] if hit else -1.0
     if hit:
-        for k in range(10):
+        for k in range(CONTACT_ROWS):
             own[impulse_field(k) * c.WIDTH] = 0.0
     return hit

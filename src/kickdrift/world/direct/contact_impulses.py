@@ -24,6 +24,7 @@ from kickdrift.world.direct.layout import (
     ACTIVE,
     AFTER_CONTACT,
     BASE,
+    CONTACT_ROWS,
     CUT,
     FIRST_CONTACT,
     GIVEN,
@@ -35,6 +36,7 @@ from kickdrift.world.direct.layout import (
     SPEED,
     STATE,
     TANGENT,
+    TWIST,
     WANTED,
     WRENCH,
 )
@@ -60,8 +62,8 @@ def refine_contacts(island: int, world: int) -> float:
     own, order, worst = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), 0.0
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers = contact_row(order[k, 0], world)
-        for i in range(10):
-            first = i if i < TANGENT else first_row(0 if i < 6 else 1 if i == 6 else 2)
+        for i in range(CONTACT_ROWS):
+            first = i if i < TANGENT else first_row(0 if i < TWIST else 1 if i == TWIST else 2)
             if numbers[ACTIVE + i] != 0.0 and numbers[STATE + first] == HELD:
                 missing = numbers[WANTED + i] - numbers[SPEED + i]
                 if numbers[CUT] != 0.0:
@@ -79,7 +81,7 @@ def predict_contacts(island: int, world: int) -> None:
     nodes, work = integers(world, NODE), floats(world, LINK_NUMBERS)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers = contact_row(order[k, 0], world)
-        for i in range(10):
+        for i in range(CONTACT_ROWS):
             if numbers[ACTIVE + i] == 0.0:
                 continue
             total = 0.0
@@ -90,16 +92,17 @@ def predict_contacts(island: int, world: int) -> None:
                     for m in range(6):
                         total += numbers[WRENCH + 12 * i + 6 * side + m] * work[link, GAIN + m]
             numbers[MOVED + i] = total
-        for i in range(10):
+        for i in range(CONTACT_ROWS):
             if numbers[ACTIVE + i] != 0.0:
-                numbers[GIVEN + i] = give_of(numbers, i, -1 if i < TANGENT else 0 if i < 6 else 1 if i == 6 else 2)
+                bound = -1 if i < TANGENT else 0 if i < TWIST else 1 if i == TWIST else 2
+                numbers[GIVEN + i] = give_of(numbers, i, bound)
 
 
 @compiled(cached=False, fast=True)
 def give_contacts(island: int, task: int, world: int) -> None:
     """Give bodies the impulses that were found, none of which pulls."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    groups, begin = integers(world, GROUPS), integers(world, COLOURS)[LINKED, 1]
+    groups, begin = integers(world, GROUPS), integers(world, COLOURS)[LINKED, c.FIRST_GROUP]
     given = twelve()
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         index = order[k, 0]
@@ -110,7 +113,7 @@ def give_contacts(island: int, task: int, world: int) -> None:
             bind_points(numbers)
         else:
             bind(numbers)
-        for i in range(10):
+        for i in range(CONTACT_ROWS):
             if numbers[ACTIVE + i] == 0.0:
                 continue
             impulse = numbers[GIVEN + i]
@@ -120,7 +123,7 @@ def give_contacts(island: int, task: int, world: int) -> None:
                 given[m] += impulse * numbers[WRENCH + 12 * i + m]
         for side in range(2):
             if numbers[NODES + side] >= 0.0 or numbers[CUT] == 1.0 + side:
-                body, at = groups[begin + index, c.WIDTH * side], 6 * side
+                body, at = groups[begin + index, c.BODIES_A + c.WIDTH * side], 6 * side
                 push = (given[at], given[at + 1], given[at + 2])
                 push_body(body, push, (given[at + 3], given[at + 4], given[at + 5]), world)
 
@@ -131,7 +134,7 @@ def forget_contacts(island: int, world: int) -> None:
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers, fields = contact_row(order[k, 0], world), constraint(order[k, 0], world)
-        for i in range(10):
+        for i in range(CONTACT_ROWS):
             numbers[ACTIVE + i], numbers[IMPULSE + i] = 1.0, fields[impulse_field(i) * c.WIDTH]
             numbers[GIVEN + i] = -numbers[IMPULSE + i]
             write_wrench(fields, i, numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12])
@@ -144,7 +147,7 @@ def clear_contacts(island: int, world: int) -> None:
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         fields = constraint(order[k, 0], world)
-        for i in range(10):
+        for i in range(CONTACT_ROWS):
             fields[impulse_field(i) * c.WIDTH] = 0.0
 
 
@@ -152,10 +155,11 @@ def clear_contacts(island: int, world: int) -> None:
 def driven(island: int, world: int) -> float:
     """Greatest speed of what touches an island from without, and of surfaces, m/s."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    groups, begin, velocity, most = integers(world, GROUPS), integers(world, COLOURS)[LINKED, 1], twelve(), 0.0
+    groups, begin = integers(world, GROUPS), integers(world, COLOURS)[LINKED, c.FIRST_GROUP]
+    velocity, most = twelve(), 0.0
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         fields, g = constraint(order[k, 0], world), begin + order[k, 0]
-        read_both(MOTION, groups[g, 0], groups[g, c.WIDTH], velocity, world)
+        read_both(MOTION, groups[g, c.BODIES_A], groups[g, c.BODIES_B], velocity, world)
         numbers = contact_row(order[k, 0], world)
         most = max(most, abs(fields[c.SLIDE * c.WIDTH]), abs(fields[(c.SLIDE + 1) * c.WIDTH]))
         for side in range(2):
@@ -169,10 +173,12 @@ def driven(island: int, world: int) -> float:
 def left_of_contacts(island: int, world: int) -> float:
     """Return how fast points that carry something part or approach, at most, m/s."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    groups, begin, velocity, most = integers(world, GROUPS), integers(world, COLOURS)[LINKED, 1], twelve(), 0.0
+    groups, begin = integers(world, GROUPS), integers(world, COLOURS)[LINKED, c.FIRST_GROUP]
+    velocity, most = twelve(), 0.0
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers, fields = contact_row(order[k, 0], world), constraint(order[k, 0], world)
-        read_both(MOTION, groups[begin + order[k, 0], 0], groups[begin + order[k, 0], c.WIDTH], velocity, world)
+        g = begin + order[k, 0]
+        read_both(MOTION, groups[g, c.BODIES_A], groups[g, c.BODIES_B], velocity, world)
         for i in range(TANGENT):
             if numbers[ACTIVE + i] != 0.0 and fields[impulse_field(i) * c.WIDTH] > 0.0:
                 most = max(most, abs(along(numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12], velocity)))

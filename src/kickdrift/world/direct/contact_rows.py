@@ -17,6 +17,7 @@ from kickdrift.world.direct.layout import (
     BORNE,
     BOUND,
     CONSTANT,
+    CONTACT_ROWS,
     CUT,
     DIRECTION,
     GIVEN,
@@ -54,7 +55,7 @@ PRESSING, RIGID, GRIP, RIGID_BOUNCE = 100.0, 1e3, 30.0, 1e5
 BEARING, BEARING_GRIP = 2.0, 0.05
 
 # Speeds by which points may be missed or pulled, m/s: no other solution is sought for them.
-UNNOTICED = 1e-5
+MISSED = 1e-5
 
 # What friction may be off by in direction and size, over the mass that it moves, m/s.
 SLIPPED = 1e-4
@@ -141,7 +142,7 @@ def update_point_states(rows: Any, first: bool) -> bool:
         pull = rows[ROW_MASS + k] if first else stiffness
         wish = rows[IMPULSE + k] + rows[BASE + k] + pull * (missing - rows[MOVED + k])
         if not first:
-            wish += -UNNOTICED * stiffness if rows[STATE + k] == OPEN else UNNOTICED * rows[ROW_MASS + k]
+            wish += -MISSED * stiffness if rows[STATE + k] == OPEN else MISSED * rows[ROW_MASS + k]
         state = HELD if wish > 0.0 else OPEN
         settled = settled and state == rows[STATE + k]
         rows[STATE + k] = state
@@ -155,7 +156,7 @@ def update_bound_states(rows: Any, bound: int, first: bool) -> bool:
     begin, count = first_row(bound), bound_rows(bound)
     end, most = begin + count, rows[BOUND + bound]
     stiffness, was = rows[STIFFNESS + begin], rows[STATE + begin]
-    if most <= UNNOTICED * rows[ROW_MASS + begin]:
+    if most <= MISSED * rows[ROW_MASS + begin]:
         for k in range(begin, end):
             rows[CONSTANT + k], rows[DIRECTION + k] = -rows[IMPULSE + k], 0.0
         rows[STATE + begin], rows[SLIDE + bound] = SLIDING, 0.0
@@ -235,10 +236,10 @@ def fix(rows: Any) -> None:
 
     What laws would give there is far from it where rows are stiff.
     """
-    for k in range(10):
+    for k in range(CONTACT_ROWS):
         rows[GIVEN + k] = rows[BORNE + k]
     bind(rows)
-    for k in range(10):
+    for k in range(CONTACT_ROWS):
         rows[CONSTANT + k] = rows[GIVEN + k]
     for k in range(TANGENT):
         rows[STATE + k] = OPEN

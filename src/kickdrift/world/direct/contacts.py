@@ -28,29 +28,24 @@ from kickdrift.world.direct.contact_rows import (
 from kickdrift.world.direct.layout import (
     ACTIVE,
     AFTER_CONTACT,
-    CONSTANT,
+    CONTACT_ROWS,
     CUT,
     DIRECTION,
     FIRST_CONTACT,
     GIVEN,
-    HELD,
     HITS,
     IMPULSE,
-    LINK_ROW,
     NODE_ISLAND,
     NODES,
-    SLIDE,
     START,
     STATE,
-    STIFFNESS,
     TANGENT,
     WANTED,
     WRENCH,
 )
-from kickdrift.world.direct.matrix import add_row
 from kickdrift.world.direct.nodes import mass_of, node_of
 from kickdrift.world.direct.wrenches import along
-from kickdrift.world.joints.layout import CLOSING_IMPULSE, NODE_ROW
+from kickdrift.world.joints.layout import NODE_ROW
 from kickdrift.world.settings import GRAVITY, PUSH_SPEED
 from kickdrift.world.tables import (
     COLOURS,
@@ -61,7 +56,6 @@ from kickdrift.world.tables import (
     ISLAND_CONTACT,
     LANES,
     LINK,
-    LINK_NUMBERS,
     MOTION,
     NODE,
     SETTINGS,
@@ -92,7 +86,7 @@ def contact_row(index: int, world: int) -> Any:
 @compiled(inline=True, cached=False, fast=True)
 def constraint(index: int, world: int) -> Any:
     """Return the constraint of a contact, in lane 0 of its group."""
-    g = integers(world, COLOURS)[LINKED, 1] + index
+    g = integers(world, COLOURS)[LINKED, c.FIRST_GROUP] + index
     return flat(world, LANES)[g * _SIZE : (g + 1) * _SIZE]
 
 
@@ -124,16 +118,13 @@ def begin_contacts(island: int, h: float, task: int, world: int) -> None:
 @compiled(cached=False, fast=True)
 def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> None:
     groups, links = integers(world, GROUPS), integers(world, LINK)
-    g = integers(world, COLOURS)[LINKED, 1] + index
+    g = integers(world, COLOURS)[LINKED, c.FIRST_GROUP] + index
     own, numbers = constraint(index, world), contact_row(index, world)
-    a, b = groups[g, 0], groups[g, c.WIDTH]
+    a, b = groups[g, c.BODIES_A], groups[g, c.BODIES_B]
     velocity, change = twelve(), twelve()
     read_both(MOTION, a, b, velocity, world)
     read_both(DELTA_POSE, a, b, change, world)
-    push = floats(world, SETTINGS)[0, PUSH_SPEED]
-    numbers[CUT], rigid, grip = 0.0, PRESSING if task == PRESS else RIGID, GRIP
-    if task >= BOUNCE:
-        rigid, grip = RIGID_BOUNCE, RIGID_BOUNCE
+    numbers[CUT] = 0.0
     for side in range(2):
         link = node_of(world, b if side == 1 else a)
         numbers[NODES + side] = -1.0
@@ -141,7 +132,18 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
             numbers[NODES + side] = links[link, NODE_ROW]
         elif link >= 0:
             numbers[CUT] = 1.0 + side
-    presses, lever = False, 0.0
+    presses, lever = _begin_points(own, numbers, velocity, change, a, b, h, task, world)
+    _begin_friction(own, numbers, velocity, a, b, task, presses, lever, world)
+    find_bounds(own, numbers)
+
+
+@compiled(cached=False, fast=True)
+def _begin_points(
+    own: Any, numbers: Any, velocity: Any, change: Any, a: int, b: int, h: float, task: int, world: int
+) -> tuple[bool, float]:
+    """Say what is wanted of the points; return whether any may press, and the greatest distance from the centre."""
+    rigid = PRESSING if task == PRESS else RIGID if task == REST else RIGID_BOUNCE
+    push, presses, lever = floats(world, SETTINGS)[0, PUSH_SPEED], False, 0.0
     for k in range(TANGENT):
         at = (c.P + c.POINT_FIELDS * k) * c.WIDTH
         if own[at + c.POINT_MASS * c.WIDTH] <= 0.0:
@@ -157,6 +159,15 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
             numbers[ACTIVE + k] = 1.0 if numbers[HITS + k] >= 0.0 else 0.0
             numbers[WANTED + k], numbers[IMPULSE + k] = numbers[HITS + k], 0.0
         presses, lever = presses or numbers[ACTIVE + k] != 0.0, max(lever, own[at + c.LEVER * c.WIDTH])
+    return presses, lever
+
+
+@compiled(cached=False, fast=True)
+def _begin_friction(
+    own: Any, numbers: Any, velocity: Any, a: int, b: int, task: int, presses: bool, lever: float, world: int
+) -> None:
+    """Say what is wanted of friction, twist and rolling resistance, where there are any."""
+    grip = RIGID_BOUNCE if task >= BOUNCE else GRIP
     for bound in range(3):
         reach = own[c.ROLL * c.WIDTH] if bound == 2 else lever if bound == 1 else 1.0
         # Friction of a substep is as it was in the end of the one before until bodies have moved.
@@ -171,7 +182,6 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
                 numbers[IMPULSE + k] = 0.0
             if bound == 0:
                 numbers[WANTED + k] = own[(c.SLIDE + k - TANGENT) * c.WIDTH]
-    find_bounds(own, numbers)
 
 
 @compiled(inline=True, cached=False, fast=True)
@@ -199,7 +209,7 @@ def note_impulses(island: int, back: bool, world: int) -> None:
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers, fields = contact_row(order[k, 0], world), constraint(order[k, 0], world)
-        for i in range(10):
+        for i in range(CONTACT_ROWS):
             if back:
                 fields[impulse_field(i) * c.WIDTH] = numbers[START + i]
             else:
@@ -227,58 +237,3 @@ def fix_contacts(island: int, world: int) -> None:
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         fix(contact_row(order[k, 0], world))
-
-
-@compiled(cached=False, fast=True)
-def add_contacts(island: int, world: int) -> None:
-    """Add the rows of contacts to the matrix of an island."""
-    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    wrench = twelve()
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        numbers = contact_row(order[k, 0], world)
-        a, b = int(numbers[NODES]), int(numbers[NODES + 1])
-        for i in range(TANGENT):
-            if numbers[ACTIVE + i] != 0.0 and numbers[STATE + i] == HELD:
-                row = numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12]
-                add_row(a, b, numbers[STIFFNESS + i], row, row, world)
-        for bound in range(3):
-            begin = first_row(bound)
-            held = numbers[STATE + begin] == HELD
-            stiffness = numbers[STIFFNESS + begin] * (1.0 if held else numbers[SLIDE + bound])
-            if numbers[ACTIVE + begin] == 0.0 or stiffness == 0.0:
-                continue
-            end = begin + bound_rows(bound)
-            for i in range(begin, end):
-                row = numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12]
-                for m in range(12):
-                    wrench[m] = row[m]
-                if not held:
-                    for j in range(begin, end):
-                        share = numbers[DIRECTION + i] * numbers[DIRECTION + j]
-                        for m in range(12):
-                            wrench[m] -= share * numbers[WRENCH + 12 * j + m]
-                add_row(a, b, stiffness, row, wrench, world)
-
-
-@compiled(cached=False, fast=True)
-def load_contacts(island: int, world: int) -> None:
-    """Add to the loads on the nodes of an island what its contacts give if no speed changes."""
-    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        numbers = contact_row(order[k, 0], world)
-        a, b = int(numbers[NODES]), int(numbers[NODES + 1])
-        for i in range(10):
-            if numbers[ACTIVE + i] != 0.0:
-                _load(a, b, numbers[CONSTANT + i], numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12], world)
-
-
-@compiled(cached=False, fast=True)
-def _load(a: int, b: int, impulse: float, wrench: Any, world: int) -> None:
-    """Let an impulse along a row act on the nodes of a contact."""
-    nodes, work = integers(world, NODE), floats(world, LINK_NUMBERS)
-    for side in range(2):
-        node = b if side == 1 else a
-        if node >= 0:
-            link = nodes[node, LINK_ROW]
-            for i in range(6):
-                work[link, CLOSING_IMPULSE + i] += impulse * wrench[6 * side + i]

@@ -7,13 +7,12 @@ from kickdrift.world.direct.closings import (
     predict_closings,
     refine_closings,
 )
+from kickdrift.world.direct.contact_assembly import add_contacts, load_contacts
 from kickdrift.world.direct.contact_impulses import give_contacts, predict_contacts, refine_contacts
 from kickdrift.world.direct.contacts import (
     BOUNCE,
     PRESS,
-    add_contacts,
     fix_contacts,
-    load_contacts,
     update_contact_states,
 )
 from kickdrift.world.direct.factorisation import factor
@@ -53,9 +52,9 @@ TRIALS = 20
 # After so many of them bounds of friction stay as they are, as those of convex laws do.
 BOUNDED = 8
 
-# Times that a solution is put right by its own matrix, if it leaves more than that of a held row, m/s: where joints hold any of
-# the bodies, and in heaps, which stand at the worst ratios of masses and come to rest the further the better.
-REFINEMENTS, UNNOTICED = 3, 1e-9
+# Times that a solution is put right by its own matrix, if it leaves more than REFINED, m/s, of a held row: where joints hold
+# any of the bodies, and in heaps, which stand at the worst ratios of masses and come to rest the further the better.
+REFINEMENTS, REFINED = 3, 1e-9
 _HEAP_REFINEMENTS, _NOTICED_POINT, _NOTICED_HEAP_POINT = 5, 1e-6, 1e-7
 
 
@@ -82,7 +81,7 @@ def solve_once(island: int, h: float, ahead: float, task: int, first: bool, touc
     for trial in range(TRIALS):
         settled = review(island, h, task, trial == 0, first, trial > BOUNDED, touched, world) and whole and trial > 0
         if settled:
-            found = left == 0 or refine(island, task, touched, world) < UNNOTICED
+            found = left == 0 or refine(island, task, touched, world) < REFINED
             if found:
                 break
             left -= 1
@@ -124,7 +123,7 @@ def refine(island: int, task: int, touched: bool, world: int) -> float:
     joints, worst = integers(world, JOINT), refine_closings(island, world)
     if touched:
         noticed = _NOTICED_POINT if own[HAS_JOINTS] != 0 else _NOTICED_HEAP_POINT
-        worst = max(worst, UNNOTICED / noticed * refine_contacts(island, world))
+        worst = max(worst, REFINED / noticed * refine_contacts(island, world))
     if task >= BOUNCE:
         return worst
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):

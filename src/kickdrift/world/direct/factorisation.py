@@ -47,7 +47,6 @@ from kickdrift.world.joints.layout import (
     SIGN,
     SLOPE,
     YIELD,
-    int64,
 )
 from kickdrift.world.tables import (
     BLOCK,
@@ -59,8 +58,6 @@ from kickdrift.world.tables import (
     floats,
     integers,
 )
-
-_ONLY = int64(0)  # row of a buffer, and its first column
 
 
 @compiled(inline=True, cached=False, fast=True)
@@ -125,11 +122,11 @@ def _eliminate_link(node: int, world: int) -> None:
     above = nodes[parent, LINK_ROW]
     moved = carray(floats_on_stack(36), (1, 36))
     for k in range(36):
-        moved[_ONLY, k] = work[link, ARTICULATED_INERTIA + k]
-    _move_columns(moved, _ONLY, _ONLY, other_ahead)
-    _move_rows(moved, _ONLY, _ONLY, other)
+        moved[0, k] = work[link, ARTICULATED_INERTIA + k]
+    _move_columns(moved, 0, 0, other_ahead)
+    _move_rows(moved, 0, 0, other)
     for k in range(36):
-        work[above, ARTICULATED_INERTIA + k] += moved[_ONLY, k]
+        work[above, ARTICULATED_INERTIA + k] += moved[0, k]
     for row in range(begin, end):
         _hand_up(row, neighbours[row, 0], parent, other, other_ahead, world)
 

@@ -62,7 +62,7 @@ LARGEST = 32
 def find_islands(t: float, h: float, world: int) -> None:
     """Sort nodes, contacts and closing joints into islands, and find in which order nodes are eliminated."""
     links, colours = integers(world, LINK), integers(world, COLOURS)
-    contacts = colours[LINKED, 2] - colours[LINKED, 1]
+    contacts = colours[LINKED, c.AFTER_GROUP] - colours[LINKED, c.FIRST_GROUP]
     n = _join(world)
     if not (
         has_room(world, NODE, n)
@@ -117,8 +117,8 @@ def _join(world: int) -> int:
     for row in range(joined, rows(world, LINK)):
         links[row, ROOT], links[row, ISLAND_SIZE] = row, 1
         n += 1
-    for g in range(colours[LINKED, 1], colours[LINKED, 2]):
-        a, b = node_of(world, groups[g, 0]), node_of(world, groups[g, c.WIDTH])
+    for g in range(colours[LINKED, c.FIRST_GROUP], colours[LINKED, c.AFTER_GROUP]):
+        a, b = node_of(world, groups[g, c.BODIES_A]), node_of(world, groups[g, c.BODIES_B])
         if a >= 0 and b >= 0:
             a, b = _first_of(links, a), _first_of(links, b)
             most = LARGEST if min(a, b) < joined else HEAP_LARGEST
@@ -135,7 +135,7 @@ def _join(world: int) -> int:
 def islands_of_contact(world: int, g: int) -> tuple[int, int]:
     """Islands of a group of the linked colour; -1 for the second where there is but one."""
     links, groups = integers(world, LINK), integers(world, GROUPS)
-    a, b = node_of(world, groups[g, 0]), node_of(world, groups[g, c.WIDTH])
+    a, b = node_of(world, groups[g, c.BODIES_A]), node_of(world, groups[g, c.BODIES_B])
     one = links[links[a, ROOT], NODE_ROW] if a >= 0 else -1
     two = links[links[b, ROOT], NODE_ROW] if b >= 0 else -1
     if one < 0:
@@ -156,7 +156,7 @@ def _begin(islands: Any, count: int, first: int, after: int) -> None:
 @compiled(cached=False)
 def _sort_contacts(world: int) -> None:
     colours, islands, order = integers(world, COLOURS), integers(world, ISLAND), integers(world, ISLAND_CONTACT)
-    first, end = colours[LINKED, 1], colours[LINKED, 2]
+    first, end = colours[LINKED, c.FIRST_GROUP], colours[LINKED, c.AFTER_GROUP]
     for g in range(first, end):
         for island in islands_of_contact(world, g):
             if island >= 0:

@@ -20,6 +20,7 @@ from kickdrift.world.direct.layout import (
     BASE,
     BORNE,
     BOUND,
+    CONTACT_ROWS,
     FIRST_CONTACT,
     FIRST_JOINT,
     GIVEN,
@@ -58,7 +59,7 @@ from kickdrift.world.tables import (
 _FLAT, _HALVINGS = 1e-3, 20
 
 # Of the energy, by which slopes may be rounded off, and the speed of all bodies at which that is not worth while, m/s.
-_ROUNDING, _UNNOTICED = 1e-12, 1e-7
+_ROUNDING, _AT_REST = 1e-12, 1e-7
 
 
 @compiled(cached=False, fast=True)
@@ -84,7 +85,7 @@ def _is_down_to_the_end(island: int, h: float, task: int, touched: bool, world: 
     first = -_slope(island, 0.0, h, task, touched, world)
     if first <= 0.0 or last <= _FLAT * first:
         return True
-    unnoticed = _UNNOTICED * _UNNOTICED * mass_of(island, world)
+    unnoticed = _AT_REST * _AT_REST * mass_of(island, world)
     return last <= max(unnoticed, _ROUNDING * kinetic_energy(island, MOTION, world))
 
 
@@ -165,7 +166,7 @@ def _wish(rows: Any, i: int, begin: int, moved: float) -> float:
 
 @compiled(cached=False, fast=True)
 def _accept(rows: Any, share: float) -> None:
-    for i in range(10):
+    for i in range(CONTACT_ROWS):
         rows[BORNE + i] += share * (rows[GIVEN + i] - rows[BORNE + i])
         rows[ACCEPTED + i] += share * (rows[MOVED + i] - rows[ACCEPTED + i])
         rows[MOVED + i] = rows[ACCEPTED + i]

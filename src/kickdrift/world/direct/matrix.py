@@ -6,8 +6,9 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Symmetric, cross, inverse_symmetric, plus, times
 from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.direct.layout import FIRST_NEIGHBOUR, LINK_ROW, LOWER_BLOCK, NEIGHBOURS, UPPER_BLOCK
-from kickdrift.world.joints.layout import ANGULAR_PART, ARTICULATED_INERTIA, INVERSE_INERTIA_PART, LINK_BODY
+from kickdrift.world.joints.layout import ANGULAR_PART, ARTICULATED_INERTIA, LINK_BODY
 from kickdrift.world.joints.measure import put_vector
+from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
 from kickdrift.world.tables import BLOCK, INVERSE_MASS, LINK, LINK_NUMBERS, MOTION, NEIGHBOUR, NODE, floats, integers
 
 # Of bodies that cannot turn, or turn about some axes only, as if they were heavier than they are: with 1e8, what they
@@ -33,7 +34,7 @@ def put_inertia(link: int, ahead: float, world: int) -> None:
     body = integers(world, LINK)[link, LINK_BODY]
     for k in range(36):
         work[link, ARTICULATED_INERTIA + k] = 0.0
-    w = symmetric_at(response, body, INVERSE_INERTIA_PART)
+    w = symmetric_at(response, body, INVERSE_INERTIA_IN_WORLD)
     trace = w[0] + w[1] + w[2]
     mass = 1.0 / response[body, 0] if response[body, 0] > 0.0 else _IMMOVABLE / trace
     if trace > 0.0:

@@ -141,14 +141,14 @@ def _couple(world: int, island: int, words: int) -> bool:
     """Write which nodes contacts and closing joints couple, and say whether they do at all."""
     links, groups, own = integers(world, LINK), integers(world, GROUPS), integers(world, ISLAND)[island]
     bits, order = integers(world, ADJACENCY), integers(world, ISLAND_CONTACT)
-    closings, begin = integers(world, ISLAND_JOINT), integers(world, COLOURS)[LINKED, 1]
+    closings, begin = integers(world, ISLAND_JOINT), integers(world, COLOURS)[LINKED, c.FIRST_GROUP]
     joints = integers(world, JOINT)
     first, coupled = own[FIRST_NODE], False
     for k in range((own[AFTER_NODE] - first) * words):
         bits[k, 0] = 0
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         g = begin + order[k, 0]
-        a, b = node_of(world, groups[g, 0]), node_of(world, groups[g, c.WIDTH])
+        a, b = node_of(world, groups[g, c.BODIES_A]), node_of(world, groups[g, c.BODIES_B])
         if a >= 0 and b >= 0 and links[a, ROOT] == links[b, ROOT]:
             i, j = links[a, NODE_ROW] - first, links[b, NODE_ROW] - first
             _unite(bits, i, j, words)

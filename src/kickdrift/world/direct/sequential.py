@@ -37,7 +37,6 @@ from kickdrift.world.joints.layout import (
     FIRST,
     GEARED,
     HELD_AXES,
-    INVERSE_INERTIA_PART,
     JOINT_IMPULSE,
     LAWS,
     LINEAR,
@@ -49,10 +48,10 @@ from kickdrift.world.joints.layout import (
     RIGHT_HAND_SIDE,
     SEQUENTIAL,
     SLOPE,
-    int64,
 )
 from kickdrift.world.joints.measure import put_vector
 from kickdrift.world.joints.right_hand_side import GENTLY, RELAX, write_right_hand_side
+from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
 from kickdrift.world.tables import (
     ARTICULATION,
     INVERSE_MASS,
@@ -156,11 +155,11 @@ def _find_answers(joint: int, at: int, active: int, answers: Any, world: int) ->
             continue
         write_axis(numbers, joint, AXES, ARM_A, ARM_B, k, wrenches[k])
         for side in range(2):
-            body, begin = joints[joint, BODY_A + side], int64(6 * side)
+            body, begin = joints[joint, BODY_A + side], 6 * side
             for i in range(begin, begin + 3):
                 moved[0, i] = response[body, 0] * wrenches[k, i]
             turn = vector_at(wrenches, k, begin + 3)
-            put_vector(moved, 0, begin + 3, applied(symmetric_at(response, body, INVERSE_INERTIA_PART), turn))
+            put_vector(moved, 0, begin + 3, applied(symmetric_at(response, body, INVERSE_INERTIA_IN_WORLD), turn))
         for other in range(k + 1):
             if active >> other & 1:
                 total = 0.0

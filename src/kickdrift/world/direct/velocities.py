@@ -13,7 +13,7 @@ from kickdrift.world.direct.contacts import note_impulses
 from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE
 from kickdrift.world.direct.nodes import body_of
 from kickdrift.world.flight import BODY_INERTIA, MASS
-from kickdrift.world.joints.layout import ANGULAR_PART, JOINT_IMPULSE, LINEAR_PART, LINK_JOINT, SOLVED, int64
+from kickdrift.world.joints.layout import ANGULAR_PART, JOINT_IMPULSE, LINEAR_PART, LINK_JOINT, SOLVED
 from kickdrift.world.tables import (
     INERTIA,
     ISLAND,
@@ -45,7 +45,7 @@ def energy_of(body: int, velocities: Table, poses: Table, world: int) -> float:
     speeds, inertia = floats(world, velocities), floats(world, INERTIA)
     v = vector_at(speeds, body, LINEAR_PART)
     turn = turned_back(quaternion_at(floats(world, poses), body, ANGULAR_PART), vector_at(speeds, body, ANGULAR_PART))
-    moments = symmetric_at(inertia, body, int64(BODY_INERTIA))
+    moments = symmetric_at(inertia, body, BODY_INERTIA)
     energy: float = 0.5 * (inertia[body, MASS] * dot(v, v) + dot(turn, applied(moments, turn)))
     return energy
 

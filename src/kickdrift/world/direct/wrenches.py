@@ -7,8 +7,8 @@ from kickdrift.core.vectors import Vector, cross, dot, minus
 from kickdrift.world.columns import symmetric_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.direct.layout import ROLL, TANGENT, TWIST
-from kickdrift.world.joints.layout import INVERSE_INERTIA_PART
 from kickdrift.world.joints.measure import turning
+from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
 from kickdrift.world.tables import INVERSE_MASS, floats
 
 W = c.WIDTH
@@ -56,4 +56,4 @@ def mobility(wrench: Any, body: int, side: int, world: int) -> float:
     response, at = floats(world, INVERSE_MASS), 6 * side
     push, turn = (wrench[at], wrench[at + 1], wrench[at + 2]), (wrench[at + 3], wrench[at + 4], wrench[at + 5])
     total: float = response[body, 0] * dot(push, push)
-    return total + turning(symmetric_at(response, body, INVERSE_INERTIA_PART), turn)
+    return total + turning(symmetric_at(response, body, INVERSE_INERTIA_IN_WORLD), turn)

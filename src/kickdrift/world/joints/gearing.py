@@ -32,7 +32,6 @@ from kickdrift.world.joints.layout import (
     FRAME_B,
     GEARED_AXES,
     GEARED_JOINTS,
-    INVERSE_INERTIA_PART,
     JOINT_POSITION,
     LENGTH,
     LINEAR_PART,
@@ -40,6 +39,7 @@ from kickdrift.world.joints.layout import (
     START_WRENCHES,
 )
 from kickdrift.world.joints.measure import axis_unit, put_vector, unwound
+from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
 from kickdrift.world.tables import INVERSE_MASS, JOINT, JOINT_NUMBERS, LINK_NUMBERS, MOTION, POSE, floats, integers
 
 _NOTHING: Vector = (0.0, 0.0, 0.0)
@@ -115,7 +115,7 @@ def mobility_of_gear(joint: int, link: int, world: int) -> float:
     work, response, total = floats(world, LINK_NUMBERS), floats(world, INVERSE_MASS), 0.0
     for i in range(4):
         body = geared_body(joint, i, world)
-        inverse = symmetric_at(response, body, INVERSE_INERTIA_PART)
+        inverse = symmetric_at(response, body, INVERSE_INERTIA_IN_WORLD)
         push = vector_at(work, link, START_WRENCHES + 6 * i)
         turn = applied(inverse, vector_at(work, link, START_WRENCHES + 6 * i + 3))
         for j in range(4):

@@ -20,9 +20,6 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-# Columns as plain integers: adding to those of NumPy takes as long as reading a number.
-_POSITION, _TOTAL, _AXES = int(JOINT_POSITION), int(TOTAL), int(AXES)
-
 
 class _End(NamedTuple):
     """Where a body of a joint lies in the tables."""
@@ -86,19 +83,19 @@ class Joint(Handle):
     def angles(self) -> Floats:
         """Angles about the three axes, rad; those of hinges and universal joints count turns."""
         seen = self._look()
-        return 0.0 + seen.numbers[_POSITION + 3 : _POSITION + 6] * seen.signs[3:]
+        return 0.0 + seen.numbers[JOINT_POSITION + 3 : JOINT_POSITION + 6] * seen.signs[3:]
 
     @property
     def positions(self) -> Floats:
         """Positions along the three axes, m."""
         seen = self._look()
-        return 0.0 + seen.numbers[_POSITION : _POSITION + 3] * seen.signs[:3]
+        return 0.0 + seen.numbers[JOINT_POSITION : JOINT_POSITION + 3] * seen.signs[:3]
 
     @property
     def angle(self) -> float:
         """Angle about the axis of a hinge, rad, with full turns counted; a new one places what hangs on it, see `place`."""
         seen, k = self._look(), self._axis("angle")
-        angle: float = 0.0 + seen.signs[k] * seen.numbers.item(_POSITION + k)  # never -0.0
+        angle: float = 0.0 + seen.signs[k] * seen.numbers.item(JOINT_POSITION + k)  # never -0.0
         return angle
 
     @angle.setter
@@ -112,7 +109,7 @@ class Joint(Handle):
         A new one places what hangs on it, see `place`.
         """
         seen, k = self._look(), self._axis("position")
-        position: float = 0.0 + seen.signs[k] * seen.numbers.item(_POSITION + k)
+        position: float = 0.0 + seen.signs[k] * seen.numbers.item(JOINT_POSITION + k)
         return position
 
     @position.setter
@@ -147,20 +144,20 @@ class Joint(Handle):
         """Mean force at the joint during the last step on the body whose motion is measured, (3,) in the world's axes, N."""
         seen = self._look()
         numbers = seen.numbers
-        return np.asarray(seen.side * (numbers[_TOTAL : _TOTAL + 3] @ numbers[AXES : AXES + 9].reshape(3, 3)))
+        return np.asarray(seen.side * (numbers[TOTAL : TOTAL + 3] @ numbers[AXES : AXES + 9].reshape(3, 3)))
 
     @property
     def torque(self) -> Floats:
         """Mean torque on that body during the last step, about the point where the joint acts, (3,) as `force`, N m."""
         seen = self._look()
         numbers = seen.numbers
-        return np.asarray(seen.side * (numbers[_TOTAL + 3 : _TOTAL + 6] @ numbers[AXES + 9 : AXES + 18].reshape(3, 3)))
+        return np.asarray(seen.side * (numbers[TOTAL + 3 : TOTAL + 6] @ numbers[AXES + 9 : AXES + 18].reshape(3, 3)))
 
     @property
     def effort(self) -> float:
         """Torque or force along the open axis in the last step: of motor, drive, friction and limits; N m or N."""
         seen, k = self._look(), self.axis()
-        effort: float = 0.0 + seen.signs[k] * seen.numbers.item(_TOTAL + k)
+        effort: float = 0.0 + seen.signs[k] * seen.numbers.item(TOTAL + k)
         return effort
 
     def apply_effort(self, effort: float, axis: int | None = None) -> None:
@@ -275,7 +272,7 @@ class Joint(Handle):
         if seen is None or seen.version != tables.version:
             row = self._joints.row(self)
             joint, numbers = tables.row(JOINT, row), tables.row(JOINT_NUMBERS, row)
-            axes = [numbers[_AXES + 3 * k : _AXES + 3 * k + 3] for k in range(6)]
+            axes = [numbers[AXES + 3 * k : AXES + 3 * k + 3] for k in range(6)]
             ends = []
             for column, arm in ((BODY_A, ARM_A), (BODY_B, ARM_B)):
                 body = joint.item(column)

@@ -17,16 +17,15 @@ from kickdrift.world.joints.layout import (
     END,
     FIRST,
     GEARED,
-    INVERSE_INERTIA_PART,
     JOINT_IMPULSE,
     LAWS,
     LINEAR,
     LINK_JOINT,
     PRINCIPAL,
     START_SPEED,
-    int64,
 )
 from kickdrift.world.joints.measure import relative_velocity
+from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
 from kickdrift.world.tables import (
     ARTICULATION,
     INVERSE_MASS,
@@ -84,10 +83,10 @@ def push_bodies(joint: int, source: Any, row: int, column: int, world: int) -> N
 def _push_geared(joint: int, impulse: float, world: int) -> None:
     """Let the impulse of a gear act on the bodies of its joints."""
     wrenches = carray(floats_on_stack(24), (1, 24))
-    put_wrenches(joint, 0.0, wrenches, 0, int64(0), world)
+    put_wrenches(joint, 0.0, wrenches, 0, 0, world)
     for i in range(4):
-        push = times(impulse, vector_at(wrenches, 0, int64(6 * i)))
-        turn = times(impulse, vector_at(wrenches, 0, int64(6 * i + 3)))
+        push = times(impulse, vector_at(wrenches, 0, 6 * i))
+        turn = times(impulse, vector_at(wrenches, 0, 6 * i + 3))
         push_body(geared_body(joint, i, world), push, turn, world)
 
 
@@ -95,7 +94,7 @@ def _push_geared(joint: int, impulse: float, world: int) -> None:
 def push_body(body: int, push: Vector, turn: Vector, world: int) -> None:
     """Let an impulse at the centre of mass and an angular impulse act on a body."""
     motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
-    turned = applied(symmetric_at(inverse_mass, body, INVERSE_INERTIA_PART), turn)
+    turned = applied(symmetric_at(inverse_mass, body, INVERSE_INERTIA_IN_WORLD), turn)
     for k in range(3):
         motion[body, k] += inverse_mass[body, 0] * push[k]
         motion[body, 3 + k] += turned[k]

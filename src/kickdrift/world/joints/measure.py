@@ -40,7 +40,6 @@ from kickdrift.world.joints.layout import (
     FRAME_B,
     GEARED,
     HINGE,
-    INVERSE_INERTIA_PART,
     JOINT_POSITION,
     LAWS,
     LENGTH,
@@ -57,6 +56,7 @@ from kickdrift.world.joints.layout import (
     UNIVERSAL,
     VECTOR,
 )
+from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
 from kickdrift.world.tables import (
     ARTICULATION,
     INVERSE_MASS,
@@ -256,5 +256,5 @@ def mobility(joint: int, k: int, world: int) -> float:
         if k < 3:
             turn = cross(vector_at(numbers, joint, ARM_B if side == 1 else ARM_A), axis)
             total += response[body, 0]
-        total += turning(symmetric_at(response, body, INVERSE_INERTIA_PART), turn)
+        total += turning(symmetric_at(response, body, INVERSE_INERTIA_IN_WORLD), turn)
     return total

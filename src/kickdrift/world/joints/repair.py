@@ -3,7 +3,8 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, exponential, product, turned, turned_symmetric, unit
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
-from kickdrift.world.joints.layout import ANGULAR_PART, INVERSE_INERTIA_PART
+from kickdrift.world.joints.layout import ANGULAR_PART
+from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
 from kickdrift.world.tables import DELTA_POSE, INVERSE_MASS, MOTION, POSE, floats
 
 
@@ -19,7 +20,7 @@ def shift_body(body: int, way: Vector, turn: Vector, world: int) -> None:
     by = exponential(turn)
     q = unit(product(by, quaternion_at(pose, body, ANGULAR_PART)))
     w = turned(by, vector_at(motion, body, ANGULAR_PART))
-    inverse = turned_symmetric(by, symmetric_at(inverse_mass, body, INVERSE_INERTIA_PART))
+    inverse = turned_symmetric(by, symmetric_at(inverse_mass, body, INVERSE_INERTIA_IN_WORLD))
     for k in range(3):
         pose[body, k] += way[k]
         delta_pose[body, k] += way[k]

@@ -60,9 +60,9 @@ from kickdrift.world.joints.layout import (
     RIGID,
     SLOPE,
     START_WRENCHES,
-    int64,
 )
 from kickdrift.world.joints.measure import axis_unit, put_cross, put_line, put_vector, relative_velocity
+from kickdrift.world.sleeping import REACH
 from kickdrift.world.tables import (
     JOINT,
     JOINT_NUMBERS,
@@ -75,13 +75,11 @@ from kickdrift.world.tables import (
     integers,
 )
 
-_REACH = 2  # column of RESTED
-
-# What an aim is taken for (of type int64: for each plain integer Numba compiles a function anew)
-AHEAD = int64(0)  # nothing is off at the end of the substep
-GENTLY = int64(1)  # no speed where nothing moves, before the drift
-RELAX = int64(2)  # no speed where nothing moves
-REPAIR = int64(3)  # a change of position, as a speed, after which nothing is off
+# What an aim is taken for
+AHEAD = 0  # nothing is off at the end of the substep
+GENTLY = 1  # no speed where nothing moves, before the drift
+RELAX = 2  # no speed where nothing moves
+REPAIR = 3  # a change of position, as a speed, after which nothing is off
 
 
 @compiled(cached=False)
@@ -119,7 +117,7 @@ def write_right_hand_side(joint: int, link: int, h: float, mode: int, world: int
             work[link, column + k] = 0.0
     joints, rested = integers(world, JOINT), floats(world, RESTED)
     size = length(vector_at(numbers, joint, ARM_A)) + length(vector_at(numbers, joint, ARM_B))
-    size += rested[joints[joint, BODY_A], _REACH] + rested[joints[joint, BODY_B], _REACH]
+    size += rested[joints[joint, BODY_A], REACH] + rested[joints[joint, BODY_B], REACH]
     off = off / (size * size) if size > 0.0 else 0.0
     return math.sqrt(turned_off + off) if mode == AHEAD else 0.0
 
@@ -141,7 +139,7 @@ def _write_gear(joint: int, link: int, h: float, mode: int, world: int) -> float
         numbers[joint, JOINT_POSITION + k] = wrong
     size = 0.0
     for i in range(4):
-        size += floats(world, RESTED)[geared_body(joint, i, world), _REACH]
+        size += floats(world, RESTED)[geared_body(joint, i, world), REACH]
     if mode != AHEAD:
         return 0.0
     return abs(wrong) if k >= 3 else abs(wrong) / size if size > 0.0 else 0.0

@@ -1,9 +1,6 @@
 """Numbers of convex polyhedra: vertices, planes, face loops and edges in one row of floats.
 
-The row opens with `HEADER` numbers: how many vertices, faces and edges there are, where the planes, the starts of the
-loops, the vertices of the loops, the edges of the loops and the edges begin, a point well inside (3), half of the
-smallest distance between a face and the vertex farthest behind it, and how many of the edges, the first ones, may
-push (all but for triangles of a mesh). Then come
+The row opens with `HEADER` numbers. Then come
 
 - the vertices, three coordinates each;
 - the planes of the faces, outward unit normal and offset (4): n . x <= offset inside;
@@ -24,15 +21,24 @@ from numpy.typing import NDArray
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_at
 from kickdrift.core.vectors import Vector
+from kickdrift.world.columns import Fields
 
 Array = NDArray[np.float64]
 
-VERTICES, FACES, EDGES = 0, 1, 2  # counts
-PLANES_AT, LOOPS_AT, LOOP_VERTICES_AT, LOOP_EDGES_AT, EDGES_AT = 3, 4, 5, 6, 7
-CENTRE = 8
-THICKNESS = 11
-PUSHING = 12
-HEADER = 13
+# Numbers that a row opens with
+_HEADER = Fields()
+VERTICES = _HEADER.field()  # how many there are
+FACES = _HEADER.field()
+EDGES = _HEADER.field()
+PLANES_AT = _HEADER.field()  # where they begin
+LOOPS_AT = _HEADER.field()  # the starts of the loops
+LOOP_VERTICES_AT = _HEADER.field()
+LOOP_EDGES_AT = _HEADER.field()
+EDGES_AT = _HEADER.field()
+CENTRE = _HEADER.field(3, "m")  # a point well inside
+THICKNESS = _HEADER.field(1, "m")  # half of the smallest distance between a face and the vertex farthest behind it
+PUSHING = _HEADER.field()  # how many of the edges, the first ones, may push: all but for triangles of a mesh
+HEADER = _HEADER.close()
 
 MOST_VERTICES = 128
 MOST_EDGES = 3 * MOST_VERTICES - 6  # Euler: of a polyhedron all of whose faces are triangles

@@ -1,15 +1,20 @@
-"""Triangles of surfaces: twelve numbers each, nine coordinates of corners and three flags of edges."""
+"""Triangles of surfaces."""
 
 from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, cross, dot, length, minus, times
+from kickdrift.world.columns import Fields
 from kickdrift.world.shapes.extents import Extent, around
 from kickdrift.world.shapes.kinds import TRIANGLE
 from kickdrift.world.shapes.rays import MISS, Hit
 from kickdrift.world.shapes.record import TRIANGLE_OF_SURFACE, Kind
 
-TRIANGLE_SIZE = 12
+# Numbers of a triangle
+_TRIANGLE = Fields()
+_TRIANGLE.field(9, "m")  # corners
+ACTIVE_EDGES = _TRIANGLE.field(3)  # flags: see `kickdrift.world.shapes.mesh`
+TRIANGLE_SIZE = _TRIANGLE.close()
 FIRST_TRIANGLE = 1  # of the numbers of a surface
 
 

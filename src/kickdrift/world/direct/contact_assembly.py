@@ -1,0 +1,91 @@
+"""What contacts add to the matrix of an island, and to the loads on its nodes."""
+
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.world.direct.contact_rows import (
+    bound_rows,
+    first_row,
+)
+from kickdrift.world.direct.contacts import contact_row, twelve
+from kickdrift.world.direct.layout import (
+    ACTIVE,
+    AFTER_CONTACT,
+    CONSTANT,
+    CONTACT_ROWS,
+    DIRECTION,
+    FIRST_CONTACT,
+    HELD,
+    LINK_ROW,
+    NODES,
+    SLIDE,
+    STATE,
+    STIFFNESS,
+    TANGENT,
+    WRENCH,
+)
+from kickdrift.world.direct.matrix import add_row
+from kickdrift.world.joints.layout import CLOSING_IMPULSE
+from kickdrift.world.tables import (
+    ISLAND,
+    ISLAND_CONTACT,
+    LINK_NUMBERS,
+    NODE,
+    floats,
+    integers,
+)
+
+
+@compiled(cached=False, fast=True)
+def add_contacts(island: int, world: int) -> None:
+    """Add the rows of contacts to the matrix of an island."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    wrench = twelve()
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        numbers = contact_row(order[k, 0], world)
+        a, b = int(numbers[NODES]), int(numbers[NODES + 1])
+        for i in range(TANGENT):
+            if numbers[ACTIVE + i] != 0.0 and numbers[STATE + i] == HELD:
+                row = numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12]
+                add_row(a, b, numbers[STIFFNESS + i], row, row, world)
+        for bound in range(3):
+            begin = first_row(bound)
+            held = numbers[STATE + begin] == HELD
+            stiffness = numbers[STIFFNESS + begin] * (1.0 if held else numbers[SLIDE + bound])
+            if numbers[ACTIVE + begin] == 0.0 or stiffness == 0.0:
+                continue
+            end = begin + bound_rows(bound)
+            for i in range(begin, end):
+                row = numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12]
+                for m in range(12):
+                    wrench[m] = row[m]
+                if not held:
+                    for j in range(begin, end):
+                        share = numbers[DIRECTION + i] * numbers[DIRECTION + j]
+                        for m in range(12):
+                            wrench[m] -= share * numbers[WRENCH + 12 * j + m]
+                add_row(a, b, stiffness, row, wrench, world)
+
+
+@compiled(cached=False, fast=True)
+def load_contacts(island: int, world: int) -> None:
+    """Add to the loads on the nodes of an island what its contacts give if no speed changes."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        numbers = contact_row(order[k, 0], world)
+        a, b = int(numbers[NODES]), int(numbers[NODES + 1])
+        for i in range(CONTACT_ROWS):
+            if numbers[ACTIVE + i] != 0.0:
+                _load(a, b, numbers[CONSTANT + i], numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12], world)
+
+
+@compiled(cached=False, fast=True)
+def _load(a: int, b: int, impulse: float, wrench: Any, world: int) -> None:
+    """Let an impulse along a row act on the nodes of a contact."""
+    nodes, work = integers(world, NODE), floats(world, LINK_NUMBERS)
+    for side in range(2):
+        node = b if side == 1 else a
+        if node >= 0:
+            link = nodes[node, LINK_ROW]
+            for i in range(6):
+                work[link, CLOSING_IMPULSE + i] += impulse * wrench[6 * side + i]
