@@ -15,8 +15,7 @@ EXAMPLE = kd.Hamiltonian(
     energy=lambda q, p: 0.5 * (1 + q * q) * (1 + p * p),
 )
 FORCED = kd.Hamiltonian(
-    dHdq=lambda t, q, p: q * (1 + p * p) - 0.5 * np.cos(2 * t),
-    dHdp=lambda t, q, p: p * (1 + q * q) + 0.3 * np.sin(t),
+    dHdq=lambda t, q, p: q * (1 + p * p) - 0.5 * np.cos(2 * t), dHdp=lambda t, q, p: p * (1 + q * q) + 0.3 * np.sin(t)
 )
 
 

@@ -20,13 +20,7 @@ def lotka_volterra(y):
 
 
 def turning(t, y):
-    return np.array(
-        [
-            y[1] * y[2] - np.sin(t),
-            -y[0] * y[2] + np.cos(3 * t),
-            -0.5 * y[0] * y[1] + y[2] * np.sin(2 * t),
-        ]
-    )
+    return np.array([y[1] * y[2] - np.sin(t), -y[0] * y[2] + np.cos(3 * t), -0.5 * y[0] * y[1] + y[2] * np.sin(2 * t)])
 
 
 FISH = kd.FirstOrder(lotka_volterra, invariants={"constant of motion": lambda y: (y - np.log(y)).sum()})

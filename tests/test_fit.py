@@ -23,11 +23,7 @@ PROBLEMS = {
         "x0": 0.5,
         "v0": 0.5,
     },
-    Kind.SEPARABLE: {
-        "problem": kd.Separable(lambda p: p / np.sqrt(1 + p * p), lambda q: q),
-        "x0": 0.5,
-        "v0": 0.5,
-    },
+    Kind.SEPARABLE: {"problem": kd.Separable(lambda p: p / np.sqrt(1 + p * p), lambda q: q), "x0": 0.5, "v0": 0.5},
     Kind.VELOCITY_DEPENDENT: {"problem": lambda x, v: -x - 0.1 * v * abs(v), "x0": 1.0, "v0": 0.5},
     Kind.NEWTONIAN: {"problem": lambda x: -x - x**3, "x0": 1.0, "v0": 0.5},
     Kind.DAMPED: {"problem": kd.Damped(lambda x: -x, damping=0.1), "x0": 1.0, "v0": 0.5},
@@ -48,11 +44,7 @@ PROBLEMS = {
         "x0": [1.0, 0.0],
         "v0": [0.0, 0.5],
     },
-    Kind.LANGEVIN: {
-        "problem": kd.Langevin(lambda x: -x, friction=1.0, temperature=1.0),
-        "x0": 1.0,
-        "v0": 0.5,
-    },
+    Kind.LANGEVIN: {"problem": kd.Langevin(lambda x: -x, friction=1.0, temperature=1.0), "x0": 1.0, "v0": 0.5},
 }
 
 # Rows: what a method is for. Columns, in the order of the enumeration: the problems on which it runs.

@@ -138,13 +138,7 @@ def tao(binding_force=0.0):
 
 
 def turning(t, y):
-    return np.array(
-        [
-            y[1] * y[2] - np.sin(t),
-            -y[0] * y[2] + np.cos(3 * t),
-            -0.5 * y[0] * y[1] + y[2] * np.sin(2 * t),
-        ]
-    )
+    return np.array([y[1] * y[2] - np.sin(t), -y[0] * y[2] + np.cos(3 * t), -0.5 * y[0] * y[1] + y[2] * np.sin(2 * t)])
 
 
 PROBLEMS = {
@@ -211,10 +205,9 @@ def test_dop853_takes_the_steps_of_scipy(name):
     given = {key: value for key, value in PROBLEMS[name].items() if key != "problem"}
     problem, h = PROBLEMS[name]["problem"], 0.3
     ours = kd.solve(problem, (0.0, 2 * h), step=h, method="dop853", compile=False, compensated=False, **given)
-    rates = {
-        "partitioned": lambda t, y: np.array([y[0] * (1 - y[1]), y[1] * (y[0] - 1)]),
-        "first-order": turning,
-    }.get(name)
+    rates = {"partitioned": lambda t, y: np.array([y[0] * (1 - y[1]), y[1] * (y[0] - 1)]), "first-order": turning}.get(
+        name
+    )
     if rates is None:
         system = kd.analysis.order.adopt(problem, 0.0, ours.x[0], ours.v[0], np.zeros(0), compile_=False)
 

@@ -180,10 +180,7 @@ def test_a_mesh_lists_its_triangles_and_where_it_is_sharp():
 @pytest.mark.parametrize(("degrees", "sharp"), [(-20.0, False), (0.0, False), (4.0, False), (6.0, True), (90.0, True)])
 def test_edges_are_sharp_where_the_surface_bends_away_by_five_degrees(degrees, sharp):
     bend = np.radians(degrees)
-    mesh = Mesh(
-        [(0, 0, 0), (0, 1, 0), (-1, 0, 0), (np.cos(bend), 0, -np.sin(bend))],
-        [(0, 1, 2), (1, 0, 3)],
-    )
+    mesh = Mesh([(0, 0, 0), (0, 1, 0), (-1, 0, 0), (np.cos(bend), 0, -np.sin(bend))], [(0, 1, 2), (1, 0, 3)])
     assert mesh.active_edges().tolist() == [[sharp, True, True], [sharp, True, True]]
 
 

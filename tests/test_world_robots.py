@@ -195,11 +195,7 @@ def test_motors_and_servos_can_be_read_and_set(tmp_path):
 
 def test_controls_and_efforts_are_clipped_as_in_mujoco(tmp_path):
     inside = f'<body><joint name="j" axis="0 1 0" actuatorfrcrange="-50 5"/>{BALL}</body>'
-    motors = {
-        "control": 'gear="3" ctrlrange="-0.4 0.5"',
-        "force": 'gear="-3" forcerange="-1 20"',
-        "free": 'gear="100"',
-    }
+    motors = {"control": 'gear="3" ctrlrange="-0.4 0.5"', "force": 'gear="-3" forcerange="-1 20"', "free": 'gear="100"'}
     rest = "".join(f'<motor name="{name}" joint="j" {numbers}/>' for name, numbers in motors.items())
     rest += '<general name="general" joint="j" gainprm="2" biasprm="0.3 0 0" biastype="affine" ctrlrange="-1 1"/>'
     path = text(tmp_path, inside, f"<actuator>{rest}</actuator>")

@@ -665,8 +665,7 @@ def test_bodies_that_come_are_not_there_before_and_those_that_go_after():
 
 
 @pytest.mark.parametrize(
-    ("error", "status"),
-    [(ZeroDivisionError, kd.Outcome.FAILED), (KeyboardInterrupt, kd.Outcome.INTERRUPTED)],
+    ("error", "status"), [(ZeroDivisionError, kd.Outcome.FAILED), (KeyboardInterrupt, kd.Outcome.INTERRUPTED)]
 )
 def test_a_loop_that_ends_by_an_error_keeps_what_was_done(error, status):
     world = balls()

@@ -245,10 +245,7 @@ def _of_special_forces() -> list[Case]:
             v0=(0.0,) * 2000,
             problem=kd.Langevin(problems.double_well, friction=_FRICTION, temperature=_TEMPERATURE, seed=1),
             methods=("baoab", "aboba", "obabo"),
-            peers=(
-                Contestant("diffrax QUICSORT", _QUICSORT, 2),
-                Contestant("diffrax ALIGN", _ALIGN, 1),
-            ),
+            peers=(Contestant("diffrax QUICSORT", _QUICSORT, 2), Contestant("diffrax ALIGN", _ALIGN, 1)),
             average=(problems.mean_square, problems.mean_square_in_double_well(_TEMPERATURE)),
             evaluations=(600, 3e3),
             near=3e-3,

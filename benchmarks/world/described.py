@@ -191,12 +191,7 @@ def rotation(q: Floats) -> Floats:
 
 def times(p: Floats, q: Floats) -> Floats:
     """Product of two quaternions."""
-    return np.array(
-        [
-            p[0] * q[0] - p[1:] @ q[1:],
-            *(p[0] * q[1:] + q[0] * p[1:] + np.cross(p[1:], q[1:])),
-        ]
-    )
+    return np.array([p[0] * q[0] - p[1:] @ q[1:], *(p[0] * q[1:] + q[0] * p[1:] + np.cross(p[1:], q[1:]))])
 
 
 def inverse(q: Floats) -> Floats:

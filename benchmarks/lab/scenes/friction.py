@@ -23,10 +23,7 @@ def _belt() -> Trial:
     def fastest(scene: Scene, watched: Watched) -> float:
         return float(watched.motions[:, box, 0].max())
 
-    criteria = (
-        comes_to("mu", "", coefficient, 0.4, 0.005),
-        at_most("fastest", "m/s", fastest, 1.01 * speed),
-    )
+    criteria = (comes_to("mu", "", coefficient, 0.4, 0.005), at_most("fastest", "m/s", fastest, 1.01 * speed))
     return Trial("belt: a box under five times its weight", (builder.scene(),), 2.0, criteria, looks=120)
 
 

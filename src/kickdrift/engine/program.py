@@ -118,11 +118,7 @@ def _spell(method: Method, system: System, word: Word, x_clock: Fraction) -> lis
     return spelled
 
 
-_SWEEPS = {
-    Letter.DRIFT: "sweep",
-    Letter.ADJOINT_DRIFT: "adjoint-sweep",
-    Letter.EXTRAPOLATION: "extrapolated-sweeps",
-}
+_SWEEPS = {Letter.DRIFT: "sweep", Letter.ADJOINT_DRIFT: "adjoint-sweep", Letter.EXTRAPOLATION: "extrapolated-sweeps"}
 
 
 def _flow_of(letter: Letter, system: System, method: Method) -> str | None:

@@ -29,14 +29,7 @@ METHODS = (
         source=f"Boris, Proc. 4th Conf. Numerical Simulation of Plasmas, 3 (1970); {_HE}",
         aliases=("boris-2",),
     ),
-    Method(
-        name="he-sun-liu-qin-2",
-        order=2,
-        word=_around(_R),
-        symmetric=True,
-        kind=Kind.CHARGED,
-        source=_HE,
-    ),
+    Method(name="he-sun-liu-qin-2", order=2, word=_around(_R), symmetric=True, kind=Kind.CHARGED, source=_HE),
     # An eighth of the error of Suzuki's five steps of "he-sun-liu-qin-2" at equal cost, in fields that vary in space
     # and time.
     Method(

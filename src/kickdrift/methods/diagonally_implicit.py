@@ -17,8 +17,7 @@ METHODS = (
         kind=Kind.FIRST_ORDER,
         source="Qin, Zhang, J. Comput. Math., Suppl., 205 (1992)",
         tableau=lambda: Tableau(
-            a=[[Fraction(1, 4), 0], [Fraction(1, 2), Fraction(1, 4)]],
-            b=[Fraction(1, 2), Fraction(1, 2)],
+            a=[[Fraction(1, 4), 0], [Fraction(1, 2), Fraction(1, 4)]], b=[Fraction(1, 2), Fraction(1, 2)]
         ),
     ),
 )

@@ -56,11 +56,7 @@ def kepler(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Float
         f, g, df, dg = 0.0, h, 0.0, 0.0
         if mu != 0.0:
             f, g, df, dg, trouble = gauss_functions(
-                mu,
-                h,
-                math.sqrt(x0 * x0 + x1 * x1 + x2 * x2),
-                x0 * v0 + x1 * v1 + x2 * v2,
-                v0 * v0 + v1 * v1 + v2 * v2,
+                mu, h, math.sqrt(x0 * x0 + x1 * x1 + x2 * x2), x0 * v0 + x1 * v1 + x2 * v2, v0 * v0 + v1 * v1 + v2 * v2
             )
             if trouble != 0.0:
                 work[TROUBLE] = trouble

@@ -95,10 +95,7 @@ FLOWS = {
         memory=adjoint.memory_size,
     ),
     "adjoint-drift": Flow(
-        adjoint.adjoint_drift,
-        parts=_solving(adjoint.drift_residual),
-        moves_x=True,
-        memory=adjoint.memory_size,
+        adjoint.adjoint_drift, parts=_solving(adjoint.drift_residual), moves_x=True, memory=adjoint.memory_size
     ),
     "damp": Flow(damping.damp, moves_v=True),
     "rotate": Flow(magnetic.rotate, moves_v=True),
@@ -108,10 +105,7 @@ FLOWS = {
     "kepler": Flow(kepler.kepler, moves_x=True, moves_v=True),
     "jump": Flow(kepler.jump),  # moves x by what neither the clock nor the acceleration of the kicks sees
     "sweep": Flow(
-        sweep.sweep,
-        parts={"evaluate_component": sweep.evaluate_component},
-        moves_x=True,
-        memory=sweep.memory_size,
+        sweep.sweep, parts={"evaluate_component": sweep.evaluate_component}, moves_x=True, memory=sweep.memory_size
     ),
     "adjoint-sweep": Flow(
         sweep.adjoint_sweep,
@@ -165,10 +159,7 @@ FLOWS = {
         primer="double",
     ),
     "doubled-binding": Flow(
-        doubled.doubled_binding,
-        keeps_acceleration=False,
-        memory=doubled.memory_size,
-        primer="double",
+        doubled.doubled_binding, keeps_acceleration=False, memory=doubled.memory_size, primer="double"
     ),
     "linearly-implicit-kick": Flow(
         linearly_implicit.linearly_implicit_kick,

@@ -29,19 +29,7 @@ from kickdrift.world.layout import (
 )
 from kickdrift.world.settings import GRAVITY, MARGIN
 from kickdrift.world.shapes.record import SOLID
-from kickdrift.world.tables import (
-    BODY,
-    BOUNDS,
-    MOTION,
-    MOVERS,
-    PLACE,
-    POSE,
-    SETTINGS,
-    SHAPE,
-    floats,
-    integers,
-    rows,
-)
+from kickdrift.world.tables import BODY, BOUNDS, MOTION, MOVERS, PLACE, POSE, SETTINGS, SHAPE, floats, integers, rows
 
 _FRACTION = 0.125  # of the longest side: margin and slack of small shapes
 _SLACK = 0.05  # m, of large ones

@@ -30,11 +30,7 @@ def reaches_under(world: int, plane: int, box: Box) -> bool:
     at, q = shape_pose(world, plane)
     n = turned(q, (0.0, 0.0, 1.0))
     # The corner that is deepest, as n^T (centre - at) - |n|^T (half sides)
-    lowest = (
-        box[0] if n[0] > 0.0 else box[3],
-        box[1] if n[1] > 0.0 else box[4],
-        box[2] if n[2] > 0.0 else box[5],
-    )
+    lowest = (box[0] if n[0] > 0.0 else box[3], box[1] if n[1] > 0.0 else box[4], box[2] if n[2] > 0.0 else box[5])
     return dot(n, minus(lowest, at)) <= 0.0
 
 

@@ -24,18 +24,7 @@ from kickdrift.world.layout import ANGULAR_VELOCITY, RADIUS, RESTITUTION, VELOCI
 from kickdrift.world.settings import HAS_FAST, MARGIN, RECYCLE_DISTANCE, STEP
 from kickdrift.world.shapes.record import HALF_SPACE
 from kickdrift.world.step_status import NEEDS_TIME_OF_IMPACT, STATUS
-from kickdrift.world.tables import (
-    BODY,
-    CONTACT,
-    MANIFOLD,
-    MOTION,
-    PLACE,
-    SETTINGS,
-    STEP_STATUS,
-    floats,
-    integers,
-    rows,
-)
+from kickdrift.world.tables import BODY, CONTACT, MANIFOLD, MOTION, PLACE, SETTINGS, STEP_STATUS, floats, integers, rows
 
 _STANDING = 1e-4  # of its reach, by which a round shape that stands on three points or more may move
 

@@ -11,21 +11,8 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.prepare import LINKED
 from kickdrift.world.contacts.restitution import slowest_bounce
 from kickdrift.world.direct.contact_rows import impulse_field
-from kickdrift.world.direct.contacts import (
-    BOUNCE,
-    SMOOTH_BOUNCE,
-    constraint,
-    contact_row,
-    read_both,
-    twelve,
-)
-from kickdrift.world.direct.layout import (
-    AFTER_CONTACT,
-    CONTACT_ROWS,
-    FIRST_CONTACT,
-    HITS,
-    TANGENT,
-)
+from kickdrift.world.direct.contacts import BOUNCE, SMOOTH_BOUNCE, constraint, contact_row, read_both, twelve
+from kickdrift.world.direct.layout import AFTER_CONTACT, CONTACT_ROWS, FIRST_CONTACT, HITS, TANGENT
 from kickdrift.world.direct.solve import solve_at_once
 from kickdrift.world.direct.velocities import kinetic_energy, note_velocities, take_back_velocities
 from kickdrift.world.direct.wrenches import along, write_wrench

@@ -3,10 +3,7 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.direct.contact_rows import (
-    bound_rows,
-    first_row,
-)
+from kickdrift.world.direct.contact_rows import bound_rows, first_row
 from kickdrift.world.direct.contacts import contact_row, twelve
 from kickdrift.world.direct.layout import (
     ACTIVE,
@@ -26,14 +23,7 @@ from kickdrift.world.direct.layout import (
 )
 from kickdrift.world.direct.matrix import add_row
 from kickdrift.world.joints.layout import CLOSING_IMPULSE
-from kickdrift.world.tables import (
-    ISLAND,
-    ISLAND_CONTACT,
-    LINK_NUMBERS,
-    NODE,
-    floats,
-    integers,
-)
+from kickdrift.world.tables import ISLAND, ISLAND_CONTACT, LINK_NUMBERS, NODE, floats, integers
 
 
 @compiled(cached=False, fast=True)

@@ -3,13 +3,7 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.prepare import LINKED
-from kickdrift.world.direct.contact_rows import (
-    bind,
-    bind_points,
-    first_row,
-    give_of,
-    impulse_field,
-)
+from kickdrift.world.direct.contact_rows import bind, bind_points, first_row, give_of, impulse_field
 from kickdrift.world.direct.contacts import (
     BOUNCE,
     PRESS,
@@ -43,17 +37,7 @@ from kickdrift.world.direct.layout import (
 from kickdrift.world.direct.wrenches import along, write_wrench
 from kickdrift.world.joints.impulses import push_body
 from kickdrift.world.joints.layout import GAIN
-from kickdrift.world.tables import (
-    COLOURS,
-    GROUPS,
-    ISLAND,
-    ISLAND_CONTACT,
-    LINK_NUMBERS,
-    MOTION,
-    NODE,
-    floats,
-    integers,
-)
+from kickdrift.world.tables import COLOURS, GROUPS, ISLAND, ISLAND_CONTACT, LINK_NUMBERS, MOTION, NODE, floats, integers
 
 
 @compiled(cached=False, fast=True)

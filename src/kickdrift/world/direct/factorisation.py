@@ -48,16 +48,7 @@ from kickdrift.world.joints.layout import (
     SLOPE,
     YIELD,
 )
-from kickdrift.world.tables import (
-    BLOCK,
-    JOINT_NUMBERS,
-    LINK,
-    LINK_NUMBERS,
-    NEIGHBOUR,
-    NODE,
-    floats,
-    integers,
-)
+from kickdrift.world.tables import BLOCK, JOINT_NUMBERS, LINK, LINK_NUMBERS, NEIGHBOUR, NODE, floats, integers
 
 
 @compiled(inline=True, cached=False, fast=True)

@@ -3,15 +3,8 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot, exponential, times, turned
 from kickdrift.world.columns import vector_at
-from kickdrift.world.direct.contacts import (
-    BOUNCE,
-)
-from kickdrift.world.direct.layout import (
-    AFTER_JOINT,
-    FIRST_CLOSING,
-    FIRST_JOINT,
-    LOST,
-)
+from kickdrift.world.direct.contacts import BOUNCE
+from kickdrift.world.direct.layout import AFTER_JOINT, FIRST_CLOSING, FIRST_JOINT, LOST
 from kickdrift.world.joints.brakes import set_brakes
 from kickdrift.world.joints.impulses import note_speeds, push_bodies
 from kickdrift.world.joints.laws import end_laws

@@ -13,10 +13,7 @@ the drift too, and bodies are put back to where the joints hold them.
 import math
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.direct.closings import (
-    begin_closings,
-    stay_closings,
-)
+from kickdrift.world.direct.closings import begin_closings, stay_closings
 from kickdrift.world.direct.contact_impulses import (
     clear_contacts,
     driven,
@@ -24,47 +21,18 @@ from kickdrift.world.direct.contact_impulses import (
     give_contacts,
     left_of_contacts,
 )
-from kickdrift.world.direct.contacts import (
-    PRESS,
-    REST,
-    begin_contacts,
-    is_cut,
-    note_impulses,
-    update_contact_states,
-)
+from kickdrift.world.direct.contacts import PRESS, REST, begin_contacts, is_cut, note_impulses, update_contact_states
 from kickdrift.world.direct.equations import aim_island, solve_assumed, solve_once
 from kickdrift.world.direct.joint_impulses import end_relaxation, end_solution, give_joints
-from kickdrift.world.direct.layout import (
-    AFTER_JOINT,
-    FIRST_CLOSING,
-    GIVEN_UP,
-    HAS_JOINTS,
-    LOST,
-    RATIO,
-)
+from kickdrift.world.direct.layout import AFTER_JOINT, FIRST_CLOSING, GIVEN_UP, HAS_JOINTS, LOST, RATIO
 from kickdrift.world.direct.nodes import mass_of
 from kickdrift.world.direct.repair import repair
-from kickdrift.world.direct.velocities import (
-    begin_from_kick,
-    fastest,
-    kinetic_energy,
-    note_velocities,
-    take_back,
-)
+from kickdrift.world.direct.velocities import begin_from_kick, fastest, kinetic_energy, note_velocities, take_back
 from kickdrift.world.joints.falling import let_fall
 from kickdrift.world.joints.layout import ANGULAR_PART, LINEAR_PART
 from kickdrift.world.joints.right_hand_side import AHEAD, GENTLY, RELAX
 from kickdrift.world.settings import PUSH_SPEED, RESIDUAL
-from kickdrift.world.tables import (
-    ISLAND,
-    KICKED,
-    MOTION,
-    NOTED,
-    SETTINGS,
-    floats,
-    integers,
-    rows,
-)
+from kickdrift.world.tables import ISLAND, KICKED, MOTION, NOTED, SETTINGS, floats, integers, rows
 
 # Newton's method stops where the parts of their arms that joints are off by, times the ratio of masses, are below CLOSE. The
 # usual island takes two steps; one that is not NEAR after QUICK of them begins again from velocities that joints allow.

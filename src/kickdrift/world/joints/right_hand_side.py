@@ -63,17 +63,7 @@ from kickdrift.world.joints.layout import (
 )
 from kickdrift.world.joints.measure import axis_unit, put_cross, put_line, put_vector, relative_velocity
 from kickdrift.world.sleeping import REACH
-from kickdrift.world.tables import (
-    JOINT,
-    JOINT_NUMBERS,
-    LINK,
-    LINK_NUMBERS,
-    MOTION,
-    POSE,
-    RESTED,
-    floats,
-    integers,
-)
+from kickdrift.world.tables import JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, MOTION, POSE, RESTED, floats, integers
 
 # What an aim is taken for
 AHEAD = 0  # nothing is off at the end of the substep

@@ -33,17 +33,7 @@ from kickdrift.world.joints.layout import (
     SEQUENTIAL,
     SIGN,
 )
-from kickdrift.world.tables import (
-    ARTICULATION,
-    BODY,
-    GRAPH,
-    INERTIA,
-    INVERSE_MASS,
-    JOINT,
-    LINK,
-    LINK_NUMBERS,
-    Tables,
-)
+from kickdrift.world.tables import ARTICULATION, BODY, GRAPH, INERTIA, INVERSE_MASS, JOINT, LINK, LINK_NUMBERS, Tables
 
 # Pairs of neighbours that elimination may meet, per node, and of how many nodes at least; with more of them, the joints of an
 # articulation are solved one after the other. A pair takes 0.8 us in a step of four substeps: a grid of 8 x 8 balls 2.3 ms.

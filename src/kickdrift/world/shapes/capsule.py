@@ -113,12 +113,5 @@ class Capsule:
 
 
 RECORD = Kind(
-    number=CAPSULE,
-    name="capsule",
-    sort=SOLID,
-    shape=Capsule,
-    extent=_extent,
-    ray=_ray,
-    is_round=True,
-    look=GLOSSY,
+    number=CAPSULE, name="capsule", sort=SOLID, shape=Capsule, extent=_extent, ray=_ray, is_round=True, look=GLOSSY
 )

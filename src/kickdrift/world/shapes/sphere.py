@@ -77,12 +77,5 @@ class Sphere:
 
 
 RECORD = Kind(
-    number=SPHERE,
-    name="sphere",
-    sort=SOLID,
-    shape=Sphere,
-    extent=_extent,
-    ray=_ray,
-    is_round=True,
-    look=GLOSSY | BALL,
+    number=SPHERE, name="sphere", sort=SOLID, shape=Sphere, extent=_extent, ray=_ray, is_round=True, look=GLOSSY | BALL
 )
