@@ -24,8 +24,10 @@ print(between - started, time.perf_counter() - between)
 
 
 def compare(rounds: int) -> list[Row]:
-    """Seconds to import, to the first output and the end of the main job, and to the first step of a world of boxes."""
-    return [*_import(rounds), *_set_up(rounds), *_first_run(min(rounds, 3)), *_first_step(min(rounds, 3))]
+    """Seconds to import, to the first output and the end of the main job, and to the first step of two worlds."""
+    few = min(rounds, 3)
+    worlds = (*_first_step("boxes", _BOXES, few), *_first_step("boxes and a hinge", _BOXES + _HINGE, few))
+    return [*_import(rounds), *_set_up(rounds), *_first_run(few), *worlds]
 
 
 _BOXES = """
@@ -36,21 +38,21 @@ world = kd.World()
 world.add_plane()
 for k in range(5):
     world.add_box((1, 1, 1), position=(0, 0, k + 0.5))
-world.step(1 / 60)
-print(time.perf_counter() - started)
 """
+_HINGE = "world.add_hinge(None, world.add_box((1, 0.1, 0.1), position=(3.5, 0, 5)), anchor=(3, 0, 5), axis=(0, 1, 0))\n"
+_STEP = "world.step(1 / 60)\nprint(time.perf_counter() - started)\n"
 
 
-def _first_step(rounds: int) -> list[Row]:
+def _first_step(title: str, world: str, rounds: int) -> list[Row]:
     cold, warm = [], []
     for _ in range(rounds):
         with tempfile.TemporaryDirectory() as folder:
             for samples in (cold, warm):
-                command, own = [sys.executable, "-c", _BOXES], {**os.environ, "NUMBA_CACHE_DIR": folder}
+                command, own = [sys.executable, "-c", world + _STEP], {**os.environ, "NUMBA_CACHE_DIR": folder}
                 printed = subprocess.run(command, check=True, capture_output=True, text=True, env=own).stdout
                 samples.append(float(printed))
     return [
-        measured("import and first step of a world of boxes, cold", cold, at_most(15, "s")),
+        measured(f"import and first step of a world of {title}, cold", cold, at_most(15, "s")),
         measured("the same, warm", warm, at_most(1, "s")),
     ]
 

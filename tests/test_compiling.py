@@ -175,9 +175,9 @@ def test_fingerprints_do_not_depend_on_the_process():
     code = (
         "from kickdrift.world.contacts.contact_solver_simd import KERNELS as sweeps;"
         "from kickdrift.core.cache import fingerprint;"
-        "print([fingerprint(sweep.py_func) for sweep in sweeps], sweeps[0]._cache._file('', sweeps[0].targetctx).name)"
+        "print([fingerprint(sweep.py_func) for sweep in sweeps.values()], sweeps[0]._cache._file('', sweeps[0].targetctx).name)"
     )
-    here = str([fingerprint(sweep.py_func) for sweep in KERNELS])
+    here = str([fingerprint(sweep.py_func) for sweep in KERNELS.values()])
     found = {python(code, PYTHONHASHSEED=seed) for seed in ("1", "2")}
     assert len(found) == 1
     assert found.pop().startswith(here)

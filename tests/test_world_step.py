@@ -39,7 +39,7 @@ def test_stages_that_a_world_has_no_use_for_are_not_in_its_word():
     assert "flatten" in str(kd.World(plane_normal=(0, 1, 0)).word)
 
 
-@pytest.mark.parametrize("sweep", contact_solver_simd.KERNELS, ids=lambda sweep: sweep.__name__)
+@pytest.mark.parametrize("sweep", contact_solver_simd.KERNELS.values(), ids=lambda sweep: sweep.__name__)
 def test_sweeps_over_lanes_are_vector_instructions(sweep):
     fresh = compiled(fast=True, cached=False)(sweep.py_func)
     assembly = fresh.get_compile_result(contact_solver_simd.SWEEP).library.get_asm_str()
