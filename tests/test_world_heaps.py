@@ -39,6 +39,7 @@ HARD = [
     pytest.param(lambda: tower([1, 1, 1, 1, 100]), id="4 of 1 kg under 100"),
     pytest.param(lambda: tower([1.5**k for k in range(10)]), id="10, masses growing by 1.5"),
     pytest.param(lambda: tower([1] * 20), id="20 of 1 kg"),
+    pytest.param(lambda: tower([1] * 40), id="40 of 1 kg"),
     pytest.param(lambda: plate(1, 1, 5), id="plate of 1 kg, 25 of 1 kg"),
     pytest.param(lambda: plate(10, 100, 3), id="plate of 10 kg, 9 of 100 kg"),
 ]
@@ -54,6 +55,14 @@ def test_hard_heaps_come_to_rest(build):
     assert world.residual < 1e-7
     assert np.abs(world.position - start)[:, :2].max() < 0.05
     assert np.abs(world.position - start)[:, 2].max() < 0.01
+
+
+@pytest.mark.parametrize("load", [1e4, 1e5, 1e6])
+def test_light_bodies_bear_far_heavier_ones(load):
+    world = tower([1, 1, 1, load])
+    world.advance(STEP, 600)
+    assert np.abs(world.velocity).max() < 2e-5
+    assert np.abs(world.position[2:, 2] - [0.5, 1.5, 2.5, 3.5]).max() < 0.02
 
 
 @pytest.mark.parametrize("build", [lambda: tower([1]), lambda: tower([1, 1]), lambda: tower([1] * 70)])

@@ -15,8 +15,13 @@ _SLOW = 0.05  # m/s at which Box3D and kickdrift would let a body sleep; the rep
 
 
 def rests(most: float = _SLOW) -> Criterion:
-    """Want nothing to move in the last quarter, or no faster: the largest component of any velocity."""
+    """Want nothing to move in the last quarter: the largest component of any velocity."""
     return Criterion("speed", "m/s", _speed, most=most)
+
+
+def speed() -> Criterion:
+    """Measure the same, and want nothing of it."""
+    return Criterion("speed", "m/s", _speed)
 
 
 def stays(most: float, bodies: Sequence[int] | None = None) -> Criterion:

@@ -5,13 +5,12 @@ import warnings
 
 from kickdrift.core.errors import UnsolvedWarning, depth_of_caller
 from kickdrift.world.bodies import Bodies
-from kickdrift.world.direct.losses import FAR
+from kickdrift.world.direct.losses import LONG_TURN
 from kickdrift.world.settings import (
     FAST_BODY,
     FAST_LOSS,
     FAST_TIME,
     FAST_TURN,
-    RESIDUAL,
     STEP,
     SUBSTEPS,
     UNSOLVED_BODY,
@@ -37,7 +36,7 @@ def _unsolved(tables: Tables, bodies: Bodies) -> str:
     row = tables.array(SETTINGS)[0]
     return (
         f"{bodies.words(int(row[UNSOLVED_BODY]))} rests on contacts that the solver has left unsolved since"
-        f" t={row[UNSOLVED_SINCE]:.3g} s: its heap sinks or creeps, and world.residual is {row[RESIDUAL]:.2g} m/s. Take more"
+        f" t={row[UNSOLVED_SINCE]:.3g} s: its heap sinks or creeps, and world.residual says how fast. Take more"
         f" substeps, as world.substeps = {2 * int(row[SUBSTEPS])}, or a smaller step than {row[STEP]:.3g} s."
     )
 
@@ -45,10 +44,10 @@ def _unsolved(tables: Tables, bodies: Bodies) -> str:
 def _too_fast(tables: Tables, bodies: Bodies) -> str:
     row = tables.array(SETTINGS)[0]
     turn, body = float(row[FAST_TURN]), bodies.words(int(row[FAST_BODY]))
-    times = max(turn / FAR, 2.0)
+    times = max(turn / LONG_TURN, 2.0)
     why = f"{body} turns by {turn:.2g} rad in a substep, too far for its joints"
-    if turn <= FAR:
-        why = f"{body} and what it is joined to came to where no impulses hold their joints at the end of the substep"
+    if turn <= LONG_TURN:
+        why = f"no impulses were found that hold the joints of {body} and what it is joined to at the end of a substep"
     loss, end = 100 * row[FAST_LOSS], row[FAST_TIME]
     return (
         f"{why}: they lost {loss:.2g} % of the energy of what they hold in the step to t={end:.4g} s."

@@ -34,6 +34,7 @@ from kickdrift.world.direct.layout import (
     WANTED,
     WRENCH,
 )
+from kickdrift.world.direct.nodes import place_in
 from kickdrift.world.direct.wrenches import along, write_wrench
 from kickdrift.world.joints.impulses import push_body
 from kickdrift.world.joints.layout import GAIN
@@ -144,10 +145,9 @@ def driven(island: int, world: int) -> float:
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         fields, g = constraint(order[k, 0], world), begin + order[k, 0]
         read_both(MOTION, groups[g, c.BODIES_A], groups[g, c.BODIES_B], velocity, world)
-        numbers = contact_row(order[k, 0], world)
         most = max(most, abs(fields[c.SLIDE * c.WIDTH]), abs(fields[(c.SLIDE + 1) * c.WIDTH]))
         for side in range(2):
-            if numbers[NODES + side] < 0.0:
+            if place_in(island, groups[g, c.BODIES_B if side == 1 else c.BODIES_A], world) < 0:
                 for i in range(3):
                     most = max(most, abs(velocity[6 * side + i]))
     return most

@@ -35,7 +35,6 @@ from kickdrift.world.direct.layout import (
     GIVEN,
     HITS,
     IMPULSE,
-    NODE_ISLAND,
     NODES,
     START,
     STATE,
@@ -43,9 +42,8 @@ from kickdrift.world.direct.layout import (
     WANTED,
     WRENCH,
 )
-from kickdrift.world.direct.nodes import mass_of, node_of
+from kickdrift.world.direct.nodes import mass_of, node_of, place_in
 from kickdrift.world.direct.wrenches import along
-from kickdrift.world.joints.layout import NODE_ROW
 from kickdrift.world.settings import GRAVITY, PUSH_SPEED
 from kickdrift.world.tables import (
     COLOURS,
@@ -55,9 +53,7 @@ from kickdrift.world.tables import (
     ISLAND,
     ISLAND_CONTACT,
     LANES,
-    LINK,
     MOTION,
-    NODE,
     SETTINGS,
     Table,
     flat,
@@ -117,8 +113,7 @@ def begin_contacts(island: int, h: float, task: int, world: int) -> None:
 
 @compiled(cached=False, fast=True)
 def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> None:
-    groups, links = integers(world, GROUPS), integers(world, LINK)
-    g = integers(world, COLOURS)[LINKED, c.FIRST_GROUP] + index
+    groups, g = integers(world, GROUPS), integers(world, COLOURS)[LINKED, c.FIRST_GROUP] + index
     own, numbers = constraint(index, world), contact_row(index, world)
     a, b = groups[g, c.BODIES_A], groups[g, c.BODIES_B]
     velocity, change = twelve(), twelve()
@@ -126,11 +121,9 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
     read_both(DELTA_POSE, a, b, change, world)
     numbers[CUT] = 0.0
     for side in range(2):
-        link = node_of(world, b if side == 1 else a)
-        numbers[NODES + side] = -1.0
-        if link >= 0 and integers(world, NODE)[links[link, NODE_ROW], NODE_ISLAND] == island:
-            numbers[NODES + side] = links[link, NODE_ROW]
-        elif link >= 0:
+        body = b if side == 1 else a
+        numbers[NODES + side] = place_in(island, body, world)
+        if numbers[NODES + side] < 0.0 and node_of(world, body) >= 0:
             numbers[CUT] = 1.0 + side
     presses, lever = _begin_points(own, numbers, velocity, change, a, b, h, task, world)
     _begin_friction(own, numbers, velocity, a, b, task, presses, lever, world)
@@ -169,7 +162,7 @@ def _begin_friction(
     """Say what is wanted of friction, twist and rolling resistance, where there are any."""
     grip = RIGID_BOUNCE if task >= BOUNCE else GRIP
     for bound in range(3):
-        reach = own[c.ROLL * c.WIDTH] if bound == 2 else lever if bound == 1 else 1.0
+        reach = own[c.ROLL * c.WIDTH] if bound == 2 else own[c.FRICTION * c.WIDTH] * (lever if bound == 1 else 1.0)
         # Friction of a substep is as it was in the end of the one before until bodies have moved.
         if task in (PRESS, SMOOTH_BOUNCE) or _is_idle(own, bound, reach if presses else 0.0):
             for k in range(first_row(bound), first_row(bound) + bound_rows(bound)):

@@ -118,6 +118,7 @@ def count_unsolved(t: float, h: float, world: int) -> None:
     body = integers(world, BODY)
     for row in range(rows(world, BODY)):
         if body[row, BODY_KIND] == DYNAMIC and body[row, AWAKE] == 0:
+            body[row, LEFT_FOR] = 0
             continue
         _count_left(row, t, h, world)
         seen, count = body[row, UNSOLVED], body[row, UNSOLVED] & (LEFT - 1)

@@ -60,7 +60,7 @@ LARGEST = 32
 
 @compiled
 def find_islands(t: float, h: float, world: int) -> None:
-    """Sort nodes, contacts and closing joints into islands, and find in which order nodes are eliminated."""
+    """Sort nodes, contacts and joints into islands, and find in which order nodes are eliminated."""
     links, colours = integers(world, LINK), integers(world, COLOURS)
     contacts = colours[LINKED, c.AFTER_GROUP] - colours[LINKED, c.FIRST_GROUP]
     n = _join(world)

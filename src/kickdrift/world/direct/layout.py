@@ -70,5 +70,5 @@ ROW_MASS = column(CONTACT_ROW, CONTACT_ROWS)  # that a row moves, of both bodies
 ACCEPTED = column(CONTACT_ROW, CONTACT_ROWS)  # MOVED of the solution that was accepted last
 BORNE = column(CONTACT_ROW, CONTACT_ROWS)  # impulse that the bodies bear there
 BASE = column(CONTACT_ROW, CONTACT_ROWS)  # impulse, less the one before the solution, that rows begin with which hold
-WEIGHT = column(CONTACT_ROW, TWIST, "kg")  # mass that bears on each row, of points and tangents
+WEIGHT = column(CONTACT_ROW, TWIST, "kg")  # mass as if moved by which a row is stiff, of points and tangents
 OPEN, HELD, SLIDING = 0.0, 1.0, 2.0

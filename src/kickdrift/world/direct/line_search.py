@@ -71,9 +71,9 @@ def search_line(island: int, h: float, task: int, full: bool, touched: bool, wor
     if touched:
         for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
             _accept(contact_row(order[k, 0], world), share)
-    links = integers(world, ISLAND_JOINT)
+    joints = integers(world, ISLAND_JOINT)
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        _accept_laws(links[place, 0], share, world)
+        _accept_laws(joints[place, 0], share, world)
     return whole
 
 
@@ -111,9 +111,9 @@ def _slope(island: int, share: float, h: float, task: int, touched: bool, world:
             total += _slope_of_contact(contact_row(order[k, 0], world), share)
     if task >= BOUNCE:
         return total
-    links = integers(world, ISLAND_JOINT)
+    joints = integers(world, ISLAND_JOINT)
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        total += _slope_of_laws(links[place, 0], share, h, task != PRESS, world)
+        total += _slope_of_laws(joints[place, 0], share, h, task != PRESS, world)
     return total
 
 

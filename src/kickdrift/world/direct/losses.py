@@ -61,7 +61,7 @@ from kickdrift.world.tables import (
 )
 
 # Turn of a substep from which on any island is judged, rad, and part of its energy that it may lose in a step.
-FAR, MOST = 0.5, 0.01
+LONG_TURN, MOST = 0.5, 0.01
 
 TINY = 1e-300  # J
 
@@ -75,7 +75,7 @@ def note_losses(t: float, h: float, world: int) -> None:
         return
     for island in range(rows(world, ISLAND)):
         body, rate = _fastest(island, world)
-        if (islands[island, GIVEN_UP] == 0 and rate * substep <= FAR) or not _is_alone(island, world):
+        if (islands[island, GIVEN_UP] == 0 and rate * substep <= LONG_TURN) or not _is_alone(island, world):
             continue
         loss = _loss(island, h, world)
         if loss > MOST:

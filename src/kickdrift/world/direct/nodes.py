@@ -1,10 +1,21 @@
-"""Which bodies are solved directly: links of articulations, free bodies near to what they touch, and unsolved heaps."""
+"""Which bodies are solved directly: links of articulations, free bodies near them, and unsolved heaps."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.direct.layout import AFTER_NODE, FIRST_NODE, LINK_ROW
+from kickdrift.world.direct.layout import AFTER_NODE, FIRST_NODE, LINK_ROW, NODE_ISLAND
 from kickdrift.world.flight import AWAKE, BODY_KIND, DYNAMIC, IN_HEAP, LINK_COUNT, LINK_PLACE, MASS
-from kickdrift.world.joints.layout import JOINED_ROWS, LINK_A, LINK_B, LINK_BODY, LINK_JOINT, NONE, PARENT, ROOT, SIGN
+from kickdrift.world.joints.layout import (
+    JOINED_ROWS,
+    LINK_A,
+    LINK_B,
+    LINK_BODY,
+    LINK_JOINT,
+    NODE_ROW,
+    NONE,
+    PARENT,
+    ROOT,
+    SIGN,
+)
 from kickdrift.world.step_status import ask_for_room
 from kickdrift.world.tables import (
     BODY,
@@ -116,6 +127,14 @@ def node_of(world: int, body: int) -> int:
     """Row of LINK of a body that is solved directly; -1 of others, and of what sleeps."""
     row: int = integers(world, BODY)[body, LINK_PLACE] - 1
     return row if row >= 0 and integers(world, LINK)[row, ROOT] >= 0 else -1
+
+
+@compiled(cached=False)
+def place_in(island: int, body: int, world: int) -> int:
+    """Place of a body in the order of elimination; -1 where it is not of an island."""
+    link = node_of(world, body)
+    place: int = integers(world, LINK)[link, NODE_ROW] if link >= 0 else -1
+    return place if place >= 0 and integers(world, NODE)[place, NODE_ISLAND] == island else -1
 
 
 @compiled(inline=True)

@@ -25,6 +25,7 @@ from kickdrift.world.direct.contacts import PRESS, REST, begin_contacts, is_cut,
 from kickdrift.world.direct.equations import aim_island, solve_assumed, solve_once
 from kickdrift.world.direct.joint_impulses import end_relaxation, end_solution, give_joints
 from kickdrift.world.direct.layout import AFTER_JOINT, FIRST_CLOSING, GIVEN_UP, HAS_JOINTS, LOST, RATIO
+from kickdrift.world.direct.losses import LONG_TURN
 from kickdrift.world.direct.nodes import mass_of
 from kickdrift.world.direct.repair import repair
 from kickdrift.world.direct.velocities import begin_from_kick, fastest, kinetic_energy, note_velocities, take_back
@@ -46,8 +47,8 @@ FAR, EXCESS = 1e-3, 1.5
 # First guesses that are farther off than that are replaced by velocities that joints allow, from which no step leads astray.
 POOR = 0.1
 
-# Angle of a substep from which on solutions may be far away, and times the energy that is too much.
-FAST, WILD = 0.5, 4.0
+# Times the energy that is too much.
+WILD = 4.0
 
 # Square of a speed that no one notices, m^2/s^2.
 _STILL = 1e-12
@@ -161,7 +162,7 @@ def _is_thrown(island: int, h: float, world: int) -> bool:
     """Whether an island turns fast with far more energy than it had: at a solution far away, which no one wants."""
     most = WILD * kinetic_energy(island, NOTED, world)
     thrown: bool = (
-        h * fastest(island, MOTION, ANGULAR_PART, world) > FAST and kinetic_energy(island, MOTION, world) > most
+        h * fastest(island, MOTION, ANGULAR_PART, world) > LONG_TURN and kinetic_energy(island, MOTION, world) > most
     )
     return thrown
 

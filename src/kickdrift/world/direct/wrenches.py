@@ -11,12 +11,12 @@ from kickdrift.world.joints.measure import turning
 from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
 from kickdrift.world.tables import INVERSE_MASS, floats
 
-W = c.WIDTH
+_W = c.WIDTH
 
 
 @compiled(inline=True, cached=False, fast=True)
 def _vector(own: Any, field: int) -> Vector:
-    return own[field * W], own[(field + 1) * W], own[(field + 2) * W]
+    return own[field * _W], own[(field + 1) * _W], own[(field + 2) * _W]
 
 
 @compiled(cached=False, fast=True)
