@@ -7,9 +7,12 @@ import numpy as np
 import pytest
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.world import layout
 from kickdrift.world import tables as t
 from kickdrift.world.columns import DECLARED, Columns, Fields, column
 from kickdrift.world.contacts import layout as contacts
+from kickdrift.world.flight import KICKED_VELOCITY
+from kickdrift.world.joints.layout import ANGULAR_PART, LINEAR_PART
 
 
 @pytest.mark.parametrize("count", [1, 100, 1023, 1024, 20_000])
@@ -129,3 +132,17 @@ def test_fields_follow_each_other_until_their_number_is_known():
     assert fields.close() == 6
     with pytest.raises(ArgumentError, match="after `close`"):
         fields.field()
+
+
+def test_what_has_a_linear_and_an_angular_part_has_both_where_all_others_have_them():
+    linear = [
+        layout.POSITION,
+        layout.VELOCITY,
+        layout.DISPLACEMENT,
+        layout.LOAD_FORCE,
+        layout.SUBSTEP_FORCE,
+        KICKED_VELOCITY,
+    ]
+    angular = [layout.ORIENTATION, layout.ANGULAR_VELOCITY, layout.ROTATION, layout.LOAD_TORQUE, layout.SUBSTEP_TORQUE]
+    assert set(linear) == {LINEAR_PART}
+    assert set(angular) == {ANGULAR_PART}
