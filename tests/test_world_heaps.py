@@ -85,6 +85,32 @@ def test_a_heap_that_has_been_taken_apart_is_one_no_more():
     assert (world.tables.array(BODY)[1:, UNSOLVED] == 0).all()
 
 
+@pytest.mark.parametrize("load", [100, 1e5])
+def test_a_heap_in_what_becomes_a_crowd_is_thrown_nowhere(load):
+    world = tower([1, 1, 1, load])
+    world.advance(STEP, 120)
+    assert in_heaps(world) == 4
+    for k in range(260):
+        world.add_sphere(0.5, position=(2.0 * k + 5.0, 0, 0.5))
+    start = world.energy().total
+    for _ in range(40):
+        world.step(STEP)
+        assert in_heaps(world) == 0
+        assert np.abs(world.velocity).max() < 20.0
+        assert world.energy().total < start + 1.0
+
+
+def test_what_is_left_of_a_heap_stays_where_it_is_when_the_load_goes():
+    world = tower([1])
+    load = world.add_box((1, 1, 1), position=(0, 0, 1.5), mass=1000.0, friction=0.6)
+    world.advance(STEP, 120)
+    assert in_heaps(world) == 2
+    world.remove(load)
+    for _ in range(20):
+        world.step(STEP)
+        assert np.abs(world.velocity).max() < 0.01
+
+
 def test_a_heap_that_awakes_is_solved_as_it_was_when_it_fell_asleep():
     world = tower([1, 1, 1, 1, 100])
     world.sleeping = True

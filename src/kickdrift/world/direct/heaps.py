@@ -31,6 +31,7 @@ from kickdrift.world.tables import (
     CONTACT,
     GRAPH,
     INVERSE_MASS,
+    MANIFOLD,
     MOTION,
     SETTINGS,
     STEP_STATUS,
@@ -77,8 +78,41 @@ def find_heaps(t: float, h: float, world: int) -> None:
         size, unsolved = body[body[row, HEAP], HEAP_SIZE], body[body[row, HEAP], HEAP_UNSOLVED]
         if _is_free(world, row) and 1 < size <= LARGEST and unsolved >= _PATIENCE + size // _MORE and free <= _CROWD:
             body[row, IN_HEAP], body[row, UNSOLVED], found = 1, _FOUND, True
+    _forget_impulses(world)
     if found and floats(world, SETTINGS)[0, HAS_DIRECT] == 0.0 and status[0, STATUS] == OK:
         status[0, STATUS] = NEEDS_DIRECT_SOLVER
+
+
+@compiled
+def _forget_impulses(world: int) -> None:
+    """Let contacts of bodies that go back to the sweeps begin with no impulses.
+
+    In a world that has become a crowd, sweeps throw a light body at 50 m/s from those that bore 10,000 times its weight; where
+    the load is taken away, at 1 m/s from those that bore 1000 times its weight.
+    """
+    body, contact, manifold = integers(world, BODY), integers(world, CONTACT), floats(world, MANIFOLD)
+    any_left = False
+    for row in range(rows(world, BODY)):
+        any_left = any_left or _goes_back(world, row)
+    if not any_left:
+        return
+    for row in range(rows(world, CONTACT)):
+        if _goes_back(world, contact[row, c.BODY_A]) or _goes_back(world, contact[row, c.BODY_B]):
+            for k in range(c.NORMAL_IMPULSE, c.TWIST_IMPULSE + 1):
+                manifold[row, k] = 0.0
+            for k in range(3):
+                manifold[row, c.ROLLING_IMPULSE + k] = 0.0
+    for row in range(rows(world, BODY)):
+        if _goes_back(world, row):
+            body[row, UNSOLVED] = 0
+
+
+@compiled(inline=True)
+def _goes_back(world: int, row: int) -> bool:
+    """Whether a body was solved directly until now."""
+    body = integers(world, BODY)
+    does: bool = body[row, UNSOLVED] >= _FOUND and body[row, IN_HEAP] == 0 and body[row, AWAKE] != 0
+    return does
 
 
 @compiled(inline=True)
