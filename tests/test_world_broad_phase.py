@@ -14,7 +14,7 @@ from kickdrift.world.collision.dispatch import describe_kinds, find_extents
 from kickdrift.world.collision.filters import exclude
 from kickdrift.world.collision.search import FITTED, LEFT, MOVERS_CHANGED, VISITS, filters_changed, shapes_changed
 from kickdrift.world.contacts.layout import SENSOR, TOUCHING
-from kickdrift.world.flight import AWAKE, DYNAMIC, KINEMATIC, STATIC
+from kickdrift.world.integration import AWAKE, DYNAMIC, KINEMATIC, STATIC
 from kickdrift.world.layout import BEGINS, FIRST_BODY, RADIUS, SEARCH_STATE, SECOND_BODY
 from kickdrift.world.settings import GRAVITY, MARGIN
 from kickdrift.world.shapes.hull import Hull

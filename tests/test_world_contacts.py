@@ -9,8 +9,8 @@ import pytest
 from kickdrift.scenes import worlds
 from kickdrift.world.constraint_error import deepest_overlap
 from kickdrift.world.contacts import layout
-from kickdrift.world.contacts.prepare import OVERFLOW
-from kickdrift.world.flight import AWAKE
+from kickdrift.world.contacts.colouring import OVERFLOW
+from kickdrift.world.integration import AWAKE
 from kickdrift.world.tables import BODY, COLOURS, CONTACT, MANIFOLD
 from kickdrift.world.world import World
 

@@ -6,7 +6,7 @@ import pytest
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError
 from kickdrift.scenes import worlds
-from kickdrift.world.flight import AWAKE
+from kickdrift.world.integration import AWAKE
 from kickdrift.world.joints.gear import Gear
 from kickdrift.world.tables import BODY
 

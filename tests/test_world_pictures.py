@@ -19,7 +19,7 @@ from kickdrift.plots import animation
 from kickdrift.plots.camera import axes_of, showing
 from kickdrift.plots.painter import AHEAD, Painter
 from kickdrift.plots.scenery import Pose, colour_of
-from kickdrift.world.flight import DYNAMIC, STATIC
+from kickdrift.world.integration import DYNAMIC, STATIC
 from kickdrift.world.recording import Appearance, DrawnShape, Recording, Rod
 from kickdrift.world.rotations import product, turned
 from kickdrift.world.shapes.box import Box

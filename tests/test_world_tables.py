@@ -11,7 +11,7 @@ from kickdrift.world import layout
 from kickdrift.world import tables as t
 from kickdrift.world.columns import DECLARED, Columns, Fields, column
 from kickdrift.world.contacts import layout as contacts
-from kickdrift.world.flight import KICKED_VELOCITY
+from kickdrift.world.integration import KICKED_VELOCITY
 from kickdrift.world.joints.layout import ANGULAR_PART, LINEAR_PART
 
 

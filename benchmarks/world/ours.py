@@ -3,7 +3,7 @@
 import numpy as np
 
 from benchmarks.world.described import Body, Floats, Joint, Scene, rotation
-from kickdrift.world.flight import BODY_INERTIA, MASS
+from kickdrift.world.integration import BODY_INERTIA, MASS
 from kickdrift.world.joints.ball import Ball
 from kickdrift.world.joints.catalogue import KINDS
 from kickdrift.world.joints.hinge import Hinge

@@ -11,7 +11,7 @@ from kickdrift.plots.camera import Camera, axes_of, showing
 from kickdrift.plots.lighting import BACKGROUND, FADE, GRID, LAMP, SETTING, light, paint
 from kickdrift.plots.rendering import MIDDLE, REACH, cast, clear, ray_addresses
 from kickdrift.plots.scenery import Pose, Scenery, Sight, is_plane, outline
-from kickdrift.world.flight import DYNAMIC
+from kickdrift.world.integration import DYNAMIC
 from kickdrift.world.recording import DrawnShape, Recording
 from kickdrift.world.rotations import turned
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from kickdrift.plots.page import COLOURS
 from kickdrift.plots.rendering import MIDDLE, REACH
-from kickdrift.world.flight import DYNAMIC, REMOVED
+from kickdrift.world.integration import DYNAMIC, REMOVED
 from kickdrift.world.recording import Appearance, DrawnShape
 from kickdrift.world.rotations import product, turn_to, turned
 from kickdrift.world.shapes.catalogue import KINDS, kind_of, met_as

@@ -12,7 +12,7 @@ from kickdrift.world.arguments import choice, number, turn_to, unit_quaternion, 
 from kickdrift.world.bodies import Bodies, kind_of
 from kickdrift.world.body import Body
 from kickdrift.world.collision.filters import forget
-from kickdrift.world.flight import DYNAMIC, STATIC
+from kickdrift.world.integration import DYNAMIC, STATIC
 from kickdrift.world.joints.registry import Joints
 from kickdrift.world.mass_properties import mass_properties_of
 from kickdrift.world.shape_rows import Placed, ShapeRows, Surface

@@ -10,7 +10,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import choice
 from kickdrift.world.body import Body
 from kickdrift.world.collision.search import shapes_changed
-from kickdrift.world.flight import (
+from kickdrift.world.integration import (
     AWAKE,
     BODY_INERTIA,
     BODY_KIND,

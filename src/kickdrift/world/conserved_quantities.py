@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from kickdrift.world import settings
 from kickdrift.world.bodies import Bodies
-from kickdrift.world.flight import BODY_INERTIA, MASS
+from kickdrift.world.integration import BODY_INERTIA, MASS
 from kickdrift.world.layout import ANGULAR_VELOCITY, ORIENTATION, POSITION, VELOCITY
 from kickdrift.world.tables import INERTIA, MOTION, POSE, SETTINGS, Tables
 

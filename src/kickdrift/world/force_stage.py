@@ -16,7 +16,7 @@ from numba.core.errors import NumbaError
 from kickdrift.core.compilation import Function, compiled
 from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.user_functions import argument_names
-from kickdrift.world.flight import MASS
+from kickdrift.world.integration import MASS
 from kickdrift.world.step import STAGE
 from kickdrift.world.tables import FORCE, INERTIA, LOAD, MOTION, POSE, floats, rows
 

@@ -1,4 +1,4 @@
-"""Columns of the tables of bodies, shapes and events; those of BODY, INERTIA and KICKED are in `kickdrift.world.flight`."""
+"""Columns of the tables of bodies, shapes and events; more of bodies are in `kickdrift.world.integration`."""
 
 from kickdrift.world.columns import column
 from kickdrift.world.tables import (

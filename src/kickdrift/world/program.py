@@ -11,7 +11,8 @@ from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.collision.narrow_phase import place_shapes
 from kickdrift.world.collision.recycling import find_points
 from kickdrift.world.collision.time_of_impact import find_impacts
-from kickdrift.world.contacts.prepare import colour, prepare
+from kickdrift.world.contacts.colouring import colour
+from kickdrift.world.contacts.prepare import prepare
 from kickdrift.world.contacts.residual import measure
 from kickdrift.world.contacts.restitution import bounce, find_bouncing
 from kickdrift.world.contacts.solve import THREADED, relax, solve, store, warm_start
@@ -23,11 +24,11 @@ from kickdrift.world.direct.nodes import find_nodes
 from kickdrift.world.direct.sequential import relax_in_turn, solve_in_turn
 from kickdrift.world.direct.solve import measure_islands, relax_islands, solve_islands
 from kickdrift.world.events import note_touching
-from kickdrift.world.flight import begin, drift, finish, flatten, kick
 from kickdrift.world.force_stage import begin_forces
-from kickdrift.world.joints.around import begin_joints, finish_joints, wake_joints
+from kickdrift.world.integration import begin, drift, finish, flatten, kick
 from kickdrift.world.joints.impulses import warm_start_joints
 from kickdrift.world.joints.measure import measure_joints
+from kickdrift.world.joints.prepare import begin_joints, finish_joints, wake_joints
 from kickdrift.world.joints.registry import Joints
 from kickdrift.world.sleeping import sleep, wake
 from kickdrift.world.step import STAGE

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.errors import unknown_name
 from kickdrift.engine.solution import Presenters, Solution
-from kickdrift.world.flight import BODY_KIND, DYNAMIC
+from kickdrift.world.integration import BODY_KIND, DYNAMIC
 from kickdrift.world.joints import layout
 from kickdrift.world.layout import BODY_ROW
 from kickdrift.world.tables import BODY, JOINT, JOINT_NUMBERS, SHAPE
@@ -46,7 +46,7 @@ class Appearance(NamedTuple):
     Attributes
     ----------
     kinds : (N,) array of int
-        Of the bodies, as in `kickdrift.world.flight`: removed, static, kinematic or dynamic.
+        Of the bodies, as in `kickdrift.world.integration`: removed, static, kinematic or dynamic.
     parts : tuple of Part
     rods : tuple of Rod
     names : mapping of int to str

@@ -4,7 +4,7 @@ import numpy as np
 
 from kickdrift.core.errors import LostBodyError
 from kickdrift.world.contacts.layout import BOUNCED, CONTACT_STATE
-from kickdrift.world.flight import BODY_KIND, INVERSE_INERTIA, KINEMATIC, MASS
+from kickdrift.world.integration import BODY_KIND, INVERSE_INERTIA, KINEMATIC, MASS
 from kickdrift.world.sleeping import REACH
 from kickdrift.world.tables import (
     BODY,

@@ -3,7 +3,7 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.world.columns import column
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.flight import AWAKE, BODY_KIND, DYNAMIC, KINEMATIC, SLEEP_ISLAND
+from kickdrift.world.integration import AWAKE, BODY_KIND, DYNAMIC, KINEMATIC, SLEEP_ISLAND
 from kickdrift.world.joints import layout as j
 from kickdrift.world.layout import ANGULAR_VELOCITY
 from kickdrift.world.settings import SLEEP_SPEED, SLEEP_TIME

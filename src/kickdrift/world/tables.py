@@ -32,13 +32,13 @@ POSE = Table(0, 8)
 MOTION = Table(1, 8)  # of the centre of mass
 DELTA_POSE = Table(2, 8)  # since the start of the step
 INVERSE_MASS = Table(3, 8)
-INERTIA = Table(4, 16)  # see `kickdrift.world.flight`
+INERTIA = Table(4, 16)  # see `kickdrift.world.integration`
 LOAD = Table(5, 8)  # asked for during the next step
 RESTED = Table(36, 12)  # see `kickdrift.world.sleeping`
 FORCE = Table(35, 8)  # in this substep
-KICKED = Table(6, 24)  # see `kickdrift.world.flight`
+KICKED = Table(6, 24)  # see `kickdrift.world.integration`
 NOTED = Table(19, MOTION.width)  # as MOTION was before a solution of the direct solver, to go back to
-BODY = Table(7, 12, whole=True)  # see `kickdrift.world.flight`
+BODY = Table(7, 12, whole=True)  # see `kickdrift.world.integration`
 # Shapes
 SHAPE = Table(8, 8, whole=True)
 PLACE = Table(9, 16)  # in the body, and its surface

@@ -14,7 +14,7 @@ from kickdrift.core.vectors import Vector, cross, dot, length, plus, product, ti
 from kickdrift.world.collision.bvh import Box
 from kickdrift.world.collision.dispatch import extent_of, sort_of
 from kickdrift.world.columns import quaternion_at, vector_at
-from kickdrift.world.flight import BODY_KIND, DYNAMIC, STATIC
+from kickdrift.world.integration import BODY_KIND, DYNAMIC, STATIC
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
     BODY_ROW,

@@ -26,7 +26,7 @@ from kickdrift.core.vectors import (
 )
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.flight import (
+from kickdrift.world.integration import (
     ADDED,
     BODY_INERTIA,
     IMPACT_TIME,

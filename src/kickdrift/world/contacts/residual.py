@@ -8,11 +8,11 @@ from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.contacts.contact_solver_simd import SWEEP
-from kickdrift.world.contacts.prepare import LINKED
 from kickdrift.world.contacts.prepare_simd import MARK, SCRATCH_SIZE, VELOCITY_A, VELOCITY_B
 from kickdrift.world.contacts.transposing import gather_rows
-from kickdrift.world.flight import UNSOLVED
+from kickdrift.world.integration import UNSOLVED
 from kickdrift.world.settings import GRAVITY, RESIDUAL
 from kickdrift.world.tables import (
     BODY,

@@ -23,6 +23,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import cross, dot, length, minus
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.contacts.impact_motion import (
     arms_at,
     constraint,
@@ -31,9 +32,8 @@ from kickdrift.world.contacts.impact_motion import (
     move_to_impact,
     vector_of,
 )
-from kickdrift.world.contacts.prepare import LINKED
 from kickdrift.world.contacts.simultaneous_impact import BOUNCE, ROW, SPEED, TIME, TIMES, find_impulses, meet, pushed
-from kickdrift.world.flight import ADDED, IMPACT_TIME, NEXT_IMPACT
+from kickdrift.world.integration import ADDED, IMPACT_TIME, NEXT_IMPACT
 from kickdrift.world.layout import RESTITUTION
 from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, MIDPOINT, SLOP
 from kickdrift.world.step_status import ask_for_room

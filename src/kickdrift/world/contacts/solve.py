@@ -15,9 +15,9 @@ from kickdrift.core.compilation import compiled, specialise, unbound
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import product
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.colouring import LINKED, OVERFLOW, lanes_of
 from kickdrift.world.contacts.contact_solver_simd import SWEEP
 from kickdrift.world.contacts.effective_mass_simd import SLIP_STRICTNESS, TWIST_STRICTNESS
-from kickdrift.world.contacts.prepare import LINKED, OVERFLOW, lanes_of
 from kickdrift.world.contacts.prepare_simd import (
     DELTA_POSE_A,
     FROM_A_TO_B,

@@ -8,7 +8,7 @@ Simultaneous Impact, ACM Trans. Graph. 31 (2012) 106.
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.prepare import LINKED
+from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.contacts.restitution import slowest_bounce
 from kickdrift.world.direct.contact_rows import impulse_field
 from kickdrift.world.direct.contacts import BOUNCE, SMOOTH_BOUNCE, constraint, contact_row, read_both, twelve

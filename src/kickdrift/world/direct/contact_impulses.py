@@ -2,7 +2,7 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.prepare import LINKED
+from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.direct.contact_rows import bind, bind_points, first_row, give_of, impulse_field
 from kickdrift.world.direct.contacts import (
     BOUNCE,

@@ -9,7 +9,7 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import length
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.prepare import LINKED
+from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.direct.contact_rows import (
     GRIP,
     PRESSING,

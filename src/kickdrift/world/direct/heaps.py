@@ -11,7 +11,7 @@ from kickdrift.core.vectors import dot
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.residual import FAR_LEFT, LEFT, TOUCHES
-from kickdrift.world.flight import (
+from kickdrift.world.integration import (
     AWAKE,
     BODY_KIND,
     DYNAMIC,

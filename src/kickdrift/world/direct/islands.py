@@ -4,7 +4,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.prepare import LINKED
+from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.direct.heaps import LARGEST as HEAP_LARGEST
 from kickdrift.world.direct.layout import (
     AFTER_CONTACT,
@@ -22,7 +22,7 @@ from kickdrift.world.direct.layout import (
 )
 from kickdrift.world.direct.nodes import body_of, has_room, node_of
 from kickdrift.world.direct.ordering import order_nodes
-from kickdrift.world.flight import MASS
+from kickdrift.world.integration import MASS
 from kickdrift.world.joints.layout import (
     CLOSINGS,
     END,

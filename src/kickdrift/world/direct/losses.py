@@ -22,7 +22,7 @@ from kickdrift.world.direct.layout import (
 )
 from kickdrift.world.direct.nodes import body_of
 from kickdrift.world.direct.velocities import energy_of
-from kickdrift.world.flight import BODY_KIND, DAMPING, KINEMATIC, MASS, TURN_DAMPING
+from kickdrift.world.integration import BODY_KIND, DAMPING, KINEMATIC, MASS, TURN_DAMPING
 from kickdrift.world.joints.layout import (
     ANGULAR,
     ANGULAR_PART,

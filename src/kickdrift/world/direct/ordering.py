@@ -4,7 +4,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.prepare import LINKED
+from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.direct.gears import geared_link
 from kickdrift.world.direct.layout import (
     AFTER_CONTACT,

@@ -27,9 +27,9 @@ from kickdrift.world.direct.joint_impulses import end_relaxation, end_solution, 
 from kickdrift.world.direct.layout import AFTER_JOINT, FIRST_CLOSING, GIVEN_UP, HAS_JOINTS, LOST, RATIO
 from kickdrift.world.direct.losses import LONG_TURN
 from kickdrift.world.direct.nodes import mass_of
-from kickdrift.world.direct.repair import repair
+from kickdrift.world.direct.position_correction import repair
 from kickdrift.world.direct.velocities import begin_from_kick, fastest, kinetic_energy, note_velocities, take_back
-from kickdrift.world.joints.falling import let_fall
+from kickdrift.world.joints.free_fall import let_fall
 from kickdrift.world.joints.layout import ANGULAR_PART, LINEAR_PART
 from kickdrift.world.joints.right_hand_side import AHEAD, GENTLY, RELAX
 from kickdrift.world.settings import PUSH_SPEED, RESIDUAL

@@ -7,7 +7,7 @@ from typing import Concatenate, ParamSpec, cast
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
-from kickdrift.world.flight import BODY_KIND, DYNAMIC
+from kickdrift.world.integration import BODY_KIND, DYNAMIC
 from kickdrift.world.joints.ball import Ball
 from kickdrift.world.joints.distance import Distance
 from kickdrift.world.joints.fixed import Fixed

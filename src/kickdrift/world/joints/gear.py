@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.flight import BODY_KIND, DYNAMIC
+from kickdrift.world.integration import BODY_KIND, DYNAMIC
 from kickdrift.world.joints import axis as axes_of
 from kickdrift.world.joints.axis import FREE, finite
 from kickdrift.world.joints.handle import Joint

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.flight import BODY_KIND, DYNAMIC, STATIC
 from kickdrift.world.handle import Handle
+from kickdrift.world.integration import BODY_KIND, DYNAMIC, STATIC
 from kickdrift.world.joints.axis import Axis, Drive, Motor, finite
 from kickdrift.world.joints.layout import ARM_A, ARM_B, AXES, BODY_A, BODY_B, JOINT_POSITION, LOCKED, PRINCIPAL, TOTAL
 from kickdrift.world.joints.placing import place, set_speed, signs

@@ -13,7 +13,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.vectors import Vector, cross, exponential, minus, plus, product, turned, unit
 from kickdrift.world.columns import quaternion_at, vector_at
-from kickdrift.world.flight import BODY_KIND, DYNAMIC
+from kickdrift.world.integration import BODY_KIND, DYNAMIC
 from kickdrift.world.joints.axis import finite
 from kickdrift.world.joints.layout import (
     ANGULAR,

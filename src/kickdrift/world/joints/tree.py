@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.world.flight import LINK_COUNT, LINK_PLACE, MASS
+from kickdrift.world.integration import LINK_COUNT, LINK_PLACE, MASS
 from kickdrift.world.joints.layout import (
     BODY_A,
     BODY_B,

@@ -3,7 +3,7 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import length
 from kickdrift.world.columns import vector_at
-from kickdrift.world.flight import AWAKE, BODY_KIND, DYNAMIC
+from kickdrift.world.integration import AWAKE, BODY_KIND, DYNAMIC
 from kickdrift.world.joints.impulses import note_speeds
 from kickdrift.world.joints.layout import (
     BODY_A,

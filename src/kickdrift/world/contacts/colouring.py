@@ -1,0 +1,88 @@
+"""Graph colouring of contacts, so that no two of a colour move the same body, and the groups of lanes of each colour."""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.integration import AWAKE, LINK_PLACE
+from kickdrift.world.step_status import ask_for_room
+from kickdrift.world.tables import (
+    BODY,
+    COLOURED,
+    COLOURS,
+    CONTACT,
+    CONTACT_ROW,
+    GROUPS,
+    INVERSE_MASS,
+    LANES,
+    SWEEPS,
+    floats,
+    integers,
+    room,
+    rows,
+    set_rows,
+)
+
+_COLOURS = 62
+OVERFLOW = _COLOURS  # contacts that found no colour: one by one, in groups of their own
+LINKED = OVERFLOW + 1  # and those that are solved directly: see `kickdrift.world.direct`
+
+
+@compiled
+def colour(t: float, h: float, world: int) -> None:
+    """Give every contact that has points a colour, and every colour its groups of lanes.
+
+    Greedy, in the order of the contacts: the first colour that neither body has yet. Bodies that do not move have none.
+    """
+    contact, inverse_mass, body = integers(world, CONTACT), floats(world, INVERSE_MASS), integers(world, BODY)
+    taken, colours = integers(world, COLOURED), integers(world, COLOURS)
+    for k in range(rows(world, COLOURED)):
+        taken[k, 0] = 0
+    for k in range(LINKED + 1):
+        colours[k, c.COLOUR_CONTACTS] = 0
+    for row in range(rows(world, CONTACT)):
+        contact[row, c.PLACE_IN_GROUPS] = -1
+        a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
+        if contact[row, c.POINTS] == 0 or contact[row, c.CONTACT_STATE] & c.SENSOR:
+            continue
+        if body[a, AWAKE] == 0 and body[b, AWAKE] == 0:
+            continue
+        moves_a, moves_b = inverse_mass[a, 0] > 0.0, inverse_mass[b, 0] > 0.0
+        node_a, node_b = body[a, LINK_PLACE] > 0, body[b, LINK_PLACE] > 0
+        if (node_a or node_b) and (node_a or not moves_a) and (node_b or not moves_b):
+            contact[row, c.PLACE_IN_GROUPS] = LINKED
+            colours[LINKED, c.COLOUR_CONTACTS] += 1
+            continue
+        used = (taken[a, 0] if moves_a else 0) | (taken[b, 0] if moves_b else 0)
+        k = 0
+        while k < _COLOURS and used >> k & 1:
+            k += 1
+        if k < _COLOURS:
+            if moves_a:
+                taken[a, 0] |= 1 << k
+            if moves_b:
+                taken[b, 0] |= 1 << k
+        contact[row, c.PLACE_IN_GROUPS] = k
+        colours[k, c.COLOUR_CONTACTS] += 1
+    first = 0
+    for k in range(LINKED + 1):
+        count = colours[k, c.COLOUR_CONTACTS]
+        colours[k, c.FIRST_GROUP] = first
+        first += count if k >= OVERFLOW else (count + c.WIDTH - 1) // c.WIDTH
+        colours[k, c.AFTER_GROUP] = first
+    if first > room(world, GROUPS):
+        ask_for_room(world, GROUPS, first)
+        return
+    if first * c.FIELDS * c.WIDTH > room(world, LANES):
+        ask_for_room(world, LANES, first * c.FIELDS * c.WIDTH)
+        return
+    if colours[LINKED, c.COLOUR_CONTACTS] > room(world, CONTACT_ROW):
+        ask_for_room(world, CONTACT_ROW, colours[LINKED, c.COLOUR_CONTACTS])
+        return
+    set_rows(world, CONTACT_ROW, colours[LINKED, c.COLOUR_CONTACTS])
+    set_rows(world, GROUPS, first)
+
+
+@compiled(inline=True)
+def lanes_of(world: int, g: int) -> int:
+    """Lanes of a group that are worked on: the first one alone where its contact is solved directly."""
+    count: int = integers(world, SWEEPS)[0, c.LANE_COUNT]
+    return 1 if g >= integers(world, COLOURS)[LINKED, c.FIRST_GROUP] else count
