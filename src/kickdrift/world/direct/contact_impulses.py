@@ -2,13 +2,13 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.direct.contact_rows import bind, bind_points, first_row, give_of, impulse_field
 from kickdrift.world.direct.contacts import (
     BOUNCE,
     PRESS,
     REST,
     SMOOTH_BOUNCE,
+    bodies_of,
     constraint,
     contact_row,
     read_both,
@@ -38,7 +38,7 @@ from kickdrift.world.direct.nodes import place_in
 from kickdrift.world.direct.wrenches import along, write_wrench
 from kickdrift.world.joints.impulses import push_body
 from kickdrift.world.joints.layout import GAIN
-from kickdrift.world.tables import COLOURS, GROUPS, ISLAND, ISLAND_CONTACT, LINK_NUMBERS, MOTION, NODE, floats, integers
+from kickdrift.world.tables import ISLAND, ISLAND_CONTACT, LINK_NUMBERS, MOTION, NODE, floats, integers
 
 
 @compiled(cached=False, fast=True)
@@ -87,10 +87,9 @@ def predict_contacts(island: int, world: int) -> None:
 def give_contacts(island: int, task: int, world: int) -> None:
     """Give bodies the impulses that were found, none of which pulls."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    groups, begin = integers(world, GROUPS), integers(world, COLOURS)[LINKED, c.FIRST_GROUP]
     given = twelve()
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        index = order[k, 0]
+        index, bodies = order[k, 0], bodies_of(order[k, 0], world)
         numbers, own_fields = contact_row(index, world), constraint(index, world)
         for m in range(12):
             given[m] = 0.0
@@ -108,7 +107,7 @@ def give_contacts(island: int, task: int, world: int) -> None:
                 given[m] += impulse * numbers[WRENCH + 12 * i + m]
         for side in range(2):
             if numbers[NODES + side] >= 0.0 or numbers[CUT] == 1.0 + side:
-                body, at = groups[begin + index, c.BODIES_A + c.WIDTH * side], 6 * side
+                body, at = bodies[1] if side == 1 else bodies[0], 6 * side
                 push = (given[at], given[at + 1], given[at + 2])
                 push_body(body, push, (given[at + 3], given[at + 4], given[at + 5]), world)
 
@@ -140,14 +139,13 @@ def clear_contacts(island: int, world: int) -> None:
 def driven(island: int, world: int) -> float:
     """Greatest speed of what touches an island from without, and of surfaces, m/s."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    groups, begin = integers(world, GROUPS), integers(world, COLOURS)[LINKED, c.FIRST_GROUP]
     velocity, most = twelve(), 0.0
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        fields, g = constraint(order[k, 0], world), begin + order[k, 0]
-        read_both(MOTION, groups[g, c.BODIES_A], groups[g, c.BODIES_B], velocity, world)
+        fields, bodies = constraint(order[k, 0], world), bodies_of(order[k, 0], world)
+        read_both(MOTION, bodies[0], bodies[1], velocity, world)
         most = max(most, abs(fields[c.SLIDE * c.WIDTH]), abs(fields[(c.SLIDE + 1) * c.WIDTH]))
         for side in range(2):
-            if place_in(island, groups[g, c.BODIES_B if side == 1 else c.BODIES_A], world) < 0:
+            if place_in(island, bodies[1] if side == 1 else bodies[0], world) < 0:
                 for i in range(3):
                     most = max(most, abs(velocity[6 * side + i]))
     return most
@@ -157,12 +155,11 @@ def driven(island: int, world: int) -> float:
 def left_of_contacts(island: int, world: int) -> float:
     """Return how fast points that carry something part or approach, at most, m/s."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    groups, begin = integers(world, GROUPS), integers(world, COLOURS)[LINKED, c.FIRST_GROUP]
     velocity, most = twelve(), 0.0
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers, fields = contact_row(order[k, 0], world), constraint(order[k, 0], world)
-        g = begin + order[k, 0]
-        read_both(MOTION, groups[g, c.BODIES_A], groups[g, c.BODIES_B], velocity, world)
+        a, b = bodies_of(order[k, 0], world)
+        read_both(MOTION, a, b, velocity, world)
         for i in range(TANGENT):
             if numbers[ACTIVE + i] != 0.0 and fields[impulse_field(i) * c.WIDTH] > 0.0:
                 most = max(most, abs(along(numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12], velocity)))

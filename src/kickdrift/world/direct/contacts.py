@@ -86,6 +86,13 @@ def constraint(index: int, world: int) -> Any:
     return flat(world, LANES)[g * _SIZE : (g + 1) * _SIZE]
 
 
+@compiled(inline=True, cached=False, fast=True)
+def bodies_of(index: int, world: int) -> tuple[int, int]:
+    """Bodies of a contact."""
+    groups, g = integers(world, GROUPS), integers(world, COLOURS)[LINKED, c.FIRST_GROUP] + index
+    return groups[g, c.BODIES_A], groups[g, c.BODIES_B]
+
+
 @compiled(cached=False, fast=True)
 def read_both(table: Table, a: int, b: int, numbers: Any, world: int) -> None:
     """Read the first six numbers of both bodies of a contact."""
@@ -113,9 +120,8 @@ def begin_contacts(island: int, h: float, task: int, world: int) -> None:
 
 @compiled(cached=False, fast=True)
 def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> None:
-    groups, g = integers(world, GROUPS), integers(world, COLOURS)[LINKED, c.FIRST_GROUP] + index
     own, numbers = constraint(index, world), contact_row(index, world)
-    a, b = groups[g, c.BODIES_A], groups[g, c.BODIES_B]
+    a, b = bodies_of(index, world)
     velocity, change = twelve(), twelve()
     read_both(MOTION, a, b, velocity, world)
     read_both(DELTA_POSE, a, b, change, world)
