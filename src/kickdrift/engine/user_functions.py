@@ -17,6 +17,7 @@ from kickdrift.core.compilation import Function, compiled
 from kickdrift.core.errors import ArgumentError, InterpretedWarning, depth_of_caller
 from kickdrift.engine.flows.layout import FLAT
 from kickdrift.engine.frozen import frozen
+from kickdrift.engine.results import write_result
 from kickdrift.systems.problem import name_of
 
 
@@ -74,7 +75,7 @@ class Layout:
             return f"out[int(v[0])] = {call}"
         if self.result == ():
             return f"out[0] = {call}"
-        return f"{'out[:]' if len(self.result) == 1 else 'shaped(out, RESULT)[...]'} = asarray({call})"
+        return f"write_result({self._view('out')}, {call})"
 
     def _view(self, name: str) -> str:
         meaning = MEANINGS.get(name, name)
@@ -96,6 +97,7 @@ class Layout:
             "STATE": self.state,
             "RESULT": self.result,
             "N_ARGS": self.n_args,
+            "write_result": write_result,
             **names,
         }
         exec(_TEMPLATE.format(statement=statement), scope)  # noqa: S102 - our own template, below
@@ -118,16 +120,16 @@ def flatten(function: Function, names: list[str], layout: Layout, compile_: bool
         except (NumbaError, NotImplementedError, TypeError, ValueError, AttributeError, LookupError) as error:
             _warn_interpreted(function, error)
     python = getattr(function, "py_func", function)
-    return layout.adapted(statement, function=python, shaped=np.reshape, asarray=_returned), False
+    return layout.adapted(statement, function=python, shaped=np.reshape), False
 
 
 def with_bounds_checked(function: Function, names: list[str], layout: Layout) -> Function:
     """Adapt a function so that an index out of bounds is an error, which compiled code does not see."""
     statement, python = layout.statement(names), getattr(function, "py_func", function)
     if math.prod(layout.state) <= _SOON_INTERPRETED:
-        return layout.adapted(statement, function=python, shaped=np.reshape, asarray=_returned)
+        return layout.adapted(statement, function=python, shaped=np.reshape)
     inner = compiled(cached=False, checked=True)(python)
-    adapted = layout.adapted(statement, function=inner, shaped=memory.shaped, asarray=np.asarray)
+    adapted = layout.adapted(statement, function=inner, shaped=memory.shaped)
     return compiled(cached=False, checked=True)(adapted)
 
 
@@ -146,17 +148,10 @@ class Frozen:
 def _compiled(function: Frozen, statement: str, layout: Layout) -> Function:
     given = function.function
     inner = given if hasattr(given, "py_func") else compiled(cached=False)(given)
-    adapted = layout.adapted(statement, function=inner, shaped=memory.shaped, asarray=np.asarray)
+    adapted = layout.adapted(statement, function=inner, shaped=memory.shaped)
     native: Any = compiled(cached=False)(adapted)
     native.compile(FLAT)
     return cast(Function, native)
-
-
-def _returned(value: Any) -> Any:
-    """Refuse None, which NumPy takes for a NaN: the function forgot to return, or lacks the argument `out`."""
-    if value is None:
-        raise TypeError("it returned None")
-    return np.asarray(value)
 
 
 def _warn_interpreted(function: Function, error: Exception) -> None:

@@ -1,0 +1,45 @@
+"""Operations on arrays in place: whole arrays for the interpreter, loops for the compiler.
+
+Numba compiles a loop ten times as fast as its general assignment to a slice, which broadcasts and words its own error.
+"""
+
+from typing import Any
+
+from numba.extending import overload
+
+
+def multiply(out: Any, factors: Any) -> None:
+    """Multiply an array by another one of its size, or by a number, in place."""
+    out *= factors
+
+
+@overload(multiply)
+def _multiply(out: Any, factors: Any) -> Any:
+    if hasattr(factors, "ndim"):
+        return _multiply_each
+    return _multiply_all
+
+
+def _multiply_each(out: Any, factors: Any) -> None:
+    for i in range(out.size):
+        out[i] *= factors[i]
+
+
+def _multiply_all(out: Any, factors: Any) -> None:
+    for i in range(out.size):
+        out[i] *= factors
+
+
+def subtract_product(out: Any, factors: Any, values: Any) -> None:
+    """Subtract factors * values from an array, all of one size, in place."""
+    out -= factors * values
+
+
+@overload(subtract_product)
+def _subtract_product(out: Any, factors: Any, values: Any) -> Any:
+    return _subtract_each_product
+
+
+def _subtract_each_product(out: Any, factors: Any, values: Any) -> None:
+    for i in range(out.size):
+        out[i] -= factors[i] * values[i]
