@@ -13,7 +13,7 @@ def multiply(out: Any, factors: Any) -> None:
     out *= factors
 
 
-@overload(multiply)
+@overload(multiply)  # type: ignore[untyped-decorator]
 def _multiply(out: Any, factors: Any) -> Any:
     if hasattr(factors, "ndim"):
         return _multiply_each
@@ -35,7 +35,7 @@ def subtract_product(out: Any, factors: Any, values: Any) -> None:
     out -= factors * values
 
 
-@overload(subtract_product)
+@overload(subtract_product)  # type: ignore[untyped-decorator]
 def _subtract_product(out: Any, factors: Any, values: Any) -> Any:
     return _subtract_each_product
 

@@ -6,10 +6,19 @@ from typing import Any
 
 from kickdrift.core import memory
 from kickdrift.core.calls import address_of
-from kickdrift.core.compilation import Function, comes_with_kickdrift, compiled, specialise, specialised_name, unbound
+from kickdrift.core.compilation import (
+    Function,
+    comes_with_kickdrift,
+    compiled,
+    is_users,
+    specialise,
+    specialised_name,
+    unbound,
+)
 from kickdrift.engine.flows import kick_drift, layout
 from kickdrift.engine.flows.sums import sums
 from kickdrift.engine.flows.table import FLOWS, Flow
+from kickdrift.engine.loop import call_letter
 from kickdrift.engine.program import Program
 from kickdrift.systems.system import System
 
@@ -95,7 +104,9 @@ def _native(
         arrays=small if n <= _SMALL else memory.arrays,
         flow=bound,
     )
-    return compiled(cached=not inlined or (packaged and comes_with_kickdrift(inlined[0])))(letter)
+    users = bool(inlined) and is_users(inlined[0])
+    kept = not inlined or users or (packaged and comes_with_kickdrift(inlined[0]))
+    return compiled(cached=kept, users=users, through=call_letter)(letter)
 
 
 def _inline(function: Function) -> Function:

@@ -23,7 +23,7 @@ def _returned(value: Any) -> Any:
     return np.asarray(value)
 
 
-@overload(write_result)
+@overload(write_result)  # type: ignore[untyped-decorator]
 def _write_result(out: Any, result: Any) -> Any:
     if isinstance(result, types.Number | types.Boolean):
         return _fill

@@ -116,7 +116,7 @@ def _times_charge(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -
     multiply(out, params[params.size - x.size :])
 
 
-@compiled(cached=False)
+@compiled
 def _nothing(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     out[:] = 0.0
 

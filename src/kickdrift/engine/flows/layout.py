@@ -17,7 +17,7 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from kickdrift.core.calls import caller
+from kickdrift.core.calls import address_of, caller
 from kickdrift.core.compilation import Function, compiled, specialise
 
 Floats = NDArray[np.float64]
@@ -49,6 +49,16 @@ _FIRST_PART = -TAIL
 
 SLOT = 0  # bound by `part_by_address`
 call = caller(FLAT)
+
+
+@compiled
+def _call_at(address: int, t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    call(address, (t, x, v, params, out))
+
+
+def call_flat(function: Function, t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    """Call a compiled function of a system from the interpreter."""
+    _call_at(address_of(function, FLAT), t, x, v, params, out)
 
 
 @compiled(inline=True)
