@@ -90,7 +90,7 @@ class Run:
         """Build the letters, and compile or load everything that the run needs."""
         system, program, state = self.system, self.program, self.state
         functions = letters.functions_of(system, program)
-        addresses = letters.addresses_of(functions, names) if system.native else dict.fromkeys(functions, 1)
+        addresses = letters.addresses_of(system, functions, names) if system.native else dict.fromkeys(functions, 1)
         n = state.x.size
         memory_size = max(FLOWS[name].memory(n, program.coefficients, system.params) for name in names)
         state.work = lay_out(n, program.coefficients, memory_size, addresses)

@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from types import CodeType, FunctionType
 from typing import Any, cast
 
 import numba
@@ -114,10 +115,16 @@ def adapted(t, x, v, params, out):
 
 def _adapted(statement: str, **names: Any) -> Function:
     """Define the function of a statement."""
-    scope: dict[str, Any] = {"__name__": __name__, "write_result": write_result, "read_only": read_only, **names}
+    scope = {"__name__": __name__, "write_result": write_result, "read_only": read_only, **names}
+    return FunctionType(_code(statement), scope, "adapted")
+
+
+@lru_cache(maxsize=256)
+def _code(statement: str) -> CodeType:
+    scope: dict[str, Any] = {}
     exec(_TEMPLATE.format(statement=statement), scope)  # noqa: S102 - our own template, above
-    adapted: Function = scope["adapted"]
-    return adapted
+    code: CodeType = scope["adapted"].__code__
+    return code
 
 
 @dataclass(frozen=True)
@@ -166,7 +173,6 @@ _NONE = np.zeros(0)
 _SOON_INTERPRETED = 100  # numbers of a state up to which a double loop over them is soon done by the interpreter
 
 
-@lru_cache(maxsize=256)
 def _interpreted(python: Function, statement: str) -> Function:
     return _adapted(statement, function=python, shaped=np.reshape)
 

@@ -11,6 +11,7 @@ For a state of n numbers::
     -TAIL    single numbers, below
 """
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from numba import types
 from numpy.typing import NDArray
 
 from kickdrift.core.calls import address_of, caller
-from kickdrift.core.compilation import Function, compiled, specialise
+from kickdrift.core.compilation import Function, compiled, specialise, unbound
 
 Floats = NDArray[np.float64]
 
@@ -48,6 +49,7 @@ DRAWN = -6  # random numbers drawn so far
 _FIRST_PART = -TAIL
 
 SLOT = 0  # bound by `part_by_address`
+function: Function = unbound  # bound by `part_inlined`
 call = caller(FLAT)
 
 
@@ -109,9 +111,19 @@ def _at(t: float, x: Floats, v: Floats, params: Floats, work: Floats, out: Float
     call(work[slot : slot + 1].view(np.int64)[0], (t, x, v, params, out))
 
 
+def _inlined_at(t: float, x: Floats, v: Floats, params: Floats, work: Floats, out: Floats) -> None:
+    function(t, x, v, params, out)
+
+
+@cache
 def part_by_address(name: str) -> Function:
     """Make the compiled function that calls a part of whatever system runs, by its address in work."""
     return compiled(cached=False, inline=True)(specialise(_at, f"{name}_at", SLOT=_slot(name)))
+
+
+def part_inlined(name: str, function: Function) -> Function:
+    """Make the same for one system, whose function is compiled into it."""
+    return compiled(cached=False, inline=True)(specialise(_inlined_at, f"{name}_at", function=function))
 
 
 def part_interpreted(function: Function) -> Function:
