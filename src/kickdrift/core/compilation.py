@@ -15,6 +15,7 @@ import hashlib
 import types
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, overload
@@ -117,6 +118,8 @@ class _Compiler(_FunctionCompiler):  # type: ignore[misc]
     """Compiles to parts, which others are linked with; loops on threads as Numba does, since they run while they compile."""
 
     def _compile_core(self, args: Any, return_type: Any) -> Any:
+        if (tell := _told.get()) is not None:
+            tell()
         if self.targetoptions["parallel"]:
             return super()._compile_core(args, return_type)
         flags = _Flags()
@@ -238,6 +241,19 @@ def _no_collector() -> Iterator[None]:
     finally:
         if collects:
             gc.enable()
+
+
+_told: ContextVar[Function | None] = ContextVar("_told", default=None)
+
+
+@contextmanager
+def told_of_compiling(tell: Function) -> Iterator[None]:
+    """Have a function called whenever one is compiled."""
+    before = _told.set(tell)
+    try:
+        yield
+    finally:
+        _told.reset(before)
 
 
 def is_on_disk(function: Function, signature: Any) -> bool:

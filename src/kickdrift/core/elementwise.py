@@ -8,6 +8,26 @@ from typing import Any
 from numba.extending import overload
 
 
+def assign(out: Any, values: Any) -> None:
+    """Overwrite an array by another one of its size, or by a number."""
+    out[:] = values
+
+
+@overload(assign)  # type: ignore[untyped-decorator]
+def _assign(out: Any, values: Any) -> Any:
+    return _assign_each if hasattr(values, "ndim") else _assign_all
+
+
+def _assign_each(out: Any, values: Any) -> None:
+    for i in range(out.size):
+        out[i] = values[i]
+
+
+def _assign_all(out: Any, values: Any) -> None:
+    for i in range(out.size):
+        out[i] = values
+
+
 def multiply(out: Any, factors: Any) -> None:
     """Multiply an array by another one of its size, or by a number, in place."""
     out *= factors
@@ -15,9 +35,7 @@ def multiply(out: Any, factors: Any) -> None:
 
 @overload(multiply)  # type: ignore[untyped-decorator]
 def _multiply(out: Any, factors: Any) -> Any:
-    if hasattr(factors, "ndim"):
-        return _multiply_each
-    return _multiply_all
+    return _multiply_each if hasattr(factors, "ndim") else _multiply_all
 
 
 def _multiply_each(out: Any, factors: Any) -> None:

@@ -83,10 +83,10 @@ def memory(work: Floats) -> Floats:
 
 def lay_out(n: int, coefficients: Floats, memory_size: int, addresses: dict[str, int]) -> Floats:
     """Make the work of a run: coefficients and addresses of the parts filled in, the rest zero."""
-    start = coefficients_at(n) + coefficients.size
-    work = np.zeros(start + memory_size + TAIL)
-    work[coefficients_at(n) : start] = coefficients
-    work[MEMORY] = start
+    end = 4 * n + coefficients.size
+    work = np.zeros(end + memory_size + TAIL)
+    work[4 * n : end] = coefficients
+    work[MEMORY] = end
     for name, address in addresses.items():
         work[_slot(name) :].view(np.int64)[0] = address
     return work
