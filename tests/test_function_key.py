@@ -138,6 +138,26 @@ def test_other_numbers_are_seen_and_compile_nothing(passes, make):
     assert not [what for _, what in passes if "lambda" in str(what.data)]
 
 
+def pushed_apart(x):
+    return x - x.mean()
+
+
+def pushed_apart_in_a_loop(x, out):
+    for i in range(x.shape[0]):
+        out[i] = x[i] - x.mean()
+
+
+@pytest.mark.parametrize("function", [pushed_apart, pushed_apart_in_a_loop])
+def test_a_large_state_of_another_length_compiles_nothing(passes, function):
+    kd.solve(function, (0, 1), np.ones((50, 3)), np.ones((50, 3)), step=0.1, method="leapfrog")
+    del passes[:]
+    x0 = np.arange(180.0).reshape(60, 3)
+    s = kd.solve(function, (0, 1), x0, np.zeros((60, 3)), step=0.1, method="leapfrog")
+    assert not passes
+    reference = kd.solve(function, (0, 1), x0, np.zeros((60, 3)), step=0.1, method="leapfrog", compile=False)
+    assert np.allclose(s.x, reference.x, rtol=1e-14)
+
+
 def test_changed_globals_are_seen(monkeypatch):
     first = [kd.solve(function, **SPAN).x for function in (pulled, looked_up, helped)]
     assert all(np.array_equal(x, oscillator()) for x in first)

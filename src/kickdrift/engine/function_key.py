@@ -54,6 +54,17 @@ class Taken:
         return isinstance(self.key, tuple)
 
     @property
+    def loops(self) -> bool:
+        """Whether the interpreter may take long: there is a loop, or a compiled function, which may have one."""
+        python = getattr(self.function, "py_func", self.function)
+        return (
+            python is not self.function
+            or not self.known
+            or _names(python.__code__).loops
+            or any(isinstance(value, CPUDispatcher) for value in self.constants.values())
+        )
+
+    @property
     def options(self) -> dict[str, Any]:
         """What its decorator, if it has one, asks of Numba."""
         return dict(getattr(self.function, "targetoptions", {}))
@@ -131,18 +142,22 @@ def _is_number(value: Any) -> bool:
 
 @dataclass(frozen=True)
 class _Names:
-    """What a code mentions: its globals, the names that functions inside of it use, all its names, and its digest."""
+    """What a code mentions: its globals, the names that functions inside of it use, all its names, and its digest.
+
+    Beside them, whether it `loops`.
+    """
 
     globals: tuple[str, ...]
     inner: frozenset[str]
     all: frozenset[str]
     digest: str
+    loops: bool
 
 
 @lru_cache(maxsize=1024)
 def _names(code: CodeType) -> _Names:
     codes = list(_codes(code))
-    loaded, stored = set(), set()
+    loaded, stored, loops = set(), set(), False
     for each in codes:
         for instruction in dis.get_instructions(each):
             if instruction.opname in ("LOAD_GLOBAL", "LOAD_NAME"):
@@ -151,11 +166,12 @@ def _names(code: CodeType) -> _Names:
                 raise _CannotTellError
             elif instruction.opname in ("STORE_DEREF", "DELETE_DEREF"):
                 stored.add(instruction.argval)
+            loops |= "JUMP_BACKWARD" in instruction.opname
     if stored & set(code.co_freevars):
         raise _CannotTellError
     inner = {name for each in codes[1:] for name in (*each.co_names, *each.co_freevars)}
     every = {name for each in codes for name in each.co_names}
-    return _Names(tuple(sorted(loaded)), frozenset(inner), frozenset(every), _digest(_text_of(code)))
+    return _Names(tuple(sorted(loaded)), frozenset(inner), frozenset(every), _digest(_text_of(code)), loops)
 
 
 def _codes(code: CodeType) -> Iterator[CodeType]:

@@ -94,9 +94,7 @@ def _programs(method: Method, system: Structure) -> _Programs:
         return _Programs(step)
     back = tuple((letter.adjoint or letter, -weight) for letter, weight in reversed(before))
     return _Programs(
-        step,
-        compose(method, system, before, repeated=False),
-        compose(method, system, back, ahead, repeated=False),
+        step, compose(method, system, before, repeated=False), compose(method, system, back, ahead, repeated=False)
     )
 
 

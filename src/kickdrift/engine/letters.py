@@ -10,6 +10,7 @@ from kickdrift.core.compilation import (
     Function,
     comes_with_kickdrift,
     compiled,
+    is_kept,
     is_users,
     specialise,
     specialised_name,
@@ -18,7 +19,6 @@ from kickdrift.core.compilation import (
 from kickdrift.engine.flows import kick_drift, layout
 from kickdrift.engine.flows.sums import sums
 from kickdrift.engine.flows.table import FLOWS, Flow
-from kickdrift.engine.loop import call_letter
 from kickdrift.engine.program import Program
 from kickdrift.systems.system import System
 
@@ -109,17 +109,13 @@ def _native(
     letter = specialise(
         _letter,
         specialised_name(
-            bound_to,
-            name,
-            str(n) if n <= _SMALL else "n",
-            "own" if own else "compensated" if compensated else "plain",
+            bound_to, name, str(n) if n <= _SMALL else "n", "own" if own else "compensated" if compensated else "plain"
         ),
         arrays=small if n <= _SMALL else memory.arrays,
         flow=bound,
     )
-    users = is_users(bound_to)
-    kept = bound_to is template or users or (packaged and comes_with_kickdrift(bound_to))
-    return compiled(cached=kept, users=users, through=call_letter)(letter)
+    kept = bound_to is template or is_kept(bound_to) or (packaged and comes_with_kickdrift(bound_to))
+    return compiled(cached=kept, users=is_users(bound_to))(letter)
 
 
 def _inline(function: Function) -> Function:

@@ -6,8 +6,8 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from kickdrift.core.calls import address_of, call_interpreted, caller
-from kickdrift.core.compilation import Function, compiled, specialise
+from kickdrift.core.calls import call_interpreted, caller
+from kickdrift.core.compilation import compiled, specialise
 from kickdrift.core.elementwise import assign
 from kickdrift.engine.flows.layout import TROUBLE
 
@@ -15,16 +15,6 @@ Floats = NDArray[np.float64]
 LETTER = types.none(types.float64, types.float64, types.intp)
 
 call = caller(LETTER)
-
-
-@compiled
-def _call_at(letter: Any, t: float, h: float, state: Any) -> None:
-    call(letter, (t, h, state))
-
-
-def call_letter(letter: Function, t: float, h: float, state: Any) -> None:
-    """Call a compiled letter from the interpreter."""
-    _call_at(address_of(letter, LETTER), t, h, state)
 
 
 @compiled

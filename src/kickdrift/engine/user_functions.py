@@ -60,6 +60,11 @@ def argument_names(
     return required
 
 
+_NONE = np.zeros(0)
+_SMALL = (
+    100  # numbers of a state up to which the interpreter soon does a double loop, and shapes are worth a compilation
+)
+
 MEANINGS = {"q": "x", "y": "x", "p": "v"}
 
 
@@ -96,7 +101,14 @@ class Layout:
             return f"params[:{self.n_args}]"
         if meaning in ("x", "v") and shape == ():
             return f"{meaning}[0]"
-        return f"shaped({meaning}, {shape})" if len(shape) > 1 else meaning
+        return f"shaped({meaning}, {self._shape(meaning, shape)})" if len(shape) > 1 else meaning
+
+    @staticmethod
+    def _shape(array: str, shape: tuple[int, ...]) -> str:
+        """Spell a shape; of a large array so that one of another length has the same."""
+        if math.prod(shape) <= _SMALL:
+            return str(shape)
+        return f"({array}.size // {math.prod(shape[1:])}, {', '.join(map(str, shape[1:]))})"
 
     def _numbers(self, numbers: Mapping[str, Any]) -> dict[str, str]:
         views, at = {}, self.first
@@ -162,15 +174,10 @@ def _flattened(function: Function, names: list[str], layout: Layout, interpreted
     numbers = {name: value for name, value in taken.numbers.items() if name not in names}
     statement = layout.statement(names, numbers)
     native = _compiled(taken, statement, checked=False)
-    checked = interpreted
-    if math.prod(layout.state) > _SOON_INTERPRETED:
-        checked = _compiled(taken, statement, checked=True)
+    soon_interpreted = math.prod(layout.state) <= _SMALL or not taken.loops
+    checked = interpreted if soon_interpreted else _compiled(taken, statement, checked=True)
     values = [np.ravel(value) for value in numbers.values()]
     return Flat(native, checked, True, np.concatenate(values) if values else _NONE)
-
-
-_NONE = np.zeros(0)
-_SOON_INTERPRETED = 100  # numbers of a state up to which a double loop over them is soon done by the interpreter
 
 
 def _interpreted(python: Function, statement: str) -> Function:
