@@ -6,16 +6,8 @@ from typing import Any
 
 from kickdrift.core import memory
 from kickdrift.core.calls import address_of
-from kickdrift.core.compilation import (
-    Function,
-    comes_with_kickdrift,
-    compiled,
-    is_kept,
-    is_users,
-    specialise,
-    specialised_name,
-    unbound,
-)
+from kickdrift.core.compilation import Function, compiled, is_kept, is_users, specialise, unbound
+from kickdrift.core.naming import comes_with_kickdrift, specialised_name
 from kickdrift.engine.flows import kick_drift, layout
 from kickdrift.engine.flows.sums import sums
 from kickdrift.engine.flows.table import FLOWS, Flow
