@@ -105,6 +105,16 @@ def compare(
     raise typer.Exit(do(make_plan(system, options, comparison=True), output))
 
 
+@app.command("compile", help=help_texts.COMPILE, short_help="Compile ahead what runs and worlds may need.")
+def compile_(
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print errors only.")] = False,
+) -> None:
+    """Fill the cache of compiled code, so that no first run or step has to wait for it."""
+    from kickdrift.cli.compiling import compile_all
+
+    compile_all(quiet)
+
+
 @app.command("list", help=help_texts.LIST, short_help="List the methods, the systems or the scenes.")
 def list_(what: Annotated[Catalogue, typer.Argument(help="Which catalogue.")]) -> None:
     """List the methods, the systems or the scenes; whole lines where the output is piped."""

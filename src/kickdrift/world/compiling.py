@@ -1,25 +1,39 @@
 """Compiling what a step is made of, before the first one."""
 
 from collections.abc import Iterable
+from types import SimpleNamespace
+from typing import Any
 
-from kickdrift.core.together import compile_together, missing, seconds_for
+from kickdrift.core.together import Job, compile_together, missing, seconds_for
 from kickdrift.engine.progress import announce_compiling
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.dispatch import extents_of
 from kickdrift.world.collision.narrow_phase import COLLIDE
 from kickdrift.world.contacts.contact_solver_simd import KERNELS, SWEEP
-from kickdrift.world.program import Word
+from kickdrift.world.program import Uses, Word, word
+from kickdrift.world.shapes.catalogue import KINDS
 from kickdrift.world.shapes.record import EXTENT
 from kickdrift.world.step import STAGE
 
 
 def compile_step(spelt: Word, kinds: Iterable[int], pairs: Iterable[tuple[int, int]]) -> None:
     """Compile the stages of a step and the functions for kinds of shapes and pairs of them, unless they are on disk."""
-    stages = [(stage, STAGE) for part in spelt for stage in part]
-    sweeps = [(sweep, SWEEP) for sweep in KERNELS.values()]
-    extents = [(kind.extent, EXTENT) for kind in extents_of(kinds) if kind.extent is not None]
-    jobs = missing([*stages, *sweeps, *extents, *((PAIRS[pair], COLLIDE) for pair in pairs)])
+    jobs = missing(_jobs(spelt, kinds, pairs))
     if jobs:
         largest = max(jobs, key=lambda job: seconds_for([job]))[0].__name__
         announce_compiling(f"{len(jobs)} functions of the step ({largest}, ...)", seconds_for(jobs))
         compile_together(jobs)
+
+
+def jobs_of_all_worlds() -> list[Job]:
+    """Return what a world may need, whatever is in it, but for users' forces and steps on threads."""
+    joints: Any = SimpleNamespace(present=True, sequential=True)
+    uses = Uses(forces=(), bounces=True, is_fast=True, direct=True, sleeps=True, planar=True, threads=False)
+    return _jobs(word(uses, joints), KINDS, PAIRS)
+
+
+def _jobs(spelt: Word, kinds: Iterable[int], pairs: Iterable[tuple[int, int]]) -> list[Job]:
+    stages = [(stage, STAGE) for part in spelt for stage in part]
+    sweeps = [(sweep, SWEEP) for sweep in KERNELS.values()]
+    extents = [(kind.extent, EXTENT) for kind in extents_of(kinds) if kind.extent is not None]
+    return [*stages, *sweeps, *extents, *((PAIRS[pair], COLLIDE) for pair in pairs)]
