@@ -10,8 +10,8 @@ from scipy.integrate import solve_ivp
 import kickdrift as kd
 from kickdrift.core import linear_algebra
 from kickdrift.core.errors import ArgumentError, MethodMismatchError
-from kickdrift.engine.adoption import adopt
 from kickdrift.engine.flows import constraint_rows, constraints
+from kickdrift.engine.problem_adapter import adopt
 from kickdrift.methods import constrained
 
 METHODS = ("rattle", "shake", "projected-kick-drift")

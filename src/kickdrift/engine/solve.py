@@ -13,10 +13,10 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import multipliers, quantities
-from kickdrift.engine.adoption import adopt
 from kickdrift.engine.fit import AUTO, check_direction, choose
 from kickdrift.engine.grid import Grid, lay_grid
 from kickdrift.engine.inside import Inside
+from kickdrift.engine.problem_adapter import adopt
 from kickdrift.engine.progress import compiling_announced
 from kickdrift.engine.run import Run
 from kickdrift.engine.solution import Description, Invariants, Solution

@@ -25,8 +25,8 @@ _TAKEN = ("energy", "time", "t", "x", "v")
 
 
 @dataclass(frozen=True)
-class Start:
-    """A start, and the hands that adapt functions to it: an `Adapter`."""
+class Adapter:
+    """A start, and the hands that adapt functions to it: a `kickdrift.systems.problem.Adapter`."""
 
     t0: float
     x0: Floats
@@ -170,4 +170,4 @@ def adopt(problem: Problem | Function, t0: float, x0: Floats, v0: Floats, args: 
         For a function with other argument names, or whose result does not have the shape that it should have.
     """
     described = problem if isinstance(problem, Problem) else SecondOrder(problem)
-    return described.system(Start(t0, x0, v0, args, compile_))
+    return described.system(Adapter(t0, x0, v0, args, compile_))
