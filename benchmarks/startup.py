@@ -84,6 +84,7 @@ def force(x):
 sol = kd.solve(force, t_span=(0.0, {end}), x0={x0}, v0={v0}, method="semi-implicit-euler", step=0.01, progress=False)
 print(time.perf_counter() - started, sol.wall_time)
 """
+_WITH_BYTECODE = {"PYTHONDONTWRITEBYTECODE": ""}  # kept beside the sources, as after an installation
 _BROADCAST = """d = x[:, None, :] - x[None, :, :]
     r2 = (d**2).sum(axis=2) + np.eye(x.shape[0])
     i6 = 1 / r2**3

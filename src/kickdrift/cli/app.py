@@ -106,9 +106,7 @@ def compare(
 
 
 @app.command("compile", help=help_texts.COMPILE, short_help="Compile ahead what runs and worlds may need.")
-def compile_(
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print errors only.")] = False,
-) -> None:
+def compile_(quiet: Annotated[bool, typer.Option("--quiet", help="Print errors only.")] = False) -> None:
     """Fill the cache of compiled code, so that no first run or step has to wait for it."""
     from kickdrift.cli.compiling import compile_all
 

@@ -93,7 +93,9 @@ def _workers(
             command = [sys.executable, "-c", _WORKER]
             pipe = subprocess.PIPE
             processes.append(subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL))  # noqa: S603
-    threads = [threading.Thread(target=_feed, args=(process, waiting, places, done), daemon=True) for process in processes]
+    threads = [
+        threading.Thread(target=_feed, args=(process, waiting, places, done), daemon=True) for process in processes
+    ]
     for thread in threads:
         thread.start()
     try:

@@ -52,31 +52,23 @@ class Taken:
         """Whether the key tells all, so that compiled code may be kept for other processes."""
         return isinstance(self.key, tuple)
 
-    @property
-    def loops(self) -> bool:
-        """Whether the interpreter may take long: there is a loop, or a compiled function, which may have one."""
-        python = getattr(self.function, "py_func", self.function)
-        return (
-            python is not self.function
-            or not self.known
-            or names_of(python.__code__).loops
-            or any(isinstance(value, CPUDispatcher) for value in self.constants.values())
-        )
-
-    @property
-    def options(self) -> dict[str, Any]:
-        """What its decorator, if it has one, asks of Numba."""
-        return dict(getattr(self.function, "targetoptions", {}))
+    def options(self, checked: bool) -> dict[str, Any]:
+        """Return what its decorator, if it has one, asks of Numba, with indices `checked` for bounds."""
+        asked = getattr(self.function, "targetoptions", {})
+        return {**asked, "boundscheck": checked if asked.get("boundscheck") is None else asked["boundscheck"]}
 
     def digest(self, *details: Any) -> str:
         """Name the compiled code, with further details of it, so that no other one has the name."""
         return digest_of(repr((self.key, details, source_digest())))
 
-    def snapshot(self) -> Function:
-        """Copy the function, with its constants as they are now; its numbers are left for `globals_as_arguments`."""
+    def snapshot(self, checked: bool) -> Function:
+        """Copy the function, with its constants as they are now; its numbers are left for `numbers_as_arguments`.
+
+        Indices of compiled functions that it calls are `checked`, too.
+        """
         python = getattr(self.function, "py_func", self.function)
         values = {
-            **{name: _snapshot(value) for name, value in self.constants.items()},
+            **{name: _snapshot(value, checked) for name, value in self.constants.items()},
             **dict.fromkeys(self.numbers, 0.0),
         }
         cells = tuple(CellType(values[name]) for name in python.__code__.co_freevars)
@@ -84,7 +76,7 @@ class Taken:
         copy = FunctionType(python.__code__, own, python.__name__, python.__defaults__, cells)
         copy.__kwdefaults__ = python.__kwdefaults__
         copy.__qualname__ = (
-            f"{python.__qualname__}_{self.digest()}"  # of two of a name, Numba may take one for the other
+            f"{python.__qualname__}_{self.digest(checked)}"  # of two of a name, Numba may take one for the other
         )
         return copy
 
@@ -201,11 +193,11 @@ def _name_in_library(value: Any) -> str | None:
     return f"{module}.{name}" if getattr(sys.modules.get(str(module)), name, None) is value else None
 
 
-def _snapshot(value: Any) -> Any:
+def _snapshot(value: Any, checked: bool) -> Any:
     """Copy what may change: arrays, and compiled functions with all that they use."""
     if type(value) is np.ndarray:
         return value.copy(order="K")
     if isinstance(value, CPUDispatcher) and _name_in_library(value) is None:
-        options = dict(value.targetoptions)
-        return CPUDispatcher(_taken_apart(value, (None,)).snapshot(), value.locals, options)
+        taken = _taken_apart(value, (None,))
+        return CPUDispatcher(taken.snapshot(checked), value.locals, taken.options(checked))
     return value

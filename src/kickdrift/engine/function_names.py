@@ -17,7 +17,7 @@ class CannotTellError(Exception):
 class Names:
     """What a code mentions: its globals, the names that functions inside of it use, all its names, and its digest.
 
-    Beside them, which names are exponents of powers, and whether it `loops`.
+    Beside them, which names are exponents of powers.
     """
 
     globals: tuple[str, ...]
@@ -25,7 +25,6 @@ class Names:
     all: frozenset[str]
     digest: str
     exponents: frozenset[str]
-    loops: bool
 
 
 @lru_cache(maxsize=1024)
@@ -38,7 +37,7 @@ def names_of(code: CodeType) -> Names:
         If the function changes what it mentions, or imports.
     """
     codes = list(_codes(code))
-    loaded, stored, exponents, loops = set(), set(), set(), False
+    loaded, stored, exponents = set(), set(), set()
     for each in codes:
         last = ""
         for instruction in dis.get_instructions(each):
@@ -51,7 +50,6 @@ def names_of(code: CodeType) -> Names:
                 stored.add(name)
             elif operation == "BINARY_OP" and instruction.argrepr.startswith("**"):
                 exponents.add(last)
-            loops |= "JUMP_BACKWARD" in operation
             if operation.startswith("LOAD_"):
                 last = str(name)
     if stored & set(code.co_freevars):
@@ -59,12 +57,7 @@ def names_of(code: CodeType) -> Names:
     inner = {name for each in codes[1:] for name in (*each.co_names, *each.co_freevars)}
     every = {name for each in codes for name in each.co_names}
     return Names(
-        tuple(sorted(loaded)),
-        frozenset(inner),
-        frozenset(every),
-        digest_of(_text_of(code)),
-        frozenset(exponents),
-        loops,
+        tuple(sorted(loaded)), frozenset(inner), frozenset(every), digest_of(_text_of(code)), frozenset(exponents)
     )
 
 

@@ -33,6 +33,7 @@ class Adapter:
     v0: Floats
     users_args: Floats
     compile_: bool
+    check_bounds: bool = True
     numbers: list[Floats] = field(default_factory=list)
 
     @property
@@ -51,11 +52,9 @@ class Adapter:
         given = argument_names(function, role, names)
         result = self.x0.shape if shape is None else shape
         layout = Layout(self.x0.shape, result, self.users_args.size, self.args.size)
-        flat = flatten(function, given, layout, self.compile_)
+        flat = flatten(function, given, layout, self.compile_, self.check_bounds)
         if flat.numbers.size:
             self.numbers.append(flat.numbers)
-        if flat.native:
-            self._check_bounds(f"{role}, {name_of(function)},", flat.checked, layout)
         self._try_once(function, role, flat.function, given, shape)
         return Adapted(flat.function, frozenset(MEANINGS.get(name, name) for name in given), flat.native)
 
@@ -107,19 +106,6 @@ class Adapter:
             return _bound(template, tuple(functions.items()))
         return specialise(template, template.__name__.lstrip("_"), **functions)
 
-    def _check_bounds(self, name: str, function: Function, layout: Layout) -> None:
-        v = np.zeros(1) if self.v0.size == 0 else self.v0.reshape(-1).copy()
-        try:
-            with np.errstate(all="ignore"):
-                function(self.t0, self.x0.reshape(-1).copy(), v, self.args.copy(), np.zeros(math.prod(layout.result)))
-        except IndexError as error:
-            raise ArgumentError(
-                f"{name} has an index out of bounds at the start, x0 of shape {self.x0.shape} with {self.users_args.size}"
-                f" args: IndexError: {error}. The numbers of params are those given as args=(...)."
-            ) from error
-        except Exception:
-            return  # whatever else is wrong with it, the compiled function will tell
-
     def _try_once(
         self, original: Any, role: str, function: Function, names: list[str], shape: tuple[int, ...] | None
     ) -> None:
@@ -136,6 +122,11 @@ class Adapter:
                     function(self.t0, *given, other)
         except KickdriftError:
             raise
+        except IndexError as error:
+            raise ArgumentError(
+                f"{name} has an index out of bounds at the start, x0 of shape {self.x0.shape} with"
+                f" {self.users_args.size} args: IndexError: {error}. The numbers of params are those given as args=(...)."
+            ) from error
         except Exception as error:
             wanted = "one number" if shape == () or "i" in names else f"an array of shape {shape or self.x0.shape}"
             raise ArgumentError(
@@ -161,7 +152,15 @@ def _bound(template: Function, functions: tuple[tuple[str, Function], ...]) -> F
     return cast(Function, native)
 
 
-def adopt(problem: Problem | Function, t0: float, x0: Floats, v0: Floats, args: Floats, compile_: bool) -> System:
+def adopt(
+    problem: Problem | Function,
+    t0: float,
+    x0: Floats,
+    v0: Floats,
+    args: Floats,
+    compile_: bool,
+    check_bounds: bool = True,
+) -> System:
     """Make a system of a user's functions and start.
 
     Raises
@@ -170,4 +169,4 @@ def adopt(problem: Problem | Function, t0: float, x0: Floats, v0: Floats, args: 
         For a function with other argument names, or whose result does not have the shape that it should have.
     """
     described = problem if isinstance(problem, Problem) else SecondOrder(problem)
-    return described.system(Adapter(t0, x0, v0, args, compile_))
+    return described.system(Adapter(t0, x0, v0, args, compile_, check_bounds))

@@ -141,11 +141,11 @@ def _code(statement: str) -> CodeType:
 
 @dataclass(frozen=True)
 class Flat:
-    """A function of ``(t, x, v, params, out)`` over one-dimensional arrays, and the same with its indices checked.
+    """A function of ``(t, x, v, params, out)`` over one-dimensional arrays.
 
     Attributes
     ----------
-    function, checked : callable
+    function : callable
     native : bool
         Whether it is compiled.
     numbers : array
@@ -153,45 +153,38 @@ class Flat:
     """
 
     function: Function
-    checked: Function
     native: bool
     numbers: Floats
 
 
-def flatten(function: Function, names: list[str], layout: Layout, compile_: bool) -> Flat:
-    """Adapt a function."""
-    interpreted = _interpreted(getattr(function, "py_func", function), layout.statement(names, {}))
+def flatten(function: Function, names: list[str], layout: Layout, compile_: bool, checked: bool) -> Flat:
+    """Adapt a function; compiled, with its indices `checked` for bounds or not."""
     if compile_:
         try:
-            return _flattened(function, names, layout, interpreted)
+            return _flattened(function, names, layout, checked)
         except (NumbaError, NotImplementedError, TypeError, ValueError, AttributeError, LookupError) as error:
             _warn_interpreted(function, error)
-    return Flat(interpreted, interpreted, False, np.zeros(0))
+    python = getattr(function, "py_func", function)
+    statement = layout.statement(names, {})
+    return Flat(_adapted(statement, function=python, shaped=np.reshape), False, _NONE)
 
 
-def _flattened(function: Function, names: list[str], layout: Layout, interpreted: Function) -> Flat:
+def _flattened(function: Function, names: list[str], layout: Layout, checked: bool) -> Flat:
     taken = taken_apart(function)
     numbers = {name: value for name, value in taken.numbers.items() if name not in names}
-    statement = layout.statement(names, numbers)
-    native = _compiled(taken, statement, checked=False)
-    soon_interpreted = math.prod(layout.state) <= _SMALL or not taken.loops
-    checked = interpreted if soon_interpreted else _compiled(taken, statement, checked=True)
+    native = _compiled(taken, layout.statement(names, numbers), checked)
     values = [np.ravel(value) for value in numbers.values()]
-    return Flat(native, checked, True, np.concatenate(values) if values else _NONE)
-
-
-def _interpreted(python: Function, statement: str) -> Function:
-    return _adapted(statement, function=python, shaped=np.reshape)
+    return Flat(native, True, np.concatenate(values) if values else _NONE)
 
 
 @lru_cache(maxsize=256)
 def _compiled(taken: Taken, statement: str, checked: bool) -> Function:
     inner = taken.function
     if taken.known:
-        inner = taken.snapshot()
+        inner = taken.snapshot(checked)
         numbers_as_arguments(inner, taken.numbers)
     if not hasattr(inner, "py_func"):
-        inner = compiled(cached=False, checked=checked, options=taken.options)(inner)
+        inner = compiled(cached=False, options=taken.options(checked))(inner)
     adapted = _adapted(statement, function=inner, shaped=memory.shaped)
     adapted.__qualname__ = f"adapted_{taken.digest(statement, checked)}" if taken.known else "adapted"
     native: Any = compiled(cached=taken.known, users=True, through=call_flat)(adapted)
