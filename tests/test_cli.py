@@ -209,7 +209,7 @@ REFUSED = {
     ("run", "missing.toml"): ["missing.toml", "No such file"],
     ("run", "folder.toml"): ["folder.toml", "is not a file"],
     ("run", "zip.toml"): ["zip.toml", "not UTF-8"],
-    ("run", "typo.toml"): ["typo.toml:3", "'mas'", "did you mean 'mass'"],
+    ("run", "typo.toml"): ["typo.toml: bodies[0].mas", "'mas'", "did you mean 'mass'"],
     ("run", "empty-run.toml"): ["--duration", "empty-run.toml", "[run]"],
     ("run", "empty-run.toml", "--duration", "1"): ["--step", "empty-run.toml", "[run]"],
     ("run", "kepler", "--step", "fast"): ["--step='fast'", "'0.5 day'"],
