@@ -1,6 +1,5 @@
 """A user's own bodies: what a file may hold, and the line of every mistake in it."""
 
-
 import numpy as np
 import pytest
 
@@ -74,11 +73,19 @@ def test_inline_tables_and_columns_in_any_order(tmp_path):
 
 
 MISTAKES = {
-    "unknown key of a body": (TWO + "mas = 3\n", "bodies.toml: bodies[1].mas: in [[bodies]], key='mas' is not known", "'mass'"),
+    "unknown key of a body": (
+        TWO + "mas = 3\n",
+        "bodies.toml: bodies[1].mas: in [[bodies]], key='mas' is not known",
+        "'mass'",
+    ),
     "unknown key at the top": ("g = 1.0\n" + TWO, "bodies.toml: g: ", "key='g' is not known", "softening"),
     "unknown table": (TWO + "[runn]\nstep = 1\n", "bodies.toml: runn: ", "key='runn'", "did you mean 'run'"),
     "unknown key of a table": (TWO + "[run]\n\nstpe = 1\n", "bodies.toml: run.stpe: in [run]", "'stpe'", "'step'"),
-    "unknown key of a dotted table": (TWO.replace("[[", "run.stpe=1\n[[", 1), "bodies.toml: run.stpe: in [run]", "'stpe'"),
+    "unknown key of a dotted table": (
+        TWO.replace("[[", "run.stpe=1\n[[", 1),
+        "bodies.toml: run.stpe: in [run]",
+        "'stpe'",
+    ),
     "unknown key of an inline table": (
         'bodies = [\n # a\n {name = "a", mass = 1, position = [0, 0, 0], velocity = [0, 0, 0], spin = 1}]',
         "bodies.toml: bodies[0].spin: in [[bodies]], key='spin'",
@@ -93,7 +100,11 @@ MISTAKES = {
     "mass not a number": (TWO.replace("0.5", "nan"), "bodies.toml: bodies[1].mass=nan", "finite"),
     "mass beyond floats": (TWO.replace("0.5", "1" + "0" * 400), "bodies.toml: bodies[1].mass=1000"),
     "two coordinates": (TWO.replace("[1, 0, 0]", "[1, 0]"), "bodies.toml: bodies[1].position=[1, 0]", "3 items"),
-    "a coordinate in words": (TWO.replace("[1, 0, 0]", '[\n1,\n"x",\n0]'), "bodies.toml: bodies[1].position[1]='x'", "number"),
+    "a coordinate in words": (
+        TWO.replace("[1, 0, 0]", '[\n1,\n"x",\n0]'),
+        "bodies.toml: bodies[1].position[1]='x'",
+        "number",
+    ),
     "infinite velocity": (TWO.replace("[0, 1, 0]", "[0, inf, 0]"), "bodies.toml: bodies[1].velocity[1]=inf", "finite"),
     "empty name": (TWO.replace('"b"', '""'), "bodies.toml: bodies[1].name=''"),
     "name with an escape": (TWO.replace('"b"', r'"\u001b[2J"'), "bodies.toml: bodies[1].name=", "cannot be printed"),
