@@ -248,8 +248,19 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         """The step as a word: its stages in their order."""
         self.joints.arrange()
         fast, direct = self.tables.array(SETTINGS)[0, [settings.HAS_FAST, settings.HAS_DIRECT]].astype(bool).tolist()
-        forces, bouncing = tuple(self.forces), self.shape_rows.bouncing
-        return word(Uses(forces, bouncing, fast, direct, self.sleeping, self.planar, self.threads), self.joints)
+        return word(
+            Uses(
+                forces=tuple(self.forces),
+                bounces=self.shape_rows.bouncing,
+                is_fast=fast,
+                direct=direct,
+                joints=self.joints.present,
+                sequential=self.joints.sequential,
+                sleeps=self.sleeping,
+                planar=self.planar,
+                threads=self.threads,
+            )
+        )
 
     def _ready(self, step: float) -> Program:
         """Compile what is needed, and keep the program for as long as nothing that it depends on changes.
