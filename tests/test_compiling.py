@@ -212,7 +212,7 @@ def test_processes_that_do_nothing_do_not_matter(worker, tmp_path):
 
 
 def test_compiling_is_announced_where_it_is_wanted_and_takes_longer_than_a_moment(capsys):
-    for wanted, seconds, said in ((True, 12.3, True), (True, 0.4, False), (False, 12.3, False), (None, 12.3, False)):
+    for wanted, seconds, said in ((True, 12.3, True), (True, 0.4, False), (False, 12.3, False), (None, 12.3, True)):
         with announcements(wanted):
             announce_compiling("22 functions", seconds)
         line = "kickdrift: compiling 22 functions once on this machine, about 12 s ...\n"

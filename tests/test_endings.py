@@ -10,6 +10,7 @@ import time
 
 import numpy as np
 import pytest
+from numba import njit
 
 import kickdrift as kd
 from kickdrift.engine import run as run_module
@@ -123,11 +124,29 @@ def test_a_real_ctrl_c_returns_what_is_done():
 
 def test_progress_shows_on_request_and_not_otherwise(capsys):
     kepler = kd.systems.kepler()
+    kd.solve(kepler, (0.0, 1.0), step=0.01, progress=False)  # compiled before, which may be announced
     kd.solve(kepler, (0.0, 30_000.0), step=0.01, save_every=10**9)
     assert capsys.readouterr().err == ""
 
     kd.solve(kepler, (0.0, 1.0), step=0.01, progress=True)
     assert "step" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("progress", "said"), [(None, True), (True, True), (False, False)])
+def test_a_wait_for_the_compiler_is_announced_wherever_one_waits(progress, said, capsys, monkeypatch):
+    monkeypatch.setattr("kickdrift.engine.progress._A_MOMENT", 0.0)
+    force = njit("float64(float64)")(lambda x: -x)  # one cannot tell what is in it, so that it is not found on disk
+    kd.solve(force, (0.0, 1.0), 1.0, 0.0, step=0.1, progress=progress)
+    lines = capsys.readouterr().err.splitlines()
+    assert [line for line in lines if line.startswith("kickdrift: compiling")] == (
+        ["kickdrift: compiling; it takes some seconds ..."] if said else []
+    )
+    assert any("compiled in" in line for line in lines) == said
+    kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.1, progress=progress)
+    kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.1, progress=progress)
+    capsys.readouterr()
+    kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.1, progress=progress)
+    assert "compil" not in capsys.readouterr().err
 
 
 def test_on_a_terminal_only_long_runs_show_progress(capsys, monkeypatch):

@@ -52,6 +52,7 @@ class Whole(JITCodeLibrary):  # type: ignore[misc]
         for library in list(called(part))[1:]:
             self._reload_init.update(library._reload_init)
             self._final_module.link_in(_module_of(library), preserve=True)
+        self._keep_to_itself()
         self._optimize_final_module()
         self._final_module.verify()
         self._finalize_final_module()
@@ -59,6 +60,16 @@ class Whole(JITCodeLibrary):  # type: ignore[misc]
             environment = lookup_environment(variable.name)
             if environment is not None:
                 self.codegen.set_env(variable.name, environment)
+
+    def _keep_to_itself(self) -> None:
+        """Hide all functions but the one that is run.
+
+        Numba numbers functions of one name anew in each process. Of two that come from different ones on disk and have
+        the same number, both would run the first.
+        """
+        for function in self._final_module.functions:
+            if not function.is_declaration and function.linkage.name == "linkonce_odr":
+                function.linkage = "internal"
 
     def serialize_using_object_code(self) -> tuple[str, str, tuple[bytes, bytes]]:
         """Return what is kept on disk: machine code, and of what others would be linked with the names alone.

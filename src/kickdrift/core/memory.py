@@ -10,6 +10,7 @@ import numpy as np
 from llvmlite import ir
 from numba import carray, types
 from numba.core import cgutils
+from numba.core.imputils import impl_ret_borrowed
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
@@ -108,6 +109,16 @@ def small_arrays(block: int) -> Any:
 def shaped(array: NDArray[np.float64], shape: tuple[int, ...]) -> Any:
     """Return a view of a one-dimensional array in another shape (``reshape`` calls into C, at 10 ns a call)."""
     return carray(_floats_of(array), shape)
+
+
+@intrinsic
+def read_only(typing_context: Any, array: Any) -> Any:
+    """Return the same array, which compiled code may not write to."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return impl_ret_borrowed(context, builder, signature.return_type, arguments[0])
+
+    return array.copy(readonly=True)(array), generate
 
 
 def state_block(*members: NDArray[np.float64]) -> NDArray[np.intp]:

@@ -2,17 +2,17 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.compilation import Function, compiled, specialise
+from kickdrift.core.compilation import Function, compiled, is_kept, specialise, specialised_name
 from kickdrift.core.errors import ArgumentError, KickdriftError
-from kickdrift.engine.flows.layout import FLAT
-from kickdrift.engine.user_functions import MEANINGS, Layout, argument_names, flatten, with_bounds_checked
+from kickdrift.engine.flows.layout import FLAT, call_flat
+from kickdrift.engine.user_functions import MEANINGS, Layout, argument_names, flatten
 from kickdrift.systems.problem import Adapted, Problem, name_of
 from kickdrift.systems.second_order import SecondOrder
 from kickdrift.systems.system import Quantity, System
@@ -30,8 +30,14 @@ class Start:
     t0: float
     x0: Floats
     v0: Floats
-    args: Floats
+    users_args: Floats
     compile_: bool
+    numbers: list[Floats] = field(default_factory=list)
+
+    @property
+    def args(self) -> Floats:
+        """What the functions adapted so far get as params: the user's, and the numbers of the functions themselves."""
+        return np.concatenate([self.users_args, *self.numbers])
 
     def adapt(
         self,
@@ -42,18 +48,21 @@ class Start:
     ) -> Adapted:
         """Adapt a function and try it once, see `kickdrift.systems.problem.Adapter`."""
         given = argument_names(function, role, names)
-        layout = Layout(self.x0.shape, self.x0.shape if shape is None else shape, self.args.size)
-        flat, native = flatten(function, given, layout, self.compile_)
-        if native:
-            self._check_bounds(f"{role}, {name_of(function)},", with_bounds_checked(function, given, layout), layout)
-        self._try_once(function, role, flat, given, shape)
-        return Adapted(flat, frozenset(MEANINGS.get(name, name) for name in given), native)
+        result = self.x0.shape if shape is None else shape
+        layout = Layout(self.x0.shape, result, self.users_args.size, self.args.size)
+        flat = flatten(function, given, layout, self.compile_)
+        if flat.numbers.size:
+            self.numbers.append(flat.numbers)
+        if flat.native:
+            self._check_bounds(f"{role}, {name_of(function)},", flat.checked, layout)
+        self._try_once(function, role, flat.function, given, shape)
+        return Adapted(flat.function, frozenset(MEANINGS.get(name, name) for name in given), flat.native)
 
     def shape_of(self, function: Any, role: str, names: Sequence[str]) -> tuple[int, ...]:
         """Return the shape of what a function returns, see `kickdrift.systems.problem.Adapter`."""
         state: dict[str, Any] = {
             name: float(array) if array.shape == () else array.copy()
-            for name, array in (("x", self.x0), ("v", self.v0), ("params", self.args))
+            for name, array in (("x", self.x0), ("v", self.v0), ("params", self.users_args))
         }
         state["t"] = self.t0
         given = {name: state[MEANINGS.get(name, name)] for name in argument_names(function, role, names)}
@@ -79,11 +88,13 @@ class Start:
             if name in _TAKEN:
                 raise ArgumentError(f"invariants has the name {name!r}, which is taken; give another, or energy=... .")
         given = {"energy": energy, **invariants}
-        return {
-            name: Quantity(self.adapt(function, f"the function for {name!r}", self._quantity_names, ()).function)
-            for name, function in given.items()
-            if function is not None
-        }
+        return {name: self._quantity(name, function) for name, function in given.items() if function is not None}
+
+    def _quantity(self, name: str, function: Function) -> Quantity:
+        """Adapt a conserved quantity, which has numbers of its own: those of the system are laid out already."""
+        alone = replace(self, numbers=[])
+        adapted = alone.adapt(function, f"the function for {name!r}", self._quantity_names, ())
+        return Quantity(adapted.function, params=alone.args)
 
     @property
     def _quantity_names(self) -> tuple[str, ...]:
@@ -102,7 +113,7 @@ class Start:
                 function(self.t0, self.x0.reshape(-1).copy(), v, self.args.copy(), np.zeros(math.prod(layout.result)))
         except IndexError as error:
             raise ArgumentError(
-                f"{name} has an index out of bounds at the start, x0 of shape {self.x0.shape} with {self.args.size}"
+                f"{name} has an index out of bounds at the start, x0 of shape {self.x0.shape} with {self.users_args.size}"
                 f" args: IndexError: {error}. The numbers of params are those given as args=(...)."
             ) from error
         except Exception:
@@ -141,7 +152,10 @@ class Start:
 
 @lru_cache(maxsize=128)
 def _bound(template: Function, functions: tuple[tuple[str, Function], ...]) -> Function:
-    native: Any = compiled(cached=False)(specialise(template, template.__name__.lstrip("_"), **dict(functions)))
+    kept = all(is_kept(function) for _, function in functions)
+    details = [getattr(function, "__qualname__", "") for _, function in functions]
+    bound = specialise(template, specialised_name(template, *details), **dict(functions))
+    native: Any = compiled(cached=kept, users=True, through=call_flat)(bound)
     native.compile(FLAT)
     return cast(Function, native)
 

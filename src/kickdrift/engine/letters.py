@@ -1,12 +1,21 @@
 """Letters: flows bound to a system and compiled to what the loop calls, ``letter(t, h, state)``."""
 
 from collections.abc import Callable
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any
 
 from kickdrift.core import memory
 from kickdrift.core.calls import address_of
-from kickdrift.core.compilation import Function, comes_with_kickdrift, compiled, specialise, specialised_name, unbound
+from kickdrift.core.compilation import (
+    Function,
+    comes_with_kickdrift,
+    compiled,
+    is_kept,
+    is_users,
+    specialise,
+    specialised_name,
+    unbound,
+)
 from kickdrift.engine.flows import kick_drift, layout
 from kickdrift.engine.flows.sums import sums
 from kickdrift.engine.flows.table import FLOWS, Flow
@@ -34,11 +43,24 @@ def functions_of(system: System, program: Program) -> dict[str, Function]:
     return functions
 
 
-def addresses_of(functions: dict[str, Function], flows: tuple[str, ...]) -> dict[str, int]:
+def addresses_of(system: System, functions: dict[str, Function], flows: tuple[str, ...]) -> dict[str, int]:
     """Compile the functions of a native system that the flows call by address, and return their addresses."""
-    templates = [t for name in flows for t in (FLOWS[name].template, *FLOWS[name].parts.values())]
-    called = {global_name for template in templates for global_name in template.__code__.co_names}
-    return {name: address_of(function, layout.FLAT) for name, function in functions.items() if f"{name}_at" in called}
+    called = {name for flow in flows if not _inlined(system, FLOWS[flow]) for name in _parts_called(FLOWS[flow])}
+    return {name: address_of(function, layout.FLAT) for name, function in functions.items() if name in called}
+
+
+@cache
+def _parts_called(known: Flow) -> frozenset[str]:
+    names = {name for t in (known.template, *known.parts.values()) for name in t.__code__.co_names}
+    return frozenset(part for part in layout.PARTS if f"{part}_at" in names)
+
+
+def _inlined(system: System, known: Flow) -> tuple[str, ...]:
+    """Return which functions of a system are compiled into a flow, which is then a flow of this system alone.
+
+    A user's waits for that. A call by address takes 2 ns, which no one sees beside the forces of a large state.
+    """
+    return known.inlined if system.packaged or system.x0.size <= _SMALL else ()
 
 
 def build(name: str, system: System, program: Program, compensated: bool) -> Function:
@@ -52,7 +74,7 @@ def build(name: str, system: System, program: Program, compensated: bool) -> Fun
     if not system.native:
         bound = _interpreted(known, functions, compensated)
         return specialise(_letter, "letter", arrays=lambda state: state, flow=bound)
-    inlined = tuple(functions[role] for role in known.inlined)
+    inlined = tuple((role, functions[role]) for role in _inlined(system, known))
     own = None
     if name == "kick" and not (compensated or program.split or "rekick" in program.flows):
         own = system.kick
@@ -65,7 +87,7 @@ def build(name: str, system: System, program: Program, compensated: bool) -> Fun
 def _native(
     known: Flow,
     name: str,
-    inlined: tuple[Function, ...],
+    inlined: tuple[tuple[str, Function], ...],
     own: Function | None,
     n: int,
     compensated: bool,
@@ -75,10 +97,10 @@ def _native(
     bindings: dict[str, Any] = {
         "SIZE": n,
         **sums(native=True, compensated=compensated),
-        **dict(zip(known.inlined, inlined, strict=True)),
+        **{f"{part}_at": layout.part_by_address(part) for part in layout.PARTS},
+        **{f"{part}_at": layout.part_inlined(part, function) for part, function in inlined},
     }
-    if not inlined:
-        bindings |= {f"{part}_at": layout.part_by_address(part) for part in layout.PARTS}
+    bound_to = own or (inlined[0][1] if inlined else template)
     for part, function in known.parts.items():
         # Not forced inline: the implicit Runge-Kutta flow compiles in a third of the time.
         bindings[part] = compiled(cached=False)(specialise(function, part, **bindings))
@@ -87,15 +109,13 @@ def _native(
     letter = specialise(
         _letter,
         specialised_name(
-            (own or inlined[0]) if inlined else template,
-            name,
-            str(n) if n <= _SMALL else "n",
-            "own" if own else "compensated" if compensated else "plain",
+            bound_to, name, str(n) if n <= _SMALL else "n", "own" if own else "compensated" if compensated else "plain"
         ),
         arrays=small if n <= _SMALL else memory.arrays,
         flow=bound,
     )
-    return compiled(cached=not inlined or (packaged and comes_with_kickdrift(inlined[0])))(letter)
+    kept = bound_to is template or is_kept(bound_to) or (packaged and comes_with_kickdrift(bound_to))
+    return compiled(cached=kept, users=is_users(bound_to))(letter)
 
 
 def _inline(function: Function) -> Function:
@@ -105,7 +125,6 @@ def _inline(function: Function) -> Function:
 def _interpreted(known: Flow, functions: dict[str, Function], compensated: bool) -> Function:
     bindings: dict[str, Any] = {
         **sums(native=False, compensated=compensated),
-        **{role: functions[role] for role in known.inlined},
         **{f"{name}_at": layout.part_interpreted(function) for name, function in functions.items()},
     }
     for part, function in known.parts.items():

@@ -21,6 +21,7 @@ from kickdrift.systems.system import System
 Floats = NDArray[np.float64]
 Failure = tuple[Outcome, str]  # and what there is to say about its cause
 _CHUNK_SECONDS = 0.1  # how long Ctrl-C waits
+_NEVER = np.zeros(0, dtype=np.int64)  # the steps after which rows are kept: none
 
 
 @dataclass
@@ -90,7 +91,7 @@ class Run:
         """Build the letters, and compile or load everything that the run needs."""
         system, program, state = self.system, self.program, self.state
         functions = letters.functions_of(system, program)
-        addresses = letters.addresses_of(functions, names) if system.native else dict.fromkeys(functions, 1)
+        addresses = letters.addresses_of(system, functions, names) if system.native else dict.fromkeys(functions, 1)
         n = state.x.size
         memory_size = max(FLOWS[name].memory(n, program.coefficients, system.params) for name in names)
         state.work = lay_out(n, program.coefficients, memory_size, addresses)
@@ -108,21 +109,32 @@ class Run:
         self._run(0, 0, 0)
 
     def _run(self, first: int, last: int, saved: int) -> tuple[int, int]:
-        program, grid, state = self.program, self.grid, self.state
+        program, grid = self.program, self.grid
+        word = (program.letters, program.weights, program.offsets)
+        return self._advanced(word, grid.step, first, last, grid.save_steps, saved)
+
+    def _advanced(
+        self,
+        word: tuple[NDArray[np.int64], Floats, Floats],
+        h: float,
+        first: int,
+        last: int,
+        save_steps: NDArray[np.int64],
+        saved: int,
+    ) -> tuple[int, int]:
+        state = self.state
         return self._advance(  # type: ignore[no-any-return]
             self._flows,
-            program.letters,
-            program.weights,
-            program.offsets,
-            grid.t0,
-            grid.step,
+            *word,
+            self.grid.t0,
+            h,
             first,
             last,
             self._address,
             state.x,
             state.v,
             state.work,
-            grid.save_steps,
+            save_steps,
             saved,
             self.xs,
             self.vs,
@@ -152,10 +164,11 @@ class Run:
 
     def _prime(self) -> Failure | None:
         """Make ready what the first step finds as the step before would have left it."""
+        primers = np.arange(len(self.program.flows), len(self._letters))
+        nothing = np.zeros(primers.size)
         try:
             with np.errstate(all="ignore"):
-                for primer in self._letters[len(self.program.flows) :]:
-                    primer(self.grid.t0, 0.0, self._address)
+                self._advanced((primers, nothing, nothing), 0.0, 0, 1, _NEVER, 0)
         except Exception as error:
             return Outcome.FAILED, f" The error was {type(error).__name__}: {error}."
         return None

@@ -11,14 +11,15 @@ For a state of n numbers::
     -TAIL    single numbers, below
 """
 
+from functools import cache
 from typing import Any
 
 import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from kickdrift.core.calls import caller
-from kickdrift.core.compilation import Function, compiled, specialise
+from kickdrift.core.calls import address_of, caller
+from kickdrift.core.compilation import Function, compiled, specialise, unbound
 
 Floats = NDArray[np.float64]
 
@@ -48,7 +49,18 @@ DRAWN = -6  # random numbers drawn so far
 _FIRST_PART = -TAIL
 
 SLOT = 0  # bound by `part_by_address`
+function: Function = unbound  # bound by `part_inlined`
 call = caller(FLAT)
+
+
+@compiled
+def _call_at(address: int, t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    call(address, (t, x, v, params, out))
+
+
+def call_flat(function: Function, t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    """Call a compiled function of a system from the interpreter."""
+    _call_at(address_of(function, FLAT), t, x, v, params, out)
 
 
 @compiled(inline=True)
@@ -71,10 +83,10 @@ def memory(work: Floats) -> Floats:
 
 def lay_out(n: int, coefficients: Floats, memory_size: int, addresses: dict[str, int]) -> Floats:
     """Make the work of a run: coefficients and addresses of the parts filled in, the rest zero."""
-    start = coefficients_at(n) + coefficients.size
-    work = np.zeros(start + memory_size + TAIL)
-    work[coefficients_at(n) : start] = coefficients
-    work[MEMORY] = start
+    end = 4 * n + coefficients.size
+    work = np.zeros(end + memory_size + TAIL)
+    work[4 * n : end] = coefficients
+    work[MEMORY] = end
     for name, address in addresses.items():
         work[_slot(name) :].view(np.int64)[0] = address
     return work
@@ -99,9 +111,19 @@ def _at(t: float, x: Floats, v: Floats, params: Floats, work: Floats, out: Float
     call(work[slot : slot + 1].view(np.int64)[0], (t, x, v, params, out))
 
 
+def _inlined_at(t: float, x: Floats, v: Floats, params: Floats, work: Floats, out: Floats) -> None:
+    function(t, x, v, params, out)
+
+
+@cache
 def part_by_address(name: str) -> Function:
     """Make the compiled function that calls a part of whatever system runs, by its address in work."""
     return compiled(cached=False, inline=True)(specialise(_at, f"{name}_at", SLOT=_slot(name)))
+
+
+def part_inlined(name: str, function: Function) -> Function:
+    """Make the same for one system, whose function is compiled into it."""
+    return compiled(cached=False, inline=True)(specialise(_inlined_at, f"{name}_at", function=function))
 
 
 def part_interpreted(function: Function) -> Function:

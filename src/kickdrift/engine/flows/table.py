@@ -34,11 +34,12 @@ class Flow:
     ----------
     template : callable
         ``template(t, h, x, v, params, work)``. Bound into it are ``add_to_x`` and ``add_to_v``, the functions of
-        `parts`, and those of the system: compiled into it under the names in `inlined`, or called by their addresses
-        as ``acceleration_at(t, x, v, params, work, out)`` and so on, see `kickdrift.engine.flows.layout`. A flow with
-        nothing inlined is compiled once for all systems.
+        `parts`, and those of the system, as ``acceleration_at(t, x, v, params, work, out)`` and so on: called by their
+        addresses, see `kickdrift.engine.flows.layout`, or compiled into it. A flow with nothing inlined is compiled
+        once for all systems.
     inlined : tuple of str
-        ``"acceleration"`` or ``"velocity"``, for the flows of which every nanosecond counts.
+        ``"acceleration"`` or ``"velocity"``, for the flows of which every nanosecond counts: compiled into it where a
+        state is small, or the system comes with kickdrift.
     parts : mapping of str to callable
         Templates that it calls, by the names that they have in it, each after those that it calls itself.
     evaluations : int
