@@ -51,6 +51,13 @@ def with_default(stiffness):
     return lambda x, k=stiffness: -k * x
 
 
+def with_named_default(stiffness):
+    def force(x, *, k=stiffness):
+        return -k * x
+
+    return force
+
+
 def with_inner(k):
     return lambda x: -sum([k * x for _ in range(1)])
 
@@ -87,7 +94,7 @@ def test_equal_code_has_equal_keys():
     assert key(lambda x: -math.sin(x)) == key(lambda x: -math.sin(x)) != key(lambda x: -math.cos(x))
 
 
-@pytest.mark.parametrize("make", [closed_over, with_default])
+@pytest.mark.parametrize("make", [closed_over, with_default, with_named_default])
 def test_numbers_are_no_part_of_a_key_unless_they_are_integers(make):
     assert key(make(1.0)) == key(make(2.0)) == key(make(np.float64(3.0)))
     assert list(taken_apart(make(2.0)).numbers.values()) == [2.0]
@@ -128,14 +135,14 @@ def test_where_one_cannot_tell_the_key_is_of_this_function_now(function):
     assert key(function) != key(function)
 
 
-@pytest.mark.parametrize("make", [closed_over, with_default])
+@pytest.mark.parametrize("make", [closed_over, with_default, with_named_default])
 def test_other_numbers_are_seen_and_compile_nothing(passes, make):
     kd.solve(make(9.0), **SPAN)
     for k in (1.0, 4.0):
         del passes[:]
         assert np.array_equal(kd.solve(make(k), **SPAN).x, oscillator(math.sqrt(k)))
     # The oscillator may be compiled; the function is not.
-    assert not [what for _, what in passes if "lambda" in str(what.data)]
+    assert not [what for _, what in passes if "lambda" in str(what.data) or "force" in str(what.data)]
 
 
 def pushed_apart(x):

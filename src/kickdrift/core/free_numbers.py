@@ -5,7 +5,7 @@ a compilation for each; as arguments they cost a load each.
 """
 
 import inspect
-from collections.abc import Iterable
+from collections.abc import Collection
 from typing import Any
 
 from numba.core import ir
@@ -17,21 +17,23 @@ from numba.core.untyped_passes import FixupArgs
 _ATTRIBUTE = "__free_numbers__"
 
 
-def numbers_as_arguments(function: Any, names: Iterable[str]) -> None:
+def numbers_as_arguments(function: Any, names: Collection[str]) -> None:
     """Have compiled code of a function take some of its globals and free variables as arguments of their names.
 
     An argument with a default, of these names, loses it. The interpreter is told nothing.
     """
     given = inspect.signature(function).parameters
     free = [name for name in names if name not in given]
-    needed = [
-        parameter.replace(default=parameter.empty) if parameter.name in names else parameter
-        for parameter in given.values()
-    ]
+    needed = [_plain(given[name], name in names) for name in given]
     added = [inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD) for name in free]
     needed.sort(key=lambda parameter: parameter.default is not parameter.empty)
     function.__signature__ = inspect.Signature([*added, *needed])
     setattr(function, _ATTRIBUTE, frozenset(free))
+
+
+def _plain(parameter: inspect.Parameter, needed: bool) -> inspect.Parameter:
+    default = parameter.empty if needed else parameter.default
+    return parameter.replace(kind=parameter.POSITIONAL_OR_KEYWORD, default=default)
 
 
 @register_pass(mutates_CFG=False, analysis_only=False)

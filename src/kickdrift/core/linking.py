@@ -62,14 +62,15 @@ class Whole(JITCodeLibrary):  # type: ignore[misc]
                 self.codegen.set_env(variable.name, environment)
 
     def _keep_to_itself(self) -> None:
-        """Hide all functions but the one that is run.
+        """Leave no function but the one that is run for the linker to find.
 
         Numba numbers functions of one name anew in each process. Of two that come from different ones on disk and have
-        the same number, both would run the first.
+        the same number, both would run the first. ("internal" functions are found, too, by their names, and crash those
+        who find them, since their arguments may have been optimised away.)
         """
         for function in self._final_module.functions:
             if not function.is_declaration and function.linkage.name == "linkonce_odr":
-                function.linkage = "internal"
+                function.linkage = "private"
 
     def serialize_using_object_code(self) -> tuple[str, str, tuple[bytes, bytes]]:
         """Return what is kept on disk: machine code, and of what others would be linked with the names alone.
