@@ -119,6 +119,21 @@ def test_what_compiled_code_freezes_is_in_the_key(monkeypatch, function, name, v
     assert key(function) != before
 
 
+def test_whole_and_half_exponents_are_frozen_for_the_bits_of_numpy():
+    def attraction(power):
+        return lambda x: -x / np.sqrt((x * x).sum()) ** power
+
+    def repulsion(power):
+        return lambda x: -x + x**-power
+
+    for make, powers in ((attraction, (2.0, 3.0, 2.5)), (repulsion, (1.0, 0.5))):
+        assert len({key(make(power)) for power in powers}) == len(powers)
+        assert key(make(2.2)) == key(make(2.3))
+    options = {"t_span": (0.0, 10.0), "x0": [1.0, 0.1], "v0": [0.1, 1.0], "step": 0.01}
+    square = kd.solve(attraction(2.0), **options)
+    assert np.array_equal(square.x, kd.solve(lambda x: -x / np.sqrt((x * x).sum()) ** 2, **options).x)
+
+
 def test_a_constant_of_a_module_is_in_the_key(monkeypatch):
     before = key(uses_module)
     monkeypatch.setattr(OWN, "stiffness", 4.0)

@@ -7,6 +7,7 @@ from threading import Lock
 from kickdrift.cli import DONE
 from kickdrift.cli.output import say
 from kickdrift.core.together import compile_together, missing, seconds_for
+from kickdrift.engine import letters
 from kickdrift.engine.loop import advance
 from kickdrift.engine.progress import Bar, is_cached
 from kickdrift.engine.solve import solve
@@ -33,7 +34,7 @@ def compile_ahead(system: System, step: float, method: Method, quiet: bool) -> N
 
 def compile_all(quiet: bool) -> int:
     """Compile what worlds and the systems of the catalogue need, in several processes, and return the exit code."""
-    jobs, started = missing(all_jobs()), time.perf_counter()
+    jobs, started = missing([*all_jobs(), *letters.shared()]), time.perf_counter()
     if jobs and not quiet:
         say(f"compiling {len(jobs)} functions once on this machine, about {seconds_for(jobs):.0f} s ...")
     finished, lock = 0, Lock()

@@ -11,13 +11,10 @@ Every compiled function of kickdrift goes through `compiled` or `specialise`. Fl
 """
 
 import gc
-import hashlib
 import types
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from functools import cache
-from pathlib import Path
 from typing import Any, TypeVar, overload
 
 import numba
@@ -283,13 +280,6 @@ def unbound(*arguments: Any) -> Any:
     raise NotImplementedError("A template is called before its names are bound; specialise it first.")
 
 
-def specialised_name(function: Function, *details: str) -> str:
-    """Name a specialisation for `function` so that no other one, and none of changed sources, is taken for it."""
-    python_function = getattr(function, "py_func", function)
-    parts = (python_function.__module__, python_function.__qualname__, *details, source_digest())
-    return "_".join(parts).replace(".", "_").replace("-", "_").replace("<", "").replace(">", "")
-
-
 def is_kept(function: Function) -> bool:
     """Whether a function's compiled code is kept on disk."""
     return isinstance(getattr(function, "_cache", None), Cache)
@@ -298,19 +288,3 @@ def is_kept(function: Function) -> bool:
 def is_users(function: Function) -> bool:
     """Whether a function is a user's whose compiled code is kept on disk."""
     return isinstance(getattr(function, "_cache", None), UsersCache)
-
-
-def comes_with_kickdrift(function: Function) -> bool:
-    """Whether a function's source is in `source_digest`, so that its specialisations may be cached on disk."""
-    return str(getattr(function, "py_func", function).__module__).startswith("kickdrift.systems.")
-
-
-@cache
-def source_digest() -> str:
-    """Digest of the sources of the floors that hold compiled code."""
-    package = Path(__file__).parent.parent
-    digest = hashlib.sha256()
-    for floor in ("core", "systems", "engine"):
-        for path in sorted((package / floor).rglob("*.py")):
-            digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]

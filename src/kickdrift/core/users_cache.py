@@ -11,6 +11,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from numba.core.caching import CompileResultCacheImpl
 
 from kickdrift.core.cache import Cache, digest, machine, written
@@ -51,7 +52,7 @@ class UsersCache(Cache):
             super().save_overload(signature, result)
 
     def _file(self, signature: Any, target: Any) -> Path:
-        use = (repr(signature), written(self._options), machine(target), sys.implementation.cache_tag)
+        use = (repr(signature), written(self._options), machine(target), sys.implementation.cache_tag, np.__version__)
         return Path(str(self.cache_path)) / f"{digest(self._function.__qualname__)}-{self._kind}-{digest(use)}.nbc"
 
     def _make_room(self, file: Path) -> None:

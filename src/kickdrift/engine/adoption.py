@@ -9,8 +9,9 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.compilation import Function, compiled, is_kept, specialise, specialised_name
+from kickdrift.core.compilation import Function, compiled, is_kept, specialise
 from kickdrift.core.errors import ArgumentError, KickdriftError
+from kickdrift.core.naming import specialised_name
 from kickdrift.engine.flows.layout import FLAT, call_flat
 from kickdrift.engine.user_functions import MEANINGS, Layout, argument_names, flatten
 from kickdrift.systems.problem import Adapted, Problem, name_of

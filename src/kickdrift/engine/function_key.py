@@ -6,13 +6,10 @@ other numbers is compiled once. All the rest is in the function's key by content
 process, mean equal compiled code.
 """
 
-import dis
-import hashlib
 import sys
 from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache
-from types import BuiltinFunctionType, CellType, CodeType, FunctionType, ModuleType
+from types import BuiltinFunctionType, CellType, FunctionType, ModuleType
 from typing import Any
 
 import numba
@@ -21,7 +18,9 @@ from numba.core.registry import CPUDispatcher
 from numpy.typing import NDArray
 
 from kickdrift.core.cache import written
-from kickdrift.core.compilation import Function, source_digest
+from kickdrift.core.compilation import Function
+from kickdrift.core.naming import source_digest
+from kickdrift.engine.function_names import CannotTellError, Names, digest_of, names_of
 
 _PLAIN = (bool, int, float, complex, str, bytes, type(None))
 _LIBRARIES = ("builtins", "math", "cmath", "operator", "numpy", "numba", "kickdrift")  # nobody changes their contents
@@ -60,7 +59,7 @@ class Taken:
         return (
             python is not self.function
             or not self.known
-            or _names(python.__code__).loops
+            or names_of(python.__code__).loops
             or any(isinstance(value, CPUDispatcher) for value in self.constants.values())
         )
 
@@ -71,7 +70,7 @@ class Taken:
 
     def digest(self, *details: Any) -> str:
         """Name the compiled code, with further details of it, so that no other one has the name."""
-        return _digest(repr((self.key, details, source_digest())))
+        return digest_of(repr((self.key, details, source_digest())))
 
     def snapshot(self) -> Function:
         """Copy the function, with its constants as they are now; its numbers are left for `globals_as_arguments`."""
@@ -85,7 +84,7 @@ class Taken:
         copy = FunctionType(python.__code__, own, python.__name__, python.__defaults__, cells)
         copy.__kwdefaults__ = python.__kwdefaults__
         copy.__qualname__ = (
-            f"{python.__qualname__}_{self.digest()}"  # the linker takes one of two of a name for the other
+            f"{python.__qualname__}_{self.digest()}"  # of two of a name, Numba may take one for the other
         )
         return copy
 
@@ -94,12 +93,8 @@ def taken_apart(function: Any) -> Taken:
     """Take a function apart."""
     try:
         return _taken_apart(function, ())
-    except _CannotTellError:
+    except CannotTellError:
         return Taken(object(), function)
-
-
-class _CannotTellError(Exception):
-    pass
 
 
 def _taken_apart(function: Any, callers: tuple[Any, ...]) -> Taken:
@@ -107,18 +102,14 @@ def _taken_apart(function: Any, callers: tuple[Any, ...]) -> Taken:
     if isinstance(function, CPUDispatcher):
         python, options = function.py_func, written(function.targetoptions)
         if function.targetoptions.get("parallel") or function.locals or not function._can_compile:
-            raise _CannotTellError
+            raise CannotTellError
     if not isinstance(python, FunctionType) or function in callers:
-        raise _CannotTellError
-    names, around = _names(python.__code__), (*callers, function)
+        raise CannotTellError
+    names, around = names_of(python.__code__), (*callers, function)
     numbers, constants = {}, {}
-    for name, value in _values(python, names):
-        if callers or name in names.inner or not _is_number(value):
-            constants[name] = value
-        else:
-            numbers[name] = value
-    for name, value in _defaults(python):
-        if callers or not _is_number(value):
+    for name, value in (*_values(python, names), *_defaults(python)):
+        frozen = name in names.inner or (name in names.exponents and _makes_roots_and_products(value))
+        if callers or frozen or not _is_number(value):
             constants[name] = value
         else:
             numbers[name] = value
@@ -140,64 +131,12 @@ def _is_number(value: Any) -> bool:
     )
 
 
-@dataclass(frozen=True)
-class _Names:
-    """What a code mentions: its globals, the names that functions inside of it use, all its names, and its digest.
-
-    Beside them, whether it `loops`.
-    """
-
-    globals: tuple[str, ...]
-    inner: frozenset[str]
-    all: frozenset[str]
-    digest: str
-    loops: bool
+def _makes_roots_and_products(value: Any) -> bool:
+    """Whether a power with this exponent, if the compiler knows it, is as quick and rounded as NumPy's: x * x for x**2.0."""
+    return type(value) in (float, np.float64) and float(2 * value).is_integer()
 
 
-@lru_cache(maxsize=1024)
-def _names(code: CodeType) -> _Names:
-    codes = list(_codes(code))
-    loaded, stored, loops = set(), set(), False
-    for each in codes:
-        for instruction in dis.get_instructions(each):
-            if instruction.opname in ("LOAD_GLOBAL", "LOAD_NAME"):
-                loaded.add(instruction.argval)
-            elif instruction.opname in ("STORE_GLOBAL", "DELETE_GLOBAL", "IMPORT_NAME"):
-                raise _CannotTellError
-            elif instruction.opname in ("STORE_DEREF", "DELETE_DEREF"):
-                stored.add(instruction.argval)
-            loops |= "JUMP_BACKWARD" in instruction.opname
-    if stored & set(code.co_freevars):
-        raise _CannotTellError
-    inner = {name for each in codes[1:] for name in (*each.co_names, *each.co_freevars)}
-    every = {name for each in codes for name in each.co_names}
-    return _Names(tuple(sorted(loaded)), frozenset(inner), frozenset(every), _digest(_text_of(code)), loops)
-
-
-def _codes(code: CodeType) -> Iterator[CodeType]:
-    yield code
-    for constant in code.co_consts:
-        if isinstance(constant, CodeType):
-            yield from _codes(constant)
-
-
-def _text_of(code: CodeType) -> str:
-    consts = tuple(_text_of(c) if isinstance(c, CodeType) else _constant_of_code(c) for c in code.co_consts)
-    counts = (code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, code.co_flags)
-    names = (code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)
-    table = getattr(code, "co_exceptiontable", b"")
-    return repr((code.co_name, code.co_code, table, counts, names, consts))
-
-
-def _constant_of_code(value: Any) -> str:
-    if isinstance(value, tuple):
-        return f"({', '.join(map(_constant_of_code, value))})"
-    if isinstance(value, frozenset):
-        return f"set({sorted(map(_constant_of_code, value))})"
-    return f"{type(value).__name__} {value!r}"
-
-
-def _values(function: FunctionType, names: _Names) -> Iterator[tuple[str, Any]]:
+def _values(function: FunctionType, names: Names) -> Iterator[tuple[str, Any]]:
     own, builtins = function.__globals__, sys.modules["builtins"].__dict__
     for name in names.globals:
         if name in own:
@@ -205,12 +144,12 @@ def _values(function: FunctionType, names: _Names) -> Iterator[tuple[str, Any]]:
         elif name in builtins:
             yield name, builtins[name]
         else:
-            raise _CannotTellError
+            raise CannotTellError
     for name, cell in zip(function.__code__.co_freevars, function.__closure__ or (), strict=True):
         try:
             yield name, cell.cell_contents
         except ValueError:  # it has no value yet
-            raise _CannotTellError from None
+            raise CannotTellError from None
 
 
 def _defaults(function: FunctionType) -> Iterator[tuple[str, Any]]:
@@ -219,7 +158,7 @@ def _defaults(function: FunctionType) -> Iterator[tuple[str, Any]]:
     yield from (function.__kwdefaults__ or {}).items()
 
 
-def _constant(value: Any, names: _Names, around: tuple[Any, ...]) -> Hashable:
+def _constant(value: Any, names: Names, around: tuple[Any, ...]) -> Hashable:
     """Write down a constant so that it is the same in every process."""
     if type(value) in _PLAIN:
         return type(value).__name__, repr(value)
@@ -228,7 +167,7 @@ def _constant(value: Any, names: _Names, around: tuple[Any, ...]) -> Hashable:
     if type(value) is tuple:
         return "tuple", *(_constant(member, names, around) for member in value)
     if type(value) is np.ndarray and value.dtype.kind in "biufc":
-        return "array", value.dtype.str, value.shape, value.strides, _digest(value.tobytes())
+        return "array", value.dtype.str, value.shape, value.strides, digest_of(value.tobytes())
     if isinstance(value, ModuleType):
         return _of_module(value, names, around)
     if (name := _name_in_library(value)) is not None:
@@ -237,16 +176,16 @@ def _constant(value: Any, names: _Names, around: tuple[Any, ...]) -> Hashable:
         return _taken_apart(value, around).key
     if isinstance(value, numba.types.Type | np.dtype):
         return type(value).__name__, repr(value)
-    raise _CannotTellError
+    raise CannotTellError
 
 
-def _of_module(module: ModuleType, names: _Names, around: tuple[Any, ...]) -> Hashable:
+def _of_module(module: ModuleType, names: Names, around: tuple[Any, ...]) -> Hashable:
     """Write down what a function may use of a module: whatever has a name that the function mentions."""
     if module.__name__.partition(".")[0] in _LIBRARIES:
         return module.__name__
     used = {name: getattr(module, name) for name in sorted(names.all) if hasattr(module, name)}
     if any(value is module for value in used.values()):
-        raise _CannotTellError
+        raise CannotTellError
     return module.__name__, *((name, _constant(value, names, around)) for name, value in used.items())
 
 
@@ -270,7 +209,3 @@ def _snapshot(value: Any) -> Any:
         options = dict(value.targetoptions)
         return CPUDispatcher(_taken_apart(value, (None,)).snapshot(), value.locals, options)
     return value
-
-
-def _digest(data: str | bytes) -> str:
-    return hashlib.sha256(data if isinstance(data, bytes) else data.encode()).hexdigest()[:32]

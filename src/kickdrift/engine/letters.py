@@ -6,19 +6,12 @@ from typing import Any
 
 from kickdrift.core import memory
 from kickdrift.core.calls import address_of
-from kickdrift.core.compilation import (
-    Function,
-    comes_with_kickdrift,
-    compiled,
-    is_kept,
-    is_users,
-    specialise,
-    specialised_name,
-    unbound,
-)
+from kickdrift.core.compilation import Function, compiled, is_kept, is_users, specialise, unbound
+from kickdrift.core.naming import comes_with_kickdrift, specialised_name
 from kickdrift.engine.flows import kick_drift, layout
 from kickdrift.engine.flows.sums import sums
 from kickdrift.engine.flows.table import FLOWS, Flow
+from kickdrift.engine.loop import LETTER
 from kickdrift.engine.program import Program
 from kickdrift.systems.system import System
 
@@ -81,6 +74,16 @@ def build(name: str, system: System, program: Program, compensated: bool) -> Fun
     # Flows with parts are large: compiled once for all sizes. First-order systems have no v of n numbers.
     size = _SMALL + 1 if known.parts or system.v0.size != n else min(n, _SMALL + 1)
     return _native(known, name, inlined, own, size, compensated, system.packaged)
+
+
+def shared() -> list[tuple[Function, Any]]:
+    """Return the letters that are compiled once for all systems, and the signature of each."""
+    sizes = {name: range(1, _SMALL + 2) for name, known in FLOWS.items() if not (known.parts or known.inlined)}
+    return [
+        (_native(known, name, (), None, n, True, False), LETTER)
+        for name, known in FLOWS.items()
+        for n in sizes.get(name, (_SMALL + 1,))
+    ]
 
 
 @lru_cache(maxsize=256)

@@ -7,15 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.calls import address_of, call_interpreted, caller
-from kickdrift.core.compilation import (
-    Function,
-    comes_with_kickdrift,
-    compiled,
-    is_users,
-    specialise,
-    specialised_name,
-    unbound,
-)
+from kickdrift.core.compilation import Function, compiled, is_users, specialise, unbound
+from kickdrift.core.naming import comes_with_kickdrift, specialised_name
 from kickdrift.engine.flows.layout import FLAT
 from kickdrift.systems.system import System
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.calls import address_of
+from kickdrift.core.heap import keep_freed_memory
 from kickdrift.core.memory import state_block
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import letters, loop
@@ -20,6 +21,7 @@ from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
 Failure = tuple[Outcome, str]  # and what there is to say about its cause
+_LARGE = 100  # numbers of a state whose pairs fill what the C library thinks large
 _CHUNK_SECONDS = 0.1  # how long Ctrl-C waits
 _NEVER = np.zeros(0, dtype=np.int64)  # the steps after which rows are kept: none
 
@@ -102,6 +104,8 @@ class Run:
         self._flows: Any = self._letters
         self._address: Any = members
         if system.native:
+            if n > _LARGE:
+                keep_freed_memory()
             self._advance = loop.advance
             self._flows = np.array([address_of(letter, loop.LETTER) for letter in self._letters])
             self._block = state_block(*members)
