@@ -24,7 +24,7 @@ Arrays = Mapping[str, NDArray[Any]]
 T = TypeVar("T")
 
 # Formats, as headers name them
-SOLUTION, RECORDING, WORLD = "kickdrift solution 1", "kickdrift recording 2", "kickdrift world 3"
+SOLUTION, RECORDING, WORLD = "kickdrift solution 1", "kickdrift recording 2", "kickdrift world 4"
 
 _HEADER = "header"
 # What NumPy, zip and JSON raise on files that are damaged or not ours.

@@ -7,7 +7,7 @@ from kickdrift.core.compilation import Function
 from kickdrift.world.arguments import vector
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
-from kickdrift.world.force_stage import force_stage
+from kickdrift.world.force_stage import Force, force_of
 from kickdrift.world.tables import LOAD, POSE, Tables
 
 Floats = NDArray[np.float64]
@@ -18,7 +18,7 @@ class AppliesForces:
 
     tables: Tables
     bodies: Bodies
-    forces: list[Function]
+    forces: list[Force]
 
     def apply_force(self, body: Body, force: ArrayLike, point: ArrayLike | None = None) -> None:
         """Let a force in N act on a body during the next step.
@@ -60,5 +60,5 @@ class AppliesForces:
         ArgumentError
             If it is no function, names what there is not, adds to nothing, or cannot be compiled.
         """
-        self.forces.append(force_stage(force))
+        self.forces.append(force_of(force))
         self.tables.altered = True

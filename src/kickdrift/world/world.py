@@ -1,15 +1,16 @@
 """A world: bodies that touch, stack, hinge and walk."""
 
 import time
+import weakref
+from typing import Any
 
 import numpy as np
 from numba.np.ufunc.parallel import _launch_threads
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.calls import address_of
-from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError, KickdriftError
-from kickdrift.world import layout, settings, step_status
+from kickdrift.world import settings, step_status
 from kickdrift.world.adding import AddsBodies
 from kickdrift.world.arguments import choice, direction, number, vector
 from kickdrift.world.bodies import Bodies
@@ -20,6 +21,7 @@ from kickdrift.world.conserved_quantities import ConservedQuantities
 from kickdrift.world.contacts import contact_solver_simd
 from kickdrift.world.contacts.layout import LANE_COUNT, WIDTH
 from kickdrift.world.events import ContactEvent, events, touching
+from kickdrift.world.force_stage import Force
 from kickdrift.world.forces import AppliesForces
 from kickdrift.world.history import KeepsHistory
 from kickdrift.world.joints.adding import AddsJoints
@@ -30,15 +32,25 @@ from kickdrift.world.queries import SpatialQueries
 from kickdrift.world.recorder import Recorder
 from kickdrift.world.rollback import find_lost_body, lost_body_error, roll_back
 from kickdrift.world.shape_rows import ShapeRows
+from kickdrift.world.snapshot import Snapshot
 from kickdrift.world.step import run
-from kickdrift.world.tables import COLOURS, EVENTS, MOTION, POSE, SETTINGS, STEP_STATUS, SWEEPS, Tables
+from kickdrift.world.tables import COLOURS, EVENTS, SETTINGS, STEP_STATUS, SWEEPS, Tables
 from kickdrift.world.tuning import Tunable
 from kickdrift.world.unsolved import say
+from kickdrift.world.views import BodyViews
 
-Floats = NDArray[np.float64]
+
+def _revived(kind: type["World"], snapshot: Snapshot, threads: bool) -> "World":
+    """Make a world of a snapshot, whatever its class takes to make one."""
+    world = kind.__new__(kind)
+    World.__init__(world, threads=threads)
+    world.restore(snapshot)
+    return world
 
 
-class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries, ConservedQuantities, Tunable):
+class World(
+    KeepsHistory, BodyViews, AddsBodies, AddsJoints, AppliesForces, SpatialQueries, ConservedQuantities, Tunable
+):
     """Rigid bodies in three dimensions.
 
     Free bodies are solved by sweeps over their contacts. Bodies that joints hold together, and what touches them, are islands
@@ -117,6 +129,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         self.shape_rows = ShapeRows(self.tables)
         self.joints = Joints(self.tables)
         self.bodies = Bodies(self.tables, self.shape_rows, self.joints.changed)
+        self.bodies.world = self.joints.world = weakref.ref(self)
         self.gravity, self.substeps, self.sleeping = vector("gravity", gravity, 3), substeps, sleeping
         row[settings.MIDPOINT] = choice("midpoint", midpoint)
         row[settings.MARGIN] = number("margin", margin, "m", zero=False)
@@ -146,32 +159,13 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         self._program_step, self._breakable = 0.0, False
         self._addresses: NDArray[np.intp]
         self._composition: tuple[object, ...] | None = None
-        self.forces: list[Function] = []
+        self.forces: list[Force] = []
 
-    @property
-    def ground(self) -> Body:
-        """What never moves: row 0, to which joints can hold."""
-        return self.bodies.ground
-
-    @property
-    def position(self) -> Floats:
-        """Centres of mass, (N, 3), m."""
-        return self.tables.array(POSE)[:, layout.POSITION : layout.POSITION + 3]
-
-    @property
-    def orientation(self) -> Floats:
-        """Quaternions (w, x, y, z), (N, 4)."""
-        return self.tables.array(POSE)[:, layout.ORIENTATION : layout.ORIENTATION + 4]
-
-    @property
-    def velocity(self) -> Floats:
-        """Velocities of the centres of mass, (N, 3), m/s."""
-        return self.tables.array(MOTION)[:, layout.VELOCITY : layout.VELOCITY + 3]
-
-    @property
-    def angular_velocity(self) -> Floats:
-        """In the world's axes, (N, 3), rad/s."""
-        return self.tables.array(MOTION)[:, layout.ANGULAR_VELOCITY : layout.ANGULAR_VELOCITY + 3]
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copy and pickle by a snapshot, as a world of its own; what a subclass or a user has added goes with it."""
+        known = vars(World())
+        added = {name: value for name, value in vars(self).items() if name not in known}
+        return _revived, (type(self), self.snapshot(), self.threads), added or None
 
     @property
     def events(self) -> list[ContactEvent]:
@@ -211,6 +205,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         step = number("step", step, "s; 1/60 is usual", zero=False)
         if type(count) is bool or not (isinstance(count, int | np.integer) and count >= 0):
             raise ArgumentError(f"count={count!r} has to be a whole number of steps, zero or more.")
+        count = int(count)
         if self.tables.count(EVENTS):
             self.tables.resize(EVENTS, 0)
         program, recorder = self._ready(step), self.recorder
@@ -248,7 +243,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         """The step as a word: its stages in their order."""
         self.joints.arrange()
         fast, direct = self.tables.array(SETTINGS)[0, [settings.HAS_FAST, settings.HAS_DIRECT]].astype(bool).tolist()
-        forces, bouncing = tuple(self.forces), self.shape_rows.bouncing
+        forces, bouncing = tuple(force.stage for force in self.forces), self.shape_rows.bouncing
         return word(Uses(forces, bouncing, fast, direct, self.sleeping, self.planar, self.threads), self.joints)
 
     def _ready(self, step: float) -> Program:
@@ -279,7 +274,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         status = self.tables.array(STEP_STATUS)[0]
         columns = step_status.STATUS, step_status.TABLE, step_status.ROWS_WANTED, step_status.LOST_BODY
         kind, table, wanted, body = status[list(columns)].tolist()
-        status[step_status.STATUS] = step_status.OK
+        status[list(columns)] = step_status.OK
         if kind in (step_status.NEEDS_TIME_OF_IMPACT, step_status.NEEDS_DIRECT_SOLVER):
             needed = settings.HAS_DIRECT if kind == step_status.NEEDS_DIRECT_SOLVER else settings.HAS_FAST
             self.tables.array(SETTINGS)[0, needed] = 1.0

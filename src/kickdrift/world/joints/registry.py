@@ -1,6 +1,9 @@
 """The joints of a world: rows of tables that come and go."""
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+from weakref import ReferenceType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,6 +60,9 @@ from kickdrift.world.names import Names
 from kickdrift.world.rotations import product, turned
 from kickdrift.world.tables import ARTICULATION, BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, POSE, STARTED_JOINTS, Tables
 
+if TYPE_CHECKING:
+    from kickdrift.world.world import World
+
 Floats = NDArray[np.float64]
 
 
@@ -66,6 +72,7 @@ class Joints:
     def __init__(self, tables: Tables) -> None:
         self.tables = tables
         self.names = Names("joint")
+        self.world: ReferenceType[World] | None = None
         self.arranged = False
         self.n_made = 0  # never goes back, not even to a snapshot: two joints would share a handle
 
