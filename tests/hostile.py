@@ -6,9 +6,10 @@ A fuzzer is a module here with a function ``attempt(seed)`` that tries one case 
 
 import argparse
 import os
-import selectors
+import queue
 import subprocess
 import sys
+import threading
 import traceback
 from collections import Counter
 from pathlib import Path
@@ -50,21 +51,24 @@ def _until_it_dies(module, seeds, patience):
         [sys.executable, "-W", "ignore", "-c", command], env=environment, stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
     ) as process:  # fmt: skip
-        ready, begun = selectors.DefaultSelector(), None
-        ready.register(process.stdout, selectors.EVENT_READ)
+        lines = queue.SimpleQueue()
+        threading.Thread(target=lambda: [*map(lines.put, process.stdout), lines.put(None)], daemon=True).start()
+        begun = None
         while True:
-            if not ready.select(patience):
+            try:
+                line = lines.get(timeout=patience)
+            except queue.Empty:
                 process.kill()
+                if begun is None:
+                    raise RuntimeError(f"{module} does not begin within {patience:g} s") from None
                 yield begun, f"hangs for {patience:g} s"
                 return
-            words = process.stdout.readline().split(" ", 2)
-            if words == [""]:
+            if line is None:
                 break
-            if words[1].strip() == "begins":
-                begun = int(words[0])
-            else:
-                begun = None
-                yield int(words[0]), None if words[1].strip() == "held" else words[2].strip()
+            seed, what, *verdict = line.strip().split(" ", 2)
+            begun = int(seed) if what == "begins" else None
+            if what != "begins":
+                yield int(seed), None if what == "held" else verdict[0]
         process.wait()
         if begun is not None:
             yield begun, f"the process died with {process.returncode}"

@@ -53,6 +53,7 @@ from kickdrift.world.tables import (
     Table,
     Tables,
 )
+from kickdrift.world.undivided import alone, undivided
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World
@@ -189,6 +190,7 @@ class Bodies:
         xx, yy, zz, xy, xz, yz = numbers[BODY_INERTIA : BODY_INERTIA + 6].tolist()
         return Mass(float(numbers[MASS]), np.zeros(3), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
 
+    @undivided
     def change_mass(
         self, body: Body, mass: float | None = None, inertia: ArrayLike | None = None, locked: bool | None = None
     ) -> None:
@@ -206,6 +208,7 @@ class Bodies:
         self._masses_changed()
         self.wake()
 
+    @alone
     def place(self, body: Body, columns: slice, numbers: Floats) -> None:
         """Write columns of a pose; what is static is sought anew in its new place, and wakes all."""
         row = self.row(body)
@@ -216,6 +219,7 @@ class Bodies:
             shapes_changed(self.tables, self._shape_rows.rows_of(row))
             self.wake()
 
+    @alone
     def move(self, body: Body, columns: slice, numbers: Floats) -> None:
         """Write columns of the velocity and the angular velocity."""
         row = self.row(body)
@@ -241,6 +245,7 @@ class Bodies:
             raise ArgumentError(f"body={body!r} {what}, and so no {name} of its own.")
         return found.pop()
 
+    @undivided
     def change_surface(self, body: Body, name: Literal["friction", "restitution"], value: float) -> None:
         """Give all shapes of a body another number of their surfaces, and wake what rests on it."""
         self._shape_rows.change_surface(self.row(body), name, value)

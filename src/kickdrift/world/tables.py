@@ -7,6 +7,7 @@ leaves everything as it was, and is run again once the table has grown.
 """
 
 import mmap
+import threading
 from contextlib import suppress
 from typing import Any, NamedTuple
 
@@ -163,6 +164,8 @@ class Tables:
         self._arrays: dict[int, NDArray[Any]] = {}
         # Whether something has changed that the stages of the step or their order may depend on.
         self.altered = True
+        # Held by the thread that works on them: a step that runs in another one would lose the ground under its feet.
+        self.lock = threading.RLock()
         # Grows where bodies or joints go, or tables lie elsewhere, so that handles look again where theirs is.
         self.version = 0
 

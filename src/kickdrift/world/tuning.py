@@ -10,6 +10,7 @@ from kickdrift.world.body import Body
 from kickdrift.world.collision.filters import exclude
 from kickdrift.world.settings import GRAVITY, RESIDUAL, SUBSTEPS
 from kickdrift.world.tables import ASKED_APART, SETTINGS, Tables
+from kickdrift.world.undivided import undivided
 
 MOST_SUBSTEPS = 10_000
 
@@ -71,6 +72,7 @@ class Tunable:
         """
         return float(self.tables.array(SETTINGS)[0, RESIDUAL])
 
+    @undivided
     def exclude(self, body_a: Body, body_b: Body) -> None:
         """Let two bodies pass through each other; those that a joint holds together do so anyway.
 
