@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError, FileFormatError, missing_extra
+from kickdrift.core.files import opened
 from kickdrift.io.robots.mending import drop_materials, find_packages, mend_inertias
 from kickdrift.world.shapes.hull import Hull
 
@@ -118,7 +119,8 @@ def parse(path: str | Path, floating: bool, position: Floats, orientation: Float
     except ImportError:
         raise missing_extra("kickdrift.load_robot", "mujoco", "robots") from None
     try:
-        content = Path(path).read_bytes()
+        with opened(path) as file:
+            content = file.read()
     except OSError as error:
         raise FileFormatError(f"path={str(path)!r} cannot be read: {error.strerror or error}.") from None
     except ValueError as error:
