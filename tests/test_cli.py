@@ -224,7 +224,7 @@ REFUSED = {
     ("run", "solar-sytem"): ["TARGET='solar-sytem'", "'solar-system'"],
     ("run", "notes.txt"): ["TARGET='notes.txt'", "neither a system nor a bodies file", ".toml"],
     ("run", "missing.toml"): ["missing.toml", "No such file"],
-    ("run", "folder.toml"): ["folder.toml", "is not a file"],
+    ("run", "folder.toml"): ["folder.toml", "Is a directory"],
     ("run", "zip.toml"): ["zip.toml", "not UTF-8"],
     ("run", "typo.toml"): ["typo.toml: bodies[0].mas", "'mas'", "did you mean 'mass'"],
     ("run", "empty-run.toml"): ["--duration", "empty-run.toml", "[run]"],

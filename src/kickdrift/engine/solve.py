@@ -12,6 +12,7 @@ from kickdrift import methods, systems
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
+from kickdrift.core.threads import present
 from kickdrift.engine import multipliers, quantities
 from kickdrift.engine.adoption import adopt
 from kickdrift.engine.fit import AUTO, check_direction, choose
@@ -239,9 +240,12 @@ def _system(problem: Any, t0: float, x: Floats, v: Floats, params: Floats, compi
             raise ArgumentError(
                 f"args={params.tolist()!r} given, but {problem.name!r} has its own parameters; leave it out."
             )
+        if problem.unthreaded is not None and not present():
+            problem = replace(problem, acceleration=problem.unthreaded)
         # Another start has another exact solution.
         same = np.array_equal(x, problem.x0) and np.array_equal(v, problem.v0)
-        return problem if same else replace(problem, x0=x, v0=v, exact=None)
+        started: System = problem if same else replace(problem, x0=x, v0=v, exact=None)
+        return started
     return adopt(problem, t0, x, v, params, compile_)
 
 

@@ -4,11 +4,11 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numba.np.ufunc.parallel import _launch_threads
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError
+from kickdrift.core.threads import launch
 from kickdrift.systems import gravity
 from kickdrift.systems.system import Quantity, System
 
@@ -89,7 +89,8 @@ def nbody(
         Names of the bodies.
     threads : bool
         Whether the forces are shared among the threads that Numba has (``numba.set_num_threads``). The numbers are the
-        same, to the bit, for any number of threads. Worth it from some 500 bodies on, on cores that nobody else uses.
+        same, to the bit, for any number of threads. Worth it from some 500 bodies on, on cores that nobody else uses. Processes
+        that are forked from one that has used them do without.
 
     Raises
     ------
@@ -102,13 +103,13 @@ def nbody(
     if len(labels) != n or len(set(labels)) != n:
         raise ArgumentError(f"names={labels!r} must be {n} different names, one for each body.")
     if threads:
-        # Code from the cache on disk looks for the thread pool and does not start it.
-        _launch_threads()
+        launch()
     many = _many_threaded if threads else _many
     return System(
         name="nbody",
         acceleration=_few if n <= FEW else many,
         kick=_kick if n <= FEW else None,
+        unthreaded=_many if threads else None,
         x0=positions,
         v0=velocities,
         params=np.concatenate([[G, softening**2], gm]),

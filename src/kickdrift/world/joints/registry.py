@@ -1,6 +1,9 @@
 """The joints of a world: rows of tables that come and go."""
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+from weakref import ReferenceType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +59,10 @@ from kickdrift.world.joints.record import Placement, Record
 from kickdrift.world.joints.tree import arrange
 from kickdrift.world.names import Names
 from kickdrift.world.tables import ARTICULATION, BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, POSE, STARTED_JOINTS, Tables
+from kickdrift.world.undivided import alone, undivided
+
+if TYPE_CHECKING:
+    from kickdrift.world.world import World
 
 Floats = NDArray[np.float64]
 
@@ -66,12 +73,14 @@ class Joints:
     def __init__(self, tables: Tables) -> None:
         self.tables = tables
         self.names = Names("joint")
+        self.world: ReferenceType[World] | None = None
         self.arranged = False
         self.n_made = 0  # never goes back, not even to a snapshot: two joints would share a handle
 
     def __len__(self) -> int:
         return int((self.tables.array(JOINT)[:, JOINT_KIND] != REMOVED).sum())
 
+    @undivided
     def add(self, record: Record, body_a: int, body_b: int) -> Joint:
         """Join two bodies, given by their rows, as they stand.
 
@@ -128,6 +137,7 @@ class Joints:
         self.names.give(row, name)
         return self.handle(row)
 
+    @alone
     def change_law(self, joint: Joint, axis: int | None, change: Axis, part: LawPart) -> None:
         """Exchange the limits, the motor, the drive or the friction of an axis, and wake the bodies.
 
@@ -139,14 +149,16 @@ class Joints:
         row, k = self.row(joint), joint.axis(axis)
         check_changeable(self.tables, row, k, part)
         tables, numbers = self.tables, self.tables.row(JOINT, row)
-        before = numbers.item(LAWS)
+        before, arranged = numbers.item(LAWS), self.arranged
+        self.arranged = False  # also if Ctrl-C comes now
         write_law(tables, row, k, change if joint.sign(k) > 0.0 else change.reversed(), part)
-        self.arranged = self.arranged and before == numbers.item(LAWS)
+        self.arranged = arranged and before == numbers.item(LAWS)
         for column in (BODY_A, BODY_B):
             body = tables.row(BODY, numbers.item(column))
             if body.item(BODY_KIND) == DYNAMIC:
                 body[AWAKE] = 1
 
+    @undivided
     def remove(self, joint: Joint) -> None:
         """Take a joint away.
 
