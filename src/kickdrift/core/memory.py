@@ -73,6 +73,18 @@ def _floats_of(typing_context: Any, array: Any) -> Any:
     return _FLOATS(array), generate
 
 
+@intrinsic
+def word_in(typing_context: Any, array: Any, index: Any) -> Any:
+    """Bits of an element of a one-dimensional array of floats, as a machine word."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+        words = builder.bitcast(data, _WORD.as_pointer())
+        return builder.load(builder.gep(words, [arguments[1]]))
+
+    return types.intp(array, types.intp), generate
+
+
 @intrinsic(prefer_literal=True)
 def floats_on_stack(typing_context: Any, size: Any) -> Any:
     """Pointer to a fresh local buffer of a constant number of floats, which the compiler can keep in registers."""

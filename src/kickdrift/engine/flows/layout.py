@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.calls import caller
 from kickdrift.core.compilation import Function, compiled, specialise
+from kickdrift.core.memory import word_in
 
 Floats = NDArray[np.float64]
 
@@ -95,8 +96,7 @@ def has_part(slot: int, work: Floats) -> bool:
 
 
 def _at(t: float, x: Floats, v: Floats, params: Floats, work: Floats, out: Floats) -> None:
-    slot = work.size + SLOT
-    call(work[slot : slot + 1].view(np.int64)[0], (t, x, v, params, out))
+    call(word_in(work, work.size + SLOT), (t, x, v, params, out))
 
 
 def part_by_address(name: str) -> Function:
