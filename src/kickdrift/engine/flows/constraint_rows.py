@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.linear_algebra import independent, lu_factor
-from kickdrift.engine.flows.implicit import scale
+from kickdrift.engine.flows.implicit import clear, scale
 
 Floats = NDArray[np.float64]
 _INDEPENDENT = 1e-12  # squared distance of a row from the span of others
@@ -142,7 +142,7 @@ def factor_products(n: int, m: int, own: Floats) -> bool:
 def push(rows: Floats, lengths: Floats, order: Floats, multipliers: Floats, params: Floats, out: Floats) -> None:
     """Write M^-1 G^T times multipliers of the scaled rows that have one."""
     n = out.size
-    out[:] = 0.0
+    clear(out)
     for k in range(multipliers.size):
         i = int(order[k])
         for j in range(n):

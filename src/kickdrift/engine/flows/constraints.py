@@ -32,7 +32,7 @@ from kickdrift.engine.flows.constraint_rows import (
     rows_of,
     spare,
 )
-from kickdrift.engine.flows.implicit import MOST_ITERATIONS, ROUNDING, largest, scale
+from kickdrift.engine.flows.implicit import MOST_ITERATIONS, ROUNDING, clear, largest, scale
 from kickdrift.engine.flows.layout import CONSTRAINT_JACOBIAN, TROUBLE, has_part, memory
 
 Floats = NDArray[np.float64]
@@ -83,7 +83,7 @@ def project_state(size: float, t: float, h: float, x: Floats, v: Floats, params:
     rows, lengths, _, order = rows_of(n, m, own)
     left, multipliers, increment, total, _ = iterated(n, m, own)
     matrix, pivots = factored(n, m, own)
-    total[:] = 0.0
+    clear(total)
     previous, renewed, excess, moved = np.inf, False, np.inf, np.inf
     for iteration in range(MOST_ITERATIONS):
         excess = leave_over(size, t, x, v, params, work)
@@ -97,7 +97,8 @@ def project_state(size: float, t: float, h: float, x: Floats, v: Floats, params:
             break
         shrinking = moved < previous
         if shrinking or moved > ROUNDING:
-            total += increment
+            for j in range(n):
+                total[j] += increment[j]
         if moved == 0.0 or (not shrinking and moved <= ROUNDING):
             break
         if iteration > 0 and moved > _SLOW * previous and moved > ROUNDING:
