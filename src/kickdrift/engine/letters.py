@@ -14,6 +14,7 @@ from kickdrift.engine.program import Program
 from kickdrift.systems.system import System
 
 _SMALL = 8  # numbers of a state up to which the accelerations pass in registers
+_FEW = 4  # numbers of a state up to which flows with constants are compiled for each size of its own
 
 arrays: Callable[[Any], Any] = unbound
 flow: Callable[..., None] = unbound
@@ -41,24 +42,27 @@ def addresses_of(functions: dict[str, Function], flows: tuple[str, ...]) -> dict
     return {name: address_of(function, layout.FLAT) for name, function in functions.items() if f"{name}_at" in called}
 
 
-def build(name: str, system: System, program: Program, compensated: bool) -> Function:
+def build(name: str, system: System, program: Program, compensated: bool, scratch: Any) -> Function:
     """Bind the flow `name` to a system: compiled where the system is native, for the interpreter where not.
 
-    A system's own kick leaves no acceleration behind, so it serves where none is used again.
+    The interpreter needs the scratch itself. A system's own kick leaves no acceleration behind, so it serves where none
+    is used again.
     """
     n = system.x0.size
     functions = functions_of(system, program)
     known = FLOWS[name]
+    constants = {"STAGES": int(program.coefficients[0]), "GENERAL": "velocity" in functions} if known.constants else {}
     if not system.native:
-        bound = _interpreted(known, functions, compensated)
+        bound = _interpreted(known, functions, compensated, constants, scratch)
         return specialise(_letter, "letter", arrays=lambda state: state, flow=bound)
     inlined = tuple(functions[role] for role in known.inlined)
     own = None
     if name == "kick" and not (compensated or program.split or "rekick" in program.flows):
         own = system.kick
-    # Flows with parts are large: compiled once for all sizes. First-order systems have no v of n numbers.
-    size = _SMALL + 1 if known.parts or system.v0.size != n else min(n, _SMALL + 1)
-    return _native(known, name, inlined, own, size, compensated, system.packaged)
+    # Flows with parts are large: most are compiled once for all sizes.
+    most = _FEW if known.constants else 0 if known.parts else _SMALL
+    sizes = (n, system.v0.size) if n <= most else None
+    return _native(known, name, inlined, own, sizes, compensated, system.packaged, tuple(constants.items()))
 
 
 @lru_cache(maxsize=256)
@@ -67,13 +71,16 @@ def _native(
     name: str,
     inlined: tuple[Function, ...],
     own: Function | None,
-    n: int,
+    sizes: tuple[int, int] | None,
     compensated: bool,
     packaged: bool,
+    constants: tuple[tuple[str, int], ...],
 ) -> Function:
-    template = kick_drift.kick_small if name == "kick" and n <= _SMALL else known.template
+    template = kick_drift.kick_small if name == "kick" and sizes else known.template
     bindings: dict[str, Any] = {
-        "SIZE": n,
+        "SIZE": sizes[0] if sizes else 0,
+        "scratch": layout.scratch_by_address,
+        **dict(constants),
         **sums(native=True, compensated=compensated),
         **dict(zip(known.inlined, inlined, strict=True)),
     }
@@ -83,16 +90,19 @@ def _native(
         # Not forced inline: the implicit Runge-Kutta flow compiles in a third of the time.
         bindings[part] = compiled(cached=False)(specialise(function, part, **bindings))
     bound = own or _inline(specialise(template, template.__name__, **bindings))
-    small = _inline(specialise(memory.small_arrays, "small_arrays", SIZE=n))
+    arrays = memory.arrays
+    if sizes:
+        arrays = _inline(specialise(memory.small_arrays, "small_arrays", SIZE=sizes[0], SIZE_OF_V=sizes[1]))
     letter = specialise(
         _letter,
         specialised_name(
             (own or inlined[0]) if inlined else template,
             name,
-            str(n) if n <= _SMALL else "n",
+            "_".join(map(str, sizes)) if sizes else "n",
+            *(str(int(value)) for _, value in constants),
             "own" if own else "compensated" if compensated else "plain",
         ),
-        arrays=small if n <= _SMALL else memory.arrays,
+        arrays=arrays,
         flow=bound,
     )
     return compiled(cached=not inlined or (packaged and comes_with_kickdrift(inlined[0])))(letter)
@@ -102,8 +112,12 @@ def _inline(function: Function) -> Function:
     return compiled(cached=False, inline=True)(function)
 
 
-def _interpreted(known: Flow, functions: dict[str, Function], compensated: bool) -> Function:
+def _interpreted(
+    known: Flow, functions: dict[str, Function], compensated: bool, constants: dict[str, int], scratch: Any
+) -> Function:
     bindings: dict[str, Any] = {
+        "scratch": layout.scratch_interpreted(scratch),
+        **constants,
         **sums(native=False, compensated=compensated),
         **{role: functions[role] for role in known.inlined},
         **{f"{name}_at": layout.part_interpreted(function) for name, function in functions.items()},

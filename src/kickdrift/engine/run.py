@@ -11,7 +11,7 @@ from kickdrift.core.calls import address_of
 from kickdrift.core.memory import state_block
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import letters, loop
-from kickdrift.engine.flows.layout import EVALUATIONS, TROUBLE, lay_out
+from kickdrift.engine.flows.layout import EVALUATIONS, FORMED, TROUBLE, lay_out
 from kickdrift.engine.flows.table import FLOWS
 from kickdrift.engine.grid import Grid
 from kickdrift.engine.program import Program
@@ -25,18 +25,25 @@ _CHUNK_SECONDS = 0.1  # how long Ctrl-C waits
 
 @dataclass
 class State:
-    """Position, velocity, and what the flows keep beside them."""
+    """Position, velocity, and what the flows keep beside them; of a copy, the scratch is empty if nothing is kept there."""
 
     x: Floats
     v: Floats
     work: Floats
+    scratch: Floats
 
-    def copy(self) -> "State":
-        """Copy all three."""
-        return State(self.x.copy(), self.v.copy(), self.work.copy())
+    def copy(self, last: "State | None" = None) -> "State":
+        """Copy all, the scratch only if another matrix was formed there since the `last` copy."""
+        if last is not None and last.work[FORMED] == self.work[FORMED]:
+            scratch = last.scratch
+        else:
+            scratch = self.scratch.copy() if self.work[FORMED] else np.zeros(0)
+        return State(self.x.copy(), self.v.copy(), self.work.copy(), scratch)
 
     def restore(self, other: "State") -> None:
         """Go back to a copy, in place."""
+        if self.work[FORMED] != other.work[FORMED]:
+            self.scratch[: other.scratch.size] = other.scratch
         self.x[:], self.v[:], self.work[:] = other.x, other.v, other.work
 
     @property
@@ -80,7 +87,7 @@ class Run:
     ) -> None:
         self.system, self.program, self.grid = system, program, grid
         self._progress = progress
-        self.state = State(system.x0.reshape(-1).copy(), system.v0.reshape(-1).copy(), np.zeros(0))
+        self.state = State(system.x0.reshape(-1).copy(), system.v0.reshape(-1).copy(), np.zeros(0), np.zeros(0))
         rows = grid.save_steps.size + 1
         self.xs, self.vs = np.empty((rows, self.state.x.size)), np.empty((rows, self.state.v.size))
         names = program.flows + program.primers
@@ -93,10 +100,12 @@ class Run:
         addresses = letters.addresses_of(functions, names) if system.native else dict.fromkeys(functions, 1)
         n = state.x.size
         memory_size = max(FLOWS[name].memory(n, program.coefficients, system.params) for name in names)
-        state.work = lay_out(n, program.coefficients, memory_size, addresses)
+        scratch_size = max(FLOWS[name].scratch(n, program.coefficients, system.params) for name in names)
+        state.scratch = np.zeros(scratch_size)
+        state.work = lay_out(n, program.coefficients, memory_size, addresses, state.scratch)
         members = (state.x, state.v, system.params, state.work)
         self._blank = state.work.copy()
-        self._letters = [letters.build(name, system, program, compensated) for name in names]
+        self._letters = [letters.build(name, system, program, compensated, state.scratch) for name in names]
         self._advance: Any = loop.advance_interpreted
         self._flows: Any = self._letters
         self._address: Any = members
@@ -182,7 +191,7 @@ class Run:
                     _, repeated = self._attempt(good, good.step + 1)
                     failure = repeated or failure  # a function may fail once and not again
                     break
-                good = Good(state.copy(), target, saved)
+                good = Good(state.copy(good.state), target, saved)
                 now = time.perf_counter()
                 chunk = max(1, min(10 * chunk, int(chunk * _CHUNK_SECONDS / max(now - chunk_started, 1e-9))))
                 bar.show(target, now - started)
@@ -218,7 +227,7 @@ class Run:
             self.state.restore(good.state)
             saved, failure = self._attempt(good, middle)
             if failure is None:
-                good = Good(self.state.copy(), middle, saved)
+                good = Good(self.state.copy(good.state), middle, saved)
             else:
                 bad = middle
         self.state.restore(good.state)

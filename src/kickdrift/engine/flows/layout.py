@@ -9,17 +9,20 @@ For a state of n numbers::
     4 n      coefficients of the method
     memory   what the flows of the step need, see `memory`
     -TAIL    single numbers, below
+
+Beside it there is a *scratch* for matrices, which grows with the square of n and is not copied with the state: a flow
+forms a matrix anew wherever it needs one, or keeps it and counts at FORMED that it is another one now.
 """
 
 from typing import Any
 
 import numpy as np
-from numba import types
+from numba import carray, types
 from numpy.typing import NDArray
 
 from kickdrift.core.calls import caller
 from kickdrift.core.compilation import Function, compiled, specialise
-from kickdrift.core.memory import word_in
+from kickdrift.core.memory import floats_at, part, word_in
 
 Floats = NDArray[np.float64]
 
@@ -40,16 +43,32 @@ PARTS = (
 )
 """The functions that a system may have; flows call them as ``acceleration_at(t, x, v, params, work, out)``, say."""
 
-TAIL = 6 + len(PARTS)
+TAIL = 8 + len(PARTS)
 TROUBLE = -1  # residual of a solve that failed, zero if none
 EVALUATIONS = -2  # force evaluations counted by flows whose number varies
 MEMORY = -3  # where memory starts
 KEPT_BY, KEPT_FOR = -4, -5  # the flow and the step that the matrix kept in memory belongs to, zero if none is kept
 DRAWN = -6  # random numbers drawn so far
+FORMED = -7  # how often a matrix was formed
+SCRATCH = -8  # address of the scratch
 _FIRST_PART = -TAIL
 
 SLOT = 0  # bound by `part_by_address`
 call = caller(FLAT)
+
+
+def _scratch_at(start: int, size: int, work: Floats) -> Floats:
+    address = word_in(work, work.size + SCRATCH)
+    return carray(floats_at(address + 8 * start), (size,))
+
+
+scratch_by_address = compiled(cached=False, inline=True)(_scratch_at)
+"""Returns ``size`` numbers of the scratch from ``start`` on: what ``scratch`` is bound to in compiled flows."""
+
+
+def scratch_interpreted(scratch: Floats) -> Function:
+    """Make the same for the interpreter."""
+    return lambda start, size, work: scratch[start : start + size]
 
 
 @compiled(inline=True)
@@ -61,23 +80,27 @@ def coefficients_at(n: int) -> int:
 @compiled(inline=True)
 def change_of_v(n: int, work: Floats) -> Floats:
     """Return the part of work in which a flow may prepare what it adds to v, in systems where x' is v."""
-    return work[3 * n : 4 * n]
+    return part(work, 3 * n, n)
 
 
 @compiled(inline=True)
 def memory(work: Floats) -> Floats:
     """Return the part of work that is for the flows of the step."""
-    return work[int(work[MEMORY]) : work.size - TAIL]
+    start = int(work[MEMORY])
+    return part(work, start, work.size - TAIL - start)
 
 
-def lay_out(n: int, coefficients: Floats, memory_size: int, addresses: dict[str, int]) -> Floats:
-    """Make the work of a run: coefficients and addresses of the parts filled in, the rest zero."""
+def lay_out(
+    n: int, coefficients: Floats, memory_size: int, addresses: dict[str, int], scratch: Floats
+) -> Floats:
+    """Make the work of a run: coefficients and addresses filled in, the rest zero."""
     start = coefficients_at(n) + coefficients.size
     work = np.zeros(start + memory_size + TAIL)
     work[coefficients_at(n) : start] = coefficients
     work[MEMORY] = start
     for name, address in addresses.items():
         work[_slot(name) :].view(np.int64)[0] = address
+    work[SCRATCH:].view(np.int64)[0] = scratch.ctypes.data
     return work
 
 

@@ -20,6 +20,7 @@ from kickdrift.engine.flows import (
     kick_drift,
     linearly_implicit,
     magnetic,
+    newton,
     noise,
     runge_kutta,
     sweep,
@@ -51,6 +52,10 @@ class Flow:
         Whether it leaves the acceleration of the last kick in work.
     memory : callable
         Numbers of memory for a state of n numbers, the coefficients of the method, and the params of the system.
+    scratch : callable
+        In the same way, numbers of scratch.
+    constants : bool
+        Whether stages, and for a few numbers the size of the state, are constants of its compilation.
     primer : str
         Name of a flow that makes the memory ready before the first step, empty for none.
     """
@@ -64,11 +69,19 @@ class Flow:
     timed: bool = True
     keeps_acceleration: bool = True
     memory: Callable[[int, NDArray[np.float64], NDArray[np.float64]], int] = lambda n, coefficients, params: 0
+    scratch: Callable[[int, NDArray[np.float64], NDArray[np.float64]], int] = lambda n, coefficients, params: 0
+    constants: bool = False
     primer: str = ""
 
 
 def _solving(residual: Function, **parts: Function) -> dict[str, Function]:
-    return {**parts, "residual": residual, "form_matrix": implicit.form_matrix_by_differences, "solve": implicit.solve}
+    return {
+        **parts,
+        "residual": residual,
+        "form_matrix": newton.form_matrix_by_differences,
+        "newton": newton.newton,
+        "solve": implicit.solve,
+    }
 
 
 def _projecting(leave_over: Function, renew: Function) -> dict[str, Function]:
@@ -93,9 +106,14 @@ FLOWS = {
         moves_v=True,
         keeps_acceleration=False,
         memory=adjoint.memory_size,
+        scratch=adjoint.scratch_size,
     ),
     "adjoint-drift": Flow(
-        adjoint.adjoint_drift, parts=_solving(adjoint.drift_residual), moves_x=True, memory=adjoint.memory_size
+        adjoint.adjoint_drift,
+        parts=_solving(adjoint.drift_residual),
+        moves_x=True,
+        memory=adjoint.memory_size,
+        scratch=adjoint.scratch_size,
     ),
     "damp": Flow(damping.damp, moves_v=True),
     "rotate": Flow(magnetic.rotate, moves_v=True),
@@ -126,6 +144,7 @@ FLOWS = {
         moves_x=True,
         moves_v=True,
         memory=extrapolation.memory_size,
+        scratch=adjoint.scratch_size,
     ),
     "extrapolated-sweeps": Flow(
         extrapolation.extrapolate,
@@ -167,6 +186,7 @@ FLOWS = {
         moves_v=True,
         keeps_acceleration=False,
         memory=linearly_implicit.memory_size,
+        scratch=linearly_implicit.scratch_size,
     ),
     "gradient-kick": Flow(gradient_kick.gradient_kick, evaluations=2, moves_v=True, keeps_acceleration=False),
     "runge-kutta": Flow(
@@ -175,6 +195,7 @@ FLOWS = {
         moves_x=True,
         moves_v=True,
         memory=runge_kutta.explicit_memory,
+        constants=True,
     ),
     "implicit-runge-kutta": Flow(
         runge_kutta.implicit_runge_kutta,
@@ -182,6 +203,8 @@ FLOWS = {
         moves_x=True,
         moves_v=True,
         memory=runge_kutta.implicit_memory,
+        scratch=runge_kutta.implicit_scratch,
+        constants=True,
     ),
     "linearise-constraints": Flow(
         constraints.linearise_constraints,
