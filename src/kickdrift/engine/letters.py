@@ -79,6 +79,7 @@ def _native(
     template = kick_drift.kick_small if name == "kick" and sizes else known.template
     bindings: dict[str, Any] = {
         "SIZE": sizes[0] if sizes else 0,
+        "SIZE_OF_V": sizes[1] if sizes else 0,
         "scratch": layout.scratch_by_address,
         **dict(constants),
         **sums(native=True, compensated=compensated),
@@ -88,7 +89,8 @@ def _native(
         bindings |= {f"{part}_at": layout.part_by_address(part) for part in layout.PARTS}
     for part, function in known.parts.items():
         # Not forced inline: the implicit Runge-Kutta flow compiles in a third of the time.
-        bindings[part] = compiled(cached=False)(specialise(function, part, **bindings))
+        inline = part == "solve" and bool(constants)
+        bindings[part] = compiled(cached=False, inline=inline)(specialise(function, part, **bindings))
     bound = own or _inline(specialise(template, template.__name__, **bindings))
     arrays = memory.arrays
     if sizes:

@@ -27,13 +27,14 @@ from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled, unbound
 from kickdrift.core.memory import float_of, part, words
-from kickdrift.engine.flows.layout import KEPT_BY, KEPT_FOR, TROUBLE, memory
+from kickdrift.engine.flows.layout import KEPT_BY, KEPT_FOR, KEPT_TIMES, TROUBLE, memory
 
 Floats = NDArray[np.float64]
 ROUNDING = 1e-12  # of an increment against the unknowns
 MOST_ITERATIONS = 50
 MOST_WITH_MATRIX = 16_384  # unknowns: 2 GiB
 _HEAD = 6
+_MANY, _RETRIED_AFTER = 32, 20  # from so many unknowns on, every so many solutions with a matrix one without is tried
 _NOT_THE_SIGN = 0x7FFF_FFFF_FFFF_FFFF
 
 residual: Callable[..., None] = unbound
@@ -86,11 +87,16 @@ def solve(keeper: int, m: int, first: int, t: float, h: float, x: Floats, v: Flo
     """
     head = memory(work)
     head[0], head[1], head[4] = m, first, 0.0
-    if work[KEPT_BY] == keeper and work[KEPT_FOR] == h:
-        return newton(keeper, False, t, h, x, v, params, work)
+    kept = work[KEPT_BY] == keeper and work[KEPT_FOR] == h
+    if kept:
+        work[KEPT_TIMES] += 1.0
+        if m < _MANY or work[KEPT_TIMES] % _RETRIED_AFTER != 0.0:
+            return newton(keeper, False, t, h, x, v, params, work)
     z, increment, last = unknowns(m, work), increments(m, work), moves(m, work)
-    slow = 1.0 - 0.7 / patience(m)  # 0.3 for a few unknowns
-    missing = previous = np.inf
+    # What increments may be at most. Single ones may even grow: where eigenvalues are complex, every second one does.
+    slow = (1.0 - 0.7 / patience(m)) * (0.8 if kept else 1.0)  # 0.3 for a few unknowns
+    missing = previous = most = least = np.inf
+    stalled, patient = 0, 0
     for _ in range(int(MOST_ITERATIONS * patience(m))):
         residual(t, h, x, v, params, work)
         if head[4] == 0.0:
@@ -100,17 +106,23 @@ def solve(keeper: int, m: int, first: int, t: float, h: float, x: Floats, v: Flo
         if first < m:
             other = largest(part(increment, first, m - first))
             missing, size = larger(missing, other / head[3]), larger(size, other / head[5])
-        rounding = missing <= ROUNDING
-        if missing == 0.0 or (rounding and not size < previous):
+        shrinking, rounding = size < previous, missing <= ROUNDING
+        stalled = stalled + 1 if rounding and not size < least else 0
+        if missing == 0.0 or stalled > patient:
+            work[KEPT_BY] = 0.0
             return True
-        if not size < previous:
+        if not (shrinking or size <= most or stalled > 0):
             if previous < np.inf:
                 retreat(z, 1.0, last)
-                return newton(keeper, True, t, h, x, v, params, work)
+                return newton(keeper, not kept, t, h, x, v, params, work)
             break
         proceed(z, increment, last)
-        if size > slow * previous and not rounding:
-            return newton(keeper, True, t, h, x, v, params, work)
+        if size > most and not rounding:
+            return newton(keeper, not kept, t, h, x, v, params, work)
+        if not shrinking and not rounding:
+            patient = 3
+        least = min(least, size)
+        most = size if previous == np.inf else most * slow
         previous = size
     return missing <= ROUNDING or failed(missing, work)
 

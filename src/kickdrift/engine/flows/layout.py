@@ -43,14 +43,15 @@ PARTS = (
 )
 """The functions that a system may have; flows call them as ``acceleration_at(t, x, v, params, work, out)``, say."""
 
-TAIL = 8 + len(PARTS)
+TAIL = 9 + len(PARTS)
 TROUBLE = -1  # residual of a solve that failed, zero if none
 EVALUATIONS = -2  # force evaluations counted by flows whose number varies
 MEMORY = -3  # where memory starts
 KEPT_BY, KEPT_FOR = -4, -5  # the flow and the step that the matrix kept in memory belongs to, zero if none is kept
 DRAWN = -6  # random numbers drawn so far
 FORMED = -7  # how often a matrix was formed
-SCRATCH = -8  # address of the scratch
+KEPT_TIMES = -8  # how many solutions began with a matrix that was kept
+SCRATCH = -9  # address of the scratch
 _FIRST_PART = -TAIL
 
 SLOT = 0  # bound by `part_by_address`

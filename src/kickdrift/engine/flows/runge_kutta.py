@@ -34,6 +34,7 @@ Floats = NDArray[np.float64]
 _RUNGE_KUTTA = 3
 
 STAGES, GENERAL = 0, False  # bound: how many stages, and whether x' is not v
+SIZE, SIZE_OF_V = 0, 0  # bound for a few numbers
 
 acceleration_at: Callable[..., None] = unbound
 velocity_at: Callable[..., None] = unbound
@@ -97,7 +98,8 @@ def implicit_runge_kutta(t: float, h: float, x: Floats, v: Floats, params: Float
 
 def stage_residual(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Leave how far each stage is from x + h sum_j a_ij x'_j and v + h sum_j a_ij v'_j."""
-    n, n_v, head = x.size, v.size, memory(work)
+    n, n_v, head = SIZE or x.size, SIZE_OF_V if SIZE else v.size, memory(work)
+    x, v = part(x, 0, n), part(v, 0, n_v)
     m = number_of_unknowns(n, n_v, STAGES, GENERAL)
     c, a, _, a_of_v, _, _ = tableau(n, STAGES, work)
     xs, vs, x_rates, v_rates = stages(n, n_v, STAGES, GENERAL, work)
