@@ -1,7 +1,7 @@
 """A run: the loop in chunks, with progress, interruption, and an end at the last good state."""
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from kickdrift.systems.system import System
 Floats = NDArray[np.float64]
 Failure = tuple[Outcome, str]  # and what there is to say about its cause
 _CHUNK_SECONDS = 0.1  # how long Ctrl-C waits
+_LEAST_SHARE = 10  # of the time of a chunk over that of the copy after it
 
 
 @dataclass
@@ -32,16 +33,21 @@ class State:
     work: Floats
     scratch: Floats
 
-    def copy(self, last: "State | None" = None) -> "State":
-        """Copy all, the scratch only if another matrix was formed there since the `last` copy."""
+    def copy(self, last: "State | None" = None, into: "State | None" = None) -> "State":
+        """Copy all, into another state if there is one; the scratch only if it changed since the `last` copy."""
         if last is not None and last.work[FORMED] == self.work[FORMED]:
             scratch = last.scratch
         else:
             scratch = self.scratch.copy() if self.work[FORMED] else np.zeros(0)
-        return State(self.x.copy(), self.v.copy(), self.work.copy(), scratch)
+        if into is None:
+            return State(self.x.copy(), self.v.copy(), self.work.copy(), scratch)
+        into.x[:], into.v[:], into.work[:], into.scratch = self.x, self.v, self.work, scratch
+        return into
 
     def restore(self, other: "State") -> None:
         """Go back to a copy, in place."""
+        if other is self:
+            return
         if self.work[FORMED] != other.work[FORMED]:
             self.scratch[: other.scratch.size] = other.scratch
         self.x[:], self.v[:], self.work[:] = other.x, other.v, other.work
@@ -173,7 +179,7 @@ class Run:
         """Run to the end of the grid, or as far as it goes; what was done is kept in any case."""
         grid, state = self.grid, self.state
         started = time.perf_counter()
-        good = Good(state.copy(), 0, 0)
+        good, spare = Good(state.copy(), 0, 0), None
         outcome, cause = Outcome.COMPLETED, ""
         bar = Bar(grid.n_steps, self._progress)
         chunk = 1
@@ -181,7 +187,9 @@ class Run:
             failure = self._prime()
             if grid.save_steps[0] == 0:
                 self.xs[0], self.vs[0] = state.x, state.v
-            good = Good(state.copy(), 0, int(grid.save_steps[0] == 0))
+            if self.program.primers:
+                good = Good(state.copy(), 0, 0)
+            good = replace(good, saved=int(grid.save_steps[0] == 0))
             while failure is None and good.step < grid.n_steps:
                 chunk_started = time.perf_counter()
                 target = min(good.step + chunk, grid.n_steps)
@@ -191,9 +199,14 @@ class Run:
                     _, repeated = self._attempt(good, good.step + 1)
                     failure = repeated or failure  # a function may fail once and not again
                     break
-                good = Good(state.copy(good.state), target, saved)
+                reached = time.perf_counter()
+                # Two copies in turns: an interruption while one is written finds the other. The last is the state itself.
+                last = good.state
+                copy = state if target == grid.n_steps else state.copy(last, into=spare)
+                good, spare = Good(copy, target, saved), last
                 now = time.perf_counter()
-                chunk = max(1, min(10 * chunk, int(chunk * _CHUNK_SECONDS / max(now - chunk_started, 1e-9))))
+                wanted = max(_CHUNK_SECONDS, _LEAST_SHARE * (now - reached))
+                chunk = max(1, min(10 * chunk, int(chunk * wanted / max(reached - chunk_started, 1e-9))))
                 bar.show(target, now - started)
             if failure is not None:
                 outcome, cause = failure

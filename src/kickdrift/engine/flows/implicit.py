@@ -15,7 +15,7 @@ Layout of memory::
     1     how many of them, from the first, are measured by the first scale; the others by the second
     2, 3  scales: sizes of the unknowns beside which 1e-12 is rounding
     4, 5  the scales at the start of the iteration, in which increments are compared
-    6     unknowns (m), increments (m), the last move (m), and what the flow itself needs
+    8     unknowns (m), increments (m), the last move (m), and what the flow itself needs, each from a cache line on
 
 The scratch has the matrix (m * m) and its pivots (m).
 """
@@ -33,7 +33,7 @@ Floats = NDArray[np.float64]
 ROUNDING = 1e-12  # of an increment against the unknowns
 MOST_ITERATIONS = 50
 MOST_WITH_MATRIX = 16_384  # unknowns: 2 GiB
-_HEAD = 6
+_HEAD = 8
 _MANY, _RETRIED_AFTER = 32, 20  # from so many unknowns on, every so many solutions with a matrix one without is tried
 _NOT_THE_SIGN = 0x7FFF_FFFF_FFFF_FFFF
 
@@ -42,9 +42,15 @@ newton: Callable[..., bool] = unbound
 
 
 @compiled(inline=True)
+def padded(m: int) -> int:
+    """Round a number of numbers up to whole cache lines: vectors that lie across two are slow to read when just written."""
+    return (m + 7) // 8 * 8
+
+
+@compiled(inline=True)
 def solver_memory(m: int) -> int:
     """Numbers of memory for m unknowns; those of the flow itself come after."""
-    return _HEAD + 3 * m
+    return _HEAD + 3 * padded(m)
 
 
 def solver_scratch(m: int) -> int:
@@ -61,13 +67,13 @@ def unknowns(m: int, work: Floats) -> Floats:
 @compiled(inline=True)
 def increments(m: int, work: Floats) -> Floats:
     """Return Phi(z) - z."""
-    return part(memory(work), _HEAD + m, m)
+    return part(memory(work), _HEAD + padded(m), m)
 
 
 @compiled(inline=True)
 def moves(m: int, work: Floats) -> Floats:
     """Return the last move of z."""
-    return part(memory(work), _HEAD + 2 * m, m)
+    return part(memory(work), _HEAD + 2 * padded(m), m)
 
 
 @compiled(inline=True)

@@ -53,6 +53,7 @@ FORMED = -7  # how often a matrix was formed
 KEPT_TIMES = -8  # how many solutions began with a matrix that was kept
 SCRATCH = -9  # address of the scratch
 _FIRST_PART = -TAIL
+_LINE = 8  # numbers in a cache line
 
 SLOT = 0  # bound by `part_by_address`
 call = caller(FLAT)
@@ -91,13 +92,21 @@ def memory(work: Floats) -> Floats:
     return part(work, start, work.size - TAIL - start)
 
 
+def aligned(size: int) -> Floats:
+    """Return zeros that begin with a cache line."""
+    room = np.zeros(size + _LINE - 1)
+    start = -(room.ctypes.data // 8) % _LINE
+    return room[start : start + size]
+
+
 def lay_out(
     n: int, coefficients: Floats, memory_size: int, addresses: dict[str, int], scratch: Floats
 ) -> Floats:
     """Make the work of a run: coefficients and addresses filled in, the rest zero."""
-    start = coefficients_at(n) + coefficients.size
-    work = np.zeros(start + memory_size + TAIL)
-    work[coefficients_at(n) : start] = coefficients
+    end = coefficients_at(n) + coefficients.size
+    start = (end + _LINE - 1) // _LINE * _LINE
+    work = aligned(start + memory_size + TAIL)
+    work[coefficients_at(n) : end] = coefficients
     work[MEMORY] = start
     for name, address in addresses.items():
         work[_slot(name) :].view(np.int64)[0] = address

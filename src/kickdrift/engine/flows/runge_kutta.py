@@ -20,9 +20,9 @@ from kickdrift.core.compilation import compiled, unbound
 from kickdrift.core.memory import part
 from kickdrift.engine.flows.implicit import (
     clear,
-    copy,
     increments,
     largest,
+    padded,
     scale,
     solver_memory,
     solver_scratch,
@@ -32,6 +32,8 @@ from kickdrift.engine.flows.layout import EVALUATIONS, TROUBLE, coefficients_at,
 
 Floats = NDArray[np.float64]
 _RUNGE_KUTTA = 3
+_FEW = 4  # numbers whose sums stay in registers
+BLOCK = 512  # numbers that stay in the nearest cache while the rates of the stages are added up
 
 STAGES, GENERAL = 0, False  # bound: how many stages, and whether x' is not v
 SIZE, SIZE_OF_V = 0, 0  # bound for a few numbers
@@ -45,13 +47,13 @@ solve: Callable[..., bool] = unbound
 
 def explicit_memory(n: int, coefficients: Floats, params: Floats) -> int:
     """Numbers of memory for a state of n numbers: a stage, and the rates of the stages."""
-    return (2 * int(coefficients[0]) + 2) * n
+    return 2 * padded(int(coefficients[0]) * n) + 2 * padded(n)
 
 
 def implicit_memory(n: int, coefficients: Floats, params: Floats) -> int:
     """Numbers of memory for a state of n numbers: for the solver, and the rates of the stages."""
     s = int(coefficients[0])
-    return solver_memory(2 * s * n) + 2 * s * n
+    return solver_memory(2 * s * n) + 2 * padded(s * n)
 
 
 def implicit_scratch(n: int, coefficients: Floats, params: Floats) -> int:
@@ -61,22 +63,22 @@ def implicit_scratch(n: int, coefficients: Floats, params: Floats) -> int:
 
 def runge_kutta(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Advance x and v by h with an explicit tableau."""
-    n, n_v, own = x.size, v.size, memory(work)
+    n, n_v, own = SIZE or x.size, SIZE_OF_V if SIZE else v.size, memory(work)
+    x, v = part(x, 0, n), part(v, 0, n_v)
     c, a, b, a_of_v, b_of_v, _ = tableau(n, STAGES, work)
-    stage, stage_v = part(own, 0, n), part(own, n, n_v)
-    x_rates, v_rates = part(own, 2 * n, STAGES * n), part(own, (2 + STAGES) * n, STAGES * n_v)
+    rates = padded(STAGES * n)
+    x_rates, v_rates, stage = part(own, 0, STAGES * n), part(own, rates, STAGES * n_v), part(own, 2 * rates, n)
     for i in range(STAGES):
+        stage_v = part(own, 2 * rates + padded(n), n_v) if GENERAL else part(x_rates, i * n, n_v)
         shift(x, h, part(a, i * STAGES, i), x_rates, stage)
         shift(v, h, part(a_of_v, i * STAGES, i), v_rates, stage_v)
-        if not GENERAL:
-            copy(stage_v, part(x_rates, i * n, n))
         evaluate(i, t + c[i] * h, stage, stage_v, params, work, x_rates, v_rates)
     advance(h, x, v, work, b, b_of_v, x_rates, v_rates)
 
 
 def implicit_runge_kutta(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Advance x and v by h with any tableau."""
-    n, n_v = x.size, v.size
+    n, n_v = SIZE or x.size, SIZE_OF_V if SIZE else v.size
     _, _, b, _, b_of_v, onward = tableau(n, STAGES, work)
     xs, vs, x_rates, v_rates = stages(n, n_v, STAGES, GENERAL, work)
     trouble = work[TROUBLE]
@@ -177,7 +179,8 @@ def stages(n: int, n_v: int, s: int, general: bool, work: Floats) -> tuple[Float
     """Return stage positions and velocities, and their rates."""
     m = number_of_unknowns(n, n_v, s, general)
     z, own = unknowns(m, work), memory(work)
-    first, v_rates = part(own, solver_memory(m), s * n), part(own, solver_memory(m) + s * n, s * n_v)
+    start = solver_memory(m)
+    first, v_rates = part(own, start, s * n), part(own, start + padded(s * n), s * n_v)
     if general:
         return part(z, 0, s * n), part(z, s * n, s * n_v), first, v_rates
     # Where x' = v, the velocities of the stages are the rates of their positions, too.
@@ -188,30 +191,48 @@ def stages(n: int, n_v: int, s: int, general: bool, work: Floats) -> tuple[Float
 def combine(weights: Floats, rates: Floats, total: Floats) -> None:
     """Write the sum of weights times rates, of as many numbers each as the total has."""
     n = total.size
-    for k in range(n):
-        total[k] = weighted(weights, rates, k, n)
+    for start in range(0, n, BLOCK):
+        size = min(BLOCK, n - start)
+        add_up(weights, rates, start, n, part(total, start, size))
 
 
 @compiled(inline=True)
-def weighted(weights: Floats, rates: Floats, k: int, n: int) -> float:
-    """Return the sum of weights times the rates of number k."""
-    total = 0.0
+def add_up(weights: Floats, rates: Floats, start: int, n: int, block: Floats) -> None:
+    """Write a block of the sum of weights times rates; where there are many, rate by rate, so that loops vectorise."""
+    if n <= _FEW:
+        for k in range(n):
+            total = 0.0
+            for j in range(weights.size):
+                total += weights[j] * rates[j * n + k]
+            block[k] = total
+        return
+    for k in range(block.size):
+        block[k] = 0.0
     for j in range(weights.size):
-        total += weights[j] * rates[j * n + k]
-    return total
+        rate = part(rates, j * n + start, block.size)
+        for k in range(block.size):
+            block[k] += weights[j] * rate[k]
 
 
 @compiled(inline=True)
 def shift(y: Floats, h: float, weights: Floats, rates: Floats, into: Floats) -> None:
     """Write y + h times the sum of weights times rates."""
     n = y.size
-    for k in range(n):
-        into[k] = y[k] + h * weighted(weights, rates, k, n)
+    for start in range(0, n, BLOCK):
+        size = min(BLOCK, n - start)
+        old, new = part(y, start, size), part(into, start, size)
+        add_up(weights, rates, start, n, new)
+        for k in range(size):
+            new[k] = old[k] + h * new[k]
 
 
 @compiled(inline=True)
 def shortfall(y: Floats, h: float, weights: Floats, rates: Floats, stage: Floats, into: Floats) -> None:
     """Write (y - stage) + h times the sum of weights times rates."""
     n = y.size
-    for k in range(n):
-        into[k] = (y[k] - stage[k]) + h * weighted(weights, rates, k, n)
+    for start in range(0, n, BLOCK):
+        size = min(BLOCK, n - start)
+        old, there, short = part(y, start, size), part(stage, start, size), part(into, start, size)
+        add_up(weights, rates, start, n, short)
+        for k in range(size):
+            short[k] = (old[k] - there[k]) + h * short[k]
