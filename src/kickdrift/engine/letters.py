@@ -14,7 +14,6 @@ from kickdrift.engine.program import Program
 from kickdrift.systems.system import System
 
 _SMALL = 8  # numbers of a state up to which the accelerations pass in registers
-_FEW = 4  # numbers of a state up to which flows with constants are compiled for each size of its own
 
 arrays: Callable[[Any], Any] = unbound
 flow: Callable[..., None] = unbound
@@ -51,7 +50,9 @@ def build(name: str, system: System, program: Program, compensated: bool, scratc
     n = system.x0.size
     functions = functions_of(system, program)
     known = FLOWS[name]
-    constants = {"STAGES": int(program.coefficients[0]), "GENERAL": "velocity" in functions} if known.constants else {}
+    constants: dict[str, int] = {}
+    if known.constants is not None:
+        constants = known.constants(program.coefficients, n, system.params, "velocity" in functions)
     if not system.native:
         bound = _interpreted(known, functions, compensated, constants, scratch)
         return specialise(_letter, "letter", arrays=lambda state: state, flow=bound)
@@ -60,7 +61,7 @@ def build(name: str, system: System, program: Program, compensated: bool, scratc
     if name == "kick" and not (compensated or program.split or "rekick" in program.flows):
         own = system.kick
     # Flows with parts are large: most are compiled once for all sizes.
-    most = _FEW if known.constants else 0 if known.parts else _SMALL
+    most = layout.FEW if known.constants else 0 if known.parts else _SMALL
     sizes = (n, system.v0.size) if n <= most else None
     return _native(known, name, inlined, own, sizes, compensated, system.packaged, tuple(constants.items()))
 

@@ -18,7 +18,9 @@ from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.linear_algebra import independent, lu_factor
+from kickdrift.core.memory import part
 from kickdrift.engine.flows.implicit import clear, scale
+from kickdrift.engine.flows.layout import FEW
 
 Floats = NDArray[np.float64]
 _INDEPENDENT = 1e-12  # squared distance of a row from the span of others
@@ -28,6 +30,11 @@ def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
     """Numbers of memory for a state of n numbers."""
     m = count(n, params)
     return 1 + 2 * m * n + 2 * m * m + 8 * m + 3 * n
+
+
+def constants(coefficients: Floats, n: int, params: Floats, general: bool) -> dict[str, int]:
+    """Return what is known when a flow for a few numbers is compiled."""
+    return {"COUNT": count(n, params)} if n <= FEW else {}
 
 
 @compiled(inline=True)
@@ -41,7 +48,7 @@ def rows_of(n: int, m: int, own: Floats) -> tuple[Floats, Floats, Floats, Floats
     """Return the Jacobian, lengths of its rows, sums of their sizes, and their order."""
     lengths = 1 + m * n
     sums, order = lengths + m, lengths + 2 * m
-    return own[1:lengths], own[lengths:sums], own[sums:order], own[order : order + m]
+    return part(own, 1, m * n), part(own, lengths, m), part(own, sums, m), part(own, order, m)
 
 
 @compiled(inline=True)
@@ -49,7 +56,7 @@ def factored(n: int, m: int, own: Floats) -> tuple[Floats, Floats]:
     """Return S and its pivots, for the rows with a multiplier."""
     rank, start = int(own[0]), 1 + m * n + 3 * m
     pivots = start + m * m
-    return own[start : start + rank * rank], own[pivots : pivots + rank]
+    return part(own, start, rank * rank), part(own, pivots, rank)
 
 
 @compiled(inline=True)
@@ -59,11 +66,11 @@ def iterated(n: int, m: int, own: Floats) -> tuple[Floats, Floats, Floats, Float
     multipliers, increment = left + m, left + 2 * m
     total, reached = increment + n, increment + 2 * n
     return (
-        own[left:multipliers],
-        own[multipliers:increment],
-        own[increment:total],
-        own[total:reached],
-        own[reached : reached + n],
+        part(own, left, m),
+        part(own, multipliers, m),
+        part(own, increment, n),
+        part(own, total, n),
+        part(own, reached, n),
     )
 
 
@@ -72,10 +79,10 @@ def spare(n: int, m: int, own: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     """Return room for another Jacobian, for S of all rows, and for differences."""
     rows = 1 + m * n + m * m + 6 * m + 3 * n
     products, above, below = rows + m * n, rows + m * n + m * m, rows + m * n + m * m + m
-    return own[rows:products], own[products:above], own[above:below], own[below : below + m]
+    return part(own, rows, m * n), part(own, products, m * m), part(own, above, m), part(own, below, m)
 
 
-@compiled
+@compiled(inline=True)
 def measure(rows: Floats, params: Floats, lengths: Floats, sums: Floats) -> None:
     """Write lengths in the metric of the inverse masses, and sums of sizes; 1 for a row of zeros."""
     m = lengths.size
@@ -89,7 +96,7 @@ def measure(rows: Floats, params: Floats, lengths: Floats, sums: Floats) -> None
         sums[i] = scale(total, 0.0)
 
 
-@compiled
+@compiled(inline=True)
 def multiply(left: Floats, right: Floats, lengths: Floats, params: Floats, products: Floats) -> None:
     """Write left M^-1 right^T, both by the lengths of rows."""
     m = lengths.size
@@ -126,7 +133,7 @@ def factor_with(left: Floats, n: int, m: int, params: Floats, own: Floats) -> bo
     return factor_products(n, m, own)
 
 
-@compiled
+@compiled(inline=True)
 def factor_products(n: int, m: int, own: Floats) -> bool:
     """Factor what S of all rows says of those with a multiplier."""
     _, _, _, order = rows_of(n, m, own)
@@ -138,7 +145,7 @@ def factor_products(n: int, m: int, own: Floats) -> bool:
     return lu_factor(matrix, pivots)
 
 
-@compiled
+@compiled(inline=True)
 def push(rows: Floats, lengths: Floats, order: Floats, multipliers: Floats, params: Floats, out: Floats) -> None:
     """Write M^-1 G^T times multipliers of the scaled rows that have one."""
     n = out.size
@@ -151,7 +158,7 @@ def push(rows: Floats, lengths: Floats, order: Floats, multipliers: Floats, para
         out[j] *= params[params.size - n + j]
 
 
-@compiled
+@compiled(inline=True)
 def farthest(left: Floats, sums: Floats) -> float:
     """Largest change of a number of the state that what is left over asks for; NaN where there is one."""
     greatest = 0.0

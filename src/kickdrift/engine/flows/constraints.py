@@ -39,6 +39,8 @@ Floats = NDArray[np.float64]
 _SLOW = 0.3  # a contraction slower than this is worth a new matrix
 _DIFFERENCE = 1e-4  # of fourth order: truncation and rounding leave some 1e-12 of the Jacobian
 
+SIZE, COUNT = 0, 0  # bound for a few numbers: of the state, and of constraints
+
 constraints_at: Callable[..., None] = unbound
 constraint_jacobian_at: Callable[..., None] = unbound
 add_to_x: Callable[..., None] = unbound
@@ -52,7 +54,7 @@ project: Callable[..., bool] = unbound
 
 def linearise_constraints(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Leave the Jacobian at x and its S in memory; moves nothing."""
-    n, m, own = x.size, count(x.size, params), memory(work)
+    n, m, own = SIZE or x.size, COUNT or count(x.size, params), memory(work)
     rows, _, _, _ = rows_of(n, m, own)
     jacobian(t, x, v, params, work, rows)
     if not factor_rows(n, m, params, own):
@@ -61,8 +63,8 @@ def linearise_constraints(t: float, h: float, x: Floats, v: Floats, params: Floa
 
 def constrain_positions(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Bring x, which drifted by h, back to the constraints, and v with it."""
-    n = x.size
-    _, _, _, total, _ = iterated(n, count(n, params), memory(work))
+    n = SIZE or x.size
+    _, _, _, total, _ = iterated(n, COUNT or count(n, params), memory(work))
     if project(scale(largest(x), abs(h) * largest(v)), t, h, x, v, params, work):
         add_to_x(x, 1.0, total, work)
         add_to_v(v, 1.0 / h, total, work)
@@ -71,15 +73,15 @@ def constrain_positions(t: float, h: float, x: Floats, v: Floats, params: Floats
 
 def constrain_velocities(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Bring v into the tangent space of the constraints at x, where the Jacobian in memory is from."""
-    n = x.size
-    _, _, _, total, _ = iterated(n, count(n, params), memory(work))
+    n = SIZE or x.size
+    _, _, _, total, _ = iterated(n, COUNT or count(n, params), memory(work))
     if project(scale(largest(v), 0.0), t, h, x, v, params, work):
         add_to_v(v, 1.0, total, work)
 
 
 def project_state(size: float, t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:
     """Find the total of the increments for a state of this size, or leave at TROUBLE what is left over."""
-    n, m, own = x.size, count(x.size, params), memory(work)
+    n, m, own = SIZE or x.size, COUNT or count(x.size, params), memory(work)
     rows, lengths, _, order = rows_of(n, m, own)
     left, multipliers, increment, total, _ = iterated(n, m, own)
     matrix, pivots = factored(n, m, own)
@@ -117,7 +119,7 @@ def project_state(size: float, t: float, h: float, x: Floats, v: Floats, params:
 
 def positions_left_over(size: float, t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> float:
     """Leave g at the positions reached, and return how far from zero it is: the change of x that it asks for."""
-    n, m, own = x.size, count(x.size, params), memory(work)
+    n, m, own = SIZE or x.size, COUNT or count(x.size, params), memory(work)
     _, _, sums, _ = rows_of(n, m, own)
     left, _, _, total, reached = iterated(n, m, own)
     for j in range(n):
@@ -128,7 +130,7 @@ def positions_left_over(size: float, t: float, x: Floats, v: Floats, params: Flo
 
 def velocities_left_over(size: float, t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> float:
     """Leave G times the velocities reached; it is linear, so that small increments say enough."""
-    n, m, own = x.size, count(x.size, params), memory(work)
+    n, m, own = SIZE or x.size, COUNT or count(x.size, params), memory(work)
     rows, _, _, _ = rows_of(n, m, own)
     left, _, _, total, reached = iterated(n, m, own)
     for j in range(n):
@@ -142,7 +144,7 @@ def velocities_left_over(size: float, t: float, x: Floats, v: Floats, params: Fl
 
 def renew_at_positions(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:
     """Form and factor S with the Jacobian at the positions reached on its left."""
-    n, m, own = x.size, count(x.size, params), memory(work)
+    n, m, own = SIZE or x.size, COUNT or count(x.size, params), memory(work)
     _, _, _, total, reached = iterated(n, m, own)
     there, _, _, _ = spare(n, m, own)
     for j in range(n):
@@ -161,7 +163,7 @@ def jacobian_here(t: float, x: Floats, v: Floats, params: Floats, work: Floats, 
     if has_part(CONSTRAINT_JACOBIAN, work):
         constraint_jacobian_at(t, x, v, params, work, out)
         return
-    n, m = x.size, count(x.size, params)
+    n, m = SIZE or x.size, COUNT or count(x.size, params)
     _, _, above, below = spare(n, m, memory(work))
     d = _DIFFERENCE * scale(params[params.size - n - 1], largest(x))
     for j in range(n):

@@ -55,6 +55,8 @@ SCRATCH = -9  # address of the scratch
 _FIRST_PART = -TAIL
 _LINE = 8  # numbers in a cache line
 
+FEW = 4  # numbers of a state up to which flows with constants are compiled for each size of its own
+
 SLOT = 0  # bound by `part_by_address`
 call = caller(FLAT)
 

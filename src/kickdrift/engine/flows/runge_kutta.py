@@ -28,11 +28,10 @@ from kickdrift.engine.flows.implicit import (
     solver_scratch,
     unknowns,
 )
-from kickdrift.engine.flows.layout import EVALUATIONS, TROUBLE, coefficients_at, memory
+from kickdrift.engine.flows.layout import EVALUATIONS, FEW, TROUBLE, coefficients_at, memory
 
 Floats = NDArray[np.float64]
 _RUNGE_KUTTA = 3
-_FEW = 4  # numbers whose sums stay in registers
 BLOCK = 512  # numbers that stay in the nearest cache while the rates of the stages are added up
 
 STAGES, GENERAL = 0, False  # bound: how many stages, and whether x' is not v
@@ -43,6 +42,11 @@ velocity_at: Callable[..., None] = unbound
 add_to_x: Callable[..., None] = unbound
 add_to_v: Callable[..., None] = unbound
 solve: Callable[..., bool] = unbound
+
+
+def constants(coefficients: Floats, n: int, params: Floats, general: bool) -> dict[str, int]:
+    """Return what is known when it is compiled."""
+    return {"STAGES": int(coefficients[0]), "GENERAL": general}
 
 
 def explicit_memory(n: int, coefficients: Floats, params: Floats) -> int:
@@ -199,7 +203,7 @@ def combine(weights: Floats, rates: Floats, total: Floats) -> None:
 @compiled(inline=True)
 def add_up(weights: Floats, rates: Floats, start: int, n: int, block: Floats) -> None:
     """Write a block of the sum of weights times rates; where there are many, rate by rate, so that loops vectorise."""
-    if n <= _FEW:
+    if n <= FEW:
         for k in range(n):
             total = 0.0
             for j in range(weights.size):

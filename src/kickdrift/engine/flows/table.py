@@ -54,8 +54,9 @@ class Flow:
         Numbers of memory for a state of n numbers, the coefficients of the method, and the params of the system.
     scratch : callable
         In the same way, numbers of scratch.
-    constants : bool
-        Whether stages, and for a few numbers the size of the state, are constants of its compilation.
+    constants : callable or None
+        From the coefficients, the params and whether x' is not v: names and values that are constants of its compilation,
+        as is the size of the state for a few numbers.
     primer : str
         Name of a flow that makes the memory ready before the first step, empty for none.
     """
@@ -70,7 +71,7 @@ class Flow:
     keeps_acceleration: bool = True
     memory: Callable[[int, NDArray[np.float64], NDArray[np.float64]], int] = lambda n, coefficients, params: 0
     scratch: Callable[[int, NDArray[np.float64], NDArray[np.float64]], int] = lambda n, coefficients, params: 0
-    constants: bool = False
+    constants: Callable[[NDArray[np.float64], int, NDArray[np.float64], bool], dict[str, int]] | None = None
     primer: str = ""
 
 
@@ -195,7 +196,7 @@ FLOWS = {
         moves_x=True,
         moves_v=True,
         memory=runge_kutta.explicit_memory,
-        constants=True,
+        constants=runge_kutta.constants,
     ),
     "implicit-runge-kutta": Flow(
         runge_kutta.implicit_runge_kutta,
@@ -204,12 +205,13 @@ FLOWS = {
         moves_v=True,
         memory=runge_kutta.implicit_memory,
         scratch=runge_kutta.implicit_scratch,
-        constants=True,
+        constants=runge_kutta.constants,
     ),
     "linearise-constraints": Flow(
         constraints.linearise_constraints,
         parts={"jacobian": constraints.jacobian_here},
         memory=constraint_rows.memory_size,
+        constants=constraint_rows.constants,
     ),
     "constrain-positions": Flow(
         constraints.constrain_positions,
@@ -218,6 +220,7 @@ FLOWS = {
         moves_v=True,
         timed=False,
         memory=constraint_rows.memory_size,
+        constants=constraint_rows.constants,
         primer="linearise-constraints",
     ),
     "constrain-velocities": Flow(
@@ -226,6 +229,7 @@ FLOWS = {
         moves_v=True,
         timed=False,
         memory=constraint_rows.memory_size,
+        constants=constraint_rows.constants,
         primer="linearise-constraints",
     ),
 }
