@@ -26,7 +26,6 @@ from kickdrift.engine.flows.constraint_rows import (
     factor_rows,
     factor_with,
     factored,
-    farthest,
     iterated,
     push,
     rows_of,
@@ -47,7 +46,8 @@ add_to_x: Callable[..., None] = unbound
 add_to_v: Callable[..., None] = unbound
 jacobian: Callable[..., None] = unbound
 linearise: Callable[..., None] = unbound
-leave_over: Callable[..., float] = unbound
+leave_over: Callable[..., None] = unbound
+excess_of: Callable[..., float] = unbound
 renew: Callable[..., bool] = unbound
 project: Callable[..., bool] = unbound
 
@@ -82,54 +82,59 @@ def constrain_velocities(t: float, h: float, x: Floats, v: Floats, params: Float
 def project_state(size: float, t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:
     """Find the total of the increments for a state of this size, or leave at TROUBLE what is left over."""
     n, m, own = SIZE or x.size, COUNT or count(x.size, params), memory(work)
-    rows, lengths, _, order = rows_of(n, m, own)
+    rows, inverse, sums, order = rows_of(n, m, own)
     left, multipliers, increment, total, _ = iterated(n, m, own)
     matrix, pivots = factored(n, m, own)
+    rank, rounding = int(own[0]), ROUNDING * size
     clear(total)
-    previous, renewed, excess, moved = np.inf, False, np.inf, np.inf
+    previous, renewed, moved = np.inf, False, np.inf
     for iteration in range(MOST_ITERATIONS):
-        excess = leave_over(size, t, x, v, params, work)
-        for k in range(pivots.size):
+        leave_over(t, x, v, params, work)
+        for k in range(m):
             i = int(order[k])
-            multipliers[k] = -left[i] / lengths[i]
-        lu_solve(matrix, pivots, multipliers[: pivots.size])
-        push(rows, lengths, order, multipliers[: pivots.size], params, increment)
-        moved = largest(increment) / size
+            multipliers[k] = -left[i] * inverse[i] if k < rank else 0.0
+        lu_solve(matrix, pivots, multipliers)
+        push(rows, inverse, order, multipliers, params, increment)
+        moved = largest(increment)
         if not np.isfinite(moved):
             break
         shrinking = moved < previous
-        if shrinking or moved > ROUNDING:
+        if shrinking or moved > rounding:
             for j in range(n):
                 total[j] += increment[j]
-        if moved == 0.0 or (not shrinking and moved <= ROUNDING):
+        if moved == 0.0 or (not shrinking and moved <= rounding):
             break
-        if iteration > 0 and moved > _SLOW * previous and moved > ROUNDING:
+        if iteration > 0 and moved > _SLOW * previous and moved > rounding:
             if renewed and not shrinking:
                 break
             renewed = renew(t, x, v, params, work)
             previous = np.inf if renewed else moved
         else:
             previous = moved
-    if moved <= ROUNDING and excess <= ROUNDING:
+    excess = excess_of(left, sums)
+    if moved <= rounding and excess <= rounding:
         return True
-    trouble = max(excess, moved)
+    trouble = max(excess, moved) / size
     work[TROUBLE] = trouble if np.isfinite(trouble) else np.inf
     return False
 
 
-def positions_left_over(size: float, t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> float:
-    """Leave g at the positions reached, and return how far from zero it is: the change of x that it asks for."""
+def positions_left_over(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    """Leave g at the positions reached."""
     n, m, own = SIZE or x.size, COUNT or count(x.size, params), memory(work)
-    _, _, sums, _ = rows_of(n, m, own)
     left, _, _, total, reached = iterated(n, m, own)
     for j in range(n):
         reached[j] = x[j] + total[j]
     constraints_at(t, reached, v, params, work, left)
-    return farthest(left, sums) / size
 
 
-def velocities_left_over(size: float, t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> float:
-    """Leave G times the velocities reached; it is linear, so that small increments say enough."""
+def nothing_in_excess(left: Floats, sums: Floats) -> float:
+    """Say that what velocities leave over is linear, so that small increments say enough."""
+    return 0.0
+
+
+def velocities_left_over(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    """Leave G times the velocities reached."""
     n, m, own = SIZE or x.size, COUNT or count(x.size, params), memory(work)
     rows, _, _, _ = rows_of(n, m, own)
     left, _, _, total, reached = iterated(n, m, own)
@@ -139,7 +144,6 @@ def velocities_left_over(size: float, t: float, x: Floats, v: Floats, params: Fl
         left[i] = 0.0
         for j in range(n):
             left[i] += rows[i * n + j] * reached[j]
-    return 0.0
 
 
 def renew_at_positions(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:

@@ -85,11 +85,12 @@ def _solving(residual: Function, **parts: Function) -> dict[str, Function]:
     }
 
 
-def _projecting(leave_over: Function, renew: Function) -> dict[str, Function]:
+def _projecting(leave_over: Function, excess_of: Function, renew: Function) -> dict[str, Function]:
     return {
         "jacobian": constraints.jacobian_here,
         "linearise": constraints.linearise_constraints,
         "leave_over": leave_over,
+        "excess_of": excess_of,
         "renew": renew,
         "project": constraints.project_state,
     }
@@ -215,7 +216,7 @@ FLOWS = {
     ),
     "constrain-positions": Flow(
         constraints.constrain_positions,
-        parts=_projecting(constraints.positions_left_over, constraints.renew_at_positions),
+        parts=_projecting(constraints.positions_left_over, constraint_rows.farthest, constraints.renew_at_positions),
         moves_x=True,
         moves_v=True,
         timed=False,
@@ -225,7 +226,7 @@ FLOWS = {
     ),
     "constrain-velocities": Flow(
         constraints.constrain_velocities,
-        parts=_projecting(constraints.velocities_left_over, constraints.renew_nothing),
+        parts=_projecting(constraints.velocities_left_over, constraints.nothing_in_excess, constraints.renew_nothing),
         moves_v=True,
         timed=False,
         memory=constraint_rows.memory_size,
