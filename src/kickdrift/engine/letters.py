@@ -14,6 +14,7 @@ from kickdrift.engine.program import Program
 from kickdrift.systems.system import System
 
 _SMALL = 8  # numbers of a state up to which the accelerations pass in registers
+_CALLED_ONCE = ("solve", "solve_component", "evaluate_component", "project", "leave_over", "linearise")
 
 arrays: Callable[[Any], Any] = unbound
 flow: Callable[..., None] = unbound
@@ -89,8 +90,8 @@ def _native(
     if not inlined:
         bindings |= {f"{part}_at": layout.part_by_address(part) for part in layout.PARTS}
     for part, function in known.parts.items():
-        # Not forced inline: the implicit Runge-Kutta flow compiles in a third of the time.
-        inline = part == "solve" and bool(constants)
+        # Not all forced inline: the implicit Runge-Kutta flow compiles in a third of the time.
+        inline = known.constants is not None and part in _CALLED_ONCE
         bindings[part] = compiled(cached=False, inline=inline)(specialise(function, part, **bindings))
     bound = own or _inline(specialise(template, template.__name__, **bindings))
     arrays = memory.arrays

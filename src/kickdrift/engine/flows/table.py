@@ -125,13 +125,18 @@ FLOWS = {
     "kepler": Flow(kepler.kepler, moves_x=True, moves_v=True),
     "jump": Flow(kepler.jump),  # moves x by what neither the clock nor the acceleration of the kicks sees
     "sweep": Flow(
-        sweep.sweep, parts={"evaluate_component": sweep.evaluate_component}, moves_x=True, memory=sweep.memory_size
+        sweep.sweep,
+        parts={"evaluate_component": sweep.evaluate_component},
+        moves_x=True,
+        memory=sweep.memory_size,
+        constants=sweep.constants,
     ),
     "adjoint-sweep": Flow(
         sweep.adjoint_sweep,
         parts={"evaluate_component": sweep.evaluate_component, "solve_component": sweep.solve_component},
         moves_x=True,
         memory=sweep.memory_size,
+        constants=sweep.constants,
     ),
     "extrapolation": Flow(
         extrapolation.extrapolate,
