@@ -114,5 +114,3 @@ def pairs() -> list[Pair]:
             ("Jacobian by differences", kd.Constrained(gravity, rods)),
         )
     ]
-
-

@@ -189,5 +189,3 @@ def pairs() -> list[Pair]:
         options={"x0": y0},
     )
     return [*_runge_kutta_pairs(), *_boris_pairs(), diagonal]
-
-

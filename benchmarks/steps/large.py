@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 
-import kickdrift as kd
 from benchmarks.steps.pair import Floats, Pair, by_hand
 
 OSCILLATORS, SIDE = 1_000_000, 1000

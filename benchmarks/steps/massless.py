@@ -53,7 +53,11 @@ def wisdom_holman(x: Floats, v: Floats, gm: Floats, planets: int, h: float, step
         share = 0.5 * h if step in (0, steps) else h
         for i in range(1, len(x)):
             rx, ry, rz, ux, uy, uz = x[i, 0], x[i, 1], x[i, 2], v[i, 0], v[i, 1], v[i, 2]
-            r, eta, u2 = math.sqrt(rx * rx + ry * ry + rz * rz), rx * ux + ry * uy + rz * uz, ux * ux + uy * uy + uz * uz
+            r, eta, u2 = (
+                math.sqrt(rx * rx + ry * ry + rz * rz),
+                rx * ux + ry * uy + rz * uz,
+                ux * ux + uy * uy + uz * uz,
+            )
             f, g, df, dg, _ = gauss_functions(gm[0], share, r, eta, u2)
             x[i, 0], x[i, 1], x[i, 2] = rx + (f * rx + g * ux), ry + (f * ry + g * uy), rz + (f * rz + g * uz)
             v[i, 0], v[i, 1], v[i, 2] = ux + (df * rx + dg * ux), uy + (df * ry + dg * uy), uz + (df * rz + dg * uz)

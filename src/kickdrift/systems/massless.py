@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.memory import part
+from kickdrift.core.views import part
 from kickdrift.systems import gravity
 
 Floats = NDArray[np.float64]

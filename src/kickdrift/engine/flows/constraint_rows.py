@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.linear_algebra import independent, lu_factor
-from kickdrift.core.memory import part
+from kickdrift.core.views import part
 from kickdrift.engine.flows.implicit import clear, scale
 from kickdrift.engine.flows.layout import FEW
 

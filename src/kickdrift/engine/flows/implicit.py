@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled, unbound
-from kickdrift.core.memory import float_of, part, words
+from kickdrift.core.views import float_of, part, words
 from kickdrift.engine.flows.layout import KEPT_BY, KEPT_FOR, KEPT_TIMES, TROUBLE, memory
 
 Floats = NDArray[np.float64]
@@ -86,7 +86,9 @@ def patience(m: int) -> float:
     return 1.0 + m / 100 + m * m / 200_000
 
 
-def solve(keeper: int, m: int, first: int, t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:
+def solve(
+    keeper: int, m: int, first: int, t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats
+) -> bool:
     """Solve from the m unknowns in memory on; leaves them there, or the residual at TROUBLE.
 
     The keeper is the number of the flow, which tells whose matrix is kept; `first` unknowns have the first scale.
@@ -175,7 +177,7 @@ def retreat(z: Floats, share: float, last: Floats) -> None:
 def relative_size(increment: Floats, head: Floats, scales: int) -> float:
     """Maximum norm of increments in terms of the scales at an index of the head; NaN where there is one."""
     first = int(head[1])
-    size = largest(part(increment, 0, first)) / head[scales]
+    size: float = largest(part(increment, 0, first)) / head[scales]
     if first == increment.size:
         return size
     return larger(size, largest(part(increment, first, increment.size - first)) / head[scales + 1])

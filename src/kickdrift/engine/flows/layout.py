@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 
 from kickdrift.core.calls import caller
 from kickdrift.core.compilation import Function, compiled, specialise
-from kickdrift.core.memory import floats_at, part, word_in
+from kickdrift.core.memory import floats_at, word_in
+from kickdrift.core.views import part
 
 Floats = NDArray[np.float64]
 
@@ -63,7 +64,8 @@ call = caller(FLAT)
 
 def _scratch_at(start: int, size: int, work: Floats) -> Floats:
     address = word_in(work, work.size + SCRATCH)
-    return carray(floats_at(address + 8 * start), (size,))
+    numbers: Floats = carray(floats_at(address + 8 * start), (size,))
+    return numbers
 
 
 scratch_by_address = compiled(cached=False, inline=True)(_scratch_at)
@@ -101,9 +103,7 @@ def aligned(size: int) -> Floats:
     return room[start : start + size]
 
 
-def lay_out(
-    n: int, coefficients: Floats, memory_size: int, addresses: dict[str, int], scratch: Floats
-) -> Floats:
+def lay_out(n: int, coefficients: Floats, memory_size: int, addresses: dict[str, int], scratch: Floats) -> Floats:
     """Make the work of a run: coefficients and addresses filled in, the rest zero."""
     end = coefficients_at(n) + coefficients.size
     start = (end + _LINE - 1) // _LINE * _LINE

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.compilation import unbound
 from kickdrift.core.linear_algebra import lu_factor, lu_solve
-from kickdrift.core.memory import part
+from kickdrift.core.views import part
 from kickdrift.engine.flows.implicit import copy, largest, scale
 from kickdrift.engine.flows.layout import EVALUATIONS, TROUBLE, VELOCITY_JACOBIAN, change_of_v, has_part, memory
 

@@ -33,9 +33,7 @@ form_matrix: Callable[..., bool] = unbound
 scratch: Callable[..., Floats] = unbound
 
 
-def newton(
-    keeper: int, forming: bool, t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats
-) -> bool:
+def newton(keeper: int, forming: bool, t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:
     """Solve from the unknowns in memory on, with the matrix kept or, `forming`, a new one to begin with.
 
     Leaves the solution, or the residual at TROUBLE.

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled, unbound
-from kickdrift.core.memory import part
+from kickdrift.core.views import part
 from kickdrift.engine.flows.implicit import (
     clear,
     increments,

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import Function, compiled
-from kickdrift.core.memory import part
+from kickdrift.core.views import part
 
 Floats = NDArray[np.float64]
 
