@@ -16,7 +16,9 @@ from kickdrift.core.compilation import compiled, is_on_disk, specialise, unbound
 from kickdrift.core.linking import Part, Whole
 from kickdrift.core.together import _families
 from kickdrift.engine.progress import announce_compiling, announcements
+from kickdrift.scenes.worlds.catalogue import SCENES
 from kickdrift.world.collision.broad_phase import find_pairs
+from kickdrift.world.compiling import _jobs, all_jobs
 from kickdrift.world.contacts.contact_solver_simd import KERNELS
 from kickdrift.world.direct.bounces import bounce_islands
 from kickdrift.world.direct.solve import relax_islands, solve_islands
@@ -195,12 +197,12 @@ JOBS = (
 def test_another_process_compiles_what_is_found_here(tmp_path):
     code = JOBS + (
         "from collections import deque;"
-        "before = len(together.missing(jobs * 2));"
-        "workers = together._workers(1, deque([job] for job in jobs), together._places());"
+        "before, done = len(together.missing(jobs * 2)), [];"
+        "workers = together._workers(1, deque([job] for job in jobs), together._places(), lambda: done.append(1));"
         "workers.__enter__(); workers.__exit__(None, None, None);"
-        "print(before, len(together.missing(jobs)), together.seconds_for(jobs) > 0.0)"
+        "print(before, len(together.missing(jobs)), together.seconds_for(jobs) > 0.0, len(done))"
     )
-    assert python(code, NUMBA_CACHE_DIR=str(tmp_path)) == "4 0 True"
+    assert python(code, NUMBA_CACHE_DIR=str(tmp_path)) == "4 0 True 4"
 
 
 @pytest.mark.parametrize("worker", ["raise SystemExit", "import time; time.sleep(0.5)"])
@@ -238,3 +240,12 @@ def test_a_function_that_was_compiled_for_a_caller_has_an_address_of_its_own():
     signature = types.float64(types.float64)
     assert address_of(caller_of, signature) != 0
     assert address_of(called, signature) != 0
+
+
+def test_what_compiles_ahead_is_all_that_the_scenes_need():
+    ahead = {id(function) for function, _ in all_jobs()}
+    for scene in SCENES.values():
+        world = scene.make()
+        needed = _jobs(world.word, world.shape_rows.kinds, world.shape_rows.pairs())
+        assert {function.__name__ for function, _ in needed if id(function) not in ahead} == set()
+    assert len(ahead) > len(needed)

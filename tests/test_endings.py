@@ -242,3 +242,18 @@ def test_threads_start_in_processes_that_find_everything_compiled(tmp_path):
             check=True,
             capture_output=True,
         )
+
+
+def test_an_energy_that_is_off_by_more_than_itself_is_said():
+    pythagorean = kd.systems.nbody(
+        masses=[3, 4, 5], x0=[[1, 3, 0], [-2, -1, 0], [1, -1, 0]], v0=np.zeros((3, 3)), G=1.0
+    )
+    lost = kd.solve(pythagorean, (0.0, 70.0), step=1e-2, method="stormer-verlet", save_every=100)
+    times = abs(lost.energy[-1] / lost.energy[0] - 1.0)
+    assert times > 1.0
+    assert f"The energy is off by {times:.3g} times what it was" in lost.message
+    assert "The energy is off" in lost.report()
+    kept = kd.solve(pythagorean, (0.0, 1.0), step=1e-3, method="stormer-verlet")
+    assert "energy" not in kept.message
+    decaying = kd.Damped(lambda x: -x, damping=1.0, energy=lambda x, v: 0.5 * (v * v + x * x))
+    assert "energy" not in kd.solve(decaying, (0.0, 20.0), 1.0, 0.0, step=0.01, method="auto").message

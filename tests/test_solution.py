@@ -10,6 +10,7 @@ import pytest
 
 import kickdrift as kd
 from kickdrift.core.errors import FileFormatError, MissingExtraError
+from kickdrift.io import archive
 
 
 @pytest.fixture(scope="module")
@@ -107,10 +108,21 @@ def test_shapes_that_do_not_match_are_refused(planets, tmp_path):
     path = planets.save(tmp_path / "a.npz")
     with np.load(path) as file:
         arrays = {name: file[name] for name in file.files}
+    header = json.loads(str(arrays.pop("header")))
     arrays["x"] = arrays["x"][:-1]
+    archive.write(path, header, arrays)
+    with pytest.raises(FileFormatError, match="have shapes"):
+        kd.load(path)
+
+
+def test_numbers_that_were_changed_after_they_were_written_are_refused(planets, tmp_path):
+    path = planets.save(tmp_path / "a.npz")
+    with np.load(path) as file:
+        arrays = {name: file[name] for name in file.files}
+    arrays["x"][3] += 1e-9
     with path.open("wb") as out:
         np.savez(out, **arrays)
-    with pytest.raises(FileFormatError, match="have shapes"):
+    with pytest.raises(FileFormatError, match="was changed after it was written"):
         kd.load(path)
 
 

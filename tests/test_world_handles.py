@@ -1,6 +1,7 @@
 """Handles of bodies: what they say, what is set by them, names, and what they refuse."""
 
 import copy
+import gc
 import pickle
 
 import numpy as np
@@ -546,6 +547,102 @@ def test_handles_are_equal_where_they_are_of_one_body():
     assert {ball: 1}[world.bodies.handle(ball.index)] == 1
     assert ball != (ball.index, ball.generation)
     assert ball != world.add_ball_joint(ball, None, anchor=(0, 0, 0))
-    assert copy.copy(ball) is copy.deepcopy({"a": ball})["a"] is ball
-    with pytest.raises(TypeError, match="another process"):
-        pickle.dumps(ball)
+    assert copy.copy(ball) is ball
+    assert ball != kd.World().ground
+
+
+def two_worlds():
+    """Worlds of which each has a ball in row 1."""
+    worlds = kd.World(), kd.World()
+    return *worlds, *(world.add_sphere(0.1, position=(0, 0, 5)) for world in worlds)
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda world, body: world.remove(body),
+        lambda world, body: world.apply_force(body, (1, 0, 0)),
+        lambda world, body: world.add_hinge(None, body, anchor=(0, 0, 0), axis=(1, 0, 0)),
+        lambda world, body: world.exclude(world.ground, body),
+        lambda world, body: world.ray_cast((0, 0, 0), (0, 0, 1), ignore=body),
+    ],
+)
+def test_a_body_of_another_world_is_refused(use):
+    world, other, ball, others = two_worlds()
+    assert ball != others
+    with pytest.raises(ArgumentError, match="of another world"):
+        use(world, others)
+    use(other, others)
+
+
+class Lamp(kd.World):
+    """A world that takes an argument, and keeps its handles."""
+
+    def __init__(self, height):
+        super().__init__(sleeping=True)
+        self.height = height
+        self.bulb = self.add_sphere(0.1, position=(0, 0, height), name="bulb")
+        self.cord = self.add_distance_joint(None, self.bulb, anchor_a=(1, 0, height + 1), anchor_b=(0, 0, height))
+
+
+def whole(way):
+    return {"deepcopy": copy.deepcopy, "pickle": lambda what: pickle.loads(pickle.dumps(what))}[way]
+
+
+@pytest.mark.parametrize("way", ["copy", "deepcopy", "pickle"])
+def test_a_copied_world_goes_on_by_itself_with_the_same_bits(way):
+    lamp = Lamp(3.0)
+    lamp.advance(STEP, 20)
+    again = copy.copy(lamp) if way == "copy" else whole(way)(lamp)
+    assert type(again) is Lamp
+    assert (again.height, again.time, again.body("bulb").name) == (3.0, lamp.time, "bulb")
+    before = lamp.position.copy()
+    again.advance(STEP, 30)
+    assert np.array_equal(lamp.position, before)
+    lamp.advance(STEP, 30)
+    assert np.array_equal(lamp.position, again.position)
+    assert not np.array_equal(lamp.position, before)
+
+
+@pytest.mark.parametrize("way", ["deepcopy", "pickle"])
+def test_handles_that_are_copied_with_their_world_belong_to_the_copy(way):
+    lamp = Lamp(3.0)
+    parts = {"first": lamp.bulb, "lamp": lamp, "cord": lamp.cord, "gone": lamp.add_sphere(0.1)}
+    lamp.remove(parts["gone"])
+    again = whole(way)(parts)
+    assert again["first"] == again["lamp"].bulb != lamp.bulb
+    assert again["cord"] == again["lamp"].cord != lamp.cord
+    again["first"].position = 0, 0, 7
+    assert again["lamp"].position[1, 2] == 7 != lamp.position[1, 2]
+    with pytest.raises(ArgumentError, match="was removed"):
+        again["gone"].velocity = 0, 0, 0
+    alone = whole(way)(lamp.bulb)
+    assert np.array_equal(alone.position, lamp.bulb.position)
+
+
+def test_a_handle_of_a_world_that_is_gone_is_not_copied():
+    bulb = Lamp(3.0).bulb
+    gc.collect()
+    with pytest.raises(TypeError, match="of a world that is gone"):
+        pickle.dumps(bulb)
+
+
+def pull(position, force):
+    for body in range(len(force)):
+        force[body, 0] -= position[body, 0]
+
+
+def test_snapshots_and_worlds_with_forces_are_pickled_with_the_functions():
+    lamp = Lamp(3.0)
+    lamp.add_force(pull)
+    lamp.advance(STEP, 20)
+    snapshot = pickle.loads(pickle.dumps(lamp.snapshot()))
+    again = pickle.loads(pickle.dumps(lamp))
+    lamp.advance(STEP, 20)
+    again.advance(STEP, 20)
+    assert np.array_equal(lamp.position, again.position)
+    again.restore(snapshot)
+    again.advance(STEP, 20)
+    assert np.array_equal(lamp.position, again.position)
+    with pytest.raises(ValueError, match="read-only"):
+        snapshot.tables["POSE"][0, 0] = 1.0

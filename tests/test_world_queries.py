@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kickdrift.core.errors import ArgumentError, KickdriftError
+from kickdrift.core.errors import ArgumentError, KickdriftError, LostBodyError
 from kickdrift.world import tables as t
 from kickdrift.world.adding import Part
 from kickdrift.world.collision import PAIRS
@@ -447,3 +447,23 @@ def test_rays_and_overlaps_go_through_what_they_are_to_ignore():
         ):
             with pytest.raises(ArgumentError, match="ignore"):
                 ask(ignore)
+
+
+@pytest.mark.parametrize("lost", [np.nan, np.inf, 1e308])
+def test_rays_meet_what_is_there_after_a_body_was_lost(lost):
+    world = World()
+    world.add_plane()
+    balls = [world.add_sphere(0.2, position=(k, 0, 1)) for k in range(20)]
+    world.advance(1 / 60, 3)
+    balls[7].velocity[:] = lost
+    with pytest.raises(LostBodyError):
+        world.advance(1 / 60, 3)
+    balls[7].velocity = 0, 0, 0
+    for k, ball in enumerate(balls):
+        hit = world.ray_cast((k, 0, 5), (0, 0, -1))
+        assert hit.body == ball
+        assert hit.distance == pytest.approx(5 - ball.position[2] - 0.2)
+    assert world.ray_cast((40, 0, 5), (0, 0, -1)).body != balls[7]
+    assert len(world.overlap_box((50, 1, 3))) == 21
+    world.advance(1 / 60, 60)
+    assert world.position[2:22, 2] == pytest.approx(0.2, abs=0.01)

@@ -88,7 +88,7 @@ def test_nearly_all_are_loaded():
         "TwoJointRobot_wo_fixedJoints.urdf", "random_urdfs/000/000.urdf",
     ]  # fmt: skip
     for name in names:
-        assert load_robot(DATA / name).bodies
+        assert load_robot(DATA / name, folder=DATA).bodies
 
 
 def bare(path, tmp_path):

@@ -576,7 +576,7 @@ def test_files_of_packages_are_found_above_a_robot_scaled_or_named(tmp_path):
     for package in ("arm_description/", ""):
         mesh = f"<geometry><mesh filename='package://{package}meshes/cube.obj' scale='0.5 1 2'/></geometry>"
         path.write_text(f"<robot name='r'>{link((1, 1, 1), shapes=f'<collision>{mesh}</collision>')}</robot>")
-        (placed,) = load_robot(path).world.shape_rows.shapes.values()
+        (placed,) = load_robot(path, folder=folder).world.shape_rows.shapes.values()
         assert placed.shape.mass_properties().volume == pytest.approx(8.0)
     path.write_text(path.read_text().replace("cube.obj", "ball.obj"))
     with pytest.raises(FileFormatError, match=r"meshes/ball\.obj"):
@@ -696,3 +696,74 @@ def test_what_is_noted_of_many_is_said_once():
     notes = load_robot(FILES / "quadruped.xml").notes
     assert len(notes) == 2
     assert all(repr(name) in notes[1] for name in load_robot(FILES / "quadruped.xml").actuators)
+
+
+OUTSIDE = {
+    "an include": ("<include file='../other.xml'/>", ""),
+    "an include by its number": ("<include file='&#46;./other.xml'/>", ""),
+    "a mesh": ("<body><geom type='mesh' mesh='m'/></body>", "<asset><mesh name='m' file='../other.stl'/></asset>"),
+    "a folder of meshes": (
+        "<body><geom type='mesh' mesh='m'/></body>",
+        "<compiler meshdir='..'/><asset><mesh name='m' file='other.stl'/></asset>",
+    ),
+    "a link": ("<body><geom type='mesh' mesh='m'/></body>", "<asset><mesh name='m' file='link.stl'/></asset>"),
+    "a height field": (
+        "<geom type='hfield' hfield='h'/>",
+        "<asset><hfield name='h' file='../other.stl' size='1 1 1 1'/></asset>",
+    ),
+    "a model": ("<body name='a'/>", "<asset><model name='n' file='../other.xml'/></asset>"),
+}
+
+
+def tetrahedron(path):
+    """Write a mesh as a binary STL file."""
+    corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], dtype="<f4")
+    facets = b"".join(
+        np.zeros(3, "<f4").tobytes() + corners[list(face)].tobytes() + b"\0\0"
+        for face in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
+    )
+    path.write_bytes(bytes(80) + np.uint32(4).tobytes() + facets)
+
+
+@pytest.mark.parametrize("name", OUTSIDE)
+def test_a_file_reads_nothing_outside_of_its_folder(name, tmp_path):
+    inside = tmp_path / "robot"
+    inside.mkdir()
+    (tmp_path / "other.xml").write_text(
+        "<mujoco><worldbody><body name='b'><geom size='.1'/></body></worldbody></mujoco>"
+    )
+    tetrahedron(tmp_path / "other.stl")
+    (inside / "link.stl").symlink_to(tmp_path / "other.stl")
+    path = text(inside, *OUTSIDE[name])
+    with pytest.raises(FileFormatError, match="give folder=, one that holds all that it may read"):
+        load_robot(path)
+    if name not in ("a height field", "an include", "an include by its number"):
+        assert load_robot(path, folder=tmp_path).bodies is not None
+
+
+def test_a_package_above_its_folder_is_read_if_that_is_asked_for(tmp_path):
+    (tmp_path / "p" / "urdf").mkdir(parents=True)
+    tetrahedron(tmp_path / "p" / "part.stl")
+    mesh = "<geometry><mesh filename='package://p/part.stl'/></geometry>"
+    path = tmp_path / "p" / "urdf" / "a.urdf"
+    path.write_text(f"<robot name='r'><link name='l'><collision>{mesh}</collision></link></robot>")
+    with pytest.raises(FileFormatError, match=r"'package://p/part.stl' is found in .* give folder="):
+        load_robot(path)
+    assert len(load_robot(path, folder=tmp_path / "p").world.shape_rows.shapes) == 1
+
+
+@pytest.mark.parametrize(
+    "inside",
+    [
+        "<replicate count='1000000'><body><geom size='.1'/></body></replicate>",
+        "<replicate count='200'><replicate count='200'><body><geom size='.1'/></body></replicate></replicate>",
+        "<body><composite type='cable' count='100000 1 1' size='1'/></body>",
+        "<include file='part.xml'/>",
+    ],
+)
+def test_a_file_that_repeats_itself_without_end_is_refused(inside, tmp_path):
+    (tmp_path / "part.xml").write_text("<mujoco><worldbody><replicate count='99999999999'/></worldbody></mujoco>")
+    with pytest.raises(FileFormatError, match=r"repeats parts of itself \d+ times"):
+        load_robot(text(tmp_path, inside))
+    few = "<replicate count='3' offset='0 0 1'><body><freejoint/><geom size='.1'/></body></replicate>"
+    assert len(load_robot(text(tmp_path, few)).bodies) == 4

@@ -105,12 +105,12 @@ def compare(
     raise typer.Exit(do(make_plan(system, options, comparison=True), output))
 
 
-@app.command("compile", help=help_texts.COMPILE, short_help="Compile ahead what runs and worlds may need.")
+@app.command("compile", help=help_texts.COMPILE, short_help="Compile all that runs may need, once on this machine.")
 def compile_(quiet: Annotated[bool, typer.Option("--quiet", help="Print errors only.")] = False) -> None:
-    """Fill the cache of compiled code, so that no first run or step has to wait for it."""
+    """Compile all that runs may need, once on this machine."""
     from kickdrift.cli.compiling import compile_all
 
-    compile_all(quiet)
+    raise typer.Exit(compile_all(quiet))
 
 
 @app.command("list", help=help_texts.LIST, short_help="List the methods, the systems or the scenes.")

@@ -1,11 +1,13 @@
 """The CSV file of bodies: a header of names in any order, then a body a line."""
 
 import csv
+import io
 import math
 from pathlib import Path
 from typing import Any
 
 from kickdrift.core.errors import FileFormatError, unknown_name
+from kickdrift.core.files import opened
 
 COLUMNS = ("name", "mass", "x", "y", "z", "vx", "vy", "vz")
 _MOST_BYTES = 64 << 20  # half a million bodies, far beyond what a run could move
@@ -54,12 +56,11 @@ def read_text(path: Path) -> str:
         For one that is not.
     """
     try:
-        # Opening a pipe or a device would wait for ever.
-        if path.exists() and not path.is_file():
-            raise FileFormatError(f"{path}: is not a file; give the path of one.")
-        if path.stat().st_size > _MOST_BYTES:
+        with opened(path) as file:
+            content = file.read(_MOST_BYTES + 1)
+        if len(content) > _MOST_BYTES:
             raise FileFormatError(f"{path}: is larger than {_MOST_BYTES >> 20} MiB; give a smaller one.")
-        return path.read_text(encoding="utf-8-sig")
+        return io.TextIOWrapper(io.BytesIO(content), encoding="utf-8-sig").read()
     except UnicodeDecodeError as error:
         raise FileFormatError(f"{path}: byte {error.start} is not UTF-8; give a text file in UTF-8.") from None
     except (OSError, ValueError) as error:

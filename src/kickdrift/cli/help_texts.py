@@ -42,7 +42,7 @@ KICKDRIFT = """Mechanics in time, structure first.
   kickdrift run pyramid           boxes on boxes, with a picture and a film
   kickdrift compare kepler        Euler's methods and Stoermer-Verlet side by side
   kickdrift list methods
-  kickdrift compile               all that the first runs would have to wait for
+  kickdrift compile               all that runs may need, once on this machine
 
 Exit codes: 0 done, 2 input that cannot be used, 3 a run that failed on its way, 130 interrupted.
 """
@@ -92,10 +92,12 @@ in position at the end; draws the energy errors in <system>-energy.png.
   kickdrift compare solar-system --years 1 --step "0.01 day"
 """
 
-COMPILE = """Fill the cache of compiled code, so that no first run or step has to wait for it.
+COMPILE = """Compile all that worlds and the systems of the catalogue need, once on this machine, on all cores.
 
-Takes some minutes, once on a machine and after each update. Functions of your own are compiled when they are first run,
-and found in the cache from then on.
+What is compiled already is kept. Without this, each run compiles what it is the first to need.
+
+\b
+  kickdrift compile
 """
 
 LIST = """List the methods, the systems or the scenes; whole lines where the output is piped.

@@ -189,7 +189,8 @@ class _Dispatcher(CPUDispatcher):  # type: ignore[misc]
         if result is None:
             result = self._part(args, return_type)
             if isinstance(result.library, Part):
-                whole = Whole(result.library)
+                returned = self.targetctx.data_model_manager[result.signature.return_type]
+                whole = Whole(result.library, returns_no_array=not returned.contains_nrt_meminfo())
                 result = result._replace(library=whole, entry_point=whole, reload_init=list(whole._reload_init))
             self._cache.save_overload(sig, result)
         self._wholes[tuple(args)] = result

@@ -8,7 +8,7 @@ from kickdrift.core.compilation import compiled
 Floats = NDArray[np.float64]
 
 
-@compiled
+@compiled(inline=True)
 def lu_factor(matrix: Floats, pivots: Floats) -> bool:
     """Factor a square matrix, given as n*n numbers row by row, in place with partial pivoting.
 
@@ -46,7 +46,7 @@ def lu_factor(matrix: Floats, pivots: Floats) -> bool:
     return True
 
 
-@compiled
+@compiled(inline=True)
 def lu_solve(matrix: Floats, pivots: Floats, b: Floats) -> None:
     """Overwrite b, of n numbers, with the solution of the system that `lu_factor` factored."""
     n = pivots.size
@@ -62,7 +62,7 @@ def lu_solve(matrix: Floats, pivots: Floats, b: Floats) -> None:
         b[i] /= matrix[i * n + i]
 
 
-@compiled
+@compiled(inline=True)
 def independent(products: Floats, order: Floats, least: float) -> int:
     """Choose independent ones of m vectors by their scalar products, and return how many.
 

@@ -38,7 +38,7 @@ def missing(jobs: Iterable[Job]) -> list[Job]:
     return [(function, signature) for function, signature in each.values() if not is_on_disk(function, signature)]
 
 
-def compile_together(jobs: list[Job], done: Callable[[], None] = lambda: None) -> None:
+def compile_together(jobs: list[Job], done: Callable[[], object] = lambda: None) -> None:
     """Compile functions for signatures, those that call the same in one process.
 
     Parameters
@@ -46,22 +46,17 @@ def compile_together(jobs: list[Job], done: Callable[[], None] = lambda: None) -
     jobs : list of tuples
         As `missing` returns them.
     done : callable
-        Called after each.
+        Called after each of them, in any thread.
     """
     places = _places()
     waiting = deque(_families([job for job in jobs if id(job[0]) in places]))
     own = [job for job in jobs if id(job[0]) not in places]  # found by no other process, or not kept on disk
-    with _workers(_processes(len(jobs)) - 1, waiting, places, done):
-        _compile(own, done)
-        with suppress(IndexError):
-            while True:
-                _compile(waiting.popleft(), done)
-
-
-def _compile(jobs: list[Job], done: Callable[[], None]) -> None:
-    for function, signature in jobs:
-        function.compile(signature)  # type: ignore[attr-defined]
-        done()
+    with _workers(_processes(len(waiting)) - 1, waiting, places, done), suppress(IndexError):
+        while True:
+            for function, signature in own or waiting.popleft():
+                function.compile(signature)  # type: ignore[attr-defined]
+                done()
+            own = []
 
 
 def _families(jobs: list[Job]) -> list[list[Job]]:
@@ -84,7 +79,7 @@ def _families(jobs: list[Job]) -> list[list[Job]]:
 
 @contextmanager
 def _workers(
-    count: int, waiting: deque[list[Job]], places: dict[int, tuple[str, str]], done: Callable[[], None] = lambda: None
+    count: int, waiting: deque[list[Job]], places: dict[int, tuple[str, str]], done: Callable[[], object]
 ) -> Iterator[None]:
     """Have so many processes take families of jobs, and at the end wait for the last ones."""
     processes = []
@@ -109,22 +104,23 @@ def _workers(
 
 
 def _feed(
-    process: Any, waiting: deque[list[Job]], places: dict[int, tuple[str, str]], done: Callable[[], None]
+    process: Any, waiting: deque[list[Job]], places: dict[int, tuple[str, str]], done: Callable[[], object]
 ) -> None:
     """Give one job after the other to a process, for as long as it answers."""
     family: deque[Job] = deque()
-    busy = False
-    with suppress(OSError, ValueError, IndexError):  # it has died, or all is done
+    with suppress(OSError, ValueError, IndexError):  # it has died, or nothing is left to be done
         process.stdin.write(dumps(sys.path))
-        while process.stdin.flush() or process.stdout.readline():
-            if busy:
-                done()
-            busy = False
+        process.stdin.flush()
+        process.stdout.readline()
+        while True:
             if not family:
                 family.extend(waiting.popleft())
             function, signature = family.popleft()
             process.stdin.write(dumps((*places[id(function)], signature)))
-            busy = True
+            process.stdin.flush()
+            if not process.stdout.readline():
+                return  # it has died
+            done()
 
 
 def work() -> None:

@@ -16,6 +16,7 @@ from kickdrift.engine.program import Program
 from kickdrift.systems.system import System
 
 _SMALL = 8  # numbers of a state up to which the accelerations pass in registers
+_CALLED_ONCE = ("solve", "solve_component", "evaluate_component", "project", "leave_over", "linearise")
 
 arrays: Callable[[Any], Any] = unbound
 flow: Callable[..., None] = unbound
@@ -56,34 +57,39 @@ def _inlined(system: System, known: Flow) -> tuple[str, ...]:
     return known.inlined if system.packaged or system.x0.size <= _SMALL else ()
 
 
-def build(name: str, system: System, program: Program, compensated: bool) -> Function:
+def build(name: str, system: System, program: Program, compensated: bool, scratch: Any) -> Function:
     """Bind the flow `name` to a system: compiled where the system is native, for the interpreter where not.
 
-    A system's own kick leaves no acceleration behind, so it serves where none is used again.
+    The interpreter needs the scratch itself. A system's own kick leaves no acceleration behind, so it serves where none
+    is used again.
     """
     n = system.x0.size
     functions = functions_of(system, program)
     known = FLOWS[name]
+    constants: dict[str, int] = {}
+    if known.constants is not None:
+        constants = known.constants(program.coefficients, n, system.params, "velocity" in functions)
     if not system.native:
-        bound = _interpreted(known, functions, compensated)
+        bound = _interpreted(known, functions, compensated, constants, scratch)
         return specialise(_letter, "letter", arrays=lambda state: state, flow=bound)
     inlined = tuple((role, functions[role]) for role in _inlined(system, known))
     own = None
     if name == "kick" and not (compensated or program.split or "rekick" in program.flows):
         own = system.kick
-    # Flows with parts are large: compiled once for all sizes. First-order systems have no v of n numbers.
-    size = _SMALL + 1 if known.parts or system.v0.size != n else min(n, _SMALL + 1)
-    return _native(known, name, inlined, own, size, compensated, system.packaged)
+    # Flows with parts are large: most are compiled once for all sizes.
+    most = layout.FEW if known.constants else 0 if known.parts else _SMALL
+    sizes = (n, system.v0.size) if n <= most else None
+    return _native(known, name, inlined, own, sizes, compensated, system.packaged, tuple(constants.items()))
 
 
 def shared() -> list[tuple[Function, Any]]:
     """Return the letters that are compiled once for all systems, and the signature of each."""
-    sizes = {name: range(1, _SMALL + 2) for name, known in FLOWS.items() if not (known.parts or known.inlined)}
-    return [
-        (_native(known, name, (), None, n, True, False), LETTER)
-        for name, known in FLOWS.items()
-        for n in sizes.get(name, (_SMALL + 1,))
-    ]
+    found = []
+    for name, known in FLOWS.items():
+        if not (known.inlined or known.constants):
+            sizes = [None] if known.parts else [None, *((n, n) for n in range(1, _SMALL + 1))]
+            found += [(_native(known, name, (), None, size, True, False, ()), LETTER) for size in sizes]
+    return found
 
 
 @lru_cache(maxsize=256)
@@ -92,29 +98,40 @@ def _native(
     name: str,
     inlined: tuple[tuple[str, Function], ...],
     own: Function | None,
-    n: int,
+    sizes: tuple[int, int] | None,
     compensated: bool,
     packaged: bool,
+    constants: tuple[tuple[str, int], ...],
 ) -> Function:
-    template = kick_drift.kick_small if name == "kick" and n <= _SMALL else known.template
+    template = kick_drift.kick_small if name == "kick" and sizes else known.template
     bindings: dict[str, Any] = {
-        "SIZE": n,
+        "SIZE": sizes[0] if sizes else 0,
+        "SIZE_OF_V": sizes[1] if sizes else 0,
+        "scratch": layout.scratch_by_address,
+        **dict(constants),
         **sums(native=True, compensated=compensated),
         **{f"{part}_at": layout.part_by_address(part) for part in layout.PARTS},
         **{f"{part}_at": layout.part_inlined(part, function) for part, function in inlined},
     }
     bound_to = own or (inlined[0][1] if inlined else template)
     for part, function in known.parts.items():
-        # Not forced inline: the implicit Runge-Kutta flow compiles in a third of the time.
-        bindings[part] = compiled(cached=False)(specialise(function, part, **bindings))
+        # Not all forced inline: the implicit Runge-Kutta flow compiles in a third of the time.
+        inline = known.constants is not None and part in _CALLED_ONCE
+        bindings[part] = compiled(cached=False, inline=inline)(specialise(function, part, **bindings))
     bound = own or _inline(specialise(template, template.__name__, **bindings))
-    small = _inline(specialise(memory.small_arrays, "small_arrays", SIZE=n))
+    arrays = memory.arrays
+    if sizes:
+        arrays = _inline(specialise(memory.small_arrays, "small_arrays", SIZE=sizes[0], SIZE_OF_V=sizes[1]))
     letter = specialise(
         _letter,
         specialised_name(
-            bound_to, name, str(n) if n <= _SMALL else "n", "own" if own else "compensated" if compensated else "plain"
+            bound_to,
+            name,
+            "_".join(map(str, sizes)) if sizes else "n",
+            *(str(int(value)) for _, value in constants),
+            "own" if own else "compensated" if compensated else "plain",
         ),
-        arrays=small if n <= _SMALL else memory.arrays,
+        arrays=arrays,
         flow=bound,
     )
     kept = bound_to is template or is_kept(bound_to) or (packaged and comes_with_kickdrift(bound_to))
@@ -125,8 +142,12 @@ def _inline(function: Function) -> Function:
     return compiled(cached=False, inline=True)(function)
 
 
-def _interpreted(known: Flow, functions: dict[str, Function], compensated: bool) -> Function:
+def _interpreted(
+    known: Flow, functions: dict[str, Function], compensated: bool, constants: dict[str, int], scratch: Any
+) -> Function:
     bindings: dict[str, Any] = {
+        "scratch": layout.scratch_interpreted(scratch),
+        **constants,
         **sums(native=False, compensated=compensated),
         **{f"{name}_at": layout.part_interpreted(function) for name, function in functions.items()},
     }

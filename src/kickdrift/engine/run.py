@@ -1,7 +1,7 @@
 """A run: the loop in chunks, with progress, interruption, and an end at the last good state."""
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from kickdrift.core.heap import keep_freed_memory
 from kickdrift.core.memory import state_block
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import letters, loop
-from kickdrift.engine.flows.layout import EVALUATIONS, TROUBLE, lay_out
+from kickdrift.engine.flows.layout import EVALUATIONS, FORMED, TROUBLE, lay_out
 from kickdrift.engine.flows.table import FLOWS
 from kickdrift.engine.grid import Grid
 from kickdrift.engine.program import Program
@@ -23,23 +23,36 @@ Floats = NDArray[np.float64]
 Failure = tuple[Outcome, str]  # and what there is to say about its cause
 _LARGE = 100  # numbers of a state whose pairs fill what the C library thinks large
 _CHUNK_SECONDS = 0.1  # how long Ctrl-C waits
+_LEAST_SHARE = 10  # of the time of a chunk over that of the copy after it
 _NEVER = np.zeros(0, dtype=np.int64)  # the steps after which rows are kept: none
 
 
 @dataclass
 class State:
-    """Position, velocity, and what the flows keep beside them."""
+    """Position, velocity, and what the flows keep beside them; of a copy, the scratch is empty if nothing is kept there."""
 
     x: Floats
     v: Floats
     work: Floats
+    scratch: Floats
 
-    def copy(self) -> "State":
-        """Copy all three."""
-        return State(self.x.copy(), self.v.copy(), self.work.copy())
+    def copy(self, last: "State | None" = None, into: "State | None" = None) -> "State":
+        """Copy all, into another state if there is one; the scratch only if it changed since the `last` copy."""
+        if last is not None and last.work[FORMED] == self.work[FORMED]:
+            scratch = last.scratch
+        else:
+            scratch = self.scratch.copy() if self.work[FORMED] else np.zeros(0)
+        if into is None:
+            return State(self.x.copy(), self.v.copy(), self.work.copy(), scratch)
+        into.x[:], into.v[:], into.work[:], into.scratch = self.x, self.v, self.work, scratch
+        return into
 
     def restore(self, other: "State") -> None:
         """Go back to a copy, in place."""
+        if other is self:
+            return
+        if self.work[FORMED] != other.work[FORMED]:
+            self.scratch[: other.scratch.size] = other.scratch
         self.x[:], self.v[:], self.work[:] = other.x, other.v, other.work
 
     @property
@@ -83,7 +96,7 @@ class Run:
     ) -> None:
         self.system, self.program, self.grid = system, program, grid
         self._progress = progress
-        self.state = State(system.x0.reshape(-1).copy(), system.v0.reshape(-1).copy(), np.zeros(0))
+        self.state = State(system.x0.reshape(-1).copy(), system.v0.reshape(-1).copy(), np.zeros(0), np.zeros(0))
         rows = grid.save_steps.size + 1
         self.xs, self.vs = np.empty((rows, self.state.x.size)), np.empty((rows, self.state.v.size))
         names = program.flows + program.primers
@@ -96,10 +109,12 @@ class Run:
         addresses = letters.addresses_of(system, functions, names) if system.native else dict.fromkeys(functions, 1)
         n = state.x.size
         memory_size = max(FLOWS[name].memory(n, program.coefficients, system.params) for name in names)
-        state.work = lay_out(n, program.coefficients, memory_size, addresses)
+        scratch_size = max(FLOWS[name].scratch(n, program.coefficients, system.params) for name in names)
+        state.scratch = np.zeros(scratch_size)
+        state.work = lay_out(n, program.coefficients, memory_size, addresses, state.scratch)
         members = (state.x, state.v, system.params, state.work)
         self._blank = state.work.copy()
-        self._letters = [letters.build(name, system, program, compensated) for name in names]
+        self._letters = [letters.build(name, system, program, compensated, state.scratch) for name in names]
         self._advance: Any = loop.advance_interpreted
         self._flows: Any = self._letters
         self._address: Any = members
@@ -181,7 +196,7 @@ class Run:
         """Run to the end of the grid, or as far as it goes; what was done is kept in any case."""
         grid, state = self.grid, self.state
         started = time.perf_counter()
-        good = Good(state.copy(), 0, 0)
+        good, spare = Good(state.copy(), 0, 0), None
         outcome, cause = Outcome.COMPLETED, ""
         bar = Bar(grid.n_steps, self._progress)
         chunk = 1
@@ -189,7 +204,9 @@ class Run:
             failure = self._prime()
             if grid.save_steps[0] == 0:
                 self.xs[0], self.vs[0] = state.x, state.v
-            good = Good(state.copy(), 0, int(grid.save_steps[0] == 0))
+            if self.program.primers:
+                good = Good(state.copy(), 0, 0)
+            good = replace(good, saved=int(grid.save_steps[0] == 0))
             while failure is None and good.step < grid.n_steps:
                 chunk_started = time.perf_counter()
                 target = min(good.step + chunk, grid.n_steps)
@@ -199,9 +216,14 @@ class Run:
                     _, repeated = self._attempt(good, good.step + 1)
                     failure = repeated or failure  # a function may fail once and not again
                     break
-                good = Good(state.copy(), target, saved)
+                reached = time.perf_counter()
+                # Two copies in turns: an interruption while one is written finds the other. The last is the state itself.
+                last = good.state
+                copy = state if target == grid.n_steps else state.copy(last, into=spare)
+                good, spare = Good(copy, target, saved), last
                 now = time.perf_counter()
-                chunk = max(1, min(10 * chunk, int(chunk * _CHUNK_SECONDS / max(now - chunk_started, 1e-9))))
+                wanted = max(_CHUNK_SECONDS, _LEAST_SHARE * (now - reached))
+                chunk = max(1, min(10 * chunk, int(chunk * wanted / max(reached - chunk_started, 1e-9))))
                 bar.show(target, now - started)
             if failure is not None:
                 outcome, cause = failure
@@ -235,7 +257,7 @@ class Run:
             self.state.restore(good.state)
             saved, failure = self._attempt(good, middle)
             if failure is None:
-                good = Good(self.state.copy(), middle, saved)
+                good = Good(self.state.copy(good.state), middle, saved)
             else:
                 bad = middle
         self.state.restore(good.state)

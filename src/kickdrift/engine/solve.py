@@ -12,6 +12,7 @@ from kickdrift import methods, systems
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
+from kickdrift.core.threads import present
 from kickdrift.engine import multipliers, quantities
 from kickdrift.engine.fit import AUTO, check_direction, choose
 from kickdrift.engine.grid import Grid, lay_grid
@@ -144,7 +145,7 @@ def _solution(
         v=vs,
         invariants=Invariants(tuple(system.quantities), partial(quantities.evaluate, system, t=t, x=xs, v=vs)),
         status=ending.outcome,
-        message=ending.message,
+        message=ending.message + _energy_lost(system, t, xs, vs),
         step=grid.step,
         n_steps=ending.n_steps,
         n_force_evaluations=ending.evaluations + inside.evaluations,
@@ -152,6 +153,18 @@ def _solution(
         about=_describe(system, chosen, compensated),
         derived=_derived(system, t, xs, vs),
     )
+
+
+def _energy_lost(system: System, t: Floats, xs: Floats, vs: Floats) -> str:
+    """Return a sentence on an energy that is farther off at the end than it was large at the start, or nothing."""
+    if "energy" not in system.quantities or t.size < 2:
+        return ""
+    ends = [0, -1]
+    first, last = quantities.evaluate(system, "energy", t=t[ends], x=xs[ends], v=vs[ends])
+    if not abs(last - first) > abs(first) > 0.0:
+        return ""
+    times = abs(last - first) / abs(first)
+    return f" The energy is off by {times:.3g} times what it was: the states are wrong; try a smaller step."
 
 
 def _derived(system: System, t: Floats, xs: Floats, vs: Floats) -> Invariants:
@@ -232,9 +245,12 @@ def _system(problem: Any, t0: float, x: Floats, v: Floats, params: Floats, compi
             raise ArgumentError(
                 f"args={params.tolist()!r} given, but {problem.name!r} has its own parameters; leave it out."
             )
+        if problem.unthreaded is not None and not present():
+            problem = replace(problem, acceleration=problem.unthreaded)
         # Another start has another exact solution.
         same = np.array_equal(x, problem.x0) and np.array_equal(v, problem.v0)
-        return problem if same else replace(problem, x0=x, v0=v, exact=None)
+        started: System = problem if same else replace(problem, x0=x, v0=v, exact=None)
+        return started
     return adopt(problem, t0, x, v, params, compile_, checked)
 
 

@@ -13,20 +13,22 @@ import zlib
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, BinaryIO, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import FileFormatError
+from kickdrift.core.files import opened, written
 
 Arrays = Mapping[str, NDArray[Any]]
 T = TypeVar("T")
 
 # Formats, as headers name them
-SOLUTION, RECORDING, WORLD = "kickdrift solution 1", "kickdrift recording 2", "kickdrift world 3"
+SOLUTION, RECORDING, WORLD = "kickdrift solution 1", "kickdrift recording 2", "kickdrift world 4"
 
 _HEADER = "header"
+_LARGE, _MOST_TIMES = 1 << 30, 100  # bytes in memory from which on they may be so many times those on disk
 # What NumPy, zip and JSON raise on files that are damaged or not ours.
 _FOREIGN = (
     *(ArithmeticError, AttributeError, EOFError, LookupError, MemoryError, NotImplementedError, RecursionError),
@@ -56,15 +58,16 @@ def write(path: str | Path, header: Mapping[str, Any], arrays: Arrays) -> Path:
         If the file cannot be written there.
     """
     target = _target(path)
-    partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
     text = json.dumps({**header, "digest": digest(header, arrays)})
+    members = {_HEADER: np.array(text), **arrays}
     try:
-        with partial.open("wb") as file:
-            np.savez_compressed(file, allow_pickle=False, **{_HEADER: np.array(text)}, **arrays)
-        partial.replace(target)
+        with written(target) as partial:
+            with partial.open("wb") as file:
+                np.savez_compressed(file, allow_pickle=False, **members)
+            if _is_swollen(partial.open("rb")):  # which no one would read
+                with partial.open("wb") as file:
+                    np.savez(file, allow_pickle=False, **members)
     except OSError as error:
-        with suppress(OSError):
-            partial.unlink(missing_ok=True)
         raise FileFormatError(
             f"path={str(path)!r} cannot be written: {error.strerror}; choose another folder."
         ) from None
@@ -96,9 +99,17 @@ def read(path: str | Path, what: str, writer: str, assemble: Callable[[dict[str,
         If there is no such file, or it is not what it should be.
     """
     try:
-        with Path(path).open("rb") as handle, np.load(handle, allow_pickle=False) as file:
+        if _is_swollen(opened(path)):
+            raise FileFormatError(
+                f"path={str(path)!r} takes {_LARGE >> 30} GiB and more in memory, and more than {_MOST_TIMES} times what it"
+                f" takes on disk, which no file does that {writer} wrote; it is not read."
+            )
+        with opened(path) as handle, np.load(handle, allow_pickle=False) as file:
             header = json.loads(str(file[_HEADER]))
             arrays = {name: file[name] for name in file.files if name != _HEADER}
+        other = header["format"] not in (SOLUTION, RECORDING, WORLD)  # the digest of another version may be another
+        if not other and header["digest"] != digest(header, arrays):
+            raise ValueError("it was changed after it was written")
         return assemble(header, arrays)
     except OSError as error:
         raise FileFormatError(f"path={str(path)!r} cannot be read: {error.strerror or error}.") from None
@@ -106,6 +117,14 @@ def read(path: str | Path, what: str, writer: str, assemble: Callable[[dict[str,
         raise FileFormatError(
             f"path={str(path)!r} is not {what} ({type(error).__name__}: {error}); give a file that {writer} wrote."
         ) from None
+
+
+def _is_swollen(file: BinaryIO) -> bool:
+    """Whether an archive says that it takes much memory for what it takes on disk; close the file."""
+    with file, suppress(*_FOREIGN), zipfile.ZipFile(file) as members:
+        size = sum(member.file_size for member in members.infolist())
+        return size > max(_LARGE, _MOST_TIMES * os.fstat(file.fileno()).st_size)
+    return False
 
 
 def digest(header: Mapping[str, Any], arrays: Arrays) -> str:

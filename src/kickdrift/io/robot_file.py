@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.core.interruption import InterruptionNoted
 from kickdrift.io.robots.bodies import Piece, add_piece, pieces
 from kickdrift.io.robots.closures import closures, exclusions
 from kickdrift.io.robots.geoms import Layers
@@ -67,6 +68,7 @@ def load_robot(
     position: ArrayLike = (0.0, 0.0, 0.0),
     orientation: ArrayLike = (1.0, 0.0, 0.0, 0.0),
     floating: bool = False,
+    folder: str | Path | None = None,
 ) -> Robot:
     """Read a robot from an MJCF or URDF file into a world, in the reference pose of the file.
 
@@ -82,6 +84,8 @@ def load_robot(
         Quaternion (w, x, y, z) that turns the file's axes into the world's.
     floating : bool
         Whether the root of a URDF file moves freely, rather than being fixed to the world; MJCF says so itself.
+    folder : path, optional
+        That all the files lie in which the file may read, such as its package; by default the one that it lies in itself.
 
     Returns
     -------
@@ -93,7 +97,7 @@ def load_robot(
     MissingExtraError
         If MuJoCo is not installed: ``pip install 'kickdrift[robots]'``.
     FileFormatError
-        If there is no such file, or MuJoCo does not understand it.
+        If there is no such file, it reads others outside of the folder, or MuJoCo does not understand it.
     ArgumentError
         For joints, shapes and masses that there are none of here. The world is then as it was before.
 
@@ -109,8 +113,10 @@ def load_robot(
     """
     if world is not None and not isinstance(world, World):
         raise ArgumentError(f"world={world!r} is no world; give a kickdrift.World, or None for a new one.")
+    if not isinstance(folder, str | Path | None):
+        raise ArgumentError(f"folder={folder!r} is no path; give that of a folder, or None.")
     place, turn = vector("position", position, 3), unit_quaternion("orientation", orientation)
-    model, notes = parse(path, floating, place, turn)
+    model, notes = parse(path, floating, place, turn, folder)
     notes += omissions(model)
     used = 0 if world is None else int(np.bitwise_or.reduce(world.tables.array(SHAPE)[:, LAYER], initial=0))
     actuators: dict[str, Actuator] = {}
@@ -125,18 +131,20 @@ def load_robot(
     links = [link for chain in chains for link in chain.links]
     small = {number: piece for chain in chains for number, piece in chain.between.items()}
     world = _world(model, world, notes)
-    bodies = _add_bodies(world, model, parts)
-    names = {model.name("body", row): body for row, body in bodies.items()}
-    _exclude(world, [(bodies[a], bodies[b]) for a, b in pairs])
-    bodies |= {number: add_piece(world, model, piece) for number, piece in small.items()}
-    joints = _add_joints(world, model, links, bodies)
+    with world.tables.lock, InterruptionNoted(passed_on=True):
+        bodies = _add_bodies(world, model, parts)
+        names = {model.name("body", row): body for row, body in bodies.items()}
+        _exclude(world, [(bodies[a], bodies[b]) for a, b in pairs])
+        bodies |= {number: add_piece(world, model, piece) for number, piece in small.items()}
+        joints = _add_joints(world, model, links, bodies)
+        closed = _add_joints(world, model, closing, bodies)
     axes = {name: axis for link in links for name, axis in link.names.items()}
     return Robot(
         world=world,
         bodies=MappingProxyType(names),
         joints=MappingProxyType(joints),
         axes=MappingProxyType(axes),
-        closures=MappingProxyType(_add_joints(world, model, closing, bodies)),
+        closures=MappingProxyType(closed),
         actuators=MappingProxyType(actuators),
         between=MappingProxyType(
             {model.name("joint", number - model.compiled.nbody): bodies[number] for number in small}

@@ -1,22 +1,37 @@
 """Worlds on disk: all that their next steps depend on, so that they go on with the same bits."""
 
 import json
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.io import archive
 from kickdrift.io.shapes import Catalogue, shapes_of
-from kickdrift.world.shape_rows import Placed, Surface
-from kickdrift.world.snapshot import TABLES, Snapshot
+from kickdrift.world.arguments import vector
+from kickdrift.world.integration import BODY_KIND, REMOVED
+from kickdrift.world.integration import GENERATION as BODY_GENERATION
+from kickdrift.world.integrity import check
+from kickdrift.world.joints.layout import GENERATION, JOINT_KIND
+from kickdrift.world.joints.layout import REMOVED as REMOVED_JOINT
+from kickdrift.world.joints.tree import arrange
+from kickdrift.world.layout import BODY_ROW, GONE, SEARCH_STATE, SHAPE_KIND
+from kickdrift.world.shape_rows import SHOWN, Placed, ShapeRows, Surface
+from kickdrift.world.snapshot import TABLES, Snapshot, kept
+from kickdrift.world.tables import BODY, JOINT, LINK_NUMBERS, PLACE, SHAPE, Table, Tables
 from kickdrift.world.world import World
 
 _KIND, _TABLE = "kickdrift world ", "table "
+# What is made of the records of shapes and of the joints, and not of what a file says of it
+MADE = ("SHAPE", "PLACE", "GEOMETRY", "ARTICULATION", "LINK", "GRAPH")
+_STORED: Mapping[str, Table] = {name: table for name, table in TABLES.items() if name not in MADE}
+_PART = 6  # row, shape, surface, body, whether it is only shown, state of the search
 
 
 def save_world(world: World, path: str | Path) -> Path:
@@ -43,7 +58,9 @@ def save_world(world: World, path: str | Path) -> Path:
     surfaces: dict[str, int] = {}
     parts, places = [], []
     for row, (shape, position, orientation, surface) in snapshot.shapes.items():
-        parts.append((row, catalogue.place(shape), surfaces.setdefault(_words(surface), len(surfaces))))
+        face = surfaces.setdefault(_words(surface), len(surfaces))
+        numbers = snapshot.tables["SHAPE"][row, [BODY_ROW, SHAPE_KIND, SEARCH_STATE]].tolist()
+        parts.append((row, catalogue.place(shape), face, numbers[0], int(numbers[1] == SHOWN), numbers[2]))
         places.append([*position, *orientation])
     header = {
         "format": archive.WORLD,
@@ -57,21 +74,17 @@ def save_world(world: World, path: str | Path) -> Path:
         "joints_arranged": snapshot.joints_arranged,
         "free_bodies": snapshot.free_bodies,
         "free_shapes": snapshot.free_shapes,
-        "rooms": dict(snapshot.rooms),
-        "kinds": snapshot.kinds,
         "bouncing": snapshot.bouncing,
         "body_names": list(snapshot.body_names.items()),
         "joint_names": list(snapshot.joint_names.items()),
         "shapes": catalogue.words,
         "surfaces": [json.loads(words) for words in surfaces],
     }
-    geometry = [(key[0], begin, (len(key) - 1) // 8) for key, begin in snapshot.geometry.items()]
     arrays = {
-        **{_TABLE + name: rows for name, rows in snapshot.tables.items()},
+        **{_TABLE + name: snapshot.tables[name] for name in _STORED},
         "shape numbers": catalogue.numbers,
-        "parts": np.array(parts, dtype=np.int64).reshape(-1, 3),
+        "parts": np.array(parts, dtype=np.int64).reshape(-1, _PART),
         "places": np.array(places, dtype=np.float64).reshape(-1, 7),
-        "geometry": np.array(geometry, dtype=np.int64).reshape(-1, 3),
     }
     return archive.write(path, header, arrays)
 
@@ -125,52 +138,109 @@ def _check(path: str, head: dict[str, Any], arrays: dict[str, Any]) -> None:
         )
     if given != archive.WORLD:
         raise KeyError("format")
-    if head["digest"] != archive.digest(head, arrays):
-        raise ValueError("it was changed after it was written")
 
 
 def _assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Snapshot:
-    tables = {name.removeprefix(_TABLE): rows for name, rows in arrays.items() if name.startswith(_TABLE)}
-    if tables.keys() != TABLES.keys():
-        raise KeyError(", ".join(sorted(tables.keys() ^ TABLES.keys())))
-    for name, table in TABLES.items():
-        wanted = np.int64 if table.whole else np.float64
-        if tables[name].dtype != wanted or tables[name].shape[1:] != (table.width,):
-            raise ValueError(f"table {name} has the shape {tables[name].shape}")
-    shapes = shapes_of(head["shapes"], arrays["shape numbers"])
-    surfaces = [_surface(words) for words in head["surfaces"]]
-    rows = zip(arrays["parts"].tolist(), arrays["places"], strict=True)
-    numbers = tables["GEOMETRY"][:, 0]
+    """Make a snapshot of a file; what its tables and records say alike is made of the records.
+
+    Raises
+    ------
+    FileFormatError, LookupError, TypeError, ValueError
+        If it could not have been written by `save_world`.
+    """
+    of = _tables(arrays)
+    shapes = ShapeRows(of)
+    _place_shapes(shapes, head, arrays)
+    check(kept(of))
+    linked = of.array(LINK_NUMBERS).copy()
+    if head["joints_arranged"]:
+        arrange(of)
+        if len(linked) < of.count(LINK_NUMBERS):
+            raise ValueError(f"table LINK_NUMBERS has {len(linked)} rows, fewer than there are joints")
+        of.array(LINK_NUMBERS)[:] = linked[: of.count(LINK_NUMBERS)]
+    bodies, joints = of.array(BODY), of.array(JOINT)
+    gone = np.flatnonzero(bodies[:, BODY_KIND] == REMOVED)
     return Snapshot(
-        time=float(head["time"]),
-        n_steps=int(head["n_steps"]),
+        time=_finite(head["time"]),
+        n_steps=_whole(head["n_steps"], 0),
         sleeping=bool(head["sleeping"]),
         forces=(),
-        tables=MappingProxyType(tables),
-        rooms=MappingProxyType({name: int(head["rooms"][name]) for name in TABLES}),
-        free_bodies=tuple(head["free_bodies"]),
-        free_shapes=tuple(head["free_shapes"]),
-        n_bodies_made=int(head["n_bodies_made"]),
-        n_joints_made=int(head["n_joints_made"]),
+        tables=kept(of),
+        free_bodies=_rows_of(head["free_bodies"], gone),
+        free_shapes=tuple(shapes.free),
+        n_bodies_made=_whole(head["n_bodies_made"], 1 + int(bodies[:, BODY_GENERATION].max())),
+        n_joints_made=_whole(head["n_joints_made"], 1 + int(joints[:, GENERATION].max(initial=-1))),
         joints_arranged=bool(head["joints_arranged"]),
-        kinds=tuple(head["kinds"]),
-        bouncing=bool(head["bouncing"]),
-        body_names=_names(head["body_names"]),
-        joint_names=_names(head["joint_names"]),
-        shapes=MappingProxyType(
-            {row: Placed(shapes[of], place[:3], place[3:7], surfaces[face]) for (row, of, face), place in rows}
-        ),
-        geometry=MappingProxyType(
-            {
-                bytes([kind]) + numbers[begin : begin + size].tobytes(): begin
-                for kind, begin, size in arrays["geometry"].tolist()
-            }
-        ),
+        kinds=tuple(sorted(shapes.kinds)),
+        bouncing=bool(head["bouncing"]) or shapes.bouncing,
+        body_names=_names(head["body_names"], np.flatnonzero(bodies[:, BODY_KIND] != REMOVED)),
+        joint_names=_names(head["joint_names"], np.flatnonzero(joints[:, JOINT_KIND] != REMOVED_JOINT)),
+        shapes=MappingProxyType(shapes.shapes),
+        geometry=MappingProxyType(shapes.begins),
     )
 
 
-def _names(pairs: list[tuple[int, str]]) -> MappingProxyType[int, str]:
-    return MappingProxyType({int(row): str(name) for row, name in pairs})
+def _tables(arrays: dict[str, Any]) -> Tables:
+    """Take over the tables of a file as they are."""
+    of = Tables()
+    given = {name.removeprefix(_TABLE): rows for name, rows in arrays.items() if name.startswith(_TABLE)}
+    if given.keys() != _STORED.keys():
+        raise KeyError(", ".join(sorted(given.keys() ^ _STORED.keys())))
+    for name, table in _STORED.items():
+        wanted = np.int64 if table.whole else np.float64
+        if given[name].dtype != wanted or given[name].shape[1:] != (table.width,):
+            raise ValueError(f"table {name} has the shape {given[name].shape}")
+        of.put(table, given[name])
+    return of
+
+
+def _place_shapes(rows: ShapeRows, head: dict[str, Any], arrays: dict[str, Any]) -> None:
+    """Write the rows of shapes that a file has records of."""
+    shapes = shapes_of(head["shapes"], arrays["shape numbers"])
+    surfaces = [_surface(words) for words in head["surfaces"]]
+    parts, places = arrays["parts"], arrays["places"]
+    if parts.dtype != np.int64 or parts.shape[1:] != (_PART,) or places.shape != (len(parts), 7):
+        raise ValueError(f"parts have the shape {parts.shape}, and places {places.shape}")
+    count = len(parts) + len(head["free_shapes"])
+    rows.free[:] = _rows_of(head["free_shapes"], np.setdiff1d(np.arange(count), parts[:, 0]))
+    table = rows.tables.resize(SHAPE, count)
+    rows.tables.resize(PLACE, count)
+    table[:, SHAPE_KIND] = GONE
+    for (row, of, face, body, shown, state), numbers in zip(parts.tolist(), places, strict=True):
+        if not 0 <= row < count or min(of, face) < 0:
+            raise IndexError(f"a part has row {row}, shape {of} and surface {face}")
+        placed = Placed(
+            shapes[of], vector("position", numbers[:3], 3), vector("orientation", numbers[3:], 4), surfaces[face]
+        )
+        (rows.write_shown if shown else rows.write)(row, body, placed)
+        table[row, SEARCH_STATE] = state
+
+
+def _rows_of(given: list[int], wanted: NDArray[np.intp]) -> tuple[int, ...]:
+    """Return rows that are free, in their order, if they are the ones that no one has."""
+    rows = tuple(_whole(row, 0) for row in given)
+    if sorted(rows) != wanted.tolist():
+        raise ValueError(f"the rows {list(rows)} are said to be free, and {wanted.tolist()} are")
+    return rows
+
+
+def _whole(value: Any, least: int) -> int:
+    if type(value) is not int or not least <= value < 1 << 62:
+        raise ValueError(f"{value!r} is no whole number from {least} on")
+    return value
+
+
+def _finite(value: Any) -> float:
+    if not math.isfinite(number := float(value)):
+        raise ValueError(f"the time is {value!r}")
+    return number
+
+
+def _names(pairs: list[tuple[int, str]], rows: NDArray[np.intp]) -> MappingProxyType[int, str]:
+    names = {_whole(row, 0): str(name) for row, name in pairs}
+    if not set(names) <= set(rows.tolist()) or len(set(names.values())) != len(pairs):
+        raise ValueError("names are those of rows that are not there, or the same")
+    return MappingProxyType(names)
 
 
 def _words(surface: Surface) -> str:

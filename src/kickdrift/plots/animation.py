@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError, FileFormatError
+from kickdrift.core.files import written
 from kickdrift.engine.progress import Bar
 from kickdrift.plots.page import FAINT, INK, new_figure
 from kickdrift.plots.painter import Painter
@@ -70,7 +71,8 @@ def animate_recording(
         raise FileFormatError(f"path={str(path)!r} cannot be written: films end in .gif or .mp4.")
     film = _Film(recording, speed, int(rate), progress)
     try:
-        write(film, target)
+        with written(target) as partial:
+            write(film, partial)
     except OSError as error:
         reason = error.strerror or error
         raise FileFormatError(f"path={str(path)!r} cannot be written: {reason}; choose another folder.") from None
@@ -148,7 +150,6 @@ class _Film:
 def _write_gif(film: _Film, path: Path) -> None:
     from PIL import Image
 
-    path.touch()
     palette = _palette(film.samples())
     frames = (Image.fromarray(pixels).quantize(palette=palette, dither=Image.Dither.NONE) for pixels in film)
     first = next(frames)

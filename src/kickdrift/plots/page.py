@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kickdrift.core.errors import FileFormatError, missing_extra
+from kickdrift.core.files import written
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -65,7 +66,8 @@ def keep(figure: "Figure", path: str | Path | None) -> "Figure":
     """
     if path is not None:
         try:
-            figure.savefig(path, dpi=_DPI)
+            with written(Path(path)) as partial:
+                figure.savefig(partial, dpi=_DPI)
         except OSError as error:
             raise FileFormatError(_unwritable(path, error.strerror or error, "choose another folder.")) from None
         except ValueError as error:

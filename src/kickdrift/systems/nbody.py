@@ -4,12 +4,13 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numba.np.ufunc.parallel import _launch_threads
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError
+from kickdrift.core.threads import launch
 from kickdrift.systems import gravity
+from kickdrift.systems.massless import FEW, add_gravity_of_massive, mostly_massless
 from kickdrift.systems.system import Quantity, System
 
 Floats = NDArray[np.float64]
@@ -27,6 +28,12 @@ def _kick(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats
 def _few(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     out[:] = 0.0
     gravity.add_gravity_pairwise(1.0, x, params[1:], out)
+
+
+@compiled(cached=False)
+def _mostly_massless(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    out[:] = 0.0
+    add_gravity_of_massive(1.0, x, params[1:], out)
 
 
 @compiled(cached=False)
@@ -61,7 +68,6 @@ QUANTITIES = {
     "momentum": Quantity(_momentum, 3),
     "angular momentum": Quantity(_angular_momentum, 3),
 }
-FEW = 31  # bodies up to which a loop over the pairs is faster than tiles (measured: even at 28)
 
 
 def nbody(
@@ -89,7 +95,8 @@ def nbody(
         Names of the bodies.
     threads : bool
         Whether the forces are shared among the threads that Numba has (``numba.set_num_threads``). The numbers are the
-        same, to the bit, for any number of threads. Worth it from some 500 bodies on, on cores that nobody else uses.
+        same, to the bit, for any number of threads. Worth it from some 500 bodies on, on cores that nobody else uses. Processes
+        that are forked from one that has used them do without.
 
     Raises
     ------
@@ -102,13 +109,13 @@ def nbody(
     if len(labels) != n or len(set(labels)) != n:
         raise ArgumentError(f"names={labels!r} must be {n} different names, one for each body.")
     if threads:
-        # Code from the cache on disk looks for the thread pool and does not start it.
-        _launch_threads()
-    many = _many_threaded if threads else _many
+        launch()
+    many = _mostly_massless if mostly_massless(gm) else _many_threaded if threads else _many
     return System(
         name="nbody",
         acceleration=_few if n <= FEW else many,
         kick=_kick if n <= FEW else None,
+        unthreaded=_many if threads else None,
         x0=positions,
         v0=velocities,
         params=np.concatenate([[G, softening**2], gm]),

@@ -83,6 +83,8 @@ class System:
         that is left to them, under which that acceleration does not change.
     frame : Frame, optional
         The coordinates in which the remainder and the other flow work, where they are not those of x0.
+    unthreaded : callable, optional
+        The acceleration for processes that have no threads to share it among, where `acceleration` needs them.
     native : bool
         Whether all these functions are compiled; False for Python functions that Numba cannot compile.
     packaged : bool
@@ -109,6 +111,7 @@ class System:
     velocity: Function | None = None
     parts: Mapping[str, Function] = field(default_factory=dict)
     frame: Frame | None = None
+    unthreaded: Function | None = None
     native: bool = True
     packaged: bool = False
     dimensions: tuple[str, ...] = ()

@@ -30,6 +30,7 @@ from kickdrift.world.shapes.record import Shape
 from kickdrift.world.shapes.sphere import Sphere
 from kickdrift.world.sleeping import REACH
 from kickdrift.world.tables import MOTION, RESTED, Tables
+from kickdrift.world.undivided import undivided
 
 Floats = NDArray[np.float64]
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
@@ -171,6 +172,7 @@ class AddsBodies:
         """
         return self.add_body(HeightField(heights, spacing), static=True, **options)
 
+    @undivided
     def add_body(
         self,
         shapes: Shape | Sequence[Part],
@@ -276,6 +278,7 @@ class AddsBodies:
         """
         return self.bodies.handle(self.bodies.names.row(name))
 
+    @undivided
     def remove(self, body: Body) -> None:
         """Remove a body with its shapes; its handle is worth nothing then, and its row is used again.
 

@@ -1,7 +1,10 @@
 """Bodies: rows of tables that come and go, and handles that know when theirs is gone."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
+from weakref import ReferenceType
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -50,6 +53,10 @@ from kickdrift.world.tables import (
     Table,
     Tables,
 )
+from kickdrift.world.undivided import alone, undivided
+
+if TYPE_CHECKING:
+    from kickdrift.world.world import World
 
 Floats = NDArray[np.float64]
 GROUND = 0
@@ -76,6 +83,7 @@ class Bodies:
         self._shape_rows = shape_rows
         self._masses_changed = masses_changed
         self.names = Names("body")
+        self.world: ReferenceType[World] | None = None
         self.free: list[int] = []
         self.n_made = 0  # never goes back, not even to a snapshot: two bodies would share a handle
         self.ground = self.add(STATIC, np.zeros(3), np.array([1.0, 0, 0, 0]))
@@ -118,14 +126,16 @@ class Bodies:
         ArgumentError
             If it is no handle, or one of a body that was removed or of another world.
         """
-        if isinstance(body, Body) and self.knows(body.index, body.generation):
+        if isinstance(body, Body) and body.bodies is self and self.knows(body.index, body.generation):
             return body.index
         if not isinstance(body, Body):
             raise ArgumentError(f"{argument}={body!r} is not a body; give what World.add_box and the like returned.")
-        count = self.tables.count(BODY)
-        if not 0 <= body.index < count:
-            raise ArgumentError(f"{argument}={body!r} is not in this world, which has {count} rows of bodies.")
-        raise ArgumentError(f"{argument}={body!r} was removed, or is of another world; use one that is there.")
+        if body.bodies is not self:
+            raise ArgumentError(
+                f"{argument}={body!r} is a body of another world; give one of this world, such as world.body(name) or"
+                " world.bodies.handle(row)."
+            )
+        raise ArgumentError(f"{argument}={body!r} was removed; use one that is there.")
 
     def knows(self, index: int, generation: int) -> bool:
         """Whether there is a body of a generation in a row."""
@@ -180,6 +190,7 @@ class Bodies:
         xx, yy, zz, xy, xz, yz = numbers[BODY_INERTIA : BODY_INERTIA + 6].tolist()
         return Mass(float(numbers[MASS]), np.zeros(3), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
 
+    @undivided
     def change_mass(
         self, body: Body, mass: float | None = None, inertia: ArrayLike | None = None, locked: bool | None = None
     ) -> None:
@@ -197,6 +208,7 @@ class Bodies:
         self._masses_changed()
         self.wake()
 
+    @alone
     def place(self, body: Body, columns: slice, numbers: Floats) -> None:
         """Write columns of a pose; what is static is sought anew in its new place, and wakes all."""
         row = self.row(body)
@@ -207,6 +219,7 @@ class Bodies:
             shapes_changed(self.tables, self._shape_rows.rows_of(row))
             self.wake()
 
+    @alone
     def move(self, body: Body, columns: slice, numbers: Floats) -> None:
         """Write columns of the velocity and the angular velocity."""
         row = self.row(body)
@@ -232,6 +245,7 @@ class Bodies:
             raise ArgumentError(f"body={body!r} {what}, and so no {name} of its own.")
         return found.pop()
 
+    @undivided
     def change_surface(self, body: Body, name: Literal["friction", "restitution"], value: float) -> None:
         """Give all shapes of a body another number of their surfaces, and wake what rests on it."""
         self._shape_rows.change_surface(self.row(body), name, value)

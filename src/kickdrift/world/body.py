@@ -13,6 +13,7 @@ from kickdrift.world.tables import MOTION, POSE
 
 if TYPE_CHECKING:
     from kickdrift.world.bodies import Bodies
+    from kickdrift.world.world import World
 
 Floats = NDArray[np.float64]
 
@@ -53,8 +54,18 @@ class Body(Handle):
         self._seen: _Seen | None = None
 
     @property
+    def bodies(self) -> Bodies:
+        """The bodies of its world."""
+        return self._bodies
+
+    @property
     def _registry(self) -> Bodies:
         return self._bodies
+
+    @staticmethod
+    def registry_of(world: World) -> Bodies:
+        """Return the bodies of a world."""
+        return world.bodies
 
     @property
     def position(self) -> Floats:

@@ -1,8 +1,6 @@
 """Compiling what a step is made of, before the first one."""
 
 from collections.abc import Iterable
-from types import SimpleNamespace
-from typing import Any
 
 from kickdrift.core.together import Job, compile_together, missing, seconds_for
 from kickdrift.engine.progress import announce_compiling
@@ -25,11 +23,24 @@ def compile_step(spelt: Word, kinds: Iterable[int], pairs: Iterable[tuple[int, i
         compile_together(jobs)
 
 
-def jobs_of_all_worlds() -> list[Job]:
-    """Return what a world may need, whatever is in it, but for users' forces and steps on threads."""
-    joints: Any = SimpleNamespace(present=True, sequential=True)
-    uses = Uses(forces=(), bounces=True, is_fast=True, direct=True, sleeps=True, planar=True, threads=False)
-    return _jobs(word(uses, joints), KINDS, PAIRS)
+def all_jobs() -> list[Job]:
+    """Return what any world may have to compile, but for forces in Python."""
+    jobs = []
+    for threads in (False, True):
+        uses = Uses(
+            (),
+            bounces=True,
+            is_fast=True,
+            direct=True,
+            joints=True,
+            sequential=True,
+            sleeps=True,
+            planar=True,
+            threads=threads,
+        )
+        spelt = word(uses)
+        jobs += _jobs(spelt, KINDS, PAIRS)
+    return jobs
 
 
 def _jobs(spelt: Word, kinds: Iterable[int], pairs: Iterable[tuple[int, int]]) -> list[Job]:

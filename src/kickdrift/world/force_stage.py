@@ -9,7 +9,7 @@ A force names what it needs, and adds in place to the arrays `force` and `torque
 """
 
 import inspect
-from typing import Any
+from typing import Any, NamedTuple
 
 from numba.core.errors import NumbaError
 
@@ -39,6 +39,16 @@ def stage(t, h, world):
 """
 
 
+class Force(NamedTuple):
+    """A force of a user's: the function, and the stage of the step that calls it."""
+
+    function: Function
+    stage: Function
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return force_of, (self.function,)
+
+
 @compiled
 def begin_forces(t: float, h: float, world: int) -> None:
     """Begin with what `World.apply_force` asks for, in every substep."""
@@ -48,8 +58,8 @@ def begin_forces(t: float, h: float, world: int) -> None:
             force[body, k] = load[body, k]
 
 
-def force_stage(function: Function) -> Function:
-    """Make a stage of the step of a user's function.
+def force_of(function: Function) -> Force:
+    """Make a force of a user's function.
 
     Raises
     ------
@@ -83,8 +93,7 @@ def force_stage(function: Function) -> Function:
         raise ArgumentError(
             f"force {_name(function)} cannot be compiled: {reason} Use loops and NumPy functions that Numba knows."
         ) from error
-    made: Function = stage
-    return made
+    return Force(function, stage)
 
 
 def _name(function: Any) -> str:

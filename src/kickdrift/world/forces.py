@@ -7,8 +7,9 @@ from kickdrift.core.compilation import Function
 from kickdrift.world.arguments import vector
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
-from kickdrift.world.force_stage import force_stage
+from kickdrift.world.force_stage import Force, force_of
 from kickdrift.world.tables import LOAD, POSE, Tables
+from kickdrift.world.undivided import alone, undivided
 
 Floats = NDArray[np.float64]
 
@@ -18,8 +19,9 @@ class AppliesForces:
 
     tables: Tables
     bodies: Bodies
-    forces: list[Function]
+    forces: list[Force]
 
+    @alone
     def apply_force(self, body: Body, force: ArrayLike, point: ArrayLike | None = None) -> None:
         """Let a force in N act on a body during the next step.
 
@@ -38,11 +40,13 @@ class AppliesForces:
         if at is not None:
             load[3:6] += np.cross(at - self.tables.row(POSE, row)[:3], f)
 
+    @alone
     def apply_torque(self, body: Body, torque: ArrayLike) -> None:
         """Let a torque in N m, (3,) in the world's axes, act on a body during the next step."""
         row, t = self.bodies.moved_row(body), vector("torque", torque, 3)
         self.tables.row(LOAD, row)[3:6] += t
 
+    @undivided
     def add_force(self, force: Function) -> None:
         """Let a function of one's own act on the bodies in every substep, compiled into the step.
 
@@ -60,5 +64,5 @@ class AppliesForces:
         ArgumentError
             If it is no function, names what there is not, adds to nothing, or cannot be compiled.
         """
-        self.forces.append(force_stage(force))
+        self.forces.append(force_of(force))
         self.tables.altered = True

@@ -1,14 +1,19 @@
 """Handles: what users hold of the rows of a world, and what knows when theirs is gone."""
 
-from typing import Any, Protocol, Self
+from typing import TYPE_CHECKING, Any, Protocol, Self
+from weakref import ReferenceType
 
 from kickdrift.world.names import Names
+
+if TYPE_CHECKING:
+    from kickdrift.world.world import World
 
 
 class Registry(Protocol):
     """Rows that come and go: the bodies or the joints of a world."""
 
     names: Names
+    world: "ReferenceType[World] | None"  # weak: handles do not keep the memory of a world that is gone
 
     def row(self, handle: Any) -> int:
         """Return the row of a handle; ArgumentError if it is gone."""
@@ -20,7 +25,10 @@ class Registry(Protocol):
 
 
 class Handle:
-    """A row of a world, known by its number and its generation; equal handles are of the same body or joint."""
+    """A row of a world, known by its number and its generation; equal handles are of the same body or joint.
+
+    A handle that is pickled, or copied by `copy.deepcopy`, takes its world along: it is one of the copy.
+    """
 
     __slots__ = ("_generation", "_index", "_last_name")
     _index: int
@@ -41,6 +49,11 @@ class Handle:
     def _registry(self) -> Registry:
         raise NotImplementedError
 
+    @staticmethod
+    def registry_of(world: "World") -> Registry:
+        """Return what knows the handles of this kind in a world."""
+        raise NotImplementedError
+
     @property
     def name(self) -> str | None:
         """Its name, or None; no two have the same. May be given anew."""
@@ -54,7 +67,8 @@ class Handle:
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
             return NotImplemented
-        return self._index == other._index and self._generation == other._generation
+        same = self._index == other._index and self._generation == other._generation
+        return same and self._registry is other._registry
 
     def __hash__(self) -> int:
         return hash((self._index, self._generation))
@@ -68,8 +82,14 @@ class Handle:
     def __copy__(self) -> Self:
         return self
 
-    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
-        return self
-
     def __reduce__(self) -> str | tuple[Any, ...]:
-        raise TypeError(f"{self!r} means nothing to another process; send its index or its name.")
+        world = None if self._registry.world is None else self._registry.world()
+        if world is None:
+            raise TypeError(f"{self!r} is of a world that is gone, without which it cannot be copied or pickled.")
+        return _handle_in, (world, type(self), self._index, self._generation)
+
+
+def _handle_in(world: "World", kind: Any, index: int, generation: int) -> Handle:
+    """Make the handle of what has the same row in a copy of its world."""
+    handle: Handle = kind(index, generation, kind.registry_of(world))
+    return handle

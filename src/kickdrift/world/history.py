@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, cast
 from kickdrift.world.recording import Recording
 from kickdrift.world.running import record, run
 from kickdrift.world.snapshot import Snapshot, restore, take
+from kickdrift.world.tables import Tables
+from kickdrift.world.undivided import alone, undivided
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World
@@ -14,6 +16,8 @@ if TYPE_CHECKING:
 
 class KeepsHistory:
     """The methods of a world that record, keep and restore it."""
+
+    tables: Tables
 
     def run(
         self, duration: float, step: float, save_every: int | None = None, progress: bool | None = None
@@ -71,10 +75,12 @@ class KeepsHistory:
         """
         return record(self._world, save_every)
 
+    @alone
     def snapshot(self) -> Snapshot:
         """Return the world as it is now, for `restore`: it does not change with the world."""
         return take(self._world)
 
+    @undivided
     def restore(self, snapshot: Snapshot) -> None:
         """Go back to a snapshot, as often as one likes; the steps after it give the same bits.
 

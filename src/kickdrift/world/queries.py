@@ -14,6 +14,7 @@ from kickdrift.world.collision.queries import RayHit, RayHits
 from kickdrift.world.collision.query_arguments import one_vector
 from kickdrift.world.layout import BODY_ROW
 from kickdrift.world.tables import SHAPE, Tables
+from kickdrift.world.undivided import alone
 
 _Ignored = Body | Iterable[Body]
 
@@ -24,6 +25,7 @@ class SpatialQueries:
     tables: Tables
     bodies: Bodies
 
+    @alone
     def ray_cast(
         self,
         origin: ArrayLike,
@@ -62,6 +64,7 @@ class SpatialQueries:
         found = self._hits(queries.ray_cast_many(self.tables, *ray, limit, layers, self._ignored(ignore)))
         return found[0] if found else None
 
+    @alone
     def ray_cast_all(
         self,
         origin: ArrayLike,
@@ -73,6 +76,7 @@ class SpatialQueries:
         """Return where a ray meets every shape on its way first, the nearest shape first; as `ray_cast`."""
         return self._hits(queries.ray_cast_all(self.tables, origin, direction, limit, layers, self._ignored(ignore)))
 
+    @alone
     def ray_cast_many(
         self,
         origins: ArrayLike,
@@ -84,6 +88,7 @@ class SpatialQueries:
         """Return the nearest shape that each of many rays meets, as arrays; (N, 3) directions from (N, 3) or (3,) origins."""
         return queries.ray_cast_many(self.tables, origins, directions, limit, layers, self._ignored(ignore))
 
+    @alone
     def overlap_box(
         self,
         size: ArrayLike,
@@ -115,6 +120,7 @@ class SpatialQueries:
         ignored = self._ignored(ignore)
         return self._bodies_of(queries.overlap_box(self.tables, size, position, orientation, layers, ignored))
 
+    @alone
     def overlap_sphere(
         self,
         radius: float,

@@ -3,11 +3,14 @@
 import numpy as np
 
 from kickdrift.core.errors import LostBodyError
+from kickdrift.world.collision.search import shapes_changed
 from kickdrift.world.contacts.layout import BOUNCED, CONTACT_STATE
 from kickdrift.world.integration import BODY_KIND, INVERSE_INERTIA, KINEMATIC, MASS
+from kickdrift.world.layout import LOWER, UPPER
 from kickdrift.world.sleeping import REACH
 from kickdrift.world.tables import (
     BODY,
+    BOUNDS,
     CONTACT,
     INERTIA,
     INVERSE_MASS,
@@ -63,10 +66,9 @@ def find_lost_body(tables: Tables, step: float, found: int) -> int:
 
 
 def roll_back(tables: Tables) -> None:
-    """Bring a world back to where the step began, without the forces that were asked for it."""
+    """Bring a world back to where the step began; shapes that were nowhere are sought anew."""
     tables.array(POSE)[:] = tables.array(STARTED_POSE)
     tables.array(MOTION)[:] = tables.array(STARTED_MOTION)
-    tables.array(LOAD)[:] = 0.0
     tables.array(KICKED)[:] = 0.0  # which orientations the drift left is forgotten, so that all of a body is found anew
     # Those of unequal moments are found anew by the kick.
     lost_body_error = ~np.isfinite(tables.array(INVERSE_MASS)[:, :7]).all(axis=1)
@@ -76,6 +78,9 @@ def roll_back(tables: Tables) -> None:
     tables.array(JOINT_NUMBERS)[:] = tables.array(STARTED_JOINTS)
     tables.array(LINK_NUMBERS)[:] = 0.0
     tables.array(CONTACT)[:, CONTACT_STATE] &= ~BOUNCED
+    nowhere = ~np.isfinite(tables.array(BOUNDS)[:, LOWER : UPPER + 3]).all(axis=1)
+    if nowhere.any():
+        shapes_changed(tables, np.flatnonzero(nowhere))
 
 
 def lost_body_error(tables: Tables, body: int, words: str, step: int) -> LostBodyError:

@@ -1,17 +1,15 @@
 """Runs of a world that are recorded, and loops of one's own that are."""
 
 import math
-import signal
-import threading
 import time
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
-from types import FrameType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from kickdrift.core.errors import ArgumentError, LostBodyError
+from kickdrift.core.interruption import InterruptionNoted
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.grid import Grid, lay_grid
 from kickdrift.engine.progress import Bar, announcements
@@ -35,8 +33,8 @@ def run(world: "World", duration: float, step: float, save_every: int | None, pr
     outcome, cause, seconds = Outcome.COMPLETED, "", 0.0
     done, chunk, bar = 0, 1, Bar(grid.n_steps, progress)
     rows.keep(t0)
-    with closing(bar), _interruption_noted() as interrupted:
-        while done < grid.n_steps and not interrupted.is_set():
+    with closing(bar), InterruptionNoted(passed_on=False) as interruption:
+        while done < grid.n_steps and not interruption.noted:
             count = min(chunk, int(grid.save_steps[rows.count]) - done)
             before, started = world.n_steps, time.perf_counter()
             try:
@@ -94,25 +92,6 @@ def _lay(duration: float, step: float, save_every: int | None, n_bodies: int) ->
             f" save_every={math.ceil(needed / _MOST_BYTES)} or more."
         )
     return lay_grid((0.0, duration), step, None, 1 if save_every is None else save_every, 0)
-
-
-@contextmanager
-def _interruption_noted() -> Iterator[threading.Event]:
-    """Note Ctrl-C instead of raising KeyboardInterrupt, which would leave a step half done."""
-    interrupted = threading.Event()
-    main = threading.current_thread() is threading.main_thread()
-    if not main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        yield interrupted  # Ctrl-C goes to another thread, or somebody else minds it
-        return
-
-    def note(number: int, frame: FrameType | None) -> None:
-        interrupted.set()
-
-    signal.signal(signal.SIGINT, note)
-    try:
-        yield interrupted
-    finally:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def _message(outcome: Outcome, cause: str, world: "World", done: int, grid: Grid) -> str:

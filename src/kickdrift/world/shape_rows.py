@@ -14,12 +14,12 @@ from kickdrift.world.arguments import choice
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.dispatch import describe_kinds, find_extents
 from kickdrift.world.collision.narrow_phase import COLLIDE
-from kickdrift.world.collision.search import shapes_changed
+from kickdrift.world.collision.search import NEW, shapes_changed
 from kickdrift.world.layout import (
+    BEGIN,
     BODY_ROW,
     FRICTION,
     GONE,
-    IS_SENSOR,
     RADIUS,
     RESTITUTION,
     ROLLING,
@@ -34,6 +34,7 @@ Floats = NDArray[np.float64]
 
 SHOWN = -2  # in place of a kind; what is only shown, the compiled code does not see
 _ALL_LAYERS = (1 << 62) - 1
+_FEW = 4096  # numbers of shapes that are gone, for which those that are there are not moved
 
 
 @dataclass(frozen=True)
@@ -108,6 +109,8 @@ class ShapeRows:
     shapes: dict[int, Placed] = field(default_factory=dict)
     bouncing: bool = False  # whether any shape has had a restitution
 
+    _gone: int = 0  # numbers of shapes that were removed, some of which others may share
+
     def __post_init__(self) -> None:
         self.tables.resize(COLLIDERS, COLLIDERS.width)
         describe_kinds(self.tables)
@@ -115,14 +118,20 @@ class ShapeRows:
 
     def add(self, body: int, placed: Placed) -> int:
         """Take a row for a shape of a body."""
-        tables, (shape, position, orientation, surface) = self.tables, placed
         row = self._take_row()
+        self.write(row, body, placed)
+        shapes_changed(self.tables)
+        return row
+
+    def write(self, row: int, body: int, placed: Placed) -> None:
+        """Fill in a row for a shape of a body, that is new to the search for pairs."""
+        tables, (shape, position, orientation, surface) = self.tables, placed
         begin = self._keep(shape)
         mask = _ALL_LAYERS
         if surface.collides_with is not None:
             mask = sum(1 << layer for layer in set(surface.collides_with))
-        tables.array(SHAPE)[row, : IS_SENSOR + 1] = (
-            shape.kind, body, begin, shape.numbers.size, 1 << surface.layer, mask, surface.sensor
+        tables.array(SHAPE)[row] = (
+            shape.kind, body, begin, shape.numbers.size, 1 << surface.layer, mask, surface.sensor, NEW
         )  # fmt: skip
         place = tables.array(PLACE)[row]
         place[:3] = position
@@ -134,12 +143,10 @@ class ShapeRows:
         )
         place[SURFACE_VELOCITY : SURFACE_VELOCITY + 3] = surface.surface_velocity
         place[RADIUS] = shape.reach
-        shapes_changed(tables)
         self.shapes[row] = placed
-        self.bouncing = self.bouncing or surface.restitution > 0.0
+        self.bouncing = self.bouncing or bool(surface.restitution > 0.0)
         self.kinds |= {shape.kind}
         tables.altered = True
-        return row
 
     def rows_of(self, body: int) -> NDArray[np.intp]:
         """Rows of the shapes of a body."""
@@ -161,7 +168,7 @@ class ShapeRows:
             self.shapes[row] = self.shapes[row]._replace(surface=surface)
             place = self.tables.array(PLACE)[row]
             place[FRICTION], place[RESTITUTION] = surface.friction, surface.restitution
-            self.bouncing = self.bouncing or surface.restitution > 0.0
+            self.bouncing = self.bouncing or bool(surface.restitution > 0.0)
         self.tables.altered = True
 
     def remove_of(self, body: int) -> None:
@@ -171,9 +178,11 @@ class ShapeRows:
         for row in self.rows_of(body):
             table[row] = 0
             table[row, SHAPE_KIND] = GONE
-            del self.shapes[int(row)]
+            self._gone += self.shapes.pop(int(row)).shape.numbers.size
             self.free.append(int(row))
         shapes_changed(tables)
+        if self._gone > max(_FEW, tables.count(GEOMETRY) // 2):
+            self._keep_anew()
 
     def _keep(self, shape: Shape) -> int:
         """Return where the numbers of a shape begin; those of equal shapes are kept once."""
@@ -185,12 +194,24 @@ class ShapeRows:
             self.begins[key] = begin
         return self.begins[key]
 
+    def _keep_anew(self) -> None:
+        """Keep the numbers of the shapes that there are, and no others."""
+        self.begins, self._gone = {}, 0
+        self.tables.resize(GEOMETRY, 0)
+        table = self.tables.array(SHAPE)
+        for row, placed in self.shapes.items():
+            if table[row, SHAPE_KIND] != SHOWN:
+                table[row, BEGIN] = self._keep(placed.shape)
+
     def show(self, body: int, placed: Placed) -> None:
         """Add a shape of a body to pictures only: nothing touches it, and rays do not meet it."""
-        row = self._take_row()
+        self.write_shown(self._take_row(), body, placed)
+        shapes_changed(self.tables)
+
+    def write_shown(self, row: int, body: int, placed: Placed) -> None:
+        """Fill in a row for a shape that is only shown."""
         self.tables.array(SHAPE)[row] = 0
         self.tables.array(SHAPE)[row, [SHAPE_KIND, BODY_ROW]] = SHOWN, body
-        shapes_changed(self.tables)
         self.tables.altered = True
         self.shapes[row] = placed
 

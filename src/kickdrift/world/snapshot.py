@@ -7,19 +7,35 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
 
-from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world import settings, tables
+from kickdrift.world.collision.search import shapes_new
+from kickdrift.world.force_stage import Force
 from kickdrift.world.shape_rows import Placed
-from kickdrift.world.tables import COLLIDERS, SETTINGS, SHAPE_KINDS, SWEEPS, Table
+from kickdrift.world.tables import JOINT, POSE, SETTINGS, STARTED_JOINTS, Table, Tables
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World
 
 # Addresses of compiled functions mean nothing in another process; a world finds its own.
-_OF_THE_PROCESS = (COLLIDERS, SHAPE_KINDS, SWEEPS)
+_OF_THE_PROCESS = (tables.COLLIDERS, tables.SHAPE_KINDS, tables.SWEEPS)
+# What a step makes anew, with a row a body each
+_OF_BODIES = (
+    tables.DELTA_POSE, tables.FORCE, tables.NOTED, tables.COLOURED, tables.STARTED_POSE, tables.STARTED_MOTION,
+)  # fmt: skip
+# What a step makes anew, or the search for pairs where it begins anew
+_OF_A_STEP = (
+    *_OF_BODIES, STARTED_JOINTS, tables.LANES, tables.GROUPS, tables.COLOURS, tables.SCRATCH, tables.TREE,
+    tables.STATIC_TREE, tables.TRIANGLE_TREE, tables.SEARCH, tables.MOVERS, tables.FIXTURES, tables.PLANES, tables.SOUGHT,
+    tables.CONTACT_ROW, tables.ISLAND, tables.ISLAND_CONTACT, tables.ISLAND_JOINT, tables.NODE, tables.NEIGHBOUR,
+    tables.BLOCK, tables.ADJACENCY, tables.IMPACT, tables.BOUNCING,
+)  # fmt: skip
 TABLES: Mapping[str, Table] = MappingProxyType(
-    {name: table for name, table in vars(tables).items() if isinstance(table, Table) and table not in _OF_THE_PROCESS}
+    {
+        name: table
+        for name, table in vars(tables).items()
+        if isinstance(table, Table) and table not in (*_OF_THE_PROCESS, *_OF_A_STEP)
+    }
 )
 
 
@@ -35,12 +51,10 @@ class Snapshot:
         Steps done.
     sleeping : bool
         Whether what rests may sleep.
-    forces : tuple of callable
-        Stages of the step made of users' functions.
+    forces : tuple of Force
+        Users' functions, and the stages of the step made of them.
     tables : mapping of str to array
-        Rows in use of each table of `kickdrift.world.tables`, by its name; read-only.
-    rooms : mapping of str to int
-        How many rows there was room for: stages make room where they find that something has changed, and not again.
+        Rows in use of each table of `kickdrift.world.tables` that no step makes anew, by its name; read-only.
     free_bodies, free_shapes : tuple of int
         Rows to be used again, the next one last.
     n_bodies_made, n_joints_made : int
@@ -62,9 +76,8 @@ class Snapshot:
     time: float
     n_steps: int
     sleeping: bool
-    forces: tuple[Function, ...]
+    forces: tuple[Force, ...]
     tables: Mapping[str, NDArray[Any]]
-    rooms: Mapping[str, int]
     free_bodies: tuple[int, ...]
     free_shapes: tuple[int, ...]
     n_bodies_made: int
@@ -77,26 +90,60 @@ class Snapshot:
     body_names: Mapping[int, str]
     joint_names: Mapping[int, str]
 
-    def with_forces(self, forces: Iterable[Function]) -> "Snapshot":
+    def with_forces(self, forces: Iterable[Force]) -> "Snapshot":
         """Return the same with other forces."""
         return replace(self, forces=tuple(forces))
+
+    def __copy__(self) -> "Snapshot":
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> "Snapshot":
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _unpacked, (_pack(vars(self)),)
 
     def __repr__(self) -> str:
         return f"<Snapshot at {self.time:g} s, after {self.n_steps} steps: {len(self.tables['POSE'])} rows of bodies>"
 
 
-def take(world: "World") -> Snapshot:
-    """Copy everything that the next steps of a world depend on."""
-    copies = {name: world.tables.array(table).copy() for name, table in TABLES.items()}
+def _pack(members: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: dict(value) if isinstance(value, Mapping) else value for name, value in members.items()}
+
+
+def _unpacked(members: dict[str, Any]) -> Snapshot:
+    """Make the snapshot of what `_pack` has made of one.
+
+    Raises
+    ------
+    ArgumentError
+        If another version of kickdrift has made it, whose tables are others.
+    """
+    widths = {name: rows.shape[1] for name, rows in members["tables"].items()}
+    if widths != {name: table.width for name, table in TABLES.items()}:
+        raise ArgumentError("the snapshot was pickled by another version of kickdrift; unpickle it with that one.")
+    for rows in members["tables"].values():
+        rows.flags.writeable = False
+    mappings = {name: MappingProxyType(value) for name, value in members.items() if isinstance(value, dict)}
+    return Snapshot(**{**members, **mappings})
+
+
+def kept(of: Tables) -> Mapping[str, NDArray[Any]]:
+    """Return read-only copies of the tables that the next steps depend on."""
+    copies = {name: of.array(table).copy() for name, table in TABLES.items()}
     for copy in copies.values():
         copy.flags.writeable = False
+    return MappingProxyType(copies)
+
+
+def take(world: "World") -> Snapshot:
+    """Copy everything that the next steps of a world depend on."""
     return Snapshot(
         time=world.time,
         n_steps=world.n_steps,
         sleeping=world.sleeping,
         forces=tuple(world.forces),
-        tables=MappingProxyType(copies),
-        rooms=MappingProxyType({name: world.tables.room(table) for name, table in TABLES.items()}),
+        tables=kept(world.tables),
         free_bodies=tuple(world.bodies.free),
         free_shapes=tuple(world.shape_rows.free),
         n_bodies_made=world.bodies.n_made,
@@ -119,7 +166,8 @@ def restore(world: "World", snapshot: Snapshot) -> None:
         raise ArgumentError("the world is being recorded, and a recording does not go back; end it before you restore.")
     world.sleeping = snapshot.sleeping  # which wakes all; who sleeps is in the tables
     for name, table in TABLES.items():
-        world.tables.put(table, snapshot.tables[name], snapshot.rooms[name])
+        world.tables.put(table, snapshot.tables[name])
+    _begin_anew(world.tables)
     world.time, world.n_steps = snapshot.time, snapshot.n_steps
     world.planar = bool(world.tables.array(SETTINGS)[0, settings.PLANE_NORMAL : settings.PLANE_NORMAL + 3].any())
     world.forces, world.broken = list(snapshot.forces), []
@@ -136,3 +184,11 @@ def restore(world: "World", snapshot: Snapshot) -> None:
     joints.names.replace(snapshot.joint_names)
     world.tables.altered = True
     world.tables.version += 1
+
+
+def _begin_anew(of: Tables) -> None:
+    """Give the tables that a step makes anew their rows, and let trees and lists of shapes be built again."""
+    for table in _OF_BODIES:
+        of.resize(table, of.count(POSE))
+    of.resize(STARTED_JOINTS, of.count(JOINT))
+    shapes_new(of)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
-from kickdrift.world.step_status import REACHED, SAID, STATUS, WARNING
+from kickdrift.world.step_status import MIDWAY, REACHED, SAID, STATUS, WARNING
 from kickdrift.world.tables import STEP_STATUS, integers
 
 STAGE = types.none(types.float64, types.float64, types.intp)
@@ -42,11 +42,11 @@ def run(
     status: Any = integers(world, STEP_STATUS)
     for n in range(first, last):
         t = t0 + (n - first) * step
-        status[0, REACHED] = n
+        status[0, REACHED], status[0, MIDWAY] = n, 1
         for k in range(at, stages.size):
             call(stages[k], (t + offsets[k], lengths[k], world))
             if status[0, STATUS] != 0:
                 return n, k
         at = 0
-    status[0, REACHED] = 0
+    status[0, REACHED], status[0, MIDWAY] = last, 0
     return last, status[0, WARNING] & ~status[0, SAID]

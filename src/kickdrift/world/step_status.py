@@ -12,9 +12,10 @@ STATUS = column(STEP_STATUS)
 TABLE = column(STEP_STATUS)  # place of the table that is full
 ROWS_WANTED = column(STEP_STATUS)  # rows that it needs
 LOST_BODY = column(STEP_STATUS)  # that is nowhere
-REACHED = column(STEP_STATUS)  # the step at hand, counted from the first of `kickdrift.world.step.run`
+REACHED = column(STEP_STATUS)  # steps done since `kickdrift.world.world.World.advance` was called
 WARNING = column(STEP_STATUS)  # set of what is to be said; no reason to stop
 SAID = column(STEP_STATUS)  # those of them that were said
+MIDWAY = column(STEP_STATUS)  # 1: a step was begun and is not done
 
 # Bits of WARNING
 LEFT_UNSOLVED = 1  # a body has rested for long on contacts that the sweeps leave unsolved

@@ -7,6 +7,7 @@ leaves everything as it was, and is run again once the table has grown.
 """
 
 import mmap
+import threading
 from contextlib import suppress
 from typing import Any, NamedTuple
 
@@ -148,7 +149,7 @@ def flat_integers(world: int, table: Table) -> Any:
     return carray(integers_at(word(world, place + _ADDRESS)), (word(world, place + _ROOM) * table[1],))
 
 
-_COMPANIONS = {CONTACT: (MANIFOLD,), LINK: (LINK_NUMBERS,)}  # that a table grows with
+_COMPANIONS = {CONTACT: (MANIFOLD,), LINK: (LINK_NUMBERS,)}  # that have at least the room of a table
 _TABLES = {table.place: table for table in list(globals().values()) if isinstance(table, Table)}
 
 
@@ -163,6 +164,8 @@ class Tables:
         self._arrays: dict[int, NDArray[Any]] = {}
         # Whether something has changed that the stages of the step or their order may depend on.
         self.altered = True
+        # Held by the thread that works on them: a step that runs in another one would lose the ground under its feet.
+        self.lock = threading.RLock()
         # Grows where bodies or joints go, or tables lie elsewhere, so that handles look again where theirs is.
         self.version = 0
 
@@ -178,10 +181,6 @@ class Tables:
     def array(self, table: Table) -> NDArray[Any]:
         """Return the rows of a table in use, as a live view; replaced where the table grows."""
         return self._room(table)[: self.block[3 * table.place + _ROWS]]
-
-    def room(self, table: Table) -> int:
-        """Return how many rows of a table there is room for."""
-        return len(self._room(table))
 
     def resize(self, table: Table, count: int) -> NDArray[Any]:
         """Say how many rows are in use; new ones are zeros. Room grows by half of itself at least."""
@@ -201,26 +200,21 @@ class Tables:
             return
         new = _aligned(max(count, len(old) + len(old) // 2, 16), table.width, np.int64 if table.whole else np.float64)
         new[: len(old)] = old
+        words = new.ctypes.data, self.block[place + _ROWS], len(new)
+        # No call stands between these two: Ctrl-C there would leave the address of memory that is gone.
         self._arrays[table.place] = new
+        self.block[place : place + 3] = words
         self.version += 1
-        self.block[place : place + 3] = new.ctypes.data, self.block[place + _ROWS], len(new)
+        for companion in _COMPANIONS.get(table, ()):
+            self.reserve(companion, len(new))
 
-    def put(self, table: Table, values: NDArray[Any], room: int) -> None:
-        """Let a table hold these rows, with room for so many."""
-        count = len(values)
-        if count == self.count(table) and room <= self.room(
-            table
-        ):  # as it does where a world goes back to its own past
-            if count:
-                self._arrays[table.place][:count] = values
-            return
-        self.reserve(table, room)
-        self.resize(table, count)[:] = values
+    def put(self, table: Table, values: NDArray[Any]) -> None:
+        """Let a table hold these rows."""
+        self.resize(table, len(values))[:] = values
 
     def make_room(self, place: int, count: int) -> None:
-        """Make room in the table at a place of the block, as a stage has asked, and in those that go with it."""
-        for table in (_TABLES[place], *_COMPANIONS.get(_TABLES[place], ())):
-            self.reserve(table, count)
+        """Make room in the table at a place of the block, as a stage has asked."""
+        self.reserve(_TABLES[place], count)
 
     def _room(self, table: Table) -> NDArray[Any]:
         if table.place not in self._arrays:

@@ -10,8 +10,9 @@ from kickdrift.world.body import Body
 from kickdrift.world.collision.filters import exclude
 from kickdrift.world.settings import GRAVITY, RESIDUAL, SUBSTEPS
 from kickdrift.world.tables import ASKED_APART, SETTINGS, Tables
+from kickdrift.world.undivided import undivided
 
-_MOST_SUBSTEPS = 10_000
+MOST_SUBSTEPS = 10_000
 
 
 class Tunable:
@@ -45,9 +46,9 @@ class Tunable:
     @substeps.setter
     def substeps(self, substeps: int) -> None:
         if isinstance(substeps, bool) or not (
-            isinstance(substeps, int | np.integer) and 1 <= substeps <= _MOST_SUBSTEPS
+            isinstance(substeps, int | np.integer) and 1 <= substeps <= MOST_SUBSTEPS
         ):
-            raise ArgumentError(f"substeps={substeps!r} has to be a whole number from 1 to {_MOST_SUBSTEPS}.")
+            raise ArgumentError(f"substeps={substeps!r} has to be a whole number from 1 to {MOST_SUBSTEPS}.")
         self.tables.array(SETTINGS)[0, SUBSTEPS] = substeps
         self.tables.altered = True
 
@@ -71,6 +72,7 @@ class Tunable:
         """
         return float(self.tables.array(SETTINGS)[0, RESIDUAL])
 
+    @undivided
     def exclude(self, body_a: Body, body_b: Body) -> None:
         """Let two bodies pass through each other; those that a joint holds together do so anyway.
 

@@ -1,44 +1,57 @@
 """A world: bodies that touch, stack, hinge and walk."""
 
-import time
+import weakref
+from typing import Any
 
 import numpy as np
-from numba.np.ufunc.parallel import _launch_threads
 from numpy.typing import ArrayLike, NDArray
 
-from kickdrift.core.calls import address_of
-from kickdrift.core.compilation import Function
-from kickdrift.core.errors import ArgumentError, KickdriftError
-from kickdrift.world import layout, settings, step_status
+from kickdrift.core.errors import ArgumentError
+from kickdrift.core.threads import launch
+from kickdrift.world import settings
 from kickdrift.world.adding import AddsBodies
 from kickdrift.world.arguments import choice, direction, number, vector
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
-from kickdrift.world.collision.filters import part_joined
-from kickdrift.world.compiling import compile_step
 from kickdrift.world.conserved_quantities import ConservedQuantities
-from kickdrift.world.contacts import contact_solver_simd
-from kickdrift.world.contacts.layout import LANE_COUNT, WIDTH
 from kickdrift.world.events import ContactEvent, events, touching
+from kickdrift.world.force_stage import Force
 from kickdrift.world.forces import AppliesForces
 from kickdrift.world.history import KeepsHistory
 from kickdrift.world.joints.adding import AddsJoints
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.registry import Joints
-from kickdrift.world.program import Program, Uses, Word, addresses, compose, word
+from kickdrift.world.program import Program
 from kickdrift.world.queries import SpatialQueries
 from kickdrift.world.recorder import Recorder
-from kickdrift.world.rollback import find_lost_body, lost_body_error, roll_back
 from kickdrift.world.shape_rows import ShapeRows
-from kickdrift.world.step import run
-from kickdrift.world.tables import COLOURS, EVENTS, MOTION, POSE, SETTINGS, STEP_STATUS, SWEEPS, Tables
+from kickdrift.world.snapshot import Snapshot
+from kickdrift.world.stepping import DoesSteps
+from kickdrift.world.tables import COLOURS, SETTINGS, STEP_STATUS, SWEEPS, Tables
 from kickdrift.world.tuning import Tunable
 from kickdrift.world.unsolved import say
+from kickdrift.world.views import BodyViews
 
-Floats = NDArray[np.float64]
+
+def _revived(kind: type["World"], snapshot: Snapshot, threads: bool) -> "World":
+    """Make a world of a snapshot, whatever its class takes to make one."""
+    world = kind.__new__(kind)
+    World.__init__(world, threads=threads)
+    world.restore(snapshot)
+    return world
 
 
-class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries, ConservedQuantities, Tunable):
+class World(
+    DoesSteps,
+    KeepsHistory,
+    BodyViews,
+    AddsBodies,
+    AddsJoints,
+    AppliesForces,
+    SpatialQueries,
+    ConservedQuantities,
+    Tunable,
+):
     """Rigid bodies in three dimensions.
 
     Free bodies are solved by sweeps over their contacts. Bodies that joints hold together, and what touches them, are islands
@@ -69,7 +82,8 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
     sleep_speed, sleep_time : float
     threads : bool
         Whether contacts are shared among the threads that Numba has (``numba.set_num_threads``). The bits are the same for
-        any number of threads. Worth it from some thousand bodies on, on cores that nobody else uses.
+        any number of threads. Worth it from some thousand bodies on, on cores that nobody else uses. Processes that are
+        forked from one that has used them do without.
     plane_normal : (3,) array_like, optional
         Makes the world planar: bodies move at right angles to this direction and turn about it only.
 
@@ -117,6 +131,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         self.shape_rows = ShapeRows(self.tables)
         self.joints = Joints(self.tables)
         self.bodies = Bodies(self.tables, self.shape_rows, self.joints.changed)
+        self.bodies.world = self.joints.world = weakref.ref(self)
         self.gravity, self.substeps, self.sleeping = vector("gravity", gravity, 3), substeps, sleeping
         row[settings.MIDPOINT] = choice("midpoint", midpoint)
         row[settings.MARGIN] = number("margin", margin, "m", zero=False)
@@ -130,8 +145,7 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         row[settings.SLEEP_TIME] = number("sleep_time", sleep_time, "s")
         self.threads = choice("threads", threads)
         if threads:
-            # Code from the cache on disk looks for the thread pool and does not start it.
-            _launch_threads()
+            launch()
         row[settings.RECYCLE_DISTANCE] = 0.5 * margin
         if plane_normal is not None:
             row[settings.PLANE_NORMAL : settings.PLANE_NORMAL + 3] = direction("plane_normal", plane_normal)
@@ -143,35 +157,16 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         self.recorder: Recorder | None = None
         self._said = 0
         self._program: Program
-        self._program_step, self._breakable = 0.0, False
+        self._program_step, self._breakable, self._threaded = 0.0, False, False
         self._addresses: NDArray[np.intp]
         self._composition: tuple[object, ...] | None = None
-        self.forces: list[Function] = []
+        self.forces: list[Force] = []
 
-    @property
-    def ground(self) -> Body:
-        """What never moves: row 0, to which joints can hold."""
-        return self.bodies.ground
-
-    @property
-    def position(self) -> Floats:
-        """Centres of mass, (N, 3), m."""
-        return self.tables.array(POSE)[:, layout.POSITION : layout.POSITION + 3]
-
-    @property
-    def orientation(self) -> Floats:
-        """Quaternions (w, x, y, z), (N, 4)."""
-        return self.tables.array(POSE)[:, layout.ORIENTATION : layout.ORIENTATION + 4]
-
-    @property
-    def velocity(self) -> Floats:
-        """Velocities of the centres of mass, (N, 3), m/s."""
-        return self.tables.array(MOTION)[:, layout.VELOCITY : layout.VELOCITY + 3]
-
-    @property
-    def angular_velocity(self) -> Floats:
-        """In the world's axes, (N, 3), rad/s."""
-        return self.tables.array(MOTION)[:, layout.ANGULAR_VELOCITY : layout.ANGULAR_VELOCITY + 3]
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copy and pickle by a snapshot, as a world of its own; what a subclass or a user has added goes with it."""
+        known = vars(World())
+        added = {name: value for name, value in vars(self).items() if name not in known}
+        return _revived, (type(self), self.snapshot(), self.threads), added or None
 
     @property
     def events(self) -> list[ContactEvent]:
@@ -211,88 +206,9 @@ class World(KeepsHistory, AddsBodies, AddsJoints, AppliesForces, SpatialQueries,
         step = number("step", step, "s; 1/60 is usual", zero=False)
         if type(count) is bool or not (isinstance(count, int | np.integer) and count >= 0):
             raise ArgumentError(f"count={count!r} has to be a whole number of steps, zero or more.")
-        if self.tables.count(EVENTS):
-            self.tables.resize(EVENTS, 0)
-        program, recorder = self._ready(step), self.recorder
-        done, at, found = 0, 0, 0
-        while done < count:
-            before, start = done, self.time + done * step
-            until = count if recorder is None else min(count, done + recorder.steps_to_row)
-            began = 0.0 if recorder is None else time.perf_counter()
-            try:
-                done, at = run(*program, start, step, done, until, at, self.tables.address)
-            except Exception as error:
-                done = int(self.tables.array(STEP_STATUS)[0, step_status.REACHED])
-                self._go_back(done, step)
-                raise KickdriftError(
-                    f"a force raised {type(error).__name__}: {error} in step {self.n_steps}; "
-                    "all bodies are where they were before it."
-                ) from error
-            finally:
-                if recorder is not None:
-                    recorder.note(done - before, step, start + (done - before) * step, time.perf_counter() - began)
-            if done < until:
-                self._help(done, step)
-                program = self._ready(step)
-            else:
-                found, at = found | at, 0
-        self.time += count * step
-        self.n_steps += count
-        self.broken = self.joints.take_broken() if self._breakable else []
-        if found:
-            said, self._said = self._said, self._said | found
-            say(found, said, self.tables, self.bodies)
-
-    @property
-    def word(self) -> Word:
-        """The step as a word: its stages in their order."""
-        self.joints.arrange()
-        fast, direct = self.tables.array(SETTINGS)[0, [settings.HAS_FAST, settings.HAS_DIRECT]].astype(bool).tolist()
-        forces, bouncing = tuple(self.forces), self.shape_rows.bouncing
-        return word(Uses(forces, bouncing, fast, direct, self.sleeping, self.planar, self.threads), self.joints)
-
-    def _ready(self, step: float) -> Program:
-        """Compile what is needed, and keep the program for as long as nothing that it depends on changes.
-
-        That nothing has is seen without looking at it all, which would take as long as a step of a small world.
-        """
-        if step == self._program_step and self.joints.arranged and not self.tables.altered:
-            return self._program
-        spelt, pairs, shapes = self.word, self.shape_rows.pairs(), self.shape_rows
-        part_joined(self.tables)
-        composition = spelt, self.substeps, shapes.kinds
-        if composition != self._composition:
-            compile_step(spelt, shapes.kinds, pairs)
-            sweeps = self.tables.array(SWEEPS)[0]
-            for column, sweep in contact_solver_simd.KERNELS.items():
-                sweeps[column] = address_of(sweep, contact_solver_simd.SWEEP)
-            sweeps[LANE_COUNT] = WIDTH
-            shapes.find_functions()
-            self._addresses, self._composition = addresses(spelt, self.substeps), composition
-        self.tables.array(SETTINGS)[0, settings.STEP] = step
-        self._program = compose(spelt, self._addresses, step, self.substeps)
-        self._program_step, self._breakable, self.tables.altered = step, self.joints.breakable, False
-        return self._program
-
-    def _help(self, done: int, step: float) -> None:
-        """Do what a stage has asked for; raise what cannot be helped."""
-        status = self.tables.array(STEP_STATUS)[0]
-        columns = step_status.STATUS, step_status.TABLE, step_status.ROWS_WANTED, step_status.LOST_BODY
-        kind, table, wanted, body = status[list(columns)].tolist()
-        status[step_status.STATUS] = step_status.OK
-        if kind in (step_status.NEEDS_TIME_OF_IMPACT, step_status.NEEDS_DIRECT_SOLVER):
-            needed = settings.HAS_DIRECT if kind == step_status.NEEDS_DIRECT_SOLVER else settings.HAS_FAST
-            self.tables.array(SETTINGS)[0, needed] = 1.0
-            self.tables.altered = True
-        elif kind == step_status.FULL:
-            self.tables.make_room(table, wanted)
-        else:
-            body = find_lost_body(self.tables, step, body)
-            self._go_back(done, step)
-            raise lost_body_error(self.tables, body, self.bodies.words(body), self.n_steps)
-
-    def _go_back(self, done: int, step: float) -> None:
-        """Bring the world back to where the step began after those that are done."""
-        roll_back(self.tables)
-        self.time += done * step
-        self.n_steps += done
+        with self.tables.lock:
+            found = self.do_steps(step, int(count))
+            self.broken = self.joints.take_broken() if self._breakable else []
+            if found:
+                said, self._said = self._said, self._said | found
+                say(found, said, self.tables, self.bodies)

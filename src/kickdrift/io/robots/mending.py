@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.errors import FileFormatError
+
 Floats = NDArray[np.float64]
 Repair = Callable[[Any], None]
 
@@ -15,11 +17,17 @@ _UNDEFINED = [np.nan, 0.0, 0.0, 0.0, 0.0, 0.0]
 _NONE = 1e-12  # of the greatest moment of inertia
 
 
-def find_packages(spec: Any, folder: Path) -> None:
-    """Look for the files of packages in the folder of a robot and in those above it."""
+def find_packages(spec: Any, folder: Path, highest: Path) -> None:
+    """Look for the files of packages in the folder of a robot and in those above it, up to the highest.
+
+    Raises
+    ------
+    FileFormatError
+        If one is only found above that.
+    """
     for mesh in spec.meshes:
         if mesh.file.startswith(_PACKAGE):
-            mesh.file = _in_package(mesh.file, folder)
+            mesh.file = _in_package(mesh.file, folder, highest)
 
 
 def drop_materials(spec: Any, notes: list[str]) -> None:
@@ -31,12 +39,17 @@ def drop_materials(spec: Any, notes: list[str]) -> None:
             geom.material = ""
 
 
-def _in_package(file: str, folder: Path) -> str:
+def _in_package(file: str, folder: Path, highest: Path) -> str:
     path = Path(file.removeprefix(_PACKAGE))
     inside = Path(*path.parts[1:])
     for above in (folder, *folder.parents):
         for candidate in (above / path, above / inside):
             if candidate.is_file():
+                if not candidate.resolve().is_relative_to(highest):
+                    raise FileFormatError(
+                        f"{file!r} is found in {str(above)!r}, which is not in {str(highest)!r}; give folder=, one that holds"
+                        " all that the file may read, if you trust it."
+                    )
                 return str(candidate)
     return file
 

@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError, FileFormatError, missing_extra
+from kickdrift.core.files import opened
+from kickdrift.io.robots.confinement import check
 from kickdrift.io.robots.mending import drop_materials, find_packages, mend_inertias
 from kickdrift.world.shapes.hull import Hull
 
@@ -95,7 +97,9 @@ class Model(NamedTuple):
         return result.reshape(3, 3)
 
 
-def parse(path: str | Path, floating: bool, position: Floats, orientation: Floats) -> tuple[Model, list[str]]:
+def parse(
+    path: str | Path, floating: bool, position: Floats, orientation: Floats, folder: str | Path | None
+) -> tuple[Model, list[str]]:
     """Read a file.
 
     Returns
@@ -118,7 +122,8 @@ def parse(path: str | Path, floating: bool, position: Floats, orientation: Float
     except ImportError:
         raise missing_extra("kickdrift.load_robot", "mujoco", "robots") from None
     try:
-        content = Path(path).read_bytes()
+        with opened(path) as file:
+            content = file.read()
     except OSError as error:
         raise FileFormatError(f"path={str(path)!r} cannot be read: {error.strerror or error}.") from None
     except ValueError as error:
@@ -134,13 +139,15 @@ def parse(path: str | Path, floating: bool, position: Floats, orientation: Float
             " root a <freejoint/>."
         )
     notes: list[str] = []
-    compiled = _compile(mujoco, Path(path), content, floating, notes)
+    inside = Path(path).parent if folder is None else Path(folder)
+    check(Path(path), content, inside)
+    compiled = _compile(mujoco, Path(path), content, floating, inside, notes)
     data = mujoco.MjData(compiled)
     mujoco.mj_kinematics(compiled, data)
     return Model(mujoco, compiled, data, position, orientation, root[1] == b"robot", {}), notes
 
 
-def _compile(mujoco: Any, path: Path, content: bytes, floating: bool, notes: list[str]) -> Any:
+def _compile(mujoco: Any, path: Path, content: bytes, floating: bool, folder: Path, notes: list[str]) -> Any:
     """Compile a file, of a URDF file also what is for show, where MuJoCo can."""
     refused = (ValueError, RuntimeError, mujoco.FatalError)
     text = content.decode("utf-8", "replace")
@@ -148,28 +155,27 @@ def _compile(mujoco: Any, path: Path, content: bytes, floating: bool, notes: lis
     if end >= 0 and "<mujoco" not in text:  # which says itself what it wants
         shown: list[str] = []
         try:
-            compiled = _build(
-                mujoco, mujoco.MjSpec.from_string(text[:end] + _SHOWN + text[end:]), path, floating, shown
-            )
+            spec = mujoco.MjSpec.from_string(text[:end] + _SHOWN + text[end:])
+            compiled = _build(mujoco, spec, path, floating, folder, shown)
         except refused as error:
             notes.append(f"left out: what is only for show, which MuJoCo does not compile: {_reason(error)}")
         else:
             notes += shown
             return compiled
     try:
-        return _build(mujoco, mujoco.MjSpec.from_file(str(path)), path, floating, notes)
+        return _build(mujoco, mujoco.MjSpec.from_file(str(path)), path, floating, folder, notes)
     except refused as error:
         raise FileFormatError(
             f"path={str(path)!r} is no robot that MuJoCo {mujoco.__version__} understands: {_reason(error)}"
         ) from None
 
 
-def _build(mujoco: Any, spec: Any, path: Path, floating: bool, notes: list[str]) -> Any:
+def _build(mujoco: Any, spec: Any, path: Path, floating: bool, folder: Path, notes: list[str]) -> Any:
     spec.modelfiledir = str(path.parent)
     spec.compiler.fusestatic = False  # keeps the names of bodies that are fixed to others
     if floating:
         _set_free(spec)
-    find_packages(spec, path.resolve().parent)
+    find_packages(spec, path.resolve().parent, folder.resolve())
     drop_materials(spec, notes)
     repairs = mend_inertias(mujoco, spec, notes)
     with warnings.catch_warnings(record=True) as said:

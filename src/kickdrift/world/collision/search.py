@@ -5,7 +5,19 @@ from numpy.typing import ArrayLike
 
 from kickdrift.world.columns import column
 from kickdrift.world.layout import BODY_ROW, SEARCH_STATE
-from kickdrift.world.tables import SEARCH, SHAPE, Tables
+from kickdrift.world.tables import (
+    CONTACT,
+    FIXTURES,
+    MOVERS,
+    PLANES,
+    SEARCH,
+    SHAPE,
+    SOUGHT,
+    STATIC_TREE,
+    TREE,
+    TRIANGLE_TREE,
+    Tables,
+)
 
 # Columns of SEARCH
 CHANGED = column(SEARCH)  # whether shapes have come, gone or changed, so that the lists of them are made anew
@@ -46,6 +58,16 @@ def shapes_changed(tables: Tables, rows: ArrayLike = ()) -> None:
     """
     tables.resize(SEARCH, 1)[0, CHANGED] = UNSEEN
     tables.array(SHAPE)[np.asarray(rows, dtype=np.intp), SEARCH_STATE] = NEW
+
+
+def shapes_new(tables: Tables) -> None:
+    """Say that all lists and trees of shapes are to be made anew, for the shapes and contacts that there are."""
+    for table in (MOVERS, FIXTURES, PLANES, SOUGHT, TREE, STATIC_TREE, TRIANGLE_TREE):
+        tables.resize(table, 0)
+    search = tables.resize(SEARCH, 1)[0]
+    search[:] = 0
+    search[[CHANGED, STATIC_CHANGED, PARTS_CHANGED, MOVERS_CHANGED]] = UNSEEN
+    search[CONTACTS] = tables.count(CONTACT)
 
 
 def filters_changed(tables: Tables, bodies: ArrayLike) -> None:

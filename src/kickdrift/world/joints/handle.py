@@ -17,6 +17,7 @@ from kickdrift.world.tables import BODY, JOINT, JOINT_NUMBERS, LOAD, MOTION
 
 if TYPE_CHECKING:
     from kickdrift.world.joints.registry import Joints
+    from kickdrift.world.world import World
 
 Floats = NDArray[np.float64]
 
@@ -78,6 +79,11 @@ class Joint(Handle):
     @property
     def _registry(self) -> Joints:
         return self._joints
+
+    @staticmethod
+    def registry_of(world: World) -> Joints:
+        """Return the joints of a world."""
+        return world.joints
 
     @property
     def angles(self) -> Floats:

@@ -3,7 +3,6 @@
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.joints.axis import Axis
@@ -44,15 +43,18 @@ def clear_laws(tables: Tables, joint: int) -> None:
 
 def write_law(tables: Tables, joint: int, k: int, axis: Axis, part: LawPart) -> None:
     """Write one part of what happens along an axis of a joint, which is measured."""
-    law: NDArray[np.float64] = tables.row(JOINT_AXES, 6 * joint + k)
+    row, law = tables.row(JOINT, joint), tables.row(JOINT_AXES, 6 * joint + k)
+    numbers: list[float] = law.tolist()
     if part == "limits":
-        law[LOWER_LIMIT], law[UPPER_LIMIT] = axis.limits or (-np.inf, np.inf)
+        numbers[LOWER_LIMIT], numbers[UPPER_LIMIT] = axis.limits or (-np.inf, np.inf)
     elif part == "friction":
-        law[JOINT_FRICTION] = axis.friction
+        numbers[JOINT_FRICTION] = axis.friction
     elif part == "motor":
-        law[MOTOR_SPEED], law[MOTOR_MAXIMUM] = (axis.motor.speed, axis.motor.maximum) if axis.motor else (0.0, 0.0)
+        numbers[MOTOR_SPEED], numbers[MOTOR_MAXIMUM] = (
+            (axis.motor.speed, axis.motor.maximum) if axis.motor else (0.0, 0.0)
+        )
     else:
-        mass = law.item(DRIVEN_MASS)  # of the drive that there was: another target makes no drive stiffer
+        mass = numbers[DRIVEN_MASS]  # of the drive that there was: another target makes no drive stiffer
         stiffness, damping, target, speed, maximum = 0.0, 0.0, 0.0, 0.0, 0.0
         if axis.drive is None:
             mass = 0.0
@@ -60,17 +62,15 @@ def write_law(tables: Tables, joint: int, k: int, axis: Axis, part: LawPart) -> 
             mass = mass or effective_mass(tables, joint, k)
             stiffness, damping = axis.drive.coefficients(mass)
             target, speed, maximum = axis.drive.target, axis.drive.speed, axis.drive.maximum
-        law[DRIVE_STIFFNESS], law[DRIVE_DAMPING], law[DRIVEN_MASS] = stiffness, damping, mass
-        law[TARGET], law[TARGET_SPEED], law[DRIVE_MAXIMUM] = target, speed, maximum
-    numbers = law.tolist()
+        numbers[DRIVE_STIFFNESS], numbers[DRIVE_DAMPING], numbers[DRIVEN_MASS] = stiffness, damping, mass
+        numbers[TARGET], numbers[TARGET_SPEED], numbers[DRIVE_MAXIMUM] = target, speed, maximum
     does = -np.inf < numbers[LOWER_LIMIT] or numbers[UPPER_LIMIT] < np.inf
     does = does or any(
         numbers[column] != 0.0 for column in (MOTOR_MAXIMUM, DRIVE_STIFFNESS, DRIVE_DAMPING, JOINT_FRICTION)
     )
-    row = tables.row(JOINT, joint)
-    row[LAWS] = row.item(LAWS) | 1 << k if does else row.item(LAWS) & ~(1 << k)
-    if k >= 3 and does and row[ANGULAR] == LOOSE:
-        row[ANGULAR] = VECTOR
+    laws = row.item(LAWS) | 1 << k if does else row.item(LAWS) & ~(1 << k)
+    angular = VECTOR if k >= 3 and does and row.item(ANGULAR) == LOOSE else row.item(ANGULAR)
+    law[:], row[LAWS], row[ANGULAR] = numbers, laws, angular  # at once, which Ctrl-C does not divide
 
 
 def check_changeable(tables: Tables, joint: int, k: int, part: LawPart) -> None:

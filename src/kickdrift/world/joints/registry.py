@@ -1,11 +1,15 @@
 """The joints of a world: rows of tables that come and go."""
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+from weakref import ReferenceType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.core.rotations import of_matrix, product, turned
 from kickdrift.world.integration import AWAKE, BODY_KIND, DYNAMIC
 from kickdrift.world.joints.axis import Axis
 from kickdrift.world.joints.catalogue import KINDS
@@ -54,8 +58,11 @@ from kickdrift.world.joints.placing import signs
 from kickdrift.world.joints.record import Placement, Record
 from kickdrift.world.joints.tree import arrange
 from kickdrift.world.names import Names
-from kickdrift.world.rotations import product, turned
 from kickdrift.world.tables import ARTICULATION, BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, POSE, STARTED_JOINTS, Tables
+from kickdrift.world.undivided import alone, undivided
+
+if TYPE_CHECKING:
+    from kickdrift.world.world import World
 
 Floats = NDArray[np.float64]
 
@@ -66,12 +73,14 @@ class Joints:
     def __init__(self, tables: Tables) -> None:
         self.tables = tables
         self.names = Names("joint")
+        self.world: ReferenceType[World] | None = None
         self.arranged = False
         self.n_made = 0  # never goes back, not even to a snapshot: two joints would share a handle
 
     def __len__(self) -> int:
         return int((self.tables.array(JOINT)[:, JOINT_KIND] != REMOVED).sum())
 
+    @undivided
     def add(self, record: Record, body_a: int, body_b: int) -> Joint:
         """Join two bodies, given by their rows, as they stand.
 
@@ -80,8 +89,6 @@ class Joints:
         ArgumentError
             For a body with itself, and for what the record refuses.
         """
-        from scipy.spatial.transform import Rotation  # takes 0.2 s, which worlds without joints need not wait for
-
         if body_a == body_b:
             raise ArgumentError(
                 f"body_b is body_a, row {body_a}, but a joint holds two bodies together; give another one, or None for the"
@@ -99,7 +106,7 @@ class Joints:
         axes = (*placement.linear, *placement.angular)
         joint[LOCKED] = sum(1 << k for k, axis in enumerate(axes) if axis.locked)
         poses = tables.array(POSE)
-        frame = Rotation.from_matrix(placement.frame).as_quat()[[3, 0, 1, 2]]
+        frame = of_matrix(placement.frame)
         for body, at, turn, anchor in (
             (body_a, ANCHOR_A, FRAME_A, placement.anchor_a),
             (body_b, ANCHOR_B, FRAME_B, placement.anchor_b),
@@ -130,6 +137,7 @@ class Joints:
         self.names.give(row, name)
         return self.handle(row)
 
+    @alone
     def change_law(self, joint: Joint, axis: int | None, change: Axis, part: LawPart) -> None:
         """Exchange the limits, the motor, the drive or the friction of an axis, and wake the bodies.
 
@@ -141,14 +149,16 @@ class Joints:
         row, k = self.row(joint), joint.axis(axis)
         check_changeable(self.tables, row, k, part)
         tables, numbers = self.tables, self.tables.row(JOINT, row)
-        before = numbers.item(LAWS)
+        before, arranged = numbers.item(LAWS), self.arranged
+        self.arranged = False  # also if Ctrl-C comes now
         write_law(tables, row, k, change if joint.sign(k) > 0.0 else change.reversed(), part)
-        self.arranged = self.arranged and before == numbers.item(LAWS)
+        self.arranged = arranged and before == numbers.item(LAWS)
         for column in (BODY_A, BODY_B):
             body = tables.row(BODY, numbers.item(column))
             if body.item(BODY_KIND) == DYNAMIC:
                 body[AWAKE] = 1
 
+    @undivided
     def remove(self, joint: Joint) -> None:
         """Take a joint away.
 

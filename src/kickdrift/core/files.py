@@ -1,0 +1,64 @@
+"""Files that users and strangers name: opened if they are files, written whole or not at all."""
+
+import errno
+import os
+import stat
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import BinaryIO
+
+_NO_FILE = "it is a pipe, a socket or a device, and no file"
+
+
+def opened(path: str | Path) -> BinaryIO:
+    """Open a file to be read.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read, or is no file: a pipe would be waited for, and a device have no end.
+    """
+    descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    try:
+        _check_file(os.fstat(descriptor).st_mode)
+    except OSError:
+        os.close(descriptor)
+        raise
+    return os.fdopen(descriptor, "rb")
+
+
+@contextmanager
+def written(target: Path) -> Iterator[Path]:
+    """Give an empty file beside another one, which becomes that one at the end, with its mode; after an error it is gone.
+
+    Its name is random, and ends as that of the other does.
+
+    Raises
+    ------
+    OSError
+        If there can be no file, or what is there is none.
+    """
+    mode = None
+    with suppress(FileNotFoundError):
+        mode = target.stat().st_mode
+        _check_file(mode)
+    partial = target.with_name(f".{target.stem[:100]}.{uuid.uuid4().hex}.partial{target.suffix}")
+    try:
+        os.close(os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
+        yield partial
+        if mode is not None:
+            partial.chmod(stat.S_IMODE(mode))
+        partial.replace(target)
+    except BaseException:
+        with suppress(OSError):
+            partial.unlink(missing_ok=True)
+        raise
+
+
+def _check_file(mode: int) -> None:
+    if stat.S_ISDIR(mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+    if not stat.S_ISREG(mode):
+        raise OSError(errno.EINVAL, _NO_FILE)

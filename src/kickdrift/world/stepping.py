@@ -1,0 +1,160 @@
+"""How a world does steps: it compiles what is needed, runs compiled code, and helps where that cannot go on."""
+
+import time
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.calls import address_of
+from kickdrift.core.errors import KickdriftError
+from kickdrift.core.threads import present
+from kickdrift.world import settings, step_status
+from kickdrift.world.bodies import Bodies
+from kickdrift.world.collision.filters import part_joined
+from kickdrift.world.compiling import compile_step
+from kickdrift.world.contacts import contact_solver_simd
+from kickdrift.world.contacts.layout import LANE_COUNT, WIDTH
+from kickdrift.world.force_stage import Force
+from kickdrift.world.joints.registry import Joints
+from kickdrift.world.program import Program, Uses, Word, addresses, compose, word
+from kickdrift.world.recorder import Recorder
+from kickdrift.world.rollback import find_lost_body, lost_body_error, roll_back
+from kickdrift.world.shape_rows import ShapeRows
+from kickdrift.world.step import run
+from kickdrift.world.tables import EVENTS, LOAD, SETTINGS, STEP_STATUS, SWEEPS, Table, Tables
+
+
+class DoesSteps:
+    """The methods of a world that do steps."""
+
+    tables: Tables
+    bodies: Bodies
+    joints: Joints
+    shape_rows: ShapeRows
+    forces: list[Force]
+    recorder: Recorder | None
+    time: float
+    n_steps: int
+    sleeping: bool
+    substeps: int
+    planar: bool
+    threads: bool
+    _program: Program
+    _program_step: float
+    _breakable: bool
+    _threaded: bool
+    _addresses: NDArray[np.intp]
+    _composition: tuple[object, ...] | None
+
+    def do_steps(self, step: float, count: int) -> int:
+        """Do so many steps; return the set of warnings that are to be said."""
+        if self.tables.count(EVENTS):
+            self.tables.resize(EVENTS, 0)
+        program, recorder = self._ready(step), self.recorder
+        status = self.tables.row(STEP_STATUS, 0)
+        status[step_status.REACHED] = status[step_status.MIDWAY] = 0
+        done, at, found = 0, 0, 0
+        try:
+            while done < count:
+                before, start = done, self.time + done * step
+                until = count if recorder is None else min(count, done + recorder.steps_to_row)
+                began = 0.0 if recorder is None else time.perf_counter()
+                try:
+                    done, at = run(*program, start, step, done, until, at, self.tables.address)
+                except Exception as error:
+                    self._go_back(step, LOAD)
+                    raise KickdriftError(
+                        f"a force raised {type(error).__name__}: {error} in step {self.n_steps}; "
+                        "all bodies are where they were before it."
+                    ) from error
+                finally:
+                    if recorder is not None:
+                        reached = int(status[step_status.REACHED]) - before
+                        recorder.note(reached, step, start + reached * step, time.perf_counter() - began)
+                if done < until:
+                    self._help(step)
+                    program = self._ready(step)
+                else:
+                    found, at = found | at, 0
+        except BaseException:  # Ctrl-C comes between any two lines; compiled code has noted what it has done
+            self._go_back(step)
+            raise
+        self.time += count * step
+        self.n_steps += count
+        status[step_status.REACHED] = 0
+        return found
+
+    @property
+    def word(self) -> Word:
+        """The step as a word: its stages in their order."""
+        self.joints.arrange()
+        fast, direct = self.tables.array(SETTINGS)[0, [settings.HAS_FAST, settings.HAS_DIRECT]].astype(bool).tolist()
+        return word(
+            Uses(
+                forces=tuple(force.stage for force in self.forces),
+                bounces=self.shape_rows.bouncing,
+                is_fast=fast,
+                direct=direct,
+                joints=self.joints.present,
+                sequential=self.joints.sequential,
+                sleeps=self.sleeping,
+                planar=self.planar,
+                threads=self.threads and present(),
+            )
+        )
+
+    def _ready(self, step: float) -> Program:
+        """Compile what is needed, and keep the program for as long as nothing that it depends on changes.
+
+        That nothing has is seen without looking at it all, which would take as long as a step of a small world.
+        """
+        threaded = self.threads and present()
+        same = step == self._program_step and threaded == self._threaded
+        if same and self.joints.arranged and not self.tables.altered:
+            return self._program
+        spelt, pairs, shapes = self.word, self.shape_rows.pairs(), self.shape_rows
+        part_joined(self.tables)
+        composition = spelt, self.substeps, shapes.kinds
+        if composition != self._composition:
+            compile_step(spelt, shapes.kinds, pairs)
+            sweeps = self.tables.array(SWEEPS)[0]
+            for column, sweep in contact_solver_simd.KERNELS.items():
+                sweeps[column] = address_of(sweep, contact_solver_simd.SWEEP)
+            sweeps[LANE_COUNT] = WIDTH
+            shapes.find_functions()
+            self._addresses, self._composition = addresses(spelt, self.substeps), composition
+        self.tables.array(SETTINGS)[0, settings.STEP] = step
+        self._program = compose(spelt, self._addresses, step, self.substeps)
+        self._program_step, self._threaded, self._breakable = step, threaded, self.joints.breakable
+        self.tables.altered = False
+        return self._program
+
+    def _help(self, step: float) -> None:
+        """Do what a stage has asked for; raise what cannot be helped."""
+        status = self.tables.row(STEP_STATUS, 0)
+        columns = step_status.STATUS, step_status.TABLE, step_status.ROWS_WANTED, step_status.LOST_BODY
+        kind, table, wanted, body = status[list(columns)].tolist()
+        status[list(columns)] = step_status.OK
+        if kind in (step_status.NEEDS_TIME_OF_IMPACT, step_status.NEEDS_DIRECT_SOLVER):
+            needed = settings.HAS_DIRECT if kind == step_status.NEEDS_DIRECT_SOLVER else settings.HAS_FAST
+            self.tables.array(SETTINGS)[0, needed] = 1.0
+            self.tables.altered = True
+        elif kind == step_status.FULL:
+            self.tables.make_room(table, wanted)
+        else:
+            body = find_lost_body(self.tables, step, body)
+            self._go_back(step, LOAD)
+            raise lost_body_error(self.tables, body, self.bodies.words(body), self.n_steps)
+
+    def _go_back(self, step: float, *without: Table) -> None:
+        """Bring the world back to where the step began after those that are done, with zeros in some tables."""
+        status = self.tables.row(STEP_STATUS, 0)
+        if status[step_status.MIDWAY]:
+            roll_back(self.tables)
+            status[step_status.STATUS] = step_status.OK
+        for table in without:
+            self.tables.array(table)[:] = 0.0
+        done = int(status[step_status.REACHED])
+        status[[step_status.REACHED, step_status.MIDWAY]] = 0
+        self.time += done * step
+        self.n_steps += done

@@ -1,0 +1,43 @@
+"""Where the bodies of a world are and how they move, as arrays that look into its tables."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.world import layout
+from kickdrift.world.bodies import Bodies
+from kickdrift.world.body import Body
+from kickdrift.world.tables import MOTION, POSE, Tables
+
+Floats = NDArray[np.float64]
+
+
+class BodyViews:
+    """The attributes of a world that are arrays of a row a body."""
+
+    tables: Tables
+    bodies: Bodies
+
+    @property
+    def ground(self) -> Body:
+        """What never moves: row 0, to which joints can hold."""
+        return self.bodies.ground
+
+    @property
+    def position(self) -> Floats:
+        """Centres of mass, (N, 3), m."""
+        return self.tables.array(POSE)[:, layout.POSITION : layout.POSITION + 3]
+
+    @property
+    def orientation(self) -> Floats:
+        """Quaternions (w, x, y, z), (N, 4)."""
+        return self.tables.array(POSE)[:, layout.ORIENTATION : layout.ORIENTATION + 4]
+
+    @property
+    def velocity(self) -> Floats:
+        """Velocities of the centres of mass, (N, 3), m/s."""
+        return self.tables.array(MOTION)[:, layout.VELOCITY : layout.VELOCITY + 3]
+
+    @property
+    def angular_velocity(self) -> Floats:
+        """In the world's axes, (N, 3), rad/s."""
+        return self.tables.array(MOTION)[:, layout.ANGULAR_VELOCITY : layout.ANGULAR_VELOCITY + 3]
