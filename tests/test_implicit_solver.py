@@ -159,7 +159,7 @@ def chain(n):
 
 def test_many_unknowns_do_without_a_matrix_where_it_costs_more(monkeypatch):
     problem, start = chain(100)
-    given = {"t_span": (0.0, 1.2), "x0": start, "step": 0.6, "method": "gauss-4", **GIVEN}
+    given = {"t_span": (0.0, 1.6), "x0": start, "step": 0.8, "method": "gauss-4", **GIVEN}
     patient = kd.solve(problem, **given)
     assert patient.success
     assert patient.n_force_evaluations < 250  # a matrix is 100 columns of 2 stages, 2 evaluations each
