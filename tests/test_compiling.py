@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from numba import types
 
+from kickdrift.core import views
 from kickdrift.core.cache import fingerprint
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import compiled, is_on_disk, specialise, unbound
@@ -249,3 +250,56 @@ def test_what_compiles_ahead_is_all_that_the_scenes_need():
         needed = _jobs(world.word, world.shape_rows.kinds, world.shape_rows.pairs())
         assert {function.__name__ for function, _ in needed if id(function) not in ahead} == set()
     assert len(ahead) > len(needed)
+
+
+@compiled(cached=False)
+def _sum_of_view(array):
+    view = array[1:]
+    total = 0.0
+    for value in view:
+        total += value
+    return total
+
+
+@compiled(cached=False)
+def _sums_of_views(array, out):
+    out[0] = _sum_of_view(array[1:]) + _sum_of_view(array[2:])
+
+
+@compiled(cached=False)
+def _sums_of_copies(array, out):
+    copy = np.zeros(array.size)
+    copy[:] = array
+    out[0] = _sum_of_view(copy[1:]) + _sum_of_view(copy[2:])
+
+
+@compiled(cached=False)
+def _returned(array, out):
+    return array[1:]
+
+
+def test_code_that_allocates_nothing_counts_no_references():
+    array = types.Array(types.float64, 1, "C")
+    counted = {}
+    for function in (_sums_of_views, _sums_of_copies, _returned):
+        signature = types.none(array, array) if function is not _returned else array(array, array)
+        library = function.get_compile_result(signature).library
+        counted[function] = "NRT_decref" in library.get_llvm_str() or "NRT_incref" in library.get_llvm_str()
+    assert counted == {_sums_of_views: False, _sums_of_copies: True, _returned: True}
+    before, out = np.arange(5.0), np.zeros(1)
+    for function in (_sums_of_views, _sums_of_copies):
+        function(before, out)
+        assert out[0] == 9.0 + 7.0
+
+
+def test_views_are_the_same_compiled_and_interpreted():
+    @compiled(cached=False)
+    def seen(array, out):
+        out[0], out[1] = views.part(array, 2, 2).sum(), views.part(array, 2, 2).size
+        out[2], out[3] = float(views.words(array)[1]), views.float_of(views.words(array)[3])
+
+    array, outs = np.array([1.0, -2.0, 3.0, 0.1]), [np.zeros(4), np.zeros(4)]
+    for function, out in zip((seen, seen.py_func), outs, strict=True):
+        function(array, out)
+    assert np.array_equal(*outs)
+    assert outs[0].tolist() == [3.1, 2.0, float(np.float64(-2.0).view(np.int64)), 0.1]

@@ -7,6 +7,7 @@ import numpy as np
 from benchmarks.steps.pair import Floats, Pair, by_hand
 
 OSCILLATORS, SIDE = 1_000_000, 1000
+STEPS = 100
 
 
 def springs(x: Any, out: Any) -> None:
@@ -56,7 +57,7 @@ def wave(x: Floats, v: Floats, h: float, steps: int) -> None:
     """Kick a row and drift the row before it, whose neighbours no longer need it."""
     rows, columns = x.shape
     for _ in range(steps):
-        for i in range(1, rows):
+        for i in range(1, rows):  # row i - 1 drifts after row i was kicked, which sees its old positions
             if i < rows - 1:
                 for j in range(1, columns - 1):
                     v[i, j] += h * (x[i - 1, j] + x[i + 1, j] + x[i, j - 1] + x[i, j + 1] - 4.0 * x[i, j])
@@ -87,9 +88,6 @@ def wave_compensated(x: Floats, v: Floats, h: float, steps: int) -> None:
                     x[i - 1, j] = total
 
 
-# A row drifts one row late: row i - 1 of x is still old when row i is kicked only if it drifts after that.
-
-
 def pairs() -> list[Pair]:
     """Both with plain and with compensated sums."""
     x0 = np.linspace(1.0, 2.0, OSCILLATORS)
@@ -109,5 +107,5 @@ def pairs() -> list[Pair]:
                 return x, v
 
             options = {"x0": start, "v0": 0 * start, "compensated": sums == "compensated"}
-            found.append(Pair(f"{what}, {sums}", force, "semi-implicit-euler", loop, 0.1, 20, options))
+            found.append(Pair(f"{what}, {sums}", force, "semi-implicit-euler", loop, 0.1, STEPS, options))
     return found

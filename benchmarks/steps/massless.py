@@ -71,7 +71,7 @@ def wisdom_holman(x: Floats, v: Floats, gm: Floats, planets: int, h: float, step
 
 
 def system(count: int) -> tuple[Any, Floats, Floats, Floats]:
-    """Make the giant planets with massless bodies between 20 and 40 au, and return their G m, x and v, too."""
+    """Make the giant planets with massless bodies between 45 and 60 au, and return their G m, x and v, too."""
     outer = kd.systems.outer_solar_system()
     gm = np.concatenate([outer.params[2:7], np.zeros(count)])  # without Pluto
     radius, angle = np.linspace(45.0, 60.0, count), 2.4 * np.arange(count)

@@ -117,7 +117,8 @@ def solve(
         shrinking, rounding = size < previous, missing <= ROUNDING
         stalled = stalled + 1 if rounding and not size < least else 0
         if missing == 0.0 or stalled > patient:
-            work[KEPT_BY] = 0.0
+            if kept:
+                work[KEPT_BY] = 0.0
             return True
         if not (shrinking or size <= most or stalled > 0):
             if previous < np.inf:

@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import unbound
+from kickdrift.core.errors import ArgumentError
 from kickdrift.core.linear_algebra import lu_factor, lu_solve
 from kickdrift.core.views import part
-from kickdrift.engine.flows.implicit import copy, largest, scale
+from kickdrift.engine.flows.implicit import MOST_WITH_MATRIX, copy, largest, scale
 from kickdrift.engine.flows.layout import EVALUATIONS, TROUBLE, VELOCITY_JACOBIAN, change_of_v, has_part, memory
 
 Floats = NDArray[np.float64]
@@ -32,7 +33,13 @@ def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
 
 
 def scratch_size(n: int, coefficients: Floats, params: Floats) -> int:
-    """Numbers of scratch for a state of n numbers."""
+    """Numbers of scratch for a state of n numbers, of which there may be too many for a matrix."""
+    if n > MOST_WITH_MATRIX:
+        raise ArgumentError(
+            f"x0 has {n} numbers, and kicks that are implicit in the velocity form a matrix of all of them by all, which is"
+            f" done for up to {MOST_WITH_MATRIX}; use a method without, such as 'velocity-verlet', or 'implicit-midpoint',"
+            " which does without a matrix where the step is small enough."
+        )
     return n * n + n
 
 
