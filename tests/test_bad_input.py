@@ -10,6 +10,7 @@ from hypothesis.extra import numpy as hnp
 
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError
+from kickdrift.methods.tableau import Tableau
 
 GOOD = {"t_span": (0.0, 1.0), "x0": [1.0, 0.0], "v0": [0.0, 1.0], "step": 0.1, "compile": False}
 
@@ -214,3 +215,39 @@ def test_compiled_runs_give_a_solution_or_a_kickdrift_error(state, t_span, steps
     assert np.isfinite(solution.x).all()
     assert solution.success or solution.status is kd.Outcome.NOT_FINITE
     assert abs(solution.step) * solution.n_steps <= abs(t_span[1] - t_span[0]) * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("name", ["compile", "compensated", "progress"])
+@pytest.mark.parametrize("value", ["no", 0, np.zeros(3)])
+def test_what_is_neither_true_nor_false_is_refused(name, value):
+    with pytest.raises(ArgumentError, match=rf"{name}=.* has to be True or False"):
+        kd.solve(lambda x: -x, t_span=(0, 1), x0=1.0, v0=0.0, step=0.1, **{name: value})
+
+
+@pytest.mark.parametrize(
+    "value", [np.array([1 + 1j]), [1j], np.complex64(1j), 10**400, [10**400], ["1"], [None], [[1], [1, 2]]]
+)
+@pytest.mark.parametrize("name", ["x0", "v0"])
+def test_what_would_lose_a_part_as_a_float_is_refused(name, value):
+    start = {"x0": [1.0], "v0": [0.0], name: value}
+    with pytest.raises(ArgumentError, match=f"{name}=.* is not an array of numbers"):
+        kd.solve(lambda x: -x, t_span=(0, 1), step=0.1, **start)
+
+
+@pytest.mark.parametrize("method", [np.array(["leapfrog", "verlet"]), np.ones(2), np.array("leapfrog"), [], 10**400])
+def test_what_names_no_method_is_refused(method):
+    with pytest.raises(ArgumentError, match=r"method=.* is not known"):
+        kd.solve(lambda x: -x, t_span=(0, 1), x0=1.0, v0=0.0, step=0.1, method=method)
+
+
+@pytest.mark.parametrize("b", [["1/2", "1/2"], [10**400, 1], [0.5, None], 1.0, [[1.0], [1.0, 2.0]], [1j, 1]])
+def test_weights_that_are_no_numbers_are_refused(b):
+    with pytest.raises(ArgumentError, match=r"b=.* has to be"):
+        Tableau(a=[[0, 0], [1, 0]], b=b)
+
+
+def test_a_method_that_claims_more_than_its_word_has_is_refused():
+    verlet = kd.methods.get("leapfrog")
+    with pytest.raises(ArgumentError, match="order=4 of 'mine': its word has order 2 on the harmonic oscillator"):
+        dataclasses.replace(verlet, name="mine", order=4)
+    assert dataclasses.replace(verlet, name="mine").order == 2

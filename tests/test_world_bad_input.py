@@ -1,5 +1,7 @@
 """What no world can be made of, and that a world stays as it was where it is asked for such things."""
 
+import functools
+
 import numpy as np
 import pytest
 
@@ -383,3 +385,95 @@ def test_a_joint_between_bodies_that_no_joint_moves_is_refused():
     world, boxes = pair_of_boxes(static=True)
     with pytest.raises(ArgumentError, match="both static or kinematic"):
         world.add_hinge(*boxes, anchor=(0, 0, 0), axis=(0, 0, 1))
+
+
+def opens(force):
+    with open("a") as file:
+        force[0, 0] += len(file.name)
+
+
+def sets(force):
+    global _COUNT
+    _COUNT = 1
+    force[0, 0] += _COUNT
+
+
+_COUNT = 0
+
+
+def yields(force):
+    yield force
+
+
+class Pull:
+    def __call__(self, force):
+        force[0, 0] += 1.0
+
+    def method(self, force):
+        force[0, 0] += 1.0
+
+
+@pytest.mark.parametrize(
+    ("force", "words"),
+    [
+        (opens, r"force opens cannot be compiled: The 'with .*' construct is not supported"),
+        (sets, r"force sets cannot be compiled: Use of unsupported opcode"),
+        (yields, "is a partial, a method, a generator or the like"),
+        (functools.partial(lambda force, k: None, k=1), "is a partial, a method, a generator or the like"),
+        (Pull(), "is a partial, a method, a generator or the like"),
+        (Pull().method, "is a partial, a method, a generator or the like"),
+    ],
+)
+def test_forces_that_cannot_be_compiled(force, words):
+    world = World()
+    with pytest.raises(ArgumentError, match=words):
+        world.add_force(force)
+    assert world.forces == []
+
+
+def test_the_same_force_is_compiled_once_for_all_worlds():
+    def made(size):
+        def pull(force):
+            force[0, 0] += size
+
+        return pull
+
+    stages = []
+    for size in (1.0, 1.0, 2.0):
+        world = World()
+        world.add_force(made(size))
+        stages.append(world.forces[0].stage)
+    assert stages[0] is stages[1]
+    assert stages[0] is not stages[2]
+
+
+@pytest.mark.parametrize("long", [0.3, 7.0])
+def test_orientations_written_into_the_arrays_are_made_unit_ones(long):
+    def world():
+        made = World()
+        made.add_box((4, 4, 1), position=(0, 0, 0), orientation=(1, 0.1, 0, 0), static=True)
+        made.add_box((0.5, 0.5, 0.5), position=(0, 0, 1.0), name="box")
+        made.add_box((0.5, 0.5, 0.5), position=(3, 0, 1.0), orientation=(1, 0.2, 0.1, 0))
+        return made
+
+    scaled, unit = world(), world()
+    scaled.orientation[1:4] *= long
+    for each in (scaled, unit):
+        each.advance(1 / 60, 60)
+    assert np.abs(scaled.position - unit.position).max() < 1e-9
+    assert np.linalg.norm(scaled.orientation, axis=1) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_what_was_given_may_change_and_the_world_does_not():
+    velocity, position = np.array([0.5, 0, 0]), np.zeros(3)
+    world = World()
+    part = Part(Box((1, 1, 1)), position=position, surface_velocity=velocity)
+    world.add_body([part], position=(0, 0, 2))
+    velocity[:] = position[:] = 7.0
+    (placed,) = world.shape_rows.shapes.values()
+    assert placed.surface.surface_velocity == (0.5, 0.0, 0.0)
+    assert np.array_equal(placed.position, np.zeros(3))
+    with pytest.raises(ValueError, match="read-only"):
+        part.orientation[0] = 0.0
+    with pytest.raises(ValueError, match="read-only"):
+        placed.position[0] = 1.0

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kickdrift.core.arguments import real, reals
 from kickdrift.core.errors import ArgumentError
 
 _MOST_BYTES = 2 << 30  # what a solution may take in memory unless the caller says which steps to keep
@@ -70,7 +71,7 @@ def lay_grid(
 
 def _span(t_span: Sequence[float]) -> tuple[float, float]:
     try:
-        t0, t1 = (float(t) for t in t_span)
+        t0, t1 = (real(t) for t in t_span)
     except (TypeError, ValueError):
         raise ArgumentError(f"t_span={t_span!r} must be two numbers, (start, end).") from None
     if not (math.isfinite(t0) and math.isfinite(t1)):
@@ -84,8 +85,8 @@ def _span(t_span: Sequence[float]) -> tuple[float, float]:
 
 def _largest_step(step: float, length: float, rounding: float) -> float:
     try:
-        value = float(step)
-    except (TypeError, ValueError):
+        value = real(step)
+    except TypeError:
         raise ArgumentError(f"step={step!r} must be a number, the largest step allowed.") from None
     if not (math.isfinite(value) and value > 0):
         remedy = "give its size; the direction is that of t_span." if value < 0 else "give a positive number."
@@ -117,8 +118,8 @@ def _wanted_times(
     t_eval: ArrayLike, t0: float, t1: float, h: float, n_steps: int
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     try:
-        times = np.array(t_eval, dtype=np.float64)
-    except (TypeError, ValueError):
+        times = reals(t_eval)
+    except TypeError:
         raise ArgumentError(f"t_eval={t_eval!r} must be a list of times.") from None
     if times.ndim != 1 or times.size == 0:
         raise ArgumentError(f"t_eval of shape {times.shape} must be a list of at least one time.")

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift import methods, systems
+from kickdrift.core.arguments import choice, reals
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
@@ -111,11 +112,12 @@ def solve(
     """
     _check_method(method, order)
     x, v = _start(problem, x0, v0)
-    params, compensated = _parameters(args), bool(compensated)
+    params, compensated, compiles = _parameters(args), choice("compensated", compensated), choice("compile", compile)
+    progress = None if progress is None else choice("progress", progress)
     try:
         grid = lay_grid(t_span, step, t_eval, save_every, x.size)
         with compiling_announced(progress):
-            system = _system(problem, grid.t0, x, v, params, compile, check_bounds)
+            system = _system(problem, grid.t0, x, v, params, compiles, check_bounds)
             chosen = choose(method, order, system)
             check_direction(chosen, grid.step)
             inside = Inside(system, chosen, grid, compensated)
@@ -173,7 +175,7 @@ def _derived(system: System, t: Floats, xs: Floats, vs: Floats) -> Invariants:
 
 
 def _check_method(method: Any, order: Any) -> None:
-    if method not in (None, AUTO):
+    if not (method is None or (isinstance(method, str) and method == AUTO)):
         methods.get(method)
         if order is not None:
             raise ArgumentError(f"order={order!r} is for method='auto'; {method!r} has its own. Leave one of them out.")
@@ -212,10 +214,8 @@ def _floats(name: str, value: ArrayLike | None) -> Floats:
     if value is None:
         raise ArgumentError(f"{name} is missing; a function needs x0 and v0 to start from.")
     try:
-        if np.iscomplexobj(value):
-            raise TypeError("it is complex")
         array = start(value)
-    except (TypeError, ValueError) as error:
+    except TypeError as error:
         raise ArgumentError(
             f"{name}={value!r} is not an array of numbers: {error}; give a number, list or array."
         ) from None
@@ -227,8 +227,8 @@ def _floats(name: str, value: ArrayLike | None) -> Floats:
 
 def _parameters(args: Sequence[float] | None) -> Floats:
     try:
-        params = np.atleast_1d(np.array(() if args is None else args, dtype=np.float64))
-    except (TypeError, ValueError):
+        params = np.atleast_1d(reals(() if args is None else args))
+    except TypeError:
         raise ArgumentError(
             f"args={args!r} must be numbers; the function gets them as the float array params."
         ) from None

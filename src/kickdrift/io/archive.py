@@ -18,7 +18,7 @@ from typing import Any, BinaryIO, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.errors import FileFormatError
+from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.core.files import opened, written
 
 Arrays = Mapping[str, NDArray[Any]]
@@ -75,6 +75,8 @@ def write(path: str | Path, header: Mapping[str, Any], arrays: Arrays) -> Path:
 
 
 def _target(path: str | Path) -> Path:
+    if not isinstance(path, str | os.PathLike):
+        raise ArgumentError(f"path={path!r} is no path; give a text such as 'run.npz', or a pathlib.Path.")
     target = Path(path)
     if target.name in ("", "..") or "\0" in str(path):
         raise FileFormatError(f"path={str(path)!r} does not name a file; give a name such as 'run.npz'.")

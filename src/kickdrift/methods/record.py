@@ -1,10 +1,13 @@
 """What a method is: a word over flows, with exact weights."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property
+from itertools import zip_longest
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +18,29 @@ from kickdrift.methods.letter import WHOLES, Letter
 from kickdrift.methods.tableau import Tableau
 
 _LONGEST_SPELLING = 9  # letters
+_ORDER_ROUNDING = 1e-9  # of coefficients with so many digits, over some thirty letters
 
 Weight = Fraction | Decimal | str | int
 Word = tuple[tuple[Letter, Fraction], ...]
 
 K, D = Letter.KICK, Letter.DRIFT
 ADJOINT_K, ADJOINT_D = Letter.ADJOINT_KICK, Letter.ADJOINT_DRIFT
+
+
+_Row = tuple[list[float], list[float]]  # of a matrix: two power series in h
+
+
+def _advanced(row: _Row, by: _Row, share: float) -> _Row:
+    """Add h times a share of one row to another."""
+    first, second = (
+        [a + share * b for a, b in zip_longest(one, [0.0, *other], fillvalue=0.0)]
+        for one, other in zip(row, by, strict=True)
+    )
+    return first, second
+
+
+def _is_share(letter: Any, weight: Any) -> bool:
+    return isinstance(letter, Letter) and isinstance(weight, Fraction | int) and not isinstance(weight, bool)
 
 
 @dataclass(frozen=True)
@@ -71,16 +91,41 @@ class Method:
     corrector: Word = ()
 
     def __post_init__(self) -> None:
+        self._check_types()
         if not self.word:
             raise ArgumentError(f"word of {self.name!r} is empty; a method has at least one flow.")
         if self.order < 1:
             raise ArgumentError(f"order={self.order!r} of {self.name!r} must be at least 1.")
         self._check_shares()
+        self._check_order()
         self._check_corrector()
         self._check_needs()
         if self.tableau is None and self.symmetric != self._palindrome:
             is_one = "a palindrome" if self._palindrome else "not a palindrome"
             raise ArgumentError(f"symmetric={self.symmetric} of {self.name!r}: its word is {is_one}.")
+
+    def _check_types(self) -> None:
+        wanted = {"name": str, "order": int, "word": tuple, "symmetric": bool, "kind": Kind, "source": str, "aliases": tuple,
+                  "parameters": tuple, "counterpart": str, "generalised_order": tuple, "corrector": tuple}  # fmt: skip
+        for name, kind in wanted.items():
+            value: Any = getattr(self, name)
+            if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
+                raise ArgumentError(f"{name}={value!r} of a method is no {kind.__name__}; give one.")
+        if self.tableau is not None and not callable(self.tableau):
+            raise ArgumentError(
+                f"tableau={self.tableau!r} of {self.name!r} has to be a function that returns a Tableau."
+            )
+        for name in ("word", "corrector"):
+            for member in getattr(self, name):
+                if not (isinstance(member, tuple) and len(member) == 2 and _is_share(*member)):
+                    raise ArgumentError(
+                        f"{name} of {self.name!r} has {member!r}; give pairs of a Letter and its share of the step, a Fraction."
+                    )
+        for number in (*self.parameters, *self.generalised_order):
+            if not isinstance(number, int | Fraction):
+                raise ArgumentError(
+                    f"parameters and generalised_order of {self.name!r} hold {number!r}; give whole numbers."
+                )
 
     def _check_shares(self) -> None:
         totals: dict[str, Fraction] = {}
@@ -97,6 +142,26 @@ class Method:
                 f"word of {self.name!r} has the flows {', '.join(sorted(totals))}; a step needs kicks and drifts, or"
                 " another set of flows that make up the whole dynamics."
             )
+
+    def _check_order(self) -> None:
+        """Refuse an order that the word does not have on the harmonic oscillator, and so on nothing."""
+        if not self.letters <= {K, D}:
+            return
+        # Coefficients of powers of h in the matrix of the step, for x' = v, v' = -x
+        x: _Row = ([1.0], [0.0])
+        v: _Row = ([0.0], [1.0])
+        for letter, weight in self.word:
+            share = float(weight)
+            x, v = (_advanced(x, v, share), v) if letter is D else (x, _advanced(v, x, -share))
+        for power in range(self.order + 1):
+            even = (-1.0) ** (power // 2) / math.factorial(power)
+            rotation = (even, 0.0, 0.0, even) if power % 2 == 0 else (0.0, even, -even, 0.0)
+            found = [series[power] if power < len(series) else 0.0 for series in (*x, *v)]
+            if max(abs(a - b) for a, b in zip(found, rotation, strict=True)) > _ORDER_ROUNDING:
+                raise ArgumentError(
+                    f"order={self.order!r} of {self.name!r}: its word has order {power - 1} on the harmonic oscillator, and so"
+                    " no higher one; give that, or other weights."
+                )
 
     def _check_corrector(self) -> None:
         for share in {letter.share for letter, _ in self.corrector}:

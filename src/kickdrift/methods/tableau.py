@@ -3,10 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.arguments import reals
 from kickdrift.core.errors import ArgumentError
 
 _ROUNDING = 1e-13
@@ -32,6 +34,8 @@ class Tableau:
     b_of_v: Sequence[Fraction | float] | None = None
 
     def __post_init__(self) -> None:
+        for name in ("a", "b", "a_of_v", "b_of_v"):
+            _check_numbers(name, getattr(self, name), 1 if name[0] == "b" else 2)
         for a, b in ((self._a, self._b), (self._a_of_v, self._b_of_v)):
             if a.shape != (b.size, b.size) or b.shape != self._b.shape:
                 raise ArgumentError(f"a has shape {a.shape} but b has {b.size} weights; a tableau is square.")
@@ -103,3 +107,17 @@ class Tableau:
         a, a_of_v = self._a, self._a_of_v
         matrices = (a.sum(axis=1), a.ravel(), self._b, a_of_v.ravel(), self._b_of_v, self.onward.ravel())
         return np.concatenate([[float(self.stages)], *matrices])
+
+
+def _check_numbers(name: str, given: Any, dimensions: int) -> None:
+    """Refuse what is no list of numbers, or of rows of numbers; None stands for another one."""
+    if given is None and name.endswith("_of_v"):
+        return
+    try:
+        array = reals([list(row) for row in given] if dimensions == 2 else list(given))
+    except Exception as error:  # of objects of all sorts
+        raise ArgumentError(
+            f"{name}={given!r} has to be numbers: {error}; give Fraction(1, 2) or 0.5, no texts."
+        ) from None
+    if array.ndim != dimensions or not np.isfinite(array).all():
+        raise ArgumentError(f"{name}={given!r} has to be {'rows of ' * (dimensions - 1)}finite numbers.")

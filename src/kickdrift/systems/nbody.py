@@ -2,10 +2,12 @@
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kickdrift.core.arguments import real, reals
 from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.threads import launch
@@ -127,12 +129,20 @@ def nbody(
     )
 
 
+def _between(value: Any, least: float) -> bool:
+    """Whether a value is a finite number, and no smaller than the least."""
+    try:
+        return least <= real(value) < math.inf
+    except TypeError:
+        return False
+
+
 def _checked(
     masses: ArrayLike, x0: ArrayLike, v0: ArrayLike, G: float, softening: float
 ) -> tuple[Floats, Floats, Floats]:
     try:
-        m, x, v = (np.array(value, dtype=np.float64, order="C") for value in (masses, x0, v0))
-    except (TypeError, ValueError) as error:
+        m, x, v = (reals(value) for value in (masses, x0, v0))
+    except TypeError as error:
         raise ArgumentError(f"masses, x0 and v0 must be arrays of numbers: {error}.") from None
     if m.ndim != 1 or m.size == 0:
         raise ArgumentError(f"masses has shape {m.shape}; give a list of one mass for each body.")
@@ -145,9 +155,9 @@ def _checked(
         raise ArgumentError(
             f"masses[{int(np.argwhere(~(m >= 0) | ~np.isfinite(m))[0][0])}] must be finite and at least 0."
         )
-    if not (math.isfinite(G) and G > 0):
+    if not _between(G, 5e-324):
         raise ArgumentError(f"G={G!r} must be positive and finite.")
-    if not (math.isfinite(softening) and softening >= 0):
+    if not _between(softening, 0.0):
         raise ArgumentError(f"softening={softening!r} must be finite and at least 0.")
     if softening == 0 and len(np.unique(x, axis=0)) < m.size:
         raise ArgumentError("x0 has two bodies at the same place; move one, or give a softening.")

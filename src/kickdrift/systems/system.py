@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kickdrift.core.arguments import reals
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 
@@ -145,4 +146,4 @@ class System:
 
 def start(value: ArrayLike) -> Floats:
     """Copy a position or velocity into an array that nobody else changes."""
-    return np.array(value, dtype=np.float64, order="C")
+    return reals(value)

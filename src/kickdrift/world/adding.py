@@ -65,7 +65,8 @@ class Part:
         self.shape = shape
         self.position = vector("position", position, 3)
         self.orientation = unit_quaternion("orientation", orientation)
-        self.density = density
+        self.position.flags.writeable = self.orientation.flags.writeable = False  # worlds keep them
+        self.density = None if density is None else number("density", density, "kg/m^3", zero=False)
         surface_of(surface)
         self.surface = surface
 
@@ -262,6 +263,7 @@ class AddsBodies:
             self.bodies.set_mass(body.index, weight, rates, locked_rotation)
         for part, face in zip(parts, surfaces, strict=True):
             arm = part.position - middle
+            arm.flags.writeable = False
             rested = self.tables.array(RESTED)[body.index]
             rested[REACH] = max(rested[REACH], float(np.linalg.norm(arm)) + part.shape.reach)
             self.shape_rows.add(body.index, Placed(part.shape, arm, part.orientation, face))

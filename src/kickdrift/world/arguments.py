@@ -5,7 +5,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kickdrift.core.arguments import choice, real, reals
 from kickdrift.core.errors import ArgumentError
+
+__all__ = ["choice", "direction", "number", "turn_to", "unit_quaternion", "vector"]
 
 Floats = NDArray[np.float64]
 
@@ -13,8 +16,8 @@ Floats = NDArray[np.float64]
 def vector(argument: str, value: ArrayLike, size: int) -> Floats:
     """Return so many finite numbers as an array; ArgumentError if they are none."""
     try:
-        array = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
+        array = reals(value)
+    except TypeError:
         raise ArgumentError(f"{argument}={value!r} has to be {size} numbers.") from None
     if array.shape != (size,) or not np.isfinite(array).all():
         raise ArgumentError(f"{argument}={value!r} has to be {size} finite numbers.")
@@ -52,16 +55,10 @@ def number(argument: str, value: Any, unit: str, *, zero: bool = True) -> float:
     if type(value) is float and 0.0 < value < np.inf:
         return value
     what = f"zero or positive and finite, in {unit}" if zero else f"positive and finite, in {unit}"
-    if isinstance(value, bool | str | complex) or not np.isscalar(value):
-        raise ArgumentError(f"{argument}={value!r} has to be a number, {what}.")
-    size = float(value)  # type: ignore[arg-type]
+    try:
+        size = real(value)
+    except TypeError:
+        raise ArgumentError(f"{argument}={value!r} has to be a number, {what}.") from None
     if not (0.0 <= size < np.inf) or (size == 0.0 and not zero):
         raise ArgumentError(f"{argument}={value!r} has to be {what}.")
     return size
-
-
-def choice(argument: str, value: Any) -> bool:
-    """Return True or False; ArgumentError for anything else, which might be meant as the other one."""
-    if not isinstance(value, bool | np.bool_):
-        raise ArgumentError(f"{argument}={value!r} has to be True or False.")
-    return bool(value)

@@ -9,13 +9,14 @@ A force names what it needs, and adds in place to the arrays `force` and `torque
 """
 
 import inspect
+from functools import lru_cache
+from types import FunctionType
 from typing import Any, NamedTuple
-
-from numba.core.errors import NumbaError
 
 from kickdrift.core.compilation import Function, compiled
 from kickdrift.core.errors import ArgumentError
-from kickdrift.engine.user_functions import argument_names
+from kickdrift.engine.frozen import frozen
+from kickdrift.engine.user_functions import Frozen, argument_names
 from kickdrift.world.integration import MASS
 from kickdrift.world.step import STAGE
 from kickdrift.world.tables import FORCE, INERTIA, LOAD, MOTION, POSE, floats, rows
@@ -31,6 +32,9 @@ _ARGUMENTS = {
     "force": "floats(world, FORCE)[:count, 0:3]",
     "torque": "floats(world, FORCE)[:count, 3:6]",
 }
+
+_LAZY = inspect.CO_GENERATOR | inspect.CO_COROUTINE | inspect.CO_ASYNC_GENERATOR
+_AROUND = ("Failed in", "During:", "File ", "Raised from")  # where Numba was, and not what is wrong
 
 _TEMPLATE = """
 def stage(t, h, world):
@@ -72,6 +76,19 @@ def force_of(function: Function) -> Force:
             f"force {_name(function)}({', '.join(names)}) adds to nothing; name `force` or `torque`, arrays of a row a body,"
             " and add to them in place."
         )
+    python = getattr(function, "py_func", function)
+    if not isinstance(python, FunctionType) or python.__code__.co_flags & _LAZY:
+        raise ArgumentError(
+            f"force={function!r} is a partial, a method, a generator or the like, of which no stage can be made; give a"
+            " function by def."
+        )
+    return Force(function, _stage(Frozen(frozen(function) or object(), function), tuple(names)))
+
+
+@lru_cache(maxsize=128)
+def _stage(frozen_function: Frozen, names: tuple[str, ...]) -> Function:
+    """Compile the stage, once for all functions that Numba compiles to the same: memory for code is never given back."""
+    function = frozen_function.function
     native = function if hasattr(function, "py_func") else compiled(cached=False, checked=True)(function)
     scope: dict[str, Any] = {
         "__name__": __name__,
@@ -88,12 +105,14 @@ def force_of(function: Function) -> Force:
     stage: Any = compiled(cached=False)(scope["stage"])
     try:
         stage.compile(STAGE)
-    except NumbaError as error:
-        reason = str(error).strip().splitlines()[-1]
+    except Exception as error:  # Numba's own, and what it stumbles over
+        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+        reason = next((line for line in lines if not line.startswith(_AROUND)), type(error).__name__)
         raise ArgumentError(
             f"force {_name(function)} cannot be compiled: {reason} Use loops and NumPy functions that Numba knows."
         ) from error
-    return Force(function, stage)
+    made: Function = stage
+    return made
 
 
 def _name(function: Any) -> str:

@@ -56,7 +56,7 @@ class Names:
         UnknownNameError
             If none has it; the sentence says which there are.
         """
-        if name not in self._rows:
+        if not isinstance(name, str) or name not in self._rows:
             raise unknown_name("name", name, self._rows)
         return self._rows[name]
 

@@ -134,7 +134,7 @@ class SpatialQueries:
     def _ignored(self, ignore: Any) -> set[int]:
         if isinstance(ignore, Body):
             return {self.bodies.row(ignore, "ignore")}
-        if isinstance(ignore, str) or not isinstance(ignore, Iterable):
+        if isinstance(ignore, str | np.ndarray) or not isinstance(ignore, Iterable):
             raise ArgumentError(f"ignore={ignore!r} has to be a body, or several of them.")
         return {self.bodies.row(body, "ignore") for body in ignore}
 

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kickdrift.core.arguments import choice
 from kickdrift.core.errors import ArgumentError, LostBodyError
 from kickdrift.core.interruption import InterruptionNoted
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.grid import Grid, lay_grid
 from kickdrift.engine.progress import Bar, announcements
+from kickdrift.world.joints.axis import is_number
 from kickdrift.world.recorder import Recorder, RecordingRows
 from kickdrift.world.recording import Recording
 
@@ -26,6 +28,7 @@ _BYTES_PER_BODY = 13 * 8  # of a row
 
 def run(world: "World", duration: float, step: float, save_every: int | None, progress: bool | None) -> Recording:
     """Run a world and record it; see `World.run`."""
+    progress = None if progress is None else choice("progress", progress)
     grid = _lay(duration, step, save_every, len(world.position))
     with announcements(progress):
         world.advance(grid.step, 0)
@@ -81,10 +84,14 @@ def record(world: "World", save_every: int) -> Iterator[Recording]:
 
 def _lay(duration: float, step: float, save_every: int | None, n_bodies: int) -> Grid:
     for name, value in (("duration", duration), ("step", step)):
-        if not (isinstance(value, int | float | np.integer | np.floating) and 0.0 < float(value) < math.inf):
+        if not (is_number(value) and 0.0 < value < math.inf):
             raise ArgumentError(f"{name}={value!r} has to be positive and finite, in s.")
     if step > duration * (1.0 + 1e-12):
         raise ArgumentError(f"step={step!r} is larger than duration={duration!r}; give a smaller one.")
+    if not duration / step < 2**53:
+        raise ArgumentError(
+            f"step={step!r} cuts duration={duration!r} into more steps than float64 counts; give a larger one."
+        )
     needed = (duration / step + 2.0) * n_bodies * _BYTES_PER_BODY
     if save_every is None and needed > _MOST_BYTES:
         raise ArgumentError(

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.arguments import real, reals
 from kickdrift.core.calls import address_of
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import choice
@@ -70,18 +71,23 @@ class Surface:
     def __post_init__(self) -> None:
         for name in ("friction", "restitution", "rolling_resistance"):
             value: Any = getattr(self, name)
-            if isinstance(value, bool | str | complex | None) or not (np.ndim(value) == 0 and 0.0 <= value < np.inf):
+            try:
+                fits = 0.0 <= real(value) < np.inf
+            except TypeError:
+                fits = False
+            if not fits:
                 raise ArgumentError(f"{name}={value!r} has to be a number, zero or positive and finite.")
         if self.restitution > 1.0:
             raise ArgumentError(f"restitution={self.restitution!r} would gain energy at every bounce; give at most 1.")
         try:
-            velocity = np.asarray(self.surface_velocity, dtype=np.float64)
-        except (TypeError, ValueError):
+            velocity = reals(self.surface_velocity)
+        except TypeError:
             velocity = np.zeros(0)
         if velocity.shape != (3,) or not np.isfinite(velocity).all():
             raise ArgumentError(f"surface_velocity={self.surface_velocity!r} has to be three finite numbers, in m/s.")
+        object.__setattr__(self, "surface_velocity", tuple(velocity.tolist()))  # which nobody changes
         layers = () if self.collides_with is None else self.collides_with
-        if not isinstance(layers, Collection):
+        if not isinstance(layers, Collection) or np.ndim(layers) == 0:
             raise ArgumentError(f"collides_with={layers!r} has to be a sequence of layers, whole numbers from 0 to 61.")
         for layer in (self.layer, *layers):
             if not (isinstance(layer, int | np.integer) and 0 <= layer < 62):

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kickdrift.core.arguments import real, reals
 from kickdrift.core.errors import ArgumentError
 
 Floats = NDArray[np.float64]
@@ -29,9 +30,13 @@ def rays_of(origins: ArrayLike, directions: ArrayLike, limit: Any) -> Floats:
 
 
 def _limit(limit: Any) -> float:
-    if isinstance(limit, bool) or not (isinstance(limit, int | float | np.number) and limit > 0.0):
+    try:
+        length = real(limit)
+    except TypeError:
+        length = 0.0
+    if not length > 0.0:
         raise ArgumentError(f"limit={limit!r} has to be positive, in m; infinity is the default.")
-    return float(limit)
+    return length
 
 
 def one_vector(argument: str, value: ArrayLike) -> Floats:
@@ -44,8 +49,8 @@ def one_vector(argument: str, value: ArrayLike) -> Floats:
 
 def _vectors(argument: str, value: ArrayLike) -> Floats:
     try:
-        array = np.atleast_2d(np.asarray(value, dtype=np.float64))
-    except (TypeError, ValueError):
+        array = np.atleast_2d(reals(value))
+    except TypeError:
         raise ArgumentError(f"{argument}={value!r} is no array of numbers; give three numbers a row.") from None
     if array.ndim != 2 or array.shape[1] != 3:
         raise ArgumentError(f"{argument} has the shape {np.shape(value)}; give three numbers, or three a row.")
@@ -59,7 +64,7 @@ def layer_bits(layers: Iterable[int] | None) -> int:
     """Return the bits of some layers, or of all for None."""
     if layers is None:
         return _ALL_LAYERS
-    if not isinstance(layers, Iterable):
+    if not isinstance(layers, Iterable) or (isinstance(layers, np.ndarray) and layers.ndim == 0):
         raise ArgumentError(f"layers={layers!r} has to be a sequence of layers, whole numbers from 0 to 61.")
     wanted = 0
     for layer in layers:

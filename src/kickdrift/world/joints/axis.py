@@ -6,12 +6,17 @@ from typing import Any
 
 import numpy as np
 
+from kickdrift.core.arguments import choice
 from kickdrift.core.errors import ArgumentError
+
+_LARGEST = 2**1023  # whole numbers that are larger are no floats
 
 
 def is_number(value: Any) -> bool:
-    """Whether a value is a real number, and no bool."""
-    return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+    """Whether a value is a real number that floats hold, and no bool."""
+    if isinstance(value, int):
+        return not isinstance(value, bool) and -_LARGEST < value < _LARGEST
+    return isinstance(value, float | np.integer | np.floating)
 
 
 def finite(argument: str, value: float) -> None:
@@ -44,7 +49,8 @@ def pair(argument: str, value: Any) -> tuple[float, float]:
     ------
     ArgumentError
     """
-    if not (isinstance(value, tuple | list | np.ndarray) and len(value) == 2 and all(is_number(end) for end in value)):
+    ends = list(value) if isinstance(value, tuple | list) or (isinstance(value, np.ndarray) and value.ndim == 1) else []
+    if len(ends) != 2 or not all(is_number(end) for end in ends):
         raise ArgumentError(f"{argument}={value!r} have to be two numbers, the least and the greatest one, or None.")
     return value[0], value[1]
 
@@ -183,6 +189,7 @@ class Axis:
     friction: float = 0.0
 
     def __post_init__(self) -> None:
+        choice("locked", self.locked)
         not_negative("friction", self.friction, "N m about an axis, N along one")
         check_kind("motor", self.motor, Motor)
         check_kind("drive", self.drive, Drive)

@@ -256,7 +256,7 @@ class Joint(Handle):
                     " an angular one, or ask for angles or positions."
                 )
             return principal
-        if isinstance(axis, bool | float) or axis not in range(6):
+        if isinstance(axis, bool) or not (isinstance(axis, int | np.integer) and 0 <= axis < 6):
             raise ArgumentError(f"axis={axis!r} has to be 0-2 for a linear or 3-5 for an angular axis.")
         return axis
 

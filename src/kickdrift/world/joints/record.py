@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kickdrift.core.arguments import reals
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.joints.axis import FREE, Axis, not_negative
 
@@ -97,8 +98,8 @@ def point(argument: str, value: ArrayLike) -> Floats:
     ArgumentError
     """
     try:
-        given: Any = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
+        given: Any = reals(value)
+    except TypeError:
         given = np.empty(0)
     if given.shape != (3,) or not np.isfinite(given).all():
         raise ArgumentError(f"{argument}={value!r} has to be three finite numbers (x, y, z), in the world's axes.")

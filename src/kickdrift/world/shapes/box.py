@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kickdrift.core.arguments import reals
 from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.vectors import Quaternion, Vector
@@ -74,7 +75,12 @@ class Box:
     kind: ClassVar[int] = BOX
 
     def __init__(self, size: ArrayLike) -> None:
-        lengths = np.asarray(size)
+        try:
+            lengths = reals(size)
+        except TypeError as error:
+            raise ArgumentError(
+                f"size={size!r} are no numbers: {error}; give the lengths of three edges, in m."
+            ) from None
         if lengths.shape != (3,):
             raise ArgumentError(f"size={size!r} has the shape {lengths.shape}; give the lengths of three edges, in m.")
         object.__setattr__(self, "size", tuple(extent(f"size[{k}]", lengths[k]) for k in range(3)))

@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kickdrift.core.arguments import reals
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.shapes.kinds import HEIGHT_FIELD
 from kickdrift.world.shapes.mass import LARGEST, Array, MassProperties, extent
@@ -38,7 +39,10 @@ class HeightField:
     kind: ClassVar[int] = HEIGHT_FIELD
 
     def __init__(self, heights: ArrayLike, spacing: ArrayLike) -> None:
-        array = np.array(heights, dtype=np.float64)
+        try:
+            array = reals(heights)
+        except TypeError as error:
+            raise ArgumentError(f"heights={heights!r} are no numbers: {error}; give z along x and y, in m.") from None
         if array.ndim != 2 or min(array.shape) < 2:
             raise ArgumentError(f"heights has the shape {array.shape}; give (M, N), two by two at least.")
         near = np.abs(array) <= LARGEST
@@ -47,7 +51,10 @@ class HeightField:
             raise ArgumentError(
                 f"heights[{i}, {j}]={array[i, j]} is not finite, or beyond {LARGEST:g} m; give every height, in m."
             )
-        steps = np.asarray(spacing)
+        try:
+            steps = reals(spacing)
+        except TypeError as error:
+            raise ArgumentError(f"spacing={spacing!r} is no number: {error}; give one length or two, in m.") from None
         if steps.shape not in ((), (2,)):
             raise ArgumentError(f"spacing={spacing!r} has the shape {steps.shape}; give one length or two, in m.")
         dx, dy = np.broadcast_to(steps, 2)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kickdrift.core.arguments import reals
 from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.vectors import Quaternion, Vector, dot
@@ -80,7 +81,10 @@ class Hull:
     kind: ClassVar[int] = HULL
 
     def __init__(self, points: ArrayLike) -> None:
-        array = np.array(points, dtype=np.float64)
+        try:
+            array = reals(points)
+        except TypeError as error:
+            raise ArgumentError(f"points={points!r} are no numbers: {error}; give three a row, in m.") from None
         _check(array)
         centre = 0.5 * (array.min(axis=0) + array.max(axis=0))
         size = extent("the extent of points", float(np.ptp(array, axis=0).max()))

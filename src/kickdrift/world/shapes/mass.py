@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kickdrift.core.arguments import real, reals
 from kickdrift.core.errors import ArgumentError
 
 Array = NDArray[np.float64]
@@ -145,8 +146,8 @@ def checked_inertia(inertia: ArrayLike, argument: str = "inertia") -> Array:
         the other two: each is an integral of the squares of two coordinates, so that no body has such moments.
     """
     try:
-        matrix = np.asarray(inertia, dtype=np.float64)
-    except (TypeError, ValueError):
+        matrix = reals(inertia)
+    except TypeError:
         raise ArgumentError(f"{argument}={inertia!r} has to be three numbers, or (3, 3), in kg m^2.") from None
     if matrix.shape == (3,):
         matrix = np.diag(matrix)
@@ -205,8 +206,8 @@ def extent(argument: str, value: float) -> float:
 def positive(argument: str, value: float, unit: str) -> float:
     """Return a number if it is positive and finite; ArgumentError if not."""
     try:
-        number = float(value)
-    except (TypeError, ValueError):
+        number = real(value)
+    except TypeError:
         raise ArgumentError(f"{argument}={value!r} is no number; give a positive one, in {unit}.") from None
     if not 0.0 < number < np.inf:
         raise ArgumentError(f"{argument}={number:g} {unit} has to be positive and finite.")
@@ -214,7 +215,10 @@ def positive(argument: str, value: float, unit: str) -> float:
 
 
 def _finite(argument: str, value: ArrayLike, size: int) -> Array:
-    array = np.asarray(value, dtype=np.float64)
+    try:
+        array = reals(value)
+    except TypeError as error:
+        raise ArgumentError(f"{argument}={value!r} are no numbers: {error}; give {size}.") from None
     if array.shape != (size,):
         raise ArgumentError(f"{argument} has the shape {array.shape}; give {size} numbers.")
     if not np.isfinite(array).all():

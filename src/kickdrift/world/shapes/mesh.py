@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kickdrift.core.arguments import reals
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.shapes.kinds import MESH
 from kickdrift.world.shapes.mass import LARGEST, Array, MassProperties
@@ -45,7 +46,11 @@ class Mesh:
     kind: ClassVar[int] = MESH
 
     def __init__(self, vertices: ArrayLike, faces: ArrayLike) -> None:
-        points, triangles = _vertices(vertices), np.asarray(faces)
+        points = _vertices(vertices)
+        try:
+            triangles = np.asarray(faces)
+        except Exception as error:  # ragged, or what no array can be made of
+            raise ArgumentError(f"faces={faces!r} are no triangles: {error}; give three vertices of each.") from None
         if triangles.ndim != 2 or triangles.shape[1:] != (3,) or not len(triangles):
             raise ArgumentError(f"faces has the shape {triangles.shape}; give (F, 3): three vertices of each triangle.")
         if not np.issubdtype(triangles.dtype, np.integer):
@@ -130,7 +135,10 @@ class Mesh:
 
 
 def _vertices(vertices: ArrayLike) -> Array:
-    points = np.array(vertices, dtype=np.float64)
+    try:
+        points = reals(vertices)
+    except TypeError as error:
+        raise ArgumentError(f"vertices={vertices!r} are no numbers: {error}; give three a row, in m.") from None
     if points.ndim != 2 or points.shape[1:] != (3,):
         raise ArgumentError(f"vertices has the shape {points.shape}; give (V, 3).")
     near = (np.abs(points) <= LARGEST).all(axis=1)

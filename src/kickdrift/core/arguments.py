@@ -1,0 +1,55 @@
+"""What users give, as numbers: real ones, none of which is lost or made up."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.errors import ArgumentError
+
+Floats = NDArray[np.float64]
+_NO_NUMBERS = (
+    "cSUMmV"  # kinds of dtypes: complex numbers would lose their imaginary parts, texts and dates become numbers
+)
+
+
+def reals(value: Any) -> Floats:
+    """Return a new array of the real numbers that a user gives.
+
+    Raises
+    ------
+    TypeError
+        If it holds anything else, is ragged, or no array can be made of it; the text says why.
+    """
+    try:
+        given = np.asarray(value)
+        if given.dtype.kind == "O" and any(member is None for member in given.flat):
+            raise TypeError("it holds None")  # of which NumPy makes a NaN
+        if given.dtype.kind not in _NO_NUMBERS:
+            return np.array(given, dtype=np.float64, order="C")
+        why = "it is complex" if given.dtype.kind == "c" else f"it holds {given.dtype.name}"
+    except Exception as error:  # of objects of all sorts
+        why = str(error)
+    raise TypeError(why)
+
+
+def real(value: Any) -> float:
+    """Return the one real number that a user gives.
+
+    Raises
+    ------
+    TypeError
+        If it is none, or is larger than floats are.
+    """
+    if type(value) is float:
+        return value
+    if isinstance(value, bool | np.bool_) or (array := reals(value)).ndim != 0:
+        raise TypeError("it is no number")
+    return float(array)
+
+
+def choice(argument: str, value: Any) -> bool:
+    """Return True or False; ArgumentError for anything else, which might be meant as the other one."""
+    if not isinstance(value, bool | np.bool_):
+        raise ArgumentError(f"{argument}={value!r} has to be True or False.")
+    return bool(value)
