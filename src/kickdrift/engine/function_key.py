@@ -23,7 +23,8 @@ from kickdrift.core.naming import source_digest
 from kickdrift.engine.function_names import CannotTellError, Names, digest_of, names_of
 
 _PLAIN = (bool, int, float, complex, str, bytes, type(None))
-_LIBRARIES = ("builtins", "math", "cmath", "operator", "numpy", "numba", "kickdrift")  # nobody changes their contents
+_LIBRARIES = ("builtins", "math", "cmath", "operator", "numpy", "numba")  # nobody changes their contents
+_OURS = ("kickdrift.core.", "kickdrift.systems.", "kickdrift.engine.")  # whose sources are in every name
 
 
 @dataclass(frozen=True)
@@ -173,12 +174,16 @@ def _constant(value: Any, names: Names, around: tuple[Any, ...]) -> Hashable:
 
 def _of_module(module: ModuleType, names: Names, around: tuple[Any, ...]) -> Hashable:
     """Write down what a function may use of a module: whatever has a name that the function mentions."""
-    if module.__name__.partition(".")[0] in _LIBRARIES:
+    if _is_library(module.__name__):
         return module.__name__
     used = {name: getattr(module, name) for name in sorted(names.all) if hasattr(module, name)}
     if any(value is module for value in used.values()):
         raise CannotTellError
     return module.__name__, *((name, _constant(value, names, around)) for name, value in used.items())
+
+
+def _is_library(module: str) -> bool:
+    return module.partition(".")[0] in _LIBRARIES or module.startswith(_OURS)
 
 
 def _name_in_library(value: Any) -> str | None:
@@ -188,7 +193,7 @@ def _name_in_library(value: Any) -> str | None:
         module = "numpy"
     elif not isinstance(value, type | FunctionType | BuiltinFunctionType | CPUDispatcher) and not callable(value):
         return None
-    if not isinstance(name, str) or str(module).partition(".")[0] not in _LIBRARIES:
+    if not isinstance(name, str) or not _is_library(str(module)):
         return None
     return f"{module}.{name}" if getattr(sys.modules.get(str(module)), name, None) is value else None
 
