@@ -7,7 +7,10 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
+
+import numpy as np
 
 import kickdrift as kd
 from benchmarks.table import Row, at_most, measured, skipped
@@ -24,10 +27,10 @@ print(between - started, time.perf_counter() - between)
 
 
 def compare(rounds: int) -> list[Row]:
-    """Seconds to import, to the first output and the end of the main job, and to the first step of two worlds."""
+    """Seconds to import, to first results, to the end of the main job, and to the first step of two worlds."""
     few = min(rounds, 3)
     worlds = (*_first_step("boxes", _BOXES, few), *_first_step("boxes and a hinge", _BOXES + _HINGE, few))
-    return [*_import(rounds), *_set_up(rounds), *_first_run(few), *worlds]
+    return [*_import(rounds), *_users_functions(few), *_set_up(rounds), *_first_run(few), *worlds]
 
 
 _BOXES = """
@@ -69,25 +72,83 @@ def _import(rounds: int) -> list[Row]:
     ]
 
 
+_FORCE = """
+import time
+import numpy as np, numba
+started = time.perf_counter()
+import kickdrift as kd
+
+def force(x):
+    {body}
+
+sol = kd.solve(force, t_span=(0.0, {end}), x0={x0}, v0={v0}, method="semi-implicit-euler", step=0.01, progress=False)
+print(time.perf_counter() - started, sol.wall_time)
+"""
+_WITH_BYTECODE = {"PYTHONDONTWRITEBYTECODE": ""}  # kept beside the sources, as after an installation
+_BROADCAST = """d = x[:, None, :] - x[None, :, :]
+    r2 = (d**2).sum(axis=2) + np.eye(x.shape[0])
+    i6 = 1 / r2**3
+    return np.sum((24 * i6 * (2 * i6 - 1) / r2).reshape(x.shape[0], x.shape[0], 1) * d, axis=1)"""
+_GRID = "1.2 * np.stack(np.meshgrid(*[np.arange(5.0)] * 3), -1).reshape(-1, 3)"
+_USERS = {
+    "README's gravity": (
+        {"body": "return -x / np.linalg.norm(x)**3", "end": 100.0, "x0": [1, 0], "v0": [0, 1.1]},
+        3,
+        0.5,
+    ),
+    "Lennard-Jones by broadcasting": ({"body": _BROADCAST, "end": 0.1, "x0": _GRID, "v0": "np.zeros((125, 3))"}, 10, 1),
+}
+
+
+def _users_functions(rounds: int) -> list[Row]:
+    """Seconds from `import kickdrift` to the first result of a user's function, the first time and in a second process."""
+    rows = []
+    for title, (parts, most_cold, most_warm) in _USERS.items():
+        cold, warm = [], []
+        for _ in range(rounds):
+            with tempfile.TemporaryDirectory() as folder:
+                for samples in (cold, warm):
+                    command, own = (
+                        [sys.executable, "-c", _FORCE.format(**parts)],
+                        {**os.environ, "NUMBA_CACHE_DIR": folder},
+                    )
+                    printed = subprocess.run(command, check=True, capture_output=True, text=True, env=own).stdout
+                    samples.append(float(printed.split()[0]))
+        rows.append(measured(f"{title}: import and first result, the first time", cold, at_most(most_cold, "s")))
+        rows.append(measured("the same, in another process", warm, at_most(most_warm, "s")))
+    return rows
+
+
 def _set_up(rounds: int) -> list[Row]:
-    return [
-        measured(
-            f"set-up of a new user's function, {method}",
-            [_seconds_before_stepping(method, stiffness=1.0 + i) for i in range(rounds + 1)][1:],
-            unit="s",
-            note="everything of a run of ten steps but the steps; the engine is compiled already",
-        )
-        for method in ("semi-implicit-euler", "implicit-euler")
-    ]
+    """Microseconds of a warm solve of ten steps: of a system, of a function, of functions with other numbers."""
+    table = np.ones(3)
+
+    def closure(stiffness: float) -> Callable[[float], float]:
+        return lambda x: -stiffness * x - x * x * x
+
+    def looked_up(stiffness: float) -> Callable[[float], float]:
+        table[1] = stiffness
+        return from_table
+
+    def from_table(x: float) -> float:
+        return float(-table[1] * x - x * x * x)
+
+    same = closure(1.0)
+    makers = {"a function": lambda stiffness: same, "a new closure each": closure, "a changed array each": looked_up}
+    rows = []
+    for title, make in makers.items():
+        samples = [[_microseconds(make(1.0 + i)) for i in range(_SOLVES)] for _ in range(rounds + 1)][1:]
+        rows.append(measured(f"ten steps, warm: {title}", np.median(samples, axis=1), at_most(200, "us")))
+    return rows
 
 
-def _seconds_before_stepping(method: str, stiffness: float) -> float:
-    def spring(x: float) -> float:  # another number makes another function, which is not compiled yet
-        return -stiffness * x - x * x * x
+_SOLVES = 100
 
+
+def _microseconds(force: Callable[[float], float]) -> float:
     started = time.perf_counter()
-    solution = kd.solve(spring, (0.0, 0.1), 1.5, 0.0, step=0.01, method=method, progress=False)
-    return time.perf_counter() - started - solution.wall_time
+    kd.solve(force, (0.0, 0.1), 1.5, 0.0, step=0.01, progress=False)
+    return 1e6 * (time.perf_counter() - started)
 
 
 def _first_run(rounds: int) -> list[Row]:

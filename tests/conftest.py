@@ -1,7 +1,29 @@
-"""Properties are tried on the same examples in every run; ``--hypothesis-profile=random`` draws new ones."""
+"""What holds for all tests.
 
+Properties are tried on the same examples in every run; ``--hypothesis-profile=random`` draws new ones. Ctrl-C interrupts as on
+a terminal, also where the tests were started with it ignored, as by ``nohup`` and in the background of a script.
+"""
+
+import signal
+
+import pytest
 from hypothesis import settings
+
+from kickdrift.core.together import compile_together, missing
+from kickdrift.world.compiling import all_jobs
 
 settings.register_profile("fixed", derandomize=True)
 settings.register_profile("random", derandomize=False)
 settings.load_profile("fixed")
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Compile what most tests need, in as many processes as there are cores, before all of them would."""
+    config = session.config
+    if config.args_source is pytest.Config.ArgsSource.TESTPATHS and not hasattr(config, "workerinput"):
+        compile_together(missing(all_jobs()))
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _ctrl_c() -> None:
+    signal.signal(signal.SIGINT, signal.default_int_handler)

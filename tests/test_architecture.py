@@ -1,10 +1,16 @@
 """The floors hold, and the front door stays light."""
 
+import ast
 import subprocess
 import sys
+import tomllib
+from importlib import import_module
 from pathlib import Path
 
+import numba
 import pytest
+from packaging.requirements import Requirement
+from packaging.version import Version
 
 import kickdrift as kd
 
@@ -63,3 +69,21 @@ def test_promised_names_are_there():
 def test_no_file_is_long():
     lengths = {path: path.read_text().count("\n") for path in (ROOT / "src").rglob("*.py")}
     assert {path.name: n for path, n in lengths.items() if n > 300} == {}
+
+
+def test_what_numba_keeps_to_itself_is_there_and_its_next_version_is_not_taken():
+    private = [
+        (node.module, name.name)
+        for path in (ROOT / "src").rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(("numba.core", "numba.np"))
+        for name in node.names
+    ]
+    assert private, "Numba needs no upper bound any more."
+    for module, name in private:
+        assert hasattr(import_module(module), name), f"Numba {numba.__version__} has no {module}.{name}"
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    bound = next(Requirement(text) for text in project["dependencies"] if text.startswith("numba")).specifier
+    tried = Version(numba.__version__)
+    assert tried in bound
+    assert Version(f"{tried.major}.{tried.minor + 1}.0") not in bound, "compile and test with it first"

@@ -380,3 +380,15 @@ def test_carts_that_do_something_else_are_not_compared(monkeypatch):
     monkeypatch.setattr(rl, "_MJCF", rl._MJCF.replace('axis="0 1 0"', 'axis="0 -1 0"'))
     with pytest.raises(AssertionError, match="end differently"):
         rl._check_they_do_the_same()
+
+
+def test_loops_by_hand_do_the_work_of_kickdrift():
+    from benchmarks import steps
+
+    kinds = ("gauss-4, kepler", "composition-diagonal-2", "rattle, double pendulum, Jacobian given", "boris, 1 ")
+    chosen = [pair for pair in steps.pairs() if pair.what.startswith(kinds)]
+    assert len(chosen) == len(kinds)
+    for pair in chosen:
+        pair.check()
+    with pytest.raises(AssertionError, match="does not do the same work"):
+        replace(chosen[0], loop=lambda steps: chosen[0].loop(steps + 1)).check()

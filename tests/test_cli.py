@@ -90,6 +90,23 @@ def test_quiet_writes_files_only(folder, monkeypatch):
     assert {path.name for path in (folder / "kickdrift-output").iterdir()} == {"kepler.npz", "kepler.png"}
 
 
+def test_compiling_ahead_counts_what_it_compiles(monkeypatch):
+    compiled = []
+    jobs = [(missing_job, None) for missing_job in (len, abs, max)]
+    monkeypatch.setattr(compiling, "missing", lambda all_of_them: jobs)
+    monkeypatch.setattr(compiling, "seconds_for", lambda some: 12.3)
+    monkeypatch.setattr(
+        compiling, "compile_together", lambda some, done: [compiled.append(job) or done() for job in some]
+    )
+    result = call("compile")
+    assert result.exit_code == cli.DONE, result.output
+    assert compiled == jobs
+    first, last = result.stderr.splitlines()
+    assert first == "kickdrift: compiling 3 functions once on this machine, about 12 s ..."
+    assert last.startswith("kickdrift: compiled in ")
+    assert call("compile", "--quiet").stderr == ""
+
+
 def test_an_empty_cache_is_announced(folder, monkeypatch):
     monkeypatch.setattr(compiling, "is_cached", lambda kernel: True)
     assert "compil" not in call("run", "kepler", "--duration", 1).stderr
@@ -209,7 +226,7 @@ REFUSED = {
     ("run", "missing.toml"): ["missing.toml", "No such file"],
     ("run", "folder.toml"): ["folder.toml", "Is a directory"],
     ("run", "zip.toml"): ["zip.toml", "not UTF-8"],
-    ("run", "typo.toml"): ["typo.toml:3", "'mas'", "did you mean 'mass'"],
+    ("run", "typo.toml"): ["typo.toml: bodies[0].mas", "'mas'", "did you mean 'mass'"],
     ("run", "empty-run.toml"): ["--duration", "empty-run.toml", "[run]"],
     ("run", "empty-run.toml", "--duration", "1"): ["--step", "empty-run.toml", "[run]"],
     ("run", "kepler", "--step", "fast"): ["--step='fast'", "'0.5 day'"],

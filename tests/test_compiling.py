@@ -10,13 +10,16 @@ import numpy as np
 import pytest
 from numba import types
 
+from kickdrift.core import views
 from kickdrift.core.cache import fingerprint
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import compiled, is_on_disk, specialise, unbound
 from kickdrift.core.linking import Part, Whole
 from kickdrift.core.together import _families
 from kickdrift.engine.progress import announce_compiling, announcements
+from kickdrift.scenes.worlds.catalogue import SCENES
 from kickdrift.world.collision.broad_phase import find_pairs
+from kickdrift.world.compiling import _jobs, all_jobs
 from kickdrift.world.contacts.contact_solver_simd import KERNELS
 from kickdrift.world.direct.bounces import bounce_islands
 from kickdrift.world.direct.solve import relax_islands, solve_islands
@@ -195,12 +198,12 @@ JOBS = (
 def test_another_process_compiles_what_is_found_here(tmp_path):
     code = JOBS + (
         "from collections import deque;"
-        "before = len(together.missing(jobs * 2));"
-        "workers = together._workers(1, deque([job] for job in jobs), together._places());"
+        "before, done = len(together.missing(jobs * 2)), [];"
+        "workers = together._workers(1, deque([job] for job in jobs), together._places(), lambda: done.append(1));"
         "workers.__enter__(); workers.__exit__(None, None, None);"
-        "print(before, len(together.missing(jobs)), together.seconds_for(jobs) > 0.0)"
+        "print(before, len(together.missing(jobs)), together.seconds_for(jobs) > 0.0, len(done))"
     )
-    assert python(code, NUMBA_CACHE_DIR=str(tmp_path)) == "4 0 True"
+    assert python(code, NUMBA_CACHE_DIR=str(tmp_path)) == "4 0 True 4"
 
 
 @pytest.mark.parametrize("worker", ["raise SystemExit", "import time; time.sleep(0.5)"])
@@ -210,7 +213,7 @@ def test_processes_that_do_nothing_do_not_matter(worker, tmp_path):
 
 
 def test_compiling_is_announced_where_it_is_wanted_and_takes_longer_than_a_moment(capsys):
-    for wanted, seconds, said in ((True, 12.3, True), (True, 0.4, False), (False, 12.3, False), (None, 12.3, False)):
+    for wanted, seconds, said in ((True, 12.3, True), (True, 0.4, False), (False, 12.3, False), (None, 12.3, True)):
         with announcements(wanted):
             announce_compiling("22 functions", seconds)
         line = "kickdrift: compiling 22 functions once on this machine, about 12 s ...\n"
@@ -238,3 +241,65 @@ def test_a_function_that_was_compiled_for_a_caller_has_an_address_of_its_own():
     signature = types.float64(types.float64)
     assert address_of(caller_of, signature) != 0
     assert address_of(called, signature) != 0
+
+
+def test_what_compiles_ahead_is_all_that_the_scenes_need():
+    ahead = {id(function) for function, _ in all_jobs()}
+    for scene in SCENES.values():
+        world = scene.make()
+        needed = _jobs(world.word, world.shape_rows.kinds, world.shape_rows.pairs())
+        assert {function.__name__ for function, _ in needed if id(function) not in ahead} == set()
+    assert len(ahead) > len(needed)
+
+
+@compiled(cached=False)
+def _sum_of_view(array):
+    view = array[1:]
+    total = 0.0
+    for value in view:
+        total += value
+    return total
+
+
+@compiled(cached=False)
+def _sums_of_views(array, out):
+    out[0] = _sum_of_view(array[1:]) + _sum_of_view(array[2:])
+
+
+@compiled(cached=False)
+def _sums_of_copies(array, out):
+    copy = np.zeros(array.size)
+    copy[:] = array
+    out[0] = _sum_of_view(copy[1:]) + _sum_of_view(copy[2:])
+
+
+@compiled(cached=False)
+def _returned(array, out):
+    return array[1:]
+
+
+def test_code_that_allocates_nothing_counts_no_references():
+    array = types.Array(types.float64, 1, "C")
+    counted = {}
+    for function in (_sums_of_views, _sums_of_copies, _returned):
+        signature = types.none(array, array) if function is not _returned else array(array, array)
+        library = function.get_compile_result(signature).library
+        counted[function] = "NRT_decref" in library.get_llvm_str() or "NRT_incref" in library.get_llvm_str()
+    assert counted == {_sums_of_views: False, _sums_of_copies: True, _returned: True}
+    before, out = np.arange(5.0), np.zeros(1)
+    for function in (_sums_of_views, _sums_of_copies):
+        function(before, out)
+        assert out[0] == 9.0 + 7.0
+
+
+def test_views_are_the_same_compiled_and_interpreted():
+    @compiled(cached=False)
+    def seen(array, out):
+        out[0], out[1] = views.part(array, 2, 2).sum(), views.part(array, 2, 2).size
+        out[2], out[3] = float(views.words(array)[1]), views.float_of(views.words(array)[3])
+
+    array, outs = np.array([1.0, -2.0, 3.0, 0.1]), [np.zeros(4), np.zeros(4)]
+    for function, out in zip((seen, seen.py_func), outs, strict=True):
+        function(array, out)
+    assert np.array_equal(*outs)
+    assert outs[0].tolist() == [3.1, 2.0, float(np.float64(-2.0).view(np.int64)), 0.1]

@@ -10,8 +10,8 @@ from scipy.integrate import solve_ivp
 import kickdrift as kd
 from kickdrift.core import linear_algebra
 from kickdrift.core.errors import ArgumentError, MethodMismatchError
-from kickdrift.engine.adoption import adopt
 from kickdrift.engine.flows import constraint_rows, constraints
+from kickdrift.engine.problem_adapter import adopt
 from kickdrift.methods import constrained
 
 METHODS = ("rattle", "shake", "projected-kick-drift")
@@ -606,11 +606,12 @@ def test_the_kernels_of_the_projections(compiled):
     G, inverse = rng.normal(size=(m, n)), rng.uniform(0.5, 2, n)
     params = np.array([7.0, m, 1.0, *inverse])
     assert kernel(constraint_rows.count)(n, params) == m
-    lengths, sums, products, out = np.zeros(m), np.zeros(m), np.zeros(m * m), np.zeros(n)
-    kernel(constraint_rows.measure)(G.ravel(), params, lengths, sums)
-    assert np.allclose(lengths, np.sqrt((G**2) @ inverse))
+    inverse_lengths, sums, products, out = np.zeros(m), np.zeros(m), np.zeros(m * m), np.zeros(n)
+    kernel(constraint_rows.measure)(G.ravel(), params, inverse_lengths, sums)
+    lengths = np.sqrt((G**2) @ inverse)
+    assert np.allclose(inverse_lengths, 1 / lengths)
     assert np.allclose(sums, abs(G).sum(axis=1))
-    kernel(constraint_rows.multiply)(G.ravel(), 2 * G.ravel(), lengths, params, products)
+    kernel(constraint_rows.multiply)(G.ravel(), 2 * G.ravel(), inverse_lengths, params, products)
     assert np.allclose(products.reshape(m, m), 2 * (G * inverse) @ G.T / np.outer(lengths, lengths))
     own = np.zeros(constraint_rows.memory_size(n, np.zeros(0), params))
     kernel(constraint_rows.rows_of)(n, m, own)[0][:] = G.ravel()
@@ -621,13 +622,14 @@ def test_the_kernels_of_the_projections(compiled):
     assert kernel(constraint_rows.factor_with)(2 * G.ravel(), n, m, params, own)
     assert kernel(constraint_rows.factor_products)(n, m, own)
     matrix, pivots = kernel(constraint_rows.factored)(n, m, own)
-    right = np.array([1.0, 2.0])
+    right = np.array([1.0, 2.0, 0.0])
     linear_algebra.lu_solve(matrix, pivots, right)
     chosen = products.reshape(m, m)[np.ix_([2, 0], [2, 0])]
-    assert np.allclose(chosen @ right, [1.0, 2.0])
-    kernel(constraint_rows.push)(G.ravel(), lengths, np.array([2.0, 0, 1]), right, params, out)
-    assert np.allclose(out, inverse * (right / lengths[[2, 0]] @ G[[2, 0]]))
-    assert kernel(constraint_rows.farthest)(np.array([1.0, -8.0, 2.0]), np.array([1.0, 4.0, 2.0])) == 2.0
-    assert np.isnan(kernel(constraint_rows.farthest)(np.array([np.nan]), np.ones(1)))
+    assert np.allclose(chosen @ right[:2], [1.0, 2.0])
+    assert right[2] == 0.0
+    kernel(constraint_rows.push)(G.ravel(), inverse_lengths, np.array([2.0, 0, 1]), right, params, out)
+    assert np.allclose(out, inverse * (right[:2] / lengths[[2, 0]] @ G[[2, 0]]))
+    assert constraint_rows.farthest(np.array([1.0, -8.0, 2.0]), np.array([1.0, 4.0, 2.0])) == 2.0
+    assert np.isnan(constraint_rows.farthest(np.array([np.nan]), np.ones(1)))
     parts = kernel(constraint_rows.iterated)(n, m, own)
     assert [part.size for part in parts] == [m, m, n, n, n]

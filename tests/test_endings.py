@@ -10,6 +10,7 @@ import time
 
 import numpy as np
 import pytest
+from numba import njit
 
 import kickdrift as kd
 from kickdrift.engine import run as run_module
@@ -123,11 +124,29 @@ def test_a_real_ctrl_c_returns_what_is_done():
 
 def test_progress_shows_on_request_and_not_otherwise(capsys):
     kepler = kd.systems.kepler()
+    kd.solve(kepler, (0.0, 1.0), step=0.01, progress=False)  # compiled before, which may be announced
     kd.solve(kepler, (0.0, 30_000.0), step=0.01, save_every=10**9)
     assert capsys.readouterr().err == ""
 
     kd.solve(kepler, (0.0, 1.0), step=0.01, progress=True)
     assert "step" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("progress", "said"), [(None, True), (True, True), (False, False)])
+def test_a_wait_for_the_compiler_is_announced_wherever_one_waits(progress, said, capsys, monkeypatch):
+    monkeypatch.setattr("kickdrift.engine.progress._A_MOMENT", 0.0)
+    force = njit("float64(float64)")(lambda x: -x)  # one cannot tell what is in it, so that it is not found on disk
+    kd.solve(force, (0.0, 1.0), 1.0, 0.0, step=0.1, progress=progress)
+    lines = capsys.readouterr().err.splitlines()
+    assert [line for line in lines if line.startswith("kickdrift: compiling")] == (
+        ["kickdrift: compiling; it takes some seconds ..."] if said else []
+    )
+    assert any("compiled in" in line for line in lines) == said
+    kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.1, progress=progress)
+    kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.1, progress=progress)
+    capsys.readouterr()
+    kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.1, progress=progress)
+    assert "compil" not in capsys.readouterr().err
 
 
 def test_on_a_terminal_only_long_runs_show_progress(capsys, monkeypatch):
@@ -223,3 +242,18 @@ def test_threads_start_in_processes_that_find_everything_compiled(tmp_path):
             check=True,
             capture_output=True,
         )
+
+
+def test_an_energy_that_is_off_by_more_than_itself_is_said():
+    pythagorean = kd.systems.nbody(
+        masses=[3, 4, 5], x0=[[1, 3, 0], [-2, -1, 0], [1, -1, 0]], v0=np.zeros((3, 3)), G=1.0
+    )
+    lost = kd.solve(pythagorean, (0.0, 70.0), step=1e-2, method="stormer-verlet", save_every=100)
+    times = abs(lost.energy[-1] / lost.energy[0] - 1.0)
+    assert times > 1.0
+    assert f"The energy is off by {times:.3g} times what it was" in lost.message
+    assert "The energy is off" in lost.report()
+    kept = kd.solve(pythagorean, (0.0, 1.0), step=1e-3, method="stormer-verlet")
+    assert "energy" not in kept.message
+    decaying = kd.Damped(lambda x: -x, damping=1.0, energy=lambda x, v: 0.5 * (v * v + x * x))
+    assert "energy" not in kd.solve(decaying, (0.0, 20.0), 1.0, 0.0, step=0.01, method="auto").message

@@ -9,7 +9,8 @@ import pytest
 from numba.core.registry import cpu_target
 from numpy.typing import NDArray
 
-from kickdrift.systems import gravity
+import kickdrift as kd
+from kickdrift.systems import gravity, massless
 
 Floats = NDArray[np.float64]
 Kernel = Any  # a compiled function, with its Python body as py_func
@@ -272,3 +273,24 @@ def test_python_body_of_two_tiles_says_the_same() -> None:
         for sums, n in ((sums_a, 7), (sums_b, 4))
     ]
     np.testing.assert_allclose(np.concatenate(lanes).ravel(), forces, rtol=1e-12)
+
+
+@pytest.mark.parametrize("kernel", [massless.add_gravity_of_massive, massless.add_gravity_of_massive.py_func])
+@pytest.mark.parametrize(("n", "massive"), [(1, 0), (40, 0), (40, 7), (300, 1), (700, 70), (40, 40)])
+def test_bodies_without_mass_are_attracted_and_do_not_attract(kernel: Kernel, n: int, massive: int) -> None:
+    for softening in (0.0, 0.1):
+        x, params = bodies(n, softening)
+        params[1:][np.random.default_rng(3).permutation(n)[massive:]] = 0.0
+        assert largest_error(kernel, x, params) < ROUNDING
+
+
+def test_many_bodies_without_mass_are_summed_apart() -> None:
+    assert massless.mostly_massless(np.append(np.ones(4), np.zeros(100)))
+    assert not massless.mostly_massless(np.append(np.ones(4), np.zeros(10)))  # a loop over pairs is as fast
+    assert not massless.mostly_massless(np.ones(100))
+    rng = np.random.default_rng(4)
+    x, v = rng.normal(size=(60, 3)), rng.normal(size=(60, 3))
+    few, many = (kd.systems.nbody(np.append(np.ones(5), np.full(55, m)), x, v) for m in (0.0, 1e-300))
+    assert few.acceleration is not many.acceleration
+    ends = [kd.solve(system, (0.0, 0.05), step=0.01).x[-1] for system in (few, many)]
+    assert np.allclose(*ends, rtol=1e-12)

@@ -141,3 +141,9 @@ def test_compiled_runs_have_the_bits_of_interpreted_ones():
         ]
         assert np.array_equal(runs[0].x, runs[1].x)
         assert runs[0].n_force_evaluations == runs[1].n_force_evaluations
+
+
+def test_more_numbers_than_a_matrix_is_formed_for_are_refused():
+    x0 = np.zeros(16_385)
+    with pytest.raises(ArgumentError, match="x0 has 16385 numbers, and kicks"):
+        kd.solve(lambda x, v: -x - v, (0.0, 1.0), x0, x0, step=0.1, method="implicit-damping", compile=False)

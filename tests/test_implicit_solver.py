@@ -5,7 +5,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import kickdrift as kd
-from kickdrift.engine.flows import adjoint, extrapolation, implicit, runge_kutta
+from kickdrift.core import linear_algebra
+from kickdrift.engine.flows import adjoint, extrapolation, implicit, newton, runge_kutta
+from kickdrift.engine.flows.layout import FORMED
+from kickdrift.engine.run import State
 
 NAN = np.nan
 
@@ -58,6 +61,19 @@ def test_sums_of_stages():
             one(*arguments, out)
         assert np.array_equal(outs[0], outs[1])
         assert np.allclose(outs[0], expected, rtol=1e-14)
+
+
+@pytest.mark.parametrize("n", [3, 40, runge_kutta.BLOCK, 2 * runge_kutta.BLOCK + 7])
+def test_sums_of_stages_in_blocks_are_those_number_by_number(n):
+    rng = np.random.default_rng(2)
+    weights, rates = rng.normal(size=3), rng.normal(size=3 * n)
+    expected = [
+        0.0 + rates[k] * weights[0] + rates[n + k] * weights[1] + rates[2 * n + k] * weights[2] for k in range(n)
+    ]
+    for combine in both(runge_kutta.combine):
+        total = np.full(n, NAN)
+        combine(weights, rates, total)
+        assert total.tolist() == expected
 
 
 def test_what_a_flow_adds_and_leaves():
@@ -134,6 +150,82 @@ def test_a_matrix_is_kept_from_step_to_step():
     assert s.success
     # A matrix a step would be 6 columns of 2 stages beside the iterations.
     assert s.n_force_evaluations < 12 * s.n_steps
+
+
+def chain(n):
+    """Oscillators in a ring, each pulled by its neighbours: eigenvalues up to 2i."""
+    return kd.FirstOrder(lambda y: np.roll(y, 1) - np.roll(y, -1)), np.cos(np.arange(n))
+
+
+def test_many_unknowns_do_without_a_matrix_where_it_costs_more(monkeypatch):
+    problem, start = chain(100)
+    given = {"t_span": (0.0, 1.6), "x0": start, "step": 0.8, "method": "gauss-4", **GIVEN}
+    patient = kd.solve(problem, **given)
+    assert patient.success
+    assert patient.n_force_evaluations < 250  # a matrix is 100 columns of 2 stages, 2 evaluations each
+    monkeypatch.setattr(implicit, "patience", lambda m: 1.0)
+    impatient = kd.solve(problem, **given)
+    assert impatient.n_force_evaluations > 400
+    assert np.allclose(patient.x, impatient.x, rtol=0, atol=1e-12)
+
+
+def test_a_matrix_that_many_unknowns_need_once_is_left_again(monkeypatch):
+    # Stiff at the start alone. Each solution with a matrix costs the square of the unknowns.
+    def rates(t, y):
+        return -(300.0 if t < 0.5 else 0.5) * (y - np.cos(t))
+
+    given = {"t_span": (0.0, 12.0), "x0": np.ones(40), "step": 0.1, "method": "implicit-euler", **GIVEN}
+    tried = []
+    monkeypatch.setattr(
+        newton, "lu_solve", lambda matrix, pivots, b: tried.append(linear_algebra.lu_solve(matrix, pivots, b))
+    )
+    assert kd.solve(kd.FirstOrder(rates), **given).success
+    left = len(tried)
+    tried.clear()
+    monkeypatch.setattr(implicit, "_RETRIED_AFTER", 1e9)
+    assert kd.solve(kd.FirstOrder(rates), **given).success
+    assert 0 < left < len(tried) / 2
+
+
+def test_too_many_unknowns_for_a_matrix_end_with_a_sentence(monkeypatch):
+    monkeypatch.setattr(newton, "MOST_WITH_MATRIX", 10)
+    s = kd.solve(kd.FirstOrder(lambda y: -1e4 * y), (0.0, 1.0), np.ones(20), step=0.1, method="implicit-euler", **GIVEN)
+    assert not s.success
+    assert s.status is kd.Outcome.NOT_CONVERGED
+
+
+def test_the_scratch_is_copied_only_when_another_matrix_was_formed():
+    work = np.zeros(40)
+    state = State(np.ones(1), np.ones(1), work, np.arange(4.0))
+    assert state.copy().scratch.size == 0
+    work[FORMED] = 1.0
+    first = state.copy()
+    assert first.scratch.tolist() == [0.0, 1.0, 2.0, 3.0]
+    assert state.copy(first).scratch is first.scratch
+    work[FORMED], state.scratch[0] = 2.0, 7.0
+    assert state.copy(first).scratch.tolist() == [7.0, 1.0, 2.0, 3.0]
+    state.restore(first)
+    assert state.scratch.tolist() == [0.0, 1.0, 2.0, 3.0]
+    assert state.work[FORMED] == 1.0
+
+
+@pytest.mark.parametrize("seconds", [1e-9, 1.0])
+def test_a_run_that_fails_late_ends_with_the_bits_of_one_that_ends_there(monkeypatch, seconds):
+    # Matrices are formed all along the way, and again after each return to a good state.
+    monkeypatch.setattr("kickdrift.engine.run._CHUNK_SECONDS", seconds)
+
+    def rates(t, y):
+        if t > 3.05:
+            raise ArithmeticError("enough")
+        return -np.exp(3 * y) * (y - np.sin(3 * t))
+
+    given = {"x0": [1.0, 2.0], "step": 0.1, "method": "implicit-euler", **GIVEN}
+    failed = kd.solve(kd.FirstOrder(rates), (0.0, 6.0), **given)
+    whole = kd.solve(kd.FirstOrder(rates), (0.0, 3.0), **given)
+    assert not failed.success
+    assert whole.success
+    assert failed.n_steps == 30
+    assert np.array_equal(failed.x[:31], whole.x)
 
 
 def test_compensated_steps_keep_quadratic_invariants_to_rounding():

@@ -19,7 +19,7 @@ def test_lu_solves_systems_that_need_pivoting(body):
     if body:
         factor, solve = factor.py_func, solve.py_func
     rng = np.random.default_rng(3)
-    for n in (1, 2, 3, 7):
+    for n in (1, 2, 3, 7, 32, 33, 70, 101):
         matrix = rng.normal(size=(n, n))
         matrix[0, 0] = 0.0 if n > 1 else 2.0
         b = rng.normal(size=n)
@@ -27,6 +27,28 @@ def test_lu_solves_systems_that_need_pivoting(body):
         assert factor(factors, pivots)
         solve(factors, pivots, x)
         assert np.allclose(matrix @ x, b, atol=1e-12)
+
+
+@pytest.mark.parametrize("body", [True, False], ids=["interpreted", "compiled"])
+def test_panels_have_the_bits_of_one_column_after_the_other(body):
+    def kernel(function):
+        return function.py_func if body else function
+
+    n = 75
+    matrix = np.random.default_rng(5).normal(size=n * n)
+    one, other, pivots, others = matrix.copy(), matrix.copy(), np.zeros(n), np.zeros(n)
+    assert kernel(linear_algebra.eliminate_panel)(0, n, one, pivots)
+    assert kernel(linear_algebra.lu_factor_panels)(other, others)
+    assert np.array_equal(one, other)
+    assert np.array_equal(pivots, others)
+    singular = np.ones(n * n)
+    assert not kernel(linear_algebra.lu_factor_panels)(singular, others)
+    triangular = np.where(np.eye(n) > 0, 2.0, np.tri(n, k=-1) / n).ravel()  # its own factors, with 2 on the diagonal
+    lower, upper = np.tri(n, k=-1) / n + np.eye(n), 2.0 * np.eye(n)
+    b = np.arange(n, dtype=float)
+    x = b.copy()
+    kernel(linear_algebra.lu_solve_many)(triangular, x)
+    assert np.allclose(lower @ upper @ x, b, atol=1e-12)
 
 
 def test_lu_refuses_singular_and_nan_matrices():

@@ -6,9 +6,11 @@ from functools import partial
 
 import numpy as np
 import pytest
+from numba import njit
 
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError, InterpretedWarning
+from kickdrift.engine.function_key import taken_apart
 
 SPAN = {"t_span": (0.0, 1.0), "step": 0.1}
 
@@ -154,6 +156,44 @@ def _writes_beyond(x, out):
 def test_compiled_functions_do_not_read_or_write_out_of_bounds(function, n):
     with pytest.raises(ArgumentError, match="index out of bounds at the start"):
         kd.solve(function, (0.0, 1.0), np.ones(n), np.ones(n), step=0.1)
+
+
+def _reads_beyond_later(x, params):
+    return -x * params[0 if x[0] > 0.5 else 1000]
+
+
+def _writes_beyond_later(x, out):
+    for i in range(x.size if x[0] > 0.5 else x.size + 1000):
+        out[i] = -x[0]
+
+
+@njit
+def _looked_up(table, i):
+    return table[i]
+
+
+def _has_read_beyond_later(x, params):
+    return -x * _looked_up(params, 0 if x[0] > 0.5 else 1000)
+
+
+@pytest.mark.parametrize("n", [2, 300])
+@pytest.mark.parametrize("method", ["kick-drift", "runge-kutta-4"])
+@pytest.mark.parametrize("function", [_reads_beyond_later, _writes_beyond_later, _has_read_beyond_later])
+def test_an_index_out_of_bounds_later_ends_the_run_with_what_was_done(function, method, n):
+    s = kd.solve(function, (0.0, 3.0), np.ones(n), np.zeros(n), step=0.01, method=method, args=(1.0,))
+    assert s.status is kd.Outcome.FAILED
+    assert "IndexError" in s.message
+    assert s.x[-1, 0] == pytest.approx(0.5, abs=0.02)
+
+
+def test_bounds_are_not_checked_where_that_is_not_wanted():
+    def last_of_none(x, params):
+        return -x + 0.0 * (params.size and params[0])
+
+    options = {**SPAN, "x0": 1.0, "v0": 0.0}
+    checked, unchecked = (taken_apart(last_of_none).options(check) for check in (True, False))
+    assert (checked["boundscheck"], unchecked["boundscheck"]) == (True, False)
+    assert np.array_equal(kd.solve(last_of_none, check_bounds=False, **options).x, kd.solve(last_of_none, **options).x)
 
 
 def test_an_invariant_that_raises_is_no_number_and_the_run_is_kept(tmp_path):

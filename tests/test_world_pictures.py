@@ -15,13 +15,13 @@ from PIL import Image
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError, FileFormatError, MissingExtraError
 from kickdrift.core.outcomes import Outcome
+from kickdrift.core.rotations import product, turned
 from kickdrift.plots import animation
 from kickdrift.plots.camera import axes_of, showing
 from kickdrift.plots.painter import AHEAD, Painter
 from kickdrift.plots.scenery import Pose, colour_of
 from kickdrift.world.integration import DYNAMIC, STATIC
 from kickdrift.world.recording import Appearance, DrawnShape, Recording, Rod
-from kickdrift.world.rotations import product, turned
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
 from kickdrift.world.shapes.cone import Cone

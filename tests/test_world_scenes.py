@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from kickdrift.core.rotations import about, turned
 from kickdrift.scenes import worlds
-from kickdrift.scenes.worlds.placing import about, between, scatter, turned
+from kickdrift.scenes.worlds.placing import between, scatter
 from kickdrift.world.constraint_error import deepest_overlap
 from kickdrift.world.tables import INERTIA
 from kickdrift.world.world import World

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 import kickdrift as kd
+from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import contact_solver_simd
+from kickdrift.world.step import STAGE, run
 from kickdrift.world.tables import CONTACT, MANIFOLD, MOTION, POSE
 
 
@@ -75,11 +77,14 @@ def test_stages_do_the_same_uncompiled(name):
     compiled_world, interpreted = stack(), stack()
     for world in (compiled_world, interpreted):
         world.advance(1 / 60, 20)
-    word = compiled_world.word
+    word, length, now = compiled_world.word, np.array([1 / 240]), np.zeros(1)
     for stage in (*word.before, *word.substep, *word.after):
-        stage(0.0, 1 / 240, compiled_world.tables.address)
-        run = stage.py_func if stage.__name__ == name else stage
-        run(0.0, 1 / 240, interpreted.tables.address)
+        address = np.array([address_of(stage, STAGE)])  # the interpreter would have each compiled once more
+        run(address, length, now, 0.0, 1 / 240, 0, 1, 0, compiled_world.tables.address)
+        if stage.__name__ == name:
+            stage.py_func(0.0, 1 / 240, interpreted.tables.address)
+        else:
+            run(address, length, now, 0.0, 1 / 240, 0, 1, 0, interpreted.tables.address)
     for table in (POSE, MOTION):
         np.testing.assert_allclose(
             compiled_world.tables.array(table), interpreted.tables.array(table), rtol=1e-13, atol=1e-15

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift import methods
 from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.core.kinds import Kind
-from kickdrift.engine.adoption import adopt
 from kickdrift.engine.multipliers import constraint_acceleration
+from kickdrift.engine.problem_adapter import adopt
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.solve import solve
 from kickdrift.systems.problem import Problem

@@ -105,6 +105,14 @@ def compare(
     raise typer.Exit(do(make_plan(system, options, comparison=True), output))
 
 
+@app.command("compile", help=help_texts.COMPILE, short_help="Compile all that runs may need, once on this machine.")
+def compile_(quiet: Annotated[bool, typer.Option("--quiet", help="Print errors only.")] = False) -> None:
+    """Compile all that runs may need, once on this machine."""
+    from kickdrift.cli.compiling import compile_all
+
+    raise typer.Exit(compile_all(quiet))
+
+
 @app.command("list", help=help_texts.LIST, short_help="List the methods, the systems or the scenes.")
 def list_(what: Annotated[Catalogue, typer.Argument(help="Which catalogue.")]) -> None:
     """List the methods, the systems or the scenes; whole lines where the output is piped."""

@@ -1,17 +1,16 @@
 """A user's own bodies: a TOML file, with the bodies in it or in a CSV file beside it.
 
-The file is parsed and checked, never executed. Every error names the file and the line.
+The file is parsed and checked, never executed. Every error names the file and the key, or the line of the CSV file.
 """
 
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path, PureWindowsPath
 from typing import Any, NoReturn
 
 from pydantic import ValidationError
 
-from kickdrift.cli import toml_lines
 from kickdrift.cli.bodies_models import TABLES, BodiesFile, Run
 from kickdrift.cli.bodies_table import read_bodies_table, read_text
 from kickdrift.core.errors import ArgumentError, FileFormatError, unknown_name
@@ -39,35 +38,37 @@ def load_bodies_file(path: Path) -> OwnBodies:
     Raises
     ------
     FileFormatError
-        For a file that cannot be read, or is not such a file; the sentence names the line.
+        For a file that cannot be read, or is not such a file; the sentence names the place in it.
     """
     source = read_text(path)
     try:
         content: dict[str, Any] = tomllib.loads(source)
     except (ValueError, RecursionError) as error:
         raise FileFormatError(f"{path}: not a TOML file: {str(error).rstrip('.')}.") from None
-    lines = toml_lines.key_lines(source)
+    if not isinstance(content.get("bodies"), str):
+        return _checked(path, content, lambda location: f"{path}: {_spelt(location)}")
+    table = _beside(path, content["bodies"])
+    content["bodies"], lines = read_bodies_table(table)
 
     def place(location: Location) -> str:
-        return f"{path}:{toml_lines.line_of(location, lines)}"
-
-    if isinstance(content.get("bodies"), str):
-        table = _beside(path, content["bodies"], place(("bodies",)))
-        content["bodies"], row_lines = read_bodies_table(table)
-        lines_of_file = place
-
-        def place(location: Location) -> str:
-            in_table = len(location) > 1 and location[0] == "bodies"
-            return f"{table}:{row_lines[int(location[1])]}" if in_table else lines_of_file(location)
+        match location:
+            case "bodies", int(row), *within:
+                return f"{table}:{lines[row]}: {_spelt(within)}"
+        return f"{path}: {_spelt(location)}"
 
     return _checked(path, content, place)
 
 
-def _beside(path: Path, name: str, place: str) -> Path:
+def _spelt(location: Sequence[str | int]) -> str:
+    """Spell a place as Python does: ``bodies[1].mass``."""
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location).lstrip(".")
+
+
+def _beside(path: Path, name: str) -> Path:
     # A Windows path takes both kinds of slashes and drives apart.
     if name in ("", ".", "..") or PureWindowsPath(name).name != name or not name.isprintable():
         raise FileFormatError(
-            f"{place}: bodies={name!r} must be the plain name of a CSV file beside {path.name}; move the file there."
+            f"{path}: bodies={name!r} must be the plain name of a CSV file beside {path.name}; move the file there."
         )
     return path.parent / name
 
@@ -80,7 +81,7 @@ def _checked(path: Path, content: dict[str, Any], place: Callable[[Location], st
     seen: set[str] = set()
     for i, body in enumerate(file.bodies):
         if body.name in seen:
-            raise FileFormatError(f"{place(('bodies', i, 'name'))}: name={body.name!r} is taken; give another.")
+            raise FileFormatError(f"{place(('bodies', i, 'name'))}={body.name!r} is taken; give another.")
         seen.add(body.name)
     try:
         return OwnBodies(_system(file, path.stem), file.run)
@@ -89,7 +90,7 @@ def _checked(path: Path, content: dict[str, Any], place: Callable[[Location], st
 
 
 def _complain(error: ValidationError, place: Callable[[Location], str]) -> NoReturn:
-    """Raise one error as a sentence with its line: an unknown key before what is missing for it."""
+    """Raise one error as a sentence with its place: an unknown key before what is missing for it."""
     first = min(error.errors(include_url=False), key=lambda one: one["type"] != "extra_forbidden")
     location = first["loc"]
     key = str(next(part for part in reversed(location) if isinstance(part, str)))
@@ -98,14 +99,14 @@ def _complain(error: ValidationError, place: Callable[[Location], str]) -> NoRet
     if first["type"] == "extra_forbidden":
         others = [where for where, other in TABLES.values() if key in other.model_fields]
         known = str(unknown_name("key", key, model.model_fields))
-        sentence = f"key={key!r} belongs to {others[0]}; move it there." if others else f"in {table}, {known}"
+        sentence = f": the key belongs to {others[0]}; move it there." if others else f": in {table}, {known}"
     elif first["type"] == "missing":
-        sentence = f"{key!r} is missing; add it to {table}."
+        sentence = f" is missing; add it to {table}."
     else:
         reason = str(first.get("ctx", {}).get("error", first["msg"])).rstrip(".")
         value = repr(first["input"])
-        sentence = f"{key}={value if len(value) < 60 else value[:60] + '...'}: {reason[0].lower()}{reason[1:]}."
-    raise FileFormatError(f"{place(location)}: {sentence}") from None
+        sentence = f"={value if len(value) < 60 else value[:60] + '...'}: {reason[0].lower()}{reason[1:]}."
+    raise FileFormatError(f"{place(location)}{sentence}") from None
 
 
 def _system(file: BodiesFile, name: str) -> System:

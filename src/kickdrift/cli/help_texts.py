@@ -42,6 +42,7 @@ KICKDRIFT = """Mechanics in time, structure first.
   kickdrift run pyramid           boxes on boxes, with a picture and a film
   kickdrift compare kepler        Euler's methods and Stoermer-Verlet side by side
   kickdrift list methods
+  kickdrift compile               all that runs may need, once on this machine
 
 Exit codes: 0 done, 2 input that cannot be used, 3 a run that failed on its way, 130 interrupted.
 """
@@ -89,6 +90,14 @@ in position at the end; draws the energy errors in <system>-energy.png.
   kickdrift compare kepler
   kickdrift compare pendulum --step 0.2 --duration 500
   kickdrift compare solar-system --years 1 --step "0.01 day"
+"""
+
+COMPILE = """Compile all that worlds and the systems of the catalogue need, once on this machine, on all cores.
+
+What is compiled already is kept. Without this, each run compiles what it is the first to need.
+
+\b
+  kickdrift compile
 """
 
 LIST = """List the methods, the systems or the scenes; whole lines where the output is piped.

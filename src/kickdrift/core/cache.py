@@ -13,13 +13,15 @@ import types
 import uuid
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
 import numba
+import numba.cpython.hashing  # defines what compiled dictionaries and sets call
 import numpy as np
 from numba.core.caching import CompileResultCacheImpl
+from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
 _Function = Callable[..., Any]
@@ -52,7 +54,7 @@ class Cache:
         """Return what was compiled for a signature, or None."""
         if self._method is None:
             return None
-        target.refresh()
+        rtsys.initialize(target)  # `target.refresh` would import all of Numba, and SciPy: half a second
         try:
             packed = pickle.loads(self._file(signature, target).read_bytes())  # noqa: S301 - as Numba's own cache
             return self._method.rebuild(target, packed)
@@ -70,9 +72,13 @@ class Cache:
             unfinished = file.with_suffix(f".{uuid.uuid4().hex}")
             unfinished.write_bytes(packed)
             os.replace(unfinished, file)
-            for older in file.parent.glob(f"{file.stem.rpartition('-')[0]}-*.nbc"):
-                if older != file:
-                    older.unlink()
+            self._make_room(file)
+
+    def _make_room(self, file: Path) -> None:
+        """Remove what was compiled of older sources than a file."""
+        for older in file.parent.glob(f"{file.stem.rpartition('-')[0]}-*.nbc"):
+            if older != file:
+                older.unlink()
 
     def flush(self) -> None:
         """Forget all that was kept of the function."""
@@ -81,20 +87,21 @@ class Cache:
                 file.unlink(missing_ok=True)
 
     def _file(self, signature: Any, target: Any) -> Path:
-        use = (repr(signature), _value(self._options), _machine(target))
-        name = f"{self._method.filename_base}-{self._kind}-{_digest(use)}-{fingerprint(self._function)}.nbc"
+        use = (repr(signature), written(self._options), machine(target))
+        name = f"{self._method.filename_base}-{self._kind}-{digest(use)}-{fingerprint(self._function)}.nbc"
         return Path(str(self.cache_path)) / name
 
 
 @cache
-def _machine(target: Any) -> tuple[Any, ...]:
+def machine(target: Any) -> tuple[Any, ...]:
+    """Return what compiled code depends on beside the function."""
     return (*target.codegen().magic_tuple(), numba.__version__)
 
 
-@cache
+@lru_cache(maxsize=4096)
 def fingerprint(function: _Function) -> str:
     """Digest of a function and of all functions and constants that it uses."""
-    return _digest(tuple(_described(used) for used in reached(function)))
+    return digest(tuple(_described(used) for used in reached(function)))
 
 
 def reached(function: _Function) -> list[_Function]:
@@ -109,9 +116,9 @@ def reached(function: _Function) -> list[_Function]:
     return list(found.values())
 
 
-@cache
+@lru_cache(maxsize=4096)
 def _described(function: _Function) -> tuple[Any, ...]:
-    values = [_value(value) for value in _used(function)]
+    values = [written(value) for value in _used(function)]
     return (function.__module__, function.__qualname__, _code(function.__code__), tuple(values))
 
 
@@ -143,27 +150,28 @@ def _function_of(value: Any) -> Any:
 
 
 def _code(code: types.CodeType) -> tuple[Any, ...]:
-    inner = (_code(c) if isinstance(c, types.CodeType) else _value(c) for c in code.co_consts)
+    inner = (_code(c) if isinstance(c, types.CodeType) else written(c) for c in code.co_consts)
     return (code.co_code, code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars, *inner)
 
 
-def _value(value: Any) -> str:
+def written(value: Any) -> str:
     """Write down a constant so that it is the same in every process."""
     if isinstance(value, bool | int | float | complex | str | bytes | np.generic | numba.types.Type | None):
         return repr(value)
     if isinstance(value, tuple | list):
-        return f"{type(value).__name__}({', '.join(map(_value, value))})"
+        return f"{type(value).__name__}({', '.join(map(written, value))})"
     if isinstance(value, frozenset | set):
-        return f"set({sorted(map(_value, value))})"
+        return f"set({sorted(map(written, value))})"
     if isinstance(value, dict):
-        return f"dict({sorted((_value(key), _value(item)) for key, item in value.items())})"
+        return f"dict({sorted((written(key), written(item)) for key, item in value.items())})"
     if isinstance(value, np.ndarray):
-        return f"{value.dtype} {value.shape} {_digest(value.tobytes())}"
-    options = _value(getattr(value, "targetoptions", None))
+        return f"{value.dtype} {value.shape} {digest(value.tobytes())}"
+    options = written(getattr(value, "targetoptions", None))
     names = (getattr(value, name, "") for name in ("__module__", "__qualname__", "__name__"))
     return " ".join((type(value).__qualname__, *map(str, names), options))
 
 
-def _digest(value: Any) -> str:
+def digest(value: Any) -> str:
+    """Return sixteen letters that tell a value apart."""
     data = value if isinstance(value, bytes) else repr(value).encode()
     return hashlib.sha256(data).hexdigest()[:16]

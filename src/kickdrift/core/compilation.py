@@ -11,12 +11,10 @@ Every compiled function of kickdrift goes through `compiled` or `specialise`. Fl
 """
 
 import gc
-import hashlib
 import types
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache
-from pathlib import Path
+from contextvars import ContextVar
 from typing import Any, TypeVar, overload
 
 import numba
@@ -28,7 +26,9 @@ from numba.core.sigutils import normalize_signature
 from numba.core.typing.templates import make_concrete_template
 
 from kickdrift.core.cache import Cache
+from kickdrift.core.free_numbers import Pipeline
 from kickdrift.core.linking import Part, Whole
+from kickdrift.core.users_cache import UsersCache
 
 _REORDERED = {"reassoc", "contract", "nsz", "arcp", "afn"}
 
@@ -40,7 +40,15 @@ F = TypeVar("F", bound=Function)
 def compiled(function: F) -> F: ...
 @overload
 def compiled(
-    *, fast: bool = False, parallel: bool = False, cached: bool = True, inline: bool = False, checked: bool = False
+    *,
+    fast: bool = False,
+    parallel: bool = False,
+    cached: bool = True,
+    users: bool = False,
+    inline: bool = False,
+    checked: bool = False,
+    options: dict[str, Any] | None = None,
+    through: Function | None = None,
 ) -> Callable[[F], F]: ...
 def compiled(
     function: F | None = None,
@@ -48,29 +56,40 @@ def compiled(
     fast: bool = False,
     parallel: bool = False,
     cached: bool = True,
+    users: bool = False,
     inline: bool = False,
     checked: bool = False,
+    options: dict[str, Any] | None = None,
+    through: Function | None = None,
 ) -> F | Callable[[F], F]:
     """Compile a function on first use with the flags of this module; a decorator, with or without arguments.
 
     ``inline`` forces the function into its callers: for the small steps of a hot loop. ``checked`` raises IndexError
-    where an index is out of bounds, which compiled code otherwise does not see.
+    where an index is out of bounds, which compiled code otherwise does not see. Code of a `users` function is kept with
+    that of other users' functions. `options` are Numba's own, which override the others. The interpreter calls the
+    function by ``through(function, *arguments)``, if given, instead of having a wrapper compiled.
     """
-    options = {
+    flags = {
         "error_model": "numpy",
         "nogil": True,
         "fastmath": _REORDERED if fast else False,
         "parallel": parallel,
         "forceinline": inline,
         "boundscheck": checked,
+        **(options or {}),
     }
 
     def decorate(python_function: F) -> F:
         if numba.config.DISABLE_JIT:
             return python_function
-        dispatcher: Any = _Dispatcher(python_function, targetoptions={**options, "nopython": True})
+        targetoptions = {**flags, "nopython": True}
+        dispatcher: Any
+        if through is None:
+            dispatcher = _Dispatcher(python_function, targetoptions=targetoptions)
+        else:
+            dispatcher = _Addressed(python_function, targetoptions=targetoptions, through=through)
         if cached:
-            dispatcher.enable_caching()
+            dispatcher.enable_caching(UsersCache if users else Cache)
         function: F = dispatcher
         return function
 
@@ -96,6 +115,8 @@ class _Compiler(_FunctionCompiler):  # type: ignore[misc]
     """Compiles to parts, which others are linked with; loops on threads as Numba does, since they run while they compile."""
 
     def _compile_core(self, args: Any, return_type: Any) -> Any:
+        if (tell := _told.get()) is not None:
+            tell()
         if self.targetoptions["parallel"]:
             return super()._compile_core(args, return_type)
         flags = _Flags()
@@ -111,6 +132,7 @@ class _Compiler(_FunctionCompiler):  # type: ignore[misc]
             flags=flags,
             locals=self.locals,
             library=Part(target.codegen(), self.py_func.__qualname__),
+            pipeline_class=Pipeline,
         )
         target.insert_user_function(result.library, result.fndesc, [result.library])
         return result._replace(entry_point=result.library)
@@ -133,9 +155,9 @@ class _Dispatcher(CPUDispatcher):  # type: ignore[misc]
         self._called: Any = None
         self._wholes: dict[Any, Any] = {}
 
-    def enable_caching(self) -> None:
+    def enable_caching(self, kind: type[Cache] = Cache) -> None:
         """Keep compiled code on disk."""
-        self._cache = Cache(self.py_func, "inner", self.targetoptions)
+        self._cache = kind(self.py_func, "inner", self.targetoptions)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """Compile for the types of arguments, whatever is known of their values, as a part of a caller."""
@@ -167,7 +189,8 @@ class _Dispatcher(CPUDispatcher):  # type: ignore[misc]
         if result is None:
             result = self._part(args, return_type)
             if isinstance(result.library, Part):
-                whole = Whole(result.library)
+                returned = self.targetctx.data_model_manager[result.signature.return_type]
+                whole = Whole(result.library, returns_no_array=not returned.contains_nrt_meminfo())
                 result = result._replace(library=whole, entry_point=whole, reload_init=list(whole._reload_init))
             self._cache.save_overload(sig, result)
         self._wholes[tuple(args)] = result
@@ -186,12 +209,24 @@ class _Dispatcher(CPUDispatcher):  # type: ignore[misc]
         if self._called is None:
             self._called = CPUDispatcher(self.py_func, self.locals, {**self.targetoptions, "no_cfunc_wrapper": True})
             if isinstance(self._cache, Cache):
-                self._called._cache = Cache(self.py_func, "called", self.targetoptions)
+                self._called._cache = type(self._cache)(self.py_func, "called", self.targetoptions)
         before = len(self._called.overloads)
         entry = self._called._compile_for_args(*args, **kws)
         for types_, result in list(self._called.overloads.items())[before:]:
             self._insert([type_._code for type_ in types_], result.entry_point, result.objectmode)
         return entry
+
+
+class _Addressed(_Dispatcher):
+    """A compiled function that the interpreter calls by its address."""
+
+    def __init__(self, py_func: Function, variables: Any = None, targetoptions: Any = None, **more: Any) -> None:
+        self._through = more.pop("through")
+        super().__init__(py_func, variables, targetoptions, **more)
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Call the compiled function."""
+        return self._through(self, *arguments)
 
 
 @contextmanager
@@ -204,6 +239,19 @@ def _no_collector() -> Iterator[None]:
     finally:
         if collects:
             gc.enable()
+
+
+_told: ContextVar[Function | None] = ContextVar("_told", default=None)
+
+
+@contextmanager
+def told_of_compiling(tell: Function) -> Iterator[None]:
+    """Have a function called whenever one is compiled."""
+    before = _told.set(tell)
+    try:
+        yield
+    finally:
+        _told.reset(before)
 
 
 def is_on_disk(function: Function, signature: Any) -> bool:
@@ -233,24 +281,11 @@ def unbound(*arguments: Any) -> Any:
     raise NotImplementedError("A template is called before its names are bound; specialise it first.")
 
 
-def specialised_name(function: Function, *details: str) -> str:
-    """Name a specialisation for `function` so that no other one, and none of changed sources, is taken for it."""
-    python_function = getattr(function, "py_func", function)
-    parts = (python_function.__module__, python_function.__qualname__, *details, _source_digest())
-    return "_".join(parts).replace(".", "_").replace("-", "_").replace("<", "").replace(">", "")
+def is_kept(function: Function) -> bool:
+    """Whether a function's compiled code is kept on disk."""
+    return isinstance(getattr(function, "_cache", None), Cache)
 
 
-def comes_with_kickdrift(function: Function) -> bool:
-    """Whether a function's source is in `_source_digest`, so that its specialisations may be cached on disk."""
-    return str(getattr(function, "py_func", function).__module__).startswith("kickdrift.systems.")
-
-
-@cache
-def _source_digest() -> str:
-    """Digest of the sources of the floors that hold compiled code."""
-    package = Path(__file__).parent.parent
-    digest = hashlib.sha256()
-    for floor in ("core", "systems", "engine"):
-        for path in sorted((package / floor).rglob("*.py")):
-            digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
+def is_users(function: Function) -> bool:
+    """Whether a function is a user's whose compiled code is kept on disk."""
+    return isinstance(getattr(function, "_cache", None), UsersCache)

@@ -10,6 +10,7 @@ import numpy as np
 from llvmlite import ir
 from numba import carray, types
 from numba.core import cgutils
+from numba.core.imputils import impl_ret_borrowed
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
@@ -19,7 +20,7 @@ _FLOATS = types.CPointer(types.float64)
 _INTEGERS = types.CPointer(types.int64)
 _WORD = ir.IntType(64)
 
-SIZE = 0  # bound by the caller of `small_arrays`
+SIZE = SIZE_OF_V = 0  # bound by the caller of `small_arrays`
 
 
 @intrinsic
@@ -73,6 +74,18 @@ def _floats_of(typing_context: Any, array: Any) -> Any:
     return _FLOATS(array), generate
 
 
+@intrinsic
+def word_in(typing_context: Any, array: Any, index: Any) -> Any:
+    """Bits of an element of a one-dimensional array of floats, as a machine word."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+        words = builder.bitcast(data, _WORD.as_pointer())
+        return builder.load(builder.gep(words, [arguments[1]]))
+
+    return types.intp(array, types.intp), generate
+
+
 @intrinsic(prefer_literal=True)
 def floats_on_stack(typing_context: Any, size: Any) -> Any:
     """Pointer to a fresh local buffer of a constant number of floats, which the compiler can keep in registers."""
@@ -99,15 +112,25 @@ def arrays(block: int) -> Any:
 
 
 def small_arrays(block: int) -> Any:
-    """Do the same for a state of SIZE numbers, a constant of the compilation: loops over them are unrolled."""
+    """Do the same for a state of constants of the compilation as sizes: loops over them are unrolled."""
     x, v, params, work = arrays(block)
-    return carray(_floats_of(x), (SIZE,)), carray(_floats_of(v), (SIZE,)), params, work
+    return carray(_floats_of(x), (SIZE,)), carray(_floats_of(v), (SIZE_OF_V,)), params, work
 
 
 @compiled(inline=True)
 def shaped(array: NDArray[np.float64], shape: tuple[int, ...]) -> Any:
     """Return a view of a one-dimensional array in another shape (``reshape`` calls into C, at 10 ns a call)."""
     return carray(_floats_of(array), shape)
+
+
+@intrinsic
+def read_only(typing_context: Any, array: Any) -> Any:
+    """Return the same array, which compiled code may not write to."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return impl_ret_borrowed(context, builder, signature.return_type, arguments[0])
+
+    return array.copy(readonly=True)(array), generate
 
 
 def state_block(*members: NDArray[np.float64]) -> NDArray[np.intp]:

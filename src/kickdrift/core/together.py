@@ -11,7 +11,7 @@ import subprocess
 import sys
 import threading
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Any
 
@@ -38,24 +38,25 @@ def missing(jobs: Iterable[Job]) -> list[Job]:
     return [(function, signature) for function, signature in each.values() if not is_on_disk(function, signature)]
 
 
-def compile_together(jobs: list[Job]) -> None:
+def compile_together(jobs: list[Job], done: Callable[[], object] = lambda: None) -> None:
     """Compile functions for signatures, those that call the same in one process.
 
     Parameters
     ----------
     jobs : list of tuples
         As `missing` returns them.
+    done : callable
+        Called after each of them, in any thread.
     """
     places = _places()
     waiting = deque(_families([job for job in jobs if id(job[0]) in places]))
     own = [job for job in jobs if id(job[0]) not in places]  # found by no other process, or not kept on disk
-    with _workers(_processes(len(waiting)) - 1, waiting, places):
-        for function, signature in own:
-            function.compile(signature)  # type: ignore[attr-defined]
-        with suppress(IndexError):
-            while True:
-                for function, signature in waiting.popleft():
-                    function.compile(signature)  # type: ignore[attr-defined]
+    with _workers(_processes(len(waiting)) - 1, waiting, places, done), suppress(IndexError):
+        while True:
+            for function, signature in own or waiting.popleft():
+                function.compile(signature)  # type: ignore[attr-defined]
+                done()
+            own = []
 
 
 def _families(jobs: list[Job]) -> list[list[Job]]:
@@ -77,7 +78,9 @@ def _families(jobs: list[Job]) -> list[list[Job]]:
 
 
 @contextmanager
-def _workers(count: int, waiting: deque[list[Job]], places: dict[int, tuple[str, str]]) -> Iterator[None]:
+def _workers(
+    count: int, waiting: deque[list[Job]], places: dict[int, tuple[str, str]], done: Callable[[], object]
+) -> Iterator[None]:
     """Have so many processes take families of jobs, and at the end wait for the last ones."""
     processes = []
     for _ in range(count):
@@ -85,7 +88,9 @@ def _workers(count: int, waiting: deque[list[Job]], places: dict[int, tuple[str,
             command = [sys.executable, "-c", _WORKER]
             pipe = subprocess.PIPE
             processes.append(subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL))  # noqa: S603
-    threads = [threading.Thread(target=_feed, args=(process, waiting, places), daemon=True) for process in processes]
+    threads = [
+        threading.Thread(target=_feed, args=(process, waiting, places, done), daemon=True) for process in processes
+    ]
     for thread in threads:
         thread.start()
     try:
@@ -98,16 +103,24 @@ def _workers(count: int, waiting: deque[list[Job]], places: dict[int, tuple[str,
             process.communicate()
 
 
-def _feed(process: Any, waiting: deque[list[Job]], places: dict[int, tuple[str, str]]) -> None:
+def _feed(
+    process: Any, waiting: deque[list[Job]], places: dict[int, tuple[str, str]], done: Callable[[], object]
+) -> None:
     """Give one job after the other to a process, for as long as it answers."""
     family: deque[Job] = deque()
-    with suppress(OSError, ValueError, IndexError):  # it has died, or all is done
+    with suppress(OSError, ValueError, IndexError):  # it has died, or nothing is left to be done
         process.stdin.write(dumps(sys.path))
-        while process.stdin.flush() or process.stdout.readline():
+        process.stdin.flush()
+        process.stdout.readline()
+        while True:
             if not family:
                 family.extend(waiting.popleft())
             function, signature = family.popleft()
             process.stdin.write(dumps((*places[id(function)], signature)))
+            process.stdin.flush()
+            if not process.stdout.readline():
+                return  # it has died
+            done()
 
 
 def work() -> None:

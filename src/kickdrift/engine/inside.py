@@ -1,14 +1,15 @@
 """The states that the loop has, where they are not those that people see: of a split, turned, and corrected."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.grid import Grid
-from kickdrift.engine.program import compose
+from kickdrift.engine.program import Program, Structure, compose
 from kickdrift.engine.run import Ending, Run
 from kickdrift.methods import Letter, Method
 from kickdrift.methods.record import Word
@@ -36,10 +37,8 @@ class Inside:
     """
 
     def __init__(self, system: System, method: Method, grid: Grid, compensated: bool) -> None:
-        step, first = _turned(method.word)
-        before = (*method.corrector, *first)
-        ahead = sum((weight for letter, weight in first), Fraction(0))
-        self.program = compose(method, system, step, clock=ahead)
+        programs = _programs(method, Structure.of(system))
+        self.program = programs.step
         self.system, self.evaluations = system, 0
         self._outside, self._grid = system, grid
         self._frame = system.frame if self.program.split else None
@@ -47,16 +46,13 @@ class Inside:
             x0, v0 = self._frame.enter(system.x0, system.v0)
             self.system = replace(system, x0=x0, v0=v0)
         self._undo: Run | None = None
-        if before:
+        if programs.before is not None and programs.back is not None:
             no_rows = replace(grid, save_steps=grid.save_steps[:0])
-            do = Run(self.system, compose(method, system, before, repeated=False), no_rows, compensated, progress=False)
+            do = Run(self.system, programs.before, no_rows, compensated, progress=False)
             x0, v0 = self.system.x0.reshape(1, -1).copy(), self.system.v0.reshape(1, -1).copy()
             self._change(do, np.zeros(1, dtype=np.int64), x0, v0)
             self.system = replace(self.system, x0=x0.reshape(system.x0.shape), v0=v0.reshape(system.v0.shape))
-            back = tuple((letter.adjoint or letter, -weight) for letter, weight in reversed(before))
-            self._undo = Run(
-                self.system, compose(method, system, back, ahead, repeated=False), no_rows, compensated, progress=False
-            )
+            self._undo = Run(self.system, programs.back, no_rows, compensated, progress=False)
 
     def leave(self, run: Run, ending: Ending) -> tuple[Floats, Floats]:
         """Return the rows of a run as people see them, shape (T, *shape)."""
@@ -77,6 +73,29 @@ class Inside:
     def _change(self, run: Run, steps: NDArray[np.int64], xs: Floats, vs: Floats) -> None:
         run.change(steps, xs, vs)
         self.evaluations += steps.size * run.program.evaluations
+
+
+@dataclass(frozen=True)
+class _Programs:
+    """The step of a method, and where there is a way into the loop, that and the way back."""
+
+    step: Program
+    before: Program | None = None
+    back: Program | None = None
+
+
+@lru_cache(maxsize=256)
+def _programs(method: Method, system: Structure) -> _Programs:
+    word, first = _turned(method.word)
+    before = (*method.corrector, *first)
+    ahead = sum((weight for letter, weight in first), Fraction(0))
+    step = compose(method, system, word, clock=ahead)
+    if not before:
+        return _Programs(step)
+    back = tuple((letter.adjoint or letter, -weight) for letter, weight in reversed(before))
+    return _Programs(
+        step, compose(method, system, before, repeated=False), compose(method, system, back, ahead, repeated=False)
+    )
 
 
 def _turned(word: Word) -> tuple[Word, Word]:

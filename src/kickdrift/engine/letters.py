@@ -1,19 +1,22 @@
 """Letters: flows bound to a system and compiled to what the loop calls, ``letter(t, h, state)``."""
 
 from collections.abc import Callable
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any
 
 from kickdrift.core import memory
 from kickdrift.core.calls import address_of
-from kickdrift.core.compilation import Function, comes_with_kickdrift, compiled, specialise, specialised_name, unbound
+from kickdrift.core.compilation import Function, compiled, is_kept, is_users, specialise, unbound
+from kickdrift.core.naming import comes_with_kickdrift, specialised_name
 from kickdrift.engine.flows import kick_drift, layout
 from kickdrift.engine.flows.sums import sums
 from kickdrift.engine.flows.table import FLOWS, Flow
+from kickdrift.engine.loop import LETTER
 from kickdrift.engine.program import Program
 from kickdrift.systems.system import System
 
 _SMALL = 8  # numbers of a state up to which the accelerations pass in registers
+_CALLED_ONCE = ("solve", "solve_component", "evaluate_component", "project", "leave_over", "linearise")
 
 arrays: Callable[[Any], Any] = unbound
 flow: Callable[..., None] = unbound
@@ -34,78 +37,118 @@ def functions_of(system: System, program: Program) -> dict[str, Function]:
     return functions
 
 
-def addresses_of(functions: dict[str, Function], flows: tuple[str, ...]) -> dict[str, int]:
+def addresses_of(system: System, functions: dict[str, Function], flows: tuple[str, ...]) -> dict[str, int]:
     """Compile the functions of a native system that the flows call by address, and return their addresses."""
-    templates = [t for name in flows for t in (FLOWS[name].template, *FLOWS[name].parts.values())]
-    called = {global_name for template in templates for global_name in template.__code__.co_names}
-    return {name: address_of(function, layout.FLAT) for name, function in functions.items() if f"{name}_at" in called}
+    called = {name for flow in flows if not _inlined(system, FLOWS[flow]) for name in _parts_called(FLOWS[flow])}
+    return {name: address_of(function, layout.FLAT) for name, function in functions.items() if name in called}
 
 
-def build(name: str, system: System, program: Program, compensated: bool) -> Function:
+@cache
+def _parts_called(known: Flow) -> frozenset[str]:
+    names = {name for t in (known.template, *known.parts.values()) for name in t.__code__.co_names}
+    return frozenset(part for part in layout.PARTS if f"{part}_at" in names)
+
+
+def _inlined(system: System, known: Flow) -> tuple[str, ...]:
+    """Return which functions of a system are compiled into a flow, which is then a flow of this system alone.
+
+    A user's waits for that. A call by address takes 2 ns, which no one sees beside the forces of a large state.
+    """
+    return known.inlined if system.packaged or system.x0.size <= _SMALL else ()
+
+
+def build(name: str, system: System, program: Program, compensated: bool, scratch: Any) -> Function:
     """Bind the flow `name` to a system: compiled where the system is native, for the interpreter where not.
 
-    A system's own kick leaves no acceleration behind, so it serves where none is used again.
+    The interpreter needs the scratch itself. A system's own kick leaves no acceleration behind, so it serves where none
+    is used again.
     """
     n = system.x0.size
     functions = functions_of(system, program)
     known = FLOWS[name]
+    constants: dict[str, int] = {}
+    if known.constants is not None:
+        constants = known.constants(program.coefficients, n, system.params, "velocity" in functions)
     if not system.native:
-        bound = _interpreted(known, functions, compensated)
+        bound = _interpreted(known, functions, compensated, constants, scratch)
         return specialise(_letter, "letter", arrays=lambda state: state, flow=bound)
-    inlined = tuple(functions[role] for role in known.inlined)
+    inlined = tuple((role, functions[role]) for role in _inlined(system, known))
     own = None
     if name == "kick" and not (compensated or program.split or "rekick" in program.flows):
         own = system.kick
-    # Flows with parts are large: compiled once for all sizes. First-order systems have no v of n numbers.
-    size = _SMALL + 1 if known.parts or system.v0.size != n else min(n, _SMALL + 1)
-    return _native(known, name, inlined, own, size, compensated, system.packaged)
+    # Flows with parts are large: most are compiled once for all sizes.
+    most = layout.FEW if known.constants else 0 if known.parts else _SMALL
+    sizes = (n, system.v0.size) if n <= most else None
+    return _native(known, name, inlined, own, sizes, compensated, system.packaged, tuple(constants.items()))
+
+
+def shared() -> list[tuple[Function, Any]]:
+    """Return the letters that are compiled once for all systems, and the signature of each."""
+    found = []
+    for name, known in FLOWS.items():
+        if not (known.inlined or known.constants):
+            sizes = [None] if known.parts else [None, *((n, n) for n in range(1, _SMALL + 1))]
+            found += [(_native(known, name, (), None, size, True, False, ()), LETTER) for size in sizes]
+    return found
 
 
 @lru_cache(maxsize=256)
 def _native(
     known: Flow,
     name: str,
-    inlined: tuple[Function, ...],
+    inlined: tuple[tuple[str, Function], ...],
     own: Function | None,
-    n: int,
+    sizes: tuple[int, int] | None,
     compensated: bool,
     packaged: bool,
+    constants: tuple[tuple[str, int], ...],
 ) -> Function:
-    template = kick_drift.kick_small if name == "kick" and n <= _SMALL else known.template
+    template = kick_drift.kick_small if name == "kick" and sizes else known.template
     bindings: dict[str, Any] = {
-        "SIZE": n,
+        "SIZE": sizes[0] if sizes else 0,
+        "SIZE_OF_V": sizes[1] if sizes else 0,
+        "scratch": layout.scratch_by_address,
+        **dict(constants),
         **sums(native=True, compensated=compensated),
-        **dict(zip(known.inlined, inlined, strict=True)),
+        **{f"{part}_at": layout.part_by_address(part) for part in layout.PARTS},
+        **{f"{part}_at": layout.part_inlined(part, function) for part, function in inlined},
     }
-    if not inlined:
-        bindings |= {f"{part}_at": layout.part_by_address(part) for part in layout.PARTS}
+    bound_to = own or (inlined[0][1] if inlined else template)
     for part, function in known.parts.items():
-        # Not forced inline: the implicit Runge-Kutta flow compiles in a third of the time.
-        bindings[part] = compiled(cached=False)(specialise(function, part, **bindings))
+        # Not all forced inline: the implicit Runge-Kutta flow compiles in a third of the time.
+        inline = known.constants is not None and part in _CALLED_ONCE
+        bindings[part] = compiled(cached=False, inline=inline)(specialise(function, part, **bindings))
     bound = own or _inline(specialise(template, template.__name__, **bindings))
-    small = _inline(specialise(memory.small_arrays, "small_arrays", SIZE=n))
+    arrays = memory.arrays
+    if sizes:
+        arrays = _inline(specialise(memory.small_arrays, "small_arrays", SIZE=sizes[0], SIZE_OF_V=sizes[1]))
     letter = specialise(
         _letter,
         specialised_name(
-            (own or inlined[0]) if inlined else template,
+            bound_to,
             name,
-            str(n) if n <= _SMALL else "n",
+            "_".join(map(str, sizes)) if sizes else "n",
+            *(str(int(value)) for _, value in constants),
             "own" if own else "compensated" if compensated else "plain",
         ),
-        arrays=small if n <= _SMALL else memory.arrays,
+        arrays=arrays,
         flow=bound,
     )
-    return compiled(cached=not inlined or (packaged and comes_with_kickdrift(inlined[0])))(letter)
+    kept = bound_to is template or is_kept(bound_to) or (packaged and comes_with_kickdrift(bound_to))
+    return compiled(cached=kept, users=is_users(bound_to))(letter)
 
 
 def _inline(function: Function) -> Function:
     return compiled(cached=False, inline=True)(function)
 
 
-def _interpreted(known: Flow, functions: dict[str, Function], compensated: bool) -> Function:
+def _interpreted(
+    known: Flow, functions: dict[str, Function], compensated: bool, constants: dict[str, int], scratch: Any
+) -> Function:
     bindings: dict[str, Any] = {
+        "scratch": layout.scratch_interpreted(scratch),
+        **constants,
         **sums(native=False, compensated=compensated),
-        **{role: functions[role] for role in known.inlined},
         **{f"{name}_at": layout.part_interpreted(function) for name, function in functions.items()},
     }
     for part, function in known.parts.items():

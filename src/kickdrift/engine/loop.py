@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.calls import call_interpreted, caller
 from kickdrift.core.compilation import compiled, specialise
+from kickdrift.core.elementwise import assign
 from kickdrift.engine.flows.layout import TROUBLE
 
 Floats = NDArray[np.float64]
@@ -51,8 +52,8 @@ def advance(
         if work[TROUBLE] != 0.0:
             return step, saved
         if saved < save_steps.size and save_steps[saved] == step + 1:
-            xs[saved] = x
-            vs[saved] = v
+            assign(xs[saved], x)
+            assign(vs[saved], v)
             saved += 1
     return last, saved
 
@@ -76,14 +77,17 @@ def change(
 ) -> None:
     """Overwrite each row of xs and vs by what a step from it gives, beginning with blank work; NaN if a flow fails."""
     for row in range(steps.size):
-        x[:] = xs[row]
-        v[:] = vs[row]
-        work[:] = blank
+        assign(x, xs[row])
+        assign(v, vs[row])
+        assign(work, blank)
         t = t0 + steps[row] * h
         for k in range(letters.size):
             call(flows[letters[k]], (t + offsets[k] * h, weights[k] * h, state))
-        xs[row] = x if work[TROUBLE] == 0.0 else np.full(x.size, np.nan)
-        vs[row] = v if work[TROUBLE] == 0.0 else np.full(v.size, np.nan)
+        if work[TROUBLE] != 0.0:
+            assign(x, np.nan)
+            assign(v, np.nan)
+        assign(xs[row], x)
+        assign(vs[row], v)
 
 
 advance_interpreted = specialise(advance.py_func, "advance_interpreted", call=call_interpreted)  # type: ignore[attr-defined]

@@ -47,8 +47,22 @@ class Program:
     coefficients: NDArray[np.float64]
 
 
+@dataclass(frozen=True)
+class Structure:
+    """What the step of a method depends on of a system: its kind, whether x' is not v, and the names of its parts."""
+
+    kind: Kind
+    has_velocity: bool
+    parts: frozenset[str]
+
+    @classmethod
+    def of(cls, system: System) -> "Structure":
+        """Return that of a system."""
+        return cls(system.kind, system.velocity is not None, frozenset(system.parts))
+
+
 def compose(
-    method: Method, system: System, word: Word | None = None, clock: Fraction = Fraction(0), repeated: bool = True
+    method: Method, system: Structure, word: Word | None = None, clock: Fraction = Fraction(0), repeated: bool = True
 ) -> Program:
     """Work out the step of a method on a system, or what another word of its letters does.
 
@@ -91,12 +105,10 @@ def evaluations_of(method: Method) -> int:
     if method.tableau is not None:
         return method.tableau().stages
     kind = Kind.NEWTONIAN if method.kind.includes(Kind.NEWTONIAN) else method.kind
-    nothing = np.zeros(1)
-    plainest = System("", abs, nothing, nothing, kind=kind, parts={"remainder": abs}, native=False)
-    return compose(method, plainest).evaluations
+    return compose(method, Structure(kind, False, frozenset({"remainder"}))).evaluations
 
 
-def _spell(method: Method, system: System, word: Word, x_clock: Fraction) -> list[tuple[str, Fraction, Fraction]]:
+def _spell(method: Method, system: Structure, word: Word, x_clock: Fraction) -> list[tuple[str, Fraction, Fraction]]:
     """Flow, share and clock of each letter; neighbours that do the same are merged."""
     v_clock = Fraction(0)
     spelled: list[tuple[str, Fraction, Fraction]] = []
@@ -121,26 +133,26 @@ def _spell(method: Method, system: System, word: Word, x_clock: Fraction) -> lis
 _SWEEPS = {Letter.DRIFT: "sweep", Letter.ADJOINT_DRIFT: "adjoint-sweep", Letter.EXTRAPOLATION: "extrapolated-sweeps"}
 
 
-def _flow_of(letter: Letter, system: System, method: Method) -> str | None:
+def _flow_of(letter: Letter, system: Structure, method: Method) -> str | None:
     kick, drift = letter.share == "kick", letter.share == "drift"
     if system.kind is Kind.FIRST_ORDER:
         return None if kick else _SWEEPS.get(letter, letter.value)
     if letter is Letter.ADJOINT_KICK and not _kicks_see_velocity(method, system):
         return "kick"
-    if drift and system.velocity is None:
+    if drift and not system.has_velocity:
         return "drift"
     if drift and (letter is Letter.DRIFT or Kind.SEPARABLE.includes(system.kind)):
         return "drift-along"
     return letter.value
 
 
-def _split(method: Method, system: System) -> bool:
+def _split(method: Method, system: Structure) -> bool:
     """Whether the kicks have only what is left of the acceleration, another flow of the word having the rest."""
     shares = {letter.share for letter in method.letters}
     return "remainder" in system.parts and "kick" in shares and not shares <= {"kick", "drift"}
 
 
-def _kicks_see_velocity(method: Method, system: System) -> bool:
+def _kicks_see_velocity(method: Method, system: Structure) -> bool:
     if _split(method, system) or system.kind in (Kind.CONSTRAINED, Kind.LANGEVIN):
         return False
     return not Kind.SEPARABLE.includes(system.kind)

@@ -11,6 +11,8 @@ from typing import Any
 
 from tqdm import tqdm
 
+from kickdrift.core.compilation import told_of_compiling
+
 _SHORT_RUN_SECONDS = 2.0  # runs expected to be shorter show no bar
 
 
@@ -36,35 +38,57 @@ class Bar:
             self._bar.close()
 
 
-_A_MOMENT = 1.5  # seconds; what is found compiled on disk is read in 0.3
+_A_MOMENT = 1.0  # seconds; what is found compiled on disk is read in 0.3
 
 
 def announces(wanted: bool | None) -> bool:
-    """Whether a run says anything at all: as wanted, or where None, on a terminal."""
+    """Whether a run says how far it is: as wanted, or where None, on a terminal."""
     return sys.stderr.isatty() if wanted is None else wanted
 
 
 @contextmanager
 def compiling_announced(wanted: bool | None) -> Iterator[None]:
-    """Say so where making ready takes longer than a moment, which is compilation, and then how long it took."""
-    if not announces(wanted):
+    """Say so where compiling takes longer than a moment, and then how long it took.
+
+    It is said in pipes and notebooks, too: a wait without a word looks like a hang.
+    """
+    if wanted is False:
         yield
         return
-    started, said = time.perf_counter(), threading.Event()
+    compiling = _Compiling()
+    try:
+        with told_of_compiling(compiling.begin):
+            yield
+    finally:
+        compiling.end()
 
-    def announce() -> None:
-        said.set()
+
+class _Compiling:
+    """What is said of compiling: nothing, unless there is something to compile."""
+
+    def __init__(self) -> None:
+        self._timer: threading.Timer | None = None
+        self._started, self._said = 0.0, False
+
+    def begin(self) -> None:
+        """Note that something is compiled."""
+        if self._timer is None:
+            self._started, self._timer = time.perf_counter(), threading.Timer(_A_MOMENT, self._announce)
+            self._timer.daemon = True
+            self._timer.start()
+
+    def _announce(self) -> None:
+        self._said = True
         print("kickdrift: compiling; it takes some seconds ...", file=sys.stderr, flush=True)
 
-    timer = threading.Timer(_A_MOMENT, announce)
-    timer.start()
-    try:
-        yield
-    finally:
-        timer.cancel()
-        timer.join()
-    if said.is_set():
-        print(f"kickdrift: compiled in {time.perf_counter() - started:.1f} s.", file=sys.stderr, flush=True)
+    def end(self) -> None:
+        """Say how long it took, if anything was said."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer.join()
+        if self._said:
+            seconds = time.perf_counter() - self._started
+            print(f"kickdrift: compiled in {seconds:.1f} s.", file=sys.stderr, flush=True)
 
 
 _wanted: ContextVar[bool | None] = ContextVar("_wanted", default=None)
@@ -72,7 +96,7 @@ _wanted: ContextVar[bool | None] = ContextVar("_wanted", default=None)
 
 @contextmanager
 def announcements(wanted: bool | None) -> Iterator[None]:
-    """Have worlds say that they compile, or not, or (None) on a terminal."""
+    """Have worlds say that they compile, unless that is not wanted (False)."""
     before = _wanted.set(wanted)
     try:
         yield
@@ -82,7 +106,7 @@ def announcements(wanted: bool | None) -> Iterator[None]:
 
 def announce_compiling(what: str, seconds: float) -> None:
     """Say what is compiled now, and about how long that takes, if it is longer than a moment."""
-    if seconds > _A_MOMENT and announces(_wanted.get()):
+    if seconds > _A_MOMENT and _wanted.get() is not False:
         line = f"kickdrift: compiling {what} once on this machine, about {seconds:.0f} s ..."
         print(line, file=sys.stderr, flush=True)
 

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.calls import address_of, call_interpreted, caller
-from kickdrift.core.compilation import Function, comes_with_kickdrift, compiled, specialise, specialised_name, unbound
+from kickdrift.core.compilation import Function, compiled, is_users, specialise, unbound
+from kickdrift.core.naming import comes_with_kickdrift, specialised_name
 from kickdrift.engine.flows.layout import FLAT
 from kickdrift.systems.system import System
 
@@ -56,10 +57,11 @@ def evaluate(system: System, name: str, t: Floats, x: Floats, v: Floats) -> Floa
     quantity = system.quantities[name]
     xs, vs = x.reshape(t.size, system.x0.size), v.reshape(t.size, system.v0.size)
     out = np.zeros((t.size, quantity.size))
+    params = system.params if quantity.params is None else quantity.params
     if not hasattr(quantity.function, "py_func"):
         with np.errstate(all="ignore"):
-            _evaluate_interpreted(quantity.function, t, xs, vs, system.params, out)
+            _evaluate_interpreted(quantity.function, t, xs, vs, params, out)
     else:
-        native = _native(quantity.function, system.packaged)
-        _evaluate(address_of(native, FLAT), t, xs, vs, system.params, out)
+        native = quantity.function if is_users(quantity.function) else _native(quantity.function, system.packaged)
+        _evaluate(address_of(native, FLAT), t, xs, vs, params, out)
     return out[:, 0] if quantity.size == 1 else out

@@ -1,17 +1,18 @@
 """A run: the loop in chunks, with progress, interruption, and an end at the last good state."""
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.calls import address_of
+from kickdrift.core.heap import keep_freed_memory
 from kickdrift.core.memory import state_block
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import letters, loop
-from kickdrift.engine.flows.layout import EVALUATIONS, TROUBLE, lay_out
+from kickdrift.engine.flows.layout import EVALUATIONS, FORMED, TROUBLE, lay_out
 from kickdrift.engine.flows.table import FLOWS
 from kickdrift.engine.grid import Grid
 from kickdrift.engine.program import Program
@@ -20,23 +21,38 @@ from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
 Failure = tuple[Outcome, str]  # and what there is to say about its cause
+_LARGE = 100  # numbers of a state whose pairs fill what the C library thinks large
 _CHUNK_SECONDS = 0.1  # how long Ctrl-C waits
+_LEAST_SHARE = 10  # of the time of a chunk over that of the copy after it
+_NEVER = np.zeros(0, dtype=np.int64)  # the steps after which rows are kept: none
 
 
 @dataclass
 class State:
-    """Position, velocity, and what the flows keep beside them."""
+    """Position, velocity, and what the flows keep beside them; of a copy, the scratch is empty if nothing is kept there."""
 
     x: Floats
     v: Floats
     work: Floats
+    scratch: Floats
 
-    def copy(self) -> "State":
-        """Copy all three."""
-        return State(self.x.copy(), self.v.copy(), self.work.copy())
+    def copy(self, last: "State | None" = None, into: "State | None" = None) -> "State":
+        """Copy all, into another state if there is one; the scratch only if it changed since the `last` copy."""
+        if last is not None and last.work[FORMED] == self.work[FORMED]:
+            scratch = last.scratch
+        else:
+            scratch = self.scratch.copy() if self.work[FORMED] else np.zeros(0)
+        if into is None:
+            return State(self.x.copy(), self.v.copy(), self.work.copy(), scratch)
+        into.x[:], into.v[:], into.work[:], into.scratch = self.x, self.v, self.work, scratch
+        return into
 
     def restore(self, other: "State") -> None:
         """Go back to a copy, in place."""
+        if other is self:
+            return
+        if self.work[FORMED] != other.work[FORMED]:
+            self.scratch[: other.scratch.size] = other.scratch
         self.x[:], self.v[:], self.work[:] = other.x, other.v, other.work
 
     @property
@@ -80,7 +96,7 @@ class Run:
     ) -> None:
         self.system, self.program, self.grid = system, program, grid
         self._progress = progress
-        self.state = State(system.x0.reshape(-1).copy(), system.v0.reshape(-1).copy(), np.zeros(0))
+        self.state = State(system.x0.reshape(-1).copy(), system.v0.reshape(-1).copy(), np.zeros(0), np.zeros(0))
         rows = grid.save_steps.size + 1
         self.xs, self.vs = np.empty((rows, self.state.x.size)), np.empty((rows, self.state.v.size))
         names = program.flows + program.primers
@@ -90,17 +106,21 @@ class Run:
         """Build the letters, and compile or load everything that the run needs."""
         system, program, state = self.system, self.program, self.state
         functions = letters.functions_of(system, program)
-        addresses = letters.addresses_of(functions, names) if system.native else dict.fromkeys(functions, 1)
+        addresses = letters.addresses_of(system, functions, names) if system.native else dict.fromkeys(functions, 1)
         n = state.x.size
         memory_size = max(FLOWS[name].memory(n, program.coefficients, system.params) for name in names)
-        state.work = lay_out(n, program.coefficients, memory_size, addresses)
+        scratch_size = max(FLOWS[name].scratch(n, program.coefficients, system.params) for name in names)
+        state.scratch = np.zeros(scratch_size)
+        state.work = lay_out(n, program.coefficients, memory_size, addresses, state.scratch)
         members = (state.x, state.v, system.params, state.work)
         self._blank = state.work.copy()
-        self._letters = [letters.build(name, system, program, compensated) for name in names]
+        self._letters = [letters.build(name, system, program, compensated, state.scratch) for name in names]
         self._advance: Any = loop.advance_interpreted
         self._flows: Any = self._letters
         self._address: Any = members
         if system.native:
+            if n > _LARGE:
+                keep_freed_memory()
             self._advance = loop.advance
             self._flows = np.array([address_of(letter, loop.LETTER) for letter in self._letters])
             self._block = state_block(*members)
@@ -108,21 +128,32 @@ class Run:
         self._run(0, 0, 0)
 
     def _run(self, first: int, last: int, saved: int) -> tuple[int, int]:
-        program, grid, state = self.program, self.grid, self.state
+        program, grid = self.program, self.grid
+        word = (program.letters, program.weights, program.offsets)
+        return self._advanced(word, grid.step, first, last, grid.save_steps, saved)
+
+    def _advanced(
+        self,
+        word: tuple[NDArray[np.int64], Floats, Floats],
+        h: float,
+        first: int,
+        last: int,
+        save_steps: NDArray[np.int64],
+        saved: int,
+    ) -> tuple[int, int]:
+        state = self.state
         return self._advance(  # type: ignore[no-any-return]
             self._flows,
-            program.letters,
-            program.weights,
-            program.offsets,
-            grid.t0,
-            grid.step,
+            *word,
+            self.grid.t0,
+            h,
             first,
             last,
             self._address,
             state.x,
             state.v,
             state.work,
-            grid.save_steps,
+            save_steps,
             saved,
             self.xs,
             self.vs,
@@ -152,10 +183,11 @@ class Run:
 
     def _prime(self) -> Failure | None:
         """Make ready what the first step finds as the step before would have left it."""
+        primers = np.arange(len(self.program.flows), len(self._letters))
+        nothing = np.zeros(primers.size)
         try:
             with np.errstate(all="ignore"):
-                for primer in self._letters[len(self.program.flows) :]:
-                    primer(self.grid.t0, 0.0, self._address)
+                self._advanced((primers, nothing, nothing), 0.0, 0, 1, _NEVER, 0)
         except Exception as error:
             return Outcome.FAILED, f" The error was {type(error).__name__}: {error}."
         return None
@@ -164,7 +196,7 @@ class Run:
         """Run to the end of the grid, or as far as it goes; what was done is kept in any case."""
         grid, state = self.grid, self.state
         started = time.perf_counter()
-        good = Good(state.copy(), 0, 0)
+        good, spare = Good(state.copy(), 0, 0), None
         outcome, cause = Outcome.COMPLETED, ""
         bar = Bar(grid.n_steps, self._progress)
         chunk = 1
@@ -172,7 +204,9 @@ class Run:
             failure = self._prime()
             if grid.save_steps[0] == 0:
                 self.xs[0], self.vs[0] = state.x, state.v
-            good = Good(state.copy(), 0, int(grid.save_steps[0] == 0))
+            if self.program.primers:
+                good = Good(state.copy(), 0, 0)
+            good = replace(good, saved=int(grid.save_steps[0] == 0))
             while failure is None and good.step < grid.n_steps:
                 chunk_started = time.perf_counter()
                 target = min(good.step + chunk, grid.n_steps)
@@ -182,9 +216,14 @@ class Run:
                     _, repeated = self._attempt(good, good.step + 1)
                     failure = repeated or failure  # a function may fail once and not again
                     break
-                good = Good(state.copy(), target, saved)
+                reached = time.perf_counter()
+                # Two copies in turns: an interruption while one is written finds the other. The last is the state itself.
+                last = good.state
+                copy = state if target == grid.n_steps else state.copy(last, into=spare)
+                good, spare = Good(copy, target, saved), last
                 now = time.perf_counter()
-                chunk = max(1, min(10 * chunk, int(chunk * _CHUNK_SECONDS / max(now - chunk_started, 1e-9))))
+                wanted = max(_CHUNK_SECONDS, _LEAST_SHARE * (now - reached))
+                chunk = max(1, min(10 * chunk, int(chunk * wanted / max(reached - chunk_started, 1e-9))))
                 bar.show(target, now - started)
             if failure is not None:
                 outcome, cause = failure
@@ -218,7 +257,7 @@ class Run:
             self.state.restore(good.state)
             saved, failure = self._attempt(good, middle)
             if failure is None:
-                good = Good(self.state.copy(), middle, saved)
+                good = Good(self.state.copy(good.state), middle, saved)
             else:
                 bad = middle
         self.state.restore(good.state)

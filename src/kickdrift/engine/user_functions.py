@@ -3,21 +3,28 @@
 import inspect
 import math
 import warnings
-from collections.abc import Hashable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
+from types import CodeType, FunctionType
 from typing import Any, cast
 
 import numba
 import numpy as np
 from numba.core.errors import NumbaError
+from numpy.typing import NDArray
 
 from kickdrift.core import memory
 from kickdrift.core.compilation import Function, compiled
 from kickdrift.core.errors import ArgumentError, InterpretedWarning, depth_of_caller
-from kickdrift.engine.flows.layout import FLAT
-from kickdrift.engine.frozen import frozen
+from kickdrift.core.free_numbers import numbers_as_arguments
+from kickdrift.core.memory import read_only
+from kickdrift.engine.flows.layout import FLAT, call_flat
+from kickdrift.engine.function_key import Taken, taken_apart
+from kickdrift.engine.results import write_result
 from kickdrift.systems.problem import name_of
+
+Floats = NDArray[np.float64]
 
 
 def argument_names(
@@ -53,20 +60,29 @@ def argument_names(
     return required
 
 
+_NONE = np.zeros(0)
+_SMALL = (
+    100  # numbers of a state up to which the interpreter soon does a double loop, and shapes are worth a compilation
+)
+
 MEANINGS = {"q": "x", "y": "x", "p": "v"}
 
 
 @dataclass(frozen=True)
 class Layout:
-    """The shapes of a state and of a result, and how many of the params are the user's."""
+    """The shapes of a state and of a result, and where in the params a function finds its own numbers.
+
+    The first `n_args` params are the user's; the function's own numbers come `first` in what follows.
+    """
 
     state: tuple[int, ...]
     result: tuple[int, ...]
     n_args: int
+    first: int
 
-    def statement(self, names: list[str]) -> str:
-        """Spell the call of a function of these arguments."""
-        views = {name: self._view(name) for name in names}
+    def statement(self, names: list[str], numbers: Mapping[str, Any]) -> str:
+        """Spell the call of a function of these arguments, and of numbers that are found in the params."""
+        views = {name: self._view(name) for name in names} | self._numbers(numbers)
         call = f"function({', '.join(f'{name}={view}' for name, view in views.items())})"
         if "out" in names:
             return call
@@ -74,7 +90,7 @@ class Layout:
             return f"out[int(v[0])] = {call}"
         if self.result == ():
             return f"out[0] = {call}"
-        return f"{'out[:]' if len(self.result) == 1 else 'shaped(out, RESULT)[...]'} = asarray({call})"
+        return f"write_result({self._view('out')}, {call})"
 
     def _view(self, name: str) -> str:
         meaning = MEANINGS.get(name, name)
@@ -82,25 +98,25 @@ class Layout:
         if meaning == "i":
             return "int(v[0])"
         if meaning == "params":
-            return "params[:N_ARGS]"
+            return f"params[:{self.n_args}]"
         if meaning in ("x", "v") and shape == ():
             return f"{meaning}[0]"
-        if len(shape) > 1:
-            return f"shaped({meaning}, {'RESULT' if meaning == 'out' else 'STATE'})"
-        return meaning
+        return f"shaped({meaning}, {self._shape(meaning, shape)})" if len(shape) > 1 else meaning
 
-    def adapted(self, statement: str, **names: Any) -> Function:
-        """Define the function of this statement."""
-        scope: dict[str, Any] = {
-            "__name__": __name__,
-            "STATE": self.state,
-            "RESULT": self.result,
-            "N_ARGS": self.n_args,
-            **names,
-        }
-        exec(_TEMPLATE.format(statement=statement), scope)  # noqa: S102 - our own template, below
-        adapted: Function = scope["adapted"]
-        return adapted
+    @staticmethod
+    def _shape(array: str, shape: tuple[int, ...]) -> str:
+        """Spell a shape; of a large array so that one of another length has the same."""
+        if math.prod(shape) <= _SMALL:
+            return str(shape)
+        return f"({array}.size // {math.prod(shape[1:])}, {', '.join(map(str, shape[1:]))})"
+
+    def _numbers(self, numbers: Mapping[str, Any]) -> dict[str, str]:
+        views, at = {}, self.first
+        for name, value in numbers.items():
+            shape, size = np.shape(value), np.size(value)
+            views[name] = f"read_only(shaped(params[{at}:{at + size}], {shape}))" if shape else f"params[{at}]"
+            at += size
+        return views
 
 
 _TEMPLATE = """
@@ -109,54 +125,71 @@ def adapted(t, x, v, params, out):
 """
 
 
-def flatten(function: Function, names: list[str], layout: Layout, compile_: bool) -> tuple[Function, bool]:
-    """Adapt a function to ``(t, x, v, params, out)`` over one-dimensional arrays; also whether it is compiled."""
-    statement = layout.statement(names)
-    if compile_:
-        try:
-            return _compiled(Frozen(frozen(function) or object(), function), statement, layout), True
-        except (NumbaError, NotImplementedError, TypeError, ValueError, AttributeError, LookupError) as error:
-            _warn_interpreted(function, error)
-    python = getattr(function, "py_func", function)
-    return layout.adapted(statement, function=python, shaped=np.reshape, asarray=_returned), False
+def _adapted(statement: str, **names: Any) -> Function:
+    """Define the function of a statement."""
+    scope = {"__name__": __name__, "write_result": write_result, "read_only": read_only, **names}
+    return FunctionType(_code(statement), scope, "adapted")
 
 
-def with_bounds_checked(function: Function, names: list[str], layout: Layout) -> Function:
-    """Adapt a function so that an index out of bounds is an error, which compiled code does not see."""
-    statement, python = layout.statement(names), getattr(function, "py_func", function)
-    if math.prod(layout.state) <= _SOON_INTERPRETED:
-        return layout.adapted(statement, function=python, shaped=np.reshape, asarray=_returned)
-    inner = compiled(cached=False, checked=True)(python)
-    adapted = layout.adapted(statement, function=inner, shaped=memory.shaped, asarray=np.asarray)
-    return compiled(cached=False, checked=True)(adapted)
-
-
-_SOON_INTERPRETED = 100  # numbers of a state up to which a double loop over them is soon done by the interpreter
+@lru_cache(maxsize=256)
+def _code(statement: str) -> CodeType:
+    scope: dict[str, Any] = {}
+    exec(_TEMPLATE.format(statement=statement), scope)  # noqa: S102 - our own template, above
+    code: CodeType = scope["adapted"].__code__
+    return code
 
 
 @dataclass(frozen=True)
-class Frozen:
-    """A function, equal to another if Numba compiles both to the same."""
+class Flat:
+    """A function of ``(t, x, v, params, out)`` over one-dimensional arrays.
 
-    key: Hashable
-    function: Function = field(compare=False)
+    Attributes
+    ----------
+    function : callable
+    native : bool
+        Whether it is compiled.
+    numbers : array
+        What it wants to find in the params at `Layout.first`.
+    """
+
+    function: Function
+    native: bool
+    numbers: Floats
 
 
-@lru_cache(maxsize=128)
-def _compiled(function: Frozen, statement: str, layout: Layout) -> Function:
-    given = function.function
-    inner = given if hasattr(given, "py_func") else compiled(cached=False)(given)
-    adapted = layout.adapted(statement, function=inner, shaped=memory.shaped, asarray=np.asarray)
-    native: Any = compiled(cached=False)(adapted)
+def flatten(function: Function, names: list[str], layout: Layout, compile_: bool, checked: bool) -> Flat:
+    """Adapt a function; compiled, with its indices `checked` for bounds or not."""
+    if compile_:
+        try:
+            return _flattened(function, names, layout, checked)
+        except (NumbaError, NotImplementedError, TypeError, ValueError, AttributeError, LookupError) as error:
+            _warn_interpreted(function, error)
+    python = getattr(function, "py_func", function)
+    statement = layout.statement(names, {})
+    return Flat(_adapted(statement, function=python, shaped=np.reshape), False, _NONE)
+
+
+def _flattened(function: Function, names: list[str], layout: Layout, checked: bool) -> Flat:
+    taken = taken_apart(function)
+    numbers = {name: value for name, value in taken.numbers.items() if name not in names}
+    native = _compiled(taken, layout.statement(names, numbers), checked)
+    values = [np.ravel(value) for value in numbers.values()]
+    return Flat(native, True, np.concatenate(values) if values else _NONE)
+
+
+@lru_cache(maxsize=256)
+def _compiled(taken: Taken, statement: str, checked: bool) -> Function:
+    inner = taken.function
+    if taken.known:
+        inner = taken.snapshot(checked)
+        numbers_as_arguments(inner, taken.numbers)
+    if not hasattr(inner, "py_func"):
+        inner = compiled(cached=False, options=taken.options(checked))(inner)
+    adapted = _adapted(statement, function=inner, shaped=memory.shaped)
+    adapted.__qualname__ = f"adapted_{taken.digest(statement, checked)}" if taken.known else "adapted"
+    native: Any = compiled(cached=taken.known, users=True, through=call_flat)(adapted)
     native.compile(FLAT)
     return cast(Function, native)
-
-
-def _returned(value: Any) -> Any:
-    """Refuse None, which NumPy takes for a NaN: the function forgot to return, or lacks the argument `out`."""
-    if value is None:
-        raise TypeError("it returned None")
-    return np.asarray(value)
 
 
 def _warn_interpreted(function: Function, error: Exception) -> None:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
+from functools import cached_property
 from itertools import zip_longest
 from typing import Any
 
@@ -176,6 +177,10 @@ class Method:
                 f"corrector of {self.name!r} has letters that its word has not, or that cannot be undone; use others."
             )
 
+    def __hash__(self) -> int:
+        """Return the same for equal methods; a word of fractions takes long."""
+        return hash((self.name, self.order))
+
     @property
     def _palindrome(self) -> bool:
         """Whether the word reads the same backwards with each letter's adjoint.
@@ -228,12 +233,12 @@ class Method:
         """Whether a step needs no solver for the accelerations on any problem of its kind."""
         return not any(letter.implicit for letter, _ in self.word)
 
-    @property
+    @cached_property
     def letters(self) -> frozenset[Letter]:
         """The letters of the word."""
         return frozenset(letter for letter, _ in self.word)
 
-    @property
+    @cached_property
     def spelling(self) -> str:
         """The word for people, such as ``K/2 D K/2``; the middle of a long one is left out."""
         spelled = [_spell(letter.symbol, weight) for letter, weight in self.word]

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.rotations import turned
 from kickdrift.plots.camera import Camera, axes_of, showing
 from kickdrift.plots.lighting import BACKGROUND, FADE, GRID, LAMP, SETTING, light, paint
 from kickdrift.plots.rendering import MIDDLE, REACH, cast, clear, ray_addresses
 from kickdrift.plots.scenery import Pose, Scenery, Sight, is_plane, outline
 from kickdrift.world.integration import DYNAMIC
 from kickdrift.world.recording import DrawnShape, Recording
-from kickdrift.world.rotations import turned
 
 Floats = NDArray[np.float64]
 _SAMPLES = 2  # rays for a pixel, along each side of it

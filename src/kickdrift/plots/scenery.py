@@ -5,11 +5,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.rotations import product, turn_to, turned
 from kickdrift.plots.page import COLOURS
 from kickdrift.plots.rendering import MIDDLE, REACH
 from kickdrift.world.integration import DYNAMIC, REMOVED
 from kickdrift.world.recording import Appearance, DrawnShape
-from kickdrift.world.rotations import product, turn_to, turned
 from kickdrift.world.shapes.catalogue import KINDS, kind_of, met_as
 from kickdrift.world.shapes.kinds import BOX, CAPSULE, PLANE, TRIANGLE
 from kickdrift.world.shapes.record import BALL, HALF_SPACE

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift.core.compilation import compiled, unbound
+from kickdrift.core.elementwise import multiply
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 from kickdrift.systems.problem import Adapter, Floats, Function, Problem, name_of
@@ -112,10 +113,10 @@ def _check_vectors(adapter: Adapter, role: str, function: Function, names: tuple
 
 def _times_charge(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     field_strength(t, x, v, params, out)
-    out *= params[params.size - x.size :]
+    multiply(out, params[params.size - x.size :])
 
 
-@compiled(cached=False)
+@compiled
 def _nothing(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     out[:] = 0.0
 

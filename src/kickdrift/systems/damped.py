@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift.core.compilation import unbound
+from kickdrift.core.elementwise import multiply, subtract_product
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 from kickdrift.systems.problem import Adapter, Floats, Function, Problem, name_of
@@ -87,12 +88,12 @@ class Damped(Problem):
 
 def _divided_by_mass(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     force(t, x, v, params, out)
-    out *= params[params.size - 2 * x.size : params.size - x.size]
+    multiply(out, params[params.size - 2 * x.size : params.size - x.size])
 
 
 def _with_damping(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     remainder(t, x, v, params, out)
-    out -= params[params.size - x.size :] * v
+    subtract_product(out, params[params.size - x.size :], v)
 
 
 def at_least_zero(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Floats:

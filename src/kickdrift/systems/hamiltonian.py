@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from kickdrift.core.compilation import unbound
+from kickdrift.core.elementwise import multiply
 from kickdrift.core.kinds import Kind
 from kickdrift.systems.problem import Adapter, Floats, Function, Problem, name_of
 from kickdrift.systems.system import System
@@ -173,4 +174,4 @@ class Partitioned(Problem):
 
 def _minus_gradient(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     gradient(t, x, v, params, out)
-    out *= -1.0
+    multiply(out, -1.0)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.compilation import Function, compiled
 from kickdrift.systems import gravity
-from kickdrift.systems.nbody import FEW
+from kickdrift.systems.massless import FEW, add_gravity_of_massive, mostly_massless
 from kickdrift.systems.splitting import Splitting, planets, weights
 from kickdrift.systems.system import Frame
 
@@ -34,6 +34,12 @@ def _of_many(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> Non
 
 
 @compiled(cached=False)
+def _of_massless(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    out[:] = 0.0
+    add_gravity_of_massive(1.0, x[3:], planets(x.size, params), out[3:])
+
+
+@compiled(cached=False)
 def _jump(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     share = weights(x.size, params)
     jx = jy = jz = 0.0
@@ -44,8 +50,10 @@ def _jump(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
         out[3 * i], out[3 * i + 1], out[3 * i + 2] = jx, jy, jz
 
 
-def _remainder(bodies: int) -> Function:
-    return _of_few if bodies <= FEW else _of_many
+def _remainder(gm: Floats) -> Function:
+    if mostly_massless(gm):
+        return _of_massless
+    return _of_few if gm.size <= FEW else _of_many
 
 
 def _weights(gm: Floats) -> Floats:

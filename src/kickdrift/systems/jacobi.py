@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from kickdrift.core.compilation import Function, compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.systems import gravity
-from kickdrift.systems.nbody import FEW
+from kickdrift.systems.massless import FEW, add_gravity_of_massive, mostly_massless
 from kickdrift.systems.splitting import Splitting, mus, planets, weights
 from kickdrift.systems.system import Frame
 
@@ -42,6 +42,15 @@ def _of_many(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> Non
     out[:] = 0.0
     locate(x, params, position)
     gravity.add_gravity_tiled(1.0, position[3:], planets(x.size, params), out[3:])
+    combine(x, params, position, False, out)
+
+
+@compiled(cached=False)
+def _of_massless(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    position = np.empty(x.size)
+    out[:] = 0.0
+    locate(x, params, position)
+    add_gravity_of_massive(1.0, position[3:], planets(x.size, params), out[3:])
     combine(x, params, position, False, out)
 
 
@@ -96,8 +105,10 @@ def inverse_cube(x: float, y: float, z: float) -> float:
     return 1.0 / (r2 * math.sqrt(r2))
 
 
-def _remainder(bodies: int) -> Function:
-    return _of_few if bodies <= FEW else _of_many
+def _remainder(gm: Floats) -> Function:
+    if mostly_massless(gm):
+        return _of_massless
+    return _of_few if gm.size <= FEW else _of_many
 
 
 def _weights(gm: Floats) -> Floats:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift.core.compilation import unbound
+from kickdrift.core.elementwise import multiply, subtract_product
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 from kickdrift.systems.damped import at_least_zero
@@ -98,12 +99,12 @@ class Langevin(Problem):
 
 def _divided_by_mass(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     force(t, x, v, params, out)
-    out *= params[params.size - 2 - 3 * x.size : params.size - 2 - 2 * x.size]
+    multiply(out, params[params.size - 2 - 3 * x.size : params.size - 2 - 2 * x.size])
 
 
 def _with_friction(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     remainder(t, x, v, params, out)
-    out -= params[params.size - 2 - 2 * x.size : params.size - 2 - x.size] * v
+    subtract_product(out, params[params.size - 2 - 2 * x.size : params.size - 2 - x.size], v)
 
 
 def _halves(seed: int) -> Floats:

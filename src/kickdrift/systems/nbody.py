@@ -12,6 +12,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.threads import launch
 from kickdrift.systems import gravity
+from kickdrift.systems.massless import FEW, add_gravity_of_massive, mostly_massless
 from kickdrift.systems.system import Quantity, System
 
 Floats = NDArray[np.float64]
@@ -29,6 +30,12 @@ def _kick(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats
 def _few(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     out[:] = 0.0
     gravity.add_gravity_pairwise(1.0, x, params[1:], out)
+
+
+@compiled(cached=False)
+def _mostly_massless(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    out[:] = 0.0
+    add_gravity_of_massive(1.0, x, params[1:], out)
 
 
 @compiled(cached=False)
@@ -63,7 +70,6 @@ QUANTITIES = {
     "momentum": Quantity(_momentum, 3),
     "angular momentum": Quantity(_angular_momentum, 3),
 }
-FEW = 31  # bodies up to which a loop over the pairs is faster than tiles (measured: even at 28)
 
 
 def nbody(
@@ -106,7 +112,7 @@ def nbody(
         raise ArgumentError(f"names={labels!r} must be {n} different names, one for each body.")
     if threads:
         launch()
-    many = _many_threaded if threads else _many
+    many = _mostly_massless if mostly_massless(gm) else _many_threaded if threads else _many
     return System(
         name="nbody",
         acceleration=_few if n <= FEW else many,

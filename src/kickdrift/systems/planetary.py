@@ -86,7 +86,7 @@ def planetary(
         kick=None if system.kick is None else _kick_of_bodies(system.kick),
         quantities={name: replace(q, function=_of_bodies(q.function)) for name, q in system.quantities.items()},
         params=np.concatenate([system.params, chosen.params(gm)]),
-        parts={"remainder": chosen.remainder(gm.size), **chosen.parts},
+        parts={"remainder": chosen.remainder(gm), **chosen.parts},
         frame=chosen.frame(gm),
         source="Wisdom, Holman, Astron. J. 102, 1528 (1991)",
     )

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift.core.compilation import unbound
+from kickdrift.core.elementwise import multiply
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 from kickdrift.systems.problem import Adapter, Floats, Function, Problem, name_of
@@ -133,7 +134,7 @@ class Newtonian(Problem):
 def divided_by_mass(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     """Write the acceleration under a force; the inverse masses are the last params."""
     force(t, x, v, params, out)
-    out *= params[params.size - x.size :]
+    multiply(out, params[params.size - x.size :])
 
 
 def to_each_number(values: ArrayLike, shape: tuple[int, ...]) -> Floats:

@@ -28,7 +28,7 @@ class Splitting:
     frame : callable
         From the array of Gm: the change of coordinates.
     remainder : callable
-        From the number of bodies: the function that writes what the Kepler problems leave of the acceleration.
+        From the array of Gm: the function that writes what the Kepler problems leave of the acceleration.
     parts : mapping of str to callable
         Other parts of the system.
     """
@@ -36,7 +36,7 @@ class Splitting:
     weights: Callable[[Floats], Floats]
     mu: Callable[[Floats], Floats]
     frame: Callable[[Floats], Frame]
-    remainder: Callable[[int], Function]
+    remainder: Callable[[Floats], Function]
     parts: Mapping[str, Function]
 
     def params(self, gm: Floats) -> Floats:

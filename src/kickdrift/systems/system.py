@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 Function = Callable[..., Any]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Quantity:
     """Something that the exact motion conserves.
 
@@ -27,11 +27,14 @@ class Quantity:
         1 for a scalar such as the energy, 3 for a vector in space.
     unit : str
         Its unit, empty for none.
+    params : (P,) array, optional
+        What the function gets as `params`, where they are not those of the system.
     """
 
     function: Function
     size: int = 1
     unit: str = ""
+    params: Floats | None = None
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from kickdrift.core.compilation import unbound
+from kickdrift.core.elementwise import multiply
 from kickdrift.core.errors import ArgumentError
 from kickdrift.systems.problem import Adapted, Adapter, Floats, Function
 
@@ -39,7 +40,7 @@ def jacobian_divided_by_mass(t: float, x: Floats, v: Floats, params: Floats, out
     jacobian(t, x, v, params, out)
     n = x.size
     for i in range(n):
-        out[i * n : (i + 1) * n] *= params[params.size - n + i]
+        multiply(out[i * n : (i + 1) * n], params[params.size - n + i])
 
 
 def _check(function: Function, force: Function, adapter: Adapter, v: Floats) -> None:

@@ -2,24 +2,49 @@
 
 from collections.abc import Iterable
 
-from kickdrift.core.together import compile_together, missing, seconds_for
+from kickdrift.core.together import Job, compile_together, missing, seconds_for
 from kickdrift.engine.progress import announce_compiling
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.dispatch import extents_of
 from kickdrift.world.collision.narrow_phase import COLLIDE
 from kickdrift.world.contacts.contact_solver_simd import KERNELS, SWEEP
-from kickdrift.world.program import Word
+from kickdrift.world.program import Uses, Word, word
+from kickdrift.world.shapes.catalogue import KINDS
 from kickdrift.world.shapes.record import EXTENT
 from kickdrift.world.step import STAGE
 
 
 def compile_step(spelt: Word, kinds: Iterable[int], pairs: Iterable[tuple[int, int]]) -> None:
     """Compile the stages of a step and the functions for kinds of shapes and pairs of them, unless they are on disk."""
-    stages = [(stage, STAGE) for part in spelt for stage in part]
-    sweeps = [(sweep, SWEEP) for sweep in KERNELS.values()]
-    extents = [(kind.extent, EXTENT) for kind in extents_of(kinds) if kind.extent is not None]
-    jobs = missing([*stages, *sweeps, *extents, *((PAIRS[pair], COLLIDE) for pair in pairs)])
+    jobs = missing(_jobs(spelt, kinds, pairs))
     if jobs:
         largest = max(jobs, key=lambda job: seconds_for([job]))[0].__name__
         announce_compiling(f"{len(jobs)} functions of the step ({largest}, ...)", seconds_for(jobs))
         compile_together(jobs)
+
+
+def all_jobs() -> list[Job]:
+    """Return what any world may have to compile, but for forces in Python."""
+    jobs = []
+    for threads in (False, True):
+        uses = Uses(
+            (),
+            bounces=True,
+            is_fast=True,
+            direct=True,
+            joints=True,
+            sequential=True,
+            sleeps=True,
+            planar=True,
+            threads=threads,
+        )
+        spelt = word(uses)
+        jobs += _jobs(spelt, KINDS, PAIRS)
+    return jobs
+
+
+def _jobs(spelt: Word, kinds: Iterable[int], pairs: Iterable[tuple[int, int]]) -> list[Job]:
+    stages = [(stage, STAGE) for part in spelt for stage in part]
+    sweeps = [(sweep, SWEEP) for sweep in KERNELS.values()]
+    extents = [(kind.extent, EXTENT) for kind in extents_of(kinds) if kind.extent is not None]
+    return [*stages, *sweeps, *extents, *((PAIRS[pair], COLLIDE) for pair in pairs)]

@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.rotations import product, turned
 from kickdrift.world.contacts import layout as contacts
 from kickdrift.world.joints import layout as joints
 from kickdrift.world.layout import BODY_ROW, ORIENTATION, PLACE_ORIENTATION, PLACE_POSITION, POSITION
-from kickdrift.world.rotations import product, turned
 from kickdrift.world.tables import CONTACT, JOINT, JOINT_NUMBERS, MANIFOLD, PLACE, POSE, SHAPE, Tables
 
 Floats = NDArray[np.float64]

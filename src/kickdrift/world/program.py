@@ -29,7 +29,6 @@ from kickdrift.world.integration import begin, drift, finish, flatten, kick
 from kickdrift.world.joints.impulses import warm_start_joints
 from kickdrift.world.joints.measure import measure_joints
 from kickdrift.world.joints.prepare import begin_joints, finish_joints, wake_joints
-from kickdrift.world.joints.registry import Joints
 from kickdrift.world.sleeping import sleep, wake
 from kickdrift.world.step import STAGE
 
@@ -43,6 +42,8 @@ class Uses(NamedTuple):
     bounces: bool
     is_fast: bool
     direct: bool
+    joints: bool
+    sequential: bool
     sleeps: bool
     planar: bool
     threads: bool
@@ -60,9 +61,9 @@ class Word(NamedTuple):
         return f"{before} ({substep})* {after}"
 
 
-def word(uses: Uses, joints: Joints) -> Word:
+def word(uses: Uses) -> Word:
     """Spell the step, to be read from top to bottom."""
-    direct = joints.present or uses.direct
+    direct = uses.joints or uses.direct
     before = (
         begin,
         place_shapes,
@@ -70,7 +71,7 @@ def word(uses: Uses, joints: Joints) -> Word:
         find_points,
         *when(uses.is_fast, find_impacts),
         *when(uses.sleeps, wake),
-        *when(joints.present, wake_joints, measure_joints, begin_joints),
+        *when(uses.joints, wake_joints, measure_joints, begin_joints),
         find_heaps,
         *when(direct, find_nodes),
         colour,
@@ -85,27 +86,27 @@ def word(uses: Uses, joints: Joints) -> Word:
         kick,
         *when(uses.bounces or uses.is_fast, bounce),
         warm_start,
-        *when(joints.present, warm_start_joints),
+        *when(uses.joints, warm_start_joints),
         solve,
-        *when(joints.sequential, solve_in_turn),
+        *when(uses.sequential, solve_in_turn),
         *when(direct, solve_islands),
         *when(uses.planar, flatten),
         drift,
         relax,
-        *when(joints.present, measure_joints),
-        *when(joints.sequential, relax_in_turn),
+        *when(uses.joints, measure_joints),
+        *when(uses.sequential, relax_in_turn),
         *when(direct, relax_islands),
     )
     after = (
         finish,
         measure,
         *when(direct, measure_islands),
-        *when(joints.present, note_losses),
+        *when(uses.joints, note_losses),
         count_unsolved,
         store,
         note_touching,
         *when(uses.sleeps, sleep),
-        *when(joints.present, finish_joints),
+        *when(uses.joints, finish_joints),
     )
     if uses.threads:
         substep = tuple(THREADED.get(stage, stage) for stage in substep)

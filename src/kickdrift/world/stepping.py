@@ -89,9 +89,18 @@ class DoesSteps:
         """The step as a word: its stages in their order."""
         self.joints.arrange()
         fast, direct = self.tables.array(SETTINGS)[0, [settings.HAS_FAST, settings.HAS_DIRECT]].astype(bool).tolist()
-        forces, bouncing = tuple(force.stage for force in self.forces), self.shape_rows.bouncing
         return word(
-            Uses(forces, bouncing, fast, direct, self.sleeping, self.planar, self.threads and present()), self.joints
+            Uses(
+                forces=tuple(force.stage for force in self.forces),
+                bounces=self.shape_rows.bouncing,
+                is_fast=fast,
+                direct=direct,
+                joints=self.joints.present,
+                sequential=self.joints.sequential,
+                sleeps=self.sleeping,
+                planar=self.planar,
+                threads=self.threads and present(),
+            )
         )
 
     def _ready(self, step: float) -> Program:

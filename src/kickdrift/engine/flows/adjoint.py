@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled, unbound
-from kickdrift.engine.flows.implicit import copy, increments, largest, scale, solver_memory, unknowns
+from kickdrift.engine.flows.implicit import copy, increments, largest, scale, solver_memory, solver_scratch, unknowns
 from kickdrift.engine.flows.layout import EVALUATIONS, memory
 
 Floats = NDArray[np.float64]
@@ -28,12 +28,16 @@ def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
     return solver_memory(n)
 
 
+def scratch_size(n: int, coefficients: Floats, params: Floats) -> int:
+    """Numbers of scratch for a state of n numbers."""
+    return solver_scratch(n)
+
+
 def adjoint_kick(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Advance v by h under the acceleration at (t, x, v after it)."""
-    n, head = x.size, memory(work)
-    head[0] = head[1] = n
+    n = x.size
     copy(v, unknowns(n, work))
-    if solve(_ADJOINT_KICK, t, h, x, v, params, work):
+    if solve(_ADJOINT_KICK, n, n, t, h, x, v, params, work):
         add_to_v(v, h, work[:n], work)
 
 
@@ -48,10 +52,9 @@ def kick_residual(t: float, h: float, x: Floats, v: Floats, params: Floats, work
 
 def adjoint_drift(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Advance x by h at its rate at (t, x after it, v)."""
-    n, head = x.size, memory(work)
-    head[0] = head[1] = n
+    n = x.size
     copy(x, unknowns(n, work))
-    if solve(_ADJOINT_DRIFT, t, h, x, v, params, work):
+    if solve(_ADJOINT_DRIFT, n, n, t, h, x, v, params, work):
         add_to_x(x, h, work[3 * n : 4 * n], work)
 
 

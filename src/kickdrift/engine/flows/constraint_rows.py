@@ -7,8 +7,8 @@ Layout of memory::
 
     0     number of rows with a multiplier
     1     Jacobian where the next drift starts (m n)
-          lengths of its rows (m), sums of their sizes (m), their order, those with a multiplier first (m)
-          S, factored (m m), pivots (m)
+          inverse lengths of its rows (m), sums of their sizes (m), their order, those with a multiplier first (m)
+          S, with rows of the identity for those without, factored (m m), pivots (m)
           left over (m), multipliers (m), increment (n), its total (n), state reached (n)
           another Jacobian (m n), S of all rows (m m), room for differences (2 m)
 """
@@ -18,7 +18,9 @@ from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.linear_algebra import independent, lu_factor
-from kickdrift.engine.flows.implicit import scale
+from kickdrift.core.views import part
+from kickdrift.engine.flows.implicit import clear, scale
+from kickdrift.engine.flows.layout import FEW
 
 Floats = NDArray[np.float64]
 _INDEPENDENT = 1e-12  # squared distance of a row from the span of others
@@ -30,6 +32,11 @@ def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
     return 1 + 2 * m * n + 2 * m * m + 8 * m + 3 * n
 
 
+def constants(coefficients: Floats, n: int, params: Floats, general: bool) -> dict[str, int]:
+    """Return what is known when a flow for a few numbers is compiled."""
+    return {"COUNT": count(n, params)} if n <= FEW else {}
+
+
 @compiled(inline=True)
 def count(n: int, params: Floats) -> int:
     """Return the number of constraints."""
@@ -38,18 +45,17 @@ def count(n: int, params: Floats) -> int:
 
 @compiled(inline=True)
 def rows_of(n: int, m: int, own: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-    """Return the Jacobian, lengths of its rows, sums of their sizes, and their order."""
+    """Return the Jacobian, inverse lengths of its rows, sums of their sizes, and their order."""
     lengths = 1 + m * n
     sums, order = lengths + m, lengths + 2 * m
-    return own[1:lengths], own[lengths:sums], own[sums:order], own[order : order + m]
+    return part(own, 1, m * n), part(own, lengths, m), part(own, sums, m), part(own, order, m)
 
 
 @compiled(inline=True)
 def factored(n: int, m: int, own: Floats) -> tuple[Floats, Floats]:
-    """Return S and its pivots, for the rows with a multiplier."""
-    rank, start = int(own[0]), 1 + m * n + 3 * m
-    pivots = start + m * m
-    return own[start : start + rank * rank], own[pivots : pivots + rank]
+    """Return S and its pivots."""
+    start = 1 + m * n + 3 * m
+    return part(own, start, m * m), part(own, start + m * m, m)
 
 
 @compiled(inline=True)
@@ -59,11 +65,11 @@ def iterated(n: int, m: int, own: Floats) -> tuple[Floats, Floats, Floats, Float
     multipliers, increment = left + m, left + 2 * m
     total, reached = increment + n, increment + 2 * n
     return (
-        own[left:multipliers],
-        own[multipliers:increment],
-        own[increment:total],
-        own[total:reached],
-        own[reached : reached + n],
+        part(own, left, m),
+        part(own, multipliers, m),
+        part(own, increment, n),
+        part(own, total, n),
+        part(own, reached, n),
     )
 
 
@@ -72,44 +78,43 @@ def spare(n: int, m: int, own: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     """Return room for another Jacobian, for S of all rows, and for differences."""
     rows = 1 + m * n + m * m + 6 * m + 3 * n
     products, above, below = rows + m * n, rows + m * n + m * m, rows + m * n + m * m + m
-    return own[rows:products], own[products:above], own[above:below], own[below : below + m]
+    return part(own, rows, m * n), part(own, products, m * m), part(own, above, m), part(own, below, m)
 
 
-@compiled
-def measure(rows: Floats, params: Floats, lengths: Floats, sums: Floats) -> None:
-    """Write lengths in the metric of the inverse masses, and sums of sizes; 1 for a row of zeros."""
-    m = lengths.size
+@compiled(inline=True)
+def measure(rows: Floats, params: Floats, inverse: Floats, sums: Floats) -> None:
+    """Write inverse lengths in the metric of the inverse masses, and sums of sizes; 1 for a row of zeros."""
+    m = inverse.size
     n = rows.size // m
     for i in range(m):
         square = total = 0.0
         for j in range(n):
             square += rows[i * n + j] ** 2 * params[params.size - n + j]
             total += abs(rows[i * n + j])
-        lengths[i] = scale(np.sqrt(square), 0.0)
+        inverse[i] = 1.0 / scale(np.sqrt(square), 0.0)
         sums[i] = scale(total, 0.0)
 
 
-@compiled
-def multiply(left: Floats, right: Floats, lengths: Floats, params: Floats, products: Floats) -> None:
+@compiled(inline=True)
+def multiply(left: Floats, right: Floats, inverse: Floats, params: Floats, products: Floats) -> None:
     """Write left M^-1 right^T, both by the lengths of rows."""
-    m = lengths.size
+    m = inverse.size
     n = left.size // m
     for i in range(m):
         for k in range(m):
             product = 0.0
             for j in range(n):
                 product += left[i * n + j] * right[k * n + j] * params[params.size - n + j]
-            products[i * m + k] = product / (lengths[i] * lengths[k])
+            products[i * m + k] = product * (inverse[i] * inverse[k])
 
 
 @compiled
 def factor_rows(n: int, m: int, params: Floats, own: Floats) -> bool:
     """Measure the rows of the Jacobian, choose those that get a multiplier, and factor S."""
-    rows, lengths, sums, order = rows_of(n, m, own)
+    rows, inverse, sums, order = rows_of(n, m, own)
     _, products, _, _ = spare(n, m, own)
-    measure(rows, params, lengths, sums)
-    multiply(rows, rows, lengths, params, products)
-    own[0] = m
+    measure(rows, params, inverse, sums)
+    multiply(rows, rows, inverse, params, products)
     matrix, _ = factored(n, m, own)
     for k in range(m * m):
         matrix[k] = products[k]
@@ -120,38 +125,39 @@ def factor_rows(n: int, m: int, params: Floats, own: Floats) -> bool:
 @compiled
 def factor_with(left: Floats, n: int, m: int, params: Floats, own: Floats) -> bool:
     """Factor S with another Jacobian on its left."""
-    rows, lengths, _, _ = rows_of(n, m, own)
+    rows, inverse, _, _ = rows_of(n, m, own)
     _, products, _, _ = spare(n, m, own)
-    multiply(left, rows, lengths, params, products)
+    multiply(left, rows, inverse, params, products)
     return factor_products(n, m, own)
 
 
-@compiled
+@compiled(inline=True)
 def factor_products(n: int, m: int, own: Floats) -> bool:
-    """Factor what S of all rows says of those with a multiplier."""
+    """Factor what S of all rows says of those with a multiplier; the others keep to themselves."""
     _, _, _, order = rows_of(n, m, own)
     _, products, _, _ = spare(n, m, own)
     matrix, pivots = factored(n, m, own)
-    for k in range(pivots.size):
-        for q in range(pivots.size):
-            matrix[k * pivots.size + q] = products[int(order[k]) * m + int(order[q])]
+    rank = int(own[0])
+    for k in range(m):
+        for q in range(m):
+            both = k < rank and q < rank
+            matrix[k * m + q] = products[int(order[k]) * m + int(order[q])] if both else (1.0 if k == q else 0.0)
     return lu_factor(matrix, pivots)
 
 
-@compiled
-def push(rows: Floats, lengths: Floats, order: Floats, multipliers: Floats, params: Floats, out: Floats) -> None:
-    """Write M^-1 G^T times multipliers of the scaled rows that have one."""
+@compiled(inline=True)
+def push(rows: Floats, inverse: Floats, order: Floats, multipliers: Floats, params: Floats, out: Floats) -> None:
+    """Write M^-1 G^T times multipliers of the scaled rows."""
     n = out.size
-    out[:] = 0.0
+    clear(out)
     for k in range(multipliers.size):
         i = int(order[k])
         for j in range(n):
-            out[j] += rows[i * n + j] * (multipliers[k] / lengths[i])
+            out[j] += rows[i * n + j] * (multipliers[k] * inverse[i])
     for j in range(n):
         out[j] *= params[params.size - n + j]
 
 
-@compiled
 def farthest(left: Floats, sums: Floats) -> float:
     """Largest change of a number of the state that what is left over asks for; NaN where there is one."""
     greatest = 0.0

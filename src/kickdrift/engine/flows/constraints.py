@@ -26,18 +26,19 @@ from kickdrift.engine.flows.constraint_rows import (
     factor_rows,
     factor_with,
     factored,
-    farthest,
     iterated,
     push,
     rows_of,
     spare,
 )
-from kickdrift.engine.flows.implicit import MOST_ITERATIONS, ROUNDING, largest, scale
+from kickdrift.engine.flows.implicit import MOST_ITERATIONS, ROUNDING, clear, largest, scale
 from kickdrift.engine.flows.layout import CONSTRAINT_JACOBIAN, TROUBLE, has_part, memory
 
 Floats = NDArray[np.float64]
 _SLOW = 0.3  # a contraction slower than this is worth a new matrix
 _DIFFERENCE = 1e-4  # of fourth order: truncation and rounding leave some 1e-12 of the Jacobian
+
+SIZE, COUNT = 0, 0  # bound for a few numbers: of the state, and of constraints
 
 constraints_at: Callable[..., None] = unbound
 constraint_jacobian_at: Callable[..., None] = unbound
@@ -45,14 +46,15 @@ add_to_x: Callable[..., None] = unbound
 add_to_v: Callable[..., None] = unbound
 jacobian: Callable[..., None] = unbound
 linearise: Callable[..., None] = unbound
-leave_over: Callable[..., float] = unbound
+leave_over: Callable[..., None] = unbound
+excess_of: Callable[..., float] = unbound
 renew: Callable[..., bool] = unbound
 project: Callable[..., bool] = unbound
 
 
 def linearise_constraints(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Leave the Jacobian at x and its S in memory; moves nothing."""
-    n, m, own = x.size, count(x.size, params), memory(work)
+    n, m, own = SIZE or x.size, COUNT or count(x.size, params), memory(work)
     rows, _, _, _ = rows_of(n, m, own)
     jacobian(t, x, v, params, work, rows)
     if not factor_rows(n, m, params, own):
@@ -61,8 +63,8 @@ def linearise_constraints(t: float, h: float, x: Floats, v: Floats, params: Floa
 
 def constrain_positions(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Bring x, which drifted by h, back to the constraints, and v with it."""
-    n = x.size
-    _, _, _, total, _ = iterated(n, count(n, params), memory(work))
+    n = SIZE or x.size
+    _, _, _, total, _ = iterated(n, COUNT or count(n, params), memory(work))
     if project(scale(largest(x), abs(h) * largest(v)), t, h, x, v, params, work):
         add_to_x(x, 1.0, total, work)
         add_to_v(v, 1.0 / h, total, work)
@@ -71,63 +73,69 @@ def constrain_positions(t: float, h: float, x: Floats, v: Floats, params: Floats
 
 def constrain_velocities(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Bring v into the tangent space of the constraints at x, where the Jacobian in memory is from."""
-    n = x.size
-    _, _, _, total, _ = iterated(n, count(n, params), memory(work))
+    n = SIZE or x.size
+    _, _, _, total, _ = iterated(n, COUNT or count(n, params), memory(work))
     if project(scale(largest(v), 0.0), t, h, x, v, params, work):
         add_to_v(v, 1.0, total, work)
 
 
 def project_state(size: float, t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:
     """Find the total of the increments for a state of this size, or leave at TROUBLE what is left over."""
-    n, m, own = x.size, count(x.size, params), memory(work)
-    rows, lengths, _, order = rows_of(n, m, own)
+    n, m, own = SIZE or x.size, COUNT or count(x.size, params), memory(work)
+    rows, inverse, sums, order = rows_of(n, m, own)
     left, multipliers, increment, total, _ = iterated(n, m, own)
     matrix, pivots = factored(n, m, own)
-    total[:] = 0.0
-    previous, renewed, excess, moved = np.inf, False, np.inf, np.inf
+    rank, rounding = int(own[0]), ROUNDING * size
+    clear(total)
+    previous, renewed, moved = np.inf, False, np.inf
     for iteration in range(MOST_ITERATIONS):
-        excess = leave_over(size, t, x, v, params, work)
-        for k in range(pivots.size):
+        leave_over(t, x, v, params, work)
+        for k in range(m):
             i = int(order[k])
-            multipliers[k] = -left[i] / lengths[i]
-        lu_solve(matrix, pivots, multipliers[: pivots.size])
-        push(rows, lengths, order, multipliers[: pivots.size], params, increment)
-        moved = largest(increment) / size
+            multipliers[k] = -left[i] * inverse[i] if k < rank else 0.0
+        lu_solve(matrix, pivots, multipliers)
+        push(rows, inverse, order, multipliers, params, increment)
+        moved = largest(increment)
         if not np.isfinite(moved):
             break
         shrinking = moved < previous
-        if shrinking or moved > ROUNDING:
-            total += increment
-        if moved == 0.0 or (not shrinking and moved <= ROUNDING):
+        if shrinking or moved > rounding:
+            for j in range(n):
+                total[j] += increment[j]
+        if moved == 0.0 or (not shrinking and moved <= rounding):
             break
-        if iteration > 0 and moved > _SLOW * previous and moved > ROUNDING:
+        if iteration > 0 and moved > _SLOW * previous and moved > rounding:
             if renewed and not shrinking:
                 break
             renewed = renew(t, x, v, params, work)
             previous = np.inf if renewed else moved
         else:
             previous = moved
-    if moved <= ROUNDING and excess <= ROUNDING:
+    excess = excess_of(left, sums)
+    if moved <= rounding and excess <= rounding:
         return True
-    trouble = max(excess, moved)
+    trouble = max(excess, moved) / size
     work[TROUBLE] = trouble if np.isfinite(trouble) else np.inf
     return False
 
 
-def positions_left_over(size: float, t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> float:
-    """Leave g at the positions reached, and return how far from zero it is: the change of x that it asks for."""
-    n, m, own = x.size, count(x.size, params), memory(work)
-    _, _, sums, _ = rows_of(n, m, own)
+def positions_left_over(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    """Leave g at the positions reached."""
+    n, m, own = SIZE or x.size, COUNT or count(x.size, params), memory(work)
     left, _, _, total, reached = iterated(n, m, own)
     for j in range(n):
         reached[j] = x[j] + total[j]
     constraints_at(t, reached, v, params, work, left)
-    return farthest(left, sums) / size
 
 
-def velocities_left_over(size: float, t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> float:
-    """Leave G times the velocities reached; it is linear, so that small increments say enough."""
-    n, m, own = x.size, count(x.size, params), memory(work)
+def nothing_in_excess(left: Floats, sums: Floats) -> float:
+    """Say that what velocities leave over is linear, so that small increments say enough."""
+    return 0.0
+
+
+def velocities_left_over(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    """Leave G times the velocities reached."""
+    n, m, own = SIZE or x.size, COUNT or count(x.size, params), memory(work)
     rows, _, _, _ = rows_of(n, m, own)
     left, _, _, total, reached = iterated(n, m, own)
     for j in range(n):
@@ -136,12 +144,11 @@ def velocities_left_over(size: float, t: float, x: Floats, v: Floats, params: Fl
         left[i] = 0.0
         for j in range(n):
             left[i] += rows[i * n + j] * reached[j]
-    return 0.0
 
 
 def renew_at_positions(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:
     """Form and factor S with the Jacobian at the positions reached on its left."""
-    n, m, own = x.size, count(x.size, params), memory(work)
+    n, m, own = SIZE or x.size, COUNT or count(x.size, params), memory(work)
     _, _, _, total, reached = iterated(n, m, own)
     there, _, _, _ = spare(n, m, own)
     for j in range(n):
@@ -160,7 +167,7 @@ def jacobian_here(t: float, x: Floats, v: Floats, params: Floats, work: Floats, 
     if has_part(CONSTRAINT_JACOBIAN, work):
         constraint_jacobian_at(t, x, v, params, work, out)
         return
-    n, m = x.size, count(x.size, params)
+    n, m = SIZE or x.size, COUNT or count(x.size, params)
     _, _, above, below = spare(n, m, memory(work))
     d = _DIFFERENCE * scale(params[params.size - n - 1], largest(x))
     for j in range(n):

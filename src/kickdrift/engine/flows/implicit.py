@@ -1,13 +1,13 @@
-"""The solver inside the implicit flows: for m unknowns z with z = Phi(z), Newton's iteration with a kept matrix.
+"""The solver inside the implicit flows: for m unknowns z with z = Phi(z), a fixed-point iteration, then Newton's.
 
-It starts with the identity for a matrix, a fixed-point iteration that needs no Jacobian at small steps. Where that
-contracts slowly, I - dPhi/dz is formed by differences and kept, step after step, until it contracts slowly in its turn.
-A Newton step after which the next increment is larger is halved until it is not. The iteration goes on until the
-increments stop shrinking: a looser end would make the energy drift. (Hairer, Wanner, Solving Ordinary Differential
-Equations II, 2nd ed., section IV.8; Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed., section VIII.6.)
+The fixed point needs no Jacobian, and serves where it contracts fast enough for what a matrix would cost. Where not,
+`newton` forms I - dPhi/dz by differences and keeps it, step after step, until it contracts slowly in its turn. The
+iterations go on until the increments stop shrinking: a looser end would make the energy drift. (Hairer, Wanner, Solving
+Ordinary Differential Equations II, 2nd ed., section IV.8; Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd
+ed., section VIII.6.)
 
 A flow that solves so is a template with a part ``residual``, which leaves Phi(z) - z as the increment, and the scales.
-`solve` and `form_matrix` are bound to it by `kickdrift.engine.letters`.
+`solve`, `newton` and `form_matrix` are bound to it by `kickdrift.engine.letters`.
 
 Layout of memory::
 
@@ -15,7 +15,9 @@ Layout of memory::
     1     how many of them, from the first, are measured by the first scale; the others by the second
     2, 3  scales: sizes of the unknowns beside which 1e-12 is rounding
     4, 5  the scales at the start of the iteration, in which increments are compared
-    6     unknowns (m), increments (m), the last move (m), pivots (m), matrix (m * m), and what the flow itself needs
+    8     unknowns (m), increments (m), the last move (m), and what the flow itself needs, each from a cache line on
+
+The scratch has the matrix (m * m) and its pivots (m).
 """
 
 from collections.abc import Callable
@@ -24,103 +26,122 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled, unbound
-from kickdrift.core.linear_algebra import lu_factor, lu_solve
-from kickdrift.engine.flows.layout import KEPT_BY, KEPT_FOR, TROUBLE, memory
+from kickdrift.core.views import float_of, part, words
+from kickdrift.engine.flows.layout import KEPT_BY, KEPT_FOR, KEPT_TIMES, TROUBLE, memory
 
 Floats = NDArray[np.float64]
 ROUNDING = 1e-12  # of an increment against the unknowns
 MOST_ITERATIONS = 50
-_HEAD = 6
-_SLOW = 0.3  # a contraction slower than this is worth m residuals for a new matrix
+MOST_WITH_MATRIX = 16_384  # unknowns: 2 GiB
+_HEAD = 8
+_MANY, _RETRIED_AFTER = 32, 20  # from so many unknowns on, every so many solutions with a matrix one without is tried
+_NOT_THE_SIGN = 0x7FFF_FFFF_FFFF_FFFF
 
 residual: Callable[..., None] = unbound
-form_matrix: Callable[..., bool] = unbound
+newton: Callable[..., bool] = unbound
+
+
+@compiled(inline=True)
+def padded(m: int) -> int:
+    """Round a number of numbers up to whole cache lines: vectors that lie across two are slow to read when just written."""
+    return (m + 7) // 8 * 8
 
 
 @compiled(inline=True)
 def solver_memory(m: int) -> int:
     """Numbers of memory for m unknowns; those of the flow itself come after."""
-    return _HEAD + 4 * m + m * m
+    return _HEAD + 3 * padded(m)
+
+
+def solver_scratch(m: int) -> int:
+    """Numbers of scratch for m unknowns, of which there may be too many for a matrix."""
+    return m * m + m if m <= MOST_WITH_MATRIX else 0
 
 
 @compiled(inline=True)
 def unknowns(m: int, work: Floats) -> Floats:
     """Return z."""
-    return memory(work)[_HEAD : _HEAD + m]
+    return part(memory(work), _HEAD, m)
 
 
 @compiled(inline=True)
 def increments(m: int, work: Floats) -> Floats:
     """Return Phi(z) - z."""
-    return memory(work)[_HEAD + m : _HEAD + 2 * m]
+    return part(memory(work), _HEAD + padded(m), m)
 
 
-def solve(keeper: int, t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:
-    """Solve from the unknowns in memory on; leaves them there, or the residual at TROUBLE.
+@compiled(inline=True)
+def moves(m: int, work: Floats) -> Floats:
+    """Return the last move of z."""
+    return part(memory(work), _HEAD + 2 * padded(m), m)
 
-    The keeper is the number of the flow, which tells whose matrix is in memory.
+
+@compiled(inline=True)
+def patience(m: int) -> float:
+    """How many iterations a fixed point may take, in units of those for a few unknowns.
+
+    A matrix costs m residuals and m^3 / 1.5 operations, and each iteration with it m^2: what the fixed point may take
+    instead grows with m.
+    """
+    return 1.0 + m / 100 + m * m / 200_000
+
+
+def solve(
+    keeper: int, m: int, first: int, t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats
+) -> bool:
+    """Solve from the m unknowns in memory on; leaves them there, or the residual at TROUBLE.
+
+    The keeper is the number of the flow, which tells whose matrix is kept; `first` unknowns have the first scale.
     """
     head = memory(work)
-    m = int(head[0])
-    z, increment, last = unknowns(m, work), increments(m, work), head[_HEAD + 2 * m : _HEAD + 3 * m]
-    pivots, matrix = head[_HEAD + 3 * m : _HEAD + 4 * m], head[_HEAD + 4 * m : solver_memory(m)]
+    head[0], head[1], head[4] = m, first, 0.0
     kept = work[KEPT_BY] == keeper and work[KEPT_FOR] == h
-    missing = previous = np.inf
-    head[4] = 0.0
-    rounding = forming = moved = newton = False
-    for _ in range(MOST_ITERATIONS):
+    if kept:
+        work[KEPT_TIMES] += 1.0
+        if m < _MANY or work[KEPT_TIMES] % _RETRIED_AFTER != 0.0:
+            return newton(keeper, False, t, h, x, v, params, work)
+    z, increment, last = unknowns(m, work), increments(m, work), moves(m, work)
+    # What increments may be at most. Single ones may even grow: where eigenvalues are complex, every second one does.
+    slow = (1.0 - 0.7 / patience(m)) * (0.8 if kept else 1.0)  # 0.3 for a few unknowns
+    missing = previous = most = least = np.inf
+    stalled, patient = 0, 0
+    for _ in range(int(MOST_ITERATIONS * patience(m))):
         residual(t, h, x, v, params, work)
         if head[4] == 0.0:
             head[4], head[5] = head[2], head[3]
-        missing = relative_size(increment, head, 2)
-        if missing == 0.0:
+        one = largest(part(increment, 0, first))
+        missing, size = one / head[2], one / head[4]
+        if first < m:
+            other = largest(part(increment, first, m - first))
+            missing, size = larger(missing, other / head[3]), larger(size, other / head[5])
+        shrinking, rounding = size < previous, missing <= ROUNDING
+        stalled = stalled + 1 if rounding and not size < least else 0
+        if missing == 0.0 or stalled > patient:
+            if kept:
+                work[KEPT_BY] = 0.0
             return True
-        formed = forming
-        if forming:
-            kept = form_matrix(t, h, x, v, params, work)
-            if not kept:
-                break
-            work[KEPT_BY], work[KEPT_FOR] = keeper, h
-            previous = np.inf
-        if kept:
-            lu_solve(matrix, pivots, increment)
-        size = relative_size(increment, head, 4)
-        shrinking, rounding = size < previous, relative_size(increment, head, 2) <= ROUNDING
-        if rounding and not shrinking:
-            return True
-        if shrinking:
-            forming = size > _SLOW * previous and not rounding
-            proceed(z, increment, last)
-            moved, newton, previous = True, formed, size
-        elif not moved:
+        if not (shrinking or size <= most or stalled > 0):
+            if previous < np.inf:
+                retreat(z, 1.0, last)
+                return newton(keeper, not kept, t, h, x, v, params, work)
             break
-        else:
-            # A step of Newton's was too long, and half of it may do. Any other wants a matrix from where it began.
-            retreat(z, 0.5 if newton else 1.0, last)
-            forming = not newton
-    if rounding:
-        return True
+        proceed(z, increment, last)
+        if size > most and not rounding:
+            return newton(keeper, not kept, t, h, x, v, params, work)
+        if not shrinking and not rounding:
+            patient = 3
+        least = min(least, size)
+        most = size if previous == np.inf else most * slow
+        previous = size
+    return missing <= ROUNDING or failed(missing, work)
+
+
+@compiled
+def failed(missing: float, work: Floats) -> bool:
+    """Note the residual of a solve that failed, and that no matrix is kept."""
     work[KEPT_BY] = 0.0
     work[TROUBLE] = missing if np.isfinite(missing) else np.inf
     return False
-
-
-def form_matrix_by_differences(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:
-    """Form and factor I - dPhi/dz at z by forward differences, one residual a column; leaves the increments."""
-    head = memory(work)
-    m, first = int(head[0]), int(head[1])
-    z, increment, base = unknowns(m, work), increments(m, work), head[_HEAD + 2 * m : _HEAD + 3 * m]
-    pivots, matrix = head[_HEAD + 3 * m : _HEAD + 4 * m], head[_HEAD + 4 * m : solver_memory(m)]
-    copy(increment, base)
-    for j in range(m):
-        unchanged = z[j]
-        z[j] += 1.5e-8 * max(abs(z[j]), head[4] if j < first else head[5])
-        residual(t, h, x, v, params, work)
-        for i in range(m):
-            matrix[i * m + j] = -(increment[i] - base[i]) / (z[j] - unchanged)
-        z[j] = unchanged
-    copy(base, increment)
-    return lu_factor(matrix, pivots)
 
 
 @compiled
@@ -157,26 +178,26 @@ def retreat(z: Floats, share: float, last: Floats) -> None:
 def relative_size(increment: Floats, head: Floats, scales: int) -> float:
     """Maximum norm of increments in terms of the scales at an index of the head; NaN where there is one."""
     first = int(head[1])
-    norm = 0.0
-    for j in range(increment.size):
-        size = abs(increment[j]) / (head[scales] if j < first else head[scales + 1])
-        if not size <= norm:
-            norm = size
-        if np.isnan(norm):
-            break
-    return norm
+    size: float = largest(part(increment, 0, first)) / head[scales]
+    if first == increment.size:
+        return size
+    return larger(size, largest(part(increment, first, increment.size - first)) / head[scales + 1])
 
 
 @compiled
 def largest(values: Floats) -> float:
-    """Maximum norm; NaN where there is one."""
-    norm = 0.0
-    for value in values:
-        if not abs(value) <= norm:
-            norm = abs(value)
-        if np.isnan(norm):
-            break
-    return norm
+    """Maximum norm; NaN where there is one, whose bits are a larger integer than those of any number."""
+    bits = words(values)
+    greatest = 0
+    for i in range(bits.size):
+        greatest = max(greatest, bits[i] & _NOT_THE_SIGN)
+    return float_of(greatest)
+
+
+@compiled
+def larger(size: float, other: float) -> float:
+    """Return the larger of two sizes, NaN where one is."""
+    return other if size <= other or np.isnan(other) else size
 
 
 @compiled

@@ -1,7 +1,7 @@
 """Kicks and drifts.
 
-The functions here are templates: their global names ``acceleration``, ``velocity``, ``add_to_x`` and ``add_to_v`` are
-bound by `kickdrift.engine.letters` to a system's functions and to plain or compensated sums.
+The functions here are templates: their global names ``acceleration_at``, ``velocity_at``, ``add_to_x`` and ``add_to_v``
+are bound by `kickdrift.engine.letters` to a system's functions and to plain or compensated sums.
 """
 
 from collections.abc import Callable
@@ -15,8 +15,8 @@ from kickdrift.core.memory import floats_on_stack
 
 Floats = NDArray[np.float64]
 
-acceleration: Callable[..., None] = unbound
-velocity: Callable[..., None] = unbound
+acceleration_at: Callable[..., None] = unbound
+velocity_at: Callable[..., None] = unbound
 add_to_x: Callable[..., None] = unbound
 add_to_v: Callable[..., None] = unbound
 SIZE = 0
@@ -25,7 +25,7 @@ SIZE = 0
 def kick(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Advance v by h under the acceleration at (t, x, v)."""
     a = work[: x.size]
-    acceleration(t, x, v, params, a)
+    acceleration_at(t, x, v, params, work, a)
     add_to_v(v, h, a, work)
 
 
@@ -36,7 +36,7 @@ def kick_small(t: float, h: float, x: Floats, v: Floats, params: Floats, work: F
     of the Kepler problem takes 24 ns instead of 21.
     """
     a = carray(floats_on_stack(SIZE), (SIZE,))
-    acceleration(t, x, v, params, a)
+    acceleration_at(t, x, v, params, work, a)
     add_to_v(v, h, a, work)
     for i in range(SIZE):
         work[i] = a[i]
@@ -49,7 +49,7 @@ def rekick(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Float
 
 def accelerate(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Leave the acceleration at (t, x, v) in work for `rekick`; moves nothing."""
-    acceleration(t, x, v, params, work[: x.size])
+    acceleration_at(t, x, v, params, work, work[: x.size])
 
 
 def drift(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
@@ -60,5 +60,5 @@ def drift(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats
 def drift_along(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Advance x by h at the rate that the system gives at (t, x, v)."""
     rate = work[3 * x.size : 4 * x.size]
-    velocity(t, x, v, params, rate)
+    velocity_at(t, x, v, params, work, rate)
     add_to_x(x, h, rate, work)

@@ -9,16 +9,22 @@ For a state of n numbers::
     4 n      coefficients of the method
     memory   what the flows of the step need, see `memory`
     -TAIL    single numbers, below
+
+Beside it there is a *scratch* for matrices, which grows with the square of n and is not copied with the state: a flow
+forms a matrix anew wherever it needs one, or keeps it and counts at FORMED that it is another one now.
 """
 
+from functools import cache
 from typing import Any
 
 import numpy as np
-from numba import types
+from numba import carray, types
 from numpy.typing import NDArray
 
-from kickdrift.core.calls import caller
-from kickdrift.core.compilation import Function, compiled, specialise
+from kickdrift.core.calls import address_of, caller
+from kickdrift.core.compilation import Function, compiled, specialise, unbound
+from kickdrift.core.memory import floats_at, word_in
+from kickdrift.core.views import part
 
 Floats = NDArray[np.float64]
 
@@ -39,16 +45,48 @@ PARTS = (
 )
 """The functions that a system may have; flows call them as ``acceleration_at(t, x, v, params, work, out)``, say."""
 
-TAIL = 6 + len(PARTS)
+TAIL = 9 + len(PARTS)
 TROUBLE = -1  # residual of a solve that failed, zero if none
 EVALUATIONS = -2  # force evaluations counted by flows whose number varies
 MEMORY = -3  # where memory starts
 KEPT_BY, KEPT_FOR = -4, -5  # the flow and the step that the matrix kept in memory belongs to, zero if none is kept
 DRAWN = -6  # random numbers drawn so far
+FORMED = -7  # how often a matrix was formed
+KEPT_TIMES = -8  # how many solutions began with a matrix that was kept
+SCRATCH = -9  # address of the scratch
 _FIRST_PART = -TAIL
+_LINE = 8  # numbers in a cache line
+
+FEW = 4  # numbers of a state up to which flows with constants are compiled for each size of its own
 
 SLOT = 0  # bound by `part_by_address`
+function: Function = unbound  # bound by `part_inlined`
 call = caller(FLAT)
+
+
+@compiled
+def _call_at(address: int, t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    call(address, (t, x, v, params, out))
+
+
+def call_flat(function: Function, t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    """Call a compiled function of a system from the interpreter."""
+    _call_at(address_of(function, FLAT), t, x, v, params, out)
+
+
+def _scratch_at(start: int, size: int, work: Floats) -> Floats:
+    address = word_in(work, work.size + SCRATCH)
+    numbers: Floats = carray(floats_at(address + 8 * start), (size,))
+    return numbers
+
+
+scratch_by_address = compiled(cached=False, inline=True)(_scratch_at)
+"""Returns ``size`` numbers of the scratch from ``start`` on: what ``scratch`` is bound to in compiled flows."""
+
+
+def scratch_interpreted(scratch: Floats) -> Function:
+    """Make the same for the interpreter."""
+    return lambda start, size, work: scratch[start : start + size]
 
 
 @compiled(inline=True)
@@ -60,23 +98,33 @@ def coefficients_at(n: int) -> int:
 @compiled(inline=True)
 def change_of_v(n: int, work: Floats) -> Floats:
     """Return the part of work in which a flow may prepare what it adds to v, in systems where x' is v."""
-    return work[3 * n : 4 * n]
+    return part(work, 3 * n, n)
 
 
 @compiled(inline=True)
 def memory(work: Floats) -> Floats:
     """Return the part of work that is for the flows of the step."""
-    return work[int(work[MEMORY]) : work.size - TAIL]
+    start = int(work[MEMORY])
+    return part(work, start, work.size - TAIL - start)
 
 
-def lay_out(n: int, coefficients: Floats, memory_size: int, addresses: dict[str, int]) -> Floats:
-    """Make the work of a run: coefficients and addresses of the parts filled in, the rest zero."""
-    start = coefficients_at(n) + coefficients.size
-    work = np.zeros(start + memory_size + TAIL)
-    work[coefficients_at(n) : start] = coefficients
+def aligned(size: int) -> Floats:
+    """Return zeros that begin with a cache line."""
+    room = np.zeros(size + _LINE - 1)
+    start = -(room.ctypes.data // 8) % _LINE
+    return room[start : start + size]
+
+
+def lay_out(n: int, coefficients: Floats, memory_size: int, addresses: dict[str, int], scratch: Floats) -> Floats:
+    """Make the work of a run: coefficients and addresses filled in, the rest zero."""
+    end = coefficients_at(n) + coefficients.size
+    start = (end + _LINE - 1) // _LINE * _LINE
+    work = aligned(start + memory_size + TAIL)
+    work[coefficients_at(n) : end] = coefficients
     work[MEMORY] = start
     for name, address in addresses.items():
         work[_slot(name) :].view(np.int64)[0] = address
+    work[SCRATCH:].view(np.int64)[0] = scratch.ctypes.data
     return work
 
 
@@ -95,13 +143,22 @@ def has_part(slot: int, work: Floats) -> bool:
 
 
 def _at(t: float, x: Floats, v: Floats, params: Floats, work: Floats, out: Floats) -> None:
-    slot = work.size + SLOT
-    call(work[slot : slot + 1].view(np.int64)[0], (t, x, v, params, out))
+    call(word_in(work, work.size + SLOT), (t, x, v, params, out))
 
 
+def _inlined_at(t: float, x: Floats, v: Floats, params: Floats, work: Floats, out: Floats) -> None:
+    function(t, x, v, params, out)
+
+
+@cache
 def part_by_address(name: str) -> Function:
     """Make the compiled function that calls a part of whatever system runs, by its address in work."""
     return compiled(cached=False, inline=True)(specialise(_at, f"{name}_at", SLOT=_slot(name)))
+
+
+def part_inlined(name: str, function: Function) -> Function:
+    """Make the same for one system, whose function is compiled into it."""
+    return compiled(cached=False, inline=True)(specialise(_inlined_at, f"{name}_at", function=function))
 
 
 def part_interpreted(function: Function) -> Function:

@@ -4,7 +4,7 @@ Where damping is stiff, it is stable at any step (MuJoCo's implicit integrator; 
 Hairer, Wanner, Solving Ordinary Differential Equations II, 2nd ed. (1996), section IV.9). A template, see
 `kickdrift.engine.flows.kick_drift`.
 
-Memory: a matrix (n * n), pivots (n), and a displaced velocity (n).
+Memory: a displaced velocity (n). Scratch: a matrix (n * n) and pivots (n).
 """
 
 from collections.abc import Callable
@@ -13,8 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import unbound
+from kickdrift.core.errors import ArgumentError
 from kickdrift.core.linear_algebra import lu_factor, lu_solve
-from kickdrift.engine.flows.implicit import copy, largest, scale
+from kickdrift.core.views import part
+from kickdrift.engine.flows.implicit import MOST_WITH_MATRIX, copy, largest, scale
 from kickdrift.engine.flows.layout import EVALUATIONS, TROUBLE, VELOCITY_JACOBIAN, change_of_v, has_part, memory
 
 Floats = NDArray[np.float64]
@@ -22,17 +24,29 @@ Floats = NDArray[np.float64]
 acceleration_at: Callable[..., None] = unbound
 velocity_jacobian_at: Callable[..., None] = unbound
 add_to_v: Callable[..., None] = unbound
+scratch: Callable[..., Floats] = unbound
 
 
 def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
     """Numbers of memory for a state of n numbers."""
-    return n * n + 2 * n
+    return n
+
+
+def scratch_size(n: int, coefficients: Floats, params: Floats) -> int:
+    """Numbers of scratch for a state of n numbers, of which there may be too many for a matrix."""
+    if n > MOST_WITH_MATRIX:
+        raise ArgumentError(
+            f"x0 has {n} numbers, and kicks that are implicit in the velocity form a matrix of all of them by all, which is"
+            f" done for up to {MOST_WITH_MATRIX}; use a method without, such as 'velocity-verlet', or 'implicit-midpoint',"
+            " which does without a matrix where the step is small enough."
+        )
+    return n * n + n
 
 
 def linearly_implicit_kick(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Advance v by h u, with (1 - h da/dv) u = a at (t, x, v)."""
-    n, own = x.size, memory(work)
-    matrix, pivots, u = own[: n * n], own[n * n : n * n + n], change_of_v(n, work)
+    n = x.size
+    matrix, pivots, u = scratch(0, n * n, work), scratch(n * n, n, work), change_of_v(n, work)
     acceleration_at(t, x, v, params, work, work[:n])
     work[EVALUATIONS] += 1.0
     if has_part(VELOCITY_JACOBIAN, work):
@@ -52,8 +66,8 @@ def linearly_implicit_kick(t: float, h: float, x: Floats, v: Floats, params: Flo
 
 def form_velocity_jacobian(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Form da/dv by forward differences, one evaluation a column, beside the acceleration in work."""
-    n, own = x.size, memory(work)
-    a, displaced_a, displaced = work[:n], change_of_v(n, work), own[n * n + n : n * n + 2 * n]
+    n, matrix = x.size, scratch(0, x.size * x.size, work)
+    a, displaced_a, displaced = part(work, 0, n), change_of_v(n, work), part(memory(work), 0, n)
     size = scale(largest(v), abs(h) * largest(a))
     copy(v, displaced)
     for j in range(n):
@@ -61,5 +75,5 @@ def form_velocity_jacobian(t: float, h: float, x: Floats, v: Floats, params: Flo
         acceleration_at(t, x, displaced, params, work, displaced_a)
         work[EVALUATIONS] += 1.0
         for i in range(n):
-            own[i * n + j] = (displaced_a[i] - a[i]) / (displaced[j] - v[j])
+            matrix[i * n + j] = (displaced_a[i] - a[i]) / (displaced[j] - v[j])
         displaced[j] = v[j]

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import Function, compiled
+from kickdrift.core.views import part
 
 Floats = NDArray[np.float64]
 
@@ -30,13 +31,13 @@ def _add_compensated(y: Floats, h: float, rate: Floats, residual: Floats) -> Non
 @compiled(inline=True)
 def add_to_x_compensated(x: Floats, h: float, rate: Floats, work: Floats) -> None:
     """X += h rate, with the rounding kept in work."""
-    _add_compensated(x, h, rate, work[x.size : 2 * x.size])
+    _add_compensated(x, h, rate, part(work, x.size, x.size))
 
 
 @compiled(inline=True)
 def add_to_v_compensated(v: Floats, h: float, rate: Floats, work: Floats) -> None:
     """V += h rate, with the rounding kept in work."""
-    _add_compensated(v, h, rate, work[2 * v.size : 3 * v.size])
+    _add_compensated(v, h, rate, part(work, 2 * v.size, v.size))
 
 
 def add_interpreted(y: Any, h: float, rate: Any, work: Any) -> None:

@@ -17,15 +17,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled, unbound
+from kickdrift.core.views import part
 from kickdrift.engine.flows.implicit import MOST_ITERATIONS, ROUNDING
 from kickdrift.engine.flows.layout import COMPONENT, EVALUATIONS, TROUBLE, has_part, memory
 
 Floats = NDArray[np.float64]
 _SHORTEST = 1e-8  # of a secant against the component: rounding leaves half of the digits of its slope
 
+SIZE = 0  # bound for a few numbers
+
 component_at: Callable[..., None] = unbound
 velocity_at: Callable[..., None] = unbound
 add_to_x: Callable[..., None] = unbound
+
+
+def constants(coefficients: Floats, n: int, params: Floats, general: bool) -> dict[str, int]:
+    """Return what is known beside the size when it is compiled: nothing."""
+    return {}
 
 
 def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
@@ -35,24 +43,24 @@ def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
 
 def sweep(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Advance the components by h one after the other, each at its rate where those before it have arrived."""
-    n = x.size
-    rates = work[3 * n : 4 * n]
+    n = SIZE or x.size
+    rates = part(work, 3 * n, n)
     for i in range(n):
         evaluate_component(i, t, x, v, params, work)
-        add_to_x(x[i : i + 1], h, rates[i : i + 1], alone(i, n, work))
+        add_to_x(part(x, i, 1), h, part(rates, i, 1), alone(i, n, work))
 
 
 def adjoint_sweep(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Advance the components by h, the last one first, each at its rate where it arrives."""
-    n = x.size
-    rates = work[3 * n : 4 * n]
+    n = SIZE or x.size
+    rates = part(work, 3 * n, n)
     for i in range(n - 1, -1, -1):
         start = x[i]
         solved = solve_component(i, t + h, h, x, v, params, work)
         x[i] = start
         if not solved:
             break
-        add_to_x(x[i : i + 1], h, rates[i : i + 1], alone(i, n, work))
+        add_to_x(part(x, i, 1), h, part(rates, i, 1), alone(i, n, work))
 
 
 def solve_component(i: int, t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:
@@ -60,7 +68,7 @@ def solve_component(i: int, t: float, h: float, x: Floats, v: Floats, params: Fl
 
     The first iteration is a fixed-point one, whose slope is -1. It ends where the increments stop shrinking.
     """
-    rate = work[3 * x.size + i : 3 * x.size + i + 1]
+    rate = part(work, 3 * (SIZE or x.size) + i, 1)
     start = x[i]
     slope, earlier, earlier_residual, previous = -1.0, np.nan, np.nan, np.inf
     residual = size = np.nan
@@ -84,13 +92,13 @@ def solve_component(i: int, t: float, h: float, x: Floats, v: Floats, params: Fl
 
 def evaluate_component(i: int, t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Leave the rate of a component among the rates of x."""
-    n = x.size
-    rates = work[3 * n : 4 * n]
+    n = SIZE or x.size
+    rates = part(work, 3 * n, n)
     if has_part(COMPONENT, work):
         own = memory(work)
         own[0] = i
-        component_at(t, x, own[:1], params, work, rates)
-        own[1] = (own[1] + 1.0) % n
+        component_at(t, x, part(own, 0, 1), params, work, rates)
+        own[1] = own[1] + 1.0 if own[1] + 1.0 < n else 0.0
         work[EVALUATIONS] += own[1] == 0.0
     else:
         velocity_at(t, x, v, params, work, rates)
@@ -100,4 +108,4 @@ def evaluate_component(i: int, t: float, x: Floats, v: Floats, params: Floats, w
 @compiled(inline=True)
 def alone(i: int, n: int, work: Floats) -> Floats:
     """Return work as the sums for a state of component i alone want it: its rounded-off part lies 1 from the start."""
-    return work[n + i - 1 :]
+    return part(work, n + i - 1, work.size - n - i + 1)

@@ -20,6 +20,7 @@ from kickdrift.engine.flows import (
     kick_drift,
     linearly_implicit,
     magnetic,
+    newton,
     noise,
     runge_kutta,
     sweep,
@@ -34,11 +35,12 @@ class Flow:
     ----------
     template : callable
         ``template(t, h, x, v, params, work)``. Bound into it are ``add_to_x`` and ``add_to_v``, the functions of
-        `parts`, and those of the system: compiled into it under the names in `inlined`, or called by their addresses
-        as ``acceleration_at(t, x, v, params, work, out)`` and so on, see `kickdrift.engine.flows.layout`. A flow with
-        nothing inlined is compiled once for all systems.
+        `parts`, and those of the system, as ``acceleration_at(t, x, v, params, work, out)`` and so on: called by their
+        addresses, see `kickdrift.engine.flows.layout`, or compiled into it. A flow with nothing inlined is compiled
+        once for all systems.
     inlined : tuple of str
-        ``"acceleration"`` or ``"velocity"``, for the flows of which every nanosecond counts.
+        ``"acceleration"`` or ``"velocity"``, for the flows of which every nanosecond counts: compiled into it where a
+        state is small, or the system comes with kickdrift.
     parts : mapping of str to callable
         Templates that it calls, by the names that they have in it, each after those that it calls itself.
     evaluations : int
@@ -51,6 +53,11 @@ class Flow:
         Whether it leaves the acceleration of the last kick in work.
     memory : callable
         Numbers of memory for a state of n numbers, the coefficients of the method, and the params of the system.
+    scratch : callable
+        In the same way, numbers of scratch.
+    constants : callable or None
+        From the coefficients, the params and whether x' is not v: names and values that are constants of its compilation,
+        as is the size of the state for a few numbers.
     primer : str
         Name of a flow that makes the memory ready before the first step, empty for none.
     """
@@ -64,18 +71,27 @@ class Flow:
     timed: bool = True
     keeps_acceleration: bool = True
     memory: Callable[[int, NDArray[np.float64], NDArray[np.float64]], int] = lambda n, coefficients, params: 0
+    scratch: Callable[[int, NDArray[np.float64], NDArray[np.float64]], int] = lambda n, coefficients, params: 0
+    constants: Callable[[NDArray[np.float64], int, NDArray[np.float64], bool], dict[str, int]] | None = None
     primer: str = ""
 
 
 def _solving(residual: Function, **parts: Function) -> dict[str, Function]:
-    return {**parts, "residual": residual, "form_matrix": implicit.form_matrix_by_differences, "solve": implicit.solve}
+    return {
+        **parts,
+        "residual": residual,
+        "form_matrix": newton.form_matrix_by_differences,
+        "newton": newton.newton,
+        "solve": implicit.solve,
+    }
 
 
-def _projecting(leave_over: Function, renew: Function) -> dict[str, Function]:
+def _projecting(leave_over: Function, excess_of: Function, renew: Function) -> dict[str, Function]:
     return {
         "jacobian": constraints.jacobian_here,
         "linearise": constraints.linearise_constraints,
         "leave_over": leave_over,
+        "excess_of": excess_of,
         "renew": renew,
         "project": constraints.project_state,
     }
@@ -93,9 +109,14 @@ FLOWS = {
         moves_v=True,
         keeps_acceleration=False,
         memory=adjoint.memory_size,
+        scratch=adjoint.scratch_size,
     ),
     "adjoint-drift": Flow(
-        adjoint.adjoint_drift, parts=_solving(adjoint.drift_residual), moves_x=True, memory=adjoint.memory_size
+        adjoint.adjoint_drift,
+        parts=_solving(adjoint.drift_residual),
+        moves_x=True,
+        memory=adjoint.memory_size,
+        scratch=adjoint.scratch_size,
     ),
     "damp": Flow(damping.damp, moves_v=True),
     "rotate": Flow(magnetic.rotate, moves_v=True),
@@ -105,13 +126,18 @@ FLOWS = {
     "kepler": Flow(kepler.kepler, moves_x=True, moves_v=True),
     "jump": Flow(kepler.jump),  # moves x by what neither the clock nor the acceleration of the kicks sees
     "sweep": Flow(
-        sweep.sweep, parts={"evaluate_component": sweep.evaluate_component}, moves_x=True, memory=sweep.memory_size
+        sweep.sweep,
+        parts={"evaluate_component": sweep.evaluate_component},
+        moves_x=True,
+        memory=sweep.memory_size,
+        constants=sweep.constants,
     ),
     "adjoint-sweep": Flow(
         sweep.adjoint_sweep,
         parts={"evaluate_component": sweep.evaluate_component, "solve_component": sweep.solve_component},
         moves_x=True,
         memory=sweep.memory_size,
+        constants=sweep.constants,
     ),
     "extrapolation": Flow(
         extrapolation.extrapolate,
@@ -126,6 +152,7 @@ FLOWS = {
         moves_x=True,
         moves_v=True,
         memory=extrapolation.memory_size,
+        scratch=adjoint.scratch_size,
     ),
     "extrapolated-sweeps": Flow(
         extrapolation.extrapolate,
@@ -167,6 +194,7 @@ FLOWS = {
         moves_v=True,
         keeps_acceleration=False,
         memory=linearly_implicit.memory_size,
+        scratch=linearly_implicit.scratch_size,
     ),
     "gradient-kick": Flow(gradient_kick.gradient_kick, evaluations=2, moves_v=True, keeps_acceleration=False),
     "runge-kutta": Flow(
@@ -175,6 +203,7 @@ FLOWS = {
         moves_x=True,
         moves_v=True,
         memory=runge_kutta.explicit_memory,
+        constants=runge_kutta.constants,
     ),
     "implicit-runge-kutta": Flow(
         runge_kutta.implicit_runge_kutta,
@@ -182,27 +211,32 @@ FLOWS = {
         moves_x=True,
         moves_v=True,
         memory=runge_kutta.implicit_memory,
+        scratch=runge_kutta.implicit_scratch,
+        constants=runge_kutta.constants,
     ),
     "linearise-constraints": Flow(
         constraints.linearise_constraints,
         parts={"jacobian": constraints.jacobian_here},
         memory=constraint_rows.memory_size,
+        constants=constraint_rows.constants,
     ),
     "constrain-positions": Flow(
         constraints.constrain_positions,
-        parts=_projecting(constraints.positions_left_over, constraints.renew_at_positions),
+        parts=_projecting(constraints.positions_left_over, constraint_rows.farthest, constraints.renew_at_positions),
         moves_x=True,
         moves_v=True,
         timed=False,
         memory=constraint_rows.memory_size,
+        constants=constraint_rows.constants,
         primer="linearise-constraints",
     ),
     "constrain-velocities": Flow(
         constraints.constrain_velocities,
-        parts=_projecting(constraints.velocities_left_over, constraints.renew_nothing),
+        parts=_projecting(constraints.velocities_left_over, constraints.nothing_in_excess, constraints.renew_nothing),
         moves_v=True,
         timed=False,
         memory=constraint_rows.memory_size,
+        constants=constraint_rows.constants,
         primer="linearise-constraints",
     ),
 }

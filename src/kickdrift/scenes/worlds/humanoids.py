@@ -4,7 +4,12 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from kickdrift.scenes.worlds.placing import Quaternion, Vector, about, between, scatter, turned
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kickdrift.core.rotations import Floats, about, turned
+from kickdrift.core.vectors import Vector
+from kickdrift.scenes.worlds.placing import between, scatter
 from kickdrift.world.body import Body
 from kickdrift.world.joints.axis import Drive
 from kickdrift.world.world import World
@@ -53,8 +58,8 @@ PELVIS = 0.97  # its height of one who stands
 def add_person(
     world: World,
     *,
-    position: Vector = (0.0, 0.0, PELVIS),
-    orientation: Quaternion = (1.0, 0.0, 0.0, 0.0),
+    position: ArrayLike = (0.0, 0.0, PELVIS),
+    orientation: ArrayLike = (1.0, 0.0, 0.0, 0.0),
     drive: Drive | None = None,
     bones: Sequence[Bone] = BONES,
 ) -> Person:
@@ -63,9 +68,9 @@ def add_person(
     Parameters
     ----------
     world : World
-    position : (3,) tuple
+    position : (3,) array_like
         Of the pelvis, in m.
-    orientation : (4,) tuple
+    orientation : (4,) array_like
         Quaternion (w, x, y, z) that turns one who stands and faces +x.
     drive : Drive, optional
         Of each joint; without stiffness, the person is limp.
@@ -73,9 +78,8 @@ def add_person(
         Other bones.
     """
 
-    def place(point: Vector) -> Vector:
-        x, y, z = turned(orientation, (point[0], point[1], point[2] - PELVIS))
-        return (position[0] + x, position[1] + y, position[2] + z)
+    def place(point: Vector) -> Floats:
+        return np.add(position, turned(orientation, np.subtract(point, (0.0, 0.0, PELVIS))))
 
     bodies: Person = {}
     for bone in bones:

@@ -4,7 +4,8 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from kickdrift.scenes.worlds.placing import Vector, between
+from kickdrift.core.vectors import Vector
+from kickdrift.scenes.worlds.placing import between
 from kickdrift.world.body import Body
 from kickdrift.world.joints.axis import Drive
 from kickdrift.world.joints.handle import Joint

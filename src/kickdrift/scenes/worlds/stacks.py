@@ -2,7 +2,8 @@
 
 from math import cos, sin
 
-from kickdrift.scenes.worlds.placing import about, scatter
+from kickdrift.core.rotations import about
+from kickdrift.scenes.worlds.placing import scatter
 from kickdrift.world.world import World
 
 

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError
+from kickdrift.core.rotations import product as rotated_by
+from kickdrift.core.rotations import turned as rotated
 from kickdrift.core.vectors import Vector, cross, exponential, minus, plus, product, turned, unit
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.integration import BODY_KIND, DYNAMIC
@@ -39,8 +41,6 @@ from kickdrift.world.joints.layout import (
     UPPER_LIMIT,
 )
 from kickdrift.world.joints.measure import measure
-from kickdrift.world.rotations import product as rotated_by
-from kickdrift.world.rotations import turned as rotated
 from kickdrift.world.tables import BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, MOTION, POSE, Tables, floats
 
 if TYPE_CHECKING:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.core.rotations import of_matrix, product, turned
 from kickdrift.world.integration import AWAKE, BODY_KIND, DYNAMIC
 from kickdrift.world.joints.axis import Axis
 from kickdrift.world.joints.catalogue import KINDS
@@ -57,7 +58,6 @@ from kickdrift.world.joints.placing import signs
 from kickdrift.world.joints.record import Placement, Record
 from kickdrift.world.joints.tree import arrange
 from kickdrift.world.names import Names
-from kickdrift.world.rotations import product, turned
 from kickdrift.world.tables import ARTICULATION, BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, POSE, STARTED_JOINTS, Tables
 from kickdrift.world.undivided import alone, undivided
 
@@ -89,8 +89,6 @@ class Joints:
         ArgumentError
             For a body with itself, and for what the record refuses.
         """
-        from scipy.spatial.transform import Rotation  # takes 0.2 s, which worlds without joints need not wait for
-
         if body_a == body_b:
             raise ArgumentError(
                 f"body_b is body_a, row {body_a}, but a joint holds two bodies together; give another one, or None for the"
@@ -108,7 +106,7 @@ class Joints:
         axes = (*placement.linear, *placement.angular)
         joint[LOCKED] = sum(1 << k for k, axis in enumerate(axes) if axis.locked)
         poses = tables.array(POSE)
-        frame = Rotation.from_matrix(placement.frame).as_quat()[[3, 0, 1, 2]]
+        frame = of_matrix(placement.frame)
         for body, at, turn, anchor in (
             (body_a, ANCHOR_A, FRAME_A, placement.anchor_a),
             (body_b, ANCHOR_B, FRAME_B, placement.anchor_b),

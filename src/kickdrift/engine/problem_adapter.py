@@ -2,17 +2,18 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.compilation import Function, compiled, specialise
+from kickdrift.core.compilation import Function, compiled, is_kept, specialise
 from kickdrift.core.errors import ArgumentError, KickdriftError
-from kickdrift.engine.flows.layout import FLAT
-from kickdrift.engine.user_functions import MEANINGS, Layout, argument_names, flatten, with_bounds_checked
+from kickdrift.core.naming import specialised_name
+from kickdrift.engine.flows.layout import FLAT, call_flat
+from kickdrift.engine.user_functions import MEANINGS, Layout, argument_names, flatten
 from kickdrift.systems.problem import Adapted, Problem, name_of
 from kickdrift.systems.second_order import SecondOrder
 from kickdrift.systems.system import Quantity, System
@@ -24,14 +25,21 @@ _TAKEN = ("energy", "time", "t", "x", "v")
 
 
 @dataclass(frozen=True)
-class Start:
-    """A start, and the hands that adapt functions to it: an `Adapter`."""
+class Adapter:
+    """A start, and the hands that adapt functions to it: a `kickdrift.systems.problem.Adapter`."""
 
     t0: float
     x0: Floats
     v0: Floats
-    args: Floats
+    users_args: Floats
     compile_: bool
+    check_bounds: bool = True
+    numbers: list[Floats] = field(default_factory=list)
+
+    @property
+    def args(self) -> Floats:
+        """What the functions adapted so far get as params: the user's, and the numbers of the functions themselves."""
+        return np.concatenate([self.users_args, *self.numbers])
 
     def adapt(
         self,
@@ -42,18 +50,19 @@ class Start:
     ) -> Adapted:
         """Adapt a function and try it once, see `kickdrift.systems.problem.Adapter`."""
         given = argument_names(function, role, names)
-        layout = Layout(self.x0.shape, self.x0.shape if shape is None else shape, self.args.size)
-        flat, native = flatten(function, given, layout, self.compile_)
-        if native:
-            self._check_bounds(f"{role}, {name_of(function)},", with_bounds_checked(function, given, layout), layout)
-        self._try_once(function, role, flat, given, shape)
-        return Adapted(flat, frozenset(MEANINGS.get(name, name) for name in given), native)
+        result = self.x0.shape if shape is None else shape
+        layout = Layout(self.x0.shape, result, self.users_args.size, self.args.size)
+        flat = flatten(function, given, layout, self.compile_, self.check_bounds)
+        if flat.numbers.size:
+            self.numbers.append(flat.numbers)
+        self._try_once(function, role, flat.function, given, shape)
+        return Adapted(flat.function, frozenset(MEANINGS.get(name, name) for name in given), flat.native)
 
     def shape_of(self, function: Any, role: str, names: Sequence[str]) -> tuple[int, ...]:
         """Return the shape of what a function returns, see `kickdrift.systems.problem.Adapter`."""
         state: dict[str, Any] = {
             name: float(array) if array.shape == () else array.copy()
-            for name, array in (("x", self.x0), ("v", self.v0), ("params", self.args))
+            for name, array in (("x", self.x0), ("v", self.v0), ("params", self.users_args))
         }
         state["t"] = self.t0
         given = {name: state[MEANINGS.get(name, name)] for name in argument_names(function, role, names)}
@@ -79,11 +88,13 @@ class Start:
             if name in _TAKEN:
                 raise ArgumentError(f"invariants has the name {name!r}, which is taken; give another, or energy=... .")
         given = {"energy": energy, **invariants}
-        return {
-            name: Quantity(self.adapt(function, f"the function for {name!r}", self._quantity_names, ()).function)
-            for name, function in given.items()
-            if function is not None
-        }
+        return {name: self._quantity(name, function) for name, function in given.items() if function is not None}
+
+    def _quantity(self, name: str, function: Function) -> Quantity:
+        """Adapt a conserved quantity, which has numbers of its own: those of the system are laid out already."""
+        alone = replace(self, numbers=[])
+        adapted = alone.adapt(function, f"the function for {name!r}", self._quantity_names, ())
+        return Quantity(adapted.function, params=alone.args)
 
     @property
     def _quantity_names(self) -> tuple[str, ...]:
@@ -94,19 +105,6 @@ class Start:
         if all(hasattr(function, "py_func") for function in functions.values()):
             return _bound(template, tuple(functions.items()))
         return specialise(template, template.__name__.lstrip("_"), **functions)
-
-    def _check_bounds(self, name: str, function: Function, layout: Layout) -> None:
-        v = np.zeros(1) if self.v0.size == 0 else self.v0.reshape(-1).copy()
-        try:
-            with np.errstate(all="ignore"):
-                function(self.t0, self.x0.reshape(-1).copy(), v, self.args.copy(), np.zeros(math.prod(layout.result)))
-        except IndexError as error:
-            raise ArgumentError(
-                f"{name} has an index out of bounds at the start, x0 of shape {self.x0.shape} with {self.args.size}"
-                f" args: IndexError: {error}. The numbers of params are those given as args=(...)."
-            ) from error
-        except Exception:
-            return  # whatever else is wrong with it, the compiled function will tell
 
     def _try_once(
         self, original: Any, role: str, function: Function, names: list[str], shape: tuple[int, ...] | None
@@ -124,6 +122,11 @@ class Start:
                     function(self.t0, *given, other)
         except KickdriftError:
             raise
+        except IndexError as error:
+            raise ArgumentError(
+                f"{name} has an index out of bounds at the start, x0 of shape {self.x0.shape} with"
+                f" {self.users_args.size} args: IndexError: {error}. The numbers of params are those given as args=(...)."
+            ) from error
         except Exception as error:
             wanted = "one number" if shape == () or "i" in names else f"an array of shape {shape or self.x0.shape}"
             raise ArgumentError(
@@ -141,12 +144,23 @@ class Start:
 
 @lru_cache(maxsize=128)
 def _bound(template: Function, functions: tuple[tuple[str, Function], ...]) -> Function:
-    native: Any = compiled(cached=False)(specialise(template, template.__name__.lstrip("_"), **dict(functions)))
+    kept = all(is_kept(function) for _, function in functions)
+    details = [getattr(function, "__qualname__", "") for _, function in functions]
+    bound = specialise(template, specialised_name(template, *details), **dict(functions))
+    native: Any = compiled(cached=kept, users=True, through=call_flat)(bound)
     native.compile(FLAT)
     return cast(Function, native)
 
 
-def adopt(problem: Problem | Function, t0: float, x0: Floats, v0: Floats, args: Floats, compile_: bool) -> System:
+def adopt(
+    problem: Problem | Function,
+    t0: float,
+    x0: Floats,
+    v0: Floats,
+    args: Floats,
+    compile_: bool,
+    check_bounds: bool = True,
+) -> System:
     """Make a system of a user's functions and start.
 
     Raises
@@ -155,4 +169,4 @@ def adopt(problem: Problem | Function, t0: float, x0: Floats, v0: Floats, args: 
         For a function with other argument names, or whose result does not have the shape that it should have.
     """
     described = problem if isinstance(problem, Problem) else SecondOrder(problem)
-    return described.system(Start(t0, x0, v0, args, compile_))
+    return described.system(Adapter(t0, x0, v0, args, compile_, check_bounds))

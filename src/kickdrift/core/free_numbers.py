@@ -1,0 +1,68 @@
+"""Globals and free variables of a function as arguments of its compiled code.
+
+Numba freezes them. Where they are numbers that change from call to call, such as the stiffness of a spring, that would be
+a compilation for each; as arguments they cost a load each.
+"""
+
+import inspect
+from collections.abc import Collection
+from typing import Any
+
+from numba.core import ir
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.compiler_machinery import FunctionPass, register_pass
+from numba.core.ir_utils import build_definitions
+from numba.core.untyped_passes import FixupArgs
+
+_ATTRIBUTE = "__free_numbers__"
+
+
+def numbers_as_arguments(function: Any, names: Collection[str]) -> None:
+    """Have compiled code of a function take some of its globals and free variables as arguments of their names.
+
+    An argument with a default, of these names, loses it. The interpreter is told nothing.
+    """
+    given = inspect.signature(function).parameters
+    free = [name for name in names if name not in given]
+    needed = [_plain(given[name], name in names) for name in given]
+    added = [inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD) for name in free]
+    needed.sort(key=lambda parameter: parameter.default is not parameter.empty)
+    function.__signature__ = inspect.Signature([*added, *needed])
+    setattr(function, _ATTRIBUTE, frozenset(free))
+
+
+def _plain(parameter: inspect.Parameter, needed: bool) -> inspect.Parameter:
+    default = parameter.empty if needed else parameter.default
+    return parameter.replace(kind=parameter.POSITIONAL_OR_KEYWORD, default=default)
+
+
+@register_pass(mutates_CFG=False, analysis_only=False)
+class _GlobalsAsArguments(FunctionPass):  # type: ignore[misc]
+    """Reads an argument where the function reads a global or a free variable."""
+
+    _name = "kickdrift_globals_as_arguments"
+
+    def __init__(self) -> None:
+        super().__init__()
+
+    def run_pass(self, state: Any) -> bool:
+        """Change Numba's intermediate representation of a function."""
+        names: frozenset[str] = getattr(state.func_id.func, _ATTRIBUTE, frozenset())
+        for block in state.func_ir.blocks.values():
+            for statement in block.find_insts(ir.Assign):
+                if isinstance(statement.value, ir.Global | ir.FreeVar) and statement.value.name in names:
+                    statement.value = ir.Var(block.scope, statement.value.name, statement.loc)
+        if names:
+            state.func_ir._definitions = build_definitions(state.func_ir.blocks)
+        return bool(names)
+
+
+class Pipeline(CompilerBase):  # type: ignore[misc]
+    """How Numba compiles a function, and `numbers_as_arguments` are arguments."""
+
+    def define_pipelines(self) -> list[Any]:
+        """Put the pass where functions have become Numba's, and before it looks at what they use."""
+        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes.add_pass_after(_GlobalsAsArguments, FixupArgs)
+        passes.finalize()
+        return [passes]

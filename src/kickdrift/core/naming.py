@@ -1,0 +1,32 @@
+"""Names of specialised functions, which tell apart what is bound into them: compiled code is kept on disk under them."""
+
+import hashlib
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+Function = Callable[..., Any]
+
+
+def specialised_name(function: Function, *details: str) -> str:
+    """Name a specialisation for `function` so that no other one, and none of changed sources, is taken for it."""
+    python_function = getattr(function, "py_func", function)
+    parts = (python_function.__module__, python_function.__qualname__, *details, source_digest())
+    return "_".join(parts).replace(".", "_").replace("-", "_").replace("<", "").replace(">", "")
+
+
+def comes_with_kickdrift(function: Function) -> bool:
+    """Whether a function's source is in `source_digest`, so that its specialisations may be cached on disk."""
+    return str(getattr(function, "py_func", function).__module__).startswith("kickdrift.systems.")
+
+
+@cache
+def source_digest() -> str:
+    """Digest of the sources of the floors that hold compiled code."""
+    package = Path(__file__).parent.parent
+    digest = hashlib.sha256()
+    for floor in ("core", "systems", "engine"):
+        for path in sorted((package / floor).rglob("*.py")):
+            digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]

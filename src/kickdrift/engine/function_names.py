@@ -1,0 +1,89 @@
+"""What the code of a function mentions, read from its bytecode."""
+
+import dis
+import hashlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from types import CodeType
+from typing import Any
+
+
+class CannotTellError(Exception):
+    """One cannot tell what compiled code of a function is made of."""
+
+
+@dataclass(frozen=True)
+class Names:
+    """What a code mentions: its globals, the names that functions inside of it use, all its names, and its digest.
+
+    Beside them, which names are exponents of powers.
+    """
+
+    globals: tuple[str, ...]
+    inner: frozenset[str]
+    all: frozenset[str]
+    digest: str
+    exponents: frozenset[str]
+
+
+@lru_cache(maxsize=1024)
+def names_of(code: CodeType) -> Names:
+    """Read the names in a code and in those of functions inside of it.
+
+    Raises
+    ------
+    CannotTellError
+        If the function changes what it mentions, or imports.
+    """
+    codes = list(_codes(code))
+    loaded, stored, exponents = set(), set(), set()
+    for each in codes:
+        last = ""
+        for instruction in dis.get_instructions(each):
+            operation, name = instruction.opname, instruction.argval
+            if operation in ("LOAD_GLOBAL", "LOAD_NAME"):
+                loaded.add(name)
+            elif operation in ("STORE_GLOBAL", "DELETE_GLOBAL", "IMPORT_NAME"):
+                raise CannotTellError
+            elif operation in ("STORE_DEREF", "DELETE_DEREF"):
+                stored.add(name)
+            elif operation == "BINARY_OP" and instruction.argrepr.startswith("**"):
+                exponents.add(last)
+            if operation.startswith("LOAD_"):
+                last = str(name)
+    if stored & set(code.co_freevars):
+        raise CannotTellError
+    inner = {name for each in codes[1:] for name in (*each.co_names, *each.co_freevars)}
+    every = {name for each in codes for name in each.co_names}
+    return Names(
+        tuple(sorted(loaded)), frozenset(inner), frozenset(every), digest_of(_text_of(code)), frozenset(exponents)
+    )
+
+
+def _codes(code: CodeType) -> Iterator[CodeType]:
+    yield code
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            yield from _codes(constant)
+
+
+def _text_of(code: CodeType) -> str:
+    consts = tuple(_text_of(c) if isinstance(c, CodeType) else _constant_of_code(c) for c in code.co_consts)
+    counts = (code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, code.co_flags)
+    names = (code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)
+    table = getattr(code, "co_exceptiontable", b"")
+    return repr((code.co_name, code.co_code, table, counts, names, consts))
+
+
+def _constant_of_code(value: Any) -> str:
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_constant_of_code, value))})"
+    if isinstance(value, frozenset):
+        return f"set({sorted(map(_constant_of_code, value))})"
+    return f"{type(value).__name__} {value!r}"
+
+
+def digest_of(data: str | bytes) -> str:
+    """Return 32 letters that tell a text or bytes apart."""
+    return hashlib.sha256(data if isinstance(data, bytes) else data.encode()).hexdigest()[:32]
