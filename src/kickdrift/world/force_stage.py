@@ -9,14 +9,18 @@ A force names what it needs, and adds in place to the arrays `force` and `torque
 """
 
 import inspect
+from collections.abc import Hashable
+from dataclasses import dataclass, field
 from functools import lru_cache
 from types import FunctionType
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from kickdrift.core.compilation import Function, compiled
 from kickdrift.core.errors import ArgumentError
-from kickdrift.engine.frozen import frozen
-from kickdrift.engine.user_functions import Frozen, argument_names
+from kickdrift.engine.function_key import taken_apart
+from kickdrift.engine.user_functions import argument_names
 from kickdrift.world.integration import MASS
 from kickdrift.world.step import STAGE
 from kickdrift.world.tables import FORCE, INERTIA, LOAD, MOTION, POSE, floats, rows
@@ -82,13 +86,23 @@ def force_of(function: Function) -> Force:
             f"force={function!r} is a partial, a method, a generator or the like, of which no stage can be made; give a"
             " function by def."
         )
-    return Force(function, _stage(Frozen(frozen(function) or object(), function), tuple(names)))
+    taken = taken_apart(function)
+    numbers = tuple((name, np.asarray(value).tobytes()) for name, value in sorted(taken.numbers.items()))
+    return Force(function, _stage(_Compiled((taken.key, numbers), function), tuple(names)))
+
+
+@dataclass(frozen=True)
+class _Compiled:
+    """A function, equal to another if both have the same compiled code and numbers."""
+
+    key: Hashable
+    function: Function = field(compare=False)
 
 
 @lru_cache(maxsize=128)
-def _stage(frozen_function: Frozen, names: tuple[str, ...]) -> Function:
+def _stage(given: _Compiled, names: tuple[str, ...]) -> Function:
     """Compile the stage, once for all functions that Numba compiles to the same: memory for code is never given back."""
-    function = frozen_function.function
+    function = given.function
     native = function if hasattr(function, "py_func") else compiled(cached=False, checked=True)(function)
     scope: dict[str, Any] = {
         "__name__": __name__,
