@@ -237,3 +237,15 @@ def test_a_word_of_kepler_flows_is_done_in_one_where_steps_meet():
         kd.solve(system, (0.0, 6.0), step=0.5, method=each, progress=False) for each in (method, KICK_KEPLER_KICK)
     )
     assert np.abs(one.x - other.x).max() < 1e-14
+
+
+@pytest.mark.parametrize("splitting", ["jacobi", "democratic-heliocentric"])
+@pytest.mark.parametrize(
+    ("mass", "distance"), [(1e-320, 1e308), (1e-320, 1.0), (1.0, 1e308), (1.0, 1e-308), (1e308, 1.0)]
+)
+def test_orbits_beyond_all_numbers_end(mass, distance, splitting):
+    x0, v0 = [[0, 0, 0], [distance, 0, 0]], [[0, 0, 0], [0, 1e-3, 0]]
+    system = kd.systems.planetary([mass, 0.0], x0, v0, splitting=splitting)
+    run = kd.solve(system, (0.0, 10.0), step=1.0, method="wisdom-holman", progress=False)
+    assert run.status in (kd.Outcome.COMPLETED, kd.Outcome.NOT_FINITE, kd.Outcome.NOT_CONVERGED)
+    assert np.isfinite(run.x).all()

@@ -84,6 +84,13 @@ def unit(q: Quaternion) -> Quaternion:
 
 
 @compiled(inline=True)
+def is_scaled(q: Quaternion) -> bool:
+    """Whether the length of a quaternion is neither one, but for rounding, nor zero."""
+    square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]
+    return abs(square - 1.0) > 1e-12 and square > 0.0
+
+
+@compiled(inline=True)
 def turned(q: Quaternion, a: Vector) -> Vector:
     """Turn a vector: from a body's axes to the world's."""
     u = (q[1], q[2], q[3])

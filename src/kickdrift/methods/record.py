@@ -1,12 +1,10 @@
 """What a method is: a word over flows, with exact weights."""
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property
-from itertools import zip_longest
 from typing import Any
 
 import numpy as np
@@ -15,28 +13,16 @@ from numpy.typing import NDArray
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 from kickdrift.methods.letter import WHOLES, Letter
+from kickdrift.methods.oscillator import order_on_oscillator
 from kickdrift.methods.tableau import Tableau
 
 _LONGEST_SPELLING = 9  # letters
-_ORDER_ROUNDING = 1e-9  # of coefficients with so many digits, over some thirty letters
 
 Weight = Fraction | Decimal | str | int
 Word = tuple[tuple[Letter, Fraction], ...]
 
 K, D = Letter.KICK, Letter.DRIFT
 ADJOINT_K, ADJOINT_D = Letter.ADJOINT_KICK, Letter.ADJOINT_DRIFT
-
-
-_Row = tuple[list[float], list[float]]  # of a matrix: two power series in h
-
-
-def _advanced(row: _Row, by: _Row, share: float) -> _Row:
-    """Add h times a share of one row to another."""
-    first, second = (
-        [a + share * b for a, b in zip_longest(one, [0.0, *other], fillvalue=0.0)]
-        for one, other in zip(row, by, strict=True)
-    )
-    return first, second
 
 
 def _is_share(letter: Any, weight: Any) -> bool:
@@ -144,22 +130,11 @@ class Method:
             )
 
     def _check_order(self) -> None:
-        """Refuse an order that the word does not have on the harmonic oscillator, and so on nothing."""
-        if not self.letters <= {K, D}:
-            return
-        # Coefficients of powers of h in the matrix of the step, for x' = v, v' = -x
-        x: _Row = ([1.0], [0.0])
-        v: _Row = ([0.0], [1.0])
-        for letter, weight in self.word:
-            share = float(weight)
-            x, v = (_advanced(x, v, share), v) if letter is D else (x, _advanced(v, x, -share))
-        for power in range(self.order + 1):
-            even = (-1.0) ** (power // 2) / math.factorial(power)
-            rotation = (even, 0.0, 0.0, even) if power % 2 == 0 else (0.0, even, -even, 0.0)
-            found = [series[power] if power < len(series) else 0.0 for series in (*x, *v)]
-            if max(abs(a - b) for a, b in zip(found, rotation, strict=True)) > _ORDER_ROUNDING:
+        if self.letters <= {K, D}:
+            moves = [(letter is D, float(weight)) for letter, weight in self.word]
+            if (order := order_on_oscillator(moves, self.order)) < self.order:
                 raise ArgumentError(
-                    f"order={self.order!r} of {self.name!r}: its word has order {power - 1} on the harmonic oscillator, and so"
+                    f"order={self.order!r} of {self.name!r}: its word has order {order} on the harmonic oscillator, and so"
                     " no higher one; give that, or other weights."
                 )
 

@@ -18,6 +18,7 @@ from kickdrift.core.vectors import (
     applied,
     dot,
     exponential,
+    is_scaled,
     minus,
     plus,
     product,
@@ -27,7 +28,7 @@ from kickdrift.core.vectors import (
     turned_symmetric,
     unit,
 )
-from kickdrift.world.columns import column, symmetric_at, vector_at
+from kickdrift.world.columns import column, quaternion_at, symmetric_at, vector_at
 from kickdrift.world.free_rotation import mean_turn, turned_product
 from kickdrift.world.settings import GRAVITY, MIDPOINT, PLANE_NORMAL
 from kickdrift.world.step_status import report_body
@@ -84,7 +85,6 @@ HEAP_UNSOLVED = column(BODY)  # and the most of their UNSOLVED
 LEFT_FOR = column(BODY)  # steps in which it was left unsolved, less those in which it was not
 REMOVED, STATIC, KINEMATIC, DYNAMIC = 0, 1, 2, 3
 
-_NO_TURN = 1e-12  # by which the square of an orientation's length may differ from one: far above rounding
 _SLOW = 1e-16  # square of the turn in a substep from which on its second order counts
 
 
@@ -94,12 +94,9 @@ def begin(t: float, h: float, world: int) -> None:
     delta_pose, pose, motion = floats(world, DELTA_POSE), floats(world, POSE), floats(world, MOTION)
     old_pose, old_motion = floats(world, STARTED_POSE), floats(world, STARTED_MOTION)
     for body in range(rows(world, DELTA_POSE)):
-        size = pose[body, 3] ** 2 + pose[body, 4] ** 2 + pose[body, 5] ** 2 + pose[body, 6] ** 2
-        if (
-            abs(size - 1.0) > _NO_TURN and size > 0.0
-        ):  # written into by a user; of what moves the drift does it, but later
-            for k in range(3, 7):
-                pose[body, k] /= math.sqrt(size)
+        turn = quaternion_at(pose, body, 3)
+        if is_scaled(turn):  # users have written into it; of what moves the drift does it, but later
+            pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6] = unit(turn)
         for k in range(8):
             delta_pose[body, k] = 0.0
             old_pose[body, k] = pose[body, k]

@@ -83,7 +83,7 @@ def stiefel_functions(beta: float, X: float) -> tuple[float, float, float, float
     G_1^2 = G_2 (2 - beta G_2), which is what energy and angular momentum hang on.
     """
     y, doublings = 0.5 * X, 1
-    while abs(beta * y * y) > _SMALL:
+    while abs(beta * y * y) > _SMALL and abs(y) < math.inf:  # half of infinity is no less
         y, doublings = 0.5 * y, doublings + 1
     z = beta * y * y
     zz = z * z
