@@ -147,7 +147,7 @@ def _solution(
         v=vs,
         invariants=Invariants(tuple(system.quantities), partial(quantities.evaluate, system, t=t, x=xs, v=vs)),
         status=ending.outcome,
-        message=ending.message + _energy_lost(system, t, xs, vs),
+        message=ending.message + quantities.energy_lost(system, t, xs, vs),
         step=grid.step,
         n_steps=ending.n_steps,
         n_force_evaluations=ending.evaluations + inside.evaluations,
@@ -155,18 +155,6 @@ def _solution(
         about=_describe(system, chosen, compensated),
         derived=_derived(system, t, xs, vs),
     )
-
-
-def _energy_lost(system: System, t: Floats, xs: Floats, vs: Floats) -> str:
-    """Return a sentence on an energy that is farther off at the end than it was large at the start, or nothing."""
-    if "energy" not in system.quantities or t.size < 2:
-        return ""
-    ends = [0, -1]
-    first, last = quantities.evaluate(system, "energy", t=t[ends], x=xs[ends], v=vs[ends])
-    if not abs(last - first) > abs(first) > 0.0:
-        return ""
-    times = abs(last - first) / abs(first)
-    return f" The energy is off by {times:.3g} times what it was: the states are wrong; try a smaller step."
 
 
 def _derived(system: System, t: Floats, xs: Floats, vs: Floats) -> Invariants:
