@@ -11,6 +11,7 @@ from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass, field
 from types import BuiltinFunctionType, CellType, FunctionType, ModuleType
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numba
 import numpy as np
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.cache import written
 from kickdrift.core.compilation import Function
+from kickdrift.core.free_numbers import Pipeline, numbers_as_arguments
 from kickdrift.core.naming import source_digest
 from kickdrift.engine.function_names import CannotTellError, Names, digest_of, names_of
 
@@ -38,15 +40,19 @@ class Taken:
     function : callable
         The function itself.
     numbers : mapping of str to float or array
-        Those of its globals, free variables and defaults that compiled code takes as arguments.
+        Those of its globals, free variables and defaults that compiled code takes as arguments, and those of the functions
+        that it calls, as ``function__number``.
     constants : mapping of str to object
         The others.
+    callees : mapping of str to Taken
+        The compiled functions among the constants.
     """
 
     key: Hashable
     function: Any = field(compare=False)
     numbers: Mapping[str, float | NDArray[np.float64]] = field(compare=False, default_factory=dict)
     constants: Mapping[str, Any] = field(compare=False, default_factory=dict)
+    callees: Mapping[str, "Taken"] = field(compare=False, default_factory=dict)
 
     @property
     def known(self) -> bool:
@@ -63,14 +69,15 @@ class Taken:
         return digest_of(repr((self.key, details, source_digest())))
 
     def snapshot(self, checked: bool) -> Function:
-        """Copy the function, with its constants as they are now; its numbers are left for `numbers_as_arguments`.
+        """Copy the function, with its constants as they are now, for compiled code that takes its numbers as arguments.
 
         Indices of compiled functions that it calls are `checked`, too.
         """
         python = getattr(self.function, "py_func", self.function)
         values = {
-            **{name: _snapshot(value, checked) for name, value in self.constants.items()},
             **dict.fromkeys(self.numbers, 0.0),
+            **{name: _copied(value) for name, value in self.constants.items()},
+            **{name: callee.dispatcher(checked) for name, callee in self.callees.items()},
         }
         cells = tuple(CellType(values[name]) for name in python.__code__.co_freevars)
         own = {"__name__": python.__module__, "__builtins__": __builtins__, **values}
@@ -79,18 +86,26 @@ class Taken:
         copy.__qualname__ = (
             f"{python.__qualname__}_{self.digest(checked)}"  # of two of a name, Numba may take one for the other
         )
+        numbers_as_arguments(copy, self.numbers, {name: tuple(callee.numbers) for name, callee in self.callees.items()})
         return copy
+
+    def dispatcher(self, checked: bool) -> Any:
+        """Return a compiled function as Numba would compile it now."""
+        return CPUDispatcher(
+            self.snapshot(checked), self.function.locals, self.options(checked), pipeline_class=Pipeline
+        )
 
 
 def taken_apart(function: Any) -> Taken:
     """Take a function apart."""
     try:
-        return _taken_apart(function, ())
+        return _taken_apart(function, (), True)
     except CannotTellError:
         return Taken(object(), function)
 
 
-def _taken_apart(function: Any, callers: tuple[Any, ...]) -> Taken:
+def _taken_apart(function: Any, callers: tuple[Any, ...], free: bool) -> Taken:
+    """Take a function apart, with its numbers `free` or among the constants."""
     python, options = function, ""
     if isinstance(function, CPUDispatcher):
         python, options = function.py_func, written(function.targetoptions)
@@ -99,16 +114,30 @@ def _taken_apart(function: Any, callers: tuple[Any, ...]) -> Taken:
     if not isinstance(python, FunctionType) or function in callers:
         raise CannotTellError
     names, around = names_of(python.__code__), (*callers, function)
-    numbers, constants = {}, {}
+    numbers: dict[str, Any] = {}
+    constants: dict[str, Any] = {}
+    callees: dict[str, Taken] = {}
     for name, value in (*_values(python, names), *_defaults(python)):
-        frozen = name in names.inner or (name in names.exponents and _makes_roots_and_products(value))
-        if callers or frozen or not _is_number(value):
-            constants[name] = value
-        else:
+        fixed = name in names.inner or (name in names.exponents and _makes_roots_and_products(value))
+        if isinstance(value, CPUDispatcher) and _name_in_library(value) is None:
+            callees[name] = _taken_apart(value, around, free and _is_simply_called(name, value, names))
+        elif free and not fixed and _is_number(value):
             numbers[name] = value
+        else:
+            constants[name] = value
+    for name, callee in callees.items():
+        numbers |= {f"{name}__{number}": value for number, value in callee.numbers.items()}
+    if len(numbers) > len({*numbers} - {*constants}):
+        raise CannotTellError  # a name of the function's own looks like that of a callee's number
     described = tuple((name, _constant(value, names, around)) for name, value in sorted(constants.items()))
+    called = tuple((name, callee.key) for name, callee in sorted(callees.items()))
     shapes = tuple((name, np.shape(value)) for name, value in sorted(numbers.items()))
-    return Taken((names.digest, options, described, shapes), function, numbers, constants)
+    return Taken((names.digest, options, described, called, shapes), function, numbers, constants, callees)
+
+
+def _is_simply_called(name: str, function: Any, names: Names) -> bool:
+    """Whether a function is only called, and can be given more arguments in every call."""
+    return name in names.callees and name not in names.inner and not any(True for _ in _defaults(function.py_func))
 
 
 def _is_number(value: Any) -> bool:
@@ -166,10 +195,20 @@ def _constant(value: Any, names: Names, around: tuple[Any, ...]) -> Hashable:
     if (name := _name_in_library(value)) is not None:
         return name
     if isinstance(value, CPUDispatcher):
-        return _taken_apart(value, around).key
+        return _as_before(value, _taken_apart(value, around, False).key)
     if isinstance(value, numba.types.Type | np.dtype):
         return type(value).__name__, repr(value)
     raise CannotTellError
+
+
+_keys: WeakKeyDictionary[Any, Hashable] = WeakKeyDictionary()
+
+
+def _as_before(function: Any, key: Hashable) -> Hashable:
+    """Refuse a function that is taken from where it is, and may have been compiled before its constants changed."""
+    if _keys.setdefault(function, key) != key:
+        raise CannotTellError
+    return key
 
 
 def _of_module(module: ModuleType, names: Names, around: tuple[Any, ...]) -> Hashable:
@@ -198,11 +237,6 @@ def _name_in_library(value: Any) -> str | None:
     return f"{module}.{name}" if getattr(sys.modules.get(str(module)), name, None) is value else None
 
 
-def _snapshot(value: Any, checked: bool) -> Any:
-    """Copy what may change: arrays, and compiled functions with all that they use."""
-    if type(value) is np.ndarray:
-        return value.copy(order="K")
-    if isinstance(value, CPUDispatcher) and _name_in_library(value) is None:
-        taken = _taken_apart(value, (None,))
-        return CPUDispatcher(taken.snapshot(checked), value.locals, taken.options(checked))
-    return value
+def _copied(value: Any) -> Any:
+    """Copy what may change."""
+    return value.copy(order="K") if type(value) is np.ndarray else value
