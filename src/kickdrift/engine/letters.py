@@ -131,5 +131,6 @@ def _interpreted(
     }
     for part, function in known.parts.items():
         bindings[part] = specialise(function, part, **bindings)
-    bindings["residual_inside"] = bindings.get("residual")
+        if part == "residual":
+            bindings["residual_inside"] = bindings[part]
     return specialise(known.template, known.template.__name__, **bindings)
