@@ -75,7 +75,9 @@ def lu_factor_panels(matrix: Floats, pivots: Floats) -> bool:
             last = min(i, end)
             k = start
             while k + _ROWS <= last:
-                _subtract_four(row, part(matrix, i * n + k, _ROWS), part(matrix, k * n + end, (_ROWS - 1) * n + n - end))
+                _subtract_four(
+                    row, part(matrix, i * n + k, _ROWS), part(matrix, k * n + end, (_ROWS - 1) * n + n - end)
+                )
                 k += _ROWS
             for one in range(k, last):
                 share, other = matrix[i * n + one], part(matrix, one * n + end, n - end)
@@ -90,7 +92,12 @@ def _subtract_four(row: Floats, shares: Floats, rows: Floats) -> None:
     size = row.size
     n = (rows.size - size) // (_ROWS - 1)
     a, b, c, d = shares[0], shares[1], shares[2], shares[3]
-    first, second, third, fourth = part(rows, 0, size), part(rows, n, size), part(rows, 2 * n, size), part(rows, 3 * n, size)
+    first, second, third, fourth = (
+        part(rows, 0, size),
+        part(rows, n, size),
+        part(rows, 2 * n, size),
+        part(rows, 3 * n, size),
+    )
     for j in range(size):
         row[j] = (((row[j] - a * first[j]) - b * second[j]) - c * third[j]) - d * fourth[j]
 
@@ -148,7 +155,12 @@ def _subtract_products(i: int, start: int, end: int, n: int, matrix: Floats, b: 
     known = part(b, start, size)
     p, q, r, s = b[i], b[i + 1], b[i + 2], b[i + 3]
     for j in range(size):
-        p, q, r, s = p - first[j] * known[j], q - second[j] * known[j], r - third[j] * known[j], s - fourth[j] * known[j]
+        p, q, r, s = (
+            p - first[j] * known[j],
+            q - second[j] * known[j],
+            r - third[j] * known[j],
+            s - fourth[j] * known[j],
+        )
     b[i], b[i + 1], b[i + 2], b[i + 3] = p, q, r, s
 
 
