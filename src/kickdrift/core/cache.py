@@ -7,10 +7,8 @@ function, all functions and constants that it uses, the types of its arguments, 
 """
 
 import hashlib
-import os
 import pickle
 import types
-import uuid
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import cache, cached_property, lru_cache
@@ -23,6 +21,8 @@ import numpy as np
 from numba.core.caching import CompileResultCacheImpl
 from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
+
+from kickdrift.core import sealed
 
 _Function = Callable[..., Any]
 
@@ -56,7 +56,7 @@ class Cache:
             return None
         rtsys.initialize(target)  # `target.refresh` would import all of Numba, and SciPy: half a second
         try:
-            packed = pickle.loads(self._file(signature, target).read_bytes())  # noqa: S301 - as Numba's own cache
+            packed = pickle.loads(sealed.read(self._file(signature, target)))  # noqa: S301 - as Numba's own cache
             return self._method.rebuild(target, packed)
         except Exception:
             return None
@@ -68,10 +68,7 @@ class Cache:
         file = self._file(signature, result.target_context)
         packed = dumps(self._method.reduce(result))
         with suppress(OSError):  # a full disk, a folder that has gone: code is compiled again the next time
-            file.parent.mkdir(parents=True, exist_ok=True)
-            unfinished = file.with_suffix(f".{uuid.uuid4().hex}")
-            unfinished.write_bytes(packed)
-            os.replace(unfinished, file)
+            sealed.write(file, packed)
             self._make_room(file)
 
     def _make_room(self, file: Path) -> None:
