@@ -36,7 +36,7 @@ class Taken:
     Attributes
     ----------
     key : hashable
-        All that the compiled code is made of, as text; an object of its own for a function of which one cannot tell.
+        All that the compiled code is made of, as text; where one cannot tell, a compiled function itself, or an object.
     function : callable
         The function itself.
     numbers : mapping of str to float or array
@@ -96,12 +96,13 @@ class Taken:
         )
 
 
-def taken_apart(function: Any) -> Taken:
-    """Take a function apart."""
+def taken_apart(function: Any, free: bool = True) -> Taken:
+    """Take a function apart, with its numbers `free` to change in compiled code, or among the constants."""
     try:
-        return _taken_apart(function, (), True)
+        return _taken_apart(function, (), free)
     except CannotTellError:
-        return Taken(object(), function)
+        # What was compiled already stays as it is; a Python function may have changed since it was last seen.
+        return Taken(function if isinstance(function, CPUDispatcher) else object(), function)
 
 
 def _taken_apart(function: Any, callers: tuple[Any, ...], free: bool) -> Taken:
@@ -186,8 +187,9 @@ def _constant(value: Any, names: Names, around: tuple[Any, ...]) -> Hashable:
         return type(value).__name__, repr(value)
     if isinstance(value, np.generic) and value.dtype.kind in "biufc":
         return value.dtype.str, value.tobytes()
-    if type(value) is tuple:
-        return "tuple", *(_constant(member, names, around) for member in value)
+    if type(value) is tuple or hasattr(type(value), "_fields"):
+        fields = getattr(value, "_fields", ())
+        return type(value).__qualname__, fields, *(_constant(member, names, around) for member in value)
     if type(value) is np.ndarray and value.dtype.kind in "biufc":
         return "array", value.dtype.str, value.shape, value.strides, digest_of(value.tobytes())
     if isinstance(value, ModuleType):

@@ -113,6 +113,7 @@ def solve(
     _check_method(method, order)
     x, v = _start(problem, x0, v0)
     params, compensated, compiles = _parameters(args), choice("compensated", compensated), choice("compile", compile)
+    check_bounds = choice("check_bounds", check_bounds)
     progress = None if progress is None else choice("progress", progress)
     try:
         grid = lay_grid(t_span, step, t_eval, save_every, x.size)
