@@ -53,7 +53,7 @@ def names_of(code: CodeType) -> Names:
             elif operation == "BINARY_OP" and instruction.argrepr.startswith("**"):
                 exponents.add(last)
             if operation.startswith("LOAD_"):
-                last = str(name)
+                last = str(name[-1] if isinstance(name, tuple) else name)  # some instructions load two
     if stored & set(code.co_freevars):
         raise CannotTellError
     inner = {name for each in codes[1:] for name in (*each.co_names, *each.co_freevars)}

@@ -70,7 +70,7 @@ def solve(
     t_eval : array_like, optional
         Times to keep, on the grid of steps.
     save_every : int, optional
-        Keep every so manieth step, and the last; every step if neither this nor `t_eval` is given.
+        Keep every n-th step, for n = `save_every`, and the last; every step if neither this nor `t_eval` is given.
     args : sequence of float, optional
         Numbers that the function gets as ``params``.
     compensated : bool
