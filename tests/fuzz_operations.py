@@ -37,12 +37,15 @@ class Player:
         self.bodies, self.joints, self.snapshots = [self.world.ground], [], []
 
     def body(self):
-        """Return the handle of a body that was, or is."""
-        return self.bodies[self.rng.integers(len(self.bodies))]
+        """Return the handle of a body that is, or now and then of one that was."""
+        there = [body for body in self.bodies if self.world.bodies.knows(body.index, body.generation)]
+        bodies = self.bodies if self.rng.random() < 0.05 else there
+        return bodies[self.rng.integers(len(bodies))]
 
     def joint(self):
-        """Return the handle of a joint that was, or is."""
-        return self.joints[self.rng.integers(len(self.joints))] if self.joints else self.body()
+        """Return the handle of a joint that is, or now and then of something else."""
+        there = [joint for joint in self.joints if self.world.joints.knows(joint.index, joint.generation)]
+        return there[self.rng.integers(len(there))] if there and self.rng.random() < 0.95 else self.body()
 
     def place(self):
         """Return a point."""
@@ -51,12 +54,18 @@ class Player:
     def add(self):
         rng = self.rng
         options = {"position": self.place(), "orientation": rng.normal(size=4), "restitution": rng.choice([0, 0, 0.5])}
-        options |= {"static": bool(rng.random() < 0.1), "layer": int(rng.integers(3)), "sensor": bool(rng.random() < 0.1)}
+        options |= {
+            "static": bool(rng.random() < 0.1),
+            "layer": int(rng.integers(3)),
+            "sensor": bool(rng.random() < 0.1),
+        }
         self.bodies.append(self.world.add_body(a_shape(rng, rng.uniform(0.1, 0.6)), **options))
 
     def add_ground(self):
-        shape = Mesh([(-9, -9, 0), (9, -9, 0), (0, 9, 0)], [(0, 1, 2)]) if self.rng.random() < 0.5 else HeightField(
-            0.1 * self.rng.normal(size=(5, 5)), 4.0
+        shape = (
+            Mesh([(-9, -9, 0), (9, -9, 0), (0, 9, 0)], [(0, 1, 2)])
+            if self.rng.random() < 0.5
+            else HeightField(0.1 * self.rng.normal(size=(5, 5)), 4.0)
         )
         self.bodies.append(self.world.add_body(shape, static=True, position=(0, 0, -self.rng.random())))
 
@@ -71,6 +80,8 @@ class Player:
     def law(self):
         which = self.rng.integers(3)
         joint = self.joint()
+        if joint in self.bodies:
+            return
         if which == 0:
             joint.set_drive(Drive(10.0, 1.0, target=float(self.rng.normal())))
         elif which == 1:
@@ -114,7 +125,7 @@ class Player:
 
     def write(self):
         """Write into a live view, now and then what no body has."""
-        value = np.nan if self.rng.random() < 0.05 else 0.1
+        value = np.nan if self.rng.random() < 0.02 else 0.1
         self.body().velocity[0] = value
 
     def snapshot(self):
@@ -133,12 +144,13 @@ class Player:
 
     def play(self):
         """Do one thing."""
-        often = [self.add, self.join, self.step, self.step, self.step, self.change, self.push, self.remove]
+        often = [self.add, self.add, self.join, self.step, self.step, self.step, self.change, self.push]
         seldom = [
+            self.remove,
             self.add_ground, self.gear, self.law, self.settings, self.remove_joint, self.exclude, self.ask, self.write,
             self.snapshot, self.restore, self.swap,
         ]  # fmt: skip
-        chosen = often if self.rng.random() < 0.6 else seldom
+        chosen = often if self.rng.random() < 0.75 else seldom
         if self.rng.random() < 0.005:
             chosen = [self.force]
         chosen[self.rng.integers(len(chosen))]()
