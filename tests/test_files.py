@@ -1,15 +1,19 @@
 """Files: written whole or not at all, with the mode that they had; read if they are files, and of a size that can be."""
 
 import os
+import re
 import stat
 import zipfile
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import kickdrift as kd
+from kickdrift.cli.app import app
 from kickdrift.cli.bodies_table import read_text
-from kickdrift.core.errors import FileFormatError
+from kickdrift.core import room
+from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.core.files import written
 from kickdrift.io import archive
 
@@ -125,3 +129,29 @@ def test_what_is_ours_and_would_swell_is_written_so_that_it_can_be_read(tmp_path
     again = kd.load(still.save(tmp_path / "still.npz"))
     assert np.array_equal(again.x, still.x)
     assert (tmp_path / "still.npz").stat().st_size > 1 << 16
+
+
+def test_what_cannot_be_kept_is_refused_before_it_is_reckoned(tmp_path, monkeypatch):
+    monkeypatch.setattr(room, "free_bytes", lambda: 2.0**20)
+    world = kd.World()
+    world.add_sphere(0.1)
+    for run in (
+        lambda **kept: world.run(1000.0, 0.01, **kept),
+        lambda **kept: kd.solve(lambda x: -x, (0.0, 1000.0), x0=np.ones(3), v0=np.zeros(3), step=0.01, **kept),
+    ):
+        with pytest.raises(
+            ArgumentError, match=r"save_every=1 keeps all 100001 steps, .* room for .* give save_every="
+        ) as said:
+            run(save_every=1)
+        least = int(re.search(r"give save_every=(\d+)", str(said.value))[1])
+        with pytest.raises(ArgumentError, match=rf"save_every={least // 2} keeps \d+ of 100001 steps"):
+            run(save_every=least // 2)
+        assert run(save_every=least).success
+    assert world.n_steps == 100_000
+    result = CliRunner().invoke(app, ["run", "pendulum", "--duration", "10000", "--step", "0.01", "--save-every", "1"])
+    assert result.exit_code != 0
+    assert "save_every=1 keeps all" in result.stderr
+
+
+def test_the_memory_that_is_free_is_known():
+    assert room.free_bytes() > 2**24

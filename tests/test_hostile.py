@@ -3,7 +3,13 @@
 import pytest
 from hostile import tried
 
-SHORT = {"fuzz_world_files": 60, "fuzz_interruptions": 51, "fuzz_arguments": 600, "fuzz_cache": 4}
+SHORT = {
+    "fuzz_world_files": 60,
+    "fuzz_interruptions": 51,
+    "fuzz_arguments": 600,
+    "fuzz_cache": 4,
+    "fuzz_operations": 40,
+}
 
 
 @pytest.mark.parametrize("fuzzer", SHORT)

@@ -9,8 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.arguments import real, reals
 from kickdrift.core.errors import ArgumentError
-
-_MOST_BYTES = 2 << 30  # what a solution may take in memory unless the caller says which steps to keep
+from kickdrift.core.room import check_kept
 
 
 @dataclass(frozen=True)
@@ -104,12 +103,7 @@ def _every(save_every: int | None, n_steps: int, state_size: int) -> NDArray[np.
     stride = 1 if save_every is None else save_every
     if isinstance(stride, bool) or not isinstance(stride, int | np.integer) or stride < 1:
         raise ArgumentError(f"save_every={save_every!r} must be a positive whole number of steps.")
-    if save_every is None and (n_steps + 1) * state_size * 16 > _MOST_BYTES:
-        fitting = math.ceil((n_steps + 1) * state_size * 16 / _MOST_BYTES)
-        raise ArgumentError(
-            f"save_every=None keeps all {n_steps + 1} steps, {(n_steps + 1) * state_size * 16 / 2**30:.3g} GiB;"
-            f" give save_every={fitting} or more, or t_eval."
-        )
+    check_kept(None if save_every is None else int(stride), n_steps, 16 * (state_size + 1), ", or t_eval")
     steps = np.arange(0, n_steps + 1, min(int(stride), n_steps), dtype=np.int64)
     return steps if steps[-1] == n_steps else np.append(steps, n_steps)
 

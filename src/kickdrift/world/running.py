@@ -12,6 +12,7 @@ from kickdrift.core.arguments import choice
 from kickdrift.core.errors import ArgumentError, LostBodyError
 from kickdrift.core.interruption import InterruptionNoted
 from kickdrift.core.outcomes import Outcome
+from kickdrift.core.room import check_kept
 from kickdrift.engine.grid import Grid, lay_grid
 from kickdrift.engine.progress import Bar, announcements
 from kickdrift.world.joints.axis import is_number
@@ -22,8 +23,7 @@ if TYPE_CHECKING:
     from kickdrift.world.world import World
 
 _CHUNK_SECONDS = 0.1
-_MOST_BYTES = 2 << 30  # what a recording may take in memory unless the caller says which steps to keep
-_BYTES_PER_BODY = 13 * 8  # of a row
+_BYTES_PER_BODY, _BYTES_PER_ROW = 13 * 8, 16 * 8
 
 
 def run(world: "World", duration: float, step: float, save_every: int | None, progress: bool | None) -> Recording:
@@ -92,12 +92,8 @@ def _lay(duration: float, step: float, save_every: int | None, n_bodies: int) ->
         raise ArgumentError(
             f"step={step!r} cuts duration={duration!r} into more steps than float64 counts; give a larger one."
         )
-    needed = (duration / step + 2.0) * n_bodies * _BYTES_PER_BODY
-    if save_every is None and needed > _MOST_BYTES:
-        raise ArgumentError(
-            f"save_every=None keeps every step, {needed / 2**30:.3g} GiB; give"
-            f" save_every={math.ceil(needed / _MOST_BYTES)} or more."
-        )
+    if save_every is None or (is_number(save_every) and save_every >= 1):  # what else it is, the grid says
+        check_kept(save_every, math.ceil(duration / step), n_bodies * _BYTES_PER_BODY + _BYTES_PER_ROW)
     return lay_grid((0.0, duration), step, None, 1 if save_every is None else save_every, 0)
 
 

@@ -1,0 +1,55 @@
+"""Memory that there is: what cannot be kept is refused before it is reckoned."""
+
+import math
+import os
+from contextlib import suppress
+from pathlib import Path
+
+from kickdrift.core.errors import ArgumentError
+
+_UNASKED = 2 << 30  # bytes that what is kept may take unless the caller says which steps to keep
+_PART = 0.8  # of the memory that is free
+
+
+def check_kept(save_every: int | None, n_steps: int, row: int, remedy: str = "") -> None:
+    """Refuse to keep more than there is room for.
+
+    Parameters
+    ----------
+    save_every : int, optional
+        Steps from row to row, or None for all steps if they are not too many.
+    n_steps : int
+    row : int
+        Bytes of one.
+    remedy : str
+        What else could be given instead.
+
+    Raises
+    ------
+    ArgumentError
+    """
+    rows = n_steps // (1 if save_every is None else save_every) + 2
+    most = _PART * free_bytes()
+    if save_every is None:
+        most = min(most, _UNASKED)
+    if rows * row > most:
+        kept = f"all {n_steps + 1}" if save_every in (None, 1) else f"{rows} of {n_steps + 1}"
+        raise ArgumentError(
+            f"save_every={save_every!r} keeps {kept} steps, {rows * row / 2**30:.3g} GiB, and there is room for"
+            f" {most / 2**30:.3g} GiB; give save_every={math.ceil((n_steps + 2) * row / most) + 1} or more{remedy}."
+        )
+
+
+def free_bytes() -> float:
+    """Return the memory that this process may still take, or infinity where the system does not say."""
+    free = math.inf
+    with suppress(OSError, ValueError, LookupError):
+        lines = Path("/proc/meminfo").read_text().splitlines()
+        free = 1024 * int(next(line for line in lines if line.startswith("MemAvailable:")).split()[1])
+    with suppress(OSError, ValueError):  # of a container; "max" is no number
+        group = Path("/sys/fs/cgroup")
+        free = min(free, int((group / "memory.max").read_text()) - int((group / "memory.current").read_text()))
+    if free == math.inf and hasattr(os, "sysconf"):
+        with suppress(OSError, ValueError):
+            free = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    return max(free, 0.0)
