@@ -27,7 +27,10 @@ _SECONDS = 1.8e-4  # for a byte of Python's code: a world of joints and bounces 
 
 Job = tuple[Function, Any]  # and the signature
 
-_WORKER = "import sys, pickle; sys.path[:] = pickle.load(sys.stdin.buffer); from kickdrift.core.parallel_compile import work; work()"
+_WORKER = (
+    "import sys, pickle; sys.path[:] = pickle.load(sys.stdin.buffer);"
+    "from kickdrift.core.parallel_compile import work; work()"
+)
 
 
 def missing(jobs: Iterable[Job]) -> list[Job]:
