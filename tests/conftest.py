@@ -9,7 +9,7 @@ import signal
 import pytest
 from hypothesis import settings
 
-from kickdrift.core.together import compile_together, missing
+from kickdrift.core.parallel_compile import compile_together, missing
 from kickdrift.world.compiling import all_jobs
 
 settings.register_profile("fixed", derandomize=True)

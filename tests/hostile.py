@@ -13,6 +13,7 @@ import threading
 import traceback
 from collections import Counter
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 TESTS = Path(__file__).parent
 
@@ -47,9 +48,9 @@ def _until_it_dies(module, seeds, patience):
     """Yield seeds with what came of them, for as long as the process lives and answers."""
     command = f"import hostile; hostile.work({module!r}, {seeds!r})"
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(TESTS), str(TESTS.parent / "src")])}
-    with subprocess.Popen(
+    with TemporaryDirectory() as folder, subprocess.Popen(
         [sys.executable, "-W", "ignore", "-c", command], env=environment, stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, cwd=folder,
     ) as process:  # fmt: skip
         lines = queue.SimpleQueue()
         threading.Thread(target=lambda: [*map(lines.put, process.stdout), lines.put(None)], daemon=True).start()

@@ -15,7 +15,7 @@ from kickdrift.core.cache import fingerprint
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import compiled, is_on_disk, specialise, unbound
 from kickdrift.core.linking import Part, Whole
-from kickdrift.core.together import _families
+from kickdrift.core.parallel_compile import _families
 from kickdrift.engine.progress import announce_compiling, announcements
 from kickdrift.scenes.worlds.catalogue import SCENES
 from kickdrift.world.collision.broad_phase import find_pairs
@@ -187,28 +187,32 @@ def test_fingerprints_do_not_depend_on_the_process():
 
 
 JOBS = (
-    "from kickdrift.core import together;"
+    "from kickdrift.core import parallel_compile;"
     "from kickdrift.world.collision import PAIRS;"
     "from kickdrift.world.collision.narrow_phase import COLLIDE;"
     "jobs = [(PAIRS[pair], COLLIDE) for pair in ((0, 2), (0, 3), (2, 2), (2, 3))];"
-    "together._processes = lambda jobs: 2;"
+    "parallel_compile._processes = lambda jobs: 2;"
 )
 
 
 def test_another_process_compiles_what_is_found_here(tmp_path):
     code = JOBS + (
         "from collections import deque;"
-        "before, done = len(together.missing(jobs * 2)), [];"
-        "workers = together._workers(1, deque([job] for job in jobs), together._places(), lambda: done.append(1));"
+        "before, done = len(parallel_compile.missing(jobs * 2)), [];"
+        "places, one_more = parallel_compile._places(), lambda: done.append(1);"
+        "workers = parallel_compile._workers(1, deque([job] for job in jobs), places, one_more);"
         "workers.__enter__(); workers.__exit__(None, None, None);"
-        "print(before, len(together.missing(jobs)), together.seconds_for(jobs) > 0.0, len(done))"
+        "print(before, len(parallel_compile.missing(jobs)), parallel_compile.seconds_for(jobs) > 0.0, len(done))"
     )
     assert python(code, NUMBA_CACHE_DIR=str(tmp_path)) == "4 0 True 4"
 
 
 @pytest.mark.parametrize("worker", ["raise SystemExit", "import time; time.sleep(0.5)"])
 def test_processes_that_do_nothing_do_not_matter(worker, tmp_path):
-    code = f"{JOBS} together._WORKER = {worker!r}; together.compile_together(jobs); print(together.missing(jobs))"
+    code = (
+        f"{JOBS} parallel_compile._WORKER = {worker!r};"
+        "parallel_compile.compile_together(jobs); print(parallel_compile.missing(jobs))"
+    )
     assert python(code, NUMBA_CACHE_DIR=str(tmp_path)) == "[]"
 
 

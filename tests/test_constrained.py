@@ -629,6 +629,11 @@ def test_the_kernels_of_the_projections(compiled):
     assert right[2] == 0.0
     kernel(constraint_rows.push)(G.ravel(), inverse_lengths, np.array([2.0, 0, 1]), right, params, out)
     assert np.allclose(out, inverse * (right[:2] / lengths[[2, 0]] @ G[[2, 0]]))
+    kernel(constraint_rows.respond)(n, m, params, own)
+    response, left = kernel(constraint_rows.response_of)(n, m, own), np.array([0.3, 5.0, -0.7])
+    kernel(constraint_rows.apply)(response, left, out)
+    multipliers = np.append(np.linalg.solve(chosen, -(left / lengths)[[2, 0]]) / lengths[[2, 0]], 0.0)
+    assert np.allclose(out, inverse * (multipliers @ G[[2, 0, 1]]))
     assert constraint_rows.farthest(np.array([1.0, -8.0, 2.0]), np.array([1.0, 4.0, 2.0])) == 2.0
     assert np.isnan(constraint_rows.farthest(np.array([np.nan]), np.ones(1)))
     parts = kernel(constraint_rows.iterated)(n, m, own)

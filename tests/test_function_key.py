@@ -58,6 +58,36 @@ def with_named_default(stiffness):
     return force
 
 
+def with_callee(stiffness):
+    table = np.array([0.0, stiffness])
+
+    @njit
+    def looked_up(scale, i):
+        return scale * table[i]
+
+    @njit(fastmath=True)
+    def spring(x):
+        return looked_up(1.0, 1) * x
+
+    def force(x):
+        return -spring(x)
+
+    return force
+
+
+@njit
+def applied(function, x):
+    return function(x)
+
+
+def with_function_as_value(k):
+    @njit
+    def spring(x):
+        return k * x
+
+    return lambda x: -applied(spring, x)
+
+
 def with_inner(k):
     return lambda x: -sum([k * x for _ in range(1)])
 
@@ -103,20 +133,26 @@ def test_numbers_are_no_part_of_a_key_unless_they_are_integers(make):
     assert key(make(np.ones(2, dtype=np.int64))) != key(make(np.zeros(2, dtype=np.int64)))
 
 
-@pytest.mark.parametrize(
-    ("function", "name", "value"),
-    [
-        (raised, "POWER", 2),
-        (placed, "PLACES", np.array([0, 2])),
-        (helped, "STIFFNESS", 2.0),  # of the function that it calls
-        (with_inner(2.0), None, None),  # of the function inside
-    ],
-)
+@pytest.mark.parametrize(("function", "name", "value"), [(raised, "POWER", 2), (placed, "PLACES", np.array([0, 2]))])
 def test_what_compiled_code_freezes_is_in_the_key(monkeypatch, function, name, value):
-    before = key(with_inner(1.0) if name is None else function)
-    if name is not None:
-        monkeypatch.setitem(globals(), name, value)
+    before = key(function)
+    monkeypatch.setitem(globals(), name, value)
     assert key(function) != before
+
+
+@pytest.mark.parametrize("make", [with_inner, with_function_as_value])
+def test_numbers_of_functions_inside_or_given_to_others_are_in_the_key(make):
+    assert key(make(1.0)) != key(make(4.0))
+    for k in (1.0, 4.0):
+        assert np.array_equal(kd.solve(make(k), **SPAN).x, oscillator(math.sqrt(k)))
+
+
+def test_numbers_of_functions_that_are_called_are_data(monkeypatch):
+    assert key(with_callee(1.0)) == key(with_callee(4.0))
+    before = key(helped)
+    monkeypatch.setitem(globals(), "STIFFNESS", 4.0)
+    assert key(helped) == before
+    assert np.array_equal(kd.solve(helped, **SPAN).x, oscillator(2.0))
 
 
 def test_whole_and_half_exponents_are_frozen_for_the_bits_of_numpy():
@@ -150,7 +186,7 @@ def test_where_one_cannot_tell_the_key_is_of_this_function_now(function):
     assert key(function) != key(function)
 
 
-@pytest.mark.parametrize("make", [closed_over, with_default, with_named_default])
+@pytest.mark.parametrize("make", [closed_over, with_default, with_named_default, with_callee])
 def test_other_numbers_are_seen_and_compile_nothing(passes, make):
     kd.solve(make(9.0), **SPAN)
     for k in (1.0, 4.0):

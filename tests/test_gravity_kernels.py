@@ -288,6 +288,19 @@ def test_many_bodies_without_mass_are_summed_apart() -> None:
     assert massless.mostly_massless(np.append(np.ones(4), np.zeros(100)))
     assert not massless.mostly_massless(np.append(np.ones(4), np.zeros(10)))  # a loop over pairs is as fast
     assert not massless.mostly_massless(np.ones(100))
+    assert massless.mostly_massless(np.append(np.ones(100), np.zeros(400)))
+    assert not massless.mostly_massless(np.append(np.ones(100), np.zeros(400)), threads=True)
+    assert massless.mostly_massless(np.append(np.ones(4), np.zeros(100)), threads=True)
+
+
+@pytest.mark.parametrize(
+    ("massive", "others", "threaded"), [(20, 0, False), (5, 95, False), (100, 0, True), (50, 150, True)]
+)
+def test_only_forces_that_threads_share_have_another_form_without(massive, others, threaded):
+    rng = np.random.default_rng(1)
+    masses = np.append(np.ones(massive), np.zeros(others))
+    system = kd.systems.nbody(masses, rng.normal(size=(masses.size, 3)), np.zeros((masses.size, 3)), threads=True)
+    assert (system.unthreaded is not None) == threaded
     rng = np.random.default_rng(4)
     x, v = rng.normal(size=(60, 3)), rng.normal(size=(60, 3))
     few, many = (kd.systems.nbody(np.append(np.ones(5), np.full(55, m)), x, v) for m in (0.0, 1e-300))

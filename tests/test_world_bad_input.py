@@ -2,6 +2,7 @@
 
 import functools
 
+import numba
 import numpy as np
 import pytest
 
@@ -477,3 +478,21 @@ def test_what_was_given_may_change_and_the_world_does_not():
         part.orientation[0] = 0.0
     with pytest.raises(ValueError, match="read-only"):
         placed.position[0] = 1.0
+
+
+def test_a_compiled_force_has_the_globals_of_now_and_bounds():
+    scope = {"njit": numba.njit, "strength": 1.0, "at": 0}
+    exec("@njit\ndef pull(force):\n    for row in range(len(force)):\n        force[row + at, 0] += strength\n", scope)
+    speeds = []
+    for strength in (1.0, 5.0):
+        scope["strength"] = strength
+        world = World(gravity=(0, 0, 0))
+        ball = world.add_sphere(1.0, mass=2.0)
+        world.add_force(scope["pull"])
+        world.step(0.1)
+        speeds.append(ball.velocity[0])
+    assert speeds == pytest.approx([0.05, 0.25])
+    scope["at"] = 10**6
+    world.add_force(scope["pull"])
+    with pytest.raises(KickdriftError, match="IndexError"):
+        world.step(0.1)

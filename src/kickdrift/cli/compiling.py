@@ -6,7 +6,7 @@ from threading import Lock
 
 from kickdrift.cli import DONE
 from kickdrift.cli.output import say
-from kickdrift.core.together import compile_together, missing, seconds_for
+from kickdrift.core.parallel_compile import compile_together, missing, seconds_for
 from kickdrift.engine import letters
 from kickdrift.engine.loop import advance
 from kickdrift.engine.progress import Bar, is_cached

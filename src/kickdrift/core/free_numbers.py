@@ -5,7 +5,7 @@ a compilation for each; as arguments they cost a load each.
 """
 
 import inspect
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from numba.core import ir
@@ -14,21 +14,23 @@ from numba.core.compiler_machinery import FunctionPass, register_pass
 from numba.core.ir_utils import build_definitions
 from numba.core.untyped_passes import FixupArgs
 
-_ATTRIBUTE = "__free_numbers__"
+_FREE, _PASSED = "__free_numbers__", "__passed_numbers__"
 
 
-def numbers_as_arguments(function: Any, names: Collection[str]) -> None:
+def numbers_as_arguments(function: Any, names: Collection[str], callees: Mapping[str, Collection[str]]) -> None:
     """Have compiled code of a function take some of its globals and free variables as arguments of their names.
 
-    An argument with a default, of these names, loses it. The interpreter is told nothing.
+    An argument with a default, of these names, loses it. The compiled functions among its `callees` get the arguments of
+    the names given there, which the function has itself as ``callee__name``. The interpreter is told nothing.
     """
     given = inspect.signature(function).parameters
     free = [name for name in names if name not in given]
     needed = [_plain(given[name], name in names) for name in given]
     added = [inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD) for name in free]
-    needed.sort(key=lambda parameter: parameter.default is not parameter.empty)
-    function.__signature__ = inspect.Signature([*added, *needed])
-    setattr(function, _ATTRIBUTE, frozenset(free))
+    parameters = sorted([*needed, *added], key=lambda parameter: parameter.default is not parameter.empty)
+    function.__signature__ = inspect.Signature(parameters)
+    setattr(function, _FREE, frozenset(free))
+    setattr(function, _PASSED, {callee: tuple(numbers) for callee, numbers in callees.items() if numbers})
 
 
 def _plain(parameter: inspect.Parameter, needed: bool) -> inspect.Parameter:
@@ -47,14 +49,24 @@ class _GlobalsAsArguments(FunctionPass):  # type: ignore[misc]
 
     def run_pass(self, state: Any) -> bool:
         """Change Numba's intermediate representation of a function."""
-        names: frozenset[str] = getattr(state.func_id.func, _ATTRIBUTE, frozenset())
+        free: frozenset[str] = getattr(state.func_id.func, _FREE, frozenset())
+        passed: dict[str, tuple[str, ...]] = getattr(state.func_id.func, _PASSED, {})
+        callees: dict[str, str] = {}  # by the variables that stand for them
         for block in state.func_ir.blocks.values():
             for statement in block.find_insts(ir.Assign):
-                if isinstance(statement.value, ir.Global | ir.FreeVar) and statement.value.name in names:
-                    statement.value = ir.Var(block.scope, statement.value.name, statement.loc)
-        if names:
+                value = statement.value
+                if isinstance(value, ir.Global | ir.FreeVar) and value.name in free:
+                    statement.value = ir.Var(block.scope, value.name, statement.loc)
+                elif isinstance(value, ir.Global | ir.FreeVar) and value.name in passed:
+                    callees[statement.target.name] = value.name
+        for block in state.func_ir.blocks.values():
+            for call in block.find_exprs("call"):
+                if (callee := callees.get(call.func.name)) is not None:
+                    more = [(name, ir.Var(block.scope, f"{callee}__{name}", call.loc)) for name in passed[callee]]
+                    call.kws = (*call.kws, *more)
+        if free or passed:
             state.func_ir._definitions = build_definitions(state.func_ir.blocks)
-        return bool(names)
+        return bool(free or passed)
 
 
 class Pipeline(CompilerBase):  # type: ignore[misc]

@@ -11,6 +11,7 @@ from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass, field
 from types import BuiltinFunctionType, CellType, FunctionType, ModuleType
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numba
 import numpy as np
@@ -19,11 +20,13 @@ from numpy.typing import NDArray
 
 from kickdrift.core.cache import written
 from kickdrift.core.compilation import Function
+from kickdrift.core.free_numbers import Pipeline, numbers_as_arguments
 from kickdrift.core.naming import source_digest
 from kickdrift.engine.function_names import CannotTellError, Names, digest_of, names_of
 
 _PLAIN = (bool, int, float, complex, str, bytes, type(None))
-_LIBRARIES = ("builtins", "math", "cmath", "operator", "numpy", "numba", "kickdrift")  # nobody changes their contents
+_LIBRARIES = ("builtins", "math", "cmath", "operator", "numpy", "numba")  # nobody changes their contents
+_OURS = ("kickdrift.core.", "kickdrift.systems.", "kickdrift.engine.")  # whose sources are in every name
 
 
 @dataclass(frozen=True)
@@ -33,19 +36,23 @@ class Taken:
     Attributes
     ----------
     key : hashable
-        All that the compiled code is made of, as text; an object of its own for a function of which one cannot tell.
+        All that the compiled code is made of, as text; where one cannot tell, a compiled function itself, or an object.
     function : callable
         The function itself.
     numbers : mapping of str to float or array
-        Those of its globals, free variables and defaults that compiled code takes as arguments.
+        Those of its globals, free variables and defaults that compiled code takes as arguments, and those of the functions
+        that it calls, as ``function__number``.
     constants : mapping of str to object
         The others.
+    callees : mapping of str to Taken
+        The compiled functions among the constants.
     """
 
     key: Hashable
     function: Any = field(compare=False)
     numbers: Mapping[str, float | NDArray[np.float64]] = field(compare=False, default_factory=dict)
     constants: Mapping[str, Any] = field(compare=False, default_factory=dict)
+    callees: Mapping[str, "Taken"] = field(compare=False, default_factory=dict)
 
     @property
     def known(self) -> bool:
@@ -62,14 +69,15 @@ class Taken:
         return digest_of(repr((self.key, details, source_digest())))
 
     def snapshot(self, checked: bool) -> Function:
-        """Copy the function, with its constants as they are now; its numbers are left for `numbers_as_arguments`.
+        """Copy the function, with its constants as they are now, for compiled code that takes its numbers as arguments.
 
         Indices of compiled functions that it calls are `checked`, too.
         """
         python = getattr(self.function, "py_func", self.function)
         values = {
-            **{name: _snapshot(value, checked) for name, value in self.constants.items()},
             **dict.fromkeys(self.numbers, 0.0),
+            **{name: _copied(value) for name, value in self.constants.items()},
+            **{name: callee.dispatcher(checked) for name, callee in self.callees.items()},
         }
         cells = tuple(CellType(values[name]) for name in python.__code__.co_freevars)
         own = {"__name__": python.__module__, "__builtins__": __builtins__, **values}
@@ -78,18 +86,27 @@ class Taken:
         copy.__qualname__ = (
             f"{python.__qualname__}_{self.digest(checked)}"  # of two of a name, Numba may take one for the other
         )
+        numbers_as_arguments(copy, self.numbers, {name: tuple(callee.numbers) for name, callee in self.callees.items()})
         return copy
 
+    def dispatcher(self, checked: bool) -> Any:
+        """Return a compiled function as Numba would compile it now."""
+        return CPUDispatcher(
+            self.snapshot(checked), self.function.locals, self.options(checked), pipeline_class=Pipeline
+        )
 
-def taken_apart(function: Any) -> Taken:
-    """Take a function apart."""
+
+def taken_apart(function: Any, free: bool = True) -> Taken:
+    """Take a function apart, with its numbers `free` to change in compiled code, or among the constants."""
     try:
-        return _taken_apart(function, ())
+        return _taken_apart(function, (), free)
     except CannotTellError:
-        return Taken(object(), function)
+        # What was compiled already stays as it is; a Python function may have changed since it was last seen.
+        return Taken(function if isinstance(function, CPUDispatcher) else object(), function)
 
 
-def _taken_apart(function: Any, callers: tuple[Any, ...]) -> Taken:
+def _taken_apart(function: Any, callers: tuple[Any, ...], free: bool) -> Taken:
+    """Take a function apart, with its numbers `free` or among the constants."""
     python, options = function, ""
     if isinstance(function, CPUDispatcher):
         python, options = function.py_func, written(function.targetoptions)
@@ -98,16 +115,30 @@ def _taken_apart(function: Any, callers: tuple[Any, ...]) -> Taken:
     if not isinstance(python, FunctionType) or function in callers:
         raise CannotTellError
     names, around = names_of(python.__code__), (*callers, function)
-    numbers, constants = {}, {}
+    numbers: dict[str, Any] = {}
+    constants: dict[str, Any] = {}
+    callees: dict[str, Taken] = {}
     for name, value in (*_values(python, names), *_defaults(python)):
-        frozen = name in names.inner or (name in names.exponents and _makes_roots_and_products(value))
-        if callers or frozen or not _is_number(value):
-            constants[name] = value
-        else:
+        fixed = name in names.inner or (name in names.exponents and _makes_roots_and_products(value))
+        if isinstance(value, CPUDispatcher) and _name_in_library(value) is None:
+            callees[name] = _taken_apart(value, around, free and _is_simply_called(name, value, names))
+        elif free and not fixed and _is_number(value):
             numbers[name] = value
+        else:
+            constants[name] = value
+    for name, callee in callees.items():
+        numbers |= {f"{name}__{number}": value for number, value in callee.numbers.items()}
+    if len(numbers) > len({*numbers} - {*constants}):
+        raise CannotTellError  # a name of the function's own looks like that of a callee's number
     described = tuple((name, _constant(value, names, around)) for name, value in sorted(constants.items()))
+    called = tuple((name, callee.key) for name, callee in sorted(callees.items()))
     shapes = tuple((name, np.shape(value)) for name, value in sorted(numbers.items()))
-    return Taken((names.digest, options, described, shapes), function, numbers, constants)
+    return Taken((names.digest, options, described, called, shapes), function, numbers, constants, callees)
+
+
+def _is_simply_called(name: str, function: Any, names: Names) -> bool:
+    """Whether a function is only called, and can be given more arguments in every call."""
+    return name in names.callees and name not in names.inner and not any(True for _ in _defaults(function.py_func))
 
 
 def _is_number(value: Any) -> bool:
@@ -156,8 +187,9 @@ def _constant(value: Any, names: Names, around: tuple[Any, ...]) -> Hashable:
         return type(value).__name__, repr(value)
     if isinstance(value, np.generic) and value.dtype.kind in "biufc":
         return value.dtype.str, value.tobytes()
-    if type(value) is tuple:
-        return "tuple", *(_constant(member, names, around) for member in value)
+    if type(value) is tuple or hasattr(type(value), "_fields"):
+        fields = getattr(value, "_fields", ())
+        return type(value).__qualname__, fields, *(_constant(member, names, around) for member in value)
     if type(value) is np.ndarray and value.dtype.kind in "biufc":
         return "array", value.dtype.str, value.shape, value.strides, digest_of(value.tobytes())
     if isinstance(value, ModuleType):
@@ -165,20 +197,34 @@ def _constant(value: Any, names: Names, around: tuple[Any, ...]) -> Hashable:
     if (name := _name_in_library(value)) is not None:
         return name
     if isinstance(value, CPUDispatcher):
-        return _taken_apart(value, around).key
+        return _as_before(value, _taken_apart(value, around, False).key)
     if isinstance(value, numba.types.Type | np.dtype):
         return type(value).__name__, repr(value)
     raise CannotTellError
 
 
+_keys: WeakKeyDictionary[Any, Hashable] = WeakKeyDictionary()
+
+
+def _as_before(function: Any, key: Hashable) -> Hashable:
+    """Refuse a function that is taken from where it is, and may have been compiled before its constants changed."""
+    if _keys.setdefault(function, key) != key:
+        raise CannotTellError
+    return key
+
+
 def _of_module(module: ModuleType, names: Names, around: tuple[Any, ...]) -> Hashable:
     """Write down what a function may use of a module: whatever has a name that the function mentions."""
-    if module.__name__.partition(".")[0] in _LIBRARIES:
+    if _is_library(module.__name__):
         return module.__name__
     used = {name: getattr(module, name) for name in sorted(names.all) if hasattr(module, name)}
     if any(value is module for value in used.values()):
         raise CannotTellError
     return module.__name__, *((name, _constant(value, names, around)) for name, value in used.items())
+
+
+def _is_library(module: str) -> bool:
+    return module.partition(".")[0] in _LIBRARIES or module.startswith(_OURS)
 
 
 def _name_in_library(value: Any) -> str | None:
@@ -188,16 +234,11 @@ def _name_in_library(value: Any) -> str | None:
         module = "numpy"
     elif not isinstance(value, type | FunctionType | BuiltinFunctionType | CPUDispatcher) and not callable(value):
         return None
-    if not isinstance(name, str) or str(module).partition(".")[0] not in _LIBRARIES:
+    if not isinstance(name, str) or not _is_library(str(module)):
         return None
     return f"{module}.{name}" if getattr(sys.modules.get(str(module)), name, None) is value else None
 
 
-def _snapshot(value: Any, checked: bool) -> Any:
-    """Copy what may change: arrays, and compiled functions with all that they use."""
-    if type(value) is np.ndarray:
-        return value.copy(order="K")
-    if isinstance(value, CPUDispatcher) and _name_in_library(value) is None:
-        taken = _taken_apart(value, (None,))
-        return CPUDispatcher(taken.snapshot(checked), value.locals, taken.options(checked))
-    return value
+def _copied(value: Any) -> Any:
+    """Copy what may change."""
+    return value.copy(order="K") if type(value) is np.ndarray else value

@@ -2,6 +2,7 @@
 
 import dis
 import hashlib
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -17,7 +18,7 @@ class CannotTellError(Exception):
 class Names:
     """What a code mentions: its globals, the names that functions inside of it use, all its names, and its digest.
 
-    Beside them, which names are exponents of powers.
+    Beside them, which names are exponents of powers, and which stand for functions that are called and nothing else.
     """
 
     globals: tuple[str, ...]
@@ -25,6 +26,7 @@ class Names:
     all: frozenset[str]
     digest: str
     exponents: frozenset[str]
+    callees: frozenset[str]
 
 
 @lru_cache(maxsize=1024)
@@ -51,14 +53,33 @@ def names_of(code: CodeType) -> Names:
             elif operation == "BINARY_OP" and instruction.argrepr.startswith("**"):
                 exponents.add(last)
             if operation.startswith("LOAD_"):
-                last = str(name)
+                last = str(name[-1] if isinstance(name, tuple) else name)  # some instructions load two
     if stored & set(code.co_freevars):
         raise CannotTellError
     inner = {name for each in codes[1:] for name in (*each.co_names, *each.co_freevars)}
     every = {name for each in codes for name in each.co_names}
     return Names(
-        tuple(sorted(loaded)), frozenset(inner), frozenset(every), digest_of(_text_of(code)), frozenset(exponents)
+        globals=tuple(sorted(loaded)),
+        inner=frozenset(inner),
+        all=frozenset(every),
+        digest=digest_of(_text_of(code)),
+        exponents=frozenset(exponents),
+        callees=_callees(code),
     )
+
+
+def _callees(code: CodeType) -> frozenset[str]:
+    """Return the names that are loaded with the mark of a call, and never without."""
+    called: set[str] = set()
+    loaded: set[str] = set()
+    instructions = [None, *dis.get_instructions(code), None]
+    for before, instruction, after in zip(instructions, instructions[1:], instructions[2:], strict=False):
+        if instruction is None or instruction.opname not in ("LOAD_GLOBAL", "LOAD_DEREF"):
+            continue
+        mark = after if sys.version_info >= (3, 13) else before
+        marked = "NULL" in instruction.argrepr.split() or (mark is not None and mark.opname == "PUSH_NULL")
+        (called if marked else loaded).add(instruction.argval)
+    return frozenset(called - loaded)
 
 
 def _codes(code: CodeType) -> Iterator[CodeType]:

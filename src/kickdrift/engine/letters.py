@@ -114,10 +114,13 @@ def _native(
         **{f"{part}_at": layout.part_inlined(part, function) for part, function in inlined},
     }
     bound_to = own or (inlined[0][1] if inlined else template)
+    hot = known.constants is not None and sizes is not None
     for part, function in known.parts.items():
-        # Not all forced inline: the implicit Runge-Kutta flow compiles in a third of the time.
-        inline = known.constants is not None and part in _CALLED_ONCE
-        bindings[part] = compiled(cached=False, inline=inline)(specialise(function, part, **bindings))
+        # Not all forced inline, and none for many numbers: implicit Runge-Kutta flows compile in half the time.
+        bound_part = specialise(function, part, **bindings)
+        bindings[part] = compiled(cached=False, inline=hot and part in _CALLED_ONCE)(bound_part)
+        if part == "residual":
+            bindings["residual_inside"] = _inline(bound_part) if hot else bindings[part]
     bound = own or _inline(specialise(template, template.__name__, **bindings))
     arrays = memory.arrays
     if sizes:
@@ -153,4 +156,6 @@ def _interpreted(
     }
     for part, function in known.parts.items():
         bindings[part] = specialise(function, part, **bindings)
+        if part == "residual":
+            bindings["residual_inside"] = bindings[part]
     return specialise(known.template, known.template.__name__, **bindings)

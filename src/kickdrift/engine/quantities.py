@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from kickdrift.core.calls import address_of, call_interpreted, caller
 from kickdrift.core.compilation import Function, compiled, is_users, specialise, unbound
+from kickdrift.core.kinds import Kind
 from kickdrift.core.naming import comes_with_kickdrift, specialised_name
-from kickdrift.engine.flows.layout import FLAT
+from kickdrift.engine.flows.layout import FLAT, call_flat
 from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
@@ -65,3 +66,35 @@ def evaluate(system: System, name: str, t: Floats, x: Floats, v: Floats) -> Floa
         native = quantity.function if is_users(quantity.function) else _native(quantity.function, system.packaged)
         _evaluate(address_of(native, FLAT), t, xs, vs, params, out)
     return out[:, 0] if quantity.size == 1 else out
+
+
+def energy_lost(system: System, t: Floats, x: Floats, v: Floats) -> str:
+    """Return a sentence on an energy that is farther off at the end than it was large, kinetic and potential; or nothing.
+
+    Forces that change with time, friction and noise do work: there it says nothing.
+    """
+    conserved = Kind.HAMILTONIAN.includes(system.kind) or system.kind is Kind.CONSTRAINED
+    if "energy" not in system.quantities or t.size < 2 or not conserved:
+        return ""
+    rows, start, end = [0, 0, -1], x[:1], x[-1:]
+    resting = np.zeros_like(v[:1])
+    potential, first, last = evaluate(
+        system, "energy", t[rows], np.concatenate((start, start, end)), np.concatenate((resting, v[:1], v[-1:]))
+    )
+    size = abs(potential) + abs(first - potential)
+    if not abs(last - first) > size > 0.0 or _is_driven(system, t, x[-1], v[-1]):
+        return ""
+    return f" The energy is off by {abs(last - first) / size:.3g} times its size: the states are wrong; try a smaller step."
+
+
+def _call_python(function: Function, *arguments: Any) -> None:
+    call_interpreted(function, arguments)
+
+
+def _is_driven(system: System, t: Floats, x: Floats, v: Floats) -> bool:
+    """Whether a state is accelerated otherwise at the start of the time than at its end."""
+    accelerations = np.zeros((2, system.v0.size))
+    call_system: Any = call_flat if system.native else _call_python
+    for when, out in zip(t[[0, -1]], accelerations, strict=True):
+        call_system(system.acceleration, when, x.reshape(-1).copy(), v.reshape(-1).copy(), system.params, out)
+    return not np.array_equal(*accelerations)

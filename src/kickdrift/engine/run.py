@@ -38,6 +38,8 @@ class State:
 
     def copy(self, last: "State | None" = None, into: "State | None" = None) -> "State":
         """Copy all, into another state if there is one; the scratch only if it changed since the `last` copy."""
+        if into is not None:
+            into.scratch = np.zeros(0)  # which may be a matrix: one less at a time
         if last is not None and last.work[FORMED] == self.work[FORMED]:
             scratch = last.scratch
         else:
@@ -113,7 +115,7 @@ class Run:
         state.scratch = np.zeros(scratch_size)
         state.work = lay_out(n, program.coefficients, memory_size, addresses, state.scratch)
         members = (state.x, state.v, system.params, state.work)
-        self._blank = state.work.copy()
+        self._blank: Floats | None = None
         self._letters = [letters.build(name, system, program, compensated, state.scratch) for name in names]
         self._advance: Any = loop.advance_interpreted
         self._flows: Any = self._letters
@@ -162,6 +164,8 @@ class Run:
     def change(self, steps: NDArray[np.int64], xs: Floats, vs: Floats) -> None:
         """Do a step, of the number given, from each of the rows and overwrite it; nothing is carried over."""
         program, grid, state = self.program, self.grid, self.state
+        if self._blank is None:
+            self._blank = state.work.copy()
         change = loop.change if self.system.native else loop.change_interpreted
         with np.errstate(all="ignore"):
             change(

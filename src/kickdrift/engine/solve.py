@@ -70,7 +70,7 @@ def solve(
     t_eval : array_like, optional
         Times to keep, on the grid of steps.
     save_every : int, optional
-        Keep every so manieth step, and the last; every step if neither this nor `t_eval` is given.
+        Keep every n-th step, for n = `save_every`, and the last; every step if neither this nor `t_eval` is given.
     args : sequence of float, optional
         Numbers that the function gets as ``params``.
     compensated : bool
@@ -113,6 +113,7 @@ def solve(
     _check_method(method, order)
     x, v = _start(problem, x0, v0)
     params, compensated, compiles = _parameters(args), choice("compensated", compensated), choice("compile", compile)
+    check_bounds = choice("check_bounds", check_bounds)
     progress = None if progress is None else choice("progress", progress)
     try:
         grid = lay_grid(t_span, step, t_eval, save_every, x.size)
@@ -147,7 +148,7 @@ def _solution(
         v=vs,
         invariants=Invariants(tuple(system.quantities), partial(quantities.evaluate, system, t=t, x=xs, v=vs)),
         status=ending.outcome,
-        message=ending.message + _energy_lost(system, t, xs, vs),
+        message=ending.message + quantities.energy_lost(system, t, xs, vs),
         step=grid.step,
         n_steps=ending.n_steps,
         n_force_evaluations=ending.evaluations + inside.evaluations,
@@ -155,18 +156,6 @@ def _solution(
         about=_describe(system, chosen, compensated),
         derived=_derived(system, t, xs, vs),
     )
-
-
-def _energy_lost(system: System, t: Floats, xs: Floats, vs: Floats) -> str:
-    """Return a sentence on an energy that is farther off at the end than it was large at the start, or nothing."""
-    if "energy" not in system.quantities or t.size < 2:
-        return ""
-    ends = [0, -1]
-    first, last = quantities.evaluate(system, "energy", t=t[ends], x=xs[ends], v=vs[ends])
-    if not abs(last - first) > abs(first) > 0.0:
-        return ""
-    times = abs(last - first) / abs(first)
-    return f" The energy is off by {times:.3g} times what it was: the states are wrong; try a smaller step."
 
 
 def _derived(system: System, t: Floats, xs: Floats, vs: Floats) -> Invariants:

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from kickdrift.core import memory
 from kickdrift.core.compilation import Function, compiled
 from kickdrift.core.errors import ArgumentError, InterpretedWarning, depth_of_caller
-from kickdrift.core.free_numbers import numbers_as_arguments
 from kickdrift.core.memory import read_only
 from kickdrift.engine.flows.layout import FLAT, call_flat
 from kickdrift.engine.function_key import Taken, taken_apart
@@ -160,8 +159,12 @@ class Flat:
 def flatten(function: Function, names: list[str], layout: Layout, compile_: bool, checked: bool) -> Flat:
     """Adapt a function; compiled, with its indices `checked` for bounds or not."""
     if compile_:
+        taken = taken_apart(function)
+        numbers = {name: value for name, value in taken.numbers.items() if name not in names}
+        values = [np.ravel(value) for value in numbers.values()]
         try:
-            return _flattened(function, names, layout, checked)
+            native = _compiled(taken, layout.statement(names, numbers), checked)
+            return Flat(native, True, np.concatenate(values) if values else _NONE)
         except (NumbaError, NotImplementedError, TypeError, ValueError, AttributeError, LookupError) as error:
             _warn_interpreted(function, error)
     python = getattr(function, "py_func", function)
@@ -169,20 +172,11 @@ def flatten(function: Function, names: list[str], layout: Layout, compile_: bool
     return Flat(_adapted(statement, function=python, shaped=np.reshape), False, _NONE)
 
 
-def _flattened(function: Function, names: list[str], layout: Layout, checked: bool) -> Flat:
-    taken = taken_apart(function)
-    numbers = {name: value for name, value in taken.numbers.items() if name not in names}
-    native = _compiled(taken, layout.statement(names, numbers), checked)
-    values = [np.ravel(value) for value in numbers.values()]
-    return Flat(native, True, np.concatenate(values) if values else _NONE)
-
-
 @lru_cache(maxsize=256)
 def _compiled(taken: Taken, statement: str, checked: bool) -> Function:
     inner = taken.function
     if taken.known:
         inner = taken.snapshot(checked)
-        numbers_as_arguments(inner, taken.numbers)
     if not hasattr(inner, "py_func"):
         inner = compiled(cached=False, options=taken.options(checked))(inner)
     adapted = _adapted(statement, function=inner, shaped=memory.shaped)

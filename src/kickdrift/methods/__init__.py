@@ -36,8 +36,9 @@ from kickdrift.methods import (
 )
 from kickdrift.methods.doubled import tao
 from kickdrift.methods.letter import Letter
-from kickdrift.methods.record import Method, alternating, composition, palindrome, rows, word
+from kickdrift.methods.record import Method
 from kickdrift.methods.tableau import Tableau
+from kickdrift.methods.words import alternating, composition, palindrome, rows, word
 
 __all__ = [
     "Kind",

@@ -5,7 +5,8 @@ kick in those of kind b and a drift in those of kind a.
 """
 
 from kickdrift.core.kinds import Kind
-from kickdrift.methods.record import D, K, Method, palindrome
+from kickdrift.methods.record import D, K, Method
+from kickdrift.methods.words import palindrome
 
 BLANES_MOAN = "Blanes, Moan, J. Comput. Appl. Math. 142, 313 (2002)"
 

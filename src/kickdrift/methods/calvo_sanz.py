@@ -1,7 +1,8 @@
 """The fourth-order Nystroem method of Calvo and Sanz-Serna."""
 
 from kickdrift.core.kinds import Kind
-from kickdrift.methods.record import K, Method, rows
+from kickdrift.methods.record import K, Method
+from kickdrift.methods.words import rows
 
 METHODS = (
     Method(

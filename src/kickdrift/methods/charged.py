@@ -6,8 +6,9 @@ Each preserves the volume of phase space, as all three letters do.
 from kickdrift.core.kinds import Kind
 from kickdrift.methods import blanes_moan
 from kickdrift.methods.letter import Letter
-from kickdrift.methods.record import D, K, Method, Word, word
+from kickdrift.methods.record import D, K, Method, Word
 from kickdrift.methods.three_parts import in_three
+from kickdrift.methods.words import word
 
 _R = Letter.ROTATE
 _TWO_PARTS = {method.name: method.word for method in blanes_moan.METHODS}

@@ -4,7 +4,8 @@ from fractions import Fraction
 
 from kickdrift.core.kinds import Kind
 from kickdrift.methods.letter import Letter
-from kickdrift.methods.record import D, K, Method, word
+from kickdrift.methods.record import D, K, Method
+from kickdrift.methods.words import word
 
 METHODS = (
     # In steps h the middle kick has the force F + (h^2/48) grad |F|^2 for unit masses. Over its own length s = 2h/3

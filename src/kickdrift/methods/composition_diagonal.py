@@ -5,7 +5,8 @@ The method itself, of order 2, is ``implicit-verlet``. Extrapolation gives its s
 
 from kickdrift.core.kinds import Kind
 from kickdrift.methods.letter import Letter
-from kickdrift.methods.record import Method, word
+from kickdrift.methods.record import Method
+from kickdrift.methods.words import word
 
 
 def _extrapolated(rows: int) -> Method:

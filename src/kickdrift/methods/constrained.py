@@ -9,7 +9,8 @@ energy, to which that term is orthogonal, has order 2.
 from kickdrift.core.kinds import Kind
 from kickdrift.methods.euler import HAIRER_LUBICH_WANNER
 from kickdrift.methods.letter import Letter
-from kickdrift.methods.record import D, K, Method, word
+from kickdrift.methods.record import D, K, Method
+from kickdrift.methods.words import word
 
 P, Q = Letter.CONSTRAIN_POSITIONS, Letter.CONSTRAIN_VELOCITIES
 

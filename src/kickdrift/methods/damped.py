@@ -11,8 +11,9 @@ forced pendulum order 4 is ahead of order 2 at equal cost up to h c / m = 6, and
 from kickdrift.core.kinds import Kind
 from kickdrift.methods import blanes_moan
 from kickdrift.methods.letter import Letter
-from kickdrift.methods.record import D, K, Method, word
+from kickdrift.methods.record import D, K, Method
 from kickdrift.methods.three_parts import in_three
+from kickdrift.methods.words import word
 
 _C = Letter.DAMP
 _TWO_PARTS = {method.name: method.word for method in blanes_moan.METHODS}

@@ -7,7 +7,8 @@ from fractions import Fraction
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 from kickdrift.methods.letter import Letter
-from kickdrift.methods.record import Method, composition, word
+from kickdrift.methods.record import Method
+from kickdrift.methods.words import composition, word
 
 _A, _B, _C = Letter.DOUBLED_KICK, Letter.DOUBLED_DRIFT, Letter.DOUBLED_BINDING
 _BINDING = 20

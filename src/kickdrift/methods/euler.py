@@ -2,8 +2,9 @@
 
 from kickdrift.core.kinds import Kind
 from kickdrift.methods.letter import Letter
-from kickdrift.methods.record import ADJOINT_D, ADJOINT_K, D, K, Method, word
+from kickdrift.methods.record import ADJOINT_D, ADJOINT_K, D, K, Method
 from kickdrift.methods.tableau import Tableau
+from kickdrift.methods.words import word
 
 HAIRER_LUBICH_WANNER = "Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed. (2006)"
 

@@ -4,8 +4,9 @@ from fractions import Fraction
 
 from kickdrift.core.kinds import Kind
 from kickdrift.methods.letter import Letter
-from kickdrift.methods.record import Method, word
+from kickdrift.methods.record import Method
 from kickdrift.methods.tableau import Tableau
+from kickdrift.methods.words import word
 
 
 def _dop853() -> Tableau:

@@ -7,8 +7,9 @@ from kickdrift.core.kinds import Kind
 from kickdrift.methods.collocation import collocation
 from kickdrift.methods.euler import HAIRER_LUBICH_WANNER
 from kickdrift.methods.letter import Letter
-from kickdrift.methods.record import Method, word
+from kickdrift.methods.record import Method
 from kickdrift.methods.tableau import Tableau
+from kickdrift.methods.words import word
 
 with localcontext() as _context:
     _context.prec = 60

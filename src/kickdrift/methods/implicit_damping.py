@@ -2,7 +2,8 @@
 
 from kickdrift.core.kinds import Kind
 from kickdrift.methods.letter import Letter
-from kickdrift.methods.record import D, Method, word
+from kickdrift.methods.record import D, Method
+from kickdrift.methods.words import word
 
 METHODS = (
     Method(

@@ -5,8 +5,9 @@ from fractions import Fraction
 from kickdrift.core.kinds import Kind
 from kickdrift.methods.euler import HAIRER_LUBICH_WANNER
 from kickdrift.methods.letter import Letter
-from kickdrift.methods.record import Method, word
+from kickdrift.methods.record import Method
 from kickdrift.methods.tableau import Tableau
+from kickdrift.methods.words import word
 
 METHODS = (
     Method(

@@ -6,8 +6,9 @@ later: it has the positions of BAOAB's distribution, and order 1 as one counts f
 
 from kickdrift.core.kinds import Kind
 from kickdrift.methods.letter import Letter
-from kickdrift.methods.record import D, K, Method, word
+from kickdrift.methods.record import D, K, Method
 from kickdrift.methods.tableau import Tableau
+from kickdrift.methods.words import word
 
 _O = Letter.THERMOSTAT
 _LEIMKUHLER_MATTHEWS = "Leimkuhler, Matthews, Appl. Math. Res. Express 2013, 34 (2013)"

@@ -4,7 +4,8 @@ from decimal import Decimal, localcontext
 from fractions import Fraction
 
 from kickdrift.core.kinds import Kind
-from kickdrift.methods.record import D, K, Method, palindrome
+from kickdrift.methods.record import D, K, Method
+from kickdrift.methods.words import palindrome
 from kickdrift.methods.yoshida import verlet_steps
 
 MCLACHLAN = "McLachlan, SIAM J. Sci. Comput. 16, 151 (1995)"

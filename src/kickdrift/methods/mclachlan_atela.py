@@ -8,7 +8,8 @@ from decimal import Decimal, localcontext
 from fractions import Fraction
 
 from kickdrift.core.kinds import Kind
-from kickdrift.methods.record import K, Method, rows
+from kickdrift.methods.record import K, Method
+from kickdrift.methods.words import rows
 
 MCLACHLAN_ATELA = "McLachlan, Atela, Nonlinearity 5, 541 (1992), table 2"
 

@@ -1,7 +1,8 @@
 """The sixth-order Nystroem method of Okunbor and Skeel."""
 
 from kickdrift.core.kinds import Kind
-from kickdrift.methods.record import D, Method, palindrome
+from kickdrift.methods.record import D, Method
+from kickdrift.methods.words import palindrome
 
 METHODS = (
     # The root of the order conditions at 60 digits, of which McLachlan (1995) prints 20.

@@ -1,7 +1,8 @@
 """The extended Forest-Ruth-like methods of Omelyan, Mryglod and Folk, in the forms for positions and for velocities."""
 
 from kickdrift.core.kinds import Kind
-from kickdrift.methods.record import D, K, Method, palindrome
+from kickdrift.methods.record import D, K, Method
+from kickdrift.methods.words import palindrome
 
 OMELYAN = "Omelyan, Mryglod, Folk, Comput. Phys. Commun. 146, 188 (2002)"
 

@@ -1,6 +1,6 @@
 """What a method is: a word over flows, with exact weights."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
@@ -228,50 +228,3 @@ def _spell(symbol: str, weight: Fraction) -> str:
     if weight.numerator == 1 and weight.denominator < 100:
         return f"{symbol}/{weight.denominator}"
     return f"{symbol}({float(weight):.6g})"
-
-
-def word(*letters: tuple[Letter, Weight]) -> Word:
-    """Spell a word with exact weights, given as fractions, decimals or their strings."""
-    return tuple((letter, Fraction(weight)) for letter, weight in letters)
-
-
-def alternating(first: Letter, weights: Sequence[Weight], second: Letter | None = None) -> Word:
-    """Spell a word of two letters in turns: kicks and drifts, unless `second` says otherwise."""
-    other = second or (D if first is K else K)
-    return word(*((first if i % 2 == 0 else other, weight) for i, weight in enumerate(weights)))
-
-
-def rows(first: Letter, own: Sequence[Weight], others: Sequence[Weight]) -> Word:
-    """Spell a word of kicks and drifts in turns by the weights of `first` and of the other, each without the last.
-
-    The two left out follow from the sums, so the clock is exact whatever the printed digits leave over.
-    """
-    weights = [Fraction(0)] * (len(own) + len(others) + 2)
-    for start, given in enumerate((own, others)):
-        printed = [Fraction(weight) for weight in given]
-        weights[start::2] = [*printed, 1 - sum(printed, Fraction(0))]
-    return alternating(first, weights)
-
-
-def palindrome(first: Letter, weights: Sequence[Weight], second: Letter | None = None) -> Word:
-    """Spell a symmetric word of two letters in turns by its first half, without the last weight of each letter.
-
-    The two left out follow from the sums: half of 1 for the letter beside the middle, 1 for the letter in it. What
-    printed digits leave over so goes to the middle, and the clock is exact.
-    """
-    given = [Fraction(weight) for weight in weights]
-    inner, middle = Fraction(1, 2) - sum(given[-2::-2], Fraction(0)), 1 - 2 * sum(given[-1::-2], Fraction(0))
-    half = [*given, inner]
-    return alternating(first, [*half, middle, *reversed(half)], second)
-
-
-def composition(base: Word, weights: Sequence[Weight]) -> Word:
-    """Spell a composition of steps: a step of `base` for each weight, neighbours of the same letter merged."""
-    spelled: list[tuple[Letter, Fraction]] = []
-    for share in [Fraction(weight) for weight in weights]:
-        for letter, weight in base:
-            if spelled and spelled[-1][0] is letter:
-                spelled[-1] = letter, spelled[-1][1] + share * weight
-            else:
-                spelled.append((letter, share * weight))
-    return tuple(spelled)

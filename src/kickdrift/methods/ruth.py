@@ -1,7 +1,8 @@
 """The third-order method of Ruth."""
 
 from kickdrift.core.kinds import Kind
-from kickdrift.methods.record import K, Method, rows
+from kickdrift.methods.record import K, Method
+from kickdrift.methods.words import rows
 
 METHODS = (
     Method(

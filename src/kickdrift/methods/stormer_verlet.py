@@ -2,7 +2,8 @@
 
 from kickdrift.core.kinds import Kind
 from kickdrift.methods.euler import HAIRER_LUBICH_WANNER
-from kickdrift.methods.record import ADJOINT_D, ADJOINT_K, D, K, Method, word
+from kickdrift.methods.record import ADJOINT_D, ADJOINT_K, D, K, Method
+from kickdrift.methods.words import word
 
 METHODS = (
     Method(

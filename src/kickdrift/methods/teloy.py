@@ -1,7 +1,8 @@
 """The methods of Teloy, published by Schlier and Seiter."""
 
 from kickdrift.core.kinds import Kind
-from kickdrift.methods.record import D, K, Method, palindrome
+from kickdrift.methods.record import D, K, Method
+from kickdrift.methods.words import palindrome
 
 SCHLIER_SEITER = "Schlier, Seiter, Comput. Phys. Commun. 130, 176 (2000)"
 

@@ -3,7 +3,8 @@
 from fractions import Fraction
 
 from kickdrift.methods.letter import Letter
-from kickdrift.methods.record import Word, composition
+from kickdrift.methods.record import Word
+from kickdrift.methods.words import composition
 
 
 def in_three(two_parts: Word, outer: Letter, middle: Letter, inner: Letter) -> Word:

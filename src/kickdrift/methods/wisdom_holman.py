@@ -13,7 +13,8 @@ from math import factorial
 
 from kickdrift.core.kinds import Kind
 from kickdrift.methods.letter import Letter
-from kickdrift.methods.record import K, Method, Weight, Word, palindrome
+from kickdrift.methods.record import K, Method, Weight, Word
+from kickdrift.methods.words import palindrome
 
 KEPLER = Letter.KEPLER
 WISDOM_HOLMAN = "Wisdom, Holman, Astron. J. 102, 1528 (1991)"

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 from kickdrift.core.kinds import Kind
-from kickdrift.methods.record import D, K, Method, Weight, Word, composition, word
+from kickdrift.methods.record import D, K, Method, Weight, Word
+from kickdrift.methods.words import composition, word
 
 YOSHIDA = "Yoshida, Phys. Lett. A 150, 262 (1990)"
 

@@ -110,14 +110,15 @@ def nbody(
     labels = [str(name) for name in names] if names is not None else [str(i) for i in range(n)]
     if len(labels) != n or len(set(labels)) != n:
         raise ArgumentError(f"names={labels!r} must be {n} different names, one for each body.")
-    if threads:
+    many = _mostly_massless if mostly_massless(gm, threads) else _many_threaded if threads else _many
+    shared = n > FEW and many is _many_threaded
+    if shared:
         launch()
-    many = _mostly_massless if mostly_massless(gm) else _many_threaded if threads else _many
     return System(
         name="nbody",
         acceleration=_few if n <= FEW else many,
         kick=_kick if n <= FEW else None,
-        unthreaded=_many if threads else None,
+        unthreaded=_many if shared else None,
         x0=positions,
         v0=velocities,
         params=np.concatenate([[G, softening**2], gm]),

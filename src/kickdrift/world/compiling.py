@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from kickdrift.core.together import Job, compile_together, missing, seconds_for
+from kickdrift.core.parallel_compile import Job, compile_together, missing, seconds_for
 from kickdrift.engine.progress import announce_compiling
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.dispatch import extents_of

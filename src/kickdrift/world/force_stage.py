@@ -9,17 +9,13 @@ A force names what it needs, and adds in place to the arrays `force` and `torque
 """
 
 import inspect
-from collections.abc import Hashable
-from dataclasses import dataclass, field
 from functools import lru_cache
 from types import FunctionType
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from kickdrift.core.compilation import Function, compiled
 from kickdrift.core.errors import ArgumentError
-from kickdrift.engine.function_key import taken_apart
+from kickdrift.engine.function_key import Taken, taken_apart
 from kickdrift.engine.user_functions import argument_names
 from kickdrift.world.integration import MASS
 from kickdrift.world.step import STAGE
@@ -86,24 +82,16 @@ def force_of(function: Function) -> Force:
             f"force={function!r} is a partial, a method, a generator or the like, of which no stage can be made; give a"
             " function by def."
         )
-    taken = taken_apart(function)
-    numbers = tuple((name, np.asarray(value).tobytes()) for name, value in sorted(taken.numbers.items()))
-    return Force(function, _stage(_Compiled((taken.key, numbers), function), tuple(names)))
-
-
-@dataclass(frozen=True)
-class _Compiled:
-    """A function, equal to another if both have the same compiled code and numbers."""
-
-    key: Hashable
-    function: Function = field(compare=False)
+    return Force(function, _stage(taken_apart(function, free=False), tuple(names)))
 
 
 @lru_cache(maxsize=128)
-def _stage(given: _Compiled, names: tuple[str, ...]) -> Function:
-    """Compile the stage, once for all functions that Numba compiles to the same: memory for code is never given back."""
-    function = given.function
-    native = function if hasattr(function, "py_func") else compiled(cached=False, checked=True)(function)
+def _stage(taken: Taken, names: tuple[str, ...]) -> Function:
+    """Compile the stage, once for all functions of the same code: memory for code is never given back."""
+    function = taken.function
+    native = taken.snapshot(checked=True) if taken.known else function
+    if not hasattr(native, "py_func"):
+        native = compiled(cached=False, options=taken.options(checked=True))(native)
     scope: dict[str, Any] = {
         "__name__": __name__,
         "function": native,

@@ -46,7 +46,6 @@ class AppliesForces:
         row, t = self.bodies.moved_row(body), vector("torque", torque, 3)
         self.tables.row(LOAD, row)[3:6] += t
 
-    @undivided
     def add_force(self, force: Function) -> None:
         """Let a function of one's own act on the bodies in every substep, compiled into the step.
 
@@ -64,5 +63,9 @@ class AppliesForces:
         ArgumentError
             If it is no function, names what there is not, adds to nothing, or cannot be compiled.
         """
-        self.forces.append(force_of(force))
+        self._keep_force(force_of(force))  # Ctrl-C need not wait for the compiler
+
+    @undivided
+    def _keep_force(self, force: Force) -> None:
+        self.forces.append(force)
         self.tables.altered = True

@@ -31,7 +31,7 @@ class KeepsHistory:
         step : float
             The largest step allowed, s: a whole number of equal steps covers the duration.
         save_every : int, optional
-            Keep every so manieth step, and the last; every step by default.
+            Keep every n-th step, for n = `save_every`, and the last; every step by default.
         progress : bool, optional
             Show a bar and say when something is compiled; by default on a terminal, for runs of more than two seconds.
 
@@ -60,7 +60,7 @@ class KeepsHistory:
         Parameters
         ----------
         save_every : int
-            Keep the state at the beginning, after every so manieth step, and after the last one.
+            Keep the state at the beginning, after every n-th step, for n = `save_every`, and after the last one.
 
         Returns
         -------

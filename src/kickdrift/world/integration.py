@@ -15,11 +15,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import (
-    Quaternion,
-    Symmetric,
-    Vector,
     applied,
-    cross,
     dot,
     exponential,
     is_scaled,
@@ -33,6 +29,7 @@ from kickdrift.core.vectors import (
     unit,
 )
 from kickdrift.world.columns import column, quaternion_at, symmetric_at, vector_at
+from kickdrift.world.free_rotation import mean_turn, turned_product
 from kickdrift.world.settings import GRAVITY, MIDPOINT, PLANE_NORMAL
 from kickdrift.world.step_status import report_body
 from kickdrift.world.tables import (
@@ -88,9 +85,7 @@ HEAP_UNSOLVED = column(BODY)  # and the most of their UNSOLVED
 LEFT_FOR = column(BODY)  # steps in which it was left unsolved, less those in which it was not
 REMOVED, STATIC, KINEMATIC, DYNAMIC = 0, 1, 2, 3
 
-_ROUNDS = 20
 _SLOW = 1e-16  # square of the turn in a substep from which on its second order counts
-_ROUNDING = 1e-34  # square of half a unit in the last place, nearly
 
 
 @compiled
@@ -183,18 +178,12 @@ def _follow_pose(body: int, pose: Any, motion: Any, inertia: Any, inverse_mass: 
         return
     q = (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
     turned_inverse = turned_symmetric(q, symmetric_at(inertia, body, INVERSE_INERTIA))
-    spin = _turned_product(q, symmetric_at(inertia, body, BODY_INERTIA), vector_at(motion, body, 3))
+    spin = turned_product(q, symmetric_at(inertia, body, BODY_INERTIA), vector_at(motion, body, 3))
     for k in range(6):
         inverse_mass[body, 1 + k] = turned_inverse[k]
     for k in range(3):
         kicked[body, SPIN + k] = spin[k]
         kicked[body, LEFT_TURN + k] = motion[body, 3 + k]
-
-
-@compiled(inline=True)
-def _turned_product(q: Quaternion, moments: Symmetric, w: Vector) -> Vector:
-    """R I R^T w."""
-    return turned(q, applied(moments, turned_back(q, w)))
 
 
 @compiled
@@ -203,43 +192,11 @@ def _look_ahead(body: int, h: float, pose: Any, motion: Any, inertia: Any, kicke
     q = (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
     moments = symmetric_at(inertia, body, BODY_INERTIA)
     won = minus(vector_at(motion, body, 3), vector_at(kicked, body, LEFT_TURN))
-    spin = plus(vector_at(kicked, body, SPIN), _turned_product(q, moments, won))
+    spin = plus(vector_at(kicked, body, SPIN), turned_product(q, moments, won))
     turn = mean_turn(h, q, moments, spin, vector_at(motion, body, 3))
     for k in range(3):
         kicked[body, SPIN + k] = spin[k]
         motion[body, 3 + k] = turn[k]
-
-
-@compiled
-def mean_turn(h: float, q: Quaternion, moments: Symmetric, spin: Vector, turn: Vector) -> Vector:
-    """Return w* of a body that flies freely for a time h from the orientation q with an angular momentum; `turn` is a guess."""
-    momentum, w = turned_back(q, spin), turned_back(q, turn)
-    error = 0.0
-    for _ in range(_ROUNDS):
-        middle = times(0.5, plus(momentum, turned_back(exponential(times(h, w)), momentum)))
-        step = _solved(moments, times(0.5 * h, middle), minus(middle, applied(moments, w)))
-        w = plus(w, step)
-        change = dot(step, step)
-        # Iterated until this increment, or the next one if they go on to shrink as they do, is lost in rounding, or they
-        # shrink no more: a greater tolerance would let the energy drift. Where turns of a radian a substep leave no
-        # solution, the last one keeps the momentum all the same.
-        size = dot(w, w)
-        if change <= _ROUNDING * size or change * change <= _ROUNDING * size * error:
-            break
-        if 0.0 < error <= change < 1e-20 * size:
-            break
-        error = change
-    return turned(q, w)
-
-
-@compiled(inline=True)
-def _solved(moments: Symmetric, p: Vector, b: Vector) -> Vector:
-    """Solve (I - [p]x) w = b, Newton's equation for w = I^-1 (P + exp(-h w) P) / 2 to first order in h."""
-    r0 = (moments[0], moments[3] + p[2], moments[4] - p[1])
-    r1 = (moments[3] - p[2], moments[1], moments[5] + p[0])
-    r2 = (moments[4] + p[1], moments[5] - p[0], moments[2])
-    c0, c1, c2 = cross(r1, r2), cross(r2, r0), cross(r0, r1)
-    return times(1.0 / dot(r0, c0), plus(plus(times(b[0], c0), times(b[1], c1)), times(b[2], c2)))
 
 
 @compiled
@@ -274,7 +231,7 @@ def drift(t: float, h: float, world: int) -> None:
         spin, moments = (0.0, 0.0, 0.0), symmetric_at(inertia, body, BODY_INERTIA)
         if turns:
             won = minus(w, vector_at(kicked, body, 3))
-            spin = plus(vector_at(kicked, body, SPIN), _turned_product(before, moments, won))
+            spin = plus(vector_at(kicked, body, SPIN), turned_product(before, moments, won))
             if body_kind[body, LINK_COUNT] == 0 and dot(won, won) > 0.0 and h * h * dot(w, w) > _SLOW:
                 # From where an impact within the substep has left it
                 last = kicked[body, IMPACT_TIME]

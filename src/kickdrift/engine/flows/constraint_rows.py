@@ -11,13 +11,14 @@ Layout of memory::
           S, with rows of the identity for those without, factored (m m), pivots (m)
           left over (m), multipliers (m), increment (n), its total (n), state reached (n)
           another Jacobian (m n), S of all rows (m m), room for differences (2 m)
+          for a few numbers, the response: the increment to each number left over (n m)
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.linear_algebra import independent, lu_factor
+from kickdrift.core.linear_algebra import independent, lu_factor, lu_solve
 from kickdrift.core.views import part
 from kickdrift.engine.flows.implicit import clear, scale
 from kickdrift.engine.flows.layout import FEW
@@ -29,7 +30,7 @@ _INDEPENDENT = 1e-12  # squared distance of a row from the span of others
 def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
     """Numbers of memory for a state of n numbers."""
     m = count(n, params)
-    return 1 + 2 * m * n + 2 * m * m + 8 * m + 3 * n
+    return 1 + 3 * m * n + 2 * m * m + 8 * m + 3 * n
 
 
 def constants(coefficients: Floats, n: int, params: Floats, general: bool) -> dict[str, int]:
@@ -79,6 +80,39 @@ def spare(n: int, m: int, own: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     rows = 1 + m * n + m * m + 6 * m + 3 * n
     products, above, below = rows + m * n, rows + m * n + m * m, rows + m * n + m * m + m
     return part(own, rows, m * n), part(own, products, m * m), part(own, above, m), part(own, below, m)
+
+
+@compiled(inline=True)
+def response_of(n: int, m: int, own: Floats) -> Floats:
+    """Return the increments to what is left over, number by number of the state."""
+    return part(own, 1 + 2 * m * n + 2 * m * m + 8 * m + 3 * n, n * m)
+
+
+@compiled(inline=True)
+def respond(n: int, m: int, params: Floats, own: Floats) -> None:
+    """Write the response to each number left over: -M^-1 G^T S^-1, which is quicker to apply than to solve for."""
+    rows, inverse, _, order = rows_of(n, m, own)
+    _, multipliers, increment, _, _ = iterated(n, m, own)
+    matrix, pivots = factored(n, m, own)
+    response = response_of(n, m, own)
+    for k in range(m):
+        i = int(order[k])
+        clear(multipliers)
+        multipliers[k] = -inverse[i] if k < own[0] else 0.0
+        lu_solve(matrix, pivots, multipliers)
+        push(rows, inverse, order, multipliers, params, increment)
+        for j in range(n):
+            response[j * m + i] = increment[j]
+
+
+@compiled(inline=True)
+def apply(response: Floats, left: Floats, increment: Floats) -> None:
+    """Write the increment to what is left over."""
+    m = left.size
+    for j in range(increment.size):
+        increment[j] = 0.0
+        for i in range(m):
+            increment[j] += response[j * m + i] * left[i]
 
 
 @compiled(inline=True)

@@ -9,7 +9,8 @@ until the increments stop shrinking: a looser end would make the energy drift. S
 unit length. Where positions contract slowly, it is formed anew with the Jacobian of the positions reached on its left:
 Newton's iteration. Rows within 1e-6 of the span of others get no multiplier: redundant constraints are fulfilled with
 the others, and if they are not, the step fails. (Damping S by 1e-12 instead lets what redundant constraints disagree
-about on the way leak into the tangent space, up to 1e-5 in a second of a pendulum.)
+about on the way leak into the tangent space, up to 1e-5 in a second of a pendulum.) For a few numbers the product of all
+these matrices is formed once, and an iteration is a product with what is left over.
 
 Templates, see `kickdrift.engine.flows.kick_drift`; the layout of their memory is in `constraint_rows`.
 """
@@ -22,12 +23,15 @@ from numpy.typing import NDArray
 from kickdrift.core.compilation import unbound
 from kickdrift.core.linear_algebra import lu_solve
 from kickdrift.engine.flows.constraint_rows import (
+    apply,
     count,
     factor_rows,
     factor_with,
     factored,
     iterated,
     push,
+    respond,
+    response_of,
     rows_of,
     spare,
 )
@@ -59,6 +63,8 @@ def linearise_constraints(t: float, h: float, x: Floats, v: Floats, params: Floa
     jacobian(t, x, v, params, work, rows)
     if not factor_rows(n, m, params, own):
         work[TROUBLE] = np.inf
+    elif COUNT:
+        respond(n, m, params, own)
 
 
 def constrain_positions(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
@@ -90,11 +96,14 @@ def project_state(size: float, t: float, h: float, x: Floats, v: Floats, params:
     previous, renewed, moved = np.inf, False, np.inf
     for iteration in range(MOST_ITERATIONS):
         leave_over(t, x, v, params, work)
-        for k in range(m):
-            i = int(order[k])
-            multipliers[k] = -left[i] * inverse[i] if k < rank else 0.0
-        lu_solve(matrix, pivots, multipliers)
-        push(rows, inverse, order, multipliers, params, increment)
+        if COUNT:
+            apply(response_of(n, m, own), left, increment)
+        else:
+            for k in range(m):
+                i = int(order[k])
+                multipliers[k] = -left[i] * inverse[i] if k < rank else 0.0
+            lu_solve(matrix, pivots, multipliers)
+            push(rows, inverse, order, multipliers, params, increment)
         moved = largest(increment)
         if not np.isfinite(moved):
             break
@@ -154,7 +163,10 @@ def renew_at_positions(t: float, x: Floats, v: Floats, params: Floats, work: Flo
     for j in range(n):
         reached[j] = x[j] + total[j]
     jacobian(t, reached, v, params, work, there)
-    return factor_with(there, n, m, params, own)
+    factored_anew = factor_with(there, n, m, params, own)
+    if COUNT and factored_anew:
+        respond(n, m, params, own)
+    return factored_anew
 
 
 def renew_nothing(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:

@@ -37,7 +37,7 @@ _HEAD = 8
 _MANY, _RETRIED_AFTER = 32, 20  # from so many unknowns on, every so many solutions with a matrix one without is tried
 _NOT_THE_SIGN = 0x7FFF_FFFF_FFFF_FFFF
 
-residual: Callable[..., None] = unbound
+residual_inside: Callable[..., None] = unbound
 newton: Callable[..., bool] = unbound
 
 
@@ -106,7 +106,7 @@ def solve(
     missing = previous = most = least = np.inf
     stalled, patient = 0, 0
     for _ in range(int(MOST_ITERATIONS * patience(m))):
-        residual(t, h, x, v, params, work)
+        residual_inside(t, h, x, v, params, work)
         if head[4] == 0.0:
             head[4], head[5] = head[2], head[3]
         one = largest(part(increment, 0, first))

@@ -17,7 +17,15 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.core.linear_algebra import lu_factor, lu_solve
 from kickdrift.core.views import part
 from kickdrift.engine.flows.implicit import MOST_WITH_MATRIX, copy, largest, scale
-from kickdrift.engine.flows.layout import EVALUATIONS, TROUBLE, VELOCITY_JACOBIAN, change_of_v, has_part, memory
+from kickdrift.engine.flows.layout import (
+    EVALUATIONS,
+    KEPT_BY,
+    TROUBLE,
+    VELOCITY_JACOBIAN,
+    change_of_v,
+    has_part,
+    memory,
+)
 
 Floats = NDArray[np.float64]
 
@@ -49,6 +57,7 @@ def linearly_implicit_kick(t: float, h: float, x: Floats, v: Floats, params: Flo
     matrix, pivots, u = scratch(0, n * n, work), scratch(n * n, n, work), change_of_v(n, work)
     acceleration_at(t, x, v, params, work, work[:n])
     work[EVALUATIONS] += 1.0
+    work[KEPT_BY] = 0.0  # a matrix that another flow keeps is overwritten
     if has_part(VELOCITY_JACOBIAN, work):
         velocity_jacobian_at(t, x, v, params, work, matrix)
     else:

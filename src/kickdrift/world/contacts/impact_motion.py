@@ -26,16 +26,8 @@ from kickdrift.core.vectors import (
 )
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.integration import (
-    ADDED,
-    BODY_INERTIA,
-    IMPACT_TIME,
-    INVERSE_INERTIA,
-    NEXT_IMPACT,
-    SPHERICAL,
-    SPIN,
-    mean_turn,
-)
+from kickdrift.world.free_rotation import mean_turn
+from kickdrift.world.integration import ADDED, BODY_INERTIA, IMPACT_TIME, INVERSE_INERTIA, NEXT_IMPACT, SPHERICAL, SPIN
 from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
 from kickdrift.world.settings import MIDPOINT
 from kickdrift.world.tables import (

@@ -28,7 +28,8 @@ _SECONDS = 1.8e-4  # for a byte of Python's code: a world of joints and bounces 
 Job = tuple[Function, Any]  # and the signature
 
 _WORKER = (
-    "import sys, pickle; sys.path[:] = pickle.load(sys.stdin.buffer); from kickdrift.core.together import work; work()"
+    "import sys, pickle; sys.path[:] = pickle.load(sys.stdin.buffer);"
+    "from kickdrift.core.parallel_compile import work; work()"
 )
 
 
