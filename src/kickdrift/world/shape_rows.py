@@ -87,7 +87,7 @@ class Surface:
             raise ArgumentError(f"surface_velocity={self.surface_velocity!r} has to be three finite numbers, in m/s.")
         object.__setattr__(self, "surface_velocity", tuple(velocity.tolist()))  # which nobody changes
         layers = () if self.collides_with is None else self.collides_with
-        if not isinstance(layers, Collection) or np.ndim(layers) == 0:
+        if not isinstance(layers, Collection) or (isinstance(layers, np.ndarray) and layers.ndim == 0):
             raise ArgumentError(f"collides_with={layers!r} has to be a sequence of layers, whole numbers from 0 to 61.")
         for layer in (self.layer, *layers):
             if not (isinstance(layer, int | np.integer) and 0 <= layer < 62):

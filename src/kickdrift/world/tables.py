@@ -201,9 +201,8 @@ class Tables:
         new = _aligned(max(count, len(old) + len(old) // 2, 16), table.width, np.int64 if table.whole else np.float64)
         new[: len(old)] = old
         words = new.ctypes.data, self.block[place + _ROWS], len(new)
-        # No call stands between these two: Ctrl-C there would leave the address of memory that is gone.
-        self._arrays[table.place] = new
-        self.block[place : place + 3] = words
+        # At once, which Ctrl-C does not divide: compiled code would have the address of memory that is gone.
+        self._arrays[table.place], self.block[place : place + 3] = new, words
         self.version += 1
         for companion in _COMPANIONS.get(table, ()):
             self.reserve(companion, len(new))
