@@ -9,6 +9,7 @@ from kickdrift.core.errors import ArgumentError
 
 _UNASKED = 2 << 30  # bytes that what is kept may take unless the caller says which steps to keep
 _PART = 0.8  # of the memory that is free
+_LITTLE = 1 << 20  # bytes that nobody asks for: it would be a third of the time of ten steps
 
 
 def check_kept(save_every: int | None, n_steps: int, row: int, remedy: str = "") -> None:
@@ -29,6 +30,8 @@ def check_kept(save_every: int | None, n_steps: int, row: int, remedy: str = "")
     ArgumentError
     """
     rows = n_steps // (1 if save_every is None else save_every) + 2
+    if rows * row <= _LITTLE:
+        return
     most = _PART * free_bytes()
     if save_every is None:
         most = min(most, _UNASKED)
