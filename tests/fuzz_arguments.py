@@ -94,7 +94,24 @@ def template():
 
 
 # What is called, with arguments that it takes.
+def described(kind, **arguments):
+    """Return what solves a problem of a kind of description, and arguments that the description takes."""
+
+    def solve(**given):
+        start = {"x0": [1.0, 0.0]} if kind is kd.FirstOrder else {"x0": [[1.0, 0.0, 0.0]], "v0": [[0.0, 1.0, 0.0]]}
+        return kd.solve(kind(**given), t_span=(0, 1), step=0.1, compile=False, progress=False, **start)
+
+    return solve, arguments
+
+
 SOLVE = [
+    described(kd.Newtonian, force=attraction, mass=1.0, energy=None, invariants={}),
+    described(kd.Damped, force=attraction, damping=0.1, mass=1.0),
+    described(kd.Separable, kinetic_gradient=lambda p: p, potential_gradient=lambda q: q),
+    described(kd.ChargedParticle, charge_to_mass=1.0, magnetic_field=lambda x: np.array([[0.0, 0.0, 1.0]])),
+    described(kd.Langevin, force=attraction, friction=1.0, temperature=1.0, mass=1.0, seed=3),
+    described(kd.Constrained, force=attraction, constraint=lambda x: np.sum(x**2) - 1.0, mass=1.0),
+    described(kd.FirstOrder, rates=lambda y: -y, energy=None),
     (
         lambda **given: kd.solve(given.pop("problem"), **given),
         {
@@ -172,6 +189,9 @@ CLASSES = [
 ]  # fmt: skip
 
 
+_DIRECT = next(k for k, (_, arguments) in enumerate(SOLVE) if "problem" in arguments)
+
+
 def wrong_value(rng):
     """Draw a hostile value."""
     return VALUES[rng.integers(len(VALUES))]
@@ -214,7 +234,7 @@ def with_handles(world, arguments):
 
 def of_solve(rng):
     """Try `kd.solve`, or a description for it."""
-    function, arguments = SOLVE[0] if rng.random() < 0.7 else SOLVE[rng.integers(len(SOLVE))]
+    function, arguments = SOLVE[_DIRECT] if rng.random() < 0.5 else SOLVE[rng.integers(len(SOLVE))]
     given, names = changed(rng, arguments)
     return said(
         lambda: function(**given), f"solve {[(name, _short(given[name])) for name in names]}", _of(given, names)

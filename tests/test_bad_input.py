@@ -251,3 +251,12 @@ def test_a_method_that_claims_more_than_its_word_has_is_refused():
     with pytest.raises(ArgumentError, match="order=4 of 'mine': its word has order 2 on the harmonic oscillator"):
         dataclasses.replace(verlet, name="mine", order=4)
     assert dataclasses.replace(verlet, name="mine").order == 2
+
+
+@pytest.mark.parametrize(
+    ("argument", "value"), [("mass", 1e-320), ("mass", 1 + 1j), ("mass", 10**400), ("invariants", [1, 2])]
+)
+def test_descriptions_take_what_they_are_given_or_say_why_not(argument, value):
+    problem = kd.Newtonian(lambda x: -x, **{argument: value})
+    with pytest.raises(ArgumentError, match=f"{argument}="):
+        kd.solve(problem, (0, 1), x0=[1.0], v0=[0.0], step=0.1)

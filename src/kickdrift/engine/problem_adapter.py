@@ -84,6 +84,8 @@ class Adapter:
 
     def quantities(self, energy: Function | None, invariants: Mapping[str, Function]) -> dict[str, Quantity]:
         """Adapt conserved quantities: numbers."""
+        if not isinstance(invariants, Mapping) or not all(isinstance(name, str) for name in invariants):
+            raise ArgumentError(f"invariants={invariants!r} has to be a dict of functions by their names.")
         for name in invariants:
             if name in _TAKEN:
                 raise ArgumentError(f"invariants has the name {name!r}, which is taken; give another, or energy=... .")

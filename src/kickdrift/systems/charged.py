@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kickdrift.core.arguments import reals
 from kickdrift.core.compilation import compiled, unbound
 from kickdrift.core.elementwise import multiply
 from kickdrift.core.errors import ArgumentError
@@ -138,7 +139,7 @@ def _charges_of(charge_to_mass: ArrayLike, shape: tuple[int, ...]) -> Floats:
             " position and velocity as 0."
         )
     try:
-        charges = np.broadcast_to(np.asarray(charge_to_mass, dtype=np.float64), shape[:-1])
+        charges = np.broadcast_to(reals(charge_to_mass), shape[:-1])
     except (TypeError, ValueError) as error:
         raise ArgumentError(
             f"charge_to_mass={charge_to_mass!r} does not fit states of shape {shape}: {error}; give a number, or for"

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kickdrift.core.arguments import reals
 from kickdrift.core.compilation import unbound
 from kickdrift.core.elementwise import multiply
 from kickdrift.core.errors import ArgumentError
@@ -139,7 +140,7 @@ def divided_by_mass(t: float, x: Floats, v: Floats, params: Floats, out: Floats)
 
 def to_each_number(values: ArrayLike, shape: tuple[int, ...]) -> Floats:
     """Give a value to each number of a state; N values to a state of N bodies, (N, d), are one to each body."""
-    given = np.asarray(values, dtype=np.float64)
+    given = reals(values)
     if len(shape) == 2 and given.shape == shape[:1]:
         given = given[:, None]
     return np.broadcast_to(given, shape).reshape(-1).copy()
@@ -160,6 +161,8 @@ def masses_of(mass: ArrayLike, shape: tuple[int, ...]) -> Floats:
             f"mass={mass!r} does not fit states of shape {shape}: {error}; give a number, or for states (N, 3) N of"
             " them."
         ) from None
-    if not (np.isfinite(masses).all() and (masses > 0).all()):
-        raise ArgumentError(f"mass={mass!r} must be positive and finite.")
+    with np.errstate(divide="ignore", over="ignore"):
+        inverse = 1.0 / masses
+    if not (np.isfinite(masses).all() and (masses > 0).all() and np.isfinite(inverse).all()):
+        raise ArgumentError(f"mass={mass!r} must be positive and finite, and so must 1 / mass.")
     return masses
