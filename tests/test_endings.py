@@ -165,7 +165,10 @@ def test_on_a_terminal_only_long_runs_show_progress(capsys, monkeypatch):
 
 
 def test_the_first_compilation_is_announced(tmp_path):
-    code = "import kickdrift as kd; kd.solve(kd.systems.kepler(), (0, 1), step=0.1, progress=True).energy"
+    code = (
+        "import kickdrift as kd; from kickdrift.engine import progress; progress._A_MOMENT = 0.0;"
+        "kd.solve(kd.systems.kepler(), (0, 1), step=0.1, progress=True).energy"
+    )
     said, kept = [], []
     for _ in range(2):
         done = subprocess.run(

@@ -195,8 +195,10 @@ def test_a_nystrom_table_with_its_roles_swapped_is_caught(name, step):
 def test_a_weight_cut_to_three_digits_is_caught(name):
     outer = Fraction("1.351")
     half = [outer / 2, outer, (1 - outer) / 2]
-    cut = replace(CATALOGUE["forest-ruth-4"], word=alternating(D, [*half, 1 - 2 * outer, *reversed(half)]))
-    assert not has(4, measured(name, cut))
+    word = alternating(D, [*half, 1 - 2 * outer, *reversed(half)])
+    assert not has(4, measured(name, replace(CATALOGUE["forest-ruth-4"], word=word, order=2)))
+    with pytest.raises(ArgumentError, match="its word has order 2"):
+        replace(CATALOGUE["forest-ruth-4"], word=word)
 
 
 def test_an_explicit_kick_with_friction_is_caught():

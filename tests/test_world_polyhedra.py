@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import nnls
 from scipy.spatial import ConvexHull
@@ -277,6 +277,7 @@ def test_contacts_of_boxes_scale_with_them(a, b, orientation, position, power):
 @settings(UNHURRIED, max_examples=60)
 @given(st.one_of(boxes, hulls), quaternion, st.floats(-0.05, 0.03))
 def test_on_a_plane_lie_the_lowest_corners(shape, orientation, gap):
+    assume(abs(gap - MARGIN) > 1e-12)  # where rounding decides
     placed = corners(shape) @ rotation_matrix(orientation).T
     height = gap - placed[:, 2].min()
     normal, on_a, on_b, gaps, features = collide(None, shape, (0.3, 0.2, height), orientation)
