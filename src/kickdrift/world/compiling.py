@@ -8,9 +8,9 @@ from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.dispatch import extents_of
 from kickdrift.world.collision.narrow_phase import COLLIDE
 from kickdrift.world.contacts.contact_solver_simd import KERNELS, SWEEP
-from kickdrift.world.program import Uses, Word, word
 from kickdrift.world.shapes.catalogue import KINDS
 from kickdrift.world.shapes.record import EXTENT
+from kickdrift.world.stage_order import Uses, Word, word
 from kickdrift.world.step import STAGE
 
 

@@ -1,7 +1,7 @@
 """The step of a world: a word over stages, run by one loop.
 
-`kickdrift.world.program.word` spells it. Two of its letters, `kick` and `drift`, are flows as those of the engine are; between
-them stand projections onto what contacts and joints allow.
+`kickdrift.world.stage_order.word` spells it. Two of its letters, `kick` and `drift`, are flows as those of the engine are;
+between them stand projections onto what contacts and joints allow.
 """
 
 from typing import Any

@@ -16,10 +16,10 @@ from kickdrift.world.contacts import contact_solver_simd
 from kickdrift.world.contacts.layout import LANE_COUNT, WIDTH
 from kickdrift.world.force_stage import Force
 from kickdrift.world.joints.registry import Joints
-from kickdrift.world.program import Program, Uses, Word, addresses, compose, word
 from kickdrift.world.recorder import Recorder
 from kickdrift.world.rollback import find_lost_body, lost_body_error, roll_back
 from kickdrift.world.shape_rows import ShapeRows
+from kickdrift.world.stage_order import Program, Uses, Word, addresses, compose, word
 from kickdrift.world.step import run
 from kickdrift.world.tables import EVENTS, LOAD, SETTINGS, STEP_STATUS, SWEEPS, Table, Tables
 

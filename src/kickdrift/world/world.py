@@ -21,11 +21,11 @@ from kickdrift.world.history import KeepsHistory
 from kickdrift.world.joints.adding import AddsJoints
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.registry import Joints
-from kickdrift.world.program import Program
 from kickdrift.world.queries import SpatialQueries
 from kickdrift.world.recorder import Recorder
 from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.snapshot import Snapshot
+from kickdrift.world.stage_order import Program
 from kickdrift.world.stepping import DoesSteps
 from kickdrift.world.tables import COLOURS, SETTINGS, STEP_STATUS, SWEEPS, Tables
 from kickdrift.world.tuning import Tunable

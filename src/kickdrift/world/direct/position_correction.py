@@ -7,9 +7,9 @@ from kickdrift.world.direct.closings import stay_closings
 from kickdrift.world.direct.equations import aim_island, assemble, predict
 from kickdrift.world.direct.factorisation import factor
 from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE, LINK_ROW
+from kickdrift.world.joints.body_shift import shift_body
 from kickdrift.world.joints.layout import GAIN, LINK_BODY, LINK_JOINT
 from kickdrift.world.joints.measure import measure
-from kickdrift.world.joints.position_correction import shift_body
 from kickdrift.world.joints.right_hand_side import REPAIR
 from kickdrift.world.tables import ISLAND, ISLAND_JOINT, LINK, LINK_NUMBERS, NODE, floats, integers
 
