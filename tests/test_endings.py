@@ -277,3 +277,17 @@ def half_square(x, v):
 def test_an_energy_that_may_change_or_begins_at_zero_is_not_said_to_be_off(problem, start):
     run = kd.solve(problem, (0.0, 20.0), start, 0.0, step=0.01, method="auto", compile=False)
     assert "energy" not in run.message
+
+
+def test_functions_that_raise_after_the_run_do_not_lose_it():
+    def force(t, x):
+        if force.done and t == 0.0:
+            raise ValueError("not again")
+        force.done = t > 9.0
+        return 4.0 * x
+
+    force.done = False
+    grows = kd.SecondOrder(force, energy=half_square)
+    run = kd.solve(grows, (0.0, 10.0), 1.0, 0.0, step=0.1, method="stormer-verlet", compile=False)
+    assert run.success
+    assert run.energy[-1] > 2.0 * run.energy[0]
