@@ -13,7 +13,6 @@ from kickdrift.world.tables import (
     GROUPS,
     INVERSE_MASS,
     LANES,
-    SWEEPS,
     floats,
     integers,
     room,
@@ -66,7 +65,7 @@ def colour(t: float, h: float, world: int) -> None:
     for k in range(LINKED + 1):
         count = colours[k, c.COLOUR_CONTACTS]
         colours[k, c.FIRST_GROUP] = first
-        first += count if k >= OVERFLOW else (count + c.WIDTH - 1) // c.WIDTH
+        first += count if k == OVERFLOW else (count + c.WIDTH - 1) // c.WIDTH
         colours[k, c.AFTER_GROUP] = first
     if first > room(world, GROUPS):
         ask_for_room(world, GROUPS, first)
@@ -79,10 +78,3 @@ def colour(t: float, h: float, world: int) -> None:
         return
     set_rows(world, CONTACT_ROW, colours[LINKED, c.COLOUR_CONTACTS])
     set_rows(world, GROUPS, first)
-
-
-@compiled(inline=True)
-def lanes_of(world: int, g: int) -> int:
-    """Lanes of a group that are worked on: the first one alone where its contact is solved directly."""
-    count: int = integers(world, SWEEPS)[0, c.LANE_COUNT]
-    return 1 if g >= integers(world, COLOURS)[LINKED, c.FIRST_GROUP] else count

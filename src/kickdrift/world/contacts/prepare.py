@@ -7,7 +7,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts import prepare_simd as r
-from kickdrift.world.contacts.colouring import LINKED, OVERFLOW, lanes_of
+from kickdrift.world.contacts.colouring import LINKED, OVERFLOW
 from kickdrift.world.contacts.contact_solver_simd import SWEEP
 from kickdrift.world.contacts.gather import gather, softness
 from kickdrift.world.contacts.transposing import fetch_rows
@@ -50,7 +50,7 @@ def prepare(t: float, h: float, world: int) -> None:
         index = colours[k, c.COLOUR_CONTACTS]
         colours[k, c.COLOUR_CONTACTS] += 1
         group, lane = colours[k, c.FIRST_GROUP] + index // c.WIDTH, index % c.WIDTH
-        if k >= OVERFLOW:
+        if k == OVERFLOW:
             group, lane = colours[k, c.FIRST_GROUP] + index, 0
         contact[row, c.PLACE_IN_GROUPS] = group * c.WIDTH + lane
         groups[group, c.BODIES_A + lane] = contact[row, c.BODY_A]
@@ -63,12 +63,11 @@ def prepare(t: float, h: float, world: int) -> None:
     soft, softer = softness(world, True), softness(world, False)
     for k in range(_SCRATCH):
         scratch[k] = 0.0
-    numbers, many = flat_integers(world, GROUPS), rows(world, GROUPS) > _MANY
+    numbers, many, n = flat_integers(world, GROUPS), rows(world, GROUPS) > _MANY, sweeps[0, c.LANE_COUNT]
     for g in range(rows(world, GROUPS)):
         if many and g + 1 < rows(world, GROUPS):
             for k in range(0, MANIFOLD.width, 8):  # a cache line each
                 fetch_rows(floats(world, MANIFOLD), k, numbers, GROUPS.width * (g + 1) + c.GROUP_CONTACTS)
-        n = lanes_of(world, g)
         for lane in range(n):
             scratch[r.MARK * c.WIDTH + lane] = 1.0
             row = groups[g, c.GROUP_CONTACTS + lane]

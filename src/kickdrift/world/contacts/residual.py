@@ -62,8 +62,10 @@ def measure(t: float, h: float, world: int) -> None:
                     if _is_slow(world, row, _CALM * left):
                         body[row, UNSOLVED] |= LEFT | FAR_LEFT if left > _FAR * noted else LEFT
     for g in range(colours[LINKED, c.FIRST_GROUP], colours[LINKED, c.AFTER_GROUP]):
-        body[groups[g, c.BODIES_A], UNSOLVED] |= TOUCHES
-        body[groups[g, c.BODIES_B], UNSOLVED] |= TOUCHES
+        for lane in range(_W):
+            if groups[g, c.GROUP_CONTACTS + lane] >= 0:
+                body[groups[g, c.BODIES_A + lane], UNSOLVED] |= TOUCHES
+                body[groups[g, c.BODIES_B + lane], UNSOLVED] |= TOUCHES
     floats(world, SETTINGS)[0, RESIDUAL] = most
 
 

@@ -15,7 +15,7 @@ from kickdrift.core.compilation import compiled, specialise, unbound
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import product
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.colouring import LINKED, OVERFLOW, lanes_of
+from kickdrift.world.contacts.colouring import LINKED, OVERFLOW
 from kickdrift.world.contacts.contact_solver_simd import SWEEP
 from kickdrift.world.contacts.effective_mass_simd import SLIP_STRICTNESS, TWIST_STRICTNESS
 from kickdrift.world.contacts.prepare_simd import (
@@ -88,16 +88,24 @@ def _warm_start_group(h: float, world: int, g: int) -> None:
         integers(world, SWEEPS),
     )
     _fetch(world, g)
-    _gather(world, g, motion, VELOCITY_A, scratch)
+    linked = _is_linked(world, g)
+    if linked:
+        for k in range(12 * _W):
+            scratch[VELOCITY_A * _W + k] = 0.0
+    else:
+        _gather(world, g, motion, VELOCITY_A, scratch)
     _gather_inertia(world, g, inverse_mass, scratch)
-    own, n = lanes[g * _SIZE : (g + 1) * _SIZE], lanes_of(world, g)
+    own, n = lanes[g * _SIZE : (g + 1) * _SIZE], sweeps[0, c.LANE_COUNT]
     sweep(sweeps[0, c.APPLY_IMPULSES], (own, scratch, 1.0 / h, 1.0, 0.0, n))
-    _scatter(world, g, motion, scratch)
+    if linked:
+        _add_changes(world, g, motion, scratch)
+    else:
+        _scatter(world, g, motion, scratch)
 
 
 @compiled(inline=True)
 def _is_linked(world: int, g: int) -> bool:
-    """Whether a group is one contact that is solved directly."""
+    """Whether a group is of contacts that are solved directly, of which several may move one body."""
     linked: bool = g >= integers(world, COLOURS)[LINKED, c.FIRST_GROUP]
     return linked
 
@@ -128,7 +136,7 @@ def _relax_group(h: float, world: int, g: int) -> None:
         carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)),
         integers(world, SWEEPS),
     )
-    delta_pose, n = floats(world, DELTA_POSE), lanes_of(world, g)
+    delta_pose, n = floats(world, DELTA_POSE), sweeps[0, c.LANE_COUNT]
     _fetch(world, g)
     _gather(world, g, motion, VELOCITY_A, scratch)
     _gather(world, g, delta_pose, DELTA_POSE_A, scratch)
@@ -252,3 +260,16 @@ def _scatter(world: int, g: int, motion: Any, scratch: Any) -> None:
     bodies = flat_integers(world, GROUPS)
     scatter_rows(motion, bodies, GROUPS.width * g + c.BODIES_A, scratch, VELOCITY_A)
     scatter_rows(motion, bodies, GROUPS.width * g + c.BODIES_B, scratch, VELOCITY_B)
+
+
+@compiled(inline=True)
+def _add_changes(world: int, g: int, motion: Any, scratch: Any) -> None:
+    """Add changes of velocity to the bodies of every lane, one lane after the other."""
+    groups = integers(world, GROUPS)
+    for lane in range(_W):
+        if groups[g, c.GROUP_CONTACTS + lane] < 0:
+            continue
+        a, b = groups[g, c.BODIES_A + lane], groups[g, c.BODIES_B + lane]
+        for k in range(6):
+            motion[a, k] += scratch[(VELOCITY_A + k) * _W + lane]
+            motion[b, k] += scratch[(VELOCITY_B + k) * _W + lane]

@@ -8,29 +8,17 @@ Simultaneous Impact, ACM Trans. Graph. 31 (2012) 106.
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.contacts.restitution import slowest_bounce
 from kickdrift.world.direct.contact_rows import impulse_field
-from kickdrift.world.direct.contacts import BOUNCE, SMOOTH_BOUNCE, constraint, contact_row, read_both, twelve
+from kickdrift.world.direct.contacts import BOUNCE, SMOOTH_BOUNCE, read_both, twelve
 from kickdrift.world.direct.layout import AFTER_CONTACT, CONTACT_ROWS, FIRST_CONTACT, HITS, TANGENT
+from kickdrift.world.direct.linked import bodies_of, constraint, contact_row, row_of
 from kickdrift.world.direct.solve import solve_at_once
 from kickdrift.world.direct.velocities import kinetic_energy, note_velocities, take_back_velocities
 from kickdrift.world.direct.wrenches import along, write_wrench
 from kickdrift.world.joints.right_hand_side import RELAX
 from kickdrift.world.layout import RESTITUTION
-from kickdrift.world.tables import (
-    COLOURS,
-    CONTACT,
-    DELTA_POSE,
-    GROUPS,
-    ISLAND,
-    ISLAND_CONTACT,
-    MOTION,
-    PLACE,
-    floats,
-    integers,
-    rows,
-)
+from kickdrift.world.tables import CONTACT, DELTA_POSE, ISLAND, ISLAND_CONTACT, MOTION, PLACE, floats, integers, rows
 
 _ROUNDS = 30
 
@@ -60,10 +48,9 @@ def bounce_islands(t: float, h: float, world: int) -> None:
 def _find_hits(island: int, h: float, world: int) -> bool:
     """Say which points of an island hit, and with what speed they shall leave; return whether any does."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    groups, contact, place = integers(world, GROUPS), integers(world, CONTACT), floats(world, PLACE)
-    begin, found = integers(world, COLOURS)[LINKED, c.FIRST_GROUP], False
+    contact, place, found = integers(world, CONTACT), floats(world, PLACE), False
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        row = groups[begin + order[k, 0], c.GROUP_CONTACTS]
+        row = row_of(order[k, 0], world)
         e = max(place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION])
         if _hits(order[k, 0], e, h, world):
             contact[row, c.CONTACT_STATE] |= c.BOUNCED
@@ -73,11 +60,11 @@ def _find_hits(island: int, h: float, world: int) -> bool:
 
 @compiled(cached=False)
 def _hits(index: int, e: float, h: float, world: int) -> bool:
-    groups, g = integers(world, GROUPS), integers(world, COLOURS)[LINKED, c.FIRST_GROUP] + index
+    a, b = bodies_of(index, world)
     own, numbers, slowest = constraint(index, world), contact_row(index, world), slowest_bounce(h, world)
     velocity, change, wrench = twelve(), twelve(), twelve()
-    read_both(MOTION, groups[g, c.BODIES_A], groups[g, c.BODIES_B], velocity, world)
-    read_both(DELTA_POSE, groups[g, c.BODIES_A], groups[g, c.BODIES_B], change, world)
+    read_both(MOTION, a, b, velocity, world)
+    read_both(DELTA_POSE, a, b, change, world)
     hit = False
     for k in range(TANGENT):
         numbers[HITS + k] = -1.0

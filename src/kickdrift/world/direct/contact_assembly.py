@@ -4,7 +4,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.direct.contact_rows import bound_rows, first_row
-from kickdrift.world.direct.contacts import contact_row, twelve
+from kickdrift.world.direct.contacts import twelve
 from kickdrift.world.direct.layout import (
     ACTIVE,
     AFTER_CONTACT,
@@ -21,6 +21,7 @@ from kickdrift.world.direct.layout import (
     TANGENT,
     WRENCH,
 )
+from kickdrift.world.direct.linked import contact_row
 from kickdrift.world.direct.matrix import add_row
 from kickdrift.world.joints.layout import CLOSING_IMPULSE
 from kickdrift.world.tables import ISLAND, ISLAND_CONTACT, LINK_NUMBERS, NODE, floats, integers

@@ -3,17 +3,7 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.direct.contact_rows import bind, bind_points, first_row, give_of, impulse_field
-from kickdrift.world.direct.contacts import (
-    BOUNCE,
-    PRESS,
-    REST,
-    SMOOTH_BOUNCE,
-    bodies_of,
-    constraint,
-    contact_row,
-    read_both,
-    twelve,
-)
+from kickdrift.world.direct.contacts import BOUNCE, PRESS, REST, SMOOTH_BOUNCE, read_both, twelve
 from kickdrift.world.direct.layout import (
     ACTIVE,
     AFTER_CONTACT,
@@ -34,6 +24,7 @@ from kickdrift.world.direct.layout import (
     WANTED,
     WRENCH,
 )
+from kickdrift.world.direct.linked import bodies_of, constraint, contact_row
 from kickdrift.world.direct.nodes import place_in
 from kickdrift.world.direct.wrenches import along, write_wrench
 from kickdrift.world.joints.impulses import push_body

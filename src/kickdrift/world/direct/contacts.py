@@ -9,7 +9,6 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import length
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.direct.contact_rows import (
     GRIP,
     PRESSING,
@@ -42,27 +41,11 @@ from kickdrift.world.direct.layout import (
     WANTED,
     WRENCH,
 )
+from kickdrift.world.direct.linked import bodies_of, constraint, contact_row
 from kickdrift.world.direct.nodes import mass_of, node_of, place_in
 from kickdrift.world.direct.wrenches import along
 from kickdrift.world.settings import GRAVITY, PUSH_SPEED
-from kickdrift.world.tables import (
-    COLOURS,
-    CONTACT_ROW,
-    DELTA_POSE,
-    GROUPS,
-    ISLAND,
-    ISLAND_CONTACT,
-    LANES,
-    MOTION,
-    SETTINGS,
-    Table,
-    flat,
-    floats,
-    integers,
-)
-
-_SIZE = c.FIELDS * c.WIDTH
-_COLUMNS = CONTACT_ROW.width
+from kickdrift.world.tables import DELTA_POSE, ISLAND, ISLAND_CONTACT, MOTION, SETTINGS, Table, floats, integers
 
 # What the contacts of a solution are to do
 PRESS = (
@@ -71,26 +54,6 @@ PRESS = (
 REST = 1  # nothing moves on
 BOUNCE = 2  # points that hit leave with the speed that restitution gives them
 SMOOTH_BOUNCE = 3  # the same without friction
-
-
-@compiled(inline=True, cached=False, fast=True)
-def contact_row(index: int, world: int) -> Any:
-    """Return the numbers of a contact, counted from the first of the linked colour."""
-    return flat(world, CONTACT_ROW)[_COLUMNS * index : _COLUMNS * (index + 1)]
-
-
-@compiled(inline=True, cached=False, fast=True)
-def constraint(index: int, world: int) -> Any:
-    """Return the constraint of a contact, in lane 0 of its group."""
-    g = integers(world, COLOURS)[LINKED, c.FIRST_GROUP] + index
-    return flat(world, LANES)[g * _SIZE : (g + 1) * _SIZE]
-
-
-@compiled(inline=True, cached=False, fast=True)
-def bodies_of(index: int, world: int) -> tuple[int, int]:
-    """Bodies of a contact."""
-    groups, g = integers(world, GROUPS), integers(world, COLOURS)[LINKED, c.FIRST_GROUP] + index
-    return groups[g, c.BODIES_A], groups[g, c.BODIES_B]
 
 
 @compiled(cached=False, fast=True)

@@ -3,8 +3,6 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.direct.heaps import LARGEST as HEAP_LARGEST
 from kickdrift.world.direct.layout import (
     AFTER_CONTACT,
@@ -20,7 +18,8 @@ from kickdrift.world.direct.layout import (
     NODE_ISLAND,
     RATIO,
 )
-from kickdrift.world.direct.nodes import body_of, has_room, node_of
+from kickdrift.world.direct.linked import linked_contacts
+from kickdrift.world.direct.nodes import body_of, has_room, nodes_of_contact
 from kickdrift.world.direct.ordering import order_nodes
 from kickdrift.world.integration import MASS
 from kickdrift.world.joints.layout import (
@@ -38,8 +37,6 @@ from kickdrift.world.joints.layout import (
 from kickdrift.world.tables import (
     ARTICULATION,
     BLOCK,
-    COLOURS,
-    GROUPS,
     INERTIA,
     ISLAND,
     ISLAND_CONTACT,
@@ -61,8 +58,7 @@ LARGEST = 32
 @compiled
 def find_islands(t: float, h: float, world: int) -> None:
     """Sort nodes, contacts and joints into islands, and find in which order nodes are eliminated."""
-    links, colours = integers(world, LINK), integers(world, COLOURS)
-    contacts = colours[LINKED, c.AFTER_GROUP] - colours[LINKED, c.FIRST_GROUP]
+    links, contacts = integers(world, LINK), linked_contacts(world)
     n = _join(world)
     if not (
         has_room(world, NODE, n)
@@ -102,7 +98,6 @@ def _first_of(links: Any, row: int) -> int:
 def _join(world: int) -> int:
     """Unite the nodes that joints and contacts hold together, and count the nodes."""
     links, articulations = integers(world, LINK), integers(world, ARTICULATION)
-    groups, colours = integers(world, GROUPS), integers(world, COLOURS)
     joined, n = 0, 0
     for row in range(rows(world, LINK)):
         links[row, ROOT] = NONE
@@ -117,8 +112,8 @@ def _join(world: int) -> int:
     for row in range(joined, rows(world, LINK)):
         links[row, ROOT], links[row, ISLAND_SIZE] = row, 1
         n += 1
-    for g in range(colours[LINKED, c.FIRST_GROUP], colours[LINKED, c.AFTER_GROUP]):
-        a, b = node_of(world, groups[g, c.BODIES_A]), node_of(world, groups[g, c.BODIES_B])
+    for index in range(linked_contacts(world)):
+        a, b = nodes_of_contact(world, index)
         if a >= 0 and b >= 0:
             a, b = _first_of(links, a), _first_of(links, b)
             most = LARGEST if min(a, b) < joined else HEAP_LARGEST
@@ -132,10 +127,10 @@ def _join(world: int) -> int:
 
 
 @compiled(cached=False)
-def islands_of_contact(world: int, g: int) -> tuple[int, int]:
-    """Islands of a group of the linked colour; -1 for the second where there is but one."""
-    links, groups = integers(world, LINK), integers(world, GROUPS)
-    a, b = node_of(world, groups[g, c.BODIES_A]), node_of(world, groups[g, c.BODIES_B])
+def islands_of_contact(world: int, index: int) -> tuple[int, int]:
+    """Islands of a contact that is solved directly; -1 for the second where there is but one."""
+    links = integers(world, LINK)
+    a, b = nodes_of_contact(world, index)
     one = links[links[a, ROOT], NODE_ROW] if a >= 0 else -1
     two = links[links[b, ROOT], NODE_ROW] if b >= 0 else -1
     if one < 0:
@@ -155,19 +150,18 @@ def _begin(islands: Any, count: int, first: int, after: int) -> None:
 
 @compiled(cached=False)
 def _sort_contacts(world: int) -> None:
-    colours, islands, order = integers(world, COLOURS), integers(world, ISLAND), integers(world, ISLAND_CONTACT)
-    first, end = colours[LINKED, c.FIRST_GROUP], colours[LINKED, c.AFTER_GROUP]
-    for g in range(first, end):
-        for island in islands_of_contact(world, g):
+    islands, order, count = integers(world, ISLAND), integers(world, ISLAND_CONTACT), linked_contacts(world)
+    for index in range(count):
+        for island in islands_of_contact(world, index):
             if island >= 0:
                 islands[island, AFTER_CONTACT] += 1
     _begin(islands, rows(world, ISLAND), FIRST_CONTACT, AFTER_CONTACT)
-    for g in range(first, end):
-        for island in islands_of_contact(world, g):
+    for index in range(count):
+        for island in islands_of_contact(world, index):
             if island >= 0:
-                order[islands[island, AFTER_CONTACT], 0] = g - first
+                order[islands[island, AFTER_CONTACT], 0] = index
                 islands[island, AFTER_CONTACT] += 1
-    set_rows(world, ISLAND_CONTACT, 2 * (end - first))
+    set_rows(world, ISLAND_CONTACT, 2 * count)
 
 
 @compiled(cached=False)

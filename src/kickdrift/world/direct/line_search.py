@@ -11,7 +11,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.direct.contact_rows import bound_rows, first_row
-from kickdrift.world.direct.contacts import BOUNCE, PRESS, contact_row
+from kickdrift.world.direct.contacts import BOUNCE, PRESS
 from kickdrift.world.direct.layout import (
     ACCEPTED,
     ACTIVE,
@@ -31,6 +31,7 @@ from kickdrift.world.direct.layout import (
     TANGENT,
     WANTED,
 )
+from kickdrift.world.direct.linked import contact_row
 from kickdrift.world.direct.nodes import mass_of
 from kickdrift.world.direct.velocities import kinetic_energy
 from kickdrift.world.joints.laws import law_impulse

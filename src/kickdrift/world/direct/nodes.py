@@ -3,6 +3,7 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.direct.layout import AFTER_NODE, FIRST_NODE, LINK_ROW, NODE_ISLAND
+from kickdrift.world.direct.linked import bodies_of
 from kickdrift.world.integration import AWAKE, BODY_KIND, DYNAMIC, IN_HEAP, LINK_COUNT, LINK_PLACE, MASS
 from kickdrift.world.joints.layout import (
     JOINED_ROWS,
@@ -127,6 +128,13 @@ def node_of(world: int, body: int) -> int:
     """Row of LINK of a body that is solved directly; -1 of others, and of what sleeps."""
     row: int = integers(world, BODY)[body, LINK_PLACE] - 1
     return row if row >= 0 and integers(world, LINK)[row, ROOT] >= 0 else -1
+
+
+@compiled(cached=False)
+def nodes_of_contact(world: int, index: int) -> tuple[int, int]:
+    """Rows of LINK of the bodies of a contact that is solved directly; -1 of those that nothing moves there."""
+    a, b = bodies_of(index, world)
+    return node_of(world, a), node_of(world, b)
 
 
 @compiled(cached=False)

@@ -3,8 +3,6 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.direct.gears import geared_link
 from kickdrift.world.direct.layout import (
     AFTER_CONTACT,
@@ -18,13 +16,11 @@ from kickdrift.world.direct.layout import (
     NEIGHBOURS,
     PARENT_NODE,
 )
-from kickdrift.world.direct.nodes import has_room, node_of
+from kickdrift.world.direct.nodes import has_room, nodes_of_contact
 from kickdrift.world.joints.layout import GEARED, LINEAR, LINK_A, LINK_B, LINK_JOINT, NODE_ROW, NONE, PARENT, ROOT
 from kickdrift.world.tables import (
     ADJACENCY,
     BLOCK,
-    COLOURS,
-    GROUPS,
     ISLAND,
     ISLAND_CONTACT,
     ISLAND_JOINT,
@@ -139,16 +135,14 @@ def _count(bits: Any, i: int, words: int) -> int:
 @compiled(cached=False)
 def _couple(world: int, island: int, words: int) -> bool:
     """Write which nodes contacts and closing joints couple, and say whether they do at all."""
-    links, groups, own = integers(world, LINK), integers(world, GROUPS), integers(world, ISLAND)[island]
+    links, own = integers(world, LINK), integers(world, ISLAND)[island]
     bits, order = integers(world, ADJACENCY), integers(world, ISLAND_CONTACT)
-    closings, begin = integers(world, ISLAND_JOINT), integers(world, COLOURS)[LINKED, c.FIRST_GROUP]
-    joints = integers(world, JOINT)
+    closings, joints = integers(world, ISLAND_JOINT), integers(world, JOINT)
     first, coupled = own[FIRST_NODE], False
     for k in range((own[AFTER_NODE] - first) * words):
         bits[k, 0] = 0
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        g = begin + order[k, 0]
-        a, b = node_of(world, groups[g, c.BODIES_A]), node_of(world, groups[g, c.BODIES_B])
+        a, b = nodes_of_contact(world, order[k, 0])
         if a >= 0 and b >= 0 and links[a, ROOT] == links[b, ROOT]:
             i, j = links[a, NODE_ROW] - first, links[b, NODE_ROW] - first
             _unite(bits, i, j, words)

@@ -1,0 +1,46 @@
+"""The contacts that are solved directly, counted from the first of the linked colour: eight stand in the lanes of a group."""
+
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.colouring import LINKED
+from kickdrift.world.tables import COLOURS, CONTACT_ROW, GROUPS, LANES, flat, integers
+
+_SIZE = c.FIELDS * c.WIDTH
+_COLUMNS = CONTACT_ROW.width
+
+
+@compiled(inline=True, cached=False, fast=True)
+def linked_contacts(world: int) -> int:
+    """Return how many contacts are solved directly."""
+    count: int = integers(world, COLOURS)[LINKED, c.COLOUR_CONTACTS]
+    return count
+
+
+@compiled(inline=True, cached=False, fast=True)
+def contact_row(index: int, world: int) -> Any:
+    """Return the numbers of a contact in the direct solver."""
+    return flat(world, CONTACT_ROW)[_COLUMNS * index : _COLUMNS * (index + 1)]
+
+
+@compiled(inline=True, cached=False, fast=True)
+def constraint(index: int, world: int) -> Any:
+    """Return the constraint of a contact: field k is number k WIDTH."""
+    g = integers(world, COLOURS)[LINKED, c.FIRST_GROUP] + index // c.WIDTH
+    return flat(world, LANES)[g * _SIZE + index % c.WIDTH : (g + 1) * _SIZE]
+
+
+@compiled(inline=True, cached=False, fast=True)
+def bodies_of(index: int, world: int) -> tuple[int, int]:
+    """Bodies of a contact."""
+    groups, g = integers(world, GROUPS), integers(world, COLOURS)[LINKED, c.FIRST_GROUP] + index // c.WIDTH
+    return groups[g, c.BODIES_A + index % c.WIDTH], groups[g, c.BODIES_B + index % c.WIDTH]
+
+
+@compiled(inline=True, cached=False, fast=True)
+def row_of(index: int, world: int) -> int:
+    """Row of a contact in the table of all contacts."""
+    g = integers(world, COLOURS)[LINKED, c.FIRST_GROUP] + index // c.WIDTH
+    row: int = integers(world, GROUPS)[g, c.GROUP_CONTACTS + index % c.WIDTH]
+    return row
