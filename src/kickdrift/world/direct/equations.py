@@ -1,5 +1,7 @@
 """The equations of an island, solved until the pieces of laws fit that were assumed: an active-set method."""
 
+import math
+
 from kickdrift.core.compilation import compiled
 from kickdrift.world.direct.closings import add_closings, load_closings, predict_closings, refine_closings
 from kickdrift.world.direct.contact_assembly import add_contacts, load_contacts
@@ -10,11 +12,13 @@ from kickdrift.world.direct.joint_impulses import give_joints
 from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE, HAS_JOINTS, LINK_ROW
 from kickdrift.world.direct.line_search import search_line
 from kickdrift.world.direct.matrix import clear_blocks, put_inertia
+from kickdrift.world.direct.nodes import mass_of
 from kickdrift.world.direct.substitution import substitute
+from kickdrift.world.direct.velocities import kinetic_energy
 from kickdrift.world.joints.laws import refine_laws, update_law_states
 from kickdrift.world.joints.layout import CLOSING_IMPULSE, LAWS, LINK_JOINT
 from kickdrift.world.joints.right_hand_side import write_right_hand_side
-from kickdrift.world.tables import ISLAND, ISLAND_JOINT, JOINT, LINK, LINK_NUMBERS, NODE, floats, integers
+from kickdrift.world.tables import ISLAND, ISLAND_JOINT, JOINT, LINK, LINK_NUMBERS, MOTION, NODE, floats, integers
 
 # Solutions with other pieces of laws assumed.
 TRIALS = 20
@@ -26,6 +30,10 @@ BOUNDED = 8
 # any of the bodies, and in heaps, which stand at the worst ratios of masses and come to rest the further the better.
 REFINEMENTS, REFINED = 3, 1e-9
 _HEAP_REFINEMENTS, _NOTICED_POINT, _NOTICED_HEAP_POINT = 5, 1e-6, 1e-7
+
+# Contacts of bodies on joints may be missed by this part of their speed, the root of its mean square. In heaps of ragdolls that have
+# just fallen a projection takes 9.1 solutions without, 8.2 with 1e-3, and 6.7 with 1e-2, by which a foot would slip visibly.
+_NOTICED_PART = 1e-3
 
 
 @compiled(cached=False)
@@ -93,6 +101,10 @@ def refine(island: int, task: int, touched: bool, world: int) -> float:
     joints, worst = integers(world, JOINT), refine_closings(island, world)
     if touched:
         noticed = _NOTICED_POINT if own[HAS_JOINTS] != 0 else _NOTICED_HEAP_POINT
+        if own[HAS_JOINTS] != 0:
+            noticed = max(
+                noticed, _NOTICED_PART * math.sqrt(kinetic_energy(island, MOTION, world) / mass_of(island, world))
+            )
         worst = max(worst, REFINED / noticed * refine_contacts(island, world))
     if task >= BOUNCE:
         return worst
