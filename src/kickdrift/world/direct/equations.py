@@ -31,8 +31,8 @@ BOUNDED = 8
 REFINEMENTS, REFINED = 3, 1e-9
 _HEAP_REFINEMENTS, _NOTICED_POINT, _NOTICED_HEAP_POINT = 5, 1e-6, 1e-7
 
-# Contacts of bodies on joints may be missed by this part of their speed, the root of its mean square. In heaps of ragdolls that have
-# just fallen a projection takes 9.1 solutions without, 8.2 with 1e-3, and 6.7 with 1e-2, by which a foot would slip visibly.
+# Contacts of bodies on joints may be missed by this part of their speed, the root of its mean square. In heaps of ragdolls that
+# have just fallen a projection takes 9.1 solutions without, 8.2 with 1e-3, and 6.7 with 1e-2, by which feet would slip visibly.
 _NOTICED_PART = 1e-3
 
 

@@ -24,7 +24,16 @@ from kickdrift.world.direct.contact_impulses import (
 from kickdrift.world.direct.contacts import PRESS, REST, begin_contacts, is_cut, note_impulses, update_contact_states
 from kickdrift.world.direct.equations import aim_island, solve_assumed, solve_once
 from kickdrift.world.direct.joint_impulses import end_relaxation, end_solution, give_joints
-from kickdrift.world.direct.layout import AFTER_JOINT, FIRST_CLOSING, GIVEN_UP, HAS_JOINTS, LOST, RATIO
+from kickdrift.world.direct.layout import (
+    AFTER_CONTACT,
+    AFTER_JOINT,
+    FIRST_CLOSING,
+    FIRST_CONTACT,
+    GIVEN_UP,
+    HAS_JOINTS,
+    LOST,
+    RATIO,
+)
 from kickdrift.world.direct.losses import LONG_TURN
 from kickdrift.world.direct.nodes import mass_of
 from kickdrift.world.direct.position_correction import repair
@@ -37,8 +46,9 @@ from kickdrift.world.tables import ISLAND, KICKED, MOTION, NOTED, SETTINGS, floa
 
 # Newton's method stops where the parts of their arms that joints are off by, times the ratio of masses, are below CLOSE. The
 # usual island takes two steps; one that is not NEAR after QUICK of them begins again from velocities that joints allow.
-# Each step squares what trees are off by, so that below SURE no one looks whether the step has done so.
-QUICK, ROUNDS, CLOSE, CLOSE_LOOPS, NEAR, SURE = 3, 6, 1e-7, 1e-9, 1e-5, 3e-4
+# Each step squares what trees are off by: where that will do, no one looks whether the step has done so. Rotors that fly freely
+# lose 4e-6 of their energy in 5 s with 1e-7, and 4e-4 with 1e-6, which is enough for what touches something.
+QUICK, ROUNDS, CLOSE, CLOSE_TOUCHING, CLOSE_LOOPS, NEAR = 3, 6, 1e-7, 1e-6, 1e-9, 1e-5
 
 # Given up is what is farther off than FAR at the end, in parts of the arms. A projection that leaves more than EXCESS times the
 # energy that there was is done again without the laws of axes, which may add to it: they do in a substep that is too long.
@@ -146,13 +156,15 @@ def _approach(island: int, h: float, off: float, most: int, world: int) -> float
     """Take steps of Newton's method, and return how far joints will be off, times the ratio of masses."""
     own = integers(world, ISLAND)[island]
     ratio, closed = own[RATIO], own[AFTER_JOINT] > own[FIRST_CLOSING]
+    touches = own[AFTER_CONTACT] > own[FIRST_CONTACT]
+    close = CLOSE_LOOPS if closed else CLOSE_TOUCHING if touches else CLOSE
     for step in range(most):
         begin_closings(island, world)
         begin_contacts(island, h, PRESS, world)
         if not solve_once(island, h, h, PRESS, step == 0, True, world):
             return math.inf
-        off = ratio * aim_island(island, h, AHEAD, world) if closed or off > SURE else off * off
-        if off <= (CLOSE_LOOPS if closed else CLOSE):
+        off = ratio * aim_island(island, h, AHEAD, world) if closed or off * off > close else off * off
+        if off <= close:
             break
     return off
 
