@@ -145,7 +145,7 @@ def test_planar_heaps_rest():
     assert np.abs(world.velocity).max() < 1e-6
 
 
-@pytest.mark.parametrize("seed", [1, 6, 15, 23, 27])
+@pytest.mark.parametrize("seed", [1, 6, 19, 23, 27])
 def test_mixed_heaps_gain_no_energy(seed):
     rng, planar = np.random.default_rng(seed), seed % 4 == 3
     world = World(plane_normal=(0, 1, 0) if planar else None)

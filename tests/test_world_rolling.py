@@ -98,3 +98,23 @@ def test_a_wheel_rolls_on_at_its_speed(kind):
     assert world.velocity[wheel] == pytest.approx([8, 0, 0], abs=8e-3)
     assert world.angular_velocity[wheel] == pytest.approx([0, 16, 0], abs=1e-2)
     assert world.position[wheel] == pytest.approx([7, 0, 0.5], abs=2e-2)
+
+
+@pytest.mark.parametrize("resistance", [0.0, 1e-3])
+def test_a_ball_in_a_groove_turns_on_about_the_line_through_its_contacts(resistance):
+    """Nothing slides there, so that the ball rolls for ever unless something resists it, which then brings it to rest."""
+    radius, rate, s = 0.2, 0.5, math.sqrt(0.5)
+    world = kd.World()
+    world.add_plane(normal=(0, s, s), friction=0.6)
+    world.add_plane(normal=(0, -s, s), friction=0.6)
+    motion = {"velocity": (rate * radius * s, 0, 0), "angular_velocity": (0, rate, 0)}
+    ball = world.add_sphere(
+        radius, position=(0, 0, radius / s), friction=0.6, rolling_resistance=resistance, **motion
+    ).index
+    start = world.energy().kinetic
+    world.advance(1 / 60, 600)
+    if resistance == 0.0:
+        assert world.energy().kinetic == pytest.approx(start, rel=1e-9)
+        assert world.position[ball] == pytest.approx([10 * rate * radius * s, 0, radius / s], rel=1e-6, abs=1e-4)
+    else:
+        assert np.abs(world.velocity[ball]).max() < 1e-12

@@ -124,3 +124,32 @@ def test_planar_stacks_come_to_rest():
         world.advance(STEP, 600)
         assert off(world, start) < 0.01
         assert np.abs(world.velocity).max() < 1e-4
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_balls_squeezed_into_too_small_a_box_come_to_rest(seed):
+    """Springs that were forces alone, as those of deep overlaps with a bounded bias are, would let them wander for ever."""
+    random, world, room = np.random.default_rng(seed), World(gravity=(0, 0, 0), plane_normal=(0, 1, 0)), 4.0
+    for normal in ((1, 0, 0), (-1, 0, 0), (0, 0, 1), (0, 0, -1)):
+        world.add_plane(normal, point=-room * np.array(normal), friction=0.6)
+    for x in np.arange(-3.6, 3.7, 0.8):
+        for z in np.arange(-3.6, 3.7, 0.8):
+            world.add_sphere(0.5, position=(x, 0, z) + random.uniform(-0.05, 0.05, 3) * (1, 0, 1), mass=1, friction=0.6)
+    world.advance(STEP, 300)
+    assert np.abs(world.velocity).max() < 1e-6
+    assert np.abs(world.position[5:]).max() < room - 0.3
+
+
+@pytest.mark.parametrize("push", [0.5, 1.5])
+def test_deep_overlaps_part_at_the_speed_that_they_may(push):
+    world = World(gravity=(0, 0, 0), push_speed=push)
+    for x in (0.0, 0.3):
+        world.add_sphere(0.5, position=(x, 0, 0), mass=1)
+    parted = []
+    for _ in range(150):
+        parted.append(world.position[2, 0] - world.position[1, 0])
+        world.step(STEP)
+    speeds = np.diff(parted) / STEP
+    assert speeds.max() == pytest.approx(push, rel=1e-6)
+    assert parted[-1] == pytest.approx(1.0, abs=1e-9)
+    assert np.abs(world.velocity).max() < 1e-9

@@ -59,6 +59,8 @@ class Kickdrift:
         }  # fmt: skip
         if body.belt is not None:
             options["surface_velocity"] = tuple(body.belt)
+        if body.rolling > 0:
+            options["rolling_resistance"] = body.rolling
         if body.kind == "plane":
             options["point"] = options.pop("position")
             return world.add_plane(_normal(body), **options)

@@ -101,9 +101,12 @@ class Box3d:
         lib, ffi = self._lib, self._ffi
         filter_ = ffi.new("b3Filter*", {"categoryBits": body.layer, "maskBits": body.mask, "groupIndex": 0})
         lib.b3Shape_SetFilter(shape, filter_[0], False)
-        if body.belt is not None:
+        if body.belt is not None or body.rolling > 0:
             material = lib.b3Shape_GetSurfaceMaterial(shape)
-            material.tangentVelocity = self._vector(body.belt)
+            if body.belt is not None:
+                material.tangentVelocity = self._vector(body.belt)
+            if body.rolling > 0:
+                material.rollingResistance = body.rolling / body.size[0]  # times the larger radius
             lib.b3Shape_SetSurfaceMaterial(shape, material)
 
     def _mesh(self, body: Body, made: Any) -> Any:

@@ -31,6 +31,8 @@ class Body:
         Of a hull, which has no faces, and of a mesh.
     belt : (3,) array, optional
         Velocity at which the surface runs, though the body does not, m/s.
+    rolling : float
+        Lever of the normal force against rolling, m.
     """
 
     kind: str
@@ -48,6 +50,7 @@ class Body:
     points: Floats | None = None
     faces: NDArray[np.intp] | None = None
     belt: Floats | None = None
+    rolling: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -148,8 +148,9 @@ def _geometry(number: int, body: Body) -> str:
         shape = f'type="mesh" mesh="m{number}"'
     else:
         shape = f'type="{body.kind}" size="{"5 5 1" if body.kind == "plane" else _row(np.array(body.size))}"'
-    bits = f'contype="{body.layer}" conaffinity="{body.mask}"'
-    return f'<geom {shape} name="g{number}" friction="{body.friction!r} 0.005 0.0001" {bits}/>'
+    bits = f'contype="{body.layer}" conaffinity="{body.mask}"' + (' condim="6"' if body.rolling > 0 else "")
+    rolling = body.rolling or 0.0001
+    return f'<geom {shape} name="g{number}" friction="{body.friction!r} 0.005 {rolling!r}" {bits}/>'
 
 
 def _friction_pairs(scene: Scene) -> list[str]:

@@ -3,7 +3,18 @@
 import numpy as np
 
 from benchmarks.peers import package
-from benchmarks.world.described import GROUND, Body, Floats, Joint, Scene, inverse, rotation, shortest_turn, times
+from benchmarks.world.described import (
+    GROUND,
+    Body,
+    Floats,
+    Joint,
+    Scene,
+    Unsupported,
+    inverse,
+    rotation,
+    shortest_turn,
+    times,
+)
 
 _STIFF_MOTOR = 1e6  # N s/m or N m s: the motor reaches its speed at once, if its maximum lets it
 
@@ -102,6 +113,8 @@ class Rapier:
             made = collider.trimesh(body.points, body.faces)
         if body.mass > 0:
             made = made.mass_properties(library.MassProperties((0.0, 0.0, 0.0), body.mass, tuple(body.inertia)))
+        if body.rolling > 0:
+            raise Unsupported("rolling resistance")
         group = library.Group.from_bits
         groups = library.InteractionGroups(group(body.layer), group(body.mask))
         rules = library.CoefficientCombineRule

@@ -49,7 +49,8 @@ class Surface:
     restitution : float
         From 0 (does not bounce) to 1 (keeps its energy); of two shapes the larger counts.
     rolling_resistance : float
-        Length in m, as of the lever of the normal force against rolling; of two shapes the larger counts.
+        Length in m, as of the lever of the normal force against rolling; of two shapes the larger counts. Without any, balls
+        that nothing stops roll for ever, as in rigid mechanics; a thousandth of the radius brings a pen full of them to rest.
     surface_velocity : (3,) sequence
         In m/s, in the axes of the body, at which the surface runs like that of a conveyor.
     layer : int

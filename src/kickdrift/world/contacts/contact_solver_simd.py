@@ -77,13 +77,16 @@ def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, arms: Any, 
     bx, by, bz = ax - ex, ay - ey, az - ez
     # Without branches, which would keep the loop from vectorising: points apart are rigid, and their bias is gap / h.
     apart = 1.0 if gap > 0.0 else 0.0
-    bias = max(gap, 0.0) * per_h + max(soft_mass * rate * min(gap, 0.0), -push)
+    bias = max(gap, 0.0) * per_h + soft_mass * rate * min(gap, 0.0)
     scale = soft_mass + apart * (1.0 - soft_mass)
     leak = (1.0 - apart) * soft_impulse
     speed = v + (bx * wbx + by * wby + bz * wbz) - (ax * wax + ay * way + az * waz)
     mass = own[i + c.POINT_MASS * W]
     rounding = 1e-9 * mass * abs(speed)
-    new = max(impulse - mass * (scale * speed + bias) - leak * impulse, 0.0)
+    # A bound on the speed: one on the bias would make deep overlaps springs of one force, whatever their depth, between which
+    # balls wander for ever.
+    change = min(-mass * (scale * speed + bias) - leak * impulse, mass * (push - speed))
+    new = max(impulse + change, 0.0)
     # The second sweep adds nothing to points that are apart, but for rounding, and carry nothing: what meets in the next
     # substep may bounce there. Of those that carry something, rounding says whether they are apart.
     d = min(new - impulse, 0.0 if (gap > closed) & (impulse <= rounding) else 1e300)

@@ -37,6 +37,8 @@ def not_negative(argument: str, value: float, unit: str, *, infinite: bool = Fal
     ------
     ArgumentError
     """
+    if type(value) is float and 0.0 <= value < math.inf:
+        return
     if not (is_number(value) and value >= 0.0 and (infinite or value < math.inf)):
         rest = "zero or positive" if infinite else "zero or positive, and finite"
         raise ArgumentError(f"{argument}={value!r} has to be {rest}, in {unit}.")

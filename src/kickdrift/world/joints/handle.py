@@ -2,45 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.handle import Handle
-from kickdrift.world.integration import BODY_KIND, DYNAMIC, STATIC
-from kickdrift.world.joints.axis import Axis, Drive, Motor, finite
-from kickdrift.world.joints.layout import ARM_A, ARM_B, AXES, BODY_A, BODY_B, JOINT_POSITION, LOCKED, PRINCIPAL, TOTAL
-from kickdrift.world.joints.placing import place, set_speed, signs
-from kickdrift.world.tables import BODY, JOINT, JOINT_NUMBERS, LOAD, MOTION
+from kickdrift.world.integration import AWAKE
+from kickdrift.world.joints.axis import Axis, Drive, Motor, check_kind, finite
+from kickdrift.world.joints.layout import AXES, JOINT_POSITION, TOTAL
+from kickdrift.world.joints.placing import place, set_speed
+from kickdrift.world.joints.views import JointViews, look_up
 
 if TYPE_CHECKING:
     from kickdrift.world.joints.registry import Joints
     from kickdrift.world.world import World
 
 Floats = NDArray[np.float64]
-
-
-class _End(NamedTuple):
-    """Where a body of a joint lies in the tables."""
-
-    arm: Floats  # from its centre of mass to where the joint acts, (3,)
-    motion: Floats | None  # None where it never moves
-    load: Floats | None  # None where forces do not move it
-
-
-class _Seen(NamedTuple):
-    """Where a joint and its bodies lie in the tables, for as long as these have a version."""
-
-    version: int
-    principal: int
-    locked: int
-    side: float  # -1.0 where a is measured against b
-    signs: list[float]
-    numbers: Floats
-    axes: list[Floats]  # (3,), of each of the six
-    ends: tuple[_End, _End]  # a and b
 
 
 class Joint(Handle):
@@ -69,7 +48,7 @@ class Joint(Handle):
     def __init__(self, index: int, generation: int, joints: Joints) -> None:
         self._index, self._generation, self._joints = index, generation, joints
         self._last_name = joints.names.of(index)
-        self._seen: _Seen | None = None
+        self._seen: JointViews | None = None
 
     @property
     def joints(self) -> Joints:
@@ -129,7 +108,7 @@ class Joint(Handle):
         k = seen.principal if seen.principal >= 0 else self.axis()
         x, y, z = seen.axes[k].tolist()
         rate = 0.0
-        for arm, motion, _ in seen.ends:
+        for arm, motion, _, _ in seen.ends:
             rate = -rate
             if motion is None:
                 continue
@@ -191,7 +170,7 @@ class Joint(Handle):
             raise ArgumentError(f"axis={k} is locked, so an effort along it moves nothing; give an open one.")
         x, y, z = seen.axes[k].tolist()
         size = seen.signs[k] * effort  # on a the opposite, and the opposite of that on b
-        for arm, _, load in seen.ends:
+        for arm, _, load, _ in seen.ends:
             size = -size
             if load is None:
                 continue
@@ -205,19 +184,21 @@ class Joint(Handle):
 
     def set_motor(self, motor: Motor | None, axis: int | None = None) -> None:
         """Exchange the motor of an axis; None takes it away."""
-        self._joints.change_law(self, axis, Axis(motor=motor), "motor")
+        check_kind("motor", motor, Motor)
+        self._joints.change_law(self, axis, "motor", motor)
 
     def set_drive(self, drive: Drive | None, axis: int | None = None) -> None:
         """Exchange the drive of an axis; None takes it away."""
-        self._joints.change_law(self, axis, Axis(drive=drive), "drive")
+        check_kind("drive", drive, Drive)
+        self._joints.change_law(self, axis, "drive", drive)
 
     def set_limits(self, limits: tuple[float, float] | None, axis: int | None = None) -> None:
         """Exchange the limits of an axis, m or rad; None takes them away."""
-        self._joints.change_law(self, axis, Axis(limits=limits), "limits")
+        self._joints.change_law(self, axis, "limits", Axis(limits=limits).limits)
 
     def set_friction(self, friction: float, axis: int | None = None) -> None:
         """Exchange the dry friction of an axis, N or N m."""
-        self._joints.change_law(self, axis, Axis(friction=friction), "friction")
+        self._joints.change_law(self, axis, "friction", Axis(friction=friction).friction)
 
     def place(self, value: float, axis: int | None = None) -> None:
         """Place a joint at an angle or position, with everything that hangs on it; the rates of all joints stay.
@@ -264,6 +245,12 @@ class Joint(Handle):
         """Return -1.0 where the tables have the other sign along an axis: they always hold b against a."""
         return self._look().signs[k]
 
+    def wake(self) -> None:
+        """Wake its bodies."""
+        for _, _, load, body in self._look().ends:
+            if load is not None:
+                body[AWAKE] = 1
+
     def _axis(self, what: str) -> int:
         """Return the open axis, if it has an angle, or a position."""
         k = self.axis()
@@ -272,22 +259,9 @@ class Joint(Handle):
             raise ArgumentError(f"joint={self!r} {does} and has no {what} of its own; ask for its {has}.")
         return k
 
-    def _look(self) -> _Seen:
+    def _look(self) -> JointViews:
         """Return where the joint lies; it is looked up again only after something has gone or was moved."""
         seen, tables = self._seen, self._joints.tables
         if seen is None or seen.version != tables.version:
-            row = self._joints.row(self)
-            joint, numbers = tables.row(JOINT, row), tables.row(JOINT_NUMBERS, row)
-            axes = [numbers[AXES + 3 * k : AXES + 3 * k + 3] for k in range(6)]
-            ends = []
-            for column, arm in ((BODY_A, ARM_A), (BODY_B, ARM_B)):
-                body = joint.item(column)
-                kind = tables.row(BODY, body).item(BODY_KIND)
-                motion = None if kind == STATIC else tables.row(MOTION, body)[:6]
-                load = tables.row(LOAD, body)[:6] if kind == DYNAMIC else None
-                ends.append(_End(numbers[arm : arm + 3], motion, load))
-            seen = self._seen = _Seen(
-                tables.version, joint.item(PRINCIPAL), joint.item(LOCKED), 1.0 if ends[1].load is not None else -1.0,
-                signs(tables, row).tolist(), numbers, axes, (ends[0], ends[1]),
-            )  # fmt: skip
+            seen = self._seen = look_up(tables, self._joints.row(self))
         return seen

@@ -1,11 +1,11 @@
 """Laws of axes as rows of numbers."""
 
-from typing import Literal
+import math
+from typing import Any, Literal
 
 import numpy as np
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.joints.axis import Axis
 from kickdrift.world.joints.effective import effective_mass
 from kickdrift.world.joints.layout import (
     ANGULAR,
@@ -41,35 +41,33 @@ def clear_laws(tables: Tables, joint: int) -> None:
     laws[:, [LOWER_LIMIT, UPPER_LIMIT, DRIVE_MAXIMUM]] = -np.inf, np.inf, np.inf
 
 
-def write_law(tables: Tables, joint: int, k: int, axis: Axis, part: LawPart) -> None:
-    """Write one part of what happens along an axis of a joint, which is measured."""
+def write_law(tables: Tables, joint: int, k: int, part: LawPart, what: Any) -> None:
+    """Write one part of what happens along an axis of a joint, which is measured: as in an `Axis`, seen from its body a."""
     row, law = tables.row(JOINT, joint), tables.row(JOINT_AXES, 6 * joint + k)
     numbers: list[float] = law.tolist()
-    if part == "limits":
-        numbers[LOWER_LIMIT], numbers[UPPER_LIMIT] = axis.limits or (-np.inf, np.inf)
+    if part == "motor":
+        numbers[MOTOR_SPEED], numbers[MOTOR_MAXIMUM] = (0.0, 0.0) if what is None else (what.speed, what.maximum)
+    elif part == "limits":
+        numbers[LOWER_LIMIT], numbers[UPPER_LIMIT] = what or (-math.inf, math.inf)
     elif part == "friction":
-        numbers[JOINT_FRICTION] = axis.friction
-    elif part == "motor":
-        numbers[MOTOR_SPEED], numbers[MOTOR_MAXIMUM] = (
-            (axis.motor.speed, axis.motor.maximum) if axis.motor else (0.0, 0.0)
-        )
+        numbers[JOINT_FRICTION] = what
     else:
         mass = numbers[DRIVEN_MASS]  # of the drive that there was: another target makes no drive stiffer
         stiffness, damping, target, speed, maximum = 0.0, 0.0, 0.0, 0.0, 0.0
-        if axis.drive is None:
+        if what is None:
             mass = 0.0
         else:
             mass = mass or effective_mass(tables, joint, k)
-            stiffness, damping = axis.drive.coefficients(mass)
-            target, speed, maximum = axis.drive.target, axis.drive.speed, axis.drive.maximum
+            stiffness, damping = what.coefficients(mass)
+            target, speed, maximum = what.target, what.speed, what.maximum
         numbers[DRIVE_STIFFNESS], numbers[DRIVE_DAMPING], numbers[DRIVEN_MASS] = stiffness, damping, mass
         numbers[TARGET], numbers[TARGET_SPEED], numbers[DRIVE_MAXIMUM] = target, speed, maximum
-    does = -np.inf < numbers[LOWER_LIMIT] or numbers[UPPER_LIMIT] < np.inf
-    does = does or any(
-        numbers[column] != 0.0 for column in (MOTOR_MAXIMUM, DRIVE_STIFFNESS, DRIVE_DAMPING, JOINT_FRICTION)
-    )
-    laws = row.item(LAWS) | 1 << k if does else row.item(LAWS) & ~(1 << k)
-    angular = VECTOR if k >= 3 and does and row.item(ANGULAR) == LOOSE else row.item(ANGULAR)
+    does = numbers[MOTOR_MAXIMUM] or numbers[DRIVE_STIFFNESS] or numbers[DRIVE_DAMPING] or numbers[JOINT_FRICTION]
+    does = does or -math.inf < numbers[LOWER_LIMIT] or numbers[UPPER_LIMIT] < math.inf
+    before, angular = row.item(LAWS), row.item(ANGULAR)
+    laws = before | 1 << k if does else before & ~(1 << k)
+    if k >= 3 and does and angular == LOOSE:
+        angular = VECTOR
     law[:], row[LAWS], row[ANGULAR] = numbers, laws, angular  # at once, which Ctrl-C does not divide
 
 
@@ -83,9 +81,9 @@ def check_changeable(tables: Tables, joint: int, k: int, part: LawPart) -> None:
     row = tables.row(JOINT, joint)
     if row.item(LOCKED) >> k & 1:
         raise ArgumentError(f"axis={k} is locked, so it has no {part}; make a joint in which it is open.")
-    if row[LINEAR] == LINE and k != 2:
+    if k != 2 and row.item(LINEAR) == LINE:
         raise ArgumentError(f"axis={k} of a joint along a line has no {part} of its own; only axis 2, the line, has.")
-    if row[ANGULAR] == SWING_TWIST and k >= 3:
+    if k >= 3 and row.item(ANGULAR) == SWING_TWIST:
         raise ArgumentError(
             f"axis={k} is one of swing and twist, whose {part} cannot be changed; remove the joint and add another one."
         )

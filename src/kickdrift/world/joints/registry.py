@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.rotations import of_matrix, product, turned
-from kickdrift.world.integration import AWAKE, BODY_KIND, DYNAMIC
 from kickdrift.world.joints.axis import Axis
 from kickdrift.world.joints.catalogue import KINDS
 from kickdrift.world.joints.handle import Joint
@@ -58,7 +57,7 @@ from kickdrift.world.joints.placing import signs
 from kickdrift.world.joints.record import Placement, Record
 from kickdrift.world.joints.tree import arrange
 from kickdrift.world.names import Names
-from kickdrift.world.tables import ARTICULATION, BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, POSE, STARTED_JOINTS, Tables
+from kickdrift.world.tables import ARTICULATION, JOINT, JOINT_AXES, JOINT_NUMBERS, POSE, STARTED_JOINTS, Tables
 from kickdrift.world.undivided import alone, undivided
 
 if TYPE_CHECKING:
@@ -131,32 +130,32 @@ class Joints:
         clear_laws(tables, row)
         for k, (axis, sign) in enumerate(zip(axes, signs(tables, row), strict=True)):
             if axis.has_law:
+                seen = axis if sign > 0.0 else axis.reversed()
                 for part in LAW_PARTS:
-                    write_law(tables, row, k, axis if sign > 0.0 else axis.reversed(), part)
+                    write_law(tables, row, k, part, getattr(seen, part))
         self.arranged = False
         self.names.give(row, name)
         return self.handle(row)
 
     @alone
-    def change_law(self, joint: Joint, axis: int | None, change: Axis, part: LawPart) -> None:
-        """Exchange the limits, the motor, the drive or the friction of an axis, and wake the bodies.
+    def change_law(self, joint: Joint, axis: int | None, part: LawPart, what: Any) -> None:
+        """Exchange the limits, the motor, the drive or the friction of an axis, given as in an `Axis`, and wake the bodies.
 
         Raises
         ------
         ArgumentError
             For axes that are locked, or have no law of their own.
         """
-        row, k = self.row(joint), joint.axis(axis)
+        k, row = joint.axis(axis), joint.index
         check_changeable(self.tables, row, k, part)
-        tables, numbers = self.tables, self.tables.row(JOINT, row)
+        if joint.sign(k) < 0.0:
+            what = getattr(Axis(**{part: what}).reversed(), part)
+        numbers = self.tables.row(JOINT, row)
         before, arranged = numbers.item(LAWS), self.arranged
         self.arranged = False  # also if Ctrl-C comes now
-        write_law(tables, row, k, change if joint.sign(k) > 0.0 else change.reversed(), part)
+        write_law(self.tables, row, k, part, what)
         self.arranged = arranged and before == numbers.item(LAWS)
-        for column in (BODY_A, BODY_B):
-            body = tables.row(BODY, numbers.item(column))
-            if body.item(BODY_KIND) == DYNAMIC:
-                body[AWAKE] = 1
+        joint.wake()
 
     @undivided
     def remove(self, joint: Joint) -> None:

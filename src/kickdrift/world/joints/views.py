@@ -1,0 +1,53 @@
+"""Where a joint and its bodies lie in the tables: views, which its handle keeps as long as they hold."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.world.integration import BODY_KIND, DYNAMIC, STATIC
+from kickdrift.world.joints.layout import ARM_A, ARM_B, AXES, BODY_A, BODY_B, LOCKED, PRINCIPAL
+from kickdrift.world.joints.placing import signs
+from kickdrift.world.tables import BODY, JOINT, JOINT_NUMBERS, LOAD, MOTION, Tables
+
+Floats = NDArray[np.float64]
+
+
+class EndViews(NamedTuple):
+    """Where a body of a joint lies in the tables."""
+
+    arm: Floats  # from its centre of mass to where the joint acts, (3,)
+    motion: Floats | None  # None where it never moves
+    load: Floats | None  # None where forces do not move it
+    body: NDArray[np.int64]
+
+
+class JointViews(NamedTuple):
+    """Where a joint and its bodies lie in the tables, for as long as these have a version."""
+
+    version: int
+    principal: int
+    locked: int
+    side: float  # -1.0 where a is measured against b
+    signs: list[float]
+    numbers: Floats
+    axes: list[Floats]  # (3,), of each of the six
+    ends: tuple[EndViews, EndViews]  # a and b
+
+
+def look_up(tables: Tables, row: int) -> JointViews:
+    """Return where the joint of a row lies."""
+    joint, numbers = tables.row(JOINT, row), tables.row(JOINT_NUMBERS, row)
+    axes = [numbers[AXES + 3 * k : AXES + 3 * k + 3] for k in range(6)]
+    ends = []
+    for column, arm in ((BODY_A, ARM_A), (BODY_B, ARM_B)):
+        place = joint.item(column)
+        body = tables.row(BODY, place)
+        kind = body.item(BODY_KIND)
+        motion = None if kind == STATIC else tables.row(MOTION, place)[:6]
+        load = tables.row(LOAD, place)[:6] if kind == DYNAMIC else None
+        ends.append(EndViews(numbers[arm : arm + 3], motion, load, body))
+    return JointViews(
+        tables.version, joint.item(PRINCIPAL), joint.item(LOCKED), 1.0 if ends[1].load is not None else -1.0,
+        signs(tables, row).tolist(), numbers, axes, (ends[0], ends[1]),
+    )  # fmt: skip
