@@ -31,8 +31,9 @@ BOUNDED = 8
 REFINEMENTS, REFINED = 3, 1e-9
 _HEAP_REFINEMENTS, _NOTICED_POINT, _NOTICED_HEAP_POINT = 5, 1e-6, 1e-7
 
-# Contacts of bodies on joints may be missed by this part of their speed, the root of its mean square. In heaps of ragdolls that
-# have just fallen a projection takes 9.1 solutions without, 8.2 with 1e-3, and 6.7 with 1e-2, by which feet would slip visibly.
+# But for bounces, contacts of bodies on joints may be missed by this part of their speed, the root of its mean square. In heaps
+# of ragdolls that have just fallen a projection takes 9.1 solutions without, 8.2 with 1e-3, and 6.7 with 1e-2, by which feet
+# would slip visibly.
 _NOTICED_PART = 1e-3
 
 
@@ -101,7 +102,7 @@ def refine(island: int, task: int, touched: bool, world: int) -> float:
     joints, worst = integers(world, JOINT), refine_closings(island, world)
     if touched:
         noticed = _NOTICED_POINT if own[HAS_JOINTS] != 0 else _NOTICED_HEAP_POINT
-        if own[HAS_JOINTS] != 0:
+        if own[HAS_JOINTS] != 0 and task < BOUNCE:
             noticed = max(
                 noticed, _NOTICED_PART * math.sqrt(kinetic_energy(island, MOTION, world) / mass_of(island, world))
             )
