@@ -290,6 +290,14 @@ def falling():
     return recording([Plane(), Box((0.5, 0.5, 0.5)), Sphere(0.3), Capsule(0.2, 0.5)], ways, times=times)
 
 
+def test_what_stands_still_has_its_energy_in_a_unit_that_fits(falling):
+    """The last bits of a potential, microjoules of a person, would have a factor of 1e-5 on the title of the axes otherwise."""
+    still = {"kinetic energy": np.zeros(6), "potential energy": 500.0 + 9.3e-5 * np.array([0, 1, 1, 1, 1, 1])}
+    energy = replace(falling, derived=still).plot().axes[1]
+    assert energy.get_ylabel().startswith("µJ")
+    assert energy.lines[2].get_ydata().max() == pytest.approx(93.0, rel=1e-6)
+
+
 def test_a_plot_shows_the_last_state_with_trails_and_the_energy(falling, tmp_path):
     figure = falling.plot(tmp_path / "falling.png")
     scene, energy = figure.axes

@@ -126,7 +126,7 @@ def _draw_energy(axes: "Axes", recording: Recording) -> None:
 
 def _unit_of(energy: float) -> tuple[str, float]:
     """Choose the largest unit that an energy has one of; return its name and its size in J."""
-    units = {"mJ": 1e-3, "J": 1.0, "kJ": 1e3, "MJ": 1e6, "GJ": 1e9}
+    units = {"nJ": 1e-9, "µJ": 1e-6, "mJ": 1e-3, "J": 1.0, "kJ": 1e3, "MJ": 1e6, "GJ": 1e9}
     fitting = [unit for unit, size in units.items() if energy >= size]
     unit = fitting[-1] if fitting else "J"
     return unit, units[unit]
