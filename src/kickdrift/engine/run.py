@@ -64,7 +64,7 @@ class State:
 
 
 @dataclass(frozen=True)
-class Good:
+class Checkpoint:
     """A state worth keeping: the copy, the step after which it was made, and the rows filled by then."""
 
     state: State
@@ -200,7 +200,7 @@ class Run:
         """Run to the end of the grid, or as far as it goes; what was done is kept in any case."""
         grid, state = self.grid, self.state
         started = time.perf_counter()
-        good, spare = Good(state.copy(), 0, 0), None
+        good, spare = Checkpoint(state.copy(), 0, 0), None
         outcome, cause = Outcome.COMPLETED, ""
         bar = Bar(grid.n_steps, self._progress)
         chunk = 1
@@ -209,7 +209,7 @@ class Run:
             if grid.save_steps[0] == 0:
                 self.xs[0], self.vs[0] = state.x, state.v
             if self.program.primers:
-                good = Good(state.copy(), 0, 0)
+                good = Checkpoint(state.copy(), 0, 0)
             good = replace(good, saved=int(grid.save_steps[0] == 0))
             while failure is None and good.step < grid.n_steps:
                 chunk_started = time.perf_counter()
@@ -224,7 +224,7 @@ class Run:
                 # Two copies in turns: an interruption while one is written finds the other. The last is the state itself.
                 last = good.state
                 copy = state if target == grid.n_steps else state.copy(last, into=spare)
-                good, spare = Good(copy, target, saved), last
+                good, spare = Checkpoint(copy, target, saved), last
                 now = time.perf_counter()
                 wanted = max(_CHUNK_SECONDS, _LEAST_SHARE * (now - reached))
                 chunk = max(1, min(10 * chunk, int(chunk * wanted / max(reached - chunk_started, 1e-9))))
@@ -239,7 +239,7 @@ class Run:
         state.restore(good.state)
         return self._ending(outcome, cause, good.step, self._keep_last(good), time.perf_counter() - started)
 
-    def _attempt(self, good: Good, target: int) -> tuple[int, Failure | None]:
+    def _attempt(self, good: Checkpoint, target: int) -> tuple[int, Failure | None]:
         """Run from a good state, and say how many rows are filled and what went wrong, if anything did."""
         try:
             with np.errstate(all="ignore"):  # what is not finite is an outcome, interpreted as compiled
@@ -254,20 +254,20 @@ class Run:
             return saved, (Outcome.NOT_FINITE, "")
         return saved, None
 
-    def _last_good(self, good: Good, bad: int) -> Good:
+    def _last_good(self, good: Checkpoint, bad: int) -> Checkpoint:
         """Find the last good state by halves: what is not finite stays so, and every rerun gives the same bits."""
         while bad - good.step > 1:
             middle = (good.step + bad) // 2
             self.state.restore(good.state)
             saved, failure = self._attempt(good, middle)
             if failure is None:
-                good = Good(self.state.copy(good.state), middle, saved)
+                good = Checkpoint(self.state.copy(good.state), middle, saved)
             else:
                 bad = middle
         self.state.restore(good.state)
         return good
 
-    def _keep_last(self, good: Good) -> int:
+    def _keep_last(self, good: Checkpoint) -> int:
         """Add the state reached as a last row, if the run ended between two rows of the grid."""
         save_steps, saved = self.grid.save_steps, good.saved
         if good.step == self.grid.n_steps or (saved > 0 and save_steps[saved - 1] == good.step):

@@ -15,10 +15,10 @@ from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
 from kickdrift.core.threads import present
 from kickdrift.engine import multipliers, quantities
-from kickdrift.engine.fit import AUTO, check_direction, choose
 from kickdrift.engine.grid import Grid, lay_grid
-from kickdrift.engine.inside import Inside
+from kickdrift.engine.method_selection import AUTO, check_direction, choose
 from kickdrift.engine.problem_adapter import adopt
+from kickdrift.engine.processing import Processing
 from kickdrift.engine.progress import compiling_announced
 from kickdrift.engine.run import Run
 from kickdrift.engine.solution import Description, Invariants, Solution
@@ -121,25 +121,25 @@ def solve(
             system = _system(problem, grid.t0, x, v, params, compiles, check_bounds)
             chosen = choose(method, order, system)
             check_direction(chosen, grid.step)
-            inside = Inside(system, chosen, grid, compensated)
-            run = Run(inside.system, inside.program, grid, compensated, progress)
+            processing = Processing(system, chosen, grid, compensated)
+            run = Run(processing.system, processing.program, grid, compensated, progress)
     except MemoryError as error:
         raise ArgumentError(
             f"step={step!r}, save_every={save_every!r} and method={method!r} need more memory than there is ({error});"
             " keep fewer steps, or take an explicit method: implicit ones keep a matrix of the state's size squared."
         ) from None
-    return _solution(system, chosen, grid, inside, run, compensated)
+    return _solution(system, chosen, grid, processing, run, compensated)
 
 
 def _solution(
-    system: System, chosen: methods.Method, grid: Grid, inside: Inside, run: Run, compensated: bool
+    system: System, chosen: methods.Method, grid: Grid, processing: Processing, run: Run, compensated: bool
 ) -> Solution:
     """Run, and return what was kept."""
     ending = run.go()
     t = np.append(grid.times, grid.times[-1])[: ending.saved]
     if ending.outcome is not Outcome.COMPLETED and ending.saved:
         t[-1] = grid.t0 + ending.n_steps * grid.step
-    xs, vs = inside.leave(run, ending)
+    xs, vs = processing.leave(run, ending)
     for kept in (t, xs, vs):
         kept.flags.writeable = False  # invariants are evaluated later, from the same numbers
     return Solution(
@@ -151,7 +151,7 @@ def _solution(
         message=ending.message + quantities.energy_lost(system, t, xs, vs),
         step=grid.step,
         n_steps=ending.n_steps,
-        n_force_evaluations=ending.evaluations + inside.evaluations,
+        n_force_evaluations=ending.evaluations + processing.evaluations,
         wall_time=ending.wall_time,
         about=_describe(system, chosen, compensated),
         derived=_derived(system, t, xs, vs),

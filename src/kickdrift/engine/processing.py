@@ -18,7 +18,7 @@ from kickdrift.systems.system import System
 Floats = NDArray[np.float64]
 
 
-class Inside:
+class Processing:
     """The way into the loop and out of it.
 
     Inside are the coordinates of the split, if the method uses one. There, a few letters have been done before the
