@@ -87,9 +87,9 @@ def test_interruption_keeps_whole_chunks(monkeypatch):
     monkeypatch.setattr(run_module, "_CHUNK_SECONDS", 1e-5)
     attempt, calls = run_module.Run._attempt, []
 
-    def interrupted(self, good, target):
+    def interrupted(self, target):
         calls.append(target)
-        result = attempt(self, good, target)
+        result = attempt(self, target)
         if len(calls) == 5:
             raise KeyboardInterrupt  # after the work of the chunk, before anyone took note of it
         return result

@@ -8,7 +8,7 @@ import kickdrift as kd
 from kickdrift.core import linear_algebra
 from kickdrift.engine.flows import adjoint, extrapolation, implicit, newton, runge_kutta
 from kickdrift.engine.flows.layout import FORMED
-from kickdrift.engine.run import State
+from kickdrift.engine.stepper import State
 
 NAN = np.nan
 

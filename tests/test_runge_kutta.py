@@ -13,6 +13,8 @@ from scipy.integrate import DOP853
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError
 from kickdrift.engine import processing
+from kickdrift.engine.problem_adapter import describe
+from kickdrift.engine.start import Start
 from kickdrift.methods import Letter, Tableau
 
 CATALOGUE = kd.methods.catalogue()
@@ -210,7 +212,7 @@ def test_dop853_takes_the_steps_of_scipy(name):
         name
     )
     if rates is None:
-        system = kd.analysis.order.adopt(problem, 0.0, ours.x[0], ours.v[0], np.zeros(0), compile_=False)
+        system = describe(problem, 0.0, Start(ours.x[0], ours.v[0]), np.zeros(0), compile_=False)
 
         def rates(t, y):
             out = np.array([0.0, y[1]])

@@ -11,7 +11,7 @@ from typing import Any
 
 from tqdm import tqdm
 
-from kickdrift.core.compilation import told_of_compiling
+from kickdrift.core.dispatcher import told_of_compiling
 
 _SHORT_RUN_SECONDS = 2.0  # runs expected to be shorter show no bar
 
