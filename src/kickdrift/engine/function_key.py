@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 from kickdrift.core.cache import written
 from kickdrift.core.compilation import Function
 from kickdrift.core.free_numbers import Pipeline, numbers_as_arguments
-from kickdrift.core.naming import source_digest
-from kickdrift.engine.function_names import CannotTellError, Names, digest_of, names_of
+from kickdrift.core.naming import digest, source_digest
+from kickdrift.engine.function_names import CannotTellError, Names, names_of
 
 _PLAIN = (bool, int, float, complex, str, bytes, type(None))
 _LIBRARIES = ("builtins", "math", "cmath", "operator", "numpy", "numba")  # nobody changes their contents
@@ -66,7 +66,7 @@ class Taken:
 
     def digest(self, *details: Any) -> str:
         """Name the compiled code, with further details of it, so that no other one has the name."""
-        return digest_of(repr((self.key, details, source_digest())))
+        return digest((self.key, details, source_digest()))
 
     def snapshot(self, checked: bool) -> Function:
         """Copy the function, with its constants as they are now, for compiled code that takes its numbers as arguments.
@@ -191,7 +191,7 @@ def _constant(value: Any, names: Names, around: tuple[Any, ...]) -> Hashable:
         fields = getattr(value, "_fields", ())
         return type(value).__qualname__, fields, *(_constant(member, names, around) for member in value)
     if type(value) is np.ndarray and value.dtype.kind in "biufc":
-        return "array", value.dtype.str, value.shape, value.strides, digest_of(value.tobytes())
+        return "array", value.dtype.str, value.shape, value.strides, digest(value.tobytes())
     if isinstance(value, ModuleType):
         return _of_module(value, names, around)
     if (name := _name_in_library(value)) is not None:

@@ -1,13 +1,14 @@
 """What the code of a function mentions, read from its bytecode."""
 
 import dis
-import hashlib
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from types import CodeType
 from typing import Any
+
+from kickdrift.core.naming import digest
 
 
 class CannotTellError(Exception):
@@ -62,7 +63,7 @@ def names_of(code: CodeType) -> Names:
         globals=tuple(sorted(loaded)),
         inner=frozenset(inner),
         all=frozenset(every),
-        digest=digest_of(_text_of(code)),
+        digest=digest(_text_of(code)),
         exponents=frozenset(exponents),
         callees=_callees(code),
     )
@@ -103,8 +104,3 @@ def _constant_of_code(value: Any) -> str:
     if isinstance(value, frozenset):
         return f"set({sorted(map(_constant_of_code, value))})"
     return f"{type(value).__name__} {value!r}"
-
-
-def digest_of(data: str | bytes) -> str:
-    """Return 32 letters that tell a text or bytes apart."""
-    return hashlib.sha256(data if isinstance(data, bytes) else data.encode()).hexdigest()[:32]
