@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from kickdrift.world.tables import Tables
+
 ROOT = Path(__file__).parent.parent
 PACKAGE = ROOT / "src" / "kickdrift"
 
@@ -220,7 +222,8 @@ def test_a_new_shape(house):
     house.line(pairs, "from kickdrift.world.shapes.kinds", "from kickdrift.world.shapes import bead\n")
     house.line(pairs, "    (PLANE, CONE): frustum", "    (PLANE, 10): spheres.plane_sphere,\n")
     with_message = subprocess.run(
-        [sys.executable, "-c", "import kickdrift.world.collision"], capture_output=True, text=True, check=False, cwd=house.folder,
+        [sys.executable, "-c", "import kickdrift.world.collision"],
+        capture_output=True, text=True, check=False, cwd=house.folder,
         env={**os.environ, "PYTHONPATH": str(house.folder)},
     )  # fmt: skip
     assert "There is no function for where triangle and bead touch" in with_message.stderr
@@ -320,9 +323,9 @@ def blow(t, h, world):
 @pytest.mark.parametrize("house", ["stage"], indirect=True)
 def test_a_new_stage(house):
     house.add("world/wind.py", STAGE)
-    house.line(
-        "world/tables.py", "\n_COUNT = ", "GUSTS = Table(61, 1, whole=True)  # one row: see `kickdrift.world.wind`\n"
-    )
+    place = len(Tables().block) // 3
+    gusts = f"GUSTS = Table({place}, 1, whole=True)  # one row: see `kickdrift.world.wind`\n"
+    house.line("world/tables.py", "\n_COUNT = ", gusts)
     house.line("world/stage_order.py", "\nStages = tuple", "from kickdrift.world.wind import blow\n")
     house.line("world/stage_order.py", "        *uses.forces,\n", "        blow,\n")
     code = """

@@ -14,7 +14,7 @@ from kickdrift.world.collision.filters import part_joined
 from kickdrift.world.compiling import compile_step
 from kickdrift.world.contacts import contact_solver_simd
 from kickdrift.world.contacts.layout import LANE_COUNT, WIDTH
-from kickdrift.world.force_stage import Force
+from kickdrift.world.force_stage import Force, put_numbers
 from kickdrift.world.joints.registry import Joints
 from kickdrift.world.recorder import Recorder
 from kickdrift.world.rollback import find_lost_body, lost_body_error, roll_back
@@ -123,6 +123,7 @@ class DoesSteps:
             sweeps[LANE_COUNT] = WIDTH
             shapes.find_functions()
             self._addresses, self._composition = addresses(spelt, self.substeps), composition
+        put_numbers(self.tables, self.forces)
         self.tables.array(SETTINGS)[0, settings.STEP] = step
         self._program = compose(spelt, self._addresses, step, self.substeps)
         self._program_step, self._threaded, self._breakable = step, threaded, self.joints.breakable
