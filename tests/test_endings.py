@@ -134,7 +134,7 @@ def test_progress_shows_on_request_and_not_otherwise(capsys):
 
 @pytest.mark.parametrize(("progress", "said"), [(None, True), (True, True), (False, False)])
 def test_a_wait_for_the_compiler_is_announced_wherever_one_waits(progress, said, capsys, monkeypatch):
-    monkeypatch.setattr("kickdrift.engine.progress._A_MOMENT", 0.0)
+    monkeypatch.setattr("kickdrift.engine.announcing._A_MOMENT", 0.0)
     force = njit("float64(float64)")(lambda x: -x)  # one cannot tell what is in it, so that it is not found on disk
     kd.solve(force, (0.0, 1.0), 1.0, 0.0, step=0.1, progress=progress)
     lines = capsys.readouterr().err.splitlines()
@@ -166,7 +166,7 @@ def test_on_a_terminal_only_long_runs_show_progress(capsys, monkeypatch):
 
 def test_the_first_compilation_is_announced(tmp_path):
     code = (
-        "import kickdrift as kd; from kickdrift.engine import progress; progress._A_MOMENT = 0.0;"
+        "import kickdrift as kd; from kickdrift.engine import announcing; announcing._A_MOMENT = 0.0;"
         "kd.solve(kd.systems.kepler(), (0, 1), step=0.1, progress=True).energy"
     )
     said, kept = [], []

@@ -8,11 +8,11 @@ from numpy.typing import ArrayLike
 from kickdrift import methods
 from kickdrift.core.arguments import choice
 from kickdrift.core.errors import ArgumentError
+from kickdrift.engine.announcing import compiling_announced
 from kickdrift.engine.grid import lay_grid
 from kickdrift.engine.method_selection import check_direction, check_wanted, choose
 from kickdrift.engine.problem_adapter import describe
 from kickdrift.engine.processing import compile_method
-from kickdrift.engine.progress import compiling_announced
 from kickdrift.engine.report import report
 from kickdrift.engine.run import Run
 from kickdrift.engine.solution import Solution

@@ -13,8 +13,9 @@ from kickdrift.core.errors import ArgumentError, LostBodyError
 from kickdrift.core.interruption import InterruptionNoted
 from kickdrift.core.outcomes import Outcome
 from kickdrift.core.room import check_kept
+from kickdrift.engine.announcing import compiling_announced
 from kickdrift.engine.grid import Grid, lay_grid
-from kickdrift.engine.progress import Bar, announcements
+from kickdrift.engine.progress import Bar
 from kickdrift.world.joints.axis import is_number
 from kickdrift.world.recorder import Recorder, RecordingRows
 from kickdrift.world.recording import Recording
@@ -30,7 +31,7 @@ def run(world: "World", duration: float, step: float, save_every: int | None, pr
     """Run a world and record it; see `World.run`."""
     progress = None if progress is None else choice("progress", progress)
     grid = _lay(duration, step, save_every, len(world.position))
-    with announcements(progress):
+    with compiling_announced(progress):
         world.advance(grid.step, 0)
     rows, t0 = RecordingRows(world, len(grid.save_steps) + 1), world.time  # one row more for a run that ends early
     outcome, cause, seconds = Outcome.COMPLETED, "", 0.0
