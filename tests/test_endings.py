@@ -84,7 +84,7 @@ def test_an_implicit_step_is_solved_to_rounding():
 
 
 def test_interruption_keeps_whole_chunks(monkeypatch):
-    monkeypatch.setattr(run_module, "_CHUNK_SECONDS", 1e-5)
+    monkeypatch.setattr("kickdrift.core.interruption._CHUNK_SECONDS", 1e-5)
     attempt, calls = run_module.Run._attempt, []
 
     def interrupted(self, target):
@@ -107,7 +107,7 @@ def test_interruption_keeps_whole_chunks(monkeypatch):
 def test_chunks_change_no_bit(monkeypatch):
     options = {"t_span": (0.0, 20.0), "step": 0.01, "method": "velocity-verlet"}
     whole = kd.solve(kd.systems.kepler(), **options)
-    monkeypatch.setattr(run_module, "_CHUNK_SECONDS", 1e-9)
+    monkeypatch.setattr("kickdrift.core.interruption._CHUNK_SECONDS", 1e-9)
     assert np.array_equal(whole.x, kd.solve(kd.systems.kepler(), **options).x)
 
 

@@ -210,7 +210,7 @@ def test_the_scratch_is_copied_only_when_another_matrix_was_formed():
 @pytest.mark.parametrize("seconds", [1e-9, 1.0])
 def test_a_run_that_fails_late_ends_with_the_bits_of_one_that_ends_there(monkeypatch, seconds):
     # Matrices are formed all along the way, and again after each return to a good state.
-    monkeypatch.setattr("kickdrift.engine.run._CHUNK_SECONDS", seconds)
+    monkeypatch.setattr("kickdrift.core.interruption._CHUNK_SECONDS", seconds)
 
     def rates(t, y):
         if t > 3.05:

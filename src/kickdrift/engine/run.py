@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.interruption import next_chunk
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.flows.layout import EVALUATIONS, TROUBLE
 from kickdrift.engine.flows.table import FLOWS
@@ -15,7 +16,6 @@ from kickdrift.engine.stepper import State, Stepper
 
 Floats = NDArray[np.float64]
 Failure = tuple[Outcome, str]  # and what there is to say about its cause
-_CHUNK_SECONDS = 0.1  # how long Ctrl-C waits
 _LEAST_SHARE = 10  # of the time of a chunk over that of the copy after it
 
 
@@ -86,7 +86,7 @@ class Run:
         return None
 
     def _do_chunks(self, bar: Bar, started: float) -> Failure | None:
-        """Do the steps, in chunks of a tenth of a second, each of which ends with a checkpoint."""
+        """Do the steps, in chunks that Ctrl-C waits for, each of which ends with a checkpoint."""
         chunk, n_steps = 1, self._grid.n_steps
         while (good := self._checkpoint).step < n_steps:
             chunk_started = time.perf_counter()
@@ -101,8 +101,7 @@ class Run:
             copy = self._state if target == n_steps else self._state.copy(good.state, into=self._spare)
             self._checkpoint, self._spare = Checkpoint(copy, target, saved), good.state
             now = time.perf_counter()
-            wanted = max(_CHUNK_SECONDS, _LEAST_SHARE * (now - reached))
-            chunk = max(1, min(10 * chunk, int(chunk * wanted / max(reached - chunk_started, 1e-9))))
+            chunk = next_chunk(target - good.step, reached - chunk_started, _LEAST_SHARE * (now - reached))
             bar.show(target, now - started)
         return None
 

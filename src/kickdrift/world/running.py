@@ -10,7 +10,7 @@ import numpy as np
 
 from kickdrift.core.arguments import choice
 from kickdrift.core.errors import ArgumentError, LostBodyError
-from kickdrift.core.interruption import InterruptionNoted
+from kickdrift.core.interruption import InterruptionNoted, next_chunk
 from kickdrift.core.outcomes import Outcome
 from kickdrift.core.room import check_kept
 from kickdrift.engine.announcing import compiling_announced
@@ -23,7 +23,6 @@ from kickdrift.world.recording import Recording
 if TYPE_CHECKING:
     from kickdrift.world.world import World
 
-_CHUNK_SECONDS = 0.1
 _BYTES_PER_BODY, _BYTES_PER_ROW = 13 * 8, 16 * 8
 
 
@@ -51,7 +50,7 @@ def run(world: "World", duration: float, step: float, save_every: int | None, pr
                 break
             if done == grid.save_steps[rows.count]:
                 rows.keep(t0 + grid.times[rows.count])
-            chunk = max(1, min(10 * count, int(count * _CHUNK_SECONDS / max(took, 1e-9))))
+            chunk = next_chunk(count, took)
             bar.show(done, seconds)
     if outcome is Outcome.COMPLETED and done < grid.n_steps:
         outcome = Outcome.INTERRUPTED
