@@ -135,7 +135,7 @@ def test_progress_shows_on_request_and_not_otherwise(capsys):
 @pytest.mark.parametrize(("progress", "said"), [(None, True), (True, True), (False, False)])
 def test_a_wait_for_the_compiler_is_announced_wherever_one_waits(progress, said, capsys, monkeypatch):
     monkeypatch.setattr("kickdrift.engine.announcing._A_MOMENT", 0.0)
-    force = njit("float64(float64)")(lambda x: -x)  # one cannot tell what is in it, so that it is not found on disk
+    force = njit("float64(float32)")(lambda x: -x)  # one cannot tell what is in it, so that it is not found on disk
     kd.solve(force, (0.0, 1.0), 1.0, 0.0, step=0.1, progress=progress)
     lines = capsys.readouterr().err.splitlines()
     assert [line for line in lines if line.startswith("kickdrift: compiling")] == (

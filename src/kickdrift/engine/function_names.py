@@ -8,6 +8,8 @@ from functools import lru_cache
 from types import CodeType
 from typing import Any
 
+from numba.core.typing import templates
+
 from kickdrift.core.naming import digest
 
 
@@ -67,6 +69,22 @@ def names_of(code: CodeType) -> Names:
         exponents=frozenset(exponents),
         callees=_callees(code),
     )
+
+
+def overloaded_elsewhere() -> frozenset[str]:
+    """Return the names of functions and methods for which others than Numba have told Numba what to compile."""
+    registry = templates.builtin_registry
+    return _overloaded(len(registry.functions), len(registry.attributes))
+
+
+@lru_cache(maxsize=1)
+def _overloaded(n_functions: int, n_attributes: int) -> frozenset[str]:
+    registry, names = templates.builtin_registry, set[str]()
+    for template in (*registry.functions[:n_functions], *registry.attributes[:n_attributes]):
+        module = getattr(getattr(template, "_overload_func", None), "__module__", None)
+        if module is not None and module.partition(".")[0] not in ("numba", "kickdrift"):
+            names.add(str(getattr(template, "_attr", None) or getattr(template.key, "__name__", "")))
+    return frozenset(names)
 
 
 def _callees(code: CodeType) -> frozenset[str]:
