@@ -1,5 +1,6 @@
 """The command line: what it writes and says, its exit codes, and what it refuses."""
 
+import importlib
 import os
 import re
 import subprocess
@@ -16,9 +17,12 @@ from kickdrift.cli import compiling, help_texts
 from kickdrift.cli.app import app
 from kickdrift.cli.times import parse_time
 from kickdrift.core.errors import ArgumentError
+from kickdrift.engine.announcing import compiling_announced
 from kickdrift.engine.progress import Bar
 from kickdrift.methods import Kind
 from kickdrift.scenes import planets
+
+solve_module = importlib.import_module("kickdrift.engine.solve")  # whose name is that of its function, too
 
 COLLISION = """\
 run = {duration = 10.0, step = 1.0, method = "drift-kick"}
@@ -83,8 +87,7 @@ def test_what_cannot_be_compared_is_said(folder):
     assert "JPL's epochs 1, 10, 100 (days after J2000) fall between two of the equal steps" in result.stderr
 
 
-def test_quiet_writes_files_only(folder, monkeypatch):
-    monkeypatch.setattr(compiling, "is_cached", lambda kernel: False)
+def test_quiet_writes_files_only(folder):
     result = call("run", "kepler", "--duration", 1, "--quiet")
     assert (result.exit_code, result.output) == (cli.DONE, "")
     assert {path.name for path in (folder / "kickdrift-output").iterdir()} == {"kepler.npz", "kepler.png"}
@@ -108,13 +111,19 @@ def test_compiling_ahead_counts_what_it_compiles(monkeypatch):
 
 
 def test_an_empty_cache_is_announced(folder, monkeypatch):
-    monkeypatch.setattr(compiling, "is_cached", lambda kernel: True)
     assert "compil" not in call("run", "kepler", "--duration", 1).stderr
-    monkeypatch.setattr(compiling, "is_cached", lambda kernel: False)
+    choose = solve_module.choose
+
+    def choose_slowly(*arguments):
+        with compiling_announced(None, "12 functions", 12.0):
+            return choose(*arguments)
+
+    monkeypatch.setattr(solve_module, "choose", choose_slowly)
     announced = call("run", "kepler", "--duration", 1).stderr.splitlines()
     assert announced[0].startswith("kickdrift: kepler")
-    assert "compiling once on this machine, about" in announced[1]
-    assert "compiled in" in announced[2]
+    assert announced[1] == "kickdrift: compiling 12 functions once on this machine, about 12 s ..."
+    assert announced[2].startswith("kickdrift: compiled in")
+    assert call("run", "kepler", "--duration", 1, "--quiet").stderr == ""
 
 
 @pytest.mark.parametrize("name", ["harmonic-oscillator", "pendulum", "kepler", "benchmarks-game"])
@@ -344,10 +353,10 @@ def test_an_interrupted_comparison_shows_what_it_has(folder, monkeypatch):
 
 
 def test_an_interruption_outside_the_loop(folder, monkeypatch):
-    def stop(*_):
+    def stop(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("kickdrift.cli.run.compile_ahead", stop)
+    monkeypatch.setattr("kickdrift.cli.run.solve", stop)
     result = call("run", "kepler")
     assert result.exit_code == cli.INTERRUPTED
     assert result.stderr.splitlines()[-1] == "kickdrift: interrupted."

@@ -16,7 +16,7 @@ from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import compiled, is_on_disk, specialise, unbound
 from kickdrift.core.linking import Part, Whole
 from kickdrift.core.parallel_compile import _families
-from kickdrift.engine.progress import announce_compiling, announcements
+from kickdrift.engine.announcing import compiling_announced
 from kickdrift.scenes.worlds.catalogue import SCENES
 from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.compiling import _jobs, all_jobs
@@ -218,10 +218,13 @@ def test_processes_that_do_nothing_do_not_matter(worker, tmp_path):
 
 def test_compiling_is_announced_where_it_is_wanted_and_takes_longer_than_a_moment(capsys):
     for wanted, seconds, said in ((True, 12.3, True), (True, 0.4, False), (False, 12.3, False), (None, 12.3, True)):
-        with announcements(wanted):
-            announce_compiling("22 functions", seconds)
-        line = "kickdrift: compiling 22 functions once on this machine, about 12 s ...\n"
-        assert capsys.readouterr().err == (line if said else "")
+        with compiling_announced(wanted), compiling_announced(None, "22 functions", seconds):
+            pass
+        lines = [
+            "kickdrift: compiling 22 functions once on this machine, about 12 s ...",
+            "kickdrift: compiled in 0.0 s.",
+        ]
+        assert capsys.readouterr().err.splitlines() == (lines if said else [])
 
 
 def test_what_needs_the_same_is_compiled_in_one_process():

@@ -11,7 +11,8 @@ import kickdrift as kd
 from kickdrift.core import linear_algebra
 from kickdrift.core.errors import ArgumentError, MethodMismatchError
 from kickdrift.engine.flows import constraint_rows, constraints
-from kickdrift.engine.problem_adapter import adopt
+from kickdrift.engine.problem_adapter import describe
+from kickdrift.engine.start import Start
 from kickdrift.methods import constrained
 
 METHODS = ("rattle", "shake", "projected-kick-drift")
@@ -520,7 +521,9 @@ def on_sphere_and_cylinder(x):
 
 def test_a_constraint_that_is_dependent_on_others_but_not_fulfilled_with_them_ends_the_run():
     problem = kd.Constrained(lambda x: 0 * x, on_sphere_and_cylinder)
-    regular = adopt(problem, 0.0, np.array([0.5, 0.5, np.sqrt(0.5)]), np.zeros(3), np.zeros(0), compile_=False)
+    regular = describe(
+        problem, 0.0, Start(np.array([0.5, 0.5, np.sqrt(0.5)]), np.zeros(3)), np.zeros(0), compile_=False
+    )
     crossing, along = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 1.0])
     s = kd.solve(regular, (0.0, 0.1), crossing, along, step=0.1, method="rattle")
     assert s.status is kd.Outcome.NOT_CONVERGED

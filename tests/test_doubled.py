@@ -5,7 +5,7 @@ import pytest
 
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError
-from kickdrift.engine import inside, program
+from kickdrift.engine import processing, program
 from kickdrift.methods import tao
 
 # Tao's first example, started as there.
@@ -163,7 +163,7 @@ def test_a_rate_at_the_time_of_the_wrong_copy_is_caught(monkeypatch):
         return spelled
 
     monkeypatch.setattr(program, "_spell", with_one_clock)
-    monkeypatch.setattr(inside, "_programs", inside._programs.__wrapped__)  # which forgets what it knows
+    monkeypatch.setattr(processing, "_programs", processing._programs.__wrapped__)  # which forgets what it knows
     problem, end = PROBLEMS["forced"]
     made = kd.analysis.observed_order(method="tao-2", steps=(0.02, 0.01), t_span=(0.0, end), compile=False, **problem)
     assert made.order < 1.5

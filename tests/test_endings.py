@@ -84,12 +84,12 @@ def test_an_implicit_step_is_solved_to_rounding():
 
 
 def test_interruption_keeps_whole_chunks(monkeypatch):
-    monkeypatch.setattr(run_module, "_CHUNK_SECONDS", 1e-5)
+    monkeypatch.setattr("kickdrift.core.interruption._CHUNK_SECONDS", 1e-5)
     attempt, calls = run_module.Run._attempt, []
 
-    def interrupted(self, good, target):
+    def interrupted(self, target):
         calls.append(target)
-        result = attempt(self, good, target)
+        result = attempt(self, target)
         if len(calls) == 5:
             raise KeyboardInterrupt  # after the work of the chunk, before anyone took note of it
         return result
@@ -107,7 +107,7 @@ def test_interruption_keeps_whole_chunks(monkeypatch):
 def test_chunks_change_no_bit(monkeypatch):
     options = {"t_span": (0.0, 20.0), "step": 0.01, "method": "velocity-verlet"}
     whole = kd.solve(kd.systems.kepler(), **options)
-    monkeypatch.setattr(run_module, "_CHUNK_SECONDS", 1e-9)
+    monkeypatch.setattr("kickdrift.core.interruption._CHUNK_SECONDS", 1e-9)
     assert np.array_equal(whole.x, kd.solve(kd.systems.kepler(), **options).x)
 
 
@@ -134,8 +134,8 @@ def test_progress_shows_on_request_and_not_otherwise(capsys):
 
 @pytest.mark.parametrize(("progress", "said"), [(None, True), (True, True), (False, False)])
 def test_a_wait_for_the_compiler_is_announced_wherever_one_waits(progress, said, capsys, monkeypatch):
-    monkeypatch.setattr("kickdrift.engine.progress._A_MOMENT", 0.0)
-    force = njit("float64(float64)")(lambda x: -x)  # one cannot tell what is in it, so that it is not found on disk
+    monkeypatch.setattr("kickdrift.engine.announcing._A_MOMENT", 0.0)
+    force = njit("float64(float32)")(lambda x: -x)  # one cannot tell what is in it, so that it is not found on disk
     kd.solve(force, (0.0, 1.0), 1.0, 0.0, step=0.1, progress=progress)
     lines = capsys.readouterr().err.splitlines()
     assert [line for line in lines if line.startswith("kickdrift: compiling")] == (
@@ -166,7 +166,7 @@ def test_on_a_terminal_only_long_runs_show_progress(capsys, monkeypatch):
 
 def test_the_first_compilation_is_announced(tmp_path):
     code = (
-        "import kickdrift as kd; from kickdrift.engine import progress; progress._A_MOMENT = 0.0;"
+        "import kickdrift as kd; from kickdrift.engine import announcing; announcing._A_MOMENT = 0.0;"
         "kd.solve(kd.systems.kepler(), (0, 1), step=0.1, progress=True).energy"
     )
     said, kept = [], []

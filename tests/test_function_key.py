@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from numba import njit
 from numba.core import event
+from numba.core.typing import templates
+from numba.extending import overload
 
 import kickdrift as kd
 from kickdrift.engine.function_key import taken_apart
@@ -184,9 +186,59 @@ def test_where_one_cannot_tell_the_key_is_of_this_function_now(function):
 
 
 def test_what_numba_has_compiled_for_good_is_its_own_key():
-    one, other = (njit("float64(float64)")(lambda x: -x) for _ in range(2))
+    one, other = (njit("float32(float32)")(lambda x: -x) for _ in range(2))
     assert not taken_apart(one).known
     assert key(one) == key(one) != key(other)
+
+
+def test_signatures_of_doubles_round_nothing_and_have_bounds():
+    @njit("float64[:](float64[:])")
+    def pull(x):
+        return -x
+
+    @njit("void(float64[:], float64[:])")
+    def beside(x, out):
+        for k in range(x.size + 1000):
+            out[k] = -x[0]
+
+    assert taken_apart(pull).known
+    assert np.array_equal(kd.solve(pull, (0.0, 1.0), [1.0], [0.0], step=0.1).x[:, 0], oscillator(1.0))
+    with pytest.raises(kd.ArgumentError, match="out of bounds"):
+        kd.solve(beside, (0.0, 1.0), [1.0], [0.0], step=0.1)
+
+
+def test_a_division_by_zero_is_infinite_in_functions_that_are_called_too():
+    @njit
+    def inverse(x):
+        return 1.0 / x
+
+    @njit(error_model="python")
+    def strict_inverse(x):
+        return 1.0 / x
+
+    free = kd.solve(lambda x: 0.0 * x + inverse(x - 1.0), **SPAN)
+    assert free.status is kd.Outcome.NOT_FINITE
+    with pytest.raises(kd.ArgumentError, match="ZeroDivisionError"):
+        kd.solve(lambda x: strict_inverse(x - 1.0), **SPAN)
+
+
+def test_what_others_tell_numba_of_numpys_functions_is_in_no_key():
+    def cubed(x):
+        return -(np.ascontiguousarray(x) ** 3)
+
+    def squared(x):
+        return -(x**2)
+
+    assert taken_apart(cubed).known
+    before = len(templates.builtin_registry.functions)
+    overload(np.ascontiguousarray)(lambda x: lambda x: 2.0 * x)
+    try:
+        assert not taken_apart(cubed).known
+        assert taken_apart(squared).known
+    finally:
+        del templates.builtin_registry.functions[before:]
+        del templates.builtin_registry.globals[-1:]
+    assert taken_apart(cubed).known
 
 
 @pytest.mark.parametrize("make", [closed_over, with_default, with_named_default, with_callee])

@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError, KickdriftError
-from kickdrift.engine import inside, program
+from kickdrift.engine import processing, program
 from kickdrift.methods import Kind, Letter, Method, alternating
 
 CATALOGUE = kd.methods.catalogue()
@@ -156,8 +156,8 @@ CLOCKED = ["velocity-verlet", "position-verlet", "forest-ruth-4", "blanes-moan-s
 @pytest.mark.parametrize("name", CLOCKED)
 def test_a_clock_on_the_kick_is_caught(name, monkeypatch):
     right = measured("pendulum", CATALOGUE[name])
-    monkeypatch.setattr("kickdrift.engine.inside.compose", clock_on_the_kick)
-    monkeypatch.setattr(inside, "_programs", inside._programs.__wrapped__)  # which forgets what it knows
+    monkeypatch.setattr("kickdrift.engine.processing.compose", clock_on_the_kick)
+    monkeypatch.setattr(processing, "_programs", processing._programs.__wrapped__)  # which forgets what it knows
     assert has(1, measured("forced", CATALOGUE[name]))
     assert measured("pendulum", CATALOGUE[name]) == right  # which has no clock
 
@@ -176,8 +176,8 @@ def test_kahan_li_8_has_its_order_on_the_forced_oscillator(monkeypatch):
     errors = errors_on_the_forced_oscillator("kahan-li-8")
     assert np.log(errors[0] / errors[2]) / np.log(2) == pytest.approx(8, abs=0.1)
     assert errors[0] < 3e-10
-    monkeypatch.setattr("kickdrift.engine.inside.compose", clock_on_the_kick)
-    monkeypatch.setattr(inside, "_programs", inside._programs.__wrapped__)  # which forgets what it knows
+    monkeypatch.setattr("kickdrift.engine.processing.compose", clock_on_the_kick)
+    monkeypatch.setattr(processing, "_programs", processing._programs.__wrapped__)  # which forgets what it knows
     errors = errors_on_the_forced_oscillator("kahan-li-8")
     assert np.log(errors[0] / errors[2]) / np.log(2) == pytest.approx(1, abs=0.1)
 

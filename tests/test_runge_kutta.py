@@ -12,7 +12,9 @@ from scipy.integrate import DOP853
 
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError
-from kickdrift.engine import inside
+from kickdrift.engine import processing
+from kickdrift.engine.problem_adapter import describe
+from kickdrift.engine.start import Start
 from kickdrift.methods import Letter, Tableau
 
 CATALOGUE = kd.methods.catalogue()
@@ -210,7 +212,7 @@ def test_dop853_takes_the_steps_of_scipy(name):
         name
     )
     if rates is None:
-        system = kd.analysis.order.adopt(problem, 0.0, ours.x[0], ours.v[0], np.zeros(0), compile_=False)
+        system = describe(problem, 0.0, Start(ours.x[0], ours.v[0]), np.zeros(0), compile_=False)
 
         def rates(t, y):
             out = np.array([0.0, y[1]])
@@ -342,7 +344,7 @@ def test_the_last_step_makes_the_start_of_the_next(name, most, monkeypatch):
     arguments = {"t_span": (0.0, 5.0), "step": 0.1, "method": "gauss-6", "compile": False}
     saving = kd.solve(**arguments, **PROBLEMS[name])
     monkeypatch.setattr(Tableau, "onward", property(lambda self: np.zeros((self.stages, self.stages))))
-    monkeypatch.setattr(inside, "_programs", inside._programs.__wrapped__)  # which forgets what it knows
+    monkeypatch.setattr(processing, "_programs", processing._programs.__wrapped__)  # which forgets what it knows
     plain = kd.solve(**arguments, **PROBLEMS[name])
     assert saving.n_force_evaluations < most * plain.n_force_evaluations
     assert np.allclose(saving.x, plain.x, rtol=0, atol=1e-14)

@@ -1,6 +1,10 @@
 """What no world can be made of, and that a world stays as it was where it is asked for such things."""
 
+import copy
 import functools
+import os
+import subprocess
+import sys
 
 import numba
 import numpy as np
@@ -432,20 +436,61 @@ def test_forces_that_cannot_be_compiled(force, words):
     assert world.forces == []
 
 
-def test_the_same_force_is_compiled_once_for_all_worlds():
-    def made(size):
-        def pull(force):
-            force[0, 0] += size
+def test_forces_of_the_same_code_are_compiled_once_whatever_their_numbers():
+    def made(size, along=(1.0, 0.0, 0.0)):
+        along = np.array(along)
+
+        def pull(force, times=1.0):
+            for k in range(3):
+                force[1, k] += size * times * along[k]
 
         return pull
 
-    stages = []
-    for size in (1.0, 1.0, 2.0):
-        world = World()
-        world.add_force(made(size))
-        stages.append(world.forces[0].stage)
-    assert stages[0] is stages[1]
-    assert stages[0] is not stages[2]
+    worlds = []
+    for forces in ([made(1.0)], [made(2.0), made(3.0, (0.0, 0.0, 1.0))], [made(1.0, np.ones(4))]):
+        worlds.append(World(gravity=(0, 0, 0)))
+        worlds[-1].add_sphere(1.0, mass=1.0)
+        for force in forces:
+            worlds[-1].add_force(force)
+    stages = [force.stage for world in worlds for force in world.forces]
+    assert stages[0] is stages[1] is stages[2]
+    assert stages[0] is not stages[3]  # whose array has another shape
+    for world in worlds[:2]:
+        world.advance(0.1, 10)
+    assert worlds[0].velocity[1] == pytest.approx([1.0, 0.0, 0.0])
+    assert worlds[1].velocity[1] == pytest.approx([2.0, 0.0, 3.0])
+    again = copy.deepcopy(worlds[1])
+    worlds[1].add_force(made(-5.0))
+    for world in (worlds[1], again):
+        world.advance(0.1, 10)
+    assert worlds[1].velocity[1] == pytest.approx([-1.0, 0.0, 6.0])
+    assert again.velocity[1] == pytest.approx([4.0, 0.0, 6.0])
+
+
+def test_a_force_is_compiled_by_one_process_for_others(tmp_path):
+    code = """
+import kickdrift as kd, sys
+from kickdrift.core.dispatcher import told_of_compiling
+def made(size):
+    def pull(force):
+        force[1, 2] += size
+    return pull
+names = []
+with told_of_compiling(lambda: names.append(1)):
+    world = kd.World()
+    world.add_force(made(float(sys.argv[1])))
+print(len(names))
+"""
+    script = tmp_path / "script.py"
+    script.write_text(code)
+    counts = []
+    for size in ("1.0", "2.0"):
+        command = [sys.executable, str(script), size]
+        environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+        done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
+        counts.append(int(done.stdout))
+    assert counts[0] > 0
+    assert counts[1] == 0
 
 
 @pytest.mark.parametrize("long", [0.3, 7.0])

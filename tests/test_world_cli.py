@@ -1,5 +1,6 @@
 """``kickdrift run`` and ``list`` for scenes: files, reports, exit codes, and what is refused."""
 
+import re
 import signal
 
 import numpy as np
@@ -58,18 +59,20 @@ def test_options_choose_duration_step_and_folder(folder):
     assert kept.t.size == 6
 
 
-def test_quiet_writes_files_only(folder, monkeypatch):
-    monkeypatch.setattr(scene, "is_cached", lambda kernel: False)
+def test_quiet_writes_files_only(folder):
     result = call("run", "bouncing-disk", "--duration", 0.1, "--quiet")
     assert (result.exit_code, result.output) == (cli.DONE, "")
     assert len(list((folder / "kickdrift-output").iterdir())) == 3
 
 
 def test_compiling_is_announced_and_is_no_part_of_the_run(folder, monkeypatch):
-    monkeypatch.setattr(scene, "is_cached", lambda kernel: False)
+    monkeypatch.setattr("kickdrift.world.compiling.missing", lambda jobs: list(jobs)[:2])
+    monkeypatch.setattr("kickdrift.world.compiling.seconds_for", lambda jobs: 12.0)
     result = call("run", "bouncing-disk", "--duration", 0.1)
     lines = result.stderr.splitlines()
-    assert lines[1].startswith("kickdrift: compiling once on this machine, about")
+    assert re.fullmatch(
+        r"kickdrift: compiling 2 functions of the step .* once on this machine, about 12 s ...", lines[1]
+    )
     assert lines[2].startswith("kickdrift: compiled in ")
     kept = kd.load(folder / "kickdrift-output" / "bouncing-disk.npz")
     assert (kept.t[0], kept.n_steps) == (0.0, 10)

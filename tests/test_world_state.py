@@ -2,10 +2,12 @@
 
 import copy
 import json
+import math
 import pickle
 import signal
 import subprocess
 import sys
+import threading
 import zipfile
 
 import numpy as np
@@ -764,6 +766,45 @@ def test_bodies_that_come_are_not_there_before_and_those_that_go_after():
     assert np.isfinite(recording.energy).all()
     assert recording.row("late") == late.index
     assert "farthest way" in recording.report()
+
+
+def swung():
+    world = kd.World()
+
+    def wind(t, force):
+        for row in range(1, len(force)):
+            force[row, 0] += math.sin(3.0 * t)
+
+    world.add_force(wind)
+    world.add_plane()
+    world.add_sphere(0.5, position=(0, 0, 0.6))
+    return world
+
+
+def test_ctrl_c_in_many_steps_takes_effect_between_two_of_them():
+    world, same = swung(), swung()
+    world.step(1 / 60)  # compiled before
+    timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        world.advance(1 / 60, 10**12)
+    assert 1 < world.n_steps < 10**9
+    same.step(1 / 60)
+    same.advance(1 / 60, world.n_steps - 1)
+    assert np.array_equal(world.position, same.position)
+    assert world.time == same.time
+
+
+def test_chunks_of_steps_change_no_bit(monkeypatch):
+    whole, cut, recorded = swung(), swung(), swung()
+    whole.advance(1 / 60, 500)
+    monkeypatch.setattr("kickdrift.core.interruption._CHUNK_SECONDS", 1e-9)
+    cut.advance(1 / 60, 500)
+    with recorded.record(save_every=7):
+        recorded.advance(1 / 60, 500)
+    for world in (cut, recorded):
+        assert np.array_equal(world.velocity, whole.velocity)
+        assert (world.time, world.n_steps) == (whole.time, whole.n_steps)
 
 
 @pytest.mark.parametrize(

@@ -11,9 +11,10 @@ from kickdrift import methods
 from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.core.kinds import Kind
 from kickdrift.engine.multipliers import constraint_acceleration
-from kickdrift.engine.problem_adapter import adopt
+from kickdrift.engine.problem_adapter import describe
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.solve import solve
+from kickdrift.engine.start import Start
 from kickdrift.systems.problem import Problem
 from kickdrift.systems.system import System, start
 
@@ -137,7 +138,7 @@ def _reference(problem: Any, run: Solution, own_start: bool, args: Sequence[floa
     system = problem
     if not isinstance(problem, System):
         given = start(() if args is None else args).reshape(-1)
-        system = adopt(problem, float(run.t[0]), run.x[0], run.v[0], given, compile_=False)
+        system = describe(problem, float(run.t[0]), Start(run.x[0], run.v[0]), given, compile_=False)
     return _dop853(system, run)
 
 

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from kickdrift import methods
-from kickdrift.engine.fit import AUTO
+from kickdrift.engine.method_selection import AUTO
 
 Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
 

@@ -6,7 +6,6 @@ import numpy as np
 
 from kickdrift import analysis
 from kickdrift.cli import DONE, INTERRUPTED
-from kickdrift.cli.compiling import compile_ahead
 from kickdrift.cli.output import prepare_folder, say, show_table
 from kickdrift.cli.plan import Plan
 from kickdrift.core.outcomes import Outcome
@@ -27,7 +26,6 @@ def compare(plan: Plan, folder: Path) -> int:
     kept_times(plan.duration, plan.step)
     prepare_folder(folder)
     say(f"{plan.in_words} by {', '.join(FIRST_METHODS)}")
-    compile_ahead(plan.system, plan.step, plan.method, quiet=False)
     solutions: dict[str, Solution] = {}
     for solution in first_methods_side_by_side(plan.system, plan.duration, plan.step):
         solutions[solution.about.method] = solution

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from kickdrift.cli.times import parse_time
 from kickdrift.core.errors import ArgumentError, unknown_name
-from kickdrift.engine.fit import choose
+from kickdrift.engine.method_selection import choose
 from kickdrift.methods import Method
 from kickdrift.scenes import DEFAULTS, Defaults
 from kickdrift.systems import System, catalogue, solar_system

@@ -3,7 +3,6 @@
 from pathlib import Path
 
 from kickdrift.cli import DONE, FAILED, INTERRUPTED
-from kickdrift.cli.compiling import compile_ahead
 from kickdrift.cli.output import prepare_folder, say, show_table
 from kickdrift.cli.plan import Plan
 from kickdrift.core.errors import ArgumentError
@@ -24,7 +23,6 @@ def run(plan: Plan, folder: Path, quiet: bool) -> int:
     if not quiet:
         say(f"{plan.in_words} by {plan.method.name}")
         _say_missed(missed, plan)
-    compile_ahead(plan.system, plan.step, plan.method, quiet)
     solution = solve(
         plan.system,
         (0.0, plan.duration),

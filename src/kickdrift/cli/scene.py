@@ -1,6 +1,5 @@
 """``kickdrift run`` for scenes: a world that is run, kept, reported, drawn and filmed."""
 
-import time
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
@@ -10,14 +9,12 @@ from kickdrift.cli.plan import Options, save_every
 from kickdrift.cli.times import parse_time
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.outcomes import Outcome
-from kickdrift.engine.progress import announcements, is_cached
+from kickdrift.engine.announcing import compiling_announced
 from kickdrift.scenes.worlds.catalogue import SCENES
 from kickdrift.world.recording import Recording
-from kickdrift.world.step import run as loop
 from kickdrift.world.world import World
 
 _FOR_SYSTEMS = ("method", "bodies", "years")
-_COMPILE_SECONDS = 15  # with an empty cache on two cores; pictures take 5 more
 _LONGEST_FILM = 20.0  # seconds; longer runs are shown faster
 
 
@@ -85,17 +82,11 @@ def run_scene(plan: ScenePlan, folder: Path, quiet: bool) -> int:
 
 
 def _compile_ahead(world: World, step: float, quiet: bool) -> None:
-    """Compile what a world needs, and say so where nothing was compiled before and it takes longer than a moment."""
-    announced = not is_cached(loop) and not quiet
-    if announced:
-        say(f"compiling once on this machine, about {_COMPILE_SECONDS} s ...")
-    started = time.perf_counter()
+    """Compile what the first step of a world needs, which is no part of the run."""
     before = world.snapshot()
-    with announcements(False if announced or quiet else None):
+    with compiling_announced(False if quiet else None):
         world.step(step)
     world.restore(before)
-    if announced:
-        say(f"compiled in {time.perf_counter() - started:.1f} s.")
 
 
 def _film(recording: Recording, path: Path, quiet: bool) -> None:

@@ -6,7 +6,6 @@ signature's code for another's (Numba's issues 4807 and 10128). Here a name tell
 function, all functions and constants that it uses, the types of its arguments, the processor and Numba's version.
 """
 
-import hashlib
 import pickle
 import types
 from collections.abc import Callable, Iterator
@@ -23,6 +22,7 @@ from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
 from kickdrift.core import sealed
+from kickdrift.core.naming import digest
 
 _Function = Callable[..., Any]
 
@@ -166,9 +166,3 @@ def written(value: Any) -> str:
     options = written(getattr(value, "targetoptions", None))
     names = (getattr(value, name, "") for name in ("__module__", "__qualname__", "__name__"))
     return " ".join((type(value).__qualname__, *map(str, names), options))
-
-
-def digest(value: Any) -> str:
-    """Return sixteen letters that tell a value apart."""
-    data = value if isinstance(value, bytes) else repr(value).encode()
-    return hashlib.sha256(data).hexdigest()[:16]

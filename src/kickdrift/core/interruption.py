@@ -5,6 +5,13 @@ import threading
 from types import FrameType
 from typing import Any, Self
 
+_CHUNK_SECONDS = 0.1  # how long Ctrl-C waits for compiled code
+
+
+def next_chunk(steps: int, seconds: float, least: float = 0.0) -> int:
+    """Return how many steps to do before Ctrl-C is looked for again, as so many took so long; `least` seconds of them."""
+    return max(1, min(10 * steps, int(steps * max(_CHUNK_SECONDS, least) / max(seconds, 1e-9))))
+
 
 class InterruptionNoted:
     """A context in which Ctrl-C is noted instead of raising KeyboardInterrupt.

@@ -9,6 +9,12 @@ from typing import Any
 Function = Callable[..., Any]
 
 
+def digest(value: Any) -> str:
+    """Return 32 letters that tell a value apart: bytes, or what is written alike in every process."""
+    data = value if isinstance(value, bytes) else repr(value).encode()
+    return hashlib.sha256(data).hexdigest()[:32]
+
+
 def specialised_name(function: Function, *details: str) -> str:
     """Name a specialisation for `function` so that no other one, and none of changed sources, is taken for it."""
     python_function = getattr(function, "py_func", function)

@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 from numba.core.caching import CompileResultCacheImpl
 
-from kickdrift.core.cache import Cache, digest, machine, written
+from kickdrift.core.cache import Cache, machine, written
+from kickdrift.core.naming import digest
 
 _MOST_FILES = 1000  # of 20 to 200 kB each
 _DAY = 86400.0

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 from kickdrift.core.cache import written
 from kickdrift.core.compilation import Function
 from kickdrift.core.free_numbers import Pipeline, numbers_as_arguments
-from kickdrift.core.naming import source_digest
-from kickdrift.engine.function_names import CannotTellError, Names, digest_of, names_of
+from kickdrift.core.naming import digest, source_digest
+from kickdrift.engine.function_names import CannotTellError, Names, names_of, overloaded_elsewhere
 
 _PLAIN = (bool, int, float, complex, str, bytes, type(None))
 _LIBRARIES = ("builtins", "math", "cmath", "operator", "numpy", "numba")  # nobody changes their contents
@@ -60,13 +60,17 @@ class Taken:
         return isinstance(self.key, tuple)
 
     def options(self, checked: bool) -> dict[str, Any]:
-        """Return what its decorator, if it has one, asks of Numba, with indices `checked` for bounds."""
+        """Return what its decorator, if it has one, asks of Numba, with indices `checked` for bounds.
+
+        Unless asked otherwise a division by zero gives infinity, in functions that others call as in those that are given.
+        """
         asked = getattr(self.function, "targetoptions", {})
-        return {**asked, "boundscheck": checked if asked.get("boundscheck") is None else asked["boundscheck"]}
+        bounds = checked if asked.get("boundscheck") is None else asked["boundscheck"]
+        return {"error_model": "numpy", **asked, "boundscheck": bounds}
 
     def digest(self, *details: Any) -> str:
         """Name the compiled code, with further details of it, so that no other one has the name."""
-        return digest_of(repr((self.key, details, source_digest())))
+        return digest((self.key, details, source_digest()))
 
     def snapshot(self, checked: bool) -> Function:
         """Copy the function, with its constants as they are now, for compiled code that takes its numbers as arguments.
@@ -110,11 +114,14 @@ def _taken_apart(function: Any, callers: tuple[Any, ...], free: bool) -> Taken:
     python, options = function, ""
     if isinstance(function, CPUDispatcher):
         python, options = function.py_func, written(function.targetoptions)
-        if function.targetoptions.get("parallel") or function.locals or not function._can_compile:
+        signed = not function._can_compile and (callers or not _is_of_doubles(function))
+        if function.targetoptions.get("parallel") or function.locals or signed:
             raise CannotTellError
     if not isinstance(python, FunctionType) or function in callers:
         raise CannotTellError
     names, around = names_of(python.__code__), (*callers, function)
+    if overloaded_elsewhere() & {*names.all, *names.globals}:
+        raise CannotTellError  # what these functions do is not in their names
     numbers: dict[str, Any] = {}
     constants: dict[str, Any] = {}
     callees: dict[str, Taken] = {}
@@ -134,6 +141,15 @@ def _taken_apart(function: Any, callers: tuple[Any, ...], free: bool) -> Taken:
     called = tuple((name, callee.key) for name, callee in sorted(callees.items()))
     shapes = tuple((name, np.shape(value)) for name, value in sorted(numbers.items()))
     return Taken((names.digest, options, described, called, shapes), function, numbers, constants, callees)
+
+
+def _is_of_doubles(function: Any) -> bool:
+    """Whether the signatures that a function was compiled for round nothing: it may be compiled anew for what it is given.
+
+    Only one that is called by no other compiled one, which might give it integers to convert.
+    """
+    types_ = [each for signature in function.nopython_signatures for each in (*signature.args, signature.return_type)]
+    return all(getattr(each, "dtype", each) in (numba.types.float64, numba.types.none) for each in types_)
 
 
 def _is_simply_called(name: str, function: Any, names: Names) -> bool:
@@ -191,7 +207,7 @@ def _constant(value: Any, names: Names, around: tuple[Any, ...]) -> Hashable:
         fields = getattr(value, "_fields", ())
         return type(value).__qualname__, fields, *(_constant(member, names, around) for member in value)
     if type(value) is np.ndarray and value.dtype.kind in "biufc":
-        return "array", value.dtype.str, value.shape, value.strides, digest_of(value.tobytes())
+        return "array", value.dtype.str, value.shape, value.strides, digest(value.tobytes())
     if isinstance(value, ModuleType):
         return _of_module(value, names, around)
     if (name := _name_in_library(value)) is not None:

@@ -1,13 +1,16 @@
 """What the code of a function mentions, read from its bytecode."""
 
 import dis
-import hashlib
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from types import CodeType
 from typing import Any
+
+from numba.core.typing import templates
+
+from kickdrift.core.naming import digest
 
 
 class CannotTellError(Exception):
@@ -62,10 +65,26 @@ def names_of(code: CodeType) -> Names:
         globals=tuple(sorted(loaded)),
         inner=frozenset(inner),
         all=frozenset(every),
-        digest=digest_of(_text_of(code)),
+        digest=digest(_text_of(code)),
         exponents=frozenset(exponents),
         callees=_callees(code),
     )
+
+
+def overloaded_elsewhere() -> frozenset[str]:
+    """Return the names of functions and methods for which others than Numba have told Numba what to compile."""
+    registry = templates.builtin_registry
+    return _overloaded(len(registry.functions), len(registry.attributes))
+
+
+@lru_cache(maxsize=1)
+def _overloaded(n_functions: int, n_attributes: int) -> frozenset[str]:
+    registry, names = templates.builtin_registry, set[str]()
+    for template in (*registry.functions[:n_functions], *registry.attributes[:n_attributes]):
+        module = getattr(getattr(template, "_overload_func", None), "__module__", None)
+        if module is not None and module.partition(".")[0] not in ("numba", "kickdrift"):
+            names.add(str(getattr(template, "_attr", None) or getattr(template.key, "__name__", "")))
+    return frozenset(names)
 
 
 def _callees(code: CodeType) -> frozenset[str]:
@@ -103,8 +122,3 @@ def _constant_of_code(value: Any) -> str:
     if isinstance(value, frozenset):
         return f"set({sorted(map(_constant_of_code, value))})"
     return f"{type(value).__name__} {value!r}"
-
-
-def digest_of(data: str | bytes) -> str:
-    """Return 32 letters that tell a text or bytes apart."""
-    return hashlib.sha256(data if isinstance(data, bytes) else data.encode()).hexdigest()[:32]

@@ -8,7 +8,7 @@ from kickdrift.core import memory
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function, compiled, is_kept, is_users, specialise, unbound
 from kickdrift.core.naming import comes_with_kickdrift, specialised_name
-from kickdrift.engine.flows import kick_drift, layout
+from kickdrift.engine.flows import layout
 from kickdrift.engine.flows.sums import sums
 from kickdrift.engine.flows.table import FLOWS, Flow
 from kickdrift.engine.loop import LETTER
@@ -74,7 +74,7 @@ def build(name: str, system: System, program: Program, compensated: bool, scratc
         return specialise(_letter, "letter", arrays=lambda state: state, flow=bound)
     inlined = tuple((role, functions[role]) for role in _inlined(system, known))
     own = None
-    if name == "kick" and not (compensated or program.split or "rekick" in program.flows):
+    if known.again and not (compensated or program.split or known.again in program.flows):
         own = system.kick
     # Flows with parts are large: most are compiled once for all sizes.
     most = layout.FEW if known.constants else 0 if known.parts else _SMALL
@@ -103,7 +103,7 @@ def _native(
     packaged: bool,
     constants: tuple[tuple[str, int], ...],
 ) -> Function:
-    template = kick_drift.kick_small if name == "kick" and sizes else known.template
+    template = known.small if known.small and sizes else known.template
     bindings: dict[str, Any] = {
         "SIZE": sizes[0] if sizes else 0,
         "SIZE_OF_V": sizes[1] if sizes else 0,
@@ -150,6 +150,7 @@ def _interpreted(
 ) -> Function:
     bindings: dict[str, Any] = {
         "scratch": layout.scratch_interpreted(scratch),
+        "has_part": layout.has_part_interpreted(functions),
         **constants,
         **sums(native=False, compensated=compensated),
         **{f"{name}_at": layout.part_interpreted(function) for name, function in functions.items()},

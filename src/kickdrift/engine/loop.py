@@ -13,6 +13,15 @@ from kickdrift.engine.flows.layout import TROUBLE
 
 Floats = NDArray[np.float64]
 LETTER = types.none(types.float64, types.float64, types.intp)
+_INTEGERS, _FLOATS, _ROWS = (
+    types.Array(*kind, "C") for kind in ((types.int64, 1), (types.float64, 1), (types.float64, 2))
+)
+_WORD = (_INTEGERS, _INTEGERS, _FLOATS, _FLOATS, types.float64, types.float64)  # of addresses of letters
+_STATE = (types.int64, _FLOATS, _FLOATS, _FLOATS)
+ADVANCE = types.UniTuple(types.int64, 2)(
+    *_WORD, types.int64, types.int64, *_STATE, _INTEGERS, types.int64, _ROWS, _ROWS
+)
+CHANGE = types.none(*_WORD, _INTEGERS, *_STATE, _FLOATS, _ROWS, _ROWS)
 
 call = caller(LETTER)
 

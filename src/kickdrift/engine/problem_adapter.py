@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from kickdrift.core.compilation import Function, compiled, is_kept, specialise
 from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.core.naming import specialised_name
+from kickdrift.core.threads import present
 from kickdrift.engine.flows.layout import FLAT, call_flat
+from kickdrift.engine.start import Start
 from kickdrift.engine.user_functions import MEANINGS, Layout, argument_names, flatten
 from kickdrift.systems.problem import Adapted, Problem, name_of
 from kickdrift.systems.second_order import SecondOrder
@@ -154,21 +156,35 @@ def _bound(template: Function, functions: tuple[tuple[str, Function], ...]) -> F
     return cast(Function, native)
 
 
-def adopt(
-    problem: Problem | Function,
+def describe(
+    problem: System | Problem | Function,
     t0: float,
-    x0: Floats,
-    v0: Floats,
-    args: Floats,
+    start: Start,
+    params: Floats,
     compile_: bool,
     check_bounds: bool = True,
 ) -> System:
-    """Make a system of a user's functions and start.
+    """Make a system of a user's functions and start, or give a system another start.
 
     Raises
     ------
     ArgumentError
-        For a function with other argument names, or whose result does not have the shape that it should have.
+        For a function with other argument names, or whose result does not have the shape that it should have; for
+        params of a system that has its own.
     """
+    if isinstance(problem, System):
+        return _started(problem, start, params)
     described = problem if isinstance(problem, Problem) else SecondOrder(problem)
-    return described.system(Adapter(t0, x0, v0, args, compile_, check_bounds))
+    return described.system(Adapter(t0, start.x, start.v, params, compile_, check_bounds))
+
+
+def _started(system: System, start: Start, params: Floats) -> System:
+    if params.size:
+        raise ArgumentError(
+            f"args={params.tolist()!r} given, but {system.name!r} has its own parameters; leave it out."
+        )
+    if system.unthreaded is not None and not present():
+        system = replace(system, acceleration=system.unthreaded)
+    # Another start has another exact solution.
+    same = np.array_equal(start.x, system.x0) and np.array_equal(start.v, system.v0)
+    return system if same else replace(system, x0=start.x, v0=start.v, exact=None)

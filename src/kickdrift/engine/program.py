@@ -85,9 +85,9 @@ def compose(
     if not _kicks_see_velocity(method, system):
         names, primed = _reuse_accelerations(names, repeated)
     flows = tuple(dict.fromkeys(names))
-    primers = ("accelerate",) * primed + tuple(
-        dict.fromkeys(FLOWS[name].primer for name in flows if FLOWS[name].primer)
-    )
+    primers = tuple(dict.fromkeys(FLOWS[name].primer for name in flows if FLOWS[name].primer))
+    if primed:
+        primers = (*dict.fromkeys(FLOWS[name].evaluation for name in flows if FLOWS[name].evaluation), *primers)
     return Program(
         flows=flows,
         letters=np.array([flows.index(name) for name in names]),
@@ -117,33 +117,28 @@ def _spell(method: Method, system: Structure, word: Word, x_clock: Fraction) -> 
         if name is None:
             continue
         flow = FLOWS[name]
-        clock = v_clock if name in ("drift-along", "adjoint-drift", "doubled-drift") else x_clock
-        merging = name == "drift" or (name == "kick" and not _kicks_see_velocity(method, system))
+        clock = v_clock if flow.sees_v_clock else x_clock
+        merging = flow.merges and not (flow.moves_v and _kicks_see_velocity(method, system))
         if spelled and spelled[-1][0] == name and merging:
             spelled[-1] = name, spelled[-1][1] + weight, spelled[-1][2]
         else:
             spelled.append((name, weight, clock))
-            if name == "kick" and "jump" in system.parts and _split(method, system):
-                spelled.append(("jump", weight, clock))
+            if flow.companion in system.parts and _split(method, system):
+                spelled.append((flow.companion, weight, clock))
         x_clock += weight * (flow.moves_x and flow.timed)
         v_clock += weight * (flow.moves_v and flow.timed)
     return spelled
 
 
-_SWEEPS = {Letter.DRIFT: "sweep", Letter.ADJOINT_DRIFT: "adjoint-sweep", Letter.EXTRAPOLATION: "extrapolated-sweeps"}
-
-
 def _flow_of(letter: Letter, system: Structure, method: Method) -> str | None:
-    kick, drift = letter.share == "kick", letter.share == "drift"
     if system.kind is Kind.FIRST_ORDER:
-        return None if kick else _SWEEPS.get(letter, letter.value)
-    if letter is Letter.ADJOINT_KICK and not _kicks_see_velocity(method, system):
-        return "kick"
-    if drift and not system.has_velocity:
-        return "drift"
-    if drift and (letter is Letter.DRIFT or Kind.SEPARABLE.includes(system.kind)):
-        return "drift-along"
-    return letter.value
+        return letter.sweep
+    plain = {
+        "kick": not _kicks_see_velocity(method, system),
+        "drift": not system.has_velocity or Kind.SEPARABLE.includes(system.kind),
+    }
+    name = letter.plain.value if plain.get(letter.share) else letter.value
+    return FLOWS[name].along or name if system.has_velocity else name
 
 
 def _split(method: Method, system: Structure) -> bool:
@@ -159,13 +154,14 @@ def _kicks_see_velocity(method: Method, system: Structure) -> bool:
 
 
 def _reuse_accelerations(names: list[str], repeated: bool) -> tuple[list[str], bool]:
-    """Replace kicks by rekicks where the acceleration is known; also whether the first of a step is one."""
+    """Replace kicks by those that do not evaluate where the acceleration is known; also whether the first of a step is one."""
 
     def walk(known: bool) -> tuple[list[str], bool]:
         replaced = []
         for name in names:
-            replaced.append("rekick" if name == "kick" and known else name)
-            known = name == "kick" or (known and not FLOWS[name].moves_x and FLOWS[name].keeps_acceleration)
+            flow = FLOWS[name]
+            replaced.append(flow.again if flow.again and known else name)
+            known = bool(flow.again) or (known and not flow.moves_x and flow.keeps_acceleration)
         return replaced, known
 
     once, known = walk(False)

@@ -81,7 +81,7 @@ class Layout:
 
     def statement(self, names: list[str], numbers: Mapping[str, Any]) -> str:
         """Spell the call of a function of these arguments, and of numbers that are found in the params."""
-        views = {name: self._view(name) for name in names} | self._numbers(numbers)
+        views = {name: self._view(name) for name in names} | number_views(numbers, "params", self.first)
         call = f"function({', '.join(f'{name}={view}' for name, view in views.items())})"
         if "out" in names:
             return call
@@ -109,13 +109,21 @@ class Layout:
             return str(shape)
         return f"({array}.size // {math.prod(shape[1:])}, {', '.join(map(str, shape[1:]))})"
 
-    def _numbers(self, numbers: Mapping[str, Any]) -> dict[str, str]:
-        views, at = {}, self.first
-        for name, value in numbers.items():
-            shape, size = np.shape(value), np.size(value)
-            views[name] = f"read_only(shaped(params[{at}:{at + size}], {shape}))" if shape else f"params[{at}]"
-            at += size
-        return views
+
+def number_views(numbers: Mapping[str, Any], array: str, first: int) -> dict[str, str]:
+    """Spell where in an array, from `first` on, each of a function's numbers is found, see `Taken.numbers`."""
+    views, at = {}, first
+    for name, value in numbers.items():
+        shape, size = np.shape(value), np.size(value)
+        views[name] = f"read_only(shaped({array}[{at}:{at + size}], {shape}))" if shape else f"{array}[{at}]"
+        at += size
+    return views
+
+
+def in_a_row(numbers: Mapping[str, Any]) -> Floats:
+    """Return a function's numbers in the order in which `number_views` looks for them."""
+    values = [np.ravel(value) for value in numbers.values()]
+    return np.concatenate(values) if values else _NONE
 
 
 _TEMPLATE = """
@@ -161,10 +169,9 @@ def flatten(function: Function, names: list[str], layout: Layout, compile_: bool
     if compile_:
         taken = taken_apart(function)
         numbers = {name: value for name, value in taken.numbers.items() if name not in names}
-        values = [np.ravel(value) for value in numbers.values()]
         try:
             native = _compiled(taken, layout.statement(names, numbers), checked)
-            return Flat(native, True, np.concatenate(values) if values else _NONE)
+            return Flat(native, True, in_a_row(numbers))
         except (NumbaError, NotImplementedError, TypeError, ValueError, AttributeError, LookupError) as error:
             _warn_interpreted(function, error)
     python = getattr(function, "py_func", function)

@@ -56,6 +56,36 @@ class Letter(Enum):
         )
 
     @property
+    def plain(self) -> "Letter":
+        """What it is where the accelerations do not depend on v, nor the rates of x on x."""
+        return _PLAIN.get(self, self)
+
+    @property
+    def sweep(self) -> str | None:
+        """The flow that it is for first-order equations, over their components; None where it moves only v."""
+        return None if self.share == "kick" else _SWEEPS.get(self, self.value)
+
+    @property
+    def noisy(self) -> bool:
+        """Whether it draws random numbers, and so cannot run backwards or be undone."""
+        return self in (Letter.THERMOSTAT, Letter.NOISE)
+
+    @property
+    def turned(self) -> bool:
+        """Whether a step that begins and ends with it begins behind it, as its second half costs as much as all of it."""
+        return self is Letter.KEPLER
+
+    @property
+    def has_tableau(self) -> bool:
+        """Whether it is a Runge-Kutta flow."""
+        return self in (Letter.RUNGE_KUTTA, Letter.IMPLICIT_RUNGE_KUTTA)
+
+    @property
+    def has_parameter(self) -> bool:
+        """Whether it has a number of the method as a parameter."""
+        return self in (Letter.GRADIENT_KICK, Letter.DOUBLED_BINDING, Letter.EXTRAPOLATION)
+
+    @property
     def kind(self) -> Kind:
         """The widest kind of problem that has the flow."""
         return _KINDS.get(self, Kind.FIRST_ORDER)
@@ -76,6 +106,10 @@ _ADJOINTS = {
     Letter.RUNGE_KUTTA: None,
     Letter.EXTRAPOLATION: None,
 }
+
+_PLAIN = {Letter.ADJOINT_KICK: Letter.KICK, Letter.ADJOINT_DRIFT: Letter.DRIFT}
+
+_SWEEPS = {Letter.DRIFT: "sweep", Letter.ADJOINT_DRIFT: "adjoint-sweep", Letter.EXTRAPOLATION: "extrapolated-sweeps"}
 
 _SHARES = {
     Letter.ADJOINT_KICK: "kick",

@@ -147,7 +147,7 @@ class Method:
                     " corrector changes the state and does not advance it."
                 )
         used = {letter for letter, _ in self.corrector}
-        if not used <= self.letters or Letter.THERMOSTAT in used or any(letter.adjoint is None for letter in used):
+        if not used <= self.letters or any(letter.noisy or letter.adjoint is None for letter in used):
             raise ArgumentError(
                 f"corrector of {self.name!r} has letters that its word has not, or that cannot be undone; use others."
             )
@@ -179,9 +179,9 @@ class Method:
                 )
         if not Kind.FIRST_ORDER.includes(self.kind) and not special:
             raise ArgumentError(f"kind of {self.name!r} is {self.kind.value}, but none of its flows is for that.")
-        if (self.tableau is not None) != bool(self.letters & {Letter.RUNGE_KUTTA, Letter.IMPLICIT_RUNGE_KUTTA}):
+        if (self.tableau is not None) != any(letter.has_tableau for letter in self.letters):
             raise ArgumentError(f"tableau of {self.name!r}: a Runge-Kutta flow has one, and no other does.")
-        wanted = len(self.letters & {Letter.GRADIENT_KICK, Letter.DOUBLED_BINDING, Letter.EXTRAPOLATION})
+        wanted = sum(letter.has_parameter for letter in self.letters)
         if len(self.parameters) != wanted:
             raise ArgumentError(f"parameters={self.parameters!r} of {self.name!r}: its flows need {wanted}.")
 
@@ -197,7 +197,7 @@ class Method:
         if self.tableau is None:
             return np.array([float(parameter) for parameter in self.parameters])
         tableau = self.tableau()
-        if Letter.RUNGE_KUTTA in self.letters and not tableau.explicit:
+        if self.explicit and not tableau.explicit:
             raise ArgumentError(f"tableau of {self.name!r} is implicit; its letter is IMPLICIT_RUNGE_KUTTA.")
         if tableau.symmetric != self.symmetric:
             raise ArgumentError(f"symmetric={self.symmetric} of {self.name!r}: its tableau says {tableau.symmetric}.")

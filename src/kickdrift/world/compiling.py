@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 
 from kickdrift.core.parallel_compile import Job, compile_together, missing, seconds_for
-from kickdrift.engine.progress import announce_compiling
+from kickdrift.engine.announcing import compiling_announced
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.dispatch import extents_of
 from kickdrift.world.collision.narrow_phase import COLLIDE
@@ -19,8 +19,8 @@ def compile_step(spelt: Word, kinds: Iterable[int], pairs: Iterable[tuple[int, i
     jobs = missing(_jobs(spelt, kinds, pairs))
     if jobs:
         largest = max(jobs, key=lambda job: seconds_for([job]))[0].__name__
-        announce_compiling(f"{len(jobs)} functions of the step ({largest}, ...)", seconds_for(jobs))
-        compile_together(jobs)
+        with compiling_announced(None, f"{len(jobs)} functions of the step ({largest}, ...)", seconds_for(jobs)):
+            compile_together(jobs)
 
 
 def all_jobs() -> list[Job]:

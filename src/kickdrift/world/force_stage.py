@@ -6,20 +6,30 @@ A force names what it needs, and adds in place to the arrays `force` and `torque
 ...     for body in range(len(force)):
 ...         for k in range(3):
 ...             force[body, k] -= 0.1 * velocity[body, k]
+
+Floats and arrays of floats around the function are no part of the compiled code: they lie in a table of the world, those of
+one force after those of the other, and each stage moves on to those of the next. So functions of the same code, such as
+closures over different numbers, are compiled once, and kept on disk as those that `kickdrift.solve` gets.
 """
 
 import inspect
+from collections.abc import Sequence
 from functools import lru_cache
 from types import FunctionType
 from typing import Any, NamedTuple
 
-from kickdrift.core.compilation import Function, compiled
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.cache import fingerprint
+from kickdrift.core.compilation import Function, compiled, unbound
 from kickdrift.core.errors import ArgumentError
+from kickdrift.core.memory import read_only, shaped
 from kickdrift.engine.function_key import Taken, taken_apart
-from kickdrift.engine.user_functions import argument_names
+from kickdrift.engine.user_functions import argument_names, in_a_row, number_views
 from kickdrift.world.integration import MASS
 from kickdrift.world.step import STAGE
-from kickdrift.world.tables import FORCE, INERTIA, LOAD, MOTION, POSE, floats, rows
+from kickdrift.world.tables import FORCE, FORCE_NUMBERS, INERTIA, LOAD, MOTION, POSE, Tables, flat, floats, rows
 
 # What a force may name, and the view of the tables that it is given.
 _ARGUMENTS = {
@@ -38,16 +48,19 @@ _AROUND = ("Failed in", "During:", "File ", "Raised from")  # where Numba was, a
 
 _TEMPLATE = """
 def stage(t, h, world):
-    count = rows(world, POSE)
+    count, numbers = rows(world, POSE), flat(world, FORCE_NUMBERS)
+    at = int(numbers[0])
+    numbers[0] += {size}
     function({views})
 """
 
 
 class Force(NamedTuple):
-    """A force of a user's: the function, and the stage of the step that calls it."""
+    """A force of a user's: the function, the stage of the step that calls it, and the numbers that it finds there."""
 
     function: Function
     stage: Function
+    numbers: NDArray[np.float64]
 
     def __reduce__(self) -> tuple[Any, ...]:
         return force_of, (self.function,)
@@ -60,6 +73,14 @@ def begin_forces(t: float, h: float, world: int) -> None:
     for body in range(rows(world, LOAD)):
         for k in range(6):
             force[body, k] = load[body, k]
+    if rows(world, FORCE_NUMBERS) > 0:
+        floats(world, FORCE_NUMBERS)[0, 0] = 1.0
+
+
+def put_numbers(tables: Tables, forces: Sequence[Force]) -> None:
+    """Write down the numbers of all forces, after a row that says where those of the next stage are."""
+    numbers = np.concatenate([np.ones(1), *(force.numbers for force in forces)])
+    tables.put(FORCE_NUMBERS, numbers[:, None])
 
 
 def force_of(function: Function) -> Force:
@@ -82,29 +103,27 @@ def force_of(function: Function) -> Force:
             f"force={function!r} is a partial, a method, a generator or the like, of which no stage can be made; give a"
             " function by def."
         )
-    return Force(function, _stage(taken_apart(function, free=False), tuple(names)))
+    taken = taken_apart(function)
+    numbers = {name: value for name, value in taken.numbers.items() if name not in names}
+    views = {name: _ARGUMENTS[name] for name in names} | number_views(numbers, "numbers[at:]", 0)
+    own = in_a_row(numbers)
+    source = _TEMPLATE.format(size=own.size, views=", ".join(f"{name}={view}" for name, view in views.items()))
+    return Force(function, _stage(taken, source), own)
 
 
 @lru_cache(maxsize=128)
-def _stage(taken: Taken, names: tuple[str, ...]) -> Function:
+def _stage(taken: Taken, source: str) -> Function:
     """Compile the stage, once for all functions of the same code: memory for code is never given back."""
     function = taken.function
     native = taken.snapshot(checked=True) if taken.known else function
     if not hasattr(native, "py_func"):
         native = compiled(cached=False, options=taken.options(checked=True))(native)
-    scope: dict[str, Any] = {
-        "__name__": __name__,
-        "function": native,
-        "floats": floats,
-        "rows": rows,
-        "POSE": POSE,
-        "MOTION": MOTION,
-        "INERTIA": INERTIA,
-        "FORCE": FORCE,
-    }
-    views = ", ".join(f"{name}={_ARGUMENTS[name]}" for name in names)
-    exec(_TEMPLATE.format(views=views), scope)  # noqa: S102 - our own template, above
-    stage: Any = compiled(cached=False)(scope["stage"])
+    python = _spelt(source)
+    around = fingerprint(python)  # what the stage is made of beside the function
+    python.__globals__["function"] = native
+    if taken.known:
+        python.__qualname__ = f"force_{taken.digest(around)}"
+    stage: Any = compiled(cached=taken.known, users=True)(python)
     try:
         stage.compile(STAGE)
     except Exception as error:  # Numba's own, and what it stumbles over
@@ -115,6 +134,23 @@ def _stage(taken: Taken, names: tuple[str, ...]) -> Function:
         ) from error
     made: Function = stage
     return made
+
+
+def _spelt(source: str) -> FunctionType:
+    """Define the stage of a source, whose function is not bound yet."""
+    names = (flat, floats, rows, read_only, shaped)
+    scope: dict[str, Any] = {getattr(name, "__name__", ""): name for name in names} | {
+        "__name__": __name__,
+        "function": unbound,
+        "POSE": POSE,
+        "MOTION": MOTION,
+        "INERTIA": INERTIA,
+        "FORCE": FORCE,
+        "FORCE_NUMBERS": FORCE_NUMBERS,
+    }
+    exec(source, scope)  # noqa: S102 - our own template, above
+    stage: FunctionType = scope["stage"]
+    return stage
 
 
 def _name(function: Any) -> str:

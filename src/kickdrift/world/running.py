@@ -10,11 +10,12 @@ import numpy as np
 
 from kickdrift.core.arguments import choice
 from kickdrift.core.errors import ArgumentError, LostBodyError
-from kickdrift.core.interruption import InterruptionNoted
+from kickdrift.core.interruption import InterruptionNoted, next_chunk
 from kickdrift.core.outcomes import Outcome
 from kickdrift.core.room import check_kept
+from kickdrift.engine.announcing import compiling_announced
 from kickdrift.engine.grid import Grid, lay_grid
-from kickdrift.engine.progress import Bar, announcements
+from kickdrift.engine.progress import Bar
 from kickdrift.world.joints.axis import is_number
 from kickdrift.world.recorder import Recorder, RecordingRows
 from kickdrift.world.recording import Recording
@@ -22,7 +23,6 @@ from kickdrift.world.recording import Recording
 if TYPE_CHECKING:
     from kickdrift.world.world import World
 
-_CHUNK_SECONDS = 0.1
 _BYTES_PER_BODY, _BYTES_PER_ROW = 13 * 8, 16 * 8
 
 
@@ -30,7 +30,7 @@ def run(world: "World", duration: float, step: float, save_every: int | None, pr
     """Run a world and record it; see `World.run`."""
     progress = None if progress is None else choice("progress", progress)
     grid = _lay(duration, step, save_every, len(world.position))
-    with announcements(progress):
+    with compiling_announced(progress):
         world.advance(grid.step, 0)
     rows, t0 = RecordingRows(world, len(grid.save_steps) + 1), world.time  # one row more for a run that ends early
     outcome, cause, seconds = Outcome.COMPLETED, "", 0.0
@@ -50,7 +50,7 @@ def run(world: "World", duration: float, step: float, save_every: int | None, pr
                 break
             if done == grid.save_steps[rows.count]:
                 rows.keep(t0 + grid.times[rows.count])
-            chunk = max(1, min(10 * count, int(count * _CHUNK_SECONDS / max(took, 1e-9))))
+            chunk = next_chunk(count, took)
             bar.show(done, seconds)
     if outcome is Outcome.COMPLETED and done < grid.n_steps:
         outcome = Outcome.INTERRUPTED

@@ -28,7 +28,7 @@ _OF_A_STEP = (
     *_OF_BODIES, STARTED_JOINTS, tables.LANES, tables.GROUPS, tables.COLOURS, tables.SCRATCH, tables.TREE,
     tables.STATIC_TREE, tables.TRIANGLE_TREE, tables.SEARCH, tables.MOVERS, tables.FIXTURES, tables.PLANES, tables.SOUGHT,
     tables.CONTACT_ROW, tables.ISLAND, tables.ISLAND_CONTACT, tables.ISLAND_JOINT, tables.NODE, tables.NEIGHBOUR,
-    tables.BLOCK, tables.ADJACENCY, tables.IMPACT, tables.BOUNCING,
+    tables.BLOCK, tables.ADJACENCY, tables.IMPACT, tables.BOUNCING, tables.FORCE_NUMBERS,
 )  # fmt: skip
 TABLES: Mapping[str, Table] = MappingProxyType(
     {

@@ -32,7 +32,7 @@ def run(
     at: int,
     world: int,
 ) -> tuple[int, int]:
-    """Run the steps from `first` to `last`, the first of them from stage `at` on.
+    """Run the steps from `first` to `last`, counted from t0, the first of them from stage `at` on.
 
     Returns
     -------
@@ -41,7 +41,7 @@ def run(
     """
     status: Any = integers(world, STEP_STATUS)
     for n in range(first, last):
-        t = t0 + (n - first) * step
+        t = t0 + n * step
         status[0, REACHED], status[0, MIDWAY] = n, 1
         for k in range(at, stages.size):
             call(stages[k], (t + offsets[k], lengths[k], world))

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.calls import address_of
 from kickdrift.core.errors import KickdriftError
+from kickdrift.core.interruption import next_chunk
 from kickdrift.core.threads import present
 from kickdrift.world import settings, step_status
 from kickdrift.world.bodies import Bodies
@@ -14,7 +15,7 @@ from kickdrift.world.collision.filters import part_joined
 from kickdrift.world.compiling import compile_step
 from kickdrift.world.contacts import contact_solver_simd
 from kickdrift.world.contacts.layout import LANE_COUNT, WIDTH
-from kickdrift.world.force_stage import Force
+from kickdrift.world.force_stage import Force, put_numbers
 from kickdrift.world.joints.registry import Joints
 from kickdrift.world.recorder import Recorder
 from kickdrift.world.rollback import find_lost_body, lost_body_error, roll_back
@@ -53,14 +54,15 @@ class DoesSteps:
         program, recorder = self._ready(step), self.recorder
         status = self.tables.row(STEP_STATUS, 0)
         status[step_status.REACHED] = status[step_status.MIDWAY] = 0
-        done, at, found = 0, 0, 0
+        done, at, found, chunk = 0, 0, 0, 1
         try:
             while done < count:
-                before, start = done, self.time + done * step
-                until = count if recorder is None else min(count, done + recorder.steps_to_row)
-                began = 0.0 if recorder is None else time.perf_counter()
+                before, until = done, min(count, done + chunk)
+                if recorder is not None:
+                    until = min(until, done + recorder.steps_to_row)
+                began = time.perf_counter()
                 try:
-                    done, at = run(*program, start, step, done, until, at, self.tables.address)
+                    done, at = run(*program, self.time, step, done, until, at, self.tables.address)
                 except Exception as error:
                     self._go_back(step, LOAD)
                     raise KickdriftError(
@@ -70,12 +72,14 @@ class DoesSteps:
                 finally:
                     if recorder is not None:
                         reached = int(status[step_status.REACHED]) - before
-                        recorder.note(reached, step, start + reached * step, time.perf_counter() - began)
+                        at_end = self.time + (before + reached) * step
+                        recorder.note(reached, step, at_end, time.perf_counter() - began)
                 if done < until:
                     self._help(step)
                     program = self._ready(step)
                 else:
                     found, at = found | at, 0
+                    chunk = next_chunk(done - before, time.perf_counter() - began)
         except BaseException:  # Ctrl-C comes between any two lines; compiled code has noted what it has done
             self._go_back(step)
             raise
@@ -123,6 +127,7 @@ class DoesSteps:
             sweeps[LANE_COUNT] = WIDTH
             shapes.find_functions()
             self._addresses, self._composition = addresses(spelt, self.substeps), composition
+        put_numbers(self.tables, self.forces)
         self.tables.array(SETTINGS)[0, settings.STEP] = step
         self._program = compose(spelt, self._addresses, step, self.substeps)
         self._program_step, self._threaded, self._breakable = step, threaded, self.joints.breakable

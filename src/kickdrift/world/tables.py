@@ -94,8 +94,9 @@ SOUGHT = Table(41, 1, whole=True)  # shapes whose pairs are to be found anew
 TRIANGLE_TREE = Table(42, 8)  # over the triangles of each mesh, one tree after the other
 EXCLUDED = Table(43, 2, whole=True)  # pairs of bodies that never touch, sorted: see `kickdrift.world.collision.filters`
 ASKED_APART = Table(49, 2, whole=True)  # those of them that users ask for; the others are joined
+FORCE_NUMBERS = Table(62, 1)  # those of users' forces: see `kickdrift.world.force_stage`
 
-_COUNT = 61
+_COUNT = 1 + max(table.place for table in list(globals().values()) if isinstance(table, Table))
 _HUGE_PAGES = getattr(mmap, "MADV_HUGEPAGE", None)  # Linux
 _HUGE_PAGE, _LARGE = 1 << 21, 1 << 19  # bytes: of such a page, and of tables that go there
 _ADDRESS, _ROWS, _ROOM = 0, 1, 2  # the words that describe a table

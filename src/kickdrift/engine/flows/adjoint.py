@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled, unbound
-from kickdrift.engine.flows.implicit import copy, increments, largest, scale, solver_memory, solver_scratch, unknowns
+from kickdrift.core.elementwise import assign
+from kickdrift.engine.flows.implicit import increments, largest, scale, solver_memory, solver_scratch, unknowns
 from kickdrift.engine.flows.layout import EVALUATIONS, memory
 
 Floats = NDArray[np.float64]
@@ -36,7 +37,7 @@ def scratch_size(n: int, coefficients: Floats, params: Floats) -> int:
 def adjoint_kick(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Advance v by h under the acceleration at (t, x, v after it)."""
     n = x.size
-    copy(v, unknowns(n, work))
+    assign(unknowns(n, work), v)
     if solve(_ADJOINT_KICK, n, n, t, h, x, v, params, work):
         add_to_v(v, h, work[:n], work)
 
@@ -53,7 +54,7 @@ def kick_residual(t: float, h: float, x: Floats, v: Floats, params: Floats, work
 def adjoint_drift(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Advance x by h at its rate at (t, x after it, v)."""
     n = x.size
-    copy(x, unknowns(n, work))
+    assign(unknowns(n, work), x)
     if solve(_ADJOINT_DRIFT, n, n, t, h, x, v, params, work):
         add_to_x(x, h, work[3 * n : 4 * n], work)
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled, unbound
-from kickdrift.engine.flows.implicit import copy
+from kickdrift.core.elementwise import assign
 from kickdrift.engine.flows.layout import VELOCITY, coefficients_at, has_part, memory
 
 Floats = NDArray[np.float64]
@@ -36,8 +36,8 @@ def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
 def double(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Make the copies; moves nothing."""
     x_copy, v_copy = copies(x.size, work)
-    copy(x, x_copy)
-    copy(v, v_copy)
+    assign(x_copy, x)
+    assign(v_copy, v)
 
 
 def doubled_kick(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
@@ -81,7 +81,7 @@ def evaluate(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> No
     if has_part(VELOCITY, work):
         velocity_at(t, x, v, params, work, work[3 * n : 4 * n])
     else:
-        copy(v, work[3 * n : 4 * n])
+        assign(work[3 * n : 4 * n], v)
     acceleration_at(t, x, v, params, work, work[:n])
 
 

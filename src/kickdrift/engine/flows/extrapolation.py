@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled, unbound
+from kickdrift.core.elementwise import assign
 from kickdrift.engine.flows.adjoint import adjoint_drift, adjoint_kick, drift_residual, kick_residual
-from kickdrift.engine.flows.implicit import copy, solver_memory
+from kickdrift.engine.flows.implicit import solver_memory
 from kickdrift.engine.flows.layout import EVALUATIONS, VELOCITY, coefficients_at, has_part, memory
 from kickdrift.engine.flows.sweep import adjoint_sweep, sweep
 
@@ -41,9 +42,9 @@ def extrapolate(t: float, h: float, x: Floats, v: Floats, params: Floats, work: 
     n_rows = int(work[coefficients_at(n)])
     own = memory(work)[solver_memory(n) + 1 :]
     start, rows = own[: 4 * n], own[4 * n : 4 * n + 2 * n * n_rows]
-    copy(x, start[:n])
-    copy(v, start[n : n + n_v])
-    copy(work[n : 3 * n], start[2 * n : 4 * n])
+    assign(start[:n], x)
+    assign(start[n : n + n_v], v)
+    assign(start[2 * n : 4 * n], work[n : 3 * n])
     for j in range(n_rows):
         part = h / (j + 1)
         for step in range(j + 1):
@@ -51,9 +52,9 @@ def extrapolate(t: float, h: float, x: Floats, v: Floats, params: Floats, work: 
         row = rows[2 * n * j : 2 * n * (j + 1)]
         added(x, start[:n], work[n : 2 * n], start[2 * n : 3 * n], row[:n])
         added(v, start[n : n + n_v], work[2 * n : 2 * n + n_v], start[3 * n : 3 * n + n_v], row[n : n + n_v])
-        copy(start[:n], x)
-        copy(start[n : n + n_v], v)
-        copy(start[2 * n : 4 * n], work[n : 3 * n])
+        assign(x, start[:n])
+        assign(v, start[n : n + n_v])
+        assign(work[n : 3 * n], start[2 * n : 4 * n])
     follow_to_zero(rows, n_rows)
     last = rows[2 * n * (n_rows - 1) :]
     add_to_x(x, 1.0, last[:n], work)

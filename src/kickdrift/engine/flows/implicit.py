@@ -145,13 +145,6 @@ def failed(missing: float, work: Floats) -> bool:
 
 
 @compiled
-def copy(values: Floats, into: Floats) -> None:
-    """Copy numbers. An assignment to a slice takes 0.6 s more to compile, for the sentence of its error."""
-    for i in range(values.size):
-        into[i] = values[i]
-
-
-@compiled
 def clear(values: Floats) -> None:
     """Set numbers to zero."""
     for i in range(values.size):

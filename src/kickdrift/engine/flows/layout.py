@@ -10,10 +10,13 @@ For a state of n numbers::
     memory   what the flows of the step need, see `memory`
     -TAIL    single numbers, below
 
+In front of it there are machine words: the addresses of the scratch and of the functions of the system.
+
 Beside it there is a *scratch* for matrices, which grows with the square of n and is not copied with the state: a flow
 forms a matrix anew wherever it needs one, or keeps it and counts at FORMED that it is another one now.
 """
 
+from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
@@ -45,7 +48,7 @@ PARTS = (
 )
 """The functions that a system may have; flows call them as ``acceleration_at(t, x, v, params, work, out)``, say."""
 
-TAIL = 9 + len(PARTS)
+TAIL = 8
 TROUBLE = -1  # residual of a solve that failed, zero if none
 EVALUATIONS = -2  # force evaluations counted by flows whose number varies
 MEMORY = -3  # where memory starts
@@ -53,9 +56,9 @@ KEPT_BY, KEPT_FOR = -4, -5  # the flow and the step that the matrix kept in memo
 DRAWN = -6  # random numbers drawn so far
 FORMED = -7  # how often a matrix was formed
 KEPT_TIMES = -8  # how many solutions began with a matrix that was kept
-SCRATCH = -9  # address of the scratch
-_FIRST_PART = -TAIL
+_SCRATCH = -1  # of the words in front of work
 _LINE = 8  # numbers in a cache line
+_WORDS = (1 + len(PARTS) + _LINE - 1) // _LINE * _LINE  # in front of work: whole cache lines
 
 FEW = 4  # numbers of a state up to which flows with constants are compiled for each size of its own
 
@@ -75,7 +78,7 @@ def call_flat(function: Function, t: float, x: Floats, v: Floats, params: Floats
 
 
 def _scratch_at(start: int, size: int, work: Floats) -> Floats:
-    address = word_in(work, work.size + SCRATCH)
+    address = word_in(work, _SCRATCH)
     numbers: Floats = carray(floats_at(address + 8 * start), (size,))
     return numbers
 
@@ -108,9 +111,9 @@ def memory(work: Floats) -> Floats:
     return part(work, start, work.size - TAIL - start)
 
 
-def aligned(size: int) -> Floats:
-    """Return zeros that begin with a cache line."""
-    room = np.zeros(size + _LINE - 1)
+def aligned(size: int) -> NDArray[np.int64]:
+    """Return machine words of zeros that begin with a cache line."""
+    room = np.zeros(size + _LINE - 1, dtype=np.int64)
     start = -(room.ctypes.data // 8) % _LINE
     return room[start : start + size]
 
@@ -119,17 +122,18 @@ def lay_out(n: int, coefficients: Floats, memory_size: int, addresses: dict[str,
     """Make the work of a run: coefficients and addresses filled in, the rest zero."""
     end = coefficients_at(n) + coefficients.size
     start = (end + _LINE - 1) // _LINE * _LINE
-    work = aligned(start + memory_size + TAIL)
+    room = aligned(_WORDS + start + memory_size + TAIL)
+    words, work = room[:_WORDS], room[_WORDS:].view(np.float64)
     work[coefficients_at(n) : end] = coefficients
     work[MEMORY] = start
     for name, address in addresses.items():
-        work[_slot(name) :].view(np.int64)[0] = address
-    work[SCRATCH:].view(np.int64)[0] = scratch.ctypes.data
+        words[_slot(name)] = address
+    words[_SCRATCH] = scratch.ctypes.data
     return work
 
 
 def _slot(name: str) -> int:
-    return _FIRST_PART + PARTS.index(name)
+    return _SCRATCH - 1 - PARTS.index(name)
 
 
 VELOCITY, COMPONENT, VELOCITY_JACOBIAN = _slot("velocity"), _slot("component"), _slot("velocity_jacobian")
@@ -139,11 +143,17 @@ CONSTRAINT_JACOBIAN = _slot("constraint_jacobian")
 @compiled(inline=True)
 def has_part(slot: int, work: Floats) -> bool:
     """Whether the system has the function of this slot; x' is v where it has no velocity."""
-    return bool(work[slot] != 0.0)
+    return bool(word_in(work, slot) != 0)
+
+
+def has_part_interpreted(functions: Mapping[str, Function]) -> Function:
+    """Make the same for the interpreter, where the functions are known."""
+    slots = {_slot(name) for name in functions}
+    return lambda slot, work: slot in slots
 
 
 def _at(t: float, x: Floats, v: Floats, params: Floats, work: Floats, out: Floats) -> None:
-    call(word_in(work, work.size + SLOT), (t, x, v, params, out))
+    call(word_in(work, SLOT), (t, x, v, params, out))
 
 
 def _inlined_at(t: float, x: Floats, v: Floats, params: Floats, work: Floats, out: Floats) -> None:

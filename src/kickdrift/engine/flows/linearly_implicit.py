@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import unbound
+from kickdrift.core.elementwise import assign
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.linear_algebra import lu_factor, lu_solve
 from kickdrift.core.views import part
-from kickdrift.engine.flows.implicit import MOST_WITH_MATRIX, copy, largest, scale
+from kickdrift.engine.flows.implicit import MOST_WITH_MATRIX, largest, scale
 from kickdrift.engine.flows.layout import (
     EVALUATIONS,
     KEPT_BY,
@@ -68,7 +69,7 @@ def linearly_implicit_kick(t: float, h: float, x: Floats, v: Floats, params: Flo
     if not lu_factor(matrix, pivots):
         work[TROUBLE] = np.inf
         return
-    copy(work[:n], u)
+    assign(u, work[:n])
     lu_solve(matrix, pivots, u)
     add_to_v(v, h, u, work)
 
@@ -78,7 +79,7 @@ def form_velocity_jacobian(t: float, h: float, x: Floats, v: Floats, params: Flo
     n, matrix = x.size, scratch(0, x.size * x.size, work)
     a, displaced_a, displaced = part(work, 0, n), change_of_v(n, work), part(memory(work), 0, n)
     size = scale(largest(v), abs(h) * largest(a))
-    copy(v, displaced)
+    assign(displaced, v)
     for j in range(n):
         displaced[j] = v[j] + 1.5e-8 * size
         acceleration_at(t, x, displaced, params, work, displaced_a)

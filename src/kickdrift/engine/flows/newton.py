@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import unbound
+from kickdrift.core.elementwise import assign
 from kickdrift.core.linear_algebra import lu_factor, lu_solve
 from kickdrift.engine.flows.implicit import (
     MOST_ITERATIONS,
     MOST_WITH_MATRIX,
     ROUNDING,
-    copy,
     failed,
     increments,
     moves,
@@ -87,7 +87,7 @@ def form_matrix_by_differences(t: float, h: float, x: Floats, v: Floats, params:
     z, increment, base = unknowns(m, work), increments(m, work), moves(m, work)
     matrix, pivots = scratch(0, m * m, work), scratch(m * m, m, work)
     work[FORMED] += 1.0
-    copy(increment, base)
+    assign(base, increment)
     for j in range(m):
         unchanged = z[j]
         z[j] += 1.5e-8 * max(abs(z[j]), head[4] if j < first else head[5])
@@ -95,5 +95,5 @@ def form_matrix_by_differences(t: float, h: float, x: Floats, v: Floats, params:
         for i in range(m):
             matrix[i * m + j] = -(increment[i] - base[i]) / (z[j] - unchanged)
         z[j] = unchanged
-    copy(base, increment)
+    assign(increment, base)
     return lu_factor(matrix, pivots)

@@ -60,6 +60,18 @@ class Flow:
         as is the size of the state for a few numbers.
     primer : str
         Name of a flow that makes the memory ready before the first step, empty for none.
+    small : callable or None
+        A template of the same for few numbers, whose loops are unrolled.
+    sees_v_clock : bool
+        Whether its time is the one that moves with v: that of a rate of x.
+    merges : bool
+        Whether two in a row are one of both shares; of what moves v, where the acceleration does not depend on it.
+    again, evaluation : str
+        Names of the flow that does the same with the acceleration that is in work, and of the one that only puts it there.
+    along : str
+        Name of the flow that takes its place where x' is not v.
+    companion : str
+        Name of a part of a system, and of the flow of it, which follows where the kicks have only the remainder.
     """
 
     template: Function
@@ -74,6 +86,13 @@ class Flow:
     scratch: Callable[[int, NDArray[np.float64], NDArray[np.float64]], int] = lambda n, coefficients, params: 0
     constants: Callable[[NDArray[np.float64], int, NDArray[np.float64], bool], dict[str, int]] | None = None
     primer: str = ""
+    small: Function | None = None
+    sees_v_clock: bool = False
+    merges: bool = False
+    again: str = ""
+    evaluation: str = ""
+    along: str = ""
+    companion: str = ""
 
 
 def _solving(residual: Function, **parts: Function) -> dict[str, Function]:
@@ -98,11 +117,21 @@ def _projecting(leave_over: Function, excess_of: Function, renew: Function) -> d
 
 
 FLOWS = {
-    "kick": Flow(kick_drift.kick, inlined=("acceleration",), evaluations=1, moves_v=True),
+    "kick": Flow(
+        kick_drift.kick,
+        small=kick_drift.kick_small,
+        inlined=("acceleration",),
+        evaluations=1,
+        moves_v=True,
+        merges=True,
+        again="rekick",
+        evaluation="accelerate",
+        companion="jump",
+    ),
     "rekick": Flow(kick_drift.rekick, moves_v=True),
     "accelerate": Flow(kick_drift.accelerate, inlined=("acceleration",), evaluations=1),
-    "drift": Flow(kick_drift.drift, moves_x=True),
-    "drift-along": Flow(kick_drift.drift_along, inlined=("velocity",), moves_x=True),
+    "drift": Flow(kick_drift.drift, moves_x=True, merges=True, along="drift-along"),
+    "drift-along": Flow(kick_drift.drift_along, inlined=("velocity",), moves_x=True, sees_v_clock=True),
     "adjoint-kick": Flow(
         adjoint.adjoint_kick,
         parts=_solving(adjoint.kick_residual),
@@ -115,6 +144,7 @@ FLOWS = {
         adjoint.adjoint_drift,
         parts=_solving(adjoint.drift_residual),
         moves_x=True,
+        sees_v_clock=True,
         memory=adjoint.memory_size,
         scratch=adjoint.scratch_size,
     ),
@@ -181,6 +211,7 @@ FLOWS = {
         parts={"evaluate": doubled.evaluate},
         evaluations=1,
         moves_x=True,
+        sees_v_clock=True,
         keeps_acceleration=False,
         memory=doubled.memory_size,
         primer="double",

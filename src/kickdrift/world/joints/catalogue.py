@@ -1,4 +1,4 @@
-"""The kinds of joints. A new one is a record in its file, a line here, and one in `kickdrift.world.joints.adding`."""
+"""The kinds of joints. A new one is a record in its file and a line here; one in `adding` makes a method of its own."""
 
 from kickdrift.world.joints.ball import Ball
 from kickdrift.world.joints.distance import Distance

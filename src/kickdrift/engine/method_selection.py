@@ -1,9 +1,13 @@
 """Whether a method fits a system, and which one does."""
 
+from typing import Any
+
+import numpy as np
+
 from kickdrift import methods
 from kickdrift.core.errors import ArgumentError, MethodMismatchError
 from kickdrift.core.kinds import Kind
-from kickdrift.methods import Letter, Method
+from kickdrift.methods import Method
 from kickdrift.systems.system import System
 
 AUTO = "auto"
@@ -53,6 +57,21 @@ _DESCRIPTIONS = {
 }
 
 
+def check_wanted(method: Any, order: Any) -> None:
+    """Refuse a method that there is not, and an order that is none or not for this method.
+
+    Raises
+    ------
+    ArgumentError
+    """
+    if not (method is None or (isinstance(method, str) and method == AUTO)):
+        methods.get(method)
+        if order is not None:
+            raise ArgumentError(f"order={order!r} is for method='auto'; {method!r} has its own. Leave one of them out.")
+    elif order is not None and (isinstance(order, bool) or not isinstance(order, int | np.integer) or order < 1):
+        raise ArgumentError(f"order={order!r} must be a positive whole number.")
+
+
 def check_direction(method: Method, step: float) -> None:
     """Refuse noise that would run backwards.
 
@@ -62,7 +81,7 @@ def check_direction(method: Method, step: float) -> None:
         If a letter with noise has a share of the step that is negative.
     """
     for letter, weight in method.word:
-        if letter in (Letter.THERMOSTAT, Letter.NOISE) and float(weight) * step < 0:
+        if letter.noisy and float(weight) * step < 0:
             raise ArgumentError(
                 f"method={method.name!r} has {letter.symbol!r} for {float(weight) * step!r}, backwards in time, where"
                 " noise has no meaning; give a t_span that runs forwards, and a word without negative shares of it."

@@ -1,0 +1,121 @@
+"""Processed methods: the states of the loop where they are not those that people see: of a split, turned, corrected."""
+
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.compilation import load
+from kickdrift.core.outcomes import Outcome
+from kickdrift.engine import loop
+from kickdrift.engine.grid import Grid
+from kickdrift.engine.program import Program, Structure, compose
+from kickdrift.engine.run import Ending
+from kickdrift.engine.stepper import Stepper, compile_program
+from kickdrift.methods import Method
+from kickdrift.methods.record import Word
+from kickdrift.systems.system import Frame, System
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Processing:
+    """A method compiled for a system: the kernel, which the loop does, and what is done before and after it.
+
+    The loop has the coordinates of the split, if the method uses one. There, the preprocessor has done a few letters
+    before the first step: the corrector of the method, if it has one; and of a word that begins and ends with a flow that
+    turns the first, so that the last of a step and the first of the next are one. The postprocessor undoes them on the rows,
+    each by itself: the numbers do not depend on which steps are saved.
+
+    Attributes
+    ----------
+    system : System
+        The system with the start that people see.
+    frame : Frame or None
+        The coordinates of the split.
+    kernel : Stepper
+        The step.
+    preprocessor, postprocessor : Stepper or None
+    """
+
+    system: System
+    frame: Frame | None
+    kernel: Stepper
+    preprocessor: Stepper | None
+    postprocessor: Stepper | None
+
+    def enter(self) -> None:
+        """Give the kernel its start."""
+        if self.preprocessor is not None:
+            state = self.kernel.state
+            self.preprocessor.change(np.zeros(1, dtype=np.int64), state.x[None], state.v[None])
+
+    def leave(self, grid: Grid, xs: Floats, vs: Floats, ending: Ending) -> tuple[Floats, Floats]:
+        """Return the rows of a run as people see them, shape (T, *shape)."""
+        xs, vs = xs[: ending.saved], vs[: ending.saved]
+        if self.postprocessor is not None:
+            steps = np.append(grid.save_steps, ending.n_steps)[: ending.saved]
+            if ending.outcome is not Outcome.COMPLETED:
+                steps[-1:] = ending.n_steps
+            self.postprocessor.change(steps, xs, vs)
+        xs = xs.reshape(ending.saved, *self.system.x0.shape)
+        vs = vs.reshape(ending.saved, *self.system.v0.shape)
+        if self.frame is not None:
+            xs, vs = self.frame.leave(xs, vs)
+        if ending.saved and grid.save_steps[0] == 0:
+            xs[0], vs[0] = self.system.x0, self.system.v0  # which there and back is but for rounding
+        return xs, vs
+
+    def evaluations(self, rows: int) -> int:
+        """Force evaluations on the way in, and of so many rows on the way out."""
+        before, after = self.preprocessor, self.postprocessor
+        return (before.program.evaluations if before else 0) + rows * (after.program.evaluations if after else 0)
+
+
+def compile_method(system: System, method: Method, grid: Grid, compensated: bool) -> Processing:
+    """Compile, or take from disk, all that a method needs on a system."""
+    programs = _programs(method, Structure.of(system))
+    frame, inner = system.frame if programs.kernel.split else None, system
+    if frame is not None:
+        x0, v0 = frame.enter(system.x0, system.v0)
+        inner = replace(system, x0=x0, v0=v0)
+    kernel, before, after = (
+        None if program is None else compile_program(inner, program, grid, compensated)
+        for program in (programs.kernel, programs.preprocessor, programs.postprocessor)
+    )
+    assert kernel is not None
+    if before is not None and system.native:
+        load(loop.change, loop.CHANGE)
+    return Processing(system, frame, kernel, before, after)
+
+
+@dataclass(frozen=True)
+class _Programs:
+    kernel: Program
+    preprocessor: Program | None = None
+    postprocessor: Program | None = None
+
+
+@lru_cache(maxsize=256)
+def _programs(method: Method, system: Structure) -> _Programs:
+    word, first = _turned(method.word)
+    before = (*method.corrector, *first)
+    ahead = sum((weight for letter, weight in first), Fraction(0))
+    kernel = compose(method, system, word, clock=ahead)
+    if not before:
+        return _Programs(kernel)
+    back = tuple((letter.adjoint or letter, -weight) for letter, weight in reversed(before))
+    return _Programs(
+        kernel, compose(method, system, before, repeated=False), compose(method, system, back, ahead, repeated=False)
+    )
+
+
+def _turned(word: Word) -> tuple[Word, Word]:
+    """Return the step as it is done, and what is done once before it."""
+    (first, share), (last, rest) = word[0], word[-1]
+    if len(word) > 1 and first is last and first.turned:
+        return (*word[1:-1], (first, share + rest)), word[:1]
+    return word, ()

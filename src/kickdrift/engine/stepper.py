@@ -1,0 +1,145 @@
+"""A program made ready: its flows compiled, and bound to the state that they work on."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.calls import address_of
+from kickdrift.core.compilation import Function, load
+from kickdrift.core.heap import keep_freed_memory
+from kickdrift.core.memory import state_block
+from kickdrift.engine import letters, loop
+from kickdrift.engine.flows.layout import FORMED, lay_out
+from kickdrift.engine.flows.table import FLOWS
+from kickdrift.engine.grid import Grid
+from kickdrift.engine.program import Program
+from kickdrift.systems.system import System
+
+Floats = NDArray[np.float64]
+_LARGE = 100  # numbers of a state whose pairs fill what the C library thinks large
+_NEVER = np.zeros(0, dtype=np.int64)  # the steps after which rows are kept: none
+_NO_ROWS = np.zeros((0, 0))
+
+
+@dataclass
+class State:
+    """Position, velocity, and what the flows keep beside them; of a copy, the scratch is empty if nothing is kept there."""
+
+    x: Floats
+    v: Floats
+    work: Floats
+    scratch: Floats
+
+    def copy(self, last: "State | None" = None, into: "State | None" = None) -> "State":
+        """Copy all, into another state if there is one; the scratch only if it changed since the `last` copy."""
+        if into is not None:
+            into.scratch = np.zeros(0)  # which may be a matrix: one less at a time
+        if last is not None and last.work[FORMED] == self.work[FORMED]:
+            scratch = last.scratch
+        else:
+            scratch = self.scratch.copy() if self.work[FORMED] else np.zeros(0)
+        if into is None:
+            return State(self.x.copy(), self.v.copy(), self.work.copy(), scratch)
+        into.x[:], into.v[:], into.work[:], into.scratch = self.x, self.v, self.work, scratch
+        return into
+
+    def restore(self, other: "State") -> None:
+        """Go back to a copy, in place."""
+        if other is self:
+            return
+        if self.work[FORMED] != other.work[FORMED]:
+            self.scratch[: other.scratch.size] = other.scratch
+        self.x[:], self.v[:], self.work[:] = other.x, other.v, other.work
+
+    @property
+    def finite(self) -> bool:
+        """Whether every number is."""
+        return bool(np.isfinite(self.x).all() and np.isfinite(self.v).all())
+
+
+@dataclass(frozen=True, eq=False)
+class Stepper:
+    """Does steps of a program on a state of its own.
+
+    Attributes
+    ----------
+    program : Program
+    t0, step : float
+        Time of step 0, and the length of a step with its sign.
+    state : State
+    """
+
+    program: Program
+    t0: float
+    step: float
+    state: State
+    _flows: Any  # addresses of the letters, those of the primers last; the letters themselves for the interpreter
+    _members: Any  # address of the block that describes the state, or its arrays for the interpreter
+    _advance: Function
+    _change: Function
+    _alive: tuple[Any, ...]  # what the addresses point to
+
+    def advance(
+        self, first: int, last: int, save_steps: NDArray[np.int64], saved: int, xs: Floats, vs: Floats
+    ) -> tuple[int, int]:
+        """Do the steps from `first` to `last`, keeping rows; see `kickdrift.engine.loop.advance`."""
+        program = self.program
+        word = (program.letters, program.weights, program.offsets)
+        return self._advanced(word, self.step, first, last, save_steps, saved, xs, vs)
+
+    def prime(self) -> None:
+        """Make ready what the first step finds as the step before would have left it."""
+        primers = np.arange(len(self.program.flows), len(self._flows))
+        nothing = np.zeros(primers.size)
+        self._advanced((primers, nothing, nothing), 0.0, 0, 1, _NEVER, 0, _NO_ROWS, _NO_ROWS)
+
+    def _advanced(
+        self,
+        word: tuple[NDArray[np.int64], Floats, Floats],
+        h: float,
+        first: int,
+        last: int,
+        save_steps: NDArray[np.int64],
+        saved: int,
+        xs: Floats,
+        vs: Floats,
+    ) -> tuple[int, int]:
+        state = (self._members, self.state.x, self.state.v, self.state.work)
+        with np.errstate(all="ignore"):  # what is not finite is an outcome, interpreted as compiled
+            return self._advance(  # type: ignore[no-any-return]
+                self._flows, *word, self.t0, h, first, last, *state, save_steps, saved, xs, vs
+            )
+
+    def change(self, steps: NDArray[np.int64], xs: Floats, vs: Floats) -> None:
+        """Do a step, of the number given, from each of the rows and overwrite it; nothing is carried over."""
+        program, state = self.program, self.state
+        word, blank = (program.letters, program.weights, program.offsets), state.work.copy()
+        members = (self._members, state.x, state.v, state.work)
+        with np.errstate(all="ignore"):
+            self._change(self._flows, *word, self.t0, self.step, steps, *members, blank, xs, vs)
+        state.work[:] = blank
+
+
+def compile_program(system: System, program: Program, grid: Grid, compensated: bool) -> Stepper:
+    """Compile, or take from disk, all that steps of a program on a system need; the state is the start of the system."""
+    names = program.flows + program.primers
+    functions = letters.functions_of(system, program)
+    addresses = letters.addresses_of(system, functions, names) if system.native else {}
+    x, v = system.x0.reshape(-1).copy(), system.v0.reshape(-1).copy()
+    sizes = x.size, program.coefficients, system.params
+    scratch = np.zeros(max(FLOWS[name].scratch(*sizes) for name in names))
+    memory_size = max(FLOWS[name].memory(*sizes) for name in names)
+    work = lay_out(x.size, program.coefficients, memory_size, addresses, scratch)
+    built = [letters.build(name, system, program, compensated, scratch) for name in names]
+    state, members = State(x, v, work, scratch), (x, v, system.params, work)
+    if not system.native:
+        loops = loop.advance_interpreted, loop.change_interpreted
+        return Stepper(program, grid.t0, grid.step, state, built, members, *loops, ())
+    if x.size > _LARGE:
+        keep_freed_memory()
+    flows, block = np.array([address_of(letter, loop.LETTER) for letter in built]), state_block(*members)
+    load(loop.advance, loop.ADVANCE)
+    alive = built, functions, block, members
+    return Stepper(program, grid.t0, grid.step, state, flows, block.ctypes.data, loop.advance, loop.change, alive)
