@@ -12,7 +12,7 @@ from kickdrift.core.heap import keep_freed_memory
 from kickdrift.core.memory import state_block
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import letters, loop
-from kickdrift.engine.flows.layout import EVALUATIONS, FORMED, TROUBLE, lay_out
+from kickdrift.engine.flows.layout import EVALUATIONS, FORMED, TROUBLE, estimated_errors, lay_out
 from kickdrift.engine.flows.table import FLOWS
 from kickdrift.engine.grid import Grid
 from kickdrift.engine.program import Program
@@ -74,7 +74,7 @@ class Good:
 
 @dataclass(frozen=True)
 class Ending:
-    """How a run ended: its outcome and sentence, steps done, rows filled, evaluations, and seconds in the loop."""
+    """How a run ended: outcome and sentence, steps, rows filled, evaluations, seconds in the loop, estimated errors."""
 
     outcome: Outcome
     message: str
@@ -82,6 +82,7 @@ class Ending:
     saved: int
     evaluations: int
     wall_time: float
+    estimated: Floats | None
 
 
 class Run:
@@ -111,6 +112,8 @@ class Run:
         addresses = letters.addresses_of(system, functions, names) if system.native else dict.fromkeys(functions, 1)
         n = state.x.size
         memory_size = max(FLOWS[name].memory(n, program.coefficients, system.params) for name in names)
+        self._estimates = any(FLOWS[name].estimates for name in names)
+        memory_size += n * self._estimates
         scratch_size = max(FLOWS[name].scratch(n, program.coefficients, system.params) for name in names)
         state.scratch = np.zeros(scratch_size)
         state.work = lay_out(n, program.coefficients, memory_size, addresses, state.scratch)
@@ -284,4 +287,5 @@ class Run:
             message += " Try a smaller step."
         evaluations = step * self.program.evaluations + sum(FLOWS[name].evaluations for name in self.program.primers)
         evaluations += int(self.state.work[EVALUATIONS])
-        return Ending(outcome, message, step, saved, evaluations, wall_time)
+        estimated = estimated_errors(self.state.x.size, self.state.work).copy() if self._estimates else None
+        return Ending(outcome, message, step, saved, evaluations, wall_time, estimated)

@@ -127,6 +127,9 @@ class Solution:
         What was run.
     derived : mapping of str to array
         What else follows from the states, by name, each evaluated when it is first asked for.
+    error_estimate : array or None
+        The largest error that a step is estimated to have made in each number of x, in the shape of x0; None where the
+        method has no estimate. It is that of a method of lower order, and so larger than the error.
     """
 
     t: Floats
@@ -141,6 +144,7 @@ class Solution:
     wall_time: float
     about: Description
     derived: Mapping[str, Floats] = field(default_factory=dict)
+    error_estimate: Floats | None = None
 
     presenters: ClassVar[Presenters]
 

@@ -155,6 +155,7 @@ def _solution(
         wall_time=ending.wall_time,
         about=_describe(system, chosen, compensated),
         derived=_derived(system, t, xs, vs),
+        error_estimate=None if ending.estimated is None else ending.estimated.reshape(system.x0.shape),
     )
 
 

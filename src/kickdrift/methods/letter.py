@@ -27,6 +27,7 @@ class Letter(Enum):
     DOUBLED_BINDING = "doubled-binding"
     RUNGE_KUTTA = "runge-kutta"
     IMPLICIT_RUNGE_KUTTA = "implicit-runge-kutta"
+    STIFF_RUNGE_KUTTA = "stiff-runge-kutta"
     EXTRAPOLATION = "extrapolation"
 
     @property
@@ -52,6 +53,7 @@ class Letter(Enum):
             Letter.ADJOINT_DRIFT,
             Letter.LINEARLY_IMPLICIT_KICK,
             Letter.IMPLICIT_RUNGE_KUTTA,
+            Letter.STIFF_RUNGE_KUTTA,
             Letter.EXTRAPOLATION,
         )
 
@@ -74,6 +76,7 @@ _ADJOINTS = {
     Letter.LINEARLY_IMPLICIT_KICK: None,
     Letter.NOISE: None,
     Letter.RUNGE_KUTTA: None,
+    Letter.STIFF_RUNGE_KUTTA: None,
     Letter.EXTRAPOLATION: None,
 }
 
@@ -123,6 +126,7 @@ WHOLES = tuple(
         ("doubled-kick", "doubled-drift", "doubled-binding"),
         ("runge-kutta",),
         ("implicit-runge-kutta",),
+        ("stiff-runge-kutta",),
         ("noise", "implicit-runge-kutta"),
         ("extrapolation",),
     )

@@ -22,6 +22,7 @@ Weight = Fraction | Decimal | str | int
 Word = tuple[tuple[Letter, Fraction], ...]
 
 K, D = Letter.KICK, Letter.DRIFT
+_WITH_TABLEAU = frozenset((Letter.RUNGE_KUTTA, Letter.IMPLICIT_RUNGE_KUTTA, Letter.STIFF_RUNGE_KUTTA))
 ADJOINT_K, ADJOINT_D = Letter.ADJOINT_KICK, Letter.ADJOINT_DRIFT
 
 
@@ -179,7 +180,7 @@ class Method:
                 )
         if not Kind.FIRST_ORDER.includes(self.kind) and not special:
             raise ArgumentError(f"kind of {self.name!r} is {self.kind.value}, but none of its flows is for that.")
-        if (self.tableau is not None) != bool(self.letters & {Letter.RUNGE_KUTTA, Letter.IMPLICIT_RUNGE_KUTTA}):
+        if (self.tableau is not None) != bool(self.letters & _WITH_TABLEAU):
             raise ArgumentError(f"tableau of {self.name!r}: a Runge-Kutta flow has one, and no other does.")
         wanted = len(self.letters & {Letter.GRADIENT_KICK, Letter.DOUBLED_BINDING, Letter.EXTRAPOLATION})
         if len(self.parameters) != wanted:
@@ -199,6 +200,11 @@ class Method:
         tableau = self.tableau()
         if Letter.RUNGE_KUTTA in self.letters and not tableau.explicit:
             raise ArgumentError(f"tableau of {self.name!r} is implicit; its letter is IMPLICIT_RUNGE_KUTTA.")
+        if Letter.STIFF_RUNGE_KUTTA in self.letters and not tableau.stiffly_accurate:
+            raise ArgumentError(
+                f"tableau of {self.name!r} is not stiffly accurate: b is the last row of a regular a, for x and v alike;"
+                " its letter is IMPLICIT_RUNGE_KUTTA."
+            )
         if tableau.symmetric != self.symmetric:
             raise ArgumentError(f"symmetric={self.symmetric} of {self.name!r}: its tableau says {tableau.symmetric}.")
         return tableau.numbers

@@ -23,6 +23,7 @@ from kickdrift.engine.flows import (
     newton,
     noise,
     runge_kutta,
+    stiff,
     sweep,
 )
 
@@ -60,6 +61,8 @@ class Flow:
         as is the size of the state for a few numbers.
     primer : str
         Name of a flow that makes the memory ready before the first step, empty for none.
+    estimates : bool
+        Whether it estimates its errors, see `layout.estimated_errors`.
     """
 
     template: Function
@@ -74,6 +77,7 @@ class Flow:
     scratch: Callable[[int, NDArray[np.float64], NDArray[np.float64]], int] = lambda n, coefficients, params: 0
     constants: Callable[[NDArray[np.float64], int, NDArray[np.float64], bool], dict[str, int]] | None = None
     primer: str = ""
+    estimates: bool = False
 
 
 def _solving(residual: Function, **parts: Function) -> dict[str, Function]:
@@ -213,6 +217,20 @@ FLOWS = {
         memory=runge_kutta.implicit_memory,
         scratch=runge_kutta.implicit_scratch,
         constants=runge_kutta.constants,
+    ),
+    "stiff-runge-kutta": Flow(
+        stiff.stiff_runge_kutta,
+        parts={
+            **_solving(runge_kutta.stage_residual, evaluate=runge_kutta.evaluate, advance=runge_kutta.advance),
+            "estimate": stiff.estimate_errors,
+            "take_step": stiff.take_attempt,
+        },
+        moves_x=True,
+        moves_v=True,
+        memory=stiff.memory_size,
+        scratch=runge_kutta.implicit_scratch,
+        constants=runge_kutta.constants,
+        estimates=True,
     ),
     "linearise-constraints": Flow(
         constraints.linearise_constraints,
