@@ -68,6 +68,8 @@ class Description:
         Units of t, x and v and of the invariants by name.
     source : str
         Where the system is from.
+    choice : str
+        Why ``"auto"`` took the method; empty where it was named.
     """
 
     system: str
@@ -80,6 +82,7 @@ class Description:
     coordinates: Mapping[str, Any] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     source: str = ""
+    choice: str = ""
 
     @property
     def v_is_velocity(self) -> bool:

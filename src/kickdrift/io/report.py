@@ -25,6 +25,8 @@ def report(solution: Solution) -> str:
     ]
     if solution.error_estimate is not None:
         rows.append(("estimated error", f"{solution.error_estimate.max():.3e} at most in a step"))
+    if about.choice:
+        rows.insert(2, ("taken because", about.choice))
     for name, values in solution.invariants.items():
         absolute, relative = largest_error(values)
         size = f"{absolute:.3e} {about.units.get(name, '')}".rstrip()

@@ -82,7 +82,8 @@ def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Solution:
 
 def members(head: dict[str, Any], arrays: dict[str, Any]) -> dict[str, Any]:
     """Return the members of a solution by name, of what a file holds."""
-    about = {f.name: head["about"][f.name] for f in fields(Description)}
+    about = {f.name: head["about"][f.name] for f in fields(Description) if f.name != "choice"}
+    about["choice"] = str(head["about"].get("choice", ""))  # earlier files have none
     about["dimensions"] = tuple(about["dimensions"])
     about["kind"] = Kind[about["kind"]].name
     kept = {name.removeprefix(_INVARIANT): a for name, a in arrays.items() if name.startswith(_INVARIANT)}
