@@ -39,6 +39,12 @@ PROBLEMS = {
             [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -0.7, 0.0]],
         )
     },
+    Kind.MULTIRATE: {
+        "problem": kd.Multirate(slow_force=lambda x: -x, fast_force=lambda x: -100 * x),
+        "x0": 1.0,
+        "v0": 0.5,
+    },
+    Kind.OSCILLATORY: {"problem": kd.Oscillatory(lambda x: -(x**3), omega=10.0), "x0": 1.0, "v0": 0.5},
     Kind.CONSTRAINED: {
         "problem": kd.Constrained(lambda x: np.array([0.0, -1.0]), lambda x: x[0] ** 2 + x[1] ** 2 - 1),
         "x0": [1.0, 0.0],
@@ -49,18 +55,20 @@ PROBLEMS = {
 
 # Rows: what a method is for. Columns, in the order of the enumeration: the problems on which it runs.
 RUNS_ON = {
-    #                         F P H S V N D C K X L
-    Kind.FIRST_ORDER: "       1 1 1 1 1 1 1 1 1 0 0",
-    Kind.PARTITIONED: "       0 1 1 1 1 1 1 1 1 0 0",
-    Kind.HAMILTONIAN: "       0 0 1 1 0 1 0 0 1 0 0",
-    Kind.SEPARABLE: "         0 0 0 1 0 1 0 0 1 0 0",
-    Kind.VELOCITY_DEPENDENT: "0 0 0 0 1 1 1 1 1 0 0",
-    Kind.NEWTONIAN: "         0 0 0 0 0 1 0 0 1 0 0",
-    Kind.DAMPED: "            0 0 0 0 0 0 1 0 0 0 0",
-    Kind.CHARGED: "           0 0 0 0 0 0 0 1 0 0 0",
-    Kind.NEARLY_KEPLERIAN: "  0 0 0 0 0 0 0 0 1 0 0",
-    Kind.CONSTRAINED: "       0 0 0 0 0 0 0 0 0 1 0",
-    Kind.LANGEVIN: "          0 0 0 0 0 0 0 0 0 0 1",
+    #                         F P H S V N D C K M O X L
+    Kind.FIRST_ORDER: "       1 1 1 1 1 1 1 1 1 1 1 0 0",
+    Kind.PARTITIONED: "       0 1 1 1 1 1 1 1 1 1 1 0 0",
+    Kind.HAMILTONIAN: "       0 0 1 1 0 1 0 0 1 1 1 0 0",
+    Kind.SEPARABLE: "         0 0 0 1 0 1 0 0 1 1 1 0 0",
+    Kind.VELOCITY_DEPENDENT: "0 0 0 0 1 1 1 1 1 1 1 0 0",
+    Kind.NEWTONIAN: "         0 0 0 0 0 1 0 0 1 1 1 0 0",
+    Kind.DAMPED: "            0 0 0 0 0 0 1 0 0 0 0 0 0",
+    Kind.CHARGED: "           0 0 0 0 0 0 0 1 0 0 0 0 0",
+    Kind.NEARLY_KEPLERIAN: "  0 0 0 0 0 0 0 0 1 0 0 0 0",
+    Kind.MULTIRATE: "         0 0 0 0 0 0 0 0 0 1 1 0 0",
+    Kind.OSCILLATORY: "       0 0 0 0 0 0 0 0 0 0 1 0 0",
+    Kind.CONSTRAINED: "       0 0 0 0 0 0 0 0 0 0 0 1 0",
+    Kind.LANGEVIN: "          0 0 0 0 0 0 0 0 0 0 0 0 1",
 }
 
 

@@ -4,6 +4,8 @@ Every candidate runs at steps a factor of 1.5 apart, and `auto` does: it is told
 an error is read off between two steps.
 """
 
+import numpy as np
+
 from benchmarks.auto import candidates, problems, work
 from benchmarks.auto.problems import Problem
 from benchmarks.auto.work import Curve
@@ -21,7 +23,7 @@ def compare(rounds: int) -> list[Row]:
 
 def rows(problem: Problem, rounds: int) -> list[Row]:
     """Make the rows of a problem."""
-    curves = {name: work.curve(problem, name, rounds) for name in (AUTO, *candidates.of(problem))}
+    curves = work.curves(problem, (AUTO, *candidates.of(problem)), rounds)
     return [_row(problem, error, curves) for error in ERRORS]
 
 
@@ -31,9 +33,9 @@ def _row(problem: Problem, error: float, curves: dict[str, Curve]) -> Row:
     reached = {name: time for name, time in times.items() if time is not None and name != AUTO}
     if not reached:
         return skipped(what, "no candidate gets there")
-    fastest = min(reached, key=lambda name: float(reached[name][0]))
+    fastest = min(reached, key=lambda name: float(np.median(reached[name])))
     mine = times[AUTO]
     if mine is None:
         return skipped(what, f"auto does not get there; {fastest} does")
     note = f"fastest {fastest}, auto {', '.join(curves[AUTO].methods_at(error))}"
-    return measured(what, mine / reached[fastest][0], WANTED, note)
+    return measured(what, mine / reached[fastest], WANTED, note)

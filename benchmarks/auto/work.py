@@ -1,5 +1,6 @@
 """Time and error of a method over steps."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +9,8 @@ from numpy.typing import NDArray
 from benchmarks.auto.problems import Problem
 
 Floats = NDArray[np.float64]
-_FINEST = 0.4  # seconds that a run may take
+_FINEST = 0.05  # seconds that a run may take
+_REPEATED = 3
 _SMALLEST = 1e-11  # an error below which no smaller step is tried
 
 
@@ -43,16 +45,33 @@ class Curve:
         return i if i < self.errors.size else None
 
 
-def curve(problem: Problem, method: str, rounds: int) -> Curve:
-    """Run a problem by a method at ever smaller steps, until the error is small or the run is long."""
-    errors, seconds, methods = [], [], []
-    step = problem.largest
-    while True:
-        runs = [problem.run(method, step) for _ in range(min(rounds, 3) + 1)]
-        errors.append(problem.error(runs[0]))
-        seconds.append([run.wall_time for run in runs[1:]])
-        methods.append(runs[0].about.method)
-        if errors[-1] < _SMALLEST or min(seconds[-1]) > _FINEST:
-            break
+def curves(problem: Problem, methods: Sequence[str], rounds: int) -> dict[str, Curve]:
+    """Run a problem by methods at ever smaller steps, until an error is small or a run long, and then time them in turns."""
+    tried = {method: _try(problem, method) for method in methods}
+    seconds: dict[str, list[list[float]]] = {method: [] for method in methods}
+    for round_ in range(rounds):
+        for method in methods if round_ % 2 == 0 else reversed(methods):
+            seconds[method].append([_best_of(problem, method, step) for step, _, _ in tried[method]])
+    return {
+        method: Curve(
+            np.array([error for _, error, _ in runs]), np.array(seconds[method]).T, tuple(taken for _, _, taken in runs)
+        )
+        for method, runs in tried.items()
+    }
+
+
+def _best_of(problem: Problem, method: str, step: float) -> float:
+    """Return the least of some runs: what else the machine does makes them longer, and one of 100 microseconds many times."""
+    return min(problem.run(method, step).wall_time for _ in range(_REPEATED))
+
+
+def _try(problem: Problem, method: str) -> list[tuple[float, float, str]]:
+    """Return steps, errors, and the names of what was taken."""
+    runs = []
+    step, error, long = problem.largest, np.inf, False
+    while error > _SMALLEST and not long:
+        run = problem.run(method, step)
+        error, long = problem.error(run), run.wall_time > _FINEST
+        runs.append((step, error, run.about.method))
         step /= 1.5
-    return Curve(np.array(errors), np.min(np.array(seconds), axis=1, keepdims=True), tuple(methods))
+    return runs

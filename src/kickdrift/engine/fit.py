@@ -53,7 +53,7 @@ def _choose_by_itself(order: int | None, system: System, t0: float, step: float)
         return Choice(stable, "stiff: there are decays much faster than a step; of those methods that are L-stable")
     if found is Stiffness.OSCILLATION and order is None:
         return Choice(
-            methods.preferred_for_fast_oscillations(),
+            methods.preferred_for_fast_oscillations(system.kind),
             "there are oscillations much faster than a step, which it neither damps nor lets grow",
         )
     method = methods.preferred(system.kind, order)
@@ -78,6 +78,8 @@ _DESCRIPTIONS = {
     Kind.CHARGED: "kd.ChargedParticle",
     Kind.CONSTRAINED: "kd.Constrained",
     Kind.LANGEVIN: "kd.Langevin",
+    Kind.MULTIRATE: "kd.Multirate",
+    Kind.OSCILLATORY: "kd.Oscillatory",
     Kind.NEARLY_KEPLERIAN: "kd.systems.planetary, or kd.systems.solar_system(splitting='jacobi')",
 }
 

@@ -22,6 +22,7 @@ Rates = Callable[[float, Floats], Floats]
 _LIMIT = (
     5.0  # |h lambda| that DOP853 bears: it is stable to 6.4 on the real axis, and to more than 5 on the imaginary one
 )
+_FAST = 1.0  # h omega from which on the trigonometric methods are ahead of words of kicks and drifts
 _STEPS = 3
 _LARGEST = 40  # numbers of a state whose eigenvalues are found: in 2 ms
 _ITERATIONS = 12
@@ -38,6 +39,9 @@ class Stiffness(Enum):
 
 def stiffness(system: System, t0: float, step: float) -> Stiffness:
     """Judge a system at its start, and a few steps on. A function that fails where it is tried is left to the run."""
+    if system.kind is Kind.OSCILLATORY:
+        fastest = abs(step) * system.params[-system.x0.size :].max()
+        return Stiffness.OSCILLATION if fastest > _FAST else Stiffness.NONE
     try:
         with np.errstate(all="ignore"):
             return _judge(_rates(system), t0, np.concatenate([system.x0.ravel(), system.v0.ravel()]), step)
@@ -113,5 +117,5 @@ def _by_power_iteration(rates: Rates, t: float, y: Floats, h: float) -> Stiffnes
 
 
 def may_be_stiff(kind: Kind) -> bool:
-    """Whether `auto` looks: for kinds whose methods have no structure of their own to keep."""
-    return kind in (Kind.FIRST_ORDER, Kind.PARTITIONED, Kind.HAMILTONIAN, Kind.VELOCITY_DEPENDENT)
+    """Whether `auto` looks: for kinds whose methods have no structure of their own to keep, or that say what is fast."""
+    return kind in (Kind.OSCILLATORY, Kind.FIRST_ORDER, Kind.PARTITIONED, Kind.HAMILTONIAN, Kind.VELOCITY_DEPENDENT)

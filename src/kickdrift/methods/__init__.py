@@ -23,8 +23,10 @@ from kickdrift.methods import (
     lobatto,
     mclachlan,
     mclachlan_atela,
+    multirate,
     okunbor_skeel,
     omelyan,
+    oscillatory,
     preference,
     radau,
     ruth,
@@ -37,6 +39,7 @@ from kickdrift.methods import (
 )
 from kickdrift.methods.doubled import tao
 from kickdrift.methods.letter import Letter
+from kickdrift.methods.multirate import respa
 from kickdrift.methods.record import Method
 from kickdrift.methods.tableau import Tableau
 from kickdrift.methods.words import alternating, composition, palindrome, rows, word
@@ -52,6 +55,7 @@ __all__ = [
     "get",
     "palindrome",
     "preferred",
+    "respa",
     "rows",
     "tao",
     "word",
@@ -88,6 +92,8 @@ _TABLES = (
     langevin,
     constrained,
     wisdom_holman,
+    oscillatory,
+    multirate,
 )
 _CATALOGUE: dict[str, Method] = {method.name: method for table in _TABLES for method in table.METHODS}
 _ALIASES: dict[str, Method] = {alias: method for method in _CATALOGUE.values() for alias in method.aliases}
@@ -126,9 +132,9 @@ def preferred_for_stiff(order: int | None = None) -> Method | None:
     return preference.for_stiff(order, _CATALOGUE)
 
 
-def preferred_for_fast_oscillations() -> Method:
+def preferred_for_fast_oscillations(kind: Kind) -> Method:
     """Choose a method for what oscillates much faster than a step."""
-    return preference.for_fast_oscillations(_CATALOGUE)
+    return preference.for_fast_oscillations(kind, _CATALOGUE)
 
 
 def get(name: str | Method) -> Method:

@@ -20,6 +20,9 @@ class Letter(Enum):
     THERMOSTAT = "thermostat"
     NOISE = "noise"
     KEPLER = "kepler"
+    OSCILLATE = "oscillate"
+    FILTERED_KICK = "filtered-kick"
+    SUBSTEPS = "substeps"
     CONSTRAIN_POSITIONS = "constrain-positions"
     CONSTRAIN_VELOCITIES = "constrain-velocities"
     DOUBLED_KICK = "doubled-kick"
@@ -84,6 +87,7 @@ _SHARES = {
     Letter.ADJOINT_KICK: "kick",
     Letter.LINEARLY_IMPLICIT_KICK: "kick",
     Letter.GRADIENT_KICK: "kick",
+    Letter.FILTERED_KICK: "kick",
     Letter.ADJOINT_DRIFT: "drift",
     Letter.BORIS_ROTATE: "rotate",
 }
@@ -97,6 +101,9 @@ _KINDS = {
     Letter.THERMOSTAT: Kind.LANGEVIN,
     Letter.NOISE: Kind.LANGEVIN,
     Letter.KEPLER: Kind.NEARLY_KEPLERIAN,
+    Letter.OSCILLATE: Kind.OSCILLATORY,
+    Letter.FILTERED_KICK: Kind.OSCILLATORY,
+    Letter.SUBSTEPS: Kind.MULTIRATE,
     Letter.CONSTRAIN_POSITIONS: Kind.CONSTRAINED,
     Letter.CONSTRAIN_VELOCITIES: Kind.CONSTRAINED,
     Letter.DOUBLED_KICK: Kind.HAMILTONIAN,
@@ -123,6 +130,8 @@ WHOLES = tuple(
         ("kick", "drift", "constrain-positions"),
         ("kick", "drift", "constrain-positions", "constrain-velocities"),
         ("kick", "kepler"),
+        ("kick", "oscillate"),
+        ("kick", "substeps"),
         ("doubled-kick", "doubled-drift", "doubled-binding"),
         ("runge-kutta",),
         ("implicit-runge-kutta",),

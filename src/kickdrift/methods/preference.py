@@ -6,6 +6,8 @@ from kickdrift.methods.record import Method
 
 _SYMPLECTIC_RUNGE_KUTTA = ("implicit-midpoint", "gauss-4", "gauss-6", "gauss-8")
 
+_TRIGONOMETRIC = "garcia-archilla-sanz-serna-skeel-2"
+
 # Of each order the least error at equal cost on most problems, as `python -m benchmarks --only precision` shows, but
 # for order 2, which is the simplest. On order 8 for accelerations problems disagree: `teloy-8c` has a fiftieth of the
 # error of `kahan-li-8` in the energy of Henon-Heiles, and three times its error in the end state of Kepler.
@@ -23,6 +25,14 @@ _PREFERRED: dict[Kind, tuple[str, ...]] = {
     Kind.CHARGED: ("boris", "blanes-moan-gyration-4", "blanes-moan-gyration-6"),
     Kind.LANGEVIN: ("baoab",),
     Kind.NEARLY_KEPLERIAN: ("wisdom-holman", "blanes-aba-1064", "blanes-moan-srkn11b", "kahan-li-8"),
+    Kind.MULTIRATE: ("respa-2", "blanes-moan-srkn6b", "blanes-moan-srkn11b", "kahan-li-8", "sofroniou-spaletta-10"),
+    Kind.OSCILLATORY: (
+        _TRIGONOMETRIC,
+        "blanes-moan-srkn6b",
+        "blanes-moan-srkn11b",
+        "kahan-li-8",
+        "sofroniou-spaletta-10",
+    ),
     Kind.HAMILTONIAN: _SYMPLECTIC_RUNGE_KUTTA,
     Kind.PARTITIONED: _SYMPLECTIC_RUNGE_KUTTA,
     Kind.FIRST_ORDER: _SYMPLECTIC_RUNGE_KUTTA,
@@ -42,6 +52,8 @@ _FASTEST: dict[Kind, str] = {
     Kind.CHARGED: "blanes-moan-gyration-6",
     Kind.LANGEVIN: "baoab",
     Kind.NEARLY_KEPLERIAN: "blanes-aba-1064",
+    Kind.MULTIRATE: "respa-2",  # who splits a force has one part that is dear
+    Kind.OSCILLATORY: "blanes-moan-srkn11b",
     Kind.HAMILTONIAN: "dop853",
     Kind.PARTITIONED: "dop853",
     Kind.FIRST_ORDER: "dop853",
@@ -87,6 +99,6 @@ def for_stiff(order: int | None, catalogue: dict[str, Method]) -> Method | None:
     return (enough[-1] if order is None else enough[0]) if enough else None
 
 
-def for_fast_oscillations(catalogue: dict[str, Method]) -> Method:
+def for_fast_oscillations(kind: Kind, catalogue: dict[str, Method]) -> Method:
     """Choose for what oscillates much faster than a step: it neither grows nor decays."""
-    return catalogue[_A_STABLE]
+    return catalogue[_TRIGONOMETRIC if kind is Kind.OSCILLATORY else _A_STABLE]

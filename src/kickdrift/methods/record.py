@@ -22,6 +22,13 @@ Weight = Fraction | Decimal | str | int
 Word = tuple[tuple[Letter, Fraction], ...]
 
 K, D = Letter.KICK, Letter.DRIFT
+_PARAMETERS = {  # how many the flow of a letter has
+    Letter.GRADIENT_KICK: 1,
+    Letter.DOUBLED_BINDING: 1,
+    Letter.EXTRAPOLATION: 1,
+    Letter.SUBSTEPS: 1,
+    Letter.FILTERED_KICK: 3,
+}
 _WITH_TABLEAU = frozenset((Letter.RUNGE_KUTTA, Letter.IMPLICIT_RUNGE_KUTTA, Letter.STIFF_RUNGE_KUTTA))
 ADJOINT_K, ADJOINT_D = Letter.ADJOINT_KICK, Letter.ADJOINT_DRIFT
 
@@ -182,7 +189,7 @@ class Method:
             raise ArgumentError(f"kind of {self.name!r} is {self.kind.value}, but none of its flows is for that.")
         if (self.tableau is not None) != bool(self.letters & _WITH_TABLEAU):
             raise ArgumentError(f"tableau of {self.name!r}: a Runge-Kutta flow has one, and no other does.")
-        wanted = len(self.letters & {Letter.GRADIENT_KICK, Letter.DOUBLED_BINDING, Letter.EXTRAPOLATION})
+        wanted = sum(_PARAMETERS.get(letter, 0) for letter in self.letters)
         if len(self.parameters) != wanted:
             raise ArgumentError(f"parameters={self.parameters!r} of {self.name!r}: its flows need {wanted}.")
 

@@ -36,6 +36,7 @@ PARTS = (
     "acceleration",
     "velocity",
     "remainder",
+    "fast",
     "jump",
     "component",
     "velocity_jacobian",

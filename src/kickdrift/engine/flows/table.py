@@ -22,8 +22,10 @@ from kickdrift.engine.flows import (
     magnetic,
     newton,
     noise,
+    oscillation,
     runge_kutta,
     stiff,
+    substeps,
     sweep,
 )
 
@@ -46,6 +48,8 @@ class Flow:
         Templates that it calls, by the names that they have in it, each after those that it calls itself.
     evaluations : int
         Force evaluations each time, those that it counts itself in work left out.
+    counted : callable
+        How many of its letters in a step together count themselves, for the coefficients, where that is known.
     moves_x, moves_v : bool
         What it moves.
     timed : bool
@@ -69,6 +73,7 @@ class Flow:
     inlined: tuple[str, ...] = ()
     parts: Mapping[str, Function] = field(default_factory=dict)
     evaluations: int = 0
+    counted: Callable[[NDArray[np.float64]], int] = lambda coefficients: 0
     moves_x: bool = False
     moves_v: bool = False
     timed: bool = True
@@ -129,6 +134,21 @@ FLOWS = {
     "noise": Flow(noise.noise, parts={"draw": noise.draw}, moves_v=True),
     "kepler": Flow(kepler.kepler, moves_x=True, moves_v=True),
     "jump": Flow(kepler.jump),  # moves x by what neither the clock nor the acceleration of the kicks sees
+    "oscillate": Flow(oscillation.oscillate, moves_x=True, moves_v=True, memory=oscillation.memory_size),
+    "filtered-kick": Flow(
+        oscillation.filtered_kick,
+        moves_v=True,
+        keeps_acceleration=False,
+        memory=oscillation.memory_size,
+        counted=lambda coefficients: 1,
+    ),
+    "substeps": Flow(
+        substeps.substeps,
+        moves_x=True,
+        moves_v=True,
+        memory=substeps.memory_size,
+        counted=lambda coefficients: int(coefficients[0]),
+    ),
     "sweep": Flow(
         sweep.sweep,
         parts={"evaluate_component": sweep.evaluate_component},
