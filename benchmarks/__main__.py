@@ -13,6 +13,7 @@ import llvmlite.binding
 
 from benchmarks import (
     against_c,
+    auto,
     gravity,
     implicit_euler,
     kepler,
@@ -33,6 +34,7 @@ COMPARISONS: dict[str, tuple[str, Callable[[int], list[Row]]]] = {
     "wisdom-holman": ("Outer solar system by Wisdom-Holman: a step", wisdom_holman.compare),
     "gravity": ("Direct N-body: an interaction", gravity.compare),
     "implicit": ("Implicit against semi-implicit Euler", implicit_euler.compare),
+    "auto": ("What auto takes: time to an error, over that of the fastest", auto.compare),
     "steps": ("Against the same step by hand", steps.compare),
     "startup": ("Before the first step", startup.compare),
     "scale": ("Boxes at rest: a body's part of a step", world_scale.compare),

@@ -39,6 +39,12 @@ PROBLEMS = {
             [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -0.7, 0.0]],
         )
     },
+    Kind.MULTIRATE: {
+        "problem": kd.Multirate(slow_force=lambda x: -x, fast_force=lambda x: -100 * x),
+        "x0": 1.0,
+        "v0": 0.5,
+    },
+    Kind.OSCILLATORY: {"problem": kd.Oscillatory(lambda x: -(x**3), omega=10.0), "x0": 1.0, "v0": 0.5},
     Kind.CONSTRAINED: {
         "problem": kd.Constrained(lambda x: np.array([0.0, -1.0]), lambda x: x[0] ** 2 + x[1] ** 2 - 1),
         "x0": [1.0, 0.0],
@@ -49,18 +55,20 @@ PROBLEMS = {
 
 # Rows: what a method is for. Columns, in the order of the enumeration: the problems on which it runs.
 RUNS_ON = {
-    #                         F P H S V N D C K X L
-    Kind.FIRST_ORDER: "       1 1 1 1 1 1 1 1 1 0 0",
-    Kind.PARTITIONED: "       0 1 1 1 1 1 1 1 1 0 0",
-    Kind.HAMILTONIAN: "       0 0 1 1 0 1 0 0 1 0 0",
-    Kind.SEPARABLE: "         0 0 0 1 0 1 0 0 1 0 0",
-    Kind.VELOCITY_DEPENDENT: "0 0 0 0 1 1 1 1 1 0 0",
-    Kind.NEWTONIAN: "         0 0 0 0 0 1 0 0 1 0 0",
-    Kind.DAMPED: "            0 0 0 0 0 0 1 0 0 0 0",
-    Kind.CHARGED: "           0 0 0 0 0 0 0 1 0 0 0",
-    Kind.NEARLY_KEPLERIAN: "  0 0 0 0 0 0 0 0 1 0 0",
-    Kind.CONSTRAINED: "       0 0 0 0 0 0 0 0 0 1 0",
-    Kind.LANGEVIN: "          0 0 0 0 0 0 0 0 0 0 1",
+    #                         F P H S V N D C K M O X L
+    Kind.FIRST_ORDER: "       1 1 1 1 1 1 1 1 1 1 1 0 0",
+    Kind.PARTITIONED: "       0 1 1 1 1 1 1 1 1 1 1 0 0",
+    Kind.HAMILTONIAN: "       0 0 1 1 0 1 0 0 1 1 1 0 0",
+    Kind.SEPARABLE: "         0 0 0 1 0 1 0 0 1 1 1 0 0",
+    Kind.VELOCITY_DEPENDENT: "0 0 0 0 1 1 1 1 1 1 1 0 0",
+    Kind.NEWTONIAN: "         0 0 0 0 0 1 0 0 1 1 1 0 0",
+    Kind.DAMPED: "            0 0 0 0 0 0 1 0 0 0 0 0 0",
+    Kind.CHARGED: "           0 0 0 0 0 0 0 1 0 0 0 0 0",
+    Kind.NEARLY_KEPLERIAN: "  0 0 0 0 0 0 0 0 1 0 0 0 0",
+    Kind.MULTIRATE: "         0 0 0 0 0 0 0 0 0 1 1 0 0",
+    Kind.OSCILLATORY: "       0 0 0 0 0 0 0 0 0 0 1 0 0",
+    Kind.CONSTRAINED: "       0 0 0 0 0 0 0 0 0 0 0 1 0",
+    Kind.LANGEVIN: "          0 0 0 0 0 0 0 0 0 0 0 0 1",
 }
 
 
@@ -109,11 +117,17 @@ def test_classical_names_mean_their_implicit_forms_for_hamiltonians_that_are_not
         (Kind.NEWTONIAN, 1, "velocity-verlet"),
         (Kind.NEWTONIAN, 2, "velocity-verlet"),
         (Kind.NEWTONIAN, 4, "blanes-moan-srkn6b"),
-        (Kind.NEWTONIAN, None, "blanes-moan-srkn6b"),
+        (Kind.NEWTONIAN, None, "blanes-moan-srkn11b"),
         (Kind.NEWTONIAN, 5, "blanes-moan-srkn11b"),
         (Kind.NEWTONIAN, 6, "blanes-moan-srkn11b"),
         (Kind.NEWTONIAN, 8, "kahan-li-8"),
         (Kind.NEWTONIAN, 10, "sofroniou-spaletta-10"),
+        (Kind.SEPARABLE, None, "blanes-moan-s10"),
+        (Kind.HAMILTONIAN, 4, "gauss-4"),
+        (Kind.HAMILTONIAN, None, "dop853"),
+        (Kind.PARTITIONED, None, "dop853"),
+        (Kind.FIRST_ORDER, None, "dop853"),
+        (Kind.VELOCITY_DEPENDENT, None, "dop853"),
         (Kind.SEPARABLE, 4, "blanes-moan-s6"),
         (Kind.SEPARABLE, 6, "blanes-moan-s10"),
         (Kind.SEPARABLE, 8, "kahan-li-8"),
@@ -165,3 +179,75 @@ def test_without_a_method_it_is_semi_implicit_euler_or_what_fits(kind, order, na
 def test_a_refusal_names_the_description_that_would_fit():
     with pytest.raises(MethodMismatchError, match=r"use 'implicit-verlet' \(order 2\), or describe it as kd.Charged"):
         solve(Kind.VELOCITY_DEPENDENT, "boris")
+
+
+# What is much faster than a step.
+
+
+def decaying(rate, many=0):
+    """y' = -rate (y - cos t) beside a rotation, or in each of many components."""
+
+    def rates(t, y):
+        if many:
+            return -rate * (y - np.cos(t))
+        return np.array([-rate * (y[0] - np.cos(t)), y[2], -y[1]])
+
+    return {"problem": kd.FirstOrder(rates), "x0": np.linspace(0.5, 1.0, many or 3)}
+
+
+def taken(step, order=None, **problem):
+    return kd.solve(t_span=(0.0, 4 * step), step=step, method="auto", order=order, compile=False, **problem).about
+
+
+@pytest.mark.parametrize("many", [0, 60])
+def test_auto_is_l_stable_where_decays_are_much_faster_than_the_step(many):
+    assert taken(0.01, **decaying(1e4, many)).method == "radau-5"
+    assert taken(0.0001, **decaying(1e4, many)).method == "dop853"
+    assert "stiff" in taken(0.01, **decaying(1e4, many)).choice
+    assert taken(0.01, **decaying(-1e4, many)).method != "radau-5"  # what grows is not stiff
+
+
+@pytest.mark.parametrize(("order", "name"), [(1, "implicit-euler"), (2, "radau-3"), (4, "radau-5"), (6, "gauss-6")])
+def test_auto_keeps_the_order_wanted_where_it_is_stiff(order, name):
+    assert taken(0.01, order, **decaying(1e4)).method == name
+
+
+def test_auto_sees_stiffness_that_starts_after_the_first_steps():
+    def robertson(y):
+        slow, middle, fast = 0.04 * y[0], 1e4 * y[1] * y[2], 3e7 * y[1] * y[1]
+        return np.array([middle - slow, slow - middle - fast, fast])
+
+    problem = {"problem": kd.FirstOrder(robertson), "x0": [1.0, 0.0, 0.0]}  # whose fastest decay there takes 25 units
+    assert taken(1.0, **problem).method == "radau-5"
+    assert taken(1e-4, **problem).method == "dop853"
+
+
+def test_auto_neither_damps_nor_lets_grow_oscillations_much_faster_than_the_step():
+    def turning(y):
+        return np.array([100.0 * y[1], -100.0 * y[0]])
+
+    problem = {"problem": kd.FirstOrder(turning), "x0": [1.0, 0.0]}
+    assert taken(0.1, **problem).method == "gauss-4"
+    assert taken(0.01, **problem).method == "dop853"
+    many = {
+        "problem": kd.FirstOrder(lambda y: 100.0 * np.concatenate([y[30:], -y[:30]])),
+        "x0": np.linspace(0.5, 1.0, 60),
+    }
+    assert taken(0.1, **many).method == "gauss-4"
+    assert taken(0.01, **many).method == "dop853"
+
+
+def test_auto_leaves_a_function_that_fails_off_the_way_to_the_run():
+    def rooted(y):
+        if y[0] > 1.0:
+            raise ValueError("beyond")
+        return -1e4 * y
+
+    assert taken(0.01, problem=kd.FirstOrder(rooted), x0=[1.0]).method == "dop853"
+
+
+def test_a_report_says_why_auto_took_a_method():
+    solution = solve(Kind.NEWTONIAN, "auto")
+    assert "fastest" in solution.about.choice
+    assert solution.about.choice in solution.report()
+    assert "taken because" not in solve(Kind.NEWTONIAN, "velocity-verlet").report()

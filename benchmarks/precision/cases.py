@@ -223,6 +223,7 @@ def _of_special_forces() -> list[Case]:
             methods=("conformal-verlet", "blanes-moan-conformal-4", "blanes-moan-conformal-6", "gauss-6"),
             peers=_ANY_EQUATIONS,
         ),
+        *_of_fast_and_slow_forces(),
         Case(
             name="constrained",
             title="spherical pendulum, T = 100",
@@ -249,5 +250,34 @@ def _of_special_forces() -> list[Case]:
             average=(problems.mean_square, problems.mean_square_in_double_well(_TEMPERATURE)),
             evaluations=(600, 3e3),
             near=3e-3,
+        ),
+    ]
+
+
+def _of_fast_and_slow_forces() -> list[Case]:
+    shared = {
+        "law": problems.stiff_spring,
+        "span": 200.0,
+        "x0": (1.0, 1 / problems.STIFF),
+        "v0": (0.0, 1.0),
+        "peers": _ANY_EQUATIONS,
+        "energy": problems.stiff_spring_energy,
+    }
+    return [
+        Case(
+            name="oscillatory",
+            title="one stiff spring, T = 200",
+            kind=Kind.OSCILLATORY,
+            problem=kd.Oscillatory(problems.soft_springs, omega=[0.0, problems.STIFF]),
+            methods=("deuflhard-2", "mollified-impulse", "grimm-hochbruck-2", "velocity-verlet", "blanes-moan-srkn11b"),
+            **shared,
+        ),
+        Case(
+            name="multirate",
+            title="one stiff spring, its force evaluated more often, T = 200",
+            kind=Kind.MULTIRATE,
+            problem=kd.Multirate(slow_force=problems.soft_springs, fast_force=problems.stiff_part),
+            methods=("respa-2", "velocity-verlet", "blanes-moan-srkn11b"),
+            **shared,
         ),
     ]

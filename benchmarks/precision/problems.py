@@ -72,6 +72,39 @@ def tao_energy(x: Floats, v: Floats) -> Floats:
     return (x[0] ** 2 + 1) * (v[0] ** 2 + 1) / 2
 
 
+STIFF = 50.0
+
+
+def stiff_spring(m: ModuleType) -> Law:
+    """H = (p^2 + 50^2 q1^2) / 2 + ((q0 - q1)^4 + (q0 + q1)^4) / 4, of Fermi, Pasta and Ulam with one stiff spring."""
+
+    def force(t: Any, x: Any, v: Any) -> Any:
+        less, more = x[0] - x[1], x[0] + x[1]
+        one, other = less * less * less, more * more * more
+        return -one - other, one - other - STIFF * STIFF * x[1]
+
+    return Law(_same, force)
+
+
+def stiff_spring_energy(x: Floats, v: Floats) -> Floats:
+    """H."""
+    fast = (STIFF * x[1]) ** 2
+    return 0.5 * (v[0] ** 2 + v[1] ** 2 + fast) + 0.25 * ((x[0] - x[1]) ** 4 + (x[0] + x[1]) ** 4)
+
+
+def soft_springs(x: Any, out: Any) -> None:
+    """Write the slow part of the same."""
+    one, other = (x[0] - x[1]) ** 3, (x[0] + x[1]) ** 3
+    out[0] = -one - other
+    out[1] = one - other
+
+
+def stiff_part(x: Any, out: Any) -> None:
+    """Write the fast part of the same."""
+    out[0] = 0.0
+    out[1] = -STIFF * STIFF * x[1]
+
+
 def van_der_pol(m: ModuleType) -> Law:
     """Make x'' = (1 - x^2) v - x."""
 

@@ -91,11 +91,13 @@ def make_plan(target: str, options: Options, *, comparison: bool = False) -> Pla
         raise ArgumentError(f"--bodies={options.bodies!r} is for {SOLAR_SYSTEM!r} alone; leave it out.")
     system, wishes = _own_bodies(Path(target)) if is_file else _catalogued(target, options, comparison)
     unit = system.units.get("t", "")
+    duration = _duration(options, wishes, unit, target)
+    step, method = _step(options, wishes, unit, target), wishes.method if options.method is None else options.method
     return Plan(
         system=system,
-        duration=_duration(options, wishes, unit, target),
-        step=_step(options, wishes, unit, target),
-        method=choose(wishes.method if options.method is None else options.method, None, system),
+        duration=duration,
+        step=step,
+        method=choose(method, None, system, 0.0, step).method,
         save_every=save_every(options, wishes.save_every),
         jpl=target == SOLAR_SYSTEM,
     )

@@ -14,6 +14,8 @@ class Kind(Enum):
               SEPARABLE
                 NEWTONIAN
                   NEARLY_KEPLERIAN
+                  MULTIRATE
+                    OSCILLATORY
             VELOCITY_DEPENDENT
               NEWTONIAN ...
               DAMPED
@@ -31,6 +33,8 @@ class Kind(Enum):
     DAMPED = "accelerations a(t, x) - c v with linear damping"
     CHARGED = "charges in electric and magnetic fields"
     NEARLY_KEPLERIAN = "light bodies around a heavy one"
+    MULTIRATE = "accelerations a(t, x) with a fast and a slow part"
+    OSCILLATORY = "accelerations -omega^2 x + g(t, x)"
     CONSTRAINED = "accelerations a(t, x) with constraints g(x) = 0"
     LANGEVIN = "Langevin dynamics: forces, friction and noise"
 
@@ -48,4 +52,6 @@ _PARENTS = {
     Kind.DAMPED: (Kind.VELOCITY_DEPENDENT,),
     Kind.CHARGED: (Kind.VELOCITY_DEPENDENT,),
     Kind.NEARLY_KEPLERIAN: (Kind.NEWTONIAN,),
+    Kind.MULTIRATE: (Kind.NEWTONIAN,),
+    Kind.OSCILLATORY: (Kind.MULTIRATE,),
 }

@@ -16,7 +16,16 @@ from kickdrift.engine.program import Program
 from kickdrift.systems.system import System
 
 _SMALL = 8  # numbers of a state up to which the accelerations pass in registers
-_CALLED_ONCE = ("solve", "solve_component", "evaluate_component", "project", "leave_over", "linearise")
+_CALLED_ONCE = (
+    "solve",
+    "solve_component",
+    "evaluate_component",
+    "project",
+    "leave_over",
+    "linearise",
+    "take_step",
+    "estimate",
+)
 
 arrays: Callable[[Any], Any] = unbound
 flow: Callable[..., None] = unbound

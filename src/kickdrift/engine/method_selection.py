@@ -1,5 +1,6 @@
 """Whether a method fits a system, and which one does."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -7,6 +8,7 @@ import numpy as np
 from kickdrift import methods
 from kickdrift.core.errors import ArgumentError, MethodMismatchError
 from kickdrift.core.kinds import Kind
+from kickdrift.engine.stiffness import Stiffness, may_be_stiff, stiffness
 from kickdrift.methods import Method
 from kickdrift.systems.system import System
 
@@ -16,8 +18,16 @@ AUTO = "auto"
 DEFAULT = "semi-implicit-euler"
 
 
-def choose(method: str | Method | None, order: int | None, system: System) -> Method:
-    """Find the method to run a system by: by name, or for ``"auto"`` by the kind of the system and the order wanted.
+@dataclass(frozen=True)
+class Choice:
+    """A method, and why ``"auto"`` takes it; no reason where it was named."""
+
+    method: Method
+    reason: str = ""
+
+
+def choose(method: str | Method | None, order: int | None, system: System, t0: float, step: float) -> Choice:
+    """Find the method to run a system by: by name, or for ``"auto"`` by its kind, the order wanted, and its stiffness.
 
     None is the semi-implicit Euler method, or ``"auto"`` where that does not apply or an order is wanted. For
     Hamiltonians that are not separable it is what goes under the name there.
@@ -30,19 +40,37 @@ def choose(method: str | Method | None, order: int | None, system: System) -> Me
     """
     if method is None:
         method = DEFAULT if order is None and methods.get(DEFAULT).kind.includes(system.kind) else AUTO
-    if method == AUTO:
-        return methods.preferred(system.kind, order)
+    if isinstance(method, str) and method == AUTO:
+        return _choose_by_itself(order, system, t0, step)
     named = methods.get(method)
     if system.kind is Kind.HAMILTONIAN and named.counterpart:
-        return methods.get(named.counterpart)
+        return Choice(methods.get(named.counterpart))
     if named.kind.includes(system.kind):
-        return named
+        return Choice(named)
+    raise _mismatch(named, system)
+
+
+def _choose_by_itself(order: int | None, system: System, t0: float, step: float) -> Choice:
+    found = stiffness(system, t0, step) if may_be_stiff(system.kind) else Stiffness.NONE
+    if found is Stiffness.DECAY and (stable := methods.preferred_for_stiff(order)) is not None:
+        return Choice(stable, "stiff: there are decays much faster than a step; of those methods that are L-stable")
+    if found is Stiffness.OSCILLATION and order is None:
+        return Choice(
+            methods.preferred_for_fast_oscillations(system.kind),
+            "there are oscillations much faster than a step, which it neither damps nor lets grow",
+        )
+    method = methods.preferred(system.kind, order)
+    aim = "the fastest to most errors" if order is None else f"of order {order} or more the best"
+    return Choice(method, f"{aim}, for {system.kind.value}")
+
+
+def _mismatch(named: Method, system: System) -> MethodMismatchError:
     try:
         best = methods.preferred(system.kind, named.order)
     except MethodMismatchError:
         best = methods.preferred(system.kind)
     description = f", or describe it as {_DESCRIPTIONS[named.kind]}" if named.kind in _DESCRIPTIONS else ""
-    raise MethodMismatchError(
+    return MethodMismatchError(
         f"method={named.name!r} is for {named.kind.value}, but {system.name!r} has {system.kind.value}: there it would"
         f" lose its order, or has no flow for a part of it; use {best.name!r} (order {best.order}){description}."
     )
@@ -53,6 +81,8 @@ _DESCRIPTIONS = {
     Kind.CHARGED: "kd.ChargedParticle",
     Kind.CONSTRAINED: "kd.Constrained",
     Kind.LANGEVIN: "kd.Langevin",
+    Kind.MULTIRATE: "kd.Multirate",
+    Kind.OSCILLATORY: "kd.Oscillatory",
     Kind.NEARLY_KEPLERIAN: "kd.systems.planetary, or kd.systems.solar_system(splitting='jacobi')",
 }
 

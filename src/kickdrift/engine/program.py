@@ -105,7 +105,8 @@ def evaluations_of(method: Method) -> int:
     if method.tableau is not None:
         return method.tableau().stages
     kind = Kind.NEWTONIAN if method.kind.includes(Kind.NEWTONIAN) else method.kind
-    return compose(method, Structure(kind, False, frozenset({"remainder"}))).evaluations
+    program = compose(method, Structure(kind, False, frozenset({"remainder"})))
+    return program.evaluations + sum(FLOWS[name].counted(program.coefficients) for name in program.flows)
 
 
 def _spell(method: Method, system: Structure, word: Word, x_clock: Fraction) -> list[tuple[str, Fraction, Fraction]]:

@@ -9,17 +9,17 @@ from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import multipliers, quantities
 from kickdrift.engine.grid import Grid
+from kickdrift.engine.method_selection import Choice
 from kickdrift.engine.processing import Processing
 from kickdrift.engine.run import Ending, Run
 from kickdrift.engine.solution import Description, Invariants, Solution
-from kickdrift.methods import Method
 from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
 
 
 def report(
-    system: System, method: Method, grid: Grid, processing: Processing, run: Run, ending: Ending, compensated: bool
+    system: System, chosen: Choice, grid: Grid, processing: Processing, run: Run, ending: Ending, compensated: bool
 ) -> Solution:
     """Return what a run has kept, as people see it."""
     t = np.append(grid.times, grid.times[-1])[: ending.saved]
@@ -39,8 +39,9 @@ def report(
         n_steps=ending.n_steps,
         n_force_evaluations=ending.evaluations + processing.evaluations(ending.saved),
         wall_time=ending.wall_time,
-        about=_description(system, method, compensated),
+        about=_description(system, chosen, compensated),
         derived=_derived(system, t, xs, vs),
+        error_estimate=None if ending.estimated is None else ending.estimated.reshape(system.x0.shape),
     )
 
 
@@ -49,7 +50,8 @@ def _derived(system: System, t: Floats, xs: Floats, vs: Floats) -> Invariants:
     return Invariants(("multipliers",) * constrained, lambda name: multipliers.evaluate(system, t, xs, vs))
 
 
-def _description(system: System, method: Method, compensated: bool) -> Description:
+def _description(system: System, chosen: Choice, compensated: bool) -> Description:
+    method = chosen.method
     units = dict(system.units) | {name: quantity.unit for name, quantity in system.quantities.items() if quantity.unit}
     return Description(
         system=system.name,
@@ -62,4 +64,5 @@ def _description(system: System, method: Method, compensated: bool) -> Descripti
         coordinates=dict(system.coordinates),
         units=units,
         source=system.source,
+        choice=chosen.reason,
     )

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.interruption import next_chunk
 from kickdrift.core.outcomes import Outcome
-from kickdrift.engine.flows.layout import EVALUATIONS, TROUBLE
+from kickdrift.engine.flows.layout import EVALUATIONS, TROUBLE, estimated_errors
 from kickdrift.engine.flows.table import FLOWS
 from kickdrift.engine.grid import Grid
 from kickdrift.engine.progress import Bar
@@ -30,7 +30,7 @@ class Checkpoint:
 
 @dataclass(frozen=True)
 class Ending:
-    """How a run ended: its outcome and sentence, steps done, rows filled, evaluations, and seconds in the loop."""
+    """How a run ended: outcome and sentence, steps, rows filled, evaluations, seconds in the loop, estimated errors."""
 
     outcome: Outcome
     message: str
@@ -38,6 +38,7 @@ class Ending:
     saved: int
     evaluations: int
     wall_time: float
+    estimated: Floats | None
 
 
 class Run:
@@ -149,7 +150,9 @@ class Run:
             message += " Try a smaller step."
         evaluations = step * program.evaluations + sum(FLOWS[name].evaluations for name in program.primers)
         evaluations += int(self._state.work[EVALUATIONS])
-        return Ending(outcome, message, step, saved, evaluations, wall_time)
+        work, size = self._state.work, self._state.x.size
+        estimated = estimated_errors(size, work).copy() if self._stepper.estimates else None
+        return Ending(outcome, message, step, saved, evaluations, wall_time, estimated)
 
 
 def _raised(error: Exception) -> Failure:

@@ -68,6 +68,8 @@ class Description:
         Units of t, x and v and of the invariants by name.
     source : str
         Where the system is from.
+    choice : str
+        Why ``"auto"`` took the method; empty where it was named.
     """
 
     system: str
@@ -80,6 +82,7 @@ class Description:
     coordinates: Mapping[str, Any] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     source: str = ""
+    choice: str = ""
 
     @property
     def v_is_velocity(self) -> bool:
@@ -127,6 +130,9 @@ class Solution:
         What was run.
     derived : mapping of str to array
         What else follows from the states, by name, each evaluated when it is first asked for.
+    error_estimate : array or None
+        The largest error that a step is estimated to have made in each number of x, in the shape of x0; None where the
+        method has no estimate. It is that of a method of lower order, and so larger than the error.
     """
 
     t: Floats
@@ -141,6 +147,7 @@ class Solution:
     wall_time: float
     about: Description
     derived: Mapping[str, Floats] = field(default_factory=dict)
+    error_estimate: Floats | None = None
 
     presenters: ClassVar[Presenters]
 

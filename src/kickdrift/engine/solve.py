@@ -56,10 +56,13 @@ def solve(
         Largest step allowed. A whole number of equal steps covers `t_span`; the step used is ``solution.step``.
     method : str or Method, optional
         Name of a method, see ``kickdrift.methods.catalogue()``; ``"auto"`` takes the one that is best for the kind of
-        problem, of the wanted `order`. By default the semi-implicit Euler method, or ``"auto"`` where that does not
+        problem, or of the wanted `order`, and an L-stable one where the problem is stiff at its start; the report says
+        why. By default the semi-implicit Euler method, or ``"auto"`` where that does not
         apply or an order is given.
     order : int, optional
-        For ``method="auto"``: the least order wanted, by default 4, or the highest that there is for the problem.
+        For ``method="auto"``: the least order wanted, of methods that keep the structure of the problem. By default what
+        takes the least time to errors between 1e-3 and 1e-9 at the end, or close to it; for Hamiltonians that are not
+        separable that is `dop853`, whose energy drifts.
     t_eval : array_like, optional
         Times to keep, on the grid of steps.
     save_every : int, optional
@@ -112,9 +115,9 @@ def solve(
         grid = lay_grid(t_span, step, t_eval, save_every, start.x.size)
         with compiling_announced(progress):
             system = describe(problem, grid.t0, start, params, compiles, check_bounds)
-            chosen = choose(method, order, system)
-            check_direction(chosen, grid.step)
-            processing = compile_method(system, chosen, grid, compensated)
+            chosen = choose(method, order, system, grid.t0, grid.step)
+            check_direction(chosen.method, grid.step)
+            processing = compile_method(system, chosen.method, grid, compensated)
         processing.enter()
         run = Run(processing.kernel, grid, progress)
     except MemoryError as error:

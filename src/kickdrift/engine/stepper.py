@@ -69,12 +69,15 @@ class Stepper:
     t0, step : float
         Time of step 0, and the length of a step with its sign.
     state : State
+    estimates : bool
+        Whether steps estimate their errors.
     """
 
     program: Program
     t0: float
     step: float
     state: State
+    estimates: bool
     _flows: Any  # addresses of the letters, those of the primers last; the letters themselves for the interpreter
     _members: Any  # address of the block that describes the state, or its arrays for the interpreter
     _advance: Function
@@ -130,16 +133,19 @@ def compile_program(system: System, program: Program, grid: Grid, compensated: b
     x, v = system.x0.reshape(-1).copy(), system.v0.reshape(-1).copy()
     sizes = x.size, program.coefficients, system.params
     scratch = np.zeros(max(FLOWS[name].scratch(*sizes) for name in names))
-    memory_size = max(FLOWS[name].memory(*sizes) for name in names)
+    estimates = any(FLOWS[name].estimates for name in names)
+    memory_size = max(FLOWS[name].memory(*sizes) for name in names) + x.size * estimates
     work = lay_out(x.size, program.coefficients, memory_size, addresses, scratch)
     built = [letters.build(name, system, program, compensated, scratch) for name in names]
     state, members = State(x, v, work, scratch), (x, v, system.params, work)
     if not system.native:
         loops = loop.advance_interpreted, loop.change_interpreted
-        return Stepper(program, grid.t0, grid.step, state, built, members, *loops, ())
+        return Stepper(program, grid.t0, grid.step, state, estimates, built, members, *loops, ())
     if x.size > _LARGE:
         keep_freed_memory()
     flows, block = np.array([address_of(letter, loop.LETTER) for letter in built]), state_block(*members)
     load(loop.advance, loop.ADVANCE)
     alive = built, functions, block, members
-    return Stepper(program, grid.t0, grid.step, state, flows, block.ctypes.data, loop.advance, loop.change, alive)
+    return Stepper(
+        program, grid.t0, grid.step, state, estimates, flows, block.ctypes.data, loop.advance, loop.change, alive
+    )

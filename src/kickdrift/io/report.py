@@ -23,6 +23,10 @@ def report(solution: Solution) -> str:
         ("wall time", f"{solution.wall_time:.3g} s, {per_step:.4g} ns a step"),
         ("sums", "compensated" if about.compensated else "plain"),
     ]
+    if solution.error_estimate is not None:
+        rows.append(("estimated error", f"{solution.error_estimate.max():.3e} at most in a step"))
+    if about.choice:
+        rows.insert(2, ("taken because", about.choice))
     for name, values in solution.invariants.items():
         absolute, relative = largest_error(values)
         size = f"{absolute:.3e} {about.units.get(name, '')}".rstrip()

@@ -46,6 +46,7 @@ def header_of(solution: Solution) -> dict[str, Any]:
         "n_force_evaluations": solution.n_force_evaluations,
         "wall_time": solution.wall_time,
         "about": asdict(solution.about),
+        "error_estimate": None if solution.error_estimate is None else solution.error_estimate.tolist(),
     }
 
 
@@ -54,6 +55,16 @@ def arrays_of(solution: Solution) -> dict[str, Any]:
     arrays = {"t": solution.t, "x": solution.x, "v": solution.v}
     arrays |= {_INVARIANT + name: values for name, values in solution.invariants.items()}
     return arrays | {_DERIVED + name: values for name, values in solution.derived.items()}
+
+
+def _estimate(given: Any, x: Any) -> Any:
+    """Return the estimate of errors that a file holds; earlier files have none."""
+    if given is None:
+        return None
+    estimate = np.array(given, dtype=float)
+    if estimate.shape != x.shape[1:]:
+        raise ValueError(f"error_estimate has shape {estimate.shape}")
+    return estimate
 
 
 def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Solution:
@@ -71,7 +82,8 @@ def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Solution:
 
 def members(head: dict[str, Any], arrays: dict[str, Any]) -> dict[str, Any]:
     """Return the members of a solution by name, of what a file holds."""
-    about = {f.name: head["about"][f.name] for f in fields(Description)}
+    about = {f.name: head["about"][f.name] for f in fields(Description) if f.name != "choice"}
+    about["choice"] = str(head["about"].get("choice", ""))  # earlier files have none
     about["dimensions"] = tuple(about["dimensions"])
     about["kind"] = Kind[about["kind"]].name
     kept = {name.removeprefix(_INVARIANT): a for name, a in arrays.items() if name.startswith(_INVARIANT)}
@@ -96,4 +108,5 @@ def members(head: dict[str, Any], arrays: dict[str, Any]) -> dict[str, Any]:
         "wall_time": float(head["wall_time"]),
         "about": Description(**about),
         "derived": derived,
+        "error_estimate": _estimate(head.get("error_estimate"), x),
     }

@@ -20,6 +20,9 @@ class Letter(Enum):
     THERMOSTAT = "thermostat"
     NOISE = "noise"
     KEPLER = "kepler"
+    OSCILLATE = "oscillate"
+    FILTERED_KICK = "filtered-kick"
+    SUBSTEPS = "substeps"
     CONSTRAIN_POSITIONS = "constrain-positions"
     CONSTRAIN_VELOCITIES = "constrain-velocities"
     DOUBLED_KICK = "doubled-kick"
@@ -27,6 +30,7 @@ class Letter(Enum):
     DOUBLED_BINDING = "doubled-binding"
     RUNGE_KUTTA = "runge-kutta"
     IMPLICIT_RUNGE_KUTTA = "implicit-runge-kutta"
+    STIFF_RUNGE_KUTTA = "stiff-runge-kutta"
     EXTRAPOLATION = "extrapolation"
 
     @property
@@ -52,6 +56,7 @@ class Letter(Enum):
             Letter.ADJOINT_DRIFT,
             Letter.LINEARLY_IMPLICIT_KICK,
             Letter.IMPLICIT_RUNGE_KUTTA,
+            Letter.STIFF_RUNGE_KUTTA,
             Letter.EXTRAPOLATION,
         )
 
@@ -78,12 +83,12 @@ class Letter(Enum):
     @property
     def has_tableau(self) -> bool:
         """Whether it is a Runge-Kutta flow."""
-        return self in (Letter.RUNGE_KUTTA, Letter.IMPLICIT_RUNGE_KUTTA)
+        return self in (Letter.RUNGE_KUTTA, Letter.IMPLICIT_RUNGE_KUTTA, Letter.STIFF_RUNGE_KUTTA)
 
     @property
-    def has_parameter(self) -> bool:
-        """Whether it has a number of the method as a parameter."""
-        return self in (Letter.GRADIENT_KICK, Letter.DOUBLED_BINDING, Letter.EXTRAPOLATION)
+    def parameters(self) -> int:
+        """How many numbers of the method it has as parameters."""
+        return _PARAMETERS.get(self, 0)
 
     @property
     def kind(self) -> Kind:
@@ -104,6 +109,7 @@ _ADJOINTS = {
     Letter.LINEARLY_IMPLICIT_KICK: None,
     Letter.NOISE: None,
     Letter.RUNGE_KUTTA: None,
+    Letter.STIFF_RUNGE_KUTTA: None,
     Letter.EXTRAPOLATION: None,
 }
 
@@ -111,10 +117,19 @@ _PLAIN = {Letter.ADJOINT_KICK: Letter.KICK, Letter.ADJOINT_DRIFT: Letter.DRIFT}
 
 _SWEEPS = {Letter.DRIFT: "sweep", Letter.ADJOINT_DRIFT: "adjoint-sweep", Letter.EXTRAPOLATION: "extrapolated-sweeps"}
 
+_PARAMETERS = {
+    Letter.GRADIENT_KICK: 1,
+    Letter.DOUBLED_BINDING: 1,
+    Letter.EXTRAPOLATION: 1,
+    Letter.SUBSTEPS: 1,
+    Letter.FILTERED_KICK: 3,
+}
+
 _SHARES = {
     Letter.ADJOINT_KICK: "kick",
     Letter.LINEARLY_IMPLICIT_KICK: "kick",
     Letter.GRADIENT_KICK: "kick",
+    Letter.FILTERED_KICK: "kick",
     Letter.ADJOINT_DRIFT: "drift",
     Letter.BORIS_ROTATE: "rotate",
 }
@@ -128,6 +143,9 @@ _KINDS = {
     Letter.THERMOSTAT: Kind.LANGEVIN,
     Letter.NOISE: Kind.LANGEVIN,
     Letter.KEPLER: Kind.NEARLY_KEPLERIAN,
+    Letter.OSCILLATE: Kind.OSCILLATORY,
+    Letter.FILTERED_KICK: Kind.OSCILLATORY,
+    Letter.SUBSTEPS: Kind.MULTIRATE,
     Letter.CONSTRAIN_POSITIONS: Kind.CONSTRAINED,
     Letter.CONSTRAIN_VELOCITIES: Kind.CONSTRAINED,
     Letter.DOUBLED_KICK: Kind.HAMILTONIAN,
@@ -154,9 +172,12 @@ WHOLES = tuple(
         ("kick", "drift", "constrain-positions"),
         ("kick", "drift", "constrain-positions", "constrain-velocities"),
         ("kick", "kepler"),
+        ("kick", "oscillate"),
+        ("kick", "substeps"),
         ("doubled-kick", "doubled-drift", "doubled-binding"),
         ("runge-kutta",),
         ("implicit-runge-kutta",),
+        ("stiff-runge-kutta",),
         ("noise", "implicit-runge-kutta"),
         ("extrapolation",),
     )

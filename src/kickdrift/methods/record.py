@@ -181,7 +181,7 @@ class Method:
             raise ArgumentError(f"kind of {self.name!r} is {self.kind.value}, but none of its flows is for that.")
         if (self.tableau is not None) != any(letter.has_tableau for letter in self.letters):
             raise ArgumentError(f"tableau of {self.name!r}: a Runge-Kutta flow has one, and no other does.")
-        wanted = sum(letter.has_parameter for letter in self.letters)
+        wanted = sum(letter.parameters for letter in self.letters)
         if len(self.parameters) != wanted:
             raise ArgumentError(f"parameters={self.parameters!r} of {self.name!r}: its flows need {wanted}.")
 
@@ -199,6 +199,11 @@ class Method:
         tableau = self.tableau()
         if self.explicit and not tableau.explicit:
             raise ArgumentError(f"tableau of {self.name!r} is implicit; its letter is IMPLICIT_RUNGE_KUTTA.")
+        if Letter.STIFF_RUNGE_KUTTA in self.letters and not tableau.stiffly_accurate:
+            raise ArgumentError(
+                f"tableau of {self.name!r} is not stiffly accurate: b is the last row of a regular a, for x and v alike;"
+                " its letter is IMPLICIT_RUNGE_KUTTA."
+            )
         if tableau.symmetric != self.symmetric:
             raise ArgumentError(f"symmetric={self.symmetric} of {self.name!r}: its tableau says {tableau.symmetric}.")
         return tableau.numbers

@@ -99,14 +99,41 @@ class Tableau:
         return solved
 
     @property
+    def stiffly_accurate(self) -> bool:
+        """Whether the last stage is the end of the step, and each stage an equation to solve.
+
+        What decays fast is then gone after a step (Hairer, Wanner, Solving Ordinary Differential Equations II, section
+        IV.3), if the method is A-stable.
+        """
+        same = self.a_of_v is None and self.b_of_v is None
+        return same and not self.explicit and np.array_equal(self._a[-1], self._b) and bool(np.linalg.det(self._a))
+
+    @property
+    def embedded(self) -> NDArray[np.float64]:
+        """Weights of an estimate of the error: of the slope at the start, then of those of the stages.
+
+        The estimate is the difference from the quadrature of order s that has the slope at the start for one of its
+        own, with a weight that is the real eigenvalue of a (Hairer, Wanner, section IV.8), or where there is none the
+        modulus of that nearest to the real axis.
+        """
+        nodes, powers = self._a.sum(axis=1), np.arange(self.stages)
+        eigenvalues = np.linalg.eigvals(self._a)
+        first = abs(eigenvalues[np.argmin(abs(eigenvalues.imag))])
+        missing = np.where(powers == 0, -first, 0.0)
+        return np.append(first, np.linalg.solve(nodes[None, :] ** powers[:, None], missing))
+
+    @property
     def numbers(self) -> NDArray[np.float64]:
         """What the engine reads: s, the nodes, a and b for x, a and b for v, and `onward`, matrices row by row.
+
+        After them, of a stiffly accurate tableau, `embedded`.
 
         Time is one of the positions: its nodes are those of x.
         """
         a, a_of_v = self._a, self._a_of_v
         matrices = (a.sum(axis=1), a.ravel(), self._b, a_of_v.ravel(), self._b_of_v, self.onward.ravel())
-        return np.concatenate([[float(self.stages)], *matrices])
+        embedded = self.embedded if self.stiffly_accurate else ()
+        return np.concatenate([[float(self.stages)], *matrices, embedded])
 
 
 def _check_numbers(name: str, given: Any, dimensions: int) -> None:

@@ -12,7 +12,9 @@ from kickdrift.systems.hamiltonian import Hamiltonian, Partitioned, Separable
 from kickdrift.systems.harmonic_oscillator import harmonic_oscillator
 from kickdrift.systems.kepler import kepler
 from kickdrift.systems.langevin import Langevin
+from kickdrift.systems.multirate import Multirate
 from kickdrift.systems.nbody import nbody
+from kickdrift.systems.oscillatory import Oscillatory
 from kickdrift.systems.outer_solar_system import outer_solar_system
 from kickdrift.systems.pendulum import pendulum
 from kickdrift.systems.planetary import planetary
@@ -28,7 +30,9 @@ __all__ = [
     "FirstOrder",
     "Hamiltonian",
     "Langevin",
+    "Multirate",
     "Newtonian",
+    "Oscillatory",
     "Partitioned",
     "Problem",
     "Quantity",

@@ -7,7 +7,7 @@ For a state of n numbers::
     2 n      what the sums for v have rounded off
     3 n      rate of x where it is not v, or else what a flow is about to add to v, see `change_of_v`
     4 n      coefficients of the method
-    memory   what the flows of the step need, see `memory`
+    memory   what the flows of the step need, see `memory`; its last n numbers are for `estimated_errors`
     -TAIL    single numbers, below
 
 In front of it there are machine words: the addresses of the scratch and of the functions of the system.
@@ -39,6 +39,7 @@ PARTS = (
     "acceleration",
     "velocity",
     "remainder",
+    "fast",
     "jump",
     "component",
     "velocity_jacobian",
@@ -109,6 +110,12 @@ def memory(work: Floats) -> Floats:
     """Return the part of work that is for the flows of the step."""
     start = int(work[MEMORY])
     return part(work, start, work.size - TAIL - start)
+
+
+@compiled(inline=True)
+def estimated_errors(n: int, work: Floats) -> Floats:
+    """Return the largest error that a step has been estimated to have, of each number of x."""
+    return part(work, work.size - TAIL - n, n)
 
 
 def aligned(size: int) -> NDArray[np.int64]:

@@ -22,7 +22,10 @@ from kickdrift.engine.flows import (
     magnetic,
     newton,
     noise,
+    oscillation,
     runge_kutta,
+    stiff,
+    substeps,
     sweep,
 )
 
@@ -45,6 +48,8 @@ class Flow:
         Templates that it calls, by the names that they have in it, each after those that it calls itself.
     evaluations : int
         Force evaluations each time, those that it counts itself in work left out.
+    counted : callable
+        How many of its letters in a step together count themselves, for the coefficients, where that is known.
     moves_x, moves_v : bool
         What it moves.
     timed : bool
@@ -72,12 +77,15 @@ class Flow:
         Name of the flow that takes its place where x' is not v.
     companion : str
         Name of a part of a system, and of the flow of it, which follows where the kicks have only the remainder.
+    estimates : bool
+        Whether it estimates its errors, see `layout.estimated_errors`.
     """
 
     template: Function
     inlined: tuple[str, ...] = ()
     parts: Mapping[str, Function] = field(default_factory=dict)
     evaluations: int = 0
+    counted: Callable[[NDArray[np.float64]], int] = lambda coefficients: 0
     moves_x: bool = False
     moves_v: bool = False
     timed: bool = True
@@ -93,6 +101,7 @@ class Flow:
     evaluation: str = ""
     along: str = ""
     companion: str = ""
+    estimates: bool = False
 
 
 def _solving(residual: Function, **parts: Function) -> dict[str, Function]:
@@ -155,6 +164,21 @@ FLOWS = {
     "noise": Flow(noise.noise, parts={"draw": noise.draw}, moves_v=True),
     "kepler": Flow(kepler.kepler, moves_x=True, moves_v=True),
     "jump": Flow(kepler.jump),  # moves x by what neither the clock nor the acceleration of the kicks sees
+    "oscillate": Flow(oscillation.oscillate, moves_x=True, moves_v=True, memory=oscillation.memory_size),
+    "filtered-kick": Flow(
+        oscillation.filtered_kick,
+        moves_v=True,
+        keeps_acceleration=False,
+        memory=oscillation.memory_size,
+        counted=lambda coefficients: 1,
+    ),
+    "substeps": Flow(
+        substeps.substeps,
+        moves_x=True,
+        moves_v=True,
+        memory=substeps.memory_size,
+        counted=lambda coefficients: int(coefficients[0]),
+    ),
     "sweep": Flow(
         sweep.sweep,
         parts={"evaluate_component": sweep.evaluate_component},
@@ -244,6 +268,20 @@ FLOWS = {
         memory=runge_kutta.implicit_memory,
         scratch=runge_kutta.implicit_scratch,
         constants=runge_kutta.constants,
+    ),
+    "stiff-runge-kutta": Flow(
+        stiff.stiff_runge_kutta,
+        parts={
+            **_solving(runge_kutta.stage_residual, evaluate=runge_kutta.evaluate, advance=runge_kutta.advance),
+            "estimate": stiff.estimate_errors,
+            "take_step": stiff.take_attempt,
+        },
+        moves_x=True,
+        moves_v=True,
+        memory=stiff.memory_size,
+        scratch=runge_kutta.implicit_scratch,
+        constants=runge_kutta.constants,
+        estimates=True,
     ),
     "linearise-constraints": Flow(
         constraints.linearise_constraints,

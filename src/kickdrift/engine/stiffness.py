@@ -1,0 +1,121 @@
+"""Whether explicit methods would be held to steps much smaller than the one given: looked at before a run by ``"auto"``.
+
+The eigenvalues of the Jacobian at the start, and along a few steps of the linearly implicit Euler method, which goes
+through transients that decay in less than a step: Robertson's problem is not stiff at its start. Of large states, where
+eigenvalues cost more than the run may, the largest one by power iteration, at the start. What becomes stiff later is not
+seen.
+"""
+
+from collections.abc import Callable
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.kinds import Kind
+from kickdrift.engine.flows.layout import call_flat
+from kickdrift.systems.system import System
+
+Floats = NDArray[np.float64]
+Rates = Callable[[float, Floats], Floats]
+
+_LIMIT = (
+    5.0  # |h lambda| that DOP853 bears: it is stable to 6.4 on the real axis, and to more than 5 on the imaginary one
+)
+_FAST = 1.0  # h omega from which on the trigonometric methods are ahead of words of kicks and drifts
+_STEPS = 3
+_LARGEST = 40  # numbers of a state whose eigenvalues are found: in 2 ms
+_ITERATIONS = 12
+_DIFFERENCE = 1e-7
+
+
+class Stiffness(Enum):
+    """What is much faster than a step."""
+
+    NONE = "nothing"
+    DECAY = "decays"
+    OSCILLATION = "oscillations"
+
+
+def stiffness(system: System, t0: float, step: float) -> Stiffness:
+    """Judge a system at its start, and a few steps on. A function that fails where it is tried is left to the run."""
+    if system.kind is Kind.OSCILLATORY:
+        fastest = abs(step) * system.params[-system.x0.size :].max()
+        return Stiffness.OSCILLATION if fastest > _FAST else Stiffness.NONE
+    try:
+        with np.errstate(all="ignore"):
+            return _judge(_rates(system), t0, np.concatenate([system.x0.ravel(), system.v0.ravel()]), step)
+    except (ArithmeticError, ValueError, IndexError, np.linalg.LinAlgError):
+        return Stiffness.NONE
+
+
+def _rates(system: System) -> Rates:
+    n = system.x0.size
+
+    def evaluate(function: Callable[..., None], t: float, x: Floats, v: Floats, out: Floats) -> None:
+        if system.native:
+            call_flat(function, t, x, v, system.params, out)
+        else:
+            function(t, x, v, system.params, out)
+
+    def rates(t: float, y: Floats) -> Floats:
+        x, v, out, of_v = y[:n].copy(), y[n:].copy(), np.zeros(n), np.zeros(y.size - n)
+        if system.velocity is None:
+            out = v
+        else:
+            evaluate(system.velocity, t, x, v, out)
+        if of_v.size:
+            evaluate(system.acceleration, t, x, v, of_v)
+        return np.concatenate([out, of_v])
+
+    return rates
+
+
+def _judge(rates: Rates, t: float, y: Floats, h: float) -> Stiffness:
+    if y.size > _LARGEST:
+        return _by_power_iteration(rates, t, y, h)
+    for _ in range(_STEPS + 1):
+        rate = rates(t, y)
+        matrix = h * _jacobian(rates, t, y, rate)
+        if not np.isfinite(matrix).all():
+            return Stiffness.NONE
+        if abs(matrix).sum(axis=1).max() > _LIMIT:
+            eigenvalues = np.linalg.eigvals(matrix)
+            if eigenvalues.real.min() < -_LIMIT:
+                return Stiffness.DECAY
+            if abs(eigenvalues.imag).max() > _LIMIT:
+                return Stiffness.OSCILLATION
+        y = y + np.linalg.solve(np.eye(y.size) - matrix, h * rate)
+        t += h
+    return Stiffness.NONE
+
+
+def _jacobian(rates: Rates, t: float, y: Floats, rate: Floats) -> Floats:
+    columns = []
+    for j in range(y.size):
+        moved = y.copy()
+        moved[j] += _DIFFERENCE * max(abs(y[j]), 1e-3 * abs(y).max(), 1e-8)
+        columns.append((rates(t, moved) - rate) / (moved[j] - y[j]))
+    return np.array(columns).T
+
+
+def _by_power_iteration(rates: Rates, t: float, y: Floats, h: float) -> Stiffness:
+    """Judge by what the Jacobian makes of a vector that it has been applied to over and over."""
+    rate, size = rates(t, y), _DIFFERENCE * max(float(np.linalg.norm(y)), 1.0)
+    direction = np.cos(1.0 + np.arange(y.size) ** 2)  # no symmetry of a chain or a grid
+    along = growth = 0.0
+    for _ in range(_ITERATIONS):
+        direction = direction / np.linalg.norm(direction)
+        image = h * (rates(t, y + size * direction) - rate) / size
+        along, growth = float(direction @ image), float(np.linalg.norm(image))
+        if not (np.isfinite(growth) and growth > 0.0):
+            return Stiffness.NONE
+        direction = image
+    if growth <= _LIMIT:
+        return Stiffness.NONE
+    return Stiffness.DECAY if along < -0.5 * growth else Stiffness.OSCILLATION
+
+
+def may_be_stiff(kind: Kind) -> bool:
+    """Whether `auto` looks: for kinds whose methods have no structure of their own to keep, or that say what is fast."""
+    return kind in (Kind.OSCILLATORY, Kind.FIRST_ORDER, Kind.PARTITIONED, Kind.HAMILTONIAN, Kind.VELOCITY_DEPENDENT)
