@@ -7,7 +7,7 @@ SHORT = {
     "fuzz_world_files": 60,
     "fuzz_interruptions": 51,
     "fuzz_arguments": 600,
-    "fuzz_cache": 4,
+    "fuzz_cache": 2,
     "fuzz_operations": 40,
 }
 
