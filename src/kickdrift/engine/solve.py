@@ -122,7 +122,7 @@ def solve(
         grid = lay_grid(t_span, step, t_eval, save_every, x.size)
         with compiling_announced(progress):
             system = _system(problem, grid.t0, x, v, params, compiles, check_bounds)
-            taken = choose(method, order, system, grid.t0, grid.step)
+            taken = choose(method, order, system, grid.t0, grid.step, grid.n_steps * grid.step)
             chosen = taken.method
             check_direction(chosen, grid.step)
             inside = Inside(system, chosen, grid, compensated)
