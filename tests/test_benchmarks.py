@@ -392,3 +392,27 @@ def test_loops_by_hand_do_the_work_of_kickdrift():
         pair.check()
     with pytest.raises(AssertionError, match="does not do the same work"):
         replace(chosen[0], loop=lambda steps: chosen[0].loop(steps + 1)).check()
+
+
+def test_times_to_an_error_are_read_off_between_steps_from_which_on_no_error_is_larger():
+    from benchmarks.auto.work import Curve
+
+    errors = np.array([np.inf, 1e-1, 1e-5, 1e-3, 1e-4, 1e-6])
+    seconds = np.array([[1.0], [2.0], [4.0], [8.0], [16.0], [32.0]])
+    found = Curve(errors, seconds, ("a", "a", "a", "b", "b", "c"))
+    assert found.time_to(1e-2) == pytest.approx(2.0 * 2 ** (1 / 4))  # errors fall by 1e4 from 2 to 4 seconds
+    assert found.time_to(3e-4)[0] == pytest.approx(8.0 * 2 ** np.log10(1e-3 / 3e-4))  # not at the lucky 1e-5
+    assert found.time_to(1e-7) is None
+    assert found.time_to(0.5)[0] == 2.0  # nothing to read off from what was lost
+    assert found.methods_at(1e-5) == ("b", "c")
+
+
+def test_problems_of_auto_are_of_the_kinds_of_their_candidates():
+    from benchmarks.auto import candidates, problems
+
+    assert len(problems.named()) == 12
+    for problem in problems.every_problem():
+        run = problem.run("auto", problem.largest)
+        assert run.about.kind == problem.kind.name
+        for name in candidates.of(problem):
+            assert kd.methods.get(name).kind.includes(problem.kind)

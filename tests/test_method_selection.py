@@ -222,6 +222,19 @@ def test_auto_sees_stiffness_that_starts_after_the_first_steps():
     assert taken(1e-4, **problem).method == "dop853"
 
 
+def test_auto_sees_stiffness_that_starts_later():
+    def warming(y):
+        return np.array([1.0, -10.0 * y[0] * (y[1] - 1.0)])  # decays at 10 t
+
+    problem = {"problem": kd.FirstOrder(warming), "x0": [0.0, 0.5]}
+
+    def method(end):
+        return kd.solve(t_span=(0.0, end), step=0.1, method="auto", compile=False, **problem).about.method
+
+    assert method(5.0) == "dop853"  # and 50 at the end: as fast as it bears
+    assert method(400.0) == "radau-5"
+
+
 def test_auto_neither_damps_nor_lets_grow_oscillations_much_faster_than_the_step():
     def turning(y):
         return np.array([100.0 * y[1], -100.0 * y[0]])

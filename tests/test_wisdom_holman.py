@@ -10,6 +10,7 @@ import pytest
 import kickdrift as kd
 from kickdrift.core.compilation import specialise
 from kickdrift.core.errors import ArgumentError, MethodMismatchError, UnknownNameError
+from kickdrift.engine.pericentres import fastest_pericentre
 from kickdrift.methods import Kind, Letter, Method, palindrome, word
 from kickdrift.systems import jacobi
 
@@ -398,7 +399,20 @@ def test_a_corrector_that_advances_or_has_other_letters_is_refused():
 
 def test_by_default_nearly_keplerian_motion_is_split():
     assert run(two_planets(0.1), "auto", 0.1).about.method == "blanes-aba-1064"
+    assert run(two_planets(0.1), "auto", 1.0).about.method == "wisdom-holman-corrected-3"
     assert kd.methods.preferred(Kind.NEARLY_KEPLERIAN, 2).name == "wisdom-holman"
+
+
+@pytest.mark.parametrize("splitting", ["jacobi", "democratic-heliocentric"])
+def test_how_fast_a_pericentre_is_passed(splitting):
+    e, a = 0.6, 0.8
+    x, v = (
+        [[0, 0, 0], [a * (1 + e), 0, 0], [0, 30, 0]],
+        [[0, 0, 0], [0, np.sqrt((1 - e) / (1 + e) / a), 0], [-0.1, 0, 0]],
+    )
+    found = fastest_pericentre(kd.systems.planetary([1.0, 1e-12, 1e-12], x, v, splitting=splitting))
+    assert found == pytest.approx(np.sqrt((1 + e) / a**3) / (1 - e) ** 1.5, rel=1e-9)
+    assert fastest_pericentre(kd.systems.kepler(e)) == pytest.approx(np.sqrt(1 + e) / (1 - e) ** 1.5, rel=1e-12)
 
 
 def test_planets_of_the_ephemeris_can_be_split():

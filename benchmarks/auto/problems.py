@@ -301,7 +301,7 @@ def held_out() -> list[Problem]:
             *("spherical pendulum", Kind.HAMILTONIAN, kd.Hamiltonian(_geodesic_pull, _geodesic_speed)),
             *(200.0, 0.5, [1.0, 0.0], [0.0, 0.7]),
         ),
-        _first_order("van der Pol, mu = 1000", _van_der_pol, 2000.0, 4.0, [2.0, 0.0], stiff=True),
+        _first_order("van der Pol, mu = 1000, before it jumps", _van_der_pol, 750.0, 20.0, [2.0, 0.0], stiff=True),
         _first_order("HIRES", _hires, 300.0, 4.0, [1.0, 0, 0, 0, 0, 0, 0, 0.0057], stiff=True),
         _first_order("rod of 20, warmed and cooled", _heat, 20.0, 1.0, np.append(np.zeros(20), [0.0, 1.0]), stiff=True),
     ]

@@ -97,7 +97,7 @@ def make_plan(target: str, options: Options, *, comparison: bool = False) -> Pla
         system=system,
         duration=duration,
         step=step,
-        method=choose(method, None, system, 0.0, step).method,
+        method=choose(method, None, system, 0.0, step, duration).method,
         save_every=save_every(options, wishes.save_every),
         jpl=target == SOLAR_SYSTEM,
     )

@@ -9,8 +9,8 @@ from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function, compiled, is_kept, is_users, specialise, unbound
 from kickdrift.core.naming import comes_with_kickdrift, specialised_name
 from kickdrift.engine.flows import layout
-from kickdrift.engine.flows.sums import sums
 from kickdrift.engine.flows.record import Flow
+from kickdrift.engine.flows.sums import sums
 from kickdrift.engine.flows.table import FLOWS
 from kickdrift.engine.loop import LETTER
 from kickdrift.engine.program import Program

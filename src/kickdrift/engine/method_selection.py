@@ -8,6 +8,7 @@ import numpy as np
 from kickdrift import methods
 from kickdrift.core.errors import ArgumentError, MethodMismatchError
 from kickdrift.core.kinds import Kind
+from kickdrift.engine.pericentres import fastest_pericentre
 from kickdrift.engine.stiffness import Stiffness, may_be_stiff, stiffness
 from kickdrift.methods import Method
 from kickdrift.systems.system import System
@@ -26,7 +27,9 @@ class Choice:
     reason: str = ""
 
 
-def choose(method: str | Method | None, order: int | None, system: System, t0: float, step: float) -> Choice:
+def choose(
+    method: str | Method | None, order: int | None, system: System, t0: float, step: float, span: float
+) -> Choice:
     """Find the method to run a system by: by name, or for ``"auto"`` by its kind, the order wanted, and its stiffness.
 
     None is the semi-implicit Euler method, or ``"auto"`` where that does not apply or an order is wanted. For
@@ -41,7 +44,7 @@ def choose(method: str | Method | None, order: int | None, system: System, t0: f
     if method is None:
         method = DEFAULT if order is None and methods.get(DEFAULT).kind.includes(system.kind) else AUTO
     if isinstance(method, str) and method == AUTO:
-        return _choose_by_itself(order, system, t0, step)
+        return _choose_by_itself(order, system, t0, step, span)
     named = methods.get(method)
     if system.kind is Kind.HAMILTONIAN and named.counterpart:
         return Choice(methods.get(named.counterpart))
@@ -50,14 +53,20 @@ def choose(method: str | Method | None, order: int | None, system: System, t0: f
     raise _mismatch(named, system)
 
 
-def _choose_by_itself(order: int | None, system: System, t0: float, step: float) -> Choice:
-    found = stiffness(system, t0, step) if may_be_stiff(system.kind) else Stiffness.NONE
+def _choose_by_itself(order: int | None, system: System, t0: float, step: float, span: float) -> Choice:
+    found = stiffness(system, t0, step, span) if may_be_stiff(system.kind) else Stiffness.NONE
     if found is Stiffness.DECAY and (stable := methods.preferred_for_stiff(order)) is not None:
         return Choice(stable, "stiff: there are decays much faster than a step; of those methods that are L-stable")
     if found is Stiffness.OSCILLATION and order is None:
         return Choice(
             methods.preferred_for_fast_oscillations(system.kind),
             "there are oscillations much faster than a step, which it neither damps nor lets grow",
+        )
+    if system.kind is Kind.NEARLY_KEPLERIAN and order is None:
+        turn = abs(step) * fastest_pericentre(system)
+        return Choice(
+            methods.preferred_for_nearly_keplerian(turn),
+            f"the fastest to most errors, where a step is {turn:.2g} radians of the fastest passage of a pericentre",
         )
     method = methods.preferred(system.kind, order)
     aim = "the fastest to most errors" if order is None else f"of order {order} or more the best"

@@ -115,7 +115,7 @@ def solve(
         grid = lay_grid(t_span, step, t_eval, save_every, start.x.size)
         with compiling_announced(progress):
             system = describe(problem, grid.t0, start, params, compiles, check_bounds)
-            chosen = choose(method, order, system, grid.t0, grid.step)
+            chosen = choose(method, order, system, grid.t0, grid.step, grid.n_steps * grid.step)
             check_direction(chosen.method, grid.step)
             processing = compile_method(system, chosen.method, grid, compensated)
         processing.enter()

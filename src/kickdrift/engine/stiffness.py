@@ -1,9 +1,10 @@
 """Whether explicit methods would be held to steps much smaller than the one given: looked at before a run by ``"auto"``.
 
 The eigenvalues of the Jacobian at the start, and along a few steps of the linearly implicit Euler method, which goes
-through transients that decay in less than a step: Robertson's problem is not stiff at its start. Of large states, where
-eigenvalues cost more than the run may, the largest one by power iteration, at the start. What becomes stiff later is not
-seen.
+through transients that decay in less than a step: Robertson's problem is not stiff at its start. Then along a few strides
+of a hundredth of the span: HIRES becomes stiff in some units of time, and with steps that suit its start it is lost.
+
+Of large states, where eigenvalues cost more than the run may, the largest one by power iteration, at the start.
 """
 
 from collections.abc import Callable
@@ -23,7 +24,7 @@ _LIMIT = (
     5.0  # |h lambda| that DOP853 bears: it is stable to 6.4 on the real axis, and to more than 5 on the imaginary one
 )
 _FAST = 1.0  # h omega from which on the trigonometric methods are ahead of words of kicks and drifts
-_STEPS = 3
+_STEPS, _STRIDES, _STRIDE = 3, 3, 0.01  # the last one in terms of the span
 _LARGEST = 40  # numbers of a state whose eigenvalues are found: in 2 ms
 _ITERATIONS = 12
 _DIFFERENCE = 1e-7
@@ -37,14 +38,14 @@ class Stiffness(Enum):
     OSCILLATION = "oscillations"
 
 
-def stiffness(system: System, t0: float, step: float) -> Stiffness:
-    """Judge a system at its start, and a few steps on. A function that fails where it is tried is left to the run."""
+def stiffness(system: System, t0: float, step: float, span: float) -> Stiffness:
+    """Judge a system at its start, and a few steps and strides on; a function that fails there is left to the run."""
     if system.kind is Kind.OSCILLATORY:
         fastest = abs(step) * system.params[-system.x0.size :].max()
         return Stiffness.OSCILLATION if fastest > _FAST else Stiffness.NONE
     try:
         with np.errstate(all="ignore"):
-            return _judge(_rates(system), t0, np.concatenate([system.x0.ravel(), system.v0.ravel()]), step)
+            return _judge(_rates(system), t0, np.concatenate([system.x0.ravel(), system.v0.ravel()]), step, span)
     except (ArithmeticError, ValueError, IndexError, np.linalg.LinAlgError):
         return Stiffness.NONE
 
@@ -71,22 +72,23 @@ def _rates(system: System) -> Rates:
     return rates
 
 
-def _judge(rates: Rates, t: float, y: Floats, h: float) -> Stiffness:
+def _judge(rates: Rates, t: float, y: Floats, h: float, span: float) -> Stiffness:
     if y.size > _LARGEST:
         return _by_power_iteration(rates, t, y, h)
-    for _ in range(_STEPS + 1):
+    strides = [h] * _STEPS + [span * _STRIDE] * (_STRIDES if abs(span * _STRIDE) > abs(h) else 0)
+    for stride in (*strides, 0.0):
         rate = rates(t, y)
-        matrix = h * _jacobian(rates, t, y, rate)
-        if not np.isfinite(matrix).all():
+        jacobian = _jacobian(rates, t, y, rate)
+        if not np.isfinite(jacobian).all():
             return Stiffness.NONE
-        if abs(matrix).sum(axis=1).max() > _LIMIT:
-            eigenvalues = np.linalg.eigvals(matrix)
+        if abs(h) * abs(jacobian).sum(axis=1).max() > _LIMIT:
+            eigenvalues = h * np.linalg.eigvals(jacobian)
             if eigenvalues.real.min() < -_LIMIT:
                 return Stiffness.DECAY
             if abs(eigenvalues.imag).max() > _LIMIT:
                 return Stiffness.OSCILLATION
-        y = y + np.linalg.solve(np.eye(y.size) - matrix, h * rate)
-        t += h
+        y = y + np.linalg.solve(np.eye(y.size) - stride * jacobian, stride * rate)
+        t += stride
     return Stiffness.NONE
 
 

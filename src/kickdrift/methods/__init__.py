@@ -137,6 +137,13 @@ def preferred_for_fast_oscillations(kind: Kind) -> Method:
     return preference.for_fast_oscillations(kind, _CATALOGUE)
 
 
+def preferred_for_nearly_keplerian(turn: float) -> Method:
+    """Choose by the angle that the fastest body turns by at its pericentre, in a step."""
+    if turn > preference.LONG_STEP:
+        return preference.for_long_steps(_CATALOGUE)
+    return preferred(Kind.NEARLY_KEPLERIAN)
+
+
 def get(name: str | Method) -> Method:
     """Find a method by its name or an alias; a `Method` of your own is returned as it is.
 

@@ -60,6 +60,12 @@ _FASTEST: dict[Kind, str] = {
     Kind.CONSTRAINED: "rattle",
 }
 
+# Of nearly Keplerian motion, for steps of more than 0.9 of the time in which the fastest body turns by a radian at its
+# pericentre. On eight systems of 2 to 4 planets, with masses of 1e-6 to 1e-2 and eccentricities to 0.5, the two together were
+# within 2 of the fastest at all errors but one; each alone was up to 6 times off, or did not get there.
+_FOR_LONG_STEPS = "wisdom-holman-corrected-3"
+LONG_STEP = 0.9
+
 _L_STABLE = ("implicit-euler", "radau-3", "radau-5")
 _A_STABLE = "gauss-4"
 
@@ -102,3 +108,8 @@ def for_stiff(order: int | None, catalogue: dict[str, Method]) -> Method | None:
 def for_fast_oscillations(kind: Kind, catalogue: dict[str, Method]) -> Method:
     """Choose for what oscillates much faster than a step: it neither grows nor decays."""
     return catalogue[_TRIGONOMETRIC if kind is Kind.OSCILLATORY else _A_STABLE]
+
+
+def for_long_steps(catalogue: dict[str, Method]) -> Method:
+    """Choose for nearly Keplerian motion and steps that are long for its fastest pericentre."""
+    return catalogue[_FOR_LONG_STEPS]
