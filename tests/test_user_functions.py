@@ -1,6 +1,7 @@
 """Users' functions: compiled by the names of their arguments, interpreted where Numba cannot, warned about once."""
 
 import json
+import math
 import warnings
 from functools import partial
 
@@ -210,3 +211,32 @@ def test_invariants_have_names_of_their_own(name):
         kd.solve(
             kd.SecondOrder(lambda x: -x, invariants={name: lambda x: x}), (0, 1), 1.0, 0.0, step=0.1, compile=False
         )
+
+
+@pytest.mark.parametrize("whole", [10**10, -(10**10), 2**62])
+def test_whole_numbers_that_overflow_compiled_are_refused(whole):
+    def acceleration(x):
+        return -(whole * whole) / 1e20 * x
+
+    with pytest.raises(ArgumentError, match=r"compiled and .* in Python near the start: whole numbers beyond"):
+        kd.solve(acceleration, t_span=(0, 1), step=0.1, x0=1.0, v0=0.0)
+    exact = kd.solve(acceleration, t_span=(0, 1), step=0.1, x0=1.0, v0=0.0, compile=False)
+    assert np.isfinite(exact.x).all()
+
+
+def test_sums_that_cancel_at_a_symmetric_start_are_no_overflow():
+    def acceleration(x, out):
+        for i in range(4):
+            out[i] = 0.0
+            for j in range(4):
+                out[i] += 1e30 * (x[j] - x[i]) + 1e30 * math.sin(x[i] + x[j]) * (x[j] - x[i])
+
+    solution = kd.solve(acceleration, t_span=(0, 1e-20), step=1e-21, x0=[0.1, -0.1, 0.3, -0.3], v0=np.zeros(4))
+    assert solution.success
+
+
+def test_functions_of_chance_are_not_compared_with_themselves():
+    def acceleration(x):
+        return -x + np.random.normal()  # noqa: NPY002 - what users write
+
+    assert kd.solve(acceleration, t_span=(0, 1), step=0.1, x0=1.0, v0=0.0).success

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any, cast
 
 import numpy as np
@@ -13,9 +13,10 @@ from kickdrift.core.compilation import Function, compiled, is_kept, specialise
 from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.core.naming import specialised_name
 from kickdrift.core.threads import present
+from kickdrift.engine.agreement import LARGEST, aside, compare_once
 from kickdrift.engine.flows.layout import FLAT, call_flat
 from kickdrift.engine.start import Start
-from kickdrift.engine.user_functions import MEANINGS, Layout, argument_names, flatten
+from kickdrift.engine.user_functions import MEANINGS, Layout, argument_names, flatten, interpreted
 from kickdrift.systems.problem import Adapted, Problem, name_of
 from kickdrift.systems.second_order import SecondOrder
 from kickdrift.systems.system import Quantity, System
@@ -58,6 +59,8 @@ class Adapter:
         if flat.numbers.size:
             self.numbers.append(flat.numbers)
         self._try_once(function, role, flat.function, given, shape)
+        if flat.native and self.x0.size <= LARGEST:
+            self._compare(function, role, flat.function, given, layout)
         return Adapted(flat.function, frozenset(MEANINGS.get(name, name) for name in given), flat.native)
 
     def shape_of(self, function: Any, role: str, names: Sequence[str]) -> tuple[int, ...]:
@@ -109,6 +112,18 @@ class Adapter:
         if all(hasattr(function, "py_func") for function in functions.values()):
             return _bound(template, tuple(functions.items()))
         return specialise(template, template.__name__.lstrip("_"), **functions)
+
+    def _compare(self, original: Any, role: str, native: Function, names: list[str], layout: Layout) -> None:
+        """Compare a function, compiled, with what it is in Python."""
+
+        def call(function: Function) -> Floats:
+            v = np.zeros(1) if "i" in names else aside(self.v0.reshape(-1))
+            out = np.zeros(math.prod(layout.result))
+            with np.errstate(all="ignore"):
+                function(self.t0, aside(self.x0.reshape(-1)), v, self.args.copy(), out)
+            return out
+
+        compare_once(f"{role}, {name_of(original)},", native, partial(interpreted, original, names, layout), call)
 
     def _try_once(
         self, original: Any, role: str, function: Function, names: list[str], shape: tuple[int, ...] | None

@@ -174,9 +174,13 @@ def flatten(function: Function, names: list[str], layout: Layout, compile_: bool
             return Flat(native, True, in_a_row(numbers))
         except (NumbaError, NotImplementedError, TypeError, ValueError, AttributeError, LookupError) as error:
             _warn_interpreted(function, error)
+    return Flat(interpreted(function, names, layout), False, _NONE)
+
+
+def interpreted(function: Function, names: list[str], layout: Layout) -> Function:
+    """Adapt a function for the interpreter."""
     python = getattr(function, "py_func", function)
-    statement = layout.statement(names, {})
-    return Flat(_adapted(statement, function=python, shaped=np.reshape), False, _NONE)
+    return _adapted(layout.statement(names, {}), function=python, shaped=np.reshape)
 
 
 @lru_cache(maxsize=256)

@@ -1,0 +1,63 @@
+"""Whether a user's function says the same compiled as in Python: whole numbers beyond 64 bits overflow in compiled code."""
+
+from collections.abc import Callable
+from contextlib import suppress
+from weakref import WeakSet
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.compilation import Function
+from kickdrift.core.errors import ArgumentError
+
+Floats = NDArray[np.float64]
+
+_COMPARED: WeakSet[Function] = WeakSet()  # in this process
+LARGEST = 100  # numbers of a state, up to which the interpreter soon does a double loop
+_CLOSE = 1e-6  # of the largest number: both round differently
+
+
+def aside(values: Floats) -> Floats:
+    """Return numbers near to others: where a start is symmetric, all that is left of a sum may be its rounding."""
+    near: Floats = values * (1.0 + 1e-3 * np.cos(np.arange(1.0, values.size + 1.0))) + 1e-9
+    return near
+
+
+def compare_once(
+    name: str, native: Function, interpreted: Callable[[], Function], call: Callable[[Function], Floats]
+) -> None:
+    """Compare a compiled function with the same one interpreted, once in a process.
+
+    Parameters
+    ----------
+    name : str
+        Of the function, for the error.
+    native : callable
+        The compiled one.
+    interpreted : callable
+        Returns the one for the interpreter.
+    call : callable
+        Calls one of them near the start, and returns its result.
+
+    Raises
+    ------
+    ArgumentError
+        If the results differ by more than rounding, and not because each call gives another one.
+    """
+    if native in _COMPARED:
+        return
+    _COMPARED.add(native)
+    found = wanted = again = np.zeros(0)
+    with suppress(Exception):  # Python raises where compiled code gives an infinity
+        python = interpreted()
+        found, wanted, again = call(native), call(python), call(python)
+    if not np.array_equal(wanted, again, equal_nan=True):
+        return
+    most = _CLOSE * np.abs(wanted[np.isfinite(wanted)]).max(initial=0.0)
+    differ = ~np.isclose(found, wanted, 0.0, most, equal_nan=True)
+    if differ.any():
+        k = int(np.argmax(differ))
+        raise ArgumentError(
+            f"{name} gives {float(found[k])!r} compiled and {float(wanted[k])!r} in Python near the start: whole numbers"
+            " beyond 2**63 overflow in compiled code. Write them as floats (1e12, not 10**12), or pass compile=False."
+        )
