@@ -4,11 +4,11 @@ import pytest
 from hostile import tried
 
 SHORT = {
-    "fuzz_world_files": 60,
+    "fuzz_world_files": 30,
     "fuzz_interruptions": 51,
     "fuzz_arguments": 600,
     "fuzz_cache": 2,
-    "fuzz_operations": 40,
+    "fuzz_operations": 20,
 }
 
 

@@ -258,8 +258,8 @@ def test_the_numbers_of_hulls_that_were_removed_do_not_stay():
         world.remove(world.add_hull(rng.normal(size=(20, 3)), position=(9, 0, 5)))
         sizes.append(world.tables.count(GEOMETRY))
     assert max(sizes[150:]) <= max(sizes[:150])
-    untouched.advance(STEP, 200)
-    world.advance(STEP, 200)
+    untouched.advance(STEP, 90)
+    world.advance(STEP, 90)
     assert [np.array_equal(untouched.position[k], world.position[k]) for k in range(1, 4)] == [True] * 3
     assert len(stays) == 2
 

@@ -11,7 +11,7 @@ from kickdrift.core.elementwise import multiply, subtract_product
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 from kickdrift.systems.problem import Adapter, Floats, Function, Problem, name_of
-from kickdrift.systems.second_order import masses_of, to_each_number
+from kickdrift.systems.second_order import fitted, masses_of
 from kickdrift.systems.system import System
 
 force: Function = unbound
@@ -104,13 +104,7 @@ def at_least_zero(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Floats
     ArgumentError
         For negative or infinite numbers, or a shape that does not broadcast.
     """
-    try:
-        numbers = to_each_number(value, shape)
-    except (TypeError, ValueError) as error:
-        raise ArgumentError(
-            f"{name}={value!r} does not fit states of shape {shape}: {error}; give a number, or for states (N, 3) N of"
-            " them."
-        ) from None
+    numbers = fitted(name, value, shape)
     if not (np.isfinite(numbers).all() and (numbers >= 0).all()):
         raise ArgumentError(f"{name}={value!r} must be at least 0 and finite.")
     return numbers

@@ -146,6 +146,23 @@ def to_each_number(values: ArrayLike, shape: tuple[int, ...]) -> Floats:
     return np.broadcast_to(given, shape).reshape(-1).copy()
 
 
+def fitted(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Floats:
+    """Give a value of this name to each number of a state of this shape, or say why it does not fit.
+
+    Raises
+    ------
+    ArgumentError
+        For what is no number, or a shape that does not broadcast.
+    """
+    try:
+        return to_each_number(value, shape)
+    except (TypeError, ValueError) as error:
+        raise ArgumentError(
+            f"{name}={value!r} does not fit states of shape {shape}: {error}; give a number, or for states (N, 3) N of"
+            " them."
+        ) from None
+
+
 def masses_of(mass: ArrayLike, shape: tuple[int, ...]) -> Floats:
     """Return one mass to each number of a state of this shape.
 
@@ -154,13 +171,7 @@ def masses_of(mass: ArrayLike, shape: tuple[int, ...]) -> Floats:
     ArgumentError
         For masses that are not positive and finite numbers, or whose shape does not broadcast.
     """
-    try:
-        masses = to_each_number(mass, shape)
-    except (TypeError, ValueError) as error:
-        raise ArgumentError(
-            f"mass={mass!r} does not fit states of shape {shape}: {error}; give a number, or for states (N, 3) N of"
-            " them."
-        ) from None
+    masses = fitted("mass", mass, shape)
     with np.errstate(divide="ignore", over="ignore"):
         inverse = 1.0 / masses
     if not (np.isfinite(masses).all() and (masses > 0).all() and np.isfinite(inverse).all()):
