@@ -18,6 +18,7 @@ from kickdrift.core.vectors import (
 
 _ROUNDS = 20
 _ROUNDING = 1e-34  # square of half a unit in the last place, nearly
+_MOMENTS = 1e4  # the greatest moment of inertia over the least, of a rod a hundred times as long as it is thick
 
 
 @compiled(inline=True)
@@ -40,7 +41,9 @@ def mean_turn(h: float, q: Quaternion, moments: Symmetric, spin: Vector, turn: V
         # shrink no more: a greater tolerance would let the energy drift. Where turns of a radian a substep leave no
         # solution, the last one keeps the momentum all the same.
         size = dot(w, w)
-        if change <= _ROUNDING * size or change * change <= _ROUNDING * size * error:
+        # Newton's matrix is right to first order, so that the next increment is this part of it at most, or about that.
+        part = min(_MOMENTS * h * h * max(size, change), 1.0)
+        if change * part * part <= _ROUNDING * size or change * change <= _ROUNDING * size * error:
             break
         if 0.0 < error <= change < 1e-20 * size:
             break
