@@ -127,6 +127,11 @@ def test_an_empty_cache_is_announced(folder, monkeypatch):
     assert call("run", "kepler", "--duration", 1, "--quiet").stderr == ""
 
 
+def test_the_report_says_why_a_method_was_taken(folder):
+    assert "taken because" in call("run", "kepler", "--duration", 1, "--method", "auto").stdout
+    assert "taken because" not in call("run", "kepler", "--duration", 1, "--method", "kick-drift").stdout
+
+
 @pytest.mark.parametrize("name", ["harmonic-oscillator", "pendulum", "kepler", "benchmarks-game"])
 def test_every_system_runs_by_name(folder, name):
     result = call("run", name, "--duration", 1)

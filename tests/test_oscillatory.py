@@ -5,6 +5,8 @@ import pytest
 
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError, MethodMismatchError
+from kickdrift.core.kinds import Kind
+from kickdrift.methods import Letter, Method, word
 
 TRIGONOMETRIC = ["deuflhard-2", "mollified-impulse", "hairer-lubich-2", "grimm-hochbruck-2", "gautschi-2"]
 OMEGA = 50.0
@@ -229,3 +231,24 @@ def test_a_force_in_one_part_has_no_multirate_method():
         kd.solve(lambda x: -x, (0.0, 1.0), 1.0, 0.0, step=0.1, method="respa-2")
     with pytest.raises(MethodMismatchError, match=r"kd\.Oscillatory"):
         run("mollified-impulse", 0.1, 1.0, IN_TWO)
+
+
+def test_a_plain_kick_between_filtered_ones_changes_none_of_them():
+    problem = kd.Oscillatory(lambda x: -(x**3), omega=[0.0, 30.0])
+    filtered, plain, turn = Letter.FILTERED_KICK, Letter.KICK, Letter.OSCILLATE
+    ends = []
+    for name, first in (("between", (filtered, plain, filtered)), ("after", (filtered, filtered, plain))):
+        half = [(letter, "1/4" if letter is plain else "1/8") for letter in first]
+        method = Method(
+            name=name, order=2, word=word(*half, (turn, 1), *reversed(half)), symmetric=True, kind=Kind.OSCILLATORY,
+            source="two flows that commute", parameters=(1, 1, 0),
+        )  # fmt: skip
+        ends.append(kd.solve(problem, (0.0, 1.0), x0=[1.0, 0.3], v0=[0.0, 1.0], step=0.1, method=method).x[-1])
+    assert ends[0] == pytest.approx(ends[1], rel=1e-12)
+
+
+def test_without_a_method_fast_oscillations_are_no_force():
+    problem = kd.Oscillatory(lambda x: -(x**3), omega=[0.0, 50.0])
+    solution = kd.solve(problem, (0.0, 10.0), x0=[1.0, 0.02], v0=[0.0, 1.0], step=0.05)
+    assert solution.success
+    assert solution.about.method == kd.methods.get("mollified-impulse").name

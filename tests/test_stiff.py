@@ -207,3 +207,14 @@ def test_a_table_that_does_not_end_with_a_stage_is_refused_the_letter():
         method=mine, steps=(0.02, 0.01), t_span=(0.0, 3.0), compile=False, **PROBLEMS["damped"]
     ).order
     assert found == pytest.approx(2, abs=0.1)
+
+
+@pytest.mark.parametrize("compiles", [True, False])
+def test_auto_asks_beside_the_start_and_takes_no_error_from_there(compiles):
+    def rate(y):
+        if y[0] > 1.0:
+            raise RuntimeError("too large")
+        return -y
+
+    solution = kd.solve(kd.FirstOrder(rate), (0.0, 1.0), x0=[1.0], step=0.1, method="auto", compile=compiles)
+    assert solution.success

@@ -145,7 +145,12 @@ def test_planar_heaps_rest():
     assert np.abs(world.velocity).max() < 1e-6
 
 
-@pytest.mark.parametrize("seed", [1, 6, 19, 23, 27])
+# Of 300 seeds 9 gain more than that in a step. That of 15 begins half a metre deep: 200 kg that are in 11 cm of overlap
+# still are lifted out of it, by 5 J of 2381.
+DEEP = pytest.param(15, marks=pytest.mark.xfail(strict=True, reason="lifted out of deep overlaps: 5 J of 2381"))
+
+
+@pytest.mark.parametrize("seed", [1, 6, DEEP, 19, 23, 27])
 def test_mixed_heaps_gain_no_energy(seed):
     rng, planar = np.random.default_rng(seed), seed % 4 == 3
     world = World(plane_normal=(0, 1, 0) if planar else None)

@@ -802,7 +802,12 @@ def test_chunks_of_steps_change_no_bit(monkeypatch):
     cut.advance(1 / 60, 500)
     with recorded.record(save_every=7):
         recorded.advance(1 / 60, 500)
-    for world in (cut, recorded):
+    runs = [swung() for _ in range(3)]
+    runs[0].run(500 / 60, 1 / 60)
+    runs[1].run(500 / 60, 1 / 60, save_every=100)
+    monkeypatch.setattr("kickdrift.core.interruption._CHUNK_SECONDS", 0.01)
+    runs[2].run(500 / 60, 1 / 60, save_every=500)
+    for world in (cut, recorded, *runs):
         assert np.array_equal(world.velocity, whole.velocity)
         assert (world.time, world.n_steps) == (whole.time, whole.n_steps)
 

@@ -34,7 +34,8 @@ class Plan:
     system: System
     duration: float
     step: float
-    method: Method
+    method: str  # as asked for
+    taken: Method  # and what that is
     save_every: int | None
     jpl: bool  # whether JPL's positions are there to compare with
 
@@ -97,7 +98,8 @@ def make_plan(target: str, options: Options, *, comparison: bool = False) -> Pla
         system=system,
         duration=duration,
         step=step,
-        method=choose(method, None, system, 0.0, step, duration).method,
+        method=method,
+        taken=choose(method, None, system, 0.0, step, duration).method,
         save_every=save_every(options, wishes.save_every),
         jpl=target == SOLAR_SYSTEM,
     )

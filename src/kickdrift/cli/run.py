@@ -21,7 +21,7 @@ def run(plan: Plan, folder: Path, quiet: bool) -> int:
     times, missed = kept_times(plan.duration, plan.step, plan.save_every, jpl_days() if plan.jpl else ())
     prepare_folder(folder)
     if not quiet:
-        say(f"{plan.in_words} by {plan.method.name}")
+        say(f"{plan.in_words} by {plan.taken.name}")
         _say_missed(missed, plan)
     solution = solve(
         plan.system,

@@ -32,7 +32,8 @@ def choose(
 ) -> Choice:
     """Find the method to run a system by: by name, or for ``"auto"`` by its kind, the order wanted, and its stiffness.
 
-    None is the semi-implicit Euler method, or ``"auto"`` where that does not apply or an order is wanted. For
+    None is the semi-implicit Euler method, or ``"auto"`` where that does not apply or an order is wanted, and where it would
+    see fast oscillations as a force. For
     Hamiltonians that are not separable it is what goes under the name there.
 
     Raises
@@ -42,7 +43,8 @@ def choose(
         none of the order wanted.
     """
     if method is None:
-        method = DEFAULT if order is None and methods.get(DEFAULT).kind.includes(system.kind) else AUTO
+        applies = methods.get(DEFAULT).kind.includes(system.kind) and system.kind is not Kind.OSCILLATORY
+        method = DEFAULT if order is None and applies else AUTO
     if isinstance(method, str) and method == AUTO:
         return _choose_by_itself(order, system, t0, step, span)
     named = methods.get(method)

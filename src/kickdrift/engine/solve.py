@@ -56,9 +56,9 @@ def solve(
         Largest step allowed. A whole number of equal steps covers `t_span`; the step used is ``solution.step``.
     method : str or Method, optional
         Name of a method, see ``kickdrift.methods.catalogue()``; ``"auto"`` takes the one that is best for the kind of
-        problem, or of the wanted `order`, and an L-stable one where the problem is stiff at its start; the report says
-        why. By default the semi-implicit Euler method, or ``"auto"`` where that does not
-        apply or an order is given.
+        problem, or of the wanted `order`, and an L-stable one where the problem is seen to be stiff; the report says why.
+        By default the semi-implicit Euler method, or ``"auto"`` where that does not apply, or an order is given, and for
+        `kickdrift.Oscillatory`.
     order : int, optional
         For ``method="auto"``: the least order wanted, of methods that keep the structure of the problem. By default what
         takes the least time to errors between 1e-3 and 1e-9 at the end, or close to it; for Hamiltonians that are not

@@ -1,5 +1,7 @@
 """The impulse method: seldom a kick by the slow part of the force, and between them small steps under the fast one."""
 
+import numpy as np
+
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 from kickdrift.methods.letter import Letter
@@ -37,7 +39,7 @@ def respa(substeps: int = _SUBSTEPS) -> Method:
     Grubmueller, Heller, Windemuth, Schulten, Mol. Simul. 6, 121 (1991); Tuckerman, Berne, Martyna, J. Chem. Phys. 97,
     1990 (1992).
     """
-    if isinstance(substeps, bool) or not isinstance(substeps, int) or substeps < 1:
+    if isinstance(substeps, bool) or not isinstance(substeps, int | np.integer) or substeps < 1:
         raise ArgumentError(f"substeps={substeps!r} must be a positive whole number: of steps under the fast force.")
     return Method(
         name="respa-2" if substeps == _SUBSTEPS else f"respa-2-substeps-{substeps}",
@@ -47,7 +49,7 @@ def respa(substeps: int = _SUBSTEPS) -> Method:
         kind=Kind.MULTIRATE,
         source="Tuckerman, Berne, Martyna, J. Chem. Phys. 97, 1990 (1992)",
         aliases=("r-respa", "respa") if substeps == _SUBSTEPS else (),
-        parameters=(substeps,),
+        parameters=(int(substeps),),
     )
 
 

@@ -40,7 +40,8 @@ _PREFERRED: dict[Kind, tuple[str, ...]] = {
 }
 
 
-# The fastest to errors of 1e-3, 1e-6 and 1e-9 at the end, or within 2 of it, as `python -m benchmarks --only auto` shows:
+# The fastest to errors of 1e-3, 1e-6 and 1e-9 at the end, or within 2 of it but for HIRES (4) and a rod (2.5), see
+# `python -m benchmarks --only auto`:
 # one method does for all three, of order 6 or 8. Among equals that which conserves more. Where no word of explicit flows
 # does, DOP853 is three to five times as fast as Gauss methods to any error from 0.1 to 1e-9, also over 20,000 units of
 # time (rigid body, Lotka-Volterra, spherical pendulum), though its energy drifts by that error.

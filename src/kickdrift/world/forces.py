@@ -56,7 +56,7 @@ class AppliesForces:
         force : callable
             Its arguments say what it needs, in any order: `t`, `position`, `orientation`, `velocity`,
             `angular_velocity`, `mass`, and `force` (N) and `torque` (N m), to which it adds in place; arrays of a row a
-            body, in the world's axes.
+            body, in the world's axes. Numbers and arrays around it are kept as they are now.
 
         Raises
         ------

@@ -41,7 +41,7 @@ def run(world: "World", duration: float, step: float, save_every: int | None, pr
             count = min(chunk, int(grid.save_steps[rows.count]) - done)
             before, started = world.n_steps, time.perf_counter()
             try:
-                world.advance(grid.step, count)
+                world.advance_from(t0, done, grid.step, count)
             except LostBodyError as error:
                 outcome, cause = Outcome.NOT_FINITE, f" {error}"
             took = time.perf_counter() - started

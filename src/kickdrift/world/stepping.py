@@ -46,14 +46,15 @@ class DoesSteps:
     _threaded: bool
     _addresses: NDArray[np.intp]
     _composition: tuple[object, ...] | None
+    _counted: tuple[float, int]  # the time that steps are counted from, and the number of the first
 
-    def do_steps(self, step: float, count: int) -> int:
-        """Do so many steps; return the set of warnings that are to be said."""
+    def do_steps(self, t0: float, first: int, step: float, count: int) -> int:
+        """Do so many steps, the first of them number `first` from t0; return the set of warnings that are to be said."""
         if self.tables.count(EVENTS):
             self.tables.resize(EVENTS, 0)
         program, recorder = self._ready(step), self.recorder
         status = self.tables.row(STEP_STATUS, 0)
-        status[step_status.REACHED] = status[step_status.MIDWAY] = 0
+        status[step_status.REACHED], status[step_status.MIDWAY], self._counted = first, 0, (t0, first)
         done, at, found, chunk = 0, 0, 0, 1
         try:
             while done < count:
@@ -62,7 +63,8 @@ class DoesSteps:
                     until = min(until, done + recorder.steps_to_row)
                 began = time.perf_counter()
                 try:
-                    done, at = run(*program, self.time, step, done, until, at, self.tables.address)
+                    reached, at = run(*program, t0, step, first + done, first + until, at, self.tables.address)
+                    done = reached - first
                 except Exception as error:
                     self._go_back(step, LOAD)
                     raise KickdriftError(
@@ -71,9 +73,8 @@ class DoesSteps:
                     ) from error
                 finally:
                     if recorder is not None:
-                        reached = int(status[step_status.REACHED]) - before
-                        at_end = self.time + (before + reached) * step
-                        recorder.note(reached, step, at_end, time.perf_counter() - began)
+                        reached = int(status[step_status.REACHED])
+                        recorder.note(reached - first - before, step, t0 + reached * step, time.perf_counter() - began)
                 if done < until:
                     self._help(step)
                     program = self._ready(step)
@@ -83,9 +84,8 @@ class DoesSteps:
         except BaseException:  # Ctrl-C comes between any two lines; compiled code has noted what it has done
             self._go_back(step)
             raise
-        self.time += count * step
+        self.time = t0 + (first + count) * step
         self.n_steps += count
-        status[step_status.REACHED] = 0
         return found
 
     @property
@@ -159,7 +159,8 @@ class DoesSteps:
             status[step_status.STATUS] = step_status.OK
         for table in without:
             self.tables.array(table)[:] = 0.0
-        done = int(status[step_status.REACHED])
-        status[[step_status.REACHED, step_status.MIDWAY]] = 0
-        self.time += done * step
-        self.n_steps += done
+        t0, first = self._counted
+        reached, status[step_status.MIDWAY] = int(status[step_status.REACHED]), 0
+        self._counted = t0, reached
+        self.time = t0 + reached * step
+        self.n_steps += reached - first

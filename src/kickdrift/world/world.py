@@ -206,8 +206,12 @@ class World(
         step = number("step", step, "s; 1/60 is usual", zero=False)
         if type(count) is bool or not (isinstance(count, int | np.integer) and count >= 0):
             raise ArgumentError(f"count={count!r} has to be a whole number of steps, zero or more.")
+        self.advance_from(self.time, 0, step, int(count))
+
+    def advance_from(self, t0: float, first: int, step: float, count: int) -> None:
+        """Do so many steps, the first of them number `first` from t0: wherever a run is cut, its steps have the same times."""
         with self.tables.lock:
-            found = self.do_steps(step, int(count))
+            found = self.do_steps(t0, first, step, count)
             self.broken = self.joints.take_broken() if self._breakable else []
             if found:
                 said, self._said = self._said, self._said | found

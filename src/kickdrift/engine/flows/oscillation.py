@@ -10,8 +10,8 @@ ed., section XIII.2, where this psi is called psi_1.)
 
 Layout of memory::
 
-    0     half of the step for which the filtered acceleration in work is that at x; 0 where x has moved since
-    8     a change of x, or x filtered (n)
+    0     half of the step for which what follows is the filtered acceleration at x; 0 where x has moved since
+    8     that, or a change of x, or x filtered (n)
 """
 
 import math
@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled, unbound
+from kickdrift.core.elementwise import assign
 from kickdrift.core.views import part
 from kickdrift.engine.flows.layout import EVALUATIONS, change_of_v, coefficients_at, memory
 
@@ -50,19 +51,16 @@ def oscillate(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Fl
 def filtered_kick(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Advance v by h under the filtered acceleration, evaluated if x has moved."""
     n, own = x.size, memory(work)
-    a = part(work, 0, n)
+    a, filtered = part(work, 0, n), part(own, _HEAD, n)
     if own[0] != h:
-        powers, omega, filtered = (
-            part(work, coefficients_at(n), 3),
-            part(params, params.size - n, n),
-            part(own, _HEAD, n),
-        )
+        powers, omega = part(work, coefficients_at(n), 3), part(params, params.size - n, n)
         inside(2.0 * h, omega, powers, x, filtered)
         acceleration_at(t, filtered, v, params, work, a)
         outside(2.0 * h, omega, powers, a)
+        assign(filtered, a)  # a plain kick would overwrite it
         work[EVALUATIONS] += 1.0
         own[0] = h
-    add_to_v(v, h, a, work)
+    add_to_v(v, h, filtered, work)
 
 
 @compiled

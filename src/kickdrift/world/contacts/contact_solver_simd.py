@@ -109,7 +109,8 @@ def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, arms: Any, 
 def solve_normals(own: Any, s: Any, per_h: float, soft: float, push: float, n: int) -> None:
     """One sweep over the points: softly where `soft` is 1.0, rigid and without bias where it is 0.0.
 
-    `push` is the speed at which they are pushed apart at most, and without bias how deep points are that begin to carry.
+    `push` is the speed at which they are pushed apart at most, and without bias how deep points are that begin to carry: then
+    nothing pushes, and no speed of parting is bounded.
     """
     closed = 1e300 if soft > 0.0 else -push
     for lane in range(n):

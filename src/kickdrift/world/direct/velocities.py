@@ -7,7 +7,7 @@ those that a solution began with.
 import math
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import applied, dot, turned_back
+from kickdrift.core.vectors import applied, dot, plus, times, turned_back
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.direct.contacts import note_impulses
 from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE
@@ -37,6 +37,18 @@ def kinetic_energy(island: int, velocities: Table, world: int) -> float:
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         total += energy_of(body_of(node, world), velocities, POSE, world)
     return total
+
+
+@compiled(cached=False)
+def inner_energy(island: int, velocities: Table, world: int) -> float:
+    """Kinetic energy of an island, but for that of its centre of mass."""
+    own, mass, momentum = integers(world, ISLAND)[island], 0.0, (0.0, 0.0, 0.0)
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        body = body_of(node, world)
+        mass += floats(world, INERTIA)[body, MASS]
+        velocity = vector_at(floats(world, velocities), body, LINEAR_PART)
+        momentum = plus(momentum, times(floats(world, INERTIA)[body, MASS], velocity))
+    return max(kinetic_energy(island, velocities, world) - 0.5 * dot(momentum, momentum) / mass, 0.0)
 
 
 @compiled(cached=False)
