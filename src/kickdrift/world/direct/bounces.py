@@ -12,7 +12,7 @@ from kickdrift.world.contacts.restitution import slowest_bounce
 from kickdrift.world.direct.contact_rows import impulse_field
 from kickdrift.world.direct.contacts import BOUNCE, SMOOTH_BOUNCE, read_both, twelve
 from kickdrift.world.direct.layout import AFTER_CONTACT, CONTACT_ROWS, FIRST_CONTACT, HITS, TANGENT
-from kickdrift.world.direct.linked import bodies_of, constraint, contact_row, row_of
+from kickdrift.world.direct.linked_contacts import bodies_of, constraint, contact_row, row_of
 from kickdrift.world.direct.solve import solve_at_once
 from kickdrift.world.direct.velocities import kinetic_energy, note_velocities, take_back_velocities
 from kickdrift.world.direct.wrenches import along, write_wrench

@@ -21,7 +21,7 @@ from kickdrift.world.direct.layout import (
     TANGENT,
     WRENCH,
 )
-from kickdrift.world.direct.linked import contact_row
+from kickdrift.world.direct.linked_contacts import contact_row
 from kickdrift.world.direct.matrix import add_row
 from kickdrift.world.joints.layout import CLOSING_IMPULSE
 from kickdrift.world.tables import ISLAND, ISLAND_CONTACT, LINK_NUMBERS, NODE, floats, integers

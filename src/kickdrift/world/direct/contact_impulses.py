@@ -24,7 +24,7 @@ from kickdrift.world.direct.layout import (
     WANTED,
     WRENCH,
 )
-from kickdrift.world.direct.linked import bodies_of, constraint, contact_row
+from kickdrift.world.direct.linked_contacts import bodies_of, constraint, contact_row
 from kickdrift.world.direct.nodes import place_in
 from kickdrift.world.direct.wrenches import along, write_wrench
 from kickdrift.world.joints.impulses import push_body

@@ -41,7 +41,7 @@ from kickdrift.world.direct.layout import (
     WANTED,
     WRENCH,
 )
-from kickdrift.world.direct.linked import bodies_of, constraint, contact_row
+from kickdrift.world.direct.linked_contacts import bodies_of, constraint, contact_row
 from kickdrift.world.direct.nodes import mass_of, node_of, place_in
 from kickdrift.world.direct.wrenches import along
 from kickdrift.world.settings import GRAVITY, PUSH_SPEED

@@ -18,7 +18,7 @@ from kickdrift.world.direct.layout import (
     NODE_ISLAND,
     RATIO,
 )
-from kickdrift.world.direct.linked import linked_contacts
+from kickdrift.world.direct.linked_contacts import linked_contacts
 from kickdrift.world.direct.nodes import body_of, has_room, nodes_of_contact
 from kickdrift.world.direct.ordering import order_nodes
 from kickdrift.world.integration import MASS

@@ -31,7 +31,7 @@ from kickdrift.world.direct.layout import (
     TANGENT,
     WANTED,
 )
-from kickdrift.world.direct.linked import contact_row
+from kickdrift.world.direct.linked_contacts import contact_row
 from kickdrift.world.direct.nodes import mass_of
 from kickdrift.world.direct.velocities import kinetic_energy
 from kickdrift.world.joints.laws import law_impulse

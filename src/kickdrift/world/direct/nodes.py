@@ -3,7 +3,7 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.direct.layout import AFTER_NODE, FIRST_NODE, LINK_ROW, NODE_ISLAND
-from kickdrift.world.direct.linked import bodies_of
+from kickdrift.world.direct.linked_contacts import bodies_of
 from kickdrift.world.integration import AWAKE, BODY_KIND, DYNAMIC, IN_HEAP, LINK_COUNT, LINK_PLACE, MASS
 from kickdrift.world.joints.layout import (
     JOINED_ROWS,
