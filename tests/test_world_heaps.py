@@ -146,8 +146,8 @@ def test_planar_heaps_rest():
 
 
 # Of 300 seeds 9 gain more than that in a step. That of 15 begins half a metre deep: 200 kg that are in 11 cm of overlap
-# still are lifted out of it, by 5 J of 2381.
-DEEP = pytest.param(15, marks=pytest.mark.xfail(strict=True, reason="lifted out of deep overlaps: 5 J of 2381"))
+# still are lifted out of it, by 5 J of 2381. Which ones do hangs on the last bit.
+DEEP = pytest.param(15, marks=pytest.mark.xfail(strict=False, reason="lifted out of deep overlaps: 5 J of 2381"))
 
 
 @pytest.mark.parametrize("seed", [1, 6, DEEP, 19, 23, 27])
