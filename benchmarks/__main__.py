@@ -5,7 +5,7 @@ import os
 import platform
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -72,7 +72,7 @@ def main() -> None:
     parser.add_argument("--pictures", type=Path, help="draw those of work and precision into this folder")
     parser.add_argument("--engines", choices=lab.ENGINES, nargs="+", default=(), help="of the lab; all by default")
     parser.add_argument(
-        "--scenes", nargs="+", default=(), help="of the lab: those with one of these texts in their names"
+        "--scenes", nargs="+", default=(), help="of the lab and of worlds: those with one of these texts in their names"
     )
     arguments = parser.parse_args()
     if arguments.rounds < 1:
@@ -85,7 +85,7 @@ def main() -> None:
     sections: list[tuple[str, list[Row]]] = []
     for name in arguments.only or NAMES:
         started = time.perf_counter()
-        sections.extend(_sections(name, arguments.rounds, arguments.pictures))
+        sections.extend(_sections(name, arguments.rounds, arguments.pictures, arguments.scenes))
         print(f"{name}: {time.perf_counter() - started:.0f} s", file=sys.stderr)
     circumstances = f"{arguments.rounds} rounds in turns. {_circumstances()}"
     _write(f"{circumstances}\n\n{markdown(sections)}", arguments.output)
@@ -98,11 +98,11 @@ def _write(text: str, output: Path | None) -> None:
         output.write_text(text, encoding="utf-8")
 
 
-def _sections(name: str, rounds: int, pictures: Path | None) -> list[tuple[str, list[Row]]]:
+def _sections(name: str, rounds: int, pictures: Path | None, scenes: Sequence[str]) -> list[tuple[str, list[Row]]]:
     if name == _PRECISION:
         return precision.sections(rounds, pictures)
     if name == _WORLD:
-        return world.sections(rounds)
+        return world.sections(rounds, scenes)
     title, compare = COMPARISONS[name]
     try:
         return [(title, compare(rounds))]

@@ -1,7 +1,7 @@
 """Worlds: kickdrift and other engines of rigid bodies, each at the step that its users take."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -18,11 +18,12 @@ from kickdrift.world.world import World
 _OURS = "kickdrift"
 
 
-def sections(rounds: int) -> list[tuple[str, list[Row]]]:
-    """Compare all worlds."""
+def sections(rounds: int, texts: Sequence[str] = ()) -> list[tuple[str, list[Row]]]:
+    """Compare all worlds, or those with one of some texts in their titles."""
     return [
         (f"World: {case.title}; {case.watched:g} s, {case.timed:g} s measured", _compare(case, rounds))
         for case in CASES
+        if not texts or any(text in case.title for text in texts)
     ]
 
 
