@@ -1,7 +1,5 @@
 """The equations of an island, solved until the pieces of laws fit that were assumed: an active-set method."""
 
-import math
-
 from kickdrift.core.compilation import compiled
 from kickdrift.world.direct.closings import add_closings, load_closings, predict_closings, refine_closings
 from kickdrift.world.direct.contact_assembly import add_contacts, load_contacts
@@ -12,9 +10,8 @@ from kickdrift.world.direct.joint_impulses import give_joints
 from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE, HAS_JOINTS, LINK_ROW
 from kickdrift.world.direct.line_search import search_line
 from kickdrift.world.direct.matrix import clear_blocks, put_inertia
-from kickdrift.world.direct.nodes import mass_of
 from kickdrift.world.direct.substitution import substitute
-from kickdrift.world.direct.velocities import inner_energy
+from kickdrift.world.direct.velocities import inner_speed
 from kickdrift.world.joints.laws import refine_laws, update_law_states
 from kickdrift.world.joints.layout import CLOSING_IMPULSE, LAWS, LINK_JOINT
 from kickdrift.world.joints.right_hand_side import write_right_hand_side
@@ -103,9 +100,7 @@ def refine(island: int, task: int, touched: bool, world: int) -> float:
     if touched:
         noticed = _NOTICED_POINT if own[HAS_JOINTS] != 0 else _NOTICED_HEAP_POINT
         if own[HAS_JOINTS] != 0 and task < BOUNCE:
-            noticed = max(
-                noticed, _NOTICED_PART * math.sqrt(2.0 * inner_energy(island, MOTION, world) / mass_of(island, world))
-            )
+            noticed = max(noticed, _NOTICED_PART * inner_speed(island, MOTION, world))
         worst = max(worst, REFINED / noticed * refine_contacts(island, world))
     if task >= BOUNCE:
         return worst

@@ -40,15 +40,16 @@ def kinetic_energy(island: int, velocities: Table, world: int) -> float:
 
 
 @compiled(cached=False)
-def inner_energy(island: int, velocities: Table, world: int) -> float:
-    """Kinetic energy of an island, but for that of its centre of mass."""
+def inner_speed(island: int, velocities: Table, world: int) -> float:
+    """Speed at which bodies of an island move against its centre of mass and turn: the root of its mean square, by mass."""
     own, mass, momentum = integers(world, ISLAND)[island], 0.0, (0.0, 0.0, 0.0)
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         body = body_of(node, world)
         mass += floats(world, INERTIA)[body, MASS]
         velocity = vector_at(floats(world, velocities), body, LINEAR_PART)
         momentum = plus(momentum, times(floats(world, INERTIA)[body, MASS], velocity))
-    return max(kinetic_energy(island, velocities, world) - 0.5 * dot(momentum, momentum) / mass, 0.0)
+    energy = kinetic_energy(island, velocities, world) - 0.5 * dot(momentum, momentum) / mass
+    return math.sqrt(2.0 * max(energy, 0.0) / mass)
 
 
 @compiled(cached=False)
