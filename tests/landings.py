@@ -1,0 +1,72 @@
+"""Sticks and plates that land, and smooth capsules: how much energy they gain, and how much of their spin changes.
+
+``python tests/landings.py --starts 200`` prints it for each restitution and friction, of so many random starts.
+"""
+
+import argparse
+
+import numpy as np
+
+from kickdrift import World
+from kickdrift.core.vectors import turned
+
+STEP = 1 / 60
+RESTITUTIONS, FRICTIONS = (0.0, 0.5, 0.8, 1.0), (0.0, 0.5)
+SIZES = (
+    (1, 1, 40), (1, 1, 20), (1, 1, 10), (1, 1, 5), (1, 2, 20), (1, 4, 20), (1, 1, 1), (5, 5, 1), (10, 10, 1), (20, 20, 1),
+)  # fmt: skip
+
+
+def random_turn(rng):
+    q, axis = rng.normal(size=4), rng.normal(size=3)
+    return {"orientation": q, "angular_velocity": rng.uniform(0, 10) * axis / np.linalg.norm(axis)}
+
+
+def axis_of(world, body):
+    """Where the z axis of a body points."""
+    return np.array(turned(tuple(world.orientation[body.index]), (0.0, 0.0, 1.0)))
+
+
+def energies(size, restitution, friction, rng):
+    """Energy of a box before it lands, and the most and the least of it until it lies or has bounced a few times."""
+    surface = {"restitution": restitution, "friction": friction}
+    world = World()
+    world.add_plane(**surface)
+    world.add_box(np.array(size) / 20, position=(0, 0, 2), **random_turn(rng), **surface)
+    found = [world.energy().total]
+    for _ in range(30):
+        world.advance(STEP, 5)
+        found.append(world.energy().total)
+    return found[0], max(found), min(found)
+
+
+def change_of_spin(restitution, rng):
+    """Change of the spin of a smooth capsule about its axis, rad/s, where it lands."""
+    world = World()
+    world.add_plane(friction=0.0)
+    options = {"position": (0, 0, 2), "friction": 0.0, "restitution": restitution}
+    capsule = world.add_capsule(0.05, 1.0, **options, **random_turn(rng))
+    before = axis_of(world, capsule) @ world.angular_velocity[capsule.index]
+    world.advance(STEP, 150)
+    return axis_of(world, capsule) @ world.angular_velocity[capsule.index] - before
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--starts", type=int, default=200)
+    starts = parser.parse_args().starts
+    print("| restitution | friction | energy gained at most | energy lost at most |\n| --- | --- | --- | --- |")
+    for restitution in RESTITUTIONS:
+        for friction in FRICTIONS:
+            rng = np.random.default_rng(7)
+            found = np.array([energies(SIZES[k % len(SIZES)], restitution, friction, rng) for k in range(starts)])
+            gained, lost = found[:, 1] / found[:, 0] - 1.0, 1.0 - found[:, 2] / found[:, 0]
+            print(f"| {restitution} | {friction} | {gained.max():.1e} | {lost.max():.1e} |", flush=True)
+    for restitution in RESTITUTIONS:
+        rng = np.random.default_rng(8)
+        most = max(abs(change_of_spin(restitution, rng)) for _ in range(starts))
+        print(f"spin of a smooth capsule, restitution {restitution}: changes by {most:.1e} rad/s at most", flush=True)
+
+
+if __name__ == "__main__":
+    main()
