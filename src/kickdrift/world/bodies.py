@@ -43,6 +43,8 @@ from kickdrift.world.tables import (
     INVERSE_MASS,
     KICKED,
     LOAD,
+    MEMBER,
+    MEMBERSHIP,
     MOTION,
     NOTED,
     POSE,
@@ -62,7 +64,7 @@ Floats = NDArray[np.float64]
 GROUND = 0
 _TABLES: tuple[Table, ...] = (
     POSE, MOTION, DELTA_POSE, INVERSE_MASS, INERTIA, LOAD, FORCE, KICKED, NOTED, RESTED, BODY, COLOURED, STARTED_POSE,
-    STARTED_MOTION,
+    STARTED_MOTION, MEMBER, MEMBERSHIP,
 )  # fmt: skip
 
 

@@ -25,22 +25,14 @@ def compile_step(spelt: Word, kinds: Iterable[int], pairs: Iterable[tuple[int, i
 
 def all_jobs() -> list[Job]:
     """Return what any world may have to compile, but for forces in Python."""
-    jobs = []
-    for threads in (False, True):
-        uses = Uses(
-            (),
-            bounces=True,
-            is_fast=True,
-            direct=True,
-            joints=True,
-            sequential=True,
-            sleeps=True,
-            planar=True,
-            threads=threads,
-        )
-        spelt = word(uses)
-        jobs += _jobs(spelt, KINDS, PAIRS)
-    return jobs
+    nothing = dict.fromkeys(Uses._fields[1:], False)
+    everything = dict.fromkeys(nothing, True)
+    words = (
+        word(Uses((), **nothing | {"many": True})),  # in batches, which much else rules out
+        word(Uses((), **everything | {"threads": False})),
+        word(Uses((), **everything)),
+    )
+    return [job for spelt in words for job in _jobs(spelt, KINDS, PAIRS)]
 
 
 def _jobs(spelt: Word, kinds: Iterable[int], pairs: Iterable[tuple[int, int]]) -> list[Job]:

@@ -13,19 +13,7 @@ from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.layout import BEGINS, FIRST_BODY, FROM_SENSOR, SECOND_BODY
 from kickdrift.world.step_status import ask_for_room
-from kickdrift.world.tables import (
-    CONTACT,
-    EVENTS,
-    LANES,
-    MANIFOLD,
-    Tables,
-    flat,
-    floats,
-    integers,
-    room,
-    rows,
-    set_rows,
-)
+from kickdrift.world.tables import CONTACT, EVENTS, MANIFOLD, Tables, floats, integers, room, rows, set_rows
 
 
 class ContactEvent(NamedTuple):
@@ -74,17 +62,16 @@ def note_touching(t: float, h: float, world: int) -> None:
 @compiled
 def _touches(world: int, row: int) -> int:
     """Whether a contact carries an impulse, or, of a sensor, whether shapes overlap."""
-    contact, lanes = integers(world, CONTACT), flat(world, LANES)
-    points, place = contact[row, c.POINTS], contact[row, c.PLACE_IN_GROUPS]
+    contact, manifold = integers(world, CONTACT), floats(world, MANIFOLD)
+    points = contact[row, c.POINTS]
     if contact[row, c.CONTACT_STATE] & c.SENSOR:
         return _overlap(world, row)
     if contact[row, c.CONTACT_STATE] & c.BOUNCED:
         return c.TOUCHING
-    if place < 0:
+    if contact[row, c.PLACE_IN_GROUPS] < 0:
         return contact[row, c.CONTACT_STATE] & c.TOUCHING if points > 0 else 0
-    begin = place // c.WIDTH * c.FIELDS * c.WIDTH + place % c.WIDTH
     for k in range(points):
-        if lanes[begin + (c.P + c.POINT_FIELDS * k + c.IMPULSE) * c.WIDTH] > 0.0:
+        if manifold[row, c.NORMAL_IMPULSE + k] > 0.0:
             return c.TOUCHING
     return 0
 

@@ -29,7 +29,20 @@ from kickdrift.engine.function_key import Taken, taken_apart
 from kickdrift.engine.user_functions import argument_names, in_a_row, number_views
 from kickdrift.world.integration import MASS
 from kickdrift.world.step import STAGE
-from kickdrift.world.tables import FORCE, FORCE_NUMBERS, INERTIA, LOAD, MOTION, POSE, Tables, flat, floats, rows
+from kickdrift.world.tables import (
+    FORCE,
+    FORCE_NUMBERS,
+    INERTIA,
+    LOAD,
+    MEMBER,
+    MOTION,
+    POSE,
+    Tables,
+    flat,
+    floats,
+    integers,
+    rows,
+)
 
 # What a force may name, and the view of the tables that it is given.
 _ARGUMENTS = {
@@ -69,8 +82,9 @@ class Force(NamedTuple):
 @compiled
 def begin_forces(t: float, h: float, world: int) -> None:
     """Begin with what `World.apply_force` asks for, in every substep."""
-    force, load = floats(world, FORCE), floats(world, LOAD)
-    for body in range(rows(world, LOAD)):
+    force, load, member = floats(world, FORCE), floats(world, LOAD), integers(world, MEMBER)
+    for place in range(rows(world, MEMBER)):
+        body = member[place, 0]
         for k in range(6):
             force[body, k] = load[body, k]
     if rows(world, FORCE_NUMBERS) > 0:

@@ -30,9 +30,10 @@ from kickdrift.core.vectors import (
 )
 from kickdrift.world.columns import column, quaternion_at, symmetric_at, vector_at
 from kickdrift.world.free_rotation import mean_turn, turned_product
-from kickdrift.world.settings import GRAVITY, MIDPOINT, PLANE_NORMAL
+from kickdrift.world.settings import GRAVITY, MIDPOINT, PLANE_NORMAL, RESIDUAL
 from kickdrift.world.step_status import report_body
 from kickdrift.world.tables import (
+    BATCH,
     BODY,
     DELTA_POSE,
     FORCE,
@@ -41,6 +42,7 @@ from kickdrift.world.tables import (
     JOINT_NUMBERS,
     KICKED,
     LOAD,
+    MEMBER,
     MOTION,
     POSE,
     SETTINGS,
@@ -50,6 +52,7 @@ from kickdrift.world.tables import (
     floats,
     integers,
     rows,
+    set_rows,
 )
 
 # Columns of KICKED
@@ -93,7 +96,11 @@ def begin(t: float, h: float, world: int) -> None:
     """Count displacements from here, and keep what there is in case the step cannot be done."""
     delta_pose, pose, motion = floats(world, DELTA_POSE), floats(world, POSE), floats(world, MOTION)
     old_pose, old_motion = floats(world, STARTED_POSE), floats(world, STARTED_MOTION)
+    member = integers(world, MEMBER)
+    set_rows(world, BATCH, 0)
+    floats(world, SETTINGS)[0, RESIDUAL] = 0.0
     for body in range(rows(world, DELTA_POSE)):
+        member[body, 0] = body
         turn = quaternion_at(pose, body, 3)
         if is_scaled(turn):  # users have written into it; of what moves the drift does it, but later
             pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6] = unit(turn)
@@ -111,24 +118,27 @@ def begin(t: float, h: float, world: int) -> None:
 def finish(t: float, h: float, world: int) -> None:
     """See that all bodies are somewhere, before anything is kept of the step, and forget its forces."""
     pose, motion, load = floats(world, POSE), floats(world, MOTION), floats(world, LOAD)
-    kind = integers(world, BODY)
-    for body in range(rows(world, POSE)):
+    kind, member = integers(world, BODY), integers(world, MEMBER)
+    for place in range(rows(world, MEMBER)):
+        body = member[place, 0]
         total = 0.0
         for k in range(6):
             total += abs(pose[body, k]) + abs(motion[body, k])
         if not total < math.inf and kind[body, BODY_KIND] != REMOVED:
             report_body(world, body)
             return
-    for body in range(rows(world, LOAD)):
+    for place in range(rows(world, MEMBER)):
         for k in range(6):
-            load[body, k] = 0.0
+            load[member[place, 0], k] = 0.0
 
 
 @compiled
 def flatten(t: float, h: float, world: int) -> None:
     """Take from the velocities what leads out of the plane that a planar world moves in."""
     motion, plane = floats(world, MOTION), vector_at(floats(world, SETTINGS), 0, PLANE_NORMAL)
-    for body in range(rows(world, MOTION)):
+    member = integers(world, MEMBER)
+    for place in range(rows(world, MEMBER)):
+        body = member[place, 0]
         v, w = vector_at(motion, body, 0), vector_at(motion, body, 3)
         v, w = minus(v, times(dot(plane, v), plane)), times(dot(plane, w), plane)
         for k in range(3):
@@ -140,8 +150,9 @@ def kick(t: float, h: float, world: int) -> None:
     """Add h times the acceleration to the velocities, and say with which velocities free bodies turn."""
     motion, kicked, force = floats(world, MOTION), floats(world, KICKED), floats(world, FORCE)
     inertia, inverse_mass, pose = floats(world, INERTIA), floats(world, INVERSE_MASS), floats(world, POSE)
-    body_kind, settings = integers(world, BODY), floats(world, SETTINGS)
-    for body in range(rows(world, POSE)):
+    body_kind, settings, member = integers(world, BODY), floats(world, SETTINGS), integers(world, MEMBER)
+    for place in range(rows(world, MEMBER)):
+        body = member[place, 0]
         if body_kind[body, BODY_KIND] != DYNAMIC or body_kind[body, AWAKE] == 0:
             for k in range(6):
                 kicked[body, k] = motion[body, k]
@@ -209,7 +220,9 @@ def drift(t: float, h: float, world: int) -> None:
     motion, kicked, delta_pose = floats(world, MOTION), floats(world, KICKED), floats(world, DELTA_POSE)
     inertia, inverse_mass, pose = floats(world, INERTIA), floats(world, INVERSE_MASS), floats(world, POSE)
     body_kind, midpoint = integers(world, BODY), floats(world, SETTINGS)[0, MIDPOINT]
-    for body in range(rows(world, POSE)):
+    member = integers(world, MEMBER)
+    for place in range(rows(world, MEMBER)):
+        body = member[place, 0]
         kind = body_kind[body, BODY_KIND]
         if kind < KINEMATIC or body_kind[body, AWAKE] == 0:
             continue

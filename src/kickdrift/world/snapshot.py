@@ -22,6 +22,7 @@ _OF_THE_PROCESS = (tables.COLLIDERS, tables.SHAPE_KINDS, tables.SWEEPS)
 # What a step makes anew, with a row a body each
 _OF_BODIES = (
     tables.DELTA_POSE, tables.FORCE, tables.NOTED, tables.COLOURED, tables.STARTED_POSE, tables.STARTED_MOTION,
+    tables.MEMBER, tables.MEMBERSHIP,
 )  # fmt: skip
 # What a step makes anew, or the search for pairs where it begins anew
 _OF_A_STEP = (
@@ -29,6 +30,7 @@ _OF_A_STEP = (
     tables.STATIC_TREE, tables.TRIANGLE_TREE, tables.SEARCH, tables.MOVERS, tables.FIXTURES, tables.PLANES, tables.SOUGHT,
     tables.CONTACT_ROW, tables.ISLAND, tables.ISLAND_CONTACT, tables.ISLAND_JOINT, tables.NODE, tables.NEIGHBOUR,
     tables.BLOCK, tables.ADJACENCY, tables.IMPACT, tables.BOUNCING, tables.FORCE_NUMBERS,
+    tables.BATCH, tables.VIEW,
 )  # fmt: skip
 TABLES: Mapping[str, Table] = MappingProxyType(
     {

@@ -11,6 +11,7 @@ from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.collision.narrow_phase import place_shapes
 from kickdrift.world.collision.recycling import find_points
 from kickdrift.world.collision.time_of_impact import find_impacts
+from kickdrift.world.contacts.batching import find_batches
 from kickdrift.world.contacts.colouring import colour
 from kickdrift.world.contacts.prepare import prepare
 from kickdrift.world.contacts.residual import measure
@@ -34,6 +35,9 @@ from kickdrift.world.step import STAGE
 
 Stages = tuple[Function, ...]
 
+# Stages of substeps that a batch does for itself: nothing in them looks beyond its bodies and contacts.
+_BY_BATCH = frozenset((begin_forces, kick, warm_start, solve, flatten, drift, relax))
+
 
 class Uses(NamedTuple):
     """What a world needs besides contacts; stages that it does not need are not compiled."""
@@ -47,6 +51,7 @@ class Uses(NamedTuple):
     sleeps: bool
     planar: bool
     threads: bool
+    many: bool
 
 
 class Word(NamedTuple):
@@ -64,21 +69,6 @@ class Word(NamedTuple):
 def word(uses: Uses) -> Word:
     """Spell the step, to be read from top to bottom."""
     direct = uses.joints or uses.direct
-    before = (
-        begin,
-        place_shapes,
-        find_pairs,
-        find_points,
-        *when(uses.is_fast, find_impacts),
-        *when(uses.sleeps, wake),
-        *when(uses.joints, wake_joints, measure_joints, begin_joints),
-        find_heaps,
-        *when(direct, find_nodes),
-        colour,
-        prepare,
-        *when(direct, find_islands),
-        *when(uses.bounces or uses.is_fast, find_bouncing),
-    )
     substep = (
         *when(direct and uses.bounces, bounce_islands),
         begin_forces,
@@ -97,19 +87,35 @@ def word(uses: Uses) -> Word:
         *when(uses.sequential, relax_in_turn),
         *when(direct, relax_islands),
     )
+    if uses.threads:
+        substep = tuple(THREADED.get(stage, stage) for stage in substep)
+    before = (
+        begin,
+        place_shapes,
+        find_pairs,
+        find_points,
+        *when(uses.is_fast, find_impacts),
+        *when(uses.sleeps, wake),
+        *when(uses.joints, wake_joints, measure_joints, begin_joints),
+        find_heaps,
+        *when(direct, find_nodes),
+        *when(uses.many and _BY_BATCH.issuperset(substep), find_batches),
+        colour,
+        prepare,
+        *when(direct, find_islands),
+        *when(uses.bounces or uses.is_fast, find_bouncing),
+    )
     after = (
         finish,
         measure,
+        store,
         *when(direct, measure_islands),
         *when(uses.joints, note_losses),
         count_unsolved,
-        store,
         note_touching,
         *when(uses.sleeps, sleep),
         *when(uses.joints, finish_joints),
     )
-    if uses.threads:
-        substep = tuple(THREADED.get(stage, stage) for stage in substep)
     return Word(before, substep, after)
 
 
@@ -119,11 +125,16 @@ def when(wanted: bool, *stages: Function) -> Stages:
 
 
 class Program(NamedTuple):
-    """A word as the loop runs it: addresses of its stages, the time that each covers, and when in the step it begins."""
+    """A word as the loop runs it: addresses of its stages, the time that each covers, and when in the step it begins.
+
+    Batches do those from number `begin` up to `end`, from `prepare` to `store`, one after the other.
+    """
 
     addresses: NDArray[np.intp]
     lengths: NDArray[np.float64]
     offsets: NDArray[np.float64]
+    begin: int
+    end: int
 
 
 def addresses(spelt: Word, substeps: int) -> NDArray[np.intp]:
@@ -139,4 +150,6 @@ def compose(spelt: Word, at: NDArray[np.intp], step: float, substeps: int) -> Pr
     h = step / substeps
     lengths = [step] * len(before) + [h] * len(substep) * substeps + [step] * len(after)
     offsets = [0.0] * len(before) + [k * h for k in range(substeps) for _ in substep] + [step] * len(after)
-    return Program(at, np.array(lengths), np.array(offsets))
+    return Program(
+        at, np.array(lengths), np.array(offsets), before.index(prepare), len(at) - len(after) + after.index(store) + 1
+    )

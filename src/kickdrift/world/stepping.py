@@ -14,6 +14,7 @@ from kickdrift.world.bodies import Bodies
 from kickdrift.world.collision.filters import part_joined
 from kickdrift.world.compiling import compile_step
 from kickdrift.world.contacts import contact_solver_simd
+from kickdrift.world.contacts.batching import FEW
 from kickdrift.world.contacts.layout import LANE_COUNT, WIDTH
 from kickdrift.world.force_stage import Force, put_numbers
 from kickdrift.world.joints.registry import Joints
@@ -22,7 +23,7 @@ from kickdrift.world.rollback import find_lost_body, lost_body_error, roll_back
 from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.stage_order import Program, Uses, Word, addresses, compose, word
 from kickdrift.world.step import run
-from kickdrift.world.tables import EVENTS, LOAD, SETTINGS, STEP_STATUS, SWEEPS, Table, Tables
+from kickdrift.world.tables import BODY, EVENTS, LOAD, SETTINGS, STEP_STATUS, SWEEPS, Table, Tables
 
 
 class DoesSteps:
@@ -104,6 +105,7 @@ class DoesSteps:
                 sleeps=self.sleeping,
                 planar=self.planar,
                 threads=self.threads and present(),
+                many=self.tables.count(BODY) > FEW,
             )
         )
 

@@ -96,7 +96,14 @@ EXCLUDED = Table(43, 2, whole=True)  # pairs of bodies that never touch, sorted:
 ASKED_APART = Table(49, 2, whole=True)  # those of them that users ask for; the others are joined
 FORCE_NUMBERS = Table(62, 1)  # those of users' forces: see `kickdrift.world.force_stage`
 
-_COUNT = 1 + max(table.place for table in list(globals().values()) if isinstance(table, Table))
+# The substeps: see `kickdrift.world.batch`
+MEMBER = Table(63, 1, whole=True)  # bodies that a substep moves, one batch after the other
+BATCH = Table(64, 4, whole=True)
+MEMBERSHIP = Table(65, 2, whole=True)  # of each body
+
+_LAST = max(table.place for table in list(globals().values()) if isinstance(table, Table))
+VIEW = Table(_LAST + 1, 3 * (_LAST + 2), whole=True)  # one row: the block as it is for a batch
+_COUNT = _LAST + 2
 _HUGE_PAGES = getattr(mmap, "MADV_HUGEPAGE", None)  # Linux
 _HUGE_PAGE, _LARGE = 1 << 21, 1 << 19  # bytes: of such a page, and of tables that go there
 _ADDRESS, _ROWS, _ROOM = 0, 1, 2  # the words that describe a table
@@ -120,6 +127,22 @@ def room(world: int, table: Table) -> int:
 def set_rows(world: int, table: Table, count: int) -> None:
     """Say how many rows are in use, at most what there is room for."""
     put_word(world, 3 * table[0] + _ROWS, count)
+
+
+@compiled(inline=True)
+def address(world: int, table: Table) -> int:
+    """Where a table begins."""
+    begins: int = word(world, 3 * table[0] + _ADDRESS)
+    return begins
+
+
+@compiled(inline=True)
+def narrow(world: int, table: Table, first: int, count: int) -> None:
+    """Let a table be only so many of its rows, from one on."""
+    place = 3 * table[0]
+    put_word(world, place + _ADDRESS, word(world, place + _ADDRESS) + 8 * table[1] * first)
+    put_word(world, place + _ROWS, count)
+    put_word(world, place + _ROOM, count)
 
 
 @compiled(inline=True)

@@ -11,6 +11,7 @@ from kickdrift.core.threads import launch
 from kickdrift.world import settings
 from kickdrift.world.adding import AddsBodies
 from kickdrift.world.arguments import choice, direction, number, vector
+from kickdrift.world.batch import BATCH_COLOURS
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
 from kickdrift.world.conserved_quantities import ConservedQuantities
@@ -27,7 +28,7 @@ from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.snapshot import Snapshot
 from kickdrift.world.stage_order import Program
 from kickdrift.world.stepping import DoesSteps
-from kickdrift.world.tables import COLOURS, SETTINGS, STEP_STATUS, SWEEPS, Tables
+from kickdrift.world.tables import COLOURS, SETTINGS, STEP_STATUS, SWEEPS, VIEW, Tables
 from kickdrift.world.tuning import Tunable
 from kickdrift.world.unsolved import say
 from kickdrift.world.views import BodyViews
@@ -151,7 +152,8 @@ class World(
             row[settings.PLANE_NORMAL : settings.PLANE_NORMAL + 3] = direction("plane_normal", plane_normal)
         self.planar = plane_normal is not None
         self.tables.resize(STEP_STATUS, 1)
-        self.tables.resize(COLOURS, 64)
+        self.tables.resize(COLOURS, BATCH_COLOURS)
+        self.tables.resize(VIEW, 1)
         self.tables.resize(SWEEPS, 1)
         self.broken: list[Joint] = []
         self.recorder: Recorder | None = None

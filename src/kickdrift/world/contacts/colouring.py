@@ -1,10 +1,13 @@
 """Graph colouring of contacts, so that no two of a colour move the same body, and the groups of lanes of each colour."""
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.batch import BATCH_COLOURS, LANES_BEFORE
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.integration import AWAKE, LINK_PLACE
+from kickdrift.world.contacts.batching import OWN_BATCH
+from kickdrift.world.integration import AWAKE, BODY_KIND, LINK_PLACE, STATIC
 from kickdrift.world.step_status import ask_for_room
 from kickdrift.world.tables import (
+    BATCH,
     BODY,
     COLOURED,
     COLOURS,
@@ -13,6 +16,7 @@ from kickdrift.world.tables import (
     GROUPS,
     INVERSE_MASS,
     LANES,
+    MEMBERSHIP,
     floats,
     integers,
     room,
@@ -29,13 +33,18 @@ LINKED = OVERFLOW + 1  # and those that are solved directly: see `kickdrift.worl
 def colour(t: float, h: float, world: int) -> None:
     """Give every contact that has points a colour, and every colour its groups of lanes.
 
-    Greedy, in the order of the contacts: the first colour that neither body has yet. Bodies that do not move have none.
+    Greedy, in the order of the contacts: the first colour that neither body has yet. Bodies that do not move have none. Every
+    batch has its own colours, which take each other's place in `LANES`; contacts that are solved directly stand last.
     """
+    batches = max(rows(world, BATCH), 1)
+    if batches * BATCH_COLOURS > room(world, COLOURS):
+        ask_for_room(world, COLOURS, batches * BATCH_COLOURS)
+        return
     contact, inverse_mass, body = integers(world, CONTACT), floats(world, INVERSE_MASS), integers(world, BODY)
-    taken, colours = integers(world, COLOURED), integers(world, COLOURS)
+    taken, colours, own = integers(world, COLOURED), integers(world, COLOURS), integers(world, MEMBERSHIP)
     for k in range(rows(world, COLOURED)):
         taken[k, 0] = 0
-    for k in range(LINKED + 1):
+    for k in range(batches * BATCH_COLOURS):
         colours[k, c.COLOUR_CONTACTS] = 0
     for row in range(rows(world, CONTACT)):
         contact[row, c.PLACE_IN_GROUPS] = -1
@@ -59,22 +68,54 @@ def colour(t: float, h: float, world: int) -> None:
                 taken[a, 0] |= 1 << k
             if moves_b:
                 taken[b, 0] |= 1 << k
+        if batches > 1:
+            k += BATCH_COLOURS * own[a if body[a, BODY_KIND] != STATIC else b, OWN_BATCH]
         contact[row, c.PLACE_IN_GROUPS] = k
         colours[k, c.COLOUR_CONTACTS] += 1
     first = 0
-    for k in range(LINKED + 1):
+    for k in range(batches * BATCH_COLOURS):
         count = colours[k, c.COLOUR_CONTACTS]
         colours[k, c.FIRST_GROUP] = first
-        first += count if k == OVERFLOW else (count + c.WIDTH - 1) // c.WIDTH
+        first += count if k % BATCH_COLOURS == OVERFLOW else (count + c.WIDTH - 1) // c.WIDTH
         colours[k, c.AFTER_GROUP] = first
+    most = 0
+    for k in range(0, batches * BATCH_COLOURS, BATCH_COLOURS):
+        most = max(most, colours[k + LINKED, c.AFTER_GROUP] - colours[k, c.FIRST_GROUP])
     if first > room(world, GROUPS):
         ask_for_room(world, GROUPS, first)
         return
-    if first * c.FIELDS * c.WIDTH > room(world, LANES):
-        ask_for_room(world, LANES, first * c.FIELDS * c.WIDTH)
+    if most * c.FIELDS * c.WIDTH > room(world, LANES):
+        ask_for_room(world, LANES, most * c.FIELDS * c.WIDTH)
         return
     if colours[LINKED, c.COLOUR_CONTACTS] > room(world, CONTACT_ROW):
         ask_for_room(world, CONTACT_ROW, colours[LINKED, c.COLOUR_CONTACTS])
         return
     set_rows(world, CONTACT_ROW, colours[LINKED, c.COLOUR_CONTACTS])
     set_rows(world, GROUPS, first)
+    for k in range(rows(world, BATCH)):
+        integers(world, BATCH)[k, LANES_BEFORE] = colours[k * BATCH_COLOURS, c.FIRST_GROUP] * c.FIELDS * c.WIDTH
+    _place(world)
+
+
+@compiled
+def _place(world: int) -> None:
+    """Give every contact that has a colour its lane."""
+    contact, colours, groups = integers(world, CONTACT), integers(world, COLOURS), integers(world, GROUPS)
+    for g in range(rows(world, GROUPS)):
+        for lane in range(c.WIDTH):
+            groups[g, c.BODIES_A + lane], groups[g, c.BODIES_B + lane], groups[g, c.GROUP_CONTACTS + lane] = 0, 0, -1
+    for k in range(max(rows(world, BATCH), 1) * BATCH_COLOURS):
+        colours[k, c.COLOUR_CONTACTS] = 0
+    for row in range(rows(world, CONTACT)):
+        k = contact[row, c.PLACE_IN_GROUPS]
+        if k < 0:
+            continue
+        index = colours[k, c.COLOUR_CONTACTS]
+        colours[k, c.COLOUR_CONTACTS] += 1
+        group, lane = colours[k, c.FIRST_GROUP] + index // c.WIDTH, index % c.WIDTH
+        if k % BATCH_COLOURS == OVERFLOW:
+            group, lane = colours[k, c.FIRST_GROUP] + index, 0
+        contact[row, c.PLACE_IN_GROUPS] = group * c.WIDTH + lane
+        groups[group, c.BODIES_A + lane] = contact[row, c.BODY_A]
+        groups[group, c.BODIES_B + lane] = contact[row, c.BODY_B]
+        groups[group, c.GROUP_CONTACTS + lane] = row

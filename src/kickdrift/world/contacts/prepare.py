@@ -7,14 +7,13 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts import prepare_simd as r
-from kickdrift.world.contacts.colouring import LINKED, OVERFLOW
+from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.contacts.contact_solver_simd import SWEEP
 from kickdrift.world.contacts.gather import gather, softness
 from kickdrift.world.contacts.transposing import fetch_rows
 from kickdrift.world.settings import SLOP, STEP, SUBSTEPS
 from kickdrift.world.tables import (
     COLOURS,
-    CONTACT,
     GROUPS,
     LANES,
     MANIFOLD,
@@ -36,26 +35,8 @@ sweep = caller(SWEEP)
 @compiled
 def prepare(t: float, h: float, world: int) -> None:
     """Fill the groups with constraints."""
-    contact, colours, groups = integers(world, CONTACT), integers(world, COLOURS), integers(world, GROUPS)
-    lanes = flat(world, LANES)
-    for g in range(rows(world, GROUPS)):
-        for lane in range(c.WIDTH):
-            groups[g, c.BODIES_A + lane], groups[g, c.BODIES_B + lane], groups[g, c.GROUP_CONTACTS + lane] = 0, 0, -1
-    for k in range(LINKED + 1):
-        colours[k, c.COLOUR_CONTACTS] = 0
-    for row in range(rows(world, CONTACT)):
-        k = contact[row, c.PLACE_IN_GROUPS]
-        if k < 0:
-            continue
-        index = colours[k, c.COLOUR_CONTACTS]
-        colours[k, c.COLOUR_CONTACTS] += 1
-        group, lane = colours[k, c.FIRST_GROUP] + index // c.WIDTH, index % c.WIDTH
-        if k == OVERFLOW:
-            group, lane = colours[k, c.FIRST_GROUP] + index, 0
-        contact[row, c.PLACE_IN_GROUPS] = group * c.WIDTH + lane
-        groups[group, c.BODIES_A + lane] = contact[row, c.BODY_A]
-        groups[group, c.BODIES_B + lane] = contact[row, c.BODY_B]
-        groups[group, c.GROUP_CONTACTS + lane] = row
+    colours, groups, lanes = integers(world, COLOURS), integers(world, GROUPS), flat(world, LANES)
+    first, after = colours[0, c.FIRST_GROUP], colours[LINKED, c.AFTER_GROUP]
     raw, sweeps, settings = carray(floats_on_stack(_RAW), (_RAW,)), integers(world, SWEEPS), floats(world, SETTINGS)
     slop = settings[0, SLOP]
     substep = settings[0, STEP] / settings[0, SUBSTEPS]
@@ -64,8 +45,8 @@ def prepare(t: float, h: float, world: int) -> None:
     for k in range(_SCRATCH):
         scratch[k] = 0.0
     numbers, many, n = flat_integers(world, GROUPS), rows(world, GROUPS) > _MANY, sweeps[0, c.LANE_COUNT]
-    for g in range(rows(world, GROUPS)):
-        if many and g + 1 < rows(world, GROUPS):
+    for g in range(first, after):
+        if many and g + 1 < after:
             for k in range(0, MANIFOLD.width, 8):  # a cache line each
                 fetch_rows(floats(world, MANIFOLD), k, numbers, GROUPS.width * (g + 1) + c.GROUP_CONTACTS)
         for lane in range(n):

@@ -48,8 +48,8 @@ def measure(t: float, h: float, world: int) -> None:
     groups, colours, body = integers(world, GROUPS), integers(world, COLOURS), integers(world, BODY)
     lanes, sweeps, bodies = flat(world, LANES), integers(world, SWEEPS), flat_integers(world, GROUPS)
     scratch, motion = carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)), floats(world, MOTION)
-    most, noted, n = 0.0, _noted(h, world), sweeps[0, c.LANE_COUNT]
-    for g in range(colours[LINKED, c.FIRST_GROUP]):
+    most, noted, n = floats(world, SETTINGS)[0, RESIDUAL], _noted(h, world), sweeps[0, c.LANE_COUNT]
+    for g in range(colours[0, c.FIRST_GROUP], colours[LINKED, c.FIRST_GROUP]):
         gather_rows(motion, 0, 0, 6, bodies, GROUPS.width * g + c.BODIES_A, scratch, VELOCITY_A)
         gather_rows(motion, 0, 0, 6, bodies, GROUPS.width * g + c.BODIES_B, scratch, VELOCITY_B)
         sweep(sweeps[0, c.MEASURE], (lanes[g * _SIZE : (g + 1) * _SIZE], scratch, 0.0, 0.0, 0.0, n))

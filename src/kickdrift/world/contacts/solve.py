@@ -41,6 +41,7 @@ from kickdrift.world.tables import (
     INVERSE_MASS,
     LANES,
     MANIFOLD,
+    MEMBER,
     MOTION,
     POSE,
     SETTINGS,
@@ -57,7 +58,7 @@ _W = c.WIDTH
 _SIZE = c.FIELDS * _W
 
 _TOUCHING = 1e-6  # of the slop: so deep are points that touch, whatever was rounded off
-_MANY = 3000  # bodies, whose velocities, displacements and inertia do not fit into half a megabyte
+_MANY = 3000  # bodies of a batch, whose velocities, displacements and inertia do not fit into half a megabyte
 _FEWEST = 16  # groups of a colour that are worth a parallel region of some 10 us
 
 sweep = caller(SWEEP)
@@ -75,8 +76,9 @@ def _forth(t: float, h: float, world: int) -> None:
         else:
             for g in prange(first, last):
                 group(h, world, g)
-    for g in range(colours[OVERFLOW, c.FIRST_GROUP], colours[LAST, c.AFTER_GROUP]):
-        group(h, world, g)
+    for k in range(OVERFLOW, LAST + 1):
+        for g in range(colours[k, c.FIRST_GROUP], colours[k, c.AFTER_GROUP]):
+            group(h, world, g)
 
 
 @compiled
@@ -203,8 +205,8 @@ THREADED = {
 def store(t: float, h: float, world: int) -> None:
     """Keep the impulses for the next step."""
     groups, lanes, manifold = integers(world, GROUPS), flat(world, LANES), floats(world, MANIFOLD)
-    contact = integers(world, CONTACT)
-    for g in range(rows(world, GROUPS)):
+    contact, colours = integers(world, CONTACT), integers(world, COLOURS)
+    for g in range(colours[0, c.FIRST_GROUP], colours[LINKED, c.AFTER_GROUP]):
         for lane in range(_W):
             row = groups[g, c.GROUP_CONTACTS + lane]
             if row < 0:
@@ -231,7 +233,7 @@ def store(t: float, h: float, world: int) -> None:
 @compiled
 def _fetch(world: int, g: int) -> None:
     """Ask for the bodies of the group after the next: of many bodies, they are too far for a processor to see them coming."""
-    if rows(world, MOTION) < _MANY or g + 2 >= rows(world, GROUPS):
+    if rows(world, MEMBER) < _MANY or g + 2 >= rows(world, GROUPS):
         return
     bodies, begin = flat_integers(world, GROUPS), GROUPS.width * (g + 2)
     for side in (c.BODIES_A, c.BODIES_B):

@@ -1,0 +1,80 @@
+"""Which bodies a step has nothing between, so that their substeps can be done one batch after the other."""
+
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.world.batch import AFTER_MEMBER, FIRST_MEMBER, WEIGHT
+from kickdrift.world.columns import column
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.integration import BODY_KIND, STATIC
+from kickdrift.world.step_status import ask_for_room
+from kickdrift.world.tables import BATCH, BODY, CONTACT, MEMBER, MEMBERSHIP, integers, room, rows, set_rows
+
+# Columns of MEMBERSHIP
+OWN_BATCH = column(MEMBERSHIP)  # before: a body of its island with a lower row, or itself
+ISLAND_WEIGHT = column(MEMBERSHIP)  # of the island of which it is the first body
+
+# Bodies and contacts, of some 900 bytes each: what a substep reads of them fits into half a megabyte.
+_MOST = 512
+FEW = 1000  # bodies, of which all substeps fit into the cache
+
+
+@compiled
+def find_batches(t: float, h: float, world: int) -> None:
+    """Find islands of bodies that contacts connect, and fill batches with whole ones, in the order of their first bodies."""
+    if rows(world, BODY) > room(world, BATCH):
+        ask_for_room(world, BATCH, rows(world, BODY))
+        return
+    contact, body, own = integers(world, CONTACT), integers(world, BODY), integers(world, MEMBERSHIP)
+    for row in range(rows(world, BODY)):
+        own[row, OWN_BATCH], own[row, ISLAND_WEIGHT] = row, 0
+    for row in range(rows(world, CONTACT)):
+        if contact[row, c.POINTS] == 0 or contact[row, c.CONTACT_STATE] & c.SENSOR:
+            continue
+        a, b = _first_of(own, contact[row, c.BODY_A]), _first_of(own, contact[row, c.BODY_B])
+        if body[a, BODY_KIND] > STATIC and body[b, BODY_KIND] > STATIC:
+            own[max(a, b), OWN_BATCH] = min(a, b)
+    for row in range(rows(world, BODY)):
+        own[_first_of(own, row), ISLAND_WEIGHT] += 1
+    for row in range(rows(world, CONTACT)):
+        if contact[row, c.POINTS] > 0:
+            a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
+            own[_first_of(own, a if body[a, BODY_KIND] > STATIC else b), ISLAND_WEIGHT] += 1
+    _fill(world, own)
+
+
+@compiled(inline=True)
+def _first_of(own: Any, row: int) -> int:
+    """Return the first body of an island, and halve the way to it."""
+    while own[row, OWN_BATCH] != row:
+        own[row, OWN_BATCH] = own[own[row, OWN_BATCH], OWN_BATCH]
+        row = own[row, OWN_BATCH]
+    return row
+
+
+@compiled
+def _fill(world: int, own: Any) -> None:
+    """Fill the batches, and list their members."""
+    batches, member, last = integers(world, BATCH), integers(world, MEMBER), 0
+    batches[0, WEIGHT], batches[0, AFTER_MEMBER] = 0, 0
+    for row in range(rows(world, BODY)):
+        before, weight = own[row, OWN_BATCH], own[row, ISLAND_WEIGHT]
+        if before != row:  # a body with a lower row, whose batch is known by now
+            own[row, OWN_BATCH] = own[before, OWN_BATCH]
+        else:
+            if batches[last, WEIGHT] > 0 and batches[last, WEIGHT] + weight > _MOST:
+                last += 1
+                batches[last, WEIGHT], batches[last, AFTER_MEMBER] = 0, 0
+            batches[last, WEIGHT] += weight
+            own[row, OWN_BATCH] = last
+        batches[own[row, OWN_BATCH], AFTER_MEMBER] += 1
+    first = 0
+    for k in range(last + 1):
+        batches[k, FIRST_MEMBER] = first
+        first += batches[k, AFTER_MEMBER]
+        batches[k, AFTER_MEMBER] = batches[k, FIRST_MEMBER]
+    for row in range(rows(world, BODY)):
+        k = own[row, OWN_BATCH]
+        member[batches[k, AFTER_MEMBER], 0] = row
+        batches[k, AFTER_MEMBER] += 1
+    set_rows(world, BATCH, last + 1)
