@@ -18,21 +18,25 @@ class Grid:
 
     Attributes
     ----------
-    t0, step : float
-        Start, and the step with its sign.
+    t0, t1, step : float
+        Start and end, and the step with its sign.
     n_steps : int
         How many steps there are.
     save_steps : (T,) array of int
         The steps after which the state is kept, 0 for the start.
     times : (T,) array
         Their times.
+    wanted : array or None
+        The times that the solution has instead, between those as they may be.
     """
 
     t0: float
+    t1: float
     step: float
     n_steps: int
     save_steps: NDArray[np.int64]
     times: NDArray[np.float64]
+    wanted: NDArray[np.float64] | None = None
 
 
 def lay_grid(
@@ -43,7 +47,7 @@ def lay_grid(
     Raises
     ------
     ArgumentError
-        For a span or step that cannot be, times off the grid, or more rows than fit in memory.
+        For a span or step that cannot be, times outside of the span, or more rows than fit in memory.
     """
     t0, t1 = _span(t_span)
     length, farthest = abs(t1 - t0), max(abs(t0), abs(t1))
@@ -60,12 +64,17 @@ def lay_grid(
             raise ArgumentError(
                 f"save_every={save_every!r} and t_eval are both given, but each says which times to keep; give one."
             )
-        times, save_steps = _wanted_times(t_eval, t0, t1, h, n_steps)
-    else:
-        save_steps = _every(save_every, n_steps, state_size)
-        times = np.asarray(t0 + save_steps * h, dtype=np.float64)
-        times[-1] = t1
-    return Grid(t0, h, n_steps, save_steps, times)
+        wanted = _wanted_times(t_eval, t0, t1)
+        save_steps, on_grid = _steps_before(wanted, t0, h, n_steps)
+        if on_grid.all() and (np.diff(save_steps) > 0).all():
+            return Grid(t0, t1, h, n_steps, save_steps, wanted)
+        save_steps = np.unique(save_steps)
+        times = np.where(save_steps == n_steps, t1, t0 + save_steps * h)
+        return Grid(t0, t1, h, n_steps, save_steps, times, wanted)
+    save_steps = _every(save_every, n_steps, state_size)
+    times = np.asarray(t0 + save_steps * h, dtype=np.float64)
+    times[-1] = t1
+    return Grid(t0, t1, h, n_steps, save_steps, times)
 
 
 def _span(t_span: Sequence[float]) -> tuple[float, float]:
@@ -108,36 +117,29 @@ def _every(save_every: int | None, n_steps: int, state_size: int) -> NDArray[np.
     return steps if steps[-1] == n_steps else np.append(steps, n_steps)
 
 
-def _wanted_times(
-    t_eval: ArrayLike, t0: float, t1: float, h: float, n_steps: int
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def _wanted_times(t_eval: ArrayLike, t0: float, t1: float) -> NDArray[np.float64]:
     try:
         times = reals(t_eval)
     except TypeError:
         raise ArgumentError(f"t_eval={t_eval!r} must be a list of times.") from None
     if times.ndim != 1 or times.size == 0:
         raise ArgumentError(f"t_eval of shape {times.shape} must be a list of at least one time.")
-    positions = (times - t0) / h
-    outside = ~((positions >= -1e-9) & (positions <= n_steps + 1e-9))
+    rounding = 1e-12 * abs(t1 - t0) + 4 * np.spacing(max(abs(t0), abs(t1)))
+    outside = ~((times >= min(t0, t1) - rounding) & (times <= max(t0, t1) + rounding))
     if outside.any():
         bad = times[outside][0]
         raise ArgumentError(f"t_eval={bad!r} lies outside t_span=({t0!r}, {t1!r}); leave it out or widen t_span.")
-    if (np.diff(times) * np.sign(h) <= 0).any():
-        raise ArgumentError("t_eval must be ordered from the start to the end of t_span, without repetitions; sort it.")
-    save_steps = np.rint(positions).astype(np.int64)
-    if (np.diff(save_steps) == 0).any():
-        i = int(np.argmax(np.diff(save_steps) == 0))
-        raise ArgumentError(
-            f"t_eval={float(times[i])!r} and {float(times[i + 1])!r} are one time on the grid of steps of {abs(h)!r};"
-            " leave one out."
-        )
-    # A time on the grid differs from it by rounding alone.
-    rounding = 1e-9 + 4 * np.finfo(float).eps * np.maximum(abs(times), max(abs(t0), abs(t1))) / abs(h)
-    off = abs(positions - save_steps) > rounding
-    if off.any():
-        bad, near = float(times[off][0]), t0 + float(save_steps[off][0]) * h
-        raise ArgumentError(
-            f"t_eval={bad!r} is not on the grid of steps of {abs(h)!r} from {t0!r}; the nearest grid time is {near!r}."
-            " Choose a step that divides the times wanted."
-        )
-    return times, save_steps
+    return times
+
+
+def _steps_before(
+    times: NDArray[np.float64], t0: float, h: float, n_steps: int
+) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Return the last step of the grid that is not after each time, and which times are on the grid but for rounding."""
+    positions = (times - t0) / h
+    nearest = np.rint(positions)
+    farthest = max(abs(t0), abs(t0 + n_steps * h))
+    rounding = 1e-9 + 4 * np.finfo(float).eps * np.maximum(abs(times), farthest) / abs(h)
+    on_grid = abs(positions - nearest) <= rounding
+    steps = np.where(on_grid, nearest, np.floor(positions)).astype(np.int64)
+    return np.clip(steps, 0, n_steps), on_grid

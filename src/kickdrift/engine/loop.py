@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from kickdrift.core.calls import call_interpreted, caller
 from kickdrift.core.compilation import compiled, specialise
 from kickdrift.core.elementwise import assign
-from kickdrift.engine.flows.layout import TROUBLE
+from kickdrift.engine.flows.layout import EVALUATIONS, TROUBLE
 
 Floats = NDArray[np.float64]
 LETTER = types.none(types.float64, types.float64, types.intp)
@@ -21,7 +21,9 @@ _STATE = (types.int64, _FLOATS, _FLOATS, _FLOATS)
 ADVANCE = types.UniTuple(types.int64, 2)(
     *_WORD, types.int64, types.int64, *_STATE, _INTEGERS, types.int64, _ROWS, _ROWS
 )
-CHANGE = types.none(*_WORD, _INTEGERS, *_STATE, _FLOATS, _ROWS, _ROWS)
+CHANGE = types.int64(
+    _INTEGERS, _INTEGERS, _FLOATS, _FLOATS, _INTEGERS, _FLOATS, _FLOATS, _INTEGERS, *_STATE, _FLOATS, _ROWS, _ROWS
+)
 
 call = caller(LETTER)
 
@@ -73,9 +75,10 @@ def change(
     letters: NDArray[np.int64],
     weights: Floats,
     offsets: Floats,
-    t0: float,
-    h: float,
-    steps: NDArray[np.int64],
+    primers: NDArray[np.int64],
+    times: Floats,
+    sizes: Floats,
+    counts: NDArray[np.int64],
     state: Any,
     x: Floats,
     v: Floats,
@@ -83,20 +86,33 @@ def change(
     blank: Floats,
     xs: Floats,
     vs: Floats,
-) -> None:
-    """Overwrite each row of xs and vs by what a step from it gives, beginning with blank work; NaN if a flow fails."""
-    for row in range(steps.size):
+) -> int:
+    """Overwrite each row of xs and vs by what steps of one size from its time give, begun with blank work; NaN if a flow fails.
+
+    Returns
+    -------
+    evaluations : int
+        How many force evaluations flows have counted themselves.
+    """
+    evaluations = 0
+    for row in range(times.size):
         assign(x, xs[row])
         assign(v, vs[row])
         assign(work, blank)
-        t = t0 + steps[row] * h
-        for k in range(letters.size):
-            call(flows[letters[k]], (t + offsets[k] * h, weights[k] * h, state))
+        h = sizes[row]
+        for k in range(primers.size):
+            call(flows[primers[k]], (times[row], 0.0, state))
+        for step in range(counts[row]):
+            t = times[row] + step * h
+            for k in range(letters.size):
+                call(flows[letters[k]], (t + offsets[k] * h, weights[k] * h, state))
         if work[TROUBLE] != 0.0:
             assign(x, np.nan)
             assign(v, np.nan)
+        evaluations += int(work[EVALUATIONS] - blank[EVALUATIONS])
         assign(xs[row], x)
         assign(vs[row], v)
+    return evaluations
 
 
 advance_interpreted = specialise(advance.py_func, "advance_interpreted", call=call_interpreted)  # type: ignore[attr-defined]

@@ -7,9 +7,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.compilation import load
 from kickdrift.core.outcomes import Outcome
-from kickdrift.engine import loop
 from kickdrift.engine.grid import Grid
 from kickdrift.engine.program import Program, Structure, compose
 from kickdrift.engine.run import Ending
@@ -50,8 +48,9 @@ class Processing:
     def enter(self) -> None:
         """Give the kernel its start."""
         if self.preprocessor is not None:
-            state = self.kernel.state
-            self.preprocessor.change(np.zeros(1, dtype=np.int64), state.x[None], state.v[None])
+            state, once = self.kernel.state, np.ones(1, dtype=np.int64)
+            t0, step = np.array([self.kernel.t0]), np.array([self.kernel.step])
+            self.preprocessor.change(t0, step, once, state.x[None], state.v[None])
 
     def leave(self, grid: Grid, xs: Floats, vs: Floats, ending: Ending) -> tuple[Floats, Floats]:
         """Return the rows of a run as people see them, shape (T, *shape)."""
@@ -60,7 +59,8 @@ class Processing:
             steps = np.append(grid.save_steps, ending.n_steps)[: ending.saved]
             if ending.outcome is not Outcome.COMPLETED:
                 steps[-1:] = ending.n_steps
-            self.postprocessor.change(steps, xs, vs)
+            times, sizes = grid.t0 + steps * grid.step, np.full(steps.size, grid.step)
+            self.postprocessor.change(times, sizes, np.ones_like(steps), xs, vs)
         xs = xs.reshape(ending.saved, *self.system.x0.shape)
         vs = vs.reshape(ending.saved, *self.system.v0.shape)
         if self.frame is not None:
@@ -68,6 +68,31 @@ class Processing:
         if ending.saved and grid.save_steps[0] == 0:
             xs[0], vs[0] = self.system.x0, self.system.v0  # which there and back is but for rounding
         return xs, vs
+
+    def go_on(
+        self, times: Floats, sizes: Floats, counts: NDArray[np.int64], xs: Floats, vs: Floats
+    ) -> tuple[Floats, Floats, int]:
+        """Do so many steps of a size from each row as people see it, of shape (T, *shape), at its time.
+
+        Returns
+        -------
+        xs, vs : (T, *shape) array
+            Where they lead.
+        evaluations : int
+            Of the force.
+        """
+        if self.frame is not None:
+            xs, vs = self.frame.enter(xs, vs)
+        x, v, once = xs.reshape(times.size, -1).copy(), vs.reshape(times.size, -1).copy(), np.ones_like(counts)
+        evaluations = 0
+        for stepper, at, repeats in (
+            (self.preprocessor, times, once),
+            (self.kernel, times, counts),
+            (self.postprocessor, times + counts * sizes, once),
+        ):
+            evaluations += stepper.change(at, sizes, repeats, x, v) if stepper is not None else 0
+        xs, vs = x.reshape(xs.shape), v.reshape(vs.shape)
+        return (*((xs, vs) if self.frame is None else self.frame.leave(xs, vs)), evaluations)
 
     def evaluations(self, rows: int) -> int:
         """Force evaluations on the way in, and of so many rows on the way out."""
@@ -87,8 +112,6 @@ def compile_method(system: System, method: Method, grid: Grid, compensated: bool
         for program in (programs.kernel, programs.preprocessor, programs.postprocessor)
     )
     assert kernel is not None
-    if before is not None and system.native:
-        load(loop.change, loop.CHANGE)
     return Processing(system, frame, kernel, before, after)
 
 

@@ -8,11 +8,13 @@ from numpy.typing import NDArray
 from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import multipliers, quantities
+from kickdrift.engine.dense import DenseOutput
 from kickdrift.engine.grid import Grid
 from kickdrift.engine.method_selection import Choice
-from kickdrift.engine.processing import Processing
+from kickdrift.engine.processing import Processing, compile_method
 from kickdrift.engine.run import Ending, Run
 from kickdrift.engine.solution import Description, Invariants, Solution
+from kickdrift.methods import Method
 from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
@@ -26,6 +28,16 @@ def report(
     if ending.outcome is not Outcome.COMPLETED and ending.saved:
         t[-1] = grid.t0 + ending.n_steps * grid.step
     xs, vs = processing.leave(grid, run.xs, run.vs, ending)
+    evaluations = ending.evaluations + processing.evaluations(ending.saved)
+    end = grid.t1 if ending.n_steps == grid.n_steps else grid.t0 + ending.n_steps * grid.step
+    dense = _dense(system, chosen.method, grid, compensated, end, t, xs, vs)
+    message = ending.message
+    if grid.wanted is not None and dense is not None:
+        try:
+            t, xs, vs, own = _at_wanted(grid, ending, dense, t, xs, vs)
+            evaluations += own
+        except Exception as error:  # of a user's function, which may fail between steps and not at their ends
+            message += f" Times between steps are left out, where {type(error).__name__} was raised: {error}."
     for kept in (t, xs, vs):
         kept.flags.writeable = False  # invariants are evaluated later, from the same numbers
     return Solution(
@@ -34,15 +46,42 @@ def report(
         v=vs,
         invariants=Invariants(tuple(system.quantities), partial(quantities.evaluate, system, t=t, x=xs, v=vs)),
         status=ending.outcome,
-        message=ending.message + quantities.energy_lost(system, t, xs, vs),
+        message=message + quantities.energy_lost(system, t, xs, vs),
         step=grid.step,
         n_steps=ending.n_steps,
-        n_force_evaluations=ending.evaluations + processing.evaluations(ending.saved),
+        n_force_evaluations=evaluations,
         wall_time=ending.wall_time,
         about=_description(system, chosen, compensated),
         derived=_derived(system, t, xs, vs),
         error_estimate=None if ending.estimated is None else ending.estimated.reshape(system.x0.shape),
+        dense=dense,
     )
+
+
+def _dense(
+    system: System, method: Method, grid: Grid, compensated: bool, end: float, t: Floats, xs: Floats, vs: Floats
+) -> DenseOutput | None:
+    """Return what gives states between the rows, and between the start and the first; None where noise drives the system."""
+    if system.kind is Kind.LANGEVIN:
+        return None
+    if not t.size or t[0] != grid.t0:
+        t = np.append(grid.t0, t)
+        xs, vs = np.concatenate((system.x0[None], xs)), np.concatenate((system.v0[None], vs))
+    return DenseOutput(t, xs, vs, end, grid.step, lambda: compile_method(system, method, grid, compensated))
+
+
+def _at_wanted(
+    grid: Grid, ending: Ending, dense: DenseOutput, t: Floats, xs: Floats, vs: Floats
+) -> tuple[Floats, Floats, Floats, int]:
+    """Return the rows at the times that were wanted, as far as the run went, and the last one where it ended early."""
+    assert grid.wanted is not None
+    low, high = sorted((dense.t[0], dense.end))
+    completed = ending.outcome is Outcome.COMPLETED
+    wanted = grid.wanted if completed else grid.wanted[(grid.wanted >= low) & (grid.wanted <= high)]
+    x, v, evaluations = dense.states_at(np.clip(wanted, low, high))  # which may be outside by a rounding
+    if completed:
+        return wanted, x, v, evaluations
+    return np.append(wanted, t[-1]), np.concatenate((x, xs[-1:])), np.concatenate((v, vs[-1:])), evaluations
 
 
 def _derived(system: System, t: Floats, xs: Floats, vs: Floats) -> Invariants:

@@ -6,11 +6,12 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import KickdriftError
 from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
+from kickdrift.engine.dense import DenseOutput, States
 
 Floats = NDArray[np.float64]
 
@@ -133,6 +134,8 @@ class Solution:
     error_estimate : array or None
         The largest error that a step is estimated to have made in each number of x, in the shape of x0; None where the
         method has no estimate. It is that of a method of lower order, and so larger than the error.
+    dense : DenseOutput or None
+        What ``solution(t)`` asks; None of solutions that were loaded, and of Langevin dynamics.
     """
 
     t: Floats
@@ -148,6 +151,7 @@ class Solution:
     about: Description
     derived: Mapping[str, Floats] = field(default_factory=dict)
     error_estimate: Floats | None = None
+    dense: DenseOutput | None = field(default=None, repr=False)
 
     presenters: ClassVar[Presenters]
 
@@ -206,6 +210,38 @@ class Solution:
     def y(self) -> Floats:
         """States of first-order equations: x."""
         return self.x
+
+    def __call__(self, t: ArrayLike) -> States:
+        """Return positions and velocities at any times of the run, by steps of the method from the rows kept.
+
+        Parameters
+        ----------
+        t : float or array_like
+            Times between the start of the run and its end, in any order.
+
+        Returns
+        -------
+        x, v : array
+            One state, or (T, *shape) of T times. Their error is that of the method, of its order.
+
+        Raises
+        ------
+        ArgumentError
+            For times outside of the run.
+        KickdriftError
+            If the solution does not know its equations: it was loaded from a file, or comes from another process; and for
+            Langevin dynamics, of whose path a step knows its ends alone.
+        """
+        if self.dense is None:
+            if self.about.kind == Kind.LANGEVIN.name:
+                raise KickdriftError(
+                    "noise drives the path: between two steps it is not known; take smaller steps, and keep them."
+                )
+            raise KickdriftError(
+                "this solution was read from a file or sent from another process, and does not know its equations; solve again,"
+                " or interpolate between sol.t."
+            )
+        return self.dense(t)
 
     def report(self) -> str:
         """Return how the run went, as a text of a line per fact."""

@@ -9,6 +9,7 @@ from kickdrift import methods
 from kickdrift.core.arguments import choice
 from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.announcing import compiling_announced
+from kickdrift.engine.dense import check_between
 from kickdrift.engine.grid import lay_grid
 from kickdrift.engine.method_selection import check_direction, check_wanted, choose
 from kickdrift.engine.problem_adapter import describe
@@ -64,7 +65,7 @@ def solve(
         takes the least time to errors between 1e-3 and 1e-9 at the end, or close to it; for Hamiltonians that are not
         separable that is `dop853`, whose energy drifts.
     t_eval : array_like, optional
-        Times to keep, on the grid of steps.
+        Times to keep, any in `t_span`, in any order. Those between two steps are found as ``solution(t)`` finds them.
     save_every : int, optional
         Keep every n-th step, for n = `save_every`, and the last; every step if neither this nor `t_eval` is given.
     args : sequence of float, optional
@@ -115,6 +116,7 @@ def solve(
         grid = lay_grid(t_span, step, t_eval, save_every, start.x.size)
         with compiling_announced(progress):
             system = describe(problem, grid.t0, start, params, compiles, check_bounds)
+            check_between(system, grid)
             chosen = choose(method, order, system, grid.t0, grid.step, grid.n_steps * grid.step)
             check_direction(chosen.method, grid.step)
             processing = compile_method(system, chosen.method, grid, compensated)

@@ -94,9 +94,8 @@ class Stepper:
 
     def prime(self) -> None:
         """Make ready what the first step finds as the step before would have left it."""
-        primers = np.arange(len(self.program.flows), len(self._flows))
-        nothing = np.zeros(primers.size)
-        self._advanced((primers, nothing, nothing), 0.0, 0, 1, _NEVER, 0, _NO_ROWS, _NO_ROWS)
+        nothing = np.zeros(self._primers.size)
+        self._advanced((self._primers, nothing, nothing), 0.0, 0, 1, _NEVER, 0, _NO_ROWS, _NO_ROWS)
 
     def _advanced(
         self,
@@ -115,14 +114,27 @@ class Stepper:
                 self._flows, *word, self.t0, h, first, last, *state, save_steps, saved, xs, vs
             )
 
-    def change(self, steps: NDArray[np.int64], xs: Floats, vs: Floats) -> None:
-        """Do a step, of the number given, from each of the rows and overwrite it; nothing is carried over."""
-        program, state = self.program, self.state
-        word, blank = (program.letters, program.weights, program.offsets), state.work.copy()
+    def change(self, times: Floats, sizes: Floats, counts: NDArray[np.int64], xs: Floats, vs: Floats) -> int:
+        """Do so many steps of a size from each of the rows, at its time, and overwrite it; nothing is carried over.
+
+        Returns
+        -------
+        evaluations : int
+            Of the force.
+        """
+        program, state, blank = self.program, self.state, self.state.work.copy()
+        word = (program.letters, program.weights, program.offsets, self._primers)
         members = (self._members, state.x, state.v, state.work)
+        load(self._change, loop.CHANGE)
         with np.errstate(all="ignore"):
-            self._change(self._flows, *word, self.t0, self.step, steps, *members, blank, xs, vs)
+            inside = self._change(self._flows, *word, times, sizes, counts, *members, blank, xs, vs)
         state.work[:] = blank
+        primed = sum(FLOWS[name].evaluations for name in program.primers)
+        return int(inside) + primed * times.size + program.evaluations * int(counts.sum())
+
+    @property
+    def _primers(self) -> NDArray[np.int64]:
+        return np.arange(len(self.program.flows), len(self._flows))
 
 
 def compile_program(system: System, program: Program, grid: Grid, compensated: bool) -> Stepper:

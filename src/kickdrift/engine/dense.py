@@ -1,0 +1,154 @@
+"""Dense output: states between the rows that a run kept, by the method itself.
+
+From the last row before a time, whole steps of the run lead to the grid, and one shorter step of the same method to the time.
+Its error is that of a step, so that what lies between has the order of the method, whatever that is, and constraints hold
+there. A whole step leads to the next row.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kickdrift.core.arguments import reals
+from kickdrift.core.errors import ArgumentError, KickdriftError
+from kickdrift.core.kinds import Kind
+from kickdrift.engine.grid import Grid
+from kickdrift.engine.processing import Processing
+from kickdrift.systems.system import System
+
+Floats = NDArray[np.float64]
+
+# Of a step, and of the spacing of floats near the farthest time: what is nearer to the grid is on it.
+_ROUNDING, _SPACINGS = 1e-9, 4.0
+
+
+class States(NamedTuple):
+    """Positions and velocities at the times asked for: (T, *shape) of T times, or one state of the shape of x0.
+
+    Of Hamiltonians they are q and p; of first-order equations x is y, and v is empty.
+    """
+
+    x: Floats
+    v: Floats
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DenseOutput:
+    """States at any time between the start and the end of a run.
+
+    Attributes
+    ----------
+    t : (T,) array
+        Times of the rows, in the order in which the run went.
+    x, v : (T, *shape) array
+        The rows.
+    end : float
+        Where the run ended, at the last row or later.
+    step : float
+        The step of the run, with its sign.
+    compile : callable
+        Returns the method, compiled for the system, with a state of its own.
+    """
+
+    t: Floats
+    x: Floats
+    v: Floats
+    end: float
+    step: float
+    compile: Callable[[], Processing]
+
+    def __copy__(self) -> "DenseOutput":
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> "DenseOutput":
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _forgotten, ()  # the system may hold functions that cannot be pickled
+
+    def __call__(self, t: ArrayLike) -> States:
+        """Return the states at times between the start and the end.
+
+        Raises
+        ------
+        ArgumentError
+            For times outside, and for what is no list of times.
+        KickdriftError
+            If the method finds no state at one of them.
+        """
+        times = _times(t, self.t[0], self.end)
+        xs, vs, _ = self.states_at(times.reshape(-1))
+        lost = ~np.isfinite(xs).all(axis=tuple(range(1, xs.ndim)))
+        if lost.any():
+            raise KickdriftError(
+                f"there is no state at t={float(times.reshape(-1)[lost][0])!r}: the step to there has no solution, or is not"
+                " finite; take a smaller step."
+            )
+        return States(xs.reshape(times.shape + xs.shape[1:]), vs.reshape(times.shape + vs.shape[1:]))
+
+    def states_at(self, wanted: Floats) -> tuple[Floats, Floats, int]:
+        """Return the states at times between the rows, NaN where there are none, and the force evaluations that they took."""
+        row, counts, rest = self._places(wanted)
+        xs, vs = self.x[row].copy(), self.v[row].copy()
+        here, evaluations = self.t[row], 0
+        if counts.any() or rest.any():
+            processing = self.compile()
+            for sizes, repeats in ((np.full(row.size, self.step), counts), (rest, (rest != 0.0).astype(np.int64))):
+                moved = np.flatnonzero(repeats)
+                if moved.size:
+                    xs[moved], vs[moved], own = processing.go_on(
+                        here[moved], sizes[moved], repeats[moved], xs[moved], vs[moved]
+                    )
+                    evaluations += own
+                here = here + sizes * repeats
+        return xs, vs, evaluations
+
+    def _places(self, wanted: Floats) -> tuple[NDArray[np.intp], NDArray[np.int64], Floats]:
+        """Return the last row before each time, how many whole steps there are from there, and what is left."""
+        sign = np.sign(self.step)
+        farthest = max(abs(self.t[0]), abs(self.end))
+        rounding = _ROUNDING + _SPACINGS * np.spacing(farthest) / abs(self.step)
+        row = np.searchsorted(sign * self.t, sign * wanted + rounding * abs(self.step), side="right") - 1
+        ahead = (wanted - self.t[row]) / self.step
+        counts = np.floor(ahead + rounding).astype(np.int64)
+        left = ahead - counts
+        return row, counts, np.where(left > rounding, left * self.step, 0.0)
+
+
+def check_between(system: System, grid: Grid) -> None:
+    """Refuse times off the grid of steps where noise drives a system: of its path a step knows the ends alone.
+
+    Raises
+    ------
+    ArgumentError
+    """
+    if grid.wanted is None or system.kind is not Kind.LANGEVIN:
+        return
+    off = grid.wanted[~np.isin(grid.wanted, grid.times)]
+    first = float(off[0]) if off.size else float(grid.wanted[0])
+    nearest = grid.t0 + round((first - grid.t0) / grid.step) * grid.step
+    raise ArgumentError(
+        f"t_eval={first!r}: noise drives the path, which is known after whole steps of {abs(grid.step)!r} alone, one after"
+        f" the other; the nearest is {nearest!r}. Choose a step that divides the times wanted, and sort them."
+    )
+
+
+def _forgotten() -> None:
+    """Stand for the dense output of a solution that another process reads."""
+
+
+def _times(t: Any, first: float, last: float) -> Floats:
+    try:
+        times = np.asarray(reals(t))
+    except TypeError:
+        raise ArgumentError(f"t={t!r} has to be a time, or an array of times.") from None
+    low, high = min(first, last), max(first, last)
+    outside = ~((times >= low) & (times <= high))
+    if outside.any():
+        raise ArgumentError(
+            f"t={float(times[outside][0])!r} lies outside of what was run, {first!r} to {last!r}; run on to there first."
+        )
+    return times
