@@ -7,6 +7,7 @@ class Outcome(Enum):
     """The ways in which a run ends; `Outcome.value` is the sentence for people."""
 
     COMPLETED = "The end of t_span was reached."
+    STOPPED = "A terminal event ended the run."
     INTERRUPTED = "Interrupted by the user; everything up to the interruption is kept."
     NOT_FINITE = "The state became infinite or not a number; the solution ends with the last good state."
     FAILED = "A function raised an error; the solution ends with the last good state."
@@ -15,4 +16,4 @@ class Outcome(Enum):
     @property
     def success(self) -> bool:
         """Whether the run did all that was asked."""
-        return self is Outcome.COMPLETED
+        return self in (Outcome.COMPLETED, Outcome.STOPPED)

@@ -100,8 +100,12 @@ class Adapter:
     def _quantity(self, name: str, function: Function) -> Quantity:
         """Adapt a conserved quantity, which has numbers of its own: those of the system are laid out already."""
         alone = replace(self, numbers=[])
-        adapted = alone.adapt(function, f"the function for {name!r}", self._quantity_names, ())
-        return Quantity(adapted.function, params=alone.args)
+        return alone.number(function, f"the function for {name!r}")
+
+    def number(self, function: Function, role: str) -> Quantity:
+        """Adapt a function of the state that returns a number."""
+        adapted = self.adapt(function, role, self._quantity_names, ())
+        return Quantity(adapted.function, params=self.args)
 
     @property
     def _quantity_names(self) -> tuple[str, ...]:
@@ -191,6 +195,19 @@ def describe(
         return _started(problem, start, params)
     described = problem if isinstance(problem, Problem) else SecondOrder(problem)
     return described.system(Adapter(t0, start.x, start.v, params, compile_, check_bounds))
+
+
+def function_of_state(
+    t0: float, start: Start, params: Floats, compile_: bool, check_bounds: bool, role: str, function: Function
+) -> Quantity:
+    """Adapt a user's function of the state that is no part of the system.
+
+    Raises
+    ------
+    ArgumentError
+        For a function with other argument names, or that returns no number.
+    """
+    return Adapter(t0, start.x, start.v, params, compile_, check_bounds).number(function, role)
 
 
 def _started(system: System, start: Start, params: Floats) -> System:

@@ -7,10 +7,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.grid import Grid
 from kickdrift.engine.program import Program, Structure, compose
-from kickdrift.engine.run import Ending
 from kickdrift.engine.stepper import Stepper, compile_program
 from kickdrift.methods import Method
 from kickdrift.methods.record import Word
@@ -52,22 +50,21 @@ class Processing:
             t0, step = np.array([self.kernel.t0]), np.array([self.kernel.step])
             self.preprocessor.change(t0, step, once, state.x[None], state.v[None])
 
-    def leave(self, grid: Grid, xs: Floats, vs: Floats, ending: Ending) -> tuple[Floats, Floats]:
-        """Return the rows of a run as people see them, shape (T, *shape)."""
-        xs, vs = xs[: ending.saved], vs[: ending.saved]
-        if self.postprocessor is not None:
-            steps = np.append(grid.save_steps, ending.n_steps)[: ending.saved]
-            if ending.outcome is not Outcome.COMPLETED:
-                steps[-1:] = ending.n_steps
-            times, sizes = grid.t0 + steps * grid.step, np.full(steps.size, grid.step)
-            self.postprocessor.change(times, sizes, np.ones_like(steps), xs, vs)
-        xs = xs.reshape(ending.saved, *self.system.x0.shape)
-        vs = vs.reshape(ending.saved, *self.system.v0.shape)
-        if self.frame is not None:
-            xs, vs = self.frame.leave(xs, vs)
-        if ending.saved and grid.save_steps[0] == 0:
+    def leave(self, grid: Grid, steps: NDArray[np.int64], xs: Floats, vs: Floats) -> tuple[Floats, Floats]:
+        """Return rows of a run after these steps as people see them, shape (T, *shape)."""
+        xs, vs = self.seen(np.asarray(grid.t0 + steps * grid.step, dtype=np.float64), xs, vs)
+        if steps.size and steps[0] == 0:
             xs[0], vs[0] = self.system.x0, self.system.v0  # which there and back is but for rounding
         return xs, vs
+
+    def seen(self, times: Floats, xs: Floats, vs: Floats) -> tuple[Floats, Floats]:
+        """Return rows of the loop, after whole steps, as people see them; they are overwritten."""
+        if self.postprocessor is not None:
+            sizes, once = np.full(times.size, self.kernel.step), np.ones(times.size, dtype=np.int64)
+            self.postprocessor.change(times, sizes, once, xs, vs)
+        xs = xs.reshape(times.size, *self.system.x0.shape)
+        vs = vs.reshape(times.size, *self.system.v0.shape)
+        return (xs, vs) if self.frame is None else self.frame.leave(xs, vs)
 
     def go_on(
         self, times: Floats, sizes: Floats, counts: NDArray[np.int64], xs: Floats, vs: Floats
@@ -100,9 +97,12 @@ class Processing:
         return (before.program.evaluations if before else 0) + rows * (after.program.evaluations if after else 0)
 
 
-def compile_method(system: System, method: Method, grid: Grid, compensated: bool) -> Processing:
-    """Compile, or take from disk, all that a method needs on a system."""
-    programs = _programs(method, Structure.of(system))
+def compile_method(system: System, method: Method, grid: Grid, compensated: bool, turns: bool = True) -> Processing:
+    """Compile, or take from disk, all that a method needs on a system.
+
+    Where every step is looked at, its word is left as it `turns` nothing: a letter more a step costs less than one undone.
+    """
+    programs = _programs(method, Structure.of(system), turns)
     frame, inner = system.frame if programs.kernel.split else None, system
     if frame is not None:
         x0, v0 = frame.enter(system.x0, system.v0)
@@ -123,8 +123,8 @@ class _Programs:
 
 
 @lru_cache(maxsize=256)
-def _programs(method: Method, system: Structure) -> _Programs:
-    word, first = _turned(method.word)
+def _programs(method: Method, system: Structure, turns: bool) -> _Programs:
+    word, first = _turned(method.word) if turns else (method.word, ())
     before = (*method.corrector, *first)
     ahead = sum((weight for letter, weight in first), Fraction(0))
     kernel = compose(method, system, word, clock=ahead)

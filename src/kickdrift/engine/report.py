@@ -9,6 +9,7 @@ from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import multipliers, quantities
 from kickdrift.engine.dense import DenseOutput
+from kickdrift.engine.events import Watch
 from kickdrift.engine.grid import Grid
 from kickdrift.engine.method_selection import Choice
 from kickdrift.engine.processing import Processing, compile_method
@@ -21,16 +22,32 @@ Floats = NDArray[np.float64]
 
 
 def report(
-    system: System, chosen: Choice, grid: Grid, processing: Processing, run: Run, ending: Ending, compensated: bool
+    system: System,
+    chosen: Choice,
+    grid: Grid,
+    processing: Processing,
+    run: Run,
+    ending: Ending,
+    compensated: bool,
+    watch: Watch | None,
 ) -> Solution:
     """Return what a run has kept, as people see it."""
     t = np.append(grid.times, grid.times[-1])[: ending.saved]
-    if ending.outcome is not Outcome.COMPLETED and ending.saved:
-        t[-1] = grid.t0 + ending.n_steps * grid.step
-    xs, vs = processing.leave(grid, run.xs, run.vs, ending)
+    steps = np.append(grid.save_steps, ending.n_steps)[: ending.saved]
+    if not ending.outcome.success and ending.saved:  # the last row is where it ended, on the grid of rows or not
+        t[-1], steps[-1] = grid.t0 + ending.n_steps * grid.step, ending.n_steps
+    xs, vs = processing.leave(grid, steps, run.xs[: ending.saved], run.vs[: ending.saved])
     evaluations = ending.evaluations + processing.evaluations(ending.saved)
     end = grid.t1 if ending.n_steps == grid.n_steps else grid.t0 + ending.n_steps * grid.step
+    if ending.stop is not None:
+        end = ending.stop.t
+        t, xs, vs = (
+            np.append(t, end),
+            np.append(xs, ending.stop.x[None], axis=0),
+            np.append(vs, ending.stop.v[None], axis=0),
+        )
     dense = _dense(system, chosen.method, grid, compensated, end, t, xs, vs)
+    zeros = () if watch is None else watch.by_event(end)
     message = ending.message
     if grid.wanted is not None and dense is not None:
         try:
@@ -55,6 +72,9 @@ def report(
         derived=_derived(system, t, xs, vs),
         error_estimate=None if ending.estimated is None else ending.estimated.reshape(system.x0.shape),
         dense=dense,
+        t_events=tuple(np.array([zero.t for zero in own]) for own in zeros),
+        x_events=tuple(np.array([zero.x for zero in own]).reshape(-1, *system.x0.shape) for own in zeros),
+        v_events=tuple(np.array([zero.v for zero in own]).reshape(-1, *system.v0.shape) for own in zeros),
     )
 
 

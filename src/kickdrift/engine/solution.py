@@ -134,6 +134,8 @@ class Solution:
     error_estimate : array or None
         The largest error that a step is estimated to have made in each number of x, in the shape of x0; None where the
         method has no estimate. It is that of a method of lower order, and so larger than the error.
+    t_events, x_events, v_events : tuple of array
+        Of each event, the times of its zeros, (K,), and the states there, (K, *shape).
     dense : DenseOutput or None
         What ``solution(t)`` asks; None of solutions that were loaded, and of Langevin dynamics.
     """
@@ -151,6 +153,9 @@ class Solution:
     about: Description
     derived: Mapping[str, Floats] = field(default_factory=dict)
     error_estimate: Floats | None = None
+    t_events: tuple[Floats, ...] = ()
+    x_events: tuple[Floats, ...] = ()
+    v_events: tuple[Floats, ...] = ()
     dense: DenseOutput | None = field(default=None, repr=False)
 
     presenters: ClassVar[Presenters]

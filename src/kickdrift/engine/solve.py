@@ -1,6 +1,7 @@
 """`solve`: from a function or a system to a solution."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 from numpy.typing import ArrayLike
@@ -10,9 +11,10 @@ from kickdrift.core.arguments import choice
 from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.announcing import compiling_announced
 from kickdrift.engine.dense import check_between
+from kickdrift.engine.events import events_of, watch_for
 from kickdrift.engine.grid import lay_grid
 from kickdrift.engine.method_selection import check_direction, check_wanted, choose
-from kickdrift.engine.problem_adapter import describe
+from kickdrift.engine.problem_adapter import describe, function_of_state
 from kickdrift.engine.processing import compile_method
 from kickdrift.engine.report import report
 from kickdrift.engine.run import Run
@@ -33,6 +35,7 @@ def solve(
     order: int | None = None,
     t_eval: ArrayLike | None = None,
     save_every: int | None = None,
+    events: Callable[..., Any] | Sequence[Callable[..., Any]] | None = None,
     args: Sequence[float] | None = None,
     compensated: bool = True,
     compile: bool = True,  # noqa: A002 - a promised name
@@ -68,6 +71,11 @@ def solve(
         Times to keep, any in `t_span`, in any order. Those between two steps are found as ``solution(t)`` finds them.
     save_every : int, optional
         Keep every n-th step, for n = `save_every`, and the last; every step if neither this nor `t_eval` is given.
+    events : callable or list of callable, optional
+        Functions of the state, with arguments named as those of forces, whose zeros are wanted: ``solution.t_events`` and the
+        states there, as exact as the method. Attributes say which: ``direction`` 1 for those on the way up, -1 for those on
+        the way down; ``terminal``, True or a number, ends the run at the first or that zero; ``rate_bound``, a bound
+        of how fast the function changes, lets none of two zeros within a step be missed. A zero at the start is none.
     args : sequence of float, optional
         Numbers that the function gets as ``params``.
     compensated : bool
@@ -119,13 +127,15 @@ def solve(
             check_between(system, grid)
             chosen = choose(method, order, system, grid.t0, grid.step, grid.n_steps * grid.step)
             check_direction(chosen.method, grid.step)
-            processing = compile_method(system, chosen.method, grid, compensated)
+            wanted = events_of(events, partial(function_of_state, grid.t0, start, params, compiles, check_bounds))
+            processing = compile_method(system, chosen.method, grid, compensated, turns=not wanted)
+            watch = watch_for(wanted, system, chosen.method, grid, compensated)
         processing.enter()
-        run = Run(processing.kernel, grid, progress)
+        run = Run(processing.kernel, grid, progress, watch)
     except MemoryError as error:
         raise ArgumentError(
             f"step={step!r}, save_every={save_every!r} and method={method!r} need more memory than there is ({error});"
             " keep fewer steps, or take an explicit method: implicit ones keep a matrix of the state's size squared."
         ) from None
     ending = run.go()
-    return report(system, chosen, grid, processing, run, ending, compensated)
+    return report(system, chosen, grid, processing, run, ending, compensated, watch)

@@ -34,6 +34,8 @@ def report(solution: Solution) -> str:
         if name == "energy" and solution.t.size > 1:
             per = f" per {unit}" if unit else " per unit of time"
             rows.append(("energy drift", f"{drift(solution.t, values):+.3e}{per}"))
+    if solution.t_events:
+        rows.append(("events", ", ".join(f"{own.size}" for own in solution.t_events) + " zeros"))
     rows.append(("outcome", solution.message))
     return lines(rows)
 

@@ -11,6 +11,7 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.solution import Description, Invariants, Solution
 from kickdrift.io import archive
 
+_EVENTS = ("t_events", "x_events", "v_events")
 _INVARIANT, _DERIVED = "invariant: ", "derived: "
 
 
@@ -54,6 +55,8 @@ def arrays_of(solution: Solution) -> dict[str, Any]:
     """Return the arrays of a solution."""
     arrays = {"t": solution.t, "x": solution.x, "v": solution.v}
     arrays |= {_INVARIANT + name: values for name, values in solution.invariants.items()}
+    for name in _EVENTS:
+        arrays |= {f"{name}{k}": values for k, values in enumerate(getattr(solution, name))}
     return arrays | {_DERIVED + name: values for name, values in solution.derived.items()}
 
 
@@ -65,6 +68,18 @@ def _estimate(given: Any, x: Any) -> Any:
     if estimate.shape != x.shape[1:]:
         raise ValueError(f"error_estimate has shape {estimate.shape}")
     return estimate
+
+
+def _events(arrays: dict[str, Any], x: Any, v: Any) -> dict[str, Any]:
+    """Return the zeros of events that a file holds."""
+    count = sum(name.startswith("t_events") for name in arrays)
+    found = {name: tuple(arrays[f"{name}{k}"] for k in range(count)) for name in _EVENTS}
+    for k, t in enumerate(found["t_events"]):
+        shapes = (t.size,), (t.size, *x.shape[1:]), (t.size, *v.shape[1:])
+        given = [found[name][k] for name in _EVENTS]
+        if any(array.dtype != np.float64 or array.shape != shape for array, shape in zip(given, shapes, strict=True)):
+            raise ValueError(f"the zeros of events[{k}] have other shapes than the states")
+    return found
 
 
 def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Solution:
@@ -109,4 +124,5 @@ def members(head: dict[str, Any], arrays: dict[str, Any]) -> dict[str, Any]:
         "about": Description(**about),
         "derived": derived,
         "error_estimate": _estimate(head.get("error_estimate"), x),
+        **_events(arrays, x, v),
     }

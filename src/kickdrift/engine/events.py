@@ -1,0 +1,230 @@
+"""Events: where functions of the state pass through zero along a run.
+
+After every chunk of steps its states are asked for. Where the sign of a function has changed between two of them, the step that
+lies between is done again, shorter, until it ends at the zero: as exact as the method is there.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from functools import reduce
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.core.kinds import Kind
+from kickdrift.engine.grid import Grid
+from kickdrift.engine.processing import Processing, compile_method
+from kickdrift.engine.quantities import evaluate_quantity
+from kickdrift.engine.zeros import Brackets, changes, search
+from kickdrift.methods import Method
+from kickdrift.systems.problem import name_of
+from kickdrift.systems.system import Quantity, System
+
+Floats = NDArray[np.float64]
+
+_NUMBERS = 1 << 16  # of states that are kept until they are asked
+_MOST_ROWS = 4096
+_HALVINGS = 30  # of a step in which a function may pass through zero and back
+
+
+class Event(NamedTuple):
+    """A function whose zeros are wanted: its name, and what users have set as its attributes."""
+
+    name: str
+    quantity: Quantity
+    terminal: int  # at which zero the run ends, 0 for none
+    direction: float
+    rate_bound: float | None
+
+
+class Zero(NamedTuple):
+    """A zero of an event, by its number, and the state there."""
+
+    t: float
+    event: int
+    x: Floats
+    v: Floats
+
+
+class Found(NamedTuple):
+    """What a look at a chunk has found: after how many of its steps it ends, the zero at which it does, and what went wrong."""
+
+    steps: int
+    stop: Zero | None = None
+    failure: str = ""
+
+
+def events_of(events: Any, quantity: Callable[[str, Any], Quantity]) -> tuple[Event, ...]:
+    """Adapt functions to the state by `quantity`, and read their attributes.
+
+    Raises
+    ------
+    ArgumentError
+        For what is no function of the state, and attributes that cannot be.
+    """
+    if events is None:
+        return ()
+    functions = list(events) if isinstance(events, Sequence) else [events]
+    return tuple(_event(f"events[{k}]", function, quantity) for k, function in enumerate(functions))
+
+
+def _event(name: str, function: Any, quantity: Callable[[str, Any], Quantity]) -> Event:
+    terminal, direction = getattr(function, "terminal", False), getattr(function, "direction", 0)
+    bound = getattr(function, "rate_bound", None)
+    name = f"{name}, {name_of(function)}," if callable(function) else name
+    if not (isinstance(terminal, bool | np.bool_ | int | np.integer) and terminal >= 0):
+        raise ArgumentError(f"{name} has terminal={terminal!r}; give True, False, or at which zero the run ends.")
+    for attribute, value, wanted in (
+        ("direction", direction, "1, -1 or 0"),
+        ("rate_bound", bound, "a positive number"),
+    ):
+        is_real = isinstance(value, int | float | np.integer | np.floating) and math.isfinite(value)
+        if value is not None and not (is_real and (attribute == "direction" or value > 0.0)):
+            raise ArgumentError(f"{name} has {attribute}={value!r}; give {wanted}.")
+    return Event(
+        name, quantity(name, function), int(terminal), float(direction), None if bound is None else float(bound)
+    )
+
+
+def watch_for(
+    events: tuple[Event, ...], system: System, method: Method, grid: Grid, compensated: bool
+) -> "Watch | None":
+    """Make what looks for events along the grid, if there are any.
+
+    Raises
+    ------
+    ArgumentError
+        For Langevin dynamics, whose path is not known between two steps.
+    """
+    if not events:
+        return None
+    if system.kind is Kind.LANGEVIN:
+        raise ArgumentError(
+            "events are given, but noise drives the path: between two steps it is not known; leave them out."
+        )
+    return Watch(events, system, compile_method(system, method, grid, compensated, turns=False), grid.t0, grid.step)
+
+
+class Watch:
+    """Events along a run.
+
+    Parameters
+    ----------
+    events : tuple of Event
+    system : System
+    processing : Processing
+        The method, with a state of its own.
+    t0, step : float
+        Of the grid.
+
+    Attributes
+    ----------
+    most : int
+        Steps that may be looked at at once.
+    """
+
+    def __init__(
+        self, events: tuple[Event, ...], system: System, processing: Processing, t0: float, step: float
+    ) -> None:
+        self.events, self._system, self._processing, self._t0, self._step = events, system, processing, t0, step
+        self.most = max(1, min(_MOST_ROWS, _NUMBERS // max(system.x0.size, 1)))
+        self._zeros: tuple[Zero, ...] = ()
+        self._waiting: tuple[tuple[int, Brackets], ...] = ()  # zeros that end nothing: sought many at once
+        self._x, self._v = system.x0[None], system.v0[None]
+        self._xs = self._vs = np.zeros((0, 0))
+
+    def rows(self, count: int, size: int, size_of_v: int) -> tuple[Floats, Floats]:
+        """Return rows for so many states of the loop, of such sizes, at which the next look is."""
+        self._xs, self._vs = np.empty((count, size)), np.empty((count, size_of_v))
+        return self._xs, self._vs
+
+    def look(self, first: int, count: int) -> Found:
+        """Look at so many rows, after the steps from `first` on."""
+        t = np.asarray(self._t0 + self._step * np.arange(first, first + count + 1), dtype=np.float64)
+        xs, vs = self._processing.seen(t[1:], self._xs[:count], self._vs[:count])
+        xs, vs = np.concatenate((self._x, xs)), np.concatenate((self._v, vs))
+        values = [evaluate_quantity(event.quantity, self._system, t, xs, vs) for event in self.events]
+        bad = np.flatnonzero(np.isnan(values).any(axis=0))
+        steps = count if not bad.size else max(int(bad[0]) - 1, 0)
+        waiting, zeros = list(self._waiting), self._zeros
+        for k, value in enumerate(values):
+            ends, before = np.s_[1 : steps + 1], np.s_[:steps]
+            part = np.zeros(steps)
+            brackets = Brackets(t[before], xs[before], vs[before], part, part + 1.0, value[before], value[ends])
+            brackets = self._bracketed(k, brackets)
+            if brackets.t.size and self.events[k].terminal:
+                zeros = (*zeros, *self._search(k, brackets))
+            elif brackets.t.size:
+                waiting.append((k, brackets))
+        stop, failure = self._stop(zeros), ""
+        if stop is not None:
+            steps = min(steps, max(math.ceil((stop.t - t[0]) / self._step - 1e-9) - 1, 0))
+        elif bad.size:
+            k = int(np.argmax(np.isnan([value[bad[0]] for value in values])))
+            failure = f" {self.events[k].name} gave no number at t={float(t[bad[0]])!r}."
+        # At once, as Ctrl-C may come between any two lines.
+        self._zeros, self._waiting, self._x, self._v = (
+            zeros,
+            tuple(waiting),
+            xs[steps : steps + 1],
+            vs[steps : steps + 1],
+        )
+        return Found(steps, stop, failure)
+
+    def by_event(self, end: float) -> tuple[tuple[Zero, ...], ...]:
+        """Return the zeros of each event up to the time at which a run ended, in their order."""
+        sign, found = math.copysign(1.0, self._step), list(self._zeros)
+        for k in range(len(self.events)):
+            own = [brackets for event, brackets in self._waiting if event == k]
+            if own:
+                found += self._search(k, reduce(Brackets.joined, own))
+        found = sorted((zero for zero in found if sign * zero.t <= sign * end), key=lambda zero: sign * zero.t)
+        return tuple(tuple(zero for zero in found if zero.event == k) for k in range(len(self.events)))
+
+    def _stop(self, zeros: Sequence[Zero]) -> Zero | None:
+        """Return the first zero that ends the run."""
+        counts = [0] * len(self.events)
+        for zero in sorted(zeros, key=lambda zero: zero.t * math.copysign(1.0, self._step)):
+            counts[zero.event] += 1
+            if 0 < self.events[zero.event].terminal <= counts[zero.event]:
+                return zero
+        return None
+
+    def _ask(self, event: int, at: Brackets, share: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return when parts of steps end, and the states and values of an event there."""
+        size = share * self._step
+        x, v, _ = self._processing.go_on(at.t, size, np.ones(at.t.size, dtype=np.int64), at.x, at.v)
+        t = at.t + size
+        return t, x, v, evaluate_quantity(self.events[event].quantity, self._system, t, x, v)
+
+    def _bracketed(self, event: int, steps: Brackets) -> Brackets:
+        """Return the parts of steps with a zero in the wanted direction; steps are halved where two zeros may hide."""
+        found, bound = steps.part(self._crosses(event, steps)), self.events[event].rate_bound
+        if bound is None:
+            return found
+        left = steps.part(~changes(steps))
+        for _ in range(_HALVINGS):
+            way = bound * abs(self._step) * (left.end - left.begin)
+            left = left.part((abs(left.first) + abs(left.last) <= way) & (left.first != 0.0) & (left.last != 0.0))
+            if not left.t.size:
+                break
+            middle = 0.5 * (left.begin + left.end)
+            value = self._ask(event, left, middle)[3]
+            halves = left._replace(end=middle, last=value).joined(left._replace(begin=middle, first=value))
+            found, left = found.joined(halves.part(self._crosses(event, halves))), halves.part(~changes(halves))
+        return found
+
+    def _crosses(self, event: int, parts: Brackets) -> NDArray[np.bool_]:
+        """Say where an event changes its sign in the direction that is wanted."""
+        direction = self.events[event].direction
+        wanted = np.ones(parts.t.size, dtype=bool) if direction == 0.0 else (parts.first < 0.0) == (direction > 0.0)
+        return np.asarray(changes(parts) & wanted)
+
+    def _search(self, event: int, brackets: Brackets) -> list[Zero]:
+        """Find the zeros of an event, and the states there."""
+        tolerance = 4.0 * np.spacing(np.abs(brackets.t).max() + abs(self._step)) / abs(self._step)
+        share = search(brackets, lambda at, shares: self._ask(event, at, shares)[3], tolerance)
+        t, x, v, _ = self._ask(event, brackets, share)
+        return [Zero(float(t[k]), event, x[k], v[k]) for k in range(t.size)]

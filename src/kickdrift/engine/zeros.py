@@ -1,0 +1,76 @@
+"""Zeros of functions of the state between two states: parts of steps in which they are, and the search for them."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+_ROUNDS = 100  # of a search, each of which takes half of the interval at least every third time
+
+
+class Brackets(NamedTuple):
+    """Parts of steps in which an event may have zeros: states before them, shares of the step, and values at both ends."""
+
+    t: Floats
+    x: Floats
+    v: Floats
+    begin: Floats
+    end: Floats
+    first: Floats
+    last: Floats
+
+    def part(self, which: Any) -> "Brackets":
+        """Return some of them."""
+        return Brackets(*(array[which] for array in self))
+
+    def joined(self, other: "Brackets") -> "Brackets":
+        """Return these and others."""
+        return Brackets(*(np.concatenate(pair) for pair in zip(self, other, strict=True)))
+
+
+def changes(parts: Brackets) -> NDArray[np.bool_]:
+    """Say where a function passes through zero, or comes to it."""
+    first, last = parts.first, parts.last
+    return np.asarray(((first < 0.0) & (last >= 0.0)) | ((first > 0.0) & (last <= 0.0)))
+
+
+def search(brackets: Brackets, value_at: Callable[[Brackets, Floats], Floats], tolerance: float) -> Floats:
+    """Find the zero in each bracket, as a share of its step, by the Illinois rule and halves.
+
+    M. Dowell, P. Jarratt, BIT 11, 168 (1971).
+
+    Parameters
+    ----------
+    brackets : Brackets
+    value_at : callable
+        ``value_at(brackets, shares)`` returns the values of the function there.
+    tolerance : float
+        Of the shares.
+    """
+    begin, end, first, last = (array.copy() for array in brackets[3:])
+    sign, kept = np.sign(first), np.zeros(begin.size)
+    for round_ in range(_ROUNDS):
+        at = np.flatnonzero((end - begin > tolerance) & (last != 0.0))
+        if not at.size:
+            break
+        a, b, fa, fb = begin[at], end[at], first[at], last[at]
+        share = _guess(a, b, fa, fb, tolerance, halves=round_ % 3 == 2)
+        value = value_at(brackets.part(at), share)
+        later = value * sign[at] > 0.0  # the zero lies after this
+        first[at] = np.where(later, value, np.where(kept[at] < 0.0, 0.5 * fa, fa))
+        last[at] = np.where(later, np.where(kept[at] > 0.0, 0.5 * fb, fb), value)
+        begin[at], end[at], kept[at] = np.where(later, share, a), np.where(later, b, share), np.where(later, 1.0, -1.0)
+    return end
+
+
+def _guess(a: Floats, b: Floats, fa: Floats, fb: Floats, tolerance: float, *, halves: bool) -> Floats:
+    """Return where straight lines between the ends pass through zero, or the middle; never too near to an end."""
+    middle, near = 0.5 * (a + b), 0.5 * tolerance
+    if halves:
+        return middle
+    with np.errstate(all="ignore"):
+        share = b - fb * (b - a) / (fb - fa)
+    return np.where(np.isfinite(share), np.clip(share, a + near, b - near), middle)

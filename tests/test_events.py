@@ -1,0 +1,225 @@
+"""Events: zeros of functions of the state are found where they are, all of them, and end runs."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.special import ellipk
+
+import kickdrift as kd
+from kickdrift.core.errors import ArgumentError
+from kickdrift.core.outcomes import Outcome
+
+QUIET = {"compile": False, "progress": False}
+
+
+def with_attributes(function, **attributes):
+    for name, value in attributes.items():
+        setattr(function, name, value)
+    return function
+
+
+def ground(x):
+    return x[1]
+
+
+def thrown(*events, step=0.05, method="velocity-verlet", end=5.0, **options):
+    """Throw a ball with 1 and 10 m/s."""
+    start = [0.0, 0.0], [1.0, 10.0]
+    return kd.solve(
+        lambda x: np.array([0.0, -9.81]),
+        (0.0, end),
+        *start,
+        step=step,
+        method=method,
+        events=list(events),
+        **QUIET | options,
+    )
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+@pytest.mark.parametrize("method", ["velocity-verlet", "position-verlet", "yoshida-6", "gauss-4", "dop853"])
+def test_a_ball_lands_when_it_should(method, compiled):
+    hit = with_attributes(lambda x: x[1], terminal=True, direction=-1)
+    sol = thrown(hit, method=method, compile=compiled)
+    flight = 2 * 10 / 9.81
+    assert sol.status is Outcome.STOPPED
+    assert sol.success
+    assert sol.t[-1] == pytest.approx(flight, abs=1e-13)
+    assert sol.t_events[0] == pytest.approx([flight], abs=1e-13)
+    assert sol.x[-1] == pytest.approx([flight, 0.0], abs=1e-12)
+    assert sol.v_events[0][0] == pytest.approx([1.0, -10.0], abs=1e-12)
+    assert sol.n_steps == 40
+    assert sol.t.size == 42
+    assert "events[0]" in sol.message
+    assert sol(flight - 1e-3).x[1] == pytest.approx(1e-3 * 10, rel=1e-3)
+    with pytest.raises(ArgumentError, match="outside of what was run"):
+        sol(flight + 1e-3)
+
+
+def test_every_crossing_of_a_pendulum_is_found_at_its_time():
+    def right(x):
+        return np.sin(x)
+
+    options = {"step": 0.05, "method": "blanes-moan-srkn11b", "save_every": 100_000, "progress": False}
+    sol = kd.solve(kd.systems.pendulum(), (0.0, 17_000.0), 1.0, 0.0, events=right, **options)
+    half = 2 * ellipk(np.sin(0.5) ** 2)
+    wanted = half * (0.5 + np.arange(int(17_000.0 / half - 0.5) + 1))
+    assert wanted.size > 5000
+    assert sol.t_events[0].size == wanted.size
+    np.testing.assert_allclose(sol.t_events[0][:100], wanted[:100], atol=1e-10)
+    np.testing.assert_allclose(np.diff(sol.t_events[0]), half, atol=1e-9)
+    assert np.abs(sol.x_events[0]).max() < 2e-11  # four spacings of the time
+
+
+@pytest.mark.parametrize(("direction", "first"), [(0, 0), (1, 1), (-1, 0)])
+def test_directions_are_those_of_scipy(direction, first):
+    crossing = with_attributes(lambda x: x, direction=direction)
+    sol = kd.solve(lambda x: -x, (0.0, 20.0), 1.0, 0.0, step=0.1, method="gauss-6", events=crossing, **QUIET)
+    stride = 1 if direction == 0 else 2
+    wanted = np.pi * (0.5 + np.arange(first, 7, stride))
+    wanted = wanted[wanted < 20.0]
+    np.testing.assert_allclose(sol.t_events[0], wanted, atol=1e-7)
+    theirs = with_attributes(lambda t, y: y[0], direction=direction)
+    other = solve_ivp(
+        lambda t, y: [y[1], -y[0]], (0.0, 20.0), [1.0, 0.0], "DOP853", events=theirs, rtol=1e-10, atol=1e-12
+    )
+    np.testing.assert_allclose(sol.t_events[0], other.t_events[0], atol=1e-6)
+
+
+@pytest.mark.parametrize("terminal", [1, 3, True])
+def test_the_run_ends_at_the_zero_that_is_wanted(terminal):
+    crossing = with_attributes(lambda x: x, terminal=terminal)
+    other = with_attributes(lambda v: v)
+    sol = kd.solve(
+        lambda x: -x, (20.0, 0.0), 1.0, 0.0, step=0.1, method="gauss-6", events=[other, crossing], save_every=7, **QUIET
+    )
+    count = int(terminal)
+    assert sol.t[-1] == pytest.approx(20.0 - np.pi * (count - 0.5), abs=1e-7)
+    assert sol.t_events[1].size == count
+    np.testing.assert_allclose(sol.t_events[0], 20.0 - np.pi * np.arange(1, count), atol=1e-7)
+    np.testing.assert_allclose(sol.t[:-1], 20.0 - 0.7 * sol.step / -0.1 * np.arange(sol.t.size - 1), atol=1e-12)
+
+
+def test_the_first_of_two_ends_in_a_step_counts():
+    early = with_attributes(lambda t: t - 0.52, terminal=True)
+    late = with_attributes(lambda t: t - 0.58, terminal=True)
+    sol = kd.solve(lambda x: -x, (0.0, 1.0), 1.0, 0.0, step=0.1, events=[late, early], **QUIET)
+    assert sol.t[-1] == pytest.approx(0.52, abs=1e-14)
+    assert [own.size for own in sol.t_events] == [0, 1]
+
+
+def test_zeros_within_a_step_are_found_with_a_bound_of_the_rate_and_missed_without():
+    def dip(t, x):
+        return (t - 0.52) * (t - 0.58)
+
+    options = {"step": 0.1, **QUIET}
+    assert kd.solve(lambda x: -x, (0.0, 1.0), 1.0, 0.0, events=dip, **options).t_events[0].size == 0
+    dip.rate_bound = 1.1
+    sol = kd.solve(lambda x: -x, (0.0, 1.0), 1.0, 0.0, events=dip, **options)
+    np.testing.assert_allclose(sol.t_events[0], [0.52, 0.58], atol=1e-13)
+    down = with_attributes(lambda t, x: dip(t, x), rate_bound=1.1, direction=-1)
+    sol = kd.solve(lambda x: -x, (0.0, 1.0), 1.0, 0.0, events=down, **options)
+    np.testing.assert_allclose(sol.t_events[0], [0.52], atol=1e-13)
+
+
+def test_rows_do_not_depend_on_events_beyond_rounding_and_on_nothing_saved():
+    def crossing(x):
+        return x[0]
+
+    options = {"step": 0.05, "method": "stormer-verlet", "progress": False}
+    kepler = kd.systems.kepler(eccentricity=0.3)
+    plain, watched = (kd.solve(kepler, (0.0, 20.0), events=events, **options) for events in (None, crossing))
+    np.testing.assert_allclose(watched.x, plain.x, atol=1e-12)
+    few = kd.solve(kepler, (0.0, 20.0), events=crossing, save_every=50, **options)
+    assert (few.x == watched.x[::50]).all()
+    assert (few.t_events[0] == watched.t_events[0]).all()
+    assert watched.t_events[0].size == 7
+
+
+def test_processed_and_split_methods_are_asked_where_people_see_them():
+    planets = kd.systems.get("outer-solar-system")
+
+    def right(x):
+        return x[1, 0] - x[0, 0]
+
+    options = {"step": 50.0, "events": right, "progress": False}
+    found = [
+        kd.solve(planets, (0.0, 20_000.0), method=method, **options).t_events[0] for method in ("saba-2", "dop853")
+    ]
+    assert found[0].size == found[1].size > 5
+    np.testing.assert_allclose(*found, atol=0.5)
+
+
+def test_a_function_that_gives_no_number_ends_the_run_with_what_was_done():
+    def odd(t, x):
+        return np.nan if t > 0.55 else 1.0
+
+    sol = kd.solve(lambda x: -x, (0.0, 1.0), 1.0, 0.0, step=0.1, events=odd, **QUIET)
+    assert sol.status is Outcome.FAILED
+    assert "odd, gave no number at t=0.6" in sol.message
+    assert sol.t[-1] == pytest.approx(0.5)
+
+
+def test_what_goes_wrong_before_an_event_and_after_one():
+    def bad_at_one(t, x):
+        return -x if t < 1.0 else np.inf
+
+    early = with_attributes(lambda t: t - 0.77, terminal=True)
+    late = with_attributes(lambda t: t - 1.77, terminal=True)
+    options = {"step": 0.01, **QUIET}
+    assert kd.solve(bad_at_one, (0.0, 3.0), 1.0, 0.0, events=early, **options).t[-1] == pytest.approx(0.77)
+    lost = kd.solve(bad_at_one, (0.0, 3.0), 1.0, 0.0, events=[late, lambda t: t - 0.5], **options)
+    assert lost.status is Outcome.NOT_FINITE
+    assert [own.size for own in lost.t_events] == [0, 1]
+
+
+def test_a_zero_at_the_start_is_none_and_one_on_the_grid_is_one():
+    sol = thrown(ground)
+    assert sol.t_events[0].size == 1
+    on_grid = kd.solve(lambda x: 0 * x, (0.0, 1.0), -0.5, 1.0, step=0.125, events=lambda x: x, **QUIET)
+    assert on_grid.t_events[0] == pytest.approx([0.5], abs=1e-15)
+
+
+def test_events_are_kept_in_files(tmp_path):
+    sol = thrown(ground, lambda v: v[1])
+    again = kd.load(sol.save(tmp_path / "ball.npz"))
+    for name in ("t_events", "x_events", "v_events"):
+        for mine, read in zip(getattr(sol, name), getattr(again, name), strict=True):
+            np.testing.assert_array_equal(mine, read)
+    assert "events" in sol.report()
+    assert "1, 1 zeros" in sol.report()
+
+
+@pytest.mark.parametrize(
+    ("event", "text"),
+    [
+        (lambda x, y: x[0], "arguments that kickdrift does not know"),
+        (lambda x: x, "must return one number"),
+        ("ground", "not a function"),
+        ([3.0], "not a function"),
+        (lambda x: x[7], "out of bounds"),
+        (with_attributes(lambda x: x[0], terminal=-1), "terminal=-1"),
+        (with_attributes(lambda x: x[0], terminal="yes"), "terminal='yes'"),
+        (with_attributes(lambda x: x[0], direction="up"), "direction='up'"),
+        (with_attributes(lambda x: x[0], direction=np.nan), "direction=nan"),
+        (with_attributes(lambda x: x[0], rate_bound=0.0), "rate_bound=0.0"),
+        (with_attributes(lambda x: x[0], rate_bound=np.inf), "rate_bound=inf"),
+    ],
+)
+def test_events_that_cannot_be(event, text):
+    with pytest.raises(ArgumentError, match=text):
+        kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.1, events=event, **QUIET)
+
+
+def test_noise_has_no_events():
+    with pytest.raises(ArgumentError, match="noise drives the path"):
+        kd.solve(
+            kd.Langevin(lambda x: -x, 1.0, 0.3),
+            (0.0, 1.0),
+            1.0,
+            0.0,
+            step=0.1,
+            method="baoab",
+            events=lambda x: x,
+            **QUIET,
+        )
