@@ -1,7 +1,7 @@
 """From a user's problem to a system."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from typing import Any, cast
@@ -17,6 +17,7 @@ from kickdrift.engine.agreement import LARGEST, aside, compare_once
 from kickdrift.engine.flows.layout import FLAT, call_flat
 from kickdrift.engine.start import Start
 from kickdrift.engine.user_functions import MEANINGS, Layout, argument_names, flatten, interpreted
+from kickdrift.engine.user_kicks import LARGE, kick_of
 from kickdrift.systems.problem import Adapted, Problem, name_of
 from kickdrift.systems.second_order import SecondOrder
 from kickdrift.systems.system import Quantity, System
@@ -62,6 +63,15 @@ class Adapter:
         if flat.native and self.x0.size <= LARGEST:
             self._compare(function, role, flat.function, given, layout)
         return Adapted(flat.function, frozenset(MEANINGS.get(name, name) for name in given), flat.native)
+
+    def kick(self, function: Any, adapted: Adapted) -> Callable[[bool], Function | None] | None:
+        """Return a kick for large states, see `kickdrift.systems.problem.Adapter`."""
+        if self.x0.size < LARGE or not adapted.native or "out" not in adapted.names or "v" in adapted.names:
+            return None
+        given = argument_names(function, "the acceleration", tuple(adapted.names))
+        layout = Layout(self.x0.shape, self.x0.shape, self.users_args.size, self.users_args.size)
+        state = self.t0, self.x0.reshape(-1), self.v0.reshape(-1), self.args
+        return kick_of(function, given, layout, state, self.check_bounds)
 
     def shape_of(self, function: Any, role: str, names: Sequence[str]) -> tuple[int, ...]:
         """Return the shape of what a function returns, see `kickdrift.systems.problem.Adapter`."""
