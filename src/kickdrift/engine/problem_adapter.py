@@ -117,11 +117,11 @@ class Adapter:
     def _quantity_names(self) -> tuple[str, ...]:
         return ("t", "x", "v", "params", "q", "p") if self.v0.size else ("t", "y", "x", "params")
 
-    def bind(self, template: Function, **functions: Function) -> Function:
-        """Bind functions to the global names of a template: compiled if all of them are."""
-        if all(hasattr(function, "py_func") for function in functions.values()):
-            return _bound(template, tuple(functions.items()))
-        return specialise(template, template.__name__.lstrip("_"), **functions)
+    def bind(self, template: Function, **bindings: Function | int) -> Function:
+        """Bind functions and numbers to the global names of a template: compiled if all functions are."""
+        if all(hasattr(bound, "py_func") for bound in bindings.values() if not isinstance(bound, int)):
+            return _bound(template, tuple(bindings.items()))
+        return specialise(template, template.__name__.lstrip("_"), **bindings)
 
     def _compare(self, original: Any, role: str, native: Function, names: list[str], layout: Layout) -> None:
         """Compare a function, compiled, with what it is in Python."""
@@ -172,10 +172,10 @@ class Adapter:
 
 
 @lru_cache(maxsize=128)
-def _bound(template: Function, functions: tuple[tuple[str, Function], ...]) -> Function:
-    kept = all(is_kept(function) for _, function in functions)
-    details = [getattr(function, "__qualname__", "") for _, function in functions]
-    bound = specialise(template, specialised_name(template, *details), **dict(functions))
+def _bound(template: Function, bindings: tuple[tuple[str, Function | int], ...]) -> Function:
+    kept = all(isinstance(bound, int) or is_kept(bound) for _, bound in bindings)
+    details = [str(getattr(bound, "__qualname__", bound)) for _, bound in bindings]
+    bound = specialise(template, specialised_name(template, *details), **dict(bindings))
     native: Any = compiled(cached=kept, users=True, through=call_flat)(bound)
     native.compile(FLAT)
     return cast(Function, native)

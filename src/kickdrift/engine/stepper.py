@@ -11,7 +11,7 @@ from kickdrift.core.compilation import Function, load
 from kickdrift.core.heap import keep_freed_memory
 from kickdrift.core.memory import state_block
 from kickdrift.engine import letters, loop
-from kickdrift.engine.flows.layout import FORMED, lay_out
+from kickdrift.engine.flows.layout import FORMED, aligned_copy, lay_out
 from kickdrift.engine.flows.table import FLOWS
 from kickdrift.engine.grid import Grid
 from kickdrift.engine.program import Program
@@ -148,14 +148,14 @@ def compile_program(system: System, program: Program, grid: Grid, compensated: b
     names = program.flows + program.primers
     functions = letters.functions_of(system, program)
     addresses = letters.addresses_of(system, functions, names) if system.native else {}
-    x, v = system.x0.reshape(-1).copy(), system.v0.reshape(-1).copy()
+    x, v, params = (aligned_copy(numbers) for numbers in (system.x0, system.v0, system.params))
     sizes = x.size, program.coefficients, system.params
     scratch = np.zeros(max(FLOWS[name].scratch(*sizes) for name in names))
     estimates = any(FLOWS[name].estimates for name in names)
     memory_size = max(FLOWS[name].memory(*sizes) for name in names) + x.size * estimates
     work = lay_out(x.size, program.coefficients, memory_size, addresses, scratch)
     built = [letters.build(name, system, program, compensated, scratch) for name in names]
-    state, members = State(x, v, work, scratch, _idle(names, x.size, compensated)), (x, v, system.params, work)
+    state, members = State(x, v, work, scratch, _idle(names, x.size, compensated)), (x, v, params, work)
     if not system.native:
         loops = loop.advance_interpreted, loop.change_interpreted
         return Stepper(program, grid.t0, grid.step, state, estimates, built, members, *loops, ())

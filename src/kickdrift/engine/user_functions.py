@@ -177,7 +177,7 @@ def flatten(function: Function, names: list[str], layout: Layout, compile_: bool
         taken = taken_apart(function)
         numbers = {name: value for name, value in taken.numbers.items() if name not in names}
         try:
-            native = _compiled(taken, layout.statement(names, numbers), checked)
+            native = _compiled(taken, layout.statement(names, numbers), checked, len(layout.result) == 1)
             return Flat(native, True, in_a_row(numbers))
         except (NumbaError, NotImplementedError, TypeError, ValueError, AttributeError, LookupError) as error:
             _warn_interpreted(function, error)
@@ -191,10 +191,10 @@ def interpreted(function: Function, names: list[str], layout: Layout) -> Functio
 
 
 @lru_cache(maxsize=256)
-def _compiled(taken: Taken, statement: str, checked: bool) -> Function:
+def _compiled(taken: Taken, statement: str, checked: bool, tuples: bool) -> Function:
     inner = taken.function
     if taken.known:
-        inner = taken.snapshot(checked)
+        inner = taken.snapshot(checked, tuples)
     if not hasattr(inner, "py_func"):
         inner = compiled(cached=False, options=taken.options(checked))(inner)
     adapted = _adapted(statement, function=inner, shaped=memory.shaped)

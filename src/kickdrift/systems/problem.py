@@ -75,8 +75,8 @@ class Adapter(Protocol):
     def quantities(self, energy: Function | None, invariants: Mapping[str, Function]) -> dict[str, Quantity]:
         """Adapt conserved quantities."""
 
-    def bind(self, template: Function, **functions: Function) -> Function:
-        """Bind functions to the global names of a template: compiled if all of them are."""
+    def bind(self, template: Function, **bindings: Function | int) -> Function:
+        """Bind functions and numbers to the global names of a template: compiled if all functions are."""
 
 
 class Problem(ABC):
