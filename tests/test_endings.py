@@ -37,8 +37,10 @@ def failing_at_one(t, x):
     ],
 )
 @pytest.mark.parametrize("method", ["kick-drift", "velocity-verlet"])
-def test_a_run_ends_at_the_last_good_state(function, outcome, cause, compiled, method):
-    s = kd.solve(function, t_span=(0.0, 3.0), compile=compiled, method=method, **OPTIONS)
+@pytest.mark.parametrize("compensated", [True, False])
+def test_a_run_ends_at_the_last_good_state(function, outcome, cause, compiled, method, compensated):
+    sums = {"compensated": compensated}
+    s = kd.solve(function, t_span=(0.0, 3.0), compile=compiled, method=method, **sums, **OPTIONS)
     good = 100 if method == "kick-drift" else 99  # Verlet's second kick sees the end of the step
     assert s.status is outcome
     assert not s.success
@@ -46,7 +48,7 @@ def test_a_run_ends_at_the_last_good_state(function, outcome, cause, compiled, m
     assert s.t[-1] == pytest.approx(good * 0.01)
     assert cause in s.message
     assert f"after {good} of 300 steps" in s.message
-    whole = kd.solve(kd.systems.harmonic_oscillator(), (0.0, 3.0), step=0.01, method=method)
+    whole = kd.solve(kd.systems.harmonic_oscillator(), (0.0, 3.0), step=0.01, method=method, **sums)
     assert np.array_equal(s.x, whole.x[: good + 1])
     assert np.isfinite(s.v).all()
 

@@ -207,6 +207,17 @@ def test_the_scratch_is_copied_only_when_another_matrix_was_formed():
     assert state.work[FORMED] == 1.0
 
 
+def test_what_does_not_matter_to_the_next_step_is_not_copied():
+    state = State(np.ones(1), np.ones(1), np.arange(40.0), np.zeros(0), (1, 4))
+    copy = state.copy()
+    copy.work[1:4] = -1.0
+    state.work[:5] = 9.0
+    state.restore(copy)
+    assert state.work[:6].tolist() == [0.0, 9.0, 9.0, 9.0, 4.0, 5.0]
+    assert state.copy(into=copy) is copy
+    assert copy.work[:6].tolist() == [0.0, -1.0, -1.0, -1.0, 4.0, 5.0]
+
+
 @pytest.mark.parametrize("seconds", [1e-9, 1.0])
 def test_a_run_that_fails_late_ends_with_the_bits_of_one_that_ends_there(monkeypatch, seconds):
     # Matrices are formed all along the way, and again after each return to a good state.

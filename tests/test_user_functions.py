@@ -7,9 +7,10 @@ from functools import partial
 
 import numpy as np
 import pytest
-from numba import njit
+from numba import njit, types
 
 import kickdrift as kd
+from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError, InterpretedWarning
 from kickdrift.engine.function_key import taken_apart
 
@@ -130,8 +131,8 @@ def test_energy_and_invariants_of_a_users_system():
     problem = kd.SecondOrder(
         lambda x, params: -params[0] * x, energy=energy, invariants={"angular momentum": angular_momentum}
     )
-    for compiled in (True, False):
-        s = kd.solve(problem, x0=[1.0, 0.0], v0=[0.0, 0.5], args=(4.0,), compile=compiled, **SPAN)
+    for compile_ in (True, False):
+        s = kd.solve(problem, x0=[1.0, 0.0], v0=[0.0, 0.5], args=(4.0,), compile=compile_, **SPAN)
         assert s.energy[0] == 0.5 * (0.25 + 4.0)
         assert np.allclose(s.invariants["angular momentum"], 0.5, rtol=1e-14)
         assert list(s.invariants) == ["energy", "angular momentum"]
@@ -245,3 +246,56 @@ def test_functions_of_chance_are_not_compared_with_themselves():
     np.random.seed(3)  # noqa: NPY002
     assert kd.solve(acceleration, t_span=(0, 1), step=0.1, x0=1.0, v0=0.0).success
     assert np.random.normal() == wanted  # noqa: NPY002
+
+
+def mixed_numbers(x):
+    return np.array([-1, x[0] > 5.0, 0.5 * x[0]])
+
+
+def in_branches(x):
+    if x[0] > 1.0:
+        return np.array([-x[0], -x[1], 0.0])
+    result = np.array([-x[1], -x[0], -0.0])
+    return result  # noqa: RET504 - what is tried here
+
+
+def changed_afterwards(x):
+    result = np.array([-x[0], -x[1], 0.0])
+    result[2] = -x[2]
+    return result
+
+
+def one_for_all(x):
+    return np.array([-x[0]])
+
+
+def a_list_that_is_used(x):
+    numbers = [x[0], x[1], x[2]]
+    numbers[0] = sum(numbers)
+    return np.array(numbers)
+
+
+def of_a_type(x):
+    return np.array([x[0], 0.1, 2.7], dtype=np.int64)
+
+
+LISTS = [mixed_numbers, in_branches, changed_afterwards, one_for_all, a_list_that_is_used, of_a_type]
+
+
+@pytest.mark.parametrize("function", LISTS)
+def test_arrays_made_of_lists(function):
+    given = {"x0": [1.5, 2.0, 3.0], "v0": [0.0, 0.0, 0.0], "progress": False, **SPAN}
+    compiled, interpreted = (kd.solve(function, compile=compile_, **given) for compile_ in (True, False))
+    assert np.array_equal(compiled.x, interpreted.x)
+
+
+@pytest.mark.parametrize(("function", "returned"), [(in_branches, types.UniTuple), (changed_afterwards, types.Array)])
+def test_an_array_that_is_only_returned_is_not_made(function, returned):
+    signature = (types.float64[::1],)
+    native = compiled(cached=False)(taken_apart(function).snapshot(True, tuples=True))
+    assert isinstance(native.get_compile_result(signature).signature.return_type, returned)
+
+
+def test_a_list_of_another_length_is_refused():
+    with pytest.raises(ArgumentError, match="must return an array of shape"):
+        kd.solve(lambda x: np.array([x[0], x[1]]), x0=[1.0, 2.0, 3.0], v0=[0.0, 0.0, 0.0], **SPAN)

@@ -14,6 +14,8 @@ from numba.core.compiler_machinery import FunctionPass, register_pass
 from numba.core.ir_utils import build_definitions
 from numba.core.untyped_passes import FixupArgs
 
+from kickdrift.core.returned_lists import TuplesForLists
+
 _FREE, _PASSED = "__free_numbers__", "__passed_numbers__"
 
 
@@ -70,11 +72,12 @@ class _GlobalsAsArguments(FunctionPass):  # type: ignore[misc]
 
 
 class Pipeline(CompilerBase):  # type: ignore[misc]
-    """How Numba compiles a function, and `numbers_as_arguments` are arguments."""
+    """How Numba compiles a function, `numbers_as_arguments` are arguments, and lists become `tuples_for_lists`."""
 
     def define_pipelines(self) -> list[Any]:
-        """Put the pass where functions have become Numba's, and before it looks at what they use."""
+        """Put the passes where functions have become Numba's, and before it looks at what they use."""
         passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes.add_pass_after(TuplesForLists, FixupArgs)
         passes.add_pass_after(_GlobalsAsArguments, FixupArgs)
         passes.finalize()
         return [passes]

@@ -22,6 +22,7 @@ from kickdrift.core.cache import written
 from kickdrift.core.compilation import Function
 from kickdrift.core.free_numbers import Pipeline, numbers_as_arguments
 from kickdrift.core.naming import digest, source_digest
+from kickdrift.core.returned_lists import tuples_for_lists
 from kickdrift.engine.function_names import CannotTellError, Names, names_of, overloaded_elsewhere
 
 _PLAIN = (bool, int, float, complex, str, bytes, type(None))
@@ -72,10 +73,11 @@ class Taken:
         """Name the compiled code, with further details of it, so that no other one has the name."""
         return digest((self.key, details, source_digest()))
 
-    def snapshot(self, checked: bool) -> Function:
+    def snapshot(self, checked: bool, tuples: bool = False) -> Function:
         """Copy the function, with its constants as they are now, for compiled code that takes its numbers as arguments.
 
-        Indices of compiled functions that it calls are `checked`, too.
+        Indices of compiled functions that it calls are `checked`, too. What it returns may be `tuples` in place of arrays
+        made of lists.
         """
         python = getattr(self.function, "py_func", self.function)
         values = {
@@ -87,10 +89,11 @@ class Taken:
         own = {"__name__": python.__module__, "__builtins__": __builtins__, **values}
         copy = FunctionType(python.__code__, own, python.__name__, python.__defaults__, cells)
         copy.__kwdefaults__ = python.__kwdefaults__
-        copy.__qualname__ = (
-            f"{python.__qualname__}_{self.digest(checked)}"  # of two of a name, Numba may take one for the other
-        )
+        # Of two of a name, Numba may take one for the other.
+        copy.__qualname__ = f"{python.__qualname__}_{self.digest(checked, tuples)}"
         numbers_as_arguments(copy, self.numbers, {name: tuple(callee.numbers) for name, callee in self.callees.items()})
+        if tuples:
+            tuples_for_lists(copy)
         return copy
 
     def dispatcher(self, checked: bool) -> Any:

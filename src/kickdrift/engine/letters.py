@@ -84,8 +84,8 @@ def build(name: str, system: System, program: Program, compensated: bool, scratc
         return specialise(_letter, "letter", arrays=lambda state: state, flow=bound)
     inlined = tuple((role, functions[role]) for role in _inlined(system, known))
     own = None
-    if known.again and not (compensated or program.split or known.again in program.flows):
-        own = system.kick
+    if known.again and system.kick is not None and not (program.split or known.again in program.flows):
+        own = system.kick(compensated)
     # Flows with parts are large: most are compiled once for all sizes.
     most = layout.FEW if known.constants else 0 if known.parts else _SMALL
     sizes = (n, system.v0.size) if n <= most else None

@@ -1,7 +1,7 @@
 """From a user's problem to a system."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from typing import Any, cast
@@ -17,6 +17,7 @@ from kickdrift.engine.agreement import LARGEST, aside, compare_once
 from kickdrift.engine.flows.layout import FLAT, call_flat
 from kickdrift.engine.start import Start
 from kickdrift.engine.user_functions import MEANINGS, Layout, argument_names, flatten, interpreted
+from kickdrift.engine.user_kicks import LARGE, kick_of
 from kickdrift.systems.problem import Adapted, Problem, name_of
 from kickdrift.systems.second_order import SecondOrder
 from kickdrift.systems.system import Quantity, System
@@ -62,6 +63,15 @@ class Adapter:
         if flat.native and self.x0.size <= LARGEST:
             self._compare(function, role, flat.function, given, layout)
         return Adapted(flat.function, frozenset(MEANINGS.get(name, name) for name in given), flat.native)
+
+    def kick(self, function: Any, adapted: Adapted) -> Callable[[bool], Function | None] | None:
+        """Return a kick for large states, see `kickdrift.systems.problem.Adapter`."""
+        if self.x0.size < LARGE or not adapted.native or "out" not in adapted.names or "v" in adapted.names:
+            return None
+        given = argument_names(function, "the acceleration", tuple(adapted.names))
+        layout = Layout(self.x0.shape, self.x0.shape, self.users_args.size, self.users_args.size)
+        state = self.t0, self.x0.reshape(-1), self.v0.reshape(-1), self.args
+        return kick_of(function, given, layout, state, self.check_bounds)
 
     def shape_of(self, function: Any, role: str, names: Sequence[str]) -> tuple[int, ...]:
         """Return the shape of what a function returns, see `kickdrift.systems.problem.Adapter`."""
@@ -111,11 +121,11 @@ class Adapter:
     def _quantity_names(self) -> tuple[str, ...]:
         return ("t", "x", "v", "params", "q", "p") if self.v0.size else ("t", "y", "x", "params")
 
-    def bind(self, template: Function, **functions: Function) -> Function:
-        """Bind functions to the global names of a template: compiled if all of them are."""
-        if all(hasattr(function, "py_func") for function in functions.values()):
-            return _bound(template, tuple(functions.items()))
-        return specialise(template, template.__name__.lstrip("_"), **functions)
+    def bind(self, template: Function, **bindings: Function | int) -> Function:
+        """Bind functions and numbers to the global names of a template: compiled if all functions are."""
+        if all(hasattr(bound, "py_func") for bound in bindings.values() if not isinstance(bound, int)):
+            return _bound(template, tuple(bindings.items()))
+        return specialise(template, template.__name__.lstrip("_"), **bindings)
 
     def _compare(self, original: Any, role: str, native: Function, names: list[str], layout: Layout) -> None:
         """Compare a function, compiled, with what it is in Python."""
@@ -166,10 +176,10 @@ class Adapter:
 
 
 @lru_cache(maxsize=128)
-def _bound(template: Function, functions: tuple[tuple[str, Function], ...]) -> Function:
-    kept = all(is_kept(function) for _, function in functions)
-    details = [getattr(function, "__qualname__", "") for _, function in functions]
-    bound = specialise(template, specialised_name(template, *details), **dict(functions))
+def _bound(template: Function, bindings: tuple[tuple[str, Function | int], ...]) -> Function:
+    kept = all(isinstance(bound, int) or is_kept(bound) for _, bound in bindings)
+    details = [str(getattr(bound, "__qualname__", bound)) for _, bound in bindings]
+    bound = specialise(template, specialised_name(template, *details), **dict(bindings))
     native: Any = compiled(cached=kept, users=True, through=call_flat)(bound)
     native.compile(FLAT)
     return cast(Function, native)

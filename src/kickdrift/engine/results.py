@@ -23,7 +23,7 @@ def _returned(value: Any) -> Any:
     return np.asarray(value)
 
 
-@overload(write_result)  # type: ignore[untyped-decorator]
+@overload(write_result, jit_options={"no_cpython_wrapper": True, "no_cfunc_wrapper": True})  # type: ignore[untyped-decorator]
 def _write_result(out: Any, result: Any) -> Any:
     if isinstance(result, types.Number | types.Boolean):
         return _fill
@@ -41,7 +41,9 @@ def _fill(out: Any, result: Any) -> None:
 
 def _write_vector(out: Any, result: Any) -> None:
     if len(result) == out.size:
-        for i in range(out.size):
+        for i in range(
+            len(result)
+        ):  # a constant for tuples, whose numbers stay in registers where the loop is unrolled
             out[i] = result[i]
     elif len(result) == 1:
         for i in range(out.size):

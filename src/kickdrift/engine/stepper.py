@@ -11,7 +11,7 @@ from kickdrift.core.compilation import Function, load
 from kickdrift.core.heap import keep_freed_memory
 from kickdrift.core.memory import state_block
 from kickdrift.engine import letters, loop
-from kickdrift.engine.flows.layout import FORMED, lay_out
+from kickdrift.engine.flows.layout import FORMED, aligned_copy, lay_out
 from kickdrift.engine.flows.table import FLOWS
 from kickdrift.engine.grid import Grid
 from kickdrift.engine.program import Program
@@ -21,16 +21,21 @@ Floats = NDArray[np.float64]
 _LARGE = 100  # numbers of a state whose pairs fill what the C library thinks large
 _NEVER = np.zeros(0, dtype=np.int64)  # the steps after which rows are kept: none
 _NO_ROWS = np.zeros((0, 0))
+_SIMPLE = {"kick", "rekick", "accelerate", "drift"}  # flows that keep nothing but sums and accelerations
 
 
 @dataclass
 class State:
-    """Position, velocity, and what the flows keep beside them; of a copy, the scratch is empty if nothing is kept there."""
+    """Position, velocity, and what the flows keep beside them; of a copy, the scratch is empty if nothing is kept there.
+
+    What is in work between the two indices `idle` does not matter to the next step, and is not copied.
+    """
 
     x: Floats
     v: Floats
     work: Floats
     scratch: Floats
+    idle: tuple[int, int] = (0, 0)
 
     def copy(self, last: "State | None" = None, into: "State | None" = None) -> "State":
         """Copy all, into another state if there is one; the scratch only if it changed since the `last` copy."""
@@ -41,8 +46,9 @@ class State:
         else:
             scratch = self.scratch.copy() if self.work[FORMED] else np.zeros(0)
         if into is None:
-            return State(self.x.copy(), self.v.copy(), self.work.copy(), scratch)
-        into.x[:], into.v[:], into.work[:], into.scratch = self.x, self.v, self.work, scratch
+            into = State(np.empty_like(self.x), np.empty_like(self.v), np.empty_like(self.work), scratch, self.idle)
+        into.scratch = scratch
+        into._take(self)
         return into
 
     def restore(self, other: "State") -> None:
@@ -51,7 +57,12 @@ class State:
             return
         if self.work[FORMED] != other.work[FORMED]:
             self.scratch[: other.scratch.size] = other.scratch
-        self.x[:], self.v[:], self.work[:] = other.x, other.v, other.work
+        self._take(other)
+
+    def _take(self, other: "State") -> None:
+        self.x[:], self.v[:] = other.x, other.v
+        start, stop = self.idle
+        self.work[:start], self.work[stop:] = other.work[:start], other.work[stop:]
 
     @property
     def finite(self) -> bool:
@@ -137,19 +148,26 @@ class Stepper:
         return np.arange(len(self.program.flows), len(self._flows))
 
 
+def _idle(names: tuple[str, ...], n: int, compensated: bool) -> tuple[int, int]:
+    """Return the two indices of work between which steps of these flows leave nothing for the next, see `layout`."""
+    if not _SIMPLE.issuperset(names):
+        return 0, 0
+    return 3 * n if compensated else n if "rekick" in names else 0, 4 * n
+
+
 def compile_program(system: System, program: Program, grid: Grid, compensated: bool) -> Stepper:
     """Compile, or take from disk, all that steps of a program on a system need; the state is the start of the system."""
     names = program.flows + program.primers
     functions = letters.functions_of(system, program)
     addresses = letters.addresses_of(system, functions, names) if system.native else {}
-    x, v = system.x0.reshape(-1).copy(), system.v0.reshape(-1).copy()
+    x, v, params = (aligned_copy(numbers) for numbers in (system.x0, system.v0, system.params))
     sizes = x.size, program.coefficients, system.params
     scratch = np.zeros(max(FLOWS[name].scratch(*sizes) for name in names))
     estimates = any(FLOWS[name].estimates for name in names)
     memory_size = max(FLOWS[name].memory(*sizes) for name in names) + x.size * estimates
     work = lay_out(x.size, program.coefficients, memory_size, addresses, scratch)
     built = [letters.build(name, system, program, compensated, scratch) for name in names]
-    state, members = State(x, v, work, scratch), (x, v, system.params, work)
+    state, members = State(x, v, work, scratch, _idle(names, x.size, compensated)), (x, v, params, work)
     if not system.native:
         loops = loop.advance_interpreted, loop.change_interpreted
         return Stepper(program, grid.t0, grid.step, state, estimates, built, members, *loops, ())

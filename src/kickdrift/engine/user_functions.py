@@ -79,9 +79,12 @@ class Layout:
     n_args: int
     first: int
 
-    def statement(self, names: list[str], numbers: Mapping[str, Any]) -> str:
-        """Spell the call of a function of these arguments, and of numbers that are found in the params."""
-        views = {name: self._view(name) for name in names} | number_views(numbers, "params", self.first)
+    def statement(self, names: list[str], numbers: Mapping[str, Any], **others: str) -> str:
+        """Spell the call of a function of these arguments, and of numbers that are found in the params.
+
+        What is spelled in `others` takes the place of what the arguments of these names usually are.
+        """
+        views = {name: self._view(name) for name in names} | number_views(numbers, "params", self.first) | others
         call = f"function({', '.join(f'{name}={view}' for name, view in views.items())})"
         if "out" in names:
             return call
@@ -100,7 +103,11 @@ class Layout:
             return f"params[:{self.n_args}]"
         if meaning in ("x", "v") and shape == ():
             return f"{meaning}[0]"
-        return f"shaped({meaning}, {self._shape(meaning, shape)})" if len(shape) > 1 else meaning
+        return self.shaped(meaning, shape)
+
+    def shaped(self, array: str, shape: tuple[int, ...]) -> str:
+        """Spell a view of a one-dimensional array in a shape."""
+        return f"shaped({array}, {self._shape(array, shape)})" if len(shape) > 1 else array
 
     @staticmethod
     def _shape(array: str, shape: tuple[int, ...]) -> str:
@@ -170,7 +177,7 @@ def flatten(function: Function, names: list[str], layout: Layout, compile_: bool
         taken = taken_apart(function)
         numbers = {name: value for name, value in taken.numbers.items() if name not in names}
         try:
-            native = _compiled(taken, layout.statement(names, numbers), checked)
+            native = _compiled(taken, layout.statement(names, numbers), checked, len(layout.result) == 1)
             return Flat(native, True, in_a_row(numbers))
         except (NumbaError, NotImplementedError, TypeError, ValueError, AttributeError, LookupError) as error:
             _warn_interpreted(function, error)
@@ -184,10 +191,10 @@ def interpreted(function: Function, names: list[str], layout: Layout) -> Functio
 
 
 @lru_cache(maxsize=256)
-def _compiled(taken: Taken, statement: str, checked: bool) -> Function:
+def _compiled(taken: Taken, statement: str, checked: bool, tuples: bool) -> Function:
     inner = taken.function
     if taken.known:
-        inner = taken.snapshot(checked)
+        inner = taken.snapshot(checked, tuples)
     if not hasattr(inner, "py_func"):
         inner = compiled(cached=False, options=taken.options(checked))(inner)
     adapted = _adapted(statement, function=inner, shaped=memory.shaped)

@@ -6,15 +6,20 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kickdrift.core.compilation import unbound
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 from kickdrift.systems.consistency import check
-from kickdrift.systems.constraints import Constraints
+from kickdrift.systems.constraints import DIFFERENCE, Constraints
 from kickdrift.systems.problem import Adapter, Floats, Function, Problem, name_of
 from kickdrift.systems.second_order import divided_by_mass, masses_of
 from kickdrift.systems.system import System
 
 _POSITION = ("x", "q", "params")
+_WEIGHTS = ((1.0, 8.0), (-1.0, -8.0), (2.0, -1.0), (-2.0, 1.0))  # fourth order: of values beside x, over 12 distances
+
+constraint: Function = unbound
+SIZE, COUNT = 0, 0  # of the state, and of constraints: loops over a few are unrolled
 
 
 @dataclass(frozen=True)
@@ -103,6 +108,9 @@ class Constrained(Problem):
             jacobian = adapter.adapt(self.jacobian, "the jacobian", (*_POSITION, "out"), of_jacobian)
             adapted.append(jacobian)
             parts["constraint_jacobian"] = jacobian.function
+        else:
+            sizes = {"SIZE": adapter.x0.size, "COUNT": shape[0] if shape else 1}
+            parts["constraint_differences"] = adapter.bind(differentiated, constraint=constraint.function, **sizes)
         made = System(
             name=name_of(self.constraint),
             acceleration=adapter.bind(divided_by_mass, force=force.function),
@@ -122,3 +130,27 @@ class Constrained(Problem):
         length = float(abs(adapter.x0).max()) or 1.0
         inverse_masses = 1 / masses_of(self.mass, adapter.x0.shape)
         return np.concatenate([adapter.args, [shape[0] if shape else 1, length], inverse_masses])
+
+
+def differentiated(t: float, x: Floats, room: Floats, params: Floats, out: Floats) -> None:
+    """Write the Jacobian of constraints at x by differences, with `room` for their values; x is moved and put back.
+
+    Truncation and rounding leave some 1e-12 of it.
+    """
+    d = params[params.size - SIZE - 1]
+    for j in range(SIZE):
+        d = max(d, abs(x[j]))
+    d *= DIFFERENCE
+    share = 1.0 / (12.0 * d)
+    for j in range(SIZE):
+        kept = x[j]
+        for i in range(COUNT):
+            out[i * SIZE + j] = 0.0
+        for place, weight in _WEIGHTS:  # the constraint is called in one place, where the compiler then puts its code
+            x[j] = kept + place * d
+            constraint(t, x, room, params, room)
+            for i in range(COUNT):
+                out[i * SIZE + j] += weight * room[i]
+        for i in range(COUNT):
+            out[i * SIZE + j] *= share
+        x[j] = kept

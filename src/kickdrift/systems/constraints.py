@@ -10,7 +10,7 @@ from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
 INDEPENDENT = 1e-6  # of the largest singular value; of rows of unit length, as in the flows
-_DIFFERENCE = 1e-4  # of the size of x, as in the flows
+DIFFERENCE = 1e-4  # of the size of x, as in the flows
 
 
 @dataclass(frozen=True)
@@ -57,12 +57,12 @@ class Constraints:
 
     def differences(self, x: Floats, share: float = 1.0) -> Floats:
         """Return the Jacobian at x, shape (m, n), by differences over a share of the usual distance."""
-        d = share * _DIFFERENCE * self.length(x)
+        d = share * DIFFERENCE * self.length(x)
         return np.stack([along(self.values, x, unit, d) for unit in np.eye(x.size)], axis=1)
 
     def curvature(self, x: Floats, v: Floats) -> Floats:
         """Return the derivative of G v along v, shape (m,)."""
-        speed, d = float(abs(v).max()), _DIFFERENCE * self.length(x)
+        speed, d = float(abs(v).max()), DIFFERENCE * self.length(x)
         if speed == 0:
             return np.zeros(self.count)
         direction = v / speed

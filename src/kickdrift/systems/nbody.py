@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.arguments import real, reals
-from kickdrift.core.compilation import compiled
+from kickdrift.core.compilation import Function, compiled
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.threads import launch
 from kickdrift.systems import gravity
@@ -24,6 +24,10 @@ Floats = NDArray[np.float64]
 @compiled(cached=False)
 def _kick(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     gravity.add_gravity_pairwise(h, x, params[1:], v)
+
+
+def _own_kick(compensated: bool) -> Function | None:
+    return None if compensated else _kick
 
 
 @compiled(cached=False)
@@ -117,7 +121,7 @@ def nbody(
     return System(
         name="nbody",
         acceleration=_few if n <= FEW else many,
-        kick=_kick if n <= FEW else None,
+        kick=_own_kick if n <= FEW else None,
         unthreaded=_many if shared else None,
         x0=positions,
         v0=velocities,

@@ -1,8 +1,8 @@
 """Planets around a heavy body, split into Kepler problems and the little that is left."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -83,7 +83,7 @@ def planetary(
         name="planetary",
         kind=Kind.NEARLY_KEPLERIAN,
         acceleration=_of_bodies(system.acceleration),
-        kick=None if system.kick is None else _kick_of_bodies(system.kick),
+        kick=None if system.kick is None else partial(_kick_of_bodies, system.kick),
         quantities={name: replace(q, function=_of_bodies(q.function)) for name, q in system.quantities.items()},
         params=np.concatenate([system.params, chosen.params(gm)]),
         parts={"remainder": chosen.remainder(gm), **chosen.parts},
@@ -105,8 +105,11 @@ def _without_splitting(t: float, x: Floats, v: Floats, params: Floats, out: Floa
 
 
 @cache
-def _kick_of_bodies(of_nbody: Function) -> Function:
-    return compiled(cached=False)(specialise(_kick_without_splitting, "kick_of_bodies", function=of_nbody))
+def _kick_of_bodies(of_nbody: Callable[[bool], Function | None], compensated: bool) -> Function | None:
+    kick = of_nbody(compensated)
+    if kick is None:
+        return None
+    return compiled(cached=False)(specialise(_kick_without_splitting, "kick_of_bodies", function=kick))
 
 
 def _kick_without_splitting(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:

@@ -63,6 +63,9 @@ class Adapter(Protocol):
         The names are those that its arguments may have; q and y stand for x, p for v.
         """
 
+    def kick(self, function: Any, adapted: Adapted) -> Callable[[bool], Function | None] | None:
+        """Return what `System.kick` is for an acceleration, if adding it up where it is written saves time."""
+
     def shape_of(self, function: Any, role: str, names: Sequence[str]) -> tuple[int, ...]:
         """Call a function at the start, and return the shape of what it returns."""
 
@@ -72,8 +75,8 @@ class Adapter(Protocol):
     def quantities(self, energy: Function | None, invariants: Mapping[str, Function]) -> dict[str, Quantity]:
         """Adapt conserved quantities."""
 
-    def bind(self, template: Function, **functions: Function) -> Function:
-        """Bind functions to the global names of a template: compiled if all of them are."""
+    def bind(self, template: Function, **bindings: Function | int) -> Function:
+        """Bind functions and numbers to the global names of a template: compiled if all functions are."""
 
 
 class Problem(ABC):

@@ -73,6 +73,7 @@ class SecondOrder(Problem):
             quantities=adapter.quantities(self.energy, self.invariants),
             kind=Kind.VELOCITY_DEPENDENT if "v" in acceleration.names else Kind.NEWTONIAN,
             parts=parts,
+            kick=adapter.kick(self.acceleration, acceleration),
             native=native,
         )
 

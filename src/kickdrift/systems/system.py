@@ -72,8 +72,9 @@ class System:
     exact : callable, optional
         ``exact(t)`` for an array of times, shape (T,), returns x and v, shape (T, *shape).
     kick : callable, optional
-        A flow ``kick(t, h, x, v, params, work)`` that adds h times the acceleration to v faster than through an array
-        of accelerations; used where neither the sums are compensated nor the accelerations needed again.
+        ``kick(compensated)`` returns a flow ``kick(t, h, x, v, params, work)`` that adds h times the acceleration to v,
+        with compensated sums or without, faster than through an array of accelerations, or None if there is none; used
+        where the accelerations are not needed again.
     kind : Kind
         The form of the equations.
     velocity : callable, optional
@@ -107,7 +108,7 @@ class System:
     params: Floats = field(default_factory=lambda: np.zeros(0))
     quantities: Mapping[str, Quantity] = field(default_factory=dict)
     exact: Callable[[Floats], tuple[Floats, Floats]] | None = None
-    kick: Function | None = None
+    kick: Callable[[bool], Function | None] | None = None
     kind: Kind = Kind.NEWTONIAN
     velocity: Function | None = None
     parts: Mapping[str, Function] = field(default_factory=dict)

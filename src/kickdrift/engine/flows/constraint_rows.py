@@ -10,7 +10,7 @@ Layout of memory::
           inverse lengths of its rows (m), sums of their sizes (m), their order, those with a multiplier first (m)
           S, with rows of the identity for those without, factored (m m), pivots (m)
           left over (m), multipliers (m), increment (n), its total (n), state reached (n)
-          another Jacobian (m n), S of all rows (m m), room for differences (2 m)
+          another Jacobian (m n), S of all rows (m m), room for differences (m)
           for a few numbers, the response: the increment to each number left over (n m)
 """
 
@@ -30,7 +30,7 @@ _INDEPENDENT = 1e-12  # squared distance of a row from the span of others
 def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
     """Numbers of memory for a state of n numbers."""
     m = count(n, params)
-    return 1 + 3 * m * n + 2 * m * m + 8 * m + 3 * n
+    return 1 + 3 * m * n + 2 * m * m + 7 * m + 3 * n
 
 
 def constants(coefficients: Floats, n: int, params: Floats, general: bool) -> dict[str, int]:
@@ -75,17 +75,17 @@ def iterated(n: int, m: int, own: Floats) -> tuple[Floats, Floats, Floats, Float
 
 
 @compiled(inline=True)
-def spare(n: int, m: int, own: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+def spare(n: int, m: int, own: Floats) -> tuple[Floats, Floats, Floats]:
     """Return room for another Jacobian, for S of all rows, and for differences."""
     rows = 1 + m * n + m * m + 6 * m + 3 * n
-    products, above, below = rows + m * n, rows + m * n + m * m, rows + m * n + m * m + m
-    return part(own, rows, m * n), part(own, products, m * m), part(own, above, m), part(own, below, m)
+    products, room = rows + m * n, rows + m * n + m * m
+    return part(own, rows, m * n), part(own, products, m * m), part(own, room, m)
 
 
 @compiled(inline=True)
 def response_of(n: int, m: int, own: Floats) -> Floats:
     """Return the increments to what is left over, number by number of the state."""
-    return part(own, 1 + 2 * m * n + 2 * m * m + 8 * m + 3 * n, n * m)
+    return part(own, 1 + 2 * m * n + 2 * m * m + 7 * m + 3 * n, n * m)
 
 
 @compiled(inline=True)
@@ -142,11 +142,11 @@ def multiply(left: Floats, right: Floats, inverse: Floats, params: Floats, produ
             products[i * m + k] = product * (inverse[i] * inverse[k])
 
 
-@compiled
+@compiled(inline=True)
 def factor_rows(n: int, m: int, params: Floats, own: Floats) -> bool:
     """Measure the rows of the Jacobian, choose those that get a multiplier, and factor S."""
     rows, inverse, sums, order = rows_of(n, m, own)
-    _, products, _, _ = spare(n, m, own)
+    _, products, _ = spare(n, m, own)
     measure(rows, params, inverse, sums)
     multiply(rows, rows, inverse, params, products)
     matrix, _ = factored(n, m, own)
@@ -160,7 +160,7 @@ def factor_rows(n: int, m: int, params: Floats, own: Floats) -> bool:
 def factor_with(left: Floats, n: int, m: int, params: Floats, own: Floats) -> bool:
     """Factor S with another Jacobian on its left."""
     rows, inverse, _, _ = rows_of(n, m, own)
-    _, products, _, _ = spare(n, m, own)
+    _, products, _ = spare(n, m, own)
     multiply(left, rows, inverse, params, products)
     return factor_products(n, m, own)
 
@@ -169,7 +169,7 @@ def factor_with(left: Floats, n: int, m: int, params: Floats, own: Floats) -> bo
 def factor_products(n: int, m: int, own: Floats) -> bool:
     """Factor what S of all rows says of those with a multiplier; the others keep to themselves."""
     _, _, _, order = rows_of(n, m, own)
-    _, products, _, _ = spare(n, m, own)
+    _, products, _ = spare(n, m, own)
     matrix, pivots = factored(n, m, own)
     rank = int(own[0])
     for k in range(m):

@@ -40,12 +40,12 @@ from kickdrift.engine.flows.layout import CONSTRAINT_JACOBIAN, TROUBLE, has_part
 
 Floats = NDArray[np.float64]
 _SLOW = 0.3  # a contraction slower than this is worth a new matrix
-_DIFFERENCE = 1e-4  # of fourth order: truncation and rounding leave some 1e-12 of the Jacobian
 
 SIZE, COUNT = 0, 0  # bound for a few numbers: of the state, and of constraints
 
 constraints_at: Callable[..., None] = unbound
 constraint_jacobian_at: Callable[..., None] = unbound
+constraint_differences_at: Callable[..., None] = unbound
 add_to_x: Callable[..., None] = unbound
 add_to_v: Callable[..., None] = unbound
 jacobian: Callable[..., None] = unbound
@@ -159,7 +159,7 @@ def renew_at_positions(t: float, x: Floats, v: Floats, params: Floats, work: Flo
     """Form and factor S with the Jacobian at the positions reached on its left."""
     n, m, own = SIZE or x.size, COUNT or count(x.size, params), memory(work)
     _, _, _, total, reached = iterated(n, m, own)
-    there, _, _, _ = spare(n, m, own)
+    there, _, _ = spare(n, m, own)
     for j in range(n):
         reached[j] = x[j] + total[j]
     jacobian(t, reached, v, params, work, there)
@@ -175,21 +175,9 @@ def renew_nothing(t: float, x: Floats, v: Floats, params: Floats, work: Floats) 
 
 
 def jacobian_here(t: float, x: Floats, v: Floats, params: Floats, work: Floats, out: Floats) -> None:
-    """Write the Jacobian at x, by differences where the system has none; x is moved and put back."""
+    """Write the Jacobian at x, by differences where the system has none."""
     if has_part(CONSTRAINT_JACOBIAN, work):
         constraint_jacobian_at(t, x, v, params, work, out)
-        return
-    n, m = SIZE or x.size, COUNT or count(x.size, params)
-    _, _, above, below = spare(n, m, memory(work))
-    d = _DIFFERENCE * scale(params[params.size - n - 1], largest(x))
-    for j in range(n):
-        kept = x[j]
-        for k in range(1, 3):
-            x[j] = kept + k * d
-            constraints_at(t, x, v, params, work, above)
-            x[j] = kept - k * d
-            constraints_at(t, x, v, params, work, below)
-            for i in range(m):
-                slope = (above[i] - below[i]) / (2 * k * d)
-                out[i * n + j] = slope if k == 1 else (4 * out[i * n + j] - slope) / 3
-        x[j] = kept
+    else:
+        _, _, room = spare(SIZE or x.size, COUNT or count(x.size, params), memory(work))
+        constraint_differences_at(t, x, room, params, work, out)
