@@ -16,7 +16,7 @@ import kickdrift as kd
 from kickdrift.core.errors import ArgumentError, FileFormatError, MissingExtraError
 from kickdrift.core.outcomes import Outcome
 from kickdrift.core.rotations import product, turned
-from kickdrift.plots import animation, world
+from kickdrift.plots import animation
 from kickdrift.plots.camera import axes_of, showing
 from kickdrift.plots.painter import AHEAD, Painter
 from kickdrift.plots.scenery import Pose, colour_of
@@ -291,13 +291,7 @@ def falling():
     return recording([Plane(), Box((0.5, 0.5, 0.5)), Sphere(0.3), Capsule(0.2, 0.5)], ways, times=times)
 
 
-@pytest.fixture
-def small(monkeypatch):
-    monkeypatch.setattr(animation, "_PIXELS", 20_000)
-    monkeypatch.setattr(world, "_PIXELS", 20_000)
-
-
-def test_what_stands_still_has_its_energy_in_a_unit_that_fits(falling, small):
+def test_what_stands_still_has_its_energy_in_a_unit_that_fits(falling, small_pictures):
     """The last bits of a potential, microjoules of a person, would have a factor of 1e-5 on the title of the axes otherwise."""
     still = {"kinetic energy": np.zeros(6), "potential energy": 500.0 + 9.3e-5 * np.array([0, 1, 1, 1, 1, 1])}
     energy = replace(falling, derived=still).plot().axes[1]
@@ -324,7 +318,7 @@ def test_a_plot_shows_the_last_state_with_trails_and_the_energy(falling, tmp_pat
         assert np.count_nonzero((cosines > 0.995) & (np.ptp(picture, axis=2) > 40)) > 2000
 
 
-def test_trails_are_hidden_behind_bodies(small):
+def test_trails_are_hidden_behind_bodies(small_pictures):
     right, _, ahead = axes_of(np.array(AHEAD))
     along = np.linspace(-2.5, 2.5, 50)[:, None] * right
     wall = np.zeros((50, 3))
@@ -336,7 +330,7 @@ def test_trails_are_hidden_behind_bodies(small):
         assert seen[20:29].any() == (not hides)
 
 
-def test_wide_scenes_have_the_energy_below(small):
+def test_wide_scenes_have_the_energy_below(small_pictures):
     ways = [np.array([[n, 0, 0], [n, 0, 0.5]]) for n in range(12)]
     scene, energy = recording([Box((0.5, 0.5, 0.5))] * 12, ways).plot().axes
     assert scene.get_position().y0 > energy.get_position().y1
@@ -354,7 +348,7 @@ def frames_of(path):
     return frames, delays
 
 
-def test_a_gif_runs_in_real_time(falling, tmp_path, small):
+def test_a_gif_runs_in_real_time(falling, tmp_path, small_pictures):
     path = falling.animate(tmp_path / "falling.gif")
     assert path == tmp_path / "falling.gif"
     frames, delays = frames_of(path)
@@ -385,7 +379,7 @@ def test_pictures_of_a_film_have_some_three_hundred_thousand_pixels(falling, tmp
         ({"speed": 100.0}, 1, None),
     ],
 )
-def test_speed_and_rate_of_a_film(falling, tmp_path, small, options, count, delays):
+def test_speed_and_rate_of_a_film(falling, tmp_path, small_pictures, options, count, delays):
     frames, durations = frames_of(falling.animate(tmp_path / "film.gif", **options))
     assert len(frames) == count
     if delays is not None:
@@ -409,7 +403,7 @@ def test_bodies_are_between_the_states_where_a_film_needs_them(falling):
     assert np.array_equal(film.pose(1.0).position, made.x[1])
 
 
-def test_the_same_film_has_the_same_bits(falling, tmp_path, small):
+def test_the_same_film_has_the_same_bits(falling, tmp_path, small_pictures):
     first, second = (falling.animate(tmp_path / f"{n}.gif").read_bytes() for n in range(2))
     assert first == second
 
@@ -426,7 +420,7 @@ def test_rates_that_cannot_be(falling, tmp_path, rate):
         falling.animate(tmp_path / "film.gif", rate=rate)
 
 
-def test_films_that_cannot_be_written(falling, tmp_path, small, monkeypatch):
+def test_films_that_cannot_be_written(falling, tmp_path, small_pictures, monkeypatch):
     for name in ("film", "film.avi", "film.png"):
         with pytest.raises(FileFormatError, match=r"films end in \.gif or \.mp4"):
             falling.animate(tmp_path / name)
@@ -440,7 +434,7 @@ def test_films_that_cannot_be_written(falling, tmp_path, small, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_mp4_is_handed_to_ffmpeg(falling, tmp_path, small, monkeypatch):
+def test_an_mp4_is_handed_to_ffmpeg(falling, tmp_path, small_pictures, monkeypatch):
     """A stand-in for ffmpeg, which writes what it is given."""
     ffmpeg = tmp_path / "ffmpeg"
     ffmpeg.write_text(f"#!{sys.executable}\nimport sys\nopen(sys.argv[-1], 'wb').write(sys.stdin.buffer.read())\n")
