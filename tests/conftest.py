@@ -24,6 +24,13 @@ def pytest_sessionstart(session: pytest.Session) -> None:
         compile_together(missing(all_jobs()))
 
 
+@pytest.fixture
+def small_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pictures and films of worlds with fewer pixels than they have: for tests that look at something else."""
+    monkeypatch.setattr("kickdrift.plots.animation._PIXELS", 20_000)
+    monkeypatch.setattr("kickdrift.plots.world._PIXELS", 20_000)
+
+
 @pytest.fixture(autouse=True, scope="session")
 def _ctrl_c() -> None:
     signal.signal(signal.SIGINT, signal.default_int_handler)

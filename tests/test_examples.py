@@ -60,10 +60,8 @@ def test_every_example_is_tested():
     }
 
 
-def test_the_code_of_the_readme_runs(tmp_path, monkeypatch):
+def test_the_code_of_the_readme_runs(tmp_path, small_pictures, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    for pictures in ("animation", "world"):
-        monkeypatch.setattr(f"kickdrift.plots.{pictures}._PIXELS", 20_000)
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), flags=re.DOTALL)
     assert len(blocks) >= 5
     scope: dict = {"__name__": "readme"}

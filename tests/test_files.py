@@ -37,7 +37,7 @@ WRITERS = {
 
 
 @pytest.mark.parametrize("ending", WRITERS)
-def test_a_file_is_replaced_whole_and_keeps_its_mode(ending, falling, tmp_path):
+def test_a_file_is_replaced_whole_and_keeps_its_mode(ending, falling, small_pictures, tmp_path):
     path = tmp_path / f"a.{ending}"
     path.write_text("before")
     path.chmod(0o640)
@@ -48,7 +48,7 @@ def test_a_file_is_replaced_whole_and_keeps_its_mode(ending, falling, tmp_path):
 
 
 @pytest.mark.parametrize("ending", WRITERS)
-def test_what_fails_half_way_leaves_what_was_there(ending, falling, tmp_path, monkeypatch):
+def test_what_fails_half_way_leaves_what_was_there(ending, falling, small_pictures, tmp_path, monkeypatch):
     path = tmp_path / f"a.{ending}"
     path.write_text("before")
 
@@ -103,7 +103,7 @@ def test_a_pipe_is_no_file(reader, tmp_path):
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no named pipes")
-def test_what_is_no_file_is_not_replaced(falling, tmp_path):
+def test_what_is_no_file_is_not_replaced(falling, small_pictures, tmp_path):
     os.mkfifo(tmp_path / "a.png")
     with pytest.raises(FileFormatError, match="it is a pipe, a socket or a device"):
         falling.plot(tmp_path / "a.png")

@@ -331,7 +331,7 @@ print(len(recorder.buffer))
 
 def run(script, *arguments, folder):
     """Run a script, or code on the command line, and return what it prints."""
-    command = [sys.executable, *(("-c", SCRIPT) if script is None else (str(script),)), *arguments]
+    command = [sys.executable, *(("-c", script) if isinstance(script, str) else (str(script),)), *arguments]
     variables = {**os.environ, "NUMBA_CACHE_DIR": str(folder)}
     *numbers, passes = subprocess.run(command, capture_output=True, text=True, check=True, env=variables).stdout.split()
     return numbers, int(passes)
@@ -340,10 +340,11 @@ def run(script, *arguments, folder):
 def test_another_process_compiles_nothing_and_takes_no_function_for_another(tmp_path):
     script, cache = tmp_path / "script.py", tmp_path / "cache"
     script.write_text(SCRIPT)
-    first, compiling = run(None, "first", folder=cache)
+    executed = f"exec({SCRIPT!r}, {{'__name__': 'no module'}})"
+    first, compiling = run(executed, "first", folder=cache)
     assert compiling > 0
     # Of the same name, and with the number that Numba gave the first one's in its process.
-    second, _ = run(None, "second", folder=cache)
+    second, _ = run(SCRIPT, "second", folder=cache)
     assert second != first
     both, compiling = run(script, "first", "second", folder=cache)
     assert both == first + second

@@ -15,15 +15,13 @@ from kickdrift.cli.app import app
 from kickdrift.cli.plan import Options
 from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.progress import Bar
-from kickdrift.plots import animation
 from kickdrift.scenes.worlds.catalogue import SCENES, Scene
 from kickdrift.systems import catalogue
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch):
+def folder(tmp_path, small_pictures, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(animation, "_PIXELS", 10_000)
     return tmp_path
 
 

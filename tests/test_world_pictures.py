@@ -67,11 +67,12 @@ def pixel(painter, point):
     return int(row), int(column)
 
 
-def like(colour, body):
-    """Whether a colour is that of a body, brighter or darker."""
+def like(colours, body):
+    """Whether colours (..., 3) are that of a body, brighter or darker."""
     wanted = colour_of(body)
-    colour = np.asarray(colour, dtype=float)
-    return colour @ wanted > 0.99 * np.linalg.norm(colour) * np.linalg.norm(wanted) and np.ptp(colour) > 30
+    colours = np.asarray(colours, dtype=float)
+    along = colours @ wanted > 0.99 * np.linalg.norm(colours, axis=-1) * np.linalg.norm(wanted)
+    return along & (np.ptp(colours, axis=-1) > 30)
 
 
 def at(*point):
@@ -165,7 +166,7 @@ def test_each_shape_is_seen_where_it_is_and_hides_what_is_behind(shape):
         painter, picture = painted(recording([shape, shape], [at(*place) for place in places]))
         assert like(picture[pixel(painter, places[front - 1])], front)
         assert np.array_equal(picture[1, 1], WHITE)
-        seen = [sum(like(colour, body) for colour in picture.reshape(-1, 3)) for body in (front, 3 - front)]
+        seen = [np.count_nonzero(like(picture, body)) for body in (front, 3 - front)]
         assert seen[0] > 500
         assert seen[1] < 0.05 * seen[0]
 
@@ -290,7 +291,7 @@ def falling():
     return recording([Plane(), Box((0.5, 0.5, 0.5)), Sphere(0.3), Capsule(0.2, 0.5)], ways, times=times)
 
 
-def test_what_stands_still_has_its_energy_in_a_unit_that_fits(falling):
+def test_what_stands_still_has_its_energy_in_a_unit_that_fits(falling, small_pictures):
     """The last bits of a potential, microjoules of a person, would have a factor of 1e-5 on the title of the axes otherwise."""
     still = {"kinetic energy": np.zeros(6), "potential energy": 500.0 + 9.3e-5 * np.array([0, 1, 1, 1, 1, 1])}
     energy = replace(falling, derived=still).plot().axes[1]
@@ -317,7 +318,7 @@ def test_a_plot_shows_the_last_state_with_trails_and_the_energy(falling, tmp_pat
         assert np.count_nonzero((cosines > 0.995) & (np.ptp(picture, axis=2) > 40)) > 2000
 
 
-def test_trails_are_hidden_behind_bodies():
+def test_trails_are_hidden_behind_bodies(small_pictures):
     right, _, ahead = axes_of(np.array(AHEAD))
     along = np.linspace(-2.5, 2.5, 50)[:, None] * right
     wall = np.zeros((50, 3))
@@ -329,7 +330,7 @@ def test_trails_are_hidden_behind_bodies():
         assert seen[20:29].any() == (not hides)
 
 
-def test_wide_scenes_have_the_energy_below():
+def test_wide_scenes_have_the_energy_below(small_pictures):
     ways = [np.array([[n, 0, 0], [n, 0, 0.5]]) for n in range(12)]
     scene, energy = recording([Box((0.5, 0.5, 0.5))] * 12, ways).plot().axes
     assert scene.get_position().y0 > energy.get_position().y1
@@ -347,24 +348,25 @@ def frames_of(path):
     return frames, delays
 
 
-@pytest.fixture
-def small(monkeypatch):
-    monkeypatch.setattr(animation, "_PIXELS", 20_000)
-
-
-def test_a_gif_runs_in_real_time(falling, tmp_path):
+def test_a_gif_runs_in_real_time(falling, tmp_path, small_pictures):
     path = falling.animate(tmp_path / "falling.gif")
     assert path == tmp_path / "falling.gif"
     frames, delays = frames_of(path)
     assert delays == [40] * 12 + [1000]
-    assert 200_000 < frames[0].shape[0] * frames[0].shape[1] < 400_000
     changes = [np.abs(b - a).max() for a, b in itertools.pairwise(frames)]
     assert min(changes) > 50
-    painter = Painter(falling, 310_000)
+    painter = Painter(falling, animation._PIXELS)
     for k, frame in ((0, frames[0]), (12, frames[12])):
         place = falling.x[0, 2] + (0, 0, -4.905 * (0.04 * k) ** 2)
         assert like(frame[pixel(painter, place)], 2)
     assert np.array_equal(frames[0][2, frames[0].shape[1] // 2], WHITE)
+
+
+def test_pictures_of_a_film_have_some_three_hundred_thousand_pixels(falling, tmp_path):
+    (frame,), _ = frames_of(falling.animate(tmp_path / "film.gif", speed=100.0))
+    assert 200_000 < frame.shape[0] * frame.shape[1] < 400_000
+    for body in (2, 3, 4):
+        assert np.count_nonzero(like(frame, body)) > 500
 
 
 @pytest.mark.parametrize(
@@ -377,7 +379,7 @@ def test_a_gif_runs_in_real_time(falling, tmp_path):
         ({"speed": 100.0}, 1, None),
     ],
 )
-def test_speed_and_rate_of_a_film(falling, tmp_path, small, options, count, delays):
+def test_speed_and_rate_of_a_film(falling, tmp_path, small_pictures, options, count, delays):
     frames, durations = frames_of(falling.animate(tmp_path / "film.gif", **options))
     assert len(frames) == count
     if delays is not None:
@@ -401,7 +403,7 @@ def test_bodies_are_between_the_states_where_a_film_needs_them(falling):
     assert np.array_equal(film.pose(1.0).position, made.x[1])
 
 
-def test_the_same_film_has_the_same_bits(falling, tmp_path, small):
+def test_the_same_film_has_the_same_bits(falling, tmp_path, small_pictures):
     first, second = (falling.animate(tmp_path / f"{n}.gif").read_bytes() for n in range(2))
     assert first == second
 
@@ -418,7 +420,7 @@ def test_rates_that_cannot_be(falling, tmp_path, rate):
         falling.animate(tmp_path / "film.gif", rate=rate)
 
 
-def test_films_that_cannot_be_written(falling, tmp_path, monkeypatch):
+def test_films_that_cannot_be_written(falling, tmp_path, small_pictures, monkeypatch):
     for name in ("film", "film.avi", "film.png"):
         with pytest.raises(FileFormatError, match=r"films end in \.gif or \.mp4"):
             falling.animate(tmp_path / name)
@@ -432,7 +434,7 @@ def test_films_that_cannot_be_written(falling, tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_mp4_is_handed_to_ffmpeg(falling, tmp_path, small, monkeypatch):
+def test_an_mp4_is_handed_to_ffmpeg(falling, tmp_path, small_pictures, monkeypatch):
     """A stand-in for ffmpeg, which writes what it is given."""
     ffmpeg = tmp_path / "ffmpeg"
     ffmpeg.write_text(f"#!{sys.executable}\nimport sys\nopen(sys.argv[-1], 'wb').write(sys.stdin.buffer.read())\n")

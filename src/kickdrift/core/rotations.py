@@ -7,21 +7,29 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
+_NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])  # of the axes x, y, z
 
 
 def turned(q: ArrayLike, a: ArrayLike) -> Floats:
     """Turn vectors (..., 3) by quaternions (..., 4)."""
     q, a = np.asarray(q), np.asarray(a)
     u = q[..., 1:]
-    t = 2.0 * np.cross(u, a)
-    result: Floats = a + q[..., :1] * t + np.cross(u, t)
+    t = 2.0 * cross(u, a)
+    result: Floats = a + q[..., :1] * t + cross(u, t)
+    return result
+
+
+def cross(a: Floats, b: Floats) -> Floats:
+    """Multiply vectors (..., 3), with the bits of np.cross, which takes five times as long for a few of them."""
+    result: Floats = a.take(_NEXT, -1) * b.take(_LAST, -1)
+    result -= a.take(_LAST, -1) * b.take(_NEXT, -1)
     return result
 
 
 def product(p: Floats, q: Floats) -> Floats:
     """Multiply quaternions (..., 4)."""
     w = p[..., :1] * q[..., :1] - np.sum(p[..., 1:] * q[..., 1:], axis=-1, keepdims=True)
-    v = p[..., :1] * q[..., 1:] + q[..., :1] * p[..., 1:] + np.cross(p[..., 1:], q[..., 1:])
+    v = p[..., :1] * q[..., 1:] + q[..., :1] * p[..., 1:] + cross(p[..., 1:], q[..., 1:])
     return np.concatenate((w, v), axis=-1)
 
 

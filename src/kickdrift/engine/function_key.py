@@ -86,7 +86,9 @@ class Taken:
             **{name: callee.dispatcher(checked) for name, callee in self.callees.items()},
         }
         cells = tuple(CellType(values[name]) for name in python.__code__.co_freevars)
-        own = {"__name__": python.__module__, "__builtins__": __builtins__, **values}
+        # Numba cannot load what it has compiled for a module that cannot be imported: code that was executed as text.
+        module = python.__module__ if python.__module__ in sys.modules else __name__
+        own = {"__name__": module, "__builtins__": __builtins__, **values}
         copy = FunctionType(python.__code__, own, python.__name__, python.__defaults__, cells)
         copy.__kwdefaults__ = python.__kwdefaults__
         # Of two of a name, Numba may take one for the other.

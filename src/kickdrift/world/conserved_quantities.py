@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.rotations import cross
 from kickdrift.world import settings
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.integration import BODY_INERTIA, MASS
@@ -74,9 +75,7 @@ def angular_momentum(tables: Tables, bodies: Bodies) -> Floats:
     """Measure the angular momentum about the origin, (3,), kg m^2/s."""
     rows = bodies.moving()
     push = tables.array(INERTIA)[rows, MASS, None] * tables.array(MOTION)[rows, VELOCITY : VELOCITY + 3]
-    total: Floats = (np.cross(tables.array(POSE)[rows, POSITION : POSITION + 3], push) + _spin(tables, rows)).sum(
-        axis=0
-    )
+    total: Floats = (cross(tables.array(POSE)[rows, POSITION : POSITION + 3], push) + _spin(tables, rows)).sum(axis=0)
     return total
 
 

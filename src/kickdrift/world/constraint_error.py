@@ -23,6 +23,8 @@ def deepest_overlap(tables: Tables) -> float:
     deepest = 0.0
     for k in range(4):
         there = rows[:, contacts.POINTS] > k
+        if not there.any():
+            break
         point = manifolds[there, contacts.POINT + contacts.POINT_SIZE * k :]
         on_a = at_a[there] + turned(turn_a[there], point[:, contacts.ON_A : contacts.ON_A + 3])
         on_b = at_b[there] + turned(turn_b[there], point[:, contacts.ON_B : contacts.ON_B + 3])
