@@ -46,6 +46,7 @@ from kickdrift.world.recording import Recording, WorldPresenters
 if TYPE_CHECKING:
     from kickdrift.io.robot_file import load_robot
     from kickdrift.io.world_file import load_world
+    from kickdrift.systems.symbolic import from_lagrangian, from_sympy
     from kickdrift.world.adding import Part
     from kickdrift.world.joints.axis import Axis, Drive, Motor
     from kickdrift.world.shapes.box import Box
@@ -91,6 +92,8 @@ __all__ = [
     "UnsolvedWarning",
     "World",
     "analysis",
+    "from_lagrangian",
+    "from_sympy",
     "load",
     "load_robot",
     "load_world",
@@ -112,7 +115,8 @@ def _later(module: str, name: str) -> Callable[..., Any]:
     return call
 
 
-_WORLDS = {
+_LATER = {
+    **dict.fromkeys(("from_lagrangian", "from_sympy"), "kickdrift.systems.symbolic"),
     "World": "kickdrift.world.world",
     "Part": "kickdrift.world.adding",
     **dict.fromkeys(("Axis", "Drive", "Motor"), "kickdrift.world.joints.axis"),
@@ -126,9 +130,9 @@ _WORLDS = {
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _WORLDS:
+    if name not in _LATER:
         raise AttributeError(f"module 'kickdrift' has no attribute {name!r}")
-    return getattr(import_module(_WORLDS[name]), name)
+    return getattr(import_module(_LATER[name]), name)
 
 
 # Solutions and worlds save, draw and report themselves with what lives on the floors above them.

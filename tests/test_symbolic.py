@@ -1,0 +1,134 @@
+"""Equations of motion from formulas are those that people write by hand."""
+
+import sys
+
+import numpy as np
+import pytest
+import sympy as sp
+from sympy.physics.mechanics import LagrangesMethod, Point, ReferenceFrame, dynamicsymbols
+
+import kickdrift as kd
+from kickdrift.core.errors import ArgumentError, MissingExtraError
+
+Q, P, T = sp.symbols("q p t")
+A, B, DA, DB, G = sp.symbols("a b adot bdot g")
+DOUBLE = DA**2 + DB**2 / 2 + DA * DB * sp.cos(A - B) + G * (2 * sp.cos(A) + sp.cos(B))
+OPTIONS = {"progress": False, "compile": False}
+
+
+def by_hand(x, v):
+    """Accelerations of two rods of 1 m with masses of 1 kg: M a = f, solved by NumPy."""
+    c, s = np.cos(x[0] - x[1]), np.sin(x[0] - x[1])
+    mass = np.array([[2.0, c], [c, 1.0]])
+    push = np.array([-s * v[1] ** 2 - 2 * 9.81 * np.sin(x[0]), s * v[0] ** 2 - 9.81 * np.sin(x[1])])
+    return np.linalg.solve(mass, push)
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_a_double_pendulum_goes_as_the_one_written_by_hand(compiled):
+    options = {"step": 0.01, "method": "gauss-6", "progress": False, "compile": compiled}
+    start = [1.0, 0.5], [0.3, -0.2]
+    formula = kd.from_lagrangian(DOUBLE, (A, B), (DA, DB), constants={G: 9.81})
+    sol = kd.solve(formula, (0.0, 3.0), *start, **options)
+    hand = kd.solve(kd.SecondOrder(by_hand), (0.0, 3.0), *start, **options)
+    np.testing.assert_allclose(sol.x, hand.x, atol=1e-10)
+    (a, b), (da, db) = np.array(start)
+    energy = da**2 + db**2 / 2 + da * db * np.cos(a - b) - 9.81 * (2 * np.cos(a) + np.cos(b))
+    assert sol.energy[0] == pytest.approx(energy, rel=1e-14)
+    assert np.ptp(sol.energy) < 1e-7
+
+
+def test_equations_of_sympys_mechanics_are_the_same():
+    a, b = dynamicsymbols("a b")
+    lagrangian = DOUBLE.subs({A: a, B: b, DA: a.diff(), DB: b.diff()})
+    start = (0.0, 1.0), [1.0, 0.5], [0.3, -0.2]
+    options = {"step": 0.01, "method": "gauss-4", **OPTIONS}
+    theirs = kd.from_lagrangian(LagrangesMethod(lagrangian, [a, b]), constants={"g": 9.81})
+    ours = kd.from_lagrangian(DOUBLE, (A, B), (DA, DB), constants={"g": 9.81})
+    np.testing.assert_array_equal(kd.solve(theirs, *start, **options).x, kd.solve(ours, *start, **options).x)
+
+
+def test_applied_forces_of_sympys_mechanics_are_applied():
+    x = dynamicsymbols("x")
+    frame, point = ReferenceFrame("N"), Point("P")
+    point.set_vel(frame, x.diff() * frame.x)
+    damped = LagrangesMethod(x.diff() ** 2 / 2 - x**2 / 2, [x], [(point, -0.2 * x.diff() * frame.x)], frame=frame)
+    sol = kd.solve(kd.from_lagrangian(damped), (0.0, 5.0), [1.0], [0.0], step=0.01, method="gauss-6", **OPTIONS)
+    w = np.sqrt(1 - 0.01)
+    exact = np.exp(-0.1 * sol.t) * (np.cos(w * sol.t) + 0.1 / w * np.sin(w * sol.t))
+    np.testing.assert_allclose(sol.x[:, 0], exact, atol=1e-11)
+
+
+def test_six_bodies_on_springs_are_solved_without_loops():
+    q, v = sp.symbols("q0:6"), sp.symbols("v0:6")
+    coupled = sum((v[i] + v[i + 1]) ** 2 for i in range(5)) / 4 + sum(s**2 for s in v) / 2
+    lagrangian = coupled - sum((i + 1) * q[i] ** 2 for i in range(6)) / 2
+    problem = kd.from_lagrangian(lagrangian, q, v)
+    x, out = np.arange(1.0, 7.0), np.zeros(6)
+    problem.acceleration(x=x, out=out)
+    mass = np.array(sp.hessian(lagrangian, v), dtype=float)
+    np.testing.assert_allclose(mass @ out, -np.arange(1, 7) * x, rtol=1e-13)
+
+
+def test_what_is_separable_is_seen_to_be():
+    hidden = (Q + P) ** 2 - 2 * Q * P  # q^2 + p^2
+    assert isinstance(kd.from_sympy(hidden, Q, P), kd.Separable)
+    assert isinstance(kd.from_sympy((1 + Q**2) * P**2, Q, P), kd.Hamiltonian)
+    pendulum = kd.from_sympy(P**2 / 2 - G * sp.cos(Q), Q, P, constants={G: 1.0})
+    options = {"step": 0.05, "method": "blanes-moan-s6", "progress": False}
+    sol = kd.solve(pendulum, (0.0, 10.0), 1.0, 0.0, **options)
+    same = kd.solve(kd.Separable(lambda p: p, lambda q: np.sin(q)), (0.0, 10.0), 1.0, 0.0, **options)
+    np.testing.assert_allclose(sol.q, same.q, atol=1e-13)
+    assert sol.q.shape == same.q.shape == (201,)
+    assert sol.energy[0] == pytest.approx(-np.cos(1.0))
+
+
+def test_relativity_entangles_several_coordinates():
+    q, p = sp.symbols("q0:2"), sp.symbols("p0:2")
+    energy = sp.sqrt(1 + (p[0] ** 2 + p[1] ** 2) * (1 + q[0] ** 2)) + (q[0] ** 2 + q[1] ** 4)
+    sol = kd.solve(kd.from_sympy(energy, q, p), (0.0, 5.0), [1, 0.2], [0.1, 1], step=0.02, method="gauss-6", **OPTIONS)
+    assert np.ptp(sol.energy) < 1e-11
+
+
+def test_time_and_numbers_reach_the_functions():
+    driven = kd.from_sympy(P**2 / 2 + Q**2 / 2 - Q * sp.cos(2 * T), Q, P, t=T)
+    sol = kd.solve(driven, (0.0, 4.0), 1.0, 0.0, step=0.01, method="blanes-moan-s6", **OPTIONS)
+    np.testing.assert_allclose(sol.q, 4 / 3 * np.cos(sol.t) - np.cos(2 * sol.t) / 3, atol=1e-7)
+    fast, slow = (kd.from_lagrangian(DA**2 / 2 - G * A**2 / 2, A, DA, constants={G: k}) for k in (4.0, 1.0))
+    options = {"step": 0.01, "method": "blanes-moan-srkn6b", "progress": False}
+    for problem, w in ((fast, 2.0), (slow, 1.0)):
+        sol = kd.solve(problem, (0.0, 4.0), 1.0, 0.0, **options)
+        np.testing.assert_allclose(sol.x, np.cos(w * sol.t), atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("make", "text"),
+    [
+        (lambda: kd.from_sympy(P**2 / 2 + G * Q, Q, P), "hamiltonian has g, which have no numbers"),
+        (lambda: kd.from_sympy(P**2 / 2 + T * Q, Q, P), "by t="),
+        (lambda: kd.from_sympy(P**2 / 2, Q, Q), "all of them different"),
+        (lambda: kd.from_sympy(P**2 / 2, (Q, A), (P,)), "as many symbols"),
+        (lambda: kd.from_sympy(P**2 / 2, (), ()), "as many symbols"),
+        (lambda: kd.from_sympy(P**2 / 2 + G * Q, Q, P, constants={G: "heavy"}), r"constants\[g\]='heavy'"),
+        (lambda: kd.from_sympy(P**2 / 2 + G * Q, Q, P, constants={G: np.nan}), r"constants\[g\]=nan"),
+        (lambda: kd.from_sympy(P**2 / 2 + sp.Function("f")(Q), Q, P), "cannot be written in Python"),
+        (lambda: kd.from_lagrangian(DA**2 / 2 + A * B, (A, B), (DA, DB)), "no kinetic energy along"),
+        (lambda: kd.from_lagrangian((DA + DB) ** 2, (A, B), (DA, DB)), "no kinetic energy along"),
+    ],
+)
+def test_formulas_that_cannot_be(make, text):
+    with pytest.raises(ArgumentError, match=text):
+        make()
+
+
+def test_constraints_are_for_another_description():
+    x, y = dynamicsymbols("x y")
+    tied = LagrangesMethod((x.diff() ** 2 + y.diff() ** 2) / 2, [x, y], hol_coneqs=[x**2 + y**2 - 1])
+    with pytest.raises(ArgumentError, match=r"kd\.Constrained"):
+        kd.from_lagrangian(tied)
+
+
+def test_sympy_is_an_extra(monkeypatch):
+    monkeypatch.setitem(sys.modules, "sympy", None)
+    with pytest.raises(MissingExtraError, match=r"kickdrift\[sympy\]"):
+        kd.from_sympy(None, None, None)
