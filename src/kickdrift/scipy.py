@@ -1,0 +1,182 @@
+"""Methods of kicks and drifts as solvers of SciPy: ``solve_ivp(fun, t_span, y0, method=StormerVerlet, step=0.01)``.
+
+With them come SciPy's events, dense output and `t_eval`. The state is y = [x, v], and ``fun(t, y)`` returns [x', v'], in which
+v' may depend on t and x, and x' on t and v: x'' = a(t, x), and Hamiltonians T(p, t) + V(q, t). Every step calls the function in
+Python; `kickdrift.solve` is some hundred times as fast, and knows other kinds of problem.
+"""
+
+import math
+import warnings
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import DenseOutput, OdeSolver
+
+from kickdrift import methods
+from kickdrift.core.arguments import real
+from kickdrift.core.errors import ArgumentError
+from kickdrift.methods import Kind, Letter, Method
+
+Floats = NDArray[np.float64]
+
+_TRIED = 1e-3  # of its size, by which v is changed to see whether v' depends on it, and x likewise
+
+
+class SplittingSolver(OdeSolver):
+    """A method of kicks and drifts with a fixed step; `solver` makes a class of a method of the catalogue.
+
+    Parameters
+    ----------
+    fun, t0, y0, t_bound, vectorized
+        As SciPy's solvers have them; y0 is [x, v], and real.
+    step : float
+        Largest step allowed. A whole number of equal steps leads to t_bound.
+    **extraneous
+        Options of other solvers, such as rtol and atol, of which a fixed step has no use; SciPy's solvers warn of them as well.
+
+    Raises
+    ------
+    ArgumentError
+        For a step that is not positive and finite, and for states and functions that have no such halves.
+    """
+
+    method: ClassVar[Method]
+    t: float
+    y: Floats
+
+    def __init__(
+        self,
+        fun: Callable[[float, Floats], Any],
+        t0: float,
+        y0: Any,
+        t_bound: float,
+        step: float | None = None,
+        vectorized: bool = False,
+        **extraneous: Any,
+    ) -> None:
+        if extraneous:
+            warnings.warn(
+                f"{', '.join(sorted(extraneous))} given, of which a fixed step has no use; give step=... alone.",
+                stacklevel=3,
+            )
+        super().__init__(fun, t0, y0, t_bound, vectorized)
+        if self.n % 2:
+            raise ArgumentError(f"y0 has {self.n} numbers; give positions and as many velocities, [x, v].")
+        self._half = self.n // 2
+        self._check_halves()
+        self._steps = _count(step, abs(t_bound - t0))
+        self._t0, self._h, self._done = t0, (t_bound - t0) / self._steps, 0
+        self.h_abs = abs(self._h)
+
+    def _check_halves(self) -> None:
+        """See that each half's rate depends on the other half alone, and that of x is linear in v where the method needs it."""
+        n, rate, wrong = self._half, np.asarray(self.fun(self.t, self.y), dtype=float), ""
+        for own, what in ((np.s_[:n], "x' depends on x"), (np.s_[n:], "v' depends on v")):
+            y = self.y.copy()
+            y[own] += _TRIED * (1.0 + np.abs(y[own]))
+            changed = np.asarray(self.fun(self.t, y), dtype=float)
+            wrong = wrong if np.array_equal(changed[own], rate[own], equal_nan=True) else what
+        if self.method.kind is Kind.NEWTONIAN:
+            doubled = np.asarray(self.fun(self.t, np.append(self.y[:n], 2.0 * self.y[n:])), dtype=float)[:n]
+            wrong = (
+                wrong if np.allclose(doubled, 2.0 * rate[:n], rtol=1e-9, equal_nan=True) else "x' is not linear in v"
+            )
+        if wrong and self.method.order > 1:
+            raise ArgumentError(
+                f"fun returns [x', v'], in which {wrong}: {self.method.name!r} would lose its order. Use kickdrift.solve,"
+                " which has methods for that."
+            )
+
+    def _moved(self, t: float, y: Floats, h: float) -> Floats:
+        """Return the state after a step of any size; the clock moves with the positions."""
+        y, n, x_clock, v_clock = y.copy(), self._half, 0.0, 0.0
+        for letter, weight in self.method.word:
+            share = float(weight)
+            if letter is Letter.KICK:
+                y[n:] += share * h * np.asarray(self.fun(t + x_clock * h, y))[n:]
+                v_clock += share
+            else:
+                y[:n] += share * h * np.asarray(self.fun(t + v_clock * h, y))[:n]
+                x_clock += share
+        return y
+
+    def _step_impl(self) -> tuple[bool, str | None]:
+        y = self._moved(self.t, self.y, self._h)
+        if not np.isfinite(y).all():
+            return False, "the state is not finite after this step; take a smaller one"
+        self._done += 1
+        self._before = self.t, self.y
+        self.t = self.t_bound if self._done == self._steps else self._t0 + self._done * self._h
+        self.y = y
+        return True, None
+
+    def _dense_output_impl(self) -> DenseOutput:
+        return _Between(*self._before, self.t, self.y, self._moved)
+
+
+class _Between(DenseOutput):
+    """States within a step, by shorter ones from its start."""
+
+    def __init__(self, t_old: float, y_old: Floats, t: float, y: Floats, moved: Callable[..., Floats]) -> None:
+        super().__init__(t_old, t)
+        self._y_old, self._y, self._moved = y_old, y, moved
+
+    def _call_impl(self, t: Any) -> Floats:
+        if np.ndim(t):
+            return np.stack([self._call_impl(one) for one in t], axis=-1)
+        return self._y if t == self.t else self._moved(self.t_old, self._y_old, t - self.t_old)
+
+
+def _count(step: Any, length: float) -> int:
+    try:
+        size = real(step)
+    except TypeError:
+        size = math.nan
+    if not 0.0 < size < math.inf:
+        raise ArgumentError(f"step={step!r} has to be positive and finite: solve_ivp(..., method=..., step=0.01).")
+    return max(1, math.ceil(length / size * (1.0 - 1e-12)))
+
+
+def solver(method: str | Method) -> type[SplittingSolver]:
+    """Return a method as a class for `solve_ivp`.
+
+    Parameters
+    ----------
+    method : str or Method
+        Of kicks and drifts, such as ``"blanes-moan-s6"``.
+
+    Raises
+    ------
+    ArgumentError
+        For a method that has other letters.
+
+    Examples
+    --------
+    >>> import scipy.integrate, kickdrift.scipy
+    >>> Yoshida6 = kickdrift.scipy.solver("yoshida-6")
+    >>> sol = scipy.integrate.solve_ivp(lambda t, y: [y[1], -y[0]], (0, 1), [1, 0], method=Yoshida6, step=0.1)
+    >>> round(float(sol.y[0, -1]), 6)
+    0.540302
+    """
+    found = methods.get(method) if isinstance(method, str) else method
+    if not set(found.letters) <= {Letter.KICK, Letter.DRIFT} or found.corrector:
+        raise ArgumentError(
+            f"method={found.name!r} is not made of kicks and drifts alone, which are all that fun tells of; use"
+            " kickdrift.solve."
+        )
+    name = "".join(part.capitalize() for part in found.name.split("-"))
+    return type(
+        name, (SplittingSolver,), {"method": found, "__doc__": f"{found.name}, order {found.order}: {found.source}."}
+    )
+
+
+SemiImplicitEuler = solver("semi-implicit-euler")
+StormerVerlet = solver("stormer-verlet")
+Ruth3 = solver("ruth-3")
+BlanesMoanS6 = solver("blanes-moan-s6")
+BlanesMoanSrkn6b = solver("blanes-moan-srkn6b")
+BlanesMoanSrkn11b = solver("blanes-moan-srkn11b")
+Yoshida6 = solver("yoshida-6")
+KahanLi8 = solver("kahan-li-8")
