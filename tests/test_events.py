@@ -223,3 +223,32 @@ def test_noise_has_no_events():
             events=lambda x: x,
             **QUIET,
         )
+
+
+def test_a_force_that_fails_between_steps_costs_the_zeros_and_not_the_run():
+    def on_the_grid_only(t, x):
+        if not np.isclose(t * 10, round(t * 10), atol=1e-9):
+            raise ValueError("off")
+        return -x
+
+    options = {"step": 0.1, "method": "velocity-verlet", **QUIET}
+    sol = kd.solve(on_the_grid_only, (0.0, 2.0), 1.0, 0.0, events=lambda x: x, **options)
+    assert sol.success
+    assert "ValueError was raised: off" in sol.message
+    assert sol.t_events[0].size == 0
+    ending = with_attributes(lambda x: x, terminal=True)
+    stopped = kd.solve(on_the_grid_only, (0.0, 2.0), 1.0, 0.0, events=ending, **options)
+    assert stopped.status is Outcome.FAILED
+    assert 1.0 < stopped.t[-1] < 1.6
+
+
+def test_force_evaluations_in_search_of_zeros_are_counted():
+    calls = []
+
+    def pull(x):
+        calls.append(1)
+        return -x
+
+    options = {"step": 0.1, "method": "velocity-verlet", **QUIET}
+    sol = kd.solve(pull, (0.0, 4.0), 1.0, 0.0, events=lambda x: x, **options)
+    assert 1 + 40 < sol.n_force_evaluations <= len(calls) <= sol.n_force_evaluations + 2

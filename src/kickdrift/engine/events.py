@@ -123,6 +123,8 @@ class Watch:
     ----------
     most : int
         Steps that may be looked at at once.
+    evaluations : int
+        Of the force, in search of zeros.
     """
 
     def __init__(
@@ -130,8 +132,9 @@ class Watch:
     ) -> None:
         self.events, self._system, self._processing, self._t0, self._step = events, system, processing, t0, step
         self.most = max(1, min(_MOST_ROWS, _NUMBERS // max(system.x0.size, 1)))
-        self._zeros: tuple[Zero, ...] = ()
-        self._waiting: tuple[tuple[int, Brackets], ...] = ()  # zeros that end nothing: sought many at once
+        self.evaluations = 0
+        self._zeros: list[Zero] = []
+        self._waiting: list[tuple[int, Brackets]] = []  # zeros that end nothing: sought many at once
         self._x, self._v = system.x0[None], system.v0[None]
         self._xs = self._vs = np.zeros((0, 0))
 
@@ -148,33 +151,29 @@ class Watch:
         values = [evaluate_quantity(event.quantity, self._system, t, xs, vs) for event in self.events]
         bad = np.flatnonzero(np.isnan(values).any(axis=0))
         steps = count if not bad.size else max(int(bad[0]) - 1, 0)
-        waiting, zeros = list(self._waiting), self._zeros
         for k, value in enumerate(values):
             ends, before = np.s_[1 : steps + 1], np.s_[:steps]
             part = np.zeros(steps)
             brackets = Brackets(t[before], xs[before], vs[before], part, part + 1.0, value[before], value[ends])
             brackets = self._bracketed(k, brackets)
             if brackets.t.size and self.events[k].terminal:
-                zeros = (*zeros, *self._search(k, brackets))
+                self._zeros += self._search(k, brackets)
             elif brackets.t.size:
-                waiting.append((k, brackets))
-        stop, failure = self._stop(zeros), ""
+                self._waiting.append((k, brackets))
+        stop, failure = self._stop(), ""
         if stop is not None:
             steps = min(steps, max(math.ceil((stop.t - t[0]) / self._step - 1e-9) - 1, 0))
         elif bad.size:
             k = int(np.argmax(np.isnan([value[bad[0]] for value in values])))
             failure = f" {self.events[k].name} gave no number at t={float(t[bad[0]])!r}."
-        # At once, as Ctrl-C may come between any two lines.
-        self._zeros, self._waiting, self._x, self._v = (
-            zeros,
-            tuple(waiting),
-            xs[steps : steps + 1],
-            vs[steps : steps + 1],
-        )
+        self._x, self._v = xs[steps : steps + 1], vs[steps : steps + 1]
         return Found(steps, stop, failure)
 
     def by_event(self, end: float) -> tuple[tuple[Zero, ...], ...]:
-        """Return the zeros of each event up to the time at which a run ended, in their order."""
+        """Return the zeros of each event up to the time at which a run ended, in their order.
+
+        Ctrl-C may have come after zeros were found, and before the run had noted the steps in which they are.
+        """
         sign, found = math.copysign(1.0, self._step), list(self._zeros)
         for k in range(len(self.events)):
             own = [brackets for event, brackets in self._waiting if event == k]
@@ -183,10 +182,10 @@ class Watch:
         found = sorted((zero for zero in found if sign * zero.t <= sign * end), key=lambda zero: sign * zero.t)
         return tuple(tuple(zero for zero in found if zero.event == k) for k in range(len(self.events)))
 
-    def _stop(self, zeros: Sequence[Zero]) -> Zero | None:
+    def _stop(self) -> Zero | None:
         """Return the first zero that ends the run."""
         counts = [0] * len(self.events)
-        for zero in sorted(zeros, key=lambda zero: zero.t * math.copysign(1.0, self._step)):
+        for zero in sorted(self._zeros, key=lambda zero: zero.t * math.copysign(1.0, self._step)):
             counts[zero.event] += 1
             if 0 < self.events[zero.event].terminal <= counts[zero.event]:
                 return zero
@@ -195,7 +194,8 @@ class Watch:
     def _ask(self, event: int, at: Brackets, share: Floats) -> tuple[Floats, Floats, Floats, Floats]:
         """Return when parts of steps end, and the states and values of an event there."""
         size = share * self._step
-        x, v, _ = self._processing.go_on(at.t, size, np.ones(at.t.size, dtype=np.int64), at.x, at.v)
+        x, v, evaluations = self._processing.go_on(at.t, size, np.ones(at.t.size, dtype=np.int64), at.x, at.v)
+        self.evaluations += evaluations
         t = at.t + size
         return t, x, v, evaluate_quantity(self.events[event].quantity, self._system, t, x, v)
 

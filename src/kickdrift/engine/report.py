@@ -9,7 +9,7 @@ from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import multipliers, quantities
 from kickdrift.engine.dense import DenseOutput
-from kickdrift.engine.events import Watch
+from kickdrift.engine.events import Watch, Zero
 from kickdrift.engine.grid import Grid
 from kickdrift.engine.method_selection import Choice
 from kickdrift.engine.processing import Processing, compile_method
@@ -47,8 +47,11 @@ def report(
             np.append(vs, ending.stop.v[None], axis=0),
         )
     dense = _dense(system, chosen.method, grid, compensated, end, t, xs, vs)
-    zeros = () if watch is None else watch.by_event(end)
     message = ending.message
+    zeros: tuple[tuple[Zero, ...], ...] = ()
+    if watch is not None:
+        zeros, trouble = _zeros(watch, end)
+        message, evaluations = message + trouble, evaluations + watch.evaluations
     if grid.wanted is not None and dense is not None:
         try:
             t, xs, vs, own = _at_wanted(grid, ending, dense, t, xs, vs)
@@ -76,6 +79,16 @@ def report(
         x_events=tuple(np.array([zero.x for zero in own]).reshape(-1, *system.x0.shape) for own in zeros),
         v_events=tuple(np.array([zero.v for zero in own]).reshape(-1, *system.v0.shape) for own in zeros),
     )
+
+
+def _zeros(watch: Watch, end: float) -> tuple[tuple[tuple[Zero, ...], ...], str]:
+    """Return the zeros of each event, and what is to be said where the force fails between the steps in which they are."""
+    try:
+        return watch.by_event(end), ""
+    except Exception as error:
+        return tuple(
+            () for _ in watch.events
+        ), f" Zeros of events are left out, as {type(error).__name__} was raised: {error}."
 
 
 def _dense(

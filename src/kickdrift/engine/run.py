@@ -150,7 +150,10 @@ class Run:
         if self._watch is None:
             return None
         first = self._checkpoint.step
-        found = self._watch.look(first, target - first)
+        try:
+            found = self._watch.look(first, target - first)
+        except Exception as error:  # of the force, which may fail between steps and not at their ends
+            return _raised(error)
         if found.stop is None and not found.failure:
             return None
         self._state.restore(self._checkpoint.state)
