@@ -43,9 +43,9 @@ def build(program: str) -> dict[str, Path]:
     return paths
 
 
-def run(path: Path, steps: int) -> Outcome:
+def run(path: Path, *arguments: int) -> Outcome:
     """Run a built program."""
-    printed = subprocess.run([str(path), str(steps)], check=True, capture_output=True, text=True).stdout
+    printed = subprocess.run([str(path), *map(str, arguments)], check=True, capture_output=True, text=True).stdout
     *results, ns_per_step = (float(line) for line in printed.split())
     return Outcome(tuple(results), ns_per_step)
 

@@ -1,4 +1,4 @@
-"""Direct N-body: pairwise interactions per second, against REBOUND and on two threads."""
+"""Direct N-body: pairwise interactions per second, against REBOUND, on two threads, and against C by hand."""
 
 import time
 from collections.abc import Callable
@@ -10,12 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 import kickdrift as kd
+from benchmarks import c_programs
 from benchmarks.peers import package
 from benchmarks.table import Bound, Missing, Row, at_least, measured, skipped
-from benchmarks.turns import in_turns, ratio
+from benchmarks.turns import in_turns, nanoseconds, ratio
 
 Floats = NDArray[np.float64]
 STEP, SOFTENING = 1e-3, 0.01
+_SHARES = (0.6180339887498949, 0.7548776662466927, 0.8191725133961645)  # of a golden section and its kin: no two alike
 STEPS = {1000: {"kickdrift": 300, "REBOUND": 80}, 10_000: {"kickdrift": 5, "REBOUND": 2}}
 
 
@@ -54,15 +56,46 @@ def _per_interaction(run: Callable[..., tuple[float, Floats]], n: int, steps: in
 
 def wanted_rate() -> Bound | None:
     """Interactions per second that the vector units of this core should give."""
-    features = llvmlite.binding.get_host_cpu_features()
-    if features.get("avx512f"):
+    if has_avx512():
         return at_least(2e9, "/s")
-    return at_least(1e9, "/s") if features.get("avx2") else None
+    return at_least(1e9, "/s") if llvmlite.binding.get_host_cpu_features().get("avx2") else None
+
+
+def has_avx512() -> bool:
+    """Whether this processor has vector registers of 512 bits."""
+    return bool(llvmlite.binding.get_host_cpu_features().get("avx512f"))
 
 
 def compare(rounds: int) -> list[Row]:
     """Rates and ratios for a thousand and for ten thousand bodies."""
-    return [row for n in STEPS for row in _compare(n, rounds)]
+    return [row for n in STEPS for row in _compare(n, rounds)] + [row for n in STEPS for row in by_hand(n, rounds)]
+
+
+def by_hand(n: int, rounds: int) -> list[Row]:
+    """Compare an evaluation of the forces with one by a C kernel for AVX-512."""
+    what = f"N = {n}: C for AVX-512 by hand / kickdrift"
+    if not has_avx512():
+        return [skipped(what, "this processor has no AVX-512")]
+    try:
+        path = c_programs.build("gravity")["C"]
+    except Missing as missing:
+        return [skipped(what, str(missing))]
+    x = np.stack([np.fmod(np.arange(n) * share, 1.0) for share in _SHARES], axis=1)  # as in C
+    system = kd.systems.nbody(np.full(n, 1.0 / n), x, 0 * x, softening=SOFTENING)
+    state, out, evaluations = (x.reshape(-1), x.reshape(-1), system.params), np.zeros(3 * n), STEPS[n]["kickdrift"]
+
+    def ours() -> float:
+        started = time.perf_counter()
+        for _ in range(evaluations):
+            system.acceleration(0.0, *state, out)
+        return (time.perf_counter() - started) * 1e9 / (evaluations * n * (n - 1))
+
+    ours()
+    if not np.allclose([*out[:3], *out[-3:]], c_programs.run(path, n, 1).results, rtol=1e-12, atol=1e-14):
+        raise AssertionError(f"N = {n}: the accelerations of the C kernel differ from kickdrift's.")
+    costs = in_turns({"C": lambda: c_programs.run(path, n, evaluations).ns_per_step, "kickdrift": ours}, rounds)
+    note = nanoseconds(costs, "kickdrift", "C")
+    return [measured(what, ratio(costs, "C", "kickdrift"), at_least(0.9), note)]
 
 
 def _compare(n: int, rounds: int) -> list[Row]:

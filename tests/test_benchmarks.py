@@ -148,6 +148,20 @@ def test_the_c_program_of_kepler_does_what_kickdrift_does():
         np.testing.assert_allclose(c_programs.run(path, 1000).results, x, rtol=0, atol=1e-11)
 
 
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
+@pytest.mark.parametrize("has", [False, True])
+def test_the_c_program_of_gravity_does_what_kickdrift_does_where_it_runs(has, monkeypatch):
+    from benchmarks import gravity
+    from benchmarks.table import Verdict
+
+    runs = has and gravity.has_avx512()
+    monkeypatch.setattr(gravity, "has_avx512", lambda: runs)
+    monkeypatch.setitem(gravity.STEPS, 300, {"kickdrift": 3})
+    (row,) = gravity.by_hand(300, 1)  # which compares the accelerations
+    assert (row.verdict is Verdict.SKIPPED) is not runs
+    assert "AVX-512" in row.what + row.note
+
+
 def test_every_nonlinear_system_of_the_catalogue_is_compared():
     from benchmarks.implicit_euler import cases
 
