@@ -102,6 +102,21 @@ def test_bits_are_those_of_a_loop(name, compensated):
     assert np.array_equal(solution.v[-1], v)
 
 
+@pytest.mark.parametrize("compensated", [False, True])
+@pytest.mark.parametrize("shape", [(-1,), (7, 5)])
+def test_masses(compensated, shape, monkeypatch):
+    x0 = START.reshape(shape)
+    problem = kd.Newtonian(membrane if len(shape) > 1 else springs, mass=np.linspace(1.0, 3.0, len(x0)))
+    assert describe(problem, 0.0, Start(x0, 0.1 * x0), np.zeros(0), True).kick is not None
+    own = solved(problem, shape, compensated)
+    monkeypatch.setattr(problem_adapter, "LARGE", 1000)
+    assert describe(problem, 0.0, Start(x0, 0.1 * x0), np.zeros(0), True).kick is None
+    filled = solved(problem, shape, compensated)
+    assert np.array_equal(own.x, filled.x)
+    assert np.array_equal(own.v, filled.v)
+    assert not np.array_equal(own.x, solved(springs, (-1,), compensated).x.reshape(own.x.shape))
+
+
 @pytest.mark.parametrize("method", ["leapfrog", "velocity-verlet", "mclachlan-atela-4"])
 def test_whatever_the_word(method, monkeypatch):
     own = solved(springs, (-1,), True, method=method)

@@ -18,34 +18,35 @@ from numba.np.arrayobj import basic_indexing, make_array
 class Accumulator(types.Type):  # type: ignore[misc]
     """The type of one: the types of what it is made of, see `added_to`."""
 
-    def __init__(self, values: Any, h: Any, residual: Any) -> None:
-        self.values, self.h, self.residual = values, h, residual
-        super().__init__(name=f"Accumulator({values}, {h}, {residual})")
+    def __init__(self, values: Any, h: Any, factors: Any, residual: Any) -> None:
+        self.values, self.h, self.factors, self.residual = values, h, factors, residual
+        super().__init__(name=f"Accumulator({values}, {h}, {factors}, {residual})")
 
 
 @register_model(Accumulator)
 class _Model(models.StructModel):  # type: ignore[misc]
     def __init__(self, manager: Any, type_: Accumulator) -> None:
-        members = [("values", type_.values), ("h", type_.h), ("residual", type_.residual)]
+        members = [(name, getattr(type_, name)) for name in ("values", "h", "factors", "residual")]
         super().__init__(manager, type_, members)
 
 
 @intrinsic  # type: ignore[untyped-decorator]
-def added_to(typing_context: Any, values: Any, h: Any, residual: Any) -> Any:
+def added_to(typing_context: Any, values: Any, h: Any, factors: Any, residual: Any) -> Any:
     """Make an accumulator that adds h times what is written to `values`, or one each time if h is None.
 
-    The `residual` is an array of what their sums have rounded off so far, or None.
+    What is written is multiplied by `factors`, an array, or None. The `residual` is an array of what the sums have rounded
+    off so far, or None.
     """
-    made = Accumulator(values, h, residual)
+    made = Accumulator(values, h, factors, residual)
 
     def generate(context: Any, builder: Any, own_signature: Any, arguments: Any) -> Any:
         new = cgutils.create_struct_proxy(made)(context, builder)
-        new.values, new.h, new.residual = arguments
+        new.values, new.h, new.factors, new.residual = arguments
         result = new._getvalue()
         context.nrt.incref(builder, made, result)
         return result
 
-    return made(values, h, residual), generate
+    return made(values, h, factors, residual), generate
 
 
 @infer_getattr
@@ -104,8 +105,10 @@ def _add(context: Any, builder: Any, own_signature: Any, arguments: Any) -> Any:
         return pointer
 
     at = element(out.values, accumulator.values)
-    before = builder.load(at)
-    increment = before.type(1.0) if out.h is types.none else builder.fmul(accumulator.h, arguments[2])
+    before, written = builder.load(at), arguments[2]
+    if out.factors is not types.none:
+        written = builder.fmul(written, builder.load(element(out.factors, accumulator.factors)))
+    increment = before.type(1.0) if out.h is types.none else builder.fmul(accumulator.h, written)
     if out.residual is types.none:
         builder.store(builder.fadd(before, increment), at)
         return context.get_dummy_value()

@@ -64,14 +64,14 @@ class Adapter:
             self._compare(function, role, flat.function, given, layout)
         return Adapted(flat.function, frozenset(MEANINGS.get(name, name) for name in given), flat.native)
 
-    def kick(self, function: Any, adapted: Adapted) -> Callable[[bool], Function | None] | None:
+    def kick(self, function: Any, adapted: Adapted, of_force: bool = False) -> Callable[[bool], Function | None] | None:
         """Return a kick for large states, see `kickdrift.systems.problem.Adapter`."""
         if self.x0.size < LARGE or not adapted.native or "out" not in adapted.names or "v" in adapted.names:
             return None
         given = argument_names(function, "the acceleration", tuple(adapted.names))
         layout = Layout(self.x0.shape, self.x0.shape, self.users_args.size, self.users_args.size)
         state = self.t0, self.x0.reshape(-1), self.v0.reshape(-1), self.args
-        return kick_of(function, given, layout, state, self.check_bounds)
+        return kick_of(function, given, layout, state, self.check_bounds, of_force)
 
     def shape_of(self, function: Any, role: str, names: Sequence[str]) -> tuple[int, ...]:
         """Return the shape of what a function returns, see `kickdrift.systems.problem.Adapter`."""

@@ -44,11 +44,17 @@ _SCOPE = {"shaped": memory.shaped, "read_only": memory.read_only, "added_to": ad
 
 
 def kick_of(
-    function: Any, names: list[str], layout: Layout, state: tuple[float, Floats, Floats, Floats], checked: bool
+    function: Any,
+    names: list[str],
+    layout: Layout,
+    state: tuple[float, Floats, Floats, Floats],
+    checked: bool,
+    of_force: bool,
 ) -> Callable[[bool], Function] | None:
     """Return what makes a flow, with compensated sums or without, of a function that writes each number of `out` once.
 
-    None for other functions. The `state` is t, x, v and params, to try it with.
+    None for other functions. The `state` is t, x, v and params, to try it with. The function gives an acceleration, or a
+    force, and then the last params are inverse masses.
     """
     taken = taken_apart(function)
     if not taken.known or taken.options(checked).get("fastmath"):
@@ -59,12 +65,14 @@ def kick_of(
         return None
     numbers = {name: value for name, value in taken.numbers.items() if name not in names}
 
-    def spelled(values: str, h: str, residual: str) -> str:
-        into = [array if array == "None" else layout.shaped(array, layout.result) for array in (values, residual)]
-        return layout.statement(names, numbers, out=f"added_to({into[0]}, {h}, {into[1]})")
+    def spelled(values: str, h: str, factors: str = "None", residual: str = "None") -> str:
+        into, by, lost = (
+            array if array == "None" else layout.shaped(array, layout.result) for array in (values, factors, residual)
+        )
+        return layout.statement(names, numbers, out=f"added_to({into}, {h}, {by}, {lost})")
 
     try:
-        count = _bound(taken, "writings", spelled("out", "None", "None"), checked)
+        count = _bound(taken, "writings", spelled("out", "None"), checked)
         address_of(count, FLAT)
     except (NumbaError, NotImplementedError, TypeError, ValueError, AttributeError, LookupError):
         return None
@@ -76,7 +84,8 @@ def kick_of(
 
     def kick(compensated: bool) -> Function:
         residual = "part(work, 2 * v.size, v.size)" if compensated else "None"
-        return _bound(taken, "kick", spelled("v", "h", residual), checked and not writing.reads_same)
+        factors = "part(params, params.size - v.size, v.size)" if of_force else "None"
+        return _bound(taken, "kick", spelled("v", "h", factors, residual), checked and not writing.reads_same)
 
     return kick
 

@@ -63,8 +63,11 @@ class Adapter(Protocol):
         The names are those that its arguments may have; q and y stand for x, p for v.
         """
 
-    def kick(self, function: Any, adapted: Adapted) -> Callable[[bool], Function | None] | None:
-        """Return what `System.kick` is for an acceleration, if adding it up where it is written saves time."""
+    def kick(self, function: Any, adapted: Adapted, of_force: bool = False) -> Callable[[bool], Function | None] | None:
+        """Return what `System.kick` is for an acceleration, if adding it up where it is written saves time.
+
+        Or for a force, where the last params are the inverse masses. The function is the first that was adapted.
+        """
 
     def shape_of(self, function: Any, role: str, names: Sequence[str]) -> tuple[int, ...]:
         """Call a function at the start, and return the shape of what it returns."""

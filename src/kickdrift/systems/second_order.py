@@ -129,6 +129,7 @@ class Newtonian(Problem):
             quantities=adapter.quantities(self.energy, self.invariants),
             kind=Kind.VELOCITY_DEPENDENT if "v" in adapted.names else Kind.NEWTONIAN,
             parts=parts,
+            kick=adapter.kick(self.force, adapted, of_force=True),
             native=native,
         )
 
