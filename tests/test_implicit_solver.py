@@ -208,7 +208,7 @@ def test_the_scratch_is_copied_only_when_another_matrix_was_formed():
 
 
 def test_what_does_not_matter_to_the_next_step_is_not_copied():
-    state = State(np.ones(1), np.ones(1), np.arange(40.0), np.zeros(0), (1, 4))
+    state = State(np.ones(1), np.ones(1), np.arange(40.0), np.zeros(0), (slice(0, 1), slice(4, None)))
     copy = state.copy()
     copy.work[1:4] = -1.0
     state.work[:5] = 9.0

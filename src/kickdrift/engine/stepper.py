@@ -28,14 +28,14 @@ _SIMPLE = {"kick", "rekick", "accelerate", "drift"}  # flows that keep nothing b
 class State:
     """Position, velocity, and what the flows keep beside them; of a copy, the scratch is empty if nothing is kept there.
 
-    What is in work between the two indices `idle` does not matter to the next step, and is not copied.
+    Of work, the parts that are `kept` matter to the next step, and are copied.
     """
 
     x: Floats
     v: Floats
     work: Floats
     scratch: Floats
-    idle: tuple[int, int] = (0, 0)
+    kept: tuple[slice, ...] = (slice(None),)
 
     def copy(self, last: "State | None" = None, into: "State | None" = None) -> "State":
         """Copy all, into another state if there is one; the scratch only if it changed since the `last` copy."""
@@ -46,7 +46,7 @@ class State:
         else:
             scratch = self.scratch.copy() if self.work[FORMED] else np.zeros(0)
         if into is None:
-            into = State(np.empty_like(self.x), np.empty_like(self.v), np.empty_like(self.work), scratch, self.idle)
+            into = State(np.empty_like(self.x), np.empty_like(self.v), np.empty_like(self.work), scratch, self.kept)
         into.scratch = scratch
         into._take(self)
         return into
@@ -61,8 +61,8 @@ class State:
 
     def _take(self, other: "State") -> None:
         self.x[:], self.v[:] = other.x, other.v
-        start, stop = self.idle
-        self.work[:start], self.work[stop:] = other.work[:start], other.work[stop:]
+        for part in self.kept:
+            self.work[part] = other.work[part]
 
     @property
     def finite(self) -> bool:
@@ -148,11 +148,13 @@ class Stepper:
         return np.arange(len(self.program.flows), len(self._flows))
 
 
-def _idle(names: tuple[str, ...], n: int, compensated: bool) -> tuple[int, int]:
-    """Return the two indices of work between which steps of these flows leave nothing for the next, see `layout`."""
+def _kept(names: tuple[str, ...], n: int, compensated: bool) -> tuple[slice, ...]:
+    """Return the parts of work in which steps of these flows leave what the next finds there, see `layout`."""
     if not _SIMPLE.issuperset(names):
-        return 0, 0
-    return 3 * n if compensated else n if "rekick" in names else 0, 4 * n
+        return (slice(None),)
+    accelerations = (slice(0, n),) if "rekick" in names else ()
+    residuals = (slice(n, 3 * n),) if compensated else ()
+    return *accelerations, *residuals, slice(4 * n, None)
 
 
 def compile_program(system: System, program: Program, grid: Grid, compensated: bool) -> Stepper:
@@ -167,7 +169,7 @@ def compile_program(system: System, program: Program, grid: Grid, compensated: b
     memory_size = max(FLOWS[name].memory(*sizes) for name in names) + x.size * estimates
     work = lay_out(x.size, program.coefficients, memory_size, addresses, scratch)
     built = [letters.build(name, system, program, compensated, scratch) for name in names]
-    state, members = State(x, v, work, scratch, _idle(names, x.size, compensated)), (x, v, params, work)
+    state, members = State(x, v, work, scratch, _kept(names, x.size, compensated)), (x, v, params, work)
     if not system.native:
         loops = loop.advance_interpreted, loop.change_interpreted
         return Stepper(program, grid.t0, grid.step, state, estimates, built, members, *loops, ())
