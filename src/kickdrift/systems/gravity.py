@@ -24,11 +24,8 @@ from numba import prange
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector
-from kickdrift.core.wide_vectors import prefer_512_bits
 
 Floats = NDArray[np.float64]
-Body = tuple[float, float, float, float]
 
 # Bodies in a tile, at most: all tiles hold the same number to a vector, so that threads have the same work to do.
 TILE = 128
@@ -120,51 +117,27 @@ def _groups_ahead(group: int, groups: int) -> int:
 def _between_tiles(
     a: Floats, b: Floats, sums_a: Floats, sums_b: Floats, size_a: int, size_b: int, softening2: float
 ) -> None:
-    # Four rows at once, one of them by Newton's method: the divider and the multipliers work at the same time. On a Zen 5
-    # 0.94 of the rate of `benchmarks/c/gravity.c`; two rows, one by Newton's method 0.89; all four by root and division
-    # 0.90, two of the four 0.86. The last rows may be bodies without mass.
-    prefer_512_bits()
-    for i in range(0, size_a, 4):
-        first, second, third, fourth = _body(a, i), _body(a, i + 1), _body(a, i + 2), _body(a, i + 3)
-        of_first = of_second = of_third = of_fourth = (0.0, 0.0, 0.0)
+    # Two rows at once, one by root and division, one by Newton's method: the divider and the multipliers work at the
+    # same time. 2.40e9 interactions/s; both by root and division 2.03e9, both by Newton's method 2.12e9.
+    for i in range(0, size_a, 2):
+        k = i + 1  # a body without mass if the size is odd
+        xi, yi, zi, gmi = a[_X + i], a[_Y + i], a[_Z + i], a[_GM + i]
+        xk, yk, zk, gmk = a[_X + k], a[_Y + k], a[_Z + k], a[_GM + k]
+        axi = ayi = azi = axk = ayk = azk = 0.0
         for j in range(_whole_vectors(size_b)):
-            body, total = _body(b, j), (0.0, 0.0, 0.0)
-            d, r2 = _apart(first, body, softening2)
-            of_first, total = _attracted(first, body, d, 1.0 / (r2 * math.sqrt(r2)), of_first, total)
-            d, r2 = _apart(second, body, softening2)
-            of_second, total = _attracted(second, body, d, _inverse_cube(r2), of_second, total)
-            d, r2 = _apart(third, body, softening2)
-            of_third, total = _attracted(third, body, d, 1.0 / (r2 * math.sqrt(r2)), of_third, total)
-            d, r2 = _apart(fourth, body, softening2)
-            of_fourth, total = _attracted(fourth, body, d, 1.0 / (r2 * math.sqrt(r2)), of_fourth, total)
-            _add(sums_b, _X + j, TILE, total[0], total[1], total[2])
-        _add(sums_a, _X + i, TILE, of_first[0], of_first[1], of_first[2])
-        _add(sums_a, _X + i + 1, TILE, of_second[0], of_second[1], of_second[2])
-        _add(sums_a, _X + i + 2, TILE, of_third[0], of_third[1], of_third[2])
-        _add(sums_a, _X + i + 3, TILE, of_fourth[0], of_fourth[1], of_fourth[2])
-
-
-@compiled(fast=True, inline=True)
-def _body(tile: Floats, i: int) -> Body:
-    """Position and Gm."""
-    return (tile[_X + i], tile[_Y + i], tile[_Z + i], tile[_GM + i])
-
-
-@compiled(fast=True, inline=True)
-def _apart(a: Body, b: Body, softening2: float) -> tuple[Vector, float]:
-    """Return the way from a to b, and its softened square."""
-    dx, dy, dz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-    return (dx, dy, dz), dx * dx + dy * dy + dz * dz + softening2
-
-
-@compiled(fast=True, inline=True)
-def _attracted(a: Body, b: Body, d: Vector, w: float, of_a: Vector, of_b: Vector) -> tuple[Vector, Vector]:
-    """Add to the accelerations of a and b what they do to each other, w being the inverse cube of their distance."""
-    wa, wb = b[3] * w, a[3] * w
-    return (
-        (of_a[0] + wa * d[0], of_a[1] + wa * d[1], of_a[2] + wa * d[2]),
-        (of_b[0] - wb * d[0], of_b[1] - wb * d[1], of_b[2] - wb * d[2]),
-    )
+            xj, yj, zj, gmj = b[_X + j], b[_Y + j], b[_Z + j], b[_GM + j]
+            dxi, dyi, dzi = xj - xi, yj - yi, zj - zi
+            dxk, dyk, dzk = xj - xk, yj - yk, zj - zk
+            r2 = dxi * dxi + dyi * dyi + dzi * dzi + softening2
+            w = 1.0 / (r2 * math.sqrt(r2))
+            wi, wji = gmj * w, gmi * w
+            w = _inverse_cube(dxk * dxk + dyk * dyk + dzk * dzk + softening2)
+            wk, wjk = gmj * w, gmk * w
+            axi, ayi, azi = axi + wi * dxi, ayi + wi * dyi, azi + wi * dzi
+            axk, ayk, azk = axk + wk * dxk, ayk + wk * dyk, azk + wk * dzk
+            _add(sums_b, _X + j, TILE, -wji * dxi - wjk * dxk, -wji * dyi - wjk * dyk, -wji * dzi - wjk * dzk)
+        _add(sums_a, _X + i, TILE, axi, ayi, azi)
+        _add(sums_a, _X + k, TILE, axk, ayk, azk)
 
 
 @compiled(fast=True)
@@ -182,7 +155,6 @@ def _inverse_cube(r2: float) -> float:
 
 @compiled(fast=True)
 def _within_tile(tile: Floats, sums: Floats, size: int, softening2: float) -> None:
-    prefer_512_bits()
     for i in range(size):
         xi, yi, zi, gmi = tile[_X + i], tile[_Y + i], tile[_Z + i], tile[_GM + i]
         ax = ay = az = 0.0
