@@ -15,8 +15,8 @@ from numba.core.sigutils import normalize_signature
 from numba.core.typing.templates import make_concrete_template
 
 from kickdrift.core.cache import Cache
-from kickdrift.core.free_numbers import Pipeline
 from kickdrift.core.linking import Part, Whole
+from kickdrift.core.llvm_builder import calling
 
 Function = Callable[..., Any]
 
@@ -44,6 +44,8 @@ class _Compiler(_FunctionCompiler):  # type: ignore[misc]
             tell()
         if self.targetoptions["parallel"]:
             return super()._compile_core(args, return_type)
+        from kickdrift.core.passes import Pipeline  # 0.1 s, for those who compile
+
         flags = _Flags()
         self.targetdescr.options.parse_as_flags(flags, self.targetoptions)
         flags.no_compile = True
@@ -59,7 +61,8 @@ class _Compiler(_FunctionCompiler):  # type: ignore[misc]
             library=Part(target.codegen(), self.py_func.__qualname__),
             pipeline_class=Pipeline,
         )
-        target.insert_user_function(result.library, result.fndesc, [result.library])
+        call = calling(result.library, result.fndesc)
+        target.insert_func_defn([(call, result.library, call.signature)])
         return result._replace(entry_point=result.library)
 
 
