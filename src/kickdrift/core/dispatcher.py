@@ -15,8 +15,8 @@ from numba.core.sigutils import normalize_signature
 from numba.core.typing.templates import make_concrete_template
 
 from kickdrift.core.cache import Cache
-from kickdrift.core.free_numbers import Pipeline
 from kickdrift.core.linking import Part, Whole
+from kickdrift.core.llvm_builder import calling
 
 Function = Callable[..., Any]
 
@@ -44,6 +44,8 @@ class _Compiler(_FunctionCompiler):  # type: ignore[misc]
             tell()
         if self.targetoptions["parallel"]:
             return super()._compile_core(args, return_type)
+        from kickdrift.core.passes import Pipeline  # 0.1 s, for those who compile
+
         flags = _Flags()
         self.targetdescr.options.parse_as_flags(flags, self.targetoptions)
         flags.no_compile = True
@@ -59,7 +61,8 @@ class _Compiler(_FunctionCompiler):  # type: ignore[misc]
             library=Part(target.codegen(), self.py_func.__qualname__),
             pipeline_class=Pipeline,
         )
-        target.insert_user_function(result.library, result.fndesc, [result.library])
+        call = calling(result.library, result.fndesc)
+        target.insert_func_defn([(call, result.library, call.signature)])
         return result._replace(entry_point=result.library)
 
 
@@ -97,7 +100,7 @@ class Dispatcher(CPUDispatcher):  # type: ignore[misc]
     def _part(self, args: Any, return_type: Any) -> Any:
         """Return what callers are linked with, for types of arguments."""
         if tuple(args) not in self.overloads:
-            with global_compiler_lock, _no_collector(), self._compiling_counter:
+            with global_compiler_lock, no_collector(), self._compiling_counter:
                 self.add_overload(self._compiler.compile(args, return_type))
         return self.overloads[tuple(args)]
 
@@ -171,8 +174,8 @@ class Addressed(Dispatcher):
 
 
 @contextmanager
-def _no_collector() -> Iterator[None]:
-    """Let the garbage collector rest, which finds next to nothing and takes a tenth of the time."""
+def no_collector() -> Iterator[None]:
+    """Let the garbage collector rest, which takes a tenth of the time of compiling to find what is gone soon anyway."""
     collects = gc.isenabled()
     gc.disable()
     try:

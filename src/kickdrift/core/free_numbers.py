@@ -9,12 +9,8 @@ from collections.abc import Collection, Mapping
 from typing import Any
 
 from numba.core import ir
-from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import FunctionPass, register_pass
 from numba.core.ir_utils import build_definitions
-from numba.core.untyped_passes import FixupArgs
-
-from kickdrift.core.returned_lists import TuplesForLists
 
 _FREE, _PASSED = "__free_numbers__", "__passed_numbers__"
 
@@ -41,7 +37,7 @@ def _plain(parameter: inspect.Parameter, needed: bool) -> inspect.Parameter:
 
 
 @register_pass(mutates_CFG=False, analysis_only=False)
-class _GlobalsAsArguments(FunctionPass):  # type: ignore[misc]
+class GlobalsAsArguments(FunctionPass):  # type: ignore[misc]
     """Reads an argument where the function reads a global or a free variable."""
 
     _name = "kickdrift_globals_as_arguments"
@@ -69,15 +65,3 @@ class _GlobalsAsArguments(FunctionPass):  # type: ignore[misc]
         if free or passed:
             state.func_ir._definitions = build_definitions(state.func_ir.blocks)
         return bool(free or passed)
-
-
-class Pipeline(CompilerBase):  # type: ignore[misc]
-    """How Numba compiles a function, `numbers_as_arguments` are arguments, and lists become `tuples_for_lists`."""
-
-    def define_pipelines(self) -> list[Any]:
-        """Put the passes where functions have become Numba's, and before it looks at what they use."""
-        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
-        passes.add_pass_after(TuplesForLists, FixupArgs)
-        passes.add_pass_after(_GlobalsAsArguments, FixupArgs)
-        passes.finalize()
-        return [passes]

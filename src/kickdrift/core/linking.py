@@ -22,6 +22,8 @@ _HARMLESS = (*_COUNTING, "NRT_MemInfo_call_dtor", "NRT_MemInfo_data_fast")
 class Part(JITCodeLibrary):  # type: ignore[misc]
     """The code of one function, which is not run but linked."""
 
+    counts = True  # references
+    fails = True  # perhaps: who calls it has to look
     _own: Any = None
 
     def finalize(self) -> None:

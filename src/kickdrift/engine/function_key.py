@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.cache import written
 from kickdrift.core.compilation import Function
-from kickdrift.core.free_numbers import Pipeline, numbers_as_arguments
+from kickdrift.core.free_numbers import numbers_as_arguments
 from kickdrift.core.naming import digest, source_digest
 from kickdrift.core.returned_lists import tuples_for_lists
 from kickdrift.engine.function_names import CannotTellError, Names, names_of, overloaded_elsewhere
@@ -100,6 +100,8 @@ class Taken:
 
     def dispatcher(self, checked: bool) -> Any:
         """Return a compiled function as Numba would compile it now."""
+        from kickdrift.core.passes import Pipeline  # 0.1 s, for those who compile
+
         return CPUDispatcher(
             self.snapshot(checked), self.function.locals, self.options(checked), pipeline_class=Pipeline
         )

@@ -1,0 +1,62 @@
+"""Which functions count references to arrays: only those that may make some, or return those that they were given."""
+
+from typing import Any
+
+from numba import carray, types
+from numba.core import ir
+
+from kickdrift.core.views import part, words
+
+
+def counts_references(state: Any) -> bool:
+    """Whether a function has to: unless all its arrays are its callers', or views of them, and it returns none of those.
+
+    Who calls it holds them for as long.
+    """
+    if state.flags.auto_parallel.enabled or not state.flags.no_cpython_wrapper:
+        return True
+    returned = _is_array(state, state.return_type) and any(_is_array(state, type_) for type_ in state.args)
+    if state.func_ir.is_generator or returned:
+        return True
+    for block in state.func_ir.blocks.values():
+        for statement in block.body:
+            if isinstance(statement, ir.DynamicRaise | ir.DynamicTryRaise):
+                return True
+            if not isinstance(statement, ir.Assign) or not _is_array(state, state.typemap[statement.target.name]):
+                continue
+            if not _is_view(state, statement.value):
+                return True
+    return False
+
+
+def _is_array(state: Any, type_: Any) -> bool:
+    return bool(state.targetctx.data_model_manager[type_].contains_nrt_meminfo())
+
+
+def _is_view(state: Any, value: Any) -> bool:
+    """Whether an array is none that is made here."""
+    if not isinstance(value, ir.Expr):
+        return True  # an argument, a constant, another variable
+    if value.op == "call":
+        function = state.typemap[value.func.name]
+        if isinstance(function, types.Dispatcher):
+            result = function.dispatcher.overloads.get(state.calltypes[value].args)
+            return result is not None and not getattr(result.library, "counts", True)
+        return isinstance(function, types.Function) and function.typing_key in (carray, part, words)
+    if value.op == "static_getitem":
+        return all(isinstance(part, int | slice) for part in _parts(value.index, tuple))
+    if value.op == "getitem":
+        index = _parts(state.typemap[value.index.name], types.BaseTuple)
+        return all(isinstance(part, types.Integer | types.SliceType) for part in index)
+    return value.op in ("cast", "phi", "null", "undef", "build_tuple", "exhaust_iter")
+
+
+def _parts(index: Any, kind: Any) -> Any:
+    return index if isinstance(index, kind) else (index,)
+
+
+def lowered_without_counting(target: Any) -> Any:
+    """Return a context that counts no references."""
+    own = target.subtarget(enable_nrt=False)
+    vars(own).pop("nrt", None)
+    return own
