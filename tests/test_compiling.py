@@ -180,10 +180,9 @@ def test_fingerprints_do_not_depend_on_the_process():
         "from kickdrift.core.cache import fingerprint;"
         "print([fingerprint(sweep.py_func) for sweep in sweeps.values()], sweeps[0]._cache._file('', sweeps[0].targetctx).name)"
     )
-    here = str([fingerprint(sweep.py_func) for sweep in KERNELS.values()])
-    found = {python(code, PYTHONHASHSEED=seed) for seed in ("1", "2")}
-    assert len(found) == 1
-    assert found.pop().startswith(here)
+    sweeps = list(KERNELS.values())
+    here = [fingerprint(sweep.py_func) for sweep in sweeps], sweeps[0]._cache._file("", sweeps[0].targetctx).name
+    assert python(code, PYTHONHASHSEED="1") == " ".join(map(str, here))  # of another seed, except once in 2^32 times
 
 
 JOBS = (
@@ -275,8 +274,9 @@ def _sums_of_views(array, out):
 
 @compiled(cached=False)
 def _sums_of_copies(array, out):
-    copy = np.zeros(array.size)
-    copy[:] = array
+    copy = np.empty(array.size)
+    for k in range(array.size):
+        copy[k] = array[k]
     out[0] = _sum_of_view(copy[1:]) + _sum_of_view(copy[2:])
 
 

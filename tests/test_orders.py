@@ -57,15 +57,15 @@ entangled = kd.Hamiltonian(dHdq=lambda q, p: q * (1 + p * p), dHdp=lambda q, p: 
 prey_and_predators = kd.Partitioned(lambda x, v: x * (1 - v), lambda t, x, v: v * (x - 1 + 0.1 * np.cos(t)))
 forced_van_der_pol = kd.FirstOrder(lambda t, y: np.array([y[1], (1 - y[0] ** 2) * y[1] - y[0] + np.cos(t)]))
 
-# Functions of a user's: the flows call them by their addresses and are compiled once for all of them.
+# Functions of a user's: the flows call them by their addresses, and are compiled once for all of the same sizes.
 PROBLEMS = {
     "pendulum": Problem(
-        Kind.NEWTONIAN, lambda x: -np.sin(x), 2.0, 0.0, 5.0, 1.0, known=kd.systems.pendulum(amplitude=2.0)
+        Kind.NEWTONIAN, lambda x: -np.sin(x), [2.0, 1.0], [0.0, 0.0], 5.0, 1.0, lambda t, x, v: (v, -np.sin(x))
     ),
     "kepler": Problem(
         Kind.NEWTONIAN, kepler, [0.7, 0.0], [0.0, np.sqrt(13 / 7)], 2.0, 0.3, known=kd.systems.kepler(eccentricity=0.3)
     ),
-    "forced": Problem(Kind.NEWTONIAN, forced, 0.7, 0.3, 5.0, 0.5, lambda t, x, v: (v, forced(t, x))),
+    "forced": Problem(Kind.NEWTONIAN, forced, [0.7, -0.2], [0.3, 0.5], 5.0, 0.5, lambda t, x, v: (v, forced(t, x))),
     "damped": Problem(Kind.VELOCITY_DEPENDENT, damped, 2.0, 0.5, 5.0, 0.5, lambda t, x, v: (v, damped(t, x, v))),
     "relativistic": Problem(
         *(Kind.SEPARABLE, relativistic, 0.5, 1.0, 4.0, 0.5),
@@ -98,10 +98,10 @@ def reference(name):
     if p.known is not None:
         x, v = p.known.exact(np.array([p.end]))
         return np.concatenate([np.ravel(x), np.ravel(v)])
-    y0 = np.array(p.x0) if p.v0 is None else np.array([p.x0, p.v0])
+    y0 = np.ravel(p.x0 if p.v0 is None else [p.x0, p.v0])
 
     def rates(t, y):
-        return np.array(p.rates(t, *([y, None] if p.v0 is None else y)))
+        return np.ravel(p.rates(t, *([y, None] if p.v0 is None else y.reshape(2, -1))))
 
     return solve_ivp(rates, (0.0, p.end), y0, method="DOP853", rtol=3e-14, atol=1e-15).y[:, -1]
 

@@ -151,7 +151,8 @@ def tight_box(scene, shape, ahead=0.0):
 
 
 def overlap(a, b):
-    return bool((a[:3] <= b[3:]).all() and (b[:3] <= a[3:]).all())
+    """Whether two boxes do; of lists: hundreds of thousands are asked."""
+    return all(a[axis] <= b[axis + 3] and b[axis] <= a[axis + 3] for axis in range(3))
 
 
 def under(scene, plane, box):
@@ -165,7 +166,7 @@ def under(scene, plane, box):
 def triangle_boxes(scene, mesh):
     begin, size = scene[t.SHAPE][mesh, 2:4]
     points = scene[t.GEOMETRY][begin + 1 : begin + size, 0].reshape(-1, 12)[:, :9].reshape(-1, 3, 3)
-    return np.concatenate((points.min(axis=1), points.max(axis=1)), axis=1)
+    return np.concatenate((points.min(axis=1), points.max(axis=1)), axis=1).tolist()
 
 
 def near(scene, a, b, boxes):
@@ -180,7 +181,7 @@ def near(scene, a, b, boxes):
 
 def expected(scene, boxes, excluded=()):
     """All pairs that there have to be if the shapes are in these boxes."""
-    shapes, kinds = scene[t.SHAPE], scene[t.BODY][:, 0]
+    shapes, kinds, boxes = scene[t.SHAPE], scene[t.BODY][:, 0], boxes.tolist()
     found = set()
     for a, b in combinations([row for row in range(len(shapes)) if shapes[row, 0] >= 0], 2):
         i, j = shapes[a, 1], shapes[b, 1]
