@@ -15,7 +15,9 @@ from kickdrift.world.collision.filters import part_joined
 from kickdrift.world.compiling import compile_step
 from kickdrift.world.contacts import contact_solver_simd
 from kickdrift.world.contacts.batching import FEW
-from kickdrift.world.contacts.layout import LANE_COUNT, WIDTH
+from kickdrift.world.contacts.layout import LANE_COUNT, SOLVE_EQUATIONS, WIDTH
+from kickdrift.world.direct.equations import SOLVE_ISLAND, solve_island
+from kickdrift.world.direct.solve import solve_islands
 from kickdrift.world.force_stage import Force, put_numbers
 from kickdrift.world.joints.registry import Joints
 from kickdrift.world.recorder import Recorder
@@ -127,6 +129,8 @@ class DoesSteps:
             for column, sweep in contact_solver_simd.KERNELS.items():
                 sweeps[column] = address_of(sweep, contact_solver_simd.SWEEP)
             sweeps[LANE_COUNT] = WIDTH
+            if solve_islands in spelt.substep:
+                sweeps[SOLVE_EQUATIONS] = address_of(solve_island, SOLVE_ISLAND)
             shapes.find_functions()
             self._addresses, self._composition = addresses(spelt, self.substeps), composition
         put_numbers(self.tables, self.forces)

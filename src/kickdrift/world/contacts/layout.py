@@ -49,6 +49,7 @@ REFRESH = column(SWEEPS)
 REFRESH_FRICTION = column(SWEEPS)
 MEASURE = column(SWEEPS)
 LANE_COUNT = column(SWEEPS)
+SOLVE_EQUATIONS = column(SWEEPS)  # address of the direct solver, see `kickdrift.world.direct.equations.solve_island`
 
 # Numbers of a point of a manifold
 _POINT = Fields()

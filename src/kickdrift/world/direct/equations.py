@@ -1,6 +1,10 @@
 """The equations of an island, solved until the pieces of laws fit that were assumed: an active-set method."""
 
+from numba import types
+
+from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
+from kickdrift.world.contacts.layout import SOLVE_EQUATIONS
 from kickdrift.world.direct.closings import add_closings, load_closings, predict_closings, refine_closings
 from kickdrift.world.direct.contact_assembly import add_contacts, load_contacts
 from kickdrift.world.direct.contact_impulses import give_contacts, predict_contacts, refine_contacts
@@ -15,7 +19,26 @@ from kickdrift.world.direct.velocities import inner_speed
 from kickdrift.world.joints.laws import refine_laws, update_law_states
 from kickdrift.world.joints.layout import CLOSING_IMPULSE, LAWS, LINK_JOINT
 from kickdrift.world.joints.right_hand_side import write_right_hand_side
-from kickdrift.world.tables import ISLAND, ISLAND_JOINT, JOINT, LINK, LINK_NUMBERS, MOTION, NODE, floats, integers
+from kickdrift.world.tables import (
+    ISLAND,
+    ISLAND_JOINT,
+    JOINT,
+    LINK,
+    LINK_NUMBERS,
+    MOTION,
+    NODE,
+    SWEEPS,
+    floats,
+    integers,
+)
+
+_WHOLE, _FLOAT, _TRUTH = types.int64, types.float64, types.boolean
+SOLVE_ISLAND = types.boolean(_WHOLE, _FLOAT, _FLOAT, _WHOLE, _TRUTH, _TRUTH, _WHOLE, types.intp)
+
+call = caller(SOLVE_ISLAND)
+
+# How equations are solved
+BY_LAWS, AS_ASSUMED, FOR_VELOCITIES = 0, 1, 2
 
 # Solutions with other pieces of laws assumed.
 TRIALS = 20
@@ -44,6 +67,31 @@ def aim_island(island: int, h: float, mode: int, world: int) -> float:
         off = write_right_hand_side(links[link, LINK_JOINT], link, h, mode, world)
         worst = worst if off <= worst else off  # which is no number where it is none
     return worst
+
+
+@compiled
+def solve_island(
+    island: int, h: float, ahead: float, task: int, first: bool, touched: bool, how: int, world: int
+) -> bool:
+    """Solve the equations of an island: what stages call by its address, so that it is compiled once for all of them."""
+    if how == BY_LAWS:
+        return solve_once(island, h, ahead, task, first, touched, world)
+    if how == AS_ASSUMED:
+        update_contact_states(island, task, True, True, world)
+    solve_assumed(island, ahead, touched, world)
+    if how == AS_ASSUMED:
+        give_joints(island, task, world)
+        give_contacts(island, task, world)
+    return True
+
+
+@compiled(inline=True)
+def solve(island: int, h: float, ahead: float, task: int, first: bool, touched: bool, how: int, world: int) -> bool:
+    """Call `solve_island`: until the laws fit, with those at hand, or to find velocities alone, which nothing is given."""
+    found: bool = call(
+        integers(world, SWEEPS)[0, SOLVE_EQUATIONS], (island, h, ahead, task, first, touched, how, world)
+    )
+    return found
 
 
 @compiled(cached=False)

@@ -4,8 +4,8 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import length, times
 from kickdrift.world.columns import vector_at
 from kickdrift.world.direct.closings import stay_closings
-from kickdrift.world.direct.equations import aim_island, assemble, predict
-from kickdrift.world.direct.factorisation import factor
+from kickdrift.world.direct.contacts import REST
+from kickdrift.world.direct.equations import FOR_VELOCITIES, aim_island, solve
 from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE, LINK_ROW
 from kickdrift.world.joints.body_shift import shift_body
 from kickdrift.world.joints.layout import GAIN, LINK_BODY, LINK_JOINT
@@ -25,9 +25,7 @@ def repair(island: int, h: float, world: int) -> None:
     for _ in range(REPAIRS):
         aim_island(island, h, REPAIR, world)
         stay_closings(island, world)
-        assemble(island, -1.0, world)
-        factor(first, after, world)
-        predict(island, False, world)
+        solve(island, h, -1.0, REST, True, False, FOR_VELOCITIES, world)
         for node in range(first, after):
             link = nodes[node, LINK_ROW]
             way, turn = times(h, vector_at(work, link, GAIN)), times(h, vector_at(work, link, GAIN + 3))

@@ -14,16 +14,10 @@ import math
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.direct.closings import begin_closings, stay_closings
-from kickdrift.world.direct.contact_impulses import (
-    clear_contacts,
-    driven,
-    forget_contacts,
-    give_contacts,
-    left_of_contacts,
-)
-from kickdrift.world.direct.contacts import PRESS, REST, begin_contacts, is_cut, note_impulses, update_contact_states
-from kickdrift.world.direct.equations import aim_island, solve_assumed, solve_once
-from kickdrift.world.direct.joint_impulses import end_relaxation, end_solution, give_joints
+from kickdrift.world.direct.contact_impulses import clear_contacts, driven, forget_contacts, left_of_contacts
+from kickdrift.world.direct.contacts import PRESS, REST, begin_contacts, is_cut, note_impulses
+from kickdrift.world.direct.equations import AS_ASSUMED, BY_LAWS, aim_island, solve
+from kickdrift.world.direct.joint_impulses import end_relaxation, end_solution
 from kickdrift.world.direct.layout import (
     AFTER_CONTACT,
     AFTER_JOINT,
@@ -103,7 +97,7 @@ def relax_islands(t: float, h: float, world: int) -> None:
         if is_cut(island, world):
             aim_island(island, h, RELAX, world)
             stay_closings(island, world)
-            solve_once(island, h, 0.0, REST, True, False, world)
+            solve(island, h, 0.0, REST, True, False, BY_LAWS, world)
         end_relaxation(island, h, world)
 
 
@@ -128,7 +122,7 @@ def _press(island: int, h: float, world: int) -> None:
             note_velocities(island, world)
             note_impulses(island, False, world)
         begin_contacts(island, h, PRESS, world)
-        solve_once(island, h, h, PRESS, True, True, world)
+        solve(island, h, h, PRESS, True, True, BY_LAWS, world)
         if fastest(island, MOTION, LINEAR_PART, world) <= most:
             return
         take_back(island, world)
@@ -161,7 +155,7 @@ def _approach(island: int, h: float, off: float, most: int, world: int) -> float
     for step in range(most):
         begin_closings(island, world)
         begin_contacts(island, h, PRESS, world)
-        if not solve_once(island, h, h, PRESS, step == 0, True, world):
+        if not solve(island, h, h, PRESS, step == 0, True, BY_LAWS, world):
             return math.inf
         off = ratio * aim_island(island, h, AHEAD, world) if closed or off * off > close else off * off
         if off <= close:
@@ -216,7 +210,7 @@ def _hold(island: int, h: float, world: int) -> None:
     else:
         aim_island(island, h, GENTLY, world)
         stay_closings(island, world)
-    solve_once(island, h, h if near else 0.0, PRESS, True, False, world)
+    solve(island, h, h if near else 0.0, PRESS, True, False, BY_LAWS, world)
 
 
 @compiled(cached=False)
@@ -225,7 +219,7 @@ def solve_at_once(island: int, h: float, mode: int, task: int, world: int) -> No
     aim_island(island, h, mode, world)
     stay_closings(island, world)
     begin_contacts(island, h, task, world)
-    solve_once(island, h, 0.0, task, True, True, world)
+    solve(island, h, 0.0, task, True, True, BY_LAWS, world)
 
 
 @compiled(cached=False)
@@ -243,9 +237,6 @@ def _project(island: int, h: float, mode: int, task: int, world: int) -> None:
     aim_island(island, h, mode, world)
     stay_closings(island, world)
     begin_contacts(island, h, task, world)
-    update_contact_states(island, task, True, True, world)
-    solve_assumed(island, 0.0, True, world)
-    give_joints(island, task, world)
-    give_contacts(island, task, world)
+    solve(island, h, 0.0, task, True, True, AS_ASSUMED, world)
     if not kinetic_energy(island, MOTION, world) <= EXCESS * energy:
         take_back(island, world)
