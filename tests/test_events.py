@@ -252,3 +252,58 @@ def test_force_evaluations_in_search_of_zeros_are_counted():
     options = {"step": 0.1, "method": "velocity-verlet", **QUIET}
     sol = kd.solve(pull, (0.0, 4.0), 1.0, 0.0, events=lambda x: x, **options)
     assert 1 + 40 < sol.n_force_evaluations <= len(calls) <= sol.n_force_evaluations + 2
+
+
+@pytest.mark.parametrize("start", [1.0, [1.0, 2.0]])
+def test_first_order_problems_have_events(start):
+    decay = kd.FirstOrder(lambda y: -y)
+    sol = kd.solve(
+        decay, (0.0, 3.0), start, step=0.01, method="gauss-4", events=lambda y: np.ravel(y)[0] - 0.5, **QUIET
+    )
+    assert sol.t_events[0] == pytest.approx([np.log(2.0)], abs=1e-9)
+    assert sol.x_events[0].shape == (1, *np.shape(start))
+    assert sol.v_events[0].shape == (1, 0)
+
+
+def test_a_function_that_fails_between_steps_is_said_to():
+    def off_the_grid(t, x):
+        if not np.isclose(t * 10, round(t * 10), atol=1e-9):
+            raise ValueError("off")
+        return t - 1.234
+
+    options = {"step": 0.1, **QUIET}
+    sol = kd.solve(lambda x: -x, (0.0, 2.0), 1.0, 0.0, events=off_the_grid, **options)
+    assert sol.success
+    assert "off_the_grid, gave no number at t=1.2" in sol.message
+    assert sol.t_events[0].size == 0
+    off_the_grid.terminal = True
+    sol = kd.solve(lambda x: -x, (0.0, 2.0), 1.0, 0.0, events=off_the_grid, **options)
+    assert sol.status is Outcome.FAILED
+    assert "gave no number" in sol.message
+
+
+def test_a_function_that_stays_near_zero_is_not_asked_for_ever():
+    asked = []
+
+    def near(x):
+        asked.append(1)
+        return x
+
+    near.rate_bound = 1.0
+    sol = kd.solve(lambda x: 0 * x, (0.0, 0.3), 1e-9, 0.0, step=0.1, events=near, **QUIET)
+    assert sol.success
+    assert len(asked) < 3 * 600
+
+
+def test_ctrl_c_in_search_of_zeros_keeps_the_run():
+    asked = []
+
+    def impatient(t, x):
+        asked.append(1)
+        if len(asked) > 45 and not np.isclose(t * 10, round(t * 10), atol=1e-9):
+            raise KeyboardInterrupt
+        return x
+
+    sol = kd.solve(lambda x: -x, (0.0, 4.0), 1.0, 0.0, step=0.1, events=impatient, **QUIET)
+    assert sol.t[-1] == 4.0
+    assert "KeyboardInterrupt was raised" in sol.message

@@ -131,3 +131,15 @@ def test_arrays_of_parts_live_as_long_as_they_are_used():
     kept = [outer(4000) for _ in range(50)]
     [outer(4000) for _ in range(50)]
     assert all(np.array_equal(array, np.full(1000, 7.0)) for array in kept)
+
+
+def test_slices_of_an_array_are_assigned_to_others_of_it():
+    def moved(a, b):
+        a[1:] = a[:-1]
+        a[::2] = a[1::2]
+        a[:] = a[::-1]
+
+    ours, python = np.arange(8.0), np.arange(8.0)
+    as_part(moved)(ours, 0.0)
+    moved(python, 0.0)
+    np.testing.assert_array_equal(ours, python)

@@ -101,10 +101,28 @@ def test_time_and_numbers_reach_the_functions():
         np.testing.assert_allclose(sol.x, np.cos(w * sol.t), atol=1e-6)
 
 
+def test_users_may_call_things_what_the_code_calls_others():
+    x, px, q, field = sp.symbols("x p_x q E")
+    charge = kd.from_sympy(px**2 / 2 - q * field * x + x**2 / 2, x, px, constants={q: 2.0, field: 3.0})
+    sol = kd.solve(charge, (0.0, 1.0), 1.0, 0.0, step=0.01, method="yoshida-6", **OPTIONS)
+    assert sol.q[-1] == pytest.approx(6.0 - 5.0 * np.cos(1.0), abs=1e-9)
+    swapped = kd.from_sympy(Q**2 / 2 + P**2, P, Q)
+    sol = kd.solve(swapped, (0.0, 1.0), 1.0, 0.0, step=0.01, method="yoshida-6", **OPTIONS)
+    assert sol.q[-1] == pytest.approx(np.cos(np.sqrt(2.0)), abs=1e-9)
+    angle, rate, v = sp.symbols("th om v", real=True)
+    stiff = kd.from_lagrangian(rate**2 / 2 - v * angle**2 / 2, angle, rate, constants={v: 4.0})
+    sol = kd.solve(stiff, (0.0, 1.0), 1.0, 0.0, step=0.01, method="yoshida-6", **OPTIONS)
+    assert sol.x[-1] == pytest.approx(np.cos(2.0), abs=1e-9)
+    tau = sp.Symbol("tau")
+    driven = kd.from_sympy(P**2 / 2 - Q * tau, Q, P, t=tau, constants={"t": 7.0})
+    sol = kd.solve(driven, (0.0, 1.0), 0.0, 0.0, step=0.001, method="yoshida-6", **OPTIONS)
+    assert sol.q[-1] == pytest.approx(1.0 / 6.0, abs=1e-9)
+
+
 @pytest.mark.parametrize(
     ("make", "text"),
     [
-        (lambda: kd.from_sympy(P**2 / 2 + G * Q, Q, P), "hamiltonian has g, which have no numbers"),
+        (lambda: kd.from_sympy(P**2 / 2 + G * Q, Q, P), "hamiltonian has symbols without numbers: g"),
         (lambda: kd.from_sympy(P**2 / 2 + T * Q, Q, P), "by t="),
         (lambda: kd.from_sympy(P**2 / 2, Q, Q), "all of them different"),
         (lambda: kd.from_sympy(P**2 / 2, (Q, A), (P,)), "as many symbols"),
@@ -114,6 +132,7 @@ def test_time_and_numbers_reach_the_functions():
         (lambda: kd.from_sympy(P**2 / 2 + sp.Function("f")(Q), Q, P), "cannot be written in Python"),
         (lambda: kd.from_lagrangian(DA**2 / 2 + A * B, (A, B), (DA, DB)), "no kinetic energy along"),
         (lambda: kd.from_lagrangian((DA + DB) ** 2, (A, B), (DA, DB)), "no kinetic energy along"),
+        (lambda: kd.from_lagrangian(DA * DB - A * B, (A, B), (DA, DB)), "not positive"),
     ],
 )
 def test_formulas_that_cannot_be(make, text):

@@ -22,11 +22,19 @@ def counts_references(state: Any) -> bool:
         for statement in block.body:
             if isinstance(statement, ir.DynamicRaise | ir.DynamicTryRaise):
                 return True
+            if isinstance(statement, ir.SetItem | ir.StaticSetItem) and _copies(state, statement):
+                return True
             if not isinstance(statement, ir.Assign) or not _is_array(state, state.typemap[statement.target.name]):
                 continue
             if not _is_view(state, statement.value):
                 return True
     return False
+
+
+def _copies(state: Any, statement: Any) -> bool:
+    """Whether an array is assigned to a slice, which may need a copy if both overlap; or anything to what is no array."""
+    into_array = isinstance(state.typemap[statement.target.name], types.Array)
+    return not into_array or _is_array(state, state.typemap[statement.value.name])
 
 
 def _is_array(state: Any, type_: Any) -> bool:

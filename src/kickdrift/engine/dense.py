@@ -149,6 +149,7 @@ def _times(t: Any, first: float, last: float) -> Floats:
     outside = ~((times >= low) & (times <= high))
     if outside.any():
         raise ArgumentError(
-            f"t={float(times[outside][0])!r} lies outside of what was run, {first!r} to {last!r}; run on to there first."
+            f"t={float(times[outside][0])!r} lies outside of what was run, {float(first)!r} to {float(last)!r}; run on to there"
+            " first."
         )
     return times

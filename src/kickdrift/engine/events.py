@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.errors import ArgumentError
+from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.core.kinds import Kind
 from kickdrift.engine.grid import Grid
 from kickdrift.engine.processing import Processing, compile_method
@@ -26,7 +26,8 @@ Floats = NDArray[np.float64]
 
 _NUMBERS = 1 << 16  # of states that are kept until they are asked
 _MOST_ROWS = 4096
-_HALVINGS = 30  # of a step in which a function may pass through zero and back
+# Of a step in which a function may pass through zero and back. One that stays near zero has 256 parts asked in each step.
+_HALVINGS = 8
 
 
 class Event(NamedTuple):
@@ -73,16 +74,16 @@ def events_of(events: Any, quantity: Callable[[str, Any], Quantity]) -> tuple[Ev
 def _event(name: str, function: Any, quantity: Callable[[str, Any], Quantity]) -> Event:
     terminal, direction = getattr(function, "terminal", False), getattr(function, "direction", 0)
     bound = getattr(function, "rate_bound", None)
-    name = f"{name}, {name_of(function)}," if callable(function) else name
+    name = f"{name}, {name_of(function)}" if callable(function) else name
     if not (isinstance(terminal, bool | np.bool_ | int | np.integer) and terminal >= 0):
-        raise ArgumentError(f"{name} has terminal={terminal!r}; give True, False, or at which zero the run ends.")
+        raise ArgumentError(f"{name}, has terminal={terminal!r}; give True, False, or at which zero the run ends.")
     for attribute, value, wanted in (
         ("direction", direction, "1, -1 or 0"),
         ("rate_bound", bound, "a positive number"),
     ):
         is_real = isinstance(value, int | float | np.integer | np.floating) and math.isfinite(value)
         if value is not None and not (is_real and (attribute == "direction" or value > 0.0)):
-            raise ArgumentError(f"{name} has {attribute}={value!r}; give {wanted}.")
+            raise ArgumentError(f"{name}, has {attribute}={value!r}; give {wanted}.")
     return Event(
         name, quantity(name, function), int(terminal), float(direction), None if bound is None else float(bound)
     )
@@ -165,7 +166,7 @@ class Watch:
             steps = min(steps, max(math.ceil((stop.t - t[0]) / self._step - 1e-9) - 1, 0))
         elif bad.size:
             k = int(np.argmax(np.isnan([value[bad[0]] for value in values])))
-            failure = f" {self.events[k].name} gave no number at t={float(t[bad[0]])!r}."
+            failure = f" {self.events[k].name}, gave no number at t={float(t[bad[0]])!r}."
         self._x, self._v = xs[steps : steps + 1], vs[steps : steps + 1]
         return Found(steps, stop, failure)
 
@@ -197,7 +198,10 @@ class Watch:
         x, v, evaluations = self._processing.go_on(at.t, size, np.ones(at.t.size, dtype=np.int64), at.x, at.v)
         self.evaluations += evaluations
         t = at.t + size
-        return t, x, v, evaluate_quantity(self.events[event].quantity, self._system, t, x, v)
+        values = evaluate_quantity(self.events[event].quantity, self._system, t, x, v)
+        if np.isnan(values).any():
+            raise KickdriftError(f"{self.events[event].name}, gave no number at t={float(t[np.isnan(values)][0])!r}")
+        return t, x, v, values
 
     def _bracketed(self, event: int, steps: Brackets) -> Brackets:
         """Return the parts of steps with a zero in the wanted direction; steps are halved where two zeros may hide."""

@@ -56,7 +56,7 @@ def report(
         try:
             t, xs, vs, own = _at_wanted(grid, ending, dense, t, xs, vs)
             evaluations += own
-        except Exception as error:  # of a user's function, which may fail between steps and not at their ends
+        except (Exception, KeyboardInterrupt) as error:  # Ctrl-C, or a function that fails between steps alone
             message += f" Times between steps are left out, where {type(error).__name__} was raised: {error}."
     for kept in (t, xs, vs):
         kept.flags.writeable = False  # invariants are evaluated later, from the same numbers
@@ -76,8 +76,8 @@ def report(
         error_estimate=None if ending.estimated is None else ending.estimated.reshape(system.x0.shape),
         dense=dense,
         t_events=tuple(np.array([zero.t for zero in own]) for own in zeros),
-        x_events=tuple(np.array([zero.x for zero in own]).reshape(-1, *system.x0.shape) for own in zeros),
-        v_events=tuple(np.array([zero.v for zero in own]).reshape(-1, *system.v0.shape) for own in zeros),
+        x_events=tuple(np.array([zero.x for zero in own]).reshape(len(own), *system.x0.shape) for own in zeros),
+        v_events=tuple(np.array([zero.v for zero in own]).reshape(len(own), *system.v0.shape) for own in zeros),
     )
 
 
@@ -85,7 +85,7 @@ def _zeros(watch: Watch, end: float) -> tuple[tuple[tuple[Zero, ...], ...], str]
     """Return the zeros of each event, and what is to be said where the force fails between the steps in which they are."""
     try:
         return watch.by_event(end), ""
-    except Exception as error:
+    except (Exception, KeyboardInterrupt) as error:
         return tuple(
             () for _ in watch.events
         ), f" Zeros of events are left out, as {type(error).__name__} was raised: {error}."

@@ -161,7 +161,7 @@ class Run:
         self._checkpoint, self._stop = Checkpoint(self._state.copy(), first + found.steps, saved), found.stop
         if found.stop is None:
             return Outcome.FAILED, found.failure
-        return Outcome.STOPPED, f" There, {self._watch.events[found.stop.event].name} is zero."
+        return Outcome.STOPPED, f" There, {self._watch.events[found.stop.event].name}, is zero."
 
     def _find_last_good(self, bad: int) -> Failure | None:
         """Find the last good state by halves: what is not finite stays so, and every rerun gives the same bits."""

@@ -75,7 +75,8 @@ def solve(
         Functions of the state, with arguments named as those of forces, whose zeros are wanted: ``solution.t_events`` and the
         states there, as exact as the method. Attributes say which: ``direction`` 1 for those on the way up, -1 for those on
         the way down; ``terminal``, True or a number, ends the run at the first or that zero; ``rate_bound``, a bound
-        of how fast the function changes, lets none of two zeros within a step be missed. A zero at the start is none.
+        of how fast the function changes, finds two zeros within a step, too, if they are more than 1/256 of it apart. A zero at
+        the start is none.
     args : sequence of float, optional
         Numbers that the function gets as ``params``.
     compensated : bool

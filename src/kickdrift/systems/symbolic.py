@@ -10,6 +10,8 @@ from kickdrift.core.errors import ArgumentError, missing_extra
 from kickdrift.systems.hamiltonian import Hamiltonian, Separable
 from kickdrift.systems.second_order import SecondOrder
 
+_OWN = "kickdrift:"  # begins the names of symbols that stand for what the code has, so that no user's has the same
+
 
 def from_sympy(
     hamiltonian: Any, q: Any, p: Any, *, t: Any = None, constants: Mapping[Any, float] | None = None
@@ -109,10 +111,11 @@ def from_lagrangian(
     for i, momentum in enumerate(momenta):
         carried = sum((momentum.diff(x[j]) * v[j] for j in range(len(x))), start=momentum.diff(formulas.t))
         push[i] = push[i] - carried + (0 if forces is None else formulas.expression("forces", forces[i]))
-    if formulas.are_zero([sympy.Matrix(mass).det(method="berkowitz")]):
+    minors = (sympy.Matrix(mass)[:size, :size].det(method="berkowitz") for size in range(1, len(x) + 1))
+    if any(formulas.are_zero([minor]) for minor in minors):
         raise ArgumentError(
-            "lagrangian has no kinetic energy along some of its coordinates, or some mixture of them, whose accelerations it"
-            " does not tell; leave those out, or give their masses."
+            "lagrangian has no kinetic energy along some of its coordinates, or some mixture of them, or one that is not"
+            " positive: their accelerations do not follow from it. Leave those out, or give their masses."
         )
     total = sum(momentum * symbol for momentum, symbol in zip(momenta, v, strict=True)) - energy
     return SecondOrder(
@@ -134,13 +137,14 @@ class _Formulas:
         self, halves: Sequence[tuple[str, Any]], t: Any, constants: Mapping[Any, float] | None, caller: str
     ) -> None:
         self._sympy = sympy = _sympy(caller)
-        self.t, self.symbols = sympy.Symbol("t", real=True), dict[str, list[Any]]()
+        self.t, self.symbols = sympy.Symbol(f"{_OWN}t", real=True), dict[str, list[Any]]()
         self._replaced: dict[Any, Any] = {}
         self._scalar = not isinstance(halves[0][1], Sequence | sympy.MatrixBase | sympy.Tuple)
         for name, given in halves:
             members = [given] if self._scalar else list(given)
             self.symbols[name] = [
-                sympy.Symbol(name if self._scalar else f"{name}[{k}]", real=True) for k in range(len(members))
+                sympy.Symbol(f"{_OWN}{name}" if self._scalar else f"{_OWN}{name}[{k}]", real=True)
+                for k in range(len(members))
             ]
             self._replaced |= dict(zip(members, self.symbols[name], strict=True))
         first, second = self.symbols.values()
@@ -152,9 +156,9 @@ class _Formulas:
             self._replaced[t] = self.t
         self._numbers: dict[str, float] = {}
         for k, (symbol, value) in enumerate((constants or {}).items()):
-            own = sympy.Symbol(f"constant{k}", real=True)
+            own = sympy.Symbol(f"{_OWN}constant{k}", real=True)
             self._replaced[sympy.Symbol(symbol) if isinstance(symbol, str) else symbol] = own
-            self._numbers[own.name] = _number(symbol, value)
+            self._numbers[f"constant{k}"] = _number(symbol, value)
 
     def expression(self, argument: str, given: Any) -> Any:
         """Return a formula in the symbols of the code: derivatives first, since they contain what they are derivatives of."""
@@ -168,13 +172,13 @@ class _Formulas:
         unknown = sorted(map(str, formula.free_symbols - known))
         if unknown:
             raise ArgumentError(
-                f"{argument} has {', '.join(unknown)}, which have no numbers; give them by constants={{{unknown[0]}: 1.0}},"
-                " or time by t=... ."
+                f"{argument} has symbols without numbers: {', '.join(unknown)}. Give them by"
+                f" constants={{{unknown[0]}: 1.0}}, or time by t=... ."
             )
         return formula
 
     def _own(self, name: str) -> Any:
-        return self._sympy.Symbol(name, real=True)
+        return self._sympy.Symbol(f"{_OWN}{name}", real=True)
 
     def gradient(self, formula: Any, half: str) -> list[Any]:
         """Return the derivatives by the numbers of one half of the state."""
@@ -224,7 +228,7 @@ class _Formulas:
             raise ArgumentError(
                 f"{formula} has functions that cannot be written in Python; replace them by others."
             ) from None
-        return f"({text})"
+        return f"({text})".replace(_OWN, "")
 
     def _defined(self, name: str, halves: str, formulas: list[Any], lines: list[str]) -> FunctionType:
         """Define a function, whose arguments say what it depends on."""
