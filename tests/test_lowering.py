@@ -10,6 +10,7 @@ from kickdrift.core.compilation import compiled
 
 def as_part(function):
     """Have compiled code call a function, and the interpreter that code."""
+    function.__module__ = "kickdrift.world.written_so"  # as functions of worlds alone are
     part = compiled(cached=False)(function)
 
     def call(a, b):

@@ -1,4 +1,4 @@
-"""How Numba compiles a function of ours: by its own passes, some of them only where they have something to do.
+"""How Numba compiles a function: by its own passes, in worlds some of them only where they have something to do.
 
 Numba's passes each find out anew which variables live where, seven times a function, before they look whether there is
 anything for them.
@@ -20,6 +20,9 @@ from kickdrift.core.lowering import Lower
 from kickdrift.core.references import counts_references, lowered_without_counting
 from kickdrift.core.returned_lists import TuplesForLists
 
+# Worlds have many functions, 400 with joints; steps of the engine would take a fifth longer, written so.
+_WORLDS = ("kickdrift.world", "kickdrift.core.vectors", "kickdrift.core.rotations")
+
 
 class Pipeline(CompilerBase):  # type: ignore[misc]
     """How Numba compiles a function, and `numbers_as_arguments` are arguments."""
@@ -32,6 +35,9 @@ class Pipeline(CompilerBase):  # type: ignore[misc]
         passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
         passes.add_pass_after(TuplesForLists, FixupArgs)
         passes.add_pass_after(GlobalsAsArguments, FixupArgs)
+        if not str(self.state.func_id.func.__module__).startswith(_WORLDS):
+            passes.finalize()
+            return [passes]
         own = _Passes("nopython")
         own.passes = [(_OURS.get(pass_, pass_), description) for pass_, description in passes.passes]
         own.finalize()
