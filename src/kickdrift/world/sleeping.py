@@ -3,6 +3,7 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.world.columns import column
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.disjoint_sets import first_of, unite
 from kickdrift.world.integration import AWAKE, BODY_KIND, DYNAMIC, KINEMATIC, SLEEP_ISLAND
 from kickdrift.world.joints import layout as j
 from kickdrift.world.layout import ANGULAR_VELOCITY
@@ -101,14 +102,14 @@ def sleep(t: float, h: float, world: int) -> None:
     # Of each island, the least that any body has rested, kept with its first body.
     for row in range(rows(world, BODY)):
         if body[row, BODY_KIND] == DYNAMIC and body[row, AWAKE] != 0:
-            first = _first_of(world, row)
+            first = first_of(body, SLEEP_ISLAND, row)
             rested[first, ISLAND_TIME] = (
                 rested[row, TIME] if first == row else min(rested[first, ISLAND_TIME], rested[row, TIME])
             )
     for row in range(rows(world, BODY)):
         if body[row, BODY_KIND] != DYNAMIC or body[row, AWAKE] == 0:
             continue
-        first = _first_of(world, row)
+        first = first_of(body, SLEEP_ISLAND, row)
         body[row, SLEEP_ISLAND] = first
         if rested[first, ISLAND_TIME] >= settings[0, SLEEP_TIME]:
             body[row, AWAKE] = 0
@@ -140,18 +141,8 @@ def _rests(world: int, row: int) -> bool:
 
 
 @compiled
-def _first_of(world: int, row: int) -> int:
-    """Return the first body of the island of one that is awake."""
-    body = integers(world, BODY)
-    while body[row, SLEEP_ISLAND] != row:
-        row = body[row, SLEEP_ISLAND]
-    return row
-
-
-@compiled
 def _unite(world: int, a: int, b: int) -> None:
     body = integers(world, BODY)
     if body[a, BODY_KIND] != DYNAMIC or body[b, BODY_KIND] != DYNAMIC or body[a, AWAKE] == 0 or body[b, AWAKE] == 0:
         return
-    first, second = _first_of(world, a), _first_of(world, b)
-    body[max(first, second), SLEEP_ISLAND] = min(first, second)
+    unite(body, SLEEP_ISLAND, a, b)

@@ -6,6 +6,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.batch import AFTER_MEMBER, FIRST_MEMBER, WEIGHT
 from kickdrift.world.columns import column
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.disjoint_sets import first_of, unite
 from kickdrift.world.integration import BODY_KIND, STATIC
 from kickdrift.world.step_status import ask_for_room
 from kickdrift.world.tables import BATCH, BODY, CONTACT, MEMBER, MEMBERSHIP, integers, room, rows, set_rows
@@ -31,25 +32,16 @@ def find_batches(t: float, h: float, world: int) -> None:
     for row in range(rows(world, CONTACT)):
         if contact[row, c.POINTS] == 0 or contact[row, c.CONTACT_STATE] & c.SENSOR:
             continue
-        a, b = _first_of(own, contact[row, c.BODY_A]), _first_of(own, contact[row, c.BODY_B])
+        a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
         if body[a, BODY_KIND] > STATIC and body[b, BODY_KIND] > STATIC:
-            own[max(a, b), OWN_BATCH] = min(a, b)
+            unite(own, OWN_BATCH, a, b)
     for row in range(rows(world, BODY)):
-        own[_first_of(own, row), ISLAND_WEIGHT] += 1
+        own[first_of(own, OWN_BATCH, row), ISLAND_WEIGHT] += 1
     for row in range(rows(world, CONTACT)):
         if contact[row, c.POINTS] > 0:
             a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
-            own[_first_of(own, a if body[a, BODY_KIND] > STATIC else b), ISLAND_WEIGHT] += 1
+            own[first_of(own, OWN_BATCH, a if body[a, BODY_KIND] > STATIC else b), ISLAND_WEIGHT] += 1
     _fill(world, own)
-
-
-@compiled(inline=True)
-def _first_of(own: Any, row: int) -> int:
-    """Return the first body of an island, and halve the way to it."""
-    while own[row, OWN_BATCH] != row:
-        own[row, OWN_BATCH] = own[own[row, OWN_BATCH], OWN_BATCH]
-        row = own[row, OWN_BATCH]
-    return row
 
 
 @compiled

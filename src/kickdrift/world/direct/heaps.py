@@ -11,6 +11,7 @@ from kickdrift.core.vectors import dot
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.residual import FAR_LEFT, LEFT, TOUCHES
+from kickdrift.world.disjoint_sets import first_of, unite
 from kickdrift.world.integration import (
     AWAKE,
     BODY_KIND,
@@ -69,7 +70,7 @@ def find_heaps(t: float, h: float, world: int) -> None:
     for row in range(rows(world, BODY)):
         if _is_free(world, row):
             free += 1
-            first = _first_of(world, row)
+            first = first_of(body, HEAP, row)
             body[row, HEAP] = first
             body[first, HEAP_SIZE] += 1
             body[first, HEAP_UNSOLVED] = max(body[first, HEAP_UNSOLVED], body[row, UNSOLVED])
@@ -124,14 +125,6 @@ def _is_free(world: int, row: int) -> bool:
 
 
 @compiled
-def _first_of(world: int, row: int) -> int:
-    body = integers(world, BODY)
-    while body[row, HEAP] != row:
-        row = body[row, HEAP]
-    return row
-
-
-@compiled
 def _join_heaps(world: int) -> None:
     """Unite the free bodies that contacts hold together."""
     body, contact = integers(world, BODY), integers(world, CONTACT)
@@ -139,8 +132,7 @@ def _join_heaps(world: int) -> None:
         a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
         touches = contact[row, c.POINTS] != 0 and contact[row, c.CONTACT_STATE] & c.SENSOR == 0
         if touches and _is_free(world, a) and _is_free(world, b):
-            a, b = _first_of(world, a), _first_of(world, b)
-            body[max(a, b), HEAP] = min(a, b)
+            unite(body, HEAP, a, b)
 
 
 @compiled

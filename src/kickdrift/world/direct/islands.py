@@ -21,6 +21,7 @@ from kickdrift.world.direct.layout import (
 from kickdrift.world.direct.linked_contacts import linked_contacts
 from kickdrift.world.direct.nodes import body_of, has_room, nodes_of_contact
 from kickdrift.world.direct.ordering import order_nodes
+from kickdrift.world.disjoint_sets import first_of
 from kickdrift.world.integration import MASS
 from kickdrift.world.joints.layout import (
     CLOSINGS,
@@ -88,13 +89,6 @@ def find_islands(t: float, h: float, world: int) -> None:
 
 
 @compiled(cached=False)
-def _first_of(links: Any, row: int) -> int:
-    while links[row, ROOT] != row:
-        row = links[row, ROOT]
-    return row
-
-
-@compiled(cached=False)
 def _join(world: int) -> int:
     """Unite the nodes that joints and contacts hold together, and count the nodes."""
     links, articulations = integers(world, LINK), integers(world, ARTICULATION)
@@ -115,14 +109,14 @@ def _join(world: int) -> int:
     for index in range(linked_contacts(world)):
         a, b = nodes_of_contact(world, index)
         if a >= 0 and b >= 0:
-            a, b = _first_of(links, a), _first_of(links, b)
+            a, b = first_of(links, ROOT, a), first_of(links, ROOT, b)
             most = LARGEST if min(a, b) < joined else HEAP_LARGEST
             if a != b and links[a, ISLAND_SIZE] + links[b, ISLAND_SIZE] <= most:
                 links[max(a, b), ROOT] = min(a, b)
                 links[min(a, b), ISLAND_SIZE] += links[max(a, b), ISLAND_SIZE]
     for row in range(rows(world, LINK)):
         if links[row, ROOT] >= 0:
-            links[row, ROOT] = _first_of(links, row)
+            links[row, ROOT] = first_of(links, ROOT, row)
     return n
 
 

@@ -1,0 +1,21 @@
+"""Disjoint sets of rows: a column leads from every row to one with a lower number, and from the first of a set to itself."""
+
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+
+
+@compiled(cached=False)
+def first_of(table: Any, column: int, row: int) -> int:
+    """Return the first row of the set of one, and halve the way to it."""
+    while table[row, column] != row:
+        table[row, column] = table[table[row, column], column]
+        row = table[row, column]
+    return row
+
+
+@compiled(cached=False)
+def unite(table: Any, column: int, a: int, b: int) -> None:
+    """Make one of the sets of two rows."""
+    first, second = first_of(table, column, a), first_of(table, column, b)
+    table[max(first, second), column] = min(first, second)
