@@ -21,7 +21,6 @@ Floats = NDArray[np.float64]
 _LARGE = 100  # numbers of a state whose pairs fill what the C library thinks large
 _NEVER = np.zeros(0, dtype=np.int64)  # the steps after which rows are kept: none
 _NO_ROWS = np.zeros((0, 0))
-_SIMPLE = {"kick", "rekick", "accelerate", "drift"}  # flows that keep nothing but sums and accelerations
 
 
 @dataclass
@@ -150,9 +149,9 @@ class Stepper:
 
 def _kept(names: tuple[str, ...], n: int, compensated: bool) -> tuple[slice, ...]:
     """Return the parts of work in which steps of these flows leave what the next finds there, see `layout`."""
-    if not _SIMPLE.issuperset(names):
+    if not all(FLOWS[name].plain for name in names):
         return (slice(None),)
-    accelerations = (slice(0, n),) if "rekick" in names else ()
+    accelerations = (slice(0, n),) if any(flow.again in names for flow in FLOWS.values()) else ()
     residuals = (slice(n, 3 * n),) if compensated else ()
     return *accelerations, *residuals, slice(4 * n, None)
 

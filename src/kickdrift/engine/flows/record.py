@@ -35,6 +35,8 @@ class Flow:
         Whether the clock moves with x; not where x is put right at one time.
     keeps_acceleration : bool
         Whether it leaves the acceleration of the last kick in work.
+    plain : bool
+        Whether it leaves nothing in work but that and sums, so that a checkpoint needs no more of it.
     memory : callable
         Numbers of memory for a state of n numbers, the coefficients of the method, and the params of the system.
     scratch : callable
@@ -69,6 +71,7 @@ class Flow:
     moves_v: bool = False
     timed: bool = True
     keeps_acceleration: bool = True
+    plain: bool = False
     memory: Callable[[int, NDArray[np.float64], NDArray[np.float64]], int] = lambda n, coefficients, params: 0
     scratch: Callable[[int, NDArray[np.float64], NDArray[np.float64]], int] = lambda n, coefficients, params: 0
     constants: Callable[[NDArray[np.float64], int, NDArray[np.float64], bool], dict[str, int]] | None = None
