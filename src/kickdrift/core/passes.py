@@ -25,7 +25,7 @@ _WORLDS = ("kickdrift.world", "kickdrift.core.vectors", "kickdrift.core.rotation
 
 
 class Pipeline(CompilerBase):  # type: ignore[misc]
-    """How Numba compiles a function, and `numbers_as_arguments` are arguments."""
+    """How Numba compiles a function, `numbers_as_arguments` are arguments, and lists become `tuples_for_lists`."""
 
     def __init__(self, typing: Any, target: Any, *others: Any) -> None:
         super().__init__(own_typing(typing), own_target(typing, target), *others)
