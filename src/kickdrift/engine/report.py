@@ -71,7 +71,7 @@ def report(
         n_steps=ending.n_steps,
         n_force_evaluations=evaluations,
         wall_time=ending.wall_time,
-        about=_description(system, chosen, compensated),
+        about=describe_run(system, chosen, compensated),
         derived=_derived(system, t, xs, vs),
         error_estimate=None if ending.estimated is None else ending.estimated.reshape(system.x0.shape),
         dense=dense,
@@ -122,7 +122,8 @@ def _derived(system: System, t: Floats, xs: Floats, vs: Floats) -> Invariants:
     return Invariants(("multipliers",) * constrained, lambda name: multipliers.evaluate(system, t, xs, vs))
 
 
-def _description(system: System, chosen: Choice, compensated: bool) -> Description:
+def describe_run(system: System, chosen: Choice, compensated: bool) -> Description:
+    """Return what was run, in words."""
     method = chosen.method
     units = dict(system.units) | {name: quantity.unit for name, quantity in system.quantities.items() if quantity.unit}
     return Description(
