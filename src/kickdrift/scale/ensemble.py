@@ -18,6 +18,7 @@ from kickdrift.engine.report import describe_run
 from kickdrift.engine.solution import Invariants
 from kickdrift.methods import Method
 from kickdrift.scale.ensemble_solution import EnsembleSolution
+from kickdrift.scale.executors import run_on
 from kickdrift.scale.members import members_of
 from kickdrift.scale.prepared import Prepared, Settings, prepare
 from kickdrift.scale.results import Results
@@ -46,6 +47,7 @@ def solve_ensemble(
     check_bounds: bool = True,
     progress: bool | None = None,
     threads: int | None = None,
+    executor: Any = None,
 ) -> EnsembleSolution:
     """Integrate many members of one problem: other starts, parameters, steps or seeds.
 
@@ -80,6 +82,9 @@ def solve_ensemble(
         Whether to show a progress bar for all members. By default one shows on a terminal, for runs longer than two seconds.
     threads : int, optional
         By default as many as there are cores for this process.
+    executor : concurrent.futures.Executor or dask.distributed.Client, optional
+        Runs the members in its workers, a chunk of them a task, instead of on threads. What a worker that dies leaves undone
+        is done again, to the same bits. `concurrent.futures` sends functions by their names in their modules; Dask others, too.
 
     Returns
     -------
@@ -104,20 +109,28 @@ def solve_ensemble(
     compensated, compiles = choice("compensated", compensated), choice("compile", compile)
     check_bounds = choice("check_bounds", check_bounds)
     progress = None if progress is None else choice("progress", progress)
+    if executor is not None and threads is not None:
+        raise ArgumentError(f"threads={threads!r} and executor={executor!r} are both given; give one of them.")
     threads = _threads(threads)
     members = members_of(problem, x0, v0, args, step, seeds)
     settings = Settings(t_span, method, order, t_eval, save_every, compensated, compiles, check_bounds)
     prepared = prepare(members, settings, progress)
-    runs, started = Runs(prepared, threads, progress), time.perf_counter()
+    if executor is None:
+        runs = Runs(prepared, threads, progress)
+        results, go = runs.results, runs.go
+    else:
+        results = prepared.room()
+        go = partial(run_on, executor, prepared, results)
+    started = time.perf_counter()
     total = sum(cohort.indices.size * cohort.grid.n_steps for cohort in prepared.cohorts)
     bar = Bar(total, progress)
     try:
-        runs.go(lambda done: bar.show(done, time.perf_counter() - started) if done else None)
+        go(lambda done: bar.show(done, time.perf_counter() - started) if done else None)
     except KeyboardInterrupt:  # members that are left are marked
         pass
     finally:
         bar.close()
-    return _solution(prepared, runs.results, time.perf_counter() - started)
+    return _solution(prepared, results, time.perf_counter() - started)
 
 
 def _threads(threads: int | None) -> int:

@@ -16,6 +16,7 @@ from kickdrift.engine.problem_adapter import describe
 from kickdrift.engine.start import parameters, start_of
 from kickdrift.methods import Method
 from kickdrift.scale.members import Members
+from kickdrift.scale.results import Results
 from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
@@ -68,6 +69,10 @@ class Prepared:
     cohorts: list[Cohort]
     t: Floats
 
+    def room(self) -> Results:
+        """Make room for what the members will leave."""
+        return Results.empty(self.members.count, self.t.size, self.system.x0.shape, self.system.v0.shape)
+
     def system_of(self, i: int) -> System:
         """Describe the system of a member."""
         return _described(self.members, self.settings, i, self.cohorts[0].grid.t0)
@@ -106,16 +111,17 @@ class Prepared:
         return members.made is None and members.seeds is None and (members.args is None or len(members.args) == 1)
 
 
-def prepare(members: Members, settings: Settings, progress: bool | None) -> Prepared:
-    """Describe the first member, choose the method, and lay the steps.
+def prepare(members: Members, settings: Settings, progress: bool | None, lead: Members | None = None) -> Prepared:
+    """Describe the first member, or the first of others that `lead`, choose the method, and lay the steps.
 
     Raises
     ------
     ArgumentError
         For whatever `kickdrift.solve` would refuse, and more rows than there is room for.
     """
-    x0, v0, args = members.start_of(0)
-    start, params = start_of(members.problem_of(0), x0, v0), parameters(args)
+    lead = lead or members
+    x0, v0, args = lead.start_of(0)
+    start, params = start_of(lead.problem_of(0), x0, v0), parameters(args)
     cohorts = []
     for indices in members.cohorts():
         numbers = members.count * start.x.size
@@ -131,7 +137,7 @@ def prepare(members: Members, settings: Settings, progress: bool | None) -> Prep
         )
     _check_room(members.count, t.size, start.x.size + start.v.size)
     with compiling_announced(progress):
-        system = describe(members.problem_of(0), first.t0, start, params, settings.compile, settings.check_bounds)
+        system = describe(lead.problem_of(0), first.t0, start, params, settings.compile, settings.check_bounds)
         chosen = choose(settings.method, settings.order, system, first.t0, first.step, first.n_steps * first.step)
     check_direction(chosen.method, first.step)
     for cohort in cohorts:

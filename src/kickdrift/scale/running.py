@@ -22,7 +22,6 @@ from kickdrift.engine.progress import told_of_steps
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.solve import solve
 from kickdrift.scale.prepared import Prepared
-from kickdrift.scale.results import Results
 
 Floats = NDArray[np.float64]
 Task = partial[None]
@@ -45,8 +44,7 @@ class Runs:
         if not prepared.system.native or prepared.system.unthreaded is not None:
             threads = 1  # the interpreter's lock, or threads of its own
         self._prepared, self._threads, self._progress = prepared, threads, progress
-        system, members = prepared.system, prepared.members
-        self.results = Results.empty(members.count, prepared.t.size, system.x0.shape, system.v0.shape)
+        self.results = prepared.room()
         self._stop = threading.Event()
         self._done, self._counting = 0, threading.Lock()
         self._tasks = deque(self._split())
