@@ -9,7 +9,6 @@ from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from typing import Any
 
-import kickdrift
 from kickdrift.core.errors import ArgumentError, depth_of_caller
 from kickdrift.engine.lane_letters import LANES
 from kickdrift.scale.members import Members
@@ -19,6 +18,7 @@ from kickdrift.scale.running import Runs
 from kickdrift.systems.system import System
 
 _TASKS_OF_A_WORKER = 8  # so that one that is slow, or dies, does not keep the others waiting
+_VERSION = "kickdrift.__version__"
 _WORKERS = 8  # where an executor does not say how many it has
 
 
@@ -96,15 +96,15 @@ def _check(executor: Any) -> None:
         raise ArgumentError(
             f"executor={executor!r} has no method submit; give one of concurrent.futures, or a client of Dask."
         )
-    found, why = None, ""
+    own, found, why = pydoc.locate(_VERSION), None, ""
     try:
-        found = executor.submit(pydoc.locate, "kickdrift.__version__").result()  # which every Python can be asked
+        found = executor.submit(pydoc.locate, _VERSION).result()  # which every Python can be asked
     except pydoc.ErrorDuringImport as error:
         why = f" ({error})"
-    if found != kickdrift.__version__:
+    if found != own:
         has = f"do not have it{why}" if found is None else f"have kickdrift {found}"
         raise ArgumentError(
-            f"executor={executor!r}: here is kickdrift {kickdrift.__version__}, but its workers {has}; install this version"
+            f"executor={executor!r}: here is kickdrift {own}, but its workers {has}; install this version"
             " where they run."
         )
 
