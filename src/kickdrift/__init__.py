@@ -23,6 +23,13 @@ from kickdrift.core.errors import (
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.solution import Presenters, Solution
 from kickdrift.engine.solve import solve
+from kickdrift.engine.step_control import (
+    HairerSoderlind,
+    HuangLeimkuhler,
+    LocalError,
+    LogarithmicHamiltonian,
+    TimeTransformed,
+)
 from kickdrift.io import load, save, to_xarray
 from kickdrift.io.report import report
 from kickdrift.io.xarray import ensemble_to_xarray, recording_to_xarray
@@ -72,11 +79,15 @@ __all__ = [
     "Drive",
     "EnsembleSolution",
     "FirstOrder",
+    "HairerSoderlind",
     "Hamiltonian",
+    "HuangLeimkuhler",
     "Hull",
     "InterpretedWarning",
     "KickdriftError",
     "Langevin",
+    "LocalError",
+    "LogarithmicHamiltonian",
     "LostBodyError",
     "MethodMismatchError",
     "Motor",
@@ -92,6 +103,7 @@ __all__ = [
     "Solution",
     "Sphere",
     "System",
+    "TimeTransformed",
     "UnsolvedWarning",
     "World",
     "analysis",

@@ -14,7 +14,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.engine import quantities
 from kickdrift.engine.method_selection import check_wanted
 from kickdrift.engine.progress import Bar
-from kickdrift.engine.report import describe_run
+from kickdrift.engine.report import description_of
 from kickdrift.engine.solution import Invariants
 from kickdrift.methods import Method
 from kickdrift.scale.ensemble_solution import EnsembleSolution
@@ -156,7 +156,7 @@ def _solution(prepared: Prepared, results: Results, seconds: float) -> EnsembleS
         n_steps=results.n_steps,
         n_force_evaluations=results.evaluations,
         wall_time=seconds,
-        about=describe_run(system, prepared.chosen, prepared.settings.compensated),
+        about=description_of(system, prepared.chosen, prepared.settings.compensated, None),
         parameters=prepared.members.parameters,
     )
 
