@@ -64,9 +64,9 @@ def in_lanes(monkeypatch):
     counts = {"lanes": 0, "alone": 0}
     many, one = running.Runs._run_in_lanes, running.Runs._run_alone
 
-    def count_many(self, grid, indices, *others):
-        counts["lanes"] += indices.size
-        many(self, grid, indices, *others)
+    def count_many(self, cohort, *others):
+        counts["lanes"] += cohort.indices.size
+        many(self, cohort, *others)
 
     def count_one(self, *others):
         counts["alone"] += 1
@@ -170,6 +170,19 @@ def test_every_kind_of_step_runs(method, problem):
     x, v = rng.normal(size=(2, 5, *shape)) + 1.0
     sol = kd.solve_ensemble(problem, SPAN, x, v, step=0.1, method=method)
     assert all(is_member(sol, i, problem, x[i], v[i], step=0.1, method=method) for i in range(5))
+
+
+def test_steps_that_vary_are_those_of_each_member():
+    kepler, options = kd.systems.kepler(), {"step": 0.02, "step_control": "distance", "t_eval": [0.0, 1.0, 3.0]}
+    x, v = starts(3)
+    x[1] *= 0.3
+    sol = kd.solve_ensemble(kepler, SPAN, x, v, **options)
+    assert all(is_member(sol, i, kepler, x[i], v[i], **options) for i in range(3))
+    assert len(set(sol.n_steps)) == 3
+    by_error = kd.solve_ensemble(gravity, SPAN, x, v, rtol=1e-8, t_eval=[3.0])
+    assert is_member(by_error, 1, gravity, x[1], v[1], rtol=1e-8, t_eval=[3.0])
+    with pytest.raises(ArgumentError, match="vary from member to member"):
+        kd.solve_ensemble(gravity, SPAN, x, v, rtol=1e-8)
 
 
 def test_times_between_steps_are_kept():

@@ -16,6 +16,7 @@ from kickdrift.engine.method_selection import check_wanted
 from kickdrift.engine.progress import Bar
 from kickdrift.engine.report import description_of
 from kickdrift.engine.solution import Invariants
+from kickdrift.engine.step_control import StepControl
 from kickdrift.methods import Method
 from kickdrift.scale.ensemble_solution import EnsembleSolution
 from kickdrift.scale.executors import run_on
@@ -35,11 +36,14 @@ def solve_ensemble(
     x0: ArrayLike | None = None,
     v0: ArrayLike | None = None,
     *,
-    step: ArrayLike,
+    step: ArrayLike | None = None,
     method: str | Method | None = None,
     order: int | None = None,
     t_eval: ArrayLike | None = None,
     save_every: int | None = None,
+    step_control: StepControl | Callable[..., Any] | str | None = None,
+    rtol: float | None = None,
+    atol: ArrayLike | None = None,
     args: ArrayLike | Mapping[str, Any] | None = None,
     seeds: Sequence[int] | None = None,
     compensated: bool = True,
@@ -70,6 +74,8 @@ def solve_ensemble(
         As for `kickdrift.solve`. ``"auto"`` takes for all members what it takes for the first.
     t_eval, save_every
         As for `kickdrift.solve`: the times kept of all members.
+    step_control, rtol, atol
+        As for `kickdrift.solve`: steps that vary, those of each member by itself, with `t_eval` for the times kept.
     args : array_like or mapping, optional
         Numbers that the functions get as ``params``: p for all, or (M, p). Or a range of each by its name, in the order in
         which the functions get them, ``{"stiffness": np.linspace(1, 9, 81), "damping": [0.1, 0.2]}``: the members are the
@@ -113,7 +119,9 @@ def solve_ensemble(
         raise ArgumentError(f"threads={threads!r} and executor={executor!r} are both given; give one of them.")
     threads = _threads(threads)
     members = members_of(problem, x0, v0, args, step, seeds)
-    settings = Settings(t_span, method, order, t_eval, save_every, compensated, compiles, check_bounds)
+    settings = Settings(
+        t_span, method, order, t_eval, save_every, step_control, rtol, atol, compensated, compiles, check_bounds
+    )
     prepared = prepare(members, settings, progress)
     if executor is None:
         runs = Runs(prepared, threads, progress)
@@ -122,7 +130,7 @@ def solve_ensemble(
         results = prepared.room()
         go = partial(run_on, executor, prepared, results)
     started = time.perf_counter()
-    total = sum(cohort.indices.size * cohort.grid.n_steps for cohort in prepared.cohorts)
+    total = sum(cohort.indices.size * cohort.length for cohort in prepared.cohorts)
     bar = Bar(total, progress)
     try:
         go(lambda done: bar.show(done, time.perf_counter() - started) if done else None)
@@ -156,7 +164,7 @@ def _solution(prepared: Prepared, results: Results, seconds: float) -> EnsembleS
         n_steps=results.n_steps,
         n_force_evaluations=results.evaluations,
         wall_time=seconds,
-        about=description_of(system, prepared.chosen, prepared.settings.compensated, None),
+        about=description_of(system, prepared.chosen, prepared.settings.compensated, prepared.controller),
         parameters=prepared.members.parameters,
     )
 

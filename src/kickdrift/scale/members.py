@@ -28,7 +28,7 @@ class Members:
     problem : System, Problem or callable
         Or what makes one of `made`.
     count : int
-    steps : array
+    steps : array or None
     x0, v0 : array or None
         None where systems bring their own.
     args : array or None
@@ -41,7 +41,7 @@ class Members:
 
     problem: Any
     count: int
-    steps: Floats
+    steps: Floats | None
     x0: Floats | None = None
     v0: Floats | None = None
     args: Floats | None = None
@@ -58,12 +58,14 @@ class Members:
         """Return x0, v0 and args of a member."""
         return tuple(None if array is None else _of(array, i) for array in (self.x0, self.v0, self.args))  # type: ignore[return-value]
 
-    def step_of(self, i: int) -> float:
-        """Return the largest step of a member."""
-        return float(_of(self.steps, i))
+    def step_of(self, i: int) -> float | None:
+        """Return the largest step of a member, or the first one; None if there is none given."""
+        return None if self.steps is None else float(_of(self.steps, i))
 
     def cohorts(self) -> list[NDArray[np.intp]]:
         """Return the members of each step."""
+        if self.steps is None:
+            return [np.arange(self.count)]
         steps = np.broadcast_to(self.steps, self.count)
         return [np.flatnonzero(steps == step) for step in np.unique(steps)]
 
@@ -83,7 +85,12 @@ def _of(array: Any, i: int) -> Any:
 
 
 def members_of(
-    problem: Any, x0: ArrayLike | None, v0: ArrayLike | None, args: Any, step: ArrayLike, seeds: Sequence[int] | None
+    problem: Any,
+    x0: ArrayLike | None,
+    v0: ArrayLike | None,
+    args: Any,
+    step: ArrayLike | None,
+    seeds: Sequence[int] | None,
 ) -> Members:
     """Find the members in what a user gives, see `kickdrift.solve_ensemble`.
 
@@ -105,14 +112,15 @@ def members_of(
         numbers = numbers.reshape(-1, numbers.shape[-1] if numbers.ndim else 1)
     shape = _shape_of_states(problem if made is None else _made(problem, made[0]))
     x, v = _starts(shape, x0, v0)
-    steps, given_seeds = _numbers("step", step), _seeds(problem, seeds)
-    if steps.ndim > 1:
+    steps = None if step is None else _numbers("step", step)
+    given_seeds = _seeds(problem, seeds)
+    if steps is not None and steps.ndim > 1:
         raise ArgumentError(f"step has shape {steps.shape}; give a number, or one to each member.")
-    if steps.ndim:
+    if steps is not None and steps.ndim:
         parameters = {**parameters, "step": steps}
     if given_seeds is not None:
         parameters = {**parameters, "seed": given_seeds}
-    steps = np.atleast_1d(steps)
+    steps = None if steps is None else np.atleast_1d(steps)
     count = _count({"x0": x, "v0": v, "args": made or numbers, "step": steps, "seeds": given_seeds})
     return Members(problem, count, steps, x, v, numbers, given_seeds, made, parameters)
 

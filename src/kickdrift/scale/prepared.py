@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -9,10 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.room import free_bytes
 from kickdrift.engine.announcing import compiling_announced
+from kickdrift.engine.controller import Controller, control_of, controlled
 from kickdrift.engine.dense import check_between
-from kickdrift.engine.grid import Grid, lay_grid
+from kickdrift.engine.grid import Course, Grid, lay_course, lay_grid
 from kickdrift.engine.method_selection import Choice, check_direction, choose
-from kickdrift.engine.problem_adapter import describe
+from kickdrift.engine.problem_adapter import describe, function_of_state
 from kickdrift.engine.start import parameters, start_of
 from kickdrift.methods import Method
 from kickdrift.scale.members import Members
@@ -32,6 +35,9 @@ class Settings:
     order: int | None
     t_eval: ArrayLike | None
     save_every: int | None
+    step_control: Any
+    rtol: float | None
+    atol: ArrayLike | None
     compensated: bool
     compile: bool
     check_bounds: bool
@@ -39,10 +45,15 @@ class Settings:
 
 @dataclass(frozen=True)
 class Cohort:
-    """Members of one step."""
+    """Members of one step, or of steps that vary."""
 
     indices: NDArray[np.intp]
-    grid: Grid
+    grid: Grid | Course
+
+    @property
+    def length(self) -> int:
+        """Steps of a member, for the progress; 1 where they vary."""
+        return self.grid.n_steps if isinstance(self.grid, Grid) else 1
 
 
 @dataclass(frozen=True)
@@ -60,6 +71,8 @@ class Prepared:
     cohorts : list of Cohort
     t : (T,) array
         Times of the rows.
+    controller : Controller or None
+        What chooses the steps of the first member, where they vary.
     """
 
     members: Members
@@ -68,6 +81,7 @@ class Prepared:
     chosen: Choice
     cohorts: list[Cohort]
     t: Floats
+    controller: Controller | None = None
 
     def room(self) -> Results:
         """Make room for what the members will leave."""
@@ -122,12 +136,14 @@ def prepare(members: Members, settings: Settings, progress: bool | None, lead: M
     lead = lead or members
     x0, v0, args = lead.start_of(0)
     start, params = start_of(lead.problem_of(0), x0, v0), parameters(args)
+    control = control_of(settings.step_control, lead.step_of(0), settings.rtol, settings.atol)
+    if control is not None and settings.t_eval is None:
+        raise ArgumentError("steps vary from member to member; give t_eval=..., the times to keep of all members.")
     cohorts = []
     for indices in members.cohorts():
-        numbers = members.count * start.x.size
-        step = members.step_of(int(indices[0]))
-        grid = lay_grid(settings.t_span, step, settings.t_eval, settings.save_every, numbers)
-        cohorts.append(Cohort(indices, grid))
+        numbers, step = members.count * start.x.size, members.step_of(int(indices[0]))
+        given = settings.t_span, step, settings.t_eval, settings.save_every
+        cohorts.append(Cohort(indices, lay_grid(*given, numbers) if control is None else lay_course(*given)))
     first = cohorts[0].grid
     t = _times(first)
     if any(not np.array_equal(t, _times(cohort.grid)) for cohort in cohorts):
@@ -138,15 +154,26 @@ def prepare(members: Members, settings: Settings, progress: bool | None, lead: M
     _check_room(members.count, t.size, start.x.size + start.v.size)
     with compiling_announced(progress):
         system = describe(lead.problem_of(0), first.t0, start, params, settings.compile, settings.check_bounds)
-        chosen = choose(settings.method, settings.order, system, first.t0, first.step, first.n_steps * first.step)
-    check_direction(chosen.method, first.step)
+        method = settings.method
+        if control is not None and method is None and settings.order is None:
+            method = control.method
+        chosen = choose(method, settings.order, system, first.t0, first.step, first.t1 - first.t0)
+        check_direction(chosen.method, first.step)
+        controller = None
+        if control is not None:
+            adapt = partial(function_of_state, first.t0, start, params, settings.compile, settings.check_bounds)
+            has_step = lead.step_of(0) is not None
+            _, controller = controlled(control, system, chosen.method, first.t0, adapt, has_step)
     for cohort in cohorts:
-        check_between(system, cohort.grid)
-    return Prepared(members, settings, system, chosen, cohorts, t)
+        if isinstance(cohort.grid, Grid):
+            check_between(system, cohort.grid)
+    return Prepared(members, settings, system, chosen, cohorts, t, controller)
 
 
-def _times(grid: Grid) -> Floats:
-    return grid.times if grid.wanted is None else grid.wanted
+def _times(grid: Grid | Course) -> Floats:
+    if grid.wanted is not None:
+        return grid.wanted
+    return grid.times if isinstance(grid, Grid) else grid.marks
 
 
 def _check_room(count: int, times: int, numbers: int) -> None:

@@ -14,14 +14,14 @@ from kickdrift.core.interruption import next_chunk
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.announcing import compiling_announced
 from kickdrift.engine.flows.table import FLOWS
-from kickdrift.engine.grid import Grid
+from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.lane_letters import LANES, fields_of
 from kickdrift.engine.lanes import Lanes, compile_lanes
 from kickdrift.engine.processing import kernel_alone
 from kickdrift.engine.progress import told_of_steps
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.solve import solve
-from kickdrift.scale.prepared import Prepared
+from kickdrift.scale.prepared import Cohort, Prepared
 
 Floats = NDArray[np.float64]
 Task = partial[None]
@@ -90,20 +90,21 @@ class Runs:
         for cohort in self._prepared.cohorts:
             lanes = self._lanes(cohort.grid)
             if lanes is None:
-                yield from (partial(self._run_alone, int(i), cohort.grid) for i in cohort.indices)
+                yield from (partial(self._run_alone, int(i), cohort) for i in cohort.indices)
                 continue
-            compiled, numbers = lanes
             count = cohort.indices.size
-            size = min(_members_of_task(cohort.grid.n_steps), _rounded_up(-(-count // self._threads)))
+            size = min(_members_of_task(cohort.length), _rounded_up(-(-count // self._threads)))
             for first in range(0, count, size):
-                yield partial(self._run_in_lanes, cohort.grid, cohort.indices[first : first + size], compiled, numbers)
+                yield partial(self._run_in_lanes, Cohort(cohort.indices[first : first + size], cohort.grid), *lanes)
 
-    def _lanes(self, grid: Grid) -> tuple[Lanes, tuple[Floats, Floats, Floats]] | None:
+    def _lanes(self, grid: Grid | Course) -> tuple[Lanes, tuple[Floats, Floats, Floats]] | None:
         """Return what runs members in lanes, and their numbers; None where they have to run alone."""
         prepared = self._prepared
         program = kernel_alone(prepared.system, prepared.chosen.method)
         compensated = prepared.settings.compensated
-        if program is None or grid.wanted is not None or fields_of(prepared.system, program, compensated) is None:
+        if program is None or isinstance(grid, Course) or grid.wanted is not None:
+            return None
+        if fields_of(prepared.system, program, compensated) is None:
             return None
         numbers = prepared.numbers()
         if numbers is None:
@@ -111,10 +112,10 @@ class Runs:
         with compiling_announced(self._progress):
             return compile_lanes(prepared.system, program, compensated), numbers
 
-    def _run_in_lanes(
-        self, grid: Grid, indices: NDArray[np.intp], lanes: Lanes, numbers: tuple[Floats, Floats, Floats]
-    ) -> None:
+    def _run_in_lanes(self, cohort: Cohort, lanes: Lanes, numbers: tuple[Floats, Floats, Floats]) -> None:
         """Run members in blocks; those that do not reach the end once more alone, to find out how far they go."""
+        grid, indices = cohort.grid, cohort.indices
+        assert isinstance(grid, Grid)
         x, v, params = (array[indices] for array in numbers)
         rows = grid.save_steps.size
         xs, vs = np.empty((indices.size, rows, x.shape[1])), np.empty((indices.size, rows, v.shape[1]))
@@ -142,9 +143,9 @@ class Runs:
         for i in well:
             results.status[i], results.messages[i] = outcome, message
         for i in indices[~good]:
-            self._run_alone(int(i), grid, step)
+            self._run_alone(int(i), cohort, step)
 
-    def _run_alone(self, i: int, grid: Grid, counted: int = 0) -> None:
+    def _run_alone(self, i: int, cohort: Cohort, counted: int = 0) -> None:
         """Run a member by `kickdrift.solve`, of whose steps so many are counted already."""
         if self._stop.is_set():
             return
@@ -152,8 +153,9 @@ class Runs:
 
         def tell(step: int) -> None:
             nonlocal reached
-            self._count(max(step - reached, 0))
-            reached = max(step, reached)
+            if step > reached and isinstance(cohort.grid, Grid):
+                self._count(step - reached)
+                reached = step
             if self._stop.is_set():
                 raise KeyboardInterrupt
 
@@ -170,6 +172,9 @@ class Runs:
                     method=prepared.chosen.method,
                     t_eval=settings.t_eval,
                     save_every=settings.save_every,
+                    step_control=settings.step_control,
+                    rtol=settings.rtol,
+                    atol=settings.atol,
                     args=args,
                     compensated=settings.compensated,
                     compile=settings.compile and prepared.system.native,
@@ -180,13 +185,15 @@ class Runs:
             results.status[i] = Outcome.FAILED
             results.messages[i] = f"It did not begin. The error was {type(error).__name__}: {error}"
             return
-        self._keep(i, solution, grid)
+        if isinstance(cohort.grid, Course):
+            self._count(1)
+        self._keep(i, solution, cohort.grid.t0)
 
-    def _keep(self, i: int, solution: Solution, grid: Grid) -> None:
+    def _keep(self, i: int, solution: Solution, t0: float) -> None:
         results, t = self.results, self._prepared.t
         reached = np.ones(t.size, dtype=bool)
         if not solution.success:
-            low, high = sorted((grid.t0, float(solution.t[-1])))
+            low, high = sorted((t0, float(solution.t[-1])))
             reached = (t >= low) & (t <= high)
             results.x[i] = results.v[i] = np.nan
         count = int(reached.sum())
