@@ -22,6 +22,7 @@ from kickdrift.engine.processing import kernel_alone
 from kickdrift.engine.start import Start
 from kickdrift.io import archive
 from kickdrift.scale import running
+from kickdrift.systems.problem import Problem
 
 SPAN = (0.0, 3.0)
 
@@ -70,7 +71,7 @@ def in_lanes(monkeypatch):
 
     def count_one(self, *others):
         counts["alone"] += 1
-        one(self, *others)
+        return one(self, *others)
 
     monkeypatch.setattr(running.Runs, "_run_in_lanes", count_many)
     monkeypatch.setattr(running.Runs, "_run_alone", count_one)
@@ -150,26 +151,60 @@ def test_steps_differ_where_the_times_kept_are_the_same(in_lanes):
         kd.solve_ensemble(kepler, SPAN, step=steps)
 
 
-@pytest.mark.parametrize(
-    ("method", "problem"),
-    [
-        ("gauss-4", kd.systems.pendulum()),
-        ("wisdom-holman", kd.systems.kepler()),
-        ("velocity-verlet", kd.systems.nbody(np.ones(3), np.eye(3), np.zeros((3, 3)), G=0.1)),
-        ("boris", kd.ChargedParticle(charge_to_mass=1.0, magnetic_field=lambda x: np.array([0.0, 0.0, 1 + x[0]]))),
-        ("runge-kutta-4", kd.FirstOrder(lambda y: np.array([y[1], -y[0]]))),
-    ],
-)
-def test_every_kind_of_step_runs(method, problem):
-    rng = np.random.default_rng(1)
-    shape = problem.x0.shape if isinstance(problem, kd.System) else (3,)
-    if isinstance(problem, kd.FirstOrder):
-        sol = kd.solve_ensemble(problem, SPAN, x := rng.normal(size=(5, 2)), step=0.1, method=method)
-        assert all(is_member(sol, i, problem, x[i], step=0.1, method=method) for i in range(5))
-        return
-    x, v = rng.normal(size=(2, 5, *shape)) + 1.0
-    sol = kd.solve_ensemble(problem, SPAN, x, v, step=0.1, method=method)
-    assert all(is_member(sol, i, problem, x[i], v[i], step=0.1, method=method) for i in range(5))
+KINDS = {
+    "gauss-4": kd.systems.pendulum(),
+    "wisdom-holman-corrected-3": kd.systems.outer_solar_system(),
+    "wisdom-holman": kd.systems.kepler(),
+    "velocity-verlet": kd.systems.nbody(np.ones(3), np.eye(3), np.zeros((3, 3)), G=0.1),
+    "boris": kd.ChargedParticle(charge_to_mass=1.0, magnetic_field=lambda x: np.array([0.0, 0.0, 1 + x[0]])),
+    "runge-kutta-4": kd.FirstOrder(lambda y: np.array([y[1], -y[0]])),
+    "rattle": kd.Constrained(lambda x: np.array([0.0, -9.81]), lambda x: x[0] ** 2 + x[1] ** 2 - 1),
+}
+
+
+@pytest.mark.parametrize("method", KINDS)
+def test_every_kind_of_step_runs_in_turn_or_in_lanes(method, in_lanes):
+    problem, rng = KINDS[method], np.random.default_rng(1)
+    shape = problem.x0.shape if isinstance(problem, kd.System) else (3,) if method == "boris" else (2,)
+    x, v = rng.normal(size=(2, 70, *shape))
+    if isinstance(problem, kd.System):
+        x, v = problem.x0 + 1e-3 * x, problem.v0 * (1 + 1e-3 * v)
+    if method == "rattle":
+        angle = rng.uniform(0, 6, 70)
+        x, v = np.stack([np.cos(angle), np.sin(angle)], axis=1), np.zeros((70, 2))
+    starts = (x,) if method == "runge-kutta-4" else (x, v)
+    options = {"step": 0.1, "method": method, "save_every": 7}
+    sol = kd.solve_ensemble(problem, SPAN, *starts, **options)
+    assert in_lanes["alone"] <= 1
+    assert all(is_member(sol, i, problem, *(start[i] for start in starts), **options) for i in (0, 1, 37, 69))
+
+
+DESCRIBED = {
+    "second-order": kd.SecondOrder(lambda x: -x),
+    "newtonian": kd.Newtonian(lambda x: -x, mass=2.0),
+    "separable": kd.Separable(kinetic_gradient=lambda p: p, potential_gradient=lambda q: q),
+    "hamiltonian": kd.Hamiltonian(dHdq=lambda q, p: q, dHdp=lambda q, p: p),
+    "partitioned": kd.Partitioned(lambda x, v: x * v, lambda x, v: v - x),
+    "first-order": kd.FirstOrder(lambda y: -y),
+    "damped": kd.Damped(lambda x: -x, damping=0.1),
+    "langevin": kd.Langevin(lambda x: -x, friction=1.0, temperature=0.4),
+    "oscillatory": kd.Oscillatory(lambda x: -(x**3), omega=[0.0, 5.0]),
+    "multirate": kd.Multirate(lambda x: -x, lambda x: -x),
+    "charged": kd.ChargedParticle(charge_to_mass=1.0, magnetic_field=lambda x: np.array([0.0, 0.0, 1 + x[0]])),
+    "constrained": kd.Constrained(lambda x: 0 * x, lambda x: x[0] ** 2 + x[1] ** 2 - 1),
+}
+
+
+def test_descriptions_say_whether_their_params_depend_on_the_start():
+    assert {type(problem) for problem in DESCRIBED.values()} == set(Problem.__subclasses__())
+    for name, problem in DESCRIBED.items():
+        params = []
+        for x in ([0.6, 0.8], [1.0, 0.0]):
+            x = np.array([*x, 0.3] if name == "charged" else x)
+            v = np.array([-x[1], x[0], 0.0][: x.size]) if problem.has_velocity else np.zeros(0)
+            params.append(describe(problem, 0.0, Start(x, v), np.array([5.0]), False).params)
+        assert np.array_equal(*params) is not problem.start_in_params
+        assert params[0][0] == 5.0
 
 
 def test_steps_that_vary_are_those_of_each_member():
