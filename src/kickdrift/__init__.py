@@ -21,6 +21,7 @@ from kickdrift.core.errors import (
     UnsolvedWarning,
 )
 from kickdrift.core.outcomes import Outcome
+from kickdrift.engine.impacts import Impacts, sphere_gaps
 from kickdrift.engine.solution import Presenters, Solution
 from kickdrift.engine.solve import solve
 from kickdrift.engine.step_control import (
@@ -80,6 +81,7 @@ __all__ = [
     "Hamiltonian",
     "HuangLeimkuhler",
     "Hull",
+    "Impacts",
     "InterpretedWarning",
     "KickdriftError",
     "Langevin",
@@ -112,6 +114,7 @@ __all__ = [
     "methods",
     "plots",
     "solve",
+    "sphere_gaps",
     "systems",
 ]
 

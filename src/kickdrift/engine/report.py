@@ -162,5 +162,5 @@ def description_of(system: System, chosen: Choice, compensated: bool, controller
         units=units,
         source=system.source,
         choice=chosen.reason,
-        step_control="" if controller is None else f"{controller.name} ({controller.wanted.conserves})",
+        step_control="" if controller is None else f"{controller.name} ({controller.conserves})",
     )

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift import methods
@@ -14,8 +15,9 @@ from kickdrift.engine.controller import control_of, controlled
 from kickdrift.engine.dense import check_between
 from kickdrift.engine.events import events_of, watch_for
 from kickdrift.engine.grid import Course, Grid, lay_course, lay_grid
+from kickdrift.engine.impacts import Impacts, cut_steps, sides_at
 from kickdrift.engine.method_selection import check_direction, check_wanted, choose
-from kickdrift.engine.problem_adapter import describe, function_of_state
+from kickdrift.engine.problem_adapter import Adapter, describe
 from kickdrift.engine.processing import compile_method
 from kickdrift.engine.report import description_of, report
 from kickdrift.engine.run import Run
@@ -38,6 +40,8 @@ def solve(
     t_eval: ArrayLike | None = None,
     save_every: int | None = None,
     events: Callable[..., Any] | Sequence[Callable[..., Any]] | None = None,
+    impacts: Impacts | Callable[..., Any] | None = None,
+    switches: Callable[..., Any] | None = None,
     step_control: StepControl | Callable[..., Any] | str | None = None,
     rtol: float | None = None,
     atol: ArrayLike | None = None,
@@ -83,6 +87,12 @@ def solve(
         the way down; ``terminal``, True or a number, ends the run at the first or that zero; ``rate_bound``, a bound
         of how fast the function changes, finds two zeros within a step, too, if they are more than 1/256 of it apart. A zero at
         the start is none.
+    impacts : Impacts or callable, optional
+        Surfaces that bodies rebound from, see `kickdrift.Impacts`; a function alone is a gap with restitution 1.
+    switches : callable, optional
+        A function of the state, a number or an array of them, at whose zeros the force changes its law: steps end there, so
+        that the method keeps its order. The last of the ``params`` that the force gets are the sides, 1 or -1, on which
+        steps are to their ends; forces that jump have to ask these, as a step looks beyond its end before it is cut.
     step_control : optional
         What chooses the size of each step: a density, which is a function of the state, ``"distance"``, ``"acceleration"`` or
         ``"own"``, for reversible steps as `kickdrift.HairerSoderlind` describes them; or that or one of
@@ -135,29 +145,38 @@ def solve(
     check_bounds = choice("check_bounds", check_bounds)
     progress = None if progress is None else choice("progress", progress)
     control = control_of(step_control, step, rtol, atol)
+    if control is not None and (impacts is not None or switches is not None):
+        raise ArgumentError(
+            f"step_control={control!r} and impacts or switches are given, but each chooses the steps; leave one out."
+        )
     if control is not None and method is None and order is None:
         method = control.method
     try:
         grid: Grid | Course
-        if control is None:
+        if control is None and impacts is None and switches is None:
             grid = lay_grid(t_span, step, t_eval, save_every, start.x.size)
         else:
-            grid = lay_course(t_span, step, t_eval, save_every)
+            grid = lay_course(t_span, step, t_eval, save_every, divides=control is None)
         with compiling_announced(progress):
-            system = describe(problem, grid.t0, start, params, compiles, check_bounds)
+            adapter = Adapter(grid.t0, start.x, start.v, params, compiles, check_bounds)
+            sides = sides_at(switches, problem, adapter)
+            system = describe(problem, grid.t0, start, np.append(params, sides), compiles, check_bounds)
             if isinstance(grid, Grid):
                 check_between(system, grid)
             chosen = choose(method, order, system, grid.t0, grid.step, grid.t1 - grid.t0)
             check_direction(chosen.method, grid.step)
-            adapt = partial(function_of_state, grid.t0, start, params, compiles, check_bounds)
             controller = None
             if control is not None:
-                system, controller = controlled(control, system, chosen.method, grid.t0, adapt, step is not None)
-            wanted = events_of(events, adapt)
+                first_is_given = step is not None
+                system, controller = controlled(control, system, chosen.method, grid.t0, adapter.number, first_is_given)
+            elif isinstance(grid, Course):
+                place_of_sides = params.size if sides.size else -1
+                system, controller = cut_steps(impacts, switches, system, chosen.method, grid, adapter, place_of_sides)
+            wanted = events_of(events, adapter.number)
             processing = compile_method(
                 system, chosen.method, grid, compensated, turns=not wanted, controller=controller
             )
-            parts = None if controller is None or not processing.kernel.program.transformed else controller
+            parts = None if controller is None else controller.between
             between = partial(compile_method, system, chosen.method, grid, compensated, controller=parts)
             watch = watch_for(wanted, system, partial(between, turns=False), grid.t1)
         processing.enter()
