@@ -292,7 +292,9 @@ FLOWS = {
     "begin-trial": Flow(error_control.begin_trial, primer="choose-first-step"),
     "end-coarse": Flow(error_control.end_coarse, moves_x=True, moves_v=True, timed=False),
     "judge": Flow(error_control.judge, moves_x=True, moves_v=True, timed=False),
-    "take-sides": Flow(cuts.take_sides, parts={"find_gaps": impact.evaluate_gaps}),
+    "take-sides": Flow(  # after which the accelerations of before are none
+        cuts.take_sides, parts={"find_gaps": impact.evaluate_gaps}, keeps_acceleration=False
+    ),
     "begin-cut": Flow(
         cuts.begin_cut, parts={"keep_state": error_control.begin_trial, "find_gaps": impact.evaluate_gaps}
     ),
