@@ -26,6 +26,7 @@ T = TypeVar("T")
 
 # Formats, as headers name them
 SOLUTION, RECORDING, WORLD = "kickdrift solution 1", "kickdrift recording 2", "kickdrift world 4"
+ENSEMBLE = "kickdrift ensemble 1"
 
 _HEADER = "header"
 _LARGE, _MOST_TIMES = 1 << 30, 100  # bytes in memory from which on they may be so many times those on disk
@@ -109,7 +110,12 @@ def read(path: str | Path, what: str, writer: str, assemble: Callable[[dict[str,
         with opened(path) as handle, np.load(handle, allow_pickle=False) as file:
             header = json.loads(str(file[_HEADER]))
             arrays = {name: file[name] for name in file.files if name != _HEADER}
-        other = header["format"] not in (SOLUTION, RECORDING, WORLD)  # the digest of another version may be another
+        other = header["format"] not in (
+            SOLUTION,
+            RECORDING,
+            WORLD,
+            ENSEMBLE,
+        )  # the digest of another version may be another
         if not other and header["digest"] != digest(header, arrays):
             raise ValueError("it was changed after it was written")
         return assemble(header, arrays)
