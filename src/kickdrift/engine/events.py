@@ -28,6 +28,7 @@ _NUMBERS = 1 << 16  # of states that are kept until they are asked
 _MOST_ROWS = 4096
 # Of a step in which a function may pass through zero and back. One that stays near zero has 256 parts asked in each step.
 _HALVINGS = 8
+_ROUNDING = 1e-9  # of a step: a zero that is so little after its end is in it
 
 
 class Event(NamedTuple):
@@ -47,6 +48,18 @@ class Zero(NamedTuple):
     event: int
     x: Floats
     v: Floats
+
+
+class Seen(NamedTuple):
+    """What was found of events up to a step: zeros, the steps in which further ones are, and the evaluations that it took.
+
+    No zero up to the time `beyond` ends a run: it went on from there.
+    """
+
+    zeros: tuple[Zero, ...]
+    waiting: tuple[tuple[int, Brackets], ...]
+    evaluations: int
+    beyond: float | None = None
 
 
 class Found(NamedTuple):
@@ -137,7 +150,23 @@ class Watch:
         self._zeros: list[Zero] = []
         self._waiting: list[tuple[int, Brackets]] = []  # zeros that end nothing: sought many at once
         self._x, self._v = system.x0[None], system.v0[None]
+        self._beyond: float | None = None
         self._xs = self._vs = np.zeros((0, 0))
+
+    def seen(self, step: int, beyond: float | None) -> Seen:
+        """Return what was found up to a step; no zero up to `beyond`, if it is given, will end the run again."""
+        sign, until = math.copysign(1.0, self._step), self._t0 + (step + _ROUNDING) * self._step
+        waiting = [
+            (k, brackets.part(sign * brackets.t < sign * (until - 0.5 * self._step))) for k, brackets in self._waiting
+        ]
+        zeros = tuple(zero for zero in self._zeros if sign * zero.t <= sign * until)
+        return Seen(zeros, tuple(waiting), self.evaluations, self._beyond if beyond is None else beyond)
+
+    def go_on(self, seen: Seen, step: int, x: Floats, v: Floats) -> None:
+        """Go on after a step from what was found up to there, and the state of the loop then, which is overwritten."""
+        self._zeros, self._waiting = list(seen.zeros), list(seen.waiting)
+        self.evaluations, self._beyond = seen.evaluations, seen.beyond
+        self._x, self._v = self._processing.seen(np.array([self._t0 + step * self._step]), x[None], v[None])
 
     def rows(self, count: int, size: int, size_of_v: int) -> tuple[Floats, Floats]:
         """Return rows for so many states of the loop, of such sizes, at which the next look is."""
@@ -163,7 +192,7 @@ class Watch:
                 self._waiting.append((k, brackets))
         stop, failure = self._stop(), ""
         if stop is not None:
-            steps = min(steps, max(math.ceil((stop.t - t[0]) / self._step - 1e-9) - 1, 0))
+            steps = min(steps, max(math.ceil((stop.t - t[0]) / self._step - _ROUNDING) - 1, 0))
         elif bad.size:
             k = int(np.argmax(np.isnan([value[bad[0]] for value in values])))
             failure = f" {self.events[k].name}, gave no number at t={float(t[bad[0]])!r}."
@@ -185,8 +214,10 @@ class Watch:
 
     def _stop(self) -> Zero | None:
         """Return the first zero that ends the run."""
-        counts = [0] * len(self.events)
-        for zero in sorted(self._zeros, key=lambda zero: zero.t * math.copysign(1.0, self._step)):
+        counts, sign = [0] * len(self.events), math.copysign(1.0, self._step)
+        for zero in sorted(self._zeros, key=lambda zero: zero.t * sign):
+            if self._beyond is not None and sign * zero.t <= sign * (self._beyond + _ROUNDING * self._step):
+                continue
             counts[zero.event] += 1
             if 0 < self.events[zero.event].terminal <= counts[zero.event]:
                 return zero

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,6 +28,8 @@ class Grid:
         Their times.
     wanted : array or None
         The times that the solution has instead, between those as they may be.
+    every : int or None
+        How many steps lie between rows; None where times were given.
     """
 
     t0: float
@@ -37,6 +39,7 @@ class Grid:
     save_steps: NDArray[np.int64]
     times: NDArray[np.float64]
     wanted: NDArray[np.float64] | None = None
+    every: int | None = None
 
 
 def lay_grid(
@@ -71,10 +74,9 @@ def lay_grid(
         save_steps = np.unique(save_steps)
         times = np.where(save_steps == n_steps, t1, t0 + save_steps * h)
         return Grid(t0, t1, h, n_steps, save_steps, times, wanted)
-    save_steps = _every(save_every, n_steps, state_size)
-    times = np.asarray(t0 + save_steps * h, dtype=np.float64)
-    times[-1] = t1
-    return Grid(t0, t1, h, n_steps, save_steps, times)
+    every = _stride(save_every)
+    check_kept(None if save_every is None else every, n_steps, 16 * (state_size + 1), ", or t_eval")
+    return _every(t0, t1, h, n_steps, every)
 
 
 def _span(t_span: Sequence[float]) -> tuple[float, float]:
@@ -108,13 +110,64 @@ def _largest_step(step: float, length: float, rounding: float) -> float:
     return value
 
 
-def _every(save_every: int | None, n_steps: int, state_size: int) -> NDArray[np.int64]:
+def lengthen(grid: Grid, t1: float, done: int, state_size: int) -> Grid:
+    """Lay the same steps up to another end, with the rows of a run that had always ended there.
+
+    Where times were given, the new end is kept, too.
+
+    Raises
+    ------
+    ArgumentError
+        For an end that is no whole number of steps away, or not after those that are `done`; and for more rows than fit in
+        memory.
+    """
+    try:
+        t1 = real(t1)
+    except TypeError:
+        raise ArgumentError(f"t={t1!r} must be a time, the new end.") from None
+    ahead = (t1 - grid.t0) / grid.step
+    if not math.isfinite(t1) or ahead > 2**53:
+        raise ArgumentError(f"t={t1!r} must be finite, and less than 2**53 steps of {grid.step!r} away.")
+    rounding = 1e-9 + 4 * np.finfo(float).eps * max(abs(t1), abs(grid.t0)) / abs(grid.step)
+    n_steps = round(ahead)
+    if n_steps <= done:
+        end = grid.t0 + done * grid.step
+        raise ArgumentError(
+            f"t={t1!r} does not lie beyond what is done, {end!r}; what lies before it, solution(t) gives."
+        )
+    if abs(ahead - n_steps) > rounding:
+        near = [grid.t0 + (math.floor(ahead) + k) * grid.step for k in (0, 1)]
+        raise ArgumentError(
+            f"t={t1!r} is no whole number of steps of {grid.step!r} away from {grid.t0!r}, and the step stays what it is;"
+            f" the nearest times are {near[0]!r} and {near[1]!r}."
+        )
+    if grid.every is not None:
+        check_kept(grid.every, n_steps, 16 * (state_size + 1))
+        return _every(grid.t0, t1, grid.step, n_steps, grid.every)
+    before = grid.save_steps < n_steps
+    save_steps, times = np.append(grid.save_steps[before], n_steps), np.append(grid.times[before], t1)
+    wanted = None
+    if grid.wanted is not None:
+        before = (grid.wanted - t1) * grid.step < 0.0
+        wanted = np.append(grid.wanted[before], t1)
+    return replace(grid, t1=t1, n_steps=n_steps, save_steps=save_steps, times=times, wanted=wanted)
+
+
+def _every(t0: float, t1: float, h: float, n_steps: int, every: int) -> Grid:
+    """Return a grid that keeps every so many steps, and the last."""
+    save_steps = np.arange(0, n_steps + 1, min(every, n_steps), dtype=np.int64)
+    if save_steps[-1] != n_steps:
+        save_steps = np.append(save_steps, n_steps)
+    times = np.asarray(t0 + save_steps * h, dtype=np.float64)
+    times[-1] = t1
+    return Grid(t0, t1, h, n_steps, save_steps, times, every=every)
+
+
+def _stride(save_every: int | None) -> int:
     stride = 1 if save_every is None else save_every
     if isinstance(stride, bool) or not isinstance(stride, int | np.integer) or stride < 1:
         raise ArgumentError(f"save_every={save_every!r} must be a positive whole number of steps.")
-    check_kept(None if save_every is None else int(stride), n_steps, 16 * (state_size + 1), ", or t_eval")
-    steps = np.arange(0, n_steps + 1, min(int(stride), n_steps), dtype=np.int64)
-    return steps if steps[-1] == n_steps else np.append(steps, n_steps)
+    return int(stride)
 
 
 def _wanted_times(t_eval: ArrayLike, t0: float, t1: float) -> NDArray[np.float64]:

@@ -1,5 +1,6 @@
 """From a run to its solution: what was kept, what it conserves, and how it went."""
 
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -12,9 +13,10 @@ from kickdrift.engine.dense import DenseOutput
 from kickdrift.engine.events import Watch, Zero
 from kickdrift.engine.grid import Grid
 from kickdrift.engine.method_selection import Choice
-from kickdrift.engine.processing import Processing, compile_method
-from kickdrift.engine.run import Ending, Run
+from kickdrift.engine.processing import compile_method
+from kickdrift.engine.run import Ending
 from kickdrift.engine.solution import Description, Invariants, Solution
+from kickdrift.engine.task import Journey, Standing, Task
 from kickdrift.methods import Method
 from kickdrift.systems.system import System
 
@@ -22,22 +24,14 @@ Floats = NDArray[np.float64]
 
 
 def report(
-    system: System,
-    chosen: Choice,
-    grid: Grid,
-    processing: Processing,
-    run: Run,
-    ending: Ending,
-    compensated: bool,
-    watch: Watch | None,
+    journey: Journey, ending: Ending, continuation: Callable[[Task, Standing], Callable[..., Solution]]
 ) -> Solution:
-    """Return what a run has kept, as people see it."""
-    t = np.append(grid.times, grid.times[-1])[: ending.saved]
-    steps = np.append(grid.save_steps, ending.n_steps)[: ending.saved]
-    if not ending.outcome.success and ending.saved:  # the last row is where it ended, on the grid of rows or not
-        t[-1], steps[-1] = grid.t0 + ending.n_steps * grid.step, ending.n_steps
-    xs, vs = processing.leave(grid, steps, run.xs[: ending.saved], run.vs[: ending.saved])
-    evaluations = ending.evaluations + processing.evaluations(ending.saved)
+    """Return what a run has kept, as people see it, and what goes on from there, which `continuation` makes."""
+    task, processing, watch = journey.task, journey.processing, journey.watch
+    system, grid = task.system, task.grid
+    t, xs, vs = _seen_rows(journey, ending)
+    standing = journey.standing(ending, xs, vs)
+    evaluations = ending.evaluations + processing.evaluations(t.size)
     end = grid.t1 if ending.n_steps == grid.n_steps else grid.t0 + ending.n_steps * grid.step
     if ending.stop is not None:
         end = ending.stop.t
@@ -46,7 +40,7 @@ def report(
             np.append(xs, ending.stop.x[None], axis=0),
             np.append(vs, ending.stop.v[None], axis=0),
         )
-    dense = _dense(system, chosen.method, grid, compensated, end, t, xs, vs)
+    dense = _dense(system, task.chosen.method, grid, task.compensated, end, t, xs, vs)
     message = ending.message
     zeros: tuple[tuple[Zero, ...], ...] = ()
     if watch is not None:
@@ -71,14 +65,28 @@ def report(
         n_steps=ending.n_steps,
         n_force_evaluations=evaluations,
         wall_time=ending.wall_time,
-        about=_description(system, chosen, compensated),
+        about=_description(system, task.chosen, task.compensated),
         derived=_derived(system, t, xs, vs),
         error_estimate=None if ending.estimated is None else ending.estimated.reshape(system.x0.shape),
         dense=dense,
+        continuation=continuation(task, standing),
         t_events=tuple(np.array([zero.t for zero in own]) for own in zeros),
         x_events=tuple(np.array([zero.x for zero in own]).reshape(len(own), *system.x0.shape) for own in zeros),
         v_events=tuple(np.array([zero.v for zero in own]).reshape(len(own), *system.v0.shape) for own in zeros),
     )
+
+
+def _seen_rows(journey: Journey, ending: Ending) -> tuple[Floats, Floats, Floats]:
+    """Return the times and rows of a run as people see them, those of before it began among them."""
+    grid, rows, before = journey.task.grid, journey.rows, journey.before
+    steps = rows.steps(ending.n_steps)
+    xs, vs = journey.processing.leave(grid, steps, rows.xs[: rows.count], rows.vs[: rows.count])
+    if before is not None:
+        xs, vs = np.concatenate((before.xs, xs)), np.concatenate((before.vs, vs))
+    t = np.append(grid.times, grid.times[-1])[: len(xs)]
+    if not ending.outcome.success and t.size:  # the last row is where it ended, on the grid of rows or not
+        t[-1] = grid.t0 + ending.n_steps * grid.step
+    return t, xs, vs
 
 
 def _zeros(watch: Watch, end: float) -> tuple[tuple[tuple[Zero, ...], ...], str]:

@@ -30,6 +30,28 @@ class Checkpoint:
 
 
 @dataclass(frozen=True)
+class Mark:
+    """A state of the loop, and the step after which it was that."""
+
+    state: State
+    step: int
+
+
+@dataclass(frozen=True)
+class Leg:
+    """A part of a run: where it begins, None for the start, the step at which it ends, and the rows kept on the way.
+
+    Of `xs` and `vs` there is a row more than there are `save_steps`, for a run that ends early between two of them.
+    """
+
+    begin: Mark | None
+    until: int
+    save_steps: NDArray[np.int64]
+    xs: Floats
+    vs: Floats
+
+
+@dataclass(frozen=True)
 class Ending:
     """How a run ended: outcome and sentence, steps, rows filled, evaluations, seconds in the loop, estimated errors.
 
@@ -47,27 +69,29 @@ class Ending:
 
 
 class Run:
-    """The steps of a grid, and the rows that are kept of them.
+    """The steps of a leg over a grid, and the rows that are kept of them.
 
     Attributes
     ----------
-    xs, vs : (T, n) array
-        The rows, filled as the run goes; one more than the grid's if the run ends early between two of them.
+    checkpoint : Checkpoint
+        The last good state.
     """
 
-    def __init__(self, stepper: Stepper, grid: Grid, progress: bool | None = None, watch: Watch | None = None) -> None:
-        self._stepper, self._state, self._grid, self._progress = stepper, stepper.state, grid, progress
+    def __init__(self, stepper: Stepper, grid: Grid, leg: Leg, watch: Watch | None = None) -> None:
+        self._stepper, self._state, self._grid, self._leg = stepper, stepper.state, grid, leg
         self._watch, self._most = watch, grid.n_steps if watch is None else watch.most
         self._stop: Zero | None = None
-        rows = grid.save_steps.size + 1
-        self.xs, self.vs = np.empty((rows, self._state.x.size)), np.empty((rows, self._state.v.size))
-        self._checkpoint = Checkpoint(self._state.copy(), 0, 0)
+        if leg.begin is not None:
+            self._state.restore(leg.begin.state)
+        self.checkpoint = Checkpoint(self._state.copy(), 0 if leg.begin is None else leg.begin.step, 0)
         self._spare: State | None = None
 
-    def go(self) -> Ending:
-        """Run to the end of the grid, or as far as it goes; what was done is kept in any case."""
-        started, outcome, cause = time.perf_counter(), Outcome.COMPLETED, ""
-        bar = Bar(self._grid.n_steps, self._progress)
+    def go(self, bar: Bar, started: float) -> Ending:
+        """Go to the end of the leg, or as far as it goes; what was done is kept in any case.
+
+        The bar shows how far the run is that `started` then.
+        """
+        began, outcome, cause = time.perf_counter(), Outcome.COMPLETED, ""
         try:
             failure = self._begin() or self._do_chunks(bar, started)
             if failure is not None:
@@ -75,44 +99,44 @@ class Run:
         except KeyboardInterrupt:
             # It may have come in the middle of a chunk, or between its end and the note of it.
             outcome = Outcome.INTERRUPTED
-        finally:
-            bar.close()
-        self._state.restore(self._checkpoint.state)
-        return self._ending(outcome, cause, self._keep_last(), time.perf_counter() - started)
+        self._state.restore(self.checkpoint.state)
+        return self._ending(outcome, cause, self._keep_last(), time.perf_counter() - began)
 
     def _begin(self) -> Failure | None:
         """Keep the start, which primers do not move."""
-        if starts := self._grid.save_steps[0] == 0:
-            self.xs[0], self.vs[0] = self._state.x, self._state.v
-        self._checkpoint = Checkpoint(self._checkpoint.state, 0, int(starts))
+        if self._leg.begin is not None:
+            return None
+        if starts := bool(self._leg.save_steps.size and self._leg.save_steps[0] == 0):
+            self._leg.xs[0], self._leg.vs[0] = self._state.x, self._state.v
+        self.checkpoint = Checkpoint(self.checkpoint.state, 0, int(starts))
         if self._stepper.program.primers:
             try:
                 self._stepper.prime()
             except Exception as error:
                 return _raised(error)
-            self._checkpoint = Checkpoint(self._state.copy(), 0, int(starts))
+            self.checkpoint = Checkpoint(self._state.copy(), 0, int(starts))
         return None
 
     def _do_chunks(self, bar: Bar, started: float) -> Failure | None:
         """Do the steps, in chunks that Ctrl-C waits for, each of which ends with a checkpoint."""
-        chunk, n_steps = 1, self._grid.n_steps
-        while (good := self._checkpoint).step < n_steps:
+        chunk, until = 1, self._leg.until
+        while (good := self.checkpoint).step < until:
             chunk_started = time.perf_counter()
-            target = min(good.step + min(chunk, self._most), n_steps)
+            target = min(good.step + min(chunk, self._most), until)
             saved, failure = self._attempt(target)
             if failure is not None:
                 stopped = self._find_last_good(target)
                 if stopped is not None:
                     return stopped
-                _, repeated = self._attempt(self._checkpoint.step + 1)
+                _, repeated = self._attempt(self.checkpoint.step + 1)
                 return repeated or failure  # a function may fail once and not again
             stopped = self._look(target)
             if stopped is not None:
                 return stopped
             reached = time.perf_counter()
             # Two copies in turns: an interruption while one is written finds the other. The last is the state itself.
-            copy = self._state if target == n_steps else self._state.copy(good.state, into=self._spare)
-            self._checkpoint, self._spare = Checkpoint(copy, target, saved), good.state
+            copy = self._state if target == until else self._state.copy(good.state, into=self._spare)
+            self.checkpoint, self._spare = Checkpoint(copy, target, saved), good.state
             now = time.perf_counter()
             chunk = next_chunk(target - good.step, reached - chunk_started, _LEAST_SHARE * (now - reached))
             bar.show(target, now - started)
@@ -120,7 +144,7 @@ class Run:
 
     def _attempt(self, target: int) -> tuple[int, Failure | None]:
         """Run from the checkpoint, and say how many rows are filled and what went wrong, if anything did."""
-        step, saved = self._checkpoint.step, self._checkpoint.saved
+        step, saved = self.checkpoint.step, self.checkpoint.saved
         try:
             reached, saved = self._advance(step, target, saved)
         except Exception as error:
@@ -136,38 +160,38 @@ class Run:
     def _advance(self, step: int, target: int, saved: int) -> tuple[int, int]:
         """Do steps and keep rows, those that events want to look at in an array of their own."""
         if self._watch is None:
-            return self._stepper.advance(step, target, self._grid.save_steps, saved, self.xs, self.vs)
+            return self._stepper.advance(step, target, self._leg.save_steps, saved, self._leg.xs, self._leg.vs)
         every = np.arange(step + 1, target + 1)
         xs, vs = self._watch.rows(every.size, self._state.x.size, self._state.v.size)
         reached, _ = self._stepper.advance(step, target, every, 0, xs, vs)
-        until = int(np.searchsorted(self._grid.save_steps, reached, side="right"))
-        wanted = self._grid.save_steps[saved:until] - step - 1
-        self.xs[saved:until], self.vs[saved:until] = xs[wanted], vs[wanted]
+        until = int(np.searchsorted(self._leg.save_steps, reached, side="right"))
+        wanted = self._leg.save_steps[saved:until] - step - 1
+        self._leg.xs[saved:until], self._leg.vs[saved:until] = xs[wanted], vs[wanted]
         return reached, until
 
     def _look(self, target: int) -> Failure | None:
         """Look for events after the checkpoint; where one ends the run, make the last step before it the checkpoint."""
         if self._watch is None:
             return None
-        first = self._checkpoint.step
+        first = self.checkpoint.step
         try:
             found = self._watch.look(first, target - first)
         except Exception as error:  # of the force, which may fail between steps and not at their ends
             return _raised(error)
         if found.stop is None and not found.failure:
             return None
-        self._state.restore(self._checkpoint.state)
+        self._state.restore(self.checkpoint.state)
         saved, _ = self._attempt(first + found.steps)
-        self._checkpoint, self._stop = Checkpoint(self._state.copy(), first + found.steps, saved), found.stop
+        self.checkpoint, self._stop = Checkpoint(self._state.copy(), first + found.steps, saved), found.stop
         if found.stop is None:
             return Outcome.FAILED, found.failure
         return Outcome.STOPPED, f" There, {self._watch.events[found.stop.event].name}, is zero."
 
     def _find_last_good(self, bad: int) -> Failure | None:
         """Find the last good state by halves: what is not finite stays so, and every rerun gives the same bits."""
-        while bad - self._checkpoint.step > 1:
-            middle = (self._checkpoint.step + bad) // 2
-            self._state.restore(self._checkpoint.state)
+        while bad - self.checkpoint.step > 1:
+            middle = (self.checkpoint.step + bad) // 2
+            self._state.restore(self.checkpoint.state)
             saved, failure = self._attempt(middle)
             if failure is not None:
                 bad = middle
@@ -175,21 +199,21 @@ class Run:
             stopped = self._look(middle)
             if stopped is not None:
                 return stopped
-            self._checkpoint = Checkpoint(self._state.copy(self._checkpoint.state), middle, saved)
-        self._state.restore(self._checkpoint.state)
+            self.checkpoint = Checkpoint(self._state.copy(self.checkpoint.state), middle, saved)
+        self._state.restore(self.checkpoint.state)
         return None
 
     def _keep_last(self) -> int:
         """Add the state reached as a last row, if the run ended between two rows of the grid; return how many there are."""
-        save_steps, good = self._grid.save_steps, self._checkpoint
-        ends_on_a_row = good.step == self._grid.n_steps or self._stop is not None
+        save_steps, good = self._leg.save_steps, self.checkpoint
+        ends_on_a_row = good.step == self._leg.until or self._stop is not None
         if ends_on_a_row or (good.saved > 0 and save_steps[good.saved - 1] == good.step):
             return good.saved
-        self.xs[good.saved], self.vs[good.saved] = good.state.x, good.state.v
+        self._leg.xs[good.saved], self._leg.vs[good.saved] = good.state.x, good.state.v
         return good.saved + 1
 
     def _ending(self, outcome: Outcome, cause: str, saved: int, wall_time: float) -> Ending:
-        step, grid, program, message = self._checkpoint.step, self._grid, self._stepper.program, outcome.value
+        step, grid, program, message = self.checkpoint.step, self._grid, self._stepper.program, outcome.value
         if outcome is not Outcome.COMPLETED:
             t = grid.t0 + step * grid.step if self._stop is None else self._stop.t
             message += f" It ends at t={t!r}, after {step} of {grid.n_steps} steps.{cause}"

@@ -138,6 +138,8 @@ class Solution:
         Of each event, the times of its zeros, (K,), and the states there, (K, *shape).
     dense : DenseOutput or None
         What ``solution(t)`` asks; None of solutions that were loaded, and of Langevin dynamics.
+    continuation : callable or None
+        What `continue_to` asks; None of solutions that were loaded.
     """
 
     t: Floats
@@ -157,6 +159,7 @@ class Solution:
     x_events: tuple[Floats, ...] = ()
     v_events: tuple[Floats, ...] = ()
     dense: DenseOutput | None = field(default=None, repr=False)
+    continuation: Callable[[float], "Solution"] | None = field(default=None, repr=False)
 
     presenters: ClassVar[Presenters]
 
@@ -247,6 +250,38 @@ class Solution:
                 " or interpolate between sol.t."
             )
         return self.dense(t)
+
+    def continue_to(self, t: float) -> "Solution":
+        """Run on to another end, with the bits of a run that was never broken.
+
+        It goes on from the state that the loop was left with, at the same step; a run that
+        was interrupted, or ended by an event, goes on as one that reached its end. Events that are `terminal` count anew
+        from there.
+
+        Parameters
+        ----------
+        t : float
+            The new end, a whole number of steps from the start.
+
+        Returns
+        -------
+        Solution
+            From the start to the new end, with the rows that one run would have kept; where `t_eval` said which, the new end is
+            one of them. This one stays as it is, and may be continued again.
+
+        Raises
+        ------
+        ArgumentError
+            For another end than that.
+        KickdriftError
+            If the solution does not know its equations: it was loaded from a file, or comes from another process.
+        """
+        if self.continuation is None:
+            raise KickdriftError(
+                "this solution was read from a file or sent from another process, and does not know its equations; solve with"
+                " checkpoint='folder' what is to go on in another process."
+            )
+        return self.continuation(t)
 
     def report(self) -> str:
         """Return how the run went, as a text of a line per fact."""

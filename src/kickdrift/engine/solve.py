@@ -10,16 +10,15 @@ from kickdrift import methods
 from kickdrift.core.arguments import choice
 from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.announcing import compiling_announced
+from kickdrift.engine.continuation import carry_out
 from kickdrift.engine.dense import check_between
-from kickdrift.engine.events import events_of, watch_for
+from kickdrift.engine.events import events_of
 from kickdrift.engine.grid import lay_grid
 from kickdrift.engine.method_selection import check_direction, check_wanted, choose
 from kickdrift.engine.problem_adapter import describe, function_of_state
-from kickdrift.engine.processing import compile_method
-from kickdrift.engine.report import report
-from kickdrift.engine.run import Run
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.start import parameters, start_of
+from kickdrift.engine.task import Journey, Task
 from kickdrift.systems.problem import Problem
 from kickdrift.systems.system import System
 
@@ -129,14 +128,10 @@ def solve(
             chosen = choose(method, order, system, grid.t0, grid.step, grid.n_steps * grid.step)
             check_direction(chosen.method, grid.step)
             wanted = events_of(events, partial(function_of_state, grid.t0, start, params, compiles, check_bounds))
-            processing = compile_method(system, chosen.method, grid, compensated, turns=not wanted)
-            watch = watch_for(wanted, system, chosen.method, grid, compensated)
-        processing.enter()
-        run = Run(processing.kernel, grid, progress, watch)
+            journey = Journey(Task(system, chosen, grid, compensated, wanted, progress))
     except MemoryError as error:
         raise ArgumentError(
             f"step={step!r}, save_every={save_every!r} and method={method!r} need more memory than there is ({error});"
             " keep fewer steps, or take an explicit method: implicit ones keep a matrix of the state's size squared."
         ) from None
-    ending = run.go()
-    return report(system, chosen, grid, processing, run, ending, compensated, watch)
+    return carry_out(journey)
