@@ -21,6 +21,7 @@ from kickdrift.core.errors import (
     UnsolvedWarning,
 )
 from kickdrift.core.outcomes import Outcome
+from kickdrift.core.version import VERSION
 from kickdrift.engine.solution import Presenters, Solution
 from kickdrift.engine.solve import solve
 from kickdrift.io import load, save, to_xarray
@@ -103,7 +104,7 @@ __all__ = [
     "systems",
 ]
 
-__version__ = "0.1.0"
+__version__ = VERSION
 
 
 def _later(module: str, name: str) -> Callable[..., Any]:

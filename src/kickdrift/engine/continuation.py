@@ -6,7 +6,8 @@ from typing import Any
 from kickdrift.engine.grid import lengthen
 from kickdrift.engine.report import report
 from kickdrift.engine.solution import Solution
-from kickdrift.engine.task import Journey, Standing, Task
+from kickdrift.engine.standing import Standing
+from kickdrift.engine.task import Journey, Task
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -27,7 +28,7 @@ class Continuation:
 
     def __call__(self, t: float) -> Solution:
         """Run on to another end; see `Solution.continue_to`."""
-        grid = lengthen(self.task.grid, t, self.standing.mark.step, self.task.system.x0.size)
+        grid = lengthen(self.task.grid, t, self.standing.reached.step, self.task.system.x0.size)
         return carry_out(Journey(replace(self.task, grid=grid), self.standing))
 
 

@@ -156,9 +156,8 @@ class Watch:
     def seen(self, step: int, beyond: float | None) -> Seen:
         """Return what was found up to a step; no zero up to `beyond`, if it is given, will end the run again."""
         sign, until = math.copysign(1.0, self._step), self._t0 + (step + _ROUNDING) * self._step
-        waiting = [
-            (k, brackets.part(sign * brackets.t < sign * (until - 0.5 * self._step))) for k, brackets in self._waiting
-        ]
+        before = sign * (until - 0.5 * self._step)
+        waiting = [(k, brackets.part(sign * brackets.t < before)) for k, brackets in self._joined()]
         zeros = tuple(zero for zero in self._zeros if sign * zero.t <= sign * until)
         return Seen(zeros, tuple(waiting), self.evaluations, self._beyond if beyond is None else beyond)
 
@@ -205,12 +204,15 @@ class Watch:
         Ctrl-C may have come after zeros were found, and before the run had noted the steps in which they are.
         """
         sign, found = math.copysign(1.0, self._step), list(self._zeros)
-        for k in range(len(self.events)):
-            own = [brackets for event, brackets in self._waiting if event == k]
-            if own:
-                found += self._search(k, reduce(Brackets.joined, own))
+        for k, brackets in self._joined():
+            found += self._search(k, brackets)
         found = sorted((zero for zero in found if sign * zero.t <= sign * end), key=lambda zero: sign * zero.t)
         return tuple(tuple(zero for zero in found if zero.event == k) for k in range(len(self.events)))
+
+    def _joined(self) -> list[tuple[int, Brackets]]:
+        """Return the steps with zeros that are still to be sought, those of an event together."""
+        events = sorted({event for event, _ in self._waiting})
+        return [(k, reduce(Brackets.joined, (own for event, own in self._waiting if event == k))) for k in events]
 
     def _stop(self) -> Zero | None:
         """Return the first zero that ends the run."""
@@ -259,7 +261,7 @@ class Watch:
 
     def _search(self, event: int, brackets: Brackets) -> list[Zero]:
         """Find the zeros of an event, and the states there."""
-        tolerance = 4.0 * np.spacing(np.abs(brackets.t).max() + abs(self._step)) / abs(self._step)
+        tolerance = 4.0 * np.spacing(np.abs(brackets.t) + abs(self._step)) / abs(self._step)
         share = search(brackets, lambda at, shares: self._ask(event, at, shares)[3], tolerance)
         t, x, v, _ = self._ask(event, brackets, share)
         return [Zero(float(t[k]), event, x[k], v[k]) for k in range(t.size)]

@@ -41,6 +41,11 @@ class Grid:
     wanted: NDArray[np.float64] | None = None
     every: int | None = None
 
+    def rows_after(self, step: int) -> NDArray[np.int64]:
+        """Return the steps up to one after which a run to that end, or to a later one, keeps rows."""
+        steps = self.save_steps[: int(np.searchsorted(self.save_steps, step, side="right"))]
+        return steps if self.every is None or not steps.size or steps[-1] % self.every == 0 else steps[:-1]
+
 
 def lay_grid(
     t_span: Sequence[float], step: float, t_eval: ArrayLike | None, save_every: int | None, state_size: int
@@ -151,6 +156,16 @@ def lengthen(grid: Grid, t1: float, done: int, state_size: int) -> Grid:
         before = (grid.wanted - t1) * grid.step < 0.0
         wanted = np.append(grid.wanted[before], t1)
     return replace(grid, t1=t1, n_steps=n_steps, save_steps=save_steps, times=times, wanted=wanted)
+
+
+def with_step(grid: Grid, step: float) -> Grid | None:
+    """Lay a grid with a step that differs by rounding, if at all; None if it would end elsewhere."""
+    rounding = 1e-9 * abs(step) + 4 * np.spacing(max(abs(grid.t0), abs(grid.t1)))
+    if abs(grid.t0 + grid.n_steps * step - grid.t1) > rounding:
+        return None
+    if grid.every is not None:
+        return _every(grid.t0, grid.t1, step, grid.n_steps, grid.every)
+    return replace(grid, step=step)
 
 
 def _every(t0: float, t1: float, h: float, n_steps: int, every: int) -> Grid:

@@ -16,7 +16,8 @@ from kickdrift.engine.method_selection import Choice
 from kickdrift.engine.processing import compile_method
 from kickdrift.engine.run import Ending
 from kickdrift.engine.solution import Description, Invariants, Solution
-from kickdrift.engine.task import Journey, Standing, Task
+from kickdrift.engine.standing import Standing
+from kickdrift.engine.task import Journey, Task
 from kickdrift.methods import Method
 from kickdrift.systems.system import System
 
@@ -29,8 +30,11 @@ def report(
     """Return what a run has kept, as people see it, and what goes on from there, which `continuation` makes."""
     task, processing, watch = journey.task, journey.processing, journey.watch
     system, grid = task.system, task.grid
-    t, xs, vs = _seen_rows(journey, ending)
-    standing = journey.standing(ending, xs, vs)
+    xs, vs = journey.rows.seen(journey.rows.count)
+    t = np.append(grid.times, grid.times[-1])[: len(xs)]
+    if not ending.outcome.success and t.size:  # the last row is where it ended, on the grid of rows or not
+        t[-1] = grid.t0 + ending.n_steps * grid.step
+    standing = journey.standing(ending, None if ending.stop is None else ending.stop.t)
     evaluations = ending.evaluations + processing.evaluations(t.size)
     end = grid.t1 if ending.n_steps == grid.n_steps else grid.t0 + ending.n_steps * grid.step
     if ending.stop is not None:
@@ -60,7 +64,7 @@ def report(
         v=vs,
         invariants=Invariants(tuple(system.quantities), partial(quantities.evaluate, system, t=t, x=xs, v=vs)),
         status=ending.outcome,
-        message=message + quantities.energy_lost(system, t, xs, vs),
+        message=message + journey.said + quantities.energy_lost(system, t, xs, vs),
         step=grid.step,
         n_steps=ending.n_steps,
         n_force_evaluations=evaluations,
@@ -74,19 +78,6 @@ def report(
         x_events=tuple(np.array([zero.x for zero in own]).reshape(len(own), *system.x0.shape) for own in zeros),
         v_events=tuple(np.array([zero.v for zero in own]).reshape(len(own), *system.v0.shape) for own in zeros),
     )
-
-
-def _seen_rows(journey: Journey, ending: Ending) -> tuple[Floats, Floats, Floats]:
-    """Return the times and rows of a run as people see them, those of before it began among them."""
-    grid, rows, before = journey.task.grid, journey.rows, journey.before
-    steps = rows.steps(ending.n_steps)
-    xs, vs = journey.processing.leave(grid, steps, rows.xs[: rows.count], rows.vs[: rows.count])
-    if before is not None:
-        xs, vs = np.concatenate((before.xs, xs)), np.concatenate((before.vs, vs))
-    t = np.append(grid.times, grid.times[-1])[: len(xs)]
-    if not ending.outcome.success and t.size:  # the last row is where it ended, on the grid of rows or not
-        t[-1] = grid.t0 + ending.n_steps * grid.step
-    return t, xs, vs
 
 
 def _zeros(watch: Watch, end: float) -> tuple[tuple[tuple[Zero, ...], ...], str]:

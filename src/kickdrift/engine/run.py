@@ -30,7 +30,7 @@ class Checkpoint:
 
 
 @dataclass(frozen=True)
-class Mark:
+class Reached:
     """A state of the loop, and the step after which it was that."""
 
     state: State
@@ -44,7 +44,7 @@ class Leg:
     Of `xs` and `vs` there is a row more than there are `save_steps`, for a run that ends early between two of them.
     """
 
-    begin: Mark | None
+    begin: Reached | None
     until: int
     save_steps: NDArray[np.int64]
     xs: Floats
@@ -213,17 +213,24 @@ class Run:
         return good.saved + 1
 
     def _ending(self, outcome: Outcome, cause: str, saved: int, wall_time: float) -> Ending:
-        step, grid, program, message = self.checkpoint.step, self._grid, self._stepper.program, outcome.value
-        if outcome is not Outcome.COMPLETED:
-            t = grid.t0 + step * grid.step if self._stop is None else self._stop.t
-            message += f" It ends at t={t!r}, after {step} of {grid.n_steps} steps.{cause}"
-        if outcome in (Outcome.NOT_FINITE, Outcome.NOT_CONVERGED):
-            message += " Try a smaller step."
+        step, program = self.checkpoint.step, self._stepper.program
+        message = sentence(outcome, cause, step, self._grid, None if self._stop is None else self._stop.t)
         evaluations = step * program.evaluations + sum(FLOWS[name].evaluations for name in program.primers)
         evaluations += int(self._state.work[EVALUATIONS])
         work, size = self._state.work, self._state.x.size
         estimated = estimated_errors(size, work).copy() if self._stepper.estimates else None
         return Ending(outcome, message, step, saved, evaluations, wall_time, estimated, self._stop)
+
+
+def sentence(outcome: Outcome, cause: str, step: int, grid: Grid, t: float | None = None) -> str:
+    """Say how a run ended, after which step, and at what time if it is not that of the step."""
+    if outcome is Outcome.COMPLETED:
+        return str(outcome.value)
+    at = grid.t0 + step * grid.step if t is None else t
+    message: str = f"{outcome.value} It ends at t={at!r}, after {step} of {grid.n_steps} steps.{cause}"
+    if outcome in (Outcome.NOT_FINITE, Outcome.NOT_CONVERGED):
+        message += " Try a smaller step."
+    return message
 
 
 def _raised(error: Exception) -> Failure:

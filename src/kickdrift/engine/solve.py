@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from numpy.typing import ArrayLike
@@ -10,10 +11,12 @@ from kickdrift import methods
 from kickdrift.core.arguments import choice
 from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.announcing import compiling_announced
+from kickdrift.engine.checkpoints import Checkpoints
 from kickdrift.engine.continuation import carry_out
 from kickdrift.engine.dense import check_between
 from kickdrift.engine.events import events_of
 from kickdrift.engine.grid import lay_grid
+from kickdrift.engine.identity import identity_of
 from kickdrift.engine.method_selection import check_direction, check_wanted, choose
 from kickdrift.engine.problem_adapter import describe, function_of_state
 from kickdrift.engine.solution import Solution
@@ -40,6 +43,9 @@ def solve(
     compile: bool = True,  # noqa: A002 - a promised name
     check_bounds: bool = True,
     progress: bool | None = None,
+    checkpoint: str | Path | None = None,
+    checkpoint_every: int | None = None,
+    checkpoint_keep: int | None = 2,
 ) -> Solution:
     """Integrate a mechanical system, or other equations of motion, with a fixed step.
 
@@ -89,6 +95,14 @@ def solve(
         large arrays, where a wrong index then reads or overwrites other memory.
     progress : bool, optional
         Whether to show a progress bar. By default one shows on a terminal, for runs longer than two seconds.
+    checkpoint : path, optional
+        A folder for checkpoints, made where it is missing. The same call again, in whatever process, goes on from the newest
+        one with the bits of a run that was never broken; with a later end, too, and with an earlier one from the newest one
+        before it. One process at a time.
+    checkpoint_every : int, optional
+        Steps from one checkpoint to the next; by default they are about a minute apart. Each holds the rows so far.
+    checkpoint_keep : int, optional
+        How many of the last to keep, None for all, from which any earlier time is near.
 
     Returns
     -------
@@ -100,6 +114,8 @@ def solve(
         For an argument that cannot be used, before any work is done.
     MethodMismatchError
         For a method that would lose its order on the problem.
+    FileFormatError
+        If all checkpoints are damaged. Where one cannot be written, as on a full disk, the run ends, with what was done.
 
     Warns
     -----
@@ -120,6 +136,11 @@ def solve(
     compensated, compiles = choice("compensated", compensated), choice("compile", compile)
     check_bounds = choice("check_bounds", check_bounds)
     progress = None if progress is None else choice("progress", progress)
+    if checkpoint is None and checkpoint_every is not None:
+        raise ArgumentError(
+            f"checkpoint_every={checkpoint_every!r} is given without checkpoint, a folder for them; give it."
+        )
+    kept: Checkpoints | None = None
     try:
         grid = lay_grid(t_span, step, t_eval, save_every, start.x.size)
         with compiling_announced(progress):
@@ -128,7 +149,11 @@ def solve(
             chosen = choose(method, order, system, grid.t0, grid.step, grid.n_steps * grid.step)
             check_direction(chosen.method, grid.step)
             wanted = events_of(events, partial(function_of_state, grid.t0, start, params, compiles, check_bounds))
-            journey = Journey(Task(system, chosen, grid, compensated, wanted, progress))
+            task = Task(system, chosen, grid, compensated, wanted, progress)
+            if checkpoint is not None:
+                known = identity_of(problem, grid.t0, start, params, chosen.method, compensated, compiles, events)
+                kept = Checkpoints(checkpoint, checkpoint_every, checkpoint_keep, known)
+            journey = Journey(task, checkpoints=kept)
     except MemoryError as error:
         raise ArgumentError(
             f"step={step!r}, save_every={save_every!r} and method={method!r} need more memory than there is ({error});"

@@ -1,21 +1,23 @@
 """What is to be run, made ready and run: from its start, or on from where it stands."""
 
 import time
+from contextlib import closing
 from dataclasses import dataclass, replace
 
-import numpy as np
-from numpy.typing import NDArray
-
-from kickdrift.engine.events import Event, Seen, Watch, watch_for
+from kickdrift.core.errors import FileFormatError
+from kickdrift.core.interruption import InterruptionNoted
+from kickdrift.core.outcomes import Outcome
+from kickdrift.engine.checkpoints import Checkpoints
+from kickdrift.engine.events import Event, watch_for
 from kickdrift.engine.grid import Grid
+from kickdrift.engine.keeping import find, keep
+from kickdrift.engine.kept_rows import RowsInMemory
 from kickdrift.engine.method_selection import Choice
-from kickdrift.engine.processing import Processing, compile_method
+from kickdrift.engine.processing import compile_method
 from kickdrift.engine.progress import Bar
-from kickdrift.engine.rows import RowsInMemory
-from kickdrift.engine.run import Ending, Leg, Mark, Run
+from kickdrift.engine.run import Ending, Leg, Reached, Run, sentence
+from kickdrift.engine.standing import Standing
 from kickdrift.systems.system import System
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,84 +45,92 @@ class Task:
     progress: bool | None
 
 
-@dataclass(frozen=True, eq=False)
-class Standing:
-    """Where a run stands: the state of the loop, and the rows up to there as people see them.
-
-    Attributes
-    ----------
-    mark : Mark
-    steps : (T,) array of int
-        The steps after which there are rows, on the grid alone.
-    xs, vs : (T, *shape) array
-        The rows.
-    wall_time : float
-        Seconds in the loop.
-    seen : Seen or None
-        What was found of events.
-    """
-
-    mark: Mark
-    steps: NDArray[np.int64]
-    xs: Floats
-    vs: Floats
-    wall_time: float
-    seen: Seen | None
-
-
 class Journey:
     """A task on its way: compiled, with room for its rows.
+
+    Parameters
+    ----------
+    task : Task
+    before : Standing, optional
+        Where it begins.
+    checkpoints : Checkpoints, optional
+        Where it is kept as it goes on; if it was kept there already, it begins there.
 
     Attributes
     ----------
     task : Task
-    before : Standing or None
-        Where it begins.
+        The grid of which has the step that the run began with.
     processing : Processing
     watch : Watch or None
     rows : RowsInMemory
-        Those after the beginning.
+    said : str
+        What is to be said of where it began.
     """
 
-    def __init__(self, task: Task, before: Standing | None = None) -> None:
-        system, method, grid = task.system, task.chosen.method, task.grid
-        self.task, self.before = task, before
-        self.processing: Processing = compile_method(system, method, grid, task.compensated, turns=not task.events)
-        self.watch: Watch | None = watch_for(task.events, system, method, grid, task.compensated)
-        self._state = self.processing.kernel.state
+    def __init__(self, task: Task, before: Standing | None = None, checkpoints: Checkpoints | None = None) -> None:
+        system, method, compensated = task.system, task.chosen.method, task.compensated
+        self.processing = compile_method(system, method, task.grid, compensated, turns=not task.events)
+        self._state, self.said = self.processing.kernel.state, ""
+        found = None if checkpoints is None else find(checkpoints, task.grid, self._state, len(task.events))
+        if found is not None:
+            grid, before, self.said = found
+            task = replace(task, grid=grid)
+            self.processing = compile_method(system, method, grid, compensated, turns=not task.events)
+            self._state = self.processing.kernel.state
+        self.task, self._before, self._checkpoints = task, before, checkpoints
+        self.watch = watch_for(task.events, system, method, task.grid, compensated)
+        self.rows = RowsInMemory(task.grid, self.processing)
         if before is None:
             self.processing.enter()
-        elif self.watch is not None and before.seen is not None:
-            state = before.mark.state
-            self.watch.go_on(before.seen, before.mark.step, state.x.copy(), state.v.copy())
-        self.rows = RowsInMemory(grid, 0 if before is None else before.steps.size, self._state)
+            return
+        self.rows.fill(before.xs, before.vs)
+        if self.watch is not None and before.seen is not None:
+            state = before.reached.state
+            self.watch.go_on(before.seen, before.reached.step, state.x.copy(), state.v.copy())
 
     def go(self) -> Ending:
         """Run to the end of the grid, or as far as it goes."""
-        started, bar = time.perf_counter(), Bar(self.task.grid.n_steps, self.task.progress)
-        begin = None if self.before is None else self.before.mark
-        try:
-            leg = Leg(begin, self.task.grid.n_steps, *self.rows.room(self.task.grid.n_steps))
-            run = Run(self.processing.kernel, self.task.grid, leg, self.watch)
-            ending = run.go(bar, started)
-            self.rows.take(ending.saved)
-        finally:
-            bar.close()
-        before = 0.0 if self.before is None else self.before.wall_time
-        return replace(ending, wall_time=ending.wall_time + before)
+        started, grid = time.perf_counter(), self.task.grid
+        begin, seconds = (None, 0.0) if self._before is None else (self._before.reached, self._before.wall_time)
+        with closing(Bar(grid.n_steps, self.task.progress)) as bar:
+            while True:
+                step = 0 if begin is None else begin.step
+                until = grid.n_steps if self._checkpoints is None else self._checkpoints.until(step, grid.n_steps)
+                run = Run(self.processing.kernel, grid, Leg(begin, until, *self.rows.room(until)), self.watch)
+                ending = run.go(bar, started)
+                self.rows.take(ending.saved, ending.n_steps)
+                if self._checkpoints is not None:
+                    self._checkpoints.pace(ending.n_steps - step, ending.wall_time)
+                seconds += ending.wall_time
+                ending = replace(ending, wall_time=seconds)
+                if self._checkpoints is not None:
+                    ending = self._kept(self._checkpoints, ending)
+                if ending.n_steps == grid.n_steps and self.rows.count < grid.save_steps.size:
+                    self.rows.end(ending.n_steps, self._state)  # it was done before, but not kept, being no regular row
+                if ending.outcome is not Outcome.COMPLETED or ending.n_steps == grid.n_steps:
+                    return ending
+                begin = Reached(self._state, ending.n_steps)
 
-    def standing(self, ending: Ending, xs: Floats, vs: Floats) -> Standing:
-        """Say where the run stands at its end, with the rows, as people see them, that a longer run would have, too."""
-        steps, every = self.task.grid.save_steps, self.task.grid.every
-        steps = steps[: int(np.searchsorted(steps, ending.n_steps, side="right"))]
-        if every is not None and steps.size and steps[-1] % every:
-            steps = steps[:-1]
-        beyond = None if ending.stop is None else ending.stop.t
-        return Standing(
-            mark=Mark(self._state.copy(), ending.n_steps),
-            steps=steps,
-            xs=xs[: steps.size],
-            vs=vs[: steps.size],
-            wall_time=ending.wall_time,
-            seen=None if self.watch is None else self.watch.seen(ending.n_steps, beyond),
-        )
+    def standing(self, ending: Ending, beyond: float | None = None) -> Standing:
+        """Say where the run stands, with the rows that a longer one would have, too; no event up to `beyond` will end it."""
+        after = self.task.grid.rows_after(ending.n_steps)
+        xs, vs = self.rows.seen(after.size)
+        seen = None if self.watch is None else self.watch.seen(ending.n_steps, beyond)
+        return Standing(Reached(self._state.copy(), ending.n_steps), after, xs, vs, ending.wall_time, seen)
+
+    def _kept(self, checkpoints: Checkpoints, ending: Ending) -> Ending:
+        """Keep where the run stands, while Ctrl-C waits, and say how it ended if that is the end of it."""
+        outcome, cause = Outcome.COMPLETED, ""
+        with InterruptionNoted(passed_on=False) as interruption:
+            try:
+                keep(checkpoints, self.task.grid, self.standing(ending))
+            except FileFormatError as error:
+                outcome, cause = Outcome.NOT_WRITTEN, f" {error}"
+        if ending.outcome is not Outcome.COMPLETED:
+            return replace(ending, message=ending.message + cause)
+        if interruption.noted and outcome is Outcome.COMPLETED and ending.n_steps < self.task.grid.n_steps:
+            outcome = Outcome.INTERRUPTED
+        if outcome is Outcome.COMPLETED:
+            return ending
+        self.rows.end(ending.n_steps, self._state)
+        return replace(ending, outcome=outcome, message=sentence(outcome, cause, ending.n_steps, self.task.grid))

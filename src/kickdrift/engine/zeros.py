@@ -37,7 +37,7 @@ def changes(parts: Brackets) -> NDArray[np.bool_]:
     return np.asarray(((first < 0.0) & (last >= 0.0)) | ((first > 0.0) & (last <= 0.0)))
 
 
-def search(brackets: Brackets, value_at: Callable[[Brackets, Floats], Floats], tolerance: float) -> Floats:
+def search(brackets: Brackets, value_at: Callable[[Brackets, Floats], Floats], tolerance: Floats) -> Floats:
     """Find the zero in each bracket, as a share of its step, by the Illinois rule and halves.
 
     M. Dowell, P. Jarratt, BIT 11, 168 (1971).
@@ -47,8 +47,8 @@ def search(brackets: Brackets, value_at: Callable[[Brackets, Floats], Floats], t
     brackets : Brackets
     value_at : callable
         ``value_at(brackets, shares)`` returns the values of the function there.
-    tolerance : float
-        Of the shares.
+    tolerance : array
+        Of each of the shares.
     """
     begin, end, first, last = (array.copy() for array in brackets[3:])
     sign, kept = np.sign(first), np.zeros(begin.size)
@@ -57,7 +57,7 @@ def search(brackets: Brackets, value_at: Callable[[Brackets, Floats], Floats], t
         if not at.size:
             break
         a, b, fa, fb = begin[at], end[at], first[at], last[at]
-        share = _guess(a, b, fa, fb, tolerance, halves=round_ % 3 == 2)
+        share = _guess(a, b, fa, fb, tolerance[at], halves=round_ % 3 == 2)
         value = value_at(brackets.part(at), share)
         later = value * sign[at] > 0.0  # the zero lies after this
         first[at] = np.where(later, value, np.where(kept[at] < 0.0, 0.5 * fa, fa))
@@ -66,7 +66,7 @@ def search(brackets: Brackets, value_at: Callable[[Brackets, Floats], Floats], t
     return end
 
 
-def _guess(a: Floats, b: Floats, fa: Floats, fb: Floats, tolerance: float, *, halves: bool) -> Floats:
+def _guess(a: Floats, b: Floats, fa: Floats, fb: Floats, tolerance: Floats, *, halves: bool) -> Floats:
     """Return where straight lines between the ends pass through zero, or the middle; never too near to an end."""
     middle, near = 0.5 * (a + b), 0.5 * tolerance
     if halves:

@@ -3,9 +3,10 @@
 from pathlib import Path
 from typing import Any
 
+from kickdrift.core import archive
 from kickdrift.core.errors import FileFormatError
 from kickdrift.engine.solution import Solution
-from kickdrift.io import archive, solution_file
+from kickdrift.io import solution_file
 
 
 def load(path: str | Path) -> Solution:

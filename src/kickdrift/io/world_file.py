@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core import archive
 from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError, FileFormatError
-from kickdrift.io import archive
 from kickdrift.io.shapes import Catalogue, shapes_of
 from kickdrift.world.arguments import vector
 from kickdrift.world.integration import BODY_KIND, REMOVED
