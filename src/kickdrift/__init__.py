@@ -145,4 +145,6 @@ Recording.presenters = WorldPresenters(
     report=_later("kickdrift.io.recording_report", "report"),
     animate=_later("kickdrift.plots.animation", "animate_recording"),
     save_world=_later("kickdrift.io.world_file", "save_world"),
+    contents=_later("kickdrift.io.world_file", "contents"),
+    snapshot_of=_later("kickdrift.io.world_file", "snapshot_of"),
 )
