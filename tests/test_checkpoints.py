@@ -13,7 +13,7 @@ import pytest
 
 import kickdrift as kd
 from kickdrift.core import archive
-from kickdrift.engine import checkpoints, identity, task
+from kickdrift.engine import checkpoints, identity, run, task
 
 STEP = 1 / 64
 OPTIONS = {"x0": 1.0, "v0": 0.5, "step": STEP, "save_every": 9, "method": "stormer-verlet"}
@@ -25,6 +25,10 @@ def pulled(t, x):
 
 def crossing(x):
     return x
+
+
+def crossing_in_the_plane(x):
+    return x[1]
 
 
 def solve(folder=None, end=50.0, every=500, problem=pulled, **others):
@@ -118,9 +122,8 @@ def test_from_a_chain_any_earlier_time_is_near(tmp_path, monkeypatch):
         part = solve(tmp_path / "run", end=end, checkpoint_keep=None)
         same(part, solve(end=end))
         assert np.array_equal(part.x[:-1], whole.x[: part.t.size - 1])
-    began = []
-    go = task.Journey.go
-    monkeypatch.setattr(task.Journey, "go", lambda self: began.append(self._before.reached.step) or go(self))
+    began, go_on = [], run.Run.go_on
+    monkeypatch.setattr(run.Run, "go_on", lambda self, standing: began.append(standing.step) or go_on(self, standing))
     solve(tmp_path / "run", end=20.1875, checkpoint_keep=None)
     assert began == [1280]  # the end of the first part, which was kept, too
 
@@ -282,7 +285,7 @@ def test_a_checkpoint_of_another_version_is_refused(tmp_path, monkeypatch):
         solve(tmp_path / "run")
 
 
-@pytest.mark.parametrize("missing", ["x", "work", "rows after", "xs"])
+@pytest.mark.parametrize("missing", ["x", "work", "rows: steps", "rows: xs"])
 def test_a_file_that_lacks_something_is_refused(missing, tmp_path, monkeypatch):
     broken_off(monkeypatch, tmp_path / "run", 1)
     path = tmp_path / "run" / "step-000000000000500.npz"
@@ -356,3 +359,34 @@ def test_a_disk_that_is_full_ends_the_run_and_leaves_the_checkpoints_whole(tmp_p
     assert done.stdout.split() == ["NOT_WRITTEN", "2500"]
     assert files(tmp_path / "run") == ["step-000000000001500.npz", "step-000000000002000.npz"]
     same(solve(tmp_path / "run", save_every=1), solve(save_every=1))
+
+
+@pytest.mark.parametrize(
+    "control",
+    [
+        {"step_control": "distance", "method": "stormer-verlet"},
+        {"step_control": kd.LogarithmicHamiltonian(), "method": "stormer-verlet"},
+        {"rtol": 1e-8, "method": "dop853"},
+        {"step_control": "distance", "method": "stormer-verlet", "events": crossing_in_the_plane},
+        {"step_control": "distance", "method": "stormer-verlet", "t_eval": [0.0, 3.3, 30.0]},
+    ],
+    ids=["density", "logarithmic", "error", "events", "times"],
+)
+def test_steps_that_vary_go_on_too(control, tmp_path, monkeypatch):
+    kepler = kd.systems.kepler(0.8)
+    options = {"problem": kepler, "x0": None, "v0": None, "save_every": None if "t_eval" in control else 5, **control}
+    options |= {} if "rtol" in control else {"step": 0.02}
+    whole = solve(**options)
+    broken_off(monkeypatch, tmp_path / "run", 2, every=30, **options)
+    on = solve(tmp_path / "run", every=30, **options)
+    same(on, whole)
+    assert "It went on from step 60" in on.message
+    assert (on.n_rejected, on.step_range) == (whole.n_rejected, whole.step_range)
+    for one, other in zip(on.t_events, whole.t_events, strict=True):
+        assert one.size > 5
+        assert np.array_equal(one, other)
+    same(solve(tmp_path / "run", **options), whole)
+    with pytest.raises(kd.ArgumentError, match="another t_span"):
+        solve(tmp_path / "run", end=60.0, **options)
+    with pytest.raises(kd.ArgumentError, match="sizes of the steps vary"):
+        on.continue_to(60.0)

@@ -24,6 +24,13 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.core.version import VERSION
 from kickdrift.engine.solution import Presenters, Solution
 from kickdrift.engine.solve import solve
+from kickdrift.engine.step_control import (
+    HairerSoderlind,
+    HuangLeimkuhler,
+    LocalError,
+    LogarithmicHamiltonian,
+    TimeTransformed,
+)
 from kickdrift.io import load, save, to_xarray
 from kickdrift.io.report import report
 from kickdrift.io.xarray import recording_to_xarray
@@ -70,11 +77,15 @@ __all__ = [
     "Damped",
     "Drive",
     "FirstOrder",
+    "HairerSoderlind",
     "Hamiltonian",
+    "HuangLeimkuhler",
     "Hull",
     "InterpretedWarning",
     "KickdriftError",
     "Langevin",
+    "LocalError",
+    "LogarithmicHamiltonian",
     "LostBodyError",
     "MethodMismatchError",
     "Motor",
@@ -90,6 +101,7 @@ __all__ = [
     "Solution",
     "Sphere",
     "System",
+    "TimeTransformed",
     "UnsolvedWarning",
     "World",
     "analysis",

@@ -96,8 +96,8 @@ class Checkpoints:
                 with suppress(OSError):
                     self._file(older).unlink()
 
-    def find(self, last: int) -> Found | None:
-        """Read the newest checkpoint up to a step, or the one before where that one is damaged; None if there is none.
+    def find(self, last: int | None = None) -> Found | None:
+        """Read the newest checkpoint, or the newest up to a step; where it is damaged the one before; None if there is none.
 
         Raises
         ------
@@ -107,7 +107,7 @@ class Checkpoints:
             If all are damaged.
         """
         damaged: list[str] = []
-        for step in (step for step in self._steps() if step <= last):
+        for step in (step for step in self._steps() if last is None or step <= last):
             try:
                 found = archive.read(self._file(step), "a checkpoint", "kickdrift", _assemble)
             except FileFormatError as error:

@@ -3,7 +3,8 @@
 from dataclasses import dataclass, replace
 from typing import Any
 
-from kickdrift.engine.grid import lengthen
+from kickdrift.core.errors import ArgumentError
+from kickdrift.engine.grid import Course, Grid, lengthen
 from kickdrift.engine.report import report
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.standing import Standing
@@ -12,10 +13,11 @@ from kickdrift.engine.task import Journey, Task
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Continuation:
-    """What ``solution.continue_to`` asks: the task, and where it stands."""
+    """What ``solution.continue_to`` asks: the task, where it stands, and whether that is its end."""
 
     task: Task
     standing: Standing
+    ended: bool
 
     def __copy__(self) -> "Continuation":
         return self
@@ -28,8 +30,19 @@ class Continuation:
 
     def __call__(self, t: float) -> Solution:
         """Run on to another end; see `Solution.continue_to`."""
-        grid = lengthen(self.task.grid, t, self.standing.reached.step, self.task.system.x0.size)
-        return carry_out(Journey(replace(self.task, grid=grid), self.standing))
+        return carry_out(Journey(replace(self.task, grid=self._grid(t)), self.standing))
+
+    def _grid(self, t: float) -> Grid | Course:
+        grid = self.task.grid
+        if isinstance(grid, Grid):
+            return lengthen(grid, t, self.standing.step, self.task.system.x0.size)
+        if self.ended or t != grid.t1:
+            rest = "" if self.ended else f" This run can go on to its end, {grid.t1!r}."
+            raise ArgumentError(
+                f"t={t!r}: the sizes of the steps vary, and rows and steps are laid for the end that was given; solve to the"
+                f" later end, with checkpoint='folder' if it takes long.{rest}"
+            )
+        return grid
 
 
 def carry_out(journey: Journey) -> Solution:

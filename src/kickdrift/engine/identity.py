@@ -15,6 +15,7 @@ import numpy as np
 from kickdrift.core.naming import digest, source_digest
 from kickdrift.core.version import VERSION
 from kickdrift.engine.function_key import taken_apart
+from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.start import Start
 from kickdrift.methods import Method
 
@@ -28,14 +29,27 @@ def version() -> str:
 
 
 def identity_of(
-    problem: Any, t0: float, start: Start, params: Any, method: Method, compensated: bool, compiles: bool, events: Any
+    problem: Any,
+    grid: Grid | Course,
+    start: Start,
+    params: Any,
+    method: Method,
+    compensated: bool,
+    compiles: bool,
+    events: Any,
+    control: Any,
 ) -> dict[str, str]:
-    """Say what determines a run beside its step and the rows that it keeps, by the names of the arguments of `solve`."""
+    """Say what determines a run, by the names of the arguments of `solve`.
+
+    Of equal steps their size and the rows are left out, which are compared where they are known: another end changes both.
+    Where sizes vary the end has to be the same.
+    """
+    varies = isinstance(grid, Course)
     functions = [] if events is None else list(events) if isinstance(events, Sequence) else [events]
     flags = [[getattr(function, flag, None) for flag in _FLAGS] for function in functions]
     return {
         "problem": digest(written(problem)),
-        "t_span": repr(t0),
+        "t_span": repr((grid.t0, grid.t1) if varies else grid.t0),
         "x0": digest(written(start.x)),
         "v0": digest(written(start.v)),
         "args": digest(written(params)),
@@ -43,6 +57,10 @@ def identity_of(
         "compensated": repr(compensated),
         "compile": repr(compiles),
         "events": digest(written([functions, flags])),
+        "step_control": digest(written(control)),
+        "save_every or t_eval": digest(written([grid.stride, grid.marks, grid.wanted]))
+        if isinstance(grid, Course)
+        else "",
     }
 
 

@@ -10,16 +10,17 @@ from numpy.typing import NDArray
 from kickdrift.core.errors import FileFormatError
 from kickdrift.engine.checkpoints import Checkpoints
 from kickdrift.engine.events import Seen, Zero
-from kickdrift.engine.grid import Grid, with_step
-from kickdrift.engine.run import Reached
+from kickdrift.engine.grid import Course, Grid, with_step
+from kickdrift.engine.rows import Mark
 from kickdrift.engine.standing import Standing
 from kickdrift.engine.stepper import State
 from kickdrift.engine.zeros import Brackets
 
 Arrays = Mapping[str, NDArray[Any]]
+_ROWS = "rows: "
 
 
-def keep(checkpoints: Checkpoints, grid: Grid, standing: Standing) -> None:
+def keep(checkpoints: Checkpoints, grid: Grid | Course, standing: Standing) -> None:
     """Write a checkpoint of where a run stands.
 
     Raises
@@ -27,25 +28,28 @@ def keep(checkpoints: Checkpoints, grid: Grid, standing: Standing) -> None:
     FileFormatError
         If it cannot be written.
     """
-    state, seen = standing.reached.state, standing.seen
-    header: dict[str, Any] = {"h": grid.step, "wall_time": standing.wall_time}
-    arrays = {"x": state.x, "v": state.v, "scratch": state.scratch, "rows after": standing.steps}
-    arrays |= {"work": np.concatenate([state.work[part] for part in state.kept]), "xs": standing.xs, "vs": standing.vs}
+    state, seen = standing.state, standing.seen
+    header: dict[str, Any] = {"h": grid.step, "wall_time": standing.wall_time, "mark": list(standing.mark)}
+    arrays = {"x": state.x, "v": state.v, "scratch": state.scratch}
+    arrays |= {"work": np.concatenate([state.work[part] for part in state.kept])}
+    arrays |= {_ROWS + name: values for name, values in standing.rows.items()}
     if seen is not None:
         header |= {"evaluations": seen.evaluations, "beyond": seen.beyond}
         arrays |= {f"zeros {name}": np.array([getattr(zero, name) for zero in seen.zeros]) for name in Zero._fields}
         for event, brackets in seen.waiting:
             arrays |= {f"brackets {event} {name}": values for name, values in brackets._asdict().items()}
-    checkpoints.write(standing.reached.step, header, arrays)
+    checkpoints.write(standing.step, header, arrays)
 
 
-def find(checkpoints: Checkpoints, grid: Grid, blank: State, events: int) -> tuple[Grid, Standing, str] | None:
+def find(
+    checkpoints: Checkpoints, grid: Grid | Course, blank: State, events: int
+) -> tuple[Grid | Course, Standing, str] | None:
     """Return where a run stands, on a grid of its own step, and what is to be said of that; None if it is not begun.
 
     Parameters
     ----------
     checkpoints : Checkpoints
-    grid : Grid
+    grid : Grid or Course
         As it would be for a run from the start.
     blank : State
         Of the loop, as large as that which was kept.
@@ -59,24 +63,27 @@ def find(checkpoints: Checkpoints, grid: Grid, blank: State, events: int) -> tup
     FileFormatError
         If it is damaged.
     """
-    found = checkpoints.find(grid.n_steps)
+    found = checkpoints.find(grid.n_steps if isinstance(grid, Grid) else None)
     if found is None:
         return None
     header, arrays, said = found
     try:
-        step, h, after = int(header["step"]), float(header["h"]), arrays["rows after"]
-        reached = Reached(_state_of(arrays, blank), step)
+        h, seconds, mark = float(header["h"]), float(header["wall_time"]), Mark(*header["mark"])
+        rows = {name.removeprefix(_ROWS): values for name, values in arrays.items() if name.startswith(_ROWS)}
+        wanted = ("steps", "xs", "vs") if isinstance(grid, Grid) else ("ts", "sizes", "xs", "vs")
+        if sorted(rows) != sorted(wanted):
+            raise LookupError(f"its rows have {', '.join(rows)}")
         seen = _seen_of(header, arrays, events) if events else None
-        standing = Standing(reached, after, arrays["xs"], arrays["vs"], float(header["wall_time"]), seen)
+        standing = Standing(_state_of(arrays, blank), int(header["step"]), mark, rows, seconds, seen)
     except (LookupError, TypeError, ValueError) as error:
         raise FileFormatError(
             f"checkpoint={str(checkpoints.folder)!r} does not hold what it should ({type(error).__name__}: {error}); remove it"
             " to begin anew."
         ) from None
-    same = with_step(grid, h)
-    if same is None:
+    same = with_step(grid, h) if isinstance(grid, Grid) else grid
+    if same is None or (same is grid and grid.step != h):
         raise checkpoints.refuse(f"step ({abs(h)!r} there, {abs(grid.step)!r} here)")
-    if not np.array_equal(after, same.rows_after(step)):
+    if isinstance(same, Grid) and not np.array_equal(rows["steps"], same.rows_after(standing.step)):
         raise checkpoints.refuse("save_every or t_eval")
     return same, standing, said
 

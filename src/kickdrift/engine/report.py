@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,41 +12,66 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import multipliers, quantities
 from kickdrift.engine.dense import DenseOutput
 from kickdrift.engine.events import Watch, Zero
-from kickdrift.engine.grid import Grid
-from kickdrift.engine.method_selection import Choice
-from kickdrift.engine.processing import compile_method
+from kickdrift.engine.grid import Course, Grid
+from kickdrift.engine.invariants import Invariants
+from kickdrift.engine.processing import Processing
 from kickdrift.engine.run import Ending
-from kickdrift.engine.solution import Description, Invariants, Solution
+from kickdrift.engine.solution import Description, Solution
 from kickdrift.engine.standing import Standing
 from kickdrift.engine.task import Journey, Task
-from kickdrift.methods import Method
 from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
 
 
+class _Kept(NamedTuple):
+    """Rows as people see them: times, states, and the size of the steps from each on."""
+
+    t: Floats
+    x: Floats
+    v: Floats
+    steps: Floats
+
+    def followed_by(self, t: float, x: Floats, v: Floats) -> "_Kept":
+        """Add a row."""
+        return _Kept(
+            np.append(self.t, t),
+            np.concatenate((self.x, x[None])),
+            np.concatenate((self.v, v[None])),
+            np.append(self.steps, self.steps[-1:]),
+        )
+
+
 def report(
-    journey: Journey, ending: Ending, continuation: Callable[[Task, Standing], Callable[..., Solution]]
+    journey: Journey, ending: Ending, continuation: Callable[[Task, Standing, bool], Callable[[float], Solution]]
 ) -> Solution:
     """Return what a run has kept, as people see it, and what goes on from there, which `continuation` makes."""
-    task, processing, watch = journey.task, journey.processing, journey.watch
-    system, grid = task.system, task.grid
-    xs, vs = journey.rows.seen(journey.rows.count)
-    t = np.append(grid.times, grid.times[-1])[: len(xs)]
-    if not ending.outcome.success and t.size:  # the last row is where it ended, on the grid of rows or not
-        t[-1] = grid.t0 + ending.n_steps * grid.step
-    standing = journey.standing(ending, None if ending.stop is None else ending.stop.t)
-    evaluations = ending.evaluations + processing.evaluations(t.size)
-    end = grid.t1 if ending.n_steps == grid.n_steps else grid.t0 + ending.n_steps * grid.step
+    task, processing, between, watch = journey.task, journey.processing, journey.between, journey.watch
+    system, grid, rows = task.system, task.grid, journey.run.rows
+    early, message, standing = (
+        not ending.outcome.success,
+        ending.message + journey.said,
+        journey.run.standing(beyond_the_stop=True),
+    )
+    t = rows.times(ending.saved, ending.n_steps, early)
+    xs, vs = rows.xs[: ending.saved], rows.vs[: ending.saved]
+    if processing.postprocessor is not None:  # which overwrites what the run goes on with
+        xs, vs = xs.copy(), vs.copy()
+    kept = _Kept(t, *processing.leave(t, xs, vs, grid.t0), rows.steps(t))
+    evaluations = ending.evaluations + processing.evaluations(ending.saved)
+    end = rows.time(ending.n_steps) if early else grid.t1
     if ending.stop is not None:
         end = ending.stop.t
-        t, xs, vs = (
-            np.append(t, end),
-            np.append(xs, ending.stop.x[None], axis=0),
-            np.append(vs, ending.stop.v[None], axis=0),
-        )
-    dense = _dense(system, task.chosen.method, grid, task.compensated, end, t, xs, vs)
-    message = ending.message
+        kept = kept.followed_by(end, ending.stop.x, ending.stop.v)
+    dense = _dense(system, grid, between, end, kept)
+    if isinstance(grid, Course) and dense is not None and ending.outcome is Outcome.COMPLETED and t[-1] != end:
+        try:  # the last step leads beyond the end: a part of it to there
+            x, v, own = dense.states_at(np.array([end]))
+            kept, evaluations = kept.followed_by(end, x[0], v[0]), evaluations + own
+            dense = _dense(system, grid, between, end, kept)
+        except (Exception, KeyboardInterrupt) as error:
+            message += f" The last row is before it, as {type(error).__name__} was raised: {error}."
+    t, xs, vs, _ = kept
     zeros: tuple[tuple[Zero, ...], ...] = ()
     if watch is not None:
         zeros, trouble = _zeros(watch, end)
@@ -56,24 +82,26 @@ def report(
             evaluations += own
         except (Exception, KeyboardInterrupt) as error:  # Ctrl-C, or a function that fails between steps alone
             message += f" Times between steps are left out, where {type(error).__name__} was raised: {error}."
-    for kept in (t, xs, vs):
-        kept.flags.writeable = False  # invariants are evaluated later, from the same numbers
+    for array in (t, xs, vs):
+        array.flags.writeable = False  # invariants are evaluated later, from the same numbers
     return Solution(
         t=t,
         x=xs,
         v=vs,
         invariants=Invariants(tuple(system.quantities), partial(quantities.evaluate, system, t=t, x=xs, v=vs)),
         status=ending.outcome,
-        message=message + journey.said + quantities.energy_lost(system, t, xs, vs),
+        message=message + quantities.energy_lost(system, t, xs, vs),
         step=grid.step,
         n_steps=ending.n_steps,
         n_force_evaluations=evaluations,
         wall_time=ending.wall_time,
-        about=_description(system, task.chosen, task.compensated),
+        about=_description(task),
         derived=_derived(system, t, xs, vs),
         error_estimate=None if ending.estimated is None else ending.estimated.reshape(system.x0.shape),
         dense=dense,
-        continuation=continuation(task, standing),
+        continuation=continuation(task, standing, journey.run.ended),
+        step_range=ending.step_range,
+        n_rejected=ending.trials - ending.n_steps,
         t_events=tuple(np.array([zero.t for zero in own]) for own in zeros),
         x_events=tuple(np.array([zero.x for zero in own]).reshape(len(own), *system.x0.shape) for own in zeros),
         v_events=tuple(np.array([zero.v for zero in own]).reshape(len(own), *system.v0.shape) for own in zeros),
@@ -91,19 +119,20 @@ def _zeros(watch: Watch, end: float) -> tuple[tuple[tuple[Zero, ...], ...], str]
 
 
 def _dense(
-    system: System, method: Method, grid: Grid, compensated: bool, end: float, t: Floats, xs: Floats, vs: Floats
+    system: System, grid: Grid | Course, between: Callable[[], Processing], end: float, kept: _Kept
 ) -> DenseOutput | None:
     """Return what gives states between the rows, and between the start and the first; None where noise drives the system."""
     if system.kind is Kind.LANGEVIN:
         return None
+    t, xs, vs, steps = kept
     if not t.size or t[0] != grid.t0:
-        t = np.append(grid.t0, t)
+        t, steps = np.append(grid.t0, t), np.append(grid.step, steps)
         xs, vs = np.concatenate((system.x0[None], xs)), np.concatenate((system.v0[None], vs))
-    return DenseOutput(t, xs, vs, end, grid.step, lambda: compile_method(system, method, grid, compensated))
+    return DenseOutput(t, xs, vs, end, steps, between)
 
 
 def _at_wanted(
-    grid: Grid, ending: Ending, dense: DenseOutput, t: Floats, xs: Floats, vs: Floats
+    grid: Grid | Course, ending: Ending, dense: DenseOutput, t: Floats, xs: Floats, vs: Floats
 ) -> tuple[Floats, Floats, Floats, int]:
     """Return the rows at the times that were wanted, as far as the run went, and the last one where it ended early."""
     assert grid.wanted is not None
@@ -121,8 +150,9 @@ def _derived(system: System, t: Floats, xs: Floats, vs: Floats) -> Invariants:
     return Invariants(("multipliers",) * constrained, lambda name: multipliers.evaluate(system, t, xs, vs))
 
 
-def _description(system: System, chosen: Choice, compensated: bool) -> Description:
-    method = chosen.method
+def _description(task: Task) -> Description:
+    """Describe what is run, for people."""
+    system, method, controller = task.system, task.chosen.method, task.controller
     units = dict(system.units) | {name: quantity.unit for name, quantity in system.quantities.items() if quantity.unit}
     return Description(
         system=system.name,
@@ -130,10 +160,11 @@ def _description(system: System, chosen: Choice, compensated: bool) -> Descripti
         kind=system.kind.name,
         order=method.order,
         word=method.spelling,
-        compensated=compensated,
+        compensated=task.compensated,
         dimensions=system.dimensions or tuple(f"axis_{i}" for i in range(system.x0.ndim)),
         coordinates=dict(system.coordinates),
         units=units,
         source=system.source,
-        choice=chosen.reason,
+        choice=task.chosen.reason,
+        step_control="" if controller is None else f"{controller.name} ({controller.wanted.conserves})",
     )

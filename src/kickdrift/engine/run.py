@@ -1,5 +1,6 @@
 """A run: the loop in chunks, with progress, interruption, and an end at the last good state."""
 
+import sys
 import time
 from dataclasses import dataclass
 
@@ -9,53 +10,34 @@ from numpy.typing import NDArray
 from kickdrift.core.interruption import next_chunk
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.events import Watch, Zero
-from kickdrift.engine.flows.layout import EVALUATIONS, TROUBLE, estimated_errors
+from kickdrift.engine.flows.layout import EVALUATIONS, FAILED_CONTROL, TROUBLE, estimated_errors
 from kickdrift.engine.flows.table import FLOWS
-from kickdrift.engine.grid import Grid
+from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.progress import Bar
+from kickdrift.engine.rows import CourseRows, GridRows, Mark, Stretch
+from kickdrift.engine.standing import Standing
 from kickdrift.engine.stepper import State, Stepper
 
 Floats = NDArray[np.float64]
 Failure = tuple[Outcome, str]  # and what there is to say about its cause
+_NEAR = 1e-9  # of a step: a zero that is so little after its end is in it
 _LEAST_SHARE = 10  # of the time of a chunk over that of the copy after it
 
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """A state to go back to: the copy, the step after which it was made, and the rows filled by then."""
+    """A state to go back to: the copy, the step after which it was made, and how far the rows were by then."""
 
     state: State
     step: int
-    saved: int
-
-
-@dataclass(frozen=True)
-class Reached:
-    """A state of the loop, and the step after which it was that."""
-
-    state: State
-    step: int
-
-
-@dataclass(frozen=True)
-class Leg:
-    """A part of a run: where it begins, None for the start, the step at which it ends, and the rows kept on the way.
-
-    Of `xs` and `vs` there is a row more than there are `save_steps`, for a run that ends early between two of them.
-    """
-
-    begin: Reached | None
-    until: int
-    save_steps: NDArray[np.int64]
-    xs: Floats
-    vs: Floats
+    mark: Mark
 
 
 @dataclass(frozen=True)
 class Ending:
     """How a run ended: outcome and sentence, steps, rows filled, evaluations, seconds in the loop, estimated errors.
 
-    And the zero of an event that ended it.
+    And the zero of an event that ended it, the smallest and the largest step, and how many steps were tried.
     """
 
     outcome: Outcome
@@ -65,172 +47,193 @@ class Ending:
     evaluations: int
     wall_time: float
     estimated: Floats | None
-    stop: Zero | None = None
+    stop: Zero | None
+    step_range: tuple[float, float]
+    trials: int
 
 
 class Run:
-    """The steps of a leg over a grid, and the rows that are kept of them.
+    """The steps of a run, and the rows that are kept of them.
 
     Attributes
     ----------
-    checkpoint : Checkpoint
-        The last good state.
+    rows : GridRows or CourseRows
+        The rows, filled as the run goes.
     """
 
-    def __init__(self, stepper: Stepper, grid: Grid, leg: Leg, watch: Watch | None = None) -> None:
-        self._stepper, self._state, self._grid, self._leg = stepper, stepper.state, grid, leg
-        self._watch, self._most = watch, grid.n_steps if watch is None else watch.most
+    def __init__(self, stepper: Stepper, grid: Grid | Course, watch: Watch | None = None) -> None:
+        self._stepper, self._state, self._grid = stepper, stepper.state, grid
+        self.rows = GridRows(stepper, grid) if isinstance(grid, Grid) else CourseRows(stepper, grid)
+        self._watch, self._looked = watch, Stretch(np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)))
         self._stop: Zero | None = None
-        if leg.begin is not None:
-            self._state.restore(leg.begin.state)
-        self.checkpoint = Checkpoint(self._state.copy(), 0 if leg.begin is None else leg.begin.step, 0)
+        self._checkpoint = Checkpoint(self._state.copy(), 0, Mark())
         self._spare: State | None = None
+        self._begun, self._seconds = False, 0.0
 
-    def go(self, bar: Bar, started: float) -> Ending:
-        """Go to the end of the leg, or as far as it goes; what was done is kept in any case.
+    @property
+    def step(self) -> int:
+        """How many steps are done."""
+        return self._checkpoint.step
 
-        The bar shows how far the run is that `started` then.
+    @property
+    def ended(self) -> bool:
+        """Whether the end of the grid is reached."""
+        return self.rows.ended(self.step)
+
+    def go_on(self, standing: Standing) -> None:
+        """Begin where another run of the same task stands."""
+        self._state.restore(standing.state)
+        mark = self.rows.go_on(standing.rows, standing.step, standing.mark)
+        self._checkpoint = Checkpoint(self._state.copy(), standing.step, mark)
+        self._begun, self._seconds = True, standing.wall_time
+        if self._watch is not None and standing.seen is not None:
+            t = self.rows.time(standing.step)
+            self._watch.go_on(standing.seen, t, self._state.x.copy(), self._state.v.copy())
+
+    def standing(self, beyond_the_stop: bool = False) -> Standing:
+        """Say where the run stands; whether the event that ended it, if one did, is not to end it again."""
+        good, seen = self._checkpoint, None
+        if self._watch is not None:
+            beyond = self._stop.t if beyond_the_stop and self._stop is not None else None
+            seen = self._watch.seen(self.rows.time(good.step), _NEAR * abs(self._grid.step), beyond)
+        return Standing(
+            self._state.copy(), good.step, good.mark, self.rows.kept(good.step, good.mark), self._seconds, seen
+        )
+
+    def go(self, bar: Bar, started: float, until: int = sys.maxsize) -> Failure | None:
+        """Go to the end of the grid or up to a step, or as far as it goes, and say what ended it before.
+
+        What was done is kept in any case. The bar shows how far the run is that was `started` then.
         """
-        began, outcome, cause = time.perf_counter(), Outcome.COMPLETED, ""
+        began, failure = time.perf_counter(), None
         try:
-            failure = self._begin() or self._do_chunks(bar, started)
-            if failure is not None:
-                outcome, cause = failure
+            failure = self._begin() or self._do_chunks(bar, started, until)
         except KeyboardInterrupt:
             # It may have come in the middle of a chunk, or between its end and the note of it.
-            outcome = Outcome.INTERRUPTED
-        self._state.restore(self.checkpoint.state)
-        return self._ending(outcome, cause, self._keep_last(), time.perf_counter() - began)
+            failure = Outcome.INTERRUPTED, ""
+        self._state.restore(self._checkpoint.state)
+        self._seconds += time.perf_counter() - began
+        return failure
 
     def _begin(self) -> Failure | None:
         """Keep the start, which primers do not move."""
-        if self._leg.begin is not None:
+        if self._begun:
             return None
-        if starts := bool(self._leg.save_steps.size and self._leg.save_steps[0] == 0):
-            self._leg.xs[0], self._leg.vs[0] = self._state.x, self._state.v
-        self.checkpoint = Checkpoint(self.checkpoint.state, 0, int(starts))
+        mark = self.rows.begin()
+        self._checkpoint = Checkpoint(self._checkpoint.state, 0, mark)
         if self._stepper.program.primers:
             try:
                 self._stepper.prime()
             except Exception as error:
                 return _raised(error)
-            self.checkpoint = Checkpoint(self._state.copy(), 0, int(starts))
+            self._checkpoint = Checkpoint(self._state.copy(), 0, mark)
+        self._begun = True
         return None
 
-    def _do_chunks(self, bar: Bar, started: float) -> Failure | None:
+    def _do_chunks(self, bar: Bar, started: float, until: int) -> Failure | None:
         """Do the steps, in chunks that Ctrl-C waits for, each of which ends with a checkpoint."""
-        chunk, until = 1, self._leg.until
-        while (good := self.checkpoint).step < until:
+        chunk, most = 1, sys.maxsize if self._watch is None else self._watch.most
+        while (good := self._checkpoint).step < until and not self.rows.ended(good.step):
             chunk_started = time.perf_counter()
-            target = min(good.step + min(chunk, self._most), until)
-            saved, failure = self._attempt(target)
+            target = self.rows.target(min(good.step + min(chunk, most), until))
+            reached, mark, failure = self._attempt(target)
             if failure is not None:
                 stopped = self._find_last_good(target)
                 if stopped is not None:
                     return stopped
-                _, repeated = self._attempt(self.checkpoint.step + 1)
+                _, _, repeated = self._attempt(self._checkpoint.step + 1)
                 return repeated or failure  # a function may fail once and not again
-            stopped = self._look(target)
+            stopped = self._look()
             if stopped is not None:
                 return stopped
-            reached = time.perf_counter()
-            # Two copies in turns: an interruption while one is written finds the other. The last is the state itself.
-            copy = self._state if target == until else self._state.copy(good.state, into=self._spare)
-            self.checkpoint, self._spare = Checkpoint(copy, target, saved), good.state
             now = time.perf_counter()
-            chunk = next_chunk(target - good.step, reached - chunk_started, _LEAST_SHARE * (now - reached))
-            bar.show(target, now - started)
+            # Two copies in turns: an interruption while one is written finds the other. The last is the state itself.
+            copy = self._state if self.rows.ended(reached) else self._state.copy(good.state, into=self._spare)
+            self._checkpoint, self._spare = Checkpoint(copy, reached, mark), good.state
+            copied = time.perf_counter()
+            chunk = next_chunk(reached - good.step, now - chunk_started, _LEAST_SHARE * (copied - now))
+            bar.show(self.rows.progress(reached)[0], copied - started)
         return None
 
-    def _attempt(self, target: int) -> tuple[int, Failure | None]:
-        """Run from the checkpoint, and say how many rows are filled and what went wrong, if anything did."""
-        step, saved = self.checkpoint.step, self.checkpoint.saved
+    def _attempt(self, target: int) -> tuple[int, Mark, Failure | None]:
+        """Run from the checkpoint, and return the step reached, how far the rows are, and what went wrong, if anything did."""
+        step, mark = self._checkpoint.step, self._checkpoint.mark
         try:
-            reached, saved = self._advance(step, target, saved)
+            if self._watch is None:
+                reached, mark = self.rows.advance(step, target, mark)
+            else:
+                reached, mark, self._looked = self.rows.advance_watched(step, target, mark)
         except Exception as error:
-            return saved, _raised(error)
-        if reached < target:
-            residual = self._state.work[TROUBLE]
+            return step, mark, _raised(error)
+        residual = self._state.work[TROUBLE]
+        if residual == FAILED_CONTROL:
+            return reached, mark, (Outcome.STEP_TOO_SMALL, "")
+        if residual != 0.0:
             why = "." if np.isfinite(residual) else ": a function gave no finite number, or the iteration ran away."
-            return saved, (Outcome.NOT_CONVERGED, f" The residual was {residual:.3g}{why}")
+            return reached, mark, (Outcome.NOT_CONVERGED, f" The residual was {residual:.3g}{why}")
         if not self._state.finite:
-            return saved, (Outcome.NOT_FINITE, "")
-        return saved, None
+            return reached, mark, (Outcome.NOT_FINITE, "")
+        return reached, mark, None
 
-    def _advance(self, step: int, target: int, saved: int) -> tuple[int, int]:
-        """Do steps and keep rows, those that events want to look at in an array of their own."""
-        if self._watch is None:
-            return self._stepper.advance(step, target, self._leg.save_steps, saved, self._leg.xs, self._leg.vs)
-        every = np.arange(step + 1, target + 1)
-        xs, vs = self._watch.rows(every.size, self._state.x.size, self._state.v.size)
-        reached, _ = self._stepper.advance(step, target, every, 0, xs, vs)
-        until = int(np.searchsorted(self._leg.save_steps, reached, side="right"))
-        wanted = self._leg.save_steps[saved:until] - step - 1
-        self._leg.xs[saved:until], self._leg.vs[saved:until] = xs[wanted], vs[wanted]
-        return reached, until
-
-    def _look(self, target: int) -> Failure | None:
+    def _look(self) -> Failure | None:
         """Look for events after the checkpoint; where one ends the run, make the last step before it the checkpoint."""
         if self._watch is None:
             return None
-        first = self.checkpoint.step
+        first = self._checkpoint.step
         try:
-            found = self._watch.look(first, target - first)
+            found = self._watch.look(*self._looked)
         except Exception as error:  # of the force, which may fail between steps and not at their ends
             return _raised(error)
         if found.stop is None and not found.failure:
             return None
-        self._state.restore(self.checkpoint.state)
-        saved, _ = self._attempt(first + found.steps)
-        self.checkpoint, self._stop = Checkpoint(self._state.copy(), first + found.steps, saved), found.stop
+        self._state.restore(self._checkpoint.state)
+        _, mark, _ = self._attempt(first + found.steps)
+        self._checkpoint, self._stop = Checkpoint(self._state.copy(), first + found.steps, mark), found.stop
         if found.stop is None:
             return Outcome.FAILED, found.failure
         return Outcome.STOPPED, f" There, {self._watch.events[found.stop.event].name}, is zero."
 
     def _find_last_good(self, bad: int) -> Failure | None:
         """Find the last good state by halves: what is not finite stays so, and every rerun gives the same bits."""
-        while bad - self.checkpoint.step > 1:
-            middle = (self.checkpoint.step + bad) // 2
-            self._state.restore(self.checkpoint.state)
-            saved, failure = self._attempt(middle)
+        while bad - self._checkpoint.step > 1:
+            middle = (self._checkpoint.step + bad) // 2
+            self._state.restore(self._checkpoint.state)
+            reached, mark, failure = self._attempt(middle)
             if failure is not None:
                 bad = middle
                 continue
-            stopped = self._look(middle)
+            stopped = self._look()
             if stopped is not None:
                 return stopped
-            self.checkpoint = Checkpoint(self._state.copy(self.checkpoint.state), middle, saved)
-        self._state.restore(self.checkpoint.state)
+            self._checkpoint = Checkpoint(self._state.copy(self._checkpoint.state), reached, mark)
+        self._state.restore(self._checkpoint.state)
         return None
 
-    def _keep_last(self) -> int:
-        """Add the state reached as a last row, if the run ended between two rows of the grid; return how many there are."""
-        save_steps, good = self._leg.save_steps, self.checkpoint
-        ends_on_a_row = good.step == self._leg.until or self._stop is not None
-        if ends_on_a_row or (good.saved > 0 and save_steps[good.saved - 1] == good.step):
-            return good.saved
-        self._leg.xs[good.saved], self._leg.vs[good.saved] = good.state.x, good.state.v
-        return good.saved + 1
-
-    def _ending(self, outcome: Outcome, cause: str, saved: int, wall_time: float) -> Ending:
-        step, program = self.checkpoint.step, self._stepper.program
-        message = sentence(outcome, cause, step, self._grid, None if self._stop is None else self._stop.t)
-        evaluations = step * program.evaluations + sum(FLOWS[name].evaluations for name in program.primers)
-        evaluations += int(self._state.work[EVALUATIONS])
+    def ending(self, outcome: Outcome, cause: str) -> Ending:
+        """Say how the run ended, and keep the state reached as a row."""
+        good, program, message = self._checkpoint, self._stepper.program, outcome.value
+        saved = self.rows.keep_last(good.state, good.step, good.mark, self._stop is not None)
+        if outcome is not Outcome.COMPLETED:
+            t = self.rows.time(good.step) if self._stop is None else self._stop.t
+            message += f" It ends at t={t!r}, after {self.rows.steps_of(good.step)}.{cause}"
+        if outcome in (Outcome.NOT_FINITE, Outcome.NOT_CONVERGED):
+            message += " Try a smaller step."
+        evaluations = good.mark.trials * program.evaluations
+        evaluations += sum(FLOWS[name].evaluations for name in program.primers) + int(self._state.work[EVALUATIONS])
         work, size = self._state.work, self._state.x.size
         estimated = estimated_errors(size, work).copy() if self._stepper.estimates else None
-        return Ending(outcome, message, step, saved, evaluations, wall_time, estimated, self._stop)
-
-
-def sentence(outcome: Outcome, cause: str, step: int, grid: Grid, t: float | None = None) -> str:
-    """Say how a run ended, after which step, and at what time if it is not that of the step."""
-    if outcome is Outcome.COMPLETED:
-        return str(outcome.value)
-    at = grid.t0 + step * grid.step if t is None else t
-    message: str = f"{outcome.value} It ends at t={at!r}, after {step} of {grid.n_steps} steps.{cause}"
-    if outcome in (Outcome.NOT_FINITE, Outcome.NOT_CONVERGED):
-        message += " Try a smaller step."
-    return message
+        return Ending(
+            outcome,
+            message,
+            good.step,
+            saved,
+            evaluations,
+            self._seconds,
+            estimated,
+            self._stop,
+            self.rows.step_range(self._state),
+            good.mark.trials,
+        )
 
 
 def _raised(error: Exception) -> Failure:

@@ -1,6 +1,6 @@
 """What a run leaves: the states, what they conserve, and how the run went."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar
@@ -14,35 +14,6 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.dense import DenseOutput, States
 
 Floats = NDArray[np.float64]
-
-
-class Invariants(Mapping[str, Floats]):
-    """Conserved quantities by name, each evaluated when it is first asked for."""
-
-    def __init__(self, names: tuple[str, ...], evaluate: Callable[[str], Floats]) -> None:
-        self._names = names
-        self._evaluate = evaluate
-        self._known: dict[str, Floats] = {}
-
-    def __getitem__(self, name: str) -> Floats:
-        if name not in self._names:
-            raise KeyError(name)
-        if name not in self._known:
-            self._known[name] = self._evaluate(name)
-        return self._known[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
-
-    def __len__(self) -> int:
-        return len(self._names)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        # Pickled by value: the system may hold functions that cannot be.
-        return Invariants, (self._names, dict(self).__getitem__)
-
-    def __repr__(self) -> str:
-        return f"Invariants({', '.join(self._names)})"
 
 
 @dataclass(frozen=True)
@@ -71,6 +42,8 @@ class Description:
         Where the system is from.
     choice : str
         Why ``"auto"`` took the method; empty where it was named.
+    step_control : str
+        How the steps were chosen, and what that conserves; empty where they are equal.
     """
 
     system: str
@@ -84,6 +57,7 @@ class Description:
     units: Mapping[str, str] = field(default_factory=dict)
     source: str = ""
     choice: str = ""
+    step_control: str = ""
 
     @property
     def v_is_velocity(self) -> bool:
@@ -120,7 +94,11 @@ class Solution:
     message : str
         The same as a sentence, with time and step where it did not reach the end.
     step : float
-        The step used, with its sign; at most the step asked for.
+        The step used, with its sign; at most the step asked for. Of steps that vary, the first.
+    step_range : (float, float)
+        The sizes of the smallest and of the largest step.
+    n_rejected : int
+        Steps that were tried and taken back.
     n_steps : int
         Steps done.
     n_force_evaluations : int
@@ -155,6 +133,8 @@ class Solution:
     about: Description
     derived: Mapping[str, Floats] = field(default_factory=dict)
     error_estimate: Floats | None = None
+    step_range: tuple[float, float] = (0.0, 0.0)
+    n_rejected: int = 0
     t_events: tuple[Floats, ...] = ()
     x_events: tuple[Floats, ...] = ()
     v_events: tuple[Floats, ...] = ()

@@ -13,14 +13,16 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.announcing import compiling_announced
 from kickdrift.engine.checkpoints import Checkpoints
 from kickdrift.engine.continuation import carry_out
+from kickdrift.engine.controller import control_of, controlled
 from kickdrift.engine.dense import check_between
 from kickdrift.engine.events import events_of
-from kickdrift.engine.grid import lay_grid
+from kickdrift.engine.grid import Course, Grid, lay_course, lay_grid
 from kickdrift.engine.identity import identity_of
 from kickdrift.engine.method_selection import check_direction, check_wanted, choose
 from kickdrift.engine.problem_adapter import describe, function_of_state
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.start import parameters, start_of
+from kickdrift.engine.step_control import StepControl
 from kickdrift.engine.task import Journey, Task
 from kickdrift.systems.problem import Problem
 from kickdrift.systems.system import System
@@ -32,12 +34,15 @@ def solve(
     x0: ArrayLike | None = None,
     v0: ArrayLike | None = None,
     *,
-    step: float,
+    step: float | None = None,
     method: str | methods.Method | None = None,
     order: int | None = None,
     t_eval: ArrayLike | None = None,
     save_every: int | None = None,
     events: Callable[..., Any] | Sequence[Callable[..., Any]] | None = None,
+    step_control: StepControl | Callable[..., Any] | str | None = None,
+    rtol: float | None = None,
+    atol: ArrayLike | None = None,
     args: Sequence[float] | None = None,
     compensated: bool = True,
     compile: bool = True,  # noqa: A002 - a promised name
@@ -47,7 +52,7 @@ def solve(
     checkpoint_every: int | None = None,
     checkpoint_keep: int | None = 2,
 ) -> Solution:
-    """Integrate a mechanical system, or other equations of motion, with a fixed step.
+    """Integrate a mechanical system, or other equations of motion.
 
     Parameters
     ----------
@@ -62,7 +67,8 @@ def solve(
         Start, of any one shape; a scalar makes the function get and return floats. A system brings its own. For
         Hamiltonians they are q and p; first-order equations have no v0.
     step : float
-        Largest step allowed. A whole number of equal steps covers `t_span`; the step used is ``solution.step``.
+        Largest step allowed. A whole number of equal steps covers `t_span`; the step used is ``solution.step``. With
+        `step_control` it is the first one; with `rtol` or `atol` it may be left out.
     method : str or Method, optional
         Name of a method, see ``kickdrift.methods.catalogue()``; ``"auto"`` takes the one that is best for the kind of
         problem, or of the wanted `order`, and an L-stable one where the problem is seen to be stiff; the report says why.
@@ -82,6 +88,13 @@ def solve(
         the way down; ``terminal``, True or a number, ends the run at the first or that zero; ``rate_bound``, a bound
         of how fast the function changes, finds two zeros within a step, too, if they are more than 1/256 of it apart. A zero at
         the start is none.
+    step_control : optional
+        What chooses the size of each step: a density, which is a function of the state, ``"distance"``, ``"acceleration"`` or
+        ``"own"``, for reversible steps as `kickdrift.HairerSoderlind` describes them; or that or one of
+        `kickdrift.HuangLeimkuhler`, `kickdrift.LogarithmicHamiltonian`, `kickdrift.TimeTransformed`,
+        `kickdrift.LocalError`. By default steps are equal. The last row is at the end of `t_span`, by a part of a step.
+    rtol, atol : float, optional
+        Tolerances, relative and absolute, for ``step_control=kd.LocalError(rtol, atol)``; 1e-3 and 1e-6 where one is given.
     args : sequence of float, optional
         Numbers that the function gets as ``params``.
     compensated : bool
@@ -98,7 +111,7 @@ def solve(
     checkpoint : path, optional
         A folder for checkpoints, made where it is missing. The same call again, in whatever process, goes on from the newest
         one with the bits of a run that was never broken; with a later end, too, and with an earlier one from the newest one
-        before it. One process at a time.
+        before it. One process at a time. Where the sizes of steps vary, the end has to be the same.
     checkpoint_every : int, optional
         Steps from one checkpoint to the next; by default they are about a minute apart. Each holds the rows so far.
     checkpoint_keep : int, optional
@@ -136,22 +149,34 @@ def solve(
     compensated, compiles = choice("compensated", compensated), choice("compile", compile)
     check_bounds = choice("check_bounds", check_bounds)
     progress = None if progress is None else choice("progress", progress)
+    control = control_of(step_control, step, rtol, atol)
+    if control is not None and method is None and order is None:
+        method = control.method
     if checkpoint is None and checkpoint_every is not None:
         raise ArgumentError(
             f"checkpoint_every={checkpoint_every!r} is given without checkpoint, a folder for them; give it."
         )
     kept: Checkpoints | None = None
     try:
-        grid = lay_grid(t_span, step, t_eval, save_every, start.x.size)
+        grid: Grid | Course
+        if control is None:
+            grid = lay_grid(t_span, step, t_eval, save_every, start.x.size)
+        else:
+            grid = lay_course(t_span, step, t_eval, save_every)
         with compiling_announced(progress):
             system = describe(problem, grid.t0, start, params, compiles, check_bounds)
-            check_between(system, grid)
-            chosen = choose(method, order, system, grid.t0, grid.step, grid.n_steps * grid.step)
+            if isinstance(grid, Grid):
+                check_between(system, grid)
+            chosen = choose(method, order, system, grid.t0, grid.step, grid.t1 - grid.t0)
             check_direction(chosen.method, grid.step)
-            wanted = events_of(events, partial(function_of_state, grid.t0, start, params, compiles, check_bounds))
-            task = Task(system, chosen, grid, compensated, wanted, progress)
+            adapt = partial(function_of_state, grid.t0, start, params, compiles, check_bounds)
+            controller = None
+            if control is not None:
+                system, controller = controlled(control, system, chosen.method, grid.t0, adapt, step is not None)
+            wanted = events_of(events, adapt)
+            task = Task(system, chosen, grid, compensated, controller, wanted, progress)
             if checkpoint is not None:
-                known = identity_of(problem, grid.t0, start, params, chosen.method, compensated, compiles, events)
+                known = identity_of(problem, grid, start, params, chosen.method, compensated, compiles, events, control)
                 kept = Checkpoints(checkpoint, checkpoint_every, checkpoint_keep, known)
             journey = Journey(task, checkpoints=kept)
     except MemoryError as error:

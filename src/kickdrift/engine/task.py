@@ -1,21 +1,23 @@
 """What is to be run, made ready and run: from its start, or on from where it stands."""
 
+import sys
 import time
 from contextlib import closing
 from dataclasses import dataclass, replace
+from functools import partial
 
 from kickdrift.core.errors import FileFormatError
 from kickdrift.core.interruption import InterruptionNoted
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.checkpoints import Checkpoints
+from kickdrift.engine.controller import Controller
 from kickdrift.engine.events import Event, watch_for
-from kickdrift.engine.grid import Grid
+from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.keeping import find, keep
-from kickdrift.engine.kept_rows import RowsInMemory
 from kickdrift.engine.method_selection import Choice
 from kickdrift.engine.processing import compile_method
 from kickdrift.engine.progress import Bar
-from kickdrift.engine.run import Ending, Leg, Reached, Run, sentence
+from kickdrift.engine.run import Ending, Failure, Run
 from kickdrift.engine.standing import Standing
 from kickdrift.systems.system import System
 
@@ -30,8 +32,10 @@ class Task:
         With the start.
     chosen : Choice
         The method.
-    grid : Grid
+    grid : Grid or Course
     compensated : bool
+    controller : Controller or None
+        What chooses the steps of a course.
     events : tuple of Event
     progress : bool or None
         Whether a bar shows, which determines nothing.
@@ -39,8 +43,9 @@ class Task:
 
     system: System
     chosen: Choice
-    grid: Grid
+    grid: Grid | Course
     compensated: bool
+    controller: Controller | None
     events: tuple[Event, ...]
     progress: bool | None
 
@@ -61,76 +66,61 @@ class Journey:
     task : Task
         The grid of which has the step that the run began with.
     processing : Processing
+    between : callable
+        Returns the method, compiled for steps of any size, with a state of its own.
     watch : Watch or None
-    rows : RowsInMemory
+    run : Run
     said : str
         What is to be said of where it began.
     """
 
     def __init__(self, task: Task, before: Standing | None = None, checkpoints: Checkpoints | None = None) -> None:
-        system, method, compensated = task.system, task.chosen.method, task.compensated
-        self.processing = compile_method(system, method, task.grid, compensated, turns=not task.events)
-        self._state, self.said = self.processing.kernel.state, ""
-        found = None if checkpoints is None else find(checkpoints, task.grid, self._state, len(task.events))
-        if found is not None:
-            grid, before, self.said = found
-            task = replace(task, grid=grid)
-            self.processing = compile_method(system, method, grid, compensated, turns=not task.events)
-            self._state = self.processing.kernel.state
-        self.task, self._before, self._checkpoints = task, before, checkpoints
-        self.watch = watch_for(task.events, system, method, task.grid, compensated)
-        self.rows = RowsInMemory(task.grid, self.processing)
-        if before is None:
+        self.task, self.said, self._checkpoints = task, "", checkpoints
+        self._compile()
+        if checkpoints is not None:
+            found = find(checkpoints, task.grid, self.processing.kernel.state, len(task.events))
+            if found is not None:
+                grid, before, self.said = found
+                if grid.step != task.grid.step:
+                    self.task = replace(task, grid=grid)
+                    self._compile()
+        if before is None or before.step == 0:
             self.processing.enter()
-            return
-        self.rows.fill(before.xs, before.vs)
-        if self.watch is not None and before.seen is not None:
-            state = before.reached.state
-            self.watch.go_on(before.seen, before.reached.step, state.x.copy(), state.v.copy())
+        else:
+            self.run.go_on(before)
+
+    def _compile(self) -> None:
+        task = self.task
+        made = partial(compile_method, task.system, task.chosen.method, task.grid, task.compensated)
+        self.processing = made(turns=not task.events, controller=task.controller)
+        transformed = self.processing.kernel.program.transformed
+        self.between = partial(made, controller=task.controller if transformed else None)
+        self.watch = watch_for(task.events, task.system, partial(self.between, turns=False), task.grid.t1)
+        self.run = Run(self.processing.kernel, task.grid, self.watch)
 
     def go(self) -> Ending:
         """Run to the end of the grid, or as far as it goes."""
-        started, grid = time.perf_counter(), self.task.grid
-        begin, seconds = (None, 0.0) if self._before is None else (self._before.reached, self._before.wall_time)
-        with closing(Bar(grid.n_steps, self.task.progress)) as bar:
-            while True:
-                step = 0 if begin is None else begin.step
-                until = grid.n_steps if self._checkpoints is None else self._checkpoints.until(step, grid.n_steps)
-                run = Run(self.processing.kernel, grid, Leg(begin, until, *self.rows.room(until)), self.watch)
-                ending = run.go(bar, started)
-                self.rows.take(ending.saved, ending.n_steps)
+        started, run, failure = time.perf_counter(), self.run, None
+        with closing(Bar(run.rows.progress(0)[1], self.task.progress)) as bar:
+            while failure is None and not run.ended:
+                first, until = run.step, sys.maxsize
                 if self._checkpoints is not None:
-                    self._checkpoints.pace(ending.n_steps - step, ending.wall_time)
-                seconds += ending.wall_time
-                ending = replace(ending, wall_time=seconds)
+                    until = self._checkpoints.until(first, until)
+                began = time.perf_counter()
+                failure = run.go(bar, started, until)
                 if self._checkpoints is not None:
-                    ending = self._kept(self._checkpoints, ending)
-                if ending.n_steps == grid.n_steps and self.rows.count < grid.save_steps.size:
-                    self.rows.end(ending.n_steps, self._state)  # it was done before, but not kept, being no regular row
-                if ending.outcome is not Outcome.COMPLETED or ending.n_steps == grid.n_steps:
-                    return ending
-                begin = Reached(self._state, ending.n_steps)
+                    self._checkpoints.pace(run.step - first, time.perf_counter() - began)
+                    failure = self._kept(self._checkpoints, failure)
+        return run.ending(*(failure or (Outcome.COMPLETED, "")))
 
-    def standing(self, ending: Ending, beyond: float | None = None) -> Standing:
-        """Say where the run stands, with the rows that a longer one would have, too; no event up to `beyond` will end it."""
-        after = self.task.grid.rows_after(ending.n_steps)
-        xs, vs = self.rows.seen(after.size)
-        seen = None if self.watch is None else self.watch.seen(ending.n_steps, beyond)
-        return Standing(Reached(self._state.copy(), ending.n_steps), after, xs, vs, ending.wall_time, seen)
-
-    def _kept(self, checkpoints: Checkpoints, ending: Ending) -> Ending:
-        """Keep where the run stands, while Ctrl-C waits, and say how it ended if that is the end of it."""
-        outcome, cause = Outcome.COMPLETED, ""
+    def _kept(self, checkpoints: Checkpoints, failure: Failure | None) -> Failure | None:
+        """Keep where the run stands, while Ctrl-C waits, and say what ends it, if anything does."""
         with InterruptionNoted(passed_on=False) as interruption:
             try:
-                keep(checkpoints, self.task.grid, self.standing(ending))
+                keep(checkpoints, self.task.grid, self.run.standing())
             except FileFormatError as error:
-                outcome, cause = Outcome.NOT_WRITTEN, f" {error}"
-        if ending.outcome is not Outcome.COMPLETED:
-            return replace(ending, message=ending.message + cause)
-        if interruption.noted and outcome is Outcome.COMPLETED and ending.n_steps < self.task.grid.n_steps:
-            outcome = Outcome.INTERRUPTED
-        if outcome is Outcome.COMPLETED:
-            return ending
-        self.rows.end(ending.n_steps, self._state)
-        return replace(ending, outcome=outcome, message=sentence(outcome, cause, ending.n_steps, self.task.grid))
+                outcome, cause = failure or (Outcome.NOT_WRITTEN, "")
+                return outcome, f"{cause} {error}"
+        if interruption.noted and not self.run.ended:
+            return failure or (Outcome.INTERRUPTED, "")
+        return failure
