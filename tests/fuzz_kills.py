@@ -54,7 +54,33 @@ def events(folder):
     return sol.t, sol.x, sol.v, *sol.t_events
 
 
-KINDS = {"plain": plain, "events": events}
+def adaptive(folder):
+    """Run a comet whose steps vary."""
+    options = {} if folder is None else {"checkpoint": folder / "run", "checkpoint_every": 20_000}
+    sol = kd.solve(
+        kd.systems.kepler(0.9),
+        (0.0, 5e5),
+        step=0.01,
+        step_control="distance",
+        method="stormer-verlet",
+        save_every=1000,
+        **options,
+    )
+    return sol.t, sol.x, sol.v
+
+
+def world(folder):
+    """Run a pile of boxes that topples."""
+    options = {} if folder is None else {"checkpoint": folder / "run", "checkpoint_every": 60}
+    made = kd.World()
+    made.add_plane(normal=(0, 0, 1), friction=0.5)
+    for k in range(8):
+        made.add_box(size=(0.5, 0.5, 0.5), position=(0.1 * k, 0, 0.3 + 0.7 * k), mass=1.0)
+    recording = made.run(60.0, 1 / 120, save_every=10, **options)
+    return recording.t, recording.x, recording.v, recording.orientation, made.position
+
+
+KINDS = {"plain": plain, "events": events, "adaptive": adaptive, "world": world}
 
 
 @functools.cache
