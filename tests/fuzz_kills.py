@@ -14,6 +14,7 @@ from pathlib import Path
 
 import hostile
 import numpy as np
+import xarray as xr
 
 import kickdrift as kd
 
@@ -80,7 +81,18 @@ def world(folder):
     return recording.t, recording.x, recording.v, recording.orientation, made.position
 
 
-KINDS = {"plain": plain, "events": events, "adaptive": adaptive, "world": world}
+def streamed(folder):
+    """Run planets whose rows go to disk."""
+    with tempfile.TemporaryDirectory() as elsewhere:
+        path = Path(elsewhere if folder is None else folder) / "run.zarr"
+        options = {} if folder is None else {"checkpoint": folder / "run", "checkpoint_every": 30_000}
+        system = kd.systems.outer_solar_system()
+        kd.solve(system, (0.0, 2e6), step=2.0, method="wisdom-holman", save_every=10, save_to=path, **options)
+        data = xr.open_zarr(path).load()
+    return data.time, data.x, data.v, data.energy
+
+
+KINDS = {"plain": plain, "streamed": streamed, "events": events, "adaptive": adaptive, "world": world}
 
 
 @functools.cache

@@ -30,6 +30,8 @@ class Grid:
         The times that the solution has instead, between those as they may be.
     every : int or None
         How many steps lie between rows; None where times were given.
+    streamed : bool
+        Whether rows go to disk: their steps and times are not laid out, which would take memory.
     """
 
     t0: float
@@ -40,6 +42,7 @@ class Grid:
     times: NDArray[np.float64]
     wanted: NDArray[np.float64] | None = None
     every: int | None = None
+    streamed: bool = False
 
     def rows_after(self, step: int) -> NDArray[np.int64]:
         """Return the steps up to one after which a run to that end, or to a later one, keeps rows."""
@@ -91,14 +94,20 @@ def lay_course(t_span: Sequence[float], step: float | None, t_eval: ArrayLike | 
 
 
 def lay_grid(
-    t_span: Sequence[float], step: float | None, t_eval: ArrayLike | None, save_every: int | None, state_size: int
+    t_span: Sequence[float],
+    step: float | None,
+    t_eval: ArrayLike | None,
+    save_every: int | None,
+    state_size: int,
+    streamed: bool = False,
 ) -> Grid:
     """Lay a whole number of equal steps, none larger than `step`, over the span.
 
     Raises
     ------
     ArgumentError
-        For a span or step that cannot be, times outside of the span, or more rows than fit in memory.
+        For a span or step that cannot be, times outside of the span, or more rows than fit in memory, unless they are
+        `streamed` to disk.
     """
     t0, t1 = _span(t_span)
     length, farthest = abs(t1 - t0), max(abs(t0), abs(t1))
@@ -120,7 +129,10 @@ def lay_grid(
         times = np.where(save_steps == n_steps, t1, t0 + save_steps * h)
         return Grid(t0, t1, h, n_steps, save_steps, times, wanted)
     every = _stride(save_every)
-    check_kept(None if save_every is None else every, n_steps, 16 * (state_size + 1), ", or t_eval")
+    if streamed:
+        nothing = np.zeros(0)
+        return Grid(t0, t1, h, n_steps, nothing.astype(np.int64), nothing, every=every, streamed=True)
+    check_kept(None if save_every is None else every, n_steps, 16 * (state_size + 1), ", t_eval, or save_to='run.zarr'")
     return _every(t0, t1, h, n_steps, every)
 
 
@@ -203,7 +215,7 @@ def with_step(grid: Grid, step: float) -> Grid | None:
     rounding = 1e-9 * abs(step) + 4 * np.spacing(max(abs(grid.t0), abs(grid.t1)))
     if abs(grid.t0 + grid.n_steps * step - grid.t1) > rounding:
         return None
-    if grid.every is not None:
+    if grid.every is not None and not grid.streamed:
         return _every(grid.t0, grid.t1, step, grid.n_steps, grid.every)
     return replace(grid, step=step)
 

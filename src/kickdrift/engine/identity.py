@@ -45,6 +45,9 @@ def identity_of(
     Where sizes vary the end has to be the same.
     """
     varies = isinstance(grid, Course)
+    rows: list[Any] = [grid.stride, grid.marks, grid.wanted] if isinstance(grid, Course) else []
+    if isinstance(grid, Grid) and grid.streamed:
+        rows = [grid.every]
     functions = [] if events is None else list(events) if isinstance(events, Sequence) else [events]
     flags = [[getattr(function, flag, None) for flag in _FLAGS] for function in functions]
     return {
@@ -58,9 +61,7 @@ def identity_of(
         "compile": repr(compiles),
         "events": digest(written([functions, flags])),
         "step_control": digest(written(control)),
-        "save_every or t_eval": digest(written([grid.stride, grid.marks, grid.wanted]))
-        if isinstance(grid, Course)
-        else "",
+        "save_every, t_eval or save_to": digest(written(rows)),
     }
 
 

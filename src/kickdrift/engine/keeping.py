@@ -70,8 +70,7 @@ def find(
     try:
         h, seconds, mark = float(header["h"]), float(header["wall_time"]), Mark(*header["mark"])
         rows = {name.removeprefix(_ROWS): values for name, values in arrays.items() if name.startswith(_ROWS)}
-        wanted = ("steps", "xs", "vs") if isinstance(grid, Grid) else ("ts", "sizes", "xs", "vs")
-        if sorted(rows) != sorted(wanted):
+        if sorted(rows) != _names_of_rows(grid):
             raise LookupError(f"its rows have {', '.join(rows)}")
         seen = _seen_of(header, arrays, events) if events else None
         standing = Standing(_state_of(arrays, blank), int(header["step"]), mark, rows, seconds, seen)
@@ -83,9 +82,20 @@ def find(
     same = with_step(grid, h) if isinstance(grid, Grid) else grid
     if same is None or (same is grid and grid.step != h):
         raise checkpoints.refuse(f"step ({abs(h)!r} there, {abs(grid.step)!r} here)")
-    if isinstance(same, Grid) and not np.array_equal(rows["steps"], same.rows_after(standing.step)):
+    if (
+        isinstance(same, Grid)
+        and not same.streamed
+        and not np.array_equal(rows["steps"], same.rows_after(standing.step))
+    ):
         raise checkpoints.refuse("save_every or t_eval")
     return same, standing, said
+
+
+def _names_of_rows(grid: Grid | Course) -> list[str]:
+    """Return the names of the arrays that rows are kept in, sorted."""
+    if isinstance(grid, Course):
+        return ["sizes", "ts", "vs", "xs"]
+    return ["stored" if grid.streamed else "steps", "vs", "xs"]
 
 
 def _state_of(arrays: Arrays, blank: State) -> State:

@@ -12,11 +12,11 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.events import Watch, Zero
 from kickdrift.engine.flows.layout import EVALUATIONS, FAILED_CONTROL, TROUBLE, estimated_errors
 from kickdrift.engine.flows.table import FLOWS
-from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.progress import Bar
-from kickdrift.engine.rows import CourseRows, GridRows, Mark, Stretch
+from kickdrift.engine.rows import Mark, Rows, Stretch
 from kickdrift.engine.standing import Standing
 from kickdrift.engine.stepper import State, Stepper
+from kickdrift.engine.streaming import StreamedRows
 
 Floats = NDArray[np.float64]
 Failure = tuple[Outcome, str]  # and what there is to say about its cause
@@ -57,13 +57,12 @@ class Run:
 
     Attributes
     ----------
-    rows : GridRows or CourseRows
+    rows : Rows
         The rows, filled as the run goes.
     """
 
-    def __init__(self, stepper: Stepper, grid: Grid | Course, watch: Watch | None = None) -> None:
-        self._stepper, self._state, self._grid = stepper, stepper.state, grid
-        self.rows = GridRows(stepper, grid) if isinstance(grid, Grid) else CourseRows(stepper, grid)
+    def __init__(self, stepper: Stepper, rows: Rows, watch: Watch | None = None) -> None:
+        self._stepper, self._state, self.rows = stepper, stepper.state, rows
         self._watch, self._looked = watch, Stretch(np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)))
         self._stop: Zero | None = None
         self._checkpoint = Checkpoint(self._state.copy(), 0, Mark())
@@ -95,10 +94,19 @@ class Run:
         good, seen = self._checkpoint, None
         if self._watch is not None:
             beyond = self._stop.t if beyond_the_stop and self._stop is not None else None
-            seen = self._watch.seen(self.rows.time(good.step), _NEAR * abs(self._grid.step), beyond)
+            seen = self._watch.seen(self.rows.time(good.step), _NEAR * abs(self.rows.grid.step), beyond)
         return Standing(
             self._state.copy(), good.step, good.mark, self.rows.kept(good.step, good.mark), self._seconds, seen
         )
+
+    def drain(self, rows: StreamedRows) -> None:
+        """Let rows go to disk, if they are as many as go at a time."""
+        rows.drain(self._checkpoint.mark)
+
+    def close(self, rows: StreamedRows, outcome: Outcome) -> None:
+        """Let all rows go to disk, and how the run ended."""
+        good = self._checkpoint
+        rows.close(good.step, good.mark, good.state, self._stop, outcome.name)
 
     def go(self, bar: Bar, started: float, until: int = sys.maxsize) -> Failure | None:
         """Go to the end of the grid or up to a step, or as far as it goes, and say what ended it before.

@@ -118,6 +118,8 @@ class Solution:
         What ``solution(t)`` asks; None of solutions that were loaded, and of Langevin dynamics.
     continuation : callable or None
         What `continue_to` asks; None of solutions that were loaded.
+    saved_to : str
+        Where the rows are of which this solution has the first and the last alone; empty if it has all.
     """
 
     t: Floats
@@ -140,6 +142,7 @@ class Solution:
     v_events: tuple[Floats, ...] = ()
     dense: DenseOutput | None = field(default=None, repr=False)
     continuation: Callable[[float], "Solution"] | None = field(default=None, repr=False)
+    saved_to: str = ""
 
     presenters: ClassVar[Presenters]
 
@@ -220,6 +223,10 @@ class Solution:
             If the solution does not know its equations: it was loaded from a file, or comes from another process; and for
             Langevin dynamics, of whose path a step knows its ends alone.
         """
+        if self.saved_to:
+            raise KickdriftError(
+                f"the rows are in {self.saved_to!r}: open them by xarray.open_zarr, and interpolate there."
+            )
         if self.dense is None:
             if self.about.kind == Kind.LANGEVIN.name:
                 raise KickdriftError(
@@ -256,6 +263,10 @@ class Solution:
         KickdriftError
             If the solution does not know its equations: it was loaded from a file, or comes from another process.
         """
+        if self.saved_to:
+            raise KickdriftError(
+                f"the rows are in {self.saved_to!r}: solve to the later end with the same save_to and checkpoint."
+            )
         if self.continuation is None:
             raise KickdriftError(
                 "this solution was read from a file or sent from another process, and does not know its equations; solve with"

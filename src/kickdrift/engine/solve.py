@@ -23,7 +23,9 @@ from kickdrift.engine.problem_adapter import describe, function_of_state
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.start import parameters, start_of
 from kickdrift.engine.step_control import StepControl
+from kickdrift.engine.streaming import store_of
 from kickdrift.engine.task import Journey, Task
+from kickdrift.engine.zarr_store import ZarrStore
 from kickdrift.systems.problem import Problem
 from kickdrift.systems.system import System
 
@@ -48,6 +50,7 @@ def solve(
     compile: bool = True,  # noqa: A002 - a promised name
     check_bounds: bool = True,
     progress: bool | None = None,
+    save_to: str | Path | None = None,
     checkpoint: str | Path | None = None,
     checkpoint_every: int | None = None,
     checkpoint_keep: int | None = 2,
@@ -108,6 +111,10 @@ def solve(
         large arrays, where a wrong index then reads or overwrites other memory.
     progress : bool, optional
         Whether to show a progress bar. By default one shows on a terminal, for runs longer than two seconds.
+    save_to : path, optional
+        A folder, such as ``"run.zarr"``, to which the rows go while the run goes on, in place of memory: a Zarr group in
+        chunks along time, with the energy and the like, that ``xarray.open_zarr`` reads at any moment. The solution has the
+        first and the last row. With `checkpoint` a run goes on in its folder; else one that is there is refused.
     checkpoint : path, optional
         A folder for checkpoints, made where it is missing. The same call again, in whatever process, goes on from the newest
         one with the bits of a run that was never broken; with a later end, too, and with an earlier one from the newest one
@@ -157,10 +164,11 @@ def solve(
             f"checkpoint_every={checkpoint_every!r} is given without checkpoint, a folder for them; give it."
         )
     kept: Checkpoints | None = None
+    store: ZarrStore | None = None
     try:
         grid: Grid | Course
         if control is None:
-            grid = lay_grid(t_span, step, t_eval, save_every, start.x.size)
+            grid = lay_grid(t_span, step, t_eval, save_every, start.x.size, save_to is not None)
         else:
             grid = lay_course(t_span, step, t_eval, save_every)
         with compiling_announced(progress):
@@ -175,10 +183,11 @@ def solve(
                 system, controller = controlled(control, system, chosen.method, grid.t0, adapt, step is not None)
             wanted = events_of(events, adapt)
             task = Task(system, chosen, grid, compensated, controller, wanted, progress)
-            if checkpoint is not None:
+            if checkpoint is not None or save_to is not None:
                 known = identity_of(problem, grid, start, params, chosen.method, compensated, compiles, events, control)
-                kept = Checkpoints(checkpoint, checkpoint_every, checkpoint_keep, known)
-            journey = Journey(task, checkpoints=kept)
+                store = store_of(save_to, grid, known, checkpoint is not None)
+                kept = None if checkpoint is None else Checkpoints(checkpoint, checkpoint_every, checkpoint_keep, known)
+            journey = Journey(task, checkpoints=kept, store=store)
     except MemoryError as error:
         raise ArgumentError(
             f"step={step!r}, save_every={save_every!r} and method={method!r} need more memory than there is ({error});"

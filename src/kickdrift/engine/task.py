@@ -2,6 +2,7 @@
 
 import sys
 import time
+from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import partial
@@ -17,8 +18,12 @@ from kickdrift.engine.keeping import find, keep
 from kickdrift.engine.method_selection import Choice
 from kickdrift.engine.processing import compile_method
 from kickdrift.engine.progress import Bar
+from kickdrift.engine.rows import CourseRows, GridRows, Rows
 from kickdrift.engine.run import Ending, Failure, Run
+from kickdrift.engine.solution import Description
 from kickdrift.engine.standing import Standing
+from kickdrift.engine.streaming import StreamedRows
+from kickdrift.engine.zarr_store import ZarrStore
 from kickdrift.systems.system import System
 
 
@@ -50,6 +55,26 @@ class Task:
     progress: bool | None
 
 
+def description_of(task: Task) -> Description:
+    """Describe what is run, for people."""
+    system, method, controller = task.system, task.chosen.method, task.controller
+    units = dict(system.units) | {name: quantity.unit for name, quantity in system.quantities.items() if quantity.unit}
+    return Description(
+        system=system.name,
+        method=method.name,
+        kind=system.kind.name,
+        order=method.order,
+        word=method.spelling,
+        compensated=task.compensated,
+        dimensions=system.dimensions or tuple(f"axis_{i}" for i in range(system.x0.ndim)),
+        coordinates=dict(system.coordinates),
+        units=units,
+        source=system.source,
+        choice=task.chosen.reason,
+        step_control="" if controller is None else f"{controller.name} ({controller.wanted.conserves})",
+    )
+
+
 class Journey:
     """A task on its way: compiled, with room for its rows.
 
@@ -60,6 +85,8 @@ class Journey:
         Where it begins.
     checkpoints : Checkpoints, optional
         Where it is kept as it goes on; if it was kept there already, it begins there.
+    store : ZarrStore, optional
+        Where its rows go, if not into memory.
 
     Attributes
     ----------
@@ -74,8 +101,14 @@ class Journey:
         What is to be said of where it began.
     """
 
-    def __init__(self, task: Task, before: Standing | None = None, checkpoints: Checkpoints | None = None) -> None:
-        self.task, self.said, self._checkpoints = task, "", checkpoints
+    def __init__(
+        self,
+        task: Task,
+        before: Standing | None = None,
+        checkpoints: Checkpoints | None = None,
+        store: ZarrStore | None = None,
+    ) -> None:
+        self.task, self.said, self._checkpoints, self.store = task, "", checkpoints, store
         self._compile()
         if checkpoints is not None:
             found = find(checkpoints, task.grid, self.processing.kernel.state, len(task.events))
@@ -86,6 +119,8 @@ class Journey:
                     self._compile()
         if before is None or before.step == 0:
             self.processing.enter()
+            if isinstance(self.run.rows, StreamedRows):
+                self.run.rows.create()
         else:
             self.run.go_on(before)
 
@@ -96,31 +131,51 @@ class Journey:
         transformed = self.processing.kernel.program.transformed
         self.between = partial(made, controller=task.controller if transformed else None)
         self.watch = watch_for(task.events, task.system, partial(self.between, turns=False), task.grid.t1)
-        self.run = Run(self.processing.kernel, task.grid, self.watch)
+        self.run = Run(self.processing.kernel, self._rows(), self.watch)
+
+    def _rows(self) -> Rows:
+        kernel, grid = self.processing.kernel, self.task.grid
+        if isinstance(grid, Course):
+            return CourseRows(kernel, grid)
+        if self.store is not None:
+            return StreamedRows(self.processing, grid, self.store, description_of(self.task))
+        return GridRows(kernel, grid)
 
     def go(self) -> Ending:
         """Run to the end of the grid, or as far as it goes."""
         started, run, failure = time.perf_counter(), self.run, None
         with closing(Bar(run.rows.progress(0)[1], self.task.progress)) as bar:
             while failure is None and not run.ended:
-                first, until = run.step, sys.maxsize
-                if self._checkpoints is not None:
-                    until = self._checkpoints.until(first, until)
-                began = time.perf_counter()
+                first, began = run.step, time.perf_counter()
+                due = until = sys.maxsize if self._checkpoints is None else self._checkpoints.until(first, sys.maxsize)
+                if isinstance(run.rows, StreamedRows):
+                    until = min(due, run.rows.full_after())
                 failure = run.go(bar, started, until)
                 if self._checkpoints is not None:
                     self._checkpoints.pace(run.step - first, time.perf_counter() - began)
-                    failure = self._kept(self._checkpoints, failure)
+                if self._checkpoints is not None or self.store is not None:
+                    failure = self._kept(failure, due)
+        if isinstance(run.rows, StreamedRows):
+            failure = self._written(failure, partial(run.close, run.rows, (failure or (Outcome.COMPLETED, ""))[0]))
         return run.ending(*(failure or (Outcome.COMPLETED, "")))
 
-    def _kept(self, checkpoints: Checkpoints, failure: Failure | None) -> Failure | None:
+    def _kept(self, failure: Failure | None, due: int) -> Failure | None:
         """Keep where the run stands, while Ctrl-C waits, and say what ends it, if anything does."""
+        run, checkpoints = self.run, self._checkpoints
         with InterruptionNoted(passed_on=False) as interruption:
-            try:
-                keep(checkpoints, self.task.grid, self.run.standing())
-            except FileFormatError as error:
-                outcome, cause = failure or (Outcome.NOT_WRITTEN, "")
-                return outcome, f"{cause} {error}"
-        if interruption.noted and not self.run.ended:
+            if isinstance(run.rows, StreamedRows):
+                failure = self._written(failure, partial(run.drain, run.rows))
+            if checkpoints is not None and (run.step == due or run.ended or failure is not None):
+                failure = self._written(failure, lambda: keep(checkpoints, self.task.grid, run.standing()))
+        if interruption.noted and not run.ended:
             return failure or (Outcome.INTERRUPTED, "")
+        return failure
+
+    def _written(self, failure: Failure | None, write: Callable[[], None]) -> Failure | None:
+        """Write something, and say what ends the run, if anything does."""
+        try:
+            write()
+        except FileFormatError as error:
+            outcome, cause = failure or (Outcome.NOT_WRITTEN, "")
+            return outcome, f"{cause} {error}"
         return failure
