@@ -22,6 +22,7 @@ from kickdrift.core.errors import (
 )
 from kickdrift.core.outcomes import Outcome
 from kickdrift.core.version import VERSION
+from kickdrift.engine.impacts import Impacts, sphere_gaps
 from kickdrift.engine.solution import Presenters, Solution
 from kickdrift.engine.solve import solve
 from kickdrift.engine.step_control import (
@@ -81,6 +82,7 @@ __all__ = [
     "Hamiltonian",
     "HuangLeimkuhler",
     "Hull",
+    "Impacts",
     "InterpretedWarning",
     "KickdriftError",
     "Langevin",
@@ -113,6 +115,7 @@ __all__ = [
     "methods",
     "plots",
     "solve",
+    "sphere_gaps",
     "systems",
 ]
 

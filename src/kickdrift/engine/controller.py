@@ -43,9 +43,7 @@ class Controller:
 
     Attributes
     ----------
-    wanted : StepControl
-        What was asked for.
-    name : str
+    name, conserves : str
         For people.
     spelled : callable
         Makes a word one whose steps vary, see `kickdrift.engine.program.compose`.
@@ -55,14 +53,17 @@ class Controller:
         Force evaluations in one of the density.
     tolerances : array
         Absolute ones, for x and v in turn; empty where errors do not matter.
+    between : Controller or None
+        What controls parts of steps, for states between them.
     """
 
-    wanted: StepControl
     name: str
+    conserves: str
     spelled: Callable[..., Spelled]
     params: Floats
     dear: int = 0
     tolerances: Floats = field(default_factory=lambda: np.zeros(0))
+    between: "Controller | None" = None
 
     def memory_size(self, n: int) -> int:
         """Return how many numbers of work the control has."""
@@ -129,7 +130,9 @@ def controlled(
         energy = _binding_energy(system, t0)
         parts = {**system.parts, "energy": energy.function}
         name, params = "logarithmic Hamiltonian", _params(energy, system)
-        return replace(system, parts=parts), Controller(wanted, name, wanted.spelled, params)
+        return replace(system, parts=parts), _in_its_own_time(
+            Controller(name, wanted.conserves, wanted.spelled, params)
+        )
     density, named, sees_v, dear = _density(wanted.density, system, adapt)
     _check_density(density, named, system, t0)
     spelled: Callable[..., Spelled] = wanted.spelled
@@ -139,7 +142,15 @@ def controlled(
         spelled = _seeing_v
     name = f"{_SCHEMES[type(wanted)]}, density by {named}"
     parts = {**system.parts, "density": density.function}
-    return replace(system, parts=parts), Controller(wanted, name, spelled, _params(density, system), dear)
+    controller = Controller(name, wanted.conserves, spelled, _params(density, system), dear)
+    if isinstance(wanted, TimeTransformed):
+        controller = _in_its_own_time(controller)
+    return replace(system, parts=parts), controller
+
+
+def _in_its_own_time(controller: Controller) -> Controller:
+    """Let parts of steps be controlled as whole ones are."""
+    return replace(controller, between=controller)
 
 
 _SCHEMES = {
@@ -162,16 +173,10 @@ def _params(quantity: Quantity, system: System) -> Floats:
 
 def _check_method(wanted: StepControl, system: System, method: Method) -> None:
     name = f"kd.{type(wanted).__name__}"
-    if system.kind is Kind.LANGEVIN:
-        raise ArgumentError(
-            f"step_control={name} and noise: its path is for steps of one size; leave step_control out."
-        )
-    if method.corrector:
-        raise ArgumentError(
-            f"step_control={name} and method={method.name!r}: its corrector is for steps of one size; take the method"
-            " without it."
-        )
+    check_noise(name, system)
+    check_corrector(name, method)
     if isinstance(wanted, LocalError):
+        check_memory(name, system, method)
         return
     if not method.symmetric:
         raise ArgumentError(
@@ -197,6 +202,46 @@ def _check_method(wanted: StepControl, system: System, method: Method) -> None:
             )
 
 
+def check_memory(name: str, system: System, method: Method) -> None:
+    """Refuse methods whose steps cannot be taken back.
+
+    Raises
+    ------
+    ArgumentError
+    """
+    check_noise(name, system)
+    check_corrector(name, method)
+    if any(letter.share.startswith("doubled") for letter in method.letters):
+        raise ArgumentError(
+            f"{name} and method={method.name!r}: steps are taken back, but this one keeps a second copy of the state; take"
+            " another, such as 'gauss-4'."
+        )
+
+
+def check_noise(name: str, system: System) -> None:
+    """Refuse noise, whose path is for steps of one size.
+
+    Raises
+    ------
+    ArgumentError
+    """
+    if system.kind is Kind.LANGEVIN:
+        raise ArgumentError(f"{name} and noise: its path is for steps of one size; leave one of them out.")
+
+
+def check_corrector(name: str, method: Method) -> None:
+    """Refuse correctors, which are for steps of one size.
+
+    Raises
+    ------
+    ArgumentError
+    """
+    if method.corrector:
+        raise ArgumentError(
+            f"{name} and method={method.name!r}: its corrector is for steps of one size; take the method without it."
+        )
+
+
 def _by_error(wanted: LocalError, system: System, method: Method, first_is_given: bool) -> Controller:
     try:
         relative, absolute = float(reals(wanted.rtol)), reals(wanted.atol)
@@ -213,7 +258,7 @@ def _by_error(wanted: LocalError, system: System, method: Method, first_is_given
     assert params.size == PARAMS
     tolerances = np.concatenate([of_x, of_x if system.v0.size else np.zeros(0)])
     name = f"local error, rtol={relative:g}, atol={_spelled(absolute)}, by step doubling"
-    return Controller(wanted, name, wanted.spelled, params, tolerances=np.maximum(tolerances, 1e-300))
+    return Controller(name, wanted.conserves, wanted.spelled, params, tolerances=np.maximum(tolerances, 1e-300))
 
 
 def _spelled(absolute: Floats) -> str:

@@ -74,8 +74,12 @@ class Course:
     wanted: NDArray[np.float64] | None = None
 
 
-def lay_course(t_span: Sequence[float], step: float | None, t_eval: ArrayLike | None, save_every: int | None) -> Course:
+def lay_course(
+    t_span: Sequence[float], step: float | None, t_eval: ArrayLike | None, save_every: int | None, divides: bool = False
+) -> Course:
     """Lay out a run whose steps vary, from the first one on; without one it is a thousandth of the span at most.
+
+    Where steps are equal but for cuts, the first one divides the span.
 
     Raises
     ------
@@ -85,6 +89,8 @@ def lay_course(t_span: Sequence[float], step: float | None, t_eval: ArrayLike | 
     t0, t1 = _span(t_span)
     length = abs(t1 - t0)
     first = math.copysign(1e-3 * length if step is None else min(_largest_step(step, length, 0.0), length), t1 - t0)
+    if divides:
+        first = (t1 - t0) / max(1, math.ceil(length / abs(first) * (1 - 1e-12)))
     if t_eval is None:
         return Course(t0, t1, first, _stride(save_every), np.array([t1]))
     _check_one_of(t_eval, save_every)

@@ -37,7 +37,7 @@ def identity_of(
     compensated: bool,
     compiles: bool,
     events: Any,
-    control: Any,
+    steps: Any,
 ) -> dict[str, str]:
     """Say what determines a run, by the names of the arguments of `solve`.
 
@@ -60,7 +60,7 @@ def identity_of(
         "compensated": repr(compensated),
         "compile": repr(compiles),
         "events": digest(written([functions, flags])),
-        "step_control": digest(written(control)),
+        "step_control, impacts or switches": digest(written(steps)),
         "save_every, t_eval or save_to": digest(written(rows)),
     }
 

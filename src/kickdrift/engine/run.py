@@ -175,7 +175,7 @@ class Run:
             return step, mark, _raised(error)
         residual = self._state.work[TROUBLE]
         if residual == FAILED_CONTROL:
-            return reached, mark, (Outcome.STEP_TOO_SMALL, "")
+            return reached, mark, (Outcome.NO_STEP, "")
         if residual != 0.0:
             why = "." if np.isfinite(residual) else ": a function gave no finite number, or the iteration ran away."
             return reached, mark, (Outcome.NOT_CONVERGED, f" The residual was {residual:.3g}{why}")

@@ -1,10 +1,10 @@
 """`solve`: from a function or a system to a solution."""
 
 from collections.abc import Callable, Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift import methods
@@ -18,8 +18,9 @@ from kickdrift.engine.dense import check_between
 from kickdrift.engine.events import events_of
 from kickdrift.engine.grid import Course, Grid, lay_course, lay_grid
 from kickdrift.engine.identity import identity_of
+from kickdrift.engine.impacts import Impacts, cut_steps, sides_at
 from kickdrift.engine.method_selection import check_direction, check_wanted, choose
-from kickdrift.engine.problem_adapter import describe, function_of_state
+from kickdrift.engine.problem_adapter import Adapter, describe
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.start import parameters, start_of
 from kickdrift.engine.step_control import StepControl
@@ -42,6 +43,8 @@ def solve(
     t_eval: ArrayLike | None = None,
     save_every: int | None = None,
     events: Callable[..., Any] | Sequence[Callable[..., Any]] | None = None,
+    impacts: Impacts | Callable[..., Any] | None = None,
+    switches: Callable[..., Any] | None = None,
     step_control: StepControl | Callable[..., Any] | str | None = None,
     rtol: float | None = None,
     atol: ArrayLike | None = None,
@@ -91,6 +94,12 @@ def solve(
         the way down; ``terminal``, True or a number, ends the run at the first or that zero; ``rate_bound``, a bound
         of how fast the function changes, finds two zeros within a step, too, if they are more than 1/256 of it apart. A zero at
         the start is none.
+    impacts : Impacts or callable, optional
+        Surfaces that bodies rebound from, see `kickdrift.Impacts`; a function alone is a gap with restitution 1.
+    switches : callable, optional
+        A function of the state, a number or an array of them, at whose zeros the force changes its law: steps end there, so
+        that the method keeps its order. The last of the ``params`` that the force gets are the sides, 1 or -1, on which
+        steps are to their ends; forces that jump have to ask these, as a step looks beyond its end before it is cut.
     step_control : optional
         What chooses the size of each step: a density, which is a function of the state, ``"distance"``, ``"acceleration"`` or
         ``"own"``, for reversible steps as `kickdrift.HairerSoderlind` describes them; or that or one of
@@ -157,6 +166,10 @@ def solve(
     check_bounds = choice("check_bounds", check_bounds)
     progress = None if progress is None else choice("progress", progress)
     control = control_of(step_control, step, rtol, atol)
+    if control is not None and (impacts is not None or switches is not None):
+        raise ArgumentError(
+            f"step_control={control!r} and impacts or switches are given, but each chooses the steps; leave one out."
+        )
     if control is not None and method is None and order is None:
         method = control.method
     if checkpoint is None and checkpoint_every is not None:
@@ -167,24 +180,30 @@ def solve(
     store: ZarrStore | None = None
     try:
         grid: Grid | Course
-        if control is None:
+        if control is None and impacts is None and switches is None:
             grid = lay_grid(t_span, step, t_eval, save_every, start.x.size, save_to is not None)
         else:
-            grid = lay_course(t_span, step, t_eval, save_every)
+            grid = lay_course(t_span, step, t_eval, save_every, divides=control is None)
         with compiling_announced(progress):
-            system = describe(problem, grid.t0, start, params, compiles, check_bounds)
+            adapter = Adapter(grid.t0, start.x, start.v, params, compiles, check_bounds)
+            sides = sides_at(switches, problem, adapter)
+            system = describe(problem, grid.t0, start, np.append(params, sides), compiles, check_bounds)
             if isinstance(grid, Grid):
                 check_between(system, grid)
             chosen = choose(method, order, system, grid.t0, grid.step, grid.t1 - grid.t0)
             check_direction(chosen.method, grid.step)
-            adapt = partial(function_of_state, grid.t0, start, params, compiles, check_bounds)
             controller = None
             if control is not None:
-                system, controller = controlled(control, system, chosen.method, grid.t0, adapt, step is not None)
-            wanted = events_of(events, adapt)
+                first_is_given = step is not None
+                system, controller = controlled(control, system, chosen.method, grid.t0, adapter.number, first_is_given)
+            elif isinstance(grid, Course):
+                place_of_sides = params.size if sides.size else -1
+                system, controller = cut_steps(impacts, switches, system, chosen.method, grid, adapter, place_of_sides)
+            wanted = events_of(events, adapter.number)
             task = Task(system, chosen, grid, compensated, controller, wanted, progress)
             if checkpoint is not None or save_to is not None:
-                known = identity_of(problem, grid, start, params, chosen.method, compensated, compiles, events, control)
+                steps = control, impacts, switches
+                known = identity_of(problem, grid, start, params, chosen.method, compensated, compiles, events, steps)
                 store = store_of(save_to, grid, known, checkpoint is not None)
                 kept = None if checkpoint is None else Checkpoints(checkpoint, checkpoint_every, checkpoint_keep, known)
             journey = Journey(task, checkpoints=kept, store=store)

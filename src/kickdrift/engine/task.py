@@ -71,7 +71,7 @@ def description_of(task: Task) -> Description:
         units=units,
         source=system.source,
         choice=task.chosen.reason,
-        step_control="" if controller is None else f"{controller.name} ({controller.wanted.conserves})",
+        step_control="" if controller is None else f"{controller.name} ({controller.conserves})",
     )
 
 
@@ -128,8 +128,7 @@ class Journey:
         task = self.task
         made = partial(compile_method, task.system, task.chosen.method, task.grid, task.compensated)
         self.processing = made(turns=not task.events, controller=task.controller)
-        transformed = self.processing.kernel.program.transformed
-        self.between = partial(made, controller=task.controller if transformed else None)
+        self.between = partial(made, controller=None if task.controller is None else task.controller.between)
         self.watch = watch_for(task.events, task.system, partial(self.between, turns=False), task.grid.t1)
         self.run = Run(self.processing.kernel, self._rows(), self.watch)
 

@@ -5,11 +5,13 @@ from kickdrift.engine.flows import (
     adjoint,
     constraint_rows,
     constraints,
+    cuts,
     damping,
     doubled,
     error_control,
     extrapolation,
     gradient_kick,
+    impact,
     implicit,
     kepler,
     kick_drift,
@@ -290,4 +292,23 @@ FLOWS = {
     "begin-trial": Flow(error_control.begin_trial, primer="choose-first-step"),
     "end-coarse": Flow(error_control.end_coarse, moves_x=True, moves_v=True, timed=False),
     "judge": Flow(error_control.judge, moves_x=True, moves_v=True, timed=False),
+    "take-sides": Flow(cuts.take_sides, parts={"find_gaps": impact.evaluate_gaps}),
+    "begin-cut": Flow(
+        cuts.begin_cut, parts={"keep_state": error_control.begin_trial, "find_gaps": impact.evaluate_gaps}
+    ),
+    "end-cut": Flow(
+        cuts.end_cut,
+        parts={
+            "find_gaps": impact.evaluate_gaps,
+            "find_gradient": impact.difference_gradient,
+            "put_back": impact.move_to_surface,
+            "strike": impact.give_impulse,
+            "strike_all": impact.strike_rows,
+            "cross": impact.cross_switch,
+            "rest_or_leave": impact.settle_or_lift,
+        },
+        moves_x=True,
+        moves_v=True,
+        timed=False,
+    ),
 }
