@@ -390,3 +390,31 @@ def test_steps_that_vary_go_on_too(control, tmp_path, monkeypatch):
         solve(tmp_path / "run", end=60.0, **options)
     with pytest.raises(kd.ArgumentError, match="sizes of the steps vary"):
         on.continue_to(60.0)
+
+
+def falling(x):
+    return np.array([0.0, -9.81])
+
+
+def rubbed(x, params):
+    return -x - 0.2 * params[-1]
+
+
+@pytest.mark.parametrize(
+    ("problem", "others"),
+    [
+        (falling, {"x0": [0.0, 1.0], "v0": [1.0, 0.0], "impacts": kd.Impacts(lambda x: x[1], restitution=0.8)}),
+        (rubbed, {"x0": 2.5, "v0": 0.0, "switches": lambda v: v}),
+    ],
+    ids=["impacts", "switches"],
+)
+def test_steps_that_are_cut_go_on_too(problem, others, tmp_path, monkeypatch):
+    options = {"problem": problem, "end": 12.0, "step": 1 / 32, "save_every": 5, **others}
+    whole = solve(**options)
+    broken_off(monkeypatch, tmp_path / "run", 2, every=50, **options)
+    on = solve(tmp_path / "run", every=50, **options)
+    same(on, whole)
+    assert "It went on from step 100" in on.message
+    key = "impacts" if "impacts" in others else "switches"
+    with pytest.raises(kd.ArgumentError, match="another step_control, impacts or switches"):
+        solve(tmp_path / "run", **{**options, key: kd.Impacts(lambda x: x[1]) if key == "impacts" else lambda x: x})
