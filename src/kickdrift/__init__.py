@@ -21,6 +21,7 @@ from kickdrift.core.errors import (
     UnsolvedWarning,
 )
 from kickdrift.core.outcomes import Outcome
+from kickdrift.core.version import VERSION
 from kickdrift.engine.impacts import Impacts, sphere_gaps
 from kickdrift.engine.solution import Presenters, Solution
 from kickdrift.engine.solve import solve
@@ -122,7 +123,7 @@ __all__ = [
     "systems",
 ]
 
-__version__ = "0.1.0"
+__version__ = VERSION
 
 
 def _later(module: str, name: str) -> Callable[..., Any]:
@@ -168,4 +169,6 @@ Recording.presenters = WorldPresenters(
     report=_later("kickdrift.io.recording_report", "report"),
     animate=_later("kickdrift.plots.animation", "animate_recording"),
     save_world=_later("kickdrift.io.world_file", "save_world"),
+    contents=_later("kickdrift.io.world_file", "contents"),
+    snapshot_of=_later("kickdrift.io.world_file", "snapshot_of"),
 )

@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from kickdrift.core import archive
 from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
-from kickdrift.engine.solution import Description, Invariants, Solution
-from kickdrift.io import archive
+from kickdrift.engine.invariants import Invariants
+from kickdrift.engine.solution import Description, Solution
 
 _EVENTS = ("t_events", "x_events", "v_events")
 INVARIANT, _DERIVED = "invariant: ", "derived: "
