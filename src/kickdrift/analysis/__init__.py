@@ -1,7 +1,8 @@
-"""Judging runs: order, stability, energy, symplecticity."""
+"""Judging runs: order, stability, energy, phase, symplecticity."""
 
 from kickdrift.analysis.energy import energy_drift, energy_error, largest_energy_error, modified_energy
 from kickdrift.analysis.order import ObservedOrder, observed_order
+from kickdrift.analysis.phase import largest_phase_error, phase_drift, phase_error
 from kickdrift.analysis.stability import amplification_factor, one_step_matrix, stability_limit
 from kickdrift.analysis.symplecticity import symplecticity_defect
 
@@ -11,9 +12,12 @@ __all__ = [
     "energy_drift",
     "energy_error",
     "largest_energy_error",
+    "largest_phase_error",
     "modified_energy",
     "observed_order",
     "one_step_matrix",
+    "phase_drift",
+    "phase_error",
     "stability_limit",
     "symplecticity_defect",
 ]

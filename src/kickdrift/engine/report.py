@@ -1,5 +1,6 @@
 """From a run to its solution: what was kept, what it conserves, and how it went."""
 
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -12,6 +13,7 @@ from kickdrift.engine.dense import DenseOutput
 from kickdrift.engine.events import Watch, Zero
 from kickdrift.engine.grid import Grid
 from kickdrift.engine.method_selection import Choice
+from kickdrift.engine.phase import time_shift
 from kickdrift.engine.processing import Processing, compile_method
 from kickdrift.engine.run import Ending, Run
 from kickdrift.engine.solution import Description, Invariants, Solution
@@ -72,7 +74,7 @@ def report(
         n_force_evaluations=evaluations,
         wall_time=ending.wall_time,
         about=_description(system, chosen, compensated),
-        derived=_derived(system, t, xs, vs),
+        derived=_derived(system, grid, t, xs, vs),
         error_estimate=None if ending.estimated is None else ending.estimated.reshape(system.x0.shape),
         dense=dense,
         t_events=tuple(np.array([zero.t for zero in own]) for own in zeros),
@@ -117,9 +119,14 @@ def _at_wanted(
     return np.append(wanted, t[-1]), np.concatenate((x, xs[-1:])), np.concatenate((v, vs[-1:])), evaluations
 
 
-def _derived(system: System, t: Floats, xs: Floats, vs: Floats) -> Invariants:
-    constrained = system.kind is Kind.CONSTRAINED
-    return Invariants(("multipliers",) * constrained, lambda name: multipliers.evaluate(system, t, xs, vs))
+def _derived(system: System, grid: Grid, t: Floats, xs: Floats, vs: Floats) -> Invariants:
+    functions: dict[str, Callable[[], Floats]] = {}
+    if system.kind is Kind.CONSTRAINED:
+        functions["multipliers"] = lambda: multipliers.evaluate(system, t, xs, vs)
+    exact = system.exact
+    if exact is not None and grid.t0 == 0.0:
+        functions["phase error"] = lambda: time_shift(exact, t, xs, vs, grid.step)
+    return Invariants(tuple(functions), lambda name: functions[name]())
 
 
 def _description(system: System, chosen: Choice, compensated: bool) -> Description:
