@@ -57,7 +57,7 @@ def test_moved_in_time_by_it_the_exact_motion_is_nearest():
 def test_orbits_that_grow_and_shrink_have_a_phase(method):
     sol = kd.solve(OSCILLATOR, (0.0, 60.0), step=0.1, method=method)
     assert not 0.05 < sol.energy[-1] < 5
-    assert analysis.phase_error(sol) == pytest.approx((np.arctan(0.1) / 0.1 - 1) * sol.t, abs=0.02)
+    assert analysis.phase_error(sol) == pytest.approx((np.arctan(0.1) / 0.1 - 1) * sol.t, abs=0.05)
 
 
 def test_backwards_and_in_any_order_it_is_the_same():

@@ -99,7 +99,7 @@ def _newton(error: Floats, first: Floats, last: Floats, before: Floats, after: F
     with np.errstate(divide="ignore", invalid="ignore"):
         bend = np.where((after == -before)[:, None], (first + last) / (after * after)[:, None], 0.0)
     squares, bent = np.einsum("ij,ij->i", along, along), np.einsum("ij,ij->i", error, bend)
-    # Farther away on the inner side of a bend than its radius, the distance has no minimum: there by Gauss and Newton.
-    steepness = np.where(bent < 0.5 * squares, squares - bent, squares)
+    # As far away on the inner side of a bend as its radius, the distance has no minimum: there by Gauss and Newton.
+    steepness = np.where(bent < 0.95 * squares, squares - bent, squares)
     step: Floats = np.einsum("ij,ij->i", along, error) / np.where(steepness > 0.0, steepness, 1.0)
     return step
