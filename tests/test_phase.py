@@ -55,9 +55,12 @@ def test_moved_in_time_by_it_the_exact_motion_is_nearest():
 
 @pytest.mark.parametrize("method", ["explicit-euler", "implicit-euler"])
 def test_orbits_that_grow_and_shrink_have_a_phase(method):
-    sol = kd.solve(OSCILLATOR, (0.0, 60.0), step=0.1, method=method)
-    assert not 0.05 < sol.energy[-1] < 5
-    assert analysis.phase_error(sol) == pytest.approx((np.arctan(0.1) / 0.1 - 1) * sol.t, abs=0.05)
+    h = 0.1
+    sol = kd.solve(OSCILLATOR, (0.0, 8 * pi), step=h, method=method)
+    assert not 0.2 < sol.energy[-1] < 2
+    # Near the axes, where the root mean squares of positions and velocities make no difference.
+    expected = (np.arctan(sol.step) / sol.step - 1) * sol.t
+    assert analysis.phase_error(sol)[-1] == pytest.approx(expected[-1], abs=2e-3)
 
 
 def test_backwards_and_in_any_order_it_is_the_same():

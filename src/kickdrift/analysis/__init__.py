@@ -5,9 +5,11 @@ from kickdrift.analysis.order import ObservedOrder, observed_order
 from kickdrift.analysis.phase import largest_phase_error, phase_drift, phase_error
 from kickdrift.analysis.stability import amplification_factor, one_step_matrix, stability_limit
 from kickdrift.analysis.symplecticity import symplecticity_defect
+from kickdrift.analysis.work_precision import WorkPrecision, work_precision
 
 __all__ = [
     "ObservedOrder",
+    "WorkPrecision",
     "amplification_factor",
     "energy_drift",
     "energy_error",
@@ -20,4 +22,5 @@ __all__ = [
     "phase_error",
     "stability_limit",
     "symplecticity_defect",
+    "work_precision",
 ]

@@ -3,5 +3,6 @@
 from kickdrift.plots.energy import plot_energy_comparison
 from kickdrift.plots.solution import plot_solution
 from kickdrift.plots.stability import plot_stability_region
+from kickdrift.plots.work_precision import plot_work_precision
 
-__all__ = ["plot_energy_comparison", "plot_solution", "plot_stability_region"]
+__all__ = ["plot_energy_comparison", "plot_solution", "plot_stability_region", "plot_work_precision"]
