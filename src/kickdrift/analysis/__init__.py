@@ -1,6 +1,8 @@
 """Judging runs: order, stability, energy, phase, symplecticity."""
 
 from kickdrift.analysis.energy import energy_drift, energy_error, largest_energy_error, modified_energy
+from kickdrift.analysis.modified import modified_hamiltonian, modified_order
+from kickdrift.analysis.modified_formula import modified_formula
 from kickdrift.analysis.order import ObservedOrder, observed_order
 from kickdrift.analysis.phase import largest_phase_error, phase_drift, phase_error
 from kickdrift.analysis.stability import amplification_factor, one_step_matrix, stability_limit
@@ -16,6 +18,9 @@ __all__ = [
     "largest_energy_error",
     "largest_phase_error",
     "modified_energy",
+    "modified_formula",
+    "modified_hamiltonian",
+    "modified_order",
     "observed_order",
     "one_step_matrix",
     "phase_drift",
