@@ -3,6 +3,7 @@
 from kickdrift.analysis.energy import energy_drift, energy_error, largest_energy_error, modified_energy
 from kickdrift.analysis.modified import modified_hamiltonian, modified_order
 from kickdrift.analysis.modified_formula import modified_formula
+from kickdrift.analysis.orbits import OrbitalElements, orbital_elements
 from kickdrift.analysis.order import ObservedOrder, observed_order
 from kickdrift.analysis.phase import largest_phase_error, phase_drift, phase_error
 from kickdrift.analysis.stability import amplification_factor, one_step_matrix, stability_limit
@@ -11,6 +12,7 @@ from kickdrift.analysis.work_precision import WorkPrecision, work_precision
 
 __all__ = [
     "ObservedOrder",
+    "OrbitalElements",
     "WorkPrecision",
     "amplification_factor",
     "energy_drift",
@@ -23,6 +25,7 @@ __all__ = [
     "modified_order",
     "observed_order",
     "one_step_matrix",
+    "orbital_elements",
     "phase_drift",
     "phase_error",
     "stability_limit",

@@ -151,8 +151,9 @@ def modified_order(
 
 
 def _separable(problem: Any, x: Floats, v: Floats, args: Sequence[float] | None, compile_: bool) -> System:
-    system = problem
-    if not isinstance(problem, System):
+    if isinstance(problem, System):
+        system = problem
+    else:
         first = Start(x, v) if x.ndim == 0 else Start(x[0], v[0])
         system = describe(problem, 0.0, first, start(() if args is None else args).reshape(-1), compile_)
     if not Kind.SEPARABLE.includes(system.kind):

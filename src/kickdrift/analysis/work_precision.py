@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -122,9 +123,9 @@ def work_precision(
     wanted = {catalogue.get(method).name: _steps_of(method, steps) for method in methods}
     chosen = {catalogue.get(method).name: method for method in methods}
 
-    def run(method: str, step: float) -> Solution:
-        given = {"step": step, "method": chosen[method], "args": args, "compile": compile, "progress": False}
-        return solve(problem, t_span, x0, v0, save_every=2**60, **given)
+    def run(name: str, step: float) -> Solution:
+        own = partial(solve, problem, t_span, x0, v0, save_every=2**60, progress=False)
+        return own(step=step, method=chosen[name], args=args, compile=compile)
 
     runs = {name: [run(name, step) for step in of] for name, of in wanted.items()}
     seconds = {name: np.empty((rounds, len(of))) for name, of in wanted.items()}

@@ -144,4 +144,5 @@ def _description(system: System, chosen: Choice, compensated: bool) -> Descripti
         units=units,
         source=system.source,
         choice=chosen.reason,
+        gm=() if system.gm is None else tuple(system.gm.tolist()),
     )

@@ -71,6 +71,8 @@ class Description:
         Where the system is from.
     choice : str
         Why ``"auto"`` took the method; empty where it was named.
+    gm : tuple of float
+        Of bodies that attract each other G times their masses; of one around a centre that of the centre.
     """
 
     system: str
@@ -84,6 +86,7 @@ class Description:
     units: Mapping[str, str] = field(default_factory=dict)
     source: str = ""
     choice: str = ""
+    gm: tuple[float, ...] = ()
 
     @property
     def v_is_velocity(self) -> bool:

@@ -97,8 +97,10 @@ def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Solution:
 
 def members(head: dict[str, Any], arrays: dict[str, Any]) -> dict[str, Any]:
     """Return the members of a solution by name, of what a file holds."""
-    about = {f.name: head["about"][f.name] for f in fields(Description) if f.name != "choice"}
-    about["choice"] = str(head["about"].get("choice", ""))  # earlier files have none
+    later = {"choice", "gm"}  # which earlier files have not
+    about = {f.name: head["about"][f.name] for f in fields(Description) if f.name not in later}
+    about["choice"] = str(head["about"].get("choice", ""))
+    about["gm"] = tuple(float(each) for each in head["about"].get("gm", ()))
     about["dimensions"] = tuple(about["dimensions"])
     about["kind"] = Kind[about["kind"]].name
     kept = {name.removeprefix(_INVARIANT): a for name, a in arrays.items() if name.startswith(_INVARIANT)}

@@ -131,6 +131,7 @@ def nbody(
         dimensions=("body", "space"),
         coordinates={"body": labels, "space": ["x", "y", "z"]},
         source="Aarseth, Gravitational N-Body Simulations (2003)",
+        gm=gm,
     )
 
 

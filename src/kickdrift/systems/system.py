@@ -99,6 +99,8 @@ class System:
         Units of ``"t"``, ``"x"`` and ``"v"``.
     source : str
         Where equations and numbers are from.
+    gm : (N,) array, optional
+        Of bodies that attract each other G times their masses; of one around a fixed centre that of the centre.
     """
 
     name: str
@@ -120,6 +122,7 @@ class System:
     coordinates: Mapping[str, Any] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     source: str = ""
+    gm: Floats | None = None
 
     def __post_init__(self) -> None:
         for name in ("x0", "v0", "params"):
