@@ -138,6 +138,7 @@ def __getattr__(name: str) -> Any:
 # Solutions and worlds save, draw and report themselves with what lives on the floors above them.
 Solution.presenters = Presenters(plot=plots.plot_solution, save=save, to_xarray=to_xarray, report=report)
 analysis.WorkPrecision.presenter = plots.plot_work_precision
+analysis.PoincareSection.presenter = plots.plot_poincare_sections
 Recording.presenters = WorldPresenters(
     plot=_later("kickdrift.plots.world", "plot_recording"),
     save=_later("kickdrift.io.recording_file", "save_recording"),
