@@ -12,6 +12,7 @@ from pathlib import Path
 import llvmlite.binding
 
 from benchmarks import (
+    advice,
     against_c,
     auto,
     gravity,
@@ -35,6 +36,7 @@ COMPARISONS: dict[str, tuple[str, Callable[[int], list[Row]]]] = {
     "gravity": ("Direct N-body: an interaction", gravity.compare),
     "implicit": ("Implicit against semi-implicit Euler", implicit_euler.compare),
     "auto": ("What auto takes: time to an error, over that of the fastest", auto.compare),
+    "advice": ("What `kd.advise` recommends, against the best by brute force", advice.compare),
     "steps": ("Against the same step by hand", steps.compare),
     "startup": ("Before the first step", startup.compare),
     "scale": ("Boxes at rest: a body's part of a step", world_scale.compare),

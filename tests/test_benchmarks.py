@@ -422,11 +422,13 @@ def test_times_to_an_error_are_read_off_between_steps_from_which_on_no_error_is_
 
 
 def test_problems_of_auto_are_of_the_kinds_of_their_candidates():
-    from benchmarks.auto import candidates, problems
+    from benchmarks.auto import problems
+
+    from kickdrift.analysis import candidates
 
     assert len(problems.named()) == 12
     for problem in problems.every_problem():
         run = problem.run("auto", problem.largest)
         assert run.about.kind == problem.kind.name
-        for name in candidates.of(problem):
+        for name in candidates.of(problem.kind):
             assert kd.methods.get(name).kind.includes(problem.kind)

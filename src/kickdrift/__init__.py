@@ -12,6 +12,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from kickdrift import analysis, methods, plots, systems
+from kickdrift.analysis.advice import advise
 from kickdrift.core.errors import (
     ArgumentError,
     InterpretedWarning,
@@ -91,6 +92,7 @@ __all__ = [
     "System",
     "UnsolvedWarning",
     "World",
+    "advise",
     "analysis",
     "from_lagrangian",
     "from_sympy",

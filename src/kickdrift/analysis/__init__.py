@@ -1,5 +1,6 @@
 """Judging runs: order, stability, energy, phase, symplecticity."""
 
+from kickdrift.analysis.advice import Advice
 from kickdrift.analysis.energy import energy_drift, energy_error, largest_energy_error, modified_energy
 from kickdrift.analysis.lyapunov import LyapunovExponents, lyapunov_exponent
 from kickdrift.analysis.modified import modified_hamiltonian, modified_order
@@ -14,6 +15,7 @@ from kickdrift.analysis.tangent import tangent_map
 from kickdrift.analysis.work_precision import WorkPrecision, work_precision
 
 __all__ = [
+    "Advice",
     "LyapunovExponents",
     "ObservedOrder",
     "OrbitalElements",

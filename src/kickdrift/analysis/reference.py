@@ -45,35 +45,46 @@ def end_of_reference(problem: Any, run: Solution, own_start: bool, args: Sequenc
             "reference=None cannot be computed for Langevin dynamics: a path with noise has none; compare averages, or"
             " give a reference."
         )
-    system = problem
-    if not isinstance(problem, System):
-        given = start(() if args is None else args).reshape(-1)
-        system = describe(problem, float(run.t[0]), Start(run.x[0], run.v[0]), given, compile_=False)
-    return _dop853(system, run)
+    return _dop853(described(problem, float(run.t[0]), run.x[0], run.v[0], args), run)
+
+
+def described(problem: Any, t0: float, x0: Floats, v0: Floats, args: Sequence[float] | None) -> System:
+    """Return the system of a problem with a start, with functions that run in the interpreter."""
+    if isinstance(problem, System):
+        return problem
+    return describe(problem, t0, Start(x0, v0), start(() if args is None else args).reshape(-1), compile_=False)
+
+
+class Rates:
+    """The rates of all numbers of a state, for SciPy's solvers, and how large those numbers are."""
+
+    def __init__(self, system: System, x0: Floats, v0: Floats) -> None:
+        self._system, self.size = system, x0.size
+        parts = x0.reshape(-1), v0.reshape(-1)
+        self.start = np.concatenate(parts)
+        # An absolute tolerance for each of x and v: their units differ.
+        self.scales = np.concatenate([np.full(part.size, np.abs(part).max(initial=0.0) or 1.0) for part in parts])
+
+    def __call__(self, t: float, y: Floats) -> Floats:
+        """Return the rates."""
+        system, x, v, out = self._system, y[: self.size], y[self.size :], np.empty(y.size)
+        if system.velocity is None:
+            out[: self.size] = v
+        else:
+            system.velocity(t, x, v, system.params, out[: self.size])
+        if v.size > 0:
+            system.acceleration(t, x, v, system.params, out[self.size :])
+        if system.kind is Kind.CONSTRAINED:
+            out[self.size :] += constraint_acceleration(system, t, x, v)
+        return out
 
 
 def _dop853(system: System, run: Solution) -> tuple[Floats, Floats]:
     from scipy.integrate import solve_ivp
 
-    n = run.x[0].size
-
-    def rates(t: float, y: Floats) -> Floats:
-        x, v, out = y[:n], y[n:], np.empty(y.size)
-        if system.velocity is None:
-            out[:n] = v
-        else:
-            system.velocity(t, x, v, system.params, out[:n])
-        if v.size > 0:
-            system.acceleration(t, x, v, system.params, out[n:])
-        if system.kind is Kind.CONSTRAINED:
-            out[n:] += constraint_acceleration(system, t, x, v)
-        return out
-
-    parts = run.x[0].reshape(-1), run.v[0].reshape(-1)
-    # An absolute tolerance for each of x and v: their units differ.
-    scales = np.concatenate([np.full(part.size, np.abs(part).max(initial=0.0) or 1.0) for part in parts])
+    rates, n = Rates(system, run.x[0], run.v[0]), run.x[0].size
     times = {"t_span": (run.t[0], run.t[-1]), "t_eval": run.t[-1:]}
-    end = solve_ivp(rates, y0=np.concatenate(parts), method="DOP853", rtol=1e-13, atol=1e-14 * scales, **times)
+    end = solve_ivp(rates, y0=rates.start, method="DOP853", rtol=1e-13, atol=1e-14 * rates.scales, **times)
     if not end.success:
         raise KickdriftError(f"reference=None could not be computed by DOP853: {end.message} Give a reference.")
     return end.y[:n, -1].reshape(run.x[0].shape), end.y[n:, -1].reshape(run.v[0].shape)
