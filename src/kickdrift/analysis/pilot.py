@@ -80,7 +80,7 @@ class Pilot:
     @property
     def exact_to(self) -> float:
         """The least error that can be told."""
-        return 30 * _EXACT_TO
+        return 100 * _EXACT_TO
 
 
 def fly(rates: Rates, t0: float, span: float) -> Pilot:

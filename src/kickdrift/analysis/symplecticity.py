@@ -94,7 +94,9 @@ def symplecticity_defect(
         )
 
     def image(rows: Floats) -> Floats:
-        return np.array([np.ravel(take_step(problem, method, step, *row.reshape(2, *x.shape), t)) for row in rows])
+        halves = rows.reshape(-1, 2, *x.shape)
+        ends = [take_step(problem, method, step, start(x), start(v), t) for x, v in halves]
+        return np.array([np.ravel(end) for end in ends])
 
     y = np.concatenate([x.reshape(-1), v.reshape(-1)])
     matrix = jacobian(image, y, increment * scales_of(x, v, step))

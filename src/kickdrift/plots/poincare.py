@@ -59,8 +59,9 @@ def plot_poincare_sections(
     figure = new_figure(5.6, 5.2, f"{many[0].system}: {sum(section.t.size for section in many)} passages")
     panel = figure.add_subplot()
     for i, own in enumerate(numbers):
-        style = {"linestyle": "", "marker": ".", "markersize": 2.5, "markeredgewidth": 0}
-        panel.plot(own[chosen[0]], own[chosen[1]], color=COLOURS[i % len(COLOURS)], **style)
+        panel.plot(
+            own[chosen[0]], own[chosen[1]], ".", color=COLOURS[i % len(COLOURS)], markersize=2.5, markeredgewidth=0
+        )
     dress(panel, *chosen)
     return keep(figure, path)
 
