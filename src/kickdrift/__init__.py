@@ -24,7 +24,7 @@ from kickdrift.core.errors import (
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.solution import Presenters, Solution
 from kickdrift.engine.solve import solve
-from kickdrift.io import load, save, to_xarray
+from kickdrift.io import load, save, to_pandas, to_xarray
 from kickdrift.io.report import report
 from kickdrift.io.xarray import recording_to_xarray
 from kickdrift.systems import (
@@ -138,12 +138,15 @@ def __getattr__(name: str) -> Any:
 
 
 # Solutions and worlds save, draw and report themselves with what lives on the floors above them.
-Solution.presenters = Presenters(plot=plots.plot_solution, save=save, to_xarray=to_xarray, report=report)
+Solution.presenters = Presenters(
+    plot=plots.plot_solution, save=save, to_pandas=to_pandas, to_xarray=to_xarray, report=report
+)
 analysis.WorkPrecision.presenter = plots.plot_work_precision
 analysis.PoincareSection.presenter = plots.plot_poincare_sections
 Recording.presenters = WorldPresenters(
     plot=_later("kickdrift.plots.world", "plot_recording"),
     save=_later("kickdrift.io.recording_file", "save_recording"),
+    to_pandas=to_pandas,
     to_xarray=recording_to_xarray,
     report=_later("kickdrift.io.recording_report", "report"),
     animate=_later("kickdrift.plots.animation", "animate_recording"),

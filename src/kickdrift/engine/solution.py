@@ -101,6 +101,7 @@ class Presenters:
 
     plot: Callable[..., Any]
     save: Callable[..., Path]
+    to_pandas: Callable[..., Any]
     to_xarray: Callable[..., Any]
     report: Callable[..., str]
 
@@ -262,6 +263,10 @@ class Solution:
     def save(self, path: str | Path) -> Path:
         """Write everything to one ``.npz`` file of plain arrays, for `kickdrift.load`; returns its path."""
         return self.presenters.save(self, path)
+
+    def to_pandas(self) -> Any:
+        """Return a `pandas.DataFrame` with a row a time, whose columns are named ``x[0]``, ``x[Jupiter, y]``, ``energy``."""
+        return self.presenters.to_pandas(self)
 
     def to_xarray(self) -> Any:
         """Return an `xarray.Dataset` with named dimensions and units."""

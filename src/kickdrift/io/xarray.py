@@ -25,7 +25,9 @@ def to_xarray(solution: Solution) -> Any:
     units = about.units
 
     def variable(values: Any, names: tuple[str, ...], of: str) -> Any:
-        return xr.Variable(names, values, attrs={"units": units[of]} if of in units else {})
+        # What others read as units is one word; a phrase would be an error of theirs.
+        key = "units" if " " not in units.get(of, "") else "unit_in_words"
+        return xr.Variable(names, values, attrs={key: units[of]} if of in units else {})
 
     data = {"x": variable(solution.x, dims, "x")}
     if solution.v.shape == solution.x.shape:  # first-order equations have no v
