@@ -42,6 +42,7 @@ from kickdrift.systems import (
     Separable,
     System,
 )
+from kickdrift.systems.spline import spline
 from kickdrift.world.recording import Recording, WorldPresenters
 
 if TYPE_CHECKING:
@@ -102,6 +103,7 @@ __all__ = [
     "methods",
     "plots",
     "solve",
+    "spline",
     "systems",
 ]
 

@@ -20,6 +20,7 @@ from kickdrift.engine.report import report
 from kickdrift.engine.run import Run
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.start import parameters, start_of
+from kickdrift.engine.table_ranges import check_tables
 from kickdrift.systems.problem import Problem
 from kickdrift.systems.system import System
 
@@ -128,6 +129,7 @@ def solve(
             check_between(system, grid)
             chosen = choose(method, order, system, grid.t0, grid.step, grid.n_steps * grid.step)
             check_direction(chosen.method, grid.step)
+            check_tables(problem, system, chosen.method, grid)
             wanted = events_of(events, partial(function_of_state, grid.t0, start, params, compiles, check_bounds))
             processing = compile_method(system, chosen.method, grid, compensated, turns=not wanted)
             watch = watch_for(wanted, system, chosen.method, grid, compensated)
