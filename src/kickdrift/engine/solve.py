@@ -21,6 +21,7 @@ from kickdrift.engine.run import Run
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.start import parameters, start_of
 from kickdrift.engine.table_ranges import check_tables
+from kickdrift.engine.unit_solution import enter
 from kickdrift.systems.problem import Problem
 from kickdrift.systems.system import System
 
@@ -108,6 +109,12 @@ def solve(
     InterpretedWarning
         If Numba cannot compile the function.
 
+    Notes
+    -----
+    Span, step, t_eval and start may be quantities of astropy or pint. Functions then get plain numbers, times in the unit of
+    t_span, positions in that of x0, and velocities in the one over the other; ``solution.t``, ``.x`` and ``.v`` are quantities,
+    and ``solution.plain`` is the same in numbers.
+
     Examples
     --------
     >>> import numpy as np, kickdrift as kd
@@ -118,6 +125,8 @@ def solve(
     (10001, 2)
     """
     check_wanted(method, order)
+    entered = enter(problem, t_span, x0, v0, step, t_eval)
+    t_span, x0, v0, step, t_eval = entered.t_span, entered.x0, entered.v0, entered.step, entered.t_eval
     start, params = start_of(problem, x0, v0), parameters(args)
     compensated, compiles = choice("compensated", compensated), choice("compile", compile)
     check_bounds = choice("check_bounds", check_bounds)
@@ -141,4 +150,4 @@ def solve(
             " keep fewer steps, or take an explicit method: implicit ones keep a matrix of the state's size squared."
         ) from None
     ending = run.go()
-    return report(system, chosen, grid, processing, run, ending, compensated, watch)
+    return entered.leave(report(system, chosen, grid, processing, run, ending, compensated, watch))
