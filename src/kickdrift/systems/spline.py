@@ -102,7 +102,7 @@ def _checked(t: ArrayLike, values: ArrayLike) -> tuple[Floats, Floats]:
     return times, table
 
 
-def _function(knots: Floats, pieces: Floats, rows: float, rounding: float) -> FunctionType:
+def _function(knots: Floats, pieces: Floats, rows: float, rounding: float) -> Callable[[float], Any]:
     """Write a function of a table; for one of numbers without views, whose references would be counted."""
     first, last = float(knots[0]), float(knots[int(rows) - 1])
     density = (rows - 1) / (last - first)
