@@ -24,6 +24,13 @@ from kickdrift.core.errors import (
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.solution import Presenters, Solution
 from kickdrift.engine.solve import solve
+from kickdrift.engine.step_control import (
+    HairerSoderlind,
+    HuangLeimkuhler,
+    LocalError,
+    LogarithmicHamiltonian,
+    TimeTransformed,
+)
 from kickdrift.io import load, save, to_pandas, to_xarray
 from kickdrift.io.report import report
 from kickdrift.io.xarray import recording_to_xarray
@@ -71,11 +78,15 @@ __all__ = [
     "Damped",
     "Drive",
     "FirstOrder",
+    "HairerSoderlind",
     "Hamiltonian",
+    "HuangLeimkuhler",
     "Hull",
     "InterpretedWarning",
     "KickdriftError",
     "Langevin",
+    "LocalError",
+    "LogarithmicHamiltonian",
     "LostBodyError",
     "MethodMismatchError",
     "Motor",
@@ -91,6 +102,7 @@ __all__ = [
     "Solution",
     "Sphere",
     "System",
+    "TimeTransformed",
     "UnsolvedWarning",
     "World",
     "advise",

@@ -11,6 +11,9 @@ class Outcome(Enum):
     INTERRUPTED = "Interrupted by the user; everything up to the interruption is kept."
     NOT_FINITE = "The state became infinite or not a number; the solution ends with the last good state."
     FAILED = "A function raised an error; the solution ends with the last good state."
+    STEP_TOO_SMALL = (
+        "No size of the next step will do: the density of steps is none there, or the step is lost beside t."
+    )
     NOT_CONVERGED = "The equations of an implicit step were not solved; the solution ends with the last good state."
 
     @property

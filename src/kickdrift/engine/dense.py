@@ -47,8 +47,8 @@ class DenseOutput:
         The rows.
     end : float
         Where the run ended, at the last row or later.
-    step : float
-        The step of the run, with its sign.
+    steps : (T,) array
+        The size of the steps from each row on, with its sign.
     compile : callable
         Returns the method, compiled for the system, with a state of its own.
     """
@@ -57,7 +57,7 @@ class DenseOutput:
     x: Floats
     v: Floats
     end: float
-    step: float
+    steps: Floats
     compile: Callable[[], Processing]
 
     def __copy__(self) -> "DenseOutput":
@@ -93,10 +93,10 @@ class DenseOutput:
         """Return the states at times between the rows, NaN where there are none, and the force evaluations that they took."""
         row, counts, rest = self._places(wanted)
         xs, vs = self.x[row].copy(), self.v[row].copy()
-        here, evaluations = self.t[row], 0
+        here, evaluations, whole = self.t[row], 0, self.steps[row]
         if counts.any() or rest.any():
             processing = self.compile()
-            for sizes, repeats in ((np.full(row.size, self.step), counts), (rest, (rest != 0.0).astype(np.int64))):
+            for sizes, repeats in ((whole, counts), (rest, (rest != 0.0).astype(np.int64))):
                 moved = np.flatnonzero(repeats)
                 if moved.size:
                     xs[moved], vs[moved], own = processing.go_on(
@@ -108,14 +108,14 @@ class DenseOutput:
 
     def _places(self, wanted: Floats) -> tuple[NDArray[np.intp], NDArray[np.int64], Floats]:
         """Return the last row before each time, how many whole steps there are from there, and what is left."""
-        sign = np.sign(self.step)
+        sign = np.sign(self.steps[0])
         farthest = max(abs(self.t[0]), abs(self.end))
-        rounding = _ROUNDING + _SPACINGS * np.spacing(farthest) / abs(self.step)
-        row = np.searchsorted(sign * self.t, sign * wanted + rounding * abs(self.step), side="right") - 1
-        ahead = (wanted - self.t[row]) / self.step
+        near = _ROUNDING * np.abs(self.steps) + _SPACINGS * np.spacing(farthest)
+        row = np.searchsorted(sign * self.t - near, sign * wanted, side="right") - 1
+        ahead, rounding = (wanted - self.t[row]) / self.steps[row], (near / np.abs(self.steps))[row]
         counts = np.floor(ahead + rounding).astype(np.int64)
         left = ahead - counts
-        return row, counts, np.where(left > rounding, left * self.step, 0.0)
+        return row, counts, np.where(left > rounding, left * self.steps[row], 0.0)
 
 
 def check_between(system: System, grid: Grid) -> None:

@@ -14,11 +14,9 @@ from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.core.kinds import Kind
-from kickdrift.engine.grid import Grid
-from kickdrift.engine.processing import Processing, compile_method
+from kickdrift.engine.processing import Processing
 from kickdrift.engine.quantities import evaluate_quantity
 from kickdrift.engine.zeros import Brackets, changes, search
-from kickdrift.methods import Method
 from kickdrift.systems.problem import name_of
 from kickdrift.systems.system import Quantity, System
 
@@ -90,9 +88,9 @@ def _event(name: str, function: Any, quantity: Callable[[str, Any], Quantity]) -
 
 
 def watch_for(
-    events: tuple[Event, ...], system: System, method: Method, grid: Grid, compensated: bool
+    events: tuple[Event, ...], system: System, processing: Callable[[], Processing], end: float
 ) -> "Watch | None":
-    """Make what looks for events along the grid, if there are any.
+    """Make what looks for events along a run, if there are any.
 
     Raises
     ------
@@ -105,7 +103,7 @@ def watch_for(
         raise ArgumentError(
             "events are given, but noise drives the path: between two steps it is not known; leave them out."
         )
-    return Watch(events, system, compile_method(system, method, grid, compensated, turns=False), grid.t0, grid.step)
+    return Watch(events, system, processing(), end)
 
 
 class Watch:
@@ -117,8 +115,8 @@ class Watch:
     system : System
     processing : Processing
         The method, with a state of its own.
-    t0, step : float
-        Of the grid.
+    end : float
+        Of the span: steps of varying sizes may lead beyond it.
 
     Attributes
     ----------
@@ -128,26 +126,19 @@ class Watch:
         Of the force, in search of zeros.
     """
 
-    def __init__(
-        self, events: tuple[Event, ...], system: System, processing: Processing, t0: float, step: float
-    ) -> None:
-        self.events, self._system, self._processing, self._t0, self._step = events, system, processing, t0, step
+    def __init__(self, events: tuple[Event, ...], system: System, processing: Processing, end: float) -> None:
+        self.events, self._system, self._processing, self._end = events, system, processing, end
         self.most = max(1, min(_MOST_ROWS, _NUMBERS // max(system.x0.size, 1)))
         self.evaluations = 0
         self._zeros: list[Zero] = []
         self._waiting: list[tuple[int, Brackets]] = []  # zeros that end nothing: sought many at once
         self._x, self._v = system.x0[None], system.v0[None]
-        self._xs = self._vs = np.zeros((0, 0))
+        self._sign = 1.0  # of the steps
 
-    def rows(self, count: int, size: int, size_of_v: int) -> tuple[Floats, Floats]:
-        """Return rows for so many states of the loop, of such sizes, at which the next look is."""
-        self._xs, self._vs = np.empty((count, size)), np.empty((count, size_of_v))
-        return self._xs, self._vs
-
-    def look(self, first: int, count: int) -> Found:
-        """Look at so many rows, after the steps from `first` on."""
-        t = np.asarray(self._t0 + self._step * np.arange(first, first + count + 1), dtype=np.float64)
-        xs, vs = self._processing.seen(t[1:], self._xs[:count], self._vs[:count])
+    def look(self, t: Floats, xs: Floats, vs: Floats) -> Found:
+        """Look at the steps between times, after each of which the loop has a state."""
+        xs, vs = self._processing.seen(t[1:], xs, vs)
+        count, self._sign = t.size - 1, math.copysign(1.0, t[-1] - t[0])
         xs, vs = np.concatenate((self._x, xs)), np.concatenate((self._v, vs))
         values = [evaluate_quantity(event.quantity, self._system, t, xs, vs) for event in self.events]
         bad = np.flatnonzero(np.isnan(values).any(axis=0))
@@ -155,7 +146,8 @@ class Watch:
         for k, value in enumerate(values):
             ends, before = np.s_[1 : steps + 1], np.s_[:steps]
             part = np.zeros(steps)
-            brackets = Brackets(t[before], xs[before], vs[before], part, part + 1.0, value[before], value[ends])
+            of = np.diff(t)[before]
+            brackets = Brackets(t[before], of, xs[before], vs[before], part, part + 1.0, value[before], value[ends])
             brackets = self._bracketed(k, brackets)
             if brackets.t.size and self.events[k].terminal:
                 self._zeros += self._search(k, brackets)
@@ -163,7 +155,9 @@ class Watch:
                 self._waiting.append((k, brackets))
         stop, failure = self._stop(), ""
         if stop is not None:
-            steps = min(steps, max(math.ceil((stop.t - t[0]) / self._step - 1e-9) - 1, 0))
+            near = 1e-9 * np.diff(t, prepend=t[0] - (t[1] - t[0]))
+            before_it = int(np.searchsorted(self._sign * (t + near), self._sign * stop.t, side="left")) - 1
+            steps = min(steps, max(before_it, 0))
         elif bad.size:
             k = int(np.argmax(np.isnan([value[bad[0]] for value in values])))
             failure = f" {self.events[k].name}, gave no number at t={float(t[bad[0]])!r}."
@@ -175,7 +169,7 @@ class Watch:
 
         Ctrl-C may have come after zeros were found, and before the run had noted the steps in which they are.
         """
-        sign, found = math.copysign(1.0, self._step), list(self._zeros)
+        sign, found = self._sign, list(self._zeros)
         for k in range(len(self.events)):
             own = [brackets for event, brackets in self._waiting if event == k]
             if own:
@@ -186,15 +180,15 @@ class Watch:
     def _stop(self) -> Zero | None:
         """Return the first zero that ends the run."""
         counts = [0] * len(self.events)
-        for zero in sorted(self._zeros, key=lambda zero: zero.t * math.copysign(1.0, self._step)):
+        for zero in sorted(self._zeros, key=lambda zero: zero.t * self._sign):
             counts[zero.event] += 1
             if 0 < self.events[zero.event].terminal <= counts[zero.event]:
-                return zero
+                return zero if self._sign * zero.t <= self._sign * self._end else None
         return None
 
     def _ask(self, event: int, at: Brackets, share: Floats) -> tuple[Floats, Floats, Floats, Floats]:
         """Return when parts of steps end, and the states and values of an event there."""
-        size = share * self._step
+        size = share * at.size
         x, v, evaluations = self._processing.go_on(at.t, size, np.ones(at.t.size, dtype=np.int64), at.x, at.v)
         self.evaluations += evaluations
         t = at.t + size
@@ -210,7 +204,7 @@ class Watch:
             return found
         left = steps.part(~changes(steps))
         for _ in range(_HALVINGS):
-            way = bound * abs(self._step) * (left.end - left.begin)
+            way = bound * np.abs(left.size) * (left.end - left.begin)
             left = left.part((abs(left.first) + abs(left.last) <= way) & (left.first != 0.0) & (left.last != 0.0))
             if not left.t.size:
                 break
@@ -228,7 +222,9 @@ class Watch:
 
     def _search(self, event: int, brackets: Brackets) -> list[Zero]:
         """Find the zeros of an event, and the states there."""
-        tolerance = 4.0 * np.spacing(np.abs(brackets.t).max() + abs(self._step)) / abs(self._step)
-        share = search(brackets, lambda at, shares: self._ask(event, at, shares)[3], tolerance)
+        tolerance = 4.0 * np.spacing(np.abs(brackets.t) + np.abs(brackets.size)) / np.abs(brackets.size)
+        share = search(
+            *brackets[4:], lambda which, shares: self._ask(event, brackets.part(which), shares)[3], tolerance
+        )
         t, x, v, _ = self._ask(event, brackets, share)
         return [Zero(float(t[k]), event, x[k], v[k]) for k in range(t.size)]

@@ -39,8 +39,51 @@ class Grid:
     wanted: NDArray[np.float64] | None = None
 
 
+@dataclass(frozen=True)
+class Course:
+    """A span that steps of varying sizes lead over, and the rows of the solution.
+
+    Attributes
+    ----------
+    t0, t1, step : float
+        Start and end, and the first step with its sign.
+    stride : int
+        The state is kept before every so many steps, 0 for none.
+    marks : (M,) array
+        Times before which the last state is kept, in the order in which they come, the end for the last.
+    wanted : array or None
+        The times that the solution has instead of those of its steps, between them as they may be.
+    """
+
+    t0: float
+    t1: float
+    step: float
+    stride: int
+    marks: NDArray[np.float64]
+    wanted: NDArray[np.float64] | None = None
+
+
+def lay_course(t_span: Sequence[float], step: float | None, t_eval: ArrayLike | None, save_every: int | None) -> Course:
+    """Lay out a run whose steps vary, from the first one on; without one it is a thousandth of the span at most.
+
+    Raises
+    ------
+    ArgumentError
+        For a span or step that cannot be, or times outside of the span.
+    """
+    t0, t1 = _span(t_span)
+    length = abs(t1 - t0)
+    first = math.copysign(1e-3 * length if step is None else min(_largest_step(step, length, 0.0), length), t1 - t0)
+    if t_eval is None:
+        return Course(t0, t1, first, _stride(save_every), np.array([t1]))
+    _check_one_of(t_eval, save_every)
+    wanted = _wanted_times(t_eval, t0, t1)
+    marks = np.unique(np.append(np.clip(wanted, min(t0, t1), max(t0, t1)), t1))
+    return Course(t0, t1, first, 0, marks if t1 > t0 else marks[::-1].copy(), wanted)
+
+
 def lay_grid(
-    t_span: Sequence[float], step: float, t_eval: ArrayLike | None, save_every: int | None, state_size: int
+    t_span: Sequence[float], step: float | None, t_eval: ArrayLike | None, save_every: int | None, state_size: int
 ) -> Grid:
     """Lay a whole number of equal steps, none larger than `step`, over the span.
 
@@ -60,10 +103,7 @@ def lay_grid(
         raise ArgumentError(f"step={step!r} is lost beside times of {farthest!r}; count time from a nearer origin.")
     h = (t1 - t0) / n_steps
     if t_eval is not None:
-        if save_every is not None:
-            raise ArgumentError(
-                f"save_every={save_every!r} and t_eval are both given, but each says which times to keep; give one."
-            )
+        _check_one_of(t_eval, save_every)
         wanted = _wanted_times(t_eval, t0, t1)
         save_steps, on_grid = _steps_before(wanted, t0, h, n_steps)
         if on_grid.all() and (np.diff(save_steps) > 0).all():
@@ -91,7 +131,7 @@ def _span(t_span: Sequence[float]) -> tuple[float, float]:
     return t0, t1
 
 
-def _largest_step(step: float, length: float, rounding: float) -> float:
+def _largest_step(step: float | None, length: float, rounding: float) -> float:
     try:
         value = real(step)
     except TypeError:
@@ -108,12 +148,24 @@ def _largest_step(step: float, length: float, rounding: float) -> float:
     return value
 
 
-def _every(save_every: int | None, n_steps: int, state_size: int) -> NDArray[np.int64]:
+def _check_one_of(t_eval: ArrayLike, save_every: int | None) -> None:
+    if save_every is not None:
+        raise ArgumentError(
+            f"save_every={save_every!r} and t_eval are both given, but each says which times to keep; give one."
+        )
+
+
+def _stride(save_every: int | None) -> int:
     stride = 1 if save_every is None else save_every
     if isinstance(stride, bool) or not isinstance(stride, int | np.integer) or stride < 1:
         raise ArgumentError(f"save_every={save_every!r} must be a positive whole number of steps.")
-    check_kept(None if save_every is None else int(stride), n_steps, 16 * (state_size + 1), ", or t_eval")
-    steps = np.arange(0, n_steps + 1, min(int(stride), n_steps), dtype=np.int64)
+    return int(stride)
+
+
+def _every(save_every: int | None, n_steps: int, state_size: int) -> NDArray[np.int64]:
+    stride = _stride(save_every)
+    check_kept(None if save_every is None else stride, n_steps, 16 * (state_size + 1), ", or t_eval")
+    steps = np.arange(0, n_steps + 1, min(stride, n_steps), dtype=np.int64)
     return steps if steps[-1] == n_steps else np.append(steps, n_steps)
 
 

@@ -9,7 +9,19 @@ from numpy.typing import NDArray
 from kickdrift.core.calls import call_interpreted, caller
 from kickdrift.core.compilation import compiled, specialise
 from kickdrift.core.elementwise import assign
-from kickdrift.engine.flows.layout import EVALUATIONS, TROUBLE
+from kickdrift.engine.flows.layout import (
+    CLOCK,
+    CLOCK_OF_V,
+    DENSITY,
+    EVALUATIONS,
+    FIRST_STEP,
+    LARGEST,
+    REJECTED,
+    SMALLEST,
+    TROUBLE,
+    at_end,
+    move_clock,
+)
 
 Floats = NDArray[np.float64]
 LETTER = types.none(types.float64, types.float64, types.intp)
@@ -21,9 +33,28 @@ _STATE = (types.int64, _FLOATS, _FLOATS, _FLOATS)
 ADVANCE = types.UniTuple(types.int64, 2)(
     *_WORD, types.int64, types.int64, *_STATE, _INTEGERS, types.int64, _ROWS, _ROWS
 )
+ADVANCE_ADAPTIVELY = types.int64(
+    _INTEGERS, _INTEGERS, _FLOATS, _FLOATS, _FLOATS, _INTEGERS, types.int64, *_STATE,
+    types.int64, _FLOATS, _INTEGERS, _FLOATS, _FLOATS, _ROWS, _ROWS
+)  # fmt: skip
 CHANGE = types.int64(
-    _INTEGERS, _INTEGERS, _FLOATS, _FLOATS, _INTEGERS, _FLOATS, _FLOATS, _INTEGERS, *_STATE, _FLOATS, _ROWS, _ROWS
+    _INTEGERS,
+    _INTEGERS,
+    _FLOATS,
+    _FLOATS,
+    _INTEGERS,
+    _FLOATS,
+    _FLOATS,
+    _INTEGERS,
+    *_STATE,
+    _FLOATS,
+    _FLOATS,
+    _ROWS,
+    _ROWS,
 )
+
+ACCEPTED, TRIALS, ROWS, WANTED = range(4)
+"""Marks of adaptive steps: those taken, those tried, the rows filled, and the times passed of those that are wanted."""
 
 call = caller(LETTER)
 
@@ -70,6 +101,66 @@ def advance(
 
 
 @compiled
+def advance_adaptively(
+    flows: Any,
+    letters: NDArray[np.int64],
+    weights: Floats,
+    ticks: Floats,
+    ticks_of_v: Floats,
+    sees_v: NDArray[np.int64],
+    last: int,
+    state: Any,
+    x: Floats,
+    v: Floats,
+    work: Floats,
+    stride: int,
+    wanted: Floats,
+    marks: NDArray[np.int64],
+    ts: Floats,
+    sizes: Floats,
+    xs: Floats,
+    vs: Floats,
+) -> int:
+    """Run steps, whose sizes the letters themselves choose, until `last` are taken, or the end is passed.
+
+    The state before a step, its time, and the size of the step are kept in a row for every `stride` of them (none for 0), and
+    for each that passes one of the times that are `wanted`, of which the end is the last.
+
+    Returns
+    -------
+    steps : int
+        How many are taken.
+    """
+    sign = 1.0 if work[FIRST_STEP] > 0.0 else -1.0
+    while marks[ACCEPTED] < last and not at_end(work):
+        row = marks[ROWS]
+        ts[row] = work[CLOCK]
+        assign(xs[row], x)
+        assign(vs[row], v)
+        work[CLOCK_OF_V] = work[CLOCK]
+        marks[TRIALS] += 1
+        for k in range(letters.size):
+            h = work[FIRST_STEP] / work[DENSITY]
+            call(flows[letters[k]], (work[CLOCK_OF_V] if sees_v[k] else work[CLOCK], weights[k] * h, state))
+            if ticks[k] != 0.0:
+                move_clock(ticks[k] * h, work)
+            work[CLOCK_OF_V] += ticks_of_v[k] * h
+        if work[TROUBLE] != 0.0:
+            break
+        if work[REJECTED] != 0.0:
+            continue
+        kept = stride > 0 and marks[ACCEPTED] % stride == 0
+        marks[ACCEPTED] += 1
+        sizes[row] = work[CLOCK] - ts[row]
+        work[SMALLEST], work[LARGEST] = min(work[SMALLEST], abs(sizes[row])), max(work[LARGEST], abs(sizes[row]))
+        while marks[WANTED] < wanted.size and sign * (work[CLOCK] - wanted[marks[WANTED]]) > 0.0:
+            marks[WANTED] += 1
+            kept = True
+        marks[ROWS] += kept
+    return int(marks[ACCEPTED])
+
+
+@compiled
 def change(
     flows: Any,
     letters: NDArray[np.int64],
@@ -84,10 +175,13 @@ def change(
     v: Floats,
     work: Floats,
     blank: Floats,
+    clocks: Floats,
     xs: Floats,
     vs: Floats,
 ) -> int:
     """Overwrite each row of xs and vs by what steps of one size from its time give, begun with blank work; NaN if a flow fails.
+
+    Letters that move the clock themselves leave it in `clocks`.
 
     Returns
     -------
@@ -99,6 +193,7 @@ def change(
         assign(x, xs[row])
         assign(v, vs[row])
         assign(work, blank)
+        work[CLOCK] = times[row]
         h = sizes[row]
         for k in range(primers.size):
             call(flows[primers[k]], (times[row], 0.0, state))
@@ -110,10 +205,16 @@ def change(
             assign(x, np.nan)
             assign(v, np.nan)
         evaluations += int(work[EVALUATIONS] - blank[EVALUATIONS])
+        clocks[row] = work[CLOCK]
         assign(xs[row], x)
         assign(vs[row], v)
     return evaluations
 
 
+advance_adaptively_interpreted = specialise(
+    advance_adaptively.py_func,  # type: ignore[attr-defined]
+    "advance_adaptively_interpreted",
+    call=call_interpreted,
+)
 advance_interpreted = specialise(advance.py_func, "advance_interpreted", call=call_interpreted)  # type: ignore[attr-defined]
 change_interpreted = specialise(change.py_func, "change_interpreted", call=call_interpreted)  # type: ignore[attr-defined]

@@ -122,10 +122,8 @@ class Adapter:
         return ("t", "x", "v", "params", "q", "p") if self.v0.size else ("t", "y", "x", "params")
 
     def bind(self, template: Function, **bindings: Function | int) -> Function:
-        """Bind functions and numbers to the global names of a template: compiled if all functions are."""
-        if all(hasattr(bound, "py_func") for bound in bindings.values() if not isinstance(bound, int)):
-            return _bound(template, tuple(bindings.items()))
-        return specialise(template, template.__name__.lstrip("_"), **bindings)
+        """Bind functions and numbers to the global names of a template, see `bind`."""
+        return bind(template, **bindings)
 
     def _compare(self, original: Any, role: str, native: Function, names: list[str], layout: Layout) -> None:
         """Compare a function, compiled, with what it is in Python."""
@@ -173,6 +171,13 @@ class Adapter:
         for label, kept, array in zip(("x", "v", "params"), (x, second, self.args), given, strict=True):
             if not np.array_equal(kept, array):
                 raise ArgumentError(f"{name} changes {label}; compute from a copy.")
+
+
+def bind(template: Function, **bindings: Function | int) -> Function:
+    """Bind functions and numbers to the global names of a template: compiled if all functions are."""
+    if all(hasattr(bound, "py_func") for bound in bindings.values() if not isinstance(bound, int)):
+        return _bound(template, tuple(bindings.items()))
+    return specialise(template, template.__name__.lstrip("_"), **bindings)
 
 
 @lru_cache(maxsize=128)

@@ -7,9 +7,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.engine.grid import Grid
-from kickdrift.engine.program import Program, Structure, compose
+from kickdrift.engine.controller import Controller
+from kickdrift.engine.grid import Course, Grid
+from kickdrift.engine.program import Control, Program, Structure, compose
 from kickdrift.engine.stepper import Stepper, compile_program
+from kickdrift.engine.transformed_steps import change_in_time
 from kickdrift.methods import Method
 from kickdrift.methods.record import Word
 from kickdrift.systems.system import Frame, System
@@ -50,10 +52,10 @@ class Processing:
             t0, step = np.array([self.kernel.t0]), np.array([self.kernel.step])
             self.preprocessor.change(t0, step, once, state.x[None], state.v[None])
 
-    def leave(self, grid: Grid, steps: NDArray[np.int64], xs: Floats, vs: Floats) -> tuple[Floats, Floats]:
-        """Return rows of a run after these steps as people see them, shape (T, *shape)."""
-        xs, vs = self.seen(np.asarray(grid.t0 + steps * grid.step, dtype=np.float64), xs, vs)
-        if steps.size and steps[0] == 0:
+    def leave(self, times: Floats, xs: Floats, vs: Floats, t0: float) -> tuple[Floats, Floats]:
+        """Return rows of a run as people see them, shape (T, *shape)."""
+        xs, vs = self.seen(times, xs, vs)
+        if times.size and times[0] == t0:
             xs[0], vs[0] = self.system.x0, self.system.v0  # which there and back is but for rounding
         return xs, vs
 
@@ -87,7 +89,10 @@ class Processing:
             (self.kernel, times, counts),
             (self.postprocessor, times + counts * sizes, once),
         ):
-            evaluations += stepper.change(at, sizes, repeats, x, v) if stepper is not None else 0
+            if stepper is not None and stepper.program.transformed:
+                evaluations += change_in_time(stepper, at, sizes, repeats, x, v)
+            elif stepper is not None:
+                evaluations += stepper.change(at, sizes, repeats, x, v)[0]
         xs, vs = x.reshape(xs.shape), v.reshape(vs.shape)
         return (*((xs, vs) if self.frame is None else self.frame.leave(xs, vs)), evaluations)
 
@@ -97,18 +102,26 @@ class Processing:
         return (before.program.evaluations if before else 0) + rows * (after.program.evaluations if after else 0)
 
 
-def compile_method(system: System, method: Method, grid: Grid, compensated: bool, turns: bool = True) -> Processing:
+def compile_method(
+    system: System,
+    method: Method,
+    grid: Grid | Course,
+    compensated: bool,
+    turns: bool = True,
+    controller: Controller | None = None,
+) -> Processing:
     """Compile, or take from disk, all that a method needs on a system.
 
     Where every step is looked at, its word is left as it `turns` nothing: a letter more a step costs less than one undone.
     """
-    programs = _programs(method, Structure.of(system), turns)
+    control = None if controller is None else controller.spelled
+    programs = _programs(method, Structure.of(system), turns and controller is None, control)
     frame, inner = system.frame if programs.kernel.split else None, system
     if frame is not None:
         x0, v0 = frame.enter(system.x0, system.v0)
         inner = replace(system, x0=x0, v0=v0)
     kernel, before, after = (
-        None if program is None else compile_program(inner, program, grid, compensated)
+        None if program is None else compile_program(inner, program, grid, compensated, controller)
         for program in (programs.kernel, programs.preprocessor, programs.postprocessor)
     )
     assert kernel is not None
@@ -123,11 +136,11 @@ class _Programs:
 
 
 @lru_cache(maxsize=256)
-def _programs(method: Method, system: Structure, turns: bool) -> _Programs:
+def _programs(method: Method, system: Structure, turns: bool, control: Control | None) -> _Programs:
     word, first = _turned(method.word) if turns else (method.word, ())
     before = (*method.corrector, *first)
     ahead = sum((weight for letter, weight in first), Fraction(0))
-    kernel = compose(method, system, word, clock=ahead)
+    kernel = compose(method, system, word, clock=ahead, control=control)
     if not before:
         return _Programs(kernel)
     back = tuple((letter.adjoint or letter, -weight) for letter, weight in reversed(before))

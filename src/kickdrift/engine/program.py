@@ -1,5 +1,6 @@
 """From a word to what the loop runs: the same flows, with the clock worked out and no force evaluated twice."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -35,6 +36,10 @@ class Program:
         Whether the kicks have only the remainder of the acceleration.
     coefficients : (C,) array
         What the flows need to know of the method.
+    ticks, ticks_of_v : (L,) array
+        By how much each letter moves the clock, and the one that moves with v, in steps.
+    sees_v_clock : (L,) array of int
+        Whether the time of a letter is that of the latter.
     """
 
     flows: tuple[str, ...]
@@ -45,6 +50,21 @@ class Program:
     primers: tuple[str, ...]
     split: bool
     coefficients: NDArray[np.float64]
+    ticks: NDArray[np.float64]
+    ticks_of_v: NDArray[np.float64]
+    sees_v_clock: NDArray[np.int64]
+
+    @property
+    def transformed(self) -> bool:
+        """Whether letters move the clock themselves, in a time of their own."""
+        return any(FLOWS[name].moves_clock for name in self.flows)
+
+
+Spelled = list[tuple[str, Fraction, Fraction]]
+"""Flow, share and clock of each letter."""
+
+Control = Callable[[Callable[[Word], Spelled], Word], Spelled]
+"""What makes a word into one whose step varies: from what spells words, and the word."""
 
 
 @dataclass(frozen=True)
@@ -62,11 +82,17 @@ class Structure:
 
 
 def compose(
-    method: Method, system: Structure, word: Word | None = None, clock: Fraction = Fraction(0), repeated: bool = True
+    method: Method,
+    system: Structure,
+    word: Word | None = None,
+    clock: Fraction = Fraction(0),
+    repeated: bool = True,
+    control: Control | None = None,
 ) -> Program:
     """Work out the step of a method on a system, or what another word of its letters does.
 
-    Such a word may begin at another time of the step, and may be done once instead of over and over.
+    Such a word may begin at another time of the step, and may be done once instead of over and over. A `control` adds letters
+    to it that make its steps vary.
 
     A letter becomes the flow that it is for the kind of problem: an adjoint kick is a kick where the acceleration does
     not depend on the velocity, and the drift of a first-order system is the sweep over its components.
@@ -79,7 +105,11 @@ def compose(
     evaluate the acceleration again. That saves the evaluation but not the kick itself, so that the numbers do not
     depend on which steps are saved.
     """
-    spelled = _spell(method, system, method.word if word is None else word, clock)
+    word = method.word if word is None else word
+    if control is None:
+        spelled = _spell(method, system, word, clock)
+    else:
+        spelled = control(lambda part: _spell(method, system, part, clock), word)
     names = [name for name, _, _ in spelled]
     primed = False
     if not _kicks_see_velocity(method, system):
@@ -91,12 +121,15 @@ def compose(
     return Program(
         flows=flows,
         letters=np.array([flows.index(name) for name in names]),
-        weights=np.array([float(weight) for _, weight, _ in spelled]),
+        weights=(weights := np.array([float(weight) for _, weight, _ in spelled])),
         offsets=np.array([float(offset) for _, _, offset in spelled]),
         evaluations=sum(FLOWS[name].evaluations for name in names),
         primers=primers,
         split=_split(method, system),
         coefficients=method.coefficients,
+        ticks=weights * [FLOWS[name].moves_x and FLOWS[name].timed for name in names],
+        ticks_of_v=weights * [FLOWS[name].moves_v and FLOWS[name].timed for name in names],
+        sees_v_clock=np.array([FLOWS[name].sees_v_clock for name in names], dtype=np.int64),
     )
 
 
@@ -109,10 +142,10 @@ def evaluations_of(method: Method) -> int:
     return program.evaluations + sum(FLOWS[name].counted(program.coefficients) for name in program.flows)
 
 
-def _spell(method: Method, system: Structure, word: Word, x_clock: Fraction) -> list[tuple[str, Fraction, Fraction]]:
+def _spell(method: Method, system: Structure, word: Word, x_clock: Fraction) -> Spelled:
     """Flow, share and clock of each letter; neighbours that do the same are merged."""
     v_clock = Fraction(0)
-    spelled: list[tuple[str, Fraction, Fraction]] = []
+    spelled: Spelled = []
     for letter, weight in word:
         name = _flow_of(letter, system, method)
         if name is None:

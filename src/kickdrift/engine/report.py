@@ -1,7 +1,9 @@
 """From a run to its solution: what was kept, what it conserves, and how it went."""
 
+import math
 from collections.abc import Callable
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,47 +11,66 @@ from numpy.typing import NDArray
 from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import multipliers, quantities
+from kickdrift.engine.controller import Controller
 from kickdrift.engine.dense import DenseOutput
 from kickdrift.engine.events import Watch, Zero
-from kickdrift.engine.grid import Grid
+from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.method_selection import Choice
 from kickdrift.engine.phase import time_shift
-from kickdrift.engine.processing import Processing, compile_method
+from kickdrift.engine.processing import Processing
 from kickdrift.engine.run import Ending, Run
 from kickdrift.engine.solution import Description, Invariants, Solution
-from kickdrift.methods import Method
 from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
 
 
+class _Kept(NamedTuple):
+    """Rows as people see them: times, states, and the size of the steps from each on."""
+
+    t: Floats
+    x: Floats
+    v: Floats
+    steps: Floats
+
+    def followed_by(self, t: float, x: Floats, v: Floats) -> "_Kept":
+        """Add a row."""
+        return _Kept(
+            np.append(self.t, t),
+            np.concatenate((self.x, x[None])),
+            np.concatenate((self.v, v[None])),
+            np.append(self.steps, self.steps[-1:]),
+        )
+
+
 def report(
     system: System,
-    chosen: Choice,
-    grid: Grid,
+    grid: Grid | Course,
     processing: Processing,
+    between: Callable[[], Processing],
     run: Run,
     ending: Ending,
-    compensated: bool,
+    description: Description,
     watch: Watch | None,
 ) -> Solution:
     """Return what a run has kept, as people see it."""
-    t = np.append(grid.times, grid.times[-1])[: ending.saved]
-    steps = np.append(grid.save_steps, ending.n_steps)[: ending.saved]
-    if not ending.outcome.success and ending.saved:  # the last row is where it ended, on the grid of rows or not
-        t[-1], steps[-1] = grid.t0 + ending.n_steps * grid.step, ending.n_steps
-    xs, vs = processing.leave(grid, steps, run.xs[: ending.saved], run.vs[: ending.saved])
+    rows, early, message = run.rows, not ending.outcome.success, ending.message
+    t = rows.times(ending.saved, ending.n_steps, early)
+    kept = _Kept(t, *processing.leave(t, rows.xs[: ending.saved], rows.vs[: ending.saved], grid.t0), rows.steps(t))
     evaluations = ending.evaluations + processing.evaluations(ending.saved)
-    end = grid.t1 if ending.n_steps == grid.n_steps else grid.t0 + ending.n_steps * grid.step
+    end = rows.time(ending.n_steps) if early else grid.t1
     if ending.stop is not None:
         end = ending.stop.t
-        t, xs, vs = (
-            np.append(t, end),
-            np.append(xs, ending.stop.x[None], axis=0),
-            np.append(vs, ending.stop.v[None], axis=0),
-        )
-    dense = _dense(system, chosen.method, grid, compensated, end, t, xs, vs)
-    message = ending.message
+        kept = kept.followed_by(end, ending.stop.x, ending.stop.v)
+    dense = _dense(system, grid, between, end, kept)
+    if isinstance(grid, Course) and dense is not None and ending.outcome is Outcome.COMPLETED and t[-1] != end:
+        try:  # the last step leads beyond the end: a part of it to there
+            x, v, own = dense.states_at(np.array([end]))
+            kept, evaluations = kept.followed_by(end, x[0], v[0]), evaluations + own
+            dense = _dense(system, grid, between, end, kept)
+        except (Exception, KeyboardInterrupt) as error:
+            message += f" The last row is before it, as {type(error).__name__} was raised: {error}."
+    t, xs, vs, _ = kept
     zeros: tuple[tuple[Zero, ...], ...] = ()
     if watch is not None:
         zeros, trouble = _zeros(watch, end)
@@ -60,8 +81,8 @@ def report(
             evaluations += own
         except (Exception, KeyboardInterrupt) as error:  # Ctrl-C, or a function that fails between steps alone
             message += f" Times between steps are left out, where {type(error).__name__} was raised: {error}."
-    for kept in (t, xs, vs):
-        kept.flags.writeable = False  # invariants are evaluated later, from the same numbers
+    for array in (t, xs, vs):
+        array.flags.writeable = False  # invariants are evaluated later, from the same numbers
     return Solution(
         t=t,
         x=xs,
@@ -73,10 +94,12 @@ def report(
         n_steps=ending.n_steps,
         n_force_evaluations=evaluations,
         wall_time=ending.wall_time,
-        about=_description(system, chosen, compensated),
-        derived=_derived(system, grid, t, xs, vs),
+        about=description,
+        derived=_derived(system, grid, ending.step_range, t, xs, vs),
         error_estimate=None if ending.estimated is None else ending.estimated.reshape(system.x0.shape),
         dense=dense,
+        step_range=ending.step_range,
+        n_rejected=ending.trials - ending.n_steps,
         t_events=tuple(np.array([zero.t for zero in own]) for own in zeros),
         x_events=tuple(np.array([zero.x for zero in own]).reshape(len(own), *system.x0.shape) for own in zeros),
         v_events=tuple(np.array([zero.v for zero in own]).reshape(len(own), *system.v0.shape) for own in zeros),
@@ -94,19 +117,20 @@ def _zeros(watch: Watch, end: float) -> tuple[tuple[tuple[Zero, ...], ...], str]
 
 
 def _dense(
-    system: System, method: Method, grid: Grid, compensated: bool, end: float, t: Floats, xs: Floats, vs: Floats
+    system: System, grid: Grid | Course, between: Callable[[], Processing], end: float, kept: _Kept
 ) -> DenseOutput | None:
     """Return what gives states between the rows, and between the start and the first; None where noise drives the system."""
     if system.kind is Kind.LANGEVIN:
         return None
+    t, xs, vs, steps = kept
     if not t.size or t[0] != grid.t0:
-        t = np.append(grid.t0, t)
+        t, steps = np.append(grid.t0, t), np.append(grid.step, steps)
         xs, vs = np.concatenate((system.x0[None], xs)), np.concatenate((system.v0[None], vs))
-    return DenseOutput(t, xs, vs, end, grid.step, lambda: compile_method(system, method, grid, compensated))
+    return DenseOutput(t, xs, vs, end, steps, between)
 
 
 def _at_wanted(
-    grid: Grid, ending: Ending, dense: DenseOutput, t: Floats, xs: Floats, vs: Floats
+    grid: Grid | Course, ending: Ending, dense: DenseOutput, t: Floats, xs: Floats, vs: Floats
 ) -> tuple[Floats, Floats, Floats, int]:
     """Return the rows at the times that were wanted, as far as the run went, and the last one where it ended early."""
     assert grid.wanted is not None
@@ -119,17 +143,21 @@ def _at_wanted(
     return np.append(wanted, t[-1]), np.concatenate((x, xs[-1:])), np.concatenate((v, vs[-1:])), evaluations
 
 
-def _derived(system: System, grid: Grid, t: Floats, xs: Floats, vs: Floats) -> Invariants:
+def _derived(
+    system: System, grid: Grid | Course, step_range: tuple[float, float], t: Floats, xs: Floats, vs: Floats
+) -> Invariants:
     functions: dict[str, Callable[[], Floats]] = {}
     if system.kind is Kind.CONSTRAINED:
         functions["multipliers"] = lambda: multipliers.evaluate(system, t, xs, vs)
     exact = system.exact
     if exact is not None and grid.t0 == 0.0:
-        functions["phase error"] = lambda: time_shift(exact, t, xs, vs, grid.step)
+        usual = math.sqrt(abs(step_range[0] * step_range[1])) or abs(grid.step)
+        functions["phase error"] = lambda: time_shift(exact, t, xs, vs, usual)
     return Invariants(tuple(functions), lambda name: functions[name]())
 
 
-def _description(system: System, chosen: Choice, compensated: bool) -> Description:
+def description_of(system: System, chosen: Choice, compensated: bool, controller: Controller | None) -> Description:
+    """Describe what is run, for people."""
     method = chosen.method
     units = dict(system.units) | {name: quantity.unit for name, quantity in system.quantities.items() if quantity.unit}
     return Description(
@@ -145,4 +173,5 @@ def _description(system: System, chosen: Choice, compensated: bool) -> Descripti
         source=system.source,
         choice=chosen.reason,
         gm=() if system.gm is None else tuple(system.gm.tolist()),
+        step_control="" if controller is None else f"{controller.name} ({controller.wanted.conserves})",
     )

@@ -71,6 +71,8 @@ class Description:
         Where the system is from.
     choice : str
         Why ``"auto"`` took the method; empty where it was named.
+    step_control : str
+        How the steps were chosen, and what that conserves; empty where they are equal.
     gm : tuple of float
         Of bodies that attract each other G times their masses; of one around a centre that of the centre.
     """
@@ -86,6 +88,7 @@ class Description:
     units: Mapping[str, str] = field(default_factory=dict)
     source: str = ""
     choice: str = ""
+    step_control: str = ""
     gm: tuple[float, ...] = ()
 
     @property
@@ -124,7 +127,11 @@ class Solution:
     message : str
         The same as a sentence, with time and step where it did not reach the end.
     step : float
-        The step used, with its sign; at most the step asked for.
+        The step used, with its sign; at most the step asked for. Of steps that vary, the first.
+    step_range : (float, float)
+        The sizes of the smallest and of the largest step.
+    n_rejected : int
+        Steps that were tried and taken back.
     n_steps : int
         Steps done.
     n_force_evaluations : int
@@ -157,6 +164,8 @@ class Solution:
     about: Description
     derived: Mapping[str, Floats] = field(default_factory=dict)
     error_estimate: Floats | None = None
+    step_range: tuple[float, float] = (0.0, 0.0)
+    n_rejected: int = 0
     t_events: tuple[Floats, ...] = ()
     x_events: tuple[Floats, ...] = ()
     v_events: tuple[Floats, ...] = ()

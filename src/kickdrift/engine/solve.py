@@ -10,16 +10,18 @@ from kickdrift import methods
 from kickdrift.core.arguments import choice
 from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.announcing import compiling_announced
+from kickdrift.engine.controller import control_of, controlled
 from kickdrift.engine.dense import check_between
 from kickdrift.engine.events import events_of, watch_for
-from kickdrift.engine.grid import lay_grid
+from kickdrift.engine.grid import Course, Grid, lay_course, lay_grid
 from kickdrift.engine.method_selection import check_direction, check_wanted, choose
 from kickdrift.engine.problem_adapter import describe, function_of_state
 from kickdrift.engine.processing import compile_method
-from kickdrift.engine.report import report
+from kickdrift.engine.report import description_of, report
 from kickdrift.engine.run import Run
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.start import parameters, start_of
+from kickdrift.engine.step_control import StepControl
 from kickdrift.engine.table_ranges import check_tables
 from kickdrift.engine.unit_solution import enter
 from kickdrift.systems.problem import Problem
@@ -32,19 +34,22 @@ def solve(
     x0: ArrayLike | None = None,
     v0: ArrayLike | None = None,
     *,
-    step: float,
+    step: float | None = None,
     method: str | methods.Method | None = None,
     order: int | None = None,
     t_eval: ArrayLike | None = None,
     save_every: int | None = None,
     events: Callable[..., Any] | Sequence[Callable[..., Any]] | None = None,
+    step_control: StepControl | Callable[..., Any] | str | None = None,
+    rtol: float | None = None,
+    atol: ArrayLike | None = None,
     args: Sequence[float] | None = None,
     compensated: bool = True,
     compile: bool = True,  # noqa: A002 - a promised name
     check_bounds: bool = True,
     progress: bool | None = None,
 ) -> Solution:
-    """Integrate a mechanical system, or other equations of motion, with a fixed step.
+    """Integrate a mechanical system, or other equations of motion.
 
     Parameters
     ----------
@@ -59,7 +64,8 @@ def solve(
         Start, of any one shape; a scalar makes the function get and return floats. A system brings its own. For
         Hamiltonians they are q and p; first-order equations have no v0.
     step : float
-        Largest step allowed. A whole number of equal steps covers `t_span`; the step used is ``solution.step``.
+        Largest step allowed. A whole number of equal steps covers `t_span`; the step used is ``solution.step``. With
+        `step_control` it is the first one; with `rtol` or `atol` it may be left out.
     method : str or Method, optional
         Name of a method, see ``kickdrift.methods.catalogue()``; ``"auto"`` takes the one that is best for the kind of
         problem, or of the wanted `order`, and an L-stable one where the problem is seen to be stiff; the report says why.
@@ -79,6 +85,13 @@ def solve(
         the way down; ``terminal``, True or a number, ends the run at the first or that zero; ``rate_bound``, a bound
         of how fast the function changes, finds two zeros within a step, too, if they are more than 1/256 of it apart. A zero at
         the start is none.
+    step_control : optional
+        What chooses the size of each step: a density, which is a function of the state, ``"distance"``, ``"acceleration"`` or
+        ``"own"``, for reversible steps as `kickdrift.HairerSoderlind` describes them; or that or one of
+        `kickdrift.HuangLeimkuhler`, `kickdrift.LogarithmicHamiltonian`, `kickdrift.TimeTransformed`,
+        `kickdrift.LocalError`. By default steps are equal. The last row is at the end of `t_span`, by a part of a step.
+    rtol, atol : float, optional
+        Tolerances, relative and absolute, for ``step_control=kd.LocalError(rtol, atol)``; 1e-3 and 1e-6 where one is given.
     args : sequence of float, optional
         Numbers that the function gets as ``params``.
     compensated : bool
@@ -131,17 +144,33 @@ def solve(
     compensated, compiles = choice("compensated", compensated), choice("compile", compile)
     check_bounds = choice("check_bounds", check_bounds)
     progress = None if progress is None else choice("progress", progress)
+    control = control_of(step_control, step, rtol, atol)
+    if control is not None and method is None and order is None:
+        method = control.method
     try:
-        grid = lay_grid(t_span, step, t_eval, save_every, start.x.size)
+        grid: Grid | Course
+        if control is None:
+            grid = lay_grid(t_span, step, t_eval, save_every, start.x.size)
+        else:
+            grid = lay_course(t_span, step, t_eval, save_every)
         with compiling_announced(progress):
             system = describe(problem, grid.t0, start, params, compiles, check_bounds)
-            check_between(system, grid)
-            chosen = choose(method, order, system, grid.t0, grid.step, grid.n_steps * grid.step)
+            if isinstance(grid, Grid):
+                check_between(system, grid)
+            chosen = choose(method, order, system, grid.t0, grid.step, grid.t1 - grid.t0)
             check_direction(chosen.method, grid.step)
             check_tables(problem, system, chosen.method, grid)
-            wanted = events_of(events, partial(function_of_state, grid.t0, start, params, compiles, check_bounds))
-            processing = compile_method(system, chosen.method, grid, compensated, turns=not wanted)
-            watch = watch_for(wanted, system, chosen.method, grid, compensated)
+            adapt = partial(function_of_state, grid.t0, start, params, compiles, check_bounds)
+            controller = None
+            if control is not None:
+                system, controller = controlled(control, system, chosen.method, grid.t0, adapt, step is not None)
+            wanted = events_of(events, adapt)
+            processing = compile_method(
+                system, chosen.method, grid, compensated, turns=not wanted, controller=controller
+            )
+            parts = None if controller is None or not processing.kernel.program.transformed else controller
+            between = partial(compile_method, system, chosen.method, grid, compensated, controller=parts)
+            watch = watch_for(wanted, system, partial(between, turns=False), grid.t1)
         processing.enter()
         run = Run(processing.kernel, grid, progress, watch)
     except MemoryError as error:
@@ -150,4 +179,5 @@ def solve(
             " keep fewer steps, or take an explicit method: implicit ones keep a matrix of the state's size squared."
         ) from None
     ending = run.go()
-    return entered.leave(report(system, chosen, grid, processing, run, ending, compensated, watch))
+    description = description_of(system, chosen, compensated, controller)
+    return entered.leave(report(system, grid, processing, between, run, ending, description, watch))

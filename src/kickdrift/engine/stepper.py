@@ -1,7 +1,7 @@
 """A program made ready: its flows compiled, and bound to the state that they work on."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +11,10 @@ from kickdrift.core.compilation import Function, load
 from kickdrift.core.heap import keep_freed_memory
 from kickdrift.core.memory import state_block
 from kickdrift.engine import letters, loop
+from kickdrift.engine.controller import Controller
 from kickdrift.engine.flows.layout import FORMED, aligned_copy, lay_out
 from kickdrift.engine.flows.table import FLOWS
-from kickdrift.engine.grid import Grid
+from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.program import Program
 from kickdrift.systems.system import System
 
@@ -69,6 +70,18 @@ class State:
         return bool(np.isfinite(self.x).all() and np.isfinite(self.v).all())
 
 
+class Loops(NamedTuple):
+    """The loops, compiled or for the interpreter."""
+
+    advance: Function
+    advance_adaptively: Function
+    change: Function
+
+
+_COMPILED = Loops(loop.advance, loop.advance_adaptively, loop.change)
+_INTERPRETED = Loops(loop.advance_interpreted, loop.advance_adaptively_interpreted, loop.change_interpreted)
+
+
 @dataclass(frozen=True, eq=False)
 class Stepper:
     """Does steps of a program on a state of its own.
@@ -90,8 +103,7 @@ class Stepper:
     estimates: bool
     _flows: Any  # addresses of the letters, those of the primers last; the letters themselves for the interpreter
     _members: Any  # address of the block that describes the state, or its arrays for the interpreter
-    _advance: Function
-    _change: Function
+    _loops: Loops
     _alive: tuple[Any, ...]  # what the addresses point to
 
     def advance(
@@ -101,6 +113,27 @@ class Stepper:
         program = self.program
         word = (program.letters, program.weights, program.offsets)
         return self._advanced(word, self.step, first, last, save_steps, saved, xs, vs)
+
+    def advance_adaptively(
+        self,
+        last: int,
+        stride: int,
+        wanted: Floats,
+        marks: NDArray[np.int64],
+        ts: Floats,
+        sizes: Floats,
+        xs: Floats,
+        vs: Floats,
+    ) -> int:
+        """Do steps whose sizes vary; see `kickdrift.engine.loop.advance_adaptively`."""
+        program, state = self.program, (self._members, self.state.x, self.state.v, self.state.work)
+        word = (program.letters, program.weights, program.ticks, program.ticks_of_v, program.sees_v_clock)
+        with np.errstate(all="ignore"):
+            return int(
+                self._loops.advance_adaptively(
+                    self._flows, *word, last, *state, stride, wanted, marks, ts, sizes, xs, vs
+                )
+            )
 
     def prime(self) -> None:
         """Make ready what the first step finds as the step before would have left it."""
@@ -120,27 +153,32 @@ class Stepper:
     ) -> tuple[int, int]:
         state = (self._members, self.state.x, self.state.v, self.state.work)
         with np.errstate(all="ignore"):  # what is not finite is an outcome, interpreted as compiled
-            return self._advance(  # type: ignore[no-any-return]
+            return self._loops.advance(  # type: ignore[no-any-return]
                 self._flows, *word, self.t0, h, first, last, *state, save_steps, saved, xs, vs
             )
 
-    def change(self, times: Floats, sizes: Floats, counts: NDArray[np.int64], xs: Floats, vs: Floats) -> int:
+    def change(
+        self, times: Floats, sizes: Floats, counts: NDArray[np.int64], xs: Floats, vs: Floats
+    ) -> tuple[int, Floats]:
         """Do so many steps of a size from each of the rows, at its time, and overwrite it; nothing is carried over.
 
         Returns
         -------
         evaluations : int
             Of the force.
+        clocks : (T,) array
+            The times at the ends, of letters that move the clock themselves.
         """
         program, state, blank = self.program, self.state, self.state.work.copy()
         word = (program.letters, program.weights, program.offsets, self._primers)
         members = (self._members, state.x, state.v, state.work)
-        load(self._change, loop.CHANGE)
+        load(self._loops.change, loop.CHANGE)
+        clocks = np.zeros(times.size)
         with np.errstate(all="ignore"):
-            inside = self._change(self._flows, *word, times, sizes, counts, *members, blank, xs, vs)
+            inside = self._loops.change(self._flows, *word, times, sizes, counts, *members, blank, clocks, xs, vs)
         state.work[:] = blank
         primed = sum(FLOWS[name].evaluations for name in program.primers)
-        return int(inside) + primed * times.size + program.evaluations * int(counts.sum())
+        return int(inside) + primed * times.size + program.evaluations * int(counts.sum()), clocks
 
     @property
     def _primers(self) -> NDArray[np.int64]:
@@ -156,7 +194,9 @@ def _kept(names: tuple[str, ...], n: int, compensated: bool) -> tuple[slice, ...
     return *accelerations, *residuals, slice(4 * n, None)
 
 
-def compile_program(system: System, program: Program, grid: Grid, compensated: bool) -> Stepper:
+def compile_program(
+    system: System, program: Program, grid: Grid | Course, compensated: bool, controller: Controller | None = None
+) -> Stepper:
     """Compile, or take from disk, all that steps of a program on a system need; the state is the start of the system."""
     names = program.flows + program.primers
     functions = letters.functions_of(system, program)
@@ -166,17 +206,20 @@ def compile_program(system: System, program: Program, grid: Grid, compensated: b
     scratch = np.zeros(max(FLOWS[name].scratch(*sizes) for name in names))
     estimates = any(FLOWS[name].estimates for name in names)
     memory_size = max(FLOWS[name].memory(*sizes) for name in names) + x.size * estimates
+    memory_size += 0 if controller is None else controller.memory_size(x.size)
     work = lay_out(x.size, program.coefficients, memory_size, addresses, scratch)
+    if controller is not None:
+        controller.prepare(work, x.size, estimates, grid.t0, grid.t1, grid.step)
     built = [letters.build(name, system, program, compensated, scratch) for name in names]
     state, members = State(x, v, work, scratch, _kept(names, x.size, compensated)), (x, v, params, work)
     if not system.native:
-        loops = loop.advance_interpreted, loop.change_interpreted
-        return Stepper(program, grid.t0, grid.step, state, estimates, built, members, *loops, ())
+        return Stepper(program, grid.t0, grid.step, state, estimates, built, members, _INTERPRETED, ())
     if x.size > _LARGE:
         keep_freed_memory()
     flows, block = np.array([address_of(letter, loop.LETTER) for letter in built]), state_block(*members)
-    load(loop.advance, loop.ADVANCE)
+    if controller is None or program.primers:
+        load(loop.advance, loop.ADVANCE)
+    if controller is not None:
+        load(loop.advance_adaptively, loop.ADVANCE_ADAPTIVELY)
     alive = built, functions, block, members
-    return Stepper(
-        program, grid.t0, grid.step, state, estimates, flows, block.ctypes.data, loop.advance, loop.change, alive
-    )
+    return Stepper(program, grid.t0, grid.step, state, estimates, flows, block.ctypes.data, _COMPILED, alive)

@@ -59,7 +59,7 @@ def enter(problem: Any, t_span: Any, x0: Any, v0: Any, step: Any, t_eval: Any) -
             f"{problem.name!r} has numbers without units; give plain numbers, or make it of quantities, as"
             " kd.systems.nbody(masses, x0, v0, G=...) does."
         )
-    outside_t = _time_unit(t_span, step, t_eval, own)
+    outside_t = _time_unit(t_span, step)
     t = outside_t if own is None else own.t
     x = own.x if own is not None else units.unit_of(x0) if units.has_unit(x0) else None
     v = own.v if own is not None else (x / t if x is not None else 1 / t)
@@ -70,16 +70,16 @@ def enter(problem: Any, t_span: Any, x0: Any, v0: Any, step: Any, t_eval: Any) -
         units.numbers("t_span", t_span, t),
         plain_x,
         _velocity(v0, v, x is not None),
-        units.numbers("step", step, t),
+        None if step is None else units.numbers("step", step, t),
         None if t_eval is None else units.numbers("t_eval", t_eval, t),
     )
     outside_x = units.unit_of(x0) if own is not None and units.has_unit(x0) else x
     return Entered(*plain, Units(t, x, v), Units(outside_t, outside_x, outside_v))
 
 
-def _time_unit(t_span: Any, step: Any, t_eval: Any, own: Units | None) -> Any:
+def _time_unit(t_span: Any, step: Any) -> Any:
     for name, value in (("t_span", t_span), ("step", step)):
-        if not units.has_unit(value):
+        if value is not None and not units.has_unit(value):
             raise ArgumentError(f"{name}={value!r} has no unit, but other arguments have; give a time.")
     unit = units.unit_of(t_span)
     if not units.is_time(unit):

@@ -15,6 +15,7 @@ class Brackets(NamedTuple):
     """Parts of steps in which an event may have zeros: states before them, shares of the step, and values at both ends."""
 
     t: Floats
+    size: Floats
     x: Floats
     v: Floats
     begin: Floats
@@ -37,36 +38,46 @@ def changes(parts: Brackets) -> NDArray[np.bool_]:
     return np.asarray(((first < 0.0) & (last >= 0.0)) | ((first > 0.0) & (last <= 0.0)))
 
 
-def search(brackets: Brackets, value_at: Callable[[Brackets, Floats], Floats], tolerance: float) -> Floats:
-    """Find the zero in each bracket, as a share of its step, by the Illinois rule and halves.
+def search(
+    begin: Floats,
+    end: Floats,
+    first: Floats,
+    last: Floats,
+    value_at: Callable[[NDArray[np.intp], Floats], Floats],
+    tolerance: Floats,
+) -> Floats:
+    """Find the zero between each pair of ends by the Illinois rule and halves.
 
     M. Dowell, P. Jarratt, BIT 11, 168 (1971).
 
     Parameters
     ----------
-    brackets : Brackets
+    begin, end : (B,) array
+        The ends.
+    first, last : (B,) array
+        Values of the function there, of different signs.
     value_at : callable
-        ``value_at(brackets, shares)`` returns the values of the function there.
-    tolerance : float
-        Of the shares.
+        ``value_at(which, points)`` returns the values of these functions, by their indices, at points.
+    tolerance : (B,) array
+        Of the zeros.
     """
-    begin, end, first, last = (array.copy() for array in brackets[3:])
+    begin, end, first, last = (array.copy() for array in (begin, end, first, last))
     sign, kept = np.sign(first), np.zeros(begin.size)
     for round_ in range(_ROUNDS):
         at = np.flatnonzero((end - begin > tolerance) & (last != 0.0))
         if not at.size:
             break
         a, b, fa, fb = begin[at], end[at], first[at], last[at]
-        share = _guess(a, b, fa, fb, tolerance, halves=round_ % 3 == 2)
-        value = value_at(brackets.part(at), share)
+        point = _guess(a, b, fa, fb, tolerance[at], halves=round_ % 3 == 2)
+        value = value_at(at, point)
         later = value * sign[at] > 0.0  # the zero lies after this
         first[at] = np.where(later, value, np.where(kept[at] < 0.0, 0.5 * fa, fa))
         last[at] = np.where(later, np.where(kept[at] > 0.0, 0.5 * fb, fb), value)
-        begin[at], end[at], kept[at] = np.where(later, share, a), np.where(later, b, share), np.where(later, 1.0, -1.0)
+        begin[at], end[at], kept[at] = np.where(later, point, a), np.where(later, b, point), np.where(later, 1.0, -1.0)
     return end
 
 
-def _guess(a: Floats, b: Floats, fa: Floats, fb: Floats, tolerance: float, *, halves: bool) -> Floats:
+def _guess(a: Floats, b: Floats, fa: Floats, fb: Floats, tolerance: Floats, *, halves: bool) -> Floats:
     """Return where straight lines between the ends pass through zero, or the middle; never too near to an end."""
     middle, near = 0.5 * (a + b), 0.5 * tolerance
     if halves:

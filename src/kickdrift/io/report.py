@@ -19,14 +19,16 @@ def report(solution: Solution) -> str:
         ("system", about.system),
         ("method", f"{about.method}, order {about.order}: {about.word}"),
         ("span", f"{solution.t[0]:.10g} to {solution.t[-1]:.10g} {unit}".rstrip()),
-        ("step", f"{solution.step:.10g} {unit}".rstrip()),
-        ("steps", f"{solution.n_steps}"),
+        ("step", _step(solution, unit)),
+        ("steps", f"{solution.n_steps}" + f", {solution.n_rejected} more taken back" * (solution.n_rejected > 0)),
         ("force evaluations", f"{solution.n_force_evaluations}"),
         ("wall time", f"{solution.wall_time:.3g} s, {per_step:.4g} ns a step"),
         ("sums", "compensated" if about.compensated else "plain"),
     ]
     if solution.error_estimate is not None:
         rows.append(("estimated error", f"{solution.error_estimate.max():.3e} at most in a step"))
+    if about.step_control:
+        rows.insert(2, ("step control", about.step_control))
     if about.choice:
         rows.insert(2, ("taken because", about.choice))
     for name, values in solution.invariants.items():
@@ -48,6 +50,12 @@ def _phase(solution: Solution, unit: str) -> str:
     """Say how far the run is ahead of the exact motion, and how fast that grows."""
     largest = f"{largest_phase_error(solution):.3e} {unit}".rstrip() + " of time"
     return largest + (f", {phase_drift(solution):+.3e} per time" if solution.t.size > 1 else "")
+
+
+def _step(solution: Solution, unit: str) -> str:
+    smallest, largest = solution.step_range
+    sizes = f"{solution.step:.10g}" if smallest == largest else f"{smallest:.4g} to {largest:.4g}"
+    return f"{sizes} {unit}".rstrip()
 
 
 def lines(facts: Sequence[tuple[str, str]]) -> str:

@@ -47,6 +47,8 @@ def header_of(solution: Solution) -> dict[str, Any]:
         "n_force_evaluations": solution.n_force_evaluations,
         "wall_time": solution.wall_time,
         "about": asdict(solution.about),
+        "step_range": list(solution.step_range),
+        "n_rejected": solution.n_rejected,
         "error_estimate": None if solution.error_estimate is None else solution.error_estimate.tolist(),
     }
 
@@ -58,6 +60,11 @@ def arrays_of(solution: Solution) -> dict[str, Any]:
     for name in _EVENTS:
         arrays |= {f"{name}{k}": values for k, values in enumerate(getattr(solution, name))}
     return arrays | {_DERIVED + name: values for name, values in solution.derived.items()}
+
+
+def _range(given: Any) -> tuple[float, float]:
+    smallest, largest = given
+    return float(smallest), float(largest)
 
 
 def _estimate(given: Any, x: Any) -> Any:
@@ -97,10 +104,9 @@ def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Solution:
 
 def members(head: dict[str, Any], arrays: dict[str, Any]) -> dict[str, Any]:
     """Return the members of a solution by name, of what a file holds."""
-    later = {"choice", "gm"}  # which earlier files have not
-    about = {f.name: head["about"][f.name] for f in fields(Description) if f.name not in later}
-    about["choice"] = str(head["about"].get("choice", ""))
-    about["gm"] = tuple(float(each) for each in head["about"].get("gm", ()))
+    about = {f.name: head["about"][f.name] for f in fields(Description) if f.name != "gm"}
+    about["choice"], about["step_control"] = str(about["choice"]), str(about["step_control"])
+    about["gm"] = tuple(float(each) for each in head["about"].get("gm", ()))  # earlier files have none
     about["dimensions"] = tuple(about["dimensions"])
     about["kind"] = Kind[about["kind"]].name
     kept = {name.removeprefix(_INVARIANT): a for name, a in arrays.items() if name.startswith(_INVARIANT)}
@@ -125,6 +131,8 @@ def members(head: dict[str, Any], arrays: dict[str, Any]) -> dict[str, Any]:
         "wall_time": float(head["wall_time"]),
         "about": Description(**about),
         "derived": derived,
+        "step_range": _range(head["step_range"]),
+        "n_rejected": int(head["n_rejected"]),
         "error_estimate": _estimate(head.get("error_estimate"), x),
         **_events(arrays, x, v),
     }

@@ -70,6 +70,21 @@ def _angular_momentum(t: float, x: Floats, v: Floats, params: Floats, out: Float
     gravity.angular_momentum(x, v, params[1:], params[0], out)
 
 
+@compiled(cached=False)
+def _density(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    # The root of the sum of the squares of the angular velocities that pairs would have on circles.
+    squares = 0.0
+    for i in range(x.size // 3):
+        for j in range(i):
+            gm = params[2 + i] + params[2 + j]
+            if gm > 0.0:
+                r2 = params[1]
+                for k in range(3):
+                    r2 += (x[3 * i + k] - x[3 * j + k]) ** 2
+                squares += gm / (r2 * math.sqrt(r2))
+    out[0] = math.sqrt(squares)
+
+
 QUANTITIES = {
     "energy": Quantity(_energy),
     "momentum": Quantity(_momentum, 3),
@@ -129,6 +144,7 @@ def nbody(
         name="nbody",
         acceleration=_few if n <= FEW else many,
         kick=_own_kick if n <= FEW else None,
+        density=_density,
         unthreaded=_many if shared else None,
         x0=positions,
         v0=velocities,

@@ -43,7 +43,7 @@ def spline(t: ArrayLike, values: ArrayLike, end: str = "not-a-knot") -> Callable
     -------
     callable
         ``table(t)``, for a number t. Outside of the table it raises: a run whose span leaves it is refused before it starts.
-        A few methods with steps backwards, such as `yoshida-8`, look a little beyond their span.
+        A few methods with steps backwards, such as `yoshida-8`, and steps that vary look a little beyond their span.
 
     Raises
     ------

@@ -85,6 +85,8 @@ class System:
         that is left to them, under which that acceleration does not change.
     frame : Frame, optional
         The coordinates in which the remainder and the other flow work, where they are not those of x0.
+    density : callable, optional
+        Writes one number, how many steps there should be in a unit of time, but for a factor: positive, and the same for -v.
     unthreaded : callable, optional
         The acceleration for processes that have no threads to share it among, where `acceleration` needs them.
     native : bool
@@ -117,6 +119,7 @@ class System:
     velocity: Function | None = None
     parts: Mapping[str, Function] = field(default_factory=dict)
     frame: Frame | None = None
+    density: Function | None = None
     unthreaded: Function | None = None
     native: bool = True
     packaged: bool = False

@@ -7,7 +7,8 @@ For a state of n numbers::
     2 n      what the sums for v have rounded off
     3 n      rate of x where it is not v, or else what a flow is about to add to v, see `change_of_v`
     4 n      coefficients of the method
-    memory   what the flows of the step need, see `memory`; its last n numbers are for `estimated_errors`
+    memory   what the flows of the step need, see `memory`; its last n numbers are for `estimated_errors`, and before them
+             there is what the control of steps needs, see `control_memory`
     -TAIL    single numbers, below
 
 In front of it there are machine words: the addresses of the scratch and of the functions of the system.
@@ -47,10 +48,12 @@ PARTS = (
     "constraints",
     "constraint_jacobian",
     "constraint_differences",
+    "density",
+    "energy",
 )
 """The functions that a system may have; flows call them as ``acceleration_at(t, x, v, params, work, out)``, say."""
 
-TAIL = 8
+TAIL = 32
 TROUBLE = -1  # residual of a solve that failed, zero if none
 EVALUATIONS = -2  # force evaluations counted by flows whose number varies
 MEMORY = -3  # where memory starts
@@ -58,6 +61,23 @@ KEPT_BY, KEPT_FOR = -4, -5  # the flow and the step that the matrix kept in memo
 DRAWN = -6  # random numbers drawn so far
 FORMED = -7  # how often a matrix was formed
 KEPT_TIMES = -8  # how many solutions began with a matrix that was kept
+# Of steps whose size varies:
+CLOCK, ROUNDED_OFF = -9, -10  # the time, and what its sum has rounded off
+CLOCK_OF_V = -11  # the time that moves with v
+DENSITY = -12  # steps in the time that the first one takes
+START_DENSITY = -13  # what a function gives as the density of the first
+DENSITY_RATE = -14  # the rate of its logarithm at the end of the last step
+FIRST_STEP = -15  # with its sign
+END = -16  # the time to end at
+REJECTED = -17  # whether the last step was taken back
+LAST_ERROR = -18  # of the last step accepted, over the tolerance
+BINDING = -19  # minus the energy at the start
+CONTROL, OWN_PARAMS = -20, -21  # where the memory of the control of steps starts, and the params of its function in it
+OWN_COUNT = -22  # how many params those are
+DEAR = -23  # force evaluations in one of the density
+DENSITY_ROUNDED_OFF = -26  # of the sum that the density is
+SMALLEST, LARGEST = -24, -25  # of the steps taken
+FAILED_CONTROL = -1.0  # the residual where no size of the step will do
 _SCRATCH = -1  # of the words in front of work
 _LINE = 8  # numbers in a cache line
 _WORDS = (1 + len(PARTS) + _LINE - 1) // _LINE * _LINE  # in front of work: whole cache lines
@@ -117,6 +137,41 @@ def memory(work: Floats) -> Floats:
 def estimated_errors(n: int, work: Floats) -> Floats:
     """Return the largest error that a step has been estimated to have, of each number of x."""
     return part(work, work.size - TAIL - n, n)
+
+
+CONTROL_VECTORS = 8
+"""How many vectors of n numbers the control of steps has as memory."""
+
+
+@compiled(inline=True)
+def control_memory(n: int, work: Floats) -> Floats:
+    """Return the part of work that is for the control of steps, `CONTROL_VECTORS` of n numbers."""
+    return part(work, int(work[CONTROL]), CONTROL_VECTORS * n)
+
+
+@compiled(inline=True)
+def own_params(work: Floats) -> Floats:
+    """Return the params of the function that controls the steps."""
+    return part(work, int(work[OWN_PARAMS]), int(work[OWN_COUNT]))
+
+
+@compiled(inline=True)
+def move_clock(h: float, work: Floats) -> None:
+    """Add to the time, and keep what the sum rounds off."""
+    increment = h - work[ROUNDED_OFF]
+    total = work[CLOCK] + increment
+    work[ROUNDED_OFF] = (total - work[CLOCK]) - increment
+    work[CLOCK] = total
+
+
+_ROUNDING = 8 * np.finfo(float).eps  # of the clock, within which the end is reached
+
+
+@compiled(inline=True)
+def at_end(work: Floats) -> bool:
+    """Whether the clock is at the end, or beyond it."""
+    left = work[END] - work[CLOCK]
+    return bool((left if work[FIRST_STEP] > 0.0 else -left) <= _ROUNDING * max(abs(work[END]), abs(work[CLOCK])))
 
 
 def aligned(size: int) -> NDArray[np.int64]:

@@ -33,6 +33,8 @@ class Flow:
         What it moves.
     timed : bool
         Whether the clock moves with x; not where x is put right at one time.
+    moves_clock : bool
+        Whether it moves the clock itself, in a time of its own.
     keeps_acceleration : bool
         Whether it leaves the acceleration of the last kick in work.
     plain : bool
@@ -70,6 +72,7 @@ class Flow:
     moves_x: bool = False
     moves_v: bool = False
     timed: bool = True
+    moves_clock: bool = False
     keeps_acceleration: bool = True
     plain: bool = False
     memory: Callable[[int, NDArray[np.float64], NDArray[np.float64]], int] = lambda n, coefficients, params: 0

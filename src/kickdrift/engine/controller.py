@@ -1,0 +1,278 @@
+"""A control of steps made ready for a system and a method: the function that it asks, checked, and its numbers in work."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kickdrift.core.arguments import reals
+from kickdrift.core.errors import ArgumentError
+from kickdrift.core.kinds import Kind
+from kickdrift.engine.densities import by_acceleration, by_distance
+from kickdrift.engine.flows import layout
+from kickdrift.engine.flows.error_control import PARAMS
+from kickdrift.engine.program import Spelled
+from kickdrift.engine.quantities import evaluate_quantity
+from kickdrift.engine.step_control import (
+    HairerSoderlind,
+    HuangLeimkuhler,
+    LocalError,
+    LogarithmicHamiltonian,
+    StepControl,
+    TimeTransformed,
+)
+from kickdrift.engine.user_functions import argument_names
+from kickdrift.methods import Method
+from kickdrift.methods.record import D, K
+from kickdrift.systems.problem import name_of
+from kickdrift.systems.system import Quantity, System
+
+Floats = NDArray[np.float64]
+Adapt = Callable[[str, Any], Quantity]
+
+_NAMES = {"distance": by_distance, "acceleration": by_acceleration}
+
+
+@dataclass(frozen=True, eq=False)
+class Controller:
+    """What chooses the steps of a run.
+
+    Attributes
+    ----------
+    wanted : StepControl
+        What was asked for.
+    name : str
+        For people.
+    spelled : callable
+        Makes a word one whose steps vary, see `kickdrift.engine.program.compose`.
+    params : array
+        What its function gets as params.
+    dear : int
+        Force evaluations in one of the density.
+    tolerances : array
+        Absolute ones, for x and v in turn; empty where errors do not matter.
+    """
+
+    wanted: StepControl
+    name: str
+    spelled: Callable[..., Spelled]
+    params: Floats
+    dear: int = 0
+    tolerances: Floats = field(default_factory=lambda: np.zeros(0))
+
+    def memory_size(self, n: int) -> int:
+        """Return how many numbers of work the control has."""
+        return layout.CONTROL_VECTORS * n + self.params.size
+
+    def prepare(self, work: Floats, n: int, estimates: bool, t0: float, t1: float, step: float) -> None:
+        """Write into work what the letters of the control find there."""
+        own = work.size - layout.TAIL - n * estimates - self.params.size
+        work[layout.CLOCK], work[layout.END], work[layout.FIRST_STEP] = t0, t1, step
+        work[layout.DENSITY] = work[layout.START_DENSITY] = 1.0
+        work[layout.OWN_PARAMS], work[layout.OWN_COUNT] = own, self.params.size
+        work[layout.CONTROL] = own - layout.CONTROL_VECTORS * n
+        work[layout.DEAR] = self.dear
+        work[layout.SMALLEST] = math.inf
+        work[own : own + self.params.size] = self.params
+        layout.control_memory(n, work)[6 * n : 6 * n + self.tolerances.size] = self.tolerances
+
+
+def control_of(wanted: Any, step: float | None, rtol: float | None, atol: ArrayLike | None) -> StepControl | None:
+    """Return what chooses the steps, None for equal ones.
+
+    Raises
+    ------
+    ArgumentError
+        For what is no control, if two are given, or no step where there has to be one.
+    """
+    by_error = rtol is not None or atol is not None
+    if by_error and wanted is not None:
+        raise ArgumentError(
+            f"step_control={wanted!r} and rtol={rtol!r}, atol={atol!r} are given, but each chooses the steps; give one."
+        )
+    if by_error:
+        return LocalError(1e-3 if rtol is None else rtol, 1e-6 if atol is None else atol)
+    if step is None and not isinstance(wanted, LocalError):
+        raise ArgumentError(
+            "step is missing: give the size of the steps, or with step_control that of the first; rtol and atol alone find it"
+            " themselves."
+        )
+    if isinstance(wanted, str) or (callable(wanted) and not isinstance(wanted, type)):
+        return HairerSoderlind(wanted)
+    if not isinstance(wanted, StepControl | None):
+        raise ArgumentError(
+            f"step_control={wanted!r} is none; give a density (a function, 'distance', 'acceleration' or 'own'),"
+            " kd.HairerSoderlind(...), kd.HuangLeimkuhler(...), kd.LogarithmicHamiltonian(), kd.TimeTransformed(...) or"
+            " kd.LocalError(rtol, atol)."
+        )
+    return wanted
+
+
+def controlled(
+    wanted: StepControl, system: System, method: Method, t0: float, adapt: Adapt, first_is_given: bool
+) -> tuple[System, Controller]:
+    """Make a control ready; the system gets its function as a part.
+
+    Raises
+    ------
+    ArgumentError
+        For a control that does not go with the method or the system, and a density that cannot be.
+    """
+    _check_method(wanted, system, method)
+    if isinstance(wanted, LocalError):
+        return system, _by_error(wanted, system, method, first_is_given)
+    if isinstance(wanted, LogarithmicHamiltonian):
+        energy = _binding_energy(system, t0)
+        parts = {**system.parts, "energy": energy.function}
+        name, params = "logarithmic Hamiltonian", _params(energy, system)
+        return replace(system, parts=parts), Controller(wanted, name, wanted.spelled, params)
+    density, named, sees_v, dear = _density(wanted.density, system, adapt)
+    _check_density(density, named, system, t0)
+    spelled: Callable[..., Spelled] = wanted.spelled
+    if sees_v:
+        if not isinstance(wanted, HairerSoderlind):
+            raise ArgumentError(f"density={named} sees v, which kd.{type(wanted).__name__} does not allow.")
+        spelled = _seeing_v
+    name = f"{_SCHEMES[type(wanted)]}, density by {named}"
+    parts = {**system.parts, "density": density.function}
+    return replace(system, parts=parts), Controller(wanted, name, spelled, _params(density, system), dear)
+
+
+_SCHEMES = {
+    HairerSoderlind: "Hairer-Soederlind",
+    HuangLeimkuhler: "Huang-Leimkuhler",
+    TimeTransformed: "time-transformed leapfrog",
+}
+
+
+def _seeing_v(*arguments: Any) -> Spelled:
+    return [
+        (f"{name}-of-v" if name.endswith("-density") else name, weight, clock)
+        for name, weight, clock in HairerSoderlind.spelled(*arguments)
+    ]
+
+
+def _params(quantity: Quantity, system: System) -> Floats:
+    return system.params if quantity.params is None else quantity.params
+
+
+def _check_method(wanted: StepControl, system: System, method: Method) -> None:
+    name = f"kd.{type(wanted).__name__}"
+    if system.kind is Kind.LANGEVIN:
+        raise ArgumentError(
+            f"step_control={name} and noise: its path is for steps of one size; leave step_control out."
+        )
+    if method.corrector:
+        raise ArgumentError(
+            f"step_control={name} and method={method.name!r}: its corrector is for steps of one size; take the method"
+            " without it."
+        )
+    if isinstance(wanted, LocalError):
+        return
+    if not method.symmetric:
+        raise ArgumentError(
+            f"step_control={name} keeps steps reversible, but method={method.name!r} is not symmetric; take"
+            " 'velocity-verlet', another symmetric one, or kd.LocalError(rtol, atol)."
+        )
+    if isinstance(wanted, HuangLeimkuhler | TimeTransformed) and (method.order != 2 or method.tableau is not None):
+        raise ArgumentError(
+            f"step_control={name} is for splittings of order 2, and method={method.name!r} is none; take"
+            " 'velocity-verlet', or kd.HairerSoderlind."
+        )
+    if isinstance(wanted, LogarithmicHamiltonian | TimeTransformed):
+        plain = {letter.plain for letter in method.letters}
+        if not (plain <= {K, D} and method.kind.includes(Kind.SEPARABLE)):
+            raise ArgumentError(
+                f"step_control={name} changes kicks and drifts so that only splittings for T(p) + V(q) keep their order, and"
+                f" method={method.name!r} is none; take 'velocity-verlet', 'blanes-moan-s6' or 'kahan-li-8'."
+            )
+        if not Kind.NEWTONIAN.includes(system.kind):
+            raise ArgumentError(
+                f"step_control={name} is for {Kind.NEWTONIAN.value}, but {system.name!r} has {system.kind.value}; take"
+                " kd.HairerSoderlind."
+            )
+
+
+def _by_error(wanted: LocalError, system: System, method: Method, first_is_given: bool) -> Controller:
+    try:
+        relative, absolute = float(reals(wanted.rtol)), reals(wanted.atol)
+        of_x = np.broadcast_to(absolute, system.x0.shape).reshape(-1)
+    except (TypeError, ValueError) as error:
+        raise ArgumentError(
+            f"rtol={wanted.rtol!r}, atol={wanted.atol!r}: {error}; give a number, and a number or one to each of the state."
+        ) from None
+    if not (100 * np.finfo(float).eps <= relative < 1.0 or (relative == 0.0 and (of_x > 0.0).all())):
+        raise ArgumentError(f"rtol={wanted.rtol!r} must be at least 2.3e-14 and below 1, or 0 with a positive atol.")
+    if not ((of_x >= 0.0) & np.isfinite(of_x)).all():
+        raise ArgumentError(f"atol={wanted.atol!r} must be finite and not negative.")
+    params = np.array([relative, float(method.order), float(first_is_given), 0.0, 0.0])
+    assert params.size == PARAMS
+    tolerances = np.concatenate([of_x, of_x if system.v0.size else np.zeros(0)])
+    name = f"local error, rtol={relative:g}, atol={_spelled(absolute)}, by step doubling"
+    return Controller(wanted, name, wanted.spelled, params, tolerances=np.maximum(tolerances, 1e-300))
+
+
+def _spelled(absolute: Floats) -> str:
+    return f"{float(absolute):g}" if absolute.size == 1 else f"{absolute.min():g} to {absolute.max():g}"
+
+
+def _density(wanted: Any, system: System, adapt: Adapt) -> tuple[Quantity, str, bool, int]:
+    """Return a density, its name, whether it sees v, and how many forces it evaluates."""
+    own = system.density
+    if wanted is None:
+        wanted = "acceleration" if own is None else "own"
+    if wanted == "own" and own is not None:
+        return Quantity(own), "the system's own", False, 0
+    if isinstance(wanted, str):
+        if wanted not in _NAMES:
+            why = f"{system.name!r} has none of its own; " if wanted == "own" else ""
+            raise ArgumentError(f"density={wanted!r}: {why}give 'distance', 'acceleration' or a function of the state.")
+        if wanted == "acceleration" and not system.v0.size:
+            raise ArgumentError("density='acceleration': first-order equations have none; give a function of y.")
+        return _NAMES[wanted](system), wanted, False, int(wanted == "acceleration")
+    allowed = ("t", "x", "v", "params", "q", "p") if system.v0.size else ("t", "y", "x", "params")
+    given = argument_names(wanted, "density", allowed)
+    return adapt("density", wanted), name_of(wanted), bool({"v", "p"} & set(given)), 0
+
+
+def _check_density(density: Quantity, named: str, system: System, t0: float) -> None:
+    at = partial(evaluate_quantity, density, system, np.array([t0]), system.x0[None])
+    here, turned = float(at(system.v0[None])[0]), float(at(-system.v0[None])[0])
+    if not 0.0 < here < math.inf:
+        raise ArgumentError(
+            f"density by {named} is {here!r} at the start; it must be positive and finite: so many steps to a unit of time."
+        )
+    if abs(here - turned) > 1e-9 * here:
+        raise ArgumentError(
+            f"density by {named} is {here!r} at the start, and {turned!r} with the velocities turned around; it must be the"
+            " same, or no step leads back."
+        )
+
+
+def _binding_energy(system: System, t0: float) -> Quantity:
+    """Return the energy of a system, which must be T(v) + U(x) with U < 0 as far as the start shows."""
+    if "energy" not in system.quantities:
+        raise ArgumentError(
+            f"step_control=kd.LogarithmicHamiltonian() needs the energy, which {system.name!r} does not say; give energy=..."
+            " to its description, or take kd.TimeTransformed('distance')."
+        )
+    energy = system.quantities["energy"]
+    x, v, rest = system.x0, system.v0, np.zeros_like(system.v0)
+    aside = x * 1.01 + 0.001 * np.abs(x).max(initial=1e-3)
+    states = np.array([x, x, aside, aside]), np.array([rest, v, rest, v])
+    potential, whole, other, other_whole = evaluate_quantity(energy, system, np.full(4, t0), *states)
+    if not -math.inf < potential < 0.0:
+        raise ArgumentError(
+            f"step_control=kd.LogarithmicHamiltonian() needs a negative potential energy, as of gravity; at the start that of"
+            f" {system.name!r} is {float(potential)!r}. Take kd.HairerSoderlind() or kd.TimeTransformed()."
+        )
+    if abs((whole - potential) - (other_whole - other)) > 1e-9 * (abs(whole) + abs(potential) + abs(other)):
+        raise ArgumentError(
+            f"step_control=kd.LogarithmicHamiltonian() needs an energy T(v) + U(x), but that of {system.name!r} has a kinetic"
+            " energy that depends on x; take kd.HairerSoderlind()."
+        )
+    return energy

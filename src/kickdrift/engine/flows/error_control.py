@@ -1,0 +1,162 @@
+"""Steps by their error: each is done once whole and once in halves, and their difference says how long the next may be.
+
+Templates, the letters of a trial: `begin_trial`, the step, `end_coarse`, the step in halves, `judge`. What the halves give is
+kept. The difference is measured as in Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, 2nd ed. (1993),
+eq. (II.4.11); step doubling: section II.4, eq. (4.4). The controller is proportional and integral: Gustafsson, ACM Trans. Math.
+Softw. 17, 533 (1991).
+
+Memory of control: state at the start of the trial (2 n), what its sums have rounded off (2 n), state after the whole step
+(2 n), absolute tolerances (2 n). The params of control: relative tolerance, order, size of the first step wanted or zero, and
+clock of the start of the trial, with what it rounded off.
+"""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.compilation import compiled, unbound
+from kickdrift.core.elementwise import assign
+from kickdrift.core.views import part
+from kickdrift.engine.flows.layout import (
+    CLOCK,
+    DENSITY,
+    END,
+    FAILED_CONTROL,
+    FIRST_STEP,
+    LAST_ERROR,
+    REJECTED,
+    ROUNDED_OFF,
+    TROUBLE,
+    VELOCITY,
+    at_end,
+    control_memory,
+    has_part,
+    own_params,
+)
+
+Floats = NDArray[np.float64]
+
+acceleration_at: Callable[..., None] = unbound
+velocity_at: Callable[..., None] = unbound
+
+PARAMS = 5
+RELATIVE, ORDER, GIVEN, BEGIN, BEGIN_ROUNDED_OFF = range(PARAMS)  # of the params of control
+_SAFETY, _LEAST, _MOST = 0.9, 0.2, 5.0
+_INTEGRAL, _PROPORTIONAL = 0.7, 0.4  # exponents over the order of the error
+_SPACINGS = 16.0  # of floats near the time: a shorter step is lost beside it
+
+
+@compiled(inline=True)
+def saved(n: int, index: int, size: int, work: Floats) -> Floats:
+    """Return one of the vectors in memory."""
+    return part(control_memory(n, work), index * n, size)
+
+
+@compiled
+def distance(a: Floats, b: Floats, absolute: Floats, relative: float) -> float:
+    """Return the sum of the squares of differences, each over its tolerance."""
+    total = 0.0
+    for i in range(a.size):
+        difference = (a[i] - b[i]) / (absolute[i] + relative * max(abs(a[i]), abs(b[i])))
+        total += difference * difference
+    return total
+
+
+def choose_first_step(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    """Make ready: a first step that moves the state by a hundredth of its size, if none is given.
+
+    Hairer, Norsett, Wanner, as above: the first two steps of the algorithm on page 169.
+    """
+    n, own = x.size, own_params(work)
+    work[LAST_ERROR] = 1.0
+    if own[GIVEN] != 0.0:
+        return
+    rate, v_rate, nothing = saved(n, 0, n, work), saved(n, 1, v.size, work), saved(n, 2, n, work)
+    for i in range(n):
+        nothing[i] = 0.0
+    if has_part(VELOCITY, work):
+        velocity_at(t, x, v, params, work, rate)
+    else:
+        assign(rate, v)
+    if v.size > 0:
+        acceleration_at(t, x, v, params, work, v_rate)
+    own_x, own_v = saved(n, 6, n, work), saved(n, 7, v.size, work)
+    size = weighed(x, x, own_x, own[RELATIVE]) + weighed(v, v, own_v, own[RELATIVE])
+    speed = weighed(rate, x, own_x, own[RELATIVE]) + weighed(v_rate, v, own_v, own[RELATIVE])
+    if size > 0.0 and 0.0 < speed < math.inf:
+        step = 0.01 * math.sqrt(size / speed)
+        if step < abs(work[FIRST_STEP]):
+            work[DENSITY] = abs(work[FIRST_STEP]) / step
+
+
+@compiled
+def weighed(a: Floats, state: Floats, absolute: Floats, relative: float) -> float:
+    """Return the sum of the squares of numbers, each over the tolerance of the state."""
+    total = 0.0
+    for i in range(a.size):
+        share = a[i] / (absolute[i] + relative * abs(state[i]))
+        total += share * share
+    return total
+
+
+def begin_trial(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    """Keep the state."""
+    n, own = x.size, own_params(work)
+    assign(saved(n, 0, n, work), x)
+    assign(saved(n, 1, v.size, work), v)
+    assign(saved(n, 2, 2 * n, work), part(work, n, 2 * n))
+    own[BEGIN], own[BEGIN_ROUNDED_OFF] = work[CLOCK], work[ROUNDED_OFF]
+
+
+@compiled(inline=True)
+def take_back(x: Floats, v: Floats, work: Floats) -> None:
+    """Return to the start of the trial."""
+    n, own = x.size, own_params(work)
+    assign(x, saved(n, 0, n, work))
+    assign(v, saved(n, 1, v.size, work))
+    assign(part(work, n, 2 * n), saved(n, 2, 2 * n, work))
+    work[CLOCK], work[ROUNDED_OFF] = own[BEGIN], own[BEGIN_ROUNDED_OFF]
+
+
+def end_coarse(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    """Keep what the whole step has given, and go back."""
+    n = x.size
+    assign(saved(n, 4, n, work), x)
+    assign(saved(n, 5, v.size, work), v)
+    take_back(x, v, work)
+
+
+def judge(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    """Take the halves or refuse them, and choose the next step; the last one ends at the end."""
+    n, own = x.size, own_params(work)
+    relative, order = own[RELATIVE], own[ORDER]
+    squares = distance(x, saved(n, 4, n, work), saved(n, 6, n, work), relative)
+    squares += distance(v, saved(n, 5, v.size, work), saved(n, 7, v.size, work), relative)
+    error = math.sqrt(squares / (n + v.size)) / (2.0**order - 1.0)
+    size = work[FIRST_STEP] / work[DENSITY]
+    exponent = 1.0 / (order + 1.0)
+    if error <= 1.0 and work[TROUBLE] == 0.0:
+        error = max(error, 1e-10)
+        factor = _SAFETY * error ** (-_INTEGRAL * exponent) * work[LAST_ERROR] ** (_PROPORTIONAL * exponent)
+        factor = min(max(factor, _LEAST), _MOST if work[REJECTED] == 0.0 else 1.0)
+        work[LAST_ERROR], work[REJECTED] = error, 0.0
+    else:
+        factor = _LEAST
+        if error < math.inf and work[TROUBLE] == 0.0:
+            factor = max(_SAFETY * error**-exponent, _LEAST)
+        work[REJECTED], work[TROUBLE] = 1.0, 0.0
+        take_back(x, v, work)
+    size *= factor
+    left = work[END] - work[CLOCK]
+    if at_end(work):
+        return
+    if abs(size) >= abs(left):
+        size = left
+    elif abs(size) > 0.5 * abs(left):
+        size = 0.5 * left  # two equal ones, rather than a short one at the end
+    if abs(size) < _SPACINGS * 2.220446049250313e-16 * abs(work[CLOCK]):
+        work[TROUBLE] = FAILED_CONTROL
+    else:
+        work[DENSITY] = work[FIRST_STEP] / size

@@ -1,0 +1,217 @@
+"""The rows that a run keeps: of equal steps on a grid, or of steps whose sizes vary."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.engine.flows.layout import CLOCK, LARGEST, SMALLEST, at_end
+from kickdrift.engine.grid import Course, Grid
+from kickdrift.engine.loop import ACCEPTED, ROWS, TRIALS, WANTED
+from kickdrift.engine.stepper import State, Stepper
+
+Floats = NDArray[np.float64]
+_BAR = 1000  # parts of a progress bar where the number of steps is not known
+
+
+class Mark(NamedTuple):
+    """How far the rows are: those filled, the times wanted that are passed, and the steps tried."""
+
+    rows: int = 0
+    wanted: int = 0
+    trials: int = 0
+
+
+class Stretch(NamedTuple):
+    """Some steps that are looked at: times from their start on, and the states after each."""
+
+    t: Floats
+    xs: Floats
+    vs: Floats
+
+
+@dataclass
+class GridRows:
+    """The rows of equal steps: those of the grid, and one more if the run ends early between two of them."""
+
+    stepper: Stepper
+    grid: Grid
+
+    def __post_init__(self) -> None:
+        state, rows = self.stepper.state, self.grid.save_steps.size + 1
+        self.xs, self.vs = np.empty((rows, state.x.size)), np.empty((rows, state.v.size))
+
+    def begin(self) -> Mark:
+        """Keep the start, if it is a row."""
+        if self.grid.save_steps[0] != 0:
+            return Mark()
+        self.xs[0], self.vs[0] = self.stepper.state.x, self.stepper.state.v
+        return Mark(1)
+
+    def target(self, step: int) -> int:
+        """Return the step, or the last one."""
+        return min(step, self.grid.n_steps)
+
+    def ended(self, step: int) -> bool:
+        """Whether the run is at its end after a step."""
+        return step == self.grid.n_steps
+
+    def progress(self, step: int) -> tuple[int, int]:
+        """Return how much is done, of how much."""
+        return step, self.grid.n_steps
+
+    def time(self, step: int) -> float:
+        """Return the time after a step."""
+        return self.grid.t0 + step * self.grid.step
+
+    def steps_of(self, step: int) -> str:
+        """Return how many steps are done, for people."""
+        return f"{step} of {self.grid.n_steps} steps"
+
+    def advance(self, step: int, target: int, mark: Mark) -> tuple[int, Mark]:
+        """Do steps, and keep rows; return where it ended."""
+        save_steps = self.grid.save_steps
+        reached, saved = self.stepper.advance(step, target, save_steps, mark.rows, self.xs, self.vs)
+        return reached, Mark(saved, 0, reached)
+
+    def advance_watched(self, step: int, target: int, mark: Mark) -> tuple[int, Mark, Stretch]:
+        """Do the same, and return all states."""
+        grid, state, every = self.grid, self.stepper.state, np.arange(step + 1, target + 1)
+        xs, vs = np.empty((every.size, state.x.size)), np.empty((every.size, state.v.size))
+        reached, count = self.stepper.advance(step, target, every, 0, xs, vs)
+        until = int(np.searchsorted(grid.save_steps, reached, side="right"))
+        wanted = grid.save_steps[mark.rows : until] - step - 1
+        self.xs[mark.rows : until], self.vs[mark.rows : until] = xs[wanted], vs[wanted]
+        t = np.asarray(grid.t0 + grid.step * np.arange(step, reached + 1), dtype=np.float64)
+        return reached, Mark(until, 0, reached), Stretch(t, xs[:count], vs[:count])
+
+    def keep_last(self, state: State, step: int, mark: Mark, stopped: bool) -> int:
+        """Add the state reached as a last row, if the run ended between two rows; return how many there are."""
+        on_a_row = mark.rows > 0 and self.grid.save_steps[mark.rows - 1] == step
+        if self.ended(step) or stopped or on_a_row:
+            return mark.rows
+        self.xs[mark.rows], self.vs[mark.rows] = state.x, state.v
+        return mark.rows + 1
+
+    def times(self, rows: int, step: int, early: bool) -> Floats:
+        """Return the times of the rows of a run that ended after a step."""
+        t = np.append(self.grid.times, self.grid.times[-1])[:rows]
+        if early and rows:  # the last row is where it ended, on the grid of rows or not
+            t[-1] = self.time(step)
+        return t
+
+    def steps(self, t: Floats) -> Floats:
+        """Return the size of the steps from each of the rows on."""
+        return np.full(t.size, self.grid.step)
+
+    def step_range(self, state: State) -> tuple[float, float]:
+        """Return the sizes of the smallest and of the largest step."""
+        return abs(self.grid.step), abs(self.grid.step)
+
+
+@dataclass
+class CourseRows:
+    """The rows of steps whose sizes vary: those before so many steps, or before the times wanted."""
+
+    stepper: Stepper
+    grid: Course
+
+    def __post_init__(self) -> None:
+        state = self.stepper.state
+        self.ts, self.sizes = np.empty(0), np.empty(0)
+        self.xs, self.vs = np.empty((0, state.x.size)), np.empty((0, state.v.size))
+
+    def begin(self) -> Mark:
+        """Keep nothing yet: a row is the state before a step."""
+        return Mark()
+
+    def target(self, step: int) -> int:
+        """Return the step."""
+        return step
+
+    def ended(self, step: int) -> bool:
+        """Whether the run is at its end, or beyond it by a part of a step."""
+        return bool(at_end(self.stepper.state.work))
+
+    def progress(self, step: int) -> tuple[int, int]:
+        """Return how much is done, of how much."""
+        done = (self.time(step) - self.grid.t0) / (self.grid.t1 - self.grid.t0)
+        return max(1, min(round(_BAR * done), _BAR)), _BAR
+
+    def time(self, step: int) -> float:
+        """Return the time that is reached."""
+        return float(self.stepper.state.work[CLOCK])
+
+    def steps_of(self, step: int) -> str:
+        """Return how many steps are done, for people."""
+        return f"{step} steps"
+
+    def advance(self, step: int, target: int, mark: Mark) -> tuple[int, Mark]:
+        """Do steps, and keep rows; return where it ended."""
+        most = target - step if self.grid.stride else min(target - step, self.grid.marks.size - mark.wanted)
+        self._make_room(mark.rows + most + 1)
+        marks = np.array([step, mark.trials, mark.rows, mark.wanted])
+        rows = self.ts, self.sizes, self.xs, self.vs
+        reached = self.stepper.advance_adaptively(target, self.grid.stride, self.grid.marks, marks, *rows)
+        return reached, Mark(int(marks[ROWS]), int(marks[WANTED]), int(marks[TRIALS]))
+
+    def advance_watched(self, step: int, target: int, mark: Mark) -> tuple[int, Mark, Stretch]:
+        """Do the same, and return all states."""
+        state, most = self.stepper.state, target - step + 1
+        t, sizes = np.empty(most), np.empty(most)
+        xs, vs = np.empty((most, state.x.size)), np.empty((most, state.v.size))
+        marks = np.array([step, mark.trials, 0, mark.wanted])
+        reached = self.stepper.advance_adaptively(target, 1, self.grid.marks, marks, t, sizes, xs, vs)
+        count = int(marks[ACCEPTED]) - step
+        t[count], xs[count], vs[count] = state.work[CLOCK], state.x, state.v
+        t, xs, vs = t[: count + 1], xs[: count + 1], vs[: count + 1]
+        sign = np.sign(self.grid.step)
+        passed = np.searchsorted(sign * self.grid.marks, sign * t[1:], side="left")
+        kept = np.diff(np.append(mark.wanted, passed)) > 0
+        if self.grid.stride:
+            kept |= np.arange(step, reached) % self.grid.stride == 0
+        rows = np.flatnonzero(kept)
+        end = mark.rows + rows.size
+        self._make_room(end + 1)
+        for kept_rows, all_rows in ((self.ts, t), (self.sizes, sizes), (self.xs, xs), (self.vs, vs)):
+            kept_rows[mark.rows : end] = all_rows[rows]
+        return reached, Mark(end, int(marks[WANTED]), int(marks[TRIALS])), Stretch(t, xs[1:], vs[1:])
+
+    def keep_last(self, state: State, step: int, mark: Mark, stopped: bool) -> int:
+        """Add the state reached as a last row, unless it is beyond the end; return how many there are."""
+        beyond = abs(state.work[CLOCK] - self.grid.t0) > abs(self.grid.t1 - self.grid.t0) * (1 + 1e-15)
+        if at_end(state.work) and beyond:
+            return mark.rows
+        self._make_room(mark.rows + 1)
+        self.ts[mark.rows] = self.grid.t1 if at_end(state.work) else state.work[CLOCK]
+        self.xs[mark.rows], self.vs[mark.rows], self.sizes[mark.rows] = state.x, state.v, self.grid.step
+        return mark.rows + 1
+
+    def times(self, rows: int, step: int, early: bool) -> Floats:
+        """Return the times of the rows."""
+        return self.ts[:rows].copy()
+
+    def steps(self, t: Floats) -> Floats:
+        """Return the size of the steps from each of the rows on."""
+        return self.sizes[: t.size].copy()
+
+    def step_range(self, state: State) -> tuple[float, float]:
+        """Return the sizes of the smallest and of the largest step."""
+        return float(state.work[SMALLEST]), float(state.work[LARGEST])
+
+    def _make_room(self, rows: int) -> None:
+        if rows > self.ts.size:
+            size = max(rows, 2 * self.ts.size)
+            self.ts, self.sizes, self.xs, self.vs = (
+                _larger(array, size) for array in (self.ts, self.sizes, self.xs, self.vs)
+            )
+
+
+Rows = GridRows | CourseRows
+
+
+def _larger(array: Floats, size: int) -> Floats:
+    room = np.empty((size, *array.shape[1:]))
+    room[: len(array)] = array
+    return room

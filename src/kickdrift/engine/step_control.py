@@ -1,0 +1,175 @@
+"""How the size of steps is chosen, where it is not one for all: what users ask for, and what it makes of a method."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kickdrift.engine.program import Spelled
+from kickdrift.methods.record import Word
+
+Floats = NDArray[np.float64]
+Spell = Callable[[Word], Spelled]
+_HALF = Fraction(1, 2)
+
+
+@dataclass(frozen=True)
+class HairerSoderlind:
+    """Reversible steps by a density, for any symmetric method.
+
+    Parameters
+    ----------
+    density : str or callable, optional
+        How many steps there should be in a unit of time, but for a factor, which is such that the first step is the one given:
+        a function of the state, with arguments named as those of forces, that is positive and the same for -v as for v; or
+        a name, ``"distance"`` (of the bodies in a state (N, d), or of a state (d,) from the origin, to the power -3/2),
+        ``"acceleration"`` (the square root of its size) or ``"own"``, that of the system. By default ``"own"`` where there is
+        one, or else ``"acceleration"``.
+
+    Notes
+    -----
+    The size of the steps follows the density without solving an equation, and the same steps lead back when the velocities
+    are turned around. The energy error is bounded, as with a fixed step; momenta that the method conserves stay conserved.
+    A step costs three evaluations of the density beside the forces.
+
+    References
+    ----------
+    E. Hairer, G. Soederlind, Explicit, time reversible, adaptive step size control, SIAM J. Sci. Comput. 26, 1838 (2005).
+    """
+
+    density: str | Callable[..., Any] | None = None
+
+    method: ClassVar[str] = "velocity-verlet"  # where none is named
+    conserves: ClassVar[str] = "reversible; no drift of the energy"
+
+    @staticmethod
+    def spelled(spell: Spell, word: Word) -> Spelled:
+        """Add the letters of the control to a word."""
+        return [("begin-density", _HALF, Fraction(0)), *spell(word), ("end-density", _HALF, Fraction(1))]
+
+
+@dataclass(frozen=True)
+class HuangLeimkuhler:
+    """Reversible steps by a density that is reflected in the middle of each: adaptive Verlet, and its like of order 2.
+
+    Parameters
+    ----------
+    density : str or callable, optional
+        As for `HairerSoderlind`, a function of x and t alone.
+
+    References
+    ----------
+    W. Huang, B. Leimkuhler, The adaptive Verlet method, SIAM J. Sci. Comput. 18, 239 (1997).
+    """
+
+    density: str | Callable[..., Any] | None = None
+
+    method: ClassVar[str] = "velocity-verlet"  # where none is named
+    conserves: ClassVar[str] = "reversible; no drift of the energy"
+
+    @staticmethod
+    def spelled(spell: Spell, word: Word) -> Spelled:
+        """Part a word in the middle."""
+        middle, odd = divmod(len(word), 2)
+        shared = tuple((letter, weight / 2) for letter, weight in word[middle : middle + odd])
+        first, second = (*word[:middle], *shared), (*shared, *word[middle + odd :])
+        return [*spell(first), ("reflect-density", Fraction(1), _HALF), *spell(second)]
+
+
+@dataclass(frozen=True)
+class LogarithmicHamiltonian:
+    """Kicks and drifts of log(T - E) - log(-U), for gravity and other energies T(v) + U(x) with U < 0.
+
+    Symplectic in a time of its own, in which close encounters are as smooth as the rest: with ``"position-verlet"``, the
+    default here, the orbits of two bodies are exact but for their time, at any eccentricity. For any splitting into kicks and
+    drifts; the system has to say its energy.
+
+    References
+    ----------
+    S. Mikkola, K. Tanikawa, Mon. Not. R. Astron. Soc. 310, 745 (1999); M. Preto, S. Tremaine, Astron. J. 118, 2532 (1999).
+    """
+
+    method: ClassVar[str] = "position-verlet"  # where none is named
+    conserves: ClassVar[str] = "reversible, and symplectic in a time of its own; no drift of the energy"
+
+    @staticmethod
+    def spelled(spell: Spell, word: Word) -> Spelled:
+        """Give kicks and drifts their own time."""
+        return _renamed("logarithmic", spell(word))
+
+
+@dataclass(frozen=True)
+class TimeTransformed:
+    """Kicks over 1 / density, and drifts over what follows it by the velocities: the time-transformed leapfrog.
+
+    For forces of all sizes at once, as in few-body gravity with great ratios of masses, where the logarithmic Hamiltonian sees
+    the heavy bodies alone. For ``"position-verlet"``, the default here, and ``"velocity-verlet"``.
+
+    Parameters
+    ----------
+    density : str or callable, optional
+        As for `HairerSoderlind`, a function of x alone.
+
+    References
+    ----------
+    S. Mikkola, S. Aarseth, A time-transformed leapfrog scheme, Celest. Mech. Dyn. Astron. 84, 343 (2002).
+    """
+
+    density: str | Callable[..., Any] | None = None
+
+    method: ClassVar[str] = "position-verlet"  # where none is named
+    conserves: ClassVar[str] = "reversible; no drift of the energy"
+
+    @staticmethod
+    def spelled(spell: Spell, word: Word) -> Spelled:
+        """Give kicks and drifts their own time."""
+        return _renamed("transformed", spell(word))
+
+
+@dataclass(frozen=True, eq=False)
+class LocalError:
+    """Steps whose estimated error is at most ``atol + rtol * abs(state)`` on average, for any method without noise.
+
+    Each step is done once whole and twice in halves, whose result is kept. For dissipative and other problems that have nothing
+    to conserve: the energy drifts by the errors.
+
+    Parameters
+    ----------
+    rtol : float
+        Relative tolerance.
+    atol : float or array_like
+        Absolute tolerance, of a shape that broadcasts to the state; that of v, too.
+
+    References
+    ----------
+    E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed. (1993), section II.4.
+    """
+
+    rtol: float = 1e-3
+    atol: ArrayLike = 1e-6
+
+    method: ClassVar[str] = "auto"  # where none is named
+    conserves: ClassVar[str] = "nothing exactly: the energy drifts by the errors"
+
+    @staticmethod
+    def spelled(spell: Spell, word: Word) -> Spelled:
+        """Do a word whole, and in halves."""
+        halves = tuple((letter, weight / 2) for letter, weight in word) * 2
+        none, whole = Fraction(0), Fraction(1)
+        return [
+            ("begin-trial", whole, none),
+            *spell(word),
+            ("end-coarse", whole, whole),
+            *spell(halves),
+            ("judge", whole, whole),
+        ]
+
+
+StepControl = HairerSoderlind | HuangLeimkuhler | LogarithmicHamiltonian | TimeTransformed | LocalError
+
+
+def _renamed(sort: str, letters: Spelled) -> Spelled:
+    return [(f"{sort}-{name}", weight, clock) for name, weight, clock in letters]

@@ -1,0 +1,382 @@
+"""Steps whose sizes vary: reversible by a density, in a time of their own, by their error."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kickdrift as kd
+from kickdrift.core.errors import ArgumentError
+from kickdrift.core.outcomes import Outcome
+
+PERIOD = 2 * np.pi
+REVERSIBLE = (
+    kd.HairerSoderlind("distance"),
+    kd.HairerSoderlind("acceleration"),
+    kd.HuangLeimkuhler("distance"),
+    kd.TimeTransformed("distance"),
+    kd.LogarithmicHamiltonian(),
+)
+
+
+def _ids(control):
+    return f"{type(control).__name__}-{getattr(control, 'density', '')}"
+
+
+def _eccentric():
+    return kd.systems.kepler(eccentricity=0.9)
+
+
+def _energy_errors(sol):
+    return np.abs(sol.energy / sol.energy[0] - 1)
+
+
+# -- reversible steps -------------------------------------------------------------------------------------------------
+
+
+def test_energy_of_an_eccentric_orbit_has_no_drift():
+    sol = kd.solve(_eccentric(), (0, 300 * PERIOD), step=4.2e-4 * PERIOD / 4.2, step_control="distance")
+    errors = _energy_errors(sol)
+    assert 380 < sol.n_steps / 300 < 460
+    assert 1e-4 < errors.max() < 2e-3  # of an energy of 1/2
+    early, late = errors[: sol.t.size // 10].max(), errors[-sol.t.size // 10 :].max()
+    assert late < 1.001 * early
+    plain = kd.solve(_eccentric(), (0, 20 * PERIOD), step=PERIOD / 420, method="velocity-verlet")
+    assert _energy_errors(plain).max() > 0.1
+
+
+def test_logarithmic_hamiltonian_keeps_orbits_to_rounding():
+    sol = kd.solve(
+        _eccentric(), (0, 300 * PERIOD), step=PERIOD / 3140, step_control=kd.LogarithmicHamiltonian(), save_every=7
+    )
+    assert 300 < sol.n_steps / 300 < 330
+    assert _energy_errors(sol).max() < 1e-12
+    axis = np.array([sol.v[:, 1], -sol.v[:, 0]]).T * sol.invariants["angular momentum"][:, None]
+    axis -= sol.x / np.linalg.norm(sol.x, axis=1)[:, None]
+    assert np.abs(axis - axis[0]).max() < 1e-10  # the orbit does not turn, either
+    other = kd.solve(
+        _eccentric(),
+        (0, 10 * PERIOD),
+        step=PERIOD / 3140,
+        step_control=kd.LogarithmicHamiltonian(),
+        method="velocity-verlet",
+    )
+    assert _energy_errors(other).max() > 1e-4
+
+
+def _steps_there_and_back(control, system, method, step, count):
+    """Do so many steps, turn the velocities around, and do them again."""
+    from kickdrift.engine.controller import controlled
+    from kickdrift.engine.grid import lay_course
+    from kickdrift.engine.processing import compile_method
+
+    named = kd.methods.get(method)
+    system, controller = controlled(control, system, named, 0.0, lambda role, function: function, True)
+    course = lay_course((0.0, 1e6), step, None, None)
+    stepper = compile_method(system, named, course, True, controller=controller).kernel
+    start = np.concatenate([stepper.state.x, stepper.state.v])
+    stepper.prime()
+    rows = np.empty(2 * count), np.empty(2 * count), np.empty((2 * count, 2)), np.empty((2 * count, 2))
+    marks = np.zeros(4, dtype=np.int64)
+    stepper.advance_adaptively(count, 0, np.array([1e6]), marks, *rows)
+    there = np.concatenate([stepper.state.x, stepper.state.v])
+    stepper.state.v *= -1.0
+    n = stepper.state.x.size
+    stepper.state.work[2 * n : 3 * n] *= -1.0  # what its sums have rounded off, too
+    from kickdrift.engine.flows.layout import DENSITY_RATE
+
+    stepper.state.work[DENSITY_RATE] *= -1.0
+    stepper.advance_adaptively(2 * count, 0, np.array([1e6]), marks, *rows)
+    back = np.concatenate([stepper.state.x, -stepper.state.v])
+    return start, there, back
+
+
+@pytest.mark.parametrize("method", ["velocity-verlet", "position-verlet", "kahan-li-8"])
+@pytest.mark.parametrize("control", REVERSIBLE, ids=_ids)
+def test_the_same_steps_lead_back(control, method):
+    if method == "kahan-li-8" and isinstance(control, kd.HuangLeimkuhler | kd.TimeTransformed):
+        pytest.skip("is for order 2")
+    start, there, back = _steps_there_and_back(
+        control, kd.systems.kepler(eccentricity=0.7), method, 0.002 * PERIOD, 1000
+    )
+    assert np.abs(there - start).max() > 0.1
+    assert np.abs(back - start).max() < 1e-12
+
+
+def test_steps_by_their_error_do_not_lead_back():
+    forth = kd.solve(_eccentric(), (0, 5 * PERIOD), rtol=1e-6, atol=1e-9, method="velocity-verlet")
+    back = kd.solve(
+        _eccentric(), (0, 5 * PERIOD), forth.x[-1], -forth.v[-1], rtol=1e-6, atol=1e-9, method="velocity-verlet"
+    )
+    assert np.abs(back.x[-1] - forth.x[0]).max() > 1e-8
+
+
+@pytest.mark.parametrize("method", ["velocity-verlet", "blanes-moan-s6", "blanes-moan-srkn6b", "gauss-4"])
+@pytest.mark.parametrize("density", ["distance", "acceleration", lambda x, v: (1 + v @ v) / (x @ x)])
+def test_order_of_steps_by_a_density(method, density):
+    system, span = kd.systems.kepler(eccentricity=0.6), (0.0, 9.0)
+    order = kd.methods.get(method).order
+    errors = []
+    for step in (0.005, 0.0025) if order == 2 else (0.0035, 0.00175):
+        sol = kd.solve(system, span, step=step, method=method, step_control=density)
+        errors.append(np.abs(sol.x - system.exact(sol.t)[0]).max())
+    assert abs(np.log2(errors[0] / errors[1]) - order) < 0.1
+
+
+@pytest.mark.parametrize("control", REVERSIBLE[2:], ids=_ids)
+def test_order_of_the_other_controls(control):
+    system, errors = kd.systems.kepler(eccentricity=0.6), []
+    for step in (0.01, 0.005):
+        sol = kd.solve(system, (0.0, 9.0), step=step, step_control=control)
+        errors.append(np.abs(sol.x - system.exact(sol.t)[0]).max())
+    assert abs(np.log2(errors[0] / errors[1]) - 2) < 0.1
+
+
+def test_logarithmic_hamiltonian_has_the_order_of_the_word():
+    system, errors = kd.systems.kepler(eccentricity=0.6), []
+    for step in (0.04, 0.02):
+        sol = kd.solve(
+            system, (0.0, 9.0), step=step, step_control=kd.LogarithmicHamiltonian(), method="blanes-moan-s10"
+        )
+        errors.append(np.abs(sol.x - system.exact(sol.t)[0]).max())
+    assert abs(np.log2(errors[0] / errors[1]) - 6) < 0.1
+
+
+def test_forces_see_the_time_of_their_step():
+    def force(t, x):
+        return -x + np.cos(2 * t)
+
+    errors = []
+    for step in (0.02, 0.01):
+        sol = kd.solve(
+            force, (0.5, 7.0), [1.0], [0.0], step=step, method="blanes-moan-s6", step_control=lambda x: 1 + x[0] ** 2
+        )
+        c = np.cos(2 * 0.5) / -3.0  # the solution -cos(2 t) / 3 + a cos(t - 0.5) + b sin(t - 0.5)
+        a, b = 1.0 - c, -2 / 3 * np.sin(1.0)
+        exact = -np.cos(14.0) / 3 + a * np.cos(6.5) + b * np.sin(6.5)
+        errors.append(abs(sol.x[-1, 0] - exact))
+    assert abs(np.log2(errors[0] / errors[1]) - 4) < 0.3
+
+
+def test_the_first_step_is_the_one_given_and_ranges_are_true():
+    sol = kd.solve(_eccentric(), (0, 3 * PERIOD), step=0.001, step_control="distance")
+    steps = np.diff(sol.t)
+    assert steps[0] == pytest.approx(0.001, rel=0.02)
+    assert sol.step_range[0] <= steps[:-1].min() * (1 + 1e-12)
+    assert sol.step_range[1] == pytest.approx(steps.max(), rel=1e-9)
+    assert sol.t[-1] == 3 * PERIOD
+    assert np.all(steps > 0)
+
+
+def test_interpreted_steps_are_those_of_compiled_code():
+    def gravity(x):
+        return -x / (x[0] ** 2 + x[1] ** 2) ** 1.5
+
+    problem = kd.SecondOrder(gravity, energy=lambda x, v: v @ v / 2 - 1 / np.sqrt(x @ x))
+    for control in (kd.HairerSoderlind(lambda x: 1 / (x @ x)), kd.LogarithmicHamiltonian(), kd.LocalError(1e-5, 1e-8)):
+        one, other = (
+            kd.solve(
+                problem,
+                (0, 3.0),
+                [1.0, 0.0],
+                [0.0, 0.7],
+                step=0.01,
+                step_control=control,
+                compile=compiles,
+                method="velocity-verlet",
+            )
+            for compiles in (True, False)
+        )
+        assert one.n_steps == other.n_steps
+        assert np.abs(one.x[-1] - other.x[-1]).max() < 1e-11
+
+
+# -- by the error -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "method", ["semi-implicit-euler", "velocity-verlet", "dop853", "auto", "composition-diagonal-6"]
+)
+def test_errors_follow_the_tolerance(method):
+    problem = kd.SecondOrder(lambda x: -x / (x @ x) ** 1.5)
+    system, errors = kd.systems.kepler(eccentricity=0.5), []
+    tolerances = (1e-4, 1e-5) if method == "semi-implicit-euler" else (1e-5, 1e-8)
+    for tolerance in tolerances:
+        sol = kd.solve(problem, (0, 10.0), system.x0, system.v0, rtol=tolerance, atol=tolerance, method=method)
+        assert sol.success
+        assert sol.t[-1] == 10.0
+        errors.append(np.abs(sol.x[-1] - system.exact(sol.t[-1:])[0][0]).max())
+    assert errors[1] < 0.5 * errors[0]
+    assert errors[1] < 1e4 * tolerances[1]
+
+
+def test_pythagorean_bodies():
+    data = json.loads((Path(__file__).parent / "data" / "nbody_reference.json").read_text())["pythagorean"]
+    system = kd.systems.nbody([3, 4, 5], [[1, 3, 0], [-2, -1, 0], [1, -1, 0]], np.zeros((3, 3)))
+    exact = np.array(data["states"][data["times"].index("10")], dtype=float).reshape(3, 6)[:, :3]
+    sol = kd.solve(system, (0, 10), rtol=1e-12, atol=1e-13, method="dop853")
+    assert np.abs(sol.x[-1] - exact).max() < 1e-7
+    assert sol.n_force_evaluations < 30_000
+    by_logarithm = kd.solve(system, (0, 10), step=0.02, step_control=kd.LogarithmicHamiltonian(), method="kahan-li-8")
+    assert np.abs(by_logarithm.x[-1] - exact).max() < 1e-7
+    by_density = kd.solve(system, (0, 10), step=0.01, step_control="own", method="kahan-li-8")
+    assert np.abs(by_density.x[-1] - exact).max() < 1e-7
+
+
+def test_stiff_decay_after_a_transient_takes_long_steps():
+    def decay(y):
+        return np.array([-1000 * (y[0] - np.cos(y[1])) - np.sin(y[1]), 1.0])
+
+    sol = kd.solve(kd.FirstOrder(decay), (0, 10), [0.0, 0.0], rtol=1e-4, atol=1e-6, method="radau-5")
+    assert abs(sol.y[-1, 0] - np.cos(10)) < 1e-3
+    assert sol.step_range[1] > 100 * sol.step_range[0]
+
+
+def test_a_given_first_step_is_tried_first_and_rejected_ones_are_counted():
+    sol = kd.solve(_eccentric(), (0, 1.0), step=1.0, rtol=1e-9, atol=1e-12, method="velocity-verlet")
+    assert sol.n_rejected >= 4
+    assert "taken back" in sol.report()
+    trials = sol.n_steps + sol.n_rejected
+    assert sol.n_force_evaluations > 4 * trials
+
+
+# -- rows, dense output, events ---------------------------------------------------------------------------------------
+
+CONTROLS = [{"step_control": control, "step": 0.005} for control in REVERSIBLE] + [{"rtol": 1e-8, "atol": 1e-10}]
+
+
+@pytest.mark.parametrize("options", CONTROLS, ids=lambda options: _ids(options.get("step_control")))
+@pytest.mark.parametrize("backwards", [False, True])
+def test_states_between_steps_and_at_wanted_times(options, backwards):
+    system = kd.systems.kepler(eccentricity=0.6)
+    span = (0.0, -10.0) if backwards else (0.0, 10.0)
+    order = {} if "step" in options else {"method": "blanes-moan-srkn6b"}
+    every = kd.solve(system, span, **options, **order)
+    tolerance = 3 * np.abs(every.x - system.exact(every.t)[0]).max() + 1e-12
+    wanted = np.linspace(*span, 37)
+    dense = every(wanted)
+    assert np.abs(dense.x - system.exact(wanted)[0]).max() < tolerance
+    picked = kd.solve(system, span, t_eval=wanted, **options, **order)
+    assert np.array_equal(picked.t, wanted)
+    assert np.abs(picked.x - dense.x).max() < 1e-12
+    tangled = wanted[[5, 5, 30, 2, 36, 0]]
+    assert np.abs(kd.solve(system, span, t_eval=tangled, **options, **order).x - every(tangled).x).max() < 1e-12
+    some = kd.solve(system, span, save_every=7, **options, **order)
+    sevenths = every.x[:-1][::7]
+    assert np.array_equal(some.x[: len(sevenths)], sevenths)
+    assert np.abs(some(wanted).x - system.exact(wanted)[0]).max() < 10 * tolerance
+
+
+@pytest.mark.parametrize("options", CONTROLS, ids=lambda options: _ids(options.get("step_control")))
+def test_events_between_steps_that_vary(options):
+    def crossing(x):
+        return x[1]
+
+    def stop(t, x):
+        return t - 25.0
+
+    crossing.direction, stop.terminal = 1, True
+    system = kd.systems.kepler(eccentricity=0.6)
+    order = {} if "step" in options else {"method": "blanes-moan-srkn6b"}
+    sol = kd.solve(system, (0, 40.0), events=[crossing, stop], **options, **order)
+    assert sol.status is Outcome.STOPPED
+    assert sol.t[-1] == pytest.approx(25.0, abs=1e-13)
+    error = np.abs(sol.x - system.exact(sol.t)[0]).max()
+    assert np.abs(sol.t_events[0] - PERIOD * np.arange(1, 4)).max() < 3 * error + 1e-9
+    assert np.abs(sol.x_events[0][:, 1]).max() < 1e-12
+    plain = kd.solve(system, (0, 40.0), **options, **order)
+    rows = sol.t.size - 2
+    assert np.array_equal(sol.x[:rows], plain.x[:rows])
+
+
+def test_runs_keep_their_bits_and_save_every_changes_none(tmp_path):
+    one, two = (kd.solve(_eccentric(), (0, 20 * PERIOD), step=0.001, step_control="distance") for _ in range(2))
+    assert np.array_equal(one.x, two.x)
+    assert np.array_equal(one.t, two.t)
+    loaded = kd.load(one.save(tmp_path / "orbit.npz"))
+    assert loaded.about.step_control == one.about.step_control
+    assert "Hairer-Soederlind, density by distance" in loaded.report()
+    assert loaded.step_range == one.step_range
+
+
+# -- what cannot be ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({}, "step is missing"),
+        ({"step": 0.1, "step_control": 3}, "step_control=3 is none"),
+        ({"step": 0.1, "step_control": "speed"}, "density='speed'"),
+        ({"step": 0.1, "step_control": "distance", "rtol": 1e-3}, "each chooses the steps"),
+        ({"step": 0.1, "step_control": "distance", "method": "semi-implicit-euler"}, "not symmetric"),
+        ({"step": 0.1, "step_control": kd.HuangLeimkuhler(), "method": "kahan-li-8"}, "order 2"),
+        ({"step": 0.1, "step_control": kd.TimeTransformed(), "method": "kahan-li-8"}, "order 2"),
+        (
+            {"step": 0.1, "step_control": kd.LogarithmicHamiltonian(), "method": "blanes-moan-srkn6b"},
+            "keep their order",
+        ),
+        ({"step": 0.1, "step_control": kd.LogarithmicHamiltonian(), "method": "gauss-4"}, "keep their order"),
+        ({"step": 0.1, "step_control": "distance", "method": "wisdom-holman-corrected-3"}, "corrector"),
+        ({"step": 0.1, "step_control": lambda x: -1.0}, "must be positive and finite"),
+        ({"step": 0.1, "step_control": lambda x: 0.0}, "must be positive and finite"),
+        ({"step": 0.1, "step_control": lambda x: np.nan}, "must be positive and finite"),
+        ({"step": 0.1, "step_control": lambda x, v: 2 + v[1]}, "turned around"),
+        ({"step": 0.1, "step_control": kd.TimeTransformed(lambda x, v: 1 + v @ v)}, "sees v"),
+        ({"rtol": -1e-3}, "rtol=-0.001"),
+        ({"rtol": 1e-17}, "rtol=1e-17"),
+        ({"rtol": np.nan}, "rtol=nan"),
+        ({"rtol": "much"}, "rtol='much'"),
+        ({"rtol": 0.0, "atol": 0.0}, "positive atol"),
+        ({"atol": -1.0}, "atol=-1.0"),
+        ({"atol": [1e-3, 1e-3, 1e-3]}, "atol="),
+        ({"step": -1.0, "rtol": 1e-3}, "step=-1.0"),
+        ({"step": 100.0, "rtol": 1e-3}, "step=100.0"),
+    ],
+)
+def test_what_cannot_be_is_said_before_the_run(options, text):
+    with pytest.raises(ArgumentError) as error:
+        kd.solve(_eccentric(), (0, 1.0), **options)
+    assert text in str(error.value)
+
+
+def test_logarithmic_hamiltonian_needs_a_binding_energy():
+    spring = kd.systems.harmonic_oscillator()
+    with pytest.raises(ArgumentError, match="negative potential energy"):
+        kd.solve(spring, (0, 1.0), step=0.1, step_control=kd.LogarithmicHamiltonian())
+    with pytest.raises(ArgumentError, match="needs the energy"):
+        kd.solve(lambda x: -x, (0, 1.0), 1.0, 0.0, step=0.1, step_control=kd.LogarithmicHamiltonian())
+
+
+def test_noise_has_steps_of_one_size():
+    bath = kd.Langevin(lambda x: -x, temperature=1.0, friction=1.0, seed=1)
+    with pytest.raises(ArgumentError, match="noise"):
+        kd.solve(bath, (0, 1.0), 1.0, 0.0, step=0.1, step_control="acceleration")
+
+
+def test_a_density_that_reaches_zero_ends_the_run_where_it_was_good():
+    sol = kd.solve(
+        lambda x: 0 * x, (0, 10.0), [1.0], [-1.0], step=0.01, step_control=lambda x: x[0], method="velocity-verlet"
+    )
+    assert sol.status is Outcome.STEP_TOO_SMALL
+    assert 0.7 < sol.t[-1] < 1.0
+    assert "density" in sol.message
+
+
+def test_a_singularity_ends_steps_by_their_error():
+    sol = kd.solve(lambda x: -1 / x**2, (0, 10.0), [1.0], [0.0], rtol=1e-8, atol=1e-10, method="velocity-verlet")
+    assert sol.status in (Outcome.STEP_TOO_SMALL, Outcome.NOT_FINITE)
+    assert sol.t[-1] == pytest.approx(np.pi / np.sqrt(8), abs=1e-4)
+
+
+def test_a_function_that_fails_later_keeps_what_is_done():
+    def force(t, x):
+        if t > 3.0:
+            raise ValueError("no more")
+        return -x
+
+    sol = kd.solve(force, (0, 10.0), [1.0], [0.0], rtol=1e-6, atol=1e-8, method="velocity-verlet", compile=False)
+    assert sol.status is Outcome.FAILED
+    assert 2.5 < sol.t[-1] <= 3.0
+    assert "no more" in sol.message
