@@ -125,7 +125,7 @@ def advise(
     Raises
     ------
     ArgumentError
-        For a tolerance that is not between 1e-13 and 1, and for Langevin dynamics.
+        For a tolerance that is not between 1e-13 and 1, for Langevin dynamics and for constraints.
     KickdriftError
         If the motion cannot be followed, or no method meets the tolerance.
 
@@ -146,7 +146,8 @@ def advise(
         raise ArgumentError(f"t_span={t_span!r} must be two finite times, (start, end).")
     system = described(problem, t0, start.x, start.v, args)
     wanted = _chosen(methods, system)
-    pilot = fly(Rates(system, start.x, start.v), t0, t1 - t0)
+    with np.errstate(all="ignore"):  # steps that are tried, and too long
+        pilot = fly(Rates(system, start.x, start.v), t0, t1 - t0)
     run = partial(solve, problem, x0=x0, v0=v0, args=args, compile=compile, progress=False)
     found: list[Trial] = []
     left_out: dict[str, str] = {}
@@ -172,6 +173,7 @@ def _chosen(given: Any, system: System) -> list[methods.Method]:
     names = candidates.of(system.kind) if given is None else given
     if not names:
         raise ArgumentError(
-            f"{system.name!r} has no methods to choose from by its error: noise drives it, or methods={given!r}."
+            f"{system.name!r} has no methods to choose from by their errors: noise drives it, it has constraints (there is"
+            f" 'rattle'), or methods={given!r}."
         )
     return sorted((methods.get(name) for name in names), key=lambda method: -method.order)  # the quick ones first

@@ -27,10 +27,9 @@ _OF = {
     Kind.HAMILTONIAN: _RUNGE_KUTTA,
     Kind.PARTITIONED: _RUNGE_KUTTA,
     Kind.FIRST_ORDER: ("radau-3", *_RUNGE_KUTTA),
-    Kind.CONSTRAINED: ("rattle",),
 }
 
 
 def of(kind: Kind) -> tuple[str, ...]:
-    """Return the names of the candidates for a kind of problem; none where noise drives it."""
+    """Return the names of the candidates for a kind of problem; none where noise drives it, and for constraints."""
     return tuple(dict.fromkeys(methods.get(name).name for name in _OF.get(kind, ())))
