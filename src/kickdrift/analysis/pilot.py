@@ -115,8 +115,8 @@ def fly(rates: Rates, t0: float, span: float) -> Pilot:
             leg.step()
         if leg.status != "finished":
             raise KickdriftError(
-                f"the motion cannot be followed to 1e-13 beyond t={float(leg.t)!r} in {4 * _SECONDS:g} s by DOP853: its forces may"
-                " be rough; shorten the span, or judge methods by kd.analysis.work_precision."
+                f"the motion cannot be followed to 1e-13 beyond t={float(leg.t)!r} in {4 * _SECONDS:g} s by DOP853: its forces"
+                " may be rough; shorten the span, or judge methods by kd.analysis.work_precision."
             )
         y, at = leg.y, end
         states.append(y)
