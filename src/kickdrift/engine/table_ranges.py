@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.engine.grid import Grid
+from kickdrift.engine.grid import Course, Grid
 from kickdrift.methods import Letter, Method
 from kickdrift.systems.spline import OUTSIDE, ranges_used
 from kickdrift.systems.system import System
 
 
-def check_tables(problem: Any, system: System, method: Method, grid: Grid) -> None:
+def check_tables(problem: Any, system: System, method: Method, grid: Grid | Course) -> None:
     """Ask the functions of a problem at all ends of time to which a run goes.
 
     Raises
