@@ -9,7 +9,7 @@ Floats = NDArray[np.float64]
 Motion = Callable[[Floats], tuple[Floats, Floats]]
 
 _ROUNDS = 8
-_ENOUGH = 1e-9  # of a step
+_ENOUGH = 1e-7  # of a step: the round that moves by so much has come much nearer than that
 _DIFFERENCE = 1 / 16  # of a step: the direction of motion is off by (step / period)^2 / 40 or so
 _MOST = 1000  # rows of which there is a mean
 _FIRST, _GROWTH = 8, 8  # rows that are sought from nothing, and by which part of those done the next are more
@@ -82,13 +82,15 @@ def _nearest(
     between: tuple[float, float],
 ) -> Floats:
     low, high = between
+    shift, left = shift.copy(), np.arange(t.size)
     for _ in range(_ROUNDS):
-        at = np.clip(t + shift, low, high)
+        now, had = t[left], shift[left]
+        at = np.clip(now + had, low, high)
         before, after = np.clip(at - _DIFFERENCE * step, low, high), np.clip(at + _DIFFERENCE * step, low, high)
         here, first, last = np.split(motion(np.concatenate((at, before, after))), 3)
-        ahead = _newton(states - here, first - here, last - here, before - at, after - at)
-        moved, shift = np.abs(at - t + ahead - shift), at - t + ahead
-        if not (moved > _ENOUGH * step).any():
+        shift[left] = at - now + _newton(states[left] - here, first - here, last - here, before - at, after - at)
+        left = left[~(np.abs(shift[left] - had) <= _ENOUGH * step)]
+        if not left.size:
             break
     return shift
 
@@ -97,7 +99,8 @@ def _newton(error: Floats, first: Floats, last: Floats, before: Floats, after: F
     """Return the step to the least |error - motion|, of a motion that is zero now, `first` before and `last` after now."""
     along = (last - first) / (after - before)[:, None]
     with np.errstate(divide="ignore", invalid="ignore"):
-        bend = np.where((after == -before)[:, None], (first + last) / (after * after)[:, None], 0.0)
+        even = np.abs(after + before) < 1e-6 * (after - before)  # not where the motion is known on one side alone
+        bend = np.where(even[:, None], (first + last) / (after * after)[:, None], 0.0)
     squares, bent = np.einsum("ij,ij->i", along, along), np.einsum("ij,ij->i", error, bend)
     # As far away on the inner side of a bend as its radius, the distance has no minimum: there by Gauss and Newton.
     steepness = np.where(bent < 0.95 * squares, squares - bent, squares)
