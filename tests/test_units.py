@@ -149,3 +149,15 @@ def test_without_units_nothing_is_imported():
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.strip() == "[]"
+
+
+def test_what_judges_and_draws_solutions_takes_them_with_units(u, small_pictures):
+    problem = kd.SecondOrder(spring, energy=lambda x, v: 0.5 * (x @ x + v @ v))
+    given = (0 * u.s, 20 * u.s), [1 * u.m, 0.002 * u.km], [0 * u.m / u.s, 0 * u.m / u.s]
+    coarse, fine = (kd.solve(problem, *given, step=h * u.s, method="leapfrog", compile=False) for h in (0.1, 0.01))
+    assert analysis.phase_drift(coarse, fine) == pytest.approx(0.1**2 / 24, rel=0.05)
+    assert abs(analysis.energy_drift(coarse)) < 1e-3
+    assert len(kd.plots.plot_energy_comparison({"coarse": coarse, "fine": fine}).axes) == 1
+    assert coarse.plain.plain.t[-1] == 20.0
+    pytest.importorskip("pandas")
+    assert coarse.to_pandas().attrs["units"]["x[0]"] == "m"

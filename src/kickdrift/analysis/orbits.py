@@ -83,6 +83,7 @@ def orbital_elements(solution: Solution, coordinates: str = "jacobi") -> Orbital
     """
     if coordinates not in _COORDINATES:
         raise ArgumentError(f"coordinates={coordinates!r} must be one of {', '.join(map(repr, _COORDINATES))}.")
+    solution = solution.plain
     gm = np.array(solution.about.gm)
     if not gm.size:
         raise KickdriftError(

@@ -50,7 +50,7 @@ def phase_error(solution: Solution, reference: Solution | None = None) -> Floats
                 " step, reference=kd.solve(...)."
             )
         return solution.derived["phase error"]
-    dense = reference.dense
+    solution, dense = solution.plain, reference.plain.dense
     if dense is None or reference.x.shape[1:] != solution.x.shape[1:]:
         raise ArgumentError(
             f"reference={reference!r} has other states than {solution!r}, or does not know its equations, as one read from a"
@@ -80,7 +80,7 @@ def phase_drift(solution: Solution, reference: Solution | None = None) -> float:
     """
     if solution.t.size < 2:
         raise ArgumentError(f"solution has {solution.t.size} time kept, but a drift needs two; keep more, by t_eval.")
-    return slope(solution.t, phase_error(solution, reference))
+    return slope(solution.plain.t, phase_error(solution, reference))
 
 
 def slope(t: Floats, shift: Floats) -> float:

@@ -229,6 +229,11 @@ class Solution:
         """States of first-order equations: x."""
         return self.x
 
+    @property
+    def plain(self) -> "Solution":
+        """The same in numbers: itself, unless it was solved in units, see `kickdrift.engine.unit_solution`."""
+        return self
+
     def __call__(self, t: ArrayLike) -> States:
         """Return positions and velocities at any times of the run, by steps of the method from the rows kept.
 

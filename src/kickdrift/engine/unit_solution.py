@@ -97,7 +97,7 @@ class UnitSolution(Solution):
     """A solution whose times and states are quantities.
 
     `t`, `x`, `v`, the states of events, and ``solution(t)`` have units; everything else is as in `Solution`: what is conserved,
-    and `plain`, the same solution in numbers, which `kickdrift.analysis` takes.
+    and `plain`, the same solution in numbers.
     """
 
     _inside: Units
@@ -128,26 +128,6 @@ class UnitSolution(Solution):
         inside = self._inside.t
         x, v = self.plain(units.numbers("t", t, inside))
         return States(self._quantity("x", x), self._quantity("v", v))
-
-    def report(self) -> str:
-        """Return how the run went, as a text of a line per fact."""
-        return self.plain.report()
-
-    def plot(self, path: Any = None) -> Any:
-        """Draw trajectory and energy error; returns the matplotlib figure, and writes it to `path` if given."""
-        return self.plain.plot(path)
-
-    def save(self, path: Any) -> Any:
-        """Write it in numbers to one file, for `kickdrift.load`; returns its path."""
-        return self.plain.save(path)
-
-    def to_pandas(self) -> Any:
-        """Return a `pandas.DataFrame` of numbers."""
-        return self.plain.to_pandas()
-
-    def to_xarray(self) -> Any:
-        """Return an `xarray.Dataset` of numbers, with their units."""
-        return self.plain.to_xarray()
 
     def __repr__(self) -> str:
         return repr(self.plain)

@@ -25,6 +25,7 @@ def to_pandas(solution: Solution) -> Any:
         import pandas as pd
     except ImportError:
         raise missing_extra("Solution.to_pandas", "pandas", "pandas") from None
+    solution = solution.plain
     labels = [solution.about.coordinates.get(name) for name in solution.about.dimensions]
     kept = {"x": solution.x, "v": solution.v, **solution.invariants}
     columns, units = {}, {"t": solution.about.units.get("t", "")}

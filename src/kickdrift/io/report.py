@@ -13,6 +13,7 @@ def report(solution: Solution) -> str:
     Errors are the largest at the times kept. The drift is the slope of a straight line through the energy errors. Where the
     exact motion is known, the phase error says by how much time the run is ahead of it.
     """
+    solution = solution.plain
     about, unit = solution.about, solution.about.units.get("t", "")
     per_step = solution.wall_time / max(solution.n_steps, 1) * 1e9
     rows = [

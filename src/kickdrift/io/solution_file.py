@@ -34,6 +34,7 @@ def save(solution: Solution, path: str | Path) -> Path:
     FileFormatError
         If the file cannot be written there.
     """
+    solution = solution.plain
     return archive.write(path, {"format": archive.SOLUTION, **header_of(solution)}, arrays_of(solution))
 
 

@@ -21,6 +21,7 @@ def to_xarray(solution: Solution) -> Any:
         import xarray as xr
     except ImportError:
         raise missing_extra("Solution.to_xarray", "xarray", "xarray") from None
+    solution = solution.plain
     about, dims = solution.about, ("time", *solution.about.dimensions)
     units = about.units
 
