@@ -12,6 +12,7 @@ import pytest
 from numba.core.registry import cpu_target
 
 import kickdrift as kd
+from kickdrift.core import archive
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError, MethodMismatchError
@@ -20,7 +21,6 @@ from kickdrift.engine.loop import LETTER
 from kickdrift.engine.problem_adapter import describe
 from kickdrift.engine.processing import kernel_alone
 from kickdrift.engine.start import Start
-from kickdrift.io import archive
 from kickdrift.scale import running
 from kickdrift.systems.problem import Problem
 

@@ -12,6 +12,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from kickdrift import analysis, methods, plots, systems
+from kickdrift.analysis.advice import advise
 from kickdrift.core.errors import (
     ArgumentError,
     InterpretedWarning,
@@ -21,6 +22,8 @@ from kickdrift.core.errors import (
     UnsolvedWarning,
 )
 from kickdrift.core.outcomes import Outcome
+from kickdrift.core.version import VERSION
+from kickdrift.engine.impacts import Impacts, sphere_gaps
 from kickdrift.engine.solution import Presenters, Solution
 from kickdrift.engine.solve import solve
 from kickdrift.engine.step_control import (
@@ -30,7 +33,7 @@ from kickdrift.engine.step_control import (
     LogarithmicHamiltonian,
     TimeTransformed,
 )
-from kickdrift.io import load, save, to_xarray
+from kickdrift.io import load, save, to_pandas, to_xarray
 from kickdrift.io.report import report
 from kickdrift.io.xarray import ensemble_to_xarray, recording_to_xarray
 from kickdrift.scale.ensemble import solve_ensemble
@@ -50,6 +53,7 @@ from kickdrift.systems import (
     Separable,
     System,
 )
+from kickdrift.systems.spline import spline
 from kickdrift.world.recording import Recording, WorldPresenters
 
 if TYPE_CHECKING:
@@ -83,6 +87,7 @@ __all__ = [
     "Hamiltonian",
     "HuangLeimkuhler",
     "Hull",
+    "Impacts",
     "InterpretedWarning",
     "KickdriftError",
     "Langevin",
@@ -106,6 +111,7 @@ __all__ = [
     "TimeTransformed",
     "UnsolvedWarning",
     "World",
+    "advise",
     "analysis",
     "from_lagrangian",
     "from_sympy",
@@ -116,10 +122,12 @@ __all__ = [
     "plots",
     "solve",
     "solve_ensemble",
+    "sphere_gaps",
+    "spline",
     "systems",
 ]
 
-__version__ = "0.1.0"
+__version__ = VERSION
 
 
 def _later(module: str, name: str) -> Callable[..., Any]:
@@ -152,17 +160,24 @@ def __getattr__(name: str) -> Any:
 
 
 # Solutions and worlds save, draw and report themselves with what lives on the floors above them.
-Solution.presenters = Presenters(plot=plots.plot_solution, save=save, to_xarray=to_xarray, report=report)
+Solution.presenters = Presenters(
+    plot=plots.plot_solution, save=save, to_pandas=to_pandas, to_xarray=to_xarray, report=report
+)
 EnsembleSolution.presenters = EnsemblePresenters(
     save=_later("kickdrift.io.ensemble_file", "save"),
     to_xarray=ensemble_to_xarray,
     report=_later("kickdrift.io.ensemble_report", "report"),
 )
+analysis.WorkPrecision.presenter = plots.plot_work_precision
+analysis.PoincareSection.presenter = plots.plot_poincare_sections
 Recording.presenters = WorldPresenters(
     plot=_later("kickdrift.plots.world", "plot_recording"),
     save=_later("kickdrift.io.recording_file", "save_recording"),
+    to_pandas=to_pandas,
     to_xarray=recording_to_xarray,
     report=_later("kickdrift.io.recording_report", "report"),
     animate=_later("kickdrift.plots.animation", "animate_recording"),
     save_world=_later("kickdrift.io.world_file", "save_world"),
+    contents=_later("kickdrift.io.world_file", "contents"),
+    snapshot_of=_later("kickdrift.io.world_file", "snapshot_of"),
 )

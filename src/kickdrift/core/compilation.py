@@ -135,7 +135,9 @@ def reorders(function: Function) -> bool:
         names = python.__code__.co_names
         used = [python.__globals__.get(name) for name in names]
         used += [cell.cell_contents for cell in python.__closure__ or ()]
-        used += [getattr(module, name, None) for module in used if isinstance(module, types.ModuleType) for name in names]
+        used += [
+            getattr(module, name, None) for module in used if isinstance(module, types.ModuleType) for name in names
+        ]
         waiting += used
     return False
 

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core import archive
 from kickdrift.core.outcomes import Outcome
-from kickdrift.engine.solution import Invariants
-from kickdrift.io import archive
+from kickdrift.engine.invariants import Invariants
 from kickdrift.io.solution_file import INVARIANT, description
 from kickdrift.scale.ensemble_solution import EnsembleSolution
 

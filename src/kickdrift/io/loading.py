@@ -3,9 +3,10 @@
 from pathlib import Path
 from typing import Any
 
+from kickdrift.core import archive
 from kickdrift.core.errors import FileFormatError
 from kickdrift.engine.solution import Solution
-from kickdrift.io import archive, ensemble_file, solution_file
+from kickdrift.io import ensemble_file, solution_file
 from kickdrift.scale.ensemble_solution import EnsembleSolution
 
 

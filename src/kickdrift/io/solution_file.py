@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from kickdrift.core import archive
 from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
-from kickdrift.engine.solution import Description, Invariants, Solution
-from kickdrift.io import archive
+from kickdrift.engine.invariants import Invariants
+from kickdrift.engine.solution import Description, Solution
 
 _EVENTS = ("t_events", "x_events", "v_events")
 INVARIANT, _DERIVED = "invariant: ", "derived: "
@@ -34,6 +35,7 @@ def save(solution: Solution, path: str | Path) -> Path:
     FileFormatError
         If the file cannot be written there.
     """
+    solution = solution.plain
     return archive.write(path, {"format": archive.SOLUTION, **header_of(solution)}, arrays_of(solution))
 
 
@@ -106,6 +108,7 @@ def description(given: dict[str, Any]) -> Description:
     """Return what a file says of what was run."""
     about = {f.name: given[f.name] for f in fields(Description)}
     about["choice"], about["step_control"] = str(about["choice"]), str(about["step_control"])
+    about["gm"] = tuple(float(each) for each in about["gm"])
     about["dimensions"] = tuple(about["dimensions"])
     about["kind"] = Kind[about["kind"]].name
     return Description(**about)

@@ -12,11 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.arguments import choice
 from kickdrift.core.errors import ArgumentError
 from kickdrift.engine import quantities
+from kickdrift.engine.invariants import Invariants
 from kickdrift.engine.method_selection import check_wanted
 from kickdrift.engine.progress import Bar
-from kickdrift.engine.report import description_of
-from kickdrift.engine.solution import Invariants
 from kickdrift.engine.step_control import StepControl
+from kickdrift.engine.task import description_of
 from kickdrift.methods import Method
 from kickdrift.scale.ensemble_solution import EnsembleSolution
 from kickdrift.scale.executors import run_on

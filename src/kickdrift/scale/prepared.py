@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from kickdrift.engine.controller import Controller, control_of, controlled
 from kickdrift.engine.dense import check_between
 from kickdrift.engine.grid import Course, Grid, lay_course, lay_grid
 from kickdrift.engine.method_selection import Choice, check_direction, choose
-from kickdrift.engine.problem_adapter import describe, function_of_state
+from kickdrift.engine.problem_adapter import Adapter, describe
 from kickdrift.engine.start import parameters, start_of
 from kickdrift.methods import Method
 from kickdrift.scale.members import Members
@@ -173,9 +172,9 @@ def prepare(members: Members, settings: Settings, progress: bool | None, lead: M
         check_direction(chosen.method, first.step)
         controller = None
         if control is not None:
-            adapt = partial(function_of_state, first.t0, start, params, settings.compile, settings.check_bounds)
+            adapter = Adapter(first.t0, start.x, start.v, params, settings.compile, settings.check_bounds)
             has_step = lead.step_of(0) is not None
-            _, controller = controlled(control, system, chosen.method, first.t0, adapt, has_step)
+            _, controller = controlled(control, system, chosen.method, first.t0, adapter.number, has_step)
     for cohort in cohorts:
         if isinstance(cohort.grid, Grid):
             check_between(system, cohort.grid)
