@@ -5,7 +5,10 @@ import math
 import os
 import re
 import signal
+import subprocess
+import sys
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -282,6 +285,55 @@ def test_ctrl_c_keeps_what_is_done(monkeypatch):
     assert np.isnan(sol.x[0, done // 10**5 + 1 :]).all()
     assert np.isnan(sol.x[-1]).all()
     assert "did not begin" in sol.messages[-1]
+
+
+KILLED = """
+import sys, numpy as np, kickdrift as kd
+from kickdrift.scale import running
+running._TASK = 1
+noise = np.random.default_rng(0).normal(size=(64 * 30, 2))
+kepler = kd.systems.kepler()
+sol = kd.solve_ensemble(kepler, (0.0, 100.0), kepler.x0 + 0.01 * noise, step=1e-3, save_every=50_000, progress=False,
+                        threads=1, checkpoint=sys.argv[1], checkpoint_every=64)
+sol.save(sys.argv[2])
+"""
+
+
+def test_an_ensemble_that_is_killed_goes_on_with_the_same_bits(tmp_path):
+    def begin(name):
+        return subprocess.Popen([sys.executable, "-c", KILLED, tmp_path / name, tmp_path / f"{name}.npz"])
+
+    assert begin("whole").wait() == 0
+    folder, kills = tmp_path / "killed", 0
+    for _ in range(3):
+        before = {path.name for path in folder.glob("*.npz")} if folder.exists() else set()
+        run = begin("killed")
+        while run.poll() is None and not (folder.exists() and {p.name for p in folder.glob("step*.npz")} - before):
+            time.sleep(0.005)
+        run.kill()
+        kills += run.wait() < 0
+    assert kills >= 1
+    assert begin("killed").wait() == 0
+    whole, killed = kd.load(tmp_path / "whole.npz"), kd.load(tmp_path / "killed.npz")
+    for name in ("x", "v", "n_steps", "n_force_evaluations"):
+        assert getattr(whole, name).tobytes() == getattr(killed, name).tobytes()
+    assert whole.messages == killed.messages
+
+
+def test_checkpoints_keep_members_that_are_done(tmp_path, in_lanes):
+    x, v = starts(70)
+    x[5] = 1e-160, 0.0
+    options = {"step": 0.1, "checkpoint": tmp_path / "run", "checkpoint_every": 1}
+    first = kd.solve_ensemble(kd.systems.kepler(), SPAN, x, v, **options)
+    assert in_lanes["lanes"] == 70
+    again = kd.solve_ensemble(kd.systems.kepler(), SPAN, x, v, **options)
+    assert in_lanes["lanes"] == 70
+    assert first.x.tobytes() == again.x.tobytes()
+    assert (first.status, first.messages) == (again.status, again.messages)
+    with pytest.raises(ArgumentError, match="another x0"):
+        kd.solve_ensemble(kd.systems.kepler(), SPAN, x + 1, v, **options)
+    with pytest.raises(ArgumentError, match="without checkpoint"):
+        kd.solve_ensemble(kd.systems.kepler(), SPAN, x, v, step=0.1, checkpoint_every=3)
 
 
 def test_saved_and_loaded_ensembles_are_equal(tmp_path):

@@ -24,6 +24,7 @@ from kickdrift.engine.progress import told_of_steps
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.solve import solve
 from kickdrift.scale.prepared import Cohort, Prepared
+from kickdrift.scale.results import Results
 
 Floats = NDArray[np.float64]
 Task = partial[Any]
@@ -43,16 +44,21 @@ class Runs:
     results : Results
     """
 
-    def __init__(self, prepared: Prepared, threads: int, progress: bool | None = None) -> None:
+    def __init__(
+        self, prepared: Prepared, threads: int, progress: bool | None = None, results: Results | None = None
+    ) -> None:
         if not prepared.system.native or prepared.system.unthreaded is not None:
             threads = 1  # the interpreter's lock, or threads of its own
         self._prepared, self._threads, self._progress = prepared, threads, progress
-        self.results = prepared.room()
+        self.results = prepared.room() if results is None else results
         self._stop = threading.Event()
         self._done, self._counting = 0, threading.Lock()
         self._tasks: deque[Task] = deque()
         self._slow: list[Cohort] = []  # whose members run one after the other
-        for cohort in prepared.cohorts:
+        for whole in prepared.cohorts:
+            cohort = Cohort(whole.indices[~self.results.done[whole.indices]], whole.grid)
+            if not cohort.indices.size:
+                continue
             if (lanes := self._lanes(cohort.grid)) is None:
                 self._slow.append(cohort)
             else:
@@ -194,6 +200,7 @@ class Runs:
         message = outcome.value if outcome.success else _ended(outcome, grid, step)
         for i in indices:
             results.status[i], results.messages[i] = outcome, message
+        results.done[indices] = outcome.success
 
     def _run_alone(self, i: int, cohort: Cohort, counted: int = 0) -> float:
         """Run a member by `kickdrift.solve`, of whose steps so many are counted already; return the seconds in its loop."""
@@ -234,6 +241,7 @@ class Runs:
         except Exception as error:
             results.status[i] = Outcome.FAILED
             results.messages[i] = f"It did not begin. The error was {type(error).__name__}: {error}"
+            results.done[i] = True
             return 0.0
         if isinstance(cohort.grid, Course):
             self._count(1)
@@ -253,6 +261,7 @@ class Runs:
         results.messages[i] = solution.status.value if solution.success else solution.message
         results.step[i], results.n_steps[i] = solution.step, solution.n_steps
         results.evaluations[i] = solution.n_force_evaluations
+        results.done[i] = solution.status is not Outcome.INTERRUPTED
 
 
 def _members_of_task(n_steps: int) -> int:
