@@ -18,7 +18,7 @@ import kickdrift as kd
 from kickdrift.core import archive
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import compiled
-from kickdrift.core.errors import ArgumentError, MethodMismatchError
+from kickdrift.core.errors import ArgumentError, FileFormatError, MethodMismatchError
 from kickdrift.engine import lane_letters
 from kickdrift.engine.loop import LETTER
 from kickdrift.engine.problem_adapter import describe
@@ -320,7 +320,10 @@ def test_an_ensemble_that_is_killed_goes_on_with_the_same_bits(tmp_path):
     assert whole.messages == killed.messages
 
 
-def test_checkpoints_keep_members_that_are_done(tmp_path, in_lanes):
+def test_checkpoints_keep_members_that_are_done(tmp_path, in_lanes, monkeypatch):
+    def full(*arguments, **options):
+        raise FileFormatError("no space is left")
+
     x, v = starts(70)
     x[5] = 1e-160, 0.0
     options = {"step": 0.1, "checkpoint": tmp_path / "run", "checkpoint_every": 1}
@@ -330,6 +333,10 @@ def test_checkpoints_keep_members_that_are_done(tmp_path, in_lanes):
     assert in_lanes["lanes"] == 70
     assert first.x.tobytes() == again.x.tobytes()
     assert (first.status, first.messages) == (again.status, again.messages)
+    monkeypatch.setattr(archive, "write", full)
+    with pytest.warns(RuntimeWarning, match="members that are done, as no checkpoint can be written"):
+        sol = kd.solve_ensemble(kd.systems.kepler(), SPAN, x, v, **options | {"checkpoint": tmp_path / "full"})
+    assert sol[3].success
     with pytest.raises(ArgumentError, match="another x0"):
         kd.solve_ensemble(kd.systems.kepler(), SPAN, x + 1, v, **options)
     with pytest.raises(ArgumentError, match="without checkpoint"):

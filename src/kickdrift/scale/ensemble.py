@@ -2,6 +2,7 @@
 
 import os
 import time
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
@@ -12,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.arguments import choice
-from kickdrift.core.errors import ArgumentError
+from kickdrift.core.errors import ArgumentError, FileFormatError, depth_of_caller
 from kickdrift.engine import quantities
 from kickdrift.engine.invariants import Invariants
 from kickdrift.engine.method_selection import check_wanted
@@ -112,6 +113,13 @@ def solve_ensemble(
     ArgumentError
         For an argument that cannot be used, before any work is done.
 
+    Warns
+    -----
+    InterpretedWarning
+        If Numba cannot compile the function.
+    RuntimeWarning
+        If a worker dies, or a checkpoint cannot be written, which ends the ensemble with the members that are done.
+
     Examples
     --------
     >>> import numpy as np, kickdrift as kd
@@ -154,10 +162,13 @@ def solve_ensemble(
     try:
         with suppress(KeyboardInterrupt):  # members that are left are marked
             go(tell)
+        if kept is not None:
+            kept.write()
+    except FileFormatError as error:  # as on a full disk
+        words = f"the ensemble ends with the members that are done, as no checkpoint can be written: {error}"
+        warnings.warn(words, RuntimeWarning, stacklevel=depth_of_caller())
     finally:
         bar.close()
-    if kept is not None:
-        kept.write()
     return _solution(prepared, results, time.perf_counter() - started)
 
 
