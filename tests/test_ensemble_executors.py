@@ -120,6 +120,9 @@ def test_a_cluster_that_loses_a_worker_gives_the_same_bits():
         distributed.Client(cluster) as client,
     ):
         victim = next(iter(client.run(os.getpid).values()))
-        deadly = Deadly(client, 9, lambda client: os.kill(victim, 9))
+        deadly = Deadly(client.get_executor(), 9, lambda executor: os.kill(victim, 9))
         sol = kd.solve_ensemble(problem, SPAN, x, v, **OPTIONS, executor=deadly)
-    assert same(sol, kd.solve_ensemble(problem, SPAN, x, v, **OPTIONS))
+        again = kd.solve_ensemble(problem, SPAN, x, v, **OPTIONS, executor=client)
+    alone = kd.solve_ensemble(problem, SPAN, x, v, **OPTIONS)
+    assert same(sol, alone)
+    assert same(again, alone)

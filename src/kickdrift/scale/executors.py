@@ -49,12 +49,15 @@ def run_on(executor: Any, prepared: Prepared, results: Results, tell: Callable[[
     ArgumentError
         Where the workers lack kickdrift, or the problem cannot be sent to them.
     """
+    workers = _workers(executor)
+    if callable(getattr(executor, "get_executor", None)):
+        executor = executor.get_executor()  # of Dask: else the tasks of one call would be those of the next one, too
     _check(executor)
     done: queue.SimpleQueue[tuple[int, Any]] = queue.SimpleQueue()
     waiting: dict[int, tuple[Chunk, Any]] = {}
     steps, left = 0, False
     try:
-        for first, chunk in _chunks(executor, prepared):
+        for first, chunk in _chunks(workers, prepared):
             if results.done[first : first + chunk.members.count].all():
                 continue
             if not waiting:
@@ -144,11 +147,11 @@ def _warn(error: Exception) -> bool:
     return True
 
 
-def _chunks(executor: Any, prepared: Prepared) -> Iterator[tuple[int, Chunk]]:
+def _chunks(workers: int, prepared: Prepared) -> Iterator[tuple[int, Chunk]]:
     """Cut the members into tasks, with the number of the first member of each."""
     members = prepared.members
     settings = replace(prepared.settings, method=prepared.chosen.method, order=None)
-    size = -(-members.count // (_TASKS_OF_A_WORKER * _workers(executor)))
+    size = -(-members.count // (_TASKS_OF_A_WORKER * workers))
     if size > LANES // 2:
         size = -(-size // LANES) * LANES
     lead = _sent(members.part(0, 1))
