@@ -16,8 +16,8 @@ import numpy as np
 from random_worlds import random_world
 
 import kickdrift as kd
+from kickdrift.core import archive
 from kickdrift.core.errors import KickdriftError
-from kickdrift.io import archive
 
 STEP = 1 / 60
 WHOLE = (-(2**63), -(2**31), -100, -2, -1, 0, 1, 2, 3, 4, 5, 7, 8, 63, 64, 1000, 2**31, 2**40, 2**62)

@@ -12,10 +12,9 @@ from typer.testing import CliRunner
 import kickdrift as kd
 from kickdrift.cli.app import app
 from kickdrift.cli.bodies_table import read_text
-from kickdrift.core import room
+from kickdrift.core import archive, room
 from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.core.files import written
-from kickdrift.io import archive
 
 
 @pytest.fixture(scope="module")

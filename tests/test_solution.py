@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import kickdrift as kd
+from kickdrift.core import archive
 from kickdrift.core.errors import FileFormatError, MissingExtraError
-from kickdrift.io import archive
 
 
 @pytest.fixture(scope="module")

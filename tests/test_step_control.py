@@ -359,14 +359,14 @@ def test_a_density_that_reaches_zero_ends_the_run_where_it_was_good():
     sol = kd.solve(
         lambda x: 0 * x, (0, 10.0), [1.0], [-1.0], step=0.01, step_control=lambda x: x[0], method="velocity-verlet"
     )
-    assert sol.status is Outcome.STEP_TOO_SMALL
+    assert sol.status is Outcome.NO_STEP
     assert 0.7 < sol.t[-1] < 1.0
-    assert "density" in sol.message
+    assert "gives no number there" in sol.message
 
 
 def test_a_singularity_ends_steps_by_their_error():
     sol = kd.solve(lambda x: -1 / x**2, (0, 10.0), [1.0], [0.0], rtol=1e-8, atol=1e-10, method="velocity-verlet")
-    assert sol.status in (Outcome.STEP_TOO_SMALL, Outcome.NOT_FINITE)
+    assert sol.status in (Outcome.NO_STEP, Outcome.NOT_FINITE)
     assert sol.t[-1] == pytest.approx(np.pi / np.sqrt(8), abs=1e-4)
 
 

@@ -16,9 +16,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import kickdrift as kd
+from kickdrift.core import archive
 from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.engine.progress import Bar
-from kickdrift.io import archive
 from kickdrift.io.shapes import Catalogue, shapes_of
 from kickdrift.io.world_file import MADE
 from kickdrift.scenes.worlds import newtons_cradle, pyramid

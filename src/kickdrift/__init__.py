@@ -22,6 +22,8 @@ from kickdrift.core.errors import (
     UnsolvedWarning,
 )
 from kickdrift.core.outcomes import Outcome
+from kickdrift.core.version import VERSION
+from kickdrift.engine.impacts import Impacts, sphere_gaps
 from kickdrift.engine.solution import Presenters, Solution
 from kickdrift.engine.solve import solve
 from kickdrift.engine.step_control import (
@@ -33,7 +35,9 @@ from kickdrift.engine.step_control import (
 )
 from kickdrift.io import load, save, to_pandas, to_xarray
 from kickdrift.io.report import report
-from kickdrift.io.xarray import recording_to_xarray
+from kickdrift.io.xarray import ensemble_to_xarray, recording_to_xarray
+from kickdrift.scale.ensemble import solve_ensemble
+from kickdrift.scale.ensemble_solution import EnsemblePresenters, EnsembleSolution
 from kickdrift.systems import (
     ChargedParticle,
     Constrained,
@@ -77,11 +81,13 @@ __all__ = [
     "Cylinder",
     "Damped",
     "Drive",
+    "EnsembleSolution",
     "FirstOrder",
     "HairerSoderlind",
     "Hamiltonian",
     "HuangLeimkuhler",
     "Hull",
+    "Impacts",
     "InterpretedWarning",
     "KickdriftError",
     "Langevin",
@@ -115,11 +121,13 @@ __all__ = [
     "methods",
     "plots",
     "solve",
+    "solve_ensemble",
+    "sphere_gaps",
     "spline",
     "systems",
 ]
 
-__version__ = "0.1.0"
+__version__ = VERSION
 
 
 def _later(module: str, name: str) -> Callable[..., Any]:
@@ -155,6 +163,11 @@ def __getattr__(name: str) -> Any:
 Solution.presenters = Presenters(
     plot=plots.plot_solution, save=save, to_pandas=to_pandas, to_xarray=to_xarray, report=report
 )
+EnsembleSolution.presenters = EnsemblePresenters(
+    save=_later("kickdrift.io.ensemble_file", "save"),
+    to_xarray=ensemble_to_xarray,
+    report=_later("kickdrift.io.ensemble_report", "report"),
+)
 analysis.WorkPrecision.presenter = plots.plot_work_precision
 analysis.PoincareSection.presenter = plots.plot_poincare_sections
 Recording.presenters = WorldPresenters(
@@ -165,4 +178,6 @@ Recording.presenters = WorldPresenters(
     report=_later("kickdrift.io.recording_report", "report"),
     animate=_later("kickdrift.plots.animation", "animate_recording"),
     save_world=_later("kickdrift.io.world_file", "save_world"),
+    contents=_later("kickdrift.io.world_file", "contents"),
+    snapshot_of=_later("kickdrift.io.world_file", "snapshot_of"),
 )

@@ -77,6 +77,10 @@ def run(
     bodies: Annotated[str | None, typer.Option(help="Of the solar system, such as 'Sun,Earth,Jupiter'.")] = None,
     save_every: Annotated[str | None, typer.Option(help="Steps between the states kept; some 4000 are, else.")] = None,
     output: OutputOption = Path("kickdrift-output"),
+    checkpoint: Annotated[
+        Path | None,
+        typer.Option(help="Folder for checkpoints: the same command goes on from the last one, bit for bit."),
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Write the files and print errors only.")] = False,
 ) -> None:
     """Run a system or a scene, report on it, and write <name>.npz and <name>.png, and of a scene <name>.gif."""
@@ -84,10 +88,10 @@ def run(
     if is_scene(target):
         from kickdrift.cli.scene import make_scene_plan, run_scene
 
-        raise typer.Exit(run_scene(make_scene_plan(target, options), output, quiet))
+        raise typer.Exit(run_scene(make_scene_plan(target, options), output, quiet, checkpoint))
     from kickdrift.cli.run import run as do
 
-    raise typer.Exit(do(make_plan(target, options), output, quiet))
+    raise typer.Exit(do(make_plan(target, options), output, quiet, checkpoint))
 
 
 @app.command(help=help_texts.COMPARE, short_help="Run the first four methods side by side.")

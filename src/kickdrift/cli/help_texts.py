@@ -55,7 +55,8 @@ def _literal(text: str) -> str:
 RUN = f"""Run a system or a scene, report on it, and write <name>.npz and <name>.png.
 
 The solar system runs for 100 years by default, and is compared with the positions of JPL's DE421 at J2000 and up to
-ten years later. Ctrl-C ends a run early; what is done is written.
+ten years later. Ctrl-C ends a run early; what is done is written. With --checkpoint the same command goes on from where it
+was, also after the process was killed.
 
 \b
   kickdrift run solar-system
@@ -63,10 +64,11 @@ ten years later. Ctrl-C ends a run early; what is done is written.
   kickdrift run solar-system --bodies "Sun,Earth,Jupiter" --output earth
   kickdrift run kepler --duration 1000 --step 0.001
   kickdrift run bodies.toml
+  kickdrift run solar-system --years 100000 --checkpoint millennia
 
 Scenes are worlds of bodies that touch, stack, hinge and walk; a film of each is written besides, <scene>.gif, in real
-time, or faster if it would take more than 20 s. Of the options they have --duration, --step, --save-every, --output and
---quiet; times are in seconds.
+time, or faster if it would take more than 20 s. Of the options they have --duration, --step, --save-every, --output,
+--checkpoint and --quiet; times are in seconds.
 
 \b
   kickdrift run pyramid

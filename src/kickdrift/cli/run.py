@@ -13,10 +13,10 @@ from kickdrift.scenes import NEWTONIAN_FLOOR, distances_to_jpl, jpl_days, kept_t
 from kickdrift.systems import ephemeris
 
 
-def run(plan: Plan, folder: Path, quiet: bool) -> int:
+def run(plan: Plan, folder: Path, quiet: bool, checkpoint: Path | None = None) -> int:
     """Do a run, write ``<system>.npz`` and ``<system>.png`` into a folder, and return the exit code.
 
-    A run that ends early is written and reported all the same.
+    A run that ends early is written and reported all the same. One with a folder for checkpoints goes on from the last.
     """
     times, missed = kept_times(plan.duration, plan.step, plan.save_every, jpl_days() if plan.jpl else ())
     prepare_folder(folder)
@@ -30,6 +30,7 @@ def run(plan: Plan, folder: Path, quiet: bool) -> int:
         method=plan.method,
         t_eval=times,
         progress=False if quiet else None,
+        checkpoint=checkpoint,
     )
     try:
         kept = solution.save(folder / f"{plan.system.name}.npz")

@@ -54,17 +54,18 @@ def make_scene_plan(name: str, options: Options) -> ScenePlan:
     return ScenePlan(name, duration, step, save_every(options, None))
 
 
-def run_scene(plan: ScenePlan, folder: Path, quiet: bool) -> int:
+def run_scene(plan: ScenePlan, folder: Path, quiet: bool, checkpoint: Path | None = None) -> int:
     """Run a scene, write ``<scene>.npz``, ``.png`` and ``.gif`` into a folder, and return the exit code.
 
-    A run that ends early is written and reported all the same.
+    A run that ends early is written and reported all the same. One with a folder for checkpoints goes on from the last.
     """
     prepare_folder(folder)
     world = SCENES[plan.name].make()
     if not quiet:
         say(f"{plan.name}, {plan.duration:g} s in steps of {plan.step:g}")
     _compile_ahead(world, plan.step, quiet)
-    recording = world.run(plan.duration, plan.step, plan.save_every, progress=False if quiet else None)
+    progress = False if quiet else None
+    recording = world.run(plan.duration, plan.step, plan.save_every, progress, checkpoint=checkpoint)
     recording = replace(recording, about=replace(recording.about, system=plan.name))
     try:
         kept = recording.save(folder / f"{plan.name}.npz")

@@ -11,9 +11,8 @@ class Outcome(Enum):
     INTERRUPTED = "Interrupted by the user; everything up to the interruption is kept."
     NOT_FINITE = "The state became infinite or not a number; the solution ends with the last good state."
     FAILED = "A function raised an error; the solution ends with the last good state."
-    STEP_TOO_SMALL = (
-        "No size of the next step will do: the density of steps is none there, or the step is lost beside t."
-    )
+    NOT_WRITTEN = "What was done could not be written, and the run ends there; what was written before is whole."
+    NO_STEP = "No size of the next step will do: what chooses it gives no number there, or it would be lost beside t."
     NOT_CONVERGED = "The equations of an implicit step were not solved; the solution ends with the last good state."
 
     @property

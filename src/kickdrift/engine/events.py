@@ -47,6 +47,18 @@ class Zero(NamedTuple):
     v: Floats
 
 
+class Seen(NamedTuple):
+    """What was found of events up to a step: zeros, the steps in which further ones are, and the evaluations that it took.
+
+    No zero up to the time `beyond` ends a run: it went on from there.
+    """
+
+    zeros: tuple[Zero, ...]
+    waiting: tuple[tuple[int, Brackets], ...]
+    evaluations: int
+    beyond: float | None = None
+
+
 class Found(NamedTuple):
     """What a look at a chunk has found: after how many of its steps it ends, the zero at which it does, and what went wrong."""
 
@@ -134,6 +146,22 @@ class Watch:
         self._waiting: list[tuple[int, Brackets]] = []  # zeros that end nothing: sought many at once
         self._x, self._v = system.x0[None], system.v0[None]
         self._sign = 1.0  # of the steps
+        self._beyond: float | None = None
+
+    def seen(self, t: float, near: float, beyond: float | None) -> Seen:
+        """Return what was found up to a time, and what is `near` to it; no zero up to `beyond`, if given, will end the run."""
+        sign = self._sign
+        waiting = [
+            (k, brackets.part(sign * (brackets.t + 0.5 * brackets.size) < sign * t)) for k, brackets in self._joined()
+        ]
+        zeros = tuple(zero for zero in self._zeros if sign * zero.t <= sign * t + near)
+        return Seen(zeros, tuple(waiting), self.evaluations, self._beyond if beyond is None else beyond)
+
+    def go_on(self, seen: Seen, t: float, x: Floats, v: Floats) -> None:
+        """Go on from a time, from what was found up to there, and the state of the loop then, which is overwritten."""
+        self._zeros, self._waiting = list(seen.zeros), list(seen.waiting)
+        self.evaluations, self._beyond, self._sign = seen.evaluations, seen.beyond, math.copysign(1.0, self._end - t)
+        self._x, self._v = self._processing.seen(np.array([t]), x[None], v[None])
 
     def look(self, t: Floats, xs: Floats, vs: Floats) -> Found:
         """Look at the steps between times, after each of which the loop has a state."""
@@ -170,17 +198,22 @@ class Watch:
         Ctrl-C may have come after zeros were found, and before the run had noted the steps in which they are.
         """
         sign, found = self._sign, list(self._zeros)
-        for k in range(len(self.events)):
-            own = [brackets for event, brackets in self._waiting if event == k]
-            if own:
-                found += self._search(k, reduce(Brackets.joined, own))
+        for k, brackets in self._joined():
+            found += self._search(k, brackets)
         found = sorted((zero for zero in found if sign * zero.t <= sign * end), key=lambda zero: sign * zero.t)
         return tuple(tuple(zero for zero in found if zero.event == k) for k in range(len(self.events)))
+
+    def _joined(self) -> list[tuple[int, Brackets]]:
+        """Return the steps with zeros that are still to be sought, those of an event together."""
+        events = sorted({event for event, _ in self._waiting})
+        return [(k, reduce(Brackets.joined, (own for event, own in self._waiting if event == k))) for k in events]
 
     def _stop(self) -> Zero | None:
         """Return the first zero that ends the run."""
         counts = [0] * len(self.events)
         for zero in sorted(self._zeros, key=lambda zero: zero.t * self._sign):
+            if self._beyond is not None and self._sign * zero.t <= self._sign * self._beyond:
+                continue
             counts[zero.event] += 1
             if 0 < self.events[zero.event].terminal <= counts[zero.event]:
                 return zero if self._sign * zero.t <= self._sign * self._end else None

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,6 +28,10 @@ class Grid:
         Their times.
     wanted : array or None
         The times that the solution has instead, between those as they may be.
+    every : int or None
+        How many steps lie between rows; None where times were given.
+    streamed : bool
+        Whether rows go to disk: their steps and times are not laid out, which would take memory.
     """
 
     t0: float
@@ -37,6 +41,13 @@ class Grid:
     save_steps: NDArray[np.int64]
     times: NDArray[np.float64]
     wanted: NDArray[np.float64] | None = None
+    every: int | None = None
+    streamed: bool = False
+
+    def rows_after(self, step: int) -> NDArray[np.int64]:
+        """Return the steps up to one after which a run to that end, or to a later one, keeps rows."""
+        steps = self.save_steps[: int(np.searchsorted(self.save_steps, step, side="right"))]
+        return steps if self.every is None or not steps.size or steps[-1] % self.every == 0 else steps[:-1]
 
 
 @dataclass(frozen=True)
@@ -63,8 +74,12 @@ class Course:
     wanted: NDArray[np.float64] | None = None
 
 
-def lay_course(t_span: Sequence[float], step: float | None, t_eval: ArrayLike | None, save_every: int | None) -> Course:
+def lay_course(
+    t_span: Sequence[float], step: float | None, t_eval: ArrayLike | None, save_every: int | None, divides: bool = False
+) -> Course:
     """Lay out a run whose steps vary, from the first one on; without one it is a thousandth of the span at most.
+
+    Where steps are equal but for cuts, the first one divides the span.
 
     Raises
     ------
@@ -74,6 +89,8 @@ def lay_course(t_span: Sequence[float], step: float | None, t_eval: ArrayLike | 
     t0, t1 = _span(t_span)
     length = abs(t1 - t0)
     first = math.copysign(1e-3 * length if step is None else min(_largest_step(step, length, 0.0), length), t1 - t0)
+    if divides:
+        first = (t1 - t0) / max(1, math.ceil(length / abs(first) * (1 - 1e-12)))
     if t_eval is None:
         return Course(t0, t1, first, _stride(save_every), np.array([t1]))
     _check_one_of(t_eval, save_every)
@@ -83,14 +100,20 @@ def lay_course(t_span: Sequence[float], step: float | None, t_eval: ArrayLike | 
 
 
 def lay_grid(
-    t_span: Sequence[float], step: float | None, t_eval: ArrayLike | None, save_every: int | None, state_size: int
+    t_span: Sequence[float],
+    step: float | None,
+    t_eval: ArrayLike | None,
+    save_every: int | None,
+    state_size: int,
+    streamed: bool = False,
 ) -> Grid:
     """Lay a whole number of equal steps, none larger than `step`, over the span.
 
     Raises
     ------
     ArgumentError
-        For a span or step that cannot be, times outside of the span, or more rows than fit in memory.
+        For a span or step that cannot be, times outside of the span, or more rows than fit in memory, unless they are
+        `streamed` to disk.
     """
     t0, t1 = _span(t_span)
     length, farthest = abs(t1 - t0), max(abs(t0), abs(t1))
@@ -111,10 +134,12 @@ def lay_grid(
         save_steps = np.unique(save_steps)
         times = np.where(save_steps == n_steps, t1, t0 + save_steps * h)
         return Grid(t0, t1, h, n_steps, save_steps, times, wanted)
-    save_steps = _every(save_every, n_steps, state_size)
-    times = np.asarray(t0 + save_steps * h, dtype=np.float64)
-    times[-1] = t1
-    return Grid(t0, t1, h, n_steps, save_steps, times)
+    every = _stride(save_every)
+    if streamed:
+        nothing = np.zeros(0)
+        return Grid(t0, t1, h, n_steps, nothing.astype(np.int64), nothing, every=every, streamed=True)
+    check_kept(None if save_every is None else every, n_steps, 16 * (state_size + 1), ", t_eval, or save_to='run.zarr'")
+    return _every(t0, t1, h, n_steps, every)
 
 
 def _span(t_span: Sequence[float]) -> tuple[float, float]:
@@ -148,6 +173,69 @@ def _largest_step(step: float | None, length: float, rounding: float) -> float:
     return value
 
 
+def lengthen(grid: Grid, t1: float, done: int, state_size: int) -> Grid:
+    """Lay the same steps up to another end, with the rows of a run that had always ended there.
+
+    Where times were given, the new end is kept, too.
+
+    Raises
+    ------
+    ArgumentError
+        For an end that is no whole number of steps away, or not after those that are `done`; and for more rows than fit in
+        memory.
+    """
+    try:
+        t1 = real(t1)
+    except TypeError:
+        raise ArgumentError(f"t={t1!r} must be a time, the new end.") from None
+    ahead = (t1 - grid.t0) / grid.step
+    if not math.isfinite(t1) or ahead > 2**53:
+        raise ArgumentError(f"t={t1!r} must be finite, and less than 2**53 steps of {grid.step!r} away.")
+    rounding = 1e-9 + 4 * np.finfo(float).eps * max(abs(t1), abs(grid.t0)) / abs(grid.step)
+    n_steps = round(ahead)
+    if n_steps <= done:
+        end = grid.t0 + done * grid.step
+        raise ArgumentError(
+            f"t={t1!r} does not lie beyond what is done, {end!r}; what lies before it, solution(t) gives."
+        )
+    if abs(ahead - n_steps) > rounding:
+        near = [grid.t0 + (math.floor(ahead) + k) * grid.step for k in (0, 1)]
+        raise ArgumentError(
+            f"t={t1!r} is no whole number of steps of {grid.step!r} away from {grid.t0!r}, and the step stays what it is;"
+            f" the nearest times are {near[0]!r} and {near[1]!r}."
+        )
+    if grid.every is not None:
+        check_kept(grid.every, n_steps, 16 * (state_size + 1))
+        return _every(grid.t0, t1, grid.step, n_steps, grid.every)
+    before = grid.save_steps < n_steps
+    save_steps, times = np.append(grid.save_steps[before], n_steps), np.append(grid.times[before], t1)
+    wanted = None
+    if grid.wanted is not None:
+        before = (grid.wanted - t1) * grid.step < 0.0
+        wanted = np.append(grid.wanted[before], t1)
+    return replace(grid, t1=t1, n_steps=n_steps, save_steps=save_steps, times=times, wanted=wanted)
+
+
+def with_step(grid: Grid, step: float) -> Grid | None:
+    """Lay a grid with a step that differs by rounding, if at all; None if it would end elsewhere."""
+    rounding = 1e-9 * abs(step) + 4 * np.spacing(max(abs(grid.t0), abs(grid.t1)))
+    if abs(grid.t0 + grid.n_steps * step - grid.t1) > rounding:
+        return None
+    if grid.every is not None and not grid.streamed:
+        return _every(grid.t0, grid.t1, step, grid.n_steps, grid.every)
+    return replace(grid, step=step)
+
+
+def _every(t0: float, t1: float, h: float, n_steps: int, every: int) -> Grid:
+    """Return a grid that keeps every so many steps, and the last."""
+    save_steps = np.arange(0, n_steps + 1, min(every, n_steps), dtype=np.int64)
+    if save_steps[-1] != n_steps:
+        save_steps = np.append(save_steps, n_steps)
+    times = np.asarray(t0 + save_steps * h, dtype=np.float64)
+    times[-1] = t1
+    return Grid(t0, t1, h, n_steps, save_steps, times, every=every)
+
+
 def _check_one_of(t_eval: ArrayLike, save_every: int | None) -> None:
     if save_every is not None:
         raise ArgumentError(
@@ -160,13 +248,6 @@ def _stride(save_every: int | None) -> int:
     if isinstance(stride, bool) or not isinstance(stride, int | np.integer) or stride < 1:
         raise ArgumentError(f"save_every={save_every!r} must be a positive whole number of steps.")
     return int(stride)
-
-
-def _every(save_every: int | None, n_steps: int, state_size: int) -> NDArray[np.int64]:
-    stride = _stride(save_every)
-    check_kept(None if save_every is None else stride, n_steps, 16 * (state_size + 1), ", or t_eval")
-    steps = np.arange(0, n_steps + 1, min(stride, n_steps), dtype=np.int64)
-    return steps if steps[-1] == n_steps else np.append(steps, n_steps)
 
 
 def _wanted_times(t_eval: ArrayLike, t0: float, t1: float) -> NDArray[np.float64]:

@@ -108,12 +108,14 @@ class Adapter:
         return {name: self._quantity(name, function) for name, function in given.items() if function is not None}
 
     def _quantity(self, name: str, function: Function) -> Quantity:
-        """Adapt a conserved quantity, which has numbers of its own: those of the system are laid out already."""
-        alone = replace(self, numbers=[])
-        return alone.number(function, f"the function for {name!r}")
+        """Adapt a conserved quantity: the numbers of the system are laid out already."""
+        return self.number(f"the function for {name!r}", function)
 
-    def number(self, function: Function, role: str) -> Quantity:
-        """Adapt a function of the state that returns a number."""
+    def number(self, role: str, function: Function) -> Quantity:
+        """Adapt a function of the state that returns a number, and has numbers of its own."""
+        return replace(self, numbers=[])._number(function, role)
+
+    def _number(self, function: Function, role: str) -> Quantity:
         adapted = self.adapt(function, role, self._quantity_names, ())
         return Quantity(adapted.function, params=self.args)
 
@@ -210,19 +212,6 @@ def describe(
         return _started(problem, start, params)
     described = problem if isinstance(problem, Problem) else SecondOrder(problem)
     return described.system(Adapter(t0, start.x, start.v, params, compile_, check_bounds))
-
-
-def function_of_state(
-    t0: float, start: Start, params: Floats, compile_: bool, check_bounds: bool, role: str, function: Function
-) -> Quantity:
-    """Adapt a user's function of the state that is no part of the system.
-
-    Raises
-    ------
-    ArgumentError
-        For a function with other argument names, or that returns no number.
-    """
-    return Adapter(t0, start.x, start.v, params, compile_, check_bounds).number(function, role)
 
 
 def _started(system: System, start: Start, params: Floats) -> System:

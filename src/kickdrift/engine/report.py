@@ -11,15 +11,16 @@ from numpy.typing import NDArray
 from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import multipliers, quantities
-from kickdrift.engine.controller import Controller
 from kickdrift.engine.dense import DenseOutput
 from kickdrift.engine.events import Watch, Zero
 from kickdrift.engine.grid import Course, Grid
-from kickdrift.engine.method_selection import Choice
+from kickdrift.engine.invariants import Invariants
 from kickdrift.engine.phase import time_shift
 from kickdrift.engine.processing import Processing
-from kickdrift.engine.run import Ending, Run
-from kickdrift.engine.solution import Description, Invariants, Solution
+from kickdrift.engine.run import Ending
+from kickdrift.engine.solution import Solution
+from kickdrift.engine.standing import Standing
+from kickdrift.engine.task import Journey, Task
 from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
@@ -44,25 +45,27 @@ class _Kept(NamedTuple):
 
 
 def report(
-    system: System,
-    grid: Grid | Course,
-    processing: Processing,
-    between: Callable[[], Processing],
-    run: Run,
-    ending: Ending,
-    description: Description,
-    watch: Watch | None,
+    journey: Journey, ending: Ending, continuation: Callable[[Task, Standing, bool], Callable[[float], Solution]]
 ) -> Solution:
-    """Return what a run has kept, as people see it."""
-    rows, early, message = run.rows, not ending.outcome.success, ending.message
+    """Return what a run has kept, as people see it, and what goes on from there, which `continuation` makes."""
+    task, processing, between, watch = journey.task, journey.processing, journey.between, journey.watch
+    system, grid, rows = task.system, task.grid, journey.run.rows
+    early, message, standing = (
+        not ending.outcome.success,
+        ending.message + journey.said,
+        journey.run.standing(beyond_the_stop=True),
+    )
     t = rows.times(ending.saved, ending.n_steps, early)
-    kept = _Kept(t, *processing.leave(t, rows.xs[: ending.saved], rows.vs[: ending.saved], grid.t0), rows.steps(t))
-    evaluations = ending.evaluations + processing.evaluations(ending.saved)
+    xs, vs = rows.xs[: ending.saved], rows.vs[: ending.saved]
+    if processing.postprocessor is not None:  # which overwrites what the run goes on with
+        xs, vs = xs.copy(), vs.copy()
+    kept = _Kept(t, *processing.leave(t, xs, vs, grid.t0), rows.steps(t))
+    evaluations = ending.evaluations + processing.evaluations(rows.seen(ending.saved))
     end = rows.time(ending.n_steps) if early else grid.t1
     if ending.stop is not None:
         end = ending.stop.t
         kept = kept.followed_by(end, ending.stop.x, ending.stop.v)
-    dense = _dense(system, grid, between, end, kept)
+    dense = None if journey.store else _dense(system, grid, between, end, kept)
     if isinstance(grid, Course) and dense is not None and ending.outcome is Outcome.COMPLETED and t[-1] != end:
         try:  # the last step leads beyond the end: a part of it to there
             x, v, own = dense.states_at(np.array([end]))
@@ -94,10 +97,12 @@ def report(
         n_steps=ending.n_steps,
         n_force_evaluations=evaluations,
         wall_time=ending.wall_time,
-        about=description,
+        about=task.description,
+        saved_to=str(journey.store.path) if journey.store else "",
         derived=_derived(system, grid, ending.step_range, t, xs, vs),
         error_estimate=None if ending.estimated is None else ending.estimated.reshape(system.x0.shape),
         dense=dense,
+        continuation=None if journey.store else continuation(task, standing, journey.run.ended),
         step_range=ending.step_range,
         n_rejected=ending.trials - ending.n_steps,
         t_events=tuple(np.array([zero.t for zero in own]) for own in zeros),
@@ -154,24 +159,3 @@ def _derived(
         usual = math.sqrt(abs(step_range[0] * step_range[1])) or abs(grid.step)
         functions["phase error"] = lambda: time_shift(exact, t, xs, vs, usual)
     return Invariants(tuple(functions), lambda name: functions[name]())
-
-
-def description_of(system: System, chosen: Choice, compensated: bool, controller: Controller | None) -> Description:
-    """Describe what is run, for people."""
-    method = chosen.method
-    units = dict(system.units) | {name: quantity.unit for name, quantity in system.quantities.items() if quantity.unit}
-    return Description(
-        system=system.name,
-        method=method.name,
-        kind=system.kind.name,
-        order=method.order,
-        word=method.spelling,
-        compensated=compensated,
-        dimensions=system.dimensions or tuple(f"axis_{i}" for i in range(system.x0.ndim)),
-        coordinates=dict(system.coordinates),
-        units=units,
-        source=system.source,
-        choice=chosen.reason,
-        gm=() if system.gm is None else tuple(system.gm.tolist()),
-        step_control="" if controller is None else f"{controller.name} ({controller.wanted.conserves})",
-    )

@@ -1,7 +1,8 @@
 """The rows that a run keeps: of equal steps on a grid, or of steps whose sizes vary."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +42,10 @@ class GridRows:
     def __post_init__(self) -> None:
         state, rows = self.stepper.state, self.grid.save_steps.size + 1
         self.xs, self.vs = np.empty((rows, state.x.size)), np.empty((rows, state.v.size))
+        self.first, self.save_steps = (
+            0,
+            self.grid.save_steps,
+        )  # of the arrays: the number of their first row, and the steps
 
     def begin(self) -> Mark:
         """Keep the start, if it is a row."""
@@ -48,6 +53,22 @@ class GridRows:
             return Mark()
         self.xs[0], self.vs[0] = self.stepper.state.x, self.stepper.state.v
         return Mark(1)
+
+    def kept(self, step: int, mark: Mark) -> dict[str, NDArray[Any]]:
+        """Return the rows up to a step that a longer run would have, too."""
+        steps = self.grid.rows_after(step)
+        return {"steps": steps, "xs": self.xs[: steps.size], "vs": self.vs[: steps.size]}
+
+    def go_on(self, kept: Mapping[str, NDArray[Any]], step: int, mark: Mark) -> Mark:
+        """Begin after a step with the rows that were kept up to there."""
+        rows = kept["steps"].size
+        self.xs[:rows], self.vs[:rows] = kept["xs"], kept["vs"]
+        if (
+            self.ended(step) and rows < self.grid.save_steps.size
+        ):  # the end of a run is a row of it, and not of a longer one
+            self.xs[rows], self.vs[rows] = self.stepper.state.x, self.stepper.state.v
+            rows += 1
+        return Mark(rows, 0, step)
 
     def target(self, step: int) -> int:
         """Return the step, or the last one."""
@@ -71,28 +92,33 @@ class GridRows:
 
     def advance(self, step: int, target: int, mark: Mark) -> tuple[int, Mark]:
         """Do steps, and keep rows; return where it ended."""
-        save_steps = self.grid.save_steps
-        reached, saved = self.stepper.advance(step, target, save_steps, mark.rows, self.xs, self.vs)
-        return reached, Mark(saved, 0, reached)
+        saved = mark.rows - self.first
+        reached, saved = self.stepper.advance(step, target, self.save_steps, saved, self.xs, self.vs)
+        return reached, Mark(self.first + saved, 0, reached)
 
     def advance_watched(self, step: int, target: int, mark: Mark) -> tuple[int, Mark, Stretch]:
         """Do the same, and return all states."""
         grid, state, every = self.grid, self.stepper.state, np.arange(step + 1, target + 1)
         xs, vs = np.empty((every.size, state.x.size)), np.empty((every.size, state.v.size))
         reached, count = self.stepper.advance(step, target, every, 0, xs, vs)
-        until = int(np.searchsorted(grid.save_steps, reached, side="right"))
-        wanted = grid.save_steps[mark.rows : until] - step - 1
-        self.xs[mark.rows : until], self.vs[mark.rows : until] = xs[wanted], vs[wanted]
+        saved, until = mark.rows - self.first, int(np.searchsorted(self.save_steps, reached, side="right"))
+        wanted = self.save_steps[saved:until] - step - 1
+        self.xs[saved:until], self.vs[saved:until] = xs[wanted], vs[wanted]
         t = np.asarray(grid.t0 + grid.step * np.arange(step, reached + 1), dtype=np.float64)
-        return reached, Mark(until, 0, reached), Stretch(t, xs[:count], vs[:count])
+        return reached, Mark(self.first + until, 0, reached), Stretch(t, xs[:count], vs[:count])
 
     def keep_last(self, state: State, step: int, mark: Mark, stopped: bool) -> int:
         """Add the state reached as a last row, if the run ended between two rows; return how many there are."""
-        on_a_row = mark.rows > 0 and self.grid.save_steps[mark.rows - 1] == step
+        saved = mark.rows - self.first
+        on_a_row = saved > 0 and self.save_steps[saved - 1] == step
         if self.ended(step) or stopped or on_a_row:
             return mark.rows
-        self.xs[mark.rows], self.vs[mark.rows] = state.x, state.v
+        self.xs[saved], self.vs[saved] = state.x, state.v
         return mark.rows + 1
+
+    def seen(self, rows: int) -> int:
+        """Return how many rows people see, of so many that are kept."""
+        return rows
 
     def times(self, rows: int, step: int, early: bool) -> Floats:
         """Return the times of the rows of a run that ended after a step."""
@@ -125,6 +151,16 @@ class CourseRows:
     def begin(self) -> Mark:
         """Keep nothing yet: a row is the state before a step."""
         return Mark()
+
+    def kept(self, step: int, mark: Mark) -> dict[str, NDArray[Any]]:
+        """Return the rows so far."""
+        rows = slice(mark.rows)
+        return {"ts": self.ts[rows], "sizes": self.sizes[rows], "xs": self.xs[rows], "vs": self.vs[rows]}
+
+    def go_on(self, kept: Mapping[str, NDArray[Any]], step: int, mark: Mark) -> Mark:
+        """Begin after a step with the rows that were kept up to there."""
+        self.ts, self.sizes, self.xs, self.vs = (kept[name].copy() for name in ("ts", "sizes", "xs", "vs"))
+        return mark
 
     def target(self, step: int) -> int:
         """Return the step."""
@@ -187,6 +223,10 @@ class CourseRows:
         self.ts[mark.rows] = self.grid.t1 if at_end(state.work) else state.work[CLOCK]
         self.xs[mark.rows], self.vs[mark.rows], self.sizes[mark.rows] = state.x, state.v, self.grid.step
         return mark.rows + 1
+
+    def seen(self, rows: int) -> int:
+        """Return how many rows people see, of so many that are kept."""
+        return rows
 
     def times(self, rows: int, step: int, early: bool) -> Floats:
         """Return the times of the rows."""

@@ -12,13 +12,15 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.events import Watch, Zero
 from kickdrift.engine.flows.layout import EVALUATIONS, FAILED_CONTROL, TROUBLE, estimated_errors
 from kickdrift.engine.flows.table import FLOWS
-from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.progress import Bar
-from kickdrift.engine.rows import CourseRows, GridRows, Mark, Stretch
+from kickdrift.engine.rows import Mark, Rows, Stretch
+from kickdrift.engine.standing import Standing
 from kickdrift.engine.stepper import State, Stepper
+from kickdrift.engine.streaming import StreamedRows
 
 Floats = NDArray[np.float64]
 Failure = tuple[Outcome, str]  # and what there is to say about its cause
+_NEAR = 1e-9  # of a step: a zero that is so little after its end is in it
 _LEAST_SHARE = 10  # of the time of a chunk over that of the copy after it
 
 
@@ -55,38 +57,76 @@ class Run:
 
     Attributes
     ----------
-    rows : GridRows or CourseRows
+    rows : Rows
         The rows, filled as the run goes.
     """
 
-    def __init__(
-        self, stepper: Stepper, grid: Grid | Course, progress: bool | None = None, watch: Watch | None = None
-    ) -> None:
-        self._stepper, self._state, self._progress = stepper, stepper.state, progress
-        self.rows = GridRows(stepper, grid) if isinstance(grid, Grid) else CourseRows(stepper, grid)
+    def __init__(self, stepper: Stepper, rows: Rows, watch: Watch | None = None) -> None:
+        self._stepper, self._state, self.rows = stepper, stepper.state, rows
         self._watch, self._looked = watch, Stretch(np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)))
         self._stop: Zero | None = None
         self._checkpoint = Checkpoint(self._state.copy(), 0, Mark())
         self._spare: State | None = None
+        self._begun, self._seconds = False, 0.0
 
-    def go(self) -> Ending:
-        """Run to the end of the grid, or as far as it goes; what was done is kept in any case."""
-        started, outcome, cause = time.perf_counter(), Outcome.COMPLETED, ""
-        bar = Bar(self.rows.progress(0)[1], self._progress)
+    @property
+    def step(self) -> int:
+        """How many steps are done."""
+        return self._checkpoint.step
+
+    @property
+    def ended(self) -> bool:
+        """Whether the end of the grid is reached."""
+        return self.rows.ended(self.step)
+
+    def go_on(self, standing: Standing) -> None:
+        """Begin where another run of the same task stands."""
+        self._state.restore(standing.state)
+        mark = self.rows.go_on(standing.rows, standing.step, standing.mark)
+        self._checkpoint = Checkpoint(self._state.copy(), standing.step, mark)
+        self._begun, self._seconds = True, standing.wall_time
+        if self._watch is not None and standing.seen is not None:
+            t = self.rows.time(standing.step)
+            self._watch.go_on(standing.seen, t, self._state.x.copy(), self._state.v.copy())
+
+    def standing(self, beyond_the_stop: bool = False) -> Standing:
+        """Say where the run stands; whether the event that ended it, if one did, is not to end it again."""
+        good, seen = self._checkpoint, None
+        if self._watch is not None:
+            beyond = self._stop.t if beyond_the_stop and self._stop is not None else None
+            seen = self._watch.seen(self.rows.time(good.step), _NEAR * abs(self.rows.grid.step), beyond)
+        return Standing(
+            self._state.copy(), good.step, good.mark, self.rows.kept(good.step, good.mark), self._seconds, seen
+        )
+
+    def drain(self, rows: StreamedRows) -> None:
+        """Let rows go to disk, if they are as many as go at a time."""
+        rows.drain(self._checkpoint.mark)
+
+    def close(self, rows: StreamedRows, outcome: Outcome) -> None:
+        """Let all rows go to disk, and how the run ended."""
+        good = self._checkpoint
+        rows.close(good.step, good.mark, good.state, self._stop, outcome.name)
+
+    def go(self, bar: Bar, started: float, until: int = sys.maxsize) -> Failure | None:
+        """Go to the end of the grid or up to a step, or as far as it goes, and say what ended it before.
+
+        What was done is kept in any case. The bar shows how far the run is that was `started` then.
+        """
+        began, failure = time.perf_counter(), None
         try:
-            failure = self._begin() or self._do_chunks(bar, started)
-            if failure is not None:
-                outcome, cause = failure
+            failure = self._begin() or self._do_chunks(bar, started, until)
         except KeyboardInterrupt:
             # It may have come in the middle of a chunk, or between its end and the note of it.
-            outcome = Outcome.INTERRUPTED
-        finally:
-            bar.close()
+            failure = Outcome.INTERRUPTED, ""
         self._state.restore(self._checkpoint.state)
-        return self._ending(outcome, cause, time.perf_counter() - started)
+        self._seconds += time.perf_counter() - began
+        return failure
 
     def _begin(self) -> Failure | None:
         """Keep the start, which primers do not move."""
+        if self._begun:
+            return None
         mark = self.rows.begin()
         self._checkpoint = Checkpoint(self._checkpoint.state, 0, mark)
         if self._stepper.program.primers:
@@ -95,14 +135,15 @@ class Run:
             except Exception as error:
                 return _raised(error)
             self._checkpoint = Checkpoint(self._state.copy(), 0, mark)
+        self._begun = True
         return None
 
-    def _do_chunks(self, bar: Bar, started: float) -> Failure | None:
+    def _do_chunks(self, bar: Bar, started: float, until: int) -> Failure | None:
         """Do the steps, in chunks that Ctrl-C waits for, each of which ends with a checkpoint."""
         chunk, most = 1, sys.maxsize if self._watch is None else self._watch.most
-        while not self.rows.ended((good := self._checkpoint).step):
+        while (good := self._checkpoint).step < until and not self.rows.ended(good.step):
             chunk_started = time.perf_counter()
-            target = self.rows.target(good.step + min(chunk, most))
+            target = self.rows.target(min(good.step + min(chunk, most), until))
             reached, mark, failure = self._attempt(target)
             if failure is not None:
                 stopped = self._find_last_good(target)
@@ -134,7 +175,7 @@ class Run:
             return step, mark, _raised(error)
         residual = self._state.work[TROUBLE]
         if residual == FAILED_CONTROL:
-            return reached, mark, (Outcome.STEP_TOO_SMALL, "")
+            return reached, mark, (Outcome.NO_STEP, "")
         if residual != 0.0:
             why = "." if np.isfinite(residual) else ": a function gave no finite number, or the iteration ran away."
             return reached, mark, (Outcome.NOT_CONVERGED, f" The residual was {residual:.3g}{why}")
@@ -176,7 +217,8 @@ class Run:
         self._state.restore(self._checkpoint.state)
         return None
 
-    def _ending(self, outcome: Outcome, cause: str, wall_time: float) -> Ending:
+    def ending(self, outcome: Outcome, cause: str) -> Ending:
+        """Say how the run ended, and keep the state reached as a row."""
         good, program, message = self._checkpoint, self._stepper.program, outcome.value
         saved = self.rows.keep_last(good.state, good.step, good.mark, self._stop is not None)
         if outcome is not Outcome.COMPLETED:
@@ -194,7 +236,7 @@ class Run:
             good.step,
             saved,
             evaluations,
-            wall_time,
+            self._seconds,
             estimated,
             self._stop,
             self.rows.step_range(self._state),

@@ -1,6 +1,6 @@
 """What a run leaves: the states, what they conserve, and how the run went."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar
@@ -14,35 +14,6 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.dense import DenseOutput, States
 
 Floats = NDArray[np.float64]
-
-
-class Invariants(Mapping[str, Floats]):
-    """Conserved quantities by name, each evaluated when it is first asked for."""
-
-    def __init__(self, names: tuple[str, ...], evaluate: Callable[[str], Floats]) -> None:
-        self._names = names
-        self._evaluate = evaluate
-        self._known: dict[str, Floats] = {}
-
-    def __getitem__(self, name: str) -> Floats:
-        if name not in self._names:
-            raise KeyError(name)
-        if name not in self._known:
-            self._known[name] = self._evaluate(name)
-        return self._known[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
-
-    def __len__(self) -> int:
-        return len(self._names)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        # Pickled by value: the system may hold functions that cannot be.
-        return Invariants, (self._names, dict(self).__getitem__)
-
-    def __repr__(self) -> str:
-        return f"Invariants({', '.join(self._names)})"
 
 
 @dataclass(frozen=True)
@@ -149,6 +120,10 @@ class Solution:
         Of each event, the times of its zeros, (K,), and the states there, (K, *shape).
     dense : DenseOutput or None
         What ``solution(t)`` asks; None of solutions that were loaded, and of Langevin dynamics.
+    continuation : callable or None
+        What `continue_to` asks; None of solutions that were loaded.
+    saved_to : str
+        Where the rows are of which this solution has the first and the last alone; empty if it has all.
     """
 
     t: Floats
@@ -170,6 +145,8 @@ class Solution:
     x_events: tuple[Floats, ...] = ()
     v_events: tuple[Floats, ...] = ()
     dense: DenseOutput | None = field(default=None, repr=False)
+    continuation: Callable[[float], "Solution"] | None = field(default=None, repr=False)
+    saved_to: str = ""
 
     presenters: ClassVar[Presenters]
 
@@ -255,6 +232,10 @@ class Solution:
             If the solution does not know its equations: it was loaded from a file, or comes from another process; and for
             Langevin dynamics, of whose path a step knows its ends alone.
         """
+        if self.saved_to:
+            raise KickdriftError(
+                f"the rows are in {self.saved_to!r}: open them by xarray.open_zarr, and interpolate there."
+            )
         if self.dense is None:
             if self.about.kind == Kind.LANGEVIN.name:
                 raise KickdriftError(
@@ -265,6 +246,42 @@ class Solution:
                 " or interpolate between sol.t."
             )
         return self.dense(t)
+
+    def continue_to(self, t: float) -> "Solution":
+        """Run on to another end, with the bits of a run that was never broken.
+
+        It goes on from the state that the loop was left with, at the same step; a run that
+        was interrupted, or ended by an event, goes on as one that reached its end. Events that are `terminal` count anew
+        from there.
+
+        Parameters
+        ----------
+        t : float
+            The new end, a whole number of steps from the start.
+
+        Returns
+        -------
+        Solution
+            From the start to the new end, with the rows that one run would have kept; where `t_eval` said which, the new end is
+            one of them. This one stays as it is, and may be continued again.
+
+        Raises
+        ------
+        ArgumentError
+            For another end than that.
+        KickdriftError
+            If the solution does not know its equations: it was loaded from a file, or comes from another process.
+        """
+        if self.saved_to:
+            raise KickdriftError(
+                f"the rows are in {self.saved_to!r}: solve to the later end with the same save_to and checkpoint."
+            )
+        if self.continuation is None:
+            raise KickdriftError(
+                "this solution was read from a file or sent from another process, and does not know its equations; solve with"
+                " checkpoint='folder' what is to go on in another process."
+            )
+        return self.continuation(t)
 
     def report(self) -> str:
         """Return how the run went, as a text of a line per fact."""

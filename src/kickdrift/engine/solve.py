@@ -1,29 +1,34 @@
 """`solve`: from a function or a system to a solution."""
 
 from collections.abc import Callable, Sequence
-from functools import partial
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift import methods
 from kickdrift.core.arguments import choice
 from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.announcing import compiling_announced
+from kickdrift.engine.checkpoints import Checkpoints
+from kickdrift.engine.continuation import carry_out
 from kickdrift.engine.controller import control_of, controlled
 from kickdrift.engine.dense import check_between
-from kickdrift.engine.events import events_of, watch_for
+from kickdrift.engine.events import events_of
 from kickdrift.engine.grid import Course, Grid, lay_course, lay_grid
+from kickdrift.engine.identity import identity_of
+from kickdrift.engine.impacts import Impacts, cut_steps, sides_at
 from kickdrift.engine.method_selection import check_direction, check_wanted, choose
-from kickdrift.engine.problem_adapter import describe, function_of_state
-from kickdrift.engine.processing import compile_method
-from kickdrift.engine.report import description_of, report
-from kickdrift.engine.run import Run
+from kickdrift.engine.problem_adapter import Adapter, describe
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.start import parameters, start_of
 from kickdrift.engine.step_control import StepControl
+from kickdrift.engine.streaming import store_of
 from kickdrift.engine.table_ranges import check_tables
+from kickdrift.engine.task import Journey, Task
 from kickdrift.engine.unit_solution import enter
+from kickdrift.engine.zarr_store import ZarrStore
 from kickdrift.systems.problem import Problem
 from kickdrift.systems.system import System
 
@@ -40,6 +45,8 @@ def solve(
     t_eval: ArrayLike | None = None,
     save_every: int | None = None,
     events: Callable[..., Any] | Sequence[Callable[..., Any]] | None = None,
+    impacts: Impacts | Callable[..., Any] | None = None,
+    switches: Callable[..., Any] | None = None,
     step_control: StepControl | Callable[..., Any] | str | None = None,
     rtol: float | None = None,
     atol: ArrayLike | None = None,
@@ -48,6 +55,10 @@ def solve(
     compile: bool = True,  # noqa: A002 - a promised name
     check_bounds: bool = True,
     progress: bool | None = None,
+    save_to: str | Path | None = None,
+    checkpoint: str | Path | None = None,
+    checkpoint_every: int | None = None,
+    checkpoint_keep: int | None = 2,
 ) -> Solution:
     """Integrate a mechanical system, or other equations of motion.
 
@@ -85,6 +96,12 @@ def solve(
         the way down; ``terminal``, True or a number, ends the run at the first or that zero; ``rate_bound``, a bound
         of how fast the function changes, finds two zeros within a step, too, if they are more than 1/256 of it apart. A zero at
         the start is none.
+    impacts : Impacts or callable, optional
+        Surfaces that bodies rebound from, see `kickdrift.Impacts`; a function alone is a gap with restitution 1.
+    switches : callable, optional
+        A function of the state, a number or an array of them, at whose zeros the force changes its law: steps end there, so
+        that the method keeps its order. The last of the ``params`` that the force gets are the sides, 1 or -1, on which
+        steps are to their ends; forces that jump have to ask these, as a step looks beyond its end before it is cut.
     step_control : optional
         What chooses the size of each step: a density, which is a function of the state, ``"distance"``, ``"acceleration"`` or
         ``"own"``, for reversible steps as `kickdrift.HairerSoderlind` describes them; or that or one of
@@ -105,6 +122,18 @@ def solve(
         large arrays, where a wrong index then reads or overwrites other memory.
     progress : bool, optional
         Whether to show a progress bar. By default one shows on a terminal, for runs longer than two seconds.
+    save_to : path, optional
+        A folder, such as ``"run.zarr"``, to which the rows go while the run goes on, in place of memory: a Zarr group in
+        chunks along time, with the energy and the like, that ``xarray.open_zarr`` reads at any moment. The solution has the
+        first and the last row. With `checkpoint` a run goes on in its folder; else one that is there is refused.
+    checkpoint : path, optional
+        A folder for checkpoints, made where it is missing. The same call again, in whatever process, goes on from the newest
+        one with the bits of a run that was never broken; with a later end, too, and with an earlier one from the newest one
+        before it. One process at a time. Where the sizes of steps vary, the end has to be the same.
+    checkpoint_every : int, optional
+        Steps from one checkpoint to the next; by default they are about a minute apart. Each holds the rows so far.
+    checkpoint_keep : int, optional
+        How many of the last to keep, None for all, from which any earlier time is near.
 
     Returns
     -------
@@ -116,6 +145,8 @@ def solve(
         For an argument that cannot be used, before any work is done.
     MethodMismatchError
         For a method that would lose its order on the problem.
+    FileFormatError
+        If all checkpoints are damaged. Where one cannot be written, as on a full disk, the run ends, with what was done.
 
     Warns
     -----
@@ -145,39 +176,51 @@ def solve(
     check_bounds = choice("check_bounds", check_bounds)
     progress = None if progress is None else choice("progress", progress)
     control = control_of(step_control, step, rtol, atol)
+    if control is not None and (impacts is not None or switches is not None):
+        raise ArgumentError(
+            f"step_control={control!r} and impacts or switches are given, but each chooses the steps; leave one out."
+        )
     if control is not None and method is None and order is None:
         method = control.method
+    if checkpoint is None and checkpoint_every is not None:
+        raise ArgumentError(
+            f"checkpoint_every={checkpoint_every!r} is given without checkpoint, a folder for them; give it."
+        )
+    kept: Checkpoints | None = None
+    store: ZarrStore | None = None
     try:
         grid: Grid | Course
-        if control is None:
-            grid = lay_grid(t_span, step, t_eval, save_every, start.x.size)
+        if control is None and impacts is None and switches is None:
+            grid = lay_grid(t_span, step, t_eval, save_every, start.x.size, save_to is not None)
         else:
-            grid = lay_course(t_span, step, t_eval, save_every)
+            grid = lay_course(t_span, step, t_eval, save_every, divides=control is None)
         with compiling_announced(progress):
-            system = describe(problem, grid.t0, start, params, compiles, check_bounds)
+            adapter = Adapter(grid.t0, start.x, start.v, params, compiles, check_bounds)
+            sides = sides_at(switches, problem, adapter)
+            system = describe(problem, grid.t0, start, np.append(params, sides), compiles, check_bounds)
             if isinstance(grid, Grid):
                 check_between(system, grid)
             chosen = choose(method, order, system, grid.t0, grid.step, grid.t1 - grid.t0)
             check_direction(chosen.method, grid.step)
             check_tables(problem, system, chosen.method, grid)
-            adapt = partial(function_of_state, grid.t0, start, params, compiles, check_bounds)
             controller = None
             if control is not None:
-                system, controller = controlled(control, system, chosen.method, grid.t0, adapt, step is not None)
-            wanted = events_of(events, adapt)
-            processing = compile_method(
-                system, chosen.method, grid, compensated, turns=not wanted, controller=controller
-            )
-            parts = None if controller is None or not processing.kernel.program.transformed else controller
-            between = partial(compile_method, system, chosen.method, grid, compensated, controller=parts)
-            watch = watch_for(wanted, system, partial(between, turns=False), grid.t1)
-        processing.enter()
-        run = Run(processing.kernel, grid, progress, watch)
+                first_is_given = step is not None
+                system, controller = controlled(control, system, chosen.method, grid.t0, adapter.number, first_is_given)
+            elif isinstance(grid, Course):
+                place_of_sides = params.size if sides.size else -1
+                system, controller = cut_steps(impacts, switches, system, chosen.method, grid, adapter, place_of_sides)
+            wanted = events_of(events, adapter.number)
+            task = Task(system, chosen, grid, compensated, controller, wanted, progress)
+            if checkpoint is not None or save_to is not None:
+                steps = control, impacts, switches
+                known = identity_of(problem, grid, start, params, chosen.method, compensated, compiles, events, steps)
+                store = store_of(save_to, grid, known, checkpoint is not None)
+                kept = None if checkpoint is None else Checkpoints(checkpoint, checkpoint_every, checkpoint_keep, known)
+            journey = Journey(task, checkpoints=kept, store=store)
     except MemoryError as error:
         raise ArgumentError(
             f"step={step!r}, save_every={save_every!r} and method={method!r} need more memory than there is ({error});"
             " keep fewer steps, or take an explicit method: implicit ones keep a matrix of the state's size squared."
         ) from None
-    ending = run.go()
-    description = description_of(system, chosen, compensated, controller)
-    return entered.leave(report(system, grid, processing, between, run, ending, description, watch))
+    return entered.leave(carry_out(journey))

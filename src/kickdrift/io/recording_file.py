@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from kickdrift.io import archive
+from kickdrift.core import archive
 from kickdrift.io.shapes import Catalogue, shapes_of
 from kickdrift.io.solution_file import arrays_of, header_of, members
 from kickdrift.world.recording import Appearance, DrawnShape, Recording, Rod

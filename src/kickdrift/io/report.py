@@ -43,6 +43,8 @@ def report(solution: Solution) -> str:
         rows.append(("phase error", _phase(solution, unit)))
     if solution.t_events:
         rows.append(("events", ", ".join(f"{own.size}" for own in solution.t_events) + " zeros"))
+    if solution.saved_to:
+        rows.append(("kept", f"all rows are in {solution.saved_to!r}, the first and the last here"))
     rows.append(("outcome", solution.message))
     return lines(rows)
 

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core import archive
 from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError, FileFormatError
-from kickdrift.io import archive
 from kickdrift.io.shapes import Catalogue, shapes_of
 from kickdrift.world.arguments import vector
 from kickdrift.world.integration import BODY_KIND, REMOVED
@@ -54,6 +54,11 @@ def save_world(world: World, path: str | Path) -> Path:
     FileFormatError
         If the file cannot be written there.
     """
+    return archive.write(path, *contents(world))
+
+
+def contents(world: World) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+    """Return header and arrays of the file of a world."""
     snapshot, catalogue = world.snapshot(), Catalogue()
     surfaces: dict[str, int] = {}
     parts, places = [], []
@@ -86,7 +91,7 @@ def save_world(world: World, path: str | Path) -> Path:
         "parts": np.array(parts, dtype=np.int64).reshape(-1, _PART),
         "places": np.array(places, dtype=np.float64).reshape(-1, 7),
     }
-    return archive.write(path, header, arrays)
+    return header, arrays
 
 
 def load_world(path: str | Path, forces: Sequence[Function] = ()) -> World:
@@ -114,7 +119,7 @@ def load_world(path: str | Path, forces: Sequence[Function] = ()) -> World:
 
     def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> tuple[Snapshot, int, bool]:
         _check(str(path), head, arrays)
-        return _assemble(head, arrays), int(head["n_forces"]), bool(head["threads"])
+        return snapshot_of(head, arrays), int(head["n_forces"]), bool(head["threads"])
 
     snapshot, count, threads = archive.read(path, "a kickdrift world", "World.save", assemble)
     if len(forces) != count:
@@ -140,13 +145,13 @@ def _check(path: str, head: dict[str, Any], arrays: dict[str, Any]) -> None:
         raise KeyError("format")
 
 
-def _assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Snapshot:
+def snapshot_of(head: dict[str, Any], arrays: dict[str, Any]) -> Snapshot:
     """Make a snapshot of a file; what its tables and records say alike is made of the records.
 
     Raises
     ------
     FileFormatError, LookupError, TypeError, ValueError
-        If it could not have been written by `save_world`.
+        If it could not have been `contents` of a world.
     """
     of = _tables(arrays)
     shapes = ShapeRows(of)

@@ -4,6 +4,7 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
+from kickdrift.world.keeping import Kept
 from kickdrift.world.recording import Recording
 from kickdrift.world.running import record, run
 from kickdrift.world.snapshot import Snapshot, restore, take
@@ -20,7 +21,15 @@ class KeepsHistory:
     tables: Tables
 
     def run(
-        self, duration: float, step: float, save_every: int | None = None, progress: bool | None = None
+        self,
+        duration: float,
+        step: float,
+        save_every: int | None = None,
+        progress: bool | None = None,
+        *,
+        checkpoint: str | Path | None = None,
+        checkpoint_every: int | None = None,
+        checkpoint_keep: int | None = 2,
     ) -> Recording:
         """Run for a while, and record it.
 
@@ -34,6 +43,14 @@ class KeepsHistory:
             Keep every n-th step, for n = `save_every`, and the last; every step by default.
         progress : bool, optional
             Show a bar and say when something is compiled; by default on a terminal, for runs of more than two seconds.
+        checkpoint : path, optional
+            A folder for checkpoints, made where it is missing. The same call of a world that was built in the same way goes on
+            from the newest one, with the bits of a run that was never broken; for a longer or shorter duration, too.
+            Functions of `add_force` may remember nothing.
+        checkpoint_every : int, optional
+            Steps from one checkpoint to the next; by default they are about a minute apart. Each holds the rows so far.
+        checkpoint_keep : int, optional
+            How many of the last to keep, None for all.
 
         Returns
         -------
@@ -44,9 +61,12 @@ class KeepsHistory:
         Raises
         ------
         ArgumentError
-            For a duration, step or save_every that cannot be.
+            For a duration, step or save_every that cannot be, and for checkpoints of another run or version.
+        FileFormatError
+            If all checkpoints are damaged.
         """
-        return run(self._world, duration, step, save_every, progress)
+        kept = Kept(checkpoint, checkpoint_every, checkpoint_keep)
+        return run(self._world, duration, step, save_every, progress, kept)
 
     def record(self, save_every: int = 1) -> AbstractContextManager[Recording]:
         """Record the steps of a loop of one's own.

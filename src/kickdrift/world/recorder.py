@@ -1,5 +1,6 @@
 """What is kept of a world as it goes on: the rows of a recording."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -7,7 +8,8 @@ from numpy.typing import NDArray
 
 from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
-from kickdrift.engine.solution import Description, Invariants
+from kickdrift.engine.invariants import Invariants
+from kickdrift.engine.solution import Description
 from kickdrift.world.constraint_error import deepest_overlap, widest_gap
 from kickdrift.world.recording import Recording, appearance
 
@@ -56,6 +58,22 @@ class RecordingRows:
         rows["residual"][row] = world.residual
         rows["momentum"][row], rows["angular momentum"][row] = world.momentum(), world.angular_momentum()
         self.count += 1
+
+    def kept(self) -> dict[str, Floats]:
+        """Return what was kept, for `fill`."""
+        return {name: values[: self.count] for name, values in self._rows.items()}
+
+    def fill(self, kept: Mapping[str, Floats]) -> None:
+        """Begin with rows that were kept before.
+
+        Raises
+        ------
+        LookupError, ValueError
+            If they are not those of this world.
+        """
+        for name, values in self._rows.items():
+            values[: len(kept["t"])] = kept[name]
+        self.count = len(kept["t"])
 
     def _grow(self, bodies: int) -> None:
         """Make room for half as many rows again where all are taken, and for so many bodies."""

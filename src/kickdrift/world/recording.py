@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.errors import unknown_name
+from kickdrift.core.errors import KickdriftError, unknown_name
 from kickdrift.engine.solution import Presenters, Solution
 from kickdrift.world.integration import BODY_KIND, DYNAMIC
 from kickdrift.world.joints import layout
@@ -65,6 +65,8 @@ class WorldPresenters(Presenters):
 
     animate: Callable[..., Path]
     save_world: Callable[..., Path]
+    contents: Callable[..., tuple[dict[str, Any], dict[str, NDArray[Any]]]]
+    snapshot_of: Callable[..., Any]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -92,6 +94,17 @@ class Recording(Solution):
     appearance: Appearance
 
     presenters: ClassVar[WorldPresenters]
+
+    def continue_to(self, t: float) -> Solution:
+        """Refuse: it is the world that goes on.
+
+        Raises
+        ------
+        KickdriftError
+        """
+        raise KickdriftError(
+            "a recording does not go on, but its world does: world.run(duration, step) goes on from where it is."
+        )
 
     def __getattr__(self, name: str) -> Any:
         known = name in self.__dataclass_fields__

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kickdrift.core.arguments import choice
-from kickdrift.core.errors import ArgumentError, LostBodyError
+from kickdrift.core.errors import ArgumentError, FileFormatError, LostBodyError
 from kickdrift.core.interruption import InterruptionNoted, next_chunk
 from kickdrift.core.outcomes import Outcome
 from kickdrift.core.room import check_kept
@@ -17,6 +17,7 @@ from kickdrift.engine.announcing import compiling_announced
 from kickdrift.engine.grid import Grid, lay_grid
 from kickdrift.engine.progress import Bar
 from kickdrift.world.joints.axis import is_number
+from kickdrift.world.keeping import NOT_KEPT, Kept
 from kickdrift.world.recorder import Recorder, RecordingRows
 from kickdrift.world.recording import Recording
 
@@ -26,19 +27,26 @@ if TYPE_CHECKING:
 _BYTES_PER_BODY, _BYTES_PER_ROW = 13 * 8, 16 * 8
 
 
-def run(world: "World", duration: float, step: float, save_every: int | None, progress: bool | None) -> Recording:
+def run(
+    world: "World", duration: float, step: float, save_every: int | None, progress: bool | None, kept: Kept = NOT_KEPT
+) -> Recording:
     """Run a world and record it; see `World.run`."""
     progress = None if progress is None else choice("progress", progress)
     grid = _lay(duration, step, save_every, len(world.position))
+    keeper = kept.keeper(world)
     with compiling_announced(progress):
         world.advance(grid.step, 0)
     rows, t0 = RecordingRows(world, len(grid.save_steps) + 1), world.time  # one row more for a run that ends early
-    outcome, cause, seconds = Outcome.COMPLETED, "", 0.0
-    done, chunk, bar = 0, 1, Bar(grid.n_steps, progress)
-    rows.keep(t0)
+    found = None if keeper is None else keeper.find(grid, rows)
+    done, grid, seconds, said = found or (0, grid, 0.0, "")
+    if found is None:
+        rows.keep(t0)
+    outcome, cause = Outcome.COMPLETED, ""
+    chunk, bar = 1, Bar(grid.n_steps, progress)
     with closing(bar), InterruptionNoted(passed_on=False) as interruption:
-        while done < grid.n_steps and not interruption.noted:
-            count = min(chunk, int(grid.save_steps[rows.count]) - done)
+        while done < grid.n_steps and not interruption.noted and outcome is Outcome.COMPLETED:
+            until = grid.n_steps if keeper is None else keeper.until(done, grid.n_steps)
+            count = min(chunk, int(grid.save_steps[rows.count]) - done, until - done)
             before, started = world.n_steps, time.perf_counter()
             try:
                 world.advance_from(t0, done, grid.step, count)
@@ -46,17 +54,23 @@ def run(world: "World", duration: float, step: float, save_every: int | None, pr
                 outcome, cause = Outcome.NOT_FINITE, f" {error}"
             took = time.perf_counter() - started
             done, seconds = done + world.n_steps - before, seconds + took
-            if outcome is not Outcome.COMPLETED:
-                break
-            if done == grid.save_steps[rows.count]:
+            if outcome is Outcome.COMPLETED and done == grid.save_steps[rows.count]:
                 rows.keep(t0 + grid.times[rows.count])
+            if keeper is not None and (done == until or interruption.noted or outcome is not Outcome.COMPLETED):
+                try:
+                    keeper.keep(done, grid, rows, seconds)
+                except FileFormatError as error:
+                    outcome, cause = (
+                        (Outcome.NOT_WRITTEN if outcome is Outcome.COMPLETED else outcome),
+                        f"{cause} {error}",
+                    )
             chunk = next_chunk(count, took)
-            bar.show(done, seconds)
+            bar.show(max(done, 1), seconds)
     if outcome is Outcome.COMPLETED and done < grid.n_steps:
         outcome = Outcome.INTERRUPTED
     if done != grid.save_steps[rows.count - 1]:
         rows.keep(t0 + done * grid.step)
-    message = _message(outcome, cause, world, done, grid)
+    message = _message(outcome, cause, world, done, grid) + said
     return rows.recording(outcome, message, grid.step, done, done * world.substeps, seconds)
 
 

@@ -50,6 +50,7 @@ PARTS = (
     "constraint_differences",
     "density",
     "energy",
+    "gaps",
 )
 """The functions that a system may have; flows call them as ``acceleration_at(t, x, v, params, work, out)``, say."""
 

@@ -26,6 +26,8 @@ T = TypeVar("T")
 
 # Formats, as headers name them
 SOLUTION, RECORDING, WORLD = "kickdrift solution 1", "kickdrift recording 2", "kickdrift world 4"
+ENSEMBLE = "kickdrift ensemble 1"
+CHECKPOINT = "kickdrift checkpoint 1"
 
 _HEADER = "header"
 _LARGE, _MOST_TIMES = 1 << 30, 100  # bytes in memory from which on they may be so many times those on disk
@@ -36,7 +38,7 @@ _FOREIGN = (
 )
 
 
-def write(path: str | Path, header: Mapping[str, Any], arrays: Arrays) -> Path:
+def write(path: str | Path, header: Mapping[str, Any], arrays: Arrays, compressed: bool = True) -> Path:
     """Write a file, whole or not at all.
 
     Parameters
@@ -46,6 +48,8 @@ def write(path: str | Path, header: Mapping[str, Any], arrays: Arrays) -> Path:
     header : mapping
         What JSON can say; under "format" the name of the format.
     arrays : mapping of str to array
+    compressed : bool
+        Whether to take less room and ten times as long.
 
     Returns
     -------
@@ -62,9 +66,10 @@ def write(path: str | Path, header: Mapping[str, Any], arrays: Arrays) -> Path:
     members = {_HEADER: np.array(text), **arrays}
     try:
         with written(target) as partial:
-            with partial.open("wb") as file:
-                np.savez_compressed(file, allow_pickle=False, **members)
-            if _is_swollen(partial.open("rb")):  # which no one would read
+            if compressed:
+                with partial.open("wb") as file:
+                    np.savez_compressed(file, allow_pickle=False, **members)
+            if not compressed or _is_swollen(partial.open("rb")):  # which no one would read
                 with partial.open("wb") as file:
                     np.savez(file, allow_pickle=False, **members)
     except OSError as error:
@@ -109,7 +114,13 @@ def read(path: str | Path, what: str, writer: str, assemble: Callable[[dict[str,
         with opened(path) as handle, np.load(handle, allow_pickle=False) as file:
             header = json.loads(str(file[_HEADER]))
             arrays = {name: file[name] for name in file.files if name != _HEADER}
-        other = header["format"] not in (SOLUTION, RECORDING, WORLD)  # the digest of another version may be another
+        other = header["format"] not in (
+            SOLUTION,
+            RECORDING,
+            WORLD,
+            ENSEMBLE,
+            CHECKPOINT,
+        )  # the digest of another version may be another
         if not other and header["digest"] != digest(header, arrays):
             raise ValueError("it was changed after it was written")
         return assemble(header, arrays)

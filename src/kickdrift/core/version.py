@@ -1,0 +1,3 @@
+"""Which kickdrift this is."""
+
+VERSION = "0.1.0"

@@ -1,0 +1,163 @@
+"""Checkpoints on disk: a folder of files of plain arrays, from which a run goes on as if nothing had happened.
+
+A file is written under another name and then gets its own, and files before it are removed after that: whenever the process
+is killed, there is one that is whole. A second one is kept for the case that the machine dies, and the newest is cut short.
+"""
+
+import os
+import re
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from kickdrift.core import archive
+from kickdrift.core.errors import ArgumentError, FileFormatError
+from kickdrift.engine.identity import version
+
+_SECONDS = 60.0  # between checkpoints where nobody says how many steps there are
+_FIRST = 1000  # steps to the first one there
+_NAME = re.compile(r"step-(\d{15})\.npz")
+
+
+class Found(NamedTuple):
+    """A checkpoint that was read: what it says, its arrays, and what is to be said of it."""
+
+    header: dict[str, Any]
+    arrays: dict[str, Any]
+    said: str
+
+
+class Checkpoints:
+    """The checkpoints of a run.
+
+    Parameters
+    ----------
+    folder : path
+        Made where it is missing.
+    every : int, optional
+        Steps from one to the next; as many as take a minute by default.
+    keep : int, optional
+        How many of the last to keep, None for all.
+    identity : mapping of str to str
+        What determines the run, by the names of arguments.
+
+    Raises
+    ------
+    ArgumentError
+        For arguments that cannot be, and a folder that cannot be made.
+    """
+
+    def __init__(self, folder: Any, every: Any, keep: Any, identity: Mapping[str, str]) -> None:
+        for name, value in (("checkpoint_every", every), ("checkpoint_keep", keep)):
+            whole = isinstance(value, int | np.integer) and not isinstance(value, bool) and value >= 1
+            if value is not None and not whole:
+                raise ArgumentError(f"{name}={value!r} must be a whole number, one or more.")
+        if not isinstance(folder, str | os.PathLike) or not str(folder) or "\0" in str(folder):
+            raise ArgumentError(f"checkpoint={folder!r} is no path; give a folder, such as 'run.checkpoints'.")
+        self.folder, self._every, self._keep, self._identity = Path(folder), every, keep, dict(identity)
+        self._pace, self._newest = _FIRST, -1
+        try:
+            self.folder.mkdir(exist_ok=True)
+            for partial in self.folder.glob(".step-*.partial.npz"):  # of a process that was killed
+                partial.unlink(missing_ok=True)
+        except OSError as error:
+            raise ArgumentError(
+                f"checkpoint={str(folder)!r} cannot be the folder of checkpoints: {error.strerror}; name another one, in a"
+                " folder that there is."
+            ) from None
+
+    def until(self, step: int, last: int) -> int:
+        """Return the step after which the next checkpoint is due."""
+        every = self._pace if self._every is None else self._every
+        return min(last, (step // every + 1) * every)
+
+    def pace(self, steps: int, seconds: float) -> None:
+        """Say that so many steps took so long."""
+        self._pace = max(1, min(10 * max(steps, _FIRST), int(steps * _SECONDS / max(seconds, 1e-9))))
+
+    def write(self, step: int, header: Mapping[str, Any], arrays: archive.Arrays) -> None:
+        """Write a checkpoint, unless that is where the run went on from, and remove those that are not to be kept.
+
+        Raises
+        ------
+        FileFormatError
+            If it cannot be written; those before it are as they were.
+        """
+        if step == self._newest:
+            return
+        named = {"format": archive.CHECKPOINT, "version": version(), "identity": self._identity, "step": step}
+        archive.write(self.folder / f"step-{step:015d}.npz", {**named, **header}, arrays, compressed=False)
+        self._newest = step
+        if self._keep is not None:
+            for older in self._steps()[self._keep :]:
+                with suppress(OSError):
+                    self._file(older).unlink()
+
+    def find(self, last: int | None = None) -> Found | None:
+        """Read the newest checkpoint, or the newest up to a step; where it is damaged the one before; None if there is none.
+
+        Raises
+        ------
+        ArgumentError
+            If it is one of another run, or another version.
+        FileFormatError
+            If all are damaged.
+        """
+        damaged: list[str] = []
+        for step in (step for step in self._steps() if last is None or step <= last):
+            try:
+                found = archive.read(self._file(step), "a checkpoint", "kickdrift", _assemble)
+            except FileFormatError as error:
+                damaged.append(str(error))
+                continue
+            header, arrays = found
+            self._check(header)
+            self._newest = step
+            said = f" It went on from step {step}, kept in {str(self.folder)!r}."
+            return Found(
+                header, arrays, said + "".join(f" A newer checkpoint is damaged: {words}" for words in damaged)
+            )
+        if damaged:
+            raise FileFormatError(
+                f"checkpoint={str(self.folder)!r} has no checkpoint that is whole: {' '.join(damaged)} Remove the folder to"
+                " begin anew."
+            )
+        return None
+
+    def refuse(self, argument: str) -> ArgumentError:
+        """Return the error for a folder of a run that another argument has determined."""
+        return ArgumentError(
+            f"checkpoint={str(self.folder)!r} is of another run, with another {argument}; name another folder, or remove that"
+            " one to begin anew."
+        )
+
+    def _check(self, header: Mapping[str, Any]) -> None:
+        if header["version"] != version():
+            raise ArgumentError(
+                f"checkpoint={str(self.folder)!r} is of {header['version']}, and this is {version()}, whose bits may be others;"
+                " go on with that version, or name another folder."
+            )
+        others = [name for name, words in self._identity.items() if header["identity"].get(name) != words]
+        if header["identity"].keys() - self._identity.keys() or len(others) == len(self._identity):
+            others = ["problem"]
+        if others:
+            raise self.refuse(" and ".join(others))
+
+    def _steps(self) -> list[int]:
+        """Return the steps of which there are checkpoints, the newest first."""
+        found = (_NAME.fullmatch(path.name) for path in self.folder.iterdir())
+        return sorted((int(match[1]) for match in found if match), reverse=True)
+
+    def _file(self, step: int) -> Path:
+        return self.folder / f"step-{step:015d}.npz"
+
+
+def _assemble(header: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    if not str(header["format"]).startswith("kickdrift checkpoint "):
+        raise KeyError("format")
+    if not isinstance(header["version"], str) or not isinstance(header["identity"], dict):
+        raise TypeError("version and identity")
+    return header, arrays

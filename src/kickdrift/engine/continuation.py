@@ -1,0 +1,54 @@
+"""Runs that go on from where they stand, with the bits of one that was never broken."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.engine.grid import Course, Grid, lengthen
+from kickdrift.engine.report import report
+from kickdrift.engine.solution import Solution
+from kickdrift.engine.standing import Standing
+from kickdrift.engine.task import Journey, Task
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Continuation:
+    """What ``solution.continue_to`` asks: the task, where it stands, and whether that is its end."""
+
+    task: Task
+    standing: Standing
+    ended: bool
+
+    def __copy__(self) -> "Continuation":
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> "Continuation":
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _forgotten, ()  # the system may hold functions that cannot be pickled
+
+    def __call__(self, t: float) -> Solution:
+        """Run on to another end; see `Solution.continue_to`."""
+        return carry_out(Journey(replace(self.task, grid=self._grid(t)), self.standing))
+
+    def _grid(self, t: float) -> Grid | Course:
+        grid = self.task.grid
+        if isinstance(grid, Grid):
+            return lengthen(grid, t, self.standing.step, self.task.system.x0.size)
+        if self.ended or t != grid.t1:
+            rest = "" if self.ended else f" This run can go on to its end, {grid.t1!r}."
+            raise ArgumentError(
+                f"t={t!r}: the sizes of the steps vary, and rows and steps are laid for the end that was given; solve to the"
+                f" later end, with checkpoint='folder' if it takes long.{rest}"
+            )
+        return grid
+
+
+def carry_out(journey: Journey) -> Solution:
+    """Run to the end, or as far as it goes, and return what was kept."""
+    return report(journey, journey.go(), Continuation)
+
+
+def _forgotten() -> None:
+    """Stand for the continuation of a solution that another process reads."""

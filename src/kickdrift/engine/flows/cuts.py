@@ -1,0 +1,171 @@
+"""Steps that are cut where a gap closes: they are taken back, and done again up to there.
+
+Templates, around the letters of a step: `begin_cut` keeps the state, and `end_cut` looks where the step has led. Where a gap is
+no longer positive the time at which it closes is searched by steps of other sizes from the same start, by the Illinois rule and
+halves (M. Dowell, P. Jarratt, BIT 11, 168 (1971)). There the impact happens, or the law of the force changes, and the next step
+is what is left of the first. Where impacts are not located, they happen after the step.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.compilation import compiled, unbound
+from kickdrift.engine.flows.error_control import BEGIN, take_back
+from kickdrift.engine.flows.impact import (
+    BEFORE,
+    HIGH,
+    HIGH_GAP,
+    HIT,
+    LOCATED,
+    LOW,
+    LOW_GAP,
+    MODE,
+    MOVED_LAST,
+    NOW,
+    PLACE_OF_SIDES,
+    REST,
+    RESTING,
+    ROUNDS,
+    SIDE,
+    SWITCH,
+    WHOLE,
+    row_of,
+)
+from kickdrift.engine.flows.layout import CLOCK, DENSITY, END, FIRST_STEP, REJECTED, TROUBLE, at_end, own_params
+
+Floats = NDArray[np.float64]
+
+keep_state: Callable[..., None] = unbound
+find_gaps: Callable[..., float] = unbound
+strike_all: Callable[..., None] = unbound
+rest_or_leave: Callable[..., None] = unbound
+cross: Callable[..., None] = unbound
+
+FREE, SEARCHING, LAST = 0.0, 1.0, 2.0  # modes
+_MOST_ROUNDS = 200
+_ROUNDING = 2.220446049250313e-16
+_SLIVER = 1e-9  # of a step: a shorter one is none
+
+
+@compiled
+def narrow(size: float, gap: float, work: Floats) -> None:
+    """Move an end of the sizes between which a gap closes, and note which ones have closed at the far one."""
+    own, now, hit, resting = own_params(work), row_of(NOW, work), row_of(HIT, work), row_of(RESTING, work)
+    own[MODE] = SEARCHING
+    own[ROUNDS] += 1.0
+    if gap >= 0.0:
+        own[LOW], own[LOW_GAP] = size, gap
+        if own[MOVED_LAST] > 0.0:
+            own[HIGH_GAP] *= 0.5
+        own[MOVED_LAST] = 1.0
+        return
+    own[HIGH], own[HIGH_GAP] = size, gap
+    if own[MOVED_LAST] < 0.0:
+        own[LOW_GAP] *= 0.5
+    own[MOVED_LAST] = -1.0
+    for row in range(hit.size):
+        hit[row] = 1.0 if now[row] < 0.0 and resting[row] == 0.0 else 0.0
+
+
+@compiled
+def choose_size(last: float, work: Floats) -> bool:
+    """Choose how long the step is to be; return whether it has to be done again for that."""
+    own, hit, switch = own_params(work), row_of(HIT, work), row_of(SWITCH, work)
+    low, high = own[LOW], own[HIGH]
+    tolerance = 4.0 * _ROUNDING * (abs(own[BEGIN]) + high)
+    if low == 0.0 and own[LOW_GAP] == 0.0:
+        if high >= REST * abs(work[FIRST_STEP]):
+            size = 0.5 * high
+        else:  # nothing opens before it closes again: it rests there, or has passed a switch
+            for row in range(hit.size):
+                if hit[row] != 0.0 and switch[row] != 0.0:
+                    row_of(SIDE, work)[row] *= -1.0
+                elif hit[row] != 0.0:
+                    row_of(RESTING, work)[row] = 1.0
+                hit[row] = 0.0
+            own[MODE], size = FREE, own[WHOLE]
+        work[DENSITY] = abs(work[FIRST_STEP]) / size
+        return True
+    if high - low > tolerance and own[ROUNDS] < _MOST_ROUNDS:
+        size = 0.5 * (low + high)
+        if own[ROUNDS] % 3.0 != 0.0:
+            size = (low * own[HIGH_GAP] - high * own[LOW_GAP]) / (own[HIGH_GAP] - own[LOW_GAP])
+            size = min(max(size, low + 0.25 * tolerance), high - 0.25 * tolerance)
+        work[DENSITY] = abs(work[FIRST_STEP]) / size
+        return True
+    size = low if low > 0.0 else high
+    own[MODE] = LAST
+    work[DENSITY] = abs(work[FIRST_STEP]) / size
+    return bool(size != last)
+
+
+@compiled
+def accept_cut(size: float, work: Floats) -> None:
+    """Take the step; the next is what is left of it, or a new one, but not beyond the end."""
+    own, first = own_params(work), abs(work[FIRST_STEP])
+    work[REJECTED], own[MODE], own[MOVED_LAST] = 0.0, FREE, 0.0
+    rest, left = own[WHOLE] - size, abs(work[END] - work[CLOCK])
+    following = rest if rest > _SLIVER * first else first
+    if not at_end(work):
+        work[DENSITY] = first / (left if left - following < _SLIVER * first else following)
+
+
+@compiled
+def show_sides(params: Floats, work: Floats) -> None:
+    """Write into the params of the force on which side of each switch the step is, to its end."""
+    place = int(own_params(work)[PLACE_OF_SIDES])
+    side, switch = row_of(SIDE, work), row_of(SWITCH, work)
+    if place >= 0:
+        for row in range(side.size):
+            if switch[row] != 0.0:
+                params[place] = side[row]
+                place += 1
+
+
+def take_sides(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    """Find out on which side of each switch a state is."""
+    side, now = row_of(SIDE, work), row_of(NOW, work)
+    for row in range(side.size):
+        side[row] = 1.0
+    find_gaps(t, x, v, work)
+    for row in range(side.size):
+        side[row] = -1.0 if now[row] < 0.0 else 1.0
+    show_sides(params, work)
+    work[TROUBLE] = 0.0
+
+
+def begin_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    """Keep the state, and the gaps of a step that is new."""
+    keep_state(t, h, x, v, params, work)
+    own = own_params(work)
+    show_sides(params, work)
+    if own[MODE] == FREE:
+        before, now = row_of(BEFORE, work), row_of(NOW, work)
+        find_gaps(t, x, v, work)
+        for row in range(now.size):
+            before[row] = now[row]
+        own[LOW_GAP] = max(0.0, find_gaps(t, x, v, work))
+        own[LOW], own[ROUNDS] = 0.0, 0.0
+        own[WHOLE] = abs(work[FIRST_STEP] / work[DENSITY])
+
+
+def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    """Take the step, or choose how long it is to be."""
+    own, size, gap = own_params(work), abs(work[FIRST_STEP] / work[DENSITY]), find_gaps(t, x, v, work)
+    cut = own[MODE] != FREE or gap < 0.0
+    if cut and own[LOCATED] != 0.0 and own[MODE] != LAST:
+        narrow(size, gap, work)
+        if choose_size(size, work):
+            take_back(x, v, work)
+            work[REJECTED] = 1.0
+            return
+    if cut:
+        hit, switch = row_of(HIT, work), row_of(SWITCH, work)
+        for row in range(hit.size):
+            if hit[row] != 0.0 and switch[row] != 0.0:
+                cross(row, t, x, v, params, work)
+        strike_all(t, x, v, params, work)
+    accept_cut(size, work)
+    rest_or_leave(t, x, v, params, work)

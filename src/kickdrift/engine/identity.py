@@ -1,0 +1,100 @@
+"""What determines a run, in words that are the same in every process: a run that goes on has to be the same one.
+
+It guards against mistakes. Where one cannot tell what a function uses, its code alone is compared.
+"""
+
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from functools import partial
+from types import CodeType
+from typing import Any
+
+import numpy as np
+
+from kickdrift.core.naming import digest, source_digest
+from kickdrift.core.version import VERSION
+from kickdrift.engine.function_key import taken_apart
+from kickdrift.engine.grid import Course, Grid
+from kickdrift.engine.start import Start
+from kickdrift.methods import Method
+
+_FLOORS = "core", "methods", "systems", "engine", "world"
+_FLAGS = "terminal", "direction", "rate_bound"  # of the functions that are events
+
+
+def version() -> str:
+    """Name the version whose bits a run has."""
+    return f"kickdrift {VERSION}, sources {source_digest(*_FLOORS)}"
+
+
+def identity_of(
+    problem: Any,
+    grid: Grid | Course,
+    start: Start,
+    params: Any,
+    method: Method,
+    compensated: bool,
+    compiles: bool,
+    events: Any,
+    steps: Any,
+) -> dict[str, str]:
+    """Say what determines a run, by the names of the arguments of `solve`.
+
+    Of equal steps their size and the rows are left out, which are compared where they are known: another end changes both.
+    Where sizes vary the end has to be the same.
+    """
+    varies = isinstance(grid, Course)
+    rows: list[Any] = [grid.stride, grid.marks, grid.wanted] if isinstance(grid, Course) else []
+    if isinstance(grid, Grid) and grid.streamed:
+        rows = [grid.every]
+    functions = [] if events is None else list(events) if isinstance(events, Sequence) else [events]
+    flags = [[getattr(function, flag, None) for flag in _FLAGS] for function in functions]
+    return {
+        "problem": digest(written(problem)),
+        "t_span": repr((grid.t0, grid.t1) if varies else grid.t0),
+        "x0": digest(written(start.x)),
+        "v0": digest(written(start.v)),
+        "args": digest(written(params)),
+        "method": f"{method.name} {digest(written(method))}",
+        "compensated": repr(compensated),
+        "compile": repr(compiles),
+        "events": digest(written([functions, flags])),
+        "step_control, impacts or switches": digest(written(steps)),
+        "save_every, t_eval or save_to": digest(written(rows)),
+    }
+
+
+def written(value: Any) -> Hashable:
+    """Write down a value."""
+    if isinstance(value, np.ndarray):
+        return value.dtype.str, value.shape, digest(np.ascontiguousarray(value).tobytes())
+    if isinstance(value, Enum):
+        return type(value).__name__, value.name
+    if isinstance(value, str | int | float | complex | bytes | None | np.generic):
+        return type(value).__name__, repr(value)
+    if isinstance(value, partial):
+        return "partial", written(value.func), written(value.args), written(value.keywords)
+    if is_dataclass(value) and not isinstance(value, type):
+        return type(value).__name__, *((each.name, written(getattr(value, each.name))) for each in fields(value))
+    if isinstance(value, Mapping):
+        return "mapping", *((str(name), written(member)) for name, member in value.items())
+    if isinstance(value, Sequence):
+        return "sequence", *map(written, value)
+    if callable(value):
+        return _of_function(value)
+    return (type(value).__name__,)
+
+
+def _of_function(function: Any) -> Hashable:
+    taken = taken_apart(function, free=False)
+    if taken.known:
+        return taken.key
+    python = getattr(function, "py_func", function)
+    code = getattr(python, "__code__", None)
+    return getattr(python, "__qualname__", type(python).__name__), None if code is None else _of_code(code)
+
+
+def _of_code(code: CodeType) -> Hashable:
+    constants = (_of_code(each) if isinstance(each, CodeType) else repr(each) for each in code.co_consts)
+    return digest(code.co_code), code.co_names, *constants

@@ -1,0 +1,252 @@
+"""Impacts and switches: surfaces that bodies rebound from, and those beyond which a force has another law."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kickdrift.core.arguments import reals
+from kickdrift.core.compilation import Function, unbound
+from kickdrift.core.errors import ArgumentError
+from kickdrift.core.kinds import Kind
+from kickdrift.core.views import part
+from kickdrift.engine.control_checks import check_memory
+from kickdrift.engine.controller import Controller
+from kickdrift.engine.flows import impact as layout
+from kickdrift.engine.grid import Course
+from kickdrift.engine.problem_adapter import Adapter, bind
+from kickdrift.engine.program import Spelled
+from kickdrift.engine.quantities import evaluate_quantity
+from kickdrift.engine.step_control import Spell
+from kickdrift.methods import Method
+from kickdrift.methods.record import Word
+from kickdrift.systems.problem import name_of
+from kickdrift.systems.second_order import fitted
+from kickdrift.systems.system import Quantity, System
+
+Floats = NDArray[np.float64]
+
+first: Function = unbound
+second: Function = unbound
+COUNT = PARAMS = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Impacts:
+    """Surfaces that bodies rebound from.
+
+    Parameters
+    ----------
+    gap : callable
+        How far each is from touching: a number, or an array of them, positive where nothing touches, with arguments named as
+        those of forces (x, t, params).
+    restitution : float or array_like
+        Newton's e, of each gap: the share of the closing speed with which it opens again, from 0 to 1.
+    friction : float or array_like
+        Coulomb's mu, of each gap, for those between one body and its surroundings.
+    mass : array_like
+        A number, or for states (N, d) one to each of the N bodies.
+    located : bool
+        Whether impacts happen at their moment, to which the step is cut; or after the step in which they fall, where bodies are
+        put back onto the surface: as in games, with the flights' times wrong by a part of a step.
+
+    Notes
+    -----
+    A body whose rebounds have become shorter than a thousandth of a step rests on the surface, and slides with friction, until
+    it is lifted. Two zeros of a gap within one step are not seen: take smaller steps than the shortest graze.
+
+    Examples
+    --------
+    >>> import numpy as np, kickdrift as kd
+    >>> floor = kd.Impacts(lambda x: x[1], restitution=0.9)
+    >>> fall = lambda x: np.array([0.0, -9.81])
+    >>> ball = kd.solve(fall, (0.0, 3.0), [0, 1], [1, 0], step=0.01, method="velocity-verlet", impacts=floor, compile=False)
+    >>> bool(ball.x[:, 1].min() > -1e-12)
+    True
+    """
+
+    gap: Callable[..., Any]
+    restitution: ArrayLike = 1.0
+    friction: ArrayLike = 0.0
+    mass: ArrayLike = 1.0
+    located: bool = True
+
+
+def sphere_gaps(radii: ArrayLike) -> Callable[..., Any]:
+    """Return the gaps between all pairs of spheres, for `Impacts` of states (N, d).
+
+    Parameters
+    ----------
+    radii : (N,) array_like
+        Positive.
+
+    Returns
+    -------
+    callable
+        ``gap(x)`` returns N (N - 1) / 2 numbers.
+
+    Raises
+    ------
+    ArgumentError
+        For what is no list of positive numbers.
+    """
+    try:
+        sizes = reals(radii)
+    except TypeError as error:
+        raise ArgumentError(f"radii={radii!r} must be numbers: {error}.") from None
+    if sizes.ndim != 1 or sizes.size < 2 or not (np.isfinite(sizes) & (sizes > 0)).all():
+        raise ArgumentError(f"radii={radii!r} must be at least two positive numbers.")
+
+    def gap(x):  # type: ignore[no-untyped-def]
+        gaps, row = np.empty(len(x) * (len(x) - 1) // 2), 0
+        for i in range(len(x)):
+            for j in range(i):
+                square = 0.0
+                for k in range(x.shape[1]):
+                    square += (x[i, k] - x[j, k]) ** 2
+                gaps[row] = np.sqrt(square) - sizes[i] - sizes[j]
+                row += 1
+        return gaps
+
+    return gap
+
+
+def cut_steps(
+    impacts: Any, switches: Any, system: System, method: Method, course: Course, adapter: Adapter, place_of_sides: int
+) -> tuple[System, Controller]:
+    """Make impacts and switches ready; the system gets their gaps as a part.
+
+    In the params of the system the sides are from `place_of_sides` on, if that is not negative.
+
+    Raises
+    ------
+    ArgumentError
+        For what is none, does not go with the method or the system, and for a start beyond a surface.
+    """
+    if impacts is not None and not isinstance(impacts, Impacts):
+        impacts = Impacts(impacts)
+    _check(impacts, system, method, course)
+    given = [(name, f) for name, f in (("impacts", impacts and impacts.gap), ("switches", switches)) if f is not None]
+    gaps = [_adapted(name, function, adapter) for name, function in given]
+    sizes = {name: gap.size for (name, _), gap in zip(given, gaps, strict=True)}
+    whole = gaps[0] if len(gaps) == 1 else _both(*gaps)
+    count, n = whole.size, system.x0.size
+    state = np.array([course.t0]), system.x0[None], system.v0[None]
+    start = evaluate_quantity(whole, system, *state).reshape(count)
+    length = float(abs(system.x0).max()) or 1.0
+    of_impacts = sizes.get("impacts", 0)
+    _check_start(start, of_impacts, length)
+    params = np.zeros(layout.HEAD + (layout.ROWS + 1) * count + layout.VECTORS * n)
+    params[[layout.COUNT, layout.LENGTH]] = count, length
+    params[layout.PLACE_OF_SIDES] = place_of_sides
+    params[layout.LOCATED] = impacts is None or impacts.located
+    params[layout.BODY_SIZE] = system.x0.shape[-1] if system.x0.ndim > 1 else n
+    rows = params[layout.HEAD : layout.HEAD + layout.ROWS * count].reshape(layout.ROWS, count)
+    rows[layout.SIDE] = 1.0
+    if impacts is not None:
+        rows[layout.RESTITUTION, :of_impacts] = _numbers("restitution", impacts.restitution, of_impacts, 1.0)
+        rows[layout.FRICTION, :of_impacts] = _numbers("friction", impacts.friction, of_impacts, np.inf)
+    rows[layout.SWITCH, of_impacts:] = 1.0
+    rows[layout.SIDE, of_impacts:] = np.where(start[of_impacts:] < 0.0, -1.0, 1.0)
+    masses = np.ones(n) if impacts is None else fitted("mass", impacts.mass, system.x0.shape)
+    if not (np.isfinite(masses) & (masses > 0.0)).all():
+        raise ArgumentError(f"mass={impacts.mass!r} of impacts must be positive and finite.")
+    vectors = layout.HEAD + layout.ROWS * count
+    params[vectors : vectors + n] = 1.0 / masses
+    own = np.zeros(0) if whole.params is None else whole.params
+    what = " and ".join(f"{size} {name}" for name, size in sizes.items())
+    name = "equal steps, cut at " + (what if params[layout.LOCATED] else f"none; {what} after each")
+    params = np.concatenate([params, own])
+    between = Controller(name, "", _on_their_sides, params) if "switches" in sizes else None
+    controller = Controller(name, "what impacts leave of energy and momenta", spelled, params, between=between)
+    return replace(system, parts={**system.parts, "gaps": whole.function}), controller
+
+
+def spelled(spell: Spell, word: Word) -> Spelled:
+    """Cut the steps of a word."""
+    whole = Fraction(1)
+    return [("begin-cut", whole, Fraction(0)), *spell(word), ("end-cut", whole, whole)]
+
+
+def _on_their_sides(spell: Spell, word: Word) -> Spelled:
+    return [("take-sides", Fraction(1), Fraction(0)), *spell(word)]
+
+
+def sides_at(switches: Any, problem: Any, adapter: Adapter) -> Floats:
+    """Return on which side of each switch the start is, 1 or -1; nothing for systems, which have their own params.
+
+    Raises
+    ------
+    ArgumentError
+        For what is no function of the state.
+    """
+    if switches is None or isinstance(problem, System):
+        return np.zeros(0)
+    gap = _adapted("switches", switches, adapter)
+    x, v, params, out = adapter.x0.reshape(-1), adapter.v0.reshape(-1), gap.params, np.zeros(gap.size)
+    gap.function(adapter.t0, x.copy(), v.copy(), params, out)
+    return np.where(out < 0.0, -1.0, 1.0)
+
+
+def _check(impacts: Impacts | None, system: System, method: Method, course: Course) -> None:
+    if impacts is not None and course.t1 < course.t0:
+        raise ArgumentError(
+            f"t_span=({course.t0!r}, {course.t1!r}) runs backwards, where impacts have no meaning; start at the earlier time."
+        )
+    if not Kind.VELOCITY_DEPENDENT.includes(system.kind) and impacts is not None:
+        raise ArgumentError(
+            f"impacts change velocities, and {system.name!r} has {system.kind.value}; describe it as kd.SecondOrder,"
+            " kd.Newtonian or another with x' = v."
+        )
+    check_memory("impacts and switches", system, method)
+
+
+def _adapted(name: str, function: Any, adapter: Adapter) -> Quantity:
+    allowed = ("t", "x", "params") if name == "impacts" else ("t", "x", "v", "params", "q", "p", "y")
+    role = f"the gap of {name}" if name == "impacts" else "switches"
+    shape = adapter.shape_of(function, role, allowed)
+    if len(shape) > 1 or 0 in shape:
+        raise ArgumentError(f"{role}, {name_of(function)}, returns an array of shape {shape}; give a number or a list.")
+    alone = replace(adapter, numbers=[])
+    adapted = alone.adapt(function, role, allowed, shape)
+    return Quantity(adapted.function, size=int(np.prod(shape)), params=alone.args)
+
+
+def _both(one: Quantity, other: Quantity) -> Quantity:
+    assert one.params is not None
+    assert other.params is not None
+    function = bind(
+        _one_after_the_other, first=one.function, second=other.function, COUNT=one.size, PARAMS=one.params.size
+    )
+    return Quantity(function, size=one.size + other.size, params=np.concatenate([one.params, other.params]))
+
+
+def _one_after_the_other(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    first(t, x, v, part(params, 0, PARAMS), part(out, 0, COUNT))
+    second(t, x, v, part(params, PARAMS, params.size - PARAMS), part(out, COUNT, out.size - COUNT))
+
+
+def _numbers(name: str, value: ArrayLike, count: int, most: float) -> Floats:
+    try:
+        numbers = np.broadcast_to(reals(value), (count,))
+    except (TypeError, ValueError) as error:
+        raise ArgumentError(f"{name}={value!r} of impacts: {error}; give a number, or {count} of them.") from None
+    if not ((numbers >= 0.0) & (numbers <= most) & np.isfinite(numbers)).all():
+        raise ArgumentError(
+            f"{name}={value!r} of impacts must be finite and {'from 0 to 1' if most == 1.0 else 'at least 0'}."
+        )
+    return numbers
+
+
+def _check_start(start: Floats, count: int, length: float) -> None:
+    if not np.isfinite(start).all():
+        raise ArgumentError(f"the gaps at the start are {start.tolist()!r}; they must be finite.")
+    beyond: Sequence[int] = np.flatnonzero(start[:count] < -1e-9 * length).tolist()
+    if beyond:
+        raise ArgumentError(
+            f"gap {beyond[0]} is {float(start[beyond[0]])!r} at the start, beyond the surface; gaps are positive where nothing"
+            " touches: move x0, or turn the sign of the function."
+        )

@@ -1,0 +1,164 @@
+"""Rows that go to disk as a run goes on: memory holds some of them at a time."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.core.naming import digest
+from kickdrift.engine import quantities
+from kickdrift.engine.events import Zero
+from kickdrift.engine.grid import Course, Grid
+from kickdrift.engine.processing import Processing
+from kickdrift.engine.rows import GridRows, Mark
+from kickdrift.engine.solution import Description
+from kickdrift.engine.stepper import State
+from kickdrift.engine.zarr_store import Array, ZarrStore
+
+Floats = NDArray[np.float64]
+
+
+class StreamedRows(GridRows):
+    """The rows of equal steps, as many at a time as are a chunk of the store.
+
+    Of the rows that a solution has, there are the first and the last.
+    """
+
+    def __init__(self, processing: Processing, grid: Grid, store: ZarrStore, about: Description) -> None:
+        self.stepper, self.grid, self._processing, self._store = processing.kernel, grid, processing, store
+        self._about, self._start, self._every = about, self.stepper.state.copy(), grid.every or 1
+        self.first, self.save_steps = 0, np.zeros(0, dtype=np.int64)
+
+    def create(self) -> None:
+        """Make the store, empty."""
+        system, about, units = self._processing.system, self._about, self._about.units
+        arrays = {
+            "time": Array((), (), units.get("t", "")),
+            "x": Array(about.dimensions, system.x0.shape, units.get("x", "")),
+        }
+        if system.v0.shape == system.x0.shape:  # first-order equations have no v
+            arrays["v"] = Array(about.dimensions, system.v0.shape, units.get("v", ""))
+        for name, quantity in system.quantities.items():
+            key = name.replace(" ", "_")
+            vector = quantity.size > 1
+            arrays[key] = Array((f"{key}_component",) * vector, (quantity.size,) * vector, quantity.unit)
+        words = {"system": about.system, "method": about.method, "step": self.grid.step, "status": "RUNNING"}
+        self._store.create({**words, "source": about.source}, arrays, about.coordinates)
+        self._make_room()
+
+    def _make_room(self) -> None:
+        state, rows = self.stepper.state, self._store.chunk + 1  # one more if the run ends early between two
+        self.xs, self.vs = np.empty((rows, state.x.size)), np.empty((rows, state.v.size))
+        self._begin_at(self.first)
+
+    def _begin_at(self, first: int) -> None:
+        """Begin the chunk with a row."""
+        steps = np.arange(first, first + self._store.chunk, dtype=np.int64) * self._every
+        self.first, self.save_steps = first, np.unique(np.minimum(steps, self.grid.n_steps))
+
+    def begin(self) -> Mark:
+        """Keep the start."""
+        self.xs[0], self.vs[0] = self.stepper.state.x, self.stepper.state.v
+        return Mark(1)
+
+    def kept(self, step: int, mark: Mark) -> dict[str, NDArray[Any]]:
+        """Return the rows that are not in the store yet, and that a longer run would have, too, and how many are there."""
+        rows = step // self._every + 1 - self.first
+        return {"stored": np.array([self.first]), "xs": self.xs[:rows], "vs": self.vs[:rows]}
+
+    def go_on(self, kept: Mapping[str, NDArray[Any]], step: int, mark: Mark) -> Mark:
+        """Begin after a step with the rows that were kept up to there."""
+        self.first, rows = int(kept["stored"][0]), len(kept["xs"])
+        self._store.go_on(self.first)
+        self._make_room()
+        self.xs[:rows], self.vs[:rows] = kept["xs"], kept["vs"]
+        if self.ended(step) and step % self._every:
+            self.xs[rows], self.vs[rows] = self.stepper.state.x, self.stepper.state.v
+            rows += 1
+        return Mark(self.first + rows, 0, step)
+
+    def full_after(self) -> int:
+        """Return the step after which a chunk is full."""
+        return min(self.grid.n_steps, (self.first + self._store.chunk - 1) * self._every)
+
+    def drain(self, mark: Mark) -> None:
+        """Write the chunk if it is full.
+
+        Raises
+        ------
+        FileFormatError
+            If it cannot be written.
+        """
+        if mark.rows - self.first == self._store.chunk:
+            self._write(self.save_steps, {})
+            self._begin_at(mark.rows)
+
+    def close(self, step: int, mark: Mark, state: State, stop: Zero | None, status: str) -> None:
+        """Write what is left, the last state among it, and how the run ended.
+
+        Raises
+        ------
+        FileFormatError
+            If it cannot be written.
+        """
+        written = self.first > 0 and mark.rows == self.first and (self.first - 1) * self._every == step
+        rows = 0 if written else super().keep_last(state, step, mark, stop is not None) - self.first
+        steps = np.append(self.save_steps, step)[:rows]
+        if rows:
+            steps[-1] = min(int(steps[-1]), step)
+        self._write(steps, {"status": status})
+        self.first += rows
+        if stop is not None:
+            self._append(np.array([stop.t]), stop.x[None], stop.v[None], {})
+
+    def keep_last(self, state: State, step: int, mark: Mark, stopped: bool) -> int:
+        """Keep the first and the last row alone, once the store is closed; return how many these are."""
+        self.xs, self.vs = np.stack((self._start.x, state.x)), np.stack((self._start.v, state.v))
+        return 2 if step else 1
+
+    def seen(self, rows: int) -> int:
+        """Return how many rows people see."""
+        return self.first
+
+    def times(self, rows: int, step: int, early: bool) -> Floats:
+        """Return the times of the first and the last row."""
+        last = self.grid.t1 if self.ended(step) else self.time(step)
+        return np.array([self.grid.t0, last])[:rows]
+
+    def _write(self, steps: NDArray[np.int64], attributes: Mapping[str, Any]) -> None:
+        """Write rows of the chunk."""
+        t = np.where(steps == self.grid.n_steps, self.grid.t1, self.grid.t0 + steps * self.grid.step)
+        xs, vs = self._processing.leave(t, self.xs[: t.size].copy(), self.vs[: t.size].copy(), self.grid.t0)
+        self._append(t, xs, vs, attributes)
+
+    def _append(self, t: Floats, xs: Floats, vs: Floats, attributes: Mapping[str, Any]) -> None:
+        system = self._processing.system
+        rows = {"time": t, "x": xs, "v": vs}
+        if system.v0.size == 0:
+            del rows["v"]
+        for name in system.quantities:
+            rows[name.replace(" ", "_")] = quantities.evaluate(system, name, t, xs, vs)
+        self._store.append(rows, attributes)
+
+
+def store_of(path: Any, grid: Grid | Course, identity: Mapping[str, str], again: bool) -> ZarrStore | None:
+    """Return where rows go, None for memory; whether a run may go on there, or begin `again`.
+
+    Raises
+    ------
+    ArgumentError
+        For what is no path, a folder that is there, and runs whose rows do not go to disk.
+    """
+    if path is None:
+        return None
+    if isinstance(grid, Course):
+        raise ArgumentError(
+            f"save_to={str(path)!r}: the sizes of the steps vary, and rows of equal steps alone go to disk."
+        )
+    if grid.every is None:
+        raise ArgumentError(f"save_to={str(path)!r} and t_eval are both given; give save_every, or leave save_to out.")
+    store = ZarrStore(path, digest((sorted(identity.items()), f"{grid.step:.9g}")))
+    store.check(again)
+    return store

@@ -1,0 +1,186 @@
+"""What is to be run, made ready and run: from its start, or on from where it stands."""
+
+import sys
+import time
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import dataclass, replace
+from functools import partial
+
+from kickdrift.core.errors import FileFormatError
+from kickdrift.core.interruption import InterruptionNoted
+from kickdrift.core.outcomes import Outcome
+from kickdrift.engine.checkpoints import Checkpoints
+from kickdrift.engine.controller import Controller
+from kickdrift.engine.events import Event, watch_for
+from kickdrift.engine.grid import Course, Grid
+from kickdrift.engine.keeping import find, keep
+from kickdrift.engine.method_selection import Choice
+from kickdrift.engine.processing import compile_method
+from kickdrift.engine.progress import Bar
+from kickdrift.engine.rows import CourseRows, GridRows, Rows
+from kickdrift.engine.run import Ending, Failure, Run
+from kickdrift.engine.solution import Description
+from kickdrift.engine.standing import Standing
+from kickdrift.engine.streaming import StreamedRows
+from kickdrift.engine.zarr_store import ZarrStore
+from kickdrift.systems.system import System
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """All that determines a run.
+
+    Attributes
+    ----------
+    system : System
+        With the start.
+    chosen : Choice
+        The method.
+    grid : Grid or Course
+    compensated : bool
+    controller : Controller or None
+        What chooses the steps of a course.
+    events : tuple of Event
+    progress : bool or None
+        Whether a bar shows, which determines nothing.
+    """
+
+    system: System
+    chosen: Choice
+    grid: Grid | Course
+    compensated: bool
+    controller: Controller | None
+    events: tuple[Event, ...]
+    progress: bool | None
+
+    @property
+    def description(self) -> Description:
+        """What is run, for people."""
+        return description_of(self.system, self.chosen, self.compensated, self.controller)
+
+
+def description_of(system: System, chosen: Choice, compensated: bool, controller: Controller | None) -> Description:
+    """Describe what is run, for people."""
+    method = chosen.method
+    units = dict(system.units) | {name: quantity.unit for name, quantity in system.quantities.items() if quantity.unit}
+    return Description(
+        system=system.name,
+        method=method.name,
+        kind=system.kind.name,
+        order=method.order,
+        word=method.spelling,
+        compensated=compensated,
+        dimensions=system.dimensions or tuple(f"axis_{i}" for i in range(system.x0.ndim)),
+        coordinates=dict(system.coordinates),
+        units=units,
+        source=system.source,
+        choice=chosen.reason,
+        gm=() if system.gm is None else tuple(system.gm.tolist()),
+        step_control="" if controller is None else f"{controller.name} ({controller.conserves})",
+    )
+
+
+class Journey:
+    """A task on its way: compiled, with room for its rows.
+
+    Parameters
+    ----------
+    task : Task
+    before : Standing, optional
+        Where it begins.
+    checkpoints : Checkpoints, optional
+        Where it is kept as it goes on; if it was kept there already, it begins there.
+    store : ZarrStore, optional
+        Where its rows go, if not into memory.
+
+    Attributes
+    ----------
+    task : Task
+        The grid of which has the step that the run began with.
+    processing : Processing
+    between : callable
+        Returns the method, compiled for steps of any size, with a state of its own.
+    watch : Watch or None
+    run : Run
+    said : str
+        What is to be said of where it began.
+    """
+
+    def __init__(
+        self,
+        task: Task,
+        before: Standing | None = None,
+        checkpoints: Checkpoints | None = None,
+        store: ZarrStore | None = None,
+    ) -> None:
+        self.task, self.said, self._checkpoints, self.store = task, "", checkpoints, store
+        self._compile()
+        if checkpoints is not None:
+            found = find(checkpoints, task.grid, self.processing.kernel.state, len(task.events))
+            if found is not None:
+                grid, before, self.said = found
+                if grid.step != task.grid.step:
+                    self.task = replace(task, grid=grid)
+                    self._compile()
+        if before is None or before.step == 0:
+            self.processing.enter()
+            if isinstance(self.run.rows, StreamedRows):
+                self.run.rows.create()
+        else:
+            self.run.go_on(before)
+
+    def _compile(self) -> None:
+        task = self.task
+        made = partial(compile_method, task.system, task.chosen.method, task.grid, task.compensated)
+        self.processing = made(turns=not task.events, controller=task.controller)
+        self.between = partial(made, controller=None if task.controller is None else task.controller.between)
+        self.watch = watch_for(task.events, task.system, partial(self.between, turns=False), task.grid.t1)
+        self.run = Run(self.processing.kernel, self._rows(), self.watch)
+
+    def _rows(self) -> Rows:
+        kernel, grid = self.processing.kernel, self.task.grid
+        if isinstance(grid, Course):
+            return CourseRows(kernel, grid)
+        if self.store is not None:
+            return StreamedRows(self.processing, grid, self.store, self.task.description)
+        return GridRows(kernel, grid)
+
+    def go(self) -> Ending:
+        """Run to the end of the grid, or as far as it goes."""
+        started, run, failure = time.perf_counter(), self.run, None
+        with closing(Bar(run.rows.progress(0)[1], self.task.progress)) as bar:
+            while failure is None and not run.ended:
+                first, began = run.step, time.perf_counter()
+                due = until = sys.maxsize if self._checkpoints is None else self._checkpoints.until(first, sys.maxsize)
+                if isinstance(run.rows, StreamedRows):
+                    until = min(due, run.rows.full_after())
+                failure = run.go(bar, started, until)
+                if self._checkpoints is not None:
+                    self._checkpoints.pace(run.step - first, time.perf_counter() - began)
+                if self._checkpoints is not None or self.store is not None:
+                    failure = self._kept(failure, due)
+        if isinstance(run.rows, StreamedRows):
+            failure = self._written(failure, partial(run.close, run.rows, (failure or (Outcome.COMPLETED, ""))[0]))
+        return run.ending(*(failure or (Outcome.COMPLETED, "")))
+
+    def _kept(self, failure: Failure | None, due: int) -> Failure | None:
+        """Keep where the run stands, while Ctrl-C waits, and say what ends it, if anything does."""
+        run, checkpoints = self.run, self._checkpoints
+        with InterruptionNoted(passed_on=False) as interruption:
+            if isinstance(run.rows, StreamedRows):
+                failure = self._written(failure, partial(run.drain, run.rows))
+            if checkpoints is not None and (run.step == due or run.ended or failure is not None):
+                failure = self._written(failure, lambda: keep(checkpoints, self.task.grid, run.standing()))
+        if interruption.noted and not run.ended:
+            return failure or (Outcome.INTERRUPTED, "")
+        return failure
+
+    def _written(self, failure: Failure | None, write: Callable[[], None]) -> Failure | None:
+        """Write something, and say what ends the run, if anything does."""
+        try:
+            write()
+        except FileFormatError as error:
+            outcome, cause = failure or (Outcome.NOT_WRITTEN, "")
+            return outcome, f"{cause} {error}"
+        return failure

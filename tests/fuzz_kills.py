@@ -1,0 +1,142 @@
+"""Runs that are killed (kill -9) at random instants, and go on: with the bits of one that was left alone.
+
+``python tests/fuzz_kills.py --count 50`` tries so many, of each kind of run in turn.
+"""
+
+import functools
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import hostile
+import numpy as np
+import xarray as xr
+
+import kickdrift as kd
+
+MOST_KILLS = 3
+
+
+def pulled(t, x):
+    return -x + 0.1 * np.cos(t)
+
+
+def crossing(x):
+    return x[0]
+
+
+def plain(folder):
+    """Run planets whose checkpoints take about as long as their steps."""
+    options = {} if folder is None else {"checkpoint": folder / "run", "checkpoint_every": 20_000}
+    sol = kd.solve(
+        kd.systems.outer_solar_system(), (0.0, 4e6), step=2.0, method="wisdom-holman", save_every=10_000, **options
+    )
+    return sol.t, sol.x, sol.v
+
+
+def events(folder):
+    """Run a forced oscillator whose events are kept, too."""
+    options = {} if folder is None else {"checkpoint": folder / "run", "checkpoint_every": 2000}
+    sol = kd.solve(
+        pulled,
+        (0.0, 10_000.0),
+        [1.0],
+        [0.0],
+        step=1 / 32,
+        method="velocity-verlet",
+        save_every=100,
+        events=crossing,
+        **options,
+    )
+    return sol.t, sol.x, sol.v, *sol.t_events
+
+
+def adaptive(folder):
+    """Run a comet whose steps vary."""
+    options = {} if folder is None else {"checkpoint": folder / "run", "checkpoint_every": 20_000}
+    sol = kd.solve(
+        kd.systems.kepler(0.9),
+        (0.0, 5e5),
+        step=0.01,
+        step_control="distance",
+        method="stormer-verlet",
+        save_every=1000,
+        **options,
+    )
+    return sol.t, sol.x, sol.v
+
+
+def world(folder):
+    """Run a pile of boxes that topples."""
+    options = {} if folder is None else {"checkpoint": folder / "run", "checkpoint_every": 60}
+    made = kd.World()
+    made.add_plane(normal=(0, 0, 1), friction=0.5)
+    for k in range(8):
+        made.add_box(size=(0.5, 0.5, 0.5), position=(0.1 * k, 0, 0.3 + 0.7 * k), mass=1.0)
+    recording = made.run(60.0, 1 / 120, save_every=10, **options)
+    return recording.t, recording.x, recording.v, recording.orientation, made.position
+
+
+def streamed(folder):
+    """Run planets whose rows go to disk."""
+    with tempfile.TemporaryDirectory() as elsewhere:
+        path = Path(elsewhere if folder is None else folder) / "run.zarr"
+        options = {} if folder is None else {"checkpoint": folder / "run", "checkpoint_every": 30_000}
+        system = kd.systems.outer_solar_system()
+        kd.solve(system, (0.0, 2e6), step=2.0, method="wisdom-holman", save_every=10, save_to=path, **options)
+        data = xr.open_zarr(path).load()
+    return data.time, data.x, data.v, data.energy
+
+
+KINDS = {"plain": plain, "streamed": streamed, "events": events, "adaptive": adaptive, "world": world}
+
+
+@functools.cache
+def whole(kind):
+    """Return what a run gives that is left alone."""
+    return KINDS[kind](None)
+
+
+def started(kind, folder):
+    """Start a run in a process of its own; return the process once it is about to run."""
+    code = f"import fuzz_kills as f, pathlib; print(flush=True); f.KINDS[{kind!r}](pathlib.Path({str(folder)!r}))"
+    process = subprocess.Popen([sys.executable, "-W", "ignore", "-c", code], stdout=subprocess.PIPE)
+    process.stdout.readline()
+    return process
+
+
+def newest(folder):
+    """Return the name of the newest checkpoint that there is."""
+    return max((path.name for path in (folder / "run").glob("step-*.npz")), default="")
+
+
+def attempt(seed):
+    """Kill a run up to three times, and let it come to its end."""
+    rng, kind = np.random.default_rng(seed), list(KINDS)[seed % len(KINDS)]
+    expected, killed = whole(kind), 0
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for _ in range(MOST_KILLS):
+            before = newest(folder) if (folder / "run").exists() else ""
+            process = started(kind, folder)
+            time.sleep(rng.uniform(0.0, 1.2))
+            killed += process.poll() is None
+            process.send_signal(signal.SIGKILL)
+            process.communicate()
+            if newest(folder) < before:
+                return f"{kind}: checkpoints up to {before} are lost"
+        done = KINDS[kind](folder)
+        if not all(np.array_equal(one, other) for one, other in zip(done, expected, strict=True)):
+            return f"{kind}: other bits after {killed} kills"
+        if left := [path.name for path in (folder / "run").iterdir() if path.name.startswith(".")]:
+            return f"{kind}: {left} are left"
+    return None if killed else f"{kind}: it was never killed, and took less than the time to"
+
+
+if __name__ == "__main__":
+    os.environ["PYTHONPATH"] = os.pathsep.join(sys.path)
+    sys.exit(hostile.main("fuzz_kills", __doc__))

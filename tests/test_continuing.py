@@ -1,0 +1,165 @@
+"""Solutions that go on: with the bits of one run over the whole span."""
+
+import copy
+import math
+import pickle
+
+import numpy as np
+import pytest
+
+import kickdrift as kd
+from kickdrift.engine import run as run_module
+
+
+def pulled(t, x):
+    return -x + 0.1 * math.cos(t)
+
+
+def crossing(x):
+    return x
+
+
+def same(one, other):
+    assert np.array_equal(one.t, other.t)
+    assert np.array_equal(one.x, other.x)
+    assert np.array_equal(one.v, other.v)
+    assert (one.step, one.n_steps, one.n_force_evaluations) == (other.step, other.n_steps, other.n_force_evaluations)
+    assert (one.status, one.message) == (other.status, other.message)
+
+
+@pytest.mark.parametrize("save_every", [None, 7])
+@pytest.mark.parametrize(
+    ("system", "method", "step"),
+    [
+        (kd.systems.kepler(0.6), "semi-implicit-euler", 1 / 32),
+        (kd.systems.kepler(0.6), "velocity-verlet", 1 / 32),
+        (kd.systems.kepler(0.6), "implicit-midpoint", 1 / 32),
+        (kd.systems.outer_solar_system(), "wisdom-holman-corrected-3", 4.0),
+    ],
+    ids=["euler", "verlet", "implicit", "corrected"],
+)
+def test_a_solution_goes_on_with_the_bits_of_one_run(system, method, step, save_every):
+    options = {"step": step, "method": method, "save_every": save_every}
+    whole = kd.solve(system, (0.0, 400 * step), **options)
+    part = kd.solve(system, (0.0, 200 * step), **options)
+    same(part.continue_to(400 * step), whole)
+    same(part.continue_to(300 * step).continue_to(400 * step), whole)
+    restarted = kd.solve(system, (200 * step, 400 * step), part.x[-1], part.v[-1], **options)
+    assert not np.array_equal(restarted.x[-1], whole.x[-1])  # compensation and coordinates are part of the state
+
+
+def test_noise_goes_on():
+    well = kd.Langevin(lambda x: 4 * x * (1 - x * x), friction=1.0, temperature=0.4, seed=7)
+    options = {"x0": np.ones(5), "v0": np.zeros(5), "step": 0.25}
+    whole = kd.solve(well, (0.0, 50.0), **options)
+    same(kd.solve(well, (0.0, 20.0), **options).continue_to(50.0), whole)
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_a_forced_run_goes_on_backwards(compiled):
+    options = {"x0": 1.0, "v0": 0.0, "step": 0.25, "method": "velocity-verlet", "compile": compiled}
+    whole = kd.solve(pulled, (10.0, -10.0), **options)
+    same(kd.solve(pulled, (10.0, 2.0), **options).continue_to(-10.0), whole)
+
+
+def test_what_depends_on_matrices_goes_on():
+    options = {"x0": [2.0, 0.0], "step": 1 / 16, "method": "radau-5"}
+    problem = kd.FirstOrder(lambda y: np.array([y[1], 50 * (1 - y[0] ** 2) * y[1] - y[0]]))
+    whole = kd.solve(problem, (0.0, 20.0), **options)
+    on = kd.solve(problem, (0.0, 10.0), **options).continue_to(20.0)
+    same(on, whole)
+    assert np.array_equal(on.error_estimate, whole.error_estimate)
+
+
+def test_an_interrupted_run_goes_on(monkeypatch):
+    monkeypatch.setattr("kickdrift.core.interruption._CHUNK_SECONDS", 1e-5)
+    attempt, calls = run_module.Run._attempt, []
+
+    def interrupted(self, target):
+        calls.append(target)
+        result = attempt(self, target)
+        if len(calls) == 5:
+            raise KeyboardInterrupt
+        return result
+
+    options = {"step": 1 / 128, "save_every": 10}
+    with monkeypatch.context() as patch:
+        patch.setattr(run_module.Run, "_attempt", interrupted)
+        part = kd.solve(kd.systems.kepler(), (0.0, 100.0), **options)
+    assert part.status is kd.Outcome.INTERRUPTED
+    assert part.t[-1] < 100.0
+    same(part.continue_to(100.0), kd.solve(kd.systems.kepler(), (0.0, 100.0), **options))
+
+
+def test_events_go_on_and_terminal_ones_count_anew():
+    def third(x):
+        return x
+
+    third.terminal = 3
+    options = {"x0": 1.0, "v0": 0.0, "step": 1 / 16, "method": "stormer-verlet"}
+    whole = kd.solve(pulled, (0.0, 40.0), events=crossing, **options)
+    part = kd.solve(pulled, (0.0, 15.0), events=crossing, **options).continue_to(40.0)
+    assert np.array_equal(part.x, whole.x)
+    assert np.array_equal(part.t_events[0], whole.t_events[0])
+    stopped = kd.solve(pulled, (0.0, 40.0), events=third, **options)
+    assert stopped.status is kd.Outcome.STOPPED
+    assert stopped.t_events[0].size == 3
+    again = stopped.continue_to(40.0)
+    assert again.status is kd.Outcome.STOPPED
+    assert np.allclose(again.t_events[0], whole.t_events[0][:6], rtol=0, atol=1e-12)
+    rest = again.continue_to(40.0).continue_to(40.0).continue_to(40.0)
+    assert rest.status is kd.Outcome.COMPLETED
+    assert np.array_equal(rest.x, whole.x)
+    assert rest.t_events[0].size == whole.t_events[0].size
+
+
+@pytest.mark.parametrize("t_eval", [[0.0, 5.0, 10.0], [1.03, 7.77, 2.5], [3.0]])
+def test_times_that_were_wanted_stay_and_the_new_end_is_one(t_eval):
+    options = {"x0": 1.0, "v0": 0.0, "step": 1 / 16}
+    whole = kd.solve(pulled, (0.0, 20.0), t_eval=[*t_eval, 20.0], **options)
+    on = kd.solve(pulled, (0.0, 10.0), t_eval=t_eval, **options).continue_to(20.0)
+    same(on, whole)
+
+
+def test_between_the_rows_of_what_went_on_there_are_states():
+    options = {"x0": 1.0, "v0": 0.0, "step": 1 / 16, "save_every": 16}
+    whole = kd.solve(pulled, (0.0, 20.0), **options)
+    on = kd.solve(pulled, (0.0, 10.0), **options).continue_to(20.0)
+    times = np.linspace(0.0, 20.0, 77)
+    assert np.array_equal(on(times).x, whole(times).x)
+
+
+def test_a_solution_that_went_on_stays_as_it_was():
+    part = kd.solve(pulled, (0.0, 10.0), 1.0, 0.0, step=1 / 16)
+    before = part.x.copy()
+    first, second = part.continue_to(20.0), copy.deepcopy(part).continue_to(20.0)
+    assert np.array_equal(part.x, before)
+    same(first, second)
+
+
+@pytest.mark.parametrize(
+    ("t", "words"),
+    [
+        (10.0, "does not lie beyond"),
+        (5.0, "does not lie beyond"),
+        (-1.0, "does not lie beyond"),
+        (10.04, r"nearest times are 10.0 and 10.0625"),
+        (math.nan, "must be finite"),
+        (math.inf, "must be finite"),
+        ("late", "must be a time"),
+        (None, "must be a time"),
+        (1e300, "must be finite"),
+        (1e12, "GiB"),
+    ],
+)
+def test_ends_that_cannot_be_are_refused(t, words):
+    part = kd.solve(pulled, (0.0, 10.0), 1.0, 0.0, step=1 / 16)
+    with pytest.raises(kd.ArgumentError, match=words):
+        part.continue_to(t)
+
+
+def test_what_was_loaded_does_not_go_on(tmp_path):
+    part = kd.solve(pulled, (0.0, 10.0), 1.0, 0.0, step=1 / 16)
+    for other in (kd.load(part.save(tmp_path / "part")), pickle.loads(pickle.dumps(part))):
+        with pytest.raises(kd.KickdriftError, match="checkpoint="):
+            other.continue_to(20.0)

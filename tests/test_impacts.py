@@ -1,0 +1,284 @@
+"""Impacts on surfaces and between bodies, rest, friction, and forces that change their law."""
+
+import numpy as np
+import pytest
+
+import kickdrift as kd
+from kickdrift.core.errors import ArgumentError
+from kickdrift.core.outcomes import Outcome
+
+G = 9.81
+
+
+def _falling(x):
+    return np.array([0.0, -9.81])
+
+
+def test_bouncing_disk_of_games_to_the_digit():
+    floor = kd.Impacts(lambda x: x - 0.1, restitution=0.9, located=False)
+    sol = kd.solve(lambda x: -9.81, (0, 2.0), 0.1, 5.0, step=0.01, method="semi-implicit-euler", impacts=floor)
+    first = int(np.flatnonzero(np.diff(sol.v) > 0)[0]) + 1
+    assert first == 101
+    assert sol.t[first] == pytest.approx(1.01, abs=1e-14)
+    assert sol.v[first - 1] - 0.01 * G == pytest.approx(-4.9081, abs=1e-12)
+    assert sol.v[first] == pytest.approx(0.9 * 4.9081, abs=1e-12)
+    assert sol.x[first] == pytest.approx(0.1, abs=1e-15)
+
+
+@pytest.mark.parametrize("step", [0.01, 0.013, 0.3])
+@pytest.mark.parametrize("compiles", [True, False])
+def test_located_impacts_are_those_of_the_parabolas(step, compiles):
+    if not compiles and step < 0.3:
+        pytest.skip("is slow")
+    floor = kd.Impacts(lambda x: x, restitution=0.9)
+    sol = kd.solve(
+        lambda x: -9.81, (0, 9.0), 0.0, 5.0, step=step, method="velocity-verlet", impacts=floor, compile=compiles
+    )
+    times = sol.t[1:][(np.abs(sol.x[1:]) < 1e-12) & (sol.v[1:] > 1e-9)]
+    exact = np.cumsum(2 * 5.0 * 0.9 ** np.arange(times.size) / G)
+    assert times.size == 20
+    assert np.abs(times - exact).max() < 1e-10
+    assert sol.x.min() > -1e-12
+    parabola = 5.0 * 0.3 - G * 0.3**2 / 2
+    assert sol(0.3).x == pytest.approx(parabola, abs=1e-12)
+
+
+def test_a_ball_comes_to_rest_and_the_run_goes_on():
+    floor = kd.Impacts(lambda x: x, restitution=0.5)
+    sol = kd.solve(
+        lambda x: -9.81, (0, 1e3), 0.0, 5.0, step=0.01, method="velocity-verlet", impacts=floor, save_every=100
+    )
+    end = 2 * 5.0 / G / (1 - 0.5)
+    rests = sol.t > end + 0.02
+    assert np.abs(sol.x[rests]).max() < 1e-12
+    assert np.abs(sol.v[rests]).max() == 0.0
+    assert sol.n_rejected < 2000
+    lively = kd.solve(
+        lambda x: -9.81, (0, 50.0), 0.0, 5.0, step=0.01, method="velocity-verlet", impacts=lambda x: x, save_every=10
+    )
+    energy = lively.v**2 / 2 + G * lively.x
+    assert np.abs(energy / energy[0] - 1).max() < 1e-10  # and does not rest with e = 1
+
+
+def test_what_rests_is_lifted_by_a_force():
+    def lift(t):
+        return -1.0 if t < 2.0 else 1.0
+
+    sol = kd.solve(
+        lift, (0, 4.0), 0.0, 0.0, step=0.01, method="velocity-verlet", impacts=kd.Impacts(lambda x: x, restitution=0.0)
+    )
+    assert np.abs(sol.x[sol.t <= 2.0]).max() < 1e-12
+    assert sol.x[-1] == pytest.approx(2.0, abs=0.03)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.2, 0.5, 1.5])
+def test_friction_in_an_impact_and_in_sliding(friction):
+    floor = kd.Impacts(lambda x: x[1], restitution=0.5, friction=friction)
+    flight = kd.solve(_falling, (0, 0.6), [0, 1.0], [3.0, 0], step=0.01, method="velocity-verlet", impacts=floor)
+    speed = np.sqrt(2 * G)
+    after = flight.v[flight.v[:, 1] > 0.1][0]
+    assert after[1] == pytest.approx(speed / 2, abs=0.1)  # just after
+    assert after[0] == pytest.approx(max(0.0, 3.0 - friction * 1.5 * speed), abs=1e-10)
+    slide = kd.solve(_falling, (0, 0.5), [0, 0.0], [3.0, 0], step=0.001, method="velocity-verlet", impacts=floor)
+    assert slide.v[-1, 0] == pytest.approx(max(0.0, 3.0 - friction * G * 0.5), abs=1e-9)
+
+
+def test_billiard_in_a_circle_keeps_energy_and_momentum():
+    sol = kd.solve(
+        lambda x: 0 * x,
+        (0, 200.0),
+        [0.3, 0],
+        [0.5, 0.77],
+        step=0.05,
+        method="velocity-verlet",
+        impacts=lambda x: 1 - x[0] ** 2 - x[1] ** 2,
+    )
+    speed, momentum = np.hypot(*sol.v.T), sol.x[:, 0] * sol.v[:, 1] - sol.x[:, 1] * sol.v[:, 0]
+    assert sol.n_rejected > 500
+    assert np.abs(speed - speed[0]).max() < 1e-12
+    assert np.abs(momentum - momentum[0]).max() < 1e-10
+    assert (sol.x**2).sum(1).max() < 1 + 1e-11
+
+
+@pytest.mark.parametrize("restitution", [1.0, 0.6])
+def test_spheres_that_meet_head_on(restitution):
+    masses = np.array([1.0, 3.0])
+    spheres = kd.Impacts(kd.sphere_gaps([0.1, 0.2]), restitution=restitution, mass=masses)
+    x0, v0 = np.array([[0.0, 0, 0], [1.0, 0, 0]]), np.array([[1.0, 0, 0], [-0.5, 0, 0]])
+    sol = kd.solve(lambda x: 0 * x, (0, 2.0), x0, v0, step=0.07, method="velocity-verlet", impacts=spheres)
+    centre = masses @ v0[:, 0] / 4.0
+    expected = centre - restitution * (v0[:, 0] - centre)
+    assert np.abs(sol.v[-1, :, 0] - expected).max() < 1e-12
+    moment = (1.0 - 0.3) / 1.5
+    assert sol.t[1:][np.abs(np.diff(sol.v[:, 0, 0])) > 1e-9][0] == pytest.approx(moment, abs=1e-12)
+
+
+def test_spheres_under_gravity_keep_their_energy():
+    x0 = np.array([[0.0, 0, 0], [1.0, 0, 0], [0.4, 1.0, 0.1]])
+    masses = np.array([1.0, 2.0, 0.5])
+    system = kd.systems.nbody(masses, x0, np.zeros((3, 3)))
+    sol = kd.solve(
+        system,
+        (0, 5.0),
+        step=0.002,
+        method="blanes-moan-srkn6b",
+        impacts=kd.Impacts(kd.sphere_gaps([0.1, 0.1, 0.1]), mass=masses),
+    )
+    assert sol.success
+    assert sol.n_rejected > 20
+    assert np.abs(sol.energy / sol.energy[0] - 1).max() < 1e-8
+    assert np.abs(sol.invariants["momentum"]).max() < 1e-12
+    apart = np.linalg.norm(sol.x[:, 0] - sol.x[:, 1], axis=1)
+    assert apart.min() > 0.2 - 1e-9
+
+
+def test_many_disks_keep_energy_and_momentum():
+    random = np.random.default_rng(1)
+    x0 = np.stack(np.meshgrid(range(4), range(4)), -1).reshape(-1, 2) + 0.05 * random.normal(size=(16, 2))
+    v0 = random.normal(size=(16, 2))
+    sol = kd.solve(
+        lambda x: 0 * x, (0, 3.0), x0, v0, step=0.02, method="velocity-verlet", impacts=kd.sphere_gaps(np.full(16, 0.3))
+    )
+    energy, momentum = (sol.v**2).sum((1, 2)), sol.v.sum(1)
+    assert np.abs(energy / energy[0] - 1).max() < 1e-11
+    assert np.abs(momentum - momentum[0]).max() < 1e-11
+
+
+def test_newtons_cradle_passes_the_momentum_on():
+    x0 = np.array([[-1.0, 0], [0.0, 0], [0.2, 0], [0.4, 0]])
+    v0 = np.array([[1.0, 0], [0, 0], [0, 0], [0, 0]])
+    sol = kd.solve(
+        lambda x: 0 * x, (0, 2.0), x0, v0, step=0.05, method="velocity-verlet", impacts=kd.sphere_gaps([0.1] * 4)
+    )
+    assert np.abs(sol.v[-1] - v0[::-1]).max() < 1e-12
+
+
+def test_a_moving_wall_gives_twice_its_speed():
+    wall = kd.Impacts(lambda t, x: x - 0.5 * t)
+    sol = kd.solve(lambda x: 0.0, (0, 3.0), 1.0, -1.0, step=0.1, method="velocity-verlet", impacts=wall)
+    assert sol.v[-1] == pytest.approx(2.0, abs=1e-10)
+
+
+@pytest.mark.parametrize("method", ["velocity-verlet", "blanes-moan-srkn6b", "kahan-li-8"])
+def test_methods_keep_their_order_across_switches(method):
+    def spring(x, params):
+        return (-2.5 - 1.5 * params[0]) * x - 1.0 - params[0]
+
+    def blind(x):
+        return np.where(x > 0, -4.0 * x - 2.0, -x)
+
+    def errors(force, **switches):
+        found = []
+        for step in (0.1, 0.05):
+            sol = kd.solve(force, (0, 20.0), 1.0, 0.0, step=step, method=method, **switches)
+            found.append(abs(sol.x[-1] - exact))
+        return found
+
+    down = np.arccos(1 / 3) / 2  # from the top to zero
+    left = 20.0 % (2 * down + np.pi)
+    assert down < left < down + np.pi
+    exact = -np.sqrt(8) * np.sin(left - down)
+    order = kd.methods.get(method).order
+    cut, plain = errors(spring, switches=lambda x: x), errors(blind)
+    assert cut[1] < 1e-13 or abs(np.log2(cut[0] / cut[1]) - order) < 0.35
+    if order > 2:
+        assert plain[1] > 100 * cut[1]
+
+
+def test_switches_of_the_velocity():
+    def dry(x, params):
+        return -x - 0.2 * params[-1]
+
+    sol = kd.solve(dry, (0, np.pi), 1.0, 0.0, step=0.01, method="blanes-moan-srkn6b", switches=lambda v: v)
+    assert sol.x[-1] == pytest.approx(-0.6, abs=1e-9)  # each half period takes 0.4
+    assert sol(np.pi - 0.004).x == pytest.approx(-0.6 + 0.8 * (1 - np.cos(0.004)), abs=1e-9)
+
+
+def test_switches_of_first_order_equations_and_hamiltonians():
+    def relay(y, params):
+        return np.where(params[-1] > 0, -1.0, -0.25) + 0 * y
+
+    sol = kd.solve(kd.FirstOrder(relay), (0, 1.0), [1.0], step=0.03, method="dop853", switches=lambda y: y - 0.5)
+    assert sol.y[-1, 0] == pytest.approx(0.375, abs=1e-12)
+    system = kd.Separable(kinetic_gradient=lambda p: 2 * p, potential_gradient=lambda q, params: 6.0 + 2.0 * params[-1])
+    sol = kd.solve(system, (0, 0.4), 1.0, 0.0, step=0.03, method="velocity-verlet", switches=lambda q: q - 0.5)
+    energy = sol.p**2 + 4.0 * sol.q + 4.0 * np.maximum(sol.q - 0.5, 0.0)
+    assert sol.q[-1] < 0.5
+    assert np.abs(energy / energy[0] - 1).max() < 1e-12
+
+
+def test_impacts_and_switches_together():
+    sol = kd.solve(
+        lambda x, params: -6.0 - 2.0 * params[0],
+        (0, 3.0),
+        1.0,
+        0.0,
+        step=0.03,
+        method="velocity-verlet",
+        impacts=lambda x: x,
+        switches=lambda x: x - 0.5,
+    )
+    energy = sol.v**2 / 2 + 4.0 * sol.x + 4.0 * np.maximum(sol.x - 0.5, 0.0)
+    assert np.abs(energy / energy[0] - 1).max() < 1e-11
+
+
+def test_rows_events_and_dense_output_go_with_impacts():
+    def top(v):
+        return v
+
+    top.direction = -1
+    floor = kd.Impacts(lambda x: x, restitution=0.8)
+    options = {"step": 0.05, "method": "velocity-verlet", "impacts": floor}
+    sol = kd.solve(lambda x: -9.81, (0, 3.0), 0.0, 5.0, events=top, **options)
+    heights = 25.0 / 2 / G * 0.64 ** np.arange(sol.t_events[0].size)
+    assert sol.t_events[0].size >= 3
+    assert np.abs(sol.x_events[0] - heights).max() < 1e-12
+    picked = kd.solve(lambda x: -9.81, (0, 3.0), 0.0, 5.0, t_eval=[0.5, 1.5, 2.5], **options)
+    assert np.abs(picked.x - sol([0.5, 1.5, 2.5]).x).max() < 1e-12
+    assert "cut at 1 impacts" in sol.report()
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"impacts": 3}, "not a function"),
+        ({"impacts": lambda x: x[1] - 5.0}, "beyond the surface"),
+        ({"impacts": lambda x: np.nan * x[0]}, "must be finite"),
+        ({"impacts": lambda x: np.outer(x, x)}, "of shape (2, 2)"),
+        ({"impacts": lambda v: v[0]}, "name them t, x, params"),
+        ({"impacts": kd.Impacts(lambda x: x[1], restitution=1.5)}, "from 0 to 1"),
+        ({"impacts": kd.Impacts(lambda x: x[1], restitution=[0.5, 0.5])}, "restitution=[0.5, 0.5]"),
+        ({"impacts": kd.Impacts(lambda x: x[1], friction=-0.1)}, "friction=-0.1"),
+        ({"impacts": kd.Impacts(lambda x: x[1], restitution=np.nan)}, "from 0 to 1"),
+        ({"impacts": kd.Impacts(lambda x: x[1], mass=-1.0)}, "mass=-1.0"),
+        ({"impacts": lambda x: x[1], "rtol": 1e-3}, "each chooses the steps"),
+        ({"impacts": lambda x: x[1], "t_span": (1.0, 0.0)}, "backwards"),
+        ({"switches": "x"}, "not a function"),
+    ],
+)
+def test_what_cannot_be_is_said_before_the_run(options, text):
+    span = options.pop("t_span", (0, 1.0))
+    with pytest.raises(ArgumentError) as error:
+        kd.solve(_falling, span, [0, 1.0], [0, 0], step=0.01, method="velocity-verlet", **options)
+    assert text in str(error.value)
+
+
+@pytest.mark.parametrize("radii", [[0.1], [0.1, -0.1], [0.1, np.nan], "big", [[0.1, 0.1]]])
+def test_radii_that_are_none(radii):
+    with pytest.raises(ArgumentError, match="radii="):
+        kd.sphere_gaps(radii)
+
+
+def test_gaps_that_stop_being_numbers_end_the_run():
+    sol = kd.solve(
+        lambda x: 0.0,
+        (0, 3.0),
+        1.0,
+        -1.0,
+        step=0.01,
+        method="velocity-verlet",
+        impacts=lambda x: np.sqrt(x - 0.5) + 1.0,
+        compile=False,
+    )
+    assert sol.status is Outcome.NO_STEP
+    assert sol.t[-1] == pytest.approx(0.5, abs=0.02)

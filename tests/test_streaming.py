@@ -1,0 +1,301 @@
+"""Rows that go to disk while a run goes on: xarray reads them at any moment, and memory stays as it is."""
+
+import math
+import os
+import resource
+import signal
+import subprocess
+import sys
+import tracemalloc
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import kickdrift as kd
+from kickdrift.engine import checkpoints, zarr_store
+
+STEP = 1 / 64
+OPTIONS = {"step": STEP, "save_every": 3, "method": "stormer-verlet"}
+
+
+@pytest.fixture(autouse=True)
+def _small_chunks(monkeypatch):
+    monkeypatch.setattr(zarr_store, "_CHUNK", 100 * 16)  # rows of two numbers
+
+
+def solve(path=None, end=50.0, problem=None, **others):
+    problem = kd.systems.kepler(0.6) if problem is None else problem
+    return kd.solve(problem, (0.0, end), **{**OPTIONS, "save_to": path, **others})
+
+
+def opened(path):
+    return xr.open_zarr(path).load()
+
+
+def same(path, whole):
+    data, wanted = opened(path), whole.to_xarray()
+    assert data.sizes == wanted.sizes
+    for name in (*wanted.data_vars, "time", *wanted.coords):
+        assert np.array_equal(data[name], wanted[name]), name
+        assert data[name].dims == wanted[name].dims
+        assert data[name].attrs.get("units") == wanted[name].attrs.get("units")
+    for name, words in wanted.attrs.items():
+        assert data.attrs[name] == words
+
+
+class KilledError(BaseException):
+    """Ends a run where it stands, as a kill does."""
+
+
+def broken_off(monkeypatch, function, after, **others):
+    """Run until a function of the store or of checkpoints was called so often, and die before the next call."""
+    of, name = function
+    original, called = getattr(of, name), []
+
+    def counted(self, *arguments):
+        if len(called) == after:
+            raise KilledError
+        called.append(1)
+        original(self, *arguments)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(of, name, counted)
+        with pytest.raises(KilledError):
+            solve(**others)
+
+
+APPEND, WRITE = (zarr_store.ZarrStore, "append"), (checkpoints.Checkpoints, "write")
+
+
+@pytest.mark.parametrize(
+    ("problem", "others"),
+    [
+        (kd.systems.kepler(0.6), {}),
+        (kd.systems.kepler(0.6), {"save_every": None, "end": 20.0}),
+        (kd.systems.kepler(0.6), {"end": -30.0}),
+        (kd.systems.outer_solar_system(), {"step": 4.0, "end": 4000.0, "method": "wisdom-holman-corrected-3"}),
+        (kd.FirstOrder(lambda y: np.array([y[1], -y[0]])), {"x0": [1.0, 0.0], "method": "rk4"}),
+        (lambda x: -x, {"x0": 1.0, "v0": 0.0}),
+        (kd.Langevin(lambda x: -x, friction=1.0, temperature=0.4), {"x0": 1.0, "v0": 0.0, "method": "baoab"}),
+    ],
+    ids=["plain", "every", "backwards", "corrected", "first order", "scalar", "noise"],
+)
+def test_what_goes_to_disk_is_what_would_be_kept(problem, others, tmp_path):
+    whole, path = solve(problem=problem, **others), tmp_path / "run.zarr"
+    streamed = solve(path, problem=problem, **others)
+    same(path, whole)
+    assert streamed.saved_to == str(path)
+    assert np.array_equal(streamed.t, whole.t[[0, -1]])
+    assert np.array_equal(streamed.x, whole.x[[0, -1]])
+    assert np.array_equal(streamed.v, whole.v[[0, -1]])
+    assert (streamed.n_steps, streamed.n_force_evaluations) == (whole.n_steps, whole.n_force_evaluations)
+    assert streamed.message == whole.message
+    assert f"rows are in {str(path)!r}" in streamed.report()
+
+
+def test_xarray_reads_it_meanwhile(tmp_path, monkeypatch):
+    path, seen = tmp_path / "run.zarr", []
+    append = zarr_store.ZarrStore.append
+
+    def watched(self, rows, attributes):
+        append(self, rows, attributes)
+        data = opened(path)
+        assert data.sizes["time"] == self.rows
+        assert np.isfinite(data.x).all()
+        seen.append((self.rows, data.attrs["status"]))
+
+    with monkeypatch.context() as patch:
+        patch.setattr(zarr_store.ZarrStore, "append", watched)
+        whole = solve(path)
+    assert seen[:-1] == [(100 * (k + 1), "RUNNING") for k in range(len(seen) - 1)]
+    assert seen[-1] == (1068, "COMPLETED")
+    assert whole.n_steps == 3200
+
+
+def test_readers_never_see_arrays_of_different_lengths(tmp_path, monkeypatch):
+    broken_off(monkeypatch, (zarr_store.ZarrStore, "_commit"), 4, path=tmp_path / "run.zarr")
+    assert opened(tmp_path / "run.zarr").sizes["time"] == 300  # the next hundred are there, but not told of
+
+
+def test_memory_stays_as_it_is(tmp_path, monkeypatch):
+    monkeypatch.setattr(zarr_store, "_CHUNK", 10_000 * 16)
+    solve(tmp_path / "warm", end=10.0, save_every=None)
+
+    def most(end):
+        tracemalloc.start()
+        solve(tmp_path / f"{end}", end=end, save_every=None)
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        return peak
+
+    short, long = most(500.0), most(10_000.0)
+    assert long < 2.0 * short
+    assert opened(tmp_path / "10000.0").sizes["time"] == 640_001
+    assert long < 0.1 * 640_001 * 32
+
+
+def test_what_would_not_fit_in_memory_says_so_and_names_the_way_out(tmp_path):
+    with pytest.raises(kd.ArgumentError, match=r"GiB; give save_every=.* or save_to='run.zarr'"):
+        solve(end=1e10, save_every=None)
+    grid = solve.__globals__["kd"].engine.grid.lay_grid((0.0, 1e12), STEP, None, None, 4, True)
+    assert grid.n_steps == 64 * 10**12
+
+
+@pytest.mark.parametrize(("function", "after"), [(APPEND, 0), (APPEND, 5), (WRITE, 0), (WRITE, 1), (WRITE, 4)])
+def test_a_run_that_was_killed_goes_on_in_its_folder(function, after, tmp_path, monkeypatch):
+    options = {"path": tmp_path / "run.zarr", "checkpoint": tmp_path / "kept", "checkpoint_every": 500}
+    broken_off(monkeypatch, function, after, **options)
+    written, append = [], zarr_store.ZarrStore.append
+    with monkeypatch.context() as patch:
+        patch.setattr(zarr_store.ZarrStore, "append", lambda self, *a: written.append(self.rows) or append(self, *a))
+        on = solve(**options)
+    same(tmp_path / "run.zarr", solve())
+    assert ("It went on from step" in on.message) == (after > 0)
+    if function is WRITE and after == 4:
+        assert written[0] == 600  # whole chunks before the checkpoint at step 2000, of row 667, are not written again
+    solve(**options)  # which is done
+    same(tmp_path / "run.zarr", solve())
+
+
+def test_it_goes_on_to_a_later_end_and_back_to_an_earlier_one(tmp_path):
+    options = {"path": tmp_path / "run.zarr", "checkpoint": tmp_path / "kept", "checkpoint_every": 500}
+    for end in (20.0, 50.0, 30.203125):
+        solve(**options, end=end, checkpoint_keep=None)
+        same(tmp_path / "run.zarr", solve(end=end))
+
+
+def test_events_and_ends_before_the_end_are_written(tmp_path, monkeypatch):
+    def far(x):
+        return x[0] + 1.59
+
+    far.terminal = 3
+    whole = solve(events=far)
+    assert whole.status is kd.Outcome.STOPPED
+    streamed = solve(tmp_path / "stopped", events=far)
+    same(tmp_path / "stopped", whole)
+    assert np.array_equal(streamed.t_events[0], whole.t_events[0])
+    assert np.array_equal(streamed.x[-1], whole.x[-1])
+
+    def force(t, x):
+        return -x if t < 20.0 else math.inf
+
+    options = {"problem": force, "x0": 1.0, "v0": 0.0, "compile": False}
+    lost = solve(tmp_path / "lost", **options)
+    assert lost.status is kd.Outcome.NOT_FINITE
+    same(tmp_path / "lost", solve(**options))
+
+
+def test_an_interruption_keeps_what_is_done(tmp_path, monkeypatch):
+    append, called = zarr_store.ZarrStore.append, []
+
+    def ctrl_c(self, *arguments):
+        append(self, *arguments)
+        called.append(1)
+        if len(called) == 3:
+            signal.raise_signal(signal.SIGINT)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(zarr_store.ZarrStore, "append", ctrl_c)
+        part = solve(tmp_path / "run.zarr")
+    assert part.status is kd.Outcome.INTERRUPTED
+    data = opened(tmp_path / "run.zarr")
+    assert data.attrs["status"] == "INTERRUPTED"
+    assert np.array_equal(data.x, solve().x[:300])
+
+
+def test_solutions_say_where_their_rows_are(tmp_path):
+    streamed = solve(tmp_path / "run.zarr")
+    for ask in (lambda: streamed(3.0), lambda: streamed.continue_to(60.0)):
+        with pytest.raises(kd.KickdriftError, match=r"rows are in .*run\.zarr"):
+            ask()
+    assert kd.load(streamed.save(tmp_path / "ends")).t.size == 2
+
+
+def other(path):
+    path.mkdir()
+    (path / "thesis.txt").write_text("mine")
+
+
+def file(path):
+    path.write_text("mine")
+
+
+def this_run(path):
+    solve(path)
+
+
+def another_run(path):
+    solve(path, problem=kd.systems.kepler(0.5))
+
+
+@pytest.mark.parametrize(
+    ("before", "others", "words"),
+    [
+        (other, {}, "is there already"),
+        (other, {"checkpoint": "kept"}, "is there already"),
+        (file, {}, "is there already"),
+        (this_run, {}, "holds this run"),
+        (another_run, {}, "holds another run"),
+        (another_run, {"checkpoint": "kept"}, "holds another run"),
+        (None, {"path": 3}, "is no path"),
+        (None, {"path": ""}, "is no path"),
+        (None, {"path": "no/such/folder.zarr"}, "folder that there is not"),
+        (None, {"save_every": None, "t_eval": [1.0]}, "t_eval are both given"),
+        (None, {"step_control": "distance"}, "sizes of the steps vary"),
+    ],
+)
+def test_folders_that_cannot_be_are_refused(before, others, words, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    if before is not None:
+        before(tmp_path / "run.zarr")
+    there = sorted(tmp_path.rglob("*"))
+    with pytest.raises(kd.ArgumentError, match=words):
+        solve(**{"path": tmp_path / "run.zarr", **others})
+    assert sorted(tmp_path.rglob("*")) == there
+
+
+def test_a_store_that_is_not_what_the_checkpoint_goes_on_from_is_refused(tmp_path, monkeypatch):
+    import shutil
+
+    options = {"path": tmp_path / "run.zarr", "checkpoint": tmp_path / "kept", "checkpoint_every": 500}
+    broken_off(monkeypatch, WRITE, 3, **options)
+    shutil.rmtree(tmp_path / "run.zarr")
+    with pytest.raises(kd.KickdriftError, match="not what the checkpoint goes on from"):
+        solve(**options)
+
+
+def test_without_zarr_one_is_told_how_to_install_it(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "zarr", None)
+    with pytest.raises(kd.core.errors.MissingExtraError, match=r"pip install 'kickdrift\[zarr\]'"):
+        solve(tmp_path / "run.zarr")
+
+
+FULL = """
+import resource, sys, kickdrift as kd
+from kickdrift.engine import zarr_store
+zarr_store._CHUNK = 100 * 16
+write = zarr_store.ZarrStore.append
+def limited(self, *arguments):
+    if self.rows == 300:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (500, resource.RLIM_INFINITY))
+    write(self, *arguments)
+zarr_store.ZarrStore.append = limited
+from test_streaming import solve
+part = solve(sys.argv[1])
+print(part.status.name, part.n_steps)
+"""
+
+
+def test_a_disk_that_is_full_ends_the_run_and_leaves_what_was_written(tmp_path):
+    """A limit on the size of files stands for the disk."""
+    assert resource.RLIM_INFINITY
+    done = subprocess.run(
+        [sys.executable, "-c", FULL, str(tmp_path / "run.zarr")],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([os.path.dirname(__file__), *sys.path])},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.split() == ["NOT_WRITTEN", str(3 * 399)]
+    assert np.array_equal(opened(tmp_path / "run.zarr").x, solve().x[:300])
