@@ -156,11 +156,11 @@ def error_at_end(run: Solution, x: ArrayLike, v: ArrayLike) -> float:
 
 
 def _steps_of(method: str | catalogue.Method, steps: Any) -> list[float]:
-    own: Any = steps
+    given = steps
     if isinstance(steps, Mapping):
-        own = next((steps[name] for name in (method, catalogue.get(method).name) if name in steps), ())
+        given = next((steps[name] for name in (method, catalogue.get(method).name) if name in steps), ())
     try:
-        own = sorted((float(step) for step in np.atleast_1d(reals(own))), reverse=True)
+        own = sorted((float(step) for step in np.atleast_1d(reals(given))), reverse=True)
     except TypeError:
         own = []
     if not own:
