@@ -14,6 +14,7 @@ import llvmlite.binding
 from benchmarks import (
     against_c,
     auto,
+    ensemble,
     gravity,
     implicit_euler,
     kepler,
@@ -34,6 +35,7 @@ COMPARISONS: dict[str, tuple[str, Callable[[int], list[Row]]]] = {
     "wisdom-holman": ("Outer solar system by Wisdom-Holman: a step", wisdom_holman.compare),
     "gravity": ("Direct N-body: an interaction", gravity.compare),
     "implicit": ("Implicit against semi-implicit Euler", implicit_euler.compare),
+    "ensemble": ("Ensembles of Kepler orbits: a step of a member, and turns to an error", ensemble.compare),
     "auto": ("What auto takes: time to an error, over that of the fastest", auto.compare),
     "steps": ("Against the same step by hand", steps.compare),
     "startup": ("Before the first step", startup.compare),

@@ -191,6 +191,7 @@ def test_switches_of_the_velocity():
 
     sol = kd.solve(dry, (0, np.pi), 1.0, 0.0, step=0.01, method="blanes-moan-srkn6b", switches=lambda v: v)
     assert sol.x[-1] == pytest.approx(-0.6, abs=1e-9)  # each half period takes 0.4
+    assert sol(np.pi - 0.004).x == pytest.approx(-0.6 + 0.8 * (1 - np.cos(0.004)), abs=1e-9)
 
 
 def test_switches_of_first_order_equations_and_hamiltonians():

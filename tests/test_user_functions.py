@@ -279,7 +279,13 @@ def of_a_type(x):
     return np.array([x[0], 0.1, 2.7], dtype=np.int64)
 
 
-LISTS = [mixed_numbers, in_branches, changed_afterwards, one_for_all, a_list_that_is_used, of_a_type]
+def a_bare_list(x):
+    if x[0] > 1.0:
+        return [-x[0], 1, x[1]]
+    return np.array([-x[1], -x[0], 0.5])
+
+
+LISTS = [mixed_numbers, in_branches, changed_afterwards, one_for_all, a_list_that_is_used, of_a_type, a_bare_list]
 
 
 @pytest.mark.parametrize("function", LISTS)
@@ -289,7 +295,10 @@ def test_arrays_made_of_lists(function):
     assert np.array_equal(compiled.x, interpreted.x)
 
 
-@pytest.mark.parametrize(("function", "returned"), [(in_branches, types.UniTuple), (changed_afterwards, types.Array)])
+RETURNED = [(in_branches, types.UniTuple), (a_bare_list, types.UniTuple), (changed_afterwards, types.Array)]
+
+
+@pytest.mark.parametrize(("function", "returned"), RETURNED)
 def test_an_array_that_is_only_returned_is_not_made(function, returned):
     signature = (types.float64[::1],)
     native = compiled(cached=False)(taken_apart(function).snapshot(True, tuples=True))

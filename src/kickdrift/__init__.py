@@ -34,7 +34,9 @@ from kickdrift.engine.step_control import (
 )
 from kickdrift.io import load, save, to_xarray
 from kickdrift.io.report import report
-from kickdrift.io.xarray import recording_to_xarray
+from kickdrift.io.xarray import ensemble_to_xarray, recording_to_xarray
+from kickdrift.scale.ensemble import solve_ensemble
+from kickdrift.scale.ensemble_solution import EnsemblePresenters, EnsembleSolution
 from kickdrift.systems import (
     ChargedParticle,
     Constrained,
@@ -77,6 +79,7 @@ __all__ = [
     "Cylinder",
     "Damped",
     "Drive",
+    "EnsembleSolution",
     "FirstOrder",
     "HairerSoderlind",
     "Hamiltonian",
@@ -115,6 +118,7 @@ __all__ = [
     "methods",
     "plots",
     "solve",
+    "solve_ensemble",
     "sphere_gaps",
     "systems",
 ]
@@ -153,6 +157,11 @@ def __getattr__(name: str) -> Any:
 
 # Solutions and worlds save, draw and report themselves with what lives on the floors above them.
 Solution.presenters = Presenters(plot=plots.plot_solution, save=save, to_xarray=to_xarray, report=report)
+EnsembleSolution.presenters = EnsemblePresenters(
+    save=_later("kickdrift.io.ensemble_file", "save"),
+    to_xarray=ensemble_to_xarray,
+    report=_later("kickdrift.io.ensemble_report", "report"),
+)
 Recording.presenters = WorldPresenters(
     plot=_later("kickdrift.plots.world", "plot_recording"),
     save=_later("kickdrift.io.recording_file", "save_recording"),

@@ -26,6 +26,7 @@ T = TypeVar("T")
 
 # Formats, as headers name them
 SOLUTION, RECORDING, WORLD = "kickdrift solution 1", "kickdrift recording 2", "kickdrift world 4"
+ENSEMBLE = "kickdrift ensemble 1"
 CHECKPOINT = "kickdrift checkpoint 1"
 
 _HEADER = "header"
@@ -117,6 +118,7 @@ def read(path: str | Path, what: str, writer: str, assemble: Callable[[dict[str,
             SOLUTION,
             RECORDING,
             WORLD,
+            ENSEMBLE,
             CHECKPOINT,
         )  # the digest of another version may be another
         if not other and header["digest"] != digest(header, arrays):

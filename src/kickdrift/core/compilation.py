@@ -120,6 +120,28 @@ def unbound(*arguments: Any) -> Any:
     raise NotImplementedError("A template is called before its names are bound; specialise it first.")
 
 
+def reorders(function: Function) -> bool:
+    """Whether a compiled function, or one that it calls, may be reordered: its bits depend on where it is inlined."""
+    seen: set[int] = set()
+    waiting: list[Any] = [function]
+    while waiting:
+        known = waiting.pop()
+        python = getattr(known, "py_func", None)
+        if python is None or id(known) in seen:
+            continue
+        seen.add(id(known))
+        if known.targetoptions.get("fastmath"):
+            return True
+        names = python.__code__.co_names
+        used = [python.__globals__.get(name) for name in names]
+        used += [cell.cell_contents for cell in python.__closure__ or ()]
+        used += [
+            getattr(module, name, None) for module in used if isinstance(module, types.ModuleType) for name in names
+        ]
+        waiting += used
+    return False
+
+
 def is_kept(function: Function) -> bool:
     """Whether a function's compiled code is kept on disk."""
     return isinstance(getattr(function, "_cache", None), Cache)

@@ -1,6 +1,7 @@
 """Compiled functions: what of Numba's is done otherwise, so that compiling is three times as fast and kept on disk."""
 
 import gc
+import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -82,6 +83,12 @@ class Dispatcher(CPUDispatcher):  # type: ignore[misc]
         self._compiler = _Compiler(py_func, self.targetdescr, options, self.locals, pipeline)
         self._called: Any = None
         self._wholes: dict[Any, Any] = {}
+
+    def __reduce__(self) -> Any:
+        """Travel to other processes by name where a module has it: Numba sends its code, without the options of intrinsics."""
+        name = self.py_func.__qualname__
+        known = getattr(sys.modules.get(self.py_func.__module__), name, None)
+        return name if known is self else super().__reduce__()
 
     def enable_caching(self, kind: type[Cache] = Cache) -> None:
         """Keep compiled code on disk."""

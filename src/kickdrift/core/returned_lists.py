@@ -1,4 +1,4 @@
-"""Functions that return ``np.array([a, b])`` return the tuple of these numbers instead, which takes no memory.
+"""Functions that return ``np.array([a, b])``, or the list alone, return the tuple of these numbers, which takes no memory.
 
 A list and an array made of it for each evaluation take 30 ns, as long as many a force takes in all.
 """
@@ -16,7 +16,7 @@ _TUPLES = "__returns_tuples__"
 
 
 def tuples_for_lists(function: Any) -> None:
-    """Have compiled code of a function return a tuple of floats where it returns an array made of a list of numbers."""
+    """Have compiled code of a function return a tuple of floats where it returns a list of numbers, or an array made of one."""
     setattr(function, _TUPLES, True)
 
 
@@ -41,7 +41,7 @@ class TuplesForLists(FunctionPass):  # type: ignore[misc]
         known = [each for each in found if each is not None]
         if len(known) < len(found) or len({len(listed.items) for _, listed in known}) != 1:
             return False
-        calls, lists = ([id(value) for value in values] for values in zip(*known, strict=True))
+        calls, lists = ([id(value) for value in values if value is not None] for values in zip(*known, strict=True))
         for block in state.func_ir.blocks.values():
             block.body = [new for old in block.body for new in _changed(old, block.scope, calls, lists)]
         state.func_ir._definitions = build_definitions(state.func_ir.blocks)
@@ -49,7 +49,7 @@ class TuplesForLists(FunctionPass):  # type: ignore[misc]
 
 
 def _array_of_list(function: Any, returned: Any) -> tuple[Any, Any] | None:
-    """Return the call of ``np.array`` and the list behind what is returned, if nothing else sees the array and the list."""
+    """Return the call of ``np.array``, if there is one, and the list behind what is returned, if nothing else sees them."""
     mentions = Counter(
         variable.name for block in function.blocks.values() for each in block.body for variable in each.list_vars()
     )
@@ -63,7 +63,11 @@ def _array_of_list(function: Any, returned: Any) -> tuple[Any, Any] | None:
         return definition if same and mentions[variable.name] == 2 else None  # where it is made, and once more
 
     cast = made(returned, "cast")
-    call = made(cast.value, "call") if cast is not None else None
+    if cast is None:
+        return None
+    if (bare := made(cast.value, "build_list")) is not None:
+        return (None, bare) if bare.items else None
+    call = made(cast.value, "call")
     if call is None or len(call.args) != 1 or call.kws or call.vararg is not None or not _is_array(function, call.func):
         return None
     listed = made(call.args[0], "build_list")

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,12 +10,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.arguments import reals
 from kickdrift.core.errors import ArgumentError
-from kickdrift.core.kinds import Kind
+from kickdrift.engine.control_checks import binding_energy, check_density, check_method
 from kickdrift.engine.densities import by_acceleration, by_distance
 from kickdrift.engine.flows import layout
 from kickdrift.engine.flows.error_control import PARAMS
 from kickdrift.engine.program import Spelled
-from kickdrift.engine.quantities import evaluate_quantity
 from kickdrift.engine.step_control import (
     HairerSoderlind,
     HuangLeimkuhler,
@@ -27,7 +25,6 @@ from kickdrift.engine.step_control import (
 )
 from kickdrift.engine.user_functions import argument_names
 from kickdrift.methods import Method
-from kickdrift.methods.record import D, K
 from kickdrift.systems.problem import name_of
 from kickdrift.systems.system import Quantity, System
 
@@ -123,18 +120,18 @@ def controlled(
     ArgumentError
         For a control that does not go with the method or the system, and a density that cannot be.
     """
-    _check_method(wanted, system, method)
+    check_method(wanted, system, method)
     if isinstance(wanted, LocalError):
         return system, _by_error(wanted, system, method, first_is_given)
     if isinstance(wanted, LogarithmicHamiltonian):
-        energy = _binding_energy(system, t0)
+        energy = binding_energy(system, t0)
         parts = {**system.parts, "energy": energy.function}
         name, params = "logarithmic Hamiltonian", _params(energy, system)
         return replace(system, parts=parts), _in_its_own_time(
             Controller(name, wanted.conserves, wanted.spelled, params)
         )
     density, named, sees_v, dear = _density(wanted.density, system, adapt)
-    _check_density(density, named, system, t0)
+    check_density(density, named, system, t0)
     spelled: Callable[..., Spelled] = wanted.spelled
     if sees_v:
         if not isinstance(wanted, HairerSoderlind):
@@ -169,77 +166,6 @@ def _seeing_v(*arguments: Any) -> Spelled:
 
 def _params(quantity: Quantity, system: System) -> Floats:
     return system.params if quantity.params is None else quantity.params
-
-
-def _check_method(wanted: StepControl, system: System, method: Method) -> None:
-    name = f"kd.{type(wanted).__name__}"
-    check_noise(name, system)
-    check_corrector(name, method)
-    if isinstance(wanted, LocalError):
-        check_memory(name, system, method)
-        return
-    if not method.symmetric:
-        raise ArgumentError(
-            f"step_control={name} keeps steps reversible, but method={method.name!r} is not symmetric; take"
-            " 'velocity-verlet', another symmetric one, or kd.LocalError(rtol, atol)."
-        )
-    if isinstance(wanted, HuangLeimkuhler | TimeTransformed) and (method.order != 2 or method.tableau is not None):
-        raise ArgumentError(
-            f"step_control={name} is for splittings of order 2, and method={method.name!r} is none; take"
-            " 'velocity-verlet', or kd.HairerSoderlind."
-        )
-    if isinstance(wanted, LogarithmicHamiltonian | TimeTransformed):
-        plain = {letter.plain for letter in method.letters}
-        if not (plain <= {K, D} and method.kind.includes(Kind.SEPARABLE)):
-            raise ArgumentError(
-                f"step_control={name} changes kicks and drifts so that only splittings for T(p) + V(q) keep their order, and"
-                f" method={method.name!r} is none; take 'velocity-verlet', 'blanes-moan-s6' or 'kahan-li-8'."
-            )
-        if not Kind.NEWTONIAN.includes(system.kind):
-            raise ArgumentError(
-                f"step_control={name} is for {Kind.NEWTONIAN.value}, but {system.name!r} has {system.kind.value}; take"
-                " kd.HairerSoderlind."
-            )
-
-
-def check_memory(name: str, system: System, method: Method) -> None:
-    """Refuse methods whose steps cannot be taken back.
-
-    Raises
-    ------
-    ArgumentError
-    """
-    check_noise(name, system)
-    check_corrector(name, method)
-    if any(letter.share.startswith("doubled") for letter in method.letters):
-        raise ArgumentError(
-            f"{name} and method={method.name!r}: steps are taken back, but this one keeps a second copy of the state; take"
-            " another, such as 'gauss-4'."
-        )
-
-
-def check_noise(name: str, system: System) -> None:
-    """Refuse noise, whose path is for steps of one size.
-
-    Raises
-    ------
-    ArgumentError
-    """
-    if system.kind is Kind.LANGEVIN:
-        raise ArgumentError(f"{name} and noise: its path is for steps of one size; leave one of them out.")
-
-
-def check_corrector(name: str, method: Method) -> None:
-    """Refuse correctors, which are for steps of one size.
-
-    Raises
-    ------
-    ArgumentError
-    """
-    if method.corrector:
-        raise ArgumentError(
-            f"{name} and method={method.name!r}: its corrector is for steps of one size; take the method without it."
-        )
 
 
 def _by_error(wanted: LocalError, system: System, method: Method, first_is_given: bool) -> Controller:
@@ -282,42 +208,3 @@ def _density(wanted: Any, system: System, adapt: Adapt) -> tuple[Quantity, str, 
     allowed = ("t", "x", "v", "params", "q", "p") if system.v0.size else ("t", "y", "x", "params")
     given = argument_names(wanted, "density", allowed)
     return adapt("density", wanted), name_of(wanted), bool({"v", "p"} & set(given)), 0
-
-
-def _check_density(density: Quantity, named: str, system: System, t0: float) -> None:
-    at = partial(evaluate_quantity, density, system, np.array([t0]), system.x0[None])
-    here, turned = float(at(system.v0[None])[0]), float(at(-system.v0[None])[0])
-    if not 0.0 < here < math.inf:
-        raise ArgumentError(
-            f"density by {named} is {here!r} at the start; it must be positive and finite: so many steps to a unit of time."
-        )
-    if abs(here - turned) > 1e-9 * here:
-        raise ArgumentError(
-            f"density by {named} is {here!r} at the start, and {turned!r} with the velocities turned around; it must be the"
-            " same, or no step leads back."
-        )
-
-
-def _binding_energy(system: System, t0: float) -> Quantity:
-    """Return the energy of a system, which must be T(v) + U(x) with U < 0 as far as the start shows."""
-    if "energy" not in system.quantities:
-        raise ArgumentError(
-            f"step_control=kd.LogarithmicHamiltonian() needs the energy, which {system.name!r} does not say; give energy=..."
-            " to its description, or take kd.TimeTransformed('distance')."
-        )
-    energy = system.quantities["energy"]
-    x, v, rest = system.x0, system.v0, np.zeros_like(system.v0)
-    aside = x * 1.01 + 0.001 * np.abs(x).max(initial=1e-3)
-    states = np.array([x, x, aside, aside]), np.array([rest, v, rest, v])
-    potential, whole, other, other_whole = evaluate_quantity(energy, system, np.full(4, t0), *states)
-    if not -math.inf < potential < 0.0:
-        raise ArgumentError(
-            f"step_control=kd.LogarithmicHamiltonian() needs a negative potential energy, as of gravity; at the start that of"
-            f" {system.name!r} is {float(potential)!r}. Take kd.HairerSoderlind() or kd.TimeTransformed()."
-        )
-    if abs((whole - potential) - (other_whole - other)) > 1e-9 * (abs(whole) + abs(potential) + abs(other)):
-        raise ArgumentError(
-            f"step_control=kd.LogarithmicHamiltonian() needs an energy T(v) + U(x), but that of {system.name!r} has a kinetic"
-            " energy that depends on x; take kd.HairerSoderlind()."
-        )
-    return energy

@@ -13,7 +13,8 @@ from kickdrift.core.compilation import Function, unbound
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 from kickdrift.core.views import part
-from kickdrift.engine.controller import Controller, check_memory
+from kickdrift.engine.control_checks import check_memory
+from kickdrift.engine.controller import Controller
 from kickdrift.engine.flows import impact as layout
 from kickdrift.engine.grid import Course
 from kickdrift.engine.problem_adapter import Adapter, bind

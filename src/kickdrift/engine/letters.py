@@ -49,12 +49,13 @@ def functions_of(system: System, program: Program) -> dict[str, Function]:
 
 def addresses_of(system: System, functions: dict[str, Function], flows: tuple[str, ...]) -> dict[str, int]:
     """Compile the functions of a native system that the flows call by address, and return their addresses."""
-    called = {name for flow in flows if not _inlined(system, FLOWS[flow]) for name in _parts_called(FLOWS[flow])}
+    called = {name for flow in flows if not _inlined(system, FLOWS[flow]) for name in parts_called(FLOWS[flow])}
     return {name: address_of(function, layout.FLAT) for name, function in functions.items() if name in called}
 
 
 @cache
-def _parts_called(known: Flow) -> frozenset[str]:
+def parts_called(known: Flow) -> frozenset[str]:
+    """Return the names of the functions of a system that a flow calls."""
     names = {name for t in (known.template, *known.parts.values()) for name in t.__code__.co_names}
     return frozenset(part for part in layout.PARTS if f"{part}_at" in names)
 

@@ -128,6 +128,13 @@ def compile_method(
     return Processing(system, frame, kernel, before, after)
 
 
+def kernel_alone(system: System, method: Method) -> Program | None:
+    """Return the step of a method on a system, None where more than steps leads to what people see."""
+    programs = _programs(method, Structure.of(system), True, None)
+    framed = programs.kernel.split and system.frame is not None
+    return None if framed or programs.preprocessor is not None else programs.kernel
+
+
 @dataclass(frozen=True)
 class _Programs:
     kernel: Program

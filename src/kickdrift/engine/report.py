@@ -18,7 +18,7 @@ from kickdrift.engine.processing import Processing
 from kickdrift.engine.run import Ending
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.standing import Standing
-from kickdrift.engine.task import Journey, Task, description_of
+from kickdrift.engine.task import Journey, Task
 from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
@@ -95,7 +95,7 @@ def report(
         n_steps=ending.n_steps,
         n_force_evaluations=evaluations,
         wall_time=ending.wall_time,
-        about=description_of(task),
+        about=task.description,
         saved_to=str(journey.store.path) if journey.store else "",
         derived=_derived(system, t, xs, vs),
         error_estimate=None if ending.estimated is None else ending.estimated.reshape(system.x0.shape),

@@ -54,10 +54,15 @@ class Task:
     events: tuple[Event, ...]
     progress: bool | None
 
+    @property
+    def description(self) -> Description:
+        """What is run, for people."""
+        return description_of(self.system, self.chosen, self.compensated, self.controller)
 
-def description_of(task: Task) -> Description:
+
+def description_of(system: System, chosen: Choice, compensated: bool, controller: Controller | None) -> Description:
     """Describe what is run, for people."""
-    system, method, controller = task.system, task.chosen.method, task.controller
+    method = chosen.method
     units = dict(system.units) | {name: quantity.unit for name, quantity in system.quantities.items() if quantity.unit}
     return Description(
         system=system.name,
@@ -65,12 +70,12 @@ def description_of(task: Task) -> Description:
         kind=system.kind.name,
         order=method.order,
         word=method.spelling,
-        compensated=task.compensated,
+        compensated=compensated,
         dimensions=system.dimensions or tuple(f"axis_{i}" for i in range(system.x0.ndim)),
         coordinates=dict(system.coordinates),
         units=units,
         source=system.source,
-        choice=task.chosen.reason,
+        choice=chosen.reason,
         step_control="" if controller is None else f"{controller.name} ({controller.conserves})",
     )
 
@@ -137,7 +142,7 @@ class Journey:
         if isinstance(grid, Course):
             return CourseRows(kernel, grid)
         if self.store is not None:
-            return StreamedRows(self.processing, grid, self.store, description_of(self.task))
+            return StreamedRows(self.processing, grid, self.store, self.task.description)
         return GridRows(kernel, grid)
 
     def go(self) -> Ending:

@@ -6,11 +6,12 @@ from typing import Any
 from kickdrift.core import archive
 from kickdrift.core.errors import FileFormatError
 from kickdrift.engine.solution import Solution
-from kickdrift.io import solution_file
+from kickdrift.io import ensemble_file, solution_file
+from kickdrift.scale.ensemble_solution import EnsembleSolution
 
 
-def load(path: str | Path) -> Solution:
-    """Read a solution, or the recording of a world, that `Solution.save` or `Recording.save` wrote.
+def load(path: str | Path) -> Solution | EnsembleSolution:
+    """Read a solution, that of an ensemble, or the recording of a world, that their method `save` wrote.
 
     Raises
     ------
@@ -18,7 +19,7 @@ def load(path: str | Path) -> Solution:
         If there is no such file, or it is not a solution.
     """
 
-    def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Solution:
+    def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Solution | EnsembleSolution:
         if head["format"] == archive.RECORDING:
             from kickdrift.io import recording_file  # the world takes a moment that solutions need not wait
 
@@ -27,6 +28,8 @@ def load(path: str | Path) -> Solution:
             raise FileFormatError(
                 f"path={str(path)!r} is a world, not its recording; read it with kickdrift.load_world."
             )
+        if head["format"] == archive.ENSEMBLE:
+            return ensemble_file.assemble(head, arrays)
         return solution_file.assemble(head, arrays)
 
     return archive.read(path, "a kickdrift solution", "Solution.save", assemble)

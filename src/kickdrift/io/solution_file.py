@@ -13,7 +13,7 @@ from kickdrift.engine.invariants import Invariants
 from kickdrift.engine.solution import Description, Solution
 
 _EVENTS = ("t_events", "x_events", "v_events")
-_INVARIANT, _DERIVED = "invariant: ", "derived: "
+INVARIANT, _DERIVED = "invariant: ", "derived: "
 
 
 def save(solution: Solution, path: str | Path) -> Path:
@@ -57,7 +57,7 @@ def header_of(solution: Solution) -> dict[str, Any]:
 def arrays_of(solution: Solution) -> dict[str, Any]:
     """Return the arrays of a solution."""
     arrays = {"t": solution.t, "x": solution.x, "v": solution.v}
-    arrays |= {_INVARIANT + name: values for name, values in solution.invariants.items()}
+    arrays |= {INVARIANT + name: values for name, values in solution.invariants.items()}
     for name in _EVENTS:
         arrays |= {f"{name}{k}": values for k, values in enumerate(getattr(solution, name))}
     return arrays | {_DERIVED + name: values for name, values in solution.derived.items()}
@@ -103,13 +103,18 @@ def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Solution:
     return Solution(**members(head, arrays))
 
 
-def members(head: dict[str, Any], arrays: dict[str, Any]) -> dict[str, Any]:
-    """Return the members of a solution by name, of what a file holds."""
-    about = {f.name: head["about"][f.name] for f in fields(Description)}
+def description(given: dict[str, Any]) -> Description:
+    """Return what a file says of what was run."""
+    about = {f.name: given[f.name] for f in fields(Description)}
     about["choice"], about["step_control"] = str(about["choice"]), str(about["step_control"])
     about["dimensions"] = tuple(about["dimensions"])
     about["kind"] = Kind[about["kind"]].name
-    kept = {name.removeprefix(_INVARIANT): a for name, a in arrays.items() if name.startswith(_INVARIANT)}
+    return Description(**about)
+
+
+def members(head: dict[str, Any], arrays: dict[str, Any]) -> dict[str, Any]:
+    """Return the members of a solution by name, of what a file holds."""
+    kept = {name.removeprefix(INVARIANT): a for name, a in arrays.items() if name.startswith(INVARIANT)}
     derived = {name.removeprefix(_DERIVED): a for name, a in arrays.items() if name.startswith(_DERIVED)}
     t, x, v = arrays["t"], arrays["x"], arrays["v"]
     if any(array.dtype != np.float64 for array in (t, x, v, *kept.values(), *derived.values())):
@@ -129,7 +134,7 @@ def members(head: dict[str, Any], arrays: dict[str, Any]) -> dict[str, Any]:
         "n_steps": int(head["n_steps"]),
         "n_force_evaluations": int(head["n_force_evaluations"]),
         "wall_time": float(head["wall_time"]),
-        "about": Description(**about),
+        "about": description(head["about"]),
         "derived": derived,
         "step_range": _range(head["step_range"]),
         "n_rejected": int(head["n_rejected"]),

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from kickdrift.core.errors import missing_extra
 from kickdrift.engine.solution import Solution
+from kickdrift.scale.ensemble_solution import EnsembleSolution
 
 if TYPE_CHECKING:
     from kickdrift.world.recording import Recording
@@ -17,11 +18,36 @@ def to_xarray(solution: Solution) -> Any:
     MissingExtraError
         If xarray is not installed.
     """
+    dataset = _dataset(solution, ("time",))
+    return dataset.assign_attrs(step=solution.step, status=solution.status.name)
+
+
+def ensemble_to_xarray(solution: EnsembleSolution) -> Any:
+    """Return the solution of an ensemble as an `xarray.Dataset`, whose first dimension is ``member``.
+
+    What was swept, steps and outcomes are coordinates of the members.
+
+    Raises
+    ------
+    MissingExtraError
+        If xarray is not installed.
+    """
+    status = [status.name for status in solution.status]
+    labels = {
+        name: (("member",) if values.ndim == 1 else ("member", "parameter"), values)
+        for name, values in solution.parameters.items()
+    }
+    of_members = {"step": ("member", solution.step), "status": ("member", status)}
+    return _dataset(solution, ("member", "time")).assign_coords({**labels, **of_members})
+
+
+def _dataset(solution: Solution | EnsembleSolution, leading: tuple[str, ...]) -> Any:
+    """Return states and invariants with named dimensions, the leading ones first."""
     try:
         import xarray as xr
     except ImportError:
         raise missing_extra("Solution.to_xarray", "xarray", "xarray") from None
-    about, dims = solution.about, ("time", *solution.about.dimensions)
+    about, dims = solution.about, (*leading, *solution.about.dimensions)
     units = about.units
 
     def variable(values: Any, names: tuple[str, ...], of: str) -> Any:
@@ -32,17 +58,12 @@ def to_xarray(solution: Solution) -> Any:
         data["v"] = variable(solution.v, dims, "v")
     for name, values in solution.invariants.items():
         key = name.replace(" ", "_")
-        data[key] = variable(values, ("time",) if values.ndim == 1 else ("time", f"{key}_component"), name)
+        own = leading if values.ndim == len(leading) else (*leading, f"{key}_component")
+        data[key] = variable(values, own, name)
     return xr.Dataset(
         data,
         coords={"time": variable(solution.t, ("time",), "t"), **{k: list(v) for k, v in about.coordinates.items()}},
-        attrs={
-            "system": about.system,
-            "method": about.method,
-            "step": solution.step,
-            "status": solution.status.name,
-            "source": about.source,
-        },
+        attrs={"system": about.system, "method": about.method, "source": about.source},
     )
 
 

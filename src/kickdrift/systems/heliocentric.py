@@ -9,6 +9,8 @@ References
 .. [1] M. Duncan, H. Levison, M. Lee, Astron. J. 116 (1998) 2067, section 2.
 """
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -71,20 +73,21 @@ def _mu(gm: Floats) -> Floats:
 
 def _frame(gm: Floats) -> Frame:
     shares = (gm / gm.sum())[:, None]
+    return Frame(partial(_enter, shares), partial(_leave, shares))
 
-    def enter(x: Floats, v: Floats) -> tuple[Floats, Floats]:
-        xs, vs = x - x[..., :1, :], v - (shares * v).sum(axis=-2, keepdims=True)
-        xs[..., 0, :], vs[..., 0, :] = (shares * x).sum(axis=-2), (shares * v).sum(axis=-2)
-        return xs, vs
 
-    def leave(x: Floats, v: Floats) -> tuple[Floats, Floats]:
-        first = x[..., :1, :] - (shares[1:] * x[..., 1:, :]).sum(axis=-2, keepdims=True)
-        recoil = (shares[1:] / shares[0] * v[..., 1:, :]).sum(axis=-2)
-        xs, vs = x + first, v + v[..., :1, :]
-        xs[..., :1, :], vs[..., 0, :] = first, v[..., 0, :] - recoil
-        return xs, vs
+def _enter(shares: Floats, x: Floats, v: Floats) -> tuple[Floats, Floats]:
+    xs, vs = x - x[..., :1, :], v - (shares * v).sum(axis=-2, keepdims=True)
+    xs[..., 0, :], vs[..., 0, :] = (shares * x).sum(axis=-2), (shares * v).sum(axis=-2)
+    return xs, vs
 
-    return Frame(enter, leave)
+
+def _leave(shares: Floats, x: Floats, v: Floats) -> tuple[Floats, Floats]:
+    first = x[..., :1, :] - (shares[1:] * x[..., 1:, :]).sum(axis=-2, keepdims=True)
+    recoil = (shares[1:] / shares[0] * v[..., 1:, :]).sum(axis=-2)
+    xs, vs = x + first, v + v[..., :1, :]
+    xs[..., :1, :], vs[..., 0, :] = first, v[..., 0, :] - recoil
+    return xs, vs
 
 
 DEMOCRATIC_HELIOCENTRIC = Splitting(weights=_weights, mu=_mu, frame=_frame, remainder=_remainder, parts={"jump": _jump})

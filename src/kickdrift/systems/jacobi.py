@@ -12,6 +12,8 @@ References
 """
 
 import math
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from numba import carray
@@ -126,10 +128,11 @@ def _mu(gm: Floats) -> Floats:
 
 def _frame(gm: Floats) -> Frame:
     shares = _weights(gm)
-    return Frame(
-        enter=lambda x, v: (_relative(shares, x), _relative(shares, v)),
-        leave=lambda x, v: (_absolute(shares, x), _absolute(shares, v)),
-    )
+    return Frame(enter=partial(_both, _relative, shares), leave=partial(_both, _absolute, shares))
+
+
+def _both(change: Callable[[Floats, Floats], Floats], shares: Floats, x: Floats, v: Floats) -> tuple[Floats, Floats]:
+    return change(shares, x), change(shares, v)
 
 
 def _relative(shares: Floats, x: Floats) -> Floats:

@@ -7,8 +7,9 @@ import numpy as np
 from kickdrift.systems.planetary import planetary
 from kickdrift.systems.system import System
 
+GRAVITY = 2.95912208286e-4  # au^3 / day^2, of the mass of the Sun
 # Mass (Sun = 1), position (au), velocity (au/day) on 5 September 1994; the inner planets are in the mass of the Sun.
-_BODIES = {
+BODIES = {
     "Sun": (1.00000597682, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
     "Jupiter": (0.000954786104043, (-3.5023653, -3.8169847, -1.5507963), (0.00565429, -0.00412490, -0.00190589)),
     "Saturn": (0.000285583733151, (9.0755314, -3.0458353, -1.6483708), (0.00168318, 0.00483525, 0.00192462)),
@@ -28,9 +29,9 @@ def outer_solar_system(splitting: str = "jacobi") -> System:
     splitting : str
         As for `planetary`.
     """
-    masses, x, v = (np.array([body[i] for body in _BODIES.values()]) for i in range(3))
+    masses, x, v = (np.array([body[i] for body in BODIES.values()]) for i in range(3))
     return replace(
-        planetary(masses, x, v, G=2.95912208286e-4, splitting=splitting, names=list(_BODIES)),
+        planetary(masses, x, v, G=GRAVITY, splitting=splitting, names=list(BODIES)),
         name="outer-solar-system",
         units={"t": "day", "x": "au", "v": "au/day"},
         source="Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed. (2006), section I.2.4",

@@ -1,0 +1,86 @@
+"""The flows that choose the size of steps, or cut them: what the engine knows of each."""
+
+from kickdrift.core.compilation import Function
+from kickdrift.engine.flows import cuts, error_control, impact, step_density, time_transformation
+from kickdrift.engine.flows.record import Flow
+
+_DENSITY: dict[str, Function] = {
+    "density_of": step_density.evaluate_density,
+    "rates_of_v": step_density.rates_left_out,
+    "rate_of_density": step_density.difference_density,
+}
+_DENSITY_OF_V: dict[str, Function] = {**_DENSITY, "rates_of_v": step_density.rates_evaluated}
+_ENERGY: dict[str, Function] = {
+    "energy_of": time_transformation.evaluate_energy,
+    "potential_of": time_transformation.evaluate_potential,
+}
+
+CONTROLS = {
+    "measure-density": Flow(step_density.measure_density, parts=_DENSITY),
+    "begin-density": Flow(step_density.begin_density, primer="measure-density"),
+    "end-density": Flow(step_density.end_density, parts=_DENSITY),
+    "measure-density-of-v": Flow(step_density.measure_density, parts=_DENSITY_OF_V),
+    "begin-density-of-v": Flow(step_density.begin_density, primer="measure-density-of-v"),
+    "end-density-of-v": Flow(step_density.end_density, parts=_DENSITY_OF_V),
+    "reflect-density": Flow(step_density.reflect_density, parts=_DENSITY, primer="measure-density"),
+    "measure-binding": Flow(time_transformation.measure_binding, parts=_ENERGY),
+    "logarithmic-kick": Flow(
+        time_transformation.logarithmic_kick,
+        parts=_ENERGY,
+        evaluations=1,
+        moves_v=True,
+        again="logarithmic-rekick",
+        evaluation="accelerate",
+        primer="measure-binding",
+    ),
+    "logarithmic-rekick": Flow(
+        time_transformation.logarithmic_rekick, parts=_ENERGY, moves_v=True, primer="measure-binding"
+    ),
+    "logarithmic-drift": Flow(
+        time_transformation.logarithmic_drift,
+        parts=_ENERGY,
+        moves_x=True,
+        timed=False,
+        moves_clock=True,
+        primer="measure-binding",
+    ),
+    "measure-weight": Flow(time_transformation.measure_weight, parts=_DENSITY),
+    "transformed-kick": Flow(
+        time_transformation.transformed_kick,
+        parts={**_DENSITY, "transformed_rekick": time_transformation.kick_again},
+        evaluations=1,
+        moves_v=True,
+        again="transformed-rekick",
+        evaluation="accelerate",
+        primer="measure-weight",
+    ),
+    "transformed-rekick": Flow(time_transformation.kick_again, parts=_DENSITY, moves_v=True, primer="measure-weight"),
+    "transformed-drift": Flow(
+        time_transformation.transformed_drift, moves_x=True, timed=False, moves_clock=True, primer="measure-weight"
+    ),
+    "choose-first-step": Flow(error_control.choose_first_step, evaluations=1),
+    "begin-trial": Flow(error_control.begin_trial, primer="choose-first-step"),
+    "end-coarse": Flow(error_control.end_coarse, moves_x=True, moves_v=True, timed=False),
+    "judge": Flow(error_control.judge, moves_x=True, moves_v=True, timed=False),
+    "take-sides": Flow(  # after which the accelerations of before are none
+        cuts.take_sides, parts={"find_gaps": impact.evaluate_gaps}, keeps_acceleration=False
+    ),
+    "begin-cut": Flow(
+        cuts.begin_cut, parts={"keep_state": error_control.begin_trial, "find_gaps": impact.evaluate_gaps}
+    ),
+    "end-cut": Flow(
+        cuts.end_cut,
+        parts={
+            "find_gaps": impact.evaluate_gaps,
+            "find_gradient": impact.difference_gradient,
+            "put_back": impact.move_to_surface,
+            "strike": impact.give_impulse,
+            "strike_all": impact.strike_rows,
+            "cross": impact.cross_switch,
+            "rest_or_leave": impact.settle_or_lift,
+        },
+        moves_x=True,
+        moves_v=True,
+        timed=False,
+    ),
+}

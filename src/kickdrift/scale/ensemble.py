@@ -1,0 +1,181 @@
+"""`solve_ensemble`: many members of one problem, in one solution."""
+
+import os
+import time
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kickdrift.core.arguments import choice
+from kickdrift.core.errors import ArgumentError
+from kickdrift.engine import quantities
+from kickdrift.engine.invariants import Invariants
+from kickdrift.engine.method_selection import check_wanted
+from kickdrift.engine.progress import Bar
+from kickdrift.engine.step_control import StepControl
+from kickdrift.engine.task import description_of
+from kickdrift.methods import Method
+from kickdrift.scale.ensemble_solution import EnsembleSolution
+from kickdrift.scale.executors import run_on
+from kickdrift.scale.members import members_of
+from kickdrift.scale.prepared import Prepared, Settings, prepare
+from kickdrift.scale.results import Results
+from kickdrift.scale.running import Runs
+from kickdrift.systems.problem import Problem
+from kickdrift.systems.system import System
+
+Floats = NDArray[np.float64]
+
+
+def solve_ensemble(
+    problem: System | Problem | Callable[..., Any],
+    t_span: Sequence[float],
+    x0: ArrayLike | None = None,
+    v0: ArrayLike | None = None,
+    *,
+    step: ArrayLike | None = None,
+    method: str | Method | None = None,
+    order: int | None = None,
+    t_eval: ArrayLike | None = None,
+    save_every: int | None = None,
+    step_control: StepControl | Callable[..., Any] | str | None = None,
+    rtol: float | None = None,
+    atol: ArrayLike | None = None,
+    args: ArrayLike | Mapping[str, Any] | None = None,
+    seeds: Sequence[int] | None = None,
+    compensated: bool = True,
+    compile: bool = True,  # noqa: A002 - a promised name
+    check_bounds: bool = True,
+    progress: bool | None = None,
+    threads: int | None = None,
+    executor: Any = None,
+) -> EnsembleSolution:
+    """Integrate many members of one problem: other starts, parameters, steps or seeds.
+
+    Each member has the numbers of `kickdrift.solve` for it alone, to the bit, on any number of threads. Steps of explicit
+    methods on small states are done for eight members and more at once, in the vector registers of the processor.
+
+    Parameters
+    ----------
+    problem : System, Problem or callable
+        As for `kickdrift.solve`; or a function that makes a system or problem, such as `kickdrift.systems.kepler`, with `args`
+        by the names of its arguments.
+    t_span : (float, float)
+        Start and end of all members.
+    x0, v0 : array_like
+        Starts, with members along the first axis: (M, *shape). They broadcast, so that one v0 goes with many x0. Of a system,
+        one start of its shape goes for all; without one, its own.
+    step : float or (M,) array_like
+        Largest step allowed, or one to each member. Of members with other steps `t_eval` says which times are kept.
+    method, order
+        As for `kickdrift.solve`. ``"auto"`` takes for all members what it takes for the first.
+    t_eval, save_every
+        As for `kickdrift.solve`: the times kept of all members.
+    step_control, rtol, atol
+        As for `kickdrift.solve`: steps that vary, those of each member by itself, with `t_eval` for the times kept.
+    args : array_like or mapping, optional
+        Numbers that the functions get as ``params``: p for all, or (M, p). Or a range of each by its name, in the order in
+        which the functions get them, ``{"stiffness": np.linspace(1, 9, 81), "damping": [0.1, 0.2]}``: the members are the
+        product of all ranges, the last of which changes fastest; a single number goes for all. The names label the members.
+    seeds : sequence of int, optional
+        One to each member, of `kickdrift.Langevin`.
+    compensated, compile, check_bounds
+        As for `kickdrift.solve`.
+    progress : bool, optional
+        Whether to show a progress bar for all members. By default one shows on a terminal, for runs longer than two seconds.
+    threads : int, optional
+        By default as many as there are cores for this process.
+    executor : concurrent.futures.Executor or dask.distributed.Client, optional
+        Runs the members in its workers, a chunk of them a task, instead of on threads. What a worker that dies leaves undone
+        is done again, to the same bits. `concurrent.futures` sends functions by their names in their modules; Dask others, too.
+
+    Returns
+    -------
+    EnsembleSolution
+        A member that fails is marked with its message, and the others finish. Ctrl-C keeps what is done.
+
+    Raises
+    ------
+    ArgumentError
+        For an argument that cannot be used, before any work is done.
+
+    Examples
+    --------
+    >>> import numpy as np, kickdrift as kd
+    >>> def spring(x, params):
+    ...     return -params[0] * x
+    >>> sol = kd.solve_ensemble(spring, (0.0, 10.0), x0=[1.0], v0=[0.0], args={"k": np.linspace(1, 4, 31)}, step=0.1)
+    >>> sol.x.shape
+    (31, 101)
+    """
+    check_wanted(method, order)
+    compensated, compiles = choice("compensated", compensated), choice("compile", compile)
+    check_bounds = choice("check_bounds", check_bounds)
+    progress = None if progress is None else choice("progress", progress)
+    if executor is not None and threads is not None:
+        raise ArgumentError(f"threads={threads!r} and executor={executor!r} are both given; give one of them.")
+    threads = _threads(threads)
+    members = members_of(problem, x0, v0, args, step, seeds)
+    settings = Settings(
+        t_span, method, order, t_eval, save_every, step_control, rtol, atol, compensated, compiles, check_bounds
+    )
+    prepared = prepare(members, settings, progress)
+    if executor is None:
+        runs = Runs(prepared, threads, progress)
+        results, go = runs.results, runs.go
+    else:
+        results = prepared.room()
+        go = partial(run_on, executor, prepared, results)
+    started = time.perf_counter()
+    total = sum(cohort.indices.size * cohort.length for cohort in prepared.cohorts)
+    bar = Bar(total, progress)
+    try:
+        go(lambda done: bar.show(done, time.perf_counter() - started) if done else None)
+    except KeyboardInterrupt:  # members that are left are marked
+        pass
+    finally:
+        bar.close()
+    return _solution(prepared, results, time.perf_counter() - started)
+
+
+def _threads(threads: int | None) -> int:
+    if threads is None:
+        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if isinstance(threads, bool) or not isinstance(threads, int | np.integer) or threads < 1:
+        raise ArgumentError(f"threads={threads!r} must be a positive whole number.")
+    return int(threads)
+
+
+def _solution(prepared: Prepared, results: Results, seconds: float) -> EnsembleSolution:
+    system = prepared.system
+    for kept in (results.x, results.v):
+        kept.flags.writeable = False  # invariants are evaluated later, from the same numbers
+    return EnsembleSolution(
+        t=prepared.t,
+        x=results.x,
+        v=results.v,
+        invariants=Invariants(tuple(system.quantities), partial(_evaluated, prepared, results)),
+        status=tuple(results.status),
+        messages=tuple(results.messages),
+        step=results.step,
+        n_steps=results.n_steps,
+        n_force_evaluations=results.evaluations,
+        wall_time=seconds,
+        about=description_of(system, prepared.chosen, prepared.settings.compensated, prepared.controller),
+        parameters=prepared.members.parameters,
+    )
+
+
+def _evaluated(prepared: Prepared, results: Results, name: str) -> Floats:
+    """Evaluate a conserved quantity of all members: (M, T), or (M, T, size)."""
+    count, t = prepared.members.count, prepared.t
+    if prepared.one_system():
+        times = np.tile(t, count)
+        values = quantities.evaluate(prepared.system, name, times, results.x, results.v)
+        return values.reshape(count, t.size, *values.shape[1:])
+    return np.stack(
+        [quantities.evaluate(prepared.system_of(i), name, t, results.x[i], results.v[i]) for i in range(count)]
+    )

@@ -1,0 +1,146 @@
+"""What an ensemble leaves: the states of all members, and how each of them went."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.errors import KickdriftError
+from kickdrift.core.outcomes import Outcome
+from kickdrift.engine.solution import Description, Invariants, Solution
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class EnsemblePresenters:
+    """What the solution of an ensemble can do on the floors above: the package hands it down when it is imported."""
+
+    save: Callable[..., Path]
+    to_xarray: Callable[..., Any]
+    report: Callable[..., str]
+
+
+@dataclass(frozen=True, eq=False)
+class EnsembleSolution:
+    """States of M members at the times kept, and how each of them went; ``solution[i]`` is the `Solution` of one.
+
+    Attributes
+    ----------
+    t : (T,) array
+        Times kept.
+    x, v : (M, T, *shape) array
+        Positions and velocities, NaN after the last good row of a member that failed.
+    invariants : mapping of str to array
+        Conserved quantities at those times, (M, T) or (M, T, size), each evaluated when it is first asked for.
+    status : tuple of Outcome
+        How each member ended.
+    messages : tuple of str
+        The same as sentences, with time and step of those that did not reach the end.
+    step : (M,) array
+        The step used.
+    n_steps, n_force_evaluations : (M,) array of int
+        Steps done, and evaluations of the acceleration.
+    wall_time : float
+        Seconds that all members took together, compilation not counted.
+    about : Description
+        What was run.
+    parameters : mapping of str to array
+        What tells the members apart, (M,) or (M, p): what was swept, steps, seeds.
+    """
+
+    t: Floats
+    x: Floats
+    v: Floats
+    invariants: Mapping[str, Floats]
+    status: tuple[Outcome, ...]
+    messages: tuple[str, ...]
+    step: Floats
+    n_steps: NDArray[np.int64]
+    n_force_evaluations: NDArray[np.int64]
+    wall_time: float
+    about: Description
+    parameters: Mapping[str, NDArray[Any]]
+
+    presenters: ClassVar[EnsemblePresenters]
+
+    @property
+    def success(self) -> NDArray[np.bool_]:
+        """Which members reached the end of t_span, shape (M,)."""
+        return np.array([status.success for status in self.status])
+
+    @property
+    def energy(self) -> Floats:
+        """Energy at the times kept, shape (M, T).
+
+        Raises
+        ------
+        KickdriftError
+            If the system does not say its energy.
+        """
+        if "energy" not in self.invariants:
+            raise KickdriftError(
+                f"{self.about.system!r} does not say its energy; give energy=... to its description, for an"
+                " acceleration kd.SecondOrder(acceleration, energy=...)."
+            )
+        return self.invariants["energy"]
+
+    @property
+    def q(self) -> Floats:
+        """Positions under the name that they have in Hamiltonians: x."""
+        return self.x
+
+    @property
+    def p(self) -> Floats:
+        """Momenta of a Hamiltonian: v."""
+        return self.v
+
+    @property
+    def y(self) -> Floats:
+        """States of first-order equations: x."""
+        return self.x
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+    def __iter__(self) -> Iterator[Solution]:
+        return (self[i] for i in range(len(self)))
+
+    def __getitem__(self, i: int) -> Solution:
+        """Return the solution of a member: the rows that it reached."""
+        i = range(len(self))[i]
+        reached = ~np.isnan(self.x[i].reshape(self.t.size, -1)).all(axis=1)
+        return Solution(
+            t=self.t[reached],
+            x=self.x[i, reached],
+            v=self.v[i, reached],
+            invariants=Invariants(tuple(self.invariants), lambda name: self.invariants[name][i, reached]),
+            status=self.status[i],
+            message=self.messages[i],
+            step=float(self.step[i]),
+            n_steps=int(self.n_steps[i]),
+            n_force_evaluations=int(self.n_force_evaluations[i]),
+            wall_time=self.wall_time / len(self),
+            about=self.about,
+        )
+
+    def report(self) -> str:
+        """Return how the members went, as a text of a line per fact."""
+        return self.presenters.report(self)
+
+    def save(self, path: str | Path) -> Path:
+        """Write everything to one ``.npz`` file of plain arrays, for `kickdrift.load`; returns its path."""
+        return self.presenters.save(self, path)
+
+    def to_xarray(self) -> Any:
+        """Return an `xarray.Dataset` with named dimensions, ``member`` the first, and units."""
+        return self.presenters.to_xarray(self)
+
+    def __repr__(self) -> str:
+        return (
+            f"<{len(self)} solutions of {self.about.system} by {self.about.method}: {self.t.size} times from"
+            f" {self.t[0]:g} to {self.t[-1]:g}, {int(self.success.sum())} completed>"
+        )

@@ -1,0 +1,198 @@
+"""Members made ready: the system of the first, the method, the steps; and the systems of the others."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.core.room import free_bytes
+from kickdrift.engine.announcing import compiling_announced
+from kickdrift.engine.controller import Controller, control_of, controlled
+from kickdrift.engine.dense import check_between
+from kickdrift.engine.grid import Course, Grid, lay_course, lay_grid
+from kickdrift.engine.method_selection import Choice, check_direction, choose
+from kickdrift.engine.problem_adapter import Adapter, describe
+from kickdrift.engine.start import parameters, start_of
+from kickdrift.methods import Method
+from kickdrift.scale.members import Members
+from kickdrift.scale.results import Results
+from kickdrift.systems.system import System
+
+Floats = NDArray[np.float64]
+_PART = 0.8  # of the memory that is free
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What all members have: the arguments of `kickdrift.solve`."""
+
+    t_span: Sequence[float]
+    method: str | Method | None
+    order: int | None
+    t_eval: ArrayLike | None
+    save_every: int | None
+    step_control: Any
+    rtol: float | None
+    atol: ArrayLike | None
+    compensated: bool
+    compile: bool
+    check_bounds: bool
+
+
+@dataclass(frozen=True)
+class Cohort:
+    """Members of one step, or of steps that vary."""
+
+    indices: NDArray[np.intp]
+    grid: Grid | Course
+
+    @property
+    def length(self) -> int:
+        """Steps of a member, for the progress; 1 where they vary."""
+        return self.grid.n_steps if isinstance(self.grid, Grid) else 1
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """Members, and what their runs have in common.
+
+    Attributes
+    ----------
+    members : Members
+    settings : Settings
+    system : System
+        Of the first member.
+    chosen : Choice
+        The method of all members.
+    cohorts : list of Cohort
+    t : (T,) array
+        Times of the rows.
+    controller : Controller or None
+        What chooses the steps of the first member, where they vary.
+    """
+
+    members: Members
+    settings: Settings
+    system: System
+    chosen: Choice
+    cohorts: list[Cohort]
+    t: Floats
+    controller: Controller | None = None
+
+    def room(self) -> Results:
+        """Make room for what the members will leave."""
+        return Results.empty(self.members.count, self.t.size, self.system.x0.shape, self.system.v0.shape)
+
+    def system_of(self, i: int) -> System:
+        """Describe the system of a member."""
+        return _described(self.members, self.settings, i, self.cohorts[0].grid.t0)
+
+    def numbers(self) -> tuple[Floats, Floats, Floats] | None:
+        """Return x, v and params of all members, (M, n) each; None where they differ by more than these."""
+        members, system = self.members, self.system
+        if members.made is not None:
+            return self._of_made()
+        x, v = (
+            np.broadcast_to(
+                own.reshape(1, -1) if given is None else given.reshape(len(given), -1), (members.count, own.size)
+            )
+            for own, given in ((system.x0, members.x0), (system.v0, members.v0))
+        )
+        params = np.broadcast_to(system.params, (members.count, system.params.size)).copy()
+        if members.args is not None:
+            params[:, : members.args.shape[1]] = members.args
+        if members.seeds is not None:
+            params[:, -2], params[:, -1] = members.seeds & np.uint64(0xFFFFFFFF), members.seeds >> np.uint64(32)
+        last = self.system_of(members.count - 1)  # in case a description makes more of these numbers
+        return (x, v, params) if np.array_equal(last.params, params[-1]) and _alike(last, system) else None
+
+    def _of_made(self) -> tuple[Floats, Floats, Floats] | None:
+        systems = [self.system_of(i) for i in range(self.members.count)]
+        if not all(_alike(system, self.system) for system in systems):
+            return None
+        x, v, params = (
+            np.stack([getattr(system, name).reshape(-1) for system in systems]) for name in ("x0", "v0", "params")
+        )
+        return x, v, params
+
+    def one_system(self) -> bool:
+        """Whether all members have one system, started otherwise."""
+        members = self.members
+        return members.made is None and members.seeds is None and (members.args is None or len(members.args) == 1)
+
+
+def prepare(members: Members, settings: Settings, progress: bool | None, lead: Members | None = None) -> Prepared:
+    """Describe the first member, or the first of others that `lead`, choose the method, and lay the steps.
+
+    Raises
+    ------
+    ArgumentError
+        For whatever `kickdrift.solve` would refuse, and more rows than there is room for.
+    """
+    lead = lead or members
+    x0, v0, args = lead.start_of(0)
+    start, params = start_of(lead.problem_of(0), x0, v0), parameters(args)
+    control = control_of(settings.step_control, lead.step_of(0), settings.rtol, settings.atol)
+    if control is not None and settings.t_eval is None:
+        raise ArgumentError("steps vary from member to member; give t_eval=..., the times to keep of all members.")
+    cohorts = []
+    for indices in members.cohorts():
+        numbers, step = members.count * start.x.size, members.step_of(int(indices[0]))
+        given = settings.t_span, step, settings.t_eval, settings.save_every
+        cohorts.append(Cohort(indices, lay_grid(*given, numbers) if control is None else lay_course(*given)))
+    first = cohorts[0].grid
+    t = _times(first)
+    if any(not np.array_equal(t, _times(cohort.grid)) for cohort in cohorts):
+        raise ArgumentError(
+            f"step has {len(cohorts)} values, after whose steps the times are others; give t_eval=..., the times to keep of all"
+            " members."
+        )
+    _check_room(members.count, t.size, start.x.size + start.v.size)
+    with compiling_announced(progress):
+        system = describe(lead.problem_of(0), first.t0, start, params, settings.compile, settings.check_bounds)
+        method = settings.method
+        if control is not None and method is None and settings.order is None:
+            method = control.method
+        chosen = choose(method, settings.order, system, first.t0, first.step, first.t1 - first.t0)
+        check_direction(chosen.method, first.step)
+        controller = None
+        if control is not None:
+            adapter = Adapter(first.t0, start.x, start.v, params, settings.compile, settings.check_bounds)
+            has_step = lead.step_of(0) is not None
+            _, controller = controlled(control, system, chosen.method, first.t0, adapter.number, has_step)
+    for cohort in cohorts:
+        if isinstance(cohort.grid, Grid):
+            check_between(system, cohort.grid)
+    return Prepared(members, settings, system, chosen, cohorts, t, controller)
+
+
+def _times(grid: Grid | Course) -> Floats:
+    if grid.wanted is not None:
+        return grid.wanted
+    return grid.times if isinstance(grid, Grid) else grid.marks
+
+
+def _check_room(count: int, times: int, numbers: int) -> None:
+    size, most = 8.0 * count * times * numbers, _PART * free_bytes()
+    if size > most:
+        raise ArgumentError(
+            f"{count} members at {times} times are {size / 2**30:.3g} GiB, and there is room for {most / 2**30:.3g} GiB; keep"
+            " fewer times (save_every, t_eval), or run fewer members at once."
+        )
+
+
+def _described(members: Members, settings: Settings, i: int, t0: float) -> System:
+    x0, v0, args = members.start_of(i)
+    problem = members.problem_of(i)
+    start = start_of(problem, x0, v0)
+    return describe(problem, t0, start, parameters(args), settings.compile, settings.check_bounds)
+
+
+def _alike(one: System, other: System) -> bool:
+    """Whether systems have the same functions, so that they differ by numbers alone."""
+    same = one.acceleration is other.acceleration and one.velocity is other.velocity and one.kind is other.kind
+    shapes = one.x0.shape == other.x0.shape and one.params.shape == other.params.shape
+    return same and shapes and dict(one.parts) == dict(other.parts)

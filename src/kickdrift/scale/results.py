@@ -1,0 +1,52 @@
+"""Rows and outcomes of members, filled as they come."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.outcomes import Outcome
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(eq=False)
+class Results:
+    """What the members have left: of each its rows, (M, T, *shape), how many are filled, how it ended, and what it took."""
+
+    x: Floats
+    v: Floats
+    rows: NDArray[np.int64]
+    status: list[Outcome]
+    messages: list[str]
+    step: Floats
+    n_steps: NDArray[np.int64]
+    evaluations: NDArray[np.int64]
+
+    @classmethod
+    def empty(cls, count: int, times: int, shape: tuple[int, ...], shape_of_v: tuple[int, ...]) -> "Results":
+        """Make room for members, none of which has begun."""
+        return cls(
+            np.empty((count, times, *shape)),
+            np.empty((count, times, *shape_of_v)),
+            np.zeros(count, dtype=np.int64),
+            [Outcome.INTERRUPTED] * count,
+            [f"{Outcome.INTERRUPTED.value} It did not begin."] * count,
+            np.zeros(count),
+            np.zeros(count, dtype=np.int64),
+            np.zeros(count, dtype=np.int64),
+        )
+
+    def fill(self) -> None:
+        """Leave no row as it was found in memory: NaN after those that are filled."""
+        for i in np.flatnonzero(self.rows < self.x.shape[1]):
+            self.x[i, self.rows[i] :] = self.v[i, self.rows[i] :] = np.nan
+
+    def put(self, first: int, other: "Results") -> None:
+        """Take over those of the members from `first` on."""
+        last = first + len(other.status)
+        self.x[first:last], self.v[first:last] = other.x, other.v
+        self.rows[first:last] = other.rows
+        self.status[first:last], self.messages[first:last] = other.status, other.messages
+        self.step[first:last], self.n_steps[first:last] = other.step, other.n_steps
+        self.evaluations[first:last] = other.evaluations

@@ -1,0 +1,349 @@
+"""Ensembles: each member is what `solve` makes of it alone, to the bit."""
+
+import dataclasses
+import math
+import os
+import re
+import signal
+import threading
+
+import numpy as np
+import pytest
+from numba.core.registry import cpu_target
+
+import kickdrift as kd
+from kickdrift.core import archive
+from kickdrift.core.calls import address_of
+from kickdrift.core.compilation import compiled
+from kickdrift.core.errors import ArgumentError, MethodMismatchError
+from kickdrift.engine import lane_letters
+from kickdrift.engine.loop import LETTER
+from kickdrift.engine.problem_adapter import describe
+from kickdrift.engine.processing import kernel_alone
+from kickdrift.engine.start import Start
+from kickdrift.scale import running
+
+SPAN = (0.0, 3.0)
+
+
+def spring(x, params, out):
+    out[0] = -params[0] * x[0]
+    out[1] = -params[1] * x[1] ** 3
+
+
+def gravity(x):
+    return -x / (x[0] * x[0] + x[1] * x[1]) ** 1.5
+
+
+def drag(t, x, v, params):
+    return np.array([np.cos(t) - params[0] * v[0] - x[0], -params[0] * v[1] ** 2 - x[1]])
+
+
+def starts(count, seed=0):
+    noise = np.random.default_rng(seed).normal(size=(2, count, 2))
+    return [1.0, 0.0] + 0.1 * noise[0], [0.0, 1.0] + 0.1 * noise[1]
+
+
+def is_member(sol, i, problem, *start, **options):
+    """Whether a member has the bits of a run of it alone."""
+    alone = kd.solve(problem, SPAN, *start, progress=False, **options)
+    assert sol.status[i] is alone.status
+    for name in ("x", "v"):
+        assert getattr(sol, name)[i].tobytes() == getattr(alone, name).tobytes()
+    assert np.array_equal(sol.t, alone.t)
+    assert (sol.step[i], sol.n_steps[i]) == (alone.step, alone.n_steps)
+    assert sol.n_force_evaluations[i] == alone.n_force_evaluations
+    for name, values in alone.invariants.items():
+        assert np.array_equal(sol.invariants[name][i], values, equal_nan=True)
+    return True
+
+
+@pytest.fixture
+def in_lanes(monkeypatch):
+    """Count the members that run in lanes, and that run alone."""
+    counts = {"lanes": 0, "alone": 0}
+    many, one = running.Runs._run_in_lanes, running.Runs._run_alone
+
+    def count_many(self, cohort, *others):
+        counts["lanes"] += cohort.indices.size
+        many(self, cohort, *others)
+
+    def count_one(self, *others):
+        counts["alone"] += 1
+        one(self, *others)
+
+    monkeypatch.setattr(running.Runs, "_run_in_lanes", count_many)
+    monkeypatch.setattr(running.Runs, "_run_alone", count_one)
+    return counts
+
+
+@pytest.mark.parametrize("compensated", [True, False])
+@pytest.mark.parametrize("method", ["semi-implicit-euler", "drift-kick", "velocity-verlet", "blanes-moan-srkn6b"])
+def test_members_in_lanes_have_the_bits_of_runs_alone(method, compensated, in_lanes):
+    x, v = starts(131)
+    options = {"step": 0.01, "method": method, "compensated": compensated, "save_every": 70}
+    sol = kd.solve_ensemble(kd.systems.kepler(), SPAN, x, v, **options)
+    assert in_lanes == {"lanes": 131, "alone": 0}
+    assert sol.x.shape == (131, 6, 2)
+    assert sol.success.all()
+    for i in (0, 63, 64, 130):
+        assert is_member(sol, i, kd.systems.kepler(), x[i], v[i], **options)
+
+
+@pytest.mark.parametrize("function", [spring, drag])
+def test_numbers_of_functions_are_swept(function, in_lanes):
+    x, v = starts(3)
+    args = np.array([[1.0, 0.1], [2.0, 0.2], [0.5, 0.3]])
+    method = "semi-implicit-euler"
+    if function is drag:
+        method = "explicit-euler"
+    sol = kd.solve_ensemble(function, SPAN, x, v, args=args, step=0.05, method=method)
+    for i in range(3):
+        assert is_member(sol, i, function, x[i], v[i], args=args[i], step=0.05, method=method)
+    assert np.array_equal(sol.parameters["args"], args)
+    assert in_lanes["lanes"] == (3 if function is spring else 0)
+
+
+def test_named_ranges_are_a_product(in_lanes):
+    sol = kd.solve_ensemble(
+        spring, SPAN, [[1.0, 0.5]], [[0.0, 0.0]], args={"k": [1.0, 2.0], "c": [0.1, 0.2, 0.3]}, step=0.1
+    )
+    assert in_lanes["lanes"] == 6
+    assert sol.parameters["k"].tolist() == [1, 1, 1, 2, 2, 2]
+    assert sol.parameters["c"].tolist() == [0.1, 0.2, 0.3] * 2
+    assert is_member(sol, 4, spring, [1.0, 0.5], [0.0, 0.0], args=(2.0, 0.2), step=0.1)
+    one = kd.solve_ensemble(spring, SPAN, [[1.0, 0.5]], [[0.0, 0.0]], args={"k": [1.0, 2.0], "c": 0.2}, step=0.1)
+    assert list(one.parameters) == ["k"]
+    assert np.array_equal(one.x[1], sol.x[4])
+
+
+def test_functions_that_make_systems_are_swept(in_lanes):
+    sol = kd.solve_ensemble(
+        kd.systems.kepler, SPAN, args={"eccentricity": [0.0, 0.5], "mu": [1.0, 2.0]}, step=0.01, save_every=100
+    )
+    assert in_lanes["lanes"] == 4
+    made = kd.systems.kepler(eccentricity=0.5, mu=1.0)
+    assert is_member(sol, 2, made, step=0.01, save_every=100)
+    damped = kd.solve_ensemble(
+        lambda c: kd.Damped(lambda x: -x, damping=c), SPAN, [1.0], [0.0], args={"c": [0.1, 0.9]}, step=0.1,
+        method="conformal-verlet",
+    )  # fmt: skip
+    assert is_member(damped, 1, kd.Damped(lambda x: -x, damping=0.9), 1.0, 0.0, step=0.1, method="conformal-verlet")
+
+
+def test_noise_has_a_seed_to_each_member(in_lanes):
+    well = kd.Langevin(lambda x: 4 * x * (1 - x * x), friction=1.0, temperature=0.4)
+    seeds = [3, 2**64 - 1, 2**40 + 7]
+    sol = kd.solve_ensemble(well, SPAN, [1.0], [0.0], seeds=seeds, step=0.1, method="baoab")
+    assert in_lanes["lanes"] == 3
+    for i, seed in enumerate(seeds):
+        assert is_member(sol, i, dataclasses.replace(well, seed=seed), 1.0, 0.0, step=0.1, method="baoab")
+
+
+def test_steps_differ_where_the_times_kept_are_the_same(in_lanes):
+    kepler, steps = kd.systems.kepler(), [0.1, 0.05, 0.1]
+    sol = kd.solve_ensemble(kepler, SPAN, step=steps, t_eval=[0.0, 1.0, 3.0])
+    assert in_lanes["lanes"] == 3
+    for i in range(3):
+        assert is_member(sol, i, kepler, step=steps[i], t_eval=[0.0, 1.0, 3.0])
+    with pytest.raises(ArgumentError, match="give t_eval"):
+        kd.solve_ensemble(kepler, SPAN, step=steps)
+
+
+@pytest.mark.parametrize(
+    ("method", "problem"),
+    [
+        ("gauss-4", kd.systems.pendulum()),
+        ("wisdom-holman", kd.systems.kepler()),
+        ("velocity-verlet", kd.systems.nbody(np.ones(3), np.eye(3), np.zeros((3, 3)), G=0.1)),
+        ("boris", kd.ChargedParticle(charge_to_mass=1.0, magnetic_field=lambda x: np.array([0.0, 0.0, 1 + x[0]]))),
+        ("runge-kutta-4", kd.FirstOrder(lambda y: np.array([y[1], -y[0]]))),
+    ],
+)
+def test_every_kind_of_step_runs(method, problem):
+    rng = np.random.default_rng(1)
+    shape = problem.x0.shape if isinstance(problem, kd.System) else (3,)
+    if isinstance(problem, kd.FirstOrder):
+        sol = kd.solve_ensemble(problem, SPAN, x := rng.normal(size=(5, 2)), step=0.1, method=method)
+        assert all(is_member(sol, i, problem, x[i], step=0.1, method=method) for i in range(5))
+        return
+    x, v = rng.normal(size=(2, 5, *shape)) + 1.0
+    sol = kd.solve_ensemble(problem, SPAN, x, v, step=0.1, method=method)
+    assert all(is_member(sol, i, problem, x[i], v[i], step=0.1, method=method) for i in range(5))
+
+
+def test_steps_that_vary_are_those_of_each_member():
+    kepler, options = kd.systems.kepler(), {"step": 0.02, "step_control": "distance", "t_eval": [0.0, 1.0, 3.0]}
+    x, v = starts(3)
+    x[1] *= 0.3
+    sol = kd.solve_ensemble(kepler, SPAN, x, v, **options)
+    assert all(is_member(sol, i, kepler, x[i], v[i], **options) for i in range(3))
+    assert len(set(sol.n_steps)) == 3
+    by_error = kd.solve_ensemble(gravity, SPAN, x, v, rtol=1e-8, t_eval=[3.0])
+    assert is_member(by_error, 1, gravity, x[1], v[1], rtol=1e-8, t_eval=[3.0])
+    with pytest.raises(ArgumentError, match="vary from member to member"):
+        kd.solve_ensemble(gravity, SPAN, x, v, rtol=1e-8)
+
+
+def test_times_between_steps_are_kept():
+    x, v = starts(3)
+    sol = kd.solve_ensemble(gravity, SPAN, x, v, step=0.1, t_eval=[0.33, 2.0, 0.5])
+    assert is_member(sol, 2, gravity, x[2], v[2], step=0.1, t_eval=[0.33, 2.0, 0.5])
+
+
+def test_interpreted_functions_run():
+    x, v = starts(2)
+    sol = kd.solve_ensemble(gravity, SPAN, x, v, step=0.5, compile=False)
+    assert is_member(sol, 1, gravity, x[1], v[1], step=0.5, compile=False)
+
+
+@pytest.mark.parametrize("threads", [2, 3])
+def test_any_number_of_threads_gives_the_same_bits(threads, monkeypatch):
+    monkeypatch.setattr(running, "_TASK", 64 * 100)
+    x, v = starts(333)
+    runs = [kd.solve_ensemble(kd.systems.kepler(), SPAN, x, v, step=0.03, threads=n) for n in (1, threads)]
+    assert runs[0].x.tobytes() == runs[1].x.tobytes()
+
+
+def test_a_member_that_fails_is_marked_and_the_others_finish():
+    def escape(x):
+        return np.array([x[0] ** 3, -x[1]])
+
+    x = np.array([[0.1, 1.0], [5.0, 1.0], [0.2, 1.0]])
+    sol = kd.solve_ensemble(escape, SPAN, x, np.zeros((3, 2)), step=0.05)
+    assert sol.success.tolist() == [True, False, True]
+    assert is_member(sol, 2, escape, x[2], np.zeros(2), step=0.05)
+    alone = kd.solve(escape, SPAN, x[1], np.zeros(2), step=0.05)
+    assert sol.messages[1] == alone.message
+    assert sol.status[1] is alone.status is kd.Outcome.NOT_FINITE
+    reached = alone.t.size
+    assert np.array_equal(sol.x[1, :reached], alone.x)
+    assert np.isnan(sol.x[1, reached:]).all()
+    assert np.array_equal(sol[1].t, alone.t)
+
+
+def test_a_member_whose_function_raises_is_marked_and_the_others_finish():
+    def table(x, params):
+        return np.array([-params[int(abs(x[0]))] * x[0]])
+
+    sol = kd.solve_ensemble(table, SPAN, [[0.5], [1.2], [0.7]], [[0.0], [2.5], [0.0]], args=(1.0, 1.0), step=0.05)
+    assert [status.name for status in sol.status] == ["COMPLETED", "FAILED", "COMPLETED"]
+    assert "IndexError" in sol.messages[1]
+    assert is_member(sol, 2, table, [0.7], [0.0], args=(1.0, 1.0), step=0.05)
+
+
+def test_ctrl_c_keeps_what_is_done(monkeypatch):
+    monkeypatch.setattr(running, "_TASK", 1)
+    x, v = starts(64 * 40)
+    kd.solve_ensemble(kd.systems.kepler(), SPAN, x, v, step=0.1)  # compiles
+    timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    sol = kd.solve_ensemble(kd.systems.kepler(), (0.0, 30_000.0), x, v, step=0.001, save_every=10**5, threads=1)
+    timer.join()
+    assert {status.name for status in sol.status} == {"INTERRUPTED"}
+    done = int(sol.n_steps[0])
+    assert 0 < done < 30_000_000
+    assert np.isfinite(sol.x[0, : done // 10**5]).all()
+    assert np.isnan(sol.x[0, done // 10**5 + 1 :]).all()
+    assert np.isnan(sol.x[-1]).all()
+    assert "did not begin" in sol.messages[-1]
+
+
+def test_saved_and_loaded_ensembles_are_equal(tmp_path):
+    sol = kd.solve_ensemble(kd.systems.kepler, SPAN, args={"eccentricity": [0.0, 0.5, 0.99]}, step=0.5)
+    loaded = kd.load(sol.save(tmp_path / "sweep"))
+    for name in ("t", "x", "v", "energy", "step", "n_steps", "n_force_evaluations"):
+        assert np.array_equal(getattr(loaded, name), getattr(sol, name), equal_nan=True)
+    assert (loaded.status, loaded.messages, loaded.about) == (sol.status, sol.messages, sol.about)
+    assert np.array_equal(loaded.parameters["eccentricity"], [0.0, 0.5, 0.99])
+    assert loaded.report() == sol.report()
+    assert "eccentricity 0 to 0.99" in sol.report()
+    with np.load(tmp_path / "sweep.npz") as file:
+        arrays = {name: file[name] for name in file.files if name != "header"}
+    with pytest.raises(kd.KickdriftError, match="is not a kickdrift solution"):
+        kd.load(archive.write(tmp_path / "cut", {"format": archive.ENSEMBLE, "outcomes": []}, arrays))
+
+
+def test_labelled_arrays_have_members():
+    sol = kd.solve_ensemble(kd.systems.kepler, SPAN, args={"eccentricity": [0.0, 0.5]}, step=0.1)
+    data = sol.to_xarray()
+    assert data.x.dims == ("member", "time", "space")
+    assert data.energy.dims == ("member", "time")
+    assert data.eccentricity.values.tolist() == [0.0, 0.5]
+    assert data.status.values.tolist() == ["COMPLETED", "COMPLETED"]
+    assert data.angular_momentum.sel(time=0.0).values == pytest.approx([1.0, math.sqrt(0.75)])
+
+
+def test_members_are_solutions():
+    sol = kd.solve_ensemble(kd.systems.kepler, SPAN, args={"eccentricity": [0.0, 0.5]}, step=0.1)
+    members = list(sol)
+    assert len(members) == len(sol) == 2
+    assert np.array_equal(sol[-1].energy, sol.energy[1])
+    assert "kick-drift" in sol[0].report()
+    with pytest.raises(IndexError):
+        sol[2]
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"x0": np.ones((3, 2)), "args": np.ones((2, 2))}, "x0 3, .*args 2"),
+        ({"x0": np.ones((3, 2)), "v0": np.ones((4, 2))}, "x0 has shape .* v0 has shape"),
+        ({"x0": [[1.0, np.nan]]}, r"x0 is nan at index \(0, 1\)"),
+        ({"args": [[1.0, np.inf]]}, "args is inf"),
+        ({"args": np.ones((1, 1, 1))}, "args has shape"),
+        ({"x0": np.ones((0, 2))}, "x0 of shape .* is empty"),
+        ({"args": {"k": []}}, r"args\['k'\] is empty"),
+        ({"args": {}}, "no names"),
+        ({"args": {"step": [1.0]}}, "taken"),
+        ({"problem": kd.systems.kepler, "args": {"excentricity": [0.1]}}, "did you mean 'eccentricity'"),
+        ({"problem": lambda k: k, "args": {"k": [0.1]}}, "has to make a system"),
+        ({"seeds": [1, 2]}, "no noise"),
+        ({"step": [[0.1]]}, "step has shape"),
+        ({"threads": 0}, "threads=0"),
+        ({"x0": None}, "x0 is missing"),
+        ({"save_every": 1, "step": 1e-9}, "there is room for"),
+    ],
+)
+def test_what_cannot_be_is_said_before_the_run(changes, sentence):
+    given = {"problem": spring, "x0": [[1.0, 0.0]], "v0": [[0.0, 0.0]], "args": (1.0, 1.0), "step": 0.1} | changes
+    with pytest.raises(ArgumentError, match=sentence):
+        kd.solve_ensemble(given.pop("problem"), SPAN, given.pop("x0"), given.pop("v0"), **given)
+
+
+def test_a_method_that_does_not_fit_is_refused():
+    with pytest.raises(MethodMismatchError):
+        kd.solve_ensemble(kd.FirstOrder(lambda y: -y), SPAN, np.ones((3, 1)), step=0.1, method="leapfrog")
+
+
+def packed(problem):
+    """Count packed instructions in registers of 256 or 512 bits, letter by letter."""
+    start = Start(np.array([1.0, 0.5]), np.zeros(2))
+    system = problem if isinstance(problem, kd.System) else describe(problem, 0.0, start, np.zeros(0), True)
+    program = kernel_alone(system, kd.methods.get("semi-implicit-euler"))
+    fields = lane_letters.fields_of(system, program, True)
+    counts = {}
+    for name in program.flows:
+        letter = compiled(cached=False)(lane_letters.build(name, system, program, True, fields).py_func)
+        address_of(letter, LETTER)
+        assembly = letter.get_compile_result(LETTER).library.get_asm_str()
+        counts[name] = len(re.findall(r"^\s+v(?:mul|div|sqrt|sub|add)pd\s.*%[yz]mm", assembly, re.MULTILINE))
+    return counts
+
+
+def has_wide_vectors():
+    triple, _, features = cpu_target.target_context.codegen().magic_tuple()
+    return triple.startswith("x86_64") and "+avx2" in features
+
+
+@pytest.mark.skipif(not has_wide_vectors(), reason="counts the vector instructions of x86 with AVX2")
+def test_lanes_are_vectorised():
+    def written(x, out):
+        out[0], out[1] = -x[0] * math.sqrt(x[1]), x[1]
+
+    def looked_up(x):  # which looks for what may not be there, and is not vectorised
+        return np.array([(1.0, 2.0, 3.0)[int(x[0])], 1.0])
+
+    for counts in (packed(kd.systems.kepler()), packed(written)):
+        assert min(counts.values()) >= 4
+    assert packed(looked_up)["kick"] == 0
