@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from kickdrift.core.errors import KickdriftError
 from kickdrift.core.outcomes import Outcome
-from kickdrift.engine.solution import Description, Invariants, Solution
+from kickdrift.engine.invariants import Invariants
+from kickdrift.engine.solution import Description, Solution
 
 Floats = NDArray[np.float64]
 
