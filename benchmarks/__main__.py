@@ -12,6 +12,7 @@ from pathlib import Path
 import llvmlite.binding
 
 from benchmarks import (
+    advice,
     against_c,
     auto,
     ensemble,
@@ -37,6 +38,7 @@ COMPARISONS: dict[str, tuple[str, Callable[[int], list[Row]]]] = {
     "implicit": ("Implicit against semi-implicit Euler", implicit_euler.compare),
     "ensemble": ("Ensembles of Kepler orbits: a step of a member, and turns to an error", ensemble.compare),
     "auto": ("What auto takes: time to an error, over that of the fastest", auto.compare),
+    "advice": ("What `kd.advise` recommends, against the best by brute force", advice.compare),
     "steps": ("Against the same step by hand", steps.compare),
     "startup": ("Before the first step", startup.compare),
     "scale": ("Boxes at rest: a body's part of a step", world_scale.compare),

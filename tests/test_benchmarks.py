@@ -173,7 +173,7 @@ def power_law(order, work=(1.0, 10.0, 100.0, 1000.0)):
 
 
 def test_errors_are_interpolated_by_their_logarithms():
-    from benchmarks.precision.curves import error_at
+    from kickdrift.analysis.work_curve import error_at
 
     work, errors = power_law(4)
     assert error_at(work, errors, 30.0) == pytest.approx(30.0**-4, rel=1e-12)
@@ -183,7 +183,7 @@ def test_errors_are_interpolated_by_their_logarithms():
 
 
 def test_work_is_interpolated_by_its_logarithm():
-    from benchmarks.precision.curves import error_at, work_for
+    from kickdrift.analysis.work_curve import error_at, work_for
 
     work, errors = power_law(4)
     assert work_for(work, errors, 30.0**-4) == pytest.approx(30.0, rel=1e-12)
@@ -193,7 +193,7 @@ def test_work_is_interpolated_by_its_logarithm():
 
 
 def test_failed_runs_and_runs_that_rounding_made_worse_do_not_count():
-    from benchmarks.precision.curves import error_at, work_for
+    from kickdrift.analysis.work_curve import error_at, work_for
 
     work, errors = power_law(2)
     worse = np.array([np.inf, *errors, 1e-3])
@@ -206,7 +206,7 @@ def test_failed_runs_and_runs_that_rounding_made_worse_do_not_count():
 
 
 def curve(label, order, slowness, rounds=3):
-    from benchmarks.precision.curves import Curve
+    from kickdrift.analysis.work_curve import Curve
 
     work, errors = power_law(order)
     return Curve(label, errors, work, slowness * np.tile(work, (rounds, 1)))
@@ -236,7 +236,7 @@ def test_runs_beyond_ours_are_not_extrapolated():
 
 
 def test_the_nearest_run_is_found_by_the_logarithm():
-    from benchmarks.precision.curves import nearest
+    from kickdrift.analysis.work_curve import nearest
 
     found = curve("four", 4, 1.0)  # errors 1, 1e-4, 1e-8, 1e-12
     assert [nearest(found, error) for error in (0.9, 2e-3, 0.5e-4, 3e-10, 1e-17)] == [0, 1, 1, 2, 3]
@@ -422,11 +422,13 @@ def test_times_to_an_error_are_read_off_between_steps_from_which_on_no_error_is_
 
 
 def test_problems_of_auto_are_of_the_kinds_of_their_candidates():
-    from benchmarks.auto import candidates, problems
+    from benchmarks.auto import problems
+
+    from kickdrift.analysis import candidates
 
     assert len(problems.named()) == 12
     for problem in problems.every_problem():
         run = problem.run("auto", problem.largest)
         assert run.about.kind == problem.kind.name
-        for name in candidates.of(problem):
+        for name in candidates.of(problem.kind):
             assert kd.methods.get(name).kind.includes(problem.kind)

@@ -183,3 +183,44 @@ def test_the_report_of_a_function_without_energy_leaves_it_out():
     text = kd.solve(lambda x: -x, (0.0, 1.0), 1.0, 0.0, step=0.5, compile=False).report()
     assert "energy" not in text
     assert "force evaluations" in text
+
+
+def test_units_are_those_that_pint_reads(planets):
+    pytest.importorskip("pint_xarray")
+    for system in (kd.systems.get(name) for name in kd.systems.catalogue()):
+        sol = kd.solve(system, (0.0, 1.0), step=0.5)
+        data = sol.to_xarray().pint.quantify()
+        if " " not in system.units.get("v", ""):
+            assert (
+                str(data.v.pint.units or "") == {"au/day": "astronomical_unit / day", "": ""}[system.units.get("v", "")]
+            )
+    data = planets.to_xarray().pint.quantify()
+    assert data.x.pint.to("km").pint.magnitude[0] == pytest.approx(planets.x[0] * 149597870.7)
+
+
+def test_units_in_words_are_no_units(planets):
+    data = kd.solve(kd.systems.benchmarks_game(), (0.0, 1.0), step=0.5).to_xarray()
+    assert "units" not in data.v.attrs
+    assert data.v.attrs["unit_in_words"] == kd.systems.benchmarks_game().units["v"]
+
+
+def test_a_data_frame_has_a_row_a_time_and_names_its_columns(planets):
+    pytest.importorskip("pandas")
+    frame = planets.to_pandas()
+    assert frame.index.name == "t"
+    assert np.array_equal(frame.index, planets.t)
+    assert np.array_equal(frame["x[Jupiter, y]"], planets.x[:, planets.about.coordinates["body"].index("Jupiter"), 1])
+    assert np.array_equal(frame["energy"], planets.energy)
+    assert np.array_equal(frame["angular momentum[2]"], planets.invariants["angular momentum"][:, 2])
+    assert frame.attrs["units"]["v[Jupiter, z]"] == "au/day"
+    assert frame.shape == (planets.t.size, planets.x[0].size * 2 + sum(v[0].size for v in planets.invariants.values()))
+    scalar = kd.solve(kd.systems.pendulum(), (0.0, 1.0), step=0.1).to_pandas()
+    assert list(scalar.columns) == ["x", "v", "energy"]
+    plain = kd.solve(kd.FirstOrder(lambda y: -y), (0.0, 1.0), np.ones((2, 2)), step=0.5, compile=False).to_pandas()
+    assert list(plain.columns) == ["x[0, 0]", "x[0, 1]", "x[1, 0]", "x[1, 1]"]
+
+
+def test_without_pandas_the_error_names_the_extra(planets, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "pandas", None)
+    with pytest.raises(MissingExtraError, match=r"pip install 'kickdrift\[pandas\]'"):
+        planets.to_pandas()

@@ -6,10 +6,11 @@ an error is read off between two steps.
 
 import numpy as np
 
-from benchmarks.auto import candidates, problems, work
+from benchmarks.auto import problems, work
 from benchmarks.auto.problems import Problem
 from benchmarks.auto.work import Curve
 from benchmarks.table import Row, at_most, measured, skipped
+from kickdrift.analysis import candidates
 
 WANTED = at_most(2)
 ERRORS = (1e-3, 1e-6, 1e-9)
@@ -23,7 +24,7 @@ def compare(rounds: int) -> list[Row]:
 
 def rows(problem: Problem, rounds: int) -> list[Row]:
     """Make the rows of a problem."""
-    curves = work.curves(problem, (AUTO, *candidates.of(problem)), rounds)
+    curves = work.curves(problem, (AUTO, *candidates.of(problem.kind)), rounds)
     return [_row(problem, error, curves) for error in ERRORS]
 
 

@@ -7,8 +7,9 @@ import numpy as np
 from benchmarks.precision import curves, measure, ours, preference
 from benchmarks.precision.case import Case
 from benchmarks.precision.cases import every_case
-from benchmarks.precision.curves import Comparison, Curve
+from benchmarks.precision.curves import Comparison
 from benchmarks.table import Row, Verdict, measured, number, skipped
+from kickdrift.analysis.work_curve import Curve, nearest
 
 _MOST_ROUNDS = 3
 
@@ -33,7 +34,7 @@ def _section(case: Case, rounds: int, pictures: Path | None) -> tuple[str, list[
 
 
 def _row(case: Case, peer: Curve, kickdrift: list[Curve]) -> Row:
-    run = curves.nearest(peer, case.near)
+    run = nearest(peer, case.near)
     found = curves.compare(peer, run, kickdrift)
     its = f"error {peer.errors[run]:.1e} in {peer.median[run] * 1e3:.3g} ms"
     note = f"{its}; time at equal error{_times(found)}"

@@ -7,10 +7,10 @@ import numpy as np
 
 from benchmarks.precision import ours
 from benchmarks.precision.case import Case, Contestant, Solver
-from benchmarks.precision.curves import Curve
 from benchmarks.precision.laws import Floats
 from benchmarks.table import Missing
 from benchmarks.turns import in_turns
+from kickdrift.analysis.work_curve import Curve
 
 _ENOUGH_SECONDS, _ENOUGH_RUNS = 0.01, 10
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.precision.case import Case
-from benchmarks.precision.curves import Curve
 from benchmarks.precision.labels import Label, place
+from kickdrift.analysis.work_curve import Curve
 from kickdrift.plots.page import FAINT, dress, new_figure
 
 # Okabe, Ito, Color Universal Design (2008).

@@ -12,6 +12,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from kickdrift import analysis, methods, plots, systems
+from kickdrift.analysis.advice import advise
 from kickdrift.core.errors import (
     ArgumentError,
     InterpretedWarning,
@@ -32,7 +33,7 @@ from kickdrift.engine.step_control import (
     LogarithmicHamiltonian,
     TimeTransformed,
 )
-from kickdrift.io import load, save, to_xarray
+from kickdrift.io import load, save, to_pandas, to_xarray
 from kickdrift.io.report import report
 from kickdrift.io.xarray import ensemble_to_xarray, recording_to_xarray
 from kickdrift.scale.ensemble import solve_ensemble
@@ -52,6 +53,7 @@ from kickdrift.systems import (
     Separable,
     System,
 )
+from kickdrift.systems.spline import spline
 from kickdrift.world.recording import Recording, WorldPresenters
 
 if TYPE_CHECKING:
@@ -109,6 +111,7 @@ __all__ = [
     "TimeTransformed",
     "UnsolvedWarning",
     "World",
+    "advise",
     "analysis",
     "from_lagrangian",
     "from_sympy",
@@ -120,6 +123,7 @@ __all__ = [
     "solve",
     "solve_ensemble",
     "sphere_gaps",
+    "spline",
     "systems",
 ]
 
@@ -156,15 +160,20 @@ def __getattr__(name: str) -> Any:
 
 
 # Solutions and worlds save, draw and report themselves with what lives on the floors above them.
-Solution.presenters = Presenters(plot=plots.plot_solution, save=save, to_xarray=to_xarray, report=report)
+Solution.presenters = Presenters(
+    plot=plots.plot_solution, save=save, to_pandas=to_pandas, to_xarray=to_xarray, report=report
+)
 EnsembleSolution.presenters = EnsemblePresenters(
     save=_later("kickdrift.io.ensemble_file", "save"),
     to_xarray=ensemble_to_xarray,
     report=_later("kickdrift.io.ensemble_report", "report"),
 )
+analysis.WorkPrecision.presenter = plots.plot_work_precision
+analysis.PoincareSection.presenter = plots.plot_poincare_sections
 Recording.presenters = WorldPresenters(
     plot=_later("kickdrift.plots.world", "plot_recording"),
     save=_later("kickdrift.io.recording_file", "save_recording"),
+    to_pandas=to_pandas,
     to_xarray=recording_to_xarray,
     report=_later("kickdrift.io.recording_report", "report"),
     animate=_later("kickdrift.plots.animation", "animate_recording"),

@@ -52,7 +52,7 @@ def energy_drift(solution: Solution) -> float:
     """
     if solution.t.size < 2:
         raise ArgumentError(f"solution has {solution.t.size} time kept, but a drift needs two; keep more, by t_eval.")
-    return drift(solution.t, solution.energy)
+    return drift(solution.plain.t, solution.energy)
 
 
 def drift(t: Floats, energy: Floats) -> float:

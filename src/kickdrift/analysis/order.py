@@ -8,15 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift import methods
+from kickdrift.analysis.reference import end_of_reference
 from kickdrift.core.errors import ArgumentError, KickdriftError
-from kickdrift.core.kinds import Kind
-from kickdrift.engine.multipliers import constraint_acceleration
-from kickdrift.engine.problem_adapter import describe
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.solve import solve
-from kickdrift.engine.start import Start
 from kickdrift.systems.problem import Problem
-from kickdrift.systems.system import System, start
+from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
 
@@ -111,7 +108,7 @@ def observed_order(
     sizes = np.array([abs(run.step) for run in runs])
     if np.unique(sizes).size < 2:
         raise ArgumentError(f"steps={list(steps)!r} make {np.unique(sizes).size} different step; a slope needs two.")
-    x, v = reference if reference is not None else _reference(problem, runs[0], x0 is None and v0 is None, args)
+    x, v = reference if reference is not None else end_of_reference(problem, runs[0], x0 is None and v0 is None, args)
     errors = np.array([_error(run, x, v) for run in runs])
     largest_first = np.argsort(-sizes)
     sizes, errors = sizes[largest_first], errors[largest_first]
@@ -124,46 +121,3 @@ def _error(run: Solution, x: ArrayLike, v: ArrayLike) -> float:
     if error == 0:
         raise KickdriftError(f"steps={run.step!r} has no error against the reference; give larger steps.")
     return error
-
-
-def _reference(problem: Any, run: Solution, own_start: bool, args: Sequence[float] | None) -> tuple[Any, Any]:
-    if isinstance(problem, System) and problem.exact is not None and own_start and run.t[0] == 0:
-        x, v = problem.exact(run.t[-1:])
-        return x[0], v[0]
-    if run.about.kind == Kind.LANGEVIN.name:
-        raise ArgumentError(
-            "reference=None cannot be computed for Langevin dynamics: a path with noise has none; compare averages, or"
-            " give a reference."
-        )
-    system = problem
-    if not isinstance(problem, System):
-        given = start(() if args is None else args).reshape(-1)
-        system = describe(problem, float(run.t[0]), Start(run.x[0], run.v[0]), given, compile_=False)
-    return _dop853(system, run)
-
-
-def _dop853(system: System, run: Solution) -> tuple[Floats, Floats]:
-    from scipy.integrate import solve_ivp
-
-    n = run.x[0].size
-
-    def rates(t: float, y: Floats) -> Floats:
-        x, v, out = y[:n], y[n:], np.empty(y.size)
-        if system.velocity is None:
-            out[:n] = v
-        else:
-            system.velocity(t, x, v, system.params, out[:n])
-        if v.size > 0:
-            system.acceleration(t, x, v, system.params, out[n:])
-        if system.kind is Kind.CONSTRAINED:
-            out[n:] += constraint_acceleration(system, t, x, v)
-        return out
-
-    parts = run.x[0].reshape(-1), run.v[0].reshape(-1)
-    # An absolute tolerance for each of x and v: their units differ.
-    scales = np.concatenate([np.full(part.size, np.abs(part).max(initial=0.0) or 1.0) for part in parts])
-    times = {"t_span": (run.t[0], run.t[-1]), "t_eval": run.t[-1:]}
-    end = solve_ivp(rates, y0=np.concatenate(parts), method="DOP853", rtol=1e-13, atol=1e-14 * scales, **times)
-    if not end.success:
-        raise KickdriftError(f"reference=None could not be computed by DOP853: {end.message} Give a reference.")
-    return end.y[:n, -1].reshape(run.x[0].shape), end.y[n:, -1].reshape(run.v[0].shape)

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift import methods
 from kickdrift.analysis.one_step import take_step
+from kickdrift.analysis.tangent import jacobian, scales_of
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 from kickdrift.systems import ChargedParticle, Constrained, Langevin, Newtonian
@@ -16,9 +17,6 @@ from kickdrift.systems.second_order import to_each_number
 from kickdrift.systems.system import System, start
 
 Floats = NDArray[np.float64]
-
-# Central differences of order six: f'(0) ~ sum w_k (f(k e) - f(-k e)) / e (Fornberg, Math. Comp. 51, 699 (1988)).
-_STENCIL = ((1, 3 / 4), (2, -3 / 20), (3, 1 / 60))
 
 
 def symplecticity_defect(
@@ -94,10 +92,17 @@ def symplecticity_defect(
         raise ArgumentError(
             f"step={step!r} must not be 0, and at must be x and v of one shape, not {x.shape}, {v.shape}."
         )
-    jacobian = _jacobian(lambda x, v: take_step(problem, method, step, x, v, t), x, v, step, increment)
+
+    def image(rows: Floats) -> Floats:
+        halves = rows.reshape(-1, 2, *x.shape)
+        ends = [take_step(problem, method, step, start(x), start(v), t) for x, v in halves]
+        return np.array([np.ravel(end) for end in ends])
+
+    y = np.concatenate([x.reshape(-1), v.reshape(-1)])
+    matrix = jacobian(image, y, increment * scales_of(x, v, step))
     omega = np.zeros((2 * size, 2 * size))
     omega[:size, size:], omega[size:, :size] = np.diag(m), -np.diag(m)
-    return float(np.abs(jacobian.T @ omega @ jacobian - omega).max())
+    return float(np.abs(matrix.T @ omega @ matrix - omega).max())
 
 
 def _place(problem: Any, at: tuple[ArrayLike, ArrayLike] | None) -> tuple[Floats, Floats]:
@@ -107,21 +112,3 @@ def _place(problem: Any, at: tuple[ArrayLike, ArrayLike] | None) -> tuple[Floats
     if not isinstance(problem, System):
         raise ArgumentError("at is missing; a function has no start of its own: give at=(x, v).")
     return problem.x0, problem.v0
-
-
-def _jacobian(
-    map_: Callable[[Floats, Floats], tuple[Any, Any]], x: Floats, v: Floats, step: float, increment: float
-) -> Floats:
-    def image(y: Floats) -> Floats:
-        return np.concatenate([np.ravel(part) for part in map_(*y.reshape(2, *x.shape))])
-
-    y = np.concatenate([x.reshape(-1), v.reshape(-1)])
-    # Velocities change by what moves x as far in a step as it changes itself: both leave the same rounding in J.
-    length = max(float(np.abs(x).max()), abs(step) * float(np.abs(v).max())) or 1.0
-    scales = np.repeat([length, length / abs(step)], x.size)
-    columns = []
-    for j in range(y.size):
-        change = np.zeros_like(y)
-        change[j] = increment * scales[j]
-        columns.append(sum(w * (image(y + k * change) - image(y - k * change)) for k, w in _STENCIL) / change[j])
-    return np.stack(columns, axis=1)

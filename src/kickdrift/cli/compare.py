@@ -14,7 +14,10 @@ from kickdrift.plots import plot_energy_comparison
 from kickdrift.scenes import FIRST_METHODS, first_methods_side_by_side, kept_times
 from kickdrift.systems import System
 
-_COLUMNS = ("method", "energy error", "energy drift", "force evaluations", "ns a step", "error at the end", "outcome")
+_COLUMNS = (
+    *("method", "energy error", "energy drift", "phase error", "force evaluations", "ns a step", "error at the end"),
+    "outcome",
+)
 
 
 def compare(plan: Plan, folder: Path) -> int:
@@ -47,11 +50,17 @@ def _row(system: System, solution: Solution) -> list[str]:
         solution.about.method,
         f"{analysis.largest_energy_error(solution):.3e}",
         f"{analysis.energy_drift(solution):+.3e}",
+        _phase_error(solution),
         f"{solution.n_force_evaluations}",
         f"{solution.wall_time / max(solution.n_steps, 1) * 1e9:.4g}",
         _error_at_end(system, solution),
         outcome if solution.success else f"{outcome} at t={solution.t[-1]:g}",
     ]
+
+
+def _phase_error(solution: Solution) -> str:
+    """Time by which the run is ahead of the exact motion at the last time, where there is one."""
+    return f"{analysis.phase_error(solution)[-1]:+.3e}" if "phase error" in solution.derived else "-"
 
 
 def _error_at_end(system: System, solution: Solution) -> str:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.core.units import has_unit
 
 Floats = NDArray[np.float64]
 _NO_NUMBERS = (
@@ -21,6 +22,8 @@ def reals(value: Any) -> Floats:
     TypeError
         If it holds anything else, is ragged, or no array can be made of it; the text says why.
     """
+    if has_unit(value):
+        raise TypeError("it has a unit, which would be lost")
     try:
         given = np.asarray(value)
         if given.dtype.kind == "O" and any(member is None for member in given.flat):

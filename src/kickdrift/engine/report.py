@@ -1,5 +1,6 @@
 """From a run to its solution: what was kept, what it conserves, and how it went."""
 
+import math
 from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
@@ -14,6 +15,7 @@ from kickdrift.engine.dense import DenseOutput
 from kickdrift.engine.events import Watch, Zero
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.invariants import Invariants
+from kickdrift.engine.phase import time_shift
 from kickdrift.engine.processing import Processing
 from kickdrift.engine.run import Ending
 from kickdrift.engine.solution import Solution
@@ -97,7 +99,7 @@ def report(
         wall_time=ending.wall_time,
         about=task.description,
         saved_to=str(journey.store.path) if journey.store else "",
-        derived=_derived(system, t, xs, vs),
+        derived=_derived(system, grid, ending.step_range, t, xs, vs),
         error_estimate=None if ending.estimated is None else ending.estimated.reshape(system.x0.shape),
         dense=dense,
         continuation=None if journey.store else continuation(task, standing, journey.run.ended),
@@ -146,6 +148,14 @@ def _at_wanted(
     return np.append(wanted, t[-1]), np.concatenate((x, xs[-1:])), np.concatenate((v, vs[-1:])), evaluations
 
 
-def _derived(system: System, t: Floats, xs: Floats, vs: Floats) -> Invariants:
-    constrained = system.kind is Kind.CONSTRAINED
-    return Invariants(("multipliers",) * constrained, lambda name: multipliers.evaluate(system, t, xs, vs))
+def _derived(
+    system: System, grid: Grid | Course, step_range: tuple[float, float], t: Floats, xs: Floats, vs: Floats
+) -> Invariants:
+    functions: dict[str, Callable[[], Floats]] = {}
+    if system.kind is Kind.CONSTRAINED:
+        functions["multipliers"] = lambda: multipliers.evaluate(system, t, xs, vs)
+    exact = system.exact
+    if exact is not None and grid.t0 == 0.0:
+        usual = math.sqrt(abs(step_range[0] * step_range[1])) or abs(grid.step)
+        functions["phase error"] = lambda: time_shift(exact, t, xs, vs, usual)
+    return Invariants(tuple(functions), lambda name: functions[name]())

@@ -44,6 +44,8 @@ class Description:
         Why ``"auto"`` took the method; empty where it was named.
     step_control : str
         How the steps were chosen, and what that conserves; empty where they are equal.
+    gm : tuple of float
+        Of bodies that attract each other G times their masses; of one around a centre that of the centre.
     """
 
     system: str
@@ -58,6 +60,7 @@ class Description:
     source: str = ""
     choice: str = ""
     step_control: str = ""
+    gm: tuple[float, ...] = ()
 
     @property
     def v_is_velocity(self) -> bool:
@@ -72,6 +75,7 @@ class Presenters:
 
     plot: Callable[..., Any]
     save: Callable[..., Path]
+    to_pandas: Callable[..., Any]
     to_xarray: Callable[..., Any]
     report: Callable[..., str]
 
@@ -202,6 +206,11 @@ class Solution:
         """States of first-order equations: x."""
         return self.x
 
+    @property
+    def plain(self) -> "Solution":
+        """The same in numbers: itself, unless it was solved in units, see `kickdrift.engine.unit_solution`."""
+        return self
+
     def __call__(self, t: ArrayLike) -> States:
         """Return positions and velocities at any times of the run, by steps of the method from the rows kept.
 
@@ -285,6 +294,10 @@ class Solution:
     def save(self, path: str | Path) -> Path:
         """Write everything to one ``.npz`` file of plain arrays, for `kickdrift.load`; returns its path."""
         return self.presenters.save(self, path)
+
+    def to_pandas(self) -> Any:
+        """Return a `pandas.DataFrame` with a row a time, whose columns are named ``x[0]``, ``x[Jupiter, y]``, ``energy``."""
+        return self.presenters.to_pandas(self)
 
     def to_xarray(self) -> Any:
         """Return an `xarray.Dataset` with named dimensions and units."""

@@ -25,7 +25,9 @@ from kickdrift.engine.solution import Solution
 from kickdrift.engine.start import parameters, start_of
 from kickdrift.engine.step_control import StepControl
 from kickdrift.engine.streaming import store_of
+from kickdrift.engine.table_ranges import check_tables
 from kickdrift.engine.task import Journey, Task
+from kickdrift.engine.unit_solution import enter
 from kickdrift.engine.zarr_store import ZarrStore
 from kickdrift.systems.problem import Problem
 from kickdrift.systems.system import System
@@ -151,6 +153,12 @@ def solve(
     InterpretedWarning
         If Numba cannot compile the function.
 
+    Notes
+    -----
+    Span, step, t_eval and start may be quantities of astropy or pint. Functions then get plain numbers, times in the unit of
+    t_span, positions in that of x0, and velocities in the one over the other; ``solution.t``, ``.x`` and ``.v`` are quantities,
+    and ``solution.plain`` is the same in numbers.
+
     Examples
     --------
     >>> import numpy as np, kickdrift as kd
@@ -161,6 +169,8 @@ def solve(
     (10001, 2)
     """
     check_wanted(method, order)
+    entered = enter(problem, t_span, x0, v0, step, t_eval)
+    t_span, x0, v0, step, t_eval = entered.t_span, entered.x0, entered.v0, entered.step, entered.t_eval
     start, params = start_of(problem, x0, v0), parameters(args)
     compensated, compiles = choice("compensated", compensated), choice("compile", compile)
     check_bounds = choice("check_bounds", check_bounds)
@@ -192,6 +202,7 @@ def solve(
                 check_between(system, grid)
             chosen = choose(method, order, system, grid.t0, grid.step, grid.t1 - grid.t0)
             check_direction(chosen.method, grid.step)
+            check_tables(problem, system, chosen.method, grid)
             controller = None
             if control is not None:
                 first_is_given = step is not None
@@ -212,4 +223,4 @@ def solve(
             f"step={step!r}, save_every={save_every!r} and method={method!r} need more memory than there is ({error});"
             " keep fewer steps, or take an explicit method: implicit ones keep a matrix of the state's size squared."
         ) from None
-    return carry_out(journey)
+    return entered.leave(carry_out(journey))

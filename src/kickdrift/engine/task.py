@@ -76,6 +76,7 @@ def description_of(system: System, chosen: Choice, compensated: bool, controller
         units=units,
         source=system.source,
         choice=chosen.reason,
+        gm=() if system.gm is None else tuple(system.gm.tolist()),
         step_control="" if controller is None else f"{controller.name} ({controller.conserves})",
     )
 

@@ -3,14 +3,17 @@
 from collections.abc import Sequence
 
 from kickdrift.analysis.energy import drift, largest_error
+from kickdrift.analysis.phase import largest_phase_error, phase_drift
 from kickdrift.engine.solution import Solution
 
 
 def report(solution: Solution) -> str:
     """Say what was run, what it cost, and how well the conserved quantities were conserved.
 
-    Errors are the largest at the times kept. The drift is the slope of a straight line through the energy errors.
+    Errors are the largest at the times kept. The drift is the slope of a straight line through the energy errors. Where the
+    exact motion is known, the phase error says by how much time the run is ahead of it.
     """
+    solution = solution.plain
     about, unit = solution.about, solution.about.units.get("t", "")
     per_step = solution.wall_time / max(solution.n_steps, 1) * 1e9
     rows = [
@@ -36,12 +39,20 @@ def report(solution: Solution) -> str:
         if name == "energy" and solution.t.size > 1:
             per = f" per {unit}" if unit else " per unit of time"
             rows.append(("energy drift", f"{drift(solution.t, values):+.3e}{per}"))
+    if "phase error" in solution.derived:
+        rows.append(("phase error", _phase(solution, unit)))
     if solution.t_events:
         rows.append(("events", ", ".join(f"{own.size}" for own in solution.t_events) + " zeros"))
     if solution.saved_to:
         rows.append(("kept", f"all rows are in {solution.saved_to!r}, the first and the last here"))
     rows.append(("outcome", solution.message))
     return lines(rows)
+
+
+def _phase(solution: Solution, unit: str) -> str:
+    """Say how far the run is ahead of the exact motion, and how fast that grows."""
+    largest = f"{largest_phase_error(solution):.3e} {unit}".rstrip() + " of time"
+    return largest + (f", {phase_drift(solution):+.3e} per time" if solution.t.size > 1 else "")
 
 
 def _step(solution: Solution, unit: str) -> str:

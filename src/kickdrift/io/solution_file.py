@@ -35,6 +35,7 @@ def save(solution: Solution, path: str | Path) -> Path:
     FileFormatError
         If the file cannot be written there.
     """
+    solution = solution.plain
     return archive.write(path, {"format": archive.SOLUTION, **header_of(solution)}, arrays_of(solution))
 
 
@@ -107,6 +108,7 @@ def description(given: dict[str, Any]) -> Description:
     """Return what a file says of what was run."""
     about = {f.name: given[f.name] for f in fields(Description)}
     about["choice"], about["step_control"] = str(about["choice"]), str(about["step_control"])
+    about["gm"] = tuple(float(each) for each in about["gm"])
     about["dimensions"] = tuple(about["dimensions"])
     about["kind"] = Kind[about["kind"]].name
     return Description(**about)

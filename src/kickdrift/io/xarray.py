@@ -18,8 +18,8 @@ def to_xarray(solution: Solution) -> Any:
     MissingExtraError
         If xarray is not installed.
     """
-    dataset = _dataset(solution, ("time",))
-    return dataset.assign_attrs(step=solution.step, status=solution.status.name)
+    plain = solution.plain
+    return _dataset(plain, ("time",)).assign_attrs(step=plain.step, status=solution.status.name)
 
 
 def ensemble_to_xarray(solution: EnsembleSolution) -> Any:
@@ -51,7 +51,9 @@ def _dataset(solution: Solution | EnsembleSolution, leading: tuple[str, ...]) ->
     units = about.units
 
     def variable(values: Any, names: tuple[str, ...], of: str) -> Any:
-        return xr.Variable(names, values, attrs={"units": units[of]} if of in units else {})
+        # What others read as units is one word; a phrase would be an error of theirs.
+        key = "units" if " " not in units.get(of, "") else "unit_in_words"
+        return xr.Variable(names, values, attrs={key: units[of]} if of in units else {})
 
     data = {"x": variable(solution.x, dims, "x")}
     if solution.v.shape == solution.x.shape:  # first-order equations have no v

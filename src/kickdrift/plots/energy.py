@@ -95,6 +95,7 @@ def plot_energy_comparison(solutions: Mapping[str, Solution], path: str | Path |
     """
     if not solutions:
         raise ArgumentError("solutions is empty; give at least one, such as {'kick-drift': kd.solve(...)}.")
+    solutions = {name: solution.plain for name, solution in solutions.items()}
     first = next(iter(solutions.values()))
     systems = dict.fromkeys(s.about.system for s in solutions.values())
     figure = new_figure(8, 4.4, f"{', '.join(systems)}: energy error by method")

@@ -37,6 +37,7 @@ def plot_solution(solution: Solution, path: str | Path | None = None) -> "Figure
     MissingExtraError
         If matplotlib is not installed.
     """
+    solution = solution.plain
     about, parts = solution.about, trajectory.panels(solution)
     has_energy = "energy" in solution.invariants
     unit = f" {about.units['t']}" if about.units.get("t") else ""

@@ -84,6 +84,7 @@ def kepler(eccentricity: float = 0.6, semi_major_axis: float = 1.0, mu: float = 
         dimensions=("space",),
         coordinates={"space": ["x", "y"]},
         source="Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed. (2006), section I.2.3",
+        gm=np.array([mu], dtype=np.float64),
     )
 
 

@@ -14,6 +14,7 @@ from kickdrift.core.threads import launch
 from kickdrift.systems import gravity
 from kickdrift.systems.massless import FEW, add_gravity_of_massive, mostly_massless
 from kickdrift.systems.system import Quantity, System
+from kickdrift.systems.units import of_bodies
 
 Floats = NDArray[np.float64]
 
@@ -123,7 +124,13 @@ def nbody(
     ------
     ArgumentError
         For shapes that do not match, negative masses, or a negative G or softening.
+
+    Notes
+    -----
+    Masses, positions, velocities, G and softening may be quantities of astropy or pint, all of them: lengths are then in the
+    unit of x0, velocities in that of v0, and times in what follows.
     """
+    (masses, x0, v0, G, softening), units = of_bodies(masses, x0, v0, G, softening)
     gm, positions, velocities = _checked(masses, x0, v0, G, softening)
     n = gm.size
     labels = [str(name) for name in names] if names is not None else [str(i) for i in range(n)]
@@ -147,6 +154,9 @@ def nbody(
         dimensions=("body", "space"),
         coordinates={"body": labels, "space": ["x", "y", "z"]},
         source="Aarseth, Gravitational N-Body Simulations (2003)",
+        gm=gm,
+        units={} if units is None else units.names,
+        quantity_units=units,
     )
 
 

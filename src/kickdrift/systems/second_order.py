@@ -11,6 +11,7 @@ from kickdrift.core.compilation import unbound
 from kickdrift.core.elementwise import multiply
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
+from kickdrift.core.units import has_unit, numbers, unit_of
 from kickdrift.systems.problem import Adapter, Floats, Function, Problem, name_of
 from kickdrift.systems.system import System
 from kickdrift.systems.velocity_jacobian import adapt_velocity_jacobian, jacobian_divided_by_mass
@@ -87,7 +88,8 @@ class Newtonian(Problem):
     force : callable
         Returns the force, or writes it into ``out``; its arguments are those of `SecondOrder`.
     mass : array_like
-        Positive: a number, or for states (N, 3) one to each of the N bodies; else of a shape that broadcasts to x0.
+        Positive: a number, or for states (N, 3) one to each of the N bodies; else of a shape that broadcasts to x0. Of a
+        quantity, in its unit; the force is then in that, lengths and times in those of `solve`.
     energy, invariants
         As for `SecondOrder`.
     velocity_jacobian : callable, optional
@@ -173,6 +175,8 @@ def masses_of(mass: ArrayLike, shape: tuple[int, ...]) -> Floats:
     ArgumentError
         For masses that are not positive and finite numbers, or whose shape does not broadcast.
     """
+    if has_unit(mass):
+        mass = numbers("mass", mass, unit_of(mass))
     masses = fitted("mass", mass, shape)
     with np.errstate(divide="ignore", over="ignore"):
         inverse = 1.0 / masses

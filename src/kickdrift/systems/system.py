@@ -101,6 +101,10 @@ class System:
         Units of ``"t"``, ``"x"`` and ``"v"``.
     source : str
         Where equations and numbers are from.
+    gm : (N,) array, optional
+        Of bodies that attract each other G times their masses; of one around a fixed centre that of the centre.
+    quantity_units : Units, optional
+        The units of its numbers, where it was made of quantities.
     """
 
     name: str
@@ -123,6 +127,8 @@ class System:
     coordinates: Mapping[str, Any] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     source: str = ""
+    gm: Floats | None = None
+    quantity_units: Any = None
 
     def __post_init__(self) -> None:
         for name in ("x0", "v0", "params"):

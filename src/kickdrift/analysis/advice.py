@@ -1,0 +1,179 @@
+"""Which method and step to take, by measurement: `advise`."""
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kickdrift import methods
+from kickdrift.analysis import candidates
+from kickdrift.analysis.pilot import fly
+from kickdrift.analysis.reference import Rates, described
+from kickdrift.analysis.tables import Column, frame, markdown
+from kickdrift.analysis.trial import Trial, tried
+from kickdrift.core.errors import ArgumentError, KickdriftError
+from kickdrift.engine.solve import solve
+from kickdrift.engine.start import start_of
+from kickdrift.systems.problem import Problem
+from kickdrift.systems.system import System
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Advice:
+    """The recommendation, and what it rests on; it shows itself as a table.
+
+    Attributes
+    ----------
+    method : str
+        The method recommended: of those that meet the tolerance the one with the fewest force evaluations.
+    step : float
+        Its step.
+    tolerance : float
+    system : str
+        Name.
+    span, pilot : float
+        Lengths of the whole span, and of the runs.
+    trials : tuple of Trial
+        The methods that get there, by their force evaluations.
+    left_out : mapping of str to str
+        The others, and why.
+    """
+
+    method: str
+    step: float
+    tolerance: float
+    system: str
+    span: float
+    pilot: float
+    trials: tuple[Trial, ...]
+    left_out: dict[str, str]
+
+    @property
+    def columns(self) -> dict[str, Column]:
+        """The table, a row a method."""
+        return {
+            "method": [trial.method for trial in self.trials],
+            "step": np.array([trial.step for trial in self.trials]),
+            "force evaluations": np.array([trial.evaluations for trial in self.trials]),
+            "seconds": np.array([trial.seconds for trial in self.trials]),
+            "error expected": np.array([trial.error for trial in self.trials]),
+            "energy error": np.array([trial.energy_error for trial in self.trials]),
+            "growth": np.array([trial.growth for trial in self.trials]),
+            "runs": np.array([trial.runs for trial in self.trials]),
+        }
+
+    def to_pandas(self) -> Any:
+        """Return the table as a `pandas.DataFrame`, a row a method."""
+        return frame(self.columns, "Advice.to_pandas")
+
+    def __repr__(self) -> str:
+        share = abs(self.pilot / self.span)
+        known = "the whole span" if share >= 1 else f"{share:.3g} of the span, extrapolated"
+        lines = [
+            f"{self.system} over {self.span:g} to an error of {self.tolerance:g}: method={self.method!r}, step={self.step:.6g}",
+            f"(measured on {known}; errors of the state in terms of its size)",
+            "",
+            markdown(self.columns),
+        ]
+        if self.left_out:
+            lines += ["", *(f"{name}: {why}" for name, why in self.left_out.items())]
+        return "\n".join(lines)
+
+    _repr_markdown_ = __repr__
+
+
+def advise(
+    problem: System | Problem | Callable[..., Any],
+    t_span: Sequence[float],
+    tolerance: float,
+    x0: ArrayLike | None = None,
+    v0: ArrayLike | None = None,
+    *,
+    methods: Sequence[str | methods.Method] | None = None,
+    args: Sequence[float] | None = None,
+    compile: bool = True,  # noqa: A002 - as in `solve`
+    seconds: float = 30.0,
+) -> Advice:
+    """Measure short runs of the methods that suit a problem, and recommend a method and a step.
+
+    As much of the span as DOP853 solves to 1e-13 within two seconds is a pilot; each method runs it with smaller and smaller
+    steps, until the error to expect at the end of the span, by how errors grow in the pilot, meets the tolerance. Chaos
+    makes errors grow faster than that; where it sets in after the pilot nothing of it is seen.
+
+    Parameters
+    ----------
+    problem, t_span, x0, v0, args, compile
+        As for `kickdrift.solve`.
+    tolerance : float
+        The largest error of the state, in x in terms of the largest number of x along the motion, in v in that of v.
+    methods : sequence of str or Method, optional
+        Which to try. By default those that were the fastest on some problem of the kind.
+    seconds : float
+        After which no further method is tried.
+
+    Returns
+    -------
+    Advice
+
+    Raises
+    ------
+    ArgumentError
+        For a tolerance that is not between 1e-13 and 1, for Langevin dynamics and for constraints.
+    KickdriftError
+        If the motion cannot be followed, or no method meets the tolerance.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> advice = kd.advise(kd.systems.pendulum(), (0.0, 100.0), 1e-6)
+    >>> sol = kd.solve(kd.systems.pendulum(), (0.0, 100.0), method=advice.method, step=advice.step)
+    >>> sol.success
+    True
+    """
+    if not (isinstance(tolerance, float | int) and 1e-13 <= tolerance < 1):
+        raise ArgumentError(f"tolerance={tolerance!r} must lie between 1e-13 and 1.")
+    began = time.perf_counter()
+    t0, t1 = (float(end) for end in t_span)
+    start = start_of(problem, x0, v0)
+    if not (math.isfinite(t0) and math.isfinite(t1) and t0 != t1):
+        raise ArgumentError(f"t_span={t_span!r} must be two finite times, (start, end).")
+    system = described(problem, t0, start.x, start.v, args)
+    wanted = _chosen(methods, system)
+    with np.errstate(all="ignore"):  # steps that are tried, and too long
+        pilot = fly(Rates(system, start.x, start.v), t0, t1 - t0)
+    run = partial(solve, problem, x0=x0, v0=v0, args=args, compile=compile, progress=False)
+    found: list[Trial] = []
+    left_out: dict[str, str] = {}
+    for method in wanted:
+        if time.perf_counter() - began > seconds:
+            left_out[method.name] = f"not tried within seconds={seconds!r}"
+            continue
+        try:
+            best = min((trial.evaluations for trial in found), default=math.inf)
+            least = best / abs(pilot.span)
+            found.append(tried(run, method, pilot, float(tolerance), system.kind, least))
+        except KickdriftError as error:
+            left_out[method.name] = str(error)
+    if not found:
+        reasons = "; ".join(f"{name}: {why}" for name, why in left_out.items())
+        raise KickdriftError(f"no method meets tolerance={tolerance!r} on {system.name!r}: {reasons}")
+    found.sort(key=lambda trial: (trial.evaluations, trial.error))
+    lengths = t1 - t0, pilot.length
+    return Advice(found[0].method, found[0].step, float(tolerance), system.name, *lengths, tuple(found), left_out)
+
+
+def _chosen(given: Any, system: System) -> list[methods.Method]:
+    names = candidates.of(system.kind) if given is None else given
+    if not names:
+        raise ArgumentError(
+            f"{system.name!r} has no methods to choose from by their errors: noise drives it, it has constraints (there is"
+            f" 'rattle'), or methods={given!r}."
+        )
+    return sorted((methods.get(name) for name in names), key=lambda method: -method.order)  # the quick ones first

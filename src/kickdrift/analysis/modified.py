@@ -1,0 +1,166 @@
+"""The Hamiltonian that a word of kicks and drifts conserves, by its series in the step."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kickdrift import methods
+from kickdrift.analysis.bch import brackets
+from kickdrift.analysis.flow_derivatives import FlowDerivatives
+from kickdrift.analysis.order import ObservedOrder
+from kickdrift.core.errors import ArgumentError, KickdriftError, MethodMismatchError
+from kickdrift.core.kinds import Kind
+from kickdrift.engine.problem_adapter import describe
+from kickdrift.engine.solve import solve
+from kickdrift.engine.start import Start
+from kickdrift.systems.problem import Problem
+from kickdrift.systems.system import System, start
+
+Floats = NDArray[np.float64]
+
+_ROWS = 200
+
+
+def modified_hamiltonian(
+    problem: System | Problem | Callable[..., Any],
+    method: str | methods.Method,
+    step: float,
+    x: ArrayLike,
+    v: ArrayLike,
+    *,
+    order: int = 4,
+    args: Sequence[float] | None = None,
+    compile: bool = True,  # noqa: A002 - as in `solve`
+) -> Floats | np.float64:
+    """Return the Hamiltonian that a method conserves, at states: H + h H_2 + h^2 H_3 + ..., cut after a power of the step.
+
+    Its terms are brackets of the kinetic and the potential part (Baker, Campbell and Hausdorff), here derivatives of the energy
+    along drifts and kicks, by differences of order 6 and 8. A method of order p conserves it to h^(order + 1), or h^(order + 2)
+    where it is symmetric and the order even, as long as the step is small: the series diverges in the end.
+
+    Parameters
+    ----------
+    problem : System, Problem or callable
+        A separable one that knows its energy, and does not depend on time.
+    method : str or Method
+        A word of kicks and drifts.
+    step : float
+        With its sign.
+    x, v : array_like
+        States, (T, *shape); of a system also one, of the shape of its x0. For Hamiltonians they are q and p.
+    order : int
+        The last power of the step, from 0, which gives the energy, to 4.
+    args, compile
+        As for `kickdrift.solve`.
+
+    Returns
+    -------
+    (T,) array, or a number
+
+    Raises
+    ------
+    ArgumentError
+        For a method that has other flows, an order that is not from 0 to 4, or states that do not fit.
+    MethodMismatchError
+        For a problem that is not separable.
+    KickdriftError
+        For a problem that does not say its energy.
+
+    Examples
+    --------
+    >>> import numpy as np, kickdrift as kd
+    >>> pendulum = kd.systems.pendulum()
+    >>> sol = kd.solve(pendulum, (0.0, 100.0), step=0.1, method="leapfrog")
+    >>> modified = kd.analysis.modified_hamiltonian(pendulum, "leapfrog", sol.step, sol.x, sol.v)
+    >>> bool(np.ptp(sol.energy) > 1e-4), bool(np.ptp(modified) < 1e-7)
+    (True, True)
+    """
+    chosen = methods.get(method)
+    series = brackets(chosen, order + 1)
+    xs, vs = start(x), start(v)
+    if xs.shape != vs.shape:
+        raise ArgumentError(f"x and v have shapes {xs.shape} and {vs.shape}; give states with both.")
+    system = _separable(problem, xs, vs, args, compile)
+    single = xs.shape == system.x0.shape
+    if not single and xs.shape[1:] != system.x0.shape:
+        raise ArgumentError(f"x has shape {xs.shape}, but states of {system.name!r} have {system.x0.shape}.")
+    rows = xs.reshape(1 if single else xs.shape[0], -1), vs.reshape(1 if single else xs.shape[0], -1)
+    flows = FlowDerivatives(system)
+    total = flows.energy(*rows)
+    for word, coefficient in series.items():
+        total = total + float(coefficient) * flows.derivative(word, float(step), *rows)
+    return np.float64(total[0]) if single else total
+
+
+def modified_order(
+    problem: System | Problem | Callable[..., Any],
+    method: str | methods.Method,
+    t_span: Sequence[float],
+    steps: Sequence[float],
+    x0: ArrayLike | None = None,
+    v0: ArrayLike | None = None,
+    *,
+    order: int | None = None,
+    args: Sequence[float] | None = None,
+    compile: bool = True,  # noqa: A002 - as in `solve`
+) -> ObservedOrder:
+    """Measure with which power of the step a method conserves its modified Hamiltonian.
+
+    Parameters
+    ----------
+    problem, method, t_span, x0, v0, args, compile
+        As for `kickdrift.solve` and `modified_hamiltonian`.
+    steps : sequence of float
+        At least two.
+    order : int, optional
+        The last power of the step in the series. By default the order p of the method, or 4 if that is less: the first term
+        beyond H. Then the power measured is p + 1, or p + 2 of a symmetric method, where the energy itself is conserved to p.
+
+    Returns
+    -------
+    ObservedOrder
+        Whose errors are those by which the values along a run differ.
+
+    Raises
+    ------
+    ArgumentError
+        For fewer than two different steps.
+    KickdriftError
+        If a run does not reach the end, or the deviation is zero.
+    """
+    chosen = methods.get(method)
+    last = min(chosen.order, 4) if order is None else order
+    found = []
+    for step in steps:
+        run = solve(problem, t_span, x0, v0, step=step, method=chosen, args=args, compile=compile, progress=False)
+        if not run.success:
+            raise KickdriftError(f"steps={step!r} has no order to show: {run.message}")
+        rows = slice(None, None, -(-run.t.size // _ROWS))
+        states = run.x[rows], run.v[rows]
+        values = modified_hamiltonian(problem, chosen, run.step, *states, order=last, args=args, compile=compile)
+        found.append((abs(run.step), float(np.ptp(values))))
+    sizes, errors = np.array(sorted(found, reverse=True)).T
+    if np.unique(sizes).size < 2 or not errors.all():
+        raise ArgumentError(
+            f"steps={list(steps)!r} show no slope: they need two different ones, and deviations beyond rounding."
+        )
+    slope, _ = np.polyfit(np.log(sizes), np.log(errors), 1)
+    return ObservedOrder(chosen.name, sizes, errors, float(slope))
+
+
+def _separable(problem: Any, x: Floats, v: Floats, args: Sequence[float] | None, compile_: bool) -> System:
+    if isinstance(problem, System):
+        system = problem
+    else:
+        first = Start(x, v) if x.ndim == 0 else Start(x[0], v[0])
+        system = describe(problem, 0.0, first, start(() if args is None else args).reshape(-1), compile_)
+    if not Kind.SEPARABLE.includes(system.kind):
+        raise MethodMismatchError(
+            f"problem={system.name!r} has no modified Hamiltonian here: it is of {system.kind.value}, and kicks and drifts are"
+            f" the flows of {Kind.SEPARABLE.value}."
+        )
+    if "energy" not in system.quantities:
+        raise KickdriftError(f"{system.name!r} does not say its energy; give energy=... to its description.")
+    return system

@@ -1,0 +1,89 @@
+"""Phase along a solution: by how much time a run is ahead of the exact motion, or of a finer run."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.errors import ArgumentError, KickdriftError
+from kickdrift.engine.phase import time_shift
+from kickdrift.engine.solution import Solution
+
+Floats = NDArray[np.float64]
+
+
+def phase_error(solution: Solution, reference: Solution | None = None) -> Floats:
+    """Return by how much time a run is ahead at the times kept, beside `energy_error`.
+
+    At a time t the state is nearest to that of the reference at t + `phase_error`, with positions and velocities each in
+    terms of their root mean squares. A symplectic method has an error that grows linearly with time; where the energy drifts,
+    it grows with the square of it.
+
+    Parameters
+    ----------
+    solution : Solution
+    reference : Solution, optional
+        A run of the same system over the same time, with a finer step or a better method. By default the exact motion, where
+        the system has one, as `kickdrift.systems.kepler` does, and the run began at 0.
+
+    Returns
+    -------
+    (T,) array
+        In units of time: positive where the run is ahead. NaN where the state is not finite.
+
+    Raises
+    ------
+    ArgumentError
+        For a reference with other states, or that does not know its equations.
+    KickdriftError
+        Without a reference where there is no exact motion.
+
+    Examples
+    --------
+    >>> import numpy as np, kickdrift as kd
+    >>> sol = kd.solve(kd.systems.kepler(), (0.0, 63.0), step=0.01, method="leapfrog", compensated=False)
+    >>> bool(0.002 < np.abs(kd.analysis.phase_error(sol)).max() < 0.2)
+    True
+    """
+    if reference is None:
+        if "phase error" not in solution.derived:
+            raise KickdriftError(
+                f"reference=None, but {solution.about.system!r} has no exact motion from this start; give a run with a finer"
+                " step, reference=kd.solve(...)."
+            )
+        return solution.derived["phase error"]
+    solution, dense = solution.plain, reference.plain.dense
+    if dense is None or reference.x.shape[1:] != solution.x.shape[1:]:
+        raise ArgumentError(
+            f"reference={reference!r} has other states than {solution!r}, or does not know its equations, as one read from a"
+            " file; solve it here."
+        )
+    low, high = sorted((float(dense.t[0]), dense.end))
+    if not (low <= solution.t.min() and solution.t.max() <= high):
+        raise ArgumentError(
+            f"reference goes from {low!r} to {high!r}, and the solution from {float(solution.t.min())!r} to"
+            f" {float(solution.t.max())!r}; give one that covers it."
+        )
+    return time_shift(lambda t: dense.states_at(t)[:2], solution.t, solution.x, solution.v, solution.step, (low, high))
+
+
+def largest_phase_error(solution: Solution, reference: Solution | None = None) -> float:
+    """Return the largest size of `phase_error` at the times kept, in units of time."""
+    return float(np.abs(phase_error(solution, reference)).max())
+
+
+def phase_drift(solution: Solution, reference: Solution | None = None) -> float:
+    """Return the slope of the straight line through `phase_error`: time gained per time.
+
+    Raises
+    ------
+    ArgumentError
+        If the solution has fewer than two times.
+    """
+    if solution.t.size < 2:
+        raise ArgumentError(f"solution has {solution.t.size} time kept, but a drift needs two; keep more, by t_eval.")
+    return slope(solution.plain.t, phase_error(solution, reference))
+
+
+def slope(t: Floats, shift: Floats) -> float:
+    """Return the slope of the least-squares line."""
+    centred = t - t.mean()
+    return float(centred @ (shift - shift.mean()) / (centred @ centred))

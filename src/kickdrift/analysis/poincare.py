@@ -1,0 +1,129 @@
+"""Poincare sections: where motion passes through a surface."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from types import FunctionType
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kickdrift import methods
+from kickdrift.core.errors import ArgumentError, KickdriftError
+from kickdrift.engine.solution import Solution
+from kickdrift.engine.solve import solve
+from kickdrift.systems.problem import Problem
+from kickdrift.systems.system import System
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class PoincareSection:
+    """Passages through a surface.
+
+    Attributes
+    ----------
+    system : str
+        Name.
+    t : (K,) array
+        Times.
+    x, v : (K, *shape) array
+        The states there.
+    """
+
+    system: str
+    t: Floats
+    x: Floats
+    v: Floats
+
+    presenter: ClassVar[Callable[..., Any]]
+
+    def plot(self, path: Any = None, *, axes: tuple[str, str] | None = None) -> Any:
+        """Draw the passages, see `kickdrift.plots.plot_poincare_sections`; returns the matplotlib figure."""
+        return type(self).presenter(self, path, axes=axes)
+
+
+def poincare_section(
+    problem: Solution | System | Problem | Callable[..., Any],
+    surface: Callable[..., Any] | int = 0,
+    t_span: Sequence[float] | None = None,
+    x0: ArrayLike | None = None,
+    v0: ArrayLike | None = None,
+    *,
+    step: float | None = None,
+    method: str | methods.Method | None = None,
+    direction: int = 1,
+    args: Sequence[float] | None = None,
+    compile: bool = True,  # noqa: A002 - as in `solve`
+) -> PoincareSection:
+    """Return where motion passes through a surface, as exactly as the method is.
+
+    Parameters
+    ----------
+    problem : Solution, System, Problem or callable
+        A solution that was solved with ``events=``; or what `kickdrift.solve` takes, with `t_span` and so on as there.
+    surface : callable or int
+        A function of the state, as an event is, that is zero on the surface; of a solution the number of its event.
+    t_span, x0, v0, step, method, args, compile
+        As for `kickdrift.solve`.
+    direction : int
+        1 for passages on which the function grows, -1 for those on which it falls, 0 for all.
+
+    Returns
+    -------
+    PoincareSection
+
+    Raises
+    ------
+    ArgumentError
+        For a solution without that event, a direction that is none, and what `kickdrift.solve` refuses.
+    KickdriftError
+        If the run does not reach its end.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> sol = kd.solve(lambda x: -x, (0.0, 20.0), 1.0, 0.0, step=0.01, compile=False, events=lambda x: x)
+    >>> len(kd.analysis.poincare_section(sol).t)
+    6
+    """
+    if isinstance(problem, Solution):
+        number = surface
+        if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number < len(problem.t_events):
+            raise ArgumentError(
+                f"surface={surface!r} is no event of the solution, which has {len(problem.t_events)}; solve with events=...,"
+                " and give the number of one, from 0."
+            )
+        return _section(problem, number)
+    if isinstance(surface, int) or t_span is None or step is None:
+        raise ArgumentError(
+            "surface, t_span and step are needed to solve a problem: give a function, a span and a step."
+        )
+    if direction not in (-1, 0, 1):
+        raise ArgumentError(f"direction={direction!r} must be 1, -1 or 0.")
+    options: dict[str, Any] = {"args": args, "compile": compile, "save_every": 2**60}
+    found = solve(problem, t_span, x0, v0, step=step, method=method, events=_directed(surface, direction), **options)
+    if not found.success:
+        raise KickdriftError(f"the run does not reach the end of t_span: {found.message}")
+    return _section(found, 0)
+
+
+def _section(solution: Solution, event: int) -> PoincareSection:
+    kept = solution.t_events[event], solution.x_events[event], solution.v_events[event]
+    return PoincareSection(solution.about.system, *kept)
+
+
+def _directed(surface: Any, direction: int) -> Any:
+    """Return a copy of a function, with the direction as an attribute, as events have it."""
+    python = getattr(surface, "py_func", surface)
+    if not isinstance(python, FunctionType):
+        raise ArgumentError(f"surface={surface!r} is not a function; give one of the state, such as lambda x: x[0].")
+    copy = FunctionType(python.__code__, python.__globals__, python.__name__, python.__defaults__, python.__closure__)
+    copy.__kwdefaults__, copy.__module__, copy.__qualname__ = (
+        python.__kwdefaults__,
+        python.__module__,
+        python.__qualname__,
+    )
+    copy.__dict__.update(python.__dict__, direction=direction, terminal=False)
+    return copy

@@ -1,0 +1,77 @@
+"""Quantities of astropy and pint: known by the package that their types come from, and imported by nobody here."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.errors import ArgumentError
+
+Floats = NDArray[np.float64]
+
+_LIBRARIES = ("astropy", "pint")
+
+
+def has_unit(value: Any) -> bool:
+    """Whether a value is a quantity, or a list or tuple that holds one."""
+    if isinstance(value, list | tuple):
+        return any(has_unit(member) for member in value)
+    known = type(value).__module__.partition(".")[0] in _LIBRARIES
+    return known and hasattr(value, "to") and (hasattr(value, "unit") or hasattr(value, "units"))
+
+
+def unit_of(value: Any) -> Any:
+    """Return the unit of a quantity, or of the first one in a list."""
+    if isinstance(value, list | tuple):
+        return next(unit_of(member) for member in value if has_unit(member))
+    return value.unit if hasattr(value, "unit") else value.units
+
+
+def is_time(unit: Any) -> bool:
+    """Whether a unit is one of time."""
+    return bool(unit.is_equivalent("s") if hasattr(unit, "is_equivalent") else unit.is_compatible_with("s"))
+
+
+def numbers(name: str, value: Any, unit: Any) -> Any:
+    """Return a quantity, or a list of quantities, as plain numbers in a unit.
+
+    Raises
+    ------
+    ArgumentError
+        For what has another dimension, or no unit.
+    """
+    if isinstance(value, list | tuple):
+        return [numbers(name, member, unit) for member in value]
+    if not has_unit(value):
+        raise ArgumentError(
+            f"{name}={value!r} has no unit, but other arguments have; give it in {spelt(unit)} or the like."
+        )
+    try:
+        converted = value.to(unit)
+    except Exception:
+        raise ArgumentError(
+            f"{name}={value} has the unit {spelt(unit_of(value))}, which is no {spelt(unit)}: they measure different things."
+        ) from None
+    return converted.value if hasattr(converted, "unit") else converted.magnitude
+
+
+def with_unit(values: Any, unit: Any) -> Any:
+    """Return numbers as a quantity of the library that a unit is from."""
+    return type(1 * unit)(values, unit)
+
+
+def factor(one: Any, other: Any) -> float:
+    """Return how many of another unit one unit is."""
+    return float(numbers("unit", 1 * one, other))
+
+
+def spelt(unit: Any) -> str:
+    """Spell a unit in one word, such as ``au/d``, so that others may read it."""
+    text = f"{unit:~C}" if hasattr(unit, "is_compatible_with") else str(unit)
+    return text.replace(" / ", "/").replace(" ", "*") or "1"
+
+
+def any_has_unit(values: Sequence[Any]) -> bool:
+    """Whether one of some values is a quantity."""
+    return any(has_unit(value) for value in values)

@@ -1,0 +1,108 @@
+"""Phase errors: by how much time a run is ahead of the exact motion, or of another run."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Motion = Callable[[Floats], tuple[Floats, Floats]]
+
+_ROUNDS = 8
+_ENOUGH = 1e-7  # of a step: the round that moves by so much has come much nearer than that
+_DIFFERENCE = 1 / 16  # of a step: the direction of motion is off by (step / period)^2 / 40 or so
+_MOST = 1000  # rows of which there is a mean
+_FIRST, _GROWTH = 8, 8  # rows that are sought from nothing, and by which part of those done the next are more
+
+
+def time_shift(
+    motion: Motion, t: Floats, x: Floats, v: Floats, step: float, between: tuple[float, float] = (-np.inf, np.inf)
+) -> Floats:
+    """Return by how much later a motion comes nearest to the states of a run, (T,); NaN where they are not finite.
+
+    At the time sought the difference of the states has no part along the motion: Newton's method for the least distance, with
+    positions and velocities in terms of their root mean squares along it. It begins at what the rows before give by a
+    straight line, so that shifts may grow beyond a period.
+
+    Parameters
+    ----------
+    motion : callable
+        ``motion(times)`` returns x and v, (T, *shape).
+    t, x, v : array
+        Rows of a run, in any order of time.
+    step : float
+        Of the run.
+    between : (float, float)
+        Where the motion is known; beyond, it goes on straight.
+    """
+    if not t.size:
+        return np.zeros(0)
+    scales = [
+        float(np.sqrt(np.mean(half * half))) if half.size else 1.0
+        for half in motion(np.sort(t)[:: 1 + t.size // _MOST])
+    ]
+
+    def state(x: Floats, v: Floats) -> Floats:
+        halves = (half.reshape(half.shape[0], -1) / (scale or 1.0) for half, scale in zip((x, v), scales, strict=True))
+        return np.concatenate(list(halves), axis=1)
+
+    states, order = state(x, v), np.argsort(np.abs(t - t[0]), kind="stable")
+    shift = np.full(t.size, np.nan)
+    order = order[np.isfinite(states[order]).all(axis=1)]
+    done = 0
+    while done < order.size:
+        rows = order[done : done + max(_FIRST, done // _GROWTH)]
+        shift[rows] = _nearest(
+            lambda times: state(*motion(times)),
+            t[rows],
+            states[rows],
+            _guess(t[order[:done]], shift[order[:done]], t[rows]),
+            abs(step),
+            between,
+        )
+        done += rows.size
+    return shift
+
+
+def _guess(t: Floats, shift: Floats, wanted: Floats) -> Floats:
+    """Continue shifts by the line through the last and one half way back."""
+    if t.size < _FIRST or t[-1] == t[t.size // 2]:
+        return np.zeros(wanted.size)
+    slope = (shift[-1] - shift[t.size // 2]) / (t[-1] - t[t.size // 2])
+    guess: Floats = shift[-1] + slope * (wanted - t[-1])
+    return guess if np.isfinite(guess).all() else np.zeros(wanted.size)
+
+
+def _nearest(
+    motion: Callable[[Floats], Floats],
+    t: Floats,
+    states: Floats,
+    shift: Floats,
+    step: float,
+    between: tuple[float, float],
+) -> Floats:
+    low, high = between
+    shift, left = shift.copy(), np.arange(t.size)
+    for _ in range(_ROUNDS):
+        now, had = t[left], shift[left]
+        at = np.clip(now + had, low, high)
+        before, after = np.clip(at - _DIFFERENCE * step, low, high), np.clip(at + _DIFFERENCE * step, low, high)
+        here, first, last = np.split(motion(np.concatenate((at, before, after))), 3)
+        shift[left] = at - now + _newton(states[left] - here, first - here, last - here, before - at, after - at)
+        left = left[~(np.abs(shift[left] - had) <= _ENOUGH * step)]
+        if not left.size:
+            break
+    return shift
+
+
+def _newton(error: Floats, first: Floats, last: Floats, before: Floats, after: Floats) -> Floats:
+    """Return the step to the least |error - motion|, of a motion that is zero now, `first` before and `last` after now."""
+    along = (last - first) / (after - before)[:, None]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        even = np.abs(after + before) < 1e-6 * (after - before)  # not where the motion is known on one side alone
+        bend = np.where(even[:, None], (first + last) / (after * after)[:, None], 0.0)
+    squares, bent = np.einsum("ij,ij->i", along, along), np.einsum("ij,ij->i", error, bend)
+    # As far away on the inner side of a bend as its radius, the distance has no minimum: there by Gauss and Newton.
+    steepness = np.where(bent < 0.95 * squares, squares - bent, squares)
+    step: Floats = np.einsum("ij,ij->i", along, error) / np.where(steepness > 0.0, steepness, 1.0)
+    return step

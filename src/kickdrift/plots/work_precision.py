@@ -1,0 +1,51 @@
+"""Errors over work, a line a method."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kickdrift.analysis import WorkPrecision
+from kickdrift.plots.page import COLOURS, dress, keep, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_MARKERS = "osD^vPX"
+
+
+def plot_work_precision(measured: WorkPrecision, path: str | Path | None = None) -> "Figure":
+    """Draw errors at the end over force evaluations and over seconds, all of them logarithmic.
+
+    Parameters
+    ----------
+    measured : WorkPrecision
+    path : path, optional
+        Where to write the picture; the ending says the format.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    FileFormatError
+        If the file cannot be written.
+    MissingExtraError
+        If matplotlib is not installed.
+    """
+    start, end = measured.t_span
+    figure = new_figure(10, 4.4, f"{measured.system}, {start:g} to {end:g}: error at the end")
+    left, right = figure.subplots(1, 2, sharey=True)
+    for i, curve in enumerate(measured.curves):
+        usable = np.isfinite(curve.errors) & (curve.errors > 0.0)
+        style = {"color": COLOURS[i % len(COLOURS)], "marker": _MARKERS[i % len(_MARKERS)], "markersize": 4}
+        for axes, work in ((left, curve.evaluations), (right, curve.median)):
+            axes.plot(work[usable], curve.errors[usable], linewidth=1.4, label=curve.label, **style)
+    dress(left, "force evaluations", "error")
+    dress(right, "seconds in the loop", "")
+    for axes in (left, right):
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+    right.legend(loc="upper left", bbox_to_anchor=(1.01, 1), frameon=False, fontsize=9)
+    return keep(figure, path)
