@@ -9,6 +9,7 @@ import sys
 import tracemalloc
 
 import numpy as np
+import pint
 import pytest
 import xarray as xr
 
@@ -299,3 +300,12 @@ def test_a_disk_that_is_full_ends_the_run_and_leaves_what_was_written(tmp_path):
     )
     assert done.stdout.split() == ["NOT_WRITTEN", str(3 * 399)]
     assert np.array_equal(opened(tmp_path / "run.zarr").x, solve().x[:300])
+
+
+def test_units_go_to_disk(tmp_path):
+    u = pint.UnitRegistry()
+    kd.solve(
+        lambda x: -x, (0 * u.s, 1 * u.s), 1.0 * u.km, 0.0 * u.km / u.s, step=0.1 * u.s, save_to=tmp_path / "run.zarr"
+    )
+    data = opened(tmp_path / "run.zarr")
+    assert [data[name].attrs["units"] for name in ("time", "x", "v")] == ["s", "km", "km/s"]
