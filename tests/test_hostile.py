@@ -10,6 +10,7 @@ SHORT = {
     "fuzz_cache": 2,
     "fuzz_operations": 20,
     "fuzz_kills": 5,
+    "fuzz_checkpoints": 40,
 }
 
 

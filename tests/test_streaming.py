@@ -12,6 +12,7 @@ import numpy as np
 import pint
 import pytest
 import xarray as xr
+from killing import killed_after
 
 import kickdrift as kd
 from kickdrift.engine import checkpoints, zarr_store
@@ -45,25 +46,10 @@ def same(path, whole):
         assert data.attrs[name] == words
 
 
-class KilledError(BaseException):
-    """Ends a run where it stands, as a kill does."""
-
-
 def broken_off(monkeypatch, function, after, **others):
     """Run until a function of the store or of checkpoints was called so often, and die before the next call."""
-    of, name = function
-    original, called = getattr(of, name), []
-
-    def counted(self, *arguments):
-        if len(called) == after:
-            raise KilledError
-        called.append(1)
-        original(self, *arguments)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(of, name, counted)
-        with pytest.raises(KilledError):
-            solve(**others)
+    with killed_after(after, *function, monkeypatch):
+        solve(**others)
 
 
 APPEND, WRITE = (zarr_store.ZarrStore, "append"), (checkpoints.Checkpoints, "write")
