@@ -24,8 +24,7 @@ from kickdrift.core.errors import (
 from kickdrift.core.outcomes import Outcome
 from kickdrift.core.version import VERSION
 from kickdrift.engine.impacts import Impacts, sphere_gaps
-from kickdrift.engine.presenters import Presenters
-from kickdrift.engine.solution import Solution
+from kickdrift.engine.solution import Presenters, Solution
 from kickdrift.engine.solve import solve
 from kickdrift.engine.step_control import (
     HairerSoderlind,

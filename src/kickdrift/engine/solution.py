@@ -12,7 +12,6 @@ from kickdrift.core.errors import KickdriftError
 from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.dense import DenseOutput, States
-from kickdrift.engine.presenters import Presenters
 
 Floats = NDArray[np.float64]
 
@@ -68,6 +67,17 @@ class Description:
         """Whether v is the rate of x; for Hamiltonians it is p, and first-order equations have none."""
         kind = Kind[self.kind]
         return Kind.VELOCITY_DEPENDENT.includes(kind) or kind in (Kind.CONSTRAINED, Kind.LANGEVIN)
+
+
+@dataclass(frozen=True)
+class Presenters:
+    """What a solution can do on the floors above: the package hands it down when it is imported."""
+
+    plot: Callable[..., Any]
+    save: Callable[..., Path]
+    to_pandas: Callable[..., Any]
+    to_xarray: Callable[..., Any]
+    report: Callable[..., str]
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import KickdriftError, unknown_name
-from kickdrift.engine.presenters import Presenters
-from kickdrift.engine.solution import Solution
+from kickdrift.engine.solution import Presenters, Solution
 from kickdrift.world.integration import BODY_KIND, DYNAMIC
 from kickdrift.world.joints import layout
 from kickdrift.world.layout import BODY_ROW
