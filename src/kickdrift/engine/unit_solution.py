@@ -129,10 +129,11 @@ class UnitSolution(Solution):
         x, v = self.plain(units.numbers("t", t, inside))
         return States(self._quantity("x", x), self._quantity("v", v))
 
-    def continue_to(self, t: Any) -> Solution:
+    def continue_to(self, t: Any) -> "Solution":
         """Run on to another end, a quantity; see `Solution`."""
-        further = self.plain.continue_to(units.numbers("t", t, self._inside.t))
-        return UnitSolution.of(further, self._inside, self._outside)
+        return UnitSolution.of(
+            self.plain.continue_to(units.numbers("t", t, self._inside.t)), self._inside, self._outside
+        )
 
     def __repr__(self) -> str:
         return repr(self.plain)
