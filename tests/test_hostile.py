@@ -4,13 +4,13 @@ import pytest
 from hostile import tried
 
 SHORT = {
-    "fuzz_kills": 5,
     "fuzz_checkpoints": 40,
     "fuzz_world_files": 30,
     "fuzz_interruptions": 51,
     "fuzz_arguments": 600,
     "fuzz_cache": 2,
     "fuzz_operations": 20,
+    "fuzz_kills": 5,
 }
 
 
