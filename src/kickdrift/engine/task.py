@@ -12,6 +12,7 @@ from kickdrift.core.interruption import InterruptionNoted
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.checkpoints import Checkpoints
 from kickdrift.engine.controller import Controller
+from kickdrift.engine.description import Description
 from kickdrift.engine.events import Event, watch_for
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.keeping import find, keep
@@ -20,7 +21,6 @@ from kickdrift.engine.processing import compile_method
 from kickdrift.engine.progress import Bar
 from kickdrift.engine.rows import CourseRows, GridRows, Rows
 from kickdrift.engine.run import Ending, Failure, Run
-from kickdrift.engine.solution import Description
 from kickdrift.engine.standing import Standing
 from kickdrift.engine.streaming import StreamedRows
 from kickdrift.engine.zarr_store import ZarrStore
