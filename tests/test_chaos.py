@@ -132,7 +132,7 @@ def test_the_same_call_gives_the_same_bits():
 
 @pytest.mark.parametrize(
     ("options", "reason"),
-    [({"count": 0}, "count=0"), ({"count": 3}, "count=3"), ({"step": 20.0}, "a part of its length")],
+    [({"count": 0}, "count=0"), ({"count": 3}, "count=3"), ({"step": 20.0}, "a part of the length")],
 )
 def test_exponents_that_cannot_be_are_refused(options, reason):
     with pytest.raises(ArgumentError, match=reason):

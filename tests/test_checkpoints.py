@@ -10,6 +10,7 @@ import threading
 
 import numpy as np
 import pytest
+from killing import killed_after
 
 import kickdrift as kd
 from kickdrift.core import archive
@@ -48,24 +49,10 @@ def files(folder):
     return sorted(path.name for path in folder.iterdir())
 
 
-class KilledError(BaseException):
-    """Ends a run where it stands, as a kill does."""
-
-
 def broken_off(monkeypatch, folder, after, **others):
     """Run until so many checkpoints are written, and die before the next one is."""
-    write, written = checkpoints.Checkpoints.write, []
-
-    def counted(self, *arguments):
-        if len(written) == after:
-            raise KilledError
-        written.append(1)
-        write(self, *arguments)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(checkpoints.Checkpoints, "write", counted)
-        with pytest.raises(KilledError):
-            solve(folder, **others)
+    with killed_after(after, checkpoints.Checkpoints, "write", monkeypatch):
+        solve(folder, **others)
 
 
 @pytest.mark.parametrize(

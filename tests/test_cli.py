@@ -174,9 +174,11 @@ def test_compare_shows_four_methods_and_a_picture(folder):
     errors = [float(cells[0]) for cells in table.values()]
     # (1 + h^2)^n - 1 and 1 - (1 + h^2)^-n for explicit and implicit Euler, n = 1000; h/2 and h^2/4 for the other two.
     assert errors == pytest.approx([1.01**1000 - 1, 1 - 1.01**-1000, 0.0526, 0.0025], rel=0.02)
-    # arctan(h) / h and 2 arcsin(h / 2) / h, less 1, times the span.
+    # arctan(h) / h and 2 arcsin(h / 2) / h, less 1, times the span; near the centre, where implicit Euler ends, the nearest
+    # point of an orbit is not sharp.
     slow, fast = -0.3306, 0.0417
-    assert [float(cells[2]) for cells in table.values()] == pytest.approx([slow, slow, fast, fast], abs=0.02)
+    assert [float(cells[2]) for cells in table.values()] == pytest.approx([slow, slow, fast, fast], abs=0.05)
+    assert float(table["velocity-verlet"][2]) == pytest.approx(fast, abs=1e-3)
     assert [cells[3] for cells in table.values()][0::2] == ["1000", "1000"]
     assert table["velocity-verlet"][3] == "1001"
     assert float(table["velocity-verlet"][5]) < float(table["kick-drift"][5]) < float(table["explicit-euler"][5])

@@ -5,6 +5,7 @@ import math
 import pickle
 
 import numpy as np
+import pint
 import pytest
 
 import kickdrift as kd
@@ -163,3 +164,33 @@ def test_what_was_loaded_does_not_go_on(tmp_path):
     for other in (kd.load(part.save(tmp_path / "part")), pickle.loads(pickle.dumps(part))):
         with pytest.raises(kd.KickdriftError, match="checkpoint="):
             other.continue_to(20.0)
+
+
+def test_solutions_in_units_go_on():
+    u = pint.UnitRegistry()
+    options = {"x0": [1.0, 0.0] * u.m, "v0": [0.0, 1.0] * u.m / u.s, "step": 0.03125 * u.s}
+    whole = kd.solve(lambda x: -x, (0 * u.s, 20 * u.s), **options)
+    on = kd.solve(lambda x: -x, (0 * u.s, 10 * u.s), **options).continue_to(20_000 * u.ms)
+    assert np.array_equal(on.x.magnitude, whole.x.magnitude)
+    assert on.x.units == u.m
+    with pytest.raises(kd.ArgumentError, match="t=30 has no unit"):
+        on.continue_to(30)
+
+
+def test_steps_that_vary_go_on_to_their_end_alone():
+    def there(x):
+        return x[1]
+
+    there.terminal = 4
+    options = {"step": 0.02, "step_control": "distance", "method": "stormer-verlet"}
+    whole = kd.solve(kd.systems.kepler(0.8), (0.0, 30.0), **options)
+    stopped = kd.solve(kd.systems.kepler(0.8), (0.0, 30.0), events=there, **options)
+    assert stopped.status is kd.Outcome.STOPPED
+    on = stopped.continue_to(30.0)
+    while on.status is kd.Outcome.STOPPED:
+        on = on.continue_to(30.0)
+    assert np.array_equal(on.x, whole.x)
+    assert np.array_equal(on.t, whole.t)
+    for solution, t in ((stopped, 40.0), (on, 30.0), (on, 40.0)):
+        with pytest.raises(kd.ArgumentError, match="sizes of the steps vary"):
+            solution.continue_to(t)

@@ -4,6 +4,7 @@ import pytest
 from hostile import tried
 
 SHORT = {
+    "fuzz_checkpoints": 40,
     "fuzz_world_files": 30,
     "fuzz_interruptions": 51,
     "fuzz_arguments": 600,

@@ -22,10 +22,10 @@ def states(count, seed=1):
 def test_coefficients_of_the_euler_and_verlet_methods():
     # log(exp A exp B) by Baker, Campbell and Hausdorff; HLW (2006), eqs. (III.4.11) and (III.4.15).
     half, twelfth = Fraction(1, 2), Fraction(1, 12)
-    assert brackets(kd.methods.get("kick-drift"), 4) == {
+    assert brackets(kd.methods.get("kick-drift"), 3) == {
         "D": -half, "DD": twelfth, "KD": -twelfth, "KDD": Fraction(1, 24),
     }  # fmt: skip
-    assert brackets(kd.methods.get("drift-kick"), 4) == {
+    assert brackets(kd.methods.get("drift-kick"), 3) == {
         "D": half, "DD": twelfth, "KD": -twelfth, "KDD": -Fraction(1, 24),
     }  # fmt: skip
     verlet = brackets(kd.methods.get("velocity-verlet"))
@@ -144,8 +144,8 @@ def test_what_has_none_is_refused():
         analysis.modified_formula(q**2 * p**2, q, p, "leapfrog")
     with pytest.raises(ArgumentError, match="more than kicks and drifts"):
         analysis.modified_hamiltonian(PENDULUM, "gauss-4", 0.1, 0.1, 0.1)
-    for order in (5, -1, 1.5):
-        with pytest.raises((ArgumentError, TypeError), match="order="):
+    for order in (5, -1, 1.5, "2"):
+        with pytest.raises(ArgumentError, match="order="):
             analysis.modified_hamiltonian(PENDULUM, "leapfrog", 0.1, 0.1, 0.1, order=order)
     with pytest.raises(ArgumentError, match="have shapes"):
         analysis.modified_hamiltonian(PENDULUM, "leapfrog", 0.1, [0.1, 0.2], 0.1)

@@ -9,8 +9,10 @@ import sys
 import tracemalloc
 
 import numpy as np
+import pint
 import pytest
 import xarray as xr
+from killing import killed_after
 
 import kickdrift as kd
 from kickdrift.engine import checkpoints, zarr_store
@@ -44,25 +46,10 @@ def same(path, whole):
         assert data.attrs[name] == words
 
 
-class KilledError(BaseException):
-    """Ends a run where it stands, as a kill does."""
-
-
 def broken_off(monkeypatch, function, after, **others):
     """Run until a function of the store or of checkpoints was called so often, and die before the next call."""
-    of, name = function
-    original, called = getattr(of, name), []
-
-    def counted(self, *arguments):
-        if len(called) == after:
-            raise KilledError
-        called.append(1)
-        original(self, *arguments)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(of, name, counted)
-        with pytest.raises(KilledError):
-            solve(**others)
+    with killed_after(after, *function, monkeypatch):
+        solve(**others)
 
 
 APPEND, WRITE = (zarr_store.ZarrStore, "append"), (checkpoints.Checkpoints, "write")
@@ -299,3 +286,12 @@ def test_a_disk_that_is_full_ends_the_run_and_leaves_what_was_written(tmp_path):
     )
     assert done.stdout.split() == ["NOT_WRITTEN", str(3 * 399)]
     assert np.array_equal(opened(tmp_path / "run.zarr").x, solve().x[:300])
+
+
+def test_units_go_to_disk(tmp_path):
+    u = pint.UnitRegistry()
+    kd.solve(
+        lambda x: -x, (0 * u.s, 1 * u.s), 1.0 * u.km, 0.0 * u.km / u.s, step=0.1 * u.s, save_to=tmp_path / "run.zarr"
+    )
+    data = opened(tmp_path / "run.zarr")
+    assert [data[name].attrs["units"] for name in ("time", "x", "v")] == ["s", "km", "km/s"]

@@ -161,3 +161,12 @@ def test_what_judges_and_draws_solutions_takes_them_with_units(u, small_pictures
     assert coarse.plain.plain.t[-1] == 20.0
     pytest.importorskip("pandas")
     assert coarse.to_pandas().attrs["units"]["x[0]"] == "m"
+
+
+def test_it_goes_on_in_its_units(u):
+    sol, longer = run(u, t_span=(0 * u.s, 5 * u.s)), run(u)
+    further = sol.continue_to(10_000 * u.ms)
+    assert np.array_equal(further.plain.x, longer.plain.x)
+    assert np.array_equal(number(further.x, u.m), number(longer.x, u.m))
+    with pytest.raises(ArgumentError, match=r"t=.* has no unit"):
+        sol.continue_to(10.0)

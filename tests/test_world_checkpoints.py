@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from killing import killed_after
 from typer.testing import CliRunner
 
 import kickdrift as kd
@@ -27,23 +28,10 @@ def pile(forced=True):
     return world
 
 
-class KilledError(BaseException):
-    """Ends a run where it stands, as a kill does."""
-
-
 def broken_off(monkeypatch, folder, after, make=pile):
-    write, written = checkpoints.Checkpoints.write, []
-
-    def counted(self, *arguments):
-        if len(written) == after:
-            raise KilledError
-        written.append(1)
-        write(self, *arguments)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(checkpoints.Checkpoints, "write", counted)
-        with pytest.raises(KilledError):
-            run(make(), folder)
+    """Run until so many checkpoints are written, and die before the next one is."""
+    with killed_after(after, checkpoints.Checkpoints, "write", monkeypatch):
+        run(make(), folder)
 
 
 def run(world, folder=None, duration=3.0, **others):
@@ -148,22 +136,12 @@ def test_a_recording_says_that_the_world_goes_on():
 
 @pytest.mark.parametrize("target", ["kepler", "bouncing-disk"])
 def test_the_same_command_goes_on(target, tmp_path, monkeypatch, small_pictures):
-    write, written = checkpoints.Checkpoints.write, []
-
-    def counted(self, *arguments):
-        if len(written) == 2:
-            raise KilledError
-        written.append(1)
-        write(self, *arguments)
-
     monkeypatch.setattr(checkpoints, "_FIRST", 40)
     monkeypatch.setattr(checkpoints, "_SECONDS", 0.0)
     command = ["run", target, "--duration", "2.0", "--step", "0.01", "--quiet"]
     kept = ["--checkpoint", str(tmp_path / "kept")]
-    with monkeypatch.context() as patch:
-        patch.setattr(checkpoints.Checkpoints, "write", counted)
-        with pytest.raises(KilledError):
-            CliRunner().invoke(app, [*command, *kept, "--output", str(tmp_path / "one")])
+    with killed_after(2, checkpoints.Checkpoints, "write", monkeypatch):
+        CliRunner().invoke(app, [*command, *kept, "--output", str(tmp_path / "one")])
     outputs = [tmp_path / "one", tmp_path / "other"]
     for output, more in zip(outputs, (kept, []), strict=True):
         result = CliRunner().invoke(app, [*command, *more, "--output", str(output)])

@@ -14,6 +14,7 @@ from kickdrift import methods
 from kickdrift.analysis import candidates
 from kickdrift.analysis.pilot import fly
 from kickdrift.analysis.reference import Rates, described
+from kickdrift.analysis.spans import ends_of
 from kickdrift.analysis.tables import Column, frame, markdown
 from kickdrift.analysis.trial import Trial, tried
 from kickdrift.core.errors import ArgumentError, KickdriftError
@@ -140,10 +141,8 @@ def advise(
     if not (isinstance(tolerance, float | int) and 1e-13 <= tolerance < 1):
         raise ArgumentError(f"tolerance={tolerance!r} must lie between 1e-13 and 1.")
     began = time.perf_counter()
-    t0, t1 = (float(end) for end in t_span)
+    t0, t1 = ends_of(t_span)
     start = start_of(problem, x0, v0)
-    if not (math.isfinite(t0) and math.isfinite(t1) and t0 != t1):
-        raise ArgumentError(f"t_span={t_span!r} must be two finite times, (start, end).")
     system = described(problem, t0, start.x, start.v, args)
     wanted = _chosen(methods, system)
     with np.errstate(all="ignore"):  # steps that are tried, and too long
@@ -170,7 +169,7 @@ def advise(
 
 
 def _chosen(given: Any, system: System) -> list[methods.Method]:
-    names = candidates.of(system.kind) if given is None else given
+    names = candidates.of(system.kind) if given is None else [given] if isinstance(given, str) else given
     if not names:
         raise ArgumentError(
             f"{system.name!r} has no methods to choose from by their errors: noise drives it, it has constraints (there is"

@@ -17,7 +17,7 @@ MOST = 5
 _Series = dict[str, Fraction]  # of words of letters that do not commute
 
 
-def brackets(method: Method, degree: int = MOST) -> dict[str, Fraction]:
+def brackets(method: Method, order: int = MOST - 1) -> dict[str, Fraction]:
     """Return the coefficients of repeated derivatives of H, by their letters, the first of which is taken last.
 
     Those of d letters belong to h^d. All brackets of at most five letters are linear combinations of these, which are
@@ -26,10 +26,11 @@ def brackets(method: Method, degree: int = MOST) -> dict[str, Fraction]:
     Raises
     ------
     ArgumentError
-        For a method that is no word of kicks and drifts, or a degree that is not from 1 to 5.
+        For a method that is no word of kicks and drifts, or an order, the last power of the step, that is not from 0 to 4.
     """
-    if not isinstance(degree, int) or not 1 <= degree <= MOST:
-        raise ArgumentError(f"order={degree - 1!r} must be a whole number from 0 to 4.")
+    if isinstance(order, bool) or not isinstance(order, int) or not 0 <= order < MOST:
+        raise ArgumentError(f"order={order!r} must be a whole number from 0 to {MOST - 1}.")
+    degree = order + 1
     if not {letter.plain for letter in method.letters} <= {Letter.KICK, Letter.DRIFT}:
         raise ArgumentError(
             f"method={method.name!r} has no modified Hamiltonian here: its word {method.spelling} has more than kicks and"

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift import methods
+from kickdrift.analysis.spans import ends_of, step_of
 from kickdrift.analysis.tangent import Steps, scales_of
 from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.systems.problem import Problem
@@ -88,9 +89,9 @@ def lyapunov_exponent(
     >>> round(found.values[0], 4)
     np.float64(1.0)
     """
-    begin, end = (float(time) for time in t_span)
-    if not (math.isfinite(begin) and math.isfinite(end) and begin != end and 0 < step <= abs(end - begin)):
-        raise ArgumentError(f"t_span={t_span!r} and step={step!r} must be a span, and a part of its length.")
+    begin, end = ends_of(t_span)
+    if not 0 < step_of(step) <= abs(end - begin):
+        raise ArgumentError(f"step={step!r} must be positive, and a part of the length of t_span={t_span!r}.")
     n_steps = max(2, math.ceil(abs(end - begin) / step * (1 - 1e-12)))
     h = (end - begin) / n_steps
     steps = Steps(problem, method, h, x0, v0, t=begin, args=args, compile_=compile)

@@ -10,6 +10,7 @@ from kickdrift import methods
 from kickdrift.analysis.bch import brackets
 from kickdrift.analysis.flow_derivatives import FlowDerivatives
 from kickdrift.analysis.order import ObservedOrder
+from kickdrift.analysis.spans import step_of
 from kickdrift.core.errors import ArgumentError, KickdriftError, MethodMismatchError
 from kickdrift.core.kinds import Kind
 from kickdrift.engine.problem_adapter import describe
@@ -77,9 +78,12 @@ def modified_hamiltonian(
     >>> bool(np.ptp(sol.energy) > 1e-4), bool(np.ptp(modified) < 1e-7)
     (True, True)
     """
-    chosen = methods.get(method)
-    series = brackets(chosen, order + 1)
-    xs, vs = start(x), start(v)
+    chosen, step = methods.get(method), step_of(step)
+    series = brackets(chosen, order)
+    try:
+        xs, vs = start(x), start(v)
+    except TypeError as error:
+        raise ArgumentError(f"x and v must be arrays of numbers: {error}.") from None
     if xs.shape != vs.shape:
         raise ArgumentError(f"x and v have shapes {xs.shape} and {vs.shape}; give states with both.")
     system = _separable(problem, xs, vs, args, compile)

@@ -47,7 +47,13 @@ def modified_formula(
         import sympy
     except ImportError:
         raise missing_extra("kd.analysis.modified_formula", "sympy", "sympy") from None
-    energy, h = sympy.sympify(hamiltonian), sympy.Symbol("h") if step is None else step
+    try:
+        energy, (q, p) = sympy.sympify(hamiltonian), sympy.sympify((q, p))
+    except sympy.SympifyError as error:
+        raise ArgumentError(
+            f"hamiltonian={hamiltonian!r}, q={q!r} and p={p!r} are no formula and symbols: {error}"
+        ) from None
+    h = sympy.Symbol("h") if step is None else step
     positions, momenta = ([part] if isinstance(part, sympy.Expr) else list(part) for part in (q, p))
     velocity, slope = ([energy.diff(symbol) for symbol in half] for half in (momenta, positions))
     if any(sympy.simplify(part.diff(symbol)) != 0 for part in velocity for symbol in positions):
@@ -60,7 +66,7 @@ def modified_formula(
             value = sum(rate * value.diff(symbol) for symbol, rate in zip(*along[letter], strict=True))
         return value
 
-    series = brackets(methods.get(method), order + 1)
+    series = brackets(methods.get(method), order)
     terms = (_number(sympy, coefficient) * h ** len(word) * derivative(word) for word, coefficient in series.items())
     return sympy.expand(energy + sum(terms))
 

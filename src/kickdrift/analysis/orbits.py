@@ -83,6 +83,8 @@ def orbital_elements(solution: Solution, coordinates: str = "jacobi") -> Orbital
     """
     if coordinates not in _COORDINATES:
         raise ArgumentError(f"coordinates={coordinates!r} must be one of {', '.join(map(repr, _COORDINATES))}.")
+    if not isinstance(solution, Solution):
+        raise ArgumentError(f"solution={solution!r} is none; give one of kd.solve(...).")
     solution = solution.plain
     gm = np.array(solution.about.gm)
     if not gm.size:

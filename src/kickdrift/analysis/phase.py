@@ -50,6 +50,8 @@ def phase_error(solution: Solution, reference: Solution | None = None) -> Floats
                 " step, reference=kd.solve(...)."
             )
         return solution.derived["phase error"]
+    if not isinstance(reference, Solution):
+        raise ArgumentError(f"reference={reference!r} is no solution; give that of a finer run, kd.solve(...).")
     solution, dense = solution.plain, reference.plain.dense
     if dense is None or reference.x.shape[1:] != solution.x.shape[1:]:
         raise ArgumentError(

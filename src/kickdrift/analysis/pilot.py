@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.analysis.reference import Rates
+from kickdrift.analysis.reference import HUGE, Rates
 from kickdrift.core.errors import KickdriftError
 
 Floats = NDArray[np.float64]
@@ -93,7 +93,8 @@ def fly(rates: Rates, t0: float, span: float) -> Pilot:
     """
     from scipy.integrate import DOP853
 
-    rates(t0, rates.start)  # compiles, in the first call
+    if np.abs(rates(t0, rates.start)).max() >= HUGE:  # compiles, too
+        raise KickdriftError("the forces at the start are not finite; check them there.")
     began = time.perf_counter()
     scout = DOP853(rates, t0, rates.start, t0 + span, rtol=1e-6, atol=1e-7 * rates.scales)
     sizes = []

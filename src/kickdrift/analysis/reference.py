@@ -16,6 +16,8 @@ from kickdrift.systems.system import System, start
 
 Floats = NDArray[np.float64]
 
+HUGE = 1e100
+
 
 def end_of_reference(problem: Any, run: Solution, own_start: bool, args: Sequence[float] | None) -> tuple[Any, Any]:
     """Return x and v where a run ends, exactly or by DOP853 at a relative tolerance of 1e-13.
@@ -76,7 +78,8 @@ class Rates:
             system.acceleration(t, x, v, system.params, out[self.size :])
         if system.kind is Kind.CONSTRAINED:
             out[self.size :] += constraint_acceleration(system, t, x, v)
-        return out
+        # SciPy's step control goes on for ever with what is no number; of what is huge it takes shorter steps.
+        return np.nan_to_num(out, copy=False, nan=HUGE, posinf=HUGE, neginf=-HUGE)
 
 
 def _dop853(system: System, run: Solution) -> tuple[Floats, Floats]:

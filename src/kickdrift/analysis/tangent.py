@@ -1,6 +1,5 @@
 """The tangent map: what steps of a method make of small differences between states."""
 
-import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -8,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift import methods
+from kickdrift.analysis.spans import step_of
 from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.engine.solve import solve
 from kickdrift.systems.problem import Problem
@@ -113,8 +113,7 @@ class Steps:
         args: Sequence[float] | None,
         compile_: bool,
     ) -> None:
-        if not (math.isfinite(step) and step != 0):
-            raise ArgumentError(f"step={step!r} must be finite, and not 0.")
+        step = step_of(step)
         run = solve(
             problem, (t, t + step), x0, v0, step=abs(step), method=method, args=args, compile=compile_, progress=False
         )

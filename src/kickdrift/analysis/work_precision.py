@@ -12,6 +12,7 @@ from kickdrift import methods as catalogue
 from kickdrift.analysis.reference import end_of_reference
 from kickdrift.analysis.tables import Column, frame, markdown
 from kickdrift.analysis.work_curve import Curve
+from kickdrift.core.arguments import reals
 from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.solve import solve
@@ -155,10 +156,13 @@ def error_at_end(run: Solution, x: ArrayLike, v: ArrayLike) -> float:
 
 
 def _steps_of(method: str | catalogue.Method, steps: Any) -> list[float]:
-    own = steps
+    given = steps
     if isinstance(steps, Mapping):
-        own = next((steps[name] for name in (method, catalogue.get(method).name) if name in steps), ())
-    own = [] if isinstance(own, str) else list(np.atleast_1d(own))
+        given = next((steps[name] for name in (method, catalogue.get(method).name) if name in steps), ())
+    try:
+        own = sorted((float(step) for step in np.atleast_1d(reals(given))), reverse=True)
+    except TypeError:
+        own = []
     if not own:
         raise ArgumentError(f"steps={steps!r} has none for {catalogue.get(method).name!r}; give at least one.")
-    return sorted((float(step) for step in own), reverse=True)
+    return own

@@ -211,7 +211,7 @@ def solve(
                 place_of_sides = params.size if sides.size else -1
                 system, controller = cut_steps(impacts, switches, system, chosen.method, grid, adapter, place_of_sides)
             wanted = events_of(events, adapter.number)
-            task = Task(system, chosen, grid, compensated, controller, wanted, progress)
+            task = Task(system, chosen, grid, compensated, controller, wanted, progress, entered.inside.names)
             if checkpoint is not None or save_to is not None:
                 steps = control, impacts, switches
                 known = identity_of(problem, grid, start, params, chosen.method, compensated, compiles, events, steps)

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.naming import digest
 from kickdrift.engine import quantities
+from kickdrift.engine.description import Description
 from kickdrift.engine.events import Zero
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.processing import Processing
 from kickdrift.engine.rows import GridRows, Mark
-from kickdrift.engine.solution import Description
 from kickdrift.engine.stepper import State
 from kickdrift.engine.zarr_store import Array, ZarrStore
 

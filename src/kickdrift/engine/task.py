@@ -2,9 +2,9 @@
 
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 from kickdrift.core.errors import FileFormatError
@@ -12,6 +12,7 @@ from kickdrift.core.interruption import InterruptionNoted
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.checkpoints import Checkpoints
 from kickdrift.engine.controller import Controller
+from kickdrift.engine.description import Description
 from kickdrift.engine.events import Event, watch_for
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.keeping import find, keep
@@ -20,7 +21,6 @@ from kickdrift.engine.processing import compile_method
 from kickdrift.engine.progress import Bar
 from kickdrift.engine.rows import CourseRows, GridRows, Rows
 from kickdrift.engine.run import Ending, Failure, Run
-from kickdrift.engine.solution import Description
 from kickdrift.engine.standing import Standing
 from kickdrift.engine.streaming import StreamedRows
 from kickdrift.engine.zarr_store import ZarrStore
@@ -44,6 +44,8 @@ class Task:
     events : tuple of Event
     progress : bool or None
         Whether a bar shows, which determines nothing.
+    units : mapping of str to str
+        Of the numbers, where users gave quantities; which determines nothing either.
     """
 
     system: System
@@ -53,11 +55,13 @@ class Task:
     controller: Controller | None
     events: tuple[Event, ...]
     progress: bool | None
+    units: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def description(self) -> Description:
         """What is run, for people."""
-        return description_of(self.system, self.chosen, self.compensated, self.controller)
+        about = description_of(self.system, self.chosen, self.compensated, self.controller)
+        return replace(about, units={**about.units, **self.units})
 
 
 def description_of(system: System, chosen: Choice, compensated: bool, controller: Controller | None) -> Description:

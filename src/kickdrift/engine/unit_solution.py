@@ -129,6 +129,12 @@ class UnitSolution(Solution):
         x, v = self.plain(units.numbers("t", t, inside))
         return States(self._quantity("x", x), self._quantity("v", v))
 
+    def continue_to(self, t: Any) -> "Solution":
+        """Run on to another end, a quantity; see `Solution`."""
+        return UnitSolution.of(
+            self.plain.continue_to(units.numbers("t", t, self._inside.t)), self._inside, self._outside
+        )
+
     def __repr__(self) -> str:
         return repr(self.plain)
 

@@ -9,8 +9,9 @@ import numpy as np
 from kickdrift.core import archive
 from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
+from kickdrift.engine.description import Description
 from kickdrift.engine.invariants import Invariants
-from kickdrift.engine.solution import Description, Solution
+from kickdrift.engine.solution import Solution
 
 _EVENTS = ("t_events", "x_events", "v_events")
 INVARIANT, _DERIVED = "invariant: ", "derived: "

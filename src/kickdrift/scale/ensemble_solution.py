@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from kickdrift.core.errors import KickdriftError
 from kickdrift.core.outcomes import Outcome
+from kickdrift.engine.description import Description
 from kickdrift.engine.invariants import Invariants
-from kickdrift.engine.solution import Description, Solution
+from kickdrift.engine.solution import Solution
 
 Floats = NDArray[np.float64]
 

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
+from kickdrift.engine.description import Description
 from kickdrift.engine.invariants import Invariants
-from kickdrift.engine.solution import Description
 from kickdrift.world.constraint_error import deepest_overlap, widest_gap
 from kickdrift.world.recording import Recording, appearance
 
