@@ -92,7 +92,23 @@ def streamed(folder):
     return data.time, data.x, data.v, data.energy
 
 
-KINDS = {"plain": plain, "streamed": streamed, "events": events, "adaptive": adaptive, "world": world}
+def ensemble(folder):
+    """Run members of which some are done before others."""
+    options = {} if folder is None else {"checkpoint": folder / "run", "checkpoint_every": 100}
+    kepler = kd.systems.kepler()
+    x0 = kepler.x0 + 0.01 * np.random.default_rng(0).normal(size=(3000, 2))
+    sol = kd.solve_ensemble(kepler, (0.0, 500.0), x0, step=1e-3, save_every=50_000, **options)
+    return sol.t, sol.x, sol.v
+
+
+KINDS = {
+    "plain": plain,
+    "streamed": streamed,
+    "events": events,
+    "adaptive": adaptive,
+    "ensemble": ensemble,
+    "world": world,
+}
 
 
 @functools.cache

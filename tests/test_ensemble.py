@@ -5,7 +5,10 @@ import math
 import os
 import re
 import signal
+import subprocess
+import sys
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -15,13 +18,14 @@ import kickdrift as kd
 from kickdrift.core import archive
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import compiled
-from kickdrift.core.errors import ArgumentError, MethodMismatchError
+from kickdrift.core.errors import ArgumentError, FileFormatError, MethodMismatchError
 from kickdrift.engine import lane_letters
 from kickdrift.engine.loop import LETTER
 from kickdrift.engine.problem_adapter import describe
 from kickdrift.engine.processing import kernel_alone
 from kickdrift.engine.start import Start
 from kickdrift.scale import running
+from kickdrift.systems.problem import Problem
 
 SPAN = (0.0, 3.0)
 
@@ -70,7 +74,7 @@ def in_lanes(monkeypatch):
 
     def count_one(self, *others):
         counts["alone"] += 1
-        one(self, *others)
+        return one(self, *others)
 
     monkeypatch.setattr(running.Runs, "_run_in_lanes", count_many)
     monkeypatch.setattr(running.Runs, "_run_alone", count_one)
@@ -150,26 +154,60 @@ def test_steps_differ_where_the_times_kept_are_the_same(in_lanes):
         kd.solve_ensemble(kepler, SPAN, step=steps)
 
 
-@pytest.mark.parametrize(
-    ("method", "problem"),
-    [
-        ("gauss-4", kd.systems.pendulum()),
-        ("wisdom-holman", kd.systems.kepler()),
-        ("velocity-verlet", kd.systems.nbody(np.ones(3), np.eye(3), np.zeros((3, 3)), G=0.1)),
-        ("boris", kd.ChargedParticle(charge_to_mass=1.0, magnetic_field=lambda x: np.array([0.0, 0.0, 1 + x[0]]))),
-        ("runge-kutta-4", kd.FirstOrder(lambda y: np.array([y[1], -y[0]]))),
-    ],
-)
-def test_every_kind_of_step_runs(method, problem):
-    rng = np.random.default_rng(1)
-    shape = problem.x0.shape if isinstance(problem, kd.System) else (3,)
-    if isinstance(problem, kd.FirstOrder):
-        sol = kd.solve_ensemble(problem, SPAN, x := rng.normal(size=(5, 2)), step=0.1, method=method)
-        assert all(is_member(sol, i, problem, x[i], step=0.1, method=method) for i in range(5))
-        return
-    x, v = rng.normal(size=(2, 5, *shape)) + 1.0
-    sol = kd.solve_ensemble(problem, SPAN, x, v, step=0.1, method=method)
-    assert all(is_member(sol, i, problem, x[i], v[i], step=0.1, method=method) for i in range(5))
+KINDS = {
+    "gauss-4": kd.systems.pendulum(),
+    "wisdom-holman-corrected-3": kd.systems.outer_solar_system(),
+    "wisdom-holman": kd.systems.kepler(),
+    "velocity-verlet": kd.systems.nbody(np.ones(3), np.eye(3), np.zeros((3, 3)), G=0.1),
+    "boris": kd.ChargedParticle(charge_to_mass=1.0, magnetic_field=lambda x: np.array([0.0, 0.0, 1 + x[0]])),
+    "runge-kutta-4": kd.FirstOrder(lambda y: np.array([y[1], -y[0]])),
+    "rattle": kd.Constrained(lambda x: np.array([0.0, -9.81]), lambda x: x[0] ** 2 + x[1] ** 2 - 1),
+}
+
+
+@pytest.mark.parametrize("method", KINDS)
+def test_every_kind_of_step_runs_in_turn_or_in_lanes(method, in_lanes):
+    problem, rng = KINDS[method], np.random.default_rng(1)
+    shape = problem.x0.shape if isinstance(problem, kd.System) else (3,) if method == "boris" else (2,)
+    x, v = rng.normal(size=(2, 70, *shape))
+    if isinstance(problem, kd.System):
+        x, v = problem.x0 + 1e-3 * x, problem.v0 * (1 + 1e-3 * v)
+    if method == "rattle":
+        angle = rng.uniform(0, 6, 70)
+        x, v = np.stack([np.cos(angle), np.sin(angle)], axis=1), np.zeros((70, 2))
+    starts = (x,) if method == "runge-kutta-4" else (x, v)
+    options = {"step": 0.1, "method": method, "save_every": 7}
+    sol = kd.solve_ensemble(problem, SPAN, *starts, **options)
+    assert in_lanes["alone"] <= 1
+    assert all(is_member(sol, i, problem, *(start[i] for start in starts), **options) for i in (0, 1, 37, 69))
+
+
+DESCRIBED = {
+    "second-order": kd.SecondOrder(lambda x: -x),
+    "newtonian": kd.Newtonian(lambda x: -x, mass=2.0),
+    "separable": kd.Separable(kinetic_gradient=lambda p: p, potential_gradient=lambda q: q),
+    "hamiltonian": kd.Hamiltonian(dHdq=lambda q, p: q, dHdp=lambda q, p: p),
+    "partitioned": kd.Partitioned(lambda x, v: x * v, lambda x, v: v - x),
+    "first-order": kd.FirstOrder(lambda y: -y),
+    "damped": kd.Damped(lambda x: -x, damping=0.1),
+    "langevin": kd.Langevin(lambda x: -x, friction=1.0, temperature=0.4),
+    "oscillatory": kd.Oscillatory(lambda x: -(x**3), omega=[0.0, 5.0]),
+    "multirate": kd.Multirate(lambda x: -x, lambda x: -x),
+    "charged": kd.ChargedParticle(charge_to_mass=1.0, magnetic_field=lambda x: np.array([0.0, 0.0, 1 + x[0]])),
+    "constrained": kd.Constrained(lambda x: 0 * x, lambda x: x[0] ** 2 + x[1] ** 2 - 1),
+}
+
+
+def test_descriptions_say_whether_their_params_depend_on_the_start():
+    assert {type(problem) for problem in DESCRIBED.values()} == set(Problem.__subclasses__())
+    for name, problem in DESCRIBED.items():
+        params = []
+        for x in ([0.6, 0.8], [1.0, 0.0]):
+            x = np.array([*x, 0.3] if name == "charged" else x)
+            v = np.array([-x[1], x[0], 0.0][: x.size]) if problem.has_velocity else np.zeros(0)
+            params.append(describe(problem, 0.0, Start(x, v), np.array([5.0]), False).params)
+        assert np.array_equal(*params) is not problem.start_in_params
+        assert params[0][0] == 5.0
 
 
 def test_steps_that_vary_are_those_of_each_member():
@@ -247,6 +285,62 @@ def test_ctrl_c_keeps_what_is_done(monkeypatch):
     assert np.isnan(sol.x[0, done // 10**5 + 1 :]).all()
     assert np.isnan(sol.x[-1]).all()
     assert "did not begin" in sol.messages[-1]
+
+
+KILLED = """
+import sys, numpy as np, kickdrift as kd
+from kickdrift.scale import running
+running._TASK = 1
+noise = np.random.default_rng(0).normal(size=(64 * 30, 2))
+kepler = kd.systems.kepler()
+sol = kd.solve_ensemble(kepler, (0.0, 100.0), kepler.x0 + 0.01 * noise, step=1e-3, save_every=50_000, progress=False,
+                        threads=1, checkpoint=sys.argv[1], checkpoint_every=64)
+sol.save(sys.argv[2])
+"""
+
+
+def test_an_ensemble_that_is_killed_goes_on_with_the_same_bits(tmp_path):
+    def begin(name):
+        return subprocess.Popen([sys.executable, "-c", KILLED, tmp_path / name, tmp_path / f"{name}.npz"])
+
+    assert begin("whole").wait() == 0
+    folder, kills = tmp_path / "killed", 0
+    for _ in range(3):
+        before = {path.name for path in folder.glob("*.npz")} if folder.exists() else set()
+        run = begin("killed")
+        while run.poll() is None and not (folder.exists() and {p.name for p in folder.glob("step*.npz")} - before):
+            time.sleep(0.005)
+        run.kill()
+        kills += run.wait() < 0
+    assert kills >= 1
+    assert begin("killed").wait() == 0
+    whole, killed = kd.load(tmp_path / "whole.npz"), kd.load(tmp_path / "killed.npz")
+    for name in ("x", "v", "n_steps", "n_force_evaluations"):
+        assert getattr(whole, name).tobytes() == getattr(killed, name).tobytes()
+    assert whole.messages == killed.messages
+
+
+def test_checkpoints_keep_members_that_are_done(tmp_path, in_lanes, monkeypatch):
+    def full(*arguments, **options):
+        raise FileFormatError("no space is left")
+
+    x, v = starts(70)
+    x[5] = 1e-160, 0.0
+    options = {"step": 0.1, "checkpoint": tmp_path / "run", "checkpoint_every": 1}
+    first = kd.solve_ensemble(kd.systems.kepler(), SPAN, x, v, **options)
+    assert in_lanes["lanes"] == 70
+    again = kd.solve_ensemble(kd.systems.kepler(), SPAN, x, v, **options)
+    assert in_lanes["lanes"] == 70
+    assert first.x.tobytes() == again.x.tobytes()
+    assert (first.status, first.messages) == (again.status, again.messages)
+    monkeypatch.setattr(archive, "write", full)
+    with pytest.warns(RuntimeWarning, match="members that are done, as no checkpoint can be written"):
+        sol = kd.solve_ensemble(kd.systems.kepler(), SPAN, x, v, **options | {"checkpoint": tmp_path / "full"})
+    assert sol[3].success
+    with pytest.raises(ArgumentError, match="another x0"):
+        kd.solve_ensemble(kd.systems.kepler(), SPAN, x + 1, v, **options)
+    with pytest.raises(ArgumentError, match="without checkpoint"):
+        kd.solve_ensemble(kd.systems.kepler(), SPAN, x, v, step=0.1, checkpoint_every=3)
 
 
 def test_saved_and_loaded_ensembles_are_equal(tmp_path):

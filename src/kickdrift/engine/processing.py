@@ -45,6 +45,11 @@ class Processing:
     preprocessor: Stepper | None
     postprocessor: Stepper | None
 
+    @property
+    def is_processed(self) -> bool:
+        """Whether the states of the loop are not those that people see."""
+        return self.frame is not None or self.preprocessor is not None
+
     def enter(self) -> None:
         """Give the kernel its start."""
         if self.preprocessor is not None:

@@ -224,7 +224,7 @@ class Run:
         if outcome is not Outcome.COMPLETED:
             t = self.rows.time(good.step) if self._stop is None else self._stop.t
             message += f" It ends at t={t!r}, after {self.rows.steps_of(good.step)}.{cause}"
-        if outcome in (Outcome.NOT_FINITE, Outcome.NOT_CONVERGED):
+        if outcome in (Outcome.NOT_FINITE, Outcome.NOT_CONVERGED, Outcome.NO_STEP):
             message += " Try a smaller step."
         evaluations = good.mark.trials * program.evaluations
         evaluations += sum(FLOWS[name].evaluations for name in program.primers) + int(self._state.work[EVALUATIONS])

@@ -181,6 +181,12 @@ class Stepper:
         return int(inside) + primed * times.size + program.evaluations * int(counts.sum()), clocks
 
     @property
+    def compiled(self) -> tuple[Any, NDArray[np.int64], tuple[Any, ...]]:
+        """Addresses of the letters, which of them prime, and the state: the address of its block, x, v, params and work."""
+        *_, members = self._alive
+        return self._flows, self._primers, (self._members, *members)
+
+    @property
     def _primers(self) -> NDArray[np.int64]:
         return np.arange(len(self.program.flows), len(self._flows))
 

@@ -2,15 +2,18 @@
 
 import os
 import time
+import warnings
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.arguments import choice
-from kickdrift.core.errors import ArgumentError
+from kickdrift.core.errors import ArgumentError, FileFormatError, depth_of_caller
 from kickdrift.engine import quantities
 from kickdrift.engine.invariants import Invariants
 from kickdrift.engine.method_selection import check_wanted
@@ -20,6 +23,7 @@ from kickdrift.engine.task import description_of
 from kickdrift.methods import Method
 from kickdrift.scale.ensemble_solution import EnsembleSolution
 from kickdrift.scale.executors import run_on
+from kickdrift.scale.keeping import Kept
 from kickdrift.scale.members import members_of
 from kickdrift.scale.prepared import Prepared, Settings, prepare
 from kickdrift.scale.results import Results
@@ -52,6 +56,8 @@ def solve_ensemble(
     progress: bool | None = None,
     threads: int | None = None,
     executor: Any = None,
+    checkpoint: str | Path | None = None,
+    checkpoint_every: int | None = None,
 ) -> EnsembleSolution:
     """Integrate many members of one problem: other starts, parameters, steps or seeds.
 
@@ -91,6 +97,11 @@ def solve_ensemble(
     executor : concurrent.futures.Executor or dask.distributed.Client, optional
         Runs the members in its workers, a chunk of them a task, instead of on threads. What a worker that dies leaves undone
         is done again, to the same bits. `concurrent.futures` sends functions by their names in their modules; Dask others, too.
+    checkpoint : path, optional
+        A folder for checkpoints of the members that are done. The same call again, in whatever process, goes on with the
+        others, to the bits of a run that was never broken.
+    checkpoint_every : int, optional
+        Members from one checkpoint to the next; by default they are about a minute apart.
 
     Returns
     -------
@@ -101,6 +112,13 @@ def solve_ensemble(
     ------
     ArgumentError
         For an argument that cannot be used, before any work is done.
+
+    Warns
+    -----
+    InterpretedWarning
+        If Numba cannot compile the function.
+    RuntimeWarning
+        If a worker dies, or a checkpoint cannot be written, which ends the ensemble with the members that are done.
 
     Examples
     --------
@@ -117,25 +135,38 @@ def solve_ensemble(
     progress = None if progress is None else choice("progress", progress)
     if executor is not None and threads is not None:
         raise ArgumentError(f"threads={threads!r} and executor={executor!r} are both given; give one of them.")
+    if checkpoint is None and checkpoint_every is not None:
+        raise ArgumentError(
+            f"checkpoint_every={checkpoint_every!r} is given without checkpoint, a folder for them; give it."
+        )
     threads = _threads(threads)
     members = members_of(problem, x0, v0, args, step, seeds)
     settings = Settings(
         t_span, method, order, t_eval, save_every, step_control, rtol, atol, compensated, compiles, check_bounds
     )
     prepared = prepare(members, settings, progress)
-    if executor is None:
-        runs = Runs(prepared, threads, progress)
-        results, go = runs.results, runs.go
-    else:
-        results = prepared.room()
-        go = partial(run_on, executor, prepared, results)
+    results = prepared.room()
+    kept = None if checkpoint is None else Kept(checkpoint, checkpoint_every, prepared, results)
+    here = None if executor is not None else Runs(prepared, threads, progress, results)
+    go = partial(run_on, executor, prepared, results) if here is None else here.go
     started = time.perf_counter()
-    total = sum(cohort.indices.size * cohort.length for cohort in prepared.cohorts)
+    total = sum(cohort.length * int((~results.done[cohort.indices]).sum()) for cohort in prepared.cohorts)
     bar = Bar(total, progress)
+
+    def tell(done: int) -> None:
+        if done:
+            bar.show(done, time.perf_counter() - started)
+        if kept is not None:
+            kept.look()
+
     try:
-        go(lambda done: bar.show(done, time.perf_counter() - started) if done else None)
-    except KeyboardInterrupt:  # members that are left are marked
-        pass
+        with suppress(KeyboardInterrupt):  # members that are left are marked
+            go(tell)
+        if kept is not None:
+            kept.write()
+    except FileFormatError as error:  # as on a full disk
+        words = f"the ensemble ends with the members that are done, as no checkpoint can be written: {error}"
+        warnings.warn(words, RuntimeWarning, stacklevel=depth_of_caller())
     finally:
         bar.close()
     return _solution(prepared, results, time.perf_counter() - started)

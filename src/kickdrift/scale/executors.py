@@ -55,6 +55,8 @@ def run_on(executor: Any, prepared: Prepared, results: Results, tell: Callable[[
     steps, left = 0, False
     try:
         for first, chunk in _chunks(executor, prepared):
+            if results.done[first : first + chunk.members.count].all():
+                continue
             if not waiting:
                 _check_sent(executor, chunk)
             future = _submitted(executor, chunk)

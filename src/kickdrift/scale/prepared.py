@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kickdrift.core.errors import ArgumentError
+from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.core.room import free_bytes
 from kickdrift.engine.announcing import compiling_announced
 from kickdrift.engine.controller import Controller, control_of, controlled
@@ -22,6 +22,7 @@ from kickdrift.scale.results import Results
 from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
+_LOOKED_AT = 8  # members that are described to see that they differ by their numbers alone
 _PART = 0.8  # of the memory that is free
 
 
@@ -91,10 +92,16 @@ class Prepared:
         return _described(self.members, self.settings, i, self.cohorts[0].grid.t0)
 
     def numbers(self) -> tuple[Floats, Floats, Floats] | None:
-        """Return x, v and params of all members, (M, n) each; None where they differ by more than these."""
+        """Return x, v and params of all members, (M, n) each; None where they differ by more than these, or one cannot be."""
+        try:
+            return self._numbers()
+        except KickdriftError:  # of a member alone, which its run will say
+            return None
+
+    def _numbers(self) -> tuple[Floats, Floats, Floats] | None:
         members, system = self.members, self.system
-        if members.made is not None:
-            return self._of_made()
+        if members.made is not None or getattr(members.problem, "start_in_params", False):
+            return self._of_each()
         x, v = (
             np.broadcast_to(
                 own.reshape(1, -1) if given is None else given.reshape(len(given), -1), (members.count, own.size)
@@ -106,10 +113,15 @@ class Prepared:
             params[:, : members.args.shape[1]] = members.args
         if members.seeds is not None:
             params[:, -2], params[:, -1] = members.seeds & np.uint64(0xFFFFFFFF), members.seeds >> np.uint64(32)
-        last = self.system_of(members.count - 1)  # in case a description makes more of these numbers
-        return (x, v, params) if np.array_equal(last.params, params[-1]) and _alike(last, system) else None
+        for i in np.unique(
+            np.linspace(0, members.count - 1, _LOOKED_AT).astype(int)
+        ):  # a description may make more of them
+            other = self.system_of(int(i))
+            if not (np.array_equal(other.params, params[i]) and _alike(other, system)):
+                return None
+        return x, v, params
 
-    def _of_made(self) -> tuple[Floats, Floats, Floats] | None:
+    def _of_each(self) -> tuple[Floats, Floats, Floats] | None:
         systems = [self.system_of(i) for i in range(self.members.count)]
         if not all(_alike(system, self.system) for system in systems):
             return None

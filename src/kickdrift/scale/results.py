@@ -12,7 +12,10 @@ Floats = NDArray[np.float64]
 
 @dataclass(eq=False)
 class Results:
-    """What the members have left: of each its rows, (M, T, *shape), how many are filled, how it ended, and what it took."""
+    """What the members have left: of each its rows, (M, T, *shape), how many are filled, how it ended, and what it took.
+
+    Of members that are `done` nothing changes any more.
+    """
 
     x: Floats
     v: Floats
@@ -22,6 +25,7 @@ class Results:
     step: Floats
     n_steps: NDArray[np.int64]
     evaluations: NDArray[np.int64]
+    done: NDArray[np.bool_]
 
     @classmethod
     def empty(cls, count: int, times: int, shape: tuple[int, ...], shape_of_v: tuple[int, ...]) -> "Results":
@@ -35,6 +39,7 @@ class Results:
             np.zeros(count),
             np.zeros(count, dtype=np.int64),
             np.zeros(count, dtype=np.int64),
+            np.zeros(count, dtype=bool),
         )
 
     def fill(self) -> None:
@@ -50,3 +55,4 @@ class Results:
         self.status[first:last], self.messages[first:last] = other.status, other.messages
         self.step[first:last], self.n_steps[first:last] = other.step, other.n_steps
         self.evaluations[first:last] = other.evaluations
+        self.done[first:last] = other.done

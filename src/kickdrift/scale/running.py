@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,19 +16,22 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.announcing import compiling_announced
 from kickdrift.engine.flows.table import FLOWS
 from kickdrift.engine.grid import Course, Grid
+from kickdrift.engine.in_turn import run_in_turn
 from kickdrift.engine.lane_letters import LANES, fields_of
 from kickdrift.engine.lanes import Lanes, compile_lanes
-from kickdrift.engine.processing import kernel_alone
+from kickdrift.engine.processing import Processing, compile_method, kernel_alone
 from kickdrift.engine.progress import told_of_steps
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.solve import solve
 from kickdrift.scale.prepared import Cohort, Prepared
+from kickdrift.scale.results import Results
 
 Floats = NDArray[np.float64]
-Task = partial[None]
+Task = partial[Any]
 
 _TASK = 20_000_000  # steps of members in a task of many: some 50 ms
 _FIRST_CHUNK = 1_000_000  # steps of members before Ctrl-C is looked for, until it is known how long they take
+_TASK_SECONDS = 0.05  # of members one after the other, which nothing interrupts
 _LOOK_SECONDS = 0.1  # between two looks at the progress
 _VECTOR = 8  # members in a register
 
@@ -40,14 +44,26 @@ class Runs:
     results : Results
     """
 
-    def __init__(self, prepared: Prepared, threads: int, progress: bool | None = None) -> None:
+    def __init__(
+        self, prepared: Prepared, threads: int, progress: bool | None = None, results: Results | None = None
+    ) -> None:
         if not prepared.system.native or prepared.system.unthreaded is not None:
             threads = 1  # the interpreter's lock, or threads of its own
         self._prepared, self._threads, self._progress = prepared, threads, progress
-        self.results = prepared.room()
+        self.results = prepared.room() if results is None else results
         self._stop = threading.Event()
         self._done, self._counting = 0, threading.Lock()
-        self._tasks = deque(self._split())
+        self._tasks: deque[Task] = deque()
+        self._slow: list[Cohort] = []  # whose members run one after the other
+        for whole in prepared.cohorts:
+            cohort = Cohort(whole.indices[~self.results.done[whole.indices]], whole.grid)
+            if not cohort.indices.size:
+                continue
+            if (lanes := self._lanes(cohort.grid)) is None:
+                self._slow.append(cohort)
+            else:
+                size = _members_of_task(cohort.length)
+                self._tasks += self._split(self._run_in_lanes, cohort, size, *lanes)
 
     def go(self, tell: Callable[[int], None]) -> None:
         """Do all runs on threads, and tell how many steps of members are done now and then.
@@ -56,8 +72,8 @@ class Runs:
         """
         with ThreadPoolExecutor(self._threads) as pool:
             try:
-                if self._tasks[0].func == self._run_alone:  # compiles what all need
-                    self._watch([pool.submit(self._tasks.popleft())], tell)
+                for cohort in self._slow:
+                    self._watch([pool.submit(self._begin, cohort)], tell)
                 self._watch([pool.submit(self._work) for _ in range(self._threads)], tell)
             except BaseException:
                 self._stop.set()
@@ -86,16 +102,48 @@ class Runs:
         with self._counting:
             self._done += steps
 
-    def _split(self) -> Iterator[Task]:
-        for cohort in self._prepared.cohorts:
-            lanes = self._lanes(cohort.grid)
-            if lanes is None:
-                yield from (partial(self._run_alone, int(i), cohort) for i in cohort.indices)
-                continue
-            count = cohort.indices.size
-            size = min(_members_of_task(cohort.length), _rounded_up(-(-count // self._threads)))
-            for first in range(0, count, size):
-                yield partial(self._run_in_lanes, Cohort(cohort.indices[first : first + size], cohort.grid), *lanes)
+    def _split(self, run: Callable[..., None], cohort: Cohort, size: int, *given: Any) -> Iterator[Task]:
+        """Cut a cohort into tasks, of so many members at most, and so that all threads have some."""
+        size = min(size, _rounded_up(-(-cohort.indices.size // self._threads)))
+        for first in range(0, cohort.indices.size, size):
+            yield partial(run, Cohort(cohort.indices[first : first + size], cohort.grid), *given)
+
+    def _begin(self, cohort: Cohort) -> None:
+        """Run the first member alone, which compiles what all need, and make tasks of the others by the time that it took."""
+        first, rest = cohort.indices[0], Cohort(cohort.indices[1:], cohort.grid)
+        seconds = self._run_alone(int(first), cohort)
+        size = int(_TASK_SECONDS / max(seconds, 1e-6))
+        prepared = self._prepared
+        if size > 1 and rest.indices.size and prepared.system.native and isinstance(cohort.grid, Grid):
+            numbers = prepared.numbers() if cohort.grid.wanted is None else None
+            processed = numbers is not None and not prepared.one_system() and self._processing(cohort.grid).is_processed
+            if numbers is not None and not processed:
+                self._tasks += self._split(self._run_in_turn, rest, size, numbers)
+                return
+        self._tasks += [partial(self._run_alone, int(i), cohort) for i in rest.indices]
+
+    def _processing(self, grid: Grid) -> Processing:
+        prepared = self._prepared
+        return compile_method(prepared.system, prepared.chosen.method, grid, prepared.settings.compensated)
+
+    def _run_in_turn(self, cohort: Cohort, numbers: tuple[Floats, Floats, Floats]) -> None:
+        """Run members one after the other; those that do not reach the end once more alone, to find out how far they go."""
+        grid, indices = cohort.grid, cohort.indices
+        assert isinstance(grid, Grid)
+        x, v, params = (array[indices] for array in numbers)
+        x = x.reshape(indices.size, *self.results.x.shape[2:])
+        v = v.reshape(indices.size, *self.results.v.shape[2:])
+        good = np.zeros(indices.size, dtype=bool)
+        try:
+            turns = run_in_turn(self._processing(grid), grid, x, v, params)
+            good = turns.good
+            self.results.x[indices[good]], self.results.v[indices[good]] = turns.x[good], turns.v[good]
+            self._put(indices[good], grid, grid.n_steps, turns.x.shape[1], turns.evaluations[good])
+        except Exception:  # of a function, for one of the members
+            good[:] = False
+        self._count(int(good.sum()) * grid.n_steps)
+        for i in indices[~good]:
+            self._run_alone(int(i), cohort)
 
     def _lanes(self, grid: Grid | Course) -> tuple[Lanes, tuple[Floats, Floats, Floats]] | None:
         """Return what runs members in lanes, and their numbers; None where they have to run alone."""
@@ -117,38 +165,47 @@ class Runs:
         grid, indices = cohort.grid, cohort.indices
         assert isinstance(grid, Grid)
         x, v, params = (array[indices] for array in numbers)
-        rows = grid.save_steps.size
-        xs, vs = np.empty((indices.size, rows, x.shape[1])), np.empty((indices.size, rows, v.shape[1]))
+        rows, results = grid.save_steps.size, self.results
+        in_place = bool(indices[-1] - indices[0] == indices.size - 1)  # neighbours, whose rows lie beside each other
+        xs, vs = (
+            (kept[indices[0] : indices[-1] + 1] if in_place else np.empty((indices.size, rows, *kept.shape[2:])))
+            for kept in (results.x, results.v)
+        )
+        flat = xs.reshape(indices.size, rows, x.shape[1]), vs.reshape(indices.size, rows, v.shape[1])
         blocks, step, chunk = lanes.blocks(x, v, params), 0, max(1, _FIRST_CHUNK // indices.size)
         try:
             while step < grid.n_steps and not self._stop.is_set():
                 started, target = time.perf_counter(), min(step + chunk, grid.n_steps)
-                blocks.advance(grid, step, target, xs, vs)
+                blocks.advance(grid, step, target, *flat)
                 chunk = next_chunk(target - step, time.perf_counter() - started)
                 self._count((target - step) * indices.size)
                 step = target
             good = blocks.good
         except Exception:  # of a function, for one of the members
             good = np.zeros(indices.size, dtype=bool)
-        well, results, saved = indices[good], self.results, blocks.saved
-        results.x[well, :saved] = xs[good, :saved].reshape(well.size, saved, *results.x.shape[2:])
-        results.v[well, :saved] = vs[good, :saved].reshape(well.size, saved, *results.v.shape[2:])
-        results.rows[well] = saved
-        outcome = Outcome.COMPLETED if step == grid.n_steps else Outcome.INTERRUPTED
-        message = outcome.value if outcome.success else _ended(outcome, grid, step)
-        program = lanes.program
-        results.step[well], results.n_steps[well] = grid.step, step
-        primed = sum(FLOWS[name].evaluations for name in program.primers)
-        results.evaluations[well] = step * program.evaluations + primed
-        for i in well:
-            results.status[i], results.messages[i] = outcome, message
+        primed = sum(FLOWS[name].evaluations for name in lanes.program.primers)
+        evaluations = np.full(indices.size, step * lanes.program.evaluations + primed)
+        if not in_place:
+            results.x[indices[good]], results.v[indices[good]] = xs[good], vs[good]
+        self._put(indices[good], grid, step, blocks.saved, evaluations[good])
         for i in indices[~good]:
             self._run_alone(int(i), cohort, step)
 
-    def _run_alone(self, i: int, cohort: Cohort, counted: int = 0) -> None:
-        """Run a member by `kickdrift.solve`, of whose steps so many are counted already."""
+    def _put(self, indices: NDArray[np.intp], grid: Grid, step: int, rows: int, evaluations: NDArray[np.int64]) -> None:
+        """Note of members that they have done so many steps, and filled so many rows."""
+        results = self.results
+        results.rows[indices], results.evaluations[indices] = rows, evaluations
+        results.step[indices], results.n_steps[indices] = grid.step, step
+        outcome = Outcome.COMPLETED if step == grid.n_steps else Outcome.INTERRUPTED
+        message = outcome.value if outcome.success else _ended(outcome, grid, step)
+        for i in indices:
+            results.status[i], results.messages[i] = outcome, message
+        results.done[indices] = outcome.success
+
+    def _run_alone(self, i: int, cohort: Cohort, counted: int = 0) -> float:
+        """Run a member by `kickdrift.solve`, of whose steps so many are counted already; return the seconds in its loop."""
         if self._stop.is_set():
-            return
+            return 0.0
         prepared, results, reached = self._prepared, self.results, counted
 
         def tell(step: int) -> None:
@@ -184,10 +241,12 @@ class Runs:
         except Exception as error:
             results.status[i] = Outcome.FAILED
             results.messages[i] = f"It did not begin. The error was {type(error).__name__}: {error}"
-            return
+            results.done[i] = True
+            return 0.0
         if isinstance(cohort.grid, Course):
             self._count(1)
         self._keep(i, solution, cohort.grid.t0)
+        return solution.wall_time
 
     def _keep(self, i: int, solution: Solution, t0: float) -> None:
         results, t = self.results, self._prepared.t
@@ -202,6 +261,7 @@ class Runs:
         results.messages[i] = solution.status.value if solution.success else solution.message
         results.step[i], results.n_steps[i] = solution.step, solution.n_steps
         results.evaluations[i] = solution.n_force_evaluations
+        results.done[i] = solution.status is not Outcome.INTERRUPTED
 
 
 def _members_of_task(n_steps: int) -> int:

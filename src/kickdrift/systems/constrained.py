@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -77,6 +78,8 @@ class Constrained(Problem):
     >>> bool(abs(np.hypot(*sol.x.T) - 1).max() < 1e-12), bool(abs(sol.energy).max() < 1e-2)
     (True, True)
     """
+
+    start_in_params: ClassVar[bool] = True
 
     force: Function
     constraint: Function

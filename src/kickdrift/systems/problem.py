@@ -83,9 +83,18 @@ class Adapter(Protocol):
 
 
 class Problem(ABC):
-    """A problem described by Python functions. A new kind of description is a subclass in a file of its own."""
+    """A problem described by Python functions. A new kind of description is a subclass in a file of its own.
+
+    Attributes
+    ----------
+    has_velocity : bool
+        Whether there are velocities, or momenta.
+    start_in_params : bool
+        Whether the params of its system depend on the numbers of the start.
+    """
 
     has_velocity: ClassVar[bool] = True
+    start_in_params: ClassVar[bool] = False
 
     @abstractmethod
     def system(self, adapter: Adapter) -> System:
