@@ -71,8 +71,9 @@ class Checkpoints:
 
     def until(self, step: int, last: int) -> int:
         """Return the step after which the next checkpoint is due."""
-        every = self._pace if self._every is None else self._every
-        return min(last, (step // every + 1) * every)
+        if self._every is None:
+            return min(last, max(step + 1, max(self._newest, 0) + self._pace))
+        return min(last, int((step // self._every + 1) * self._every))
 
     def pace(self, steps: int, seconds: float) -> None:
         """Say that so many steps took so long."""

@@ -165,7 +165,9 @@ class Journey:
                 if self._checkpoints is not None or self.store is not None:
                     failure = self._kept(failure, due)
         if isinstance(run.rows, StreamedRows):
-            failure = self._written(failure, partial(run.close, run.rows, (failure or (Outcome.COMPLETED, ""))[0]))
+            outcome = Outcome.COMPLETED if failure is None else failure[0]
+            with InterruptionNoted(passed_on=False):
+                failure = self._written(failure, partial(run.close, run.rows, outcome))
         return run.ending(*(failure or (Outcome.COMPLETED, "")))
 
     def _kept(self, failure: Failure | None, due: int) -> Failure | None:
