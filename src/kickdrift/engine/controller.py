@@ -180,11 +180,16 @@ def _by_error(wanted: LocalError, system: System, method: Method, first_is_given
         raise ArgumentError(f"rtol={wanted.rtol!r} must be at least 2.3e-14 and below 1, or 0 with a positive atol.")
     if not ((of_x >= 0.0) & np.isfinite(of_x)).all():
         raise ArgumentError(f"atol={wanted.atol!r} must be finite and not negative.")
-    params = np.array([relative, float(method.order), float(first_is_given), 0.0, 0.0])
+    tableau = None if method.tableau is None else method.tableau()
+    embedded = tableau is not None and tableau.error_weights is not None
+    order = tableau.error_order if tableau is not None and embedded else method.order
+    params = np.array([relative, float(order), float(first_is_given), 0.0, 0.0])
     assert params.size == PARAMS
     tolerances = np.concatenate([of_x, of_x if system.v0.size else np.zeros(0)])
-    name = f"local error, rtol={relative:g}, atol={_spelled(absolute)}, by step doubling"
-    return Controller(name, wanted.conserves, wanted.spelled, params, tolerances=np.maximum(tolerances, 1e-300))
+    how = "by its own estimate" if embedded else "by step doubling"
+    name = f"local error, rtol={relative:g}, atol={_spelled(absolute)}, {how}"
+    spelled = wanted.spelled_embedded if embedded else wanted.spelled
+    return Controller(name, wanted.conserves, spelled, params, tolerances=np.maximum(tolerances, 1e-300))
 
 
 def _spelled(absolute: Floats) -> str:

@@ -133,8 +133,8 @@ class TimeTransformed:
 class LocalError:
     """Steps whose estimated error is at most ``atol + rtol * abs(state)`` on average, for any method without noise.
 
-    Each step is done once whole and twice in halves, whose result is kept. For dissipative and other problems that have nothing
-    to conserve: the energy drifts by the errors.
+    The error is what the method itself estimates (``"dop853"``), or else each step is done once whole and once in halves, which
+    are what is kept. For dissipative and other problems that have nothing to conserve: the energy drifts by the errors.
 
     Parameters
     ----------
@@ -166,6 +166,12 @@ class LocalError:
             *spell(halves),
             ("judge", whole, whole),
         ]
+
+    @staticmethod
+    def spelled_embedded(spell: Spell, word: Word) -> Spelled:
+        """Do a word that estimates its error."""
+        none, whole = Fraction(0), Fraction(1)
+        return [("begin-trial", whole, none), *spell(word), ("judge-embedded", whole, whole)]
 
 
 StepControl = HairerSoderlind | HuangLeimkuhler | LogarithmicHamiltonian | TimeTransformed | LocalError

@@ -26,12 +26,19 @@ class Tableau:
         Weights of the slopes in the step, for x.
     a_of_v, b_of_v : the same for v, optional
         Where v has weights of its own (Hairer, Lubich, Wanner, Geometric Numerical Integration, section II.2).
+    error_weights : two sequences of s numbers, optional
+        Weights of the slopes in two estimates of the error of a step, the first one of the higher order, which are put together
+        as in Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, eq. (II.10.17).
+    error_order : int
+        The order of what they estimate: the error of a step goes as its size to this power plus one.
     """
 
     a: Sequence[Sequence[Fraction | float]]
     b: Sequence[Fraction | float]
     a_of_v: Sequence[Sequence[Fraction | float]] | None = None
     b_of_v: Sequence[Fraction | float] | None = None
+    error_weights: Sequence[Sequence[float]] | None = None
+    error_order: int = 0
 
     def __post_init__(self) -> None:
         for name in ("a", "b", "a_of_v", "b_of_v"):
@@ -126,14 +133,15 @@ class Tableau:
     def numbers(self) -> NDArray[np.float64]:
         """What the engine reads: s, the nodes, a and b for x, a and b for v, and `onward`, matrices row by row.
 
-        After them, of a stiffly accurate tableau, `embedded`.
+        After them, of a stiffly accurate tableau, `embedded`; and at the end `error_weights`, if there are.
 
         Time is one of the positions: its nodes are those of x.
         """
         a, a_of_v = self._a, self._a_of_v
         matrices = (a.sum(axis=1), a.ravel(), self._b, a_of_v.ravel(), self._b_of_v, self.onward.ravel())
         embedded = self.embedded if self.stiffly_accurate else ()
-        return np.concatenate([[float(self.stages)], *matrices, embedded])
+        errors = () if self.error_weights is None else np.ravel(self.error_weights)
+        return np.concatenate([[float(self.stages)], *matrices, embedded, errors])
 
 
 def _check_numbers(name: str, given: Any, dimensions: int) -> None:

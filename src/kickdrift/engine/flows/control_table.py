@@ -61,6 +61,7 @@ CONTROLS = {
     "choose-first-step": Flow(error_control.choose_first_step, evaluations=1),
     "begin-trial": Flow(error_control.begin_trial, primer="choose-first-step"),
     "end-coarse": Flow(error_control.end_coarse, moves_x=True, moves_v=True, timed=False),
+    "judge-embedded": Flow(error_control.judge_embedded, moves_x=True, moves_v=True, timed=False),
     "judge": Flow(error_control.judge, moves_x=True, moves_v=True, timed=False),
     "take-sides": Flow(  # after which the accelerations of before are none
         cuts.take_sides, parts={"find_gaps": impact.evaluate_gaps}, keeps_acceleration=False

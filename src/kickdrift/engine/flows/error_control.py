@@ -1,9 +1,9 @@
-"""Steps by their error: each is done once whole and once in halves, and their difference says how long the next may be.
+"""Steps by their error, which says how long the next may be: the estimate of a tableau, or the difference of two halves.
 
-Templates, the letters of a trial: `begin_trial`, the step, `end_coarse`, the step in halves, `judge`. What the halves give is
-kept. The difference is measured as in Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, 2nd ed. (1993),
-eq. (II.4.11); step doubling: section II.4, eq. (4.4). The controller is proportional and integral: Gustafsson, ACM Trans. Math.
-Softw. 17, 533 (1991).
+Templates, the letters of a trial: `begin_trial`, the step, `judge_embedded`; or `begin_trial`, the step, `end_coarse`, the step
+in halves, which is what is kept, and `judge`. Errors are measured as in Hairer, Norsett, Wanner, Solving Ordinary Differential
+Equations I, 2nd ed. (1993), eq. (II.4.11), those of tableaux as in eq. (II.10.17); step doubling: section II.4, eq. (4.4). The
+controller is proportional and integral: Gustafsson, ACM Trans. Math. Softw. 17, 533 (1991).
 
 Memory of control: state at the start of the trial (2 n), what its sums have rounded off (2 n), state after the whole step
 (2 n), absolute tolerances (2 n). The params of control: relative tolerance, order, size of the first step wanted or zero, and
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from kickdrift.core.compilation import compiled, unbound
 from kickdrift.core.elementwise import assign
 from kickdrift.core.views import part
+from kickdrift.engine.flows.implicit import padded
 from kickdrift.engine.flows.layout import (
     CLOCK,
     DENSITY,
@@ -31,8 +32,10 @@ from kickdrift.engine.flows.layout import (
     TROUBLE,
     VELOCITY,
     at_end,
+    coefficients_at,
     control_memory,
     has_part,
+    memory,
     own_params,
 )
 
@@ -129,12 +132,45 @@ def end_coarse(t: float, h: float, x: Floats, v: Floats, params: Floats, work: F
 
 
 def judge(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Take the halves or refuse them, and choose the next step; the last one ends at the end."""
+    """Take the halves or refuse them, by how far they are from the whole step."""
     n, own = x.size, own_params(work)
-    relative, order = own[RELATIVE], own[ORDER]
-    squares = distance(x, saved(n, 4, n, work), saved(n, 6, n, work), relative)
-    squares += distance(v, saved(n, 5, v.size, work), saved(n, 7, v.size, work), relative)
-    error = math.sqrt(squares / (n + v.size)) / (2.0**order - 1.0)
+    squares = distance(x, saved(n, 4, n, work), saved(n, 6, n, work), own[RELATIVE])
+    squares += distance(v, saved(n, 5, v.size, work), saved(n, 7, v.size, work), own[RELATIVE])
+    decide(math.sqrt(squares / (n + v.size)) / (2.0 ** own[ORDER] - 1.0), x, v, work)
+
+
+def judge_embedded(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    """Take a Runge-Kutta step or refuse it, by the two estimates that its tableau has.
+
+    The rates of its stages are where the step has left them, see `kickdrift.engine.flows.runge_kutta`.
+    """
+    n, n_v, own = x.size, v.size, own_params(work)
+    at = coefficients_at(n)
+    s = int(work[at])
+    weights = part(work, at + 1 + 3 * s * (s + 1), 2 * s)
+    x_rates, v_rates = part(memory(work), 0, s * n), part(memory(work), padded(s * n), s * n_v)
+    fine, coarse = 0.0, 0.0
+    for i in range(n + n_v):
+        tolerance, fifth, third = 0.0, 0.0, 0.0
+        if i < n:
+            tolerance = saved(n, 6, n, work)[i] + own[RELATIVE] * max(abs(x[i]), abs(saved(n, 0, n, work)[i]))
+        else:
+            k = i - n
+            tolerance = saved(n, 7, n_v, work)[k] + own[RELATIVE] * max(abs(v[k]), abs(saved(n, 1, n_v, work)[k]))
+        for j in range(s):
+            rate = x_rates[j * n + i] if i < n else v_rates[j * n_v + i - n]
+            fifth += weights[j] * rate
+            third += weights[s + j] * rate
+        fine += (fifth / tolerance) ** 2
+        coarse += (third / tolerance) ** 2
+    error = 0.0 if fine == 0.0 else abs(h) * fine / math.sqrt((fine + 0.01 * coarse) * (n + n_v))
+    decide(error, x, v, work)
+
+
+@compiled
+def decide(error: float, x: Floats, v: Floats, work: Floats) -> None:
+    """Take a step of this error, over the tolerance, or take it back; and choose the next one, which may end at the end."""
+    order = own_params(work)[ORDER]
     size = work[FIRST_STEP] / work[DENSITY]
     exponent = 1.0 / (order + 1.0)
     if error <= 1.0 and work[TROUBLE] == 0.0:

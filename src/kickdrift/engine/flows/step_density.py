@@ -38,7 +38,9 @@ from kickdrift.engine.flows.layout import (
 
 Floats = NDArray[np.float64]
 
-_FARTHEST = 10.0  # times too dense or too thin: by then steps have passed over what the density rose for, and never find back
+_FARTHEST = (
+    10.0  # times too dense or too thin: by then steps have passed over what the density rose for, and never find back
+)
 
 density_at: Callable[..., None] = unbound
 acceleration_at: Callable[..., None] = unbound
