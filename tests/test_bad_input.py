@@ -46,7 +46,7 @@ def _changes_x(x):
         ({"step": np.nan}, "step=nan must be positive"),
         ({"step": np.inf}, "step=inf must be positive"),
         ({"step": "fast"}, "step='fast' must be a number"),
-        ({"step": None}, "step=None must be a number"),
+        ({"step": None}, "step is missing"),
         ({"step": 2.0}, "step=2.0 is larger than t_span"),
         ({"step": 1e-18}, "more than float64 counts"),
         ({"t_span": (0.0, 0.0)}, "is empty"),

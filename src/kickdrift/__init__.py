@@ -36,7 +36,6 @@ from kickdrift.engine.step_control import (
 from kickdrift.io import load, save, to_pandas, to_xarray
 from kickdrift.io.report import report
 from kickdrift.io.xarray import ensemble_to_xarray, recording_to_xarray
-from kickdrift.scale.ensemble import solve_ensemble
 from kickdrift.scale.ensemble_solution import EnsemblePresenters, EnsembleSolution
 from kickdrift.systems import (
     ChargedParticle,
@@ -59,6 +58,7 @@ from kickdrift.world.recording import Recording, WorldPresenters
 if TYPE_CHECKING:
     from kickdrift.io.robot_file import load_robot
     from kickdrift.io.world_file import load_world
+    from kickdrift.scale.ensemble import solve_ensemble
     from kickdrift.systems.symbolic import from_lagrangian, from_sympy
     from kickdrift.world.adding import Part
     from kickdrift.world.joints.axis import Axis, Drive, Motor
@@ -148,6 +148,7 @@ _LATER = {
         name: f"kickdrift.world.shapes.{name.lower()}"
         for name in ("Box", "Capsule", "Cone", "Cylinder", "Hull", "Sphere")
     },
+    "solve_ensemble": "kickdrift.scale.ensemble",
     "load_robot": "kickdrift.io.robot_file",
     "load_world": "kickdrift.io.world_file",
 }
