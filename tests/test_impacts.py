@@ -185,6 +185,51 @@ def test_methods_keep_their_order_across_switches(method):
         assert plain[1] > 100 * cut[1]
 
 
+def test_masses_are_those_of_the_problem():
+    x0, v0 = [[0, 0, 0], [2, 0, 0]], [[0.5, 0, 0], [-1.5, 0, 0]]
+    system = kd.systems.nbody([3.0, 1.0], x0, v0, G=1e-9)
+    options = {"step": 0.01, "method": "velocity-verlet", "impacts": kd.sphere_gaps([0.5, 0.5])}
+    for sol in (
+        kd.solve(system, (0, 2.0), **options),
+        kd.solve(kd.Newtonian(lambda x: 0 * x, mass=[3.0, 1.0]), (0, 2.0), x0, v0, **options),
+    ):
+        assert sol.v[-1, :, 0] == pytest.approx([-0.5, 1.5], abs=1e-8)
+
+
+def test_a_stack_rests_in_whatever_order_its_gaps_are():
+    def gap(x):
+        return np.array([x[2] - x[1] - 2, x[1] - x[0] - 2, x[0] - 1])
+
+    for turned in (False, True):
+        gaps = (lambda x: gap(x)[::-1]) if turned else gap
+        sol = kd.solve(
+            lambda x: -9.81 + 0 * x,
+            (0, 10.0),
+            [1.5, 4.0, 7.0],
+            np.zeros(3),
+            step=0.02,
+            method="velocity-verlet",
+            impacts=kd.Impacts(gaps, restitution=0.3),
+            compile=False,
+        )
+        assert np.abs(sol.x[-1] - [1, 3, 5]).max() < 1e-9
+        assert np.abs(sol.v[-1]).max() < 1e-9
+
+
+def test_a_switch_that_both_laws_lead_back_to_ends_the_run():
+    sol = kd.solve(
+        lambda x, params: -x - 0.2 * params[-1],
+        (0, 25.0),
+        2.5,
+        0.0,
+        step=0.05,
+        method="blanes-moan-srkn6b",
+        switches=lambda v: v,
+    )
+    assert sol.status is Outcome.NO_STEP
+    assert sol.t[-1] == pytest.approx(6 * np.pi, abs=0.01)
+
+
 def test_switches_of_the_velocity():
     def dry(x, params):
         return -x - 0.2 * params[-1]
@@ -254,6 +299,7 @@ def test_rows_events_and_dense_output_go_with_impacts():
         ({"impacts": lambda x: x[1], "rtol": 1e-3}, "each chooses the steps"),
         ({"impacts": lambda x: x[1], "t_span": (1.0, 0.0)}, "backwards"),
         ({"switches": "x"}, "not a function"),
+        ({"impacts": kd.Impacts(lambda x: x[1], located="no")}, "located='no'"),
     ],
 )
 def test_what_cannot_be_is_said_before_the_run(options, text):
@@ -261,6 +307,14 @@ def test_what_cannot_be_is_said_before_the_run(options, text):
     with pytest.raises(ArgumentError) as error:
         kd.solve(_falling, span, [0, 1.0], [0, 0], step=0.01, method="velocity-verlet", **options)
     assert text in str(error.value)
+
+
+def test_friction_between_bodies_is_refused():
+    disks = kd.Impacts(kd.sphere_gaps([0.5, 0.5]), friction=0.3)
+    with pytest.raises(ArgumentError, match="between bodies and has friction"):
+        kd.solve(
+            lambda x: 0 * x, (0, 1.0), [[0, 0], [2, 0]], np.zeros((2, 2)), step=0.01, method="leapfrog", impacts=disks
+        )
 
 
 @pytest.mark.parametrize("radii", [[0.1], [0.1, -0.1], [0.1, np.nan], "big", [[0.1, 0.1]]])

@@ -43,6 +43,11 @@ def check_method(wanted: StepControl, system: System, method: Method) -> None:
             f"step_control={name} is for splittings of order 2, and method={method.name!r} is none; take"
             " 'velocity-verlet', or kd.HairerSoderlind."
         )
+    if isinstance(wanted, HuangLeimkuhler) and not {letter.plain for letter in method.letters} <= {K, D}:
+        raise ArgumentError(
+            f"step_control={name} parts a step in its middle, and method={method.name!r} has other flows than kicks and drifts;"
+            " take kd.HairerSoderlind."
+        )
     if isinstance(wanted, LogarithmicHamiltonian | TimeTransformed):
         plain = {letter.plain for letter in method.letters}
         if not (plain <= {K, D} and method.kind.includes(Kind.SEPARABLE)):

@@ -52,6 +52,8 @@ class Controller:
         Absolute ones, for x and v in turn; empty where errors do not matter.
     between : Controller or None
         What controls parts of steps, for states between them.
+    takes_back : bool
+        Whether steps are taken back.
     """
 
     name: str
@@ -61,10 +63,11 @@ class Controller:
     dear: int = 0
     tolerances: Floats = field(default_factory=lambda: np.zeros(0))
     between: "Controller | None" = None
+    takes_back: bool = False
 
-    def memory_size(self, n: int) -> int:
-        """Return how many numbers of work the control has."""
-        return layout.CONTROL_VECTORS * n + self.params.size
+    def memory_size(self, n: int, of_flows: int) -> int:
+        """Return how many numbers of work the control has, beside those of the flows."""
+        return layout.CONTROL_VECTORS * n + self.params.size + of_flows * self.takes_back
 
     def prepare(self, work: Floats, n: int, estimates: bool, t0: float, t1: float, step: float) -> None:
         """Write into work what the letters of the control find there."""
@@ -73,6 +76,8 @@ class Controller:
         work[layout.DENSITY] = work[layout.START_DENSITY] = 1.0
         work[layout.OWN_PARAMS], work[layout.OWN_COUNT] = own, self.params.size
         work[layout.CONTROL] = own - layout.CONTROL_VECTORS * n
+        room = work[layout.CONTROL] - work[layout.MEMORY]
+        work[layout.SHADOW] = work[layout.MEMORY] + (room // 2 if self.takes_back else room)
         work[layout.DEAR] = self.dear
         work[layout.SMALLEST] = math.inf
         work[own : own + self.params.size] = self.params
@@ -189,7 +194,9 @@ def _by_error(wanted: LocalError, system: System, method: Method, first_is_given
     how = "by its own estimate" if embedded else "by step doubling"
     name = f"local error, rtol={relative:g}, atol={_spelled(absolute)}, {how}"
     spelled = wanted.spelled_embedded if embedded else wanted.spelled
-    return Controller(name, wanted.conserves, spelled, params, tolerances=np.maximum(tolerances, 1e-300))
+    return Controller(
+        name, wanted.conserves, spelled, params, tolerances=np.maximum(tolerances, 1e-300), takes_back=True
+    )
 
 
 def _spelled(absolute: Floats) -> str:

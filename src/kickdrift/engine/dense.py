@@ -49,6 +49,8 @@ class DenseOutput:
         Where the run ended, at the last row or later.
     steps : (T,) array
         The size of the steps from each row on, with its sign.
+    varies : bool
+        Whether the sizes of steps vary: then the one after a row is known, and no more.
     compile : callable
         Returns the method, compiled for the system, with a state of its own.
     """
@@ -58,6 +60,7 @@ class DenseOutput:
     v: Floats
     end: float
     steps: Floats
+    varies: bool
     compile: Callable[[], Processing]
 
     def __copy__(self) -> "DenseOutput":
@@ -92,6 +95,12 @@ class DenseOutput:
     def states_at(self, wanted: Floats) -> tuple[Floats, Floats, int]:
         """Return the states at times between the rows, NaN where there are none, and the force evaluations that they took."""
         row, counts, rest = self._places(wanted)
+        far = (counts > 1) | ((counts == 1) & (rest != 0.0))
+        if self.varies and far.any():
+            raise ArgumentError(
+                f"t={float(wanted[far][0])!r} lies some steps after a row, and their sizes vary; keep every step, or"
+                " ask for the times by t_eval."
+            )
         xs, vs = self.x[row].copy(), self.v[row].copy()
         here, evaluations, whole = self.t[row], 0, self.steps[row]
         if counts.any() or rest.any():

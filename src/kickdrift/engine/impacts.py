@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kickdrift.core.arguments import reals
+from kickdrift.core.arguments import choice, reals
 from kickdrift.core.compilation import Function, unbound
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
@@ -47,8 +47,9 @@ class Impacts:
         Newton's e, of each gap: the share of the closing speed with which it opens again, from 0 to 1.
     friction : float or array_like
         Coulomb's mu, of each gap, for those between one body and its surroundings.
-    mass : array_like
-        A number, or for states (N, d) one to each of the N bodies.
+    mass : array_like, optional
+        A number, or for states (N, d) one to each of the N bodies; by default those of the problem where it has masses
+        (`kickdrift.Newtonian`, systems under gravity), or else 1.
     located : bool
         Whether impacts happen at their moment, to which the step is cut; or after the step in which they fall, where bodies are
         put back onto the surface: as in games, with the flights' times wrong by a part of a step.
@@ -71,7 +72,7 @@ class Impacts:
     gap: Callable[..., Any]
     restitution: ArrayLike = 1.0
     friction: ArrayLike = 0.0
-    mass: ArrayLike = 1.0
+    mass: ArrayLike | None = None
     located: bool = True
 
 
@@ -115,7 +116,14 @@ def sphere_gaps(radii: ArrayLike) -> Callable[..., Any]:
 
 
 def cut_steps(
-    impacts: Any, switches: Any, system: System, method: Method, course: Course, adapter: Adapter, place_of_sides: int
+    impacts: Any,
+    switches: Any,
+    problem: Any,
+    system: System,
+    method: Method,
+    course: Course,
+    adapter: Adapter,
+    place_of_sides: int,
 ) -> tuple[System, Controller]:
     """Make impacts and switches ready; the system gets their gaps as a part.
 
@@ -142,18 +150,17 @@ def cut_steps(
     params = np.zeros(layout.HEAD + (layout.ROWS + 1) * count + layout.VECTORS * n)
     params[[layout.COUNT, layout.LENGTH]] = count, length
     params[layout.PLACE_OF_SIDES] = place_of_sides
-    params[layout.LOCATED] = impacts is None or impacts.located
+    params[layout.LOCATED] = impacts is None or choice("located", impacts.located)
     params[layout.BODY_SIZE] = system.x0.shape[-1] if system.x0.ndim > 1 else n
     rows = params[layout.HEAD : layout.HEAD + layout.ROWS * count].reshape(layout.ROWS, count)
     rows[layout.SIDE] = 1.0
     if impacts is not None:
         rows[layout.RESTITUTION, :of_impacts] = _numbers("restitution", impacts.restitution, of_impacts, 1.0)
         rows[layout.FRICTION, :of_impacts] = _numbers("friction", impacts.friction, of_impacts, np.inf)
+        _check_friction(rows[layout.FRICTION], whole, system, course.t0)
     rows[layout.SWITCH, of_impacts:] = 1.0
     rows[layout.SIDE, of_impacts:] = np.where(start[of_impacts:] < 0.0, -1.0, 1.0)
-    masses = np.ones(n) if impacts is None else fitted("mass", impacts.mass, system.x0.shape)
-    if not (np.isfinite(masses) & (masses > 0.0)).all():
-        raise ArgumentError(f"mass={impacts.mass!r} of impacts must be positive and finite.")
+    masses = np.ones(n) if impacts is None else _masses(impacts, problem, system)
     vectors = layout.HEAD + layout.ROWS * count
     params[vectors : vectors + n] = 1.0 / masses
     own = np.zeros(0) if whole.params is None else whole.params
@@ -161,8 +168,11 @@ def cut_steps(
     name = "equal steps, cut at " + (what if params[layout.LOCATED] else f"none; {what} after each")
     params = np.concatenate([params, own])
     between = Controller(name, "", _on_their_sides, params) if "switches" in sizes else None
-    controller = Controller(name, "what impacts leave of energy and momenta", spelled, params, between=between)
-    return replace(system, parts={**system.parts, "gaps": whole.function}), controller
+    controller = Controller(
+        name, "what impacts leave of energy and momenta", spelled, params, between=between, takes_back=True
+    )
+    parts = {**system.parts, "gaps": whole.function}
+    return replace(system, parts=parts, exact=None), controller  # which knows of no impacts
 
 
 def spelled(spell: Spell, word: Word) -> Spelled:
@@ -227,6 +237,42 @@ def _both(one: Quantity, other: Quantity) -> Quantity:
 def _one_after_the_other(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     first(t, x, v, part(params, 0, PARAMS), part(out, 0, COUNT))
     second(t, x, v, part(params, PARAMS, params.size - PARAMS), part(out, COUNT, out.size - COUNT))
+
+
+def _masses(impacts: Impacts, problem: Any, system: System) -> Floats:
+    """Return a mass to each number of the state."""
+    given = impacts.mass
+    if given is None:
+        given = getattr(problem, "mass", 1.0) if system.gm is None else system.gm
+    masses = fitted("mass", given, system.x0.shape)
+    if not (np.isfinite(masses) & (masses > 0.0)).all():
+        raise ArgumentError(f"mass={given!r} of impacts must be positive and finite.")
+    return masses
+
+
+def _check_friction(friction: Floats, gaps: Quantity, system: System, t0: float) -> None:
+    """Refuse friction in gaps that more than one body has a part in: it would depend on who is at rest."""
+    if system.x0.ndim < 2 or not friction.any():
+        return
+    touched = np.zeros(friction.size, dtype=int)
+    moved = 1e-3 * (float(np.abs(system.x0).max()) or 1.0)
+
+    def at(x: Floats) -> Floats:
+        return evaluate_quantity(gaps, system, np.array([t0]), x[None], system.v0[None]).reshape(-1)
+
+    for body in range(len(system.x0)):
+        changed = np.zeros(friction.size, dtype=bool)
+        for k in range(system.x0[body].size):
+            x = system.x0.copy()
+            x[body].flat[k] += moved
+            changed |= at(x) != at(system.x0)
+        touched += changed
+    between = np.flatnonzero((friction > 0.0) & (touched > 1))
+    if between.size:
+        raise ArgumentError(
+            f"gap {int(between[0])} is between bodies and has friction {float(friction[between[0]])!r}; impacts have friction"
+            " with surroundings at rest alone: give 0 there, or build a kd.World."
+        )
 
 
 def _numbers(name: str, value: ArrayLike, count: int, most: float) -> Floats:

@@ -131,7 +131,7 @@ def _dense(
     if not t.size or t[0] != grid.t0:
         t, steps = np.append(grid.t0, t), np.append(grid.step, steps)
         xs, vs = np.concatenate((system.x0[None], xs)), np.concatenate((system.v0[None], vs))
-    return DenseOutput(t, xs, vs, end, steps, between)
+    return DenseOutput(t, xs, vs, end, steps, isinstance(grid, Course), between)
 
 
 def _at_wanted(

@@ -209,7 +209,9 @@ def solve(
                 system, controller = controlled(control, system, chosen.method, grid.t0, adapter.number, first_is_given)
             elif isinstance(grid, Course):
                 place_of_sides = params.size if sides.size else -1
-                system, controller = cut_steps(impacts, switches, system, chosen.method, grid, adapter, place_of_sides)
+                system, controller = cut_steps(
+                    impacts, switches, problem, system, chosen.method, grid, adapter, place_of_sides
+                )
             wanted = events_of(events, adapter.number)
             task = Task(system, chosen, grid, compensated, controller, wanted, progress, entered.inside.names)
             if checkpoint is not None or save_to is not None:

@@ -211,8 +211,9 @@ def compile_program(
     sizes = x.size, program.coefficients, system.params
     scratch = np.zeros(max(FLOWS[name].scratch(*sizes) for name in names))
     estimates = any(FLOWS[name].estimates for name in names)
-    memory_size = max(FLOWS[name].memory(*sizes) for name in names) + x.size * estimates
-    memory_size += 0 if controller is None else controller.memory_size(x.size)
+    of_flows = max(FLOWS[name].memory(*sizes) for name in names)
+    memory_size = of_flows + x.size * estimates
+    memory_size += 0 if controller is None else controller.memory_size(x.size, of_flows)
     work = lay_out(x.size, program.coefficients, memory_size, addresses, scratch)
     if controller is not None:
         controller.prepare(work, x.size, estimates, grid.t0, grid.t1, grid.step)

@@ -28,12 +28,23 @@ from kickdrift.engine.flows.impact import (
     REST,
     RESTING,
     ROUNDS,
+    SHORT,
     SIDE,
     SWITCH,
     WHOLE,
     row_of,
 )
-from kickdrift.engine.flows.layout import CLOCK, DENSITY, END, FIRST_STEP, REJECTED, TROUBLE, at_end, own_params
+from kickdrift.engine.flows.layout import (
+    CLOCK,
+    DENSITY,
+    END,
+    FAILED_CONTROL,
+    FIRST_STEP,
+    REJECTED,
+    TROUBLE,
+    at_end,
+    own_params,
+)
 
 Floats = NDArray[np.float64]
 
@@ -46,6 +57,7 @@ cross: Callable[..., None] = unbound
 FREE, SEARCHING, LAST = 0.0, 1.0, 2.0  # modes
 _MOST_ROUNDS = 200
 _ROUNDING = 2.220446049250313e-16
+_MOST_SHORT = 100.0  # cuts in a row without time between: a switch that both laws lead back to
 _SLIVER = 1e-9  # of a step: a shorter one is none
 
 
@@ -167,5 +179,8 @@ def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floa
             if hit[row] != 0.0 and switch[row] != 0.0:
                 cross(row, t, x, v, params, work)
         strike_all(t, x, v, params, work)
+        own[SHORT] = own[SHORT] + 1.0 if size < _SLIVER * abs(work[FIRST_STEP]) else 0.0
+        if own[SHORT] > _MOST_SHORT:
+            work[TROUBLE] = FAILED_CONTROL
     accept_cut(size, work)
     rest_or_leave(t, x, v, params, work)

@@ -22,13 +22,16 @@ from kickdrift.core.views import part
 from kickdrift.engine.flows.implicit import padded
 from kickdrift.engine.flows.layout import (
     CLOCK,
+    CONTROL,
     DENSITY,
     END,
     FAILED_CONTROL,
     FIRST_STEP,
     LAST_ERROR,
+    MEMORY,
     REJECTED,
     ROUNDED_OFF,
+    SHADOW,
     TROUBLE,
     VELOCITY,
     at_end,
@@ -55,6 +58,12 @@ _SPACINGS = 16.0  # of floats near the time: a shorter step is lost beside it
 def saved(n: int, index: int, size: int, work: Floats) -> Floats:
     """Return one of the vectors in memory."""
     return part(control_memory(n, work), index * n, size)
+
+
+@compiled(inline=True)
+def shadow(work: Floats) -> Floats:
+    """Return the copy of what flows remember."""
+    return part(work, int(work[SHADOW]), int(work[CONTROL] - work[SHADOW]))
 
 
 @compiled
@@ -110,6 +119,7 @@ def begin_trial(t: float, h: float, x: Floats, v: Floats, params: Floats, work: 
     assign(saved(n, 0, n, work), x)
     assign(saved(n, 1, v.size, work), v)
     assign(saved(n, 2, 2 * n, work), part(work, n, 2 * n))
+    assign(shadow(work), part(work, int(work[MEMORY]), shadow(work).size))
     own[BEGIN], own[BEGIN_ROUNDED_OFF] = work[CLOCK], work[ROUNDED_OFF]
 
 
@@ -120,6 +130,7 @@ def take_back(x: Floats, v: Floats, work: Floats) -> None:
     assign(x, saved(n, 0, n, work))
     assign(v, saved(n, 1, v.size, work))
     assign(part(work, n, 2 * n), saved(n, 2, 2 * n, work))
+    assign(part(work, int(work[MEMORY]), shadow(work).size), shadow(work))
     work[CLOCK], work[ROUNDED_OFF] = own[BEGIN], own[BEGIN_ROUNDED_OFF]
 
 

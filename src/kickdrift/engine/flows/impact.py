@@ -42,9 +42,9 @@ find_gradient: Callable[..., float] = unbound
 put_back: Callable[..., None] = unbound
 strike: Callable[..., bool] = unbound
 
-HEAD = 16
+HEAD = 17
 COUNT, LOCATED, BODY_SIZE = 0, 1, 2  # 3 and 4 are those of a trial, see `error_control`
-LOW, HIGH, LOW_GAP, HIGH_GAP, MODE, WHOLE, MOVED_LAST, LENGTH, ROUNDS, RATE, PLACE_OF_SIDES = range(5, 16)
+LOW, HIGH, LOW_GAP, HIGH_GAP, MODE, WHOLE, MOVED_LAST, LENGTH, ROUNDS, RATE, PLACE_OF_SIDES, SHORT = range(5, 17)
 ROWS = 8
 RESTITUTION, FRICTION, SWITCH, SIDE, RESTING, BEFORE, NOW, HIT = range(ROWS)
 VECTORS = 4
@@ -196,24 +196,30 @@ def rub(row: int, square: float, speed: float, change: float, v: Floats, work: F
 
 
 def settle_or_lift(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Keep what rests on its surface, unless it was lifted."""
+    """Keep what rests on its surface, unless it was lifted; one after the other, until nothing closes."""
     n, resting, now = x.size, row_of(RESTING, work), row_of(NOW, work)
     gradient, inverse = vector(_GRADIENT, n, work), vector(_INVERSE_MASSES, n, work)
     for row in range(resting.size):
-        if resting[row] == 0.0:
-            continue
         if now[row] > 0.0:
             resting[row] = 0.0
-            continue
-        put_back(row, t, x, v, work)
-        square = find_gradient(row, t, x, v, work)
-        speed = own_params(work)[RATE]
-        for i in range(n):
-            speed += gradient[i] * v[i]
-        if speed < 0.0:
-            rub(row, square, speed, -speed, v, work)
+    for _ in range(_ROUNDS):
+        closing = False
+        for row in range(resting.size):
+            if resting[row] == 0.0:
+                continue
+            put_back(row, t, x, v, work)
+            square = find_gradient(row, t, x, v, work)
+            speed, size = own_params(work)[RATE], abs(own_params(work)[RATE])
             for i in range(n):
-                v[i] -= speed * gradient[i] * inverse[i] / square
+                speed += gradient[i] * v[i]
+                size += abs(gradient[i] * v[i])
+            if speed < -1e-14 * size:
+                closing = True
+                rub(row, square, speed, -speed, v, work)
+                for i in range(n):
+                    v[i] -= speed * gradient[i] * inverse[i] / square
+        if not closing:
+            break
 
 
 def cross_switch(row: int, t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
