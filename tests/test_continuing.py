@@ -5,7 +5,6 @@ import math
 import pickle
 
 import numpy as np
-import pint
 import pytest
 
 import kickdrift as kd
@@ -167,7 +166,7 @@ def test_what_was_loaded_does_not_go_on(tmp_path):
 
 
 def test_solutions_in_units_go_on():
-    u = pint.UnitRegistry()
+    u = pytest.importorskip("pint").UnitRegistry()
     options = {"x0": [1.0, 0.0] * u.m, "v0": [0.0, 1.0] * u.m / u.s, "step": 0.03125 * u.s}
     whole = kd.solve(lambda x: -x, (0 * u.s, 20 * u.s), **options)
     on = kd.solve(lambda x: -x, (0 * u.s, 10 * u.s), **options).continue_to(20_000 * u.ms)

@@ -9,7 +9,6 @@ import sys
 import tracemalloc
 
 import numpy as np
-import pint
 import pytest
 import xarray as xr
 from killing import killed_after
@@ -289,7 +288,7 @@ def test_a_disk_that_is_full_ends_the_run_and_leaves_what_was_written(tmp_path):
 
 
 def test_units_go_to_disk(tmp_path):
-    u = pint.UnitRegistry()
+    u = pytest.importorskip("pint").UnitRegistry()
     kd.solve(
         lambda x: -x, (0 * u.s, 1 * u.s), 1.0 * u.km, 0.0 * u.km / u.s, step=0.1 * u.s, save_to=tmp_path / "run.zarr"
     )
