@@ -31,7 +31,6 @@ def check_method(wanted: StepControl, system: System, method: Method) -> None:
     check_noise(name, system)
     check_corrector(name, method)
     if isinstance(wanted, LocalError):
-        check_memory(name, system, method)
         return
     if not method.symmetric:
         raise ArgumentError(
@@ -62,8 +61,8 @@ def check_method(wanted: StepControl, system: System, method: Method) -> None:
             )
 
 
-def check_memory(name: str, system: System, method: Method) -> None:
-    """Refuse methods whose steps cannot be taken back.
+def check_copies(name: str, system: System, method: Method) -> None:
+    """Refuse methods whose flows would not see that the velocities jump.
 
     Raises
     ------
@@ -73,7 +72,7 @@ def check_memory(name: str, system: System, method: Method) -> None:
     check_corrector(name, method)
     if any(letter.share.startswith("doubled") for letter in method.letters):
         raise ArgumentError(
-            f"{name} and method={method.name!r}: steps are taken back, but this one keeps a second copy of the state; take"
+            f"{name} and method={method.name!r}: velocities jump, but this one keeps a second copy of the state; take"
             " another, such as 'gauss-4'."
         )
 

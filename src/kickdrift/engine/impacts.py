@@ -13,7 +13,7 @@ from kickdrift.core.compilation import Function, unbound
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 from kickdrift.core.views import part
-from kickdrift.engine.control_checks import check_memory
+from kickdrift.engine.control_checks import check_copies
 from kickdrift.engine.controller import Controller
 from kickdrift.engine.flows import impact as layout
 from kickdrift.engine.grid import Course
@@ -211,7 +211,7 @@ def _check(impacts: Impacts | None, system: System, method: Method, course: Cour
             f"impacts change velocities, and {system.name!r} has {system.kind.value}; describe it as kd.SecondOrder,"
             " kd.Newtonian or another with x' = v."
         )
-    check_memory("impacts and switches", system, method)
+    check_copies("impacts and switches", system, method)
 
 
 def _adapted(name: str, function: Any, adapter: Adapter) -> Quantity:
