@@ -173,3 +173,21 @@ METHODS = (
         generalised_order=(10, 6, 4),
     ),
 )
+
+_ENCOUNTERS = Method(
+    name="wisdom-holman-switched",
+    order=4,
+    word=((Letter.ENCOUNTERS, Fraction(1)),),
+    symmetric=True,
+    kind=Kind.NEARLY_KEPLERIAN,
+    source="Hernandez, Dehnen, Mon. Not. R. Astron. Soc. 522, 4639 (2023); Lu, Hernandez, Rein, ibid. 533, 3708 (2024)",
+    aliases=("close-encounters",),
+    generalised_order=METHODS[-1].generalised_order,
+    parameters=(
+        1,  # how near two bodies may come in a step: as far as they go
+        Fraction(1, 10**9),  # of the energy, which a step may change
+        Fraction(1, 10**10),  # error of the distances, where they are integrated
+        *(weight for _, weight in METHODS[-1].word),
+    ),
+)
+METHODS = (*METHODS, _ENCOUNTERS)
