@@ -182,11 +182,10 @@ _ENCOUNTERS = Method(
     kind=Kind.NEARLY_KEPLERIAN,
     source="Hernandez, Dehnen, Mon. Not. R. Astron. Soc. 522, 4639 (2023); Lu, Hernandez, Rein, ibid. 533, 3708 (2024)",
     aliases=("close-encounters",),
-    generalised_order=METHODS[-1].generalised_order,
     parameters=(
-        1,  # how near two bodies may come in a step: as far as they go
-        Fraction(1, 10**9),  # of the energy, which a step may change
-        Fraction(1, 10**10),  # error of the distances, where they are integrated
+        2,  # two bodies come no further from one kick to the next than half their distance
+        Fraction(3, 10**10),  # of the energy, at most, is what a step changes
+        Fraction(1, 10**10),  # of distances, at most, are estimated errors where bodies are integrated
         *(weight for _, weight in METHODS[-1].word),
     ),
 )

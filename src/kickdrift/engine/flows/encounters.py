@@ -3,18 +3,17 @@
 A template, see `kickdrift.engine.flows.kick_drift`. The step is a word of Kepler flows and kicks in Jacobi coordinates, see
 `jacobi_step`, if by what is seen at its start and at its end alike
 
-- no two bodies come as far towards each other in a step as they are apart (times a coefficient),
+- no two bodies come further from one kick to the next, relative to each other, than a share of their distance, so that none
+  pass each other unseen, and none are so close that they would fall to each other within the step,
 - their orbits come in the same order by size,
-- the energies are the same up to a share (a coefficient) of what binds the bodies to body 0.
+- the energy is the same up to a share of what binds the bodies to body 0.
 
 Otherwise it is taken back, and all bodies are integrated to an error far below that, see `nystrom`. What is asked of the
 start and of the end is the same, and so a step back asks the same as the step forth: the switch is symmetric, as in [1]_ and
 [2]_, but for steps whose two results lie on both sides of a limit.
 
-The coefficients are these two numbers, the tolerance of the integration, and the word. Layout of memory, for n numbers::
-
-    0     steps by the word, those taken back, those integrated, and the small steps of these
-    8     scratch: what the bodies have of n numbers each, see the functions below
+The coefficients are the inverse of the first share, the second, the tolerance of the integration, and the word. What is in
+memory matters within a step alone: n numbers each for the functions below, and the room of the integration.
 
 References
 ----------
@@ -31,20 +30,19 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import MethodMismatchError
 from kickdrift.core.views import part
 from kickdrift.engine.flows.jacobi_step import enter, leave, number, sort_by_orbit, take_word
-from kickdrift.engine.flows.layout import EVALUATIONS, TROUBLE, coefficients_at, memory
+from kickdrift.engine.flows.layout import EVALUATIONS, FAILED_CONTROL, TAKEN_BACK, TROUBLE, coefficients_at, memory
 from kickdrift.engine.flows.nystrom import ROOM, STAGES, integrate, vector
 
 Floats = NDArray[np.float64]
 
-BY_WORD, TAKEN_BACK, INTEGRATED, SMALL_STEPS = range(4)
-_HEAD = 8
 APPROACH, ENERGY, TOLERANCE, WORD = range(4)  # of the coefficients
 WORD_SIZE = 17
+_VECTORS = 14
 
 
 def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
     """Numbers of memory for a state of n numbers."""
-    return _HEAD + (14 + ROOM) * n
+    return (_VECTORS + ROOM) * n
 
 
 def constants(coefficients: Floats, n: int, params: Floats, general: bool) -> dict[str, int]:
@@ -66,64 +64,53 @@ def encounters(t: float, h: float, x: Floats, v: Floats, params: Floats, work: F
     """Advance x and v by h."""
     n, own = x.size, memory(work)
     masses, asked = part(params, 1, 1 + n // 3), part(work, coefficients_at(n), WORD + WORD_SIZE)
-    vectors = part(own, _HEAD, 14 * n)
+    vectors, room = part(own, 0, _VECTORS * n), part(own, _VECTORS * n, ROOM * n)
     near_x, near_v = part(vectors, 0, n), part(vectors, n, n)
     relate(x, near_x)
     relate(v, near_v)
-    if far_apart(asked[APPROACH] * abs(1.0 / h), near_x, near_v) and step_by_word(h, masses, asked, vectors, work):
-        own[BY_WORD] += 1.0
+    work[EVALUATIONS] += WORD_SIZE // 2
+    if step_by_word(h, masses, asked, vectors):
         place(h, masses, x, v, near_x, near_v)
         return
-    own[INTEGRATED] += 1.0
-    room = part(own, _HEAD + 14 * n, ROOM * n)
+    work[TAKEN_BACK] += 1.0
     there_x, there_v = vector(room, 0, n), vector(room, 1, n)
     for k in range(n):
         there_x[k], there_v[k] = x[k], v[k]
     steps, success = integrate(h, asked[TOLERANCE], masses, room)
+    work[EVALUATIONS] += STAGES * steps
     for k in range(n):
         x[k], v[k] = there_x[k], there_v[k]
-    own[SMALL_STEPS] += steps
-    work[EVALUATIONS] += STAGES * steps
     if not success:
-        work[TROUBLE] = 1.0
+        work[TROUBLE] = FAILED_CONTROL
 
 
 @compiled(cached=False)
-def step_by_word(h: float, masses: Floats, asked: Floats, vectors: Floats, work: Floats) -> bool:
+def step_by_word(h: float, masses: Floats, asked: Floats, vectors: Floats) -> bool:
     """Advance the relative state by the word, and return whether that was right."""
-    n = 3 * (masses.size - 1)
     bodies = masses.size - 1
-    x, v, jacobi_x, jacobi_v = (
-        part(vectors, 0, n),
-        part(vectors, n, n),
-        part(vectors, 2 * n, n),
-        part(vectors, 3 * n, n),
-    )
+    n = 3 * bodies
+    x, v = part(vectors, 0, n), part(vectors, n, n)
+    jacobi_x, jacobi_v = part(vectors, 2 * n, n), part(vectors, 3 * n, n)
     binding, order = part(vectors, 4 * n, bodies), part(vectors, 5 * n, bodies)
     binding_after, order_after = part(vectors, 6 * n, bodies), part(vectors, 7 * n, bodies)
-    numbers, room = part(vectors, 8 * n, 2 + 4 * bodies), part(vectors, 11 * n, 2 * n)
-    word = part(asked, WORD, WORD_SIZE)
+    numbers, room = part(vectors, 8 * n, 2 + 4 * bodies), part(vectors, 11 * n, 3 * n)
     sort_by_orbit(x, v, masses, binding, order)
     before = energy(x, v, masses)
     number(order, masses, numbers)
     enter(x, order, numbers, jacobi_x)
     enter(v, order, numbers, jacobi_v)
-    solved = take_word(h, word, jacobi_x, jacobi_v, numbers, room)
-    work[EVALUATIONS] += WORD_SIZE // 2
+    if not take_word(h, part(asked, WORD, WORD_SIZE), asked[APPROACH], jacobi_x, jacobi_v, numbers, room):
+        return False
     leave(jacobi_x, order, numbers, x)
     leave(jacobi_v, order, numbers, v)
-    right = solved and far_apart(asked[APPROACH] * abs(1.0 / h), x, v)
-    if right:
-        sort_by_orbit(x, v, masses, binding_after, order_after)
-        scale = scale_after = 0.0
-        for i in range(1, bodies):
-            right = right and order[i] == order_after[i]
-            scale += 0.5 * masses[1] * masses[1 + i] * abs(binding[i])
-            scale_after += 0.5 * masses[1] * masses[1 + i] * abs(binding_after[i])
-        right = right and abs(energy(x, v, masses) - before) <= asked[ENERGY] * min(scale, scale_after)
-    if not right:
-        memory(work)[TAKEN_BACK] += 1.0
-    return right
+    sort_by_orbit(x, v, masses, binding_after, order_after)
+    scale = scale_after = 0.0
+    for i in range(1, bodies):
+        if order[i] != order_after[i]:
+            return False
+        scale += 0.5 * masses[1] * masses[1 + i] * abs(binding[i])
+        scale_after += 0.5 * masses[1] * masses[1 + i] * abs(binding_after[i])
+    return bool(abs(energy(x, v, masses) - before) <= asked[ENERGY] * min(scale, scale_after))
 
 
 @compiled(cached=False)
@@ -131,20 +118,6 @@ def relate(y: Floats, into: Floats) -> None:
     """Write what the bodies have relative to body 0."""
     for k in range(y.size):
         into[k] = y[k] - y[k % 3]
-
-
-@compiled(cached=False, fast=True)
-def far_apart(rate: float, x: Floats, v: Floats) -> bool:
-    """Whether no two of the bodies from 1 on are faster, relative to each other, than `rate` of their distance."""
-    for i in range(6, x.size, 3):
-        for j in range(3, i, 3):
-            d2 = u2 = 0.0
-            for k in range(3):
-                d2 += (x[i + k] - x[j + k]) ** 2
-                u2 += (v[i + k] - v[j + k]) ** 2
-            if not u2 < rate * rate * d2:
-                return False
-    return True
 
 
 @compiled(cached=False, fast=True)

@@ -72,10 +72,14 @@ def leave(jacobi: Floats, order: Floats, numbers: Floats, into: Floats) -> None:
 
 
 @compiled(cached=False)
-def take_word(h: float, word: Floats, x: Floats, v: Floats, numbers: Floats, room: Floats) -> bool:
-    """Do the letters of a word that begins with a Kepler flow; return whether each Kepler problem had a solution."""
+def take_word(h: float, word: Floats, nearest: float, x: Floats, v: Floats, numbers: Floats, room: Floats) -> bool:
+    """Do the letters of a word that begins with a Kepler flow, and return whether they may be right.
+
+    They are not where two bodies come, from one kick to the next, further relative to each other than their distance over
+    `nearest`; or so close that they would fall to each other within the step; or where a Kepler problem has no solution.
+    """
     n, mu = x.size, mus(x.size, numbers)
-    located, kicks = part(room, 0, n), part(room, n, n)
+    located, before, kicks = part(room, 0, n), part(room, n, n), part(room, 2 * n, n)
     for letter in range(word.size):
         share = word[letter] * h
         if letter % 2 == 0:
@@ -85,10 +89,29 @@ def take_word(h: float, word: Floats, x: Floats, v: Floats, numbers: Floats, roo
         else:
             for k in range(n):
                 kicks[k] = 0.0
+            for k in range(n):
+                before[k] = located[k]
             locate(x, numbers, located)
+            if letter > 1 and not resolved(h, nearest, numbers, before, located):
+                return False
             combine(x, numbers, located, True, kicks)
             for k in range(3, n):
                 v[k] += share * kicks[k]
+    return True
+
+
+@compiled(cached=False, fast=True)
+def resolved(h: float, nearest: float, numbers: Floats, before: Floats, after: Floats) -> bool:
+    """Whether pairs of the bodies from 1 on are as far apart as that, at two kicks of a step of h."""
+    for i in range(2, after.size // 3):
+        for j in range(1, i):
+            old = new = way = 0.0
+            for k in range(3):
+                one, other = before[3 * i + k] - before[3 * j + k], after[3 * i + k] - after[3 * j + k]
+                old, new, way = old + one * one, new + other * other, way + (other - one) ** 2
+            closest, fall = min(old, new), (numbers[2 + i] + numbers[2 + j]) * h * h
+            if not (nearest * nearest * way < closest and fall * fall < closest * closest * closest):
+                return False
     return True
 
 
