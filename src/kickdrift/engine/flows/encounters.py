@@ -133,7 +133,7 @@ def energy(x: Floats, v: Floats, masses: Floats) -> float:
             potential += masses[1 + j] / math.sqrt(dx * dx + dy * dy + dz * dz)
         total += m * (0.5 * (vx * vx + vy * vy + vz * vz) - potential)
         whole, px, py, pz = whole + m, px + m * vx, py + m * vy, pz + m * vz
-    return total - 0.5 * (px * px + py * py + pz * pz) / whole
+    return float(total - 0.5 * (px * px + py * py + pz * pz) / whole)
 
 
 @compiled(cached=False)

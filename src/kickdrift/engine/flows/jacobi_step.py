@@ -17,6 +17,8 @@ from kickdrift.systems.splitting import mus, planets, weights
 
 Floats = NDArray[np.float64]
 
+_WITHOUT_MASS = 100.0  # the energy says nothing of encounters with a body without mass
+
 
 @compiled(cached=False)
 def sort_by_orbit(x: Floats, v: Floats, masses: Floats, binding: Floats, order: Floats) -> None:
@@ -76,7 +78,8 @@ def take_word(h: float, word: Floats, nearest: float, x: Floats, v: Floats, numb
     """Do the letters of a word that begins with a Kepler flow, and return whether they may be right.
 
     They are not where two bodies come, from one kick to the next, further relative to each other than their distance over
-    `nearest`; or so close that they would fall to each other within the step; or where a Kepler problem has no solution.
+    `nearest`; or so close that they would fall to each other within the step, or within ten if one has no mass; or where a
+    Kepler problem has no solution.
     """
     n, mu = x.size, mus(x.size, numbers)
     located, before, kicks = part(room, 0, n), part(room, n, n), part(room, 2 * n, n)
@@ -110,6 +113,8 @@ def resolved(h: float, nearest: float, numbers: Floats, before: Floats, after: F
                 one, other = before[3 * i + k] - before[3 * j + k], after[3 * i + k] - after[3 * j + k]
                 old, new, way = old + one * one, new + other * other, way + (other - one) ** 2
             closest, fall = min(old, new), (numbers[2 + i] + numbers[2 + j]) * h * h
+            if numbers[2 + i] * numbers[2 + j] == 0.0:
+                fall *= _WITHOUT_MASS
             if not (nearest * nearest * way < closest and fall * fall < closest * closest * closest):
                 return False
     return True

@@ -32,12 +32,12 @@ ROOM = _SUMS + 6
 """How many numbers of room there are to a number of the state."""
 
 _NODES = DORMAND_12.c
-_WEIGHTS = np.zeros((STAGES, _SUMS))
-_WEIGHTS[:, :STAGES] = DORMAND_12.a.T
-_WEIGHTS[:, [_X, _V, _ERROR, _ERROR_OF_V]] = np.transpose(
+_TABLE = np.zeros((STAGES, _SUMS))
+_TABLE[:, :STAGES] = DORMAND_12.a.T
+_TABLE[:, [_X, _V, _ERROR, _ERROR_OF_V]] = np.transpose(
     [DORMAND_12.b, DORMAND_12.b_of_v, DORMAND_12.error, DORMAND_12.error_of_v]
 )
-_WEIGHTS = _WEIGHTS.ravel()
+_WEIGHTS = _TABLE.ravel()
 _EXPONENT = -1.0 / (DORMAND_12.error_order + 1)
 _SAFETY, _LEAST, _MOST = 0.85, 0.2, 4.0
 _FIRST = 0.5  # share of the time scale: errors of 1e-10, more or less
