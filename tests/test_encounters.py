@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import kickdrift as kd
-from kickdrift.core.errors import MethodMismatchError
+from kickdrift.core.errors import ArgumentError, MethodMismatchError
 from kickdrift.core.outcomes import Outcome
 from kickdrift.methods.nystrom import DORMAND_12
 
@@ -219,3 +219,127 @@ def test_a_collision_of_points_ends_the_run_with_a_sentence():
     sol = run(kd.systems.planetary([1.0, 1e-3, 1e-3], x, v), 0.1, 5.0)
     assert sol.status is Outcome.NO_STEP
     assert "No size of the next step" in sol.message
+
+
+# Mergers
+
+
+def head_on(radii=(0.01, 0.03, 0.03), masses=(1.0, 1e-3, 5e-4)):
+    x = [[0, 0, 0], [1, 0, 0], [1.3, 0.05, 0]]
+    v = [[0, 0, 0], [0.1, 1.0, 0], [-0.2, 0.85, 0.01]]
+    return kd.systems.planetary(masses, x, v, radii=radii)
+
+
+def contact_of(system, one, other, end=10.0):
+    """Where the centres of two bodies are as far apart as their radii, by another method."""
+    distance = system.radii[one] + system.radii[other]
+
+    def touch(x):
+        return np.sqrt(((x[one] - x[other]) ** 2).sum()) - distance
+
+    touch.terminal = True
+    points = kd.systems.planetary(system.gm, system.x0, system.v0)
+    return kd.solve(points, (0, end), rtol=1e-13, atol=1e-14, method="dop853", events=touch, progress=False)
+
+
+def test_bodies_that_touch_merge_and_keep_mass_momentum_and_centre_of_mass():
+    system, m = head_on(), np.array([1.0, 1e-3, 5e-4])
+    sol = run(system, 0.2, 10.0, "auto", save_every=1)
+    assert sol.success
+    assert sol.about.method == NAME
+    before = contact_of(system, 1, 2)
+    (merger,) = kd.analysis.mergers(sol)
+    assert merger.bodies == ("1", "2")
+    assert merger.t == pytest.approx(before.t[-1], abs=1e-7)
+    x, v = ((m[1] * y[-1, 1] + m[2] * y[-1, 2]) / (m[1] + m[2]) for y in (before.x, before.v))
+    one = kd.systems.planetary([1.0, 1.5e-3], [before.x[-1, 0], x], [before.v[-1, 0], v])
+    assert merger.energy_lost == pytest.approx(before.energy[-1] - run(one, 0.1, 0.1).energy[0], rel=1e-5)
+    assert sol.energy[0] - sol.energy[-1] == pytest.approx(merger.energy_lost, rel=1e-6)
+    merged = sol.t > merger.t
+    assert np.array_equal(sol.x[merged, 1], sol.x[merged, 2])
+    assert np.array_equal(sol.v[merged, 1], sol.v[merged, 2])
+    assert np.abs(sol.energy[merged] - sol.energy[-1]).max() < 1e-15
+    assert np.abs(sol.invariants["momentum"] - sol.invariants["momentum"][0]).max() < 1e-16
+    centre = np.einsum("i,tik->tk", m, sol.x) / m.sum()
+    drift = sol.t[:, None] * (m @ system.v0) / m.sum()
+    assert np.abs(centre - centre[0] - drift).max() < 1e-15
+
+
+def test_what_has_merged_moves_as_one_body_would():
+    system = head_on()
+    sol = run(system, 0.2, 10.0, save_every=1)
+    x, v = sol.x[10, :2], sol.v[10, :2]
+    one = kd.systems.planetary([1.0, 1.5e-3], x, v)
+    alone = kd.solve(one, (sol.t[10], 10.0), rtol=1e-13, atol=1e-14, method="dop853", progress=False)
+    assert np.abs(alone.x[-1] - sol.x[-1, :2]).max() < 1e-12
+
+
+def test_states_between_rows_and_continued_runs_know_who_has_merged():
+    whole = run(head_on(), 0.2, 10.0, save_every=1)
+    assert np.array_equal(run(head_on(), 0.2, 5.0, save_every=1).continue_to(10.0).x[-1], whole.x[-1])
+    (merger,) = kd.analysis.mergers(whole)
+    just_before, just_after = whole(merger.t - 1e-6), whole(merger.t + 1e-6)
+    assert np.abs(just_before.v[1] - just_before.v[2]).max() > 0.1
+    assert np.array_equal(just_after.v[1], just_after.v[2])
+    sparse = run(head_on(), 0.2, 10.0)
+    assert kd.analysis.mergers(sparse)[0].t == pytest.approx(merger.t, abs=1e-12)
+
+
+@pytest.mark.parametrize("gap", [1 - 1e-4, 1 + 1e-4])
+def test_a_graze_is_a_contact_or_none_by_its_shortest_distance(gap):
+    closest = 0.0025005
+    points = run(fly_by(), 0.001, 1.0, save_every=1)
+    distances = np.linalg.norm(points.x[:, 1] - points.x[:, 2], axis=1)
+    k = int(distances.argmin())
+    times = np.linspace(points.t[k - 1], points.t[k + 1], 2001)
+    x = points(times).x
+    closest = np.linalg.norm(x[:, 1] - x[:, 2], axis=1).min()
+    system = fly_by()
+    radii = [0.0, 0.5 * gap * closest, 0.5 * gap * closest]
+    grazing = kd.systems.planetary([1.0, 1e-3, 1e-3], system.x0, system.v0, radii=radii)
+    for step in (0.3, 0.05):
+        found = kd.analysis.mergers(run(grazing, step, 3.0))
+        assert len(found) == (gap > 1)
+
+
+def test_planets_that_fall_into_the_star_and_onto_each_other():
+    x = [[0, 0, 0], [1, 0, 0], [3, 0, 0], [3.4, 0.0, 0]]
+    v = [[0, 0, 0], [0, 0.05, 0], [0, 0.57, 0], [-0.1, 0.55, 0]]
+    masses = [1.0, 1e-3, 2e-3, 1e-3]
+    system = kd.systems.planetary(masses, x, v, radii=[0.02, 0.001, 0.05, 0.05], names=["S", "a", "b", "c"])
+    sol = run(system, 0.3, 20.0)
+    assert sol.success
+    assert [merger.bodies for merger in kd.analysis.mergers(sol)] == [("S", "a"), ("b", "c")]
+    assert np.array_equal(sol.x[-1, 0], sol.x[-1, 1])
+    assert np.abs(sol.invariants["momentum"][-1] - sol.invariants["momentum"][0]).max() < 1e-15
+
+
+def test_large_bodies_touch_before_the_gravity_of_the_other_shows():
+    radii = (0.1, 0.05, 0.05)
+    system = head_on(radii, (1.0, 1e-9, 0.0))
+    (merger,) = kd.analysis.mergers(run(system, 0.4, 5.0))
+    assert merger.t == pytest.approx(contact_of(system, 1, 2).t[-1], abs=1e-8)
+    assert abs(merger.energy_lost) < 1e-20
+
+
+@pytest.mark.parametrize(
+    ("radii", "reason"),
+    [
+        ([0.1, 0.1], "3 finite numbers"),
+        ([0.1, -0.1, 0.1], "3 finite numbers"),
+        ([0.1, np.inf, 0.1], "3 finite numbers"),
+        ("many", "must be numbers"),
+        ([0.1, 0.3, 0.1], "bodies 1 and 2 overlap"),
+    ],
+)
+def test_radii_that_cannot_be_are_refused(radii, reason):
+    with pytest.raises(ArgumentError, match=reason):
+        head_on(radii)
+
+
+def test_bodies_with_radii_are_refused_by_methods_that_do_not_see_them():
+    with pytest.raises(MethodMismatchError, match="does not see where bodies touch"):
+        run(head_on(), 0.1, 1.0, "wisdom-holman")
+    with pytest.raises(ArgumentError, match=r"radii=\.\.\."):
+        kd.analysis.mergers(run(kd.systems.kepler(0.1), 0.1, 1.0, "wisdom-holman"))
+    assert kd.analysis.mergers(run(quiet_planets(), 0.3, 1.0)) == ()

@@ -31,18 +31,19 @@ from kickdrift.core.errors import MethodMismatchError
 from kickdrift.core.views import part
 from kickdrift.engine.flows.jacobi_step import enter, leave, number, sort_by_orbit, take_word
 from kickdrift.engine.flows.layout import EVALUATIONS, FAILED_CONTROL, TAKEN_BACK, TROUBLE, coefficients_at, memory
+from kickdrift.engine.flows.mergers import VECTORS, masses_of, merge, put_together, radii_of, take_apart, whole
 from kickdrift.engine.flows.nystrom import ROOM, STAGES, integrate, vector
 
 Floats = NDArray[np.float64]
 
 APPROACH, ENERGY, TOLERANCE, WORD = range(4)  # of the coefficients
 WORD_SIZE = 17
-_VECTORS = 14
+_VECTORS = 15
 
 
 def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
     """Numbers of memory for a state of n numbers."""
-    return (_VECTORS + ROOM) * n
+    return (VECTORS + _VECTORS + ROOM) * n
 
 
 def constants(coefficients: Floats, n: int, params: Floats, general: bool) -> dict[str, int]:
@@ -52,7 +53,7 @@ def constants(coefficients: Floats, n: int, params: Floats, general: bool) -> di
     ------
     MethodMismatchError
     """
-    if n < 6 or n % 3 or params.size != 2 + 4 * (n // 3):
+    if n < 6 or n % 3 or params.size not in (2 + 4 * (n // 3), 2 + 5 * (n // 3)):
         raise MethodMismatchError(
             "the method is for bodies that attract each other, whose encounters it watches, and this system is none of those;"
             " make it by kd.systems.planetary, or take method='blanes-aba-1064'."
@@ -61,31 +62,47 @@ def constants(coefficients: Floats, n: int, params: Floats, general: bool) -> di
 
 
 def encounters(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Advance x and v by h."""
-    n, own = x.size, memory(work)
-    masses, asked = part(params, 1, 1 + n // 3), part(work, coefficients_at(n), WORD + WORD_SIZE)
-    vectors, room = part(own, 0, _VECTORS * n), part(own, _VECTORS * n, ROOM * n)
+    """Advance x and v by h; where bodies touch, they merge, and the step goes on with one less."""
+    n, left, other = x.size, h, 0
+    bodies = part(memory(work), 0, VECTORS * n)
+    while other >= 0:
+        count = put_together(x, v, params, bodies)
+        left, one, other = advance(left, params.size > 2 + 4 * (n // 3), count, bodies, n, work)
+        if other >= 0:
+            merge(one, other, bodies, n, count)
+        elif left != 0.0:
+            work[TROUBLE] = FAILED_CONTROL
+        take_apart(bodies, x, v)
+
+
+@compiled(cached=False)
+def advance(h: float, touching: bool, count: int, bodies: Floats, given: int, work: Floats) -> tuple[float, int, int]:
+    """Advance so many bodies by h, or to where two touch; return what is left of h then, and who touches."""
+    n, own = 3 * count, memory(work)
+    asked = part(work, coefficients_at(given), WORD + WORD_SIZE)
+    vectors, room = part(own, VECTORS * given, _VECTORS * given), part(own, (VECTORS + _VECTORS) * given, ROOM * n)
+    masses, radii = masses_of(bodies, given, count), radii_of(bodies, given, count)
+    x, v = part(whole(bodies, 0, given), 0, n), part(whole(bodies, 1, given), 0, n)
     near_x, near_v = part(vectors, 0, n), part(vectors, n, n)
     relate(x, near_x)
     relate(v, near_v)
     work[EVALUATIONS] += WORD_SIZE // 2
-    if step_by_word(h, masses, asked, vectors):
+    if step_by_word(h, masses, radii, asked, vectors):
         place(h, masses, x, v, near_x, near_v)
-        return
+        return 0.0, -1, -1
     work[TAKEN_BACK] += 1.0
     there_x, there_v = vector(room, 0, n), vector(room, 1, n)
     for k in range(n):
         there_x[k], there_v[k] = x[k], v[k]
-    steps, success = integrate(h, asked[TOLERANCE], masses, room)
+    steps, left, one, other = integrate(h, asked[TOLERANCE], masses, radii, touching, room)
     work[EVALUATIONS] += STAGES * steps
     for k in range(n):
         x[k], v[k] = there_x[k], there_v[k]
-    if not success:
-        work[TROUBLE] = FAILED_CONTROL
+    return left, one, other
 
 
 @compiled(cached=False)
-def step_by_word(h: float, masses: Floats, asked: Floats, vectors: Floats) -> bool:
+def step_by_word(h: float, masses: Floats, radii: Floats, asked: Floats, vectors: Floats) -> bool:
     """Advance the relative state by the word, and return whether that was right."""
     bodies = masses.size - 1
     n = 3 * bodies
@@ -93,17 +110,25 @@ def step_by_word(h: float, masses: Floats, asked: Floats, vectors: Floats) -> bo
     jacobi_x, jacobi_v = part(vectors, 2 * n, n), part(vectors, 3 * n, n)
     binding, order = part(vectors, 4 * n, bodies), part(vectors, 5 * n, bodies)
     binding_after, order_after = part(vectors, 6 * n, bodies), part(vectors, 7 * n, bodies)
-    numbers, room = part(vectors, 8 * n, 2 + 4 * bodies), part(vectors, 11 * n, 3 * n)
+    numbers, room, sizes = (
+        part(vectors, 8 * n, 2 + 4 * bodies),
+        part(vectors, 11 * n, 3 * n),
+        part(vectors, 14 * n, bodies),
+    )
     sort_by_orbit(x, v, masses, binding, order)
+    if not passes(x, v, masses, radii):
+        return False
     before = energy(x, v, masses)
-    number(order, masses, numbers)
+    number(order, masses, radii, numbers, sizes)
     enter(x, order, numbers, jacobi_x)
     enter(v, order, numbers, jacobi_v)
-    if not take_word(h, part(asked, WORD, WORD_SIZE), asked[APPROACH], jacobi_x, jacobi_v, numbers, room):
+    if not take_word(h, part(asked, WORD, WORD_SIZE), asked[APPROACH], jacobi_x, jacobi_v, numbers, sizes, room):
         return False
     leave(jacobi_x, order, numbers, x)
     leave(jacobi_v, order, numbers, v)
     sort_by_orbit(x, v, masses, binding_after, order_after)
+    if not passes(x, v, masses, radii):
+        return False
     scale = scale_after = 0.0
     for i in range(1, bodies):
         if order[i] != order_after[i]:
@@ -111,6 +136,21 @@ def step_by_word(h: float, masses: Floats, asked: Floats, vectors: Floats) -> bo
         scale += 0.5 * masses[1] * masses[1 + i] * abs(binding[i])
         scale_after += 0.5 * masses[1] * masses[1 + i] * abs(binding_after[i])
     return bool(abs(energy(x, v, masses) - before) <= asked[ENERGY] * min(scale, scale_after))
+
+
+@compiled(cached=False)
+def passes(x: Floats, v: Floats, masses: Floats, radii: Floats) -> bool:
+    """Whether the orbits of the bodies lead past body 0, all but those that are points."""
+    for i in range(1, radii.size):
+        contact = 2.0 * (radii[0] + radii[i])
+        if contact > 0.0:
+            r2 = v2 = xv = 0.0
+            for k in range(3 * i, 3 * i + 3):
+                r2, v2, xv = r2 + x[k] * x[k], v2 + v[k] * v[k], xv + x[k] * v[k]
+            # L^2 = r^2 v^2 - (x.v)^2 is q^2 (v^2 - 2 mu / r) + 2 mu q for the pericentre q, and grows with it.
+            if r2 * v2 - xv * xv < contact * (contact * v2 + 2.0 * masses[1] * (1.0 - contact / math.sqrt(r2))):
+                return False
+    return True
 
 
 @compiled(cached=False)

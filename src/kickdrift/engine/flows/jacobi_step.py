@@ -37,8 +37,8 @@ def sort_by_orbit(x: Floats, v: Floats, masses: Floats, binding: Floats, order: 
 
 
 @compiled(cached=False)
-def number(order: Floats, masses: Floats, numbers: Floats) -> None:
-    """Write the params of a planetary system whose bodies come in this order."""
+def number(order: Floats, masses: Floats, radii: Floats, numbers: Floats, sizes: Floats) -> None:
+    """Write the params of a planetary system whose bodies come in this order, and their radii."""
     bodies = masses.size - 1
     n, total = 3 * bodies, masses[1]
     gm, share, mu = planets(n, numbers), weights(n, numbers), mus(n, numbers)
@@ -47,6 +47,7 @@ def number(order: Floats, masses: Floats, numbers: Floats) -> None:
     for at in range(1, bodies):
         own = masses[1 + int(order[at])]
         total += own
+        sizes[at] = radii[int(order[at])]
         numbers[2 + at] = gm[at] = own
         share[at], mu[at] = own / total, total
 
@@ -74,12 +75,14 @@ def leave(jacobi: Floats, order: Floats, numbers: Floats, into: Floats) -> None:
 
 
 @compiled(cached=False)
-def take_word(h: float, word: Floats, nearest: float, x: Floats, v: Floats, numbers: Floats, room: Floats) -> bool:
+def take_word(
+    h: float, word: Floats, nearest: float, x: Floats, v: Floats, numbers: Floats, sizes: Floats, room: Floats
+) -> bool:
     """Do the letters of a word that begins with a Kepler flow, and return whether they may be right.
 
     They are not where two bodies come, from one kick to the next, further relative to each other than their distance over
-    `nearest`; or so close that they would fall to each other within the step, or within ten if one has no mass; or where a
-    Kepler problem has no solution.
+    `nearest`; or so close that they would fall to each other within the step, or within ten if one has no mass; or nearly
+    touch; or where a Kepler problem has no solution.
     """
     n, mu = x.size, mus(x.size, numbers)
     located, before, kicks = part(room, 0, n), part(room, n, n), part(room, 2 * n, n)
@@ -95,7 +98,7 @@ def take_word(h: float, word: Floats, nearest: float, x: Floats, v: Floats, numb
             for k in range(n):
                 before[k] = located[k]
             locate(x, numbers, located)
-            if letter > 1 and not resolved(h, nearest, numbers, before, located):
+            if letter > 1 and not resolved(h, nearest, numbers, sizes, before, located):
                 return False
             combine(x, numbers, located, True, kicks)
             for k in range(3, n):
@@ -104,7 +107,7 @@ def take_word(h: float, word: Floats, nearest: float, x: Floats, v: Floats, numb
 
 
 @compiled(cached=False, fast=True)
-def resolved(h: float, nearest: float, numbers: Floats, before: Floats, after: Floats) -> bool:
+def resolved(h: float, nearest: float, numbers: Floats, sizes: Floats, before: Floats, after: Floats) -> bool:
     """Whether pairs of the bodies from 1 on are as far apart as that, at two kicks of a step of h."""
     for i in range(2, after.size // 3):
         for j in range(1, i):
@@ -115,7 +118,8 @@ def resolved(h: float, nearest: float, numbers: Floats, before: Floats, after: F
             closest, fall = min(old, new), (numbers[2 + i] + numbers[2 + j]) * h * h
             if numbers[2 + i] * numbers[2 + j] == 0.0:
                 fall *= _WITHOUT_MASS
-            if not (nearest * nearest * way < closest and fall * fall < closest * closest * closest):
+            free, touch = fall * fall < closest * closest * closest, 2.0 * (sizes[i] + sizes[j])
+            if not (nearest * nearest * way < closest and free and touch * touch <= closest):
                 return False
     return True
 

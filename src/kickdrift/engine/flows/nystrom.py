@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.views import part
+from kickdrift.engine.flows.mergers import find_contact, gap
 from kickdrift.methods.nystrom import DORMAND_12
 from kickdrift.systems.gravity import add_gravity_pairwise
 
@@ -42,6 +43,7 @@ _EXPONENT = -1.0 / (DORMAND_12.error_order + 1)
 _SAFETY, _LEAST, _MOST = 0.85, 0.2, 4.0
 _FIRST = 0.5  # share of the time scale: errors of 1e-10, more or less
 _SHORTEST = 1e-13  # of the whole: two bodies in one place
+_MOST_TRIES = 60
 
 
 @compiled(cached=False, inline=True)
@@ -51,20 +53,26 @@ def vector(room: Floats, index: int, n: int) -> Floats:
 
 
 @compiled(cached=False)
-def integrate(h: float, tolerance: float, masses: Floats, room: Floats) -> tuple[int, bool]:
-    """Advance the position and velocity of the room by h.
+def integrate(
+    h: float, tolerance: float, masses: Floats, radii: Floats, touching: bool, room: Floats
+) -> tuple[int, float, int, int]:
+    """Advance the position and velocity of the room by h, or to where two bodies touch.
 
     Parameters
     ----------
     masses : array
         0, and Gm of each body.
+    radii : array
+        Of each, where they are `touching`.
 
     Returns
     -------
     steps : int
         How many were tried.
-    success : bool
-        False where no step is short enough.
+    left : float
+        What is left of h: nothing, or what follows a contact, or a step that is too long however short it is.
+    one, other : int
+        Who touches, -1 for none.
     """
     n = 3 * (masses.size - 1)
     x, v, new_x, new_v = vector(room, 0, n), vector(room, 1, n), vector(room, 2, n), vector(room, 3, n)
@@ -79,21 +87,67 @@ def integrate(h: float, tolerance: float, masses: Floats, room: Floats) -> tuple
         elif size > 0.5 * left:
             size = 0.5 * left
         if not size > _SHORTEST * whole:
-            return steps, False
+            break
         take_step(math.copysign(size, h), masses, room)
         steps += 1
         error = largest_error(size, x, masses, room) / tolerance
         if error <= 1.0:
+            one = other = -1
+            if touching:
+                cut, tries, one, other = step_to_contact(math.copysign(size, h), masses, radii, room)
+                last, size, steps = last and cut == size, cut, steps + tries
             for k in range(n):
                 x[k], v[k] = new_x[k], new_v[k]
             done = whole if last else done + size
-            share = size / scale * min(_SAFETY * max(error, 1e-10) ** _EXPONENT, _MOST)
+            if one >= 0:
+                return steps, math.copysign(whole - done, h), one, other
+            share = max(size, _SHORTEST * whole) / scale * min(_SAFETY * max(error, 1e-10) ** _EXPONENT, _MOST)
             scale = time_scale(x, v, masses)
         elif error < math.inf:
             share = size / scale * max(_SAFETY * error**_EXPONENT, _LEAST)
         else:
             share = size / scale * _LEAST
-    return steps, True
+    return steps, math.copysign(whole - done, h), -1, -1
+
+
+@compiled(cached=False)
+def step_to_contact(h: float, masses: Floats, radii: Floats, room: Floats) -> tuple[float, int, int, int]:
+    """Repeat a step up to where two bodies touch.
+
+    Returns
+    -------
+    size : float
+        Of the step, the same if none come near each other.
+    steps : int
+        How many were tried.
+    one, other : int
+        Who touches, -1 for none.
+    """
+    n = 3 * (masses.size - 1)
+    x, v, new_x, new_v = vector(room, 0, n), vector(room, 1, n), vector(room, 2, n), vector(room, 3, n)
+    share, one, other = find_contact(h, radii, x, v, new_x, new_v)
+    if one < 0:
+        return abs(h), 0, one, other
+    steps, low, high = 0, 0.0, share
+    if share < 1.0:
+        take_step(share * h, masses, room)
+        steps = 1
+    apart, through = max(gap(radii, one, other, x), 0.0), gap(radii, one, other, new_x)
+    if through > 0.0:
+        return abs(share * h), steps, -1, -1  # the shortest distance, and it is none
+    while steps < _MOST_TRIES and high - low > _SHORTEST and through < -_SHORTEST * radii[one]:
+        middle = 0.5 * (low + high)
+        if steps % 3 != 2:  # regula falsi, of Illinois
+            middle = (low * through - high * apart) / (through - apart)
+        take_step(middle * h, masses, room)
+        steps += 1
+        now = gap(radii, one, other, new_x)
+        if now > 0.0:
+            low, apart = middle, now
+        else:
+            high, through = middle, now
+    take_step(high * h, masses, room)
+    return abs(high * h), steps + 1, one, other
 
 
 @compiled(cached=False, fast=True)
