@@ -26,7 +26,8 @@ class Merger:
     bodies : (str, str)
         Names, of merged bodies that of their first.
     energy_lost : float
-        What the motion lost: the energy of the two relative to each other, that of their attraction among it.
+        Kinetic, of their motion relative to each other. ``solution.energy`` loses that, and no longer counts their
+        attraction, which is negative.
     """
 
     t: float
@@ -86,7 +87,7 @@ def _between(solution: Solution, row: int) -> list[Merger]:
                 low, before = middle, (states.x, states.v)
             else:
                 high, after = middle, (states.x, states.v)
-        lost = scale * (_energy(gm, *before) - _energy(gm, *after))
+        lost = scale * (_kinetic(gm, before[1]) - _kinetic(gm, after[1]))
         firsts = np.stack([_together(after[0]), _together(before[0])], axis=1)
         for one, other in sorted({(int(one), int(other)) for one, other in firsts if one != other}):
             found.append(Merger(high, (names[one], names[other]), float(lost)))
@@ -96,7 +97,8 @@ def _between(solution: Solution, row: int) -> list[Merger]:
 
 def _together(x: Floats) -> Integers:
     """Return of each body the first one of those that it is one with."""
-    return (x[:, None] == x).all(axis=-1).argmax(axis=1)
+    firsts: Integers = (x[:, None] == x).all(axis=-1).argmax(axis=1)
+    return firsts
 
 
 def _energy(gm: Floats, x: Floats, v: Floats) -> float:
@@ -104,4 +106,8 @@ def _energy(gm: Floats, x: Floats, v: Floats) -> float:
     i, j = np.tril_indices(gm.size, -1)
     distances = np.linalg.norm(x[i] - x[j], axis=-1)
     apart = distances > 0.0
-    return float(0.5 * (gm * (v**2).sum(axis=-1)).sum() - (gm[i] * gm[j])[apart] @ (1.0 / distances[apart]))
+    return _kinetic(gm, v) - float((gm[i] * gm[j])[apart] @ (1.0 / distances[apart]))
+
+
+def _kinetic(gm: Floats, v: Floats) -> float:
+    return float(0.5 * (gm * (v**2).sum(axis=-1)).sum())

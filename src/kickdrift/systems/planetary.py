@@ -55,7 +55,7 @@ def planetary(
     radii : (N,) array_like, optional
         Of the bodies, at least 0: they merge where they touch, and the method is ``"close-encounters"``. Merged bodies
         keep their masses and are in one place from then on, with the velocity of their centre of mass, as large as their
-        volumes together; `kickdrift.analysis.mergers` says which did when, and what energy was lost.
+        volumes together; `kickdrift.analysis.mergers` says which did when, and what kinetic energy was lost.
 
     Raises
     ------
