@@ -6,11 +6,11 @@ A template, see `kickdrift.engine.flows.kick_drift`. The step is a word of Keple
 - no two bodies come further from one kick to the next, relative to each other, than a share of their distance, so that none
   pass each other unseen, and none are so close that they would fall to each other within the step,
 - their orbits come in the same order by size,
-- the energy is the same up to a share of what binds the bodies to body 0.
+- the energy is the same up to a share of what binds the bodies to body 0, shared out among the parts.
 
-Otherwise it is taken back, and all bodies are integrated to an error far below that, see `nystrom`. What is asked of the
-start and of the end is the same, and so a step back asks the same as the step forth: the switch is symmetric, as in [1]_ and
-[2]_, but for steps whose two results lie on both sides of a limit.
+Otherwise it is taken back, and done in three parts, or in nine, which are asked the same; or else all bodies are integrated to
+an error far below that, see `nystrom`. What is asked of the start and of the end is the same, and so a step back asks the same
+as the step forth: the switch is symmetric, as in [1]_ and [2]_, but for steps whose two results lie on both sides of a limit.
 
 The coefficients are the inverse of the first share, the second, the tolerance of the integration, and the word. What is in
 memory matters within a step alone: n numbers each for the functions below, and the room of the integration.
@@ -39,6 +39,8 @@ Floats = NDArray[np.float64]
 APPROACH, ENERGY, TOLERANCE, WORD = range(4)  # of the coefficients
 WORD_SIZE = 17
 _VECTORS = 15
+# Beside integration at once: three Jupiters that scatter each other take 10 to 40 % less time; 2, 4 and 2, 4, 8 are no better.
+_PARTS = (1, 3, 9)
 
 
 def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
@@ -84,13 +86,19 @@ def advance(h: float, touching: bool, count: int, bodies: Floats, given: int, wo
     masses, radii = masses_of(bodies, given, count), radii_of(bodies, given, count)
     x, v = part(whole(bodies, 0, given), 0, n), part(whole(bodies, 1, given), 0, n)
     near_x, near_v = part(vectors, 0, n), part(vectors, n, n)
-    relate(x, near_x)
-    relate(v, near_v)
-    work[EVALUATIONS] += WORD_SIZE // 2
-    if step_by_word(h, masses, radii, asked, vectors):
-        place(h, masses, x, v, near_x, near_v)
-        return 0.0, -1, -1
-    work[TAKEN_BACK] += 1.0
+    for parts in _PARTS:
+        relate(x, near_x)
+        relate(v, near_v)
+        done = 0
+        while done < parts:
+            work[EVALUATIONS] += WORD_SIZE // 2
+            if not step_by_word(h / parts, asked[ENERGY] / parts, masses, radii, asked, vectors):
+                break
+            done += 1
+        if done == parts:
+            place(h, masses, x, v, near_x, near_v)
+            return 0.0, -1, -1
+        work[TAKEN_BACK] += parts == 1
     there_x, there_v = vector(room, 0, n), vector(room, 1, n)
     for k in range(n):
         there_x[k], there_v[k] = x[k], v[k]
@@ -102,7 +110,7 @@ def advance(h: float, touching: bool, count: int, bodies: Floats, given: int, wo
 
 
 @compiled(cached=False)
-def step_by_word(h: float, masses: Floats, radii: Floats, asked: Floats, vectors: Floats) -> bool:
+def step_by_word(h: float, tolerance: float, masses: Floats, radii: Floats, asked: Floats, vectors: Floats) -> bool:
     """Advance the relative state by the word, and return whether that was right."""
     bodies = masses.size - 1
     n = 3 * bodies
@@ -135,7 +143,7 @@ def step_by_word(h: float, masses: Floats, radii: Floats, asked: Floats, vectors
             return False
         scale += 0.5 * masses[1] * masses[1 + i] * abs(binding[i])
         scale_after += 0.5 * masses[1] * masses[1 + i] * abs(binding_after[i])
-    return bool(abs(energy(x, v, masses) - before) <= asked[ENERGY] * min(scale, scale_after))
+    return bool(abs(energy(x, v, masses) - before) <= tolerance * min(scale, scale_after))
 
 
 @compiled(cached=False)
