@@ -15,7 +15,8 @@ from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.processing import Processing
 from kickdrift.engine.rows import GridRows, Mark
 from kickdrift.engine.stepper import State
-from kickdrift.engine.zarr_store import Array, ZarrStore
+from kickdrift.engine.zarr_group import Array
+from kickdrift.engine.zarr_store import ZarrStore
 
 Floats = NDArray[np.float64]
 

@@ -119,6 +119,20 @@ class Journey:
         store: ZarrStore | None = None,
     ) -> None:
         self.task, self.said, self._checkpoints, self.store = task, "", checkpoints, store
+        try:
+            self._make_ready(before)
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """Let other runs have the folders of checkpoints and rows."""
+        for folder in (self._checkpoints, self.store):
+            if folder is not None:
+                folder.close()
+
+    def _make_ready(self, before: Standing | None) -> None:
+        task, checkpoints = self.task, self._checkpoints
         self._compile()
         if checkpoints is not None:
             found = find(checkpoints, task.grid, self.processing.kernel.state, len(task.events))

@@ -32,6 +32,8 @@ def ensemble_to_xarray(solution: EnsembleSolution) -> Any:
     MissingExtraError
         If xarray is not installed.
     """
+    if solution.saved_to:
+        return _xarray().open_zarr(solution.saved_to)
     status = [status.name for status in solution.status]
     labels = {
         name: (("member",) if values.ndim == 1 else ("member", "parameter"), values)
@@ -43,10 +45,7 @@ def ensemble_to_xarray(solution: EnsembleSolution) -> Any:
 
 def _dataset(solution: Solution | EnsembleSolution, leading: tuple[str, ...]) -> Any:
     """Return states and invariants with named dimensions, the leading ones first."""
-    try:
-        import xarray as xr
-    except ImportError:
-        raise missing_extra("Solution.to_xarray", "xarray", "xarray") from None
+    xr = _xarray()
     about, dims = solution.about, (*leading, *solution.about.dimensions)
     units = about.units
 
@@ -67,6 +66,14 @@ def _dataset(solution: Solution | EnsembleSolution, leading: tuple[str, ...]) ->
         coords={"time": variable(solution.t, ("time",), "t"), **{k: list(v) for k, v in about.coordinates.items()}},
         attrs={"system": about.system, "method": about.method, "source": about.source},
     )
+
+
+def _xarray() -> Any:
+    try:
+        import xarray
+    except ImportError:
+        raise missing_extra("Solution.to_xarray", "xarray", "xarray") from None
+    return xarray
 
 
 def recording_to_xarray(recording: "Recording") -> Any:

@@ -62,6 +62,10 @@ class Keeper:
         identity = {"world": digest((written(header), written(arrays))), "forces": digest(written(forces))}
         self._world, self._checkpoints = world, Checkpoints(folder, every, keep, identity)
 
+    def close(self) -> None:
+        """Let other runs have the folder."""
+        self._checkpoints.close()
+
     def until(self, done: int, last: int) -> int:
         """Return the step after which the next checkpoint is due."""
         return self._checkpoints.until(done, last)

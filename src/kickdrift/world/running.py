@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +17,7 @@ from kickdrift.engine.announcing import compiling_announced
 from kickdrift.engine.grid import Grid, lay_grid
 from kickdrift.engine.progress import Bar
 from kickdrift.world.joints.axis import is_number
-from kickdrift.world.keeping import NOT_KEPT, Kept
+from kickdrift.world.keeping import NOT_KEPT, Keeper, Kept
 from kickdrift.world.recorder import Recorder, RecordingRows
 from kickdrift.world.recording import Recording
 
@@ -33,7 +33,15 @@ def run(
     """Run a world and record it; see `World.run`."""
     progress = None if progress is None else choice("progress", progress)
     grid = _lay(duration, step, save_every, len(world.position))
-    keeper = kept.keeper(world)
+    with ExitStack() as held:
+        keeper = kept.keeper(world)
+        if keeper is not None:
+            held.callback(keeper.close)
+        return _run(world, grid, progress, keeper)
+
+
+def _run(world: "World", grid: Grid, progress: bool | None, keeper: Keeper | None) -> Recording:
+    """Do the steps of a grid, and keep rows."""
     with compiling_announced(progress):
         world.advance(grid.step, 0)
     rows, t0 = RecordingRows(world, len(grid.save_steps) + 1), world.time  # one row more for a run that ends early
