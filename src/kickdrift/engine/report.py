@@ -17,9 +17,11 @@ from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.invariants import Invariants
 from kickdrift.engine.phase import time_shift
 from kickdrift.engine.processing import Processing
+from kickdrift.engine.rows import Rows
 from kickdrift.engine.run import Ending
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.standing import Standing
+from kickdrift.engine.streaming import StreamedRows
 from kickdrift.engine.task import Journey, Task
 from kickdrift.systems.system import System
 
@@ -55,12 +57,10 @@ def report(
         ending.message + journey.said,
         journey.run.standing(beyond_the_stop=True),
     )
-    t = rows.times(ending.saved, ending.n_steps, early)
-    xs, vs = rows.xs[: ending.saved], rows.vs[: ending.saved]
-    if processing.postprocessor is not None:  # which overwrites what the run goes on with
-        xs, vs = xs.copy(), vs.copy()
-    kept = _Kept(t, *processing.leave(t, xs, vs, grid.t0), rows.steps(t))
-    evaluations = ending.evaluations + processing.evaluations(rows.seen(ending.saved))
+    kept = _kept(rows, ending, early, processing)
+    t, evaluations = kept.t, ending.evaluations + processing.evaluations(rows.seen(ending.saved))
+    if isinstance(rows, StreamedRows):
+        message, evaluations = message + rows.said, evaluations + rows.evaluations
     end = rows.time(ending.n_steps) if early else grid.t1
     if ending.stop is not None:
         end = ending.stop.t
@@ -109,6 +109,17 @@ def report(
         x_events=tuple(np.array([zero.x for zero in own]).reshape(len(own), *system.x0.shape) for own in zeros),
         v_events=tuple(np.array([zero.v for zero in own]).reshape(len(own), *system.v0.shape) for own in zeros),
     )
+
+
+def _kept(rows: Rows, ending: Ending, early: bool, processing: Processing) -> _Kept:
+    """Return the rows, of those on disk the first and the last."""
+    if isinstance(rows, StreamedRows):
+        return _Kept(*rows.ends(ending.n_steps))
+    t = rows.times(ending.saved, ending.n_steps, early)
+    xs, vs = rows.xs[: ending.saved], rows.vs[: ending.saved]
+    if processing.postprocessor is not None:  # which overwrites what the run goes on with
+        xs, vs = xs.copy(), vs.copy()
+    return _Kept(t, *processing.leave(t, xs, vs, rows.grid.t0), rows.steps(t))
 
 
 def _zeros(watch: Watch, end: float) -> tuple[tuple[tuple[Zero, ...], ...], str]:

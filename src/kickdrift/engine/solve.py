@@ -193,7 +193,7 @@ def solve(
         if control is None and impacts is None and switches is None:
             grid = lay_grid(t_span, step, t_eval, save_every, start.x.size, save_to is not None)
         else:
-            grid = lay_course(t_span, step, t_eval, save_every, divides=control is None)
+            grid = lay_course(t_span, step, t_eval, save_every, control is None, save_to is not None)
         with compiling_announced(progress):
             adapter = Adapter(grid.t0, start.x, start.v, params, compiles, check_bounds)
             sides = sides_at(switches, problem, adapter)
