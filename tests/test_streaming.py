@@ -39,7 +39,7 @@ def same(path, whole):
     for name in (*wanted.data_vars, "time", *wanted.coords):
         assert np.array_equal(data[name], wanted[name]), name
         assert data[name].dims == wanted[name].dims
-        assert data[name].attrs.get("units") == wanted[name].attrs.get("units")
+        assert data[name].attrs == wanted[name].attrs
     for name, words in wanted.attrs.items():
         assert data.attrs[name] == words
 
@@ -94,6 +94,7 @@ def test_what_goes_to_disk_is_what_would_be_kept(problem, others, tmp_path):
     assert np.array_equal(streamed.x, whole.x[[0, -1]])
     assert np.array_equal(streamed.v, whole.v[[0, -1]])
     assert (streamed.n_steps, streamed.n_force_evaluations) == (whole.n_steps, whole.n_force_evaluations)
+    assert np.array_equal(streamed.to_xarray().x, whole.x)
     assert streamed.message == whole.message
     assert (streamed.step_range, streamed.n_rejected) == (whole.step_range, whole.n_rejected)
     assert whole.t.size > 200

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import FileFormatError
+from kickdrift.engine.description import unit_attributes
 from kickdrift.engine.zarr_group import Array, ZarrGroup
 
 _CHUNK = 1 << 20  # bytes of the largest array
@@ -48,7 +49,7 @@ class ZarrStore(ZarrGroup):
                     chunks=(self.chunk, *array.shape),
                     dtype="float64",
                     dimension_names=("time", *array.dimensions),
-                    attributes={"units": array.unit} if array.unit else {},
+                    attributes=unit_attributes(array.unit),
                     compressors=None,
                 )
             self._commit()

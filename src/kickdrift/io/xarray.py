@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from kickdrift.core.errors import missing_extra
+from kickdrift.engine.description import unit_attributes
 from kickdrift.engine.solution import Solution
 from kickdrift.scale.ensemble_solution import EnsembleSolution
 
@@ -11,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def to_xarray(solution: Solution) -> Any:
-    """Return a solution as an `xarray.Dataset` with named dimensions, labels and units.
+    """Return a solution as an `xarray.Dataset` with named dimensions, labels and units; of rows on disk it reads what is asked for.
 
     Raises
     ------
@@ -19,6 +20,8 @@ def to_xarray(solution: Solution) -> Any:
         If xarray is not installed.
     """
     plain = solution.plain
+    if plain.saved_to:
+        return _xarray().open_zarr(plain.saved_to)
     return _dataset(plain, ("time",)).assign_attrs(step=plain.step, status=solution.status.name)
 
 
@@ -50,9 +53,7 @@ def _dataset(solution: Solution | EnsembleSolution, leading: tuple[str, ...]) ->
     units = about.units
 
     def variable(values: Any, names: tuple[str, ...], of: str) -> Any:
-        # What others read as units is one word; a phrase would be an error of theirs.
-        key = "units" if " " not in units.get(of, "") else "unit_in_words"
-        return xr.Variable(names, values, attrs={key: units[of]} if of in units else {})
+        return xr.Variable(names, values, attrs=unit_attributes(units.get(of, "")))
 
     data = {"x": variable(solution.x, dims, "x")}
     if solution.v.shape == solution.x.shape:  # first-order equations have no v
@@ -85,6 +86,8 @@ def recording_to_xarray(recording: "Recording") -> Any:
         If xarray is not installed.
     """
     units = recording.about.units
+    if recording.saved_to:
+        return to_xarray(recording)
     return to_xarray(recording).assign(
         orientation=(("time", "body", "quaternion"), recording.orientation, {"units": "1"}),
         angular_velocity=(

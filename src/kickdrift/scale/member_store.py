@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.core.outcomes import Outcome
-from kickdrift.engine.description import Description
+from kickdrift.engine.description import Description, unit_attributes
 from kickdrift.engine.zarr_group import Array, ZarrGroup
 from kickdrift.scale.prepared import Prepared
 from kickdrift.scale.results import Results
@@ -149,7 +149,7 @@ class MemberStore(ZarrGroup):
                     (members.count, times, *array.shape),
                     (size, min(times, max(1, _CHUNK // (size * member))), *array.shape),
                     ("member", "time", *array.dimensions),
-                    {"units": array.unit} if array.unit else {},
+                    unit_attributes(array.unit),
                     np.nan,
                 )
             for name, (_, kind, shape) in _OF_MEMBERS.items():
@@ -159,8 +159,7 @@ class MemberStore(ZarrGroup):
             self._commit()
 
     def _label(self, name: str, values: NDArray[Any], dimensions: tuple[str, ...], unit: str) -> None:
-        attributes = {"units": unit} if unit else {}
-        self._add(name, values.dtype, values.shape, values.shape, dimensions, attributes)[:] = values
+        self._add(name, values.dtype, values.shape, values.shape, dimensions, unit_attributes(unit))[:] = values
 
     def _add(
         self,
