@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def to_xarray(solution: Solution) -> Any:
-    """Return a solution as an `xarray.Dataset` with named dimensions, labels and units; of rows on disk it reads what is asked for.
+    """Return a solution as an `xarray.Dataset` with named dimensions, labels and units; rows on disk are read as needed.
 
     Raises
     ------
