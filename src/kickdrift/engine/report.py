@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Callable
-from functools import partial
+from dataclasses import replace
+from functools import cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -51,6 +52,7 @@ def report(
 ) -> Solution:
     """Return what a run has kept, as people see it, and what goes on from there, which `continuation` makes."""
     task, processing, between, watch = journey.task, journey.processing, journey.between, journey.watch
+    once = cache(between)  # for the rows; the solution, which threads may ask, has a state for each
     system, grid, rows = task.system, task.grid, journey.run.rows
     early, message, standing = (
         not ending.outcome.success,
@@ -65,12 +67,12 @@ def report(
     if ending.stop is not None:
         end = ending.stop.t
         kept = kept.followed_by(end, ending.stop.x, ending.stop.v)
-    dense = None if journey.store else _dense(system, grid, between, end, kept)
+    dense = None if journey.store else _dense(system, grid, once, end, kept)
     if isinstance(grid, Course) and dense is not None and ending.outcome is Outcome.COMPLETED and t[-1] != end:
         try:  # the last step leads beyond the end: a part of it to there
             x, v, own = dense.states_at(np.array([end]))
             kept, evaluations = kept.followed_by(end, x[0], v[0]), evaluations + own
-            dense = _dense(system, grid, between, end, kept)
+            dense = _dense(system, grid, once, end, kept)
         except (Exception, KeyboardInterrupt) as error:
             message += f" The last row is before it, as {type(error).__name__} was raised: {error}."
     t, xs, vs, _ = kept
@@ -101,7 +103,7 @@ def report(
         saved_to=str(journey.store.path) if journey.store else "",
         derived=_derived(system, grid, ending.step_range, t, xs, vs),
         error_estimate=None if ending.estimated is None else ending.estimated.reshape(system.x0.shape),
-        dense=dense,
+        dense=dense and replace(dense, compile=between),
         continuation=None if journey.store else continuation(task, standing, journey.run.ended),
         step_range=ending.step_range,
         n_rejected=ending.trials - ending.n_steps,
