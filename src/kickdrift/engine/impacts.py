@@ -15,7 +15,7 @@ from kickdrift.core.kinds import Kind
 from kickdrift.core.views import part
 from kickdrift.engine.control_checks import check_copies
 from kickdrift.engine.controller import Controller
-from kickdrift.engine.flows import impact as layout
+from kickdrift.engine.flows import surfaces as layout
 from kickdrift.engine.grid import Course
 from kickdrift.engine.problem_adapter import Adapter, bind
 from kickdrift.engine.program import Spelled
@@ -147,8 +147,9 @@ def cut_steps(
     length = float(abs(system.x0).max()) or 1.0
     of_impacts = sizes.get("impacts", 0)
     _check_start(start, of_impacts, length)
-    params = np.zeros(layout.HEAD + (layout.ROWS + 1) * count + layout.VECTORS * n)
-    params[[layout.COUNT, layout.LENGTH]] = count, length
+    most = min(of_impacts, 2 * n)
+    params = np.zeros(layout.HEAD + (layout.ROWS + 1) * count + (layout.VECTORS + max(most, 1)) * n)
+    params[[layout.COUNT, layout.LENGTH, layout.START, layout.MOST_LISTED]] = count, length, course.t0, max(most, 1)
     params[layout.PLACE_OF_SIDES] = place_of_sides
     params[layout.LOCATED] = impacts is None or choice("located", impacts.located)
     params[layout.BODY_SIZE] = system.x0.shape[-1] if system.x0.ndim > 1 else n
@@ -167,9 +168,13 @@ def cut_steps(
     what = " and ".join(f"{size} {name}" for name, size in sizes.items())
     name = "equal steps, cut at " + (what if params[layout.LOCATED] else f"none; {what} after each")
     params = np.concatenate([params, own])
-    between = Controller(name, "", _on_their_sides, params) if "switches" in sizes else None
     controller = Controller(
-        name, "what impacts leave of energy and momenta", spelled, params, between=between, takes_back=True
+        name,
+        "what impacts leave of energy and momenta",
+        spelled,
+        params,
+        between=Controller(name, "", _between, params),
+        takes_back=True,
     )
     parts = {**system.parts, "gaps": whole.function}
     return replace(system, parts=parts, exact=None), controller  # which knows of no impacts
@@ -181,8 +186,9 @@ def spelled(spell: Spell, word: Word) -> Spelled:
     return [("begin-cut", whole, Fraction(0)), *spell(word), ("end-cut", whole, whole)]
 
 
-def _on_their_sides(spell: Spell, word: Word) -> Spelled:
-    return [("take-sides", Fraction(1), Fraction(0)), *spell(word)]
+def _between(spell: Spell, word: Word) -> Spelled:
+    whole = Fraction(1)
+    return [("begin-between", whole, Fraction(0)), *spell(word), ("end-between", whole, whole)]
 
 
 def sides_at(switches: Any, problem: Any, adapter: Adapter) -> Floats:

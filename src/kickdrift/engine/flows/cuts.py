@@ -13,27 +13,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled, unbound
 from kickdrift.engine.flows.error_control import BEGIN, take_back
-from kickdrift.engine.flows.impact import (
-    BEFORE,
-    HIGH,
-    HIGH_GAP,
-    HIT,
-    LOCATED,
-    LOW,
-    LOW_GAP,
-    MODE,
-    MOVED_LAST,
-    NOW,
-    PLACE_OF_SIDES,
-    REST,
-    RESTING,
-    ROUNDS,
-    SHORT,
-    SIDE,
-    SWITCH,
-    WHOLE,
-    row_of,
-)
+from kickdrift.engine.flows.impact import REST
 from kickdrift.engine.flows.layout import (
     CLOCK,
     DENSITY,
@@ -45,14 +25,38 @@ from kickdrift.engine.flows.layout import (
     at_end,
     own_params,
 )
+from kickdrift.engine.flows.resting import FREE as FLIES
+from kickdrift.engine.flows.resting import RESTS, let_go
+from kickdrift.engine.flows.surfaces import (
+    BEFORE,
+    HIGH,
+    HIGH_GAP,
+    HIT,
+    LOCATED,
+    LOW,
+    LOW_GAP,
+    MODE,
+    MOVED_LAST,
+    NOW,
+    PLACE_OF_SIDES,
+    RESTING,
+    ROUNDS,
+    SHORT,
+    SIDE,
+    SWITCH,
+    WHOLE,
+    row_of,
+)
 
 Floats = NDArray[np.float64]
 
 keep_state: Callable[..., None] = unbound
 find_gaps: Callable[..., float] = unbound
 strike_all: Callable[..., None] = unbound
-rest_or_leave: Callable[..., None] = unbound
+settle: Callable[..., None] = unbound
+hold_on: Callable[..., None] = unbound
 cross: Callable[..., None] = unbound
+find_sides: Callable[..., None] = unbound
 
 FREE, SEARCHING, LAST = 0.0, 1.0, 2.0  # modes
 _MOST_ROUNDS = 200
@@ -78,7 +82,7 @@ def narrow(size: float, gap: float, work: Floats) -> None:
         own[LOW_GAP] *= 0.5
     own[MOVED_LAST] = -1.0
     for row in range(hit.size):
-        hit[row] = 1.0 if now[row] < 0.0 and resting[row] == 0.0 else 0.0
+        hit[row] = 1.0 if now[row] < 0.0 and resting[row] == FLIES else 0.0
 
 
 @compiled
@@ -95,7 +99,7 @@ def choose_size(last: float, work: Floats) -> bool:
                 if hit[row] != 0.0 and switch[row] != 0.0:
                     row_of(SIDE, work)[row] *= -1.0
                 elif hit[row] != 0.0:
-                    row_of(RESTING, work)[row] = 1.0
+                    row_of(RESTING, work)[row] = RESTS
                 hit[row] = 0.0
             own[MODE], size = FREE, own[WHOLE]
         work[DENSITY] = abs(work[FIRST_STEP]) / size
@@ -138,12 +142,12 @@ def show_sides(params: Floats, work: Floats) -> None:
 
 def take_sides(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Find out on which side of each switch a state is."""
-    side, now = row_of(SIDE, work), row_of(NOW, work)
+    side, now, switch = row_of(SIDE, work), row_of(NOW, work), row_of(SWITCH, work)
     for row in range(side.size):
         side[row] = 1.0
     find_gaps(t, x, v, work)
     for row in range(side.size):
-        side[row] = -1.0 if now[row] < 0.0 else 1.0
+        side[row] = -1.0 if now[row] < 0.0 and switch[row] != 0.0 else 1.0
     show_sides(params, work)
     work[TROUBLE] = 0.0
 
@@ -156,6 +160,7 @@ def begin_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Fl
     if own[MODE] == FREE:
         before, now = row_of(BEFORE, work), row_of(NOW, work)
         find_gaps(t, x, v, work)
+        settle(t, h, x, v, work)
         for row in range(now.size):
             before[row] = now[row]
         own[LOW_GAP] = max(0.0, find_gaps(t, x, v, work))
@@ -165,6 +170,7 @@ def begin_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Fl
 
 def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Take the step, or choose how long it is to be."""
+    hold_on(t, h, x, v, work)
     own, size, gap = own_params(work), abs(work[FIRST_STEP] / work[DENSITY]), find_gaps(t, x, v, work)
     cut = own[MODE] != FREE or gap < 0.0
     if cut and own[LOCATED] != 0.0 and own[MODE] != LAST:
@@ -182,5 +188,17 @@ def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floa
         own[SHORT] = own[SHORT] + 1.0 if size < _SLIVER * abs(work[FIRST_STEP]) else 0.0
         if own[SHORT] > _MOST_SHORT:
             work[TROUBLE] = FAILED_CONTROL
+    let_go(work)
     accept_cut(size, work)
-    rest_or_leave(t, x, v, params, work)
+
+
+def begin_between(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    """Make ready for a part of a step from a state: which side of each switch it is on, and what rests."""
+    keep_state(t, h, x, v, params, work)
+    find_sides(t, h, x, v, params, work)
+    settle(t, h, x, v, work)
+
+
+def end_between(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    """End a part of a step as steps end between impacts."""
+    hold_on(t, h, x, v, work)
