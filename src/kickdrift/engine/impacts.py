@@ -21,6 +21,7 @@ from kickdrift.engine.problem_adapter import Adapter, bind
 from kickdrift.engine.program import Spelled
 from kickdrift.engine.quantities import evaluate_quantity
 from kickdrift.engine.step_control import Spell
+from kickdrift.engine.surface_events import Surfaces
 from kickdrift.methods import Method
 from kickdrift.methods.record import Word
 from kickdrift.systems.problem import name_of
@@ -168,6 +169,7 @@ def cut_steps(
     what = " and ".join(f"{size} {name}" for name, size in sizes.items())
     name = "equal steps, cut at " + (what if params[layout.LOCATED] else f"none; {what} after each")
     params = np.concatenate([params, own])
+    surfaces = Surfaces(whole, of_impacts, length, course.step, bool(params[layout.LOCATED])) if of_impacts else None
     controller = Controller(
         name,
         "what impacts leave of energy and momenta",
@@ -175,6 +177,7 @@ def cut_steps(
         params,
         between=Controller(name, "", _between, params),
         takes_back=True,
+        surfaces=surfaces,
     )
     parts = {**system.parts, "gaps": whole.function}
     return replace(system, parts=parts, exact=None), controller  # which knows of no impacts

@@ -15,7 +15,7 @@ from kickdrift.engine.checkpoints import Checkpoints
 from kickdrift.engine.continuation import carry_out
 from kickdrift.engine.controller import control_of, controlled
 from kickdrift.engine.dense import check_between
-from kickdrift.engine.events import events_of
+from kickdrift.engine.event_functions import events_of
 from kickdrift.engine.grid import Course, Grid, lay_course, lay_grid
 from kickdrift.engine.identity import identity_of
 from kickdrift.engine.impacts import Impacts, cut_steps, sides_at

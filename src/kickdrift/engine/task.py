@@ -13,7 +13,8 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.checkpoints import Checkpoints
 from kickdrift.engine.controller import Controller
 from kickdrift.engine.description import Description
-from kickdrift.engine.events import Event, watch_for
+from kickdrift.engine.event_functions import Event
+from kickdrift.engine.events import watch_for
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.keeping import find, keep
 from kickdrift.engine.method_selection import Choice
@@ -139,7 +140,8 @@ class Journey:
         made = partial(compile_method, task.system, task.chosen.method, task.grid, task.compensated)
         self.processing = made(turns=not task.events, controller=task.controller)
         self.between = partial(made, controller=None if task.controller is None else task.controller.between)
-        self.watch = watch_for(task.events, task.system, partial(self.between, turns=False), task.grid.t1)
+        surfaces = None if task.controller is None else task.controller.surfaces
+        self.watch = watch_for(task.events, task.system, partial(self.between, turns=False), task.grid.t1, surfaces)
         self.run = Run(self.processing.kernel, self._rows(), self.watch)
 
     def _rows(self) -> Rows:
