@@ -38,14 +38,17 @@ from kickdrift.engine.flows.surfaces import (
     MODE,
     MOVED_LAST,
     NOW,
+    OPENS,
     PLACE_OF_SIDES,
     RESTING,
     ROUNDS,
     SHORT,
     SIDE,
     SWITCH,
+    TOUCHES,
     WHOLE,
     row_of,
+    size_of,
 )
 
 Floats = NDArray[np.float64]
@@ -86,35 +89,56 @@ def narrow(size: float, gap: float, work: Floats) -> None:
 
 
 @compiled
-def choose_size(last: float, work: Floats) -> bool:
+def choose_size(last: float, x: Floats, work: Floats) -> bool:
     """Choose how long the step is to be; return whether it has to be done again for that."""
-    own, hit, switch = own_params(work), row_of(HIT, work), row_of(SWITCH, work)
+    own, size_of_x = own_params(work), size_of(x, work)
     low, high = own[LOW], own[HIGH]
     tolerance = 4.0 * _ROUNDING * (abs(own[BEGIN]) + high)
-    if low == 0.0 and own[LOW_GAP] == 0.0:
-        if high >= REST * abs(work[FIRST_STEP]):
-            size = 0.5 * high
-        else:  # nothing opens before it closes again: it rests there, or has passed a switch
-            for row in range(hit.size):
-                if hit[row] != 0.0 and switch[row] != 0.0:
-                    row_of(SIDE, work)[row] *= -1.0
-                elif hit[row] != 0.0:
-                    row_of(RESTING, work)[row] = RESTS
-                hit[row] = 0.0
+    found = low > 0.0 and own[LOW_GAP] <= 4.0 * _ROUNDING * size_of_x
+    if low == 0.0 and own[LOW_GAP] <= TOUCHES * size_of_x and high > tolerance:
+        size = 0.5 * high
+        if closes_at_once(work):
+            own[MODE], size = LAST, tolerance
+        elif high < REST * abs(work[FIRST_STEP]) and opens_no_more(TOUCHES * size_of_x, work):
             own[MODE], size = FREE, own[WHOLE]
-        work[DENSITY] = abs(work[FIRST_STEP]) / size
-        return True
-    if high - low > tolerance and own[ROUNDS] < _MOST_ROUNDS:
+    elif high - low > tolerance and own[ROUNDS] < _MOST_ROUNDS and not found:
         size = 0.5 * (low + high)
         if own[ROUNDS] % 3.0 != 0.0:
             size = (low * own[HIGH_GAP] - high * own[LOW_GAP]) / (own[HIGH_GAP] - own[LOW_GAP])
             size = min(max(size, low + 0.25 * tolerance), high - 0.25 * tolerance)
-        work[DENSITY] = abs(work[FIRST_STEP]) / size
-        return True
-    size = low if low > 0.0 else high
-    own[MODE] = LAST
+    else:
+        size = low if low > 0.0 else high
+        own[MODE] = LAST
     work[DENSITY] = abs(work[FIRST_STEP]) / size
-    return bool(size != last)
+    return bool(size != last or own[MODE] != LAST)
+
+
+@compiled
+def closes_at_once(work: Floats) -> bool:
+    """Whether something that is hit has touched at the start, and closed: then this alone is hit."""
+    hit, opens, at_once = row_of(HIT, work), row_of(OPENS, work), False
+    for row in range(hit.size):
+        at_once = at_once or (hit[row] != 0.0 and opens[row] < 0.0)
+    for row in range(hit.size):
+        if at_once and opens[row] >= 0.0:
+            hit[row] = 0.0
+    return at_once
+
+
+@compiled
+def opens_no_more(touches: float, work: Floats) -> bool:
+    """Let rest what has touched at the start, and closed again within a moment, or let it pass its switch, if all have."""
+    hit, switch, before, side = row_of(HIT, work), row_of(SWITCH, work), row_of(BEFORE, work), row_of(SIDE, work)
+    for row in range(hit.size):
+        if hit[row] != 0.0 and before[row] > (0.0 if switch[row] != 0.0 else touches):
+            return False
+    for row in range(hit.size):
+        if hit[row] != 0.0 and switch[row] != 0.0:
+            side[row] *= -1.0
+        elif hit[row] != 0.0:
+            row_of(RESTING, work)[row] = RESTS
+        hit[row] = 0.0
+    return True
 
 
 @compiled
@@ -175,7 +199,7 @@ def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floa
     cut = own[MODE] != FREE or gap < 0.0
     if cut and own[LOCATED] != 0.0 and own[MODE] != LAST:
         narrow(size, gap, work)
-        if choose_size(size, work):
+        if choose_size(size, x, work):
             take_back(x, v, work)
             work[REJECTED] = 1.0
             return

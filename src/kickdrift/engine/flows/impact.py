@@ -100,7 +100,13 @@ def give_impulse(row: int, t: float, x: Floats, v: Floats, params: Floats, work:
     find_gradients(t, x, v, work)
     square, slopes, inverse = row_of(SQUARE, work)[0], gradient(0, n, work), inverse_masses(n, work)
     speed, size = speed_of(0, v, work)
-    if not speed < -1e-14 * size or square == 0.0:
+    if square == 0.0:
+        return False
+    if located:  # else what touches slightly beyond its surface closes by every rounding
+        for i in range(n):
+            x[i] -= row_of(NOW, work)[row] * slopes[i] * inverse[i] / square
+        row_of(NOW, work)[row] = 0.0
+    if not speed < -1e-14 * size:
         return False
     pull = pull_to(row, speed, square, t, x, v, params, work)
     restitution, rests = row_of(RESTITUTION, work)[row], row_of(RESTING, work)

@@ -29,6 +29,7 @@ from kickdrift.engine.flows.surfaces import (
     LISTED,
     MOST_LISTED,
     NOW,
+    OPENS,
     RATE,
     RESTING,
     SQUARE,
@@ -59,16 +60,19 @@ _FREE_X, _FREE_V = 4, 5  # vectors of control: where the step has led by itself
 
 
 def find_resting(t: float, h: float, x: Floats, v: Floats, work: Floats) -> None:
-    """Let rest what touches and moves no farther across its surface in a step than it may be off."""
-    resting, switch, now = row_of(RESTING, work), row_of(SWITCH, work), row_of(NOW, work)
+    """Let rest what touches and moves no farther across its surface in a step than it may be off; note how fast others open."""
+    resting, switch, now, opens = row_of(RESTING, work), row_of(SWITCH, work), row_of(NOW, work), row_of(OPENS, work)
     touches = TOUCHES * size_of(x, work)
     for row in range(now.size):
+        opens[row] = 0.0
         if resting[row] == FREE and switch[row] == 0.0 and abs(now[row]) <= touches:
             list_one(row, work)
             find_gradients(t, x, v, work)
             speed, size = speed_of(0, v, work)
             if abs(speed) <= 1e-9 * size or abs(speed * h) <= touches:
                 resting[row] = RESTS
+            else:
+                opens[row] = speed
 
 
 @compiled

@@ -24,9 +24,9 @@ HEAD = 19
 COUNT, LOCATED, BODY_SIZE = 0, 1, 2  # 3 and 4 are those of a trial, see `error_control`
 LOW, HIGH, LOW_GAP, HIGH_GAP, MODE, WHOLE, MOVED_LAST, LENGTH, ROUNDS, PLACE_OF_SIDES, SHORT = range(5, 16)
 START, MOST_LISTED, LISTED = 16, 17, 18  # of the run; how many gaps can be listed, and are
-ROWS = 14
-RESTITUTION, FRICTION, SWITCH, SIDE, RESTING, BEFORE, NOW, HIT = range(8)
-LIST, SQUARE, RATE, IMPULSE, USED, LEFT = range(8, ROWS)  # of those listed: the gap, and what `resting` knows of it
+ROWS = 15
+RESTITUTION, FRICTION, SWITCH, SIDE, RESTING, BEFORE, NOW, HIT, OPENS = range(9)
+LIST, SQUARE, RATE, IMPULSE, USED, LEFT = range(9, ROWS)  # of those listed: the gap, and what `resting` knows of it
 VECTORS = 3
 _INVERSE_MASSES, _PLACE, _ACCELERATION = range(VECTORS)
 
@@ -110,7 +110,7 @@ def evaluate_gaps(t: float, x: Floats, v: Floats, work: Floats) -> float:
     """Leave the gaps, and return the smallest of those that may close."""
     now, side, resting, before = row_of(NOW, work), row_of(SIDE, work), row_of(RESTING, work), row_of(BEFORE, work)
     gaps_at(t, x, v, params_of_gaps(x.size, work), work, now)
-    least, closed = math.inf, CLOSED * own_params(work)[LENGTH]
+    least, closed = math.inf, CLOSED * size_of(x, work)
     for i in range(now.size):
         now[i] *= side[i]
         if now[i] != now[i]:
