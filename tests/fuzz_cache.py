@@ -23,7 +23,7 @@ RUN = (
 
 def run(folder):
     """Solve something in a process of its own with the cache in a folder; return what it prints, and its exit status."""
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder), "PYTHONPATH": str(hostile.TESTS.parent / "src")}
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder), "PYTHONPATH": os.pathsep.join(sys.path)}
     command = [sys.executable, "-W", "ignore", "-c", RUN]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     return done.stdout.strip(), done.returncode

@@ -47,7 +47,7 @@ def tried(module, seeds, patience=120.0):
 def _until_it_dies(module, seeds, patience):
     """Yield seeds with what came of them, for as long as the process lives and answers."""
     command = f"import hostile; hostile.work({module!r}, {seeds!r})"
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(TESTS), str(TESTS.parent / "src")])}
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(TESTS), *sys.path])}
     with TemporaryDirectory() as folder, subprocess.Popen(
         [sys.executable, "-W", "ignore", "-c", command], env=environment, stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, cwd=folder,

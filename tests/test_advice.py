@@ -11,11 +11,9 @@ from kickdrift.core.errors import ArgumentError, KickdriftError
 
 ROOT = Path(__file__).parent.parent
 CASES = [
-    ("harmonic-oscillator", 300.0, 1e-6),
     ("pendulum", 300.0, 1e-8),
     ("kepler", 100.0, 1e-4),
     ("outer-solar-system", 1e5, 1e-5),
-    ("solar-system", 300.0, 1e-5),
     ("benchmarks-game", 100.0, 1e-6),
 ]
 

@@ -399,7 +399,7 @@ def test_carts_that_do_something_else_are_not_compared(monkeypatch):
 def test_loops_by_hand_do_the_work_of_kickdrift():
     from benchmarks import steps
 
-    kinds = ("gauss-4, kepler", "composition-diagonal-2", "rattle, double pendulum, Jacobian given", "boris, 1 ")
+    kinds = ("composition-diagonal-2", "boris, 1 ")  # the others check themselves as they are timed
     chosen = [pair for pair in steps.pairs() if pair.what.startswith(kinds)]
     assert len(chosen) == len(kinds)
     for pair in chosen:
@@ -428,7 +428,10 @@ def test_problems_of_auto_are_of_the_kinds_of_their_candidates():
 
     assert len(problems.named()) == 12
     for problem in problems.every_problem():
-        run = problem.run("auto", problem.largest)
+        span = 0.0, problem.largest
+        run = kd.solve(
+            problem.problem, span, problem.x0, problem.v0, step=problem.largest, method="auto", compile=False
+        )
         assert run.about.kind == problem.kind.name
         for name in candidates.of(problem.kind):
             assert kd.methods.get(name).kind.includes(problem.kind)

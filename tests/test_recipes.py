@@ -10,10 +10,11 @@ from pathlib import Path
 
 import pytest
 
+import kickdrift
 from kickdrift.world.tables import Tables
 
 ROOT = Path(__file__).parent.parent
-PACKAGE = ROOT / "src" / "kickdrift"
+PACKAGE = Path(kickdrift.__file__).parent
 
 
 def recipe(name):

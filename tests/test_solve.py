@@ -95,8 +95,16 @@ def test_the_start_is_copied():
     assert np.array_equal(v0, [0, 0])
 
 
-@pytest.mark.parametrize("name", [m.name for m in METHODS if m.kind.includes(Kind.NEWTONIAN)])
-@pytest.mark.parametrize("compensated", [True, False])
+@pytest.mark.parametrize(
+    ("name", "compensated"),
+    [
+        (m.name, compensated)
+        for m in METHODS
+        if m.kind.includes(Kind.NEWTONIAN)
+        for compensated in (True, False)
+        if compensated or m.tableau is None or m.name == "gauss-4"  # implicit flows take seconds each to compile
+    ],
+)
 def test_interpreted_and_compiled_give_the_same_bits(name, compensated):
     options = {"t_span": (0.0, 1.0), "x0": [1, 0], "v0": [0, 1.1], "step": 0.05, "method": name}
     fast = kd.solve(kepler_into, compensated=compensated, **options)

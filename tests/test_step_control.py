@@ -301,6 +301,32 @@ def test_runs_keep_their_bits_and_save_every_changes_none(tmp_path):
     assert loaded.step_range == one.step_range
 
 
+@pytest.mark.parametrize(
+    ("problem", "start", "method"),
+    [
+        (kd.Damped(lambda x: -x - x**3, damping=0.1), (1.0, 0.5), "conformal-verlet"),
+        (kd.FirstOrder(lambda y: np.array([y[1], -y[0] - y[0] ** 3])), ([1.0, 0.0], None), "implicit-midpoint"),
+        (
+            kd.Hamiltonian(dHdq=lambda q, p: q + p**2 * q, dHdp=lambda q, p: p * (1 + q**2)),
+            (1.0, 0.0),
+            "implicit-midpoint",
+        ),
+        (kd.SecondOrder(lambda x, v: -x - 0.1 * v**2 * x), (1.0, 0.0), "implicit-verlet"),
+        (kd.systems.kepler(eccentricity=0.5), (None, None), "velocity-verlet"),
+    ],
+    ids=lambda given: given if isinstance(given, str) else "",
+)
+def test_a_density_takes_the_symmetric_method_of_order_two_for_the_kind(problem, start, method):
+    exact = kd.solve(problem, (0, 5.0), *start, method="dop853", rtol=1e-12, atol=1e-12).x[-1]
+    density = (lambda x: 1 + x @ x) if np.ndim(start[0]) or start[0] is None else (lambda x: 1 + x * x)
+    errors = []
+    for step in (0.01, 0.005):
+        sol = kd.solve(problem, (0, 5.0), *start, step=step, step_control=density)
+        assert sol.about.method == method
+        errors.append(np.abs(sol.x[-1] - exact).max())
+    assert abs(np.log2(errors[0] / errors[1]) - 2) < 0.1
+
+
 # -- what cannot be ---------------------------------------------------------------------------------------------------
 
 

@@ -140,6 +140,13 @@ def test_formulas_that_cannot_be(make, text):
         make()
 
 
+@pytest.mark.parametrize("start", [[1.0, 2.0, 3.0], [[1.0, 2.0]], 1.0])
+def test_starts_of_another_shape_are_refused(start):
+    double = kd.from_lagrangian((DA**2 + DB**2) / 2 - A * B, (A, B), (DA, DB))
+    with pytest.raises(ArgumentError, match=r"the formulas are for one of shape \(2,\)"):
+        kd.solve(double, (0.0, 1.0), start, np.zeros_like(start), step=0.1)
+
+
 def test_constraints_are_for_another_description():
     x, y = dynamicsymbols("x y")
     tied = LagrangesMethod((x.diff() ** 2 + y.diff() ** 2) / 2, [x, y], hol_coneqs=[x**2 + y**2 - 1])

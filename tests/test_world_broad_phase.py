@@ -240,7 +240,7 @@ def random_scene(seed, count=60, decades=3.0, speed=10.0):
 @pytest.mark.parametrize("seed", range(4))
 def test_pairs_are_those_of_comparing_all_shapes(seed):
     scene = random_scene(seed, speed=[0.3, 3.0, 10.0, 60.0][seed])
-    for _ in range(12):
+    for _ in range(8):
         check(scene, scene.find())
         scene.move()
         strike = scene.rng.integers(1, len(scene[t.POSE]), 5)

@@ -75,7 +75,7 @@ def test_a_pyramid_of_55_stands():
     assert np.abs(world.velocity).max() < 1e-3
 
 
-@pytest.mark.parametrize(("density", "most"), [(100, 0.06), (200, 0.12), (300, 0.18)])
+@pytest.mark.parametrize(("density", "most"), [(100, 0.06), (300, 0.18)])
 def test_a_pyramid_bears_a_heavy_tip(density, most):
     world = World()
     world.add_plane()

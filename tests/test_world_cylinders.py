@@ -61,7 +61,7 @@ PAIRS_WITH_ROUND = [(a, b) for b in ROUND for a in (SPHERE, CAPSULE, BOX, HULL, 
 def test_contacts_are_as_far_apart_as_the_sets_are(first, second):
     """Where points are, they have the distance of the two along the normal, and no other direction separates them more."""
     rng, found = np.random.default_rng(first + 10 * second), 0
-    for trial in range(16):
+    for trial in range(8):
         (a, points_a, radius_a), (b, points_b, radius_b) = made(first, rng), made(second, rng)
         q = rng.normal(size=4) if trial % 3 else np.array([1.0, 0.0, trial % 2, 0.0])
         turn = rotation_matrix(q)
@@ -82,7 +82,7 @@ def test_contacts_are_as_far_apart_as_the_sets_are(first, second):
         assert min(gaps) == pytest.approx(gap, abs=4e-3 if exact else 8e-3)
         assert np.linalg.norm(manifold[:3]) == pytest.approx(1.0)
         found += count
-    assert found >= 16
+    assert found >= 8
 
 
 @pytest.mark.parametrize("kind", ROUND)

@@ -24,7 +24,6 @@ def test_tables_of_any_size_begin_where_a_cache_line_does_and_keep_their_rows(co
     rows[:] = np.arange(count)[:, None]
     more = tables.resize(t.MANIFOLD, 2 * count)
     del rows
-    gc.collect()
     assert more.ctypes.data % 64 == 0
     assert (more[:count] == np.arange(count)[:, None]).all()
     assert not more[count:].any()

@@ -15,7 +15,7 @@ from kickdrift.engine.step_control import (
     StepControl,
     TimeTransformed,
 )
-from kickdrift.methods import Method
+from kickdrift.methods import Method, preferred
 from kickdrift.methods.record import D, K
 from kickdrift.systems.system import Quantity, System
 
@@ -35,7 +35,7 @@ def check_method(wanted: StepControl, system: System, method: Method) -> None:
     if not method.symmetric:
         raise ArgumentError(
             f"step_control={name} keeps steps reversible, but method={method.name!r} is not symmetric; take"
-            " 'velocity-verlet', another symmetric one, or kd.LocalError(rtol, atol)."
+            f" {preferred(system.kind, 2).name!r}, another symmetric one, or kd.LocalError(rtol, atol)."
         )
     if isinstance(wanted, HuangLeimkuhler | TimeTransformed) and (method.order != 2 or method.tableau is not None):
         raise ArgumentError(

@@ -28,13 +28,20 @@ class Choice:
 
 
 def choose(
-    method: str | Method | None, order: int | None, system: System, t0: float, step: float, span: float
+    method: str | Method | None,
+    order: int | None,
+    system: System,
+    t0: float,
+    step: float,
+    span: float,
+    default: str = DEFAULT,
+    order_beside: int | None = None,
 ) -> Choice:
     """Find the method to run a system by: by name, or for ``"auto"`` by its kind, the order wanted, and its stiffness.
 
-    None is the semi-implicit Euler method, or ``"auto"`` where that does not apply or an order is wanted, and where it would
-    see fast oscillations as a force. For
-    Hamiltonians that are not separable it is what goes under the name there.
+    None is the `default`, or ``"auto"`` where that does not apply or an order is wanted, and where it would see fast
+    oscillations as a force; then of the order `order_beside` if none is wanted. For Hamiltonians that are not separable it is
+    what goes under the name there.
 
     Raises
     ------
@@ -43,8 +50,11 @@ def choose(
         none of the order wanted.
     """
     if method is None:
-        applies = methods.get(DEFAULT).kind.includes(system.kind) and system.kind is not Kind.OSCILLATORY
-        method = DEFAULT if order is None and applies else AUTO
+        applies = default != AUTO and methods.get(default).kind.includes(system.kind)
+        if applies and order is None and system.kind is not Kind.OSCILLATORY:
+            method = default
+        else:
+            method, order = AUTO, order_beside if order is None else order
     if isinstance(method, str) and method == AUTO:
         return _choose_by_itself(order, system, t0, step, span)
     named = methods.get(method)

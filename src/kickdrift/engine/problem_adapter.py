@@ -18,7 +18,7 @@ from kickdrift.engine.flows.layout import FLAT, call_flat
 from kickdrift.engine.start import Start
 from kickdrift.engine.user_functions import MEANINGS, Layout, argument_names, flatten, interpreted
 from kickdrift.engine.user_kicks import LARGE, kick_of
-from kickdrift.systems.problem import Adapted, Problem, name_of
+from kickdrift.systems.problem import OF_SHAPE, Adapted, Problem, name_of
 from kickdrift.systems.second_order import SecondOrder
 from kickdrift.systems.system import Quantity, System
 
@@ -54,6 +54,11 @@ class Adapter:
     ) -> Adapted:
         """Adapt a function and try it once, see `kickdrift.systems.problem.Adapter`."""
         given = argument_names(function, role, names)
+        own = getattr(function, OF_SHAPE, self.x0.shape)
+        if own != self.x0.shape:
+            raise ArgumentError(
+                f"x0 has shape {self.x0.shape}, but the formulas are for one of shape {own}; give that."
+            )
         result = self.x0.shape if shape is None else shape
         layout = Layout(self.x0.shape, result, self.users_args.size, self.args.size)
         flat = flatten(function, given, layout, self.compile_, self.check_bounds)

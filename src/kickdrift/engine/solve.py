@@ -4,7 +4,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift import methods
@@ -13,16 +12,16 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.announcing import compiling_announced
 from kickdrift.engine.checkpoints import Checkpoints
 from kickdrift.engine.continuation import carry_out
-from kickdrift.engine.controller import control_of, controlled
 from kickdrift.engine.dense import check_between
 from kickdrift.engine.event_functions import events_of
-from kickdrift.engine.grid import Course, Grid, lay_course, lay_grid
+from kickdrift.engine.grid import Grid
 from kickdrift.engine.identity import identity_of
-from kickdrift.engine.impacts import Impacts, cut_steps, sides_at
+from kickdrift.engine.impacts import Impacts
 from kickdrift.engine.method_selection import check_direction, check_wanted, choose
-from kickdrift.engine.problem_adapter import Adapter, describe
+from kickdrift.engine.problem_adapter import Adapter
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.start import parameters, start_of
+from kickdrift.engine.steering import steering_of
 from kickdrift.engine.step_control import StepControl
 from kickdrift.engine.streaming import store_of
 from kickdrift.engine.table_ranges import check_tables
@@ -81,7 +80,7 @@ def solve(
         Name of a method, see ``kickdrift.methods.catalogue()``; ``"auto"`` takes the one that is best for the kind of
         problem, or of the wanted `order`, and an L-stable one where the problem is seen to be stiff; the report says why.
         By default the semi-implicit Euler method, or ``"auto"`` where that does not apply, or an order is given, and for
-        `kickdrift.Oscillatory`.
+        `kickdrift.Oscillatory`; with a density the symmetric method of order 2 for the kind of problem.
     order : int, optional
         For ``method="auto"``: the least order wanted, of methods that keep the structure of the problem. By default what
         takes the least time to errors between 1e-3 and 1e-9 at the end, or close to it; for Hamiltonians that are not
@@ -175,13 +174,7 @@ def solve(
     compensated, compiles = choice("compensated", compensated), choice("compile", compile)
     check_bounds = choice("check_bounds", check_bounds)
     progress = None if progress is None else choice("progress", progress)
-    control = control_of(step_control, step, rtol, atol)
-    if control is not None and (impacts is not None or switches is not None):
-        raise ArgumentError(
-            f"step_control={control!r} and impacts or switches are given, but each chooses the steps; leave one out."
-        )
-    if control is not None and method is None and order is None:
-        method = control.method
+    steering = steering_of(step_control, step, rtol, atol, impacts, switches)
     if checkpoint is None and checkpoint_every is not None:
         raise ArgumentError(
             f"checkpoint_every={checkpoint_every!r} is given without checkpoint, a folder for them; give it."
@@ -189,34 +182,22 @@ def solve(
     kept: Checkpoints | None = None
     store: ZarrStore | None = None
     try:
-        grid: Grid | Course
-        if control is None and impacts is None and switches is None:
-            grid = lay_grid(t_span, step, t_eval, save_every, start.x.size, save_to is not None)
-        else:
-            grid = lay_course(t_span, step, t_eval, save_every, divides=control is None)
+        grid = steering.lay(t_span, step, t_eval, save_every, start.x.size, save_to is not None)
         with compiling_announced(progress):
             adapter = Adapter(grid.t0, start.x, start.v, params, compiles, check_bounds)
-            sides = sides_at(switches, problem, adapter)
-            system = describe(problem, grid.t0, start, np.append(params, sides), compiles, check_bounds)
+            system = steering.describe(problem, start, adapter)
             if isinstance(grid, Grid):
                 check_between(system, grid)
-            chosen = choose(method, order, system, grid.t0, grid.step, grid.t1 - grid.t0)
+            chosen = choose(method, order, system, grid.t0, grid.step, grid.t1 - grid.t0, **steering.defaults)
             check_direction(chosen.method, grid.step)
             check_tables(problem, system, chosen.method, grid)
-            controller = None
-            if control is not None:
-                first_is_given = step is not None
-                system, controller = controlled(control, system, chosen.method, grid.t0, adapter.number, first_is_given)
-            elif isinstance(grid, Course):
-                place_of_sides = params.size if sides.size else -1
-                system, controller = cut_steps(
-                    impacts, switches, problem, system, chosen.method, grid, adapter, place_of_sides
-                )
+            system, controller = steering.ready(problem, system, chosen.method, grid, adapter, step)
             wanted = events_of(events, adapter.number)
             task = Task(system, chosen, grid, compensated, controller, wanted, progress, entered.inside.names)
             if checkpoint is not None or save_to is not None:
-                steps = control, impacts, switches
-                known = identity_of(problem, grid, start, params, chosen.method, compensated, compiles, events, steps)
+                known = identity_of(
+                    problem, grid, start, params, chosen.method, compensated, compiles, events, steering
+                )
                 store = store_of(save_to, grid, known, checkpoint is not None)
                 kept = None if checkpoint is None else Checkpoints(checkpoint, checkpoint_every, checkpoint_keep, known)
             journey = Journey(task, checkpoints=kept, store=store)

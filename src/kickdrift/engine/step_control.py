@@ -43,6 +43,7 @@ class HairerSoderlind:
     density: str | Callable[..., Any] | None = None
 
     method: ClassVar[str] = "velocity-verlet"  # where none is named
+    order: ClassVar[int | None] = 2  # of another, where that does not apply
     conserves: ClassVar[str] = "reversible; no drift of the energy"
 
     @staticmethod
@@ -68,6 +69,7 @@ class HuangLeimkuhler:
     density: str | Callable[..., Any] | None = None
 
     method: ClassVar[str] = "velocity-verlet"  # where none is named
+    order: ClassVar[int | None] = 2  # of another, where that does not apply
     conserves: ClassVar[str] = "reversible; no drift of the energy"
 
     @staticmethod
@@ -93,6 +95,7 @@ class LogarithmicHamiltonian:
     """
 
     method: ClassVar[str] = "position-verlet"  # where none is named
+    order: ClassVar[int | None] = None
     conserves: ClassVar[str] = "reversible, and symplectic in a time of its own; no drift of the energy"
 
     @staticmethod
@@ -121,6 +124,7 @@ class TimeTransformed:
     density: str | Callable[..., Any] | None = None
 
     method: ClassVar[str] = "position-verlet"  # where none is named
+    order: ClassVar[int | None] = None
     conserves: ClassVar[str] = "reversible; no drift of the energy"
 
     @staticmethod
@@ -152,6 +156,7 @@ class LocalError:
     atol: ArrayLike = 1e-6
 
     method: ClassVar[str] = "auto"  # where none is named
+    order: ClassVar[int | None] = None
     conserves: ClassVar[str] = "nothing exactly: the energy drifts by the errors"
 
     @staticmethod

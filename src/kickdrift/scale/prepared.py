@@ -16,6 +16,7 @@ from kickdrift.engine.grid import Course, Grid, lay_course, lay_grid
 from kickdrift.engine.method_selection import Choice, check_direction, choose
 from kickdrift.engine.problem_adapter import Adapter, describe
 from kickdrift.engine.start import parameters, start_of
+from kickdrift.engine.steering import Steering
 from kickdrift.methods import Method
 from kickdrift.scale.members import Members
 from kickdrift.scale.results import Results
@@ -165,10 +166,8 @@ def prepare(members: Members, settings: Settings, progress: bool | None, lead: M
     _check_room(members.count, t.size, start.x.size + start.v.size)
     with compiling_announced(progress):
         system = describe(lead.problem_of(0), first.t0, start, params, settings.compile, settings.check_bounds)
-        method = settings.method
-        if control is not None and method is None and settings.order is None:
-            method = control.method
-        chosen = choose(method, settings.order, system, first.t0, first.step, first.t1 - first.t0)
+        span, defaults = first.t1 - first.t0, Steering(control).defaults
+        chosen = choose(settings.method, settings.order, system, first.t0, first.step, span, **defaults)
         check_direction(chosen.method, first.step)
         controller = None
         if control is not None:

@@ -12,6 +12,7 @@ from kickdrift.systems.system import Quantity, System
 
 Floats = NDArray[np.float64]
 Function = Callable[..., Any]
+OF_SHAPE = "of_shape"  # the attribute of a function that is for states of one shape alone
 
 
 @dataclass(frozen=True)

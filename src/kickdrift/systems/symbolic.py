@@ -8,6 +8,7 @@ from typing import Any
 from kickdrift.core.arguments import real
 from kickdrift.core.errors import ArgumentError, missing_extra
 from kickdrift.systems.hamiltonian import Hamiltonian, Separable
+from kickdrift.systems.problem import OF_SHAPE
 from kickdrift.systems.second_order import SecondOrder
 
 _OWN = "kickdrift:"  # begins the names of symbols that stand for what the code has, so that no user's has the same
@@ -239,6 +240,7 @@ class _Formulas:
         scope: dict[str, Any] = {"math": math, "__name__": __name__, **self._numbers}
         exec(f"def {name}({', '.join(arguments)}):\n    " + "\n    ".join(lines), scope)  # noqa: S102 - our own text, above
         function: FunctionType = scope[name]
+        vars(function)[OF_SHAPE] = () if self._scalar else (len(self.symbols[halves[0]]),)
         return function
 
 

@@ -1,0 +1,110 @@
+"""What the sizes of steps follow in a run: nothing, a control of them, or impacts and switches that cut them."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.engine.controller import Controller, control_of, controlled
+from kickdrift.engine.grid import Course, Grid, lay_course, lay_grid
+from kickdrift.engine.impacts import Impacts, cut_steps, sides_at
+from kickdrift.engine.problem_adapter import Adapter, describe
+from kickdrift.engine.start import Start
+from kickdrift.engine.step_control import StepControl
+from kickdrift.methods import Method
+from kickdrift.systems.system import System
+
+
+@dataclass(frozen=True)
+class Steering:
+    """What the sizes of steps follow, of the arguments of `kickdrift.solve`.
+
+    Attributes
+    ----------
+    control : StepControl or None
+    impacts : Impacts, callable or None
+    switches : callable or None
+    """
+
+    control: StepControl | None = None
+    impacts: Impacts | Callable[..., Any] | None = None
+    switches: Callable[..., Any] | None = None
+
+    @property
+    def cuts(self) -> bool:
+        """Whether equal steps are cut."""
+        return self.impacts is not None or self.switches is not None
+
+    @property
+    def defaults(self) -> dict[str, Any]:
+        """What `kickdrift.engine.method_selection.choose` takes where no method is named."""
+        return {} if self.control is None else {"default": self.control.method, "order_beside": self.control.order}
+
+    def lay(
+        self,
+        t_span: Sequence[float],
+        step: float | None,
+        t_eval: ArrayLike | None,
+        save_every: int | None,
+        state_size: int,
+        streamed: bool = False,
+    ) -> Grid | Course:
+        """Lay the steps over the span.
+
+        Raises
+        ------
+        ArgumentError
+            As `kickdrift.engine.grid.lay_grid`.
+        """
+        if self.control is None and not self.cuts:
+            return lay_grid(t_span, step, t_eval, save_every, state_size, streamed)
+        return lay_course(t_span, step, t_eval, save_every, divides=self.cuts)
+
+    def describe(self, problem: Any, start: Start, adapter: Adapter) -> System:
+        """Describe the problem, whose functions get the sides of switches behind their params.
+
+        Raises
+        ------
+        ArgumentError
+            As `kickdrift.engine.problem_adapter.describe`.
+        """
+        params = np.append(adapter.users_args, sides_at(self.switches, problem, adapter))
+        return describe(problem, adapter.t0, start, params, adapter.compile_, adapter.check_bounds)
+
+    def ready(
+        self, problem: Any, system: System, method: Method, grid: Grid | Course, adapter: Adapter, step: float | None
+    ) -> tuple[System, Controller | None]:
+        """Make ready what chooses or cuts the steps; the system gets its functions as parts.
+
+        Raises
+        ------
+        ArgumentError
+            For what does not go with the method or the system.
+        """
+        if self.control is not None:
+            return controlled(self.control, system, method, grid.t0, adapter.number, step is not None)
+        if not isinstance(grid, Course):
+            return system, None
+        place = -1 if self.switches is None or isinstance(problem, System) else adapter.users_args.size
+        return cut_steps(self.impacts, self.switches, problem, system, method, grid, adapter, place)
+
+
+def steering_of(
+    step_control: Any, step: float | None, rtol: float | None, atol: ArrayLike | None, impacts: Any, switches: Any
+) -> Steering:
+    """Find what the sizes of steps follow in what a user gives.
+
+    Raises
+    ------
+    ArgumentError
+        For what is no control, and if two are given.
+    """
+    steering = Steering(control_of(step_control, step, rtol, atol), impacts, switches)
+    if steering.control is not None and steering.cuts:
+        raise ArgumentError(
+            f"step_control={steering.control!r} and impacts or switches are given, but each chooses the steps; leave one out."
+        )
+    return steering
