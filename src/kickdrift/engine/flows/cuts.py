@@ -71,7 +71,7 @@ _SLIVER = 1e-9  # of a step: a shorter one is none
 @compiled
 def narrow(size: float, gap: float, work: Floats) -> None:
     """Move an end of the sizes between which a gap closes, and note which ones have closed at the far one."""
-    own, now, hit, resting = own_params(work), row_of(NOW, work), row_of(HIT, work), row_of(RESTING, work)
+    own = own_params(work)
     own[MODE] = SEARCHING
     own[ROUNDS] += 1.0
     if gap >= 0.0:
@@ -84,8 +84,15 @@ def narrow(size: float, gap: float, work: Floats) -> None:
     if own[MOVED_LAST] < 0.0:
         own[LOW_GAP] *= 0.5
     own[MOVED_LAST] = -1.0
+    note_closed(0.0, work)
+
+
+@compiled
+def note_closed(least: float, work: Floats) -> None:
+    """Note what has closed where a trial has led: what is nearer than that."""
+    now, hit, resting = row_of(NOW, work), row_of(HIT, work), row_of(RESTING, work)
     for row in range(hit.size):
-        hit[row] = 1.0 if now[row] < 0.0 and resting[row] == FLIES else 0.0
+        hit[row] = 1.0 if now[row] < least and resting[row] == FLIES else 0.0
 
 
 @compiled
@@ -94,7 +101,9 @@ def choose_size(last: float, x: Floats, work: Floats) -> bool:
     own, size_of_x = own_params(work), size_of(x, work)
     low, high = own[LOW], own[HIGH]
     tolerance = 4.0 * _ROUNDING * (abs(own[BEGIN]) + high)
-    found = low > 0.0 and own[LOW_GAP] <= 4.0 * _ROUNDING * size_of_x
+    found = 0.0 < low == last and own[LOW_GAP] <= 4.0 * _ROUNDING * size_of_x
+    if found:
+        note_closed(4.0 * _ROUNDING * size_of_x, work)
     if low == 0.0 and own[LOW_GAP] <= TOUCHES * size_of_x and high > tolerance:
         size = 0.5 * high
         if closes_at_once(work):
