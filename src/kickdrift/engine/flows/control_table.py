@@ -19,6 +19,7 @@ _SURFACES: dict[str, Function] = {
     "time_slopes": surfaces.difference_in_time,
     "find_gradients": surfaces.difference_gradients,
     "reach": resting.reach_surfaces,
+    "hold_listed": resting.hold_to_surfaces,
     "hold_on": resting.hold,
     "settle": resting.find_resting,
 }

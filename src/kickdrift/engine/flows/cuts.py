@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled, unbound
-from kickdrift.engine.flows.error_control import BEGIN, take_back
+from kickdrift.core.elementwise import assign
+from kickdrift.engine.flows.error_control import BEGIN, saved, take_back
 from kickdrift.engine.flows.impact import REST
 from kickdrift.engine.flows.layout import (
     CLOCK,
@@ -26,7 +27,7 @@ from kickdrift.engine.flows.layout import (
     own_params,
 )
 from kickdrift.engine.flows.resting import FREE as FLIES
-from kickdrift.engine.flows.resting import RESTS, let_go
+from kickdrift.engine.flows.resting import FREE_V, FREE_X, RESTS, let_go
 from kickdrift.engine.flows.surfaces import (
     BEFORE,
     HIGH,
@@ -230,8 +231,23 @@ def begin_between(t: float, h: float, x: Floats, v: Floats, params: Floats, work
     keep_state(t, h, x, v, params, work)
     find_sides(t, h, x, v, params, work)
     settle(t, h, x, v, work)
+    assign(row_of(BEFORE, work), row_of(NOW, work))
 
 
 def end_between(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """End a part of a step as steps end between impacts."""
-    hold_on(t, h, x, v, work)
+    """End a part of a step as steps end between impacts: what has touched at its start, and closed, rests."""
+    n, hit = x.size, row_of(HIT, work)
+    assign(saved(n, FREE_X, n, work), x)
+    assign(saved(n, FREE_V, n, work), v)
+    for _ in range(hit.size + 1):
+        hold_on(t, h, x, v, work)
+        find_gaps(t, x, v, work)
+        touches, more = TOUCHES * size_of(x, work), False
+        note_closed(-touches, work)
+        for row in range(hit.size):
+            if hit[row] != 0.0 and row_of(SWITCH, work)[row] == 0.0 and row_of(BEFORE, work)[row] <= touches:
+                row_of(RESTING, work)[row], more = RESTS, True
+        if not more:
+            break
+        assign(x, saved(n, FREE_X, n, work))
+        assign(v, saved(n, FREE_V, n, work))

@@ -50,13 +50,15 @@ Floats = NDArray[np.float64]
 
 gaps_at: Callable[..., None] = unbound
 find_gradients: Callable[..., None] = unbound
+find_gaps: Callable[..., float] = unbound
 reach: Callable[..., None] = unbound
+hold_listed: Callable[..., None] = unbound
 
 FREE, RESTS, LEAVES = 0.0, 1.0, 2.0  # what a gap does: the last until its step is taken
 _ROUNDS = 20  # of Newton's method, and of normal impulses and friction in turn
 _SWEEPS = 1000  # of Gauss and Seidel over the gaps
 _ROUNDING = 2.220446049250313e-16
-_FREE_X, _FREE_V = 4, 5  # vectors of control: where the step has led by itself
+FREE_X, FREE_V = 4, 5  # vectors of control: where the step has led by itself
 
 
 def find_resting(t: float, h: float, x: Floats, v: Floats, work: Floats) -> None:
@@ -87,12 +89,12 @@ def speed_of(k: int, v: Floats, work: Floats) -> tuple[float, float]:
 
 
 @compiled
-def list_resting(work: Floats) -> int:
-    """List the gaps at which something rests, and return how many."""
+def list_resting(leaving: float, work: Floats) -> int:
+    """List the gaps at which something rests, with those that it leaves or without, and return how many."""
     own, row, resting = own_params(work), row_of(LIST, work), row_of(RESTING, work)
     listed = 0
     for i in range(resting.size):
-        if resting[i] != FREE:
+        if resting[i] == RESTS or resting[i] == leaving:
             if listed == int(own[MOST_LISTED]):  # more than there are ways to move, twice
                 work[TROUBLE] = FAILED_CONTROL
                 break
@@ -103,12 +105,34 @@ def list_resting(work: Floats) -> int:
 
 
 def hold(t: float, h: float, x: Floats, v: Floats, work: Floats) -> None:
-    """Lead a step that has ended back to what it rests on, and mark what leaves."""
-    n, listed = x.size, list_resting(work)
-    if listed == 0:
+    """Lead a step that has ended back to what it rests on, and mark what leaves: that is led nowhere."""
+    n, resting, now = x.size, row_of(RESTING, work), row_of(NOW, work)
+    if list_resting(LEAVES, work) == 0:
         return
-    assign(saved(n, _FREE_X, n, work), x)
-    assign(saved(n, _FREE_V, n, work), v)
+    assign(saved(n, FREE_X, n, work), x)
+    assign(saved(n, FREE_V, n, work), v)
+    hold_listed(t, h, x, v, work)
+    leaves, closes = False, False
+    for row in range(resting.size):
+        leaves = leaves or resting[row] == LEAVES
+    if leaves:
+        assign(x, saved(n, FREE_X, n, work))
+        assign(v, saved(n, FREE_V, n, work))
+        if list_resting(RESTS, work) > 0:
+            hold_listed(t, h, x, v, work)
+        find_gaps(t, x, v, work)
+        for row in range(resting.size):
+            closes = closes or (resting[row] == LEAVES and now[row] < 0.0)
+    if closes:  # it leaves in the next step, from the surface
+        assign(x, saved(n, FREE_X, n, work))
+        assign(v, saved(n, FREE_V, n, work))
+        list_resting(LEAVES, work)
+        hold_listed(t, h, x, v, work)
+
+
+def hold_to_surfaces(t: float, h: float, x: Floats, v: Floats, work: Floats) -> None:
+    """Lead a step back to the surfaces listed."""
+    n, listed = x.size, int(own_params(work)[LISTED])
     impulse, used, square = row_of(IMPULSE, work), row_of(USED, work), row_of(SQUARE, work)
     find_gradients(t - h, saved(n, 0, n, work), v, work)
     for k in range(listed):
@@ -242,7 +266,7 @@ def rub_listed(h: float, way: Floats, work: Floats) -> float:
 def forget_roundings(x: Floats, v: Floats, work: Floats) -> None:
     """Let what stays where it was, or comes to rest, do so exactly: what differs by roundings would wander."""
     n = x.size
-    begin, free_x, free_v = saved(n, 0, n, work), saved(n, _FREE_X, n, work), saved(n, _FREE_V, n, work)
+    begin, free_x, free_v = saved(n, 0, n, work), saved(n, FREE_X, n, work), saved(n, FREE_V, n, work)
     moved, kicked = 0.0, 0.0
     for i in range(n):
         moved, kicked = max(moved, abs(x[i] - free_x[i])), max(kicked, abs(v[i] - free_v[i]))
