@@ -57,6 +57,8 @@ class Controller:
         Whether steps are taken back.
     surfaces : Surfaces or None
         Of impacts, for events.
+    function : Quantity or None
+        What it asks, if that is a user's.
     """
 
     name: str
@@ -68,6 +70,7 @@ class Controller:
     between: "Controller | None" = None
     takes_back: bool = False
     surfaces: Surfaces | None = None
+    function: Quantity | None = None
 
     def memory_size(self, n: int, of_flows: int) -> int:
         """Return how many numbers of work the control has, beside those of the flows."""
@@ -148,7 +151,7 @@ def controlled(
         spelled = _seeing_v
     name = f"{_SCHEMES[type(wanted)]}, density by {named}"
     parts = {**system.parts, "density": density.function}
-    controller = Controller(name, wanted.conserves, spelled, _params(density, system), dear)
+    controller = Controller(name, wanted.conserves, spelled, _params(density, system), dear, function=density)
     if isinstance(wanted, TimeTransformed):
         controller = _in_its_own_time(controller)
     return replace(system, parts=parts), controller

@@ -178,6 +178,7 @@ def cut_steps(
         between=Controller(name, "", _between, params),
         takes_back=True,
         surfaces=surfaces,
+        function=whole,
     )
     parts = {**system.parts, "gaps": whole.function}
     return replace(system, parts=parts, exact=None), controller  # which knows of no impacts

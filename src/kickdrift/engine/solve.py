@@ -24,7 +24,7 @@ from kickdrift.engine.start import parameters, start_of
 from kickdrift.engine.steering import steering_of
 from kickdrift.engine.step_control import StepControl
 from kickdrift.engine.streaming import store_of
-from kickdrift.engine.table_ranges import check_tables
+from kickdrift.engine.table_ranges import tables_of
 from kickdrift.engine.task import Journey, Task
 from kickdrift.engine.unit_solution import enter
 from kickdrift.engine.zarr_store import ZarrStore
@@ -190,10 +190,13 @@ def solve(
                 check_between(system, grid)
             chosen = choose(method, order, system, grid.t0, grid.step, grid.t1 - grid.t0, **steering.defaults)
             check_direction(chosen.method, grid.step)
-            check_tables(problem, system, chosen.method, grid)
             system, controller = steering.ready(problem, system, chosen.method, grid, adapter, step)
             wanted = events_of(events, adapter.number)
-            task = Task(system, chosen, grid, compensated, controller, wanted, progress, entered.inside.names)
+            given = problem, steering.control, steering.impacts, steering.switches, events
+            tables = tables_of(given, system, chosen.method, controller, wanted)
+            if tables is not None:
+                tables.check(grid)
+            task = Task(system, chosen, grid, compensated, controller, wanted, progress, entered.inside.names, tables)
             if checkpoint is not None or save_to is not None:
                 known = identity_of(
                     problem, grid, start, params, chosen.method, compensated, compiles, events, steering

@@ -24,6 +24,7 @@ from kickdrift.engine.rows import CourseRows, GridRows, Rows
 from kickdrift.engine.run import Ending, Failure, Run
 from kickdrift.engine.standing import Standing
 from kickdrift.engine.streaming import StreamedRows
+from kickdrift.engine.table_ranges import Tables
 from kickdrift.engine.zarr_store import ZarrStore
 from kickdrift.systems.system import System
 
@@ -47,6 +48,8 @@ class Task:
         Whether a bar shows, which determines nothing.
     units : mapping of str to str
         Of the numbers, where users gave quantities; which determines nothing either.
+    tables : Tables or None
+        Those that functions call.
     """
 
     system: System
@@ -57,6 +60,7 @@ class Task:
     events: tuple[Event, ...]
     progress: bool | None
     units: Mapping[str, str] = field(default_factory=dict)
+    tables: Tables | None = None
 
     @property
     def description(self) -> Description:
