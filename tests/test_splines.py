@@ -114,10 +114,10 @@ def test_methods_that_look_beyond_the_span_say_so():
 def test_tables_in_gaps_switches_events_and_densities_are_checked_before_the_run(name):
     table = kd.spline(np.linspace(0.0, 1.0, 11), np.ones(11))
     options = {"step": 0.05, "method": "velocity-verlet", "compile": False, name: lambda t, x: x + 2.0 * table(t)}
-    with pytest.raises(ArgumentError, match="leaves a table of kd.spline"):
+    with pytest.raises(ArgumentError, match=r"leaves a table of kd\.spline"):
         kd.solve(lambda x: -1.0, (0.0, 2.0), 1.0, 0.0, **options)
     if name == "step_control":  # asked half a step ahead of the start, and beyond the end
-        with pytest.raises(ArgumentError, match="asks it as for t=-0.025"):
+        with pytest.raises(ArgumentError, match=r"asks it as for t=-0\.025"):
             kd.solve(lambda x: -1.0, (0.0, 1.0), 1.0, 0.0, **options)
         wide = kd.spline(np.linspace(-0.1, 1.2, 11), np.ones(11))
         options[name] = lambda t, x: x + 2.0 * wide(t)

@@ -17,7 +17,7 @@ from kickdrift.core.kinds import Kind
 from kickdrift.engine.event_functions import Event
 from kickdrift.engine.processing import Processing
 from kickdrift.engine.quantities import evaluate_quantity
-from kickdrift.engine.surface_events import Surfaces
+from kickdrift.engine.surface_events import Strikes, Surfaces, strikes_at
 from kickdrift.engine.zeros import Brackets, changes, search
 from kickdrift.systems.system import System
 
@@ -48,18 +48,6 @@ class Seen(NamedTuple):
     waiting: tuple[tuple[int, Brackets], ...]
     evaluations: int
     beyond: float | None = None
-
-
-class Strikes(NamedTuple):
-    """Steps that end with impacts, and which are the others; when they end, and the states before and after the impacts."""
-
-    steps: NDArray[np.intp]
-    others: NDArray[np.bool_]
-    t: Floats
-    x: Floats
-    v: Floats
-    x_after: Floats
-    v_after: Floats
 
 
 class Found(NamedTuple):
@@ -202,12 +190,9 @@ class Watch:
             value[rows] = self._surfaces.rounded(partial(self._values, k), value[rows], t[rows], xs[rows], vs[rows])
         if not steps.size:
             return None
-        after, sizes, once = steps + 1, np.diff(t)[steps], np.ones(steps.size, dtype=np.int64)
-        x, v, evaluations = self._processing.go_on(t[steps], sizes, once, xs[steps], vs[steps])
+        strikes, evaluations = strikes_at(steps, self._processing, t, xs, vs)
         self.evaluations += evaluations
-        others = np.ones(t.size - 1, dtype=bool)
-        others[steps] = False
-        return Strikes(steps, others, t[after], x, v, xs[after], vs[after])
+        return strikes
 
     def _strike(self, event: int, at: Strikes, steps: Brackets, after: Floats) -> None:
         """Note the zeros of an event in steps that end with impacts, and in these: the states are those after them."""
@@ -215,6 +200,9 @@ class Watch:
         ask = partial(self._values, event)
         before = self._surfaces.rounded(ask, ask(at.t, at.x, at.v), at.t, at.x, at.v)
         steps = steps.part(at.steps)._replace(last=before)
+        hops = np.flatnonzero((steps.first == 0.0) & (before == 0.0))
+        if hops.size:  # from an impact to the next in one step
+            steps = self._from_the_middle(event, steps, hops)
         found = self._bracketed(event, steps)
         at_end = (found.last == 0.0) & (found.end == 1.0)
         self._note(event, found.part(~at_end))
@@ -251,6 +239,14 @@ class Watch:
             if 0 < self.events[zero.event].terminal <= counts[zero.event]:
                 return zero if self._sign * zero.t <= self._sign * self._end else None
         return None
+
+    def _from_the_middle(self, event: int, steps: Brackets, which: NDArray[np.intp]) -> Brackets:
+        """Begin some steps in their middle."""
+        assert self._surfaces is not None
+        t, x, v, values = self._ask(event, steps.part(which), np.full(which.size, 0.5))
+        begin, first = steps.begin.copy(), steps.first.copy()
+        begin[which], first[which] = 0.5, self._surfaces.rounded(partial(self._values, event), values, t, x, v)
+        return steps._replace(begin=begin, first=first)
 
     def _ask(self, event: int, at: Brackets, share: Floats) -> tuple[Floats, Floats, Floats, Floats]:
         """Return when parts of steps end, and the states and values of an event there."""

@@ -57,8 +57,10 @@ class Impacts:
 
     Notes
     -----
-    A body whose rebounds have become shorter than a thousandth of a step rests on the surface, and slides with friction, until
-    it is lifted. Two zeros of a gap within one step are not seen: take smaller steps than the shortest graze.
+    A body whose rebounds have become shorter than a thousandth of a step rests on the surface, or slides along it, until nothing
+    presses it on: by impulses at both ends of a step, as RATTLE has them, of second order whatever the method, and with
+    friction that holds what it can hold. Two zeros of a gap within one step are not seen: take smaller steps than the shortest
+    graze.
 
     Examples
     --------

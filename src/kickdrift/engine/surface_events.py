@@ -12,12 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.engine.flows.surfaces import TOUCHES
+from kickdrift.engine.processing import Processing
 from kickdrift.engine.quantities import evaluate_quantity
 from kickdrift.systems.system import Quantity, System
 
 Floats = NDArray[np.float64]
 Ask = Callable[[Floats, Floats, Floats], Floats]  # values of a function at times and states, (T,)
 
+_VELOCITIES = 1e-10  # of their largest: they are led along gradients that are differences, good to 1e-12 or so
 _MOMENTS = 1e-3  # of a size in a step: a velocity that is small beside it
 
 
@@ -48,7 +50,9 @@ class Surfaces(NamedTuple):
         if not t.size:
             return values
         of_x, rounding = TOUCHES * self._sizes(x), np.zeros(t.size)
-        of_v = TOUCHES * (np.abs(v.reshape(t.size, -1)).max(axis=1) + _MOMENTS * self._sizes(x) / abs(self.step))
+        of_v = _VELOCITIES * np.abs(v.reshape(t.size, -1)).max(axis=1) + TOUCHES * _MOMENTS * self._sizes(x) / abs(
+            self.step
+        )
         for which, size in ((0, of_x), (1, of_v)):
             for i in range((x, v)[which].reshape(t.size, -1).shape[1]):
                 states = [x.copy(), v.copy()]
@@ -58,3 +62,26 @@ class Surfaces(NamedTuple):
 
     def _sizes(self, x: Floats) -> Floats:
         return np.maximum(np.abs(x.reshape(len(x), -1)).max(axis=1), self.length)
+
+
+class Strikes(NamedTuple):
+    """Steps that end with impacts, and which are the others; when they end, and the states before and after the impacts."""
+
+    steps: NDArray[np.intp]
+    others: NDArray[np.bool_]
+    t: Floats
+    x: Floats
+    v: Floats
+    x_after: Floats
+    v_after: Floats
+
+
+def strikes_at(
+    steps: NDArray[np.intp], processing: Processing, t: Floats, xs: Floats, vs: Floats
+) -> tuple[Strikes, int]:
+    """Do again the steps that end with impacts, up to there; return the evaluations that it took, too."""
+    after, sizes, once = steps + 1, np.diff(t)[steps], np.ones(steps.size, dtype=np.int64)
+    x, v, evaluations = processing.go_on(t[steps], sizes, once, xs[steps], vs[steps])
+    others = np.ones(t.size - 1, dtype=bool)
+    others[steps] = False
+    return Strikes(steps, others, t[after], x, v, xs[after], vs[after]), evaluations
