@@ -17,7 +17,8 @@ from kickdrift.core.kinds import Kind
 from kickdrift.engine.event_functions import Event
 from kickdrift.engine.processing import Processing
 from kickdrift.engine.quantities import evaluate_quantity
-from kickdrift.engine.surface_events import Strikes, Surfaces, strikes_at
+from kickdrift.engine.strikes import Strikes, strikes_at
+from kickdrift.engine.surface_events import Surfaces
 from kickdrift.engine.zeros import Brackets, changes, search
 from kickdrift.systems.system import System
 

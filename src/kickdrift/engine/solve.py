@@ -94,8 +94,8 @@ def solve(
         states there, as exact as the method. Attributes say which: ``direction`` 1 for those on the way up, -1 for those on
         the way down; ``terminal``, True or a number, ends the run at the first or that zero; ``rate_bound``, a bound
         of how fast the function changes, finds two zeros within a step, too, if they are more than 1/256 of it apart. A zero at
-        the start is none. Where a function jumps over zero in an impact, it is found there, once; and where a gap closes in one.
-        The states are those after the impact.
+        the start is none. Where a function jumps over zero in an impact, it is found there, once; and where a gap closes in
+        one. The states are those after the impact.
     impacts : Impacts or callable, optional
         Surfaces that bodies rebound from, see `kickdrift.Impacts`; a function alone is a gap with restitution 1.
     switches : callable, optional

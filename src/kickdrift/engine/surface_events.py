@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.engine.flows.surfaces import TOUCHES
-from kickdrift.engine.processing import Processing
 from kickdrift.engine.quantities import evaluate_quantity
 from kickdrift.systems.system import Quantity, System
 
@@ -24,20 +23,20 @@ _MOMENTS = 1e-3  # of a size in a step: a velocity that is small beside it
 
 
 class Surfaces(NamedTuple):
-    """The gaps of a run with impacts, the first `count` of a function's, and the size of x by which roundings are measured.
+    """The gaps of a run with impacts, the first `of_impacts` of a function's, and the size of x for roundings.
 
     And whether impacts are located, in steps that are of one size but for those.
     """
 
     gaps: Quantity
-    count: int
+    of_impacts: int
     length: float
     step: float
     located: bool
 
     def touched(self, system: System, t: Floats, x: Floats, v: Floats) -> NDArray[np.bool_]:
         """Say where a gap is closed."""
-        gaps = evaluate_quantity(self.gaps, system, t, x, v).reshape(t.size, -1)[:, : self.count]
+        gaps = evaluate_quantity(self.gaps, system, t, x, v).reshape(t.size, -1)[:, : self.of_impacts]
         return np.asarray((np.abs(gaps) <= TOUCHES * self._sizes(x)[:, None]).any(axis=1))
 
     def struck(self, t: Floats, touched: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -61,27 +60,5 @@ class Surfaces(NamedTuple):
         return np.where(np.abs(values) <= rounding, 0.0, values)
 
     def _sizes(self, x: Floats) -> Floats:
-        return np.maximum(np.abs(x.reshape(len(x), -1)).max(axis=1), self.length)
-
-
-class Strikes(NamedTuple):
-    """Steps that end with impacts, and which are the others; when they end, and the states before and after the impacts."""
-
-    steps: NDArray[np.intp]
-    others: NDArray[np.bool_]
-    t: Floats
-    x: Floats
-    v: Floats
-    x_after: Floats
-    v_after: Floats
-
-
-def strikes_at(
-    steps: NDArray[np.intp], processing: Processing, t: Floats, xs: Floats, vs: Floats
-) -> tuple[Strikes, int]:
-    """Do again the steps that end with impacts, up to there; return the evaluations that it took, too."""
-    after, sizes, once = steps + 1, np.diff(t)[steps], np.ones(steps.size, dtype=np.int64)
-    x, v, evaluations = processing.go_on(t[steps], sizes, once, xs[steps], vs[steps])
-    others = np.ones(t.size - 1, dtype=bool)
-    others[steps] = False
-    return Strikes(steps, others, t[after], x, v, xs[after], vs[after]), evaluations
+        sizes: Floats = np.maximum(np.abs(x.reshape(len(x), -1)).max(axis=1), self.length)
+        return sizes

@@ -90,7 +90,7 @@ def accelerate_gap(
             there[i] = x[i] + s * (v[i] - speed * slopes[i] * inverse[i] / square + 0.5 * s * a[i])
         gaps_at(t + s, there, v, params_of_gaps(n, work), work, room)
         total += -2.0 * room[row] if point == 1 else room[row]
-    return total / (span * span)
+    return float(total / (span * span))
 
 
 def give_impulse(row: int, t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:
@@ -124,7 +124,7 @@ def give_impulse(row: int, t: float, x: Floats, v: Floats, params: Floats, work:
 @compiled
 def is_located(work: Floats) -> bool:
     """Whether impacts happen at their moment."""
-    return own_params(work)[LOCATED] != 0.0
+    return bool(own_params(work)[LOCATED] != 0.0)
 
 
 @compiled

@@ -93,7 +93,7 @@ def params_of_gaps(n: int, work: Floats) -> Floats:
 @compiled
 def size_of(x: Floats, work: Floats) -> float:
     """Return how large positions are, by which roundings are measured."""
-    size = own_params(work)[LENGTH]
+    size = float(own_params(work)[LENGTH])
     for i in range(x.size):
         size = max(size, abs(x[i]))
     return size
