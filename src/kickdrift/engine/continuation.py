@@ -1,5 +1,6 @@
 """Runs that go on from where they stand, with the bits of one that was never broken."""
 
+from contextlib import closing
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -30,7 +31,10 @@ class Continuation:
 
     def __call__(self, t: float) -> Solution:
         """Run on to another end; see `Solution.continue_to`."""
-        return carry_out(Journey(replace(self.task, grid=self._grid(t)), self.standing))
+        grid = self._grid(t)
+        if self.task.tables is not None:
+            self.task.tables.check(grid)
+        return carry_out(Journey(replace(self.task, grid=grid), self.standing))
 
     def _grid(self, t: float) -> Grid | Course:
         grid = self.task.grid
@@ -47,7 +51,8 @@ class Continuation:
 
 def carry_out(journey: Journey) -> Solution:
     """Run to the end, or as far as it goes, and return what was kept."""
-    return report(journey, journey.go(), Continuation)
+    with closing(journey):
+        return report(journey, journey.go(), Continuation)
 
 
 def _forgotten() -> None:

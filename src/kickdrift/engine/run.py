@@ -199,7 +199,8 @@ class Run:
         self._checkpoint, self._stop = Checkpoint(self._state.copy(), first + found.steps, mark), found.stop
         if found.stop is None:
             return Outcome.FAILED, found.failure
-        return Outcome.STOPPED, f" There, {self._watch.events[found.stop.event].name}, is zero."
+        what = "changes its sign in an impact" if found.jumps else "is zero"
+        return Outcome.STOPPED, f" There, {self._watch.events[found.stop.event].name}, {what}."
 
     def _find_last_good(self, bad: int) -> Failure | None:
         """Find the last good state by halves: what is not finite stays so, and every rerun gives the same bits."""

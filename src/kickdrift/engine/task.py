@@ -13,7 +13,8 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.checkpoints import Checkpoints
 from kickdrift.engine.controller import Controller
 from kickdrift.engine.description import Description
-from kickdrift.engine.events import Event, watch_for
+from kickdrift.engine.event_functions import Event
+from kickdrift.engine.events import watch_for
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.keeping import find, keep
 from kickdrift.engine.method_selection import Choice
@@ -22,7 +23,9 @@ from kickdrift.engine.progress import Bar
 from kickdrift.engine.rows import CourseRows, GridRows, Rows
 from kickdrift.engine.run import Ending, Failure, Run
 from kickdrift.engine.standing import Standing
-from kickdrift.engine.streaming import StreamedRows
+from kickdrift.engine.streamed_course import StreamedCourseRows
+from kickdrift.engine.streaming import StreamedGridRows, StreamedRows
+from kickdrift.engine.table_ranges import Tables
 from kickdrift.engine.zarr_store import ZarrStore
 from kickdrift.systems.system import System
 
@@ -46,6 +49,8 @@ class Task:
         Whether a bar shows, which determines nothing.
     units : mapping of str to str
         Of the numbers, where users gave quantities; which determines nothing either.
+    tables : Tables or None
+        Those that functions call.
     """
 
     system: System
@@ -56,6 +61,7 @@ class Task:
     events: tuple[Event, ...]
     progress: bool | None
     units: Mapping[str, str] = field(default_factory=dict)
+    tables: Tables | None = None
 
     @property
     def description(self) -> Description:
@@ -119,6 +125,20 @@ class Journey:
         store: ZarrStore | None = None,
     ) -> None:
         self.task, self.said, self._checkpoints, self.store = task, "", checkpoints, store
+        try:
+            self._make_ready(before)
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """Let other runs have the folders of checkpoints and rows."""
+        for folder in (self._checkpoints, self.store):
+            if folder is not None:
+                folder.close()
+
+    def _make_ready(self, before: Standing | None) -> None:
+        task, checkpoints = self.task, self._checkpoints
         self._compile()
         if checkpoints is not None:
             found = find(checkpoints, task.grid, self.processing.kernel.state, len(task.events))
@@ -139,15 +159,19 @@ class Journey:
         made = partial(compile_method, task.system, task.chosen.method, task.grid, task.compensated)
         self.processing = made(turns=not task.events, controller=task.controller)
         self.between = partial(made, controller=None if task.controller is None else task.controller.between)
-        self.watch = watch_for(task.events, task.system, partial(self.between, turns=False), task.grid.t1)
+        surfaces = None if task.controller is None else task.controller.surfaces
+        self.watch = watch_for(task.events, task.system, partial(self.between, turns=False), task.grid.t1, surfaces)
         self.run = Run(self.processing.kernel, self._rows(), self.watch)
 
     def _rows(self) -> Rows:
         kernel, grid = self.processing.kernel, self.task.grid
+        if self.store is not None:
+            to_disk = self.store, self.task.description
+            if isinstance(grid, Course):
+                return StreamedCourseRows(self.processing, grid, *to_disk, self.between)
+            return StreamedGridRows(self.processing, grid, *to_disk)
         if isinstance(grid, Course):
             return CourseRows(kernel, grid)
-        if self.store is not None:
-            return StreamedRows(self.processing, grid, self.store, self.task.description)
         return GridRows(kernel, grid)
 
     def go(self) -> Ending:
