@@ -110,6 +110,38 @@ def test_methods_that_look_beyond_the_span_say_so():
     assert driven(wider, 8.0, step=0.3, method="okunbor-skeel-6").success
 
 
+@pytest.mark.parametrize("name", ["impacts", "switches", "events", "step_control"])
+def test_tables_in_gaps_switches_events_and_densities_are_checked_before_the_run(name):
+    table = kd.spline(np.linspace(0.0, 1.0, 11), np.ones(11))
+    options = {"step": 0.05, "method": "velocity-verlet", "compile": False, name: lambda t, x: x + 2.0 * table(t)}
+    with pytest.raises(ArgumentError, match=r"leaves a table of kd\.spline"):
+        kd.solve(lambda x: -1.0, (0.0, 2.0), 1.0, 0.0, **options)
+    if name == "step_control":  # asked half a step ahead of the start, and beyond the end
+        with pytest.raises(ArgumentError, match=r"asks it as for t=-0\.025"):
+            kd.solve(lambda x: -1.0, (0.0, 1.0), 1.0, 0.0, **options)
+        wide = kd.spline(np.linspace(-0.1, 1.2, 11), np.ones(11))
+        options[name] = lambda t, x: x + 2.0 * wide(t)
+    assert kd.solve(lambda x: -1.0, (0.0, 1.0), 1.0, 0.0, **options).success
+
+
+def test_walls_that_move_by_a_table_do_so_from_its_first_time_to_its_last():
+    times = np.linspace(0.0, 2.0, 41)
+    wall = kd.spline(times, 0.5 * times**2)
+    lift = kd.Impacts(lambda t, x: x - wall(t), restitution=0.0)
+    sol = kd.solve(lambda x: -1.0, (0.0, 2.0), 0.0, 0.0, step=0.05, method="velocity-verlet", impacts=lift)
+    assert sol.success
+    assert np.abs(sol.x - 0.5 * sol.t**2).max() < 1e-10
+    assert sol.v[-1] == pytest.approx(2.0, abs=1e-8)
+
+
+def test_a_run_does_not_go_on_beyond_its_table():
+    table = kd.spline(np.linspace(0.0, 1.0, 11), np.zeros(11))
+    sol = driven(table, 0.5, step=0.05)
+    with pytest.raises(ArgumentError, match=r"t_span=\(0.0, 2.0\) leaves a table"):
+        sol.continue_to(2.0)
+    assert sol.continue_to(1.0).success
+
+
 def test_in_a_problem_of_several_functions_and_through_another_one():
     table = kd.spline(TIMES, np.sin(TIMES))
 

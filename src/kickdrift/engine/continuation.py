@@ -31,7 +31,10 @@ class Continuation:
 
     def __call__(self, t: float) -> Solution:
         """Run on to another end; see `Solution.continue_to`."""
-        return carry_out(Journey(replace(self.task, grid=self._grid(t)), self.standing))
+        grid = self._grid(t)
+        if self.task.tables is not None:
+            self.task.tables.check(grid)
+        return carry_out(Journey(replace(self.task, grid=grid), self.standing))
 
     def _grid(self, t: float) -> Grid | Course:
         grid = self.task.grid

@@ -23,6 +23,7 @@ from kickdrift.engine.step_control import (
     StepControl,
     TimeTransformed,
 )
+from kickdrift.engine.surface_events import Surfaces
 from kickdrift.engine.user_functions import argument_names
 from kickdrift.methods import Method
 from kickdrift.systems.problem import name_of
@@ -54,6 +55,10 @@ class Controller:
         What controls parts of steps, for states between them.
     takes_back : bool
         Whether steps are taken back.
+    surfaces : Surfaces or None
+        Of impacts, for events.
+    function : Quantity or None
+        What it asks, if that is a user's.
     """
 
     name: str
@@ -64,6 +69,8 @@ class Controller:
     tolerances: Floats = field(default_factory=lambda: np.zeros(0))
     between: "Controller | None" = None
     takes_back: bool = False
+    surfaces: Surfaces | None = None
+    function: Quantity | None = None
 
     def memory_size(self, n: int, of_flows: int) -> int:
         """Return how many numbers of work the control has, beside those of the flows."""
@@ -144,7 +151,7 @@ def controlled(
         spelled = _seeing_v
     name = f"{_SCHEMES[type(wanted)]}, density by {named}"
     parts = {**system.parts, "density": density.function}
-    controller = Controller(name, wanted.conserves, spelled, _params(density, system), dear)
+    controller = Controller(name, wanted.conserves, spelled, _params(density, system), dear, function=density)
     if isinstance(wanted, TimeTransformed):
         controller = _in_its_own_time(controller)
     return replace(system, parts=parts), controller

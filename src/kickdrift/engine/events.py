@@ -1,24 +1,26 @@
 """Events: where functions of the state pass through zero along a run.
 
 After every chunk of steps its states are asked for. Where the sign of a function has changed between two of them, the step that
-lies between is done again, shorter, until it ends at the zero: as exact as the method is there.
+lies between is done again, shorter, until it ends at the zero: as exact as the method is there. Impacts: see `surface_events`.
 """
 
 import math
-from collections.abc import Callable, Sequence
-from functools import reduce
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from functools import partial, reduce
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.core.kinds import Kind
+from kickdrift.engine.event_functions import Event
 from kickdrift.engine.processing import Processing
 from kickdrift.engine.quantities import evaluate_quantity
+from kickdrift.engine.strikes import Strikes, strikes_at
+from kickdrift.engine.surface_events import Surfaces
 from kickdrift.engine.zeros import Brackets, changes, search
-from kickdrift.systems.problem import name_of
-from kickdrift.systems.system import Quantity, System
+from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
 
@@ -26,16 +28,6 @@ _NUMBERS = 1 << 16  # of states that are kept until they are asked
 _MOST_ROWS = 4096
 # Of a step in which a function may pass through zero and back. One that stays near zero has 256 parts asked in each step.
 _HALVINGS = 8
-
-
-class Event(NamedTuple):
-    """A function whose zeros are wanted: its name, and what users have set as its attributes."""
-
-    name: str
-    quantity: Quantity
-    terminal: int  # at which zero the run ends, 0 for none
-    direction: float
-    rate_bound: float | None
 
 
 class Zero(NamedTuple):
@@ -60,47 +52,23 @@ class Seen(NamedTuple):
 
 
 class Found(NamedTuple):
-    """What a look at a chunk has found: after how many of its steps it ends, the zero at which it does, and what went wrong."""
+    """What a look at a chunk has found: after how many of its steps it ends, the zero at which it does, and what went wrong.
+
+    And whether the function has no zero there, but jumps over it in an impact.
+    """
 
     steps: int
     stop: Zero | None = None
     failure: str = ""
-
-
-def events_of(events: Any, quantity: Callable[[str, Any], Quantity]) -> tuple[Event, ...]:
-    """Adapt functions to the state by `quantity`, and read their attributes.
-
-    Raises
-    ------
-    ArgumentError
-        For what is no function of the state, and attributes that cannot be.
-    """
-    if events is None:
-        return ()
-    functions = list(events) if isinstance(events, Sequence) else [events]
-    return tuple(_event(f"events[{k}]", function, quantity) for k, function in enumerate(functions))
-
-
-def _event(name: str, function: Any, quantity: Callable[[str, Any], Quantity]) -> Event:
-    terminal, direction = getattr(function, "terminal", False), getattr(function, "direction", 0)
-    bound = getattr(function, "rate_bound", None)
-    name = f"{name}, {name_of(function)}" if callable(function) else name
-    if not (isinstance(terminal, bool | np.bool_ | int | np.integer) and terminal >= 0):
-        raise ArgumentError(f"{name}, has terminal={terminal!r}; give True, False, or at which zero the run ends.")
-    for attribute, value, wanted in (
-        ("direction", direction, "1, -1 or 0"),
-        ("rate_bound", bound, "a positive number"),
-    ):
-        is_real = isinstance(value, int | float | np.integer | np.floating) and math.isfinite(value)
-        if value is not None and not (is_real and (attribute == "direction" or value > 0.0)):
-            raise ArgumentError(f"{name}, has {attribute}={value!r}; give {wanted}.")
-    return Event(
-        name, quantity(name, function), int(terminal), float(direction), None if bound is None else float(bound)
-    )
+    jumps: bool = False
 
 
 def watch_for(
-    events: tuple[Event, ...], system: System, processing: Callable[[], Processing], end: float
+    events: tuple[Event, ...],
+    system: System,
+    processing: Callable[[], Processing],
+    end: float,
+    surfaces: Surfaces | None = None,
 ) -> "Watch | None":
     """Make what looks for events along a run, if there are any.
 
@@ -115,7 +83,7 @@ def watch_for(
         raise ArgumentError(
             "events are given, but noise drives the path: between two steps it is not known; leave them out."
         )
-    return Watch(events, system, processing(), end)
+    return Watch(events, system, processing(), end, surfaces)
 
 
 class Watch:
@@ -129,6 +97,8 @@ class Watch:
         The method, with a state of its own.
     end : float
         Of the span: steps of varying sizes may lead beyond it.
+    surfaces : Surfaces, optional
+        Of impacts.
 
     Attributes
     ----------
@@ -138,11 +108,20 @@ class Watch:
         Of the force, in search of zeros.
     """
 
-    def __init__(self, events: tuple[Event, ...], system: System, processing: Processing, end: float) -> None:
+    def __init__(
+        self,
+        events: tuple[Event, ...],
+        system: System,
+        processing: Processing,
+        end: float,
+        surfaces: Surfaces | None = None,
+    ) -> None:
         self.events, self._system, self._processing, self._end = events, system, processing, end
+        self._surfaces = surfaces
         self.most = max(1, min(_MOST_ROWS, _NUMBERS // max(system.x0.size, 1)))
         self.evaluations = 0
         self._zeros: list[Zero] = []
+        self._jumps: list[Zero] = []  # those of them at which a function is not zero
         self._waiting: list[tuple[int, Brackets]] = []  # zeros that end nothing: sought many at once
         self._x, self._v = system.x0[None], system.v0[None]
         self._sign = 1.0  # of the steps
@@ -168,19 +147,19 @@ class Watch:
         xs, vs = self._processing.seen(t[1:], xs, vs)
         count, self._sign = t.size - 1, math.copysign(1.0, t[-1] - t[0])
         xs, vs = np.concatenate((self._x, xs)), np.concatenate((self._v, vs))
-        values = [evaluate_quantity(event.quantity, self._system, t, xs, vs) for event in self.events]
+        values = [self._values(k, t, xs, vs) for k in range(len(self.events))]
         bad = np.flatnonzero(np.isnan(values).any(axis=0))
         steps = count if not bad.size else max(int(bad[0]) - 1, 0)
+        strikes = self._strikes(t[: steps + 1], xs[: steps + 1], vs[: steps + 1], values)
         for k, value in enumerate(values):
             ends, before = np.s_[1 : steps + 1], np.s_[:steps]
             part = np.zeros(steps)
             of = np.diff(t)[before]
             brackets = Brackets(t[before], of, xs[before], vs[before], part, part + 1.0, value[before], value[ends])
-            brackets = self._bracketed(k, brackets)
-            if brackets.t.size and self.events[k].terminal:
-                self._zeros += self._search(k, brackets)
-            elif brackets.t.size:
-                self._waiting.append((k, brackets))
+            if strikes is not None:
+                self._strike(k, strikes, brackets, value[strikes.steps + 1])
+                brackets = brackets.part(strikes.others)
+            self._note(k, self._bracketed(k, brackets))
         stop, failure = self._stop(), ""
         if stop is not None:
             near = 1e-9 * np.diff(t, prepend=t[0] - (t[1] - t[0]))
@@ -190,7 +169,50 @@ class Watch:
             k = int(np.argmax(np.isnan([value[bad[0]] for value in values])))
             failure = f" {self.events[k].name}, gave no number at t={float(t[bad[0]])!r}."
         self._x, self._v = xs[steps : steps + 1], vs[steps : steps + 1]
-        return Found(steps, stop, failure)
+        return Found(steps, stop, failure, any(zero is stop for zero in self._jumps))
+
+    def _values(self, event: int, t: Floats, x: Floats, v: Floats) -> Floats:
+        return evaluate_quantity(self.events[event].quantity, self._system, t, x, v)
+
+    def _note(self, event: int, brackets: Brackets) -> None:
+        """Search for zeros that may end the run, and keep the others until later."""
+        if brackets.t.size and self.events[event].terminal:
+            self._zeros += self._search(event, brackets)
+        elif brackets.t.size:
+            self._waiting.append((event, brackets))
+
+    def _strikes(self, t: Floats, xs: Floats, vs: Floats, values: list[Floats]) -> Strikes | None:
+        """Find the steps that end with impacts, if any do, and round values where something touches."""
+        if self._surfaces is None:
+            return None
+        touched = self._surfaces.touched(self._system, t, xs, vs)
+        rows, steps = np.flatnonzero(touched), np.flatnonzero(self._surfaces.struck(t, touched))
+        for k, value in enumerate(values):
+            value[rows] = self._surfaces.rounded(partial(self._values, k), value[rows], t[rows], xs[rows], vs[rows])
+        if not steps.size:
+            return None
+        strikes, evaluations = strikes_at(steps, self._processing, t, xs, vs)
+        self.evaluations += evaluations
+        return strikes
+
+    def _strike(self, event: int, at: Strikes, steps: Brackets, after: Floats) -> None:
+        """Note the zeros of an event in steps that end with impacts, and in these: the states are those after them."""
+        assert self._surfaces is not None
+        ask = partial(self._values, event)
+        before = self._surfaces.rounded(ask, ask(at.t, at.x, at.v), at.t, at.x, at.v)
+        steps = steps.part(at.steps)._replace(last=before)
+        hops = np.flatnonzero((steps.first == 0.0) & (before == 0.0))
+        if hops.size:  # from an impact to the next in one step
+            steps = self._from_the_middle(event, steps, hops)
+        found = self._bracketed(event, steps)
+        at_end = (found.last == 0.0) & (found.end == 1.0)
+        self._note(event, found.part(~at_end))
+        jumps = self._crosses(event, steps._replace(first=before, last=after))
+        jumps &= self._surfaces.located | (after != 0.0)  # else bodies are put back to what they had passed
+        for k in np.flatnonzero(jumps | np.isin(steps.t, found.t[at_end])):
+            self._zeros.append(Zero(float(at.t[k]), event, at.x_after[k], at.v_after[k]))
+            if after[k] != 0.0:
+                self._jumps.append(self._zeros[-1])
 
     def by_event(self, end: float) -> tuple[tuple[Zero, ...], ...]:
         """Return the zeros of each event up to the time at which a run ended, in their order.
@@ -218,6 +240,14 @@ class Watch:
             if 0 < self.events[zero.event].terminal <= counts[zero.event]:
                 return zero if self._sign * zero.t <= self._sign * self._end else None
         return None
+
+    def _from_the_middle(self, event: int, steps: Brackets, which: NDArray[np.intp]) -> Brackets:
+        """Begin some steps in their middle."""
+        assert self._surfaces is not None
+        t, x, v, values = self._ask(event, steps.part(which), np.full(which.size, 0.5))
+        begin, first = steps.begin.copy(), steps.first.copy()
+        begin[which], first[which] = 0.5, self._surfaces.rounded(partial(self._values, event), values, t, x, v)
+        return steps._replace(begin=begin, first=first)
 
     def _ask(self, event: int, at: Brackets, share: Floats) -> tuple[Floats, Floats, Floats, Floats]:
         """Return when parts of steps end, and the states and values of an event there."""

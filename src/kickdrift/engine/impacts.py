@@ -1,6 +1,6 @@
 """Impacts and switches: surfaces that bodies rebound from, and those beyond which a force has another law."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
@@ -15,16 +15,17 @@ from kickdrift.core.kinds import Kind
 from kickdrift.core.views import part
 from kickdrift.engine.control_checks import check_copies
 from kickdrift.engine.controller import Controller
-from kickdrift.engine.flows import impact as layout
+from kickdrift.engine.flows import surfaces as layout
 from kickdrift.engine.grid import Course
+from kickdrift.engine.impact_checks import check_friction, check_start, masses_of, numbers_of
 from kickdrift.engine.problem_adapter import Adapter, bind
 from kickdrift.engine.program import Spelled
 from kickdrift.engine.quantities import evaluate_quantity
 from kickdrift.engine.step_control import Spell
+from kickdrift.engine.surface_events import Surfaces
 from kickdrift.methods import Method
 from kickdrift.methods.record import Word
 from kickdrift.systems.problem import name_of
-from kickdrift.systems.second_order import fitted
 from kickdrift.systems.system import Quantity, System
 
 Floats = NDArray[np.float64]
@@ -56,8 +57,10 @@ class Impacts:
 
     Notes
     -----
-    A body whose rebounds have become shorter than a thousandth of a step rests on the surface, and slides with friction, until
-    it is lifted. Two zeros of a gap within one step are not seen: take smaller steps than the shortest graze.
+    A body whose rebounds have become shorter than a thousandth of a step rests on the surface, or slides along it, until
+    nothing presses it on: by impulses at both ends of a step, as RATTLE has them, of second order whatever the method, and with
+    friction that holds what it can hold. Two zeros of a gap within one step are not seen: take smaller steps than the shortest
+    graze.
 
     Examples
     --------
@@ -146,30 +149,38 @@ def cut_steps(
     start = evaluate_quantity(whole, system, *state).reshape(count)
     length = float(abs(system.x0).max()) or 1.0
     of_impacts = sizes.get("impacts", 0)
-    _check_start(start, of_impacts, length)
-    params = np.zeros(layout.HEAD + (layout.ROWS + 1) * count + layout.VECTORS * n)
-    params[[layout.COUNT, layout.LENGTH]] = count, length
+    check_start(start, of_impacts, length)
+    most = min(of_impacts, 2 * n)
+    params = np.zeros(layout.HEAD + (layout.ROWS + 1) * count + (layout.VECTORS + max(most, 1)) * n)
+    params[[layout.COUNT, layout.LENGTH, layout.START, layout.MOST_LISTED]] = count, length, course.t0, max(most, 1)
     params[layout.PLACE_OF_SIDES] = place_of_sides
     params[layout.LOCATED] = impacts is None or choice("located", impacts.located)
     params[layout.BODY_SIZE] = system.x0.shape[-1] if system.x0.ndim > 1 else n
     rows = params[layout.HEAD : layout.HEAD + layout.ROWS * count].reshape(layout.ROWS, count)
     rows[layout.SIDE] = 1.0
     if impacts is not None:
-        rows[layout.RESTITUTION, :of_impacts] = _numbers("restitution", impacts.restitution, of_impacts, 1.0)
-        rows[layout.FRICTION, :of_impacts] = _numbers("friction", impacts.friction, of_impacts, np.inf)
-        _check_friction(rows[layout.FRICTION], whole, system, course.t0)
+        rows[layout.RESTITUTION, :of_impacts] = numbers_of("restitution", impacts.restitution, of_impacts, 1.0)
+        rows[layout.FRICTION, :of_impacts] = numbers_of("friction", impacts.friction, of_impacts, np.inf)
+        check_friction(rows[layout.FRICTION], whole, system, course.t0)
     rows[layout.SWITCH, of_impacts:] = 1.0
     rows[layout.SIDE, of_impacts:] = np.where(start[of_impacts:] < 0.0, -1.0, 1.0)
-    masses = np.ones(n) if impacts is None else _masses(impacts, problem, system)
+    masses = np.ones(n) if impacts is None else masses_of(impacts.mass, problem, system)
     vectors = layout.HEAD + layout.ROWS * count
     params[vectors : vectors + n] = 1.0 / masses
     own = np.zeros(0) if whole.params is None else whole.params
     what = " and ".join(f"{size} {name}" for name, size in sizes.items())
     name = "equal steps, cut at " + (what if params[layout.LOCATED] else f"none; {what} after each")
     params = np.concatenate([params, own])
-    between = Controller(name, "", _on_their_sides, params) if "switches" in sizes else None
+    surfaces = Surfaces(whole, of_impacts, length, course.step, bool(params[layout.LOCATED])) if of_impacts else None
     controller = Controller(
-        name, "what impacts leave of energy and momenta", spelled, params, between=between, takes_back=True
+        name,
+        "what impacts leave of energy and momenta",
+        spelled,
+        params,
+        between=Controller(name, "", _between, params),
+        takes_back=True,
+        surfaces=surfaces,
+        function=whole,
     )
     parts = {**system.parts, "gaps": whole.function}
     return replace(system, parts=parts, exact=None), controller  # which knows of no impacts
@@ -181,8 +192,9 @@ def spelled(spell: Spell, word: Word) -> Spelled:
     return [("begin-cut", whole, Fraction(0)), *spell(word), ("end-cut", whole, whole)]
 
 
-def _on_their_sides(spell: Spell, word: Word) -> Spelled:
-    return [("take-sides", Fraction(1), Fraction(0)), *spell(word)]
+def _between(spell: Spell, word: Word) -> Spelled:
+    whole = Fraction(1)
+    return [("begin-between", whole, Fraction(0)), *spell(word), ("end-between", whole, whole)]
 
 
 def sides_at(switches: Any, problem: Any, adapter: Adapter) -> Floats:
@@ -237,62 +249,3 @@ def _both(one: Quantity, other: Quantity) -> Quantity:
 def _one_after_the_other(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     first(t, x, v, part(params, 0, PARAMS), part(out, 0, COUNT))
     second(t, x, v, part(params, PARAMS, params.size - PARAMS), part(out, COUNT, out.size - COUNT))
-
-
-def _masses(impacts: Impacts, problem: Any, system: System) -> Floats:
-    """Return a mass to each number of the state."""
-    given = impacts.mass
-    if given is None:
-        given = getattr(problem, "mass", 1.0) if system.gm is None else system.gm
-    masses = fitted("mass", given, system.x0.shape)
-    if not (np.isfinite(masses) & (masses > 0.0)).all():
-        raise ArgumentError(f"mass={given!r} of impacts must be positive and finite.")
-    return masses
-
-
-def _check_friction(friction: Floats, gaps: Quantity, system: System, t0: float) -> None:
-    """Refuse friction in gaps that more than one body has a part in: it would depend on who is at rest."""
-    if system.x0.ndim < 2 or not friction.any():
-        return
-    touched = np.zeros(friction.size, dtype=int)
-    moved = 1e-3 * (float(np.abs(system.x0).max()) or 1.0)
-
-    def at(x: Floats) -> Floats:
-        return evaluate_quantity(gaps, system, np.array([t0]), x[None], system.v0[None]).reshape(-1)
-
-    for body in range(len(system.x0)):
-        changed = np.zeros(friction.size, dtype=bool)
-        for k in range(system.x0[body].size):
-            x = system.x0.copy()
-            x[body].flat[k] += moved
-            changed |= at(x) != at(system.x0)
-        touched += changed
-    between = np.flatnonzero((friction > 0.0) & (touched > 1))
-    if between.size:
-        raise ArgumentError(
-            f"gap {int(between[0])} is between bodies and has friction {float(friction[between[0]])!r}; impacts have friction"
-            " with surroundings at rest alone: give 0 there, or build a kd.World."
-        )
-
-
-def _numbers(name: str, value: ArrayLike, count: int, most: float) -> Floats:
-    try:
-        numbers = np.broadcast_to(reals(value), (count,))
-    except (TypeError, ValueError) as error:
-        raise ArgumentError(f"{name}={value!r} of impacts: {error}; give a number, or {count} of them.") from None
-    if not ((numbers >= 0.0) & (numbers <= most) & np.isfinite(numbers)).all():
-        raise ArgumentError(
-            f"{name}={value!r} of impacts must be finite and {'from 0 to 1' if most == 1.0 else 'at least 0'}."
-        )
-    return numbers
-
-
-def _check_start(start: Floats, count: int, length: float) -> None:
-    if not np.isfinite(start).all():
-        raise ArgumentError(f"the gaps at the start are {start.tolist()!r}; they must be finite.")
-    beyond: Sequence[int] = np.flatnonzero(start[:count] < -1e-9 * length).tolist()
-    if beyond:
-        raise ArgumentError(
-            f"gap {beyond[0]} is {float(start[beyond[0]])!r} at the start, beyond the surface; gaps are positive where nothing"
-            " touches: move x0, or turn the sign of the function."
-        )

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from kickdrift.core.interruption import next_chunk
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.events import Watch, Zero
-from kickdrift.engine.flows.layout import EVALUATIONS, FAILED_CONTROL, TROUBLE, estimated_errors
+from kickdrift.engine.flows.layout import EVALUATIONS, FAILED_CONTROL, TAKEN_BACK, TROUBLE, estimated_errors
 from kickdrift.engine.flows.table import FLOWS
 from kickdrift.engine.progress import Bar
 from kickdrift.engine.rows import Mark, Rows, Stretch
@@ -199,7 +199,8 @@ class Run:
         self._checkpoint, self._stop = Checkpoint(self._state.copy(), first + found.steps, mark), found.stop
         if found.stop is None:
             return Outcome.FAILED, found.failure
-        return Outcome.STOPPED, f" There, {self._watch.events[found.stop.event].name}, is zero."
+        what = "changes its sign in an impact" if found.jumps else "is zero"
+        return Outcome.STOPPED, f" There, {self._watch.events[found.stop.event].name}, {what}."
 
     def _find_last_good(self, bad: int) -> Failure | None:
         """Find the last good state by halves: what is not finite stays so, and every rerun gives the same bits."""
@@ -240,7 +241,7 @@ class Run:
             estimated,
             self._stop,
             self.rows.step_range(self._state),
-            good.mark.trials,
+            good.mark.trials + int(work[TAKEN_BACK]),
         )
 
 

@@ -13,7 +13,7 @@ from kickdrift.engine.announcing import compiling_announced
 from kickdrift.engine.checkpoints import Checkpoints
 from kickdrift.engine.continuation import carry_out
 from kickdrift.engine.dense import check_between
-from kickdrift.engine.events import events_of
+from kickdrift.engine.event_functions import events_of
 from kickdrift.engine.grid import Grid
 from kickdrift.engine.identity import identity_of
 from kickdrift.engine.impacts import Impacts
@@ -24,7 +24,7 @@ from kickdrift.engine.start import parameters, start_of
 from kickdrift.engine.steering import steering_of
 from kickdrift.engine.step_control import StepControl
 from kickdrift.engine.streaming import store_of
-from kickdrift.engine.table_ranges import check_tables
+from kickdrift.engine.table_ranges import tables_of
 from kickdrift.engine.task import Journey, Task
 from kickdrift.engine.unit_solution import enter
 from kickdrift.engine.zarr_store import ZarrStore
@@ -94,7 +94,8 @@ def solve(
         states there, as exact as the method. Attributes say which: ``direction`` 1 for those on the way up, -1 for those on
         the way down; ``terminal``, True or a number, ends the run at the first or that zero; ``rate_bound``, a bound
         of how fast the function changes, finds two zeros within a step, too, if they are more than 1/256 of it apart. A zero at
-        the start is none.
+        the start is none. Where a function jumps over zero in an impact, it is found there, once; and where a gap closes in
+        one. The states are those after the impact.
     impacts : Impacts or callable, optional
         Surfaces that bodies rebound from, see `kickdrift.Impacts`; a function alone is a gap with restitution 1.
     switches : callable, optional
@@ -190,10 +191,13 @@ def solve(
                 check_between(system, grid)
             chosen = choose(method, order, system, grid.t0, grid.step, grid.t1 - grid.t0, **steering.defaults)
             check_direction(chosen.method, grid.step)
-            check_tables(problem, system, chosen.method, grid)
             system, controller = steering.ready(problem, system, chosen.method, grid, adapter, step)
             wanted = events_of(events, adapter.number)
-            task = Task(system, chosen, grid, compensated, controller, wanted, progress, entered.inside.names)
+            given = problem, steering.control, steering.impacts, steering.switches, events
+            tables = tables_of(given, system, chosen.method, controller, wanted)
+            if tables is not None:
+                tables.check(grid)
+            task = Task(system, chosen, grid, compensated, controller, wanted, progress, entered.inside.names, tables)
             if checkpoint is not None or save_to is not None:
                 known = identity_of(
                     problem, grid, start, params, chosen.method, compensated, compiles, events, steering

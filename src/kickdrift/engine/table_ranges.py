@@ -1,36 +1,91 @@
-"""Tables of a user's that a run would leave: said before it starts."""
+"""Tables of a user's that a run would leave: said before it starts, or goes on."""
 
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.engine.controller import Controller
+from kickdrift.engine.event_functions import Event
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.methods import Letter, Method
 from kickdrift.systems.spline import OUTSIDE, ranges_used
-from kickdrift.systems.system import System
+from kickdrift.systems.system import Quantity, System
+
+# In steps: a density is asked half a step before the start, and steps by one lead beyond the end, which is asked as well.
+_BEFORE, _BEYOND = 0.5, 1.5
 
 
-def check_tables(problem: Any, system: System, method: Method, grid: Grid | Course) -> None:
-    """Ask the functions of a problem at all ends of time to which a run goes.
+@dataclass(frozen=True, eq=False)
+class Tables:
+    """The functions of a run that may call tables.
 
-    Raises
-    ------
-    ArgumentError
-        If a table that they call does not go as far.
+    Attributes
+    ----------
+    system : System
+        With the start.
+    functions : tuple of Quantity
+    spans : str
+        From where to where the tables go.
+    method : str
+        Its name.
+    before, beyond : float
+        How far before the start and beyond the end they are asked, in steps.
     """
-    if isinstance(problem, System) or not (ranges := ranges_used(problem)):
-        return
-    before, beyond = _clock(method)
-    for t in (grid.t0 + before * grid.step, grid.t1 + beyond * grid.step):
-        for function in (system.acceleration, system.velocity):
-            if function is not None and _leaves(function, system, t):
-                spans = ", ".join(f"{first!r} to {last!r}" for first, last in ranges)
+
+    system: System
+    functions: tuple[Quantity, ...]
+    spans: str
+    method: str
+    before: float
+    beyond: float
+
+    def check(self, grid: Grid | Course) -> None:
+        """Ask the functions at all ends of time to which a run goes.
+
+        Raises
+        ------
+        ArgumentError
+            If a table that they call does not go as far.
+        """
+        for t in (grid.t0 - self.before * grid.step, grid.t1 + self.beyond * grid.step):
+            if any(self._leaves(function, t) for function in self.functions):
                 raise ArgumentError(
-                    f"t_span=({grid.t0!r}, {grid.t1!r}) leaves a table of kd.spline (from {spans}): {method.name!r} with"
+                    f"t_span=({grid.t0!r}, {grid.t1!r}) leaves a table of kd.spline (from {self.spans}): {self.method!r} with"
                     f" step={grid.step!r} asks it as for t={t!r}; shorten the span, or give a longer table."
                 )
+
+    def _leaves(self, quantity: Quantity, t: float) -> bool:
+        system = self.system
+        x, v = system.x0.reshape(-1).copy(), system.v0.reshape(-1).copy()
+        params = system.params if quantity.params is None else quantity.params
+        try:
+            with np.errstate(all="ignore"):
+                quantity.function(t, x, v, params.copy(), np.zeros(max(x.size, v.size, quantity.size)))
+        except ValueError as error:
+            return OUTSIDE in str(error)
+        except Exception:
+            return False  # of something else, which the run shows if it comes to it
+        return False
+
+
+def tables_of(
+    given: tuple[Any, ...], system: System, method: Method, controller: Controller | None, events: tuple[Event, ...]
+) -> Tables | None:
+    """Find the tables that the functions `given` call, and what asks these functions; None without tables."""
+    if not (ranges := ranges_used(*given)):
+        return None
+    functions = [Quantity(function) for function in (system.acceleration, system.velocity) if function is not None]
+    functions += [event.quantity for event in events]
+    before, beyond = _clock(method)
+    if controller is not None and controller.function is not None:
+        functions.append(controller.function)
+    if controller is not None and not controller.takes_back:
+        before, beyond = max(before, _BEFORE), beyond + _BEYOND
+    spans = ", ".join(f"{first!r} to {last!r}" for first, last in ranges)
+    return Tables(system, tuple(functions), spans, method.name, before, beyond)
 
 
 def _clock(method: Method) -> tuple[float, float]:
@@ -40,16 +95,4 @@ def _clock(method: Method) -> tuple[float, float]:
         if letter.plain is Letter.DRIFT:
             now += weight
             low, high = min(low, now), max(high, now)
-    return float(low), float(max(high - 1, Fraction(0)))
-
-
-def _leaves(function: Any, system: System, t: float) -> bool:
-    x, v = system.x0.reshape(-1).copy(), system.v0.reshape(-1).copy()
-    try:
-        with np.errstate(all="ignore"):
-            function(t, x, v, system.params.copy(), np.zeros(max(x.size, v.size)))
-    except ValueError as error:
-        return OUTSIDE in str(error)
-    except Exception:
-        return False  # of something else, which the run shows if it comes to it
-    return False
+    return float(-low), float(max(high - 1, Fraction(0)))

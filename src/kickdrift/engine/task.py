@@ -13,7 +13,8 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.checkpoints import Checkpoints
 from kickdrift.engine.controller import Controller
 from kickdrift.engine.description import Description
-from kickdrift.engine.events import Event, watch_for
+from kickdrift.engine.event_functions import Event
+from kickdrift.engine.events import watch_for
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.keeping import find, keep
 from kickdrift.engine.method_selection import Choice
@@ -24,6 +25,7 @@ from kickdrift.engine.run import Ending, Failure, Run
 from kickdrift.engine.standing import Standing
 from kickdrift.engine.streamed_course import StreamedCourseRows
 from kickdrift.engine.streaming import StreamedGridRows, StreamedRows
+from kickdrift.engine.table_ranges import Tables
 from kickdrift.engine.zarr_store import ZarrStore
 from kickdrift.systems.system import System
 
@@ -47,6 +49,8 @@ class Task:
         Whether a bar shows, which determines nothing.
     units : mapping of str to str
         Of the numbers, where users gave quantities; which determines nothing either.
+    tables : Tables or None
+        Those that functions call.
     """
 
     system: System
@@ -57,6 +61,7 @@ class Task:
     events: tuple[Event, ...]
     progress: bool | None
     units: Mapping[str, str] = field(default_factory=dict)
+    tables: Tables | None = None
 
     @property
     def description(self) -> Description:
@@ -154,7 +159,8 @@ class Journey:
         made = partial(compile_method, task.system, task.chosen.method, task.grid, task.compensated)
         self.processing = made(turns=not task.events, controller=task.controller)
         self.between = partial(made, controller=None if task.controller is None else task.controller.between)
-        self.watch = watch_for(task.events, task.system, partial(self.between, turns=False), task.grid.t1)
+        surfaces = None if task.controller is None else task.controller.surfaces
+        self.watch = watch_for(task.events, task.system, partial(self.between, turns=False), task.grid.t1, surfaces)
         self.run = Run(self.processing.kernel, self._rows(), self.watch)
 
     def _rows(self) -> Rows:

@@ -12,6 +12,8 @@ from kickdrift.systems.system import Quantity, System, start
 
 Floats = NDArray[np.float64]
 
+_PART = 2048
+
 
 @compiled
 def _acceleration(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
@@ -91,17 +93,24 @@ def kepler(eccentricity: float = 0.6, semi_major_axis: float = 1.0, mu: float = 
 def eccentric_anomaly(mean_anomaly: Floats, eccentricity: float) -> Floats:
     """Solve Kepler's equation E - e sin E = M for arrays of M, to rounding.
 
-    Newton's method from E = pi on (0, pi), where E - e sin E is convex, converges from one side for every eccentricity
-    below 1.
+    Newton's method on (0, pi), where E - e sin E is convex, converges from beyond the zero for every eccentricity below 1.
+    Begun at the least of pi, M + e and M / (1 - e), which all are beyond it. The correction c is followed by one of
+    e c^2 / 2 (1 - e) at most. Parts of the arrays that stay in the nearest cache take half the time.
     """
+    solved = np.empty(mean_anomaly.size)
+    for first in range(0, solved.size, _PART):
+        _solve_part(mean_anomaly.reshape(-1)[first : first + _PART], eccentricity, solved[first : first + _PART])
+    return solved.reshape(mean_anomaly.shape)
+
+
+def _solve_part(mean_anomaly: Floats, e: float, solved: Floats) -> None:
     turns = np.round(mean_anomaly / (2 * math.pi))
     m = mean_anomaly - 2 * math.pi * turns
     sign, m = np.sign(m), np.abs(m)
-    e, anomaly = eccentricity, np.full_like(m, math.pi)
+    anomaly = np.minimum(np.minimum(m + e, m / (1 - e)), math.pi)
     for _ in range(60):
         correction = (anomaly - e * np.sin(anomaly) - m) / (1 - e * np.cos(anomaly))
         anomaly = anomaly - correction
-        if np.all(np.abs(correction) <= 4e-16 * np.maximum(anomaly, 1e-300)):
+        if np.all(e * correction * correction <= 4e-17 * (1 - e) * np.maximum(anomaly, 1e-300)):
             break
-    solved: Floats = sign * anomaly + 2 * math.pi * turns
-    return solved
+    np.add(sign * anomaly, 2 * math.pi * turns, out=solved)

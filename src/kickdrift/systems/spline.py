@@ -137,13 +137,19 @@ def _function(knots: Floats, pieces: Floats, rows: float, rounding: float) -> Ca
     return number if pieces.ndim == 2 else array
 
 
-def ranges_used(problem: Any) -> list[tuple[float, float]]:
-    """Return from where to where the tables go that the functions of a problem call."""
+def ranges_used(*given: Any) -> list[tuple[float, float]]:
+    """Return from where to where the tables go that functions call: those given, or parts of what is given."""
     if not _ranges:
         return []
-    functions = [problem, *vars(problem).values()] if hasattr(problem, "__dict__") else [problem]
+    functions = [function for one in given for function in _functions_in(one)]
     seen: set[int] = set()
     return sorted({found for function in functions for found in _ranges_of(function, seen)})
+
+
+def _functions_in(given: Any) -> list[Any]:
+    if isinstance(given, list | tuple):
+        return [function for one in given for function in _functions_in(one)]
+    return [given, *vars(given).values()] if hasattr(given, "__dict__") else [given]
 
 
 def _ranges_of(function: Any, seen: set[int]) -> Iterator[tuple[float, float]]:

@@ -1,7 +1,7 @@
 """The flows that choose the size of steps, or cut them: what the engine knows of each."""
 
 from kickdrift.core.compilation import Function
-from kickdrift.engine.flows import cuts, error_control, impact, step_density, time_transformation
+from kickdrift.engine.flows import cuts, error_control, impact, resting, step_density, surfaces, time_transformation
 from kickdrift.engine.flows.record import Flow
 
 _DENSITY: dict[str, Function] = {
@@ -13,6 +13,15 @@ _DENSITY_OF_V: dict[str, Function] = {**_DENSITY, "rates_of_v": step_density.rat
 _ENERGY: dict[str, Function] = {
     "energy_of": time_transformation.evaluate_energy,
     "potential_of": time_transformation.evaluate_potential,
+}
+_SURFACES: dict[str, Function] = {
+    "find_gaps": surfaces.evaluate_gaps,
+    "time_slopes": surfaces.difference_in_time,
+    "find_gradients": surfaces.difference_gradients,
+    "reach": resting.reach_surfaces,
+    "hold_listed": resting.hold_to_surfaces,
+    "hold_on": resting.hold,
+    "settle": resting.find_resting,
 }
 
 CONTROLS = {
@@ -63,22 +72,22 @@ CONTROLS = {
     "end-coarse": Flow(error_control.end_coarse, moves_x=True, moves_v=True, timed=False),
     "judge-embedded": Flow(error_control.judge_embedded, moves_x=True, moves_v=True, timed=False),
     "judge": Flow(error_control.judge, moves_x=True, moves_v=True, timed=False),
-    "take-sides": Flow(  # after which the accelerations of before are none
-        cuts.take_sides, parts={"find_gaps": impact.evaluate_gaps}, keeps_acceleration=False
+    "begin-between": Flow(  # after which the accelerations of before are none
+        cuts.begin_between,
+        parts={"keep_state": error_control.begin_trial, **_SURFACES, "find_sides": cuts.take_sides},
+        keeps_acceleration=False,
     ),
-    "begin-cut": Flow(
-        cuts.begin_cut, parts={"keep_state": error_control.begin_trial, "find_gaps": impact.evaluate_gaps}
-    ),
+    "end-between": Flow(cuts.end_between, parts=_SURFACES, moves_x=True, moves_v=True, timed=False),
+    "begin-cut": Flow(cuts.begin_cut, parts={"keep_state": error_control.begin_trial, **_SURFACES}),
     "end-cut": Flow(
         cuts.end_cut,
         parts={
-            "find_gaps": impact.evaluate_gaps,
-            "find_gradient": impact.difference_gradient,
+            **_SURFACES,
+            "pull_to": impact.accelerate_gap,
             "put_back": impact.move_to_surface,
             "strike": impact.give_impulse,
             "strike_all": impact.strike_rows,
             "cross": impact.cross_switch,
-            "rest_or_leave": impact.settle_or_lift,
         },
         moves_x=True,
         moves_v=True,

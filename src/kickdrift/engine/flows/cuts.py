@@ -12,28 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled, unbound
-from kickdrift.engine.flows.error_control import BEGIN, take_back
-from kickdrift.engine.flows.impact import (
-    BEFORE,
-    HIGH,
-    HIGH_GAP,
-    HIT,
-    LOCATED,
-    LOW,
-    LOW_GAP,
-    MODE,
-    MOVED_LAST,
-    NOW,
-    PLACE_OF_SIDES,
-    REST,
-    RESTING,
-    ROUNDS,
-    SHORT,
-    SIDE,
-    SWITCH,
-    WHOLE,
-    row_of,
-)
+from kickdrift.core.elementwise import assign
+from kickdrift.engine.flows.error_control import BEGIN, saved, take_back
+from kickdrift.engine.flows.impact import REST
 from kickdrift.engine.flows.layout import (
     CLOCK,
     DENSITY,
@@ -45,14 +26,41 @@ from kickdrift.engine.flows.layout import (
     at_end,
     own_params,
 )
+from kickdrift.engine.flows.resting import FREE as FLIES
+from kickdrift.engine.flows.resting import FREE_V, FREE_X, RESTS, let_go
+from kickdrift.engine.flows.surfaces import (
+    BEFORE,
+    HIGH,
+    HIGH_GAP,
+    HIT,
+    LOCATED,
+    LOW,
+    LOW_GAP,
+    MODE,
+    MOVED_LAST,
+    NOW,
+    OPENS,
+    PLACE_OF_SIDES,
+    RESTING,
+    ROUNDS,
+    SHORT,
+    SIDE,
+    SWITCH,
+    TOUCHES,
+    WHOLE,
+    row_of,
+    size_of,
+)
 
 Floats = NDArray[np.float64]
 
 keep_state: Callable[..., None] = unbound
 find_gaps: Callable[..., float] = unbound
 strike_all: Callable[..., None] = unbound
-rest_or_leave: Callable[..., None] = unbound
+settle: Callable[..., None] = unbound
+hold_on: Callable[..., None] = unbound
 cross: Callable[..., None] = unbound
+find_sides: Callable[..., None] = unbound
 
 FREE, SEARCHING, LAST = 0.0, 1.0, 2.0  # modes
 _MOST_ROUNDS = 200
@@ -64,7 +72,7 @@ _SLIVER = 1e-9  # of a step: a shorter one is none
 @compiled
 def narrow(size: float, gap: float, work: Floats) -> None:
     """Move an end of the sizes between which a gap closes, and note which ones have closed at the far one."""
-    own, now, hit, resting = own_params(work), row_of(NOW, work), row_of(HIT, work), row_of(RESTING, work)
+    own = own_params(work)
     own[MODE] = SEARCHING
     own[ROUNDS] += 1.0
     if gap >= 0.0:
@@ -77,40 +85,70 @@ def narrow(size: float, gap: float, work: Floats) -> None:
     if own[MOVED_LAST] < 0.0:
         own[LOW_GAP] *= 0.5
     own[MOVED_LAST] = -1.0
-    for row in range(hit.size):
-        hit[row] = 1.0 if now[row] < 0.0 and resting[row] == 0.0 else 0.0
+    note_closed(0.0, work)
 
 
 @compiled
-def choose_size(last: float, work: Floats) -> bool:
+def note_closed(least: float, work: Floats) -> None:
+    """Note what has closed where a trial has led: what is nearer than that."""
+    now, hit, resting = row_of(NOW, work), row_of(HIT, work), row_of(RESTING, work)
+    for row in range(hit.size):
+        hit[row] = 1.0 if now[row] < least and resting[row] == FLIES else 0.0
+
+
+@compiled
+def choose_size(last: float, x: Floats, work: Floats) -> bool:
     """Choose how long the step is to be; return whether it has to be done again for that."""
-    own, hit, switch = own_params(work), row_of(HIT, work), row_of(SWITCH, work)
+    own, size_of_x = own_params(work), size_of(x, work)
     low, high = own[LOW], own[HIGH]
     tolerance = 4.0 * _ROUNDING * (abs(own[BEGIN]) + high)
-    if low == 0.0 and own[LOW_GAP] == 0.0:
-        if high >= REST * abs(work[FIRST_STEP]):
-            size = 0.5 * high
-        else:  # nothing opens before it closes again: it rests there, or has passed a switch
-            for row in range(hit.size):
-                if hit[row] != 0.0 and switch[row] != 0.0:
-                    row_of(SIDE, work)[row] *= -1.0
-                elif hit[row] != 0.0:
-                    row_of(RESTING, work)[row] = 1.0
-                hit[row] = 0.0
+    found = 0.0 < low == last and own[LOW_GAP] <= 4.0 * _ROUNDING * size_of_x
+    if found:
+        note_closed(4.0 * _ROUNDING * size_of_x, work)
+    if low == 0.0 and own[LOW_GAP] <= TOUCHES * size_of_x and high > tolerance:
+        size = 0.5 * high
+        if closes_at_once(work):
+            own[MODE], size = LAST, tolerance
+        elif high < REST * abs(work[FIRST_STEP]) and opens_no_more(TOUCHES * size_of_x, work):
             own[MODE], size = FREE, own[WHOLE]
-        work[DENSITY] = abs(work[FIRST_STEP]) / size
-        return True
-    if high - low > tolerance and own[ROUNDS] < _MOST_ROUNDS:
+    elif high - low > tolerance and own[ROUNDS] < _MOST_ROUNDS and not found:
         size = 0.5 * (low + high)
         if own[ROUNDS] % 3.0 != 0.0:
             size = (low * own[HIGH_GAP] - high * own[LOW_GAP]) / (own[HIGH_GAP] - own[LOW_GAP])
             size = min(max(size, low + 0.25 * tolerance), high - 0.25 * tolerance)
-        work[DENSITY] = abs(work[FIRST_STEP]) / size
-        return True
-    size = low if low > 0.0 else high
-    own[MODE] = LAST
+    else:
+        size = low if low > 0.0 else high
+        own[MODE] = LAST
     work[DENSITY] = abs(work[FIRST_STEP]) / size
-    return bool(size != last)
+    return bool(size != last or own[MODE] != LAST)
+
+
+@compiled
+def closes_at_once(work: Floats) -> bool:
+    """Whether something that is hit has touched at the start, and closed: then this alone is hit."""
+    hit, opens, at_once = row_of(HIT, work), row_of(OPENS, work), False
+    for row in range(hit.size):
+        at_once = at_once or (hit[row] != 0.0 and opens[row] < 0.0)
+    for row in range(hit.size):
+        if at_once and opens[row] >= 0.0:
+            hit[row] = 0.0
+    return at_once
+
+
+@compiled
+def opens_no_more(touches: float, work: Floats) -> bool:
+    """Let rest what has touched at the start, and closed again within a moment, or let it pass its switch, if all have."""
+    hit, switch, before, side = row_of(HIT, work), row_of(SWITCH, work), row_of(BEFORE, work), row_of(SIDE, work)
+    for row in range(hit.size):
+        if hit[row] != 0.0 and before[row] > (0.0 if switch[row] != 0.0 else touches):
+            return False
+    for row in range(hit.size):
+        if hit[row] != 0.0 and switch[row] != 0.0:
+            side[row] *= -1.0
+        elif hit[row] != 0.0:
+            row_of(RESTING, work)[row] = RESTS
+        hit[row] = 0.0
+    return True
 
 
 @compiled
@@ -138,12 +176,12 @@ def show_sides(params: Floats, work: Floats) -> None:
 
 def take_sides(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Find out on which side of each switch a state is."""
-    side, now = row_of(SIDE, work), row_of(NOW, work)
+    side, now, switch = row_of(SIDE, work), row_of(NOW, work), row_of(SWITCH, work)
     for row in range(side.size):
         side[row] = 1.0
     find_gaps(t, x, v, work)
     for row in range(side.size):
-        side[row] = -1.0 if now[row] < 0.0 else 1.0
+        side[row] = -1.0 if now[row] < 0.0 and switch[row] != 0.0 else 1.0
     show_sides(params, work)
     work[TROUBLE] = 0.0
 
@@ -156,6 +194,7 @@ def begin_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Fl
     if own[MODE] == FREE:
         before, now = row_of(BEFORE, work), row_of(NOW, work)
         find_gaps(t, x, v, work)
+        settle(t, h, x, v, work)
         for row in range(now.size):
             before[row] = now[row]
         own[LOW_GAP] = max(0.0, find_gaps(t, x, v, work))
@@ -165,11 +204,12 @@ def begin_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Fl
 
 def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Take the step, or choose how long it is to be."""
+    hold_on(t, h, x, v, work)
     own, size, gap = own_params(work), abs(work[FIRST_STEP] / work[DENSITY]), find_gaps(t, x, v, work)
     cut = own[MODE] != FREE or gap < 0.0
     if cut and own[LOCATED] != 0.0 and own[MODE] != LAST:
         narrow(size, gap, work)
-        if choose_size(size, work):
+        if choose_size(size, x, work):
             take_back(x, v, work)
             work[REJECTED] = 1.0
             return
@@ -182,5 +222,32 @@ def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floa
         own[SHORT] = own[SHORT] + 1.0 if size < _SLIVER * abs(work[FIRST_STEP]) else 0.0
         if own[SHORT] > _MOST_SHORT:
             work[TROUBLE] = FAILED_CONTROL
+    let_go(work)
     accept_cut(size, work)
-    rest_or_leave(t, x, v, params, work)
+
+
+def begin_between(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    """Make ready for a part of a step from a state: which side of each switch it is on, and what rests."""
+    keep_state(t, h, x, v, params, work)
+    find_sides(t, h, x, v, params, work)
+    settle(t, h, x, v, work)
+    assign(row_of(BEFORE, work), row_of(NOW, work))
+
+
+def end_between(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    """End a part of a step as steps end between impacts: what has touched at its start, and closed, rests."""
+    n, hit = x.size, row_of(HIT, work)
+    assign(saved(n, FREE_X, n, work), x)
+    assign(saved(n, FREE_V, n, work), v)
+    for _ in range(hit.size + 1):
+        hold_on(t, h, x, v, work)
+        find_gaps(t, x, v, work)
+        touches, more = TOUCHES * size_of(x, work), False
+        note_closed(-touches, work)
+        for row in range(hit.size):
+            if hit[row] != 0.0 and row_of(SWITCH, work)[row] == 0.0 and row_of(BEFORE, work)[row] <= touches:
+                row_of(RESTING, work)[row], more = RESTS, True
+        if not more:
+            break
+        assign(x, saved(n, FREE_X, n, work))
+        assign(v, saved(n, FREE_V, n, work))

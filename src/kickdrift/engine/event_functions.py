@@ -1,0 +1,53 @@
+"""Functions whose zeros are wanted along a run: adapted to the state, with the attributes that users have set."""
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.systems.problem import name_of
+from kickdrift.systems.system import Quantity
+
+
+class Event(NamedTuple):
+    """A function whose zeros are wanted: its name, and what users have set as its attributes."""
+
+    name: str
+    quantity: Quantity
+    terminal: int  # at which zero the run ends, 0 for none
+    direction: float
+    rate_bound: float | None
+
+
+def events_of(events: Any, quantity: Callable[[str, Any], Quantity]) -> tuple[Event, ...]:
+    """Adapt functions to the state by `quantity`, and read their attributes.
+
+    Raises
+    ------
+    ArgumentError
+        For what is no function of the state, and attributes that cannot be.
+    """
+    if events is None:
+        return ()
+    functions = list(events) if isinstance(events, Sequence) else [events]
+    return tuple(_event(f"events[{k}]", function, quantity) for k, function in enumerate(functions))
+
+
+def _event(name: str, function: Any, quantity: Callable[[str, Any], Quantity]) -> Event:
+    terminal, direction = getattr(function, "terminal", False), getattr(function, "direction", 0)
+    bound = getattr(function, "rate_bound", None)
+    name = f"{name}, {name_of(function)}" if callable(function) else name
+    if not (isinstance(terminal, bool | np.bool_ | int | np.integer) and terminal >= 0):
+        raise ArgumentError(f"{name}, has terminal={terminal!r}; give True, False, or at which zero the run ends.")
+    for attribute, value, wanted in (
+        ("direction", direction, "1, -1 or 0"),
+        ("rate_bound", bound, "a positive number"),
+    ):
+        is_real = isinstance(value, int | float | np.integer | np.floating) and math.isfinite(value)
+        if value is not None and not (is_real and (attribute == "direction" or value > 0.0)):
+            raise ArgumentError(f"{name}, has {attribute}={value!r}; give {wanted}.")
+    return Event(
+        name, quantity(name, function), int(terminal), float(direction), None if bound is None else float(bound)
+    )

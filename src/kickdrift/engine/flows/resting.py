@@ -1,0 +1,287 @@
+"""What rests on surfaces or slides along them: how steps of a method that knows of none lead along them, and where they leave.
+
+Templates. RATTLE (H. C. Andersen, J. Comput. Phys. 52, 24 (1983)) with one-sided constraints, around the letters of a step.
+Had it begun with impulses p along the gradients J at its start, it would have ended elsewhere by ``h M^-1 J^T p``, and with
+other velocities by ``M^-1 J^T p``: those that lead it onto the surfaces. Along the gradients at its end further impulses take
+what moves across them. Both together may push and not pull: where the sum would be negative it is zero, and the body leaves.
+All of order 2, whatever the method; with one that is symmetric, energy is kept as by RATTLE.
+
+Friction acts with both, by Coulomb's law: of the way along the surface it takes what the impulses at the start allow, and of
+the speed at the end what they allow in sum. So what sticks stays where it is.
+"""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.compilation import compiled, unbound
+from kickdrift.core.elementwise import assign
+from kickdrift.engine.flows.error_control import saved
+from kickdrift.engine.flows.layout import FAILED_CONTROL, TROUBLE, own_params
+from kickdrift.engine.flows.surfaces import (
+    BODY_SIZE,
+    FRICTION,
+    IMPULSE,
+    LEFT,
+    LIST,
+    LISTED,
+    MOST_LISTED,
+    NOW,
+    OPENS,
+    RATE,
+    RESTING,
+    SQUARE,
+    SWITCH,
+    TOUCHES,
+    USED,
+    gradient,
+    inverse_masses,
+    list_one,
+    params_of_gaps,
+    place,
+    room_of_gaps,
+    row_of,
+    size_of,
+)
+
+Floats = NDArray[np.float64]
+
+gaps_at: Callable[..., None] = unbound
+find_gradients: Callable[..., None] = unbound
+find_gaps: Callable[..., float] = unbound
+reach: Callable[..., None] = unbound
+hold_listed: Callable[..., None] = unbound
+
+FREE, RESTS, LEAVES = 0.0, 1.0, 2.0  # what a gap does: the last until its step is taken
+_ROUNDS = 20  # of Newton's method, and of normal impulses and friction in turn
+_SWEEPS = 1000  # of Gauss and Seidel over the gaps
+_ROUNDING = 2.220446049250313e-16
+FREE_X, FREE_V = 4, 5  # vectors of control: where the step has led by itself
+
+
+def find_resting(t: float, h: float, x: Floats, v: Floats, work: Floats) -> None:
+    """Let rest what touches and moves no farther across its surface in a step than it may be off; note how fast others open."""
+    resting, switch, now, opens = row_of(RESTING, work), row_of(SWITCH, work), row_of(NOW, work), row_of(OPENS, work)
+    touches = TOUCHES * size_of(x, work)
+    for row in range(now.size):
+        opens[row] = 0.0
+        if resting[row] == FREE and switch[row] == 0.0 and abs(now[row]) <= touches:
+            list_one(row, work)
+            find_gradients(t, x, v, work)
+            speed, size = speed_of(0, v, work)
+            if abs(speed) <= 1e-9 * size or abs(speed * h) <= touches:
+                resting[row] = RESTS
+            else:
+                opens[row] = speed
+
+
+@compiled
+def speed_of(k: int, v: Floats, work: Floats) -> tuple[float, float]:
+    """Return how fast a gap listed opens, and the sum of what that is made of."""
+    rate, slopes = row_of(RATE, work)[k], gradient(k, v.size, work)
+    speed, size = rate, abs(rate)
+    for i in range(v.size):
+        speed += slopes[i] * v[i]
+        size += abs(slopes[i] * v[i])
+    return speed, size
+
+
+@compiled
+def list_resting(leaving: float, work: Floats) -> int:
+    """List the gaps at which something rests, with those that it leaves or without, and return how many."""
+    own, row, resting = own_params(work), row_of(LIST, work), row_of(RESTING, work)
+    listed = 0
+    for i in range(resting.size):
+        if resting[i] == RESTS or resting[i] == leaving:
+            if listed == int(own[MOST_LISTED]):  # more than there are ways to move, twice
+                work[TROUBLE] = FAILED_CONTROL
+                break
+            row[listed] = i
+            listed += 1
+    own[LISTED] = listed
+    return listed
+
+
+def hold(t: float, h: float, x: Floats, v: Floats, work: Floats) -> None:
+    """Lead a step that has ended back to what it rests on, and mark what leaves: that is led nowhere."""
+    n, resting, now = x.size, row_of(RESTING, work), row_of(NOW, work)
+    if list_resting(LEAVES, work) == 0:
+        return
+    assign(saved(n, FREE_X, n, work), x)
+    assign(saved(n, FREE_V, n, work), v)
+    hold_listed(t, h, x, v, work)
+    leaves, closes = False, False
+    for row in range(resting.size):
+        leaves = leaves or resting[row] == LEAVES
+    if leaves:
+        assign(x, saved(n, FREE_X, n, work))
+        assign(v, saved(n, FREE_V, n, work))
+        if list_resting(RESTS, work) > 0:
+            hold_listed(t, h, x, v, work)
+        find_gaps(t, x, v, work)
+        for row in range(resting.size):
+            closes = closes or (resting[row] == LEAVES and now[row] < 0.0)
+    if closes:  # it leaves in the next step, from the surface
+        assign(x, saved(n, FREE_X, n, work))
+        assign(v, saved(n, FREE_V, n, work))
+        list_resting(LEAVES, work)
+        hold_listed(t, h, x, v, work)
+
+
+def hold_to_surfaces(t: float, h: float, x: Floats, v: Floats, work: Floats) -> None:
+    """Lead a step back to the surfaces listed."""
+    n, listed = x.size, int(own_params(work)[LISTED])
+    impulse, used, square = row_of(IMPULSE, work), row_of(USED, work), row_of(SQUARE, work)
+    find_gradients(t - h, saved(n, 0, n, work), v, work)
+    for k in range(listed):
+        impulse[k] = used[k] = 0.0
+    reach(t, h, x, v, work)
+    for k in range(listed):
+        impulse[k] *= math.sqrt(square[k])
+        used[k] /= h
+    find_gradients(t, x, v, work)
+    for k in range(listed):
+        impulse[k] /= math.sqrt(square[k]) if square[k] > 0.0 else 1.0
+    keep_along(v, work)
+    resting, row = row_of(RESTING, work), row_of(LIST, work)
+    for k in range(listed):
+        speed, size = speed_of(k, v, work)
+        resting[int(row[k])] = LEAVES if impulse[k] <= 0.0 and speed > TOUCHES * size else RESTS
+    forget_roundings(x, v, work)
+
+
+def reach_surfaces(t: float, h: float, x: Floats, v: Floats, work: Floats) -> None:
+    """Find the impulses at the start with which a step ends on the surfaces, and the friction that goes with them."""
+    n, room, left, row = x.size, room_of_gaps(x.size, work), row_of(LEFT, work), row_of(LIST, work)
+    listed, way, begin = int(own_params(work)[LISTED]), place(n, work), saved(n, 0, n, work)
+    size, moved = size_of(x, work), 0.0
+    for _ in range(_ROUNDS):
+        gaps_at(t, x, v, params_of_gaps(n, work), work, room)
+        for k in range(listed):
+            left[k] = -room[int(row[k])] / h
+        balance(0.25 * _ROUNDING * size / h, way, work)
+        moved = 0.0
+        for i in range(n):
+            x[i] += h * way[i]
+            v[i] += way[i]
+            moved = max(moved, abs(h * way[i]))
+        for i in range(n):
+            way[i] = x[i] - begin[i]
+        rubbed = rub_listed(h, way, work)
+        if rubbed > 0.0:
+            for i in range(n):
+                v[i] += (way[i] - (x[i] - begin[i])) / h
+                x[i] = begin[i] + way[i]
+        if max(moved, rubbed) <= 4.0 * _ROUNDING * size:
+            return
+    if not moved <= TOUCHES * size:
+        work[TROUBLE] = FAILED_CONTROL
+
+
+@compiled
+def balance(least: float, change: Floats, work: Floats) -> None:
+    """Find the impulses that change the speeds of the gaps listed by what is left, and leave the change of the velocities."""
+    n, left, square, impulse = change.size, row_of(LEFT, work), row_of(SQUARE, work), row_of(IMPULSE, work)
+    listed, inverse = int(own_params(work)[LISTED]), inverse_masses(n, work)
+    for i in range(n):
+        change[i] = 0.0
+    for _ in range(_SWEEPS):
+        largest = 0.0
+        for k in range(listed):
+            if square[k] == 0.0:
+                continue
+            slopes, lacking = gradient(k, n, work), left[k]
+            for i in range(n):
+                lacking -= slopes[i] * change[i]
+            lacking /= square[k]
+            impulse[k] += lacking
+            for i in range(n):
+                change[i] += lacking * slopes[i] * inverse[i]
+                largest = max(largest, abs(lacking * slopes[i] * inverse[i]))
+        if listed == 1 or largest <= least:
+            break
+
+
+@compiled
+def keep_along(v: Floats, work: Floats) -> None:
+    """Take from the velocities what leads across the surfaces, by impulses that push in sum; and friction."""
+    n, square, impulse = v.size, row_of(SQUARE, work), row_of(IMPULSE, work)
+    listed, inverse = int(own_params(work)[LISTED]), inverse_masses(n, work)
+    for _ in range(_ROUNDS):
+        for _ in range(_SWEEPS):
+            still = True
+            for k in range(listed):
+                if square[k] == 0.0:
+                    continue
+                speed, size = speed_of(k, v, work)
+                given = max(impulse[k] - speed / square[k], 0.0) - impulse[k]
+                impulse[k] += given
+                slopes = gradient(k, n, work)
+                for i in range(n):
+                    v[i] += given * slopes[i] * inverse[i]
+                still = still and abs(given) * square[k] <= 8.0 * _ROUNDING * (size + impulse[k] * square[k])
+            if still or listed == 1:
+                break
+        largest = 0.0
+        for i in range(n):
+            largest = max(largest, abs(v[i]))
+        if rub_listed(1.0, v, work) <= 4.0 * _ROUNDING * largest:
+            break
+
+
+@compiled
+def rub_listed(h: float, way: Floats, work: Floats) -> float:
+    """Take from what is along the surfaces what the impulses allow, acting for a time, and return the largest change."""
+    n, friction, impulse, used = way.size, row_of(FRICTION, work), row_of(IMPULSE, work), row_of(USED, work)
+    row, inverse, largest = row_of(LIST, work), inverse_masses(n, work), 0.0
+    size = int(own_params(work)[BODY_SIZE])
+    for k in range(int(own_params(work)[LISTED])):
+        rough = friction[int(row[k])]
+        if rough == 0.0:
+            continue
+        slopes = gradient(k, n, work)
+        for first in range(0, n, size):
+            length, across, along = 0.0, 0.0, 0.0
+            for i in range(first, first + size):
+                length += slopes[i] * slopes[i]
+                across += slopes[i] * way[i]
+            if length == 0.0:
+                continue
+            for i in range(first, first + size):
+                along += (way[i] - across * slopes[i] / length) ** 2
+            along = math.sqrt(along)
+            allowed = rough * impulse[k] * math.sqrt(length) * inverse[first] * h - used[k]
+            if along > 0.0 and allowed > 0.0:
+                share = min(1.0, allowed / along)
+                used[k] += share * along
+                largest = max(largest, share * along)
+                for i in range(first, first + size):
+                    way[i] -= share * (way[i] - across * slopes[i] / length)
+    return largest
+
+
+@compiled
+def forget_roundings(x: Floats, v: Floats, work: Floats) -> None:
+    """Let what stays where it was, or comes to rest, do so exactly: what differs by roundings would wander."""
+    n = x.size
+    begin, free_x, free_v = saved(n, 0, n, work), saved(n, FREE_X, n, work), saved(n, FREE_V, n, work)
+    moved, kicked = 0.0, 0.0
+    for i in range(n):
+        moved, kicked = max(moved, abs(x[i] - free_x[i])), max(kicked, abs(v[i] - free_v[i]))
+    for i in range(n):
+        if x[i] != free_x[i] and abs(x[i] - begin[i]) <= min(8.0 * _ROUNDING * abs(x[i]), 1e-6 * moved):
+            x[i] = begin[i]
+            work[n + i] = saved(n, 2, 2 * n, work)[i]
+        if v[i] != free_v[i] and abs(v[i]) <= 8.0 * _ROUNDING * kicked:
+            v[i] = work[2 * n + i] = 0.0
+
+
+@compiled
+def let_go(work: Floats) -> None:
+    """Let fly what leaves."""
+    resting = row_of(RESTING, work)
+    for row in range(resting.size):
+        if resting[row] == LEAVES:
+            resting[row] = FREE

@@ -1,0 +1,177 @@
+"""Surfaces that steps are cut at: where their numbers are, how far off they are, and in which direction they lie.
+
+Templates. Layout of the params of control: HEAD numbers, named below; then ROWS rows of a number to each of m gaps, named
+below, of which the last ones belong to the gaps that are listed; VECTORS of n numbers, the inverse masses first; room for m
+gaps; the gradients of the gaps that are listed, n numbers each; and the params of the function.
+"""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.compilation import compiled, unbound
+from kickdrift.core.views import part
+from kickdrift.engine.flows.layout import END, FAILED_CONTROL, FIRST_STEP, TROUBLE, own_params
+
+Floats = NDArray[np.float64]
+
+gaps_at: Callable[..., None] = unbound
+time_slopes: Callable[..., None] = unbound
+
+HEAD = 19
+COUNT, LOCATED, BODY_SIZE = 0, 1, 2  # 3 and 4 are those of a trial, see `error_control`
+LOW, HIGH, LOW_GAP, HIGH_GAP, MODE, WHOLE, MOVED_LAST, LENGTH, ROUNDS, PLACE_OF_SIDES, SHORT = range(5, 16)
+START, MOST_LISTED, LISTED = 16, 17, 18  # of the run; how many gaps can be listed, and are
+ROWS = 15
+RESTITUTION, FRICTION, SWITCH, SIDE, RESTING, BEFORE, NOW, HIT, OPENS = range(9)
+LIST, SQUARE, RATE, IMPULSE, USED, LEFT = range(9, ROWS)  # of those listed: the gap, and what `resting` knows of it
+VECTORS = 3
+_INVERSE_MASSES, _PLACE, _ACCELERATION = range(VECTORS)
+
+TOUCHES = 1e-12  # of the size of x: two that are so near take part in one impact
+CLOSED = 1e-14  # of the size of x: what touches at the start of a step closes where it is so far beyond
+_DIFFERENCE = 1e-4  # of the size of x: differences of fourth order leave 1e-12 of the gradient
+_SPAN = 1e-2  # of a step, in the same way
+
+
+@compiled(inline=True)
+def row_of(index: int, work: Floats) -> Floats:
+    """Return one number of each row."""
+    own = own_params(work)
+    m = int(own[COUNT])
+    return part(own, HEAD + index * m, m)
+
+
+@compiled(inline=True)
+def _vector(index: int, n: int, work: Floats) -> Floats:
+    own = own_params(work)
+    return part(own, HEAD + ROWS * int(own[COUNT]) + index * n, n)
+
+
+@compiled(inline=True)
+def inverse_masses(n: int, work: Floats) -> Floats:
+    """Return one over the mass to each number of the state."""
+    return _vector(_INVERSE_MASSES, n, work)
+
+
+@compiled(inline=True)
+def place(n: int, work: Floats) -> Floats:
+    """Return room for n numbers, which every gradient overwrites."""
+    return _vector(_PLACE, n, work)
+
+
+@compiled(inline=True)
+def room_of_accelerations(n: int, work: Floats) -> Floats:
+    """Return room for n numbers."""
+    return _vector(_ACCELERATION, n, work)
+
+
+@compiled(inline=True)
+def room_of_gaps(n: int, work: Floats) -> Floats:
+    """Return room for the gaps."""
+    own = own_params(work)
+    return part(own, HEAD + ROWS * int(own[COUNT]) + VECTORS * n, int(own[COUNT]))
+
+
+@compiled(inline=True)
+def gradient(k: int, n: int, work: Floats) -> Floats:
+    """Return the gradient of one of the gaps listed."""
+    own = own_params(work)
+    return part(own, HEAD + (ROWS + 1) * int(own[COUNT]) + (VECTORS + k) * n, n)
+
+
+@compiled(inline=True)
+def params_of_gaps(n: int, work: Floats) -> Floats:
+    """Return the params of the function."""
+    own = own_params(work)
+    start = HEAD + (ROWS + 1) * int(own[COUNT]) + (VECTORS + int(own[MOST_LISTED])) * n
+    return part(own, start, own.size - start)
+
+
+@compiled
+def size_of(x: Floats, work: Floats) -> float:
+    """Return how large positions are, by which roundings are measured."""
+    size = float(own_params(work)[LENGTH])
+    for i in range(x.size):
+        size = max(size, abs(x[i]))
+    return size
+
+
+@compiled
+def list_one(row: int, work: Floats) -> None:
+    """List a single gap."""
+    own_params(work)[LISTED] = 1.0
+    row_of(LIST, work)[0] = row
+
+
+def evaluate_gaps(t: float, x: Floats, v: Floats, work: Floats) -> float:
+    """Leave the gaps, and return the smallest of those that may close."""
+    now, side, resting, before = row_of(NOW, work), row_of(SIDE, work), row_of(RESTING, work), row_of(BEFORE, work)
+    gaps_at(t, x, v, params_of_gaps(x.size, work), work, now)
+    least, closed = math.inf, CLOSED * size_of(x, work)
+    for i in range(now.size):
+        now[i] *= side[i]
+        if now[i] != now[i]:
+            work[TROUBLE] = FAILED_CONTROL
+        if resting[i] == 0.0:
+            least = min(least, now[i] + closed if before[i] <= closed else now[i])
+    return least
+
+
+def difference_gradients(t: float, x: Floats, v: Floats, work: Floats) -> None:
+    """Leave the gradients of the gaps listed, the squares of these over the masses, and the rates of the gaps at rest."""
+    n, room, there, inverse = x.size, room_of_gaps(x.size, work), place(x.size, work), inverse_masses(x.size, work)
+    listed, row, square = int(own_params(work)[LISTED]), row_of(LIST, work), row_of(SQUARE, work)
+    d = _DIFFERENCE * size_of(x, work)
+    for i in range(n):
+        there[i] = x[i]
+    for k in range(listed):
+        square[k] = 0.0
+    for i in range(n):
+        for k in range(listed):
+            gradient(k, n, work)[i] = 0.0
+        for point in range(4):
+            sign = 1.0 if point % 2 == 0 else -1.0
+            there[i] = x[i] + (sign * d if point < 2 else 2.0 * sign * d)
+            gaps_at(t, there, v, params_of_gaps(n, work), work, room)
+            for k in range(listed):
+                gradient(k, n, work)[i] += (8.0 * sign if point < 2 else -sign) * room[int(row[k])]
+        there[i] = x[i]
+        for k in range(listed):
+            slopes = gradient(k, n, work)
+            slopes[i] /= 12.0 * d
+            square[k] += slopes[i] * slopes[i] * inverse[i]
+    time_slopes(t, x, v, work)
+
+
+def difference_in_time(t: float, x: Floats, v: Floats, work: Floats) -> None:
+    """Leave the rates of the gaps listed where nothing moves but they: by times within the run, as tables may end with it.
+
+    Differences of differences, so that what does not change has the rate zero.
+    """
+    n, own, room, rate, base = (
+        x.size,
+        own_params(work),
+        room_of_gaps(x.size, work),
+        row_of(RATE, work),
+        row_of(LEFT, work),
+    )
+    listed, row, span = int(own[LISTED]), row_of(LIST, work), _SPAN * abs(work[FIRST_STEP])
+    ahead = 1.0 if t - 2.0 * span < own[START] else -1.0 if t + 2.0 * span > work[END] else 0.0
+    gaps_at(t, x, v, params_of_gaps(n, work), work, room)
+    for k in range(listed):
+        rate[k], base[k] = 0.0, room[int(row[k])]
+    for point in range(4):
+        if ahead == 0.0:
+            weight = 8.0 if point == 0 else -8.0 if point == 1 else -1.0 if point == 2 else 1.0
+            at = 1.0 if point == 0 else -1.0 if point == 1 else 2.0 if point == 2 else -2.0
+        else:
+            weight = ahead * (48.0 if point == 0 else -36.0 if point == 1 else 16.0 if point == 2 else -3.0)
+            at = ahead * (point + 1.0)
+        gaps_at(t + at * span, x, v, params_of_gaps(n, work), work, room)
+        for k in range(listed):
+            rate[k] += weight * (room[int(row[k])] - base[k])
+    for k in range(listed):
+        rate[k] /= 12.0 * span
