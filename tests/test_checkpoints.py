@@ -12,7 +12,7 @@ import pytest
 from killing import killed_after
 
 import kickdrift as kd
-from kickdrift.core import archive
+from kickdrift.core import archive, locking
 from kickdrift.engine import checkpoints, identity, run, task
 
 STEP = 1 / 64
@@ -371,7 +371,7 @@ def test_steps_that_vary_go_on_too(control, tmp_path, monkeypatch):
         assert one.size > 5
         assert np.array_equal(one, other)
     same(solve(tmp_path / "run", **options), whole)
-    with pytest.raises(kd.ArgumentError, match="another t_span"):
+    with pytest.raises(kd.ArgumentError, match="with another t_span; name"):
         solve(tmp_path / "run", end=60.0, **options)
     with pytest.raises(kd.ArgumentError, match="sizes of the steps vary"):
         on.continue_to(60.0)
@@ -403,3 +403,84 @@ def test_steps_that_are_cut_go_on_too(problem, others, tmp_path, monkeypatch):
     key = "impacts" if "impacts" in others else "switches"
     with pytest.raises(kd.ArgumentError, match="another step_control, impacts or switches"):
         solve(tmp_path / "run", **{**options, key: kd.Impacts(lambda x: x[1]) if key == "impacts" else lambda x: x})
+
+
+def test_two_runs_at_once_in_a_folder_are_refused(tmp_path, monkeypatch):
+    write, said = checkpoints.Checkpoints.write, []
+
+    def meanwhile(self, step, *arguments):
+        write(self, step, *arguments)
+        for end in (50.0, 20.0):
+            with pytest.raises(kd.ArgumentError, match=r"run' is in use by a run of this process; wait") as error:
+                solve(tmp_path / "run", end=end)
+            said.append(error)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(checkpoints.Checkpoints, "write", meanwhile)
+        solve(tmp_path / "run")
+    assert said
+    assert not (tmp_path / "run" / ".lock").exists()
+    same(solve(tmp_path / "run"), solve())
+
+
+HOLDS = """
+import sys
+from test_checkpoints import checkpoints, solve
+write = checkpoints.Checkpoints.write
+def waiting(self, step, *arguments):
+    write(self, step, *arguments)
+    print("written", flush=True)
+    sys.stdin.readline()
+checkpoints.Checkpoints.write = waiting
+solve(sys.argv[1])
+"""
+
+
+def test_another_process_is_refused_until_it_is_killed(tmp_path):
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([os.path.dirname(__file__), *sys.path])}
+    command = [sys.executable, "-c", HOLDS, str(tmp_path / "run")]
+    with subprocess.Popen(command, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as holder:
+        assert holder.stdout.readline() == b"written\n"
+        with pytest.raises(kd.ArgumentError, match=f"in use by a run of process {holder.pid} on "):
+            solve(tmp_path / "run")
+        holder.kill()
+        holder.wait()
+        assert (tmp_path / "run" / ".lock").exists()
+        on = solve(tmp_path / "run")
+    assert "It went on from step 500" in on.message
+    same(on, solve())
+    assert not (tmp_path / "run" / ".lock").exists()
+
+
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")  # of Python 3.12, where there are threads
+def test_what_a_killed_process_has_forked_does_not_keep_the_folder(tmp_path):
+    """A pool's workers may outlive it, with all files that were open when they were forked."""
+    read, hold = os.pipe()
+    if (child := os.fork()) == 0:
+        lock = locking.FileLock(tmp_path / ".lock")
+        if os.fork() == 0:
+            os.close(hold)
+            os.read(read, 1)  # until the test ends
+            os._exit(0)
+        assert lock
+        os.kill(os.getpid(), signal.SIGKILL)
+    assert os.waitpid(child, 0)[1] == signal.SIGKILL
+    with locking.FileLock(tmp_path / ".lock"):
+        pass
+    os.close(hold)
+
+
+def test_a_lock_whose_holder_removes_it_meanwhile_is_taken_anew(tmp_path, monkeypatch):
+    path, lock, count = tmp_path / ".lock", locking._lock, []
+
+    def late(descriptor):
+        lock(descriptor)
+        count.append(1)
+        if len(count) == 1:
+            path.unlink()
+
+    monkeypatch.setattr(locking, "_lock", late)
+    with locking.FileLock(path):
+        assert path.exists()
+    assert len(count) == 2
+    assert not path.exists()

@@ -56,6 +56,7 @@ def is_member(sol, i, problem, *start, **options):
         assert getattr(sol, name)[i].tobytes() == getattr(alone, name).tobytes()
     assert np.array_equal(sol.t, alone.t)
     assert (sol.step[i], sol.n_steps[i]) == (alone.step, alone.n_steps)
+    assert (sol[i].step_range, sol[i].n_rejected) == (alone.step_range, alone.n_rejected)
     assert sol.n_force_evaluations[i] == alone.n_force_evaluations
     for name, values in alone.invariants.items():
         assert np.array_equal(sol.invariants[name][i], values, equal_nan=True)
@@ -334,7 +335,7 @@ def test_checkpoints_keep_members_that_are_done(tmp_path, in_lanes, monkeypatch)
     assert first.x.tobytes() == again.x.tobytes()
     assert (first.status, first.messages) == (again.status, again.messages)
     monkeypatch.setattr(archive, "write", full)
-    with pytest.warns(RuntimeWarning, match="members that are done, as no checkpoint can be written"):
+    with pytest.warns(RuntimeWarning, match="members that are done: no space is left"):
         sol = kd.solve_ensemble(kd.systems.kepler(), SPAN, x, v, **options | {"checkpoint": tmp_path / "full"})
     assert sol[3].success
     with pytest.raises(ArgumentError, match="another x0"):

@@ -66,16 +66,24 @@ PROBLEMS = {
         Kind.NEWTONIAN, kepler, [0.7, 0.0], [0.0, np.sqrt(13 / 7)], 2.0, 0.3, known=kd.systems.kepler(eccentricity=0.3)
     ),
     "forced": Problem(Kind.NEWTONIAN, forced, [0.7, -0.2], [0.3, 0.5], 5.0, 0.5, lambda t, x, v: (v, forced(t, x))),
-    "damped": Problem(Kind.VELOCITY_DEPENDENT, damped, 2.0, 0.5, 5.0, 0.5, lambda t, x, v: (v, damped(t, x, v))),
+    "damped": Problem(
+        Kind.VELOCITY_DEPENDENT, damped, [2.0, 1.0], [0.5, -0.3], 5.0, 0.5, lambda t, x, v: (v, damped(t, x, v))
+    ),
     "relativistic": Problem(
-        *(Kind.SEPARABLE, relativistic, 0.5, 1.0, 4.0, 0.5),
+        *(Kind.SEPARABLE, relativistic, [0.5, -0.2], [1.0, 0.4], 4.0, 0.5),
         lambda t, q, p: (p / np.sqrt(1 + p * p) * (1 + 0.1 * np.sin(t)), -q - q**3 + np.cos(2 * t)),
     ),
     "entangled": Problem(
-        Kind.HAMILTONIAN, entangled, 0.8, 0.5, 5.0, 0.5, lambda t, q, p: (p * (1 + q * q), -q * (1 + p * p))
+        Kind.HAMILTONIAN,
+        entangled,
+        [0.8, 0.3],
+        [0.5, -0.6],
+        5.0,
+        0.5,
+        lambda t, q, p: (p * (1 + q * q), -q * (1 + p * p)),
     ),
     "prey and predators": Problem(
-        *(Kind.PARTITIONED, prey_and_predators, 0.5, 1.5, 5.0, 0.5),
+        *(Kind.PARTITIONED, prey_and_predators, [0.5, 0.8], [1.5, 0.7], 5.0, 0.5),
         lambda t, x, v: (x * (1 - v), v * (x - 1 + 0.1 * np.cos(t))),
     ),
     "van der pol": Problem(

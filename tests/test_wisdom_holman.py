@@ -15,7 +15,7 @@ from kickdrift.methods import Kind, Letter, Method, palindrome, word
 from kickdrift.systems import jacobi
 
 SPLITTINGS = ["jacobi", "democratic-heliocentric"]
-METHODS = {name: m for name, m in kd.methods.catalogue().items() if m.kind is Kind.NEARLY_KEPLERIAN}
+METHODS = {name: m for name, m in kd.methods.catalogue().items() if Letter.KEPLER in m.letters}
 K, KEPLER = Letter.KICK, Letter.KEPLER
 JUPITER = 4332.59  # days
 

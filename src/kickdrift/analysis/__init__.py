@@ -3,6 +3,7 @@
 from kickdrift.analysis.advice import Advice
 from kickdrift.analysis.energy import energy_drift, energy_error, largest_energy_error, modified_energy
 from kickdrift.analysis.lyapunov import LyapunovExponents, lyapunov_exponent
+from kickdrift.analysis.mergers import Merger, mergers
 from kickdrift.analysis.modified import modified_hamiltonian, modified_order
 from kickdrift.analysis.modified_formula import modified_formula
 from kickdrift.analysis.orbits import OrbitalElements, orbital_elements
@@ -17,6 +18,7 @@ from kickdrift.analysis.work_precision import WorkPrecision, work_precision
 __all__ = [
     "Advice",
     "LyapunovExponents",
+    "Merger",
     "ObservedOrder",
     "OrbitalElements",
     "PoincareSection",
@@ -27,6 +29,7 @@ __all__ = [
     "largest_energy_error",
     "largest_phase_error",
     "lyapunov_exponent",
+    "mergers",
     "modified_energy",
     "modified_formula",
     "modified_hamiltonian",

@@ -81,6 +81,12 @@ def run(
         Path | None,
         typer.Option(help="Folder for checkpoints: the same command goes on from the last one, bit for bit."),
     ] = None,
+    save_to: Annotated[
+        Path | None,
+        typer.Option(
+            help="Zarr folder, such as run.zarr, to which all states go as the run goes on, in place of the files."
+        ),
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Write the files and print errors only.")] = False,
 ) -> None:
     """Run a system or a scene, report on it, and write <name>.npz and <name>.png, and of a scene <name>.gif."""
@@ -88,10 +94,10 @@ def run(
     if is_scene(target):
         from kickdrift.cli.scene import make_scene_plan, run_scene
 
-        raise typer.Exit(run_scene(make_scene_plan(target, options), output, quiet, checkpoint))
+        raise typer.Exit(run_scene(make_scene_plan(target, options), output, quiet, checkpoint, save_to))
     from kickdrift.cli.run import run as do
 
-    raise typer.Exit(do(make_plan(target, options), output, quiet, checkpoint))
+    raise typer.Exit(do(make_plan(target, options), output, quiet, checkpoint, save_to))
 
 
 @app.command(help=help_texts.COMPARE, short_help="Run the first four methods side by side.")

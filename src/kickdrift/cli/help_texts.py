@@ -56,7 +56,8 @@ RUN = f"""Run a system or a scene, report on it, and write <name>.npz and <name>
 
 The solar system runs for 100 years by default, and is compared with the positions of JPL's DE421 at J2000 and up to
 ten years later. Ctrl-C ends a run early; what is done is written. With --checkpoint the same command goes on from where it
-was, also after the process was killed.
+was, also after the process was killed. With --save-to the states go to disk as the run goes on, where xarray reads them, and
+nothing else is written.
 
 \b
   kickdrift run solar-system
@@ -65,10 +66,11 @@ was, also after the process was killed.
   kickdrift run kepler --duration 1000 --step 0.001
   kickdrift run bodies.toml
   kickdrift run solar-system --years 100000 --checkpoint millennia
+  kickdrift run outer-solar-system --save-to planets.zarr --save-every 10
 
 Scenes are worlds of bodies that touch, stack, hinge and walk; a film of each is written besides, <scene>.gif, in real
 time, or faster if it would take more than 20 s. Of the options they have --duration, --step, --save-every, --output,
---checkpoint and --quiet; times are in seconds.
+--checkpoint, --save-to and --quiet; times are in seconds.
 
 \b
   kickdrift run pyramid

@@ -9,15 +9,18 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.solve import solve
-from kickdrift.scenes import NEWTONIAN_FLOOR, distances_to_jpl, jpl_days, kept_times
+from kickdrift.scenes import NEWTONIAN_FLOOR, distances_to_jpl, jpl_days, kept_every, kept_times
 from kickdrift.systems import ephemeris
 
 
-def run(plan: Plan, folder: Path, quiet: bool, checkpoint: Path | None = None) -> int:
+def run(plan: Plan, folder: Path, quiet: bool, checkpoint: Path | None = None, save_to: Path | None = None) -> int:
     """Do a run, write ``<system>.npz`` and ``<system>.png`` into a folder, and return the exit code.
 
-    A run that ends early is written and reported all the same. One with a folder for checkpoints goes on from the last.
+    A run that ends early is written and reported all the same. One with a folder for checkpoints goes on from the last, and one
+    whose rows go to disk writes nothing else.
     """
+    if save_to is not None:
+        return _run_to_disk(plan, quiet, checkpoint, save_to)
     times, missed = kept_times(plan.duration, plan.step, plan.save_every, jpl_days() if plan.jpl else ())
     prepare_folder(folder)
     if not quiet:
@@ -41,6 +44,24 @@ def run(plan: Plan, folder: Path, quiet: bool, checkpoint: Path | None = None) -
     solution.plot(picture)
     if not quiet:
         print(f"\nwritten: {kept}, {picture}")
+    return exit_code(solution)
+
+
+def _run_to_disk(plan: Plan, quiet: bool, checkpoint: Path | None, save_to: Path) -> int:
+    if not quiet:
+        say(f"{plan.in_words} by {plan.taken.name}")
+    solution = solve(
+        plan.system,
+        (0.0, plan.duration),
+        step=plan.step,
+        method=plan.method,
+        save_every=kept_every(plan.duration, plan.step, plan.save_every),
+        progress=False if quiet else None,
+        save_to=save_to,
+        checkpoint=checkpoint,
+    )
+    if not quiet:
+        print(f"{solution.report()}\n\nwritten: {save_to}")
     return exit_code(solution)
 
 

@@ -54,19 +54,27 @@ def make_scene_plan(name: str, options: Options) -> ScenePlan:
     return ScenePlan(name, duration, step, save_every(options, None))
 
 
-def run_scene(plan: ScenePlan, folder: Path, quiet: bool, checkpoint: Path | None = None) -> int:
+def run_scene(
+    plan: ScenePlan, folder: Path, quiet: bool, checkpoint: Path | None = None, save_to: Path | None = None
+) -> int:
     """Run a scene, write ``<scene>.npz``, ``.png`` and ``.gif`` into a folder, and return the exit code.
 
-    A run that ends early is written and reported all the same. One with a folder for checkpoints goes on from the last.
+    A run that ends early is written and reported all the same. One with a folder for checkpoints goes on from the last,
+    and one whose rows go to disk writes nothing else.
     """
-    prepare_folder(folder)
+    if save_to is None:
+        prepare_folder(folder)
     world = SCENES[plan.name].make()
     if not quiet:
         say(f"{plan.name}, {plan.duration:g} s in steps of {plan.step:g}")
     _compile_ahead(world, plan.step, quiet)
     progress = False if quiet else None
-    recording = world.run(plan.duration, plan.step, plan.save_every, progress, checkpoint=checkpoint)
+    recording = world.run(plan.duration, plan.step, plan.save_every, progress, checkpoint=checkpoint, save_to=save_to)
     recording = replace(recording, about=replace(recording.about, system=plan.name))
+    if save_to is not None:
+        if not quiet:
+            print(f"{recording.report()}\n\nwritten: {save_to}")
+        return _exit_code(recording)
     try:
         kept = recording.save(folder / f"{plan.name}.npz")
     finally:

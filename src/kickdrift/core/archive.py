@@ -26,7 +26,7 @@ T = TypeVar("T")
 
 # Formats, as headers name them
 SOLUTION, RECORDING, WORLD = "kickdrift solution 1", "kickdrift recording 2", "kickdrift world 4"
-ENSEMBLE = "kickdrift ensemble 1"
+ENSEMBLE = "kickdrift ensemble 2"
 CHECKPOINT = "kickdrift checkpoint 1"
 
 _HEADER = "header"

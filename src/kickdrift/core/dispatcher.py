@@ -83,6 +83,7 @@ class Dispatcher(CPUDispatcher):  # type: ignore[misc]
         self._compiler = _Compiler(py_func, self.targetdescr, options, self.locals, pipeline)
         self._called: Any = None
         self._wholes: dict[Any, Any] = {}
+        self._loaded: dict[int, Any] = {}  # signatures, whose hashes take 30 us
 
     def __reduce__(self) -> Any:
         """Travel to other processes by name where a module has it: Numba sends its code, without the options of intrinsics."""
@@ -141,10 +142,13 @@ class Dispatcher(CPUDispatcher):  # type: ignore[misc]
 
     def load(self, sig: Any) -> None:
         """Compile what the interpreter calls for a signature, or take it from disk."""
+        if id(sig) in self._loaded:
+            return
         caller, args = self._caller(), tuple(normalize_signature(sig)[0])
         if args not in caller.overloads:
             caller.compile(args)
             self._insert_new(caller, [args])
+        self._loaded[id(sig)] = sig
 
     def _caller(self) -> Any:
         """Return the function as Numba compiles it for the interpreter."""

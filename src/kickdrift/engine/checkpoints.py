@@ -9,12 +9,13 @@ import re
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
 from kickdrift.core import archive
 from kickdrift.core.errors import ArgumentError, FileFormatError
+from kickdrift.core.locking import FileLock, LockedError
 from kickdrift.engine.identity import version
 
 _SECONDS = 60.0  # between checkpoints where nobody says how many steps there are
@@ -31,7 +32,7 @@ class Found(NamedTuple):
 
 
 class Checkpoints:
-    """The checkpoints of a run.
+    """The checkpoints of a run, which no other run may touch until they are closed.
 
     Parameters
     ----------
@@ -47,7 +48,7 @@ class Checkpoints:
     Raises
     ------
     ArgumentError
-        For arguments that cannot be, and a folder that cannot be made.
+        For arguments that cannot be, a folder that cannot be made, and one in which another run is at work.
     """
 
     def __init__(self, folder: Any, every: Any, keep: Any, identity: Mapping[str, str]) -> None:
@@ -61,6 +62,7 @@ class Checkpoints:
         self._pace, self._newest = _FIRST, -1
         try:
             self.folder.mkdir(exist_ok=True)
+            self._lock = FileLock(self.folder / ".lock")
             for partial in self.folder.glob(".step-*.partial.npz"):  # of a process that was killed
                 partial.unlink(missing_ok=True)
         except OSError as error:
@@ -68,6 +70,20 @@ class Checkpoints:
                 f"checkpoint={str(folder)!r} cannot be the folder of checkpoints: {error.strerror}; name another one, in a"
                 " folder that there is."
             ) from None
+        except LockedError as holder:
+            raise ArgumentError(
+                f"checkpoint={str(folder)!r} is in use by a run of {holder}; wait until that has ended, or name another folder."
+            ) from None
+
+    def close(self) -> None:
+        """Let other runs have the folder."""
+        self._lock.release()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     def until(self, step: int, last: int) -> int:
         """Return the step after which the next checkpoint is due."""

@@ -1,5 +1,6 @@
 """Runs that go on from where they stand, with the bits of one that was never broken."""
 
+from contextlib import closing
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -50,7 +51,8 @@ class Continuation:
 
 def carry_out(journey: Journey) -> Solution:
     """Run to the end, or as far as it goes, and return what was kept."""
-    return report(journey, journey.go(), Continuation)
+    with closing(journey):
+        return report(journey, journey.go(), Continuation)
 
 
 def _forgotten() -> None:

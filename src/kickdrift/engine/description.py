@@ -58,3 +58,11 @@ class Description:
         """Whether v is the rate of x; for Hamiltonians it is p, and first-order equations have none."""
         kind = Kind[self.kind]
         return Kind.VELOCITY_DEPENDENT.includes(kind) or kind in (Kind.CONSTRAINED, Kind.LANGEVIN)
+
+
+def unit_attributes(unit: str) -> dict[str, str]:
+    """Return a unit as an attribute of a labelled array, if there is one.
+
+    What others read as units is one word; a phrase would be an error of theirs.
+    """
+    return {"units" if " " not in unit else "unit_in_words": unit} if unit else {}

@@ -64,6 +64,8 @@ class Course:
         Times before which the last state is kept, in the order in which they come, the end for the last.
     wanted : array or None
         The times that the solution has instead of those of its steps, between them as they may be.
+    streamed : bool
+        Whether rows go to disk.
     """
 
     t0: float
@@ -72,10 +74,16 @@ class Course:
     stride: int
     marks: NDArray[np.float64]
     wanted: NDArray[np.float64] | None = None
+    streamed: bool = False
 
 
 def lay_course(
-    t_span: Sequence[float], step: float | None, t_eval: ArrayLike | None, save_every: int | None, divides: bool = False
+    t_span: Sequence[float],
+    step: float | None,
+    t_eval: ArrayLike | None,
+    save_every: int | None,
+    divides: bool = False,
+    streamed: bool = False,
 ) -> Course:
     """Lay out a run whose steps vary, from the first one on; without one it is a thousandth of the span at most.
 
@@ -92,7 +100,7 @@ def lay_course(
     if divides:
         first = (t1 - t0) / max(1, math.ceil(length / abs(first) * (1 - 1e-12)))
     if t_eval is None:
-        return Course(t0, t1, first, _stride(save_every), np.array([t1]))
+        return Course(t0, t1, first, _stride(save_every), np.array([t1]), streamed=streamed)
     _check_one_of(t_eval, save_every)
     wanted = _wanted_times(t_eval, t0, t1)
     marks = np.unique(np.append(np.clip(wanted, min(t0, t1), max(t0, t1)), t1))

@@ -45,7 +45,7 @@ def identity_of(
     Where sizes vary the end has to be the same.
     """
     varies = isinstance(grid, Course)
-    rows: list[Any] = [grid.stride, grid.marks, grid.wanted] if isinstance(grid, Course) else []
+    rows: list[Any] = [grid.stride, grid.wanted, grid.streamed] if isinstance(grid, Course) else []
     if isinstance(grid, Grid) and grid.streamed:
         rows = [grid.every]
     functions = [] if events is None else list(events) if isinstance(events, Sequence) else [events]

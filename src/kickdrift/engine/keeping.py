@@ -94,7 +94,7 @@ def find(
 def _names_of_rows(grid: Grid | Course) -> list[str]:
     """Return the names of the arrays that rows are kept in, sorted."""
     if isinstance(grid, Course):
-        return ["sizes", "ts", "vs", "xs"]
+        return ["sizes", *["stored"] * grid.streamed, "ts", "vs", "xs"]
     return ["stored" if grid.streamed else "steps", "vs", "xs"]
 
 

@@ -10,13 +10,15 @@ from kickdrift.core.errors import ArgumentError, MethodMismatchError
 from kickdrift.core.kinds import Kind
 from kickdrift.engine.pericentres import fastest_pericentre
 from kickdrift.engine.stiffness import Stiffness, may_be_stiff, stiffness
-from kickdrift.methods import Method
+from kickdrift.methods import Letter, Method
 from kickdrift.systems.system import System
 
 AUTO = "auto"
 
 
 DEFAULT = "semi-implicit-euler"
+
+MERGING = "close-encounters"
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,8 @@ def choose(
         If the method would lose its order on the system, or needs a flow that the system does not have, or if there is
         none of the order wanted.
     """
+    if system.radii is not None:
+        return _of_bodies_that_merge(method, system)
     if method is None:
         applies = default != AUTO and methods.get(default).kind.includes(system.kind)
         if applies and order is None and system.kind is not Kind.OSCILLATORY:
@@ -63,6 +67,18 @@ def choose(
     if named.kind.includes(system.kind):
         return Choice(named)
     raise _mismatch(named, system)
+
+
+def _of_bodies_that_merge(method: str | Method | None, system: System) -> Choice:
+    if method is None or method == AUTO:
+        return Choice(methods.get(MERGING), "bodies have radii, and merge where they touch")
+    named = methods.get(method)
+    if Letter.ENCOUNTERS not in named.letters:
+        raise MethodMismatchError(
+            f"method={named.name!r} does not see where bodies touch, but those of {system.name!r} have radii, and are to merge;"
+            f" use {MERGING!r}, or leave the radii out."
+        )
+    return Choice(named)
 
 
 def _choose_by_itself(order: int | None, system: System, t0: float, step: float, span: float) -> Choice:

@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Callable
-from functools import partial
+from dataclasses import replace
+from functools import cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -17,9 +18,11 @@ from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.invariants import Invariants
 from kickdrift.engine.phase import time_shift
 from kickdrift.engine.processing import Processing
+from kickdrift.engine.rows import Rows
 from kickdrift.engine.run import Ending
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.standing import Standing
+from kickdrift.engine.streaming import StreamedRows
 from kickdrift.engine.task import Journey, Task
 from kickdrift.systems.system import System
 
@@ -49,28 +52,27 @@ def report(
 ) -> Solution:
     """Return what a run has kept, as people see it, and what goes on from there, which `continuation` makes."""
     task, processing, between, watch = journey.task, journey.processing, journey.between, journey.watch
+    once = cache(between)  # for the rows; the solution, which threads may ask, has a state for each
     system, grid, rows = task.system, task.grid, journey.run.rows
     early, message, standing = (
         not ending.outcome.success,
         ending.message + journey.said,
         journey.run.standing(beyond_the_stop=True),
     )
-    t = rows.times(ending.saved, ending.n_steps, early)
-    xs, vs = rows.xs[: ending.saved], rows.vs[: ending.saved]
-    if processing.postprocessor is not None:  # which overwrites what the run goes on with
-        xs, vs = xs.copy(), vs.copy()
-    kept = _Kept(t, *processing.leave(t, xs, vs, grid.t0), rows.steps(t))
-    evaluations = ending.evaluations + processing.evaluations(rows.seen(ending.saved))
+    kept = _kept(rows, ending, early, processing)
+    t, evaluations = kept.t, ending.evaluations + processing.evaluations(rows.seen(ending.saved))
+    if isinstance(rows, StreamedRows):
+        message, evaluations = message + rows.said, evaluations + rows.evaluations
     end = rows.time(ending.n_steps) if early else grid.t1
     if ending.stop is not None:
         end = ending.stop.t
         kept = kept.followed_by(end, ending.stop.x, ending.stop.v)
-    dense = None if journey.store else _dense(system, grid, between, end, kept)
+    dense = None if journey.store else _dense(system, grid, once, end, kept)
     if isinstance(grid, Course) and dense is not None and ending.outcome is Outcome.COMPLETED and t[-1] != end:
         try:  # the last step leads beyond the end: a part of it to there
             x, v, own = dense.states_at(np.array([end]))
             kept, evaluations = kept.followed_by(end, x[0], v[0]), evaluations + own
-            dense = _dense(system, grid, between, end, kept)
+            dense = _dense(system, grid, once, end, kept)
         except (Exception, KeyboardInterrupt) as error:
             message += f" The last row is before it, as {type(error).__name__} was raised: {error}."
     t, xs, vs, _ = kept
@@ -101,7 +103,7 @@ def report(
         saved_to=str(journey.store.path) if journey.store else "",
         derived=_derived(system, grid, ending.step_range, t, xs, vs),
         error_estimate=None if ending.estimated is None else ending.estimated.reshape(system.x0.shape),
-        dense=dense,
+        dense=dense and replace(dense, compile=between),
         continuation=None if journey.store else continuation(task, standing, journey.run.ended),
         step_range=ending.step_range,
         n_rejected=ending.trials - ending.n_steps,
@@ -109,6 +111,17 @@ def report(
         x_events=tuple(np.array([zero.x for zero in own]).reshape(len(own), *system.x0.shape) for own in zeros),
         v_events=tuple(np.array([zero.v for zero in own]).reshape(len(own), *system.v0.shape) for own in zeros),
     )
+
+
+def _kept(rows: Rows, ending: Ending, early: bool, processing: Processing) -> _Kept:
+    """Return the rows, of those on disk the first and the last."""
+    if isinstance(rows, StreamedRows):
+        return _Kept(*rows.ends(ending.n_steps))
+    t = rows.times(ending.saved, ending.n_steps, early)
+    xs, vs = rows.xs[: ending.saved], rows.vs[: ending.saved]
+    if processing.postprocessor is not None:  # which overwrites what the run goes on with
+        xs, vs = xs.copy(), vs.copy()
+    return _Kept(t, *processing.leave(t, xs, vs, rows.grid.t0), rows.steps(t))
 
 
 def _zeros(watch: Watch, end: float) -> tuple[tuple[tuple[Zero, ...], ...], str]:

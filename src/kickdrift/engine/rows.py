@@ -145,6 +145,7 @@ class CourseRows:
 
     def __post_init__(self) -> None:
         state = self.stepper.state
+        self.first = 0  # the number of the first row of the arrays
         self.ts, self.sizes = np.empty(0), np.empty(0)
         self.xs, self.vs = np.empty((0, state.x.size)), np.empty((0, state.v.size))
 
@@ -154,7 +155,7 @@ class CourseRows:
 
     def kept(self, step: int, mark: Mark) -> dict[str, NDArray[Any]]:
         """Return the rows so far."""
-        rows = slice(mark.rows)
+        rows = slice(mark.rows - self.first)
         return {"ts": self.ts[rows], "sizes": self.sizes[rows], "xs": self.xs[rows], "vs": self.vs[rows]}
 
     def go_on(self, kept: Mapping[str, NDArray[Any]], step: int, mark: Mark) -> Mark:
@@ -186,11 +187,11 @@ class CourseRows:
     def advance(self, step: int, target: int, mark: Mark) -> tuple[int, Mark]:
         """Do steps, and keep rows; return where it ended."""
         most = target - step if self.grid.stride else min(target - step, self.grid.marks.size - mark.wanted)
-        self._make_room(mark.rows + most + 1)
-        marks = np.array([step, mark.trials, mark.rows, mark.wanted])
+        self._make_room(mark.rows - self.first + most + 1)
+        marks = np.array([step, mark.trials, mark.rows - self.first, mark.wanted])
         rows = self.ts, self.sizes, self.xs, self.vs
         reached = self.stepper.advance_adaptively(target, self.grid.stride, self.grid.marks, marks, *rows)
-        return reached, Mark(int(marks[ROWS]), int(marks[WANTED]), int(marks[TRIALS]))
+        return reached, Mark(self.first + int(marks[ROWS]), int(marks[WANTED]), int(marks[TRIALS]))
 
     def advance_watched(self, step: int, target: int, mark: Mark) -> tuple[int, Mark, Stretch]:
         """Do the same, and return all states."""
@@ -208,20 +209,21 @@ class CourseRows:
         if self.grid.stride:
             kept |= np.arange(step, reached) % self.grid.stride == 0
         rows = np.flatnonzero(kept)
-        end = mark.rows + rows.size
+        first, end = mark.rows - self.first, mark.rows - self.first + rows.size
         self._make_room(end + 1)
         for kept_rows, all_rows in ((self.ts, t), (self.sizes, sizes), (self.xs, xs), (self.vs, vs)):
-            kept_rows[mark.rows : end] = all_rows[rows]
-        return reached, Mark(end, int(marks[WANTED]), int(marks[TRIALS])), Stretch(t, xs[1:], vs[1:])
+            kept_rows[first:end] = all_rows[rows]
+        return reached, Mark(self.first + end, int(marks[WANTED]), int(marks[TRIALS])), Stretch(t, xs[1:], vs[1:])
 
     def keep_last(self, state: State, step: int, mark: Mark, stopped: bool) -> int:
         """Add the state reached as a last row, unless it is beyond the end; return how many there are."""
         beyond = abs(state.work[CLOCK] - self.grid.t0) > abs(self.grid.t1 - self.grid.t0) * (1 + 1e-15)
         if at_end(state.work) and beyond:
             return mark.rows
-        self._make_room(mark.rows + 1)
-        self.ts[mark.rows] = self.grid.t1 if at_end(state.work) else state.work[CLOCK]
-        self.xs[mark.rows], self.vs[mark.rows], self.sizes[mark.rows] = state.x, state.v, self.grid.step
+        row = mark.rows - self.first
+        self._make_room(row + 1)
+        self.ts[row] = self.grid.t1 if at_end(state.work) else state.work[CLOCK]
+        self.xs[row], self.vs[row], self.sizes[row] = state.x, state.v, self.grid.step
         return mark.rows + 1
 
     def seen(self, rows: int) -> int:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from kickdrift.core.interruption import next_chunk
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.events import Watch, Zero
-from kickdrift.engine.flows.layout import EVALUATIONS, FAILED_CONTROL, TROUBLE, estimated_errors
+from kickdrift.engine.flows.layout import EVALUATIONS, FAILED_CONTROL, TAKEN_BACK, TROUBLE, estimated_errors
 from kickdrift.engine.flows.table import FLOWS
 from kickdrift.engine.progress import Bar
 from kickdrift.engine.rows import Mark, Rows, Stretch
@@ -241,7 +241,7 @@ class Run:
             estimated,
             self._stop,
             self.rows.step_range(self._state),
-            good.mark.trials,
+            good.mark.trials + int(work[TAKEN_BACK]),
         )
 
 

@@ -61,7 +61,7 @@ class Steering:
         """
         if self.control is None and not self.cuts:
             return lay_grid(t_span, step, t_eval, save_every, state_size, streamed)
-        return lay_course(t_span, step, t_eval, save_every, divides=self.cuts)
+        return lay_course(t_span, step, t_eval, save_every, self.cuts, streamed)
 
     def describe(self, problem: Any, start: Start, adapter: Adapter) -> System:
         """Describe the problem, whose functions get the sides of switches behind their params.

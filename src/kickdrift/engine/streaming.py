@@ -1,5 +1,6 @@
 """Rows that go to disk as a run goes on: memory holds some of them at a time."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Any
 
@@ -15,21 +16,30 @@ from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.processing import Processing
 from kickdrift.engine.rows import GridRows, Mark
 from kickdrift.engine.stepper import State
-from kickdrift.engine.zarr_store import Array, ZarrStore
+from kickdrift.engine.zarr_group import Array
+from kickdrift.engine.zarr_store import ZarrStore
 
 Floats = NDArray[np.float64]
 
 
-class StreamedRows(GridRows):
-    """The rows of equal steps, as many at a time as are a chunk of the store.
+class StreamedRows(ABC):
+    """Rows that go to a store, a whole chunk at a time; `GridRows` or `CourseRows` are what they are on the way there.
 
-    Of the rows that a solution has, there are the first and the last.
+    Attributes
+    ----------
+    first : int
+        How many rows are in the store.
+    evaluations : int
+        Of the force, that the last row took.
+    said : str
+        What is to be said of it.
     """
 
-    def __init__(self, processing: Processing, grid: Grid, store: ZarrStore, about: Description) -> None:
-        self.stepper, self.grid, self._processing, self._store = processing.kernel, grid, processing, store
-        self._about, self._start, self._every = about, self.stepper.state.copy(), grid.every or 1
-        self.first, self.save_steps = 0, np.zeros(0, dtype=np.int64)
+    first: int
+    evaluations, said = 0, ""
+    _processing: Processing
+    _store: ZarrStore
+    _about: Description
 
     def create(self) -> None:
         """Make the store, empty."""
@@ -44,12 +54,56 @@ class StreamedRows(GridRows):
             key = name.replace(" ", "_")
             vector = quantity.size > 1
             arrays[key] = Array((f"{key}_component",) * vector, (quantity.size,) * vector, quantity.unit)
-        words = {"system": about.system, "method": about.method, "step": self.grid.step, "status": "RUNNING"}
+        step = self._processing.kernel.step
+        words = {"system": about.system, "method": about.method, "step": step, "status": "RUNNING"}
         self._store.create({**words, "source": about.source}, arrays, about.coordinates)
-        self._make_room()
+        self.begin_chunk()
 
-    def _make_room(self) -> None:
-        state, rows = self.stepper.state, self._store.chunk + 1  # one more if the run ends early between two
+    def begin_chunk(self) -> None:  # noqa: B027 - where rows come as they like there is nothing to do
+        """Make room for a chunk of the store."""
+
+    @abstractmethod
+    def full_after(self) -> int:
+        """Return the step after which a chunk is full."""
+
+    @abstractmethod
+    def drain(self, mark: Mark) -> None:
+        """Write what is a whole chunk."""
+
+    @abstractmethod
+    def close(self, step: int, mark: Mark, state: State, stop: Zero | None, status: str) -> None:
+        """Write what is left, the last state among it, and how the run ended."""
+
+    @abstractmethod
+    def ends(self, step: int) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return time, x, v and the size of the steps of the first and of the last row, which may be one."""
+
+    def seen(self, rows: int) -> int:
+        """Return how many rows people see."""
+        return self.first
+
+    def _append(self, t: Floats, xs: Floats, vs: Floats, attributes: Mapping[str, Any]) -> None:
+        """Write rows as people see them."""
+        system = self._processing.system
+        rows = {"time": t, "x": xs, "v": vs}
+        if system.v0.size == 0:
+            del rows["v"]
+        for name in system.quantities:
+            rows[name.replace(" ", "_")] = quantities.evaluate(system, name, t, xs, vs)
+        self._store.append(rows, attributes)
+
+
+class StreamedGridRows(StreamedRows, GridRows):
+    """The rows of equal steps, as many at a time as are a chunk of the store."""
+
+    def __init__(self, processing: Processing, grid: Grid, store: ZarrStore, about: Description) -> None:
+        self.stepper, self.grid, self._processing, self._store = processing.kernel, grid, processing, store
+        self._about, self._start, self._every = about, processing.kernel.state.copy(), grid.every or 1
+        self.first, self.save_steps = 0, np.zeros(0, dtype=np.int64)
+
+    def begin_chunk(self) -> None:
+        """Make room for a chunk, and one row more if the run ends early between two."""
+        state, rows = self.stepper.state, self._store.chunk + 1
         self.xs, self.vs = np.empty((rows, state.x.size)), np.empty((rows, state.v.size))
         self._begin_at(self.first)
 
@@ -72,7 +126,7 @@ class StreamedRows(GridRows):
         """Begin after a step with the rows that were kept up to there."""
         self.first, rows = int(kept["stored"][0]), len(kept["xs"])
         self._store.go_on(self.first)
-        self._make_room()
+        self.begin_chunk()
         self.xs[:rows], self.vs[:rows] = kept["xs"], kept["vs"]
         if self.ended(step) and step % self._every:
             self.xs[rows], self.vs[rows] = self.stepper.state.x, self.stepper.state.v
@@ -114,33 +168,22 @@ class StreamedRows(GridRows):
             self._append(np.array([stop.t]), stop.x[None], stop.v[None], {})
 
     def keep_last(self, state: State, step: int, mark: Mark, stopped: bool) -> int:
-        """Keep the first and the last row alone, once the store is closed; return how many these are."""
-        self.xs, self.vs = np.stack((self._start.x, state.x)), np.stack((self._start.v, state.v))
-        return 2 if step else 1
-
-    def seen(self, rows: int) -> int:
-        """Return how many rows people see."""
+        """Keep the state reached, once the store is closed."""
+        self._last = state
         return self.first
 
-    def times(self, rows: int, step: int, early: bool) -> Floats:
-        """Return the times of the first and the last row."""
-        last = self.grid.t1 if self.ended(step) else self.time(step)
-        return np.array([self.grid.t0, last])[:rows]
+    def ends(self, step: int) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return time, x, v and the size of the steps of the first and of the last row, which may be one."""
+        count, last = (2 if step else 1), self.grid.t1 if self.ended(step) else self.time(step)
+        t = np.array([self.grid.t0, last])[:count]
+        xs, vs = np.stack((self._start.x, self._last.x)), np.stack((self._start.v, self._last.v))
+        return t, *self._processing.leave(t, xs[:count], vs[:count], self.grid.t0), self.steps(t)
 
     def _write(self, steps: NDArray[np.int64], attributes: Mapping[str, Any]) -> None:
         """Write rows of the chunk."""
         t = np.where(steps == self.grid.n_steps, self.grid.t1, self.grid.t0 + steps * self.grid.step)
         xs, vs = self._processing.leave(t, self.xs[: t.size].copy(), self.vs[: t.size].copy(), self.grid.t0)
         self._append(t, xs, vs, attributes)
-
-    def _append(self, t: Floats, xs: Floats, vs: Floats, attributes: Mapping[str, Any]) -> None:
-        system = self._processing.system
-        rows = {"time": t, "x": xs, "v": vs}
-        if system.v0.size == 0:
-            del rows["v"]
-        for name in system.quantities:
-            rows[name.replace(" ", "_")] = quantities.evaluate(system, name, t, xs, vs)
-        self._store.append(rows, attributes)
 
 
 def store_of(path: Any, grid: Grid | Course, identity: Mapping[str, str], again: bool) -> ZarrStore | None:
@@ -153,11 +196,7 @@ def store_of(path: Any, grid: Grid | Course, identity: Mapping[str, str], again:
     """
     if path is None:
         return None
-    if isinstance(grid, Course):
-        raise ArgumentError(
-            f"save_to={str(path)!r}: the sizes of the steps vary, and rows of equal steps alone go to disk."
-        )
-    if grid.every is None:
+    if (grid.every if isinstance(grid, Grid) else grid.stride or None) is None:
         raise ArgumentError(f"save_to={str(path)!r} and t_eval are both given; give save_every, or leave save_to out.")
     store = ZarrStore(path, digest((sorted(identity.items()), f"{grid.step:.9g}")))
     store.check(again)

@@ -23,7 +23,8 @@ from kickdrift.engine.progress import Bar
 from kickdrift.engine.rows import CourseRows, GridRows, Rows
 from kickdrift.engine.run import Ending, Failure, Run
 from kickdrift.engine.standing import Standing
-from kickdrift.engine.streaming import StreamedRows
+from kickdrift.engine.streamed_course import StreamedCourseRows
+from kickdrift.engine.streaming import StreamedGridRows, StreamedRows
 from kickdrift.engine.table_ranges import Tables
 from kickdrift.engine.zarr_store import ZarrStore
 from kickdrift.systems.system import System
@@ -124,6 +125,20 @@ class Journey:
         store: ZarrStore | None = None,
     ) -> None:
         self.task, self.said, self._checkpoints, self.store = task, "", checkpoints, store
+        try:
+            self._make_ready(before)
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """Let other runs have the folders of checkpoints and rows."""
+        for folder in (self._checkpoints, self.store):
+            if folder is not None:
+                folder.close()
+
+    def _make_ready(self, before: Standing | None) -> None:
+        task, checkpoints = self.task, self._checkpoints
         self._compile()
         if checkpoints is not None:
             found = find(checkpoints, task.grid, self.processing.kernel.state, len(task.events))
@@ -150,10 +165,13 @@ class Journey:
 
     def _rows(self) -> Rows:
         kernel, grid = self.processing.kernel, self.task.grid
+        if self.store is not None:
+            to_disk = self.store, self.task.description
+            if isinstance(grid, Course):
+                return StreamedCourseRows(self.processing, grid, *to_disk, self.between)
+            return StreamedGridRows(self.processing, grid, *to_disk)
         if isinstance(grid, Course):
             return CourseRows(kernel, grid)
-        if self.store is not None:
-            return StreamedRows(self.processing, grid, self.store, self.task.description)
         return GridRows(kernel, grid)
 
     def go(self) -> Ending:

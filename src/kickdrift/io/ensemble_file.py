@@ -14,7 +14,7 @@ from kickdrift.io.solution_file import INVARIANT, description
 from kickdrift.scale.ensemble_solution import EnsembleSolution
 
 _PARAMETER = "parameter: "
-_OF_MEMBERS = ("step", "n_steps", "n_force_evaluations")
+_OF_MEMBERS = ("step", "step_range", "n_steps", "n_rejected", "n_force_evaluations")
 
 
 def save(solution: EnsembleSolution, path: str | Path) -> Path:
@@ -65,7 +65,9 @@ def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> EnsembleSolution:
     if any(values.shape[:2] != rows for values in kept.values()):
         raise ValueError("an invariant has another number of times or members")
     of_members = [arrays[name] for name in ("outcome", *_OF_MEMBERS)]
-    if any(array.shape != rows[:1] for array in of_members) or any(a.shape[:1] != rows[:1] for a in labels.values()):
+    if any(array.shape[:1] != rows[:1] for array in of_members) or any(
+        a.shape[:1] != rows[:1] for a in labels.values()
+    ):
         raise ValueError("what it says of the members is not of as many as there are")
     outcomes = [(Outcome[name], str(message)) for name, message in head["outcomes"]]
     chosen = [outcomes[k] for k in arrays["outcome"]]

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from kickdrift.io.report import lines
 from kickdrift.scale.ensemble_solution import EnsembleSolution
 
+_PART = 1024  # members whose rows are in memory at a time, where they are on disk
 _MOST = 3  # members that failed which are named
 
 
@@ -32,6 +33,8 @@ def report(solution: EnsembleSolution) -> str:
     ]
     if about.choice:
         rows.insert(3, ("taken because", about.choice))
+    if solution.saved_to:
+        rows.append(("rows", f"in {solution.saved_to!r}"))
     rows += [(f"{name} error", _errors(values)) for name, values in solution.invariants.items()]
     counts = Counter(status.name.lower().replace("_", " ") for status in solution.status)
     rows.append(("outcomes", ", ".join(f"{count} {name}" for name, count in counts.items())))
@@ -51,11 +54,17 @@ def _range(values: NDArray[Any]) -> str:
 
 
 def _errors(values: NDArray[Any]) -> str:
-    errors = np.abs(values - values[:, :1]).reshape(len(values), values.shape[1], -1)
-    size = np.abs(values[:, 0]).reshape(len(values), -1).max(axis=1)
-    with np.errstate(all="ignore"):
-        relative = np.where(np.isfinite(errors), errors, 0.0).max(axis=(1, 2)) / size
+    parts = [_relative(np.asarray(values[first : first + _PART])) for first in range(0, values.shape[0], _PART)]
+    relative = np.concatenate(parts)
     relative = relative[np.isfinite(relative)]
     if not relative.size:
         return "unknown"
     return f"{np.median(relative):.3e} of the start in the median, {relative.max():.3e} at most"
+
+
+def _relative(values: NDArray[Any]) -> NDArray[Any]:
+    errors = np.abs(values - values[:, :1]).reshape(len(values), values.shape[1], -1)
+    size = np.abs(values[:, 0]).reshape(len(values), -1).max(axis=1)
+    with np.errstate(all="ignore"):
+        relative: NDArray[Any] = np.where(np.isfinite(errors), errors, 0.0).max(axis=(1, 2)) / size
+    return relative

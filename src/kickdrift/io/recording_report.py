@@ -12,12 +12,13 @@ def report(recording: Recording) -> str:
     about, seconds = recording.about, recording.wall_time
     simulated = float(recording.t[-1] - recording.t[0])
     looks = recording.appearance
+    kept = f"all states are in {recording.saved_to!r}" if recording.saved_to else f"{recording.t.size} states kept"
     rows = [
         ("world", about.system),
         ("bodies", f"{recording.moving.size} that move, {len(looks.parts)} shapes"),
         ("span", f"{recording.t[0]:.6g} to {recording.t[-1]:.6g} s"),
         ("step", f"{recording.step:.6g} s: {about.word}"),
-        ("steps", f"{recording.n_steps}, {recording.t.size} states kept"),
+        ("steps", f"{recording.n_steps}, {kept}"),
     ]
     if recording.n_steps:
         per_step = seconds / recording.n_steps * 1e3
@@ -30,7 +31,8 @@ def report(recording: Recording) -> str:
     for name, unit in (("overlap", "mm"), ("joint gap", "mm"), ("residual", "mm/s")):
         values = 1e3 * recording.derived[name]
         if values.any():
-            rows.append((name, f"{values.max():.3g} {unit} at most, {values[-1]:.3g} {unit} at the end"))
+            most = "" if recording.saved_to else f"{values.max():.3g} {unit} at most, "
+            rows.append((name, f"{most}{values[-1]:.3g} {unit} at the end"))
     moved = np.nan_to_num(np.linalg.norm(recording.x[-1] - recording.x[0], axis=1)[recording.moving])
     if moved.size:
         body = int(recording.moving[int(np.argmax(moved))])

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from kickdrift.core.errors import missing_extra
+from kickdrift.engine.description import unit_attributes
 from kickdrift.engine.solution import Solution
 from kickdrift.scale.ensemble_solution import EnsembleSolution
 
@@ -11,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def to_xarray(solution: Solution) -> Any:
-    """Return a solution as an `xarray.Dataset` with named dimensions, labels and units.
+    """Return a solution as an `xarray.Dataset` with named dimensions, labels and units; rows on disk are read as needed.
 
     Raises
     ------
@@ -19,6 +20,8 @@ def to_xarray(solution: Solution) -> Any:
         If xarray is not installed.
     """
     plain = solution.plain
+    if plain.saved_to:
+        return _xarray().open_zarr(plain.saved_to)
     return _dataset(plain, ("time",)).assign_attrs(step=plain.step, status=solution.status.name)
 
 
@@ -32,6 +35,8 @@ def ensemble_to_xarray(solution: EnsembleSolution) -> Any:
     MissingExtraError
         If xarray is not installed.
     """
+    if solution.saved_to:
+        return _xarray().open_zarr(solution.saved_to)
     status = [status.name for status in solution.status]
     labels = {
         name: (("member",) if values.ndim == 1 else ("member", "parameter"), values)
@@ -43,17 +48,12 @@ def ensemble_to_xarray(solution: EnsembleSolution) -> Any:
 
 def _dataset(solution: Solution | EnsembleSolution, leading: tuple[str, ...]) -> Any:
     """Return states and invariants with named dimensions, the leading ones first."""
-    try:
-        import xarray as xr
-    except ImportError:
-        raise missing_extra("Solution.to_xarray", "xarray", "xarray") from None
+    xr = _xarray()
     about, dims = solution.about, (*leading, *solution.about.dimensions)
     units = about.units
 
     def variable(values: Any, names: tuple[str, ...], of: str) -> Any:
-        # What others read as units is one word; a phrase would be an error of theirs.
-        key = "units" if " " not in units.get(of, "") else "unit_in_words"
-        return xr.Variable(names, values, attrs={key: units[of]} if of in units else {})
+        return xr.Variable(names, values, attrs=unit_attributes(units.get(of, "")))
 
     data = {"x": variable(solution.x, dims, "x")}
     if solution.v.shape == solution.x.shape:  # first-order equations have no v
@@ -69,6 +69,14 @@ def _dataset(solution: Solution | EnsembleSolution, leading: tuple[str, ...]) ->
     )
 
 
+def _xarray() -> Any:
+    try:
+        import xarray
+    except ImportError:
+        raise missing_extra("Solution.to_xarray", "xarray", "xarray") from None
+    return xarray
+
+
 def recording_to_xarray(recording: "Recording") -> Any:
     """Return a recording as an `xarray.Dataset`: as `to_xarray`, with orientations and angular velocities.
 
@@ -78,6 +86,8 @@ def recording_to_xarray(recording: "Recording") -> Any:
         If xarray is not installed.
     """
     units = recording.about.units
+    if recording.saved_to:
+        return to_xarray(recording)
     return to_xarray(recording).assign(
         orientation=(("time", "body", "quaternion"), recording.orientation, {"units": "1"}),
         angular_velocity=(

@@ -20,6 +20,7 @@ class Letter(Enum):
     THERMOSTAT = "thermostat"
     NOISE = "noise"
     KEPLER = "kepler"
+    ENCOUNTERS = "encounters"
     OSCILLATE = "oscillate"
     FILTERED_KICK = "filtered-kick"
     SUBSTEPS = "substeps"
@@ -122,6 +123,7 @@ _PARAMETERS = {
     Letter.DOUBLED_BINDING: 1,
     Letter.EXTRAPOLATION: 1,
     Letter.SUBSTEPS: 1,
+    Letter.ENCOUNTERS: 20,
     Letter.FILTERED_KICK: 3,
 }
 
@@ -143,6 +145,7 @@ _KINDS = {
     Letter.THERMOSTAT: Kind.LANGEVIN,
     Letter.NOISE: Kind.LANGEVIN,
     Letter.KEPLER: Kind.NEARLY_KEPLERIAN,
+    Letter.ENCOUNTERS: Kind.NEARLY_KEPLERIAN,
     Letter.OSCILLATE: Kind.OSCILLATORY,
     Letter.FILTERED_KICK: Kind.OSCILLATORY,
     Letter.SUBSTEPS: Kind.MULTIRATE,
@@ -172,6 +175,7 @@ WHOLES = tuple(
         ("kick", "drift", "constrain-positions"),
         ("kick", "drift", "constrain-positions", "constrain-velocities"),
         ("kick", "kepler"),
+        ("encounters",),
         ("kick", "oscillate"),
         ("kick", "substeps"),
         ("doubled-kick", "doubled-drift", "doubled-binding"),

@@ -173,3 +173,20 @@ METHODS = (
         generalised_order=(10, 6, 4),
     ),
 )
+
+_ENCOUNTERS = Method(
+    name="wisdom-holman-switched",
+    order=4,
+    word=((Letter.ENCOUNTERS, Fraction(1)),),
+    symmetric=True,
+    kind=Kind.NEARLY_KEPLERIAN,
+    source="Hernandez, Dehnen, Mon. Not. R. Astron. Soc. 522, 4639 (2023); Lu, Hernandez, Rein, ibid. 533, 3708 (2024)",
+    aliases=("close-encounters",),
+    parameters=(
+        2,  # two bodies come no further from one kick to the next than half their distance
+        Fraction(3, 10**10),  # of the energy, at most, is what a step changes
+        Fraction(1, 10**10),  # of distances, at most, are estimated errors where bodies are integrated
+        *(weight for _, weight in METHODS[-1].word),
+    ),
+)
+METHODS = (*METHODS, _ENCOUNTERS)

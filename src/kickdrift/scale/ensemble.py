@@ -4,34 +4,37 @@ import os
 import time
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from contextlib import closing, nullcontext, suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from kickdrift.core.arguments import choice
 from kickdrift.core.errors import ArgumentError, FileFormatError, depth_of_caller
-from kickdrift.engine import quantities
+from kickdrift.core.naming import digest
+from kickdrift.engine.description import Description
+from kickdrift.engine.identity import version
 from kickdrift.engine.invariants import Invariants
+from kickdrift.engine.lane_letters import LANES
 from kickdrift.engine.method_selection import check_wanted
 from kickdrift.engine.progress import Bar
 from kickdrift.engine.step_control import StepControl
 from kickdrift.engine.task import description_of
 from kickdrift.methods import Method
+from kickdrift.scale.chunks import members_of_chunk, run_here
 from kickdrift.scale.ensemble_solution import EnsembleSolution
-from kickdrift.scale.executors import run_on
-from kickdrift.scale.keeping import Kept
+from kickdrift.scale.executors import NoWorkerError, run_on, workers_of
+from kickdrift.scale.keeping import Kept, identity_of
+from kickdrift.scale.member_store import MemberStore
 from kickdrift.scale.members import members_of
 from kickdrift.scale.prepared import Prepared, Settings, prepare
 from kickdrift.scale.results import Results
 from kickdrift.scale.running import Runs
 from kickdrift.systems.problem import Problem
 from kickdrift.systems.system import System
-
-Floats = NDArray[np.float64]
 
 
 def solve_ensemble(
@@ -56,6 +59,7 @@ def solve_ensemble(
     progress: bool | None = None,
     threads: int | None = None,
     executor: Any = None,
+    save_to: str | Path | None = None,
     checkpoint: str | Path | None = None,
     checkpoint_every: int | None = None,
 ) -> EnsembleSolution:
@@ -97,6 +101,11 @@ def solve_ensemble(
     executor : concurrent.futures.Executor or dask.distributed.Client, optional
         Runs the members in its workers, a chunk of them a task, instead of on threads. What a worker that dies leaves undone
         is done again, to the same bits. `concurrent.futures` sends functions by their names in their modules; Dask others, too.
+    save_to : path, optional
+        A folder, such as ``"sweep.zarr"``, to which the rows go in place of memory: a Zarr group of chunks of members, with the
+        energy and the like, that ``xarray.open_zarr`` reads at any moment, NaN where a member is not done. Whoever runs a chunk
+        writes it, so that workers on other machines have to share the folder. The solution reads what it is asked for. The
+        same call again goes on with the members that are not done.
     checkpoint : path, optional
         A folder for checkpoints of the members that are done. The same call again, in whatever process, goes on with the
         others, to the bits of a run that was never broken.
@@ -111,14 +120,15 @@ def solve_ensemble(
     Raises
     ------
     ArgumentError
-        For an argument that cannot be used, before any work is done.
+        For an argument that cannot be used, before any work is done; and where an executor of Dask has no worker to begin with.
 
     Warns
     -----
     InterpretedWarning
         If Numba cannot compile the function.
     RuntimeWarning
-        If a worker dies, or a checkpoint cannot be written, which ends the ensemble with the members that are done.
+        If a worker dies. And if members cannot be written, or no worker is left, which ends the ensemble with the members that
+        are done.
 
     Examples
     --------
@@ -139,16 +149,47 @@ def solve_ensemble(
         raise ArgumentError(
             f"checkpoint_every={checkpoint_every!r} is given without checkpoint, a folder for them; give it."
         )
+    if checkpoint is not None and save_to is not None:
+        raise ArgumentError(
+            f"checkpoint={str(checkpoint)!r} and save_to={str(save_to)!r} are both given, but save_to keeps the members"
+            " that are done, too; leave checkpoint out."
+        )
     threads = _threads(threads)
     members = members_of(problem, x0, v0, args, step, seeds)
     settings = Settings(
         t_span, method, order, t_eval, save_every, step_control, rtol, atol, compensated, compiles, check_bounds
     )
-    prepared = prepare(members, settings, progress)
-    results = prepared.room()
+    prepared = prepare(members, settings, progress, to_disk=save_to is not None)
+    results = prepared.room(save_to is not None)
+    store = (
+        None if save_to is None else MemberStore(save_to, digest((version(), sorted(identity_of(prepared).items()))))
+    )
     kept = None if checkpoint is None else Kept(checkpoint, checkpoint_every, prepared, results)
-    here = None if executor is not None else Runs(prepared, threads, progress, results)
-    go = partial(run_on, executor, prepared, results) if here is None else here.go
+    with closing(store) if store else nullcontext(), closing(kept) if kept else nullcontext():
+        if store is not None:
+            least = LANES * threads if executor is None else 1
+            size = members_of_chunk(prepared, threads if executor is None else workers_of(executor), True, least)
+            store.begin(prepared, _description(prepared), size, results)
+        return _run(prepared, results, executor, threads, progress, kept, store)
+
+
+def _run(
+    prepared: Prepared,
+    results: Results,
+    executor: Any,
+    threads: int,
+    progress: bool | None,
+    kept: Kept | None,
+    store: MemberStore | None,
+) -> EnsembleSolution:
+    """Run the members that are not done."""
+    go: Callable[[Callable[[int], None]], None]
+    if executor is not None:
+        go = partial(run_on, executor, prepared, results, store)
+    elif store is not None:
+        go = partial(run_here, prepared, results, store, threads)
+    else:
+        go = Runs(prepared, threads, progress, results).go
     started = time.perf_counter()
     total = sum(cohort.length * int((~results.done[cohort.indices]).sum()) for cohort in prepared.cohorts)
     bar = Bar(total, progress)
@@ -164,12 +205,13 @@ def solve_ensemble(
             go(tell)
         if kept is not None:
             kept.write()
-    except FileFormatError as error:  # as on a full disk
-        words = f"the ensemble ends with the members that are done, as no checkpoint can be written: {error}"
-        warnings.warn(words, RuntimeWarning, stacklevel=depth_of_caller())
+    except (FileFormatError, NoWorkerError) as error:  # as on a full disk
+        warnings.warn(
+            f"the ensemble ends with the members that are done: {error}", RuntimeWarning, stacklevel=depth_of_caller()
+        )
     finally:
         bar.close()
-    return _solution(prepared, results, time.perf_counter() - started)
+    return _solution(prepared, results, store, time.perf_counter() - started)
 
 
 def _threads(threads: int | None) -> int:
@@ -180,33 +222,32 @@ def _threads(threads: int | None) -> int:
     return int(threads)
 
 
-def _solution(prepared: Prepared, results: Results, seconds: float) -> EnsembleSolution:
-    system = prepared.system
-    for kept in (results.x, results.v):
-        kept.flags.writeable = False  # invariants are evaluated later, from the same numbers
+def _description(prepared: Prepared) -> Description:
+    return description_of(prepared.system, prepared.chosen, prepared.settings.compensated, prepared.controller)
+
+
+def _solution(prepared: Prepared, results: Results, store: MemberStore | None, seconds: float) -> EnsembleSolution:
+    system, x, v = prepared.system, results.x, results.v
+    evaluated: Callable[[str], Any] = partial(prepared.evaluate, x=x, v=v)
+    for array in (x, v):
+        array.flags.writeable = False  # invariants are evaluated later, from the same numbers
+    if store is not None:
+        x, evaluated = store.array("x"), store.array
+        v = store.array("v") if system.v0.shape == system.x0.shape else np.empty((*x.shape[:2], *system.v0.shape))
     return EnsembleSolution(
         t=prepared.t,
-        x=results.x,
-        v=results.v,
-        invariants=Invariants(tuple(system.quantities), partial(_evaluated, prepared, results)),
+        x=x,
+        v=v,
+        invariants=Invariants(tuple(system.quantities), evaluated),
         status=tuple(results.status),
         messages=tuple(results.messages),
         step=results.step,
+        step_range=results.step_range,
         n_steps=results.n_steps,
+        n_rejected=results.rejected,
         n_force_evaluations=results.evaluations,
         wall_time=seconds,
-        about=description_of(system, prepared.chosen, prepared.settings.compensated, prepared.controller),
+        about=_description(prepared),
         parameters=prepared.members.parameters,
-    )
-
-
-def _evaluated(prepared: Prepared, results: Results, name: str) -> Floats:
-    """Evaluate a conserved quantity of all members: (M, T), or (M, T, size)."""
-    count, t = prepared.members.count, prepared.t
-    if prepared.one_system():
-        times = np.tile(t, count)
-        values = quantities.evaluate(prepared.system, name, times, results.x, results.v)
-        return values.reshape(count, t.size, *values.shape[1:])
-    return np.stack(
-        [quantities.evaluate(prepared.system_of(i), name, t, results.x[i], results.v[i]) for i in range(count)]
+        saved_to="" if store is None else str(store.path),
     )

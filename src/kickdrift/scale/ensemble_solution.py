@@ -35,7 +35,8 @@ class EnsembleSolution:
     t : (T,) array
         Times kept.
     x, v : (M, T, *shape) array
-        Positions and velocities, NaN after the last good row of a member that failed.
+        Positions and velocities, NaN after the last good row of a member that failed. Of rows that went to disk they are arrays
+        of Zarr, as are the invariants: ``x[3]`` reads a member, ``x[:]`` all.
     invariants : mapping of str to array
         Conserved quantities at those times, (M, T) or (M, T, size), each evaluated when it is first asked for.
     status : tuple of Outcome
@@ -44,14 +45,18 @@ class EnsembleSolution:
         The same as sentences, with time and step of those that did not reach the end.
     step : (M,) array
         The step used.
-    n_steps, n_force_evaluations : (M,) array of int
-        Steps done, and evaluations of the acceleration.
+    step_range : (M, 2) array
+        The sizes of the smallest and of the largest step.
+    n_steps, n_rejected, n_force_evaluations : (M,) array of int
+        Steps done, steps that were tried and taken back, and evaluations of the acceleration.
     wall_time : float
         Seconds that all members took together, compilation not counted.
     about : Description
         What was run.
     parameters : mapping of str to array
         What tells the members apart, (M,) or (M, p): what was swept, steps, seeds.
+    saved_to : str
+        Where the rows are, if not in memory.
     """
 
     t: Floats
@@ -61,11 +66,14 @@ class EnsembleSolution:
     status: tuple[Outcome, ...]
     messages: tuple[str, ...]
     step: Floats
+    step_range: Floats
     n_steps: NDArray[np.int64]
+    n_rejected: NDArray[np.int64]
     n_force_evaluations: NDArray[np.int64]
     wall_time: float
     about: Description
     parameters: Mapping[str, NDArray[Any]]
+    saved_to: str = ""
 
     presenters: ClassVar[EnsemblePresenters]
 
@@ -114,16 +122,19 @@ class EnsembleSolution:
     def __getitem__(self, i: int) -> Solution:
         """Return the solution of a member: the rows that it reached."""
         i = range(len(self))[i]
-        reached = ~np.isnan(self.x[i].reshape(self.t.size, -1)).all(axis=1)
+        x, v = np.asarray(self.x[i]), np.asarray(self.v[i])
+        reached = ~np.isnan(x.reshape(self.t.size, -1)).all(axis=1)
         return Solution(
             t=self.t[reached],
-            x=self.x[i, reached],
-            v=self.v[i, reached],
-            invariants=Invariants(tuple(self.invariants), lambda name: self.invariants[name][i, reached]),
+            x=x[reached],
+            v=v[reached],
+            invariants=Invariants(tuple(self.invariants), lambda name: np.asarray(self.invariants[name][i])[reached]),
             status=self.status[i],
             message=self.messages[i],
             step=float(self.step[i]),
+            step_range=(float(self.step_range[i, 0]), float(self.step_range[i, 1])),
             n_steps=int(self.n_steps[i]),
+            n_rejected=int(self.n_rejected[i]),
             n_force_evaluations=int(self.n_force_evaluations[i]),
             wall_time=self.wall_time / len(self),
             about=self.about,

@@ -3,43 +3,35 @@
 import pickle
 import pydoc
 import queue
+import time
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
-from dataclasses import dataclass, replace
-from typing import Any
+from contextlib import suppress
+from typing import Any, TypeVar
 
-from kickdrift.core.errors import ArgumentError, depth_of_caller
-from kickdrift.engine.lane_letters import LANES
-from kickdrift.scale.members import Members
-from kickdrift.scale.prepared import Prepared, Settings, prepare
+from kickdrift.core.errors import ArgumentError, KickdriftError, depth_of_caller
+from kickdrift.scale.chunks import Chunk, chunks_of, members_of_chunk, run_chunk
+from kickdrift.scale.member_store import MemberStore
+from kickdrift.scale.prepared import Prepared
 from kickdrift.scale.results import Results
-from kickdrift.scale.running import Runs
-from kickdrift.systems.system import System
 
-_TASKS_OF_A_WORKER = 8  # so that one that is slow, or dies, does not keep the others waiting
+T = TypeVar("T")
+
 _VERSION = "kickdrift.__version__"
 _WORKERS = 8  # where an executor does not say how many it has
+_LOOK_SECONDS = 1.0  # between two looks at whether there are workers
+_PATIENCE = "distributed.comm.timeouts.connect"  # of Dask's settings: how long it waits for others, 30 s by default
 
 
-@dataclass(frozen=True)
-class Chunk:
-    """A task: some members, and the first of all, which says what they have in common."""
-
-    members: Members
-    lead: Members
-    settings: Settings
+class NoWorkerError(KickdriftError):
+    """No worker is left of an executor, and none has come for as long as it waits for one."""
 
 
-def run_chunk(chunk: Chunk) -> Results:
-    """Run the members of a chunk, in whatever process this is."""
-    runs = Runs(prepare(chunk.members, chunk.settings, False, chunk.lead), 1, False)
-    runs.go(lambda done: None)
-    return runs.results
-
-
-def run_on(executor: Any, prepared: Prepared, results: Results, tell: Callable[[int], None]) -> None:
-    """Run members as tasks of an executor, and tell how many steps of members are done.
+def run_on(
+    executor: Any, prepared: Prepared, results: Results, store: MemberStore | None, tell: Callable[[int], None]
+) -> None:
+    """Run members as tasks of an executor, which write them where there is a store, and tell how many steps are done.
 
     What a worker leaves undone that dies, and the executor does not repeat, is done here. A KeyboardInterrupt keeps the chunks
     that are done.
@@ -47,9 +39,11 @@ def run_on(executor: Any, prepared: Prepared, results: Results, tell: Callable[[
     Raises
     ------
     ArgumentError
-        Where the workers lack kickdrift, or the problem cannot be sent to them.
+        Where there are no workers, they lack kickdrift, or the problem cannot be sent to them.
+    NoWorkerError
+        Where no worker is left.
     """
-    workers = _workers(executor)
+    size = members_of_chunk(prepared, workers_of(executor), False) if store is None else store.members_of_chunk
     if callable(getattr(executor, "get_executor", None)):
         executor = executor.get_executor()  # of Dask: else the tasks of one call would be those of the next one, too
     _check(executor)
@@ -57,16 +51,14 @@ def run_on(executor: Any, prepared: Prepared, results: Results, tell: Callable[[
     waiting: dict[int, tuple[Chunk, Any]] = {}
     steps, left = 0, False
     try:
-        for first, chunk in _chunks(workers, prepared):
-            if results.done[first : first + chunk.members.count].all():
-                continue
+        for chunk in chunks_of(prepared, size, results, store):
             if not waiting:
                 _check_sent(executor, chunk)
             future = _submitted(executor, chunk)
-            waiting[first] = chunk, future
-            future.add_done_callback(lambda future, first=first: done.put((first, future)))
+            waiting[chunk.first] = chunk, future
+            future.add_done_callback(lambda future, first=chunk.first: done.put((first, future)))
         while waiting:
-            first, future = done.get()
+            first, future = _next(done, executor)
             chunk, _ = waiting[first]
             try:
                 part = future.result()
@@ -103,9 +95,17 @@ def _check(executor: Any) -> None:
         )
     own, found, why = pydoc.locate(_VERSION), None, ""
     try:
-        found = executor.submit(pydoc.locate, _VERSION).result()  # which every Python can be asked
+        asked: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        executor.submit(pydoc.locate, _VERSION).add_done_callback(asked.put)  # which every Python can be asked
+        found = _next(asked, executor).result()
+    except NoWorkerError as error:
+        raise ArgumentError(str(error)) from None
     except pydoc.ErrorDuringImport as error:
         why = f" ({error})"
+    except Exception as error:
+        if _is_death(error):  # which the chunks will find
+            return
+        raise
     if found != own:
         has = f"do not have it{why}" if found is None else f"have kickdrift {found}"
         raise ArgumentError(
@@ -147,28 +147,44 @@ def _warn(error: Exception) -> bool:
     return True
 
 
-def _chunks(workers: int, prepared: Prepared) -> Iterator[tuple[int, Chunk]]:
-    """Cut the members into tasks, with the number of the first member of each."""
-    members = prepared.members
-    settings = replace(prepared.settings, method=prepared.chosen.method, order=None)
-    size = -(-members.count // (_TASKS_OF_A_WORKER * workers))
-    if size > LANES // 2:
-        size = -(-size // LANES) * LANES
-    lead = _sent(members.part(0, 1))
-    for first in range(0, members.count, size):
-        part = _sent(members.part(first, min(first + size, members.count)))
-        yield first, Chunk(part, lead, settings)
-
-
-def _sent(members: Members) -> Members:
-    """Leave behind what no run needs: closures cannot be sent."""
-    if not isinstance(members.problem, System):
-        return members
-    return replace(members, problem=replace(members.problem, exact=None))
-
-
-def _workers(executor: Any) -> int:
+def workers_of(executor: Any) -> int:
+    """Return how many workers an executor has, or how many there may be."""
     own = getattr(executor, "_max_workers", None)
     if own is None and callable(getattr(executor, "ncores", None)):
         own = sum(executor.ncores().values())
     return own or _WORKERS
+
+
+def _next(done: "queue.SimpleQueue[T]", executor: Any) -> T:
+    """Return what is done next.
+
+    Raises
+    ------
+    NoWorkerError
+        Where the scheduler of Dask has no worker for as long as Dask waits for others: those that died are started anew, or
+        not. A pool is broken then, and all is done.
+    """
+    client, since = getattr(executor, "_client", None), time.monotonic()
+    while True:
+        with suppress(queue.Empty):
+            return done.get(timeout=None if client is None else _LOOK_SECONDS)
+        if client is None or _has_workers(client):
+            since = time.monotonic()
+        elif time.monotonic() - since > (patience := _patience()):
+            raise NoWorkerError(
+                f"executor={client!r} has no worker left, and none has come for {patience:g} s; start some, and call again"
+                " (save_to and checkpoint keep the members that are done)."
+            )
+
+
+def _has_workers(client: Any) -> bool:
+    try:
+        return bool(client.ncores())
+    except Exception:  # of a scheduler that has gone
+        return False
+
+
+def _patience() -> float:
+    import dask
+
+    return float(dask.utils.parse_timedelta(dask.config.get(_PATIENCE)))

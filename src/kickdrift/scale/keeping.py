@@ -15,7 +15,7 @@ from kickdrift.scale.prepared import Prepared
 from kickdrift.scale.results import Results
 
 _SECONDS = 60.0  # between checkpoints where nobody says how many members there are
-_ARRAYS = ("x", "v", "rows", "step", "n_steps", "evaluations")
+_ARRAYS = ("x", "v", "rows", "step", "step_range", "n_steps", "rejected", "evaluations")
 
 
 class Kept:
@@ -32,12 +32,20 @@ class Kept:
     """
 
     def __init__(self, folder: Any, every: int | None, prepared: Prepared, results: Results) -> None:
-        self._checkpoints = Checkpoints(folder, every, 2, _identity(prepared))
+        self._checkpoints = Checkpoints(folder, every, 2, identity_of(prepared))
         self._every, self._results = every, results
-        found = self._checkpoints.find()
-        if found is not None:
-            self._restore(found.header, found.arrays)
+        try:
+            found = self._checkpoints.find()
+            if found is not None:
+                self._restore(found.header, found.arrays)
+        except BaseException:
+            self.close()
+            raise
         self._count, self._written = int(results.done.sum()), time.perf_counter()
+
+    def close(self) -> None:
+        """Let other runs have the folder."""
+        self._checkpoints.close()
 
     def look(self) -> None:
         """Write a checkpoint where one is due."""
@@ -81,7 +89,7 @@ class Kept:
         results.done[members] = True
 
 
-def _identity(prepared: Prepared) -> dict[str, str]:
+def identity_of(prepared: Prepared) -> dict[str, str]:
     """Say what determines an ensemble, by the names of the arguments of `solve_ensemble`."""
     members, settings, method = prepared.members, prepared.settings, prepared.chosen.method
     return {

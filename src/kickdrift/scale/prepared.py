@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.core.room import free_bytes
+from kickdrift.engine import quantities
 from kickdrift.engine.announcing import compiling_announced
 from kickdrift.engine.controller import Controller, control_of, controlled
 from kickdrift.engine.dense import check_between
@@ -84,9 +85,17 @@ class Prepared:
     t: Floats
     controller: Controller | None = None
 
-    def room(self) -> Results:
-        """Make room for what the members will leave."""
-        return Results.empty(self.members.count, self.t.size, self.system.x0.shape, self.system.v0.shape)
+    def room(self, to_disk: bool = False) -> Results:
+        """Make room for what the members will leave, but for the rows where these go to disk.
+
+        Raises
+        ------
+        ArgumentError
+            If there is not so much memory.
+        """
+        count, times, system = self.members.count, 0 if to_disk else self.t.size, self.system
+        _check_room(count, times, system.x0.size + system.v0.size)
+        return Results.empty(count, times, system.x0.shape, system.v0.shape)
 
     def system_of(self, i: int) -> System:
         """Describe the system of a member."""
@@ -131,19 +140,29 @@ class Prepared:
         )
         return x, v, params
 
+    def evaluate(self, name: str, x: Floats, v: Floats) -> Floats:
+        """Evaluate a conserved quantity of all members at their rows: (M, T), or (M, T, size)."""
+        count, t = self.members.count, self.t
+        if self.one_system():
+            values = quantities.evaluate(self.system, name, np.tile(t, count), x, v)
+            return values.reshape(count, t.size, *values.shape[1:])
+        return np.stack([quantities.evaluate(self.system_of(i), name, t, x[i], v[i]) for i in range(count)])
+
     def one_system(self) -> bool:
         """Whether all members have one system, started otherwise."""
         members = self.members
         return members.made is None and members.seeds is None and (members.args is None or len(members.args) == 1)
 
 
-def prepare(members: Members, settings: Settings, progress: bool | None, lead: Members | None = None) -> Prepared:
+def prepare(
+    members: Members, settings: Settings, progress: bool | None, lead: Members | None = None, to_disk: bool = False
+) -> Prepared:
     """Describe the first member, or the first of others that `lead`, choose the method, and lay the steps.
 
     Raises
     ------
     ArgumentError
-        For whatever `kickdrift.solve` would refuse, and more rows than there is room for.
+        For whatever `kickdrift.solve` would refuse, and more rows than fit in memory: of one member if they go `to_disk`.
     """
     lead = lead or members
     x0, v0, args = lead.start_of(0)
@@ -153,7 +172,7 @@ def prepare(members: Members, settings: Settings, progress: bool | None, lead: M
         raise ArgumentError("steps vary from member to member; give t_eval=..., the times to keep of all members.")
     cohorts = []
     for indices in members.cohorts():
-        numbers, step = members.count * start.x.size, members.step_of(int(indices[0]))
+        numbers, step = (1 if to_disk else members.count) * start.x.size, members.step_of(int(indices[0]))
         given = settings.t_span, step, settings.t_eval, settings.save_every
         cohorts.append(Cohort(indices, lay_grid(*given, numbers) if control is None else lay_course(*given)))
     first = cohorts[0].grid
@@ -163,7 +182,6 @@ def prepare(members: Members, settings: Settings, progress: bool | None, lead: M
             f"step has {len(cohorts)} values, after whose steps the times are others; give t_eval=..., the times to keep of all"
             " members."
         )
-    _check_room(members.count, t.size, start.x.size + start.v.size)
     with compiling_announced(progress):
         system = describe(lead.problem_of(0), first.t0, start, params, settings.compile, settings.check_bounds)
         span, defaults = first.t1 - first.t0, Steering(control).defaults
@@ -191,7 +209,7 @@ def _check_room(count: int, times: int, numbers: int) -> None:
     if size > most:
         raise ArgumentError(
             f"{count} members at {times} times are {size / 2**30:.3g} GiB, and there is room for {most / 2**30:.3g} GiB; keep"
-            " fewer times (save_every, t_eval), or run fewer members at once."
+            " fewer times (save_every, t_eval), or give save_to='run.zarr', a folder to which they go."
         )
 
 

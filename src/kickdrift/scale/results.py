@@ -23,7 +23,9 @@ class Results:
     status: list[Outcome]
     messages: list[str]
     step: Floats
+    step_range: Floats
     n_steps: NDArray[np.int64]
+    rejected: NDArray[np.int64]
     evaluations: NDArray[np.int64]
     done: NDArray[np.bool_]
 
@@ -37,6 +39,8 @@ class Results:
             [Outcome.INTERRUPTED] * count,
             [f"{Outcome.INTERRUPTED.value} It did not begin."] * count,
             np.zeros(count),
+            np.zeros((count, 2)),
+            np.zeros(count, dtype=np.int64),
             np.zeros(count, dtype=np.int64),
             np.zeros(count, dtype=np.int64),
             np.zeros(count, dtype=bool),
@@ -53,6 +57,7 @@ class Results:
         self.x[first:last], self.v[first:last] = other.x, other.v
         self.rows[first:last] = other.rows
         self.status[first:last], self.messages[first:last] = other.status, other.messages
-        self.step[first:last], self.n_steps[first:last] = other.step, other.n_steps
+        self.step[first:last], self.step_range[first:last] = other.step, other.step_range
+        self.n_steps[first:last], self.rejected[first:last] = other.n_steps, other.rejected
         self.evaluations[first:last] = other.evaluations
         self.done[first:last] = other.done

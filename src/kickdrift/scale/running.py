@@ -196,6 +196,7 @@ class Runs:
         results = self.results
         results.rows[indices], results.evaluations[indices] = rows, evaluations
         results.step[indices], results.n_steps[indices] = grid.step, step
+        results.step_range[indices] = abs(grid.step)
         outcome = Outcome.COMPLETED if step == grid.n_steps else Outcome.INTERRUPTED
         message = outcome.value if outcome.success else _ended(outcome, grid, step)
         for i in indices:
@@ -260,6 +261,7 @@ class Runs:
         results.rows[i], results.status[i] = t.size, solution.status
         results.messages[i] = solution.status.value if solution.success else solution.message
         results.step[i], results.n_steps[i] = solution.step, solution.n_steps
+        results.step_range[i], results.rejected[i] = solution.step_range, solution.n_rejected
         results.evaluations[i] = solution.n_force_evaluations
         results.done[i] = solution.status is not Outcome.INTERRUPTED
 

@@ -16,6 +16,7 @@ from kickdrift.scenes.solar_system import (
     Kept,
     distances_to_jpl,
     jpl_days,
+    kept_every,
     kept_times,
     planets,
 )
@@ -31,6 +32,7 @@ __all__ = [
     "distances_to_jpl",
     "first_methods_side_by_side",
     "jpl_days",
+    "kept_every",
     "kept_times",
     "planets",
 ]

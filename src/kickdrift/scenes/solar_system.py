@@ -93,6 +93,13 @@ def jpl_days() -> Floats:
     return days
 
 
+def kept_every(duration: float, step: float, save_every: int | None = None) -> int:
+    """Return how many steps lie between the states to keep: as few as keep `MOST_ROWS` rows by default."""
+    if save_every is not None:
+        return save_every
+    return -(-lay_grid((0.0, duration), step, None, MOST_ROWS, 1).n_steps // MOST_ROWS)
+
+
 def kept_times(duration: float, step: float, save_every: int | None = None, also: Iterable[float] = ()) -> Kept:
     """Choose the times to keep of a run from 0: regular ones, the end, and those of `also` on the grid of steps.
 
@@ -117,8 +124,7 @@ def kept_times(duration: float, step: float, save_every: int | None = None, also
         For a duration, step or `save_every` that cannot be.
     """
     whole = lay_grid((0.0, duration), step, None, MOST_ROWS, 1)
-    stride = -(-whole.n_steps // MOST_ROWS) if save_every is None else save_every
-    regular = lay_grid((0.0, duration), step, None, stride, 1).save_steps
+    regular = lay_grid((0.0, duration), step, None, kept_every(duration, step, save_every), 1).save_steps
     positions = np.array(list(also), dtype=np.float64) / whole.step
     nearest = np.rint(positions)
     inside = (positions > -0.5) & (nearest <= whole.n_steps)

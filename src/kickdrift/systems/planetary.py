@@ -1,5 +1,6 @@
 """Planets around a heavy body, split into Kepler problems and the little that is left."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache, partial
@@ -7,13 +8,14 @@ from functools import cache, partial
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kickdrift.core.arguments import reals
 from kickdrift.core.compilation import Function, compiled, specialise, unbound
 from kickdrift.core.errors import ArgumentError, unknown_name
 from kickdrift.core.kinds import Kind
 from kickdrift.systems.heliocentric import DEMOCRATIC_HELIOCENTRIC
 from kickdrift.systems.jacobi import JACOBI
 from kickdrift.systems.nbody import nbody
-from kickdrift.systems.system import System
+from kickdrift.systems.system import Quantity, System
 
 Floats = NDArray[np.float64]
 
@@ -29,6 +31,7 @@ def planetary(
     G: float = 1.0,
     splitting: str = "jacobi",
     names: Sequence[str] | None = None,
+    radii: ArrayLike | None = None,
 ) -> System:
     """Make a system of light bodies around a heavy one, the first; the state has shape (N, 3).
 
@@ -49,12 +52,16 @@ def planetary(
         smaller; or ``"democratic-heliocentric"``, where their order does not matter, and they may pass each other.
     names : sequence of str, optional
         Names of the bodies.
+    radii : (N,) array_like, optional
+        Of the bodies, at least 0: they merge where they touch, and the method is ``"close-encounters"``. Merged bodies
+        keep their masses and are in one place from then on, with the velocity of their centre of mass, as large as their
+        volumes together; `kickdrift.analysis.mergers` says which did when, and what kinetic energy was lost.
 
     Raises
     ------
     ArgumentError
-        As for `nbody`, and for fewer than two bodies, a first one that is not the heaviest, or one that is where the
-        first is.
+        As for `nbody`, and for fewer than two bodies, a first one that is not the heaviest, one that is where the
+        first is, or bodies that overlap.
     UnknownNameError
         For a splitting that is not known.
 
@@ -78,18 +85,57 @@ def planetary(
             f"masses[{int(gm.argmax())}] is the largest, or all are 0; put the heaviest body first, the others are to"
             " move around it."
         )
+    sizes, quantities = None, system.quantities
+    if radii is not None:
+        sizes, quantities = _sizes(radii, system), {**quantities, "energy": Quantity(_energy_of_merged)}
     return replace(
         system,
         name="planetary",
         kind=Kind.NEARLY_KEPLERIAN,
         acceleration=_of_bodies(system.acceleration),
         kick=None if system.kick is None else partial(_kick_of_bodies, system.kick),
-        quantities={name: replace(q, function=_of_bodies(q.function)) for name, q in system.quantities.items()},
-        params=np.concatenate([system.params, chosen.params(gm)]),
+        quantities={name: replace(q, function=_of_bodies(q.function)) for name, q in quantities.items()},
+        params=np.concatenate([system.params, np.zeros(0) if sizes is None else sizes, chosen.params(gm)]),
+        radii=sizes,
         parts={"remainder": chosen.remainder(gm), **chosen.parts},
         frame=chosen.frame(gm),
         source="Wisdom, Holman, Astron. J. 102, 1528 (1991)",
     )
+
+
+def _sizes(radii: ArrayLike, system: System) -> Floats:
+    """Return the radii of bodies of which no two overlap."""
+    try:
+        sizes = reals(radii)
+    except TypeError as error:
+        raise ArgumentError(f"radii={radii!r} must be numbers: {error}.") from None
+    if sizes.shape != system.x0.shape[:1] or not (np.isfinite(sizes) & (sizes >= 0)).all():
+        raise ArgumentError(
+            f"radii={radii!r} must be {len(system.x0)} finite numbers of at least 0, one for each body."
+        )
+    apart = np.linalg.norm(system.x0[:, None] - system.x0, axis=-1) / np.maximum(sizes[:, None] + sizes, 5e-324)
+    for i, j in np.argwhere(np.tril(apart < 1 - 1e-9, -1)).tolist():
+        raise ArgumentError(
+            f"bodies {j} and {i} overlap at the start: {apart[i, j]:.3g} of the sum of their radii apart; move one, or give"
+            " smaller radii."
+        )
+    return sizes
+
+
+@compiled(cached=False)
+def _energy_of_merged(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
+    total = 0.0
+    for i in range(params.size - 2):
+        speed2 = potential = 0.0
+        for k in range(3 * i, 3 * i + 3):
+            speed2 += v[k] * v[k]
+        for j in range(i):
+            d2 = 0.0
+            for k in range(3):
+                d2 += (x[3 * j + k] - x[3 * i + k]) ** 2
+            potential += params[2 + j] / math.sqrt(d2) if d2 > 0.0 else 0.0  # of those that are one
+        total += params[2 + i] * (0.5 * speed2 - potential)
+    out[0] = total / params[0]
 
 
 # The functions of `nbody` take all params for masses; here the numbers of the splitting come after them.

@@ -103,6 +103,8 @@ class System:
         Where equations and numbers are from.
     gm : (N,) array, optional
         Of bodies that attract each other G times their masses; of one around a fixed centre that of the centre.
+    radii : (N,) array, optional
+        Of bodies that merge where they touch.
     quantity_units : Units, optional
         The units of its numbers, where it was made of quantities.
     """
@@ -128,6 +130,7 @@ class System:
     units: Mapping[str, str] = field(default_factory=dict)
     source: str = ""
     gm: Floats | None = None
+    radii: Floats | None = None
     quantity_units: Any = None
 
     def __post_init__(self) -> None:

@@ -30,6 +30,7 @@ class KeepsHistory:
         checkpoint: str | Path | None = None,
         checkpoint_every: int | None = None,
         checkpoint_keep: int | None = 2,
+        save_to: str | Path | None = None,
     ) -> Recording:
         """Run for a while, and record it.
 
@@ -51,6 +52,9 @@ class KeepsHistory:
             Steps from one checkpoint to the next; by default they are about a minute apart. Each holds the rows so far.
         checkpoint_keep : int, optional
             How many of the last to keep, None for all.
+        save_to : path, optional
+            A folder, such as ``"pile.zarr"``, to which the rows go while the world runs, in place of memory, as those of
+            `kickdrift.solve` do; with overlaps, gaps of joints and what the solver left unsolved.
 
         Returns
         -------
@@ -65,7 +69,7 @@ class KeepsHistory:
         FileFormatError
             If all checkpoints are damaged.
         """
-        kept = Kept(checkpoint, checkpoint_every, checkpoint_keep)
+        kept = Kept(checkpoint, checkpoint_every, checkpoint_keep, save_to)
         return run(self._world, duration, step, save_every, progress, kept)
 
     def record(self, save_every: int = 1) -> AbstractContextManager[Recording]:

@@ -9,13 +9,14 @@ from kickdrift.core.naming import digest
 from kickdrift.engine.checkpoints import Checkpoints
 from kickdrift.engine.grid import Grid, with_step
 from kickdrift.engine.identity import written
+from kickdrift.engine.zarr_store import ZarrStore
 from kickdrift.world.recorder import RecordingRows
 from kickdrift.world.recording import Recording
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World
 
-_WORLD, _ROWS = "world ", "rows "
+_WORLD, _ROWS, _REMEMBERED = "world ", "rows ", "remembered "
 
 
 class Kept(NamedTuple):
@@ -24,6 +25,7 @@ class Kept(NamedTuple):
     folder: Any = None
     every: Any = None
     keep: Any = 2
+    save_to: Any = None
 
     def keeper(self, world: "World") -> "Keeper | None":
         """Make what keeps a run that begins now, if it is to be kept.
@@ -34,12 +36,27 @@ class Kept(NamedTuple):
             For arguments that cannot be.
         """
         if self.folder is not None:
-            return Keeper(world, *self)
+            return Keeper(world, self.folder, self.every, self.keep)
         if self.every is not None:
             raise ArgumentError(
                 f"checkpoint_every={self.every!r} is given without checkpoint, a folder for them; give it."
             )
         return None
+
+    def store(self, world: "World", grid: Grid) -> ZarrStore | None:
+        """Make what rows go to, if they go to disk.
+
+        Raises
+        ------
+        ArgumentError
+            For a folder that cannot be.
+        """
+        if self.save_to is None:
+            return None
+        known = *sorted(_identity_of(world).items()), f"{grid.step:.9g}", grid.every
+        store = ZarrStore(self.save_to, digest(known))
+        store.check(self.folder is not None)
+        return store
 
 
 NOT_KEPT = Kept()
@@ -57,10 +74,11 @@ class Keeper:
     """
 
     def __init__(self, world: "World", folder: Any, every: Any, keep: Any) -> None:
-        header, arrays = Recording.presenters.contents(world)
-        forces = [force.function for force in world.forces]
-        identity = {"world": digest((written(header), written(arrays))), "forces": digest(written(forces))}
-        self._world, self._checkpoints = world, Checkpoints(folder, every, keep, identity)
+        self._world, self._checkpoints = world, Checkpoints(folder, every, keep, _identity_of(world))
+
+    def close(self) -> None:
+        """Let other runs have the folder."""
+        self._checkpoints.close()
 
     def until(self, done: int, last: int) -> int:
         """Return the step after which the next checkpoint is due."""
@@ -78,8 +96,10 @@ class Keeper:
         header, arrays = Recording.presenters.contents(self._world)
         kept = {_WORLD + name: values for name, values in arrays.items()}
         kept |= {_ROWS + name: values for name, values in rows.kept().items()}
-        kept["rows after"] = grid.save_steps[: rows.count]
-        self._checkpoints.write(done, {"h": grid.step, "seconds": seconds, "world": header}, kept)
+        kept |= {_REMEMBERED + name: values for name, values in rows.remembered().items()}
+        kept["rows after"] = np.array([step_of_row(grid, row) for row in range(rows.first, rows.count)], dtype=np.int64)
+        known = {"h": grid.step, "seconds": seconds, "world": header, "every": grid.every, "streamed": grid.streamed}
+        self._checkpoints.write(done, known, kept)
 
     def find(self, grid: Grid, rows: RecordingRows) -> tuple[int, Grid, float, str] | None:
         """Bring the world to the newest checkpoint, if there is one, and fill the rows.
@@ -108,7 +128,8 @@ class Keeper:
         header, arrays, said = found
         try:
             done, h, seconds = int(header["step"]), float(header["h"]), float(header["seconds"])
-            after, kept = arrays["rows after"], _part(arrays, _ROWS)
+            after, kept, remembered = arrays["rows after"], _part(arrays, _ROWS), _part(arrays, _REMEMBERED)
+            every, streamed = header["every"], header["streamed"]
             snapshot = Recording.presenters.snapshot_of(header["world"], _part(arrays, _WORLD))
         except (LookupError, TypeError, ValueError) as error:
             raise FileFormatError(
@@ -118,13 +139,26 @@ class Keeper:
         same = with_step(grid, h)
         if same is None:
             raise self._checkpoints.refuse(f"step ({h!r} there, {grid.step!r} here)")
-        wanted = same.save_steps if done == same.n_steps else same.rows_after(done)
-        taken = np.isin(after, wanted)
-        if not np.array_equal(after[taken], wanted):
-            raise self._checkpoints.refuse("save_every")
-        rows.fill({name: values[taken] for name, values in kept.items()})
+        if (every, streamed) != (same.every, same.streamed):
+            raise self._checkpoints.refuse("save_every" if streamed == same.streamed else "save_to")
+        taken = (after % every == 0) | (
+            after == same.n_steps
+        )  # the end of a run is a row of it, and not of a longer one
+        rows.fill({name: values[taken] for name, values in kept.items()}, remembered)
         self._world.restore(snapshot.with_forces(self._world.forces))
         return done, same, seconds, said
+
+
+def step_of_row(grid: Grid, row: int) -> int:
+    """Return the step after which a row is kept."""
+    return min(row * (grid.every or 1), grid.n_steps)
+
+
+def _identity_of(world: "World") -> dict[str, str]:
+    """Say what determines the run of a world."""
+    header, arrays = Recording.presenters.contents(world)
+    forces = [force.function for force in world.forces]
+    return {"world": digest((written(header), written(arrays))), "forces": digest(written(forces))}
 
 
 def _part(arrays: dict[str, Any], kind: str) -> dict[str, Any]:

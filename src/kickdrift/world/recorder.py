@@ -33,18 +33,25 @@ class RecordingRows:
     world : World
     room : int
         Rows to expect; there may be more.
+
+    Attributes
+    ----------
+    first, count : int
+        How many rows are no longer here, as they are on disk, and how many there are in all.
     """
+
+    saved_to = ""
 
     def __init__(self, world: "World", room: int) -> None:
         self._world, self._bodies = world, len(world.position)
-        self.count = 0
+        self.count = self.first = 0
         shapes: dict[str, tuple[int, ...]] = {name: (room, size) for name, size in _OF_THE_WORLD.items()}
         shapes |= {name: (room, self._bodies, size) for name, size in _OF_BODIES.items()}
         self._rows: dict[str, Floats] = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
 
     def keep(self, t: float) -> None:
         """Add a row for a time."""
-        world, rows, row = self._world, self._rows, self.count
+        world, rows, row = self._world, self._rows, self.count - self.first
         bodies = len(world.position)
         if row == len(rows["t"]) or bodies > self._bodies:
             self._grow(max(bodies, self._bodies))
@@ -60,10 +67,14 @@ class RecordingRows:
         self.count += 1
 
     def kept(self) -> dict[str, Floats]:
-        """Return what was kept, for `fill`."""
-        return {name: values[: self.count] for name, values in self._rows.items()}
+        """Return what is here, for `fill`."""
+        return {name: values[: self.count - self.first] for name, values in self._rows.items()}
 
-    def fill(self, kept: Mapping[str, Floats]) -> None:
+    def remembered(self) -> dict[str, Floats]:
+        """Return what else is to be known, for `fill`."""
+        return {}
+
+    def fill(self, kept: Mapping[str, Floats], remembered: Mapping[str, Floats]) -> None:
         """Begin with rows that were kept before.
 
         Raises
@@ -73,23 +84,50 @@ class RecordingRows:
         """
         for name, values in self._rows.items():
             values[: len(kept["t"])] = kept[name]
-        self.count = len(kept["t"])
+        self.count = self.first + len(kept["t"])
+
+    def begin(self) -> None:
+        """Make ready for the first row."""
+
+    def drain(self) -> None:
+        """Write what is as much as is written at a time."""
+
+    def close(self, outcome: Outcome) -> None:
+        """Write what is left, and how it ended."""
+
+    def ends(self) -> dict[str, Floats]:
+        """Return the rows that the recording has."""
+        return self.kept()
 
     def _grow(self, bodies: int) -> None:
         """Make room for half as many rows again where all are taken, and for so many bodies."""
         before = len(self._rows["t"])
-        room = before + (before // 2 + 16 if self.count == before else 0)
+        room = before + (before // 2 + 16 if self.count - self.first == before else 0)
         for name, old in self._rows.items():
             new = np.full((room, bodies, old.shape[2]) if name in _OF_BODIES else (room, *old.shape[1:]), np.nan)
             new[tuple(map(slice, old.shape))] = old
             self._rows[name] = new
         self._bodies = bodies
 
+    def description(self) -> Description:
+        """Describe what is recorded, for people."""
+        return Description(
+            system=f"world of {np.count_nonzero(appearance(self._world).kinds) - 1} bodies",
+            method="soft steps",
+            kind=Kind.VELOCITY_DEPENDENT.name,
+            order=1,
+            word=str(self._world.word),
+            compensated=False,
+            dimensions=("body", "space"),
+            coordinates={"body": list(range(self._bodies)), "space": ["x", "y", "z"]},
+            units=_UNITS,
+        )
+
     def recording(
         self, outcome: Outcome, message: str, step: float, n_steps: int, n_force_evaluations: int, seconds: float
     ) -> Recording:
         """Return what was kept."""
-        world, rows = self._world, {name: values[: self.count] for name, values in self._rows.items()}
+        world, rows = self._world, self.ends()
         (kinetic, potential), (overlap, gap) = rows["energy"].T.copy(), rows["constraint error"].T.copy()
         kept = {"energy": kinetic + potential, **{name: rows[name] for name in ("momentum", "angular momentum")}}
         looks = appearance(world)
@@ -104,17 +142,7 @@ class RecordingRows:
             n_steps=n_steps,
             n_force_evaluations=n_force_evaluations,
             wall_time=seconds,
-            about=Description(
-                system=f"world of {np.count_nonzero(looks.kinds) - 1} bodies",
-                method="soft steps",
-                kind=Kind.VELOCITY_DEPENDENT.name,
-                order=1,
-                word=str(world.word),
-                compensated=False,
-                dimensions=("body", "space"),
-                coordinates={"body": list(range(self._bodies)), "space": ["x", "y", "z"]},
-                units=_UNITS,
-            ),
+            about=self.description(),
             derived={
                 "kinetic energy": kinetic,
                 "potential energy": potential,
@@ -122,6 +150,7 @@ class RecordingRows:
                 "joint gap": gap,
                 "residual": rows["residual"][:, 0],
             },
+            saved_to=self.saved_to,
             orientation=rows["orientation"],
             angular_velocity=rows["angular velocity"],
             appearance=looks,

@@ -2,8 +2,9 @@
 
 import math
 import time
-from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, closing, contextmanager
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,10 +17,12 @@ from kickdrift.core.room import check_kept
 from kickdrift.engine.announcing import compiling_announced
 from kickdrift.engine.grid import Grid, lay_grid
 from kickdrift.engine.progress import Bar
+from kickdrift.engine.zarr_store import ZarrStore
 from kickdrift.world.joints.axis import is_number
-from kickdrift.world.keeping import NOT_KEPT, Kept
+from kickdrift.world.keeping import NOT_KEPT, Keeper, Kept, step_of_row
 from kickdrift.world.recorder import Recorder, RecordingRows
 from kickdrift.world.recording import Recording
+from kickdrift.world.streaming import StreamedRecordingRows
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World
@@ -32,21 +35,37 @@ def run(
 ) -> Recording:
     """Run a world and record it; see `World.run`."""
     progress = None if progress is None else choice("progress", progress)
-    grid = _lay(duration, step, save_every, len(world.position))
-    keeper = kept.keeper(world)
+    grid = _lay(duration, step, save_every, len(world.position), kept.save_to is not None)
+    with ExitStack() as held:
+        keeper = kept.keeper(world)
+        if keeper is not None:
+            held.callback(keeper.close)
+        store = kept.store(world, grid)
+        if store is not None:
+            held.callback(store.close)
+        return _run(world, grid, progress, keeper, store)
+
+
+def _run(
+    world: "World", grid: Grid, progress: bool | None, keeper: Keeper | None, store: ZarrStore | None
+) -> Recording:
+    """Do the steps of a grid, and keep rows."""
     with compiling_announced(progress):
         world.advance(grid.step, 0)
     rows, t0 = RecordingRows(world, len(grid.save_steps) + 1), world.time  # one row more for a run that ends early
+    if store is not None:
+        rows = StreamedRecordingRows(world, store)
     found = None if keeper is None else keeper.find(grid, rows)
     done, grid, seconds, said = found or (0, grid, 0.0, "")
     if found is None:
+        rows.begin()
         rows.keep(t0)
     outcome, cause = Outcome.COMPLETED, ""
     chunk, bar = 1, Bar(grid.n_steps, progress)
     with closing(bar), InterruptionNoted(passed_on=False) as interruption:
         while done < grid.n_steps and not interruption.noted and outcome is Outcome.COMPLETED:
             until = grid.n_steps if keeper is None else keeper.until(done, grid.n_steps)
-            count = min(chunk, int(grid.save_steps[rows.count]) - done, until - done)
+            count = min(chunk, step_of_row(grid, rows.count) - done, until - done)
             before, started = world.n_steps, time.perf_counter()
             try:
                 world.advance_from(t0, done, grid.step, count)
@@ -54,22 +73,20 @@ def run(
                 outcome, cause = Outcome.NOT_FINITE, f" {error}"
             took = time.perf_counter() - started
             done, seconds = done + world.n_steps - before, seconds + took
-            if outcome is Outcome.COMPLETED and done == grid.save_steps[rows.count]:
-                rows.keep(t0 + grid.times[rows.count])
+            if outcome is Outcome.COMPLETED and done == step_of_row(grid, rows.count):
+                rows.keep(t0 + (grid.t1 if done == grid.n_steps else done * grid.step))
+                if done < grid.n_steps:
+                    outcome, cause = _written(rows.drain, outcome, cause)
             if keeper is not None and (done == until or interruption.noted or outcome is not Outcome.COMPLETED):
-                try:
-                    keeper.keep(done, grid, rows, seconds)
-                except FileFormatError as error:
-                    outcome, cause = (
-                        (Outcome.NOT_WRITTEN if outcome is Outcome.COMPLETED else outcome),
-                        f"{cause} {error}",
-                    )
+                outcome, cause = _written(partial(keeper.keep, done, grid, rows, seconds), outcome, cause)
             chunk = next_chunk(count, took)
             bar.show(max(done, 1), seconds)
     if outcome is Outcome.COMPLETED and done < grid.n_steps:
         outcome = Outcome.INTERRUPTED
-    if done != grid.save_steps[rows.count - 1]:
+    if done != step_of_row(grid, rows.count - 1):
         rows.keep(t0 + done * grid.step)
+    if outcome is not Outcome.NOT_WRITTEN:
+        outcome, cause = _written(partial(rows.close, outcome), outcome, cause)
     message = _message(outcome, cause, world, done, grid) + said
     return rows.recording(outcome, message, grid.step, done, done * world.substeps, seconds)
 
@@ -96,7 +113,16 @@ def record(world: "World", save_every: int) -> Iterator[Recording]:
         vars(recording).update(vars(recorder.recording(outcome, message)))
 
 
-def _lay(duration: float, step: float, save_every: int | None, n_bodies: int) -> Grid:
+def _written(write: Callable[[], None], outcome: Outcome, cause: str) -> tuple[Outcome, str]:
+    """Write something, and return how the run ends, and why."""
+    try:
+        write()
+    except FileFormatError as error:
+        return (Outcome.NOT_WRITTEN if outcome is Outcome.COMPLETED else outcome), f"{cause} {error}"
+    return outcome, cause
+
+
+def _lay(duration: float, step: float, save_every: int | None, n_bodies: int, streamed: bool) -> Grid:
     for name, value in (("duration", duration), ("step", step)):
         if not (is_number(value) and 0.0 < value < math.inf):
             raise ArgumentError(f"{name}={value!r} has to be positive and finite, in s.")
@@ -106,9 +132,11 @@ def _lay(duration: float, step: float, save_every: int | None, n_bodies: int) ->
         raise ArgumentError(
             f"step={step!r} cuts duration={duration!r} into more steps than float64 counts; give a larger one."
         )
-    if save_every is None or (is_number(save_every) and save_every >= 1):  # what else it is, the grid says
+    if not streamed and (
+        save_every is None or (is_number(save_every) and save_every >= 1)
+    ):  # what else it is, the grid says
         check_kept(save_every, math.ceil(duration / step), n_bodies * _BYTES_PER_BODY + _BYTES_PER_ROW)
-    return lay_grid((0.0, duration), step, None, 1 if save_every is None else save_every, 0)
+    return lay_grid((0.0, duration), step, None, 1 if save_every is None else save_every, 0, streamed)
 
 
 def _message(outcome: Outcome, cause: str, world: "World", done: int, grid: Grid) -> str:

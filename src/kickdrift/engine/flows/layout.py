@@ -78,6 +78,7 @@ OWN_COUNT = -22  # how many params those are
 DEAR = -23  # force evaluations in one of the density
 DENSITY_ROUNDED_OFF = -26  # of the sum that the density is
 SHADOW = -28  # where the copy of the memory of the flows starts, of steps that may be taken back
+TAKEN_BACK = -29  # steps that a flow has taken back itself
 DENSITY_HERE = -27  # what the function gives as the density after the last step
 SMALLEST, LARGEST = -24, -25  # of the steps taken
 FAILED_CONTROL = -1.0  # the residual where no size of the step will do

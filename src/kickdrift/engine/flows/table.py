@@ -7,6 +7,7 @@ from kickdrift.engine.flows import (
     constraints,
     damping,
     doubled,
+    encounters,
     extrapolation,
     gradient_kick,
     implicit,
@@ -87,6 +88,9 @@ FLOWS = {
     "noise": Flow(noise.noise, parts={"draw": noise.draw}, moves_v=True),
     "kepler": Flow(kepler.kepler, moves_x=True, moves_v=True),
     "jump": Flow(kepler.jump),  # moves x by what neither the clock nor the acceleration of the kicks sees
+    "encounters": Flow(
+        encounters.encounters, moves_x=True, moves_v=True, memory=encounters.memory_size, constants=encounters.constants
+    ),
     "oscillate": Flow(oscillation.oscillate, moves_x=True, moves_v=True, memory=oscillation.memory_size),
     "filtered-kick": Flow(
         oscillation.filtered_kick,

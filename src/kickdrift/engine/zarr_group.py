@@ -1,0 +1,125 @@
+"""A Zarr group on disk that one run writes, and xarray reads at any moment."""
+
+import os
+import warnings
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from kickdrift.core.errors import ArgumentError, FileFormatError, missing_extra
+from kickdrift.core.locking import FileLock, LockedError
+
+_RUN = "kickdrift_run"  # the attribute that tells runs apart
+
+
+class Array(NamedTuple):
+    """An array along time: the names and the lengths of its other dimensions, and its unit."""
+
+    dimensions: tuple[str, ...] = ()
+    shape: tuple[int, ...] = ()
+    unit: str = ""
+
+
+class ZarrGroup:
+    """A group of arrays.
+
+    Parameters
+    ----------
+    path : path
+        Of a folder.
+    run : str
+        What tells the run apart, of which alone a group that is there is gone on with.
+
+    Raises
+    ------
+    ArgumentError
+        For what is no path.
+    MissingExtraError
+        If zarr is not installed.
+    """
+
+    def __init__(self, path: Any, run: str) -> None:
+        if not isinstance(path, str | os.PathLike) or not str(path) or "\0" in str(path):
+            raise ArgumentError(f"save_to={path!r} is no path; give a folder, such as 'run.zarr'.")
+        try:
+            import zarr
+        except ImportError:
+            raise missing_extra("save_to", "zarr", "zarr") from None
+        self.path, self._run, self._zarr = Path(path), run, zarr
+        self._group: Any = None
+        self._lock: FileLock | None = None
+
+    def close(self) -> None:
+        """Let other runs have the folder."""
+        if self._lock is not None:
+            self._lock.release()
+
+    def check(self, again: bool) -> bool:
+        """Refuse a folder that holds something, unless that is this run and it may go on, or begin `again`.
+
+        Other runs are refused it from then on until it is closed.
+
+        Returns
+        -------
+        bool
+            Whether it holds this run.
+
+        Raises
+        ------
+        ArgumentError
+        """
+        try:
+            self._lock = FileLock(self.path.with_name(f".{self.path.name}.lock"))
+        except LockedError as holder:
+            raise ArgumentError(
+                f"save_to={str(self.path)!r} is in use by a run of {holder}; wait until that has ended, or name another folder."
+            ) from None
+        try:
+            return self._holds_this_run(again)
+        except BaseException:
+            self.close()
+            raise
+
+    def _holds_this_run(self, again: bool) -> bool:
+        if not self.path.exists() or (self.path.is_dir() and not any(self.path.iterdir())):
+            if not self.path.absolute().parent.is_dir():
+                raise ArgumentError(f"save_to={str(self.path)!r} lies in a folder that there is not; make it first.")
+            return False
+        known: Any = None
+        with suppress(Exception):  # of whatever it may be
+            known = dict(self._zarr.open_group(self.path, mode="r", use_consolidated=False).attrs).get(_RUN)
+        if known is None:
+            raise ArgumentError(f"save_to={str(self.path)!r} is there already; name another folder, or remove it.")
+        if not (again and known == self._run):
+            other = (
+                "holds another run" if known != self._run else "holds this run, which checkpoint=... would go on with"
+            )
+            raise ArgumentError(f"save_to={str(self.path)!r} {other}; name another folder, or remove it to begin anew.")
+        return True
+
+    def _begin(self, attributes: Mapping[str, Any], labels: Mapping[str, Any]) -> None:
+        """Make the group, in the place of what this run has left there, with labels along dimensions of their names."""
+        marked = {**attributes, _RUN: self._run}
+        self._group = self._zarr.open_group(self.path, mode="w", zarr_format=3, attributes=marked)
+        for name, values in labels.items():
+            along = np.asarray(values)
+            made = self._group.create_array(name, shape=along.shape, dtype=along.dtype, dimension_names=(name,))
+            made[:] = along
+
+    def _commit(self) -> None:
+        self._zarr.consolidate_metadata(self._group.store)
+
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        """Say what of the user's argument the system says of a file; and be silent about what Zarr has yet to specify."""
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # consolidated metadata, and texts
+                yield
+        except OSError as error:
+            raise FileFormatError(
+                f"save_to={str(self.path)!r} cannot be written: {error.strerror or error}; choose another folder."
+            ) from None

@@ -1,0 +1,133 @@
+"""Rows of a recording that go to disk as the world goes on: memory holds some of them at a time."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.outcomes import Outcome
+from kickdrift.engine.zarr_group import Array
+from kickdrift.engine.zarr_store import ZarrStore
+from kickdrift.world.recorder import RecordingRows
+
+if TYPE_CHECKING:
+    from kickdrift.world.world import World
+
+Floats = NDArray[np.float64]
+
+
+class StreamedRecordingRows(RecordingRows):
+    """The rows of a recording that go to a store; the recording has the first and the last.
+
+    Parameters
+    ----------
+    world : World
+    store : ZarrStore
+    """
+
+    def __init__(self, world: "World", store: ZarrStore) -> None:
+        super().__init__(world, 1)
+        self._store, self.saved_to = store, str(store.path)
+        self._start: dict[str, Floats] = {}
+        self._last: dict[str, Floats] = {}
+
+    def begin(self) -> None:
+        """Make the store, empty."""
+        about = self.description()
+        units = about.units
+
+        def of_bodies(unit: str, last: str = "space") -> Array:
+            return Array(("body", last), (self._bodies, 3 + (last == "quaternion")), units[unit])
+
+        vectors = {
+            name: Array((f"{name}_component",), (3,), units[name.replace("_", " ")])
+            for name in ("momentum", "angular_momentum")
+        }
+        arrays = {
+            "time": Array(unit=units["t"]),
+            "x": of_bodies("x"),
+            "v": of_bodies("v"),
+            "orientation": of_bodies("orientation", "quaternion"),
+            "angular_velocity": of_bodies("angular velocity"),
+            **{name: Array(unit=units["energy"]) for name in ("energy", "kinetic_energy", "potential_energy")},
+            **vectors,
+            **{name: Array(unit=units["x"]) for name in ("overlap", "joint_gap")},
+            "residual": Array(unit=units["v"]),
+        }
+        words = {"system": about.system, "method": about.method, "source": about.source, "status": "RUNNING"}
+        self._store.create(words, arrays, {**about.coordinates, "quaternion": list("wxyz")})
+
+    def keep(self, t: float) -> None:
+        """Add a row for a time."""
+        super().keep(t)
+        row = self.count - self.first - 1
+        self._last = {name: values[row : row + 1].copy() for name, values in self._rows.items()}
+        self._start = self._start or self._last
+
+    def drain(self) -> None:
+        """Write a chunk if there is one.
+
+        Raises
+        ------
+        FileFormatError
+            If it cannot be written.
+        """
+        if self.count - self.first >= self._store.chunk:
+            self._write({})
+
+    def close(self, outcome: Outcome) -> None:
+        """Write what is left, and how it ended.
+
+        Raises
+        ------
+        FileFormatError
+            If it cannot be written.
+        """
+        self._write({"status": outcome.name})
+
+    def remembered(self) -> dict[str, Floats]:
+        """Return how many rows are in the store, and the first of them."""
+        return {**self._start, "stored": np.array([float(self.first)])}
+
+    def fill(self, kept: Mapping[str, Floats], remembered: Mapping[str, Floats]) -> None:
+        """Begin with rows that were kept before, behind those in the store.
+
+        Raises
+        ------
+        LookupError, ValueError
+            If they are not those of this world.
+        FileFormatError
+            If those before them are not in the store.
+        """
+        self.first = int(remembered["stored"][0])
+        self._start = {name: remembered[name] for name in self._rows}
+        self._store.go_on(self.first)
+        rows = len(kept["t"])
+        self._rows = {name: np.full((rows + 1, *own.shape[1:]), np.nan) for name, own in self._rows.items()}
+        super().fill(kept, remembered)
+        self._last = {name: values[rows - 1 : rows].copy() for name, values in kept.items()} if rows else self._start
+
+    def ends(self) -> dict[str, Floats]:
+        """Return the first and the last row, which may be one."""
+        if self.count == 1:
+            return self._start
+        return {name: np.concatenate((self._start[name], self._last[name])) for name in self._rows}
+
+    def _write(self, attributes: Mapping[str, str]) -> None:
+        rows = super().kept()
+        (kinetic, potential), (overlap, gap) = rows["energy"].T, rows["constraint error"].T
+        values = {
+            "time": rows["t"][:, 0],
+            **{name: rows[name] for name in ("x", "v", "orientation", "momentum")},
+            "angular_velocity": rows["angular velocity"],
+            "angular_momentum": rows["angular momentum"],
+            "energy": kinetic + potential,
+            "kinetic_energy": kinetic,
+            "potential_energy": potential,
+            "overlap": overlap,
+            "joint_gap": gap,
+            "residual": rows["residual"][:, 0],
+        }
+        self._store.append(values, attributes)
+        self.first = self.count
