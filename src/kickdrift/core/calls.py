@@ -25,10 +25,7 @@ def address_of(function: Function, signature: Any) -> int:
     if found is None:
         dispatcher.compile(signature)
         result = dispatcher.get_compile_result(signature)
-        found = known[id(signature)] = (
-            signature,
-            result.library.get_pointer_to_function(result.fndesc.llvm_func_name),
-        )
+        found = known[id(signature)] = (signature, result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
     return found[1]
 
 
