@@ -34,10 +34,10 @@ def plot_work_precision(measured: WorkPrecision, path: str | Path | None = None)
     MissingExtraError
         If matplotlib is not installed.
     """
-    from matplotlib.ticker import LogLocator, NullFormatter
-
     start, end = measured.t_span
     figure = new_figure(10, 4.4, f"{measured.system}, {start:g} to {end:g}: error at the end")
+    from matplotlib.ticker import LogLocator, NullFormatter  # after new_figure, which says what is missing
+
     left, right = figure.subplots(1, 2, sharey=True)
     for i, curve in enumerate(measured.curves):
         usable = np.isfinite(curve.errors) & (curve.errors > 0.0)
