@@ -288,6 +288,13 @@ def test_states_between_rows_and_continued_runs_know_who_has_merged(tmp_path):
     (loaded,) = kd.analysis.mergers(kd.load(tmp_path / "whole.npz"))
     assert loaded.t == whole.t[whole.t > merger.t][0]
     assert np.isnan(loaded.energy_lost)
+    varied = {"step_control": kd.HairerSoderlind()}
+    (late,) = kd.analysis.mergers(run(head_on(), 0.2, 10.0, **varied))
+    assert late.t > 9.0
+    assert np.isnan(late.energy_lost)
+    (every,) = kd.analysis.mergers(run(head_on(), 0.2, 10.0, save_every=1, **varied))
+    assert every.t == pytest.approx(merger.t, abs=1e-7)
+    assert every.energy_lost == pytest.approx(merger.energy_lost, rel=1e-6)
     sparse = run(head_on(), 0.2, 10.0)
     assert kd.analysis.mergers(sparse)[0].t == pytest.approx(merger.t, abs=1e-12)
 

@@ -24,12 +24,13 @@ class Merger:
     Attributes
     ----------
     t : float
-        When; of a solution that was read from a file, the time of the first row after it.
+        When; of a solution that was read from a file, or whose steps vary and are not all kept, the time of the first row
+        after it.
     bodies : (str, str)
         Names, of merged bodies that of their first.
     energy_lost : float
         Kinetic, of their motion relative to each other. ``solution.energy`` loses that, and no longer counts their
-        attraction, which is negative. Not a number of a solution that was read from a file.
+        attraction, which is negative. Not a number of such a solution.
     """
 
     t: float
@@ -104,7 +105,7 @@ def _bisect(dense: DenseOutput, many: int, high: float, after: States) -> tuple[
         try:
             states = dense(middle)
         except ArgumentError:  # steps whose sizes vary, of which some lie between two rows
-            break
+            return high, States(before.x, np.full_like(before.v, math.nan)), after, dense
         if len(np.unique(_together(states.x))) < many:
             high, after = middle, states
             continue

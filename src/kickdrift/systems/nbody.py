@@ -81,7 +81,7 @@ def _density(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> Non
                 r2 = params[1]
                 for k in range(3):
                     r2 += (x[3 * i + k] - x[3 * j + k]) ** 2
-                squares += gm / (r2 * math.sqrt(r2))
+                squares += gm / (r2 * math.sqrt(r2)) if r2 > 0.0 else 0.0  # of bodies that have merged
     out[0] = math.sqrt(squares)
 
 
