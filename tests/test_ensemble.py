@@ -224,6 +224,47 @@ def test_steps_that_vary_are_those_of_each_member():
         kd.solve_ensemble(gravity, SPAN, x, v, rtol=1e-8)
 
 
+@pytest.mark.parametrize(
+    "control",
+    [
+        {"step": 0.02, "step_control": "distance", "method": "stormer-verlet"},
+        {"step": 0.02, "step_control": "acceleration", "method": "implicit-midpoint"},
+        {"rtol": 1e-8, "atol": 1e-9, "method": "dop853"},
+        {"rtol": 1e-6, "method": "velocity-verlet", "step": 0.01},
+        {"step": 0.02, "step_control": kd.LogarithmicHamiltonian()},
+        {"step": 0.02, "step_control": kd.TimeTransformed("distance")},
+        {"step": 0.02, "step_control": kd.HuangLeimkuhler("distance"), "compensated": False},
+    ],
+    ids=["density", "implicit", "error", "doubling", "logarithmic", "transformed", "Huang"],
+)
+def test_members_whose_steps_vary_run_in_turn_with_the_bits_of_runs_alone(control, in_lanes, monkeypatch):
+    monkeypatch.setattr(running, "_TASK_SECONDS", 10.0)
+    monkeypatch.setattr(running, "_MOST_STEPS", 2)
+    x, v = starts(9)
+    x[4], v[4] = (0.3, 0.0), (0.0, 1.5)  # four orbits, while the others do a half
+    x[6] = 0.0
+    options = {**control, "t_eval": [3.0, 0.0, 1.234, 1.2345, 0.001, 3.0]}
+    sol = kd.solve_ensemble(kd.systems.kepler(), SPAN, x, v, **options, threads=1)
+    assert np.flatnonzero(~sol.success).tolist() == [6]
+    longer = np.flatnonzero(sol.n_steps > 2 * sol.n_steps[0]).tolist()
+    assert longer == ([4] if "rtol" in control or control["step_control"] == "distance" else longer)
+    assert in_lanes == {"lanes": 0, "alone": 2 + len(longer)}  # the first, the one that fails, those that take longer
+    for i in (0, 1, 2, 3, 4, 5, 7, 8):
+        assert is_member(sol, i, kd.systems.kepler(), x[i], v[i], **options)
+    back = kd.solve_ensemble(kd.systems.kepler(), (3.0, 0.0), x[:3], v[:3], **options)
+    alone = kd.solve(kd.systems.kepler(), (3.0, 0.0), x[1], v[1], **options)
+    assert back.x[1].tobytes() == alone.x.tobytes()
+    assert back.n_force_evaluations[1] == alone.n_force_evaluations
+
+
+def test_members_with_numbers_of_their_own_choose_their_steps_alone():
+    x, v = starts(3)
+    args, options = np.array([[1.0, 0.1], [2.0, 0.2], [0.5, 0.3]]), {"step": 0.05, "t_eval": [3.0]}
+    density = kd.HairerSoderlind(lambda x, params: params[0] + x[0] ** 2)
+    sol = kd.solve_ensemble(spring, SPAN, x, v, args=args, step_control=density, **options)
+    assert all(is_member(sol, i, spring, x[i], v[i], args=args[i], step_control=density, **options) for i in range(3))
+
+
 def test_times_between_steps_are_kept():
     x, v = starts(3)
     sol = kd.solve_ensemble(gravity, SPAN, x, v, step=0.1, t_eval=[0.33, 2.0, 0.5])

@@ -427,3 +427,15 @@ def test_a_function_that_fails_later_keeps_what_is_done():
     assert sol.status is Outcome.FAILED
     assert 2.5 < sol.t[-1] <= 3.0
     assert "no more" in sol.message
+
+
+@pytest.mark.parametrize("method", ["dop853", "velocity-verlet"])
+def test_a_force_that_fails_at_once_ends_the_run_at_its_start(method):
+    """At t = 0 no step is lost beside the time."""
+
+    def fails(t, x):
+        return -x if t == 0.0 else np.nan * x
+
+    sol = kd.solve(fails, (0.0, 1.0), [1.0], [-1.0], rtol=1e-6, method=method)
+    assert sol.status is Outcome.NO_STEP
+    assert sol.t[-1] < 1e-15

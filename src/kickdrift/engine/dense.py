@@ -5,8 +5,8 @@ Its error is that of a step, so that what lies between has the order of the meth
 there. A whole step leads to the next row.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.arguments import reals
 from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.core.kinds import Kind
-from kickdrift.engine.grid import Grid
+from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.processing import Processing
 from kickdrift.systems.system import System
 
@@ -63,6 +63,32 @@ class DenseOutput:
     varies: bool
     compile: Callable[[], Processing]
 
+    @classmethod
+    def of_rows(
+        cls,
+        grid: Grid | Course,
+        start: States,
+        rows: tuple[Floats, Floats, Floats, Floats],
+        end: float,
+        compile: Callable[[], Processing],  # noqa: A002 - the name of the field
+    ) -> "DenseOutput":
+        """Make one of rows, their times, x, v and steps, before which there is the start, if it is none of them."""
+        t, xs, vs, steps = rows
+        if not t.size or t[0] != grid.t0:
+            t, steps = np.append(grid.t0, t), np.append(grid.step, steps)
+            xs, vs = np.concatenate((start.x[None], xs)), np.concatenate((start.v[None], vs))
+        return cls(t, xs, vs, end, steps, isinstance(grid, Course), compile)
+
+    def followed_by(self, t: float, x: Floats, v: Floats) -> "DenseOutput":
+        """Add a row."""
+        return replace(
+            self,
+            t=np.append(self.t, t),
+            x=np.concatenate((self.x, x[None])),
+            v=np.concatenate((self.v, v[None])),
+            steps=np.append(self.steps, self.steps[-1:]),
+        )
+
     def __copy__(self) -> "DenseOutput":
         return self
 
@@ -94,25 +120,7 @@ class DenseOutput:
 
     def states_at(self, wanted: Floats) -> tuple[Floats, Floats, int]:
         """Return the states at times between the rows, NaN where there are none, and the force evaluations that they took."""
-        row, counts, rest = self._places(wanted)
-        far = (counts > 1) | ((counts == 1) & (rest != 0.0))
-        if self.varies and far.any():
-            raise ArgumentError(
-                f"t={float(wanted[far][0])!r} lies some steps after a row, and their sizes vary; keep every step, or"
-                " ask for the times by t_eval."
-            )
-        xs, vs = self.x[row].copy(), self.v[row].copy()
-        here, evaluations, whole = self.t[row], 0, self.steps[row]
-        if counts.any() or rest.any():
-            processing = self.compile()
-            for sizes, repeats in ((whole, counts), (rest, (rest != 0.0).astype(np.int64))):
-                moved = np.flatnonzero(repeats)
-                if moved.size:
-                    xs[moved], vs[moved], own = processing.go_on(
-                        here[moved], sizes[moved], repeats[moved], xs[moved], vs[moved]
-                    )
-                    evaluations += own
-                here = here + sizes * repeats
+        ((xs, vs, evaluations),) = states_of([self], [wanted])
         return xs, vs, evaluations
 
     def _places(self, wanted: Floats) -> tuple[NDArray[np.intp], NDArray[np.int64], Floats]:
@@ -124,7 +132,39 @@ class DenseOutput:
         ahead, rounding = (wanted - self.t[row]) / self.steps[row], (near / np.abs(self.steps))[row]
         counts = np.floor(ahead + rounding).astype(np.int64)
         left = ahead - counts
-        return row, counts, np.where(left > rounding, left * self.steps[row], 0.0)
+        rest = np.where(left > rounding, left * self.steps[row], 0.0)
+        far = (counts > 1) | ((counts == 1) & (rest != 0.0))
+        if self.varies and far.any():
+            raise ArgumentError(
+                f"t={float(wanted[far][0])!r} lies some steps after a row, and their sizes vary; keep every step, or"
+                " ask for the times by t_eval."
+            )
+        return row, counts, rest
+
+
+def states_of(outputs: Sequence[DenseOutput], wanted: Sequence[Floats]) -> list[tuple[Floats, Floats, int]]:
+    """Return of each of some outputs of one method what `DenseOutput.states_at` returns, at its times, all at once."""
+    places = [output._places(times) for output, times in zip(outputs, wanted, strict=True)]
+    row = [own for own, _, _ in places]
+    counts, rest = (np.concatenate([own[k] for own in places]) for k in (1, 2))
+    xs, vs, here, whole = (
+        np.concatenate([getattr(output, name)[own] for output, own in zip(outputs, row, strict=True)])
+        for name in ("x", "v", "t", "steps")
+    )
+    evaluations = np.zeros(counts.size, dtype=np.int64)
+    if counts.any() or rest.any():
+        processing = outputs[0].compile()
+        for sizes, repeats in ((whole, counts), (rest, (rest != 0.0).astype(np.int64))):
+            moved = np.flatnonzero(repeats)
+            if moved.size:
+                xs[moved], vs[moved], own = processing.go_on(
+                    here[moved], sizes[moved], repeats[moved], xs[moved], vs[moved]
+                )
+                evaluations[moved] += own
+            here = here + sizes * repeats
+    ends = np.cumsum([times.size for times in wanted])[:-1]
+    parts = zip(np.split(xs, ends), np.split(vs, ends), np.split(evaluations, ends), strict=True)
+    return [(x, v, int(count.sum())) for x, v, count in parts]
 
 
 def check_between(system: System, grid: Grid) -> None:

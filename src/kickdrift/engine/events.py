@@ -259,7 +259,7 @@ class Watch:
         """Return when parts of steps end, and the states and values of an event there."""
         size = share * at.size
         x, v, evaluations = self._processing.go_on(at.t, size, np.ones(at.t.size, dtype=np.int64), at.x, at.v)
-        self.evaluations += evaluations
+        self.evaluations += int(evaluations.sum())
         t = at.t + size
         values = evaluate_quantity(self.events[event].quantity, self._system, t, x, v)
         if np.isnan(values).any():

@@ -37,7 +37,7 @@ ADVANCE_ADAPTIVELY = types.int64(
     _INTEGERS, _INTEGERS, _FLOATS, _FLOATS, _FLOATS, _INTEGERS, types.int64, *_STATE,
     types.int64, _FLOATS, _INTEGERS, _FLOATS, _FLOATS, _ROWS, _ROWS
 )  # fmt: skip
-CHANGE = types.int64(
+CHANGE = types.none(
     _INTEGERS,
     _INTEGERS,
     _FLOATS,
@@ -47,6 +47,7 @@ CHANGE = types.int64(
     _FLOATS,
     _INTEGERS,
     *_STATE,
+    _FLOATS,
     _FLOATS,
     _FLOATS,
     _ROWS,
@@ -176,19 +177,14 @@ def change(
     work: Floats,
     blank: Floats,
     clocks: Floats,
+    counted: Floats,
     xs: Floats,
     vs: Floats,
-) -> int:
+) -> None:
     """Overwrite each row of xs and vs by what steps of one size from its time give, begun with blank work; NaN if a flow fails.
 
-    Letters that move the clock themselves leave it in `clocks`.
-
-    Returns
-    -------
-    evaluations : int
-        How many force evaluations flows have counted themselves.
+    Letters that move the clock themselves leave it in `clocks`, and flows the force evaluations that they count in `counted`.
     """
-    evaluations = 0
     for row in range(times.size):
         assign(x, xs[row])
         assign(v, vs[row])
@@ -204,11 +200,10 @@ def change(
         if work[TROUBLE] != 0.0:
             assign(x, np.nan)
             assign(v, np.nan)
-        evaluations += int(work[EVALUATIONS] - blank[EVALUATIONS])
+        counted[row] = work[EVALUATIONS] - blank[EVALUATIONS]
         clocks[row] = work[CLOCK]
         assign(xs[row], x)
         assign(vs[row], v)
-    return evaluations
 
 
 advance_adaptively_interpreted = specialise(

@@ -75,20 +75,20 @@ class Processing:
 
     def go_on(
         self, times: Floats, sizes: Floats, counts: NDArray[np.int64], xs: Floats, vs: Floats
-    ) -> tuple[Floats, Floats, int]:
+    ) -> tuple[Floats, Floats, NDArray[np.int64]]:
         """Do so many steps of a size from each row as people see it, of shape (T, *shape), at its time.
 
         Returns
         -------
         xs, vs : (T, *shape) array
             Where they lead.
-        evaluations : int
+        evaluations : (T,) array of int
             Of the force.
         """
         if self.frame is not None:
             xs, vs = self.frame.enter(xs, vs)
         x, v, once = xs.reshape(times.size, -1).copy(), vs.reshape(times.size, -1).copy(), np.ones_like(counts)
-        evaluations = 0
+        evaluations = np.zeros(times.size, dtype=np.int64)
         for stepper, at, repeats in (
             (self.preprocessor, times, once),
             (self.kernel, times, counts),

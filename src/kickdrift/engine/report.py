@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import multipliers, quantities
-from kickdrift.engine.dense import DenseOutput
+from kickdrift.engine.dense import DenseOutput, States
 from kickdrift.engine.events import Watch, Zero
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.invariants import Invariants
@@ -140,11 +140,7 @@ def _dense(
     """Return what gives states between the rows, and between the start and the first; None where noise drives the system."""
     if system.kind is Kind.LANGEVIN:
         return None
-    t, xs, vs, steps = kept
-    if not t.size or t[0] != grid.t0:
-        t, steps = np.append(grid.t0, t), np.append(grid.step, steps)
-        xs, vs = np.concatenate((system.x0[None], xs)), np.concatenate((system.v0[None], vs))
-    return DenseOutput(t, xs, vs, end, steps, isinstance(grid, Course), between)
+    return DenseOutput.of_rows(grid, States(system.x0, system.v0), kept, end, between)
 
 
 def _at_wanted(

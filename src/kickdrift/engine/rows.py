@@ -217,8 +217,7 @@ class CourseRows:
 
     def keep_last(self, state: State, step: int, mark: Mark, stopped: bool) -> int:
         """Add the state reached as a last row, unless it is beyond the end; return how many there are."""
-        beyond = abs(state.work[CLOCK] - self.grid.t0) > abs(self.grid.t1 - self.grid.t0) * (1 + 1e-15)
-        if at_end(state.work) and beyond:
+        if at_end(state.work) and is_beyond(self.grid, state.work[CLOCK]):
             return mark.rows
         row = mark.rows - self.first
         self._make_room(row + 1)
@@ -251,6 +250,11 @@ class CourseRows:
 
 
 Rows = GridRows | CourseRows
+
+
+def is_beyond(grid: Course, t: float) -> bool:
+    """Whether a time is beyond the end."""
+    return bool(abs(t - grid.t0) > abs(grid.t1 - grid.t0) * (1 + 1e-15))
 
 
 def _larger(array: Floats, size: int) -> Floats:

@@ -159,12 +159,12 @@ class Stepper:
 
     def change(
         self, times: Floats, sizes: Floats, counts: NDArray[np.int64], xs: Floats, vs: Floats
-    ) -> tuple[int, Floats]:
+    ) -> tuple[NDArray[np.int64], Floats]:
         """Do so many steps of a size from each of the rows, at its time, and overwrite it; nothing is carried over.
 
         Returns
         -------
-        evaluations : int
+        evaluations : (T,) array of int
             Of the force.
         clocks : (T,) array
             The times at the ends, of letters that move the clock themselves.
@@ -173,12 +173,12 @@ class Stepper:
         word = (program.letters, program.weights, program.offsets, self._primers)
         members = (self._members, state.x, state.v, state.work)
         load(self._loops.change, loop.CHANGE)
-        clocks = np.zeros(times.size)
+        clocks, counted = np.zeros(times.size), np.zeros(times.size)
         with np.errstate(all="ignore"):
-            inside = self._loops.change(self._flows, *word, times, sizes, counts, *members, blank, clocks, xs, vs)
+            self._loops.change(self._flows, *word, times, sizes, counts, *members, blank, clocks, counted, xs, vs)
         state.work[:] = blank
         primed = sum(FLOWS[name].evaluations for name in program.primers)
-        return int(inside) + primed * times.size + program.evaluations * int(counts.sum()), clocks
+        return counted.astype(np.int64) + primed + program.evaluations * counts, clocks
 
     @property
     def compiled(self) -> tuple[Any, NDArray[np.int64], tuple[Any, ...]]:

@@ -30,4 +30,4 @@ def strikes_at(
     x, v, evaluations = processing.go_on(t[steps], sizes, once, xs[steps], vs[steps])
     others = np.ones(t.size - 1, dtype=bool)
     others[steps] = False
-    return Strikes(steps, others, t[after], x, v, xs[after], vs[after]), evaluations
+    return Strikes(steps, others, t[after], x, v, xs[after], vs[after]), int(evaluations.sum())

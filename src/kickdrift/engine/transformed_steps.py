@@ -14,34 +14,33 @@ _DOUBLINGS = 60
 
 def change_in_time(
     stepper: Stepper, times: Floats, sizes: Floats, counts: NDArray[np.int64], xs: Floats, vs: Floats
-) -> int:
+) -> NDArray[np.int64]:
     """Do so many steps from each of the rows, at its time, each of which takes the time `sizes`, and overwrite it.
 
     Returns
     -------
-    evaluations : int
+    evaluations : (T,) array of int
         Of the force.
     """
-    evaluations, here = 0, times.copy()
+    evaluations, here = np.zeros(times.size, dtype=np.int64), times.copy()
     for done in range(int(counts.max(initial=0))):
         rows = np.flatnonzero(counts > done)
         x, v = xs[rows], vs[rows]
-        evaluations += _change_once(stepper, here[rows], sizes[rows], x, v)
+        evaluations[rows] += _change_once(stepper, here[rows], sizes[rows], x, v)
         xs[rows], vs[rows] = x, v
         here[rows] += sizes[rows]
     return evaluations
 
 
-def _change_once(stepper: Stepper, times: Floats, sizes: Floats, xs: Floats, vs: Floats) -> int:
+def _change_once(stepper: Stepper, times: Floats, sizes: Floats, xs: Floats, vs: Floats) -> NDArray[np.int64]:
     """Do one such step from each row."""
-    start_x, start_v, evaluations = xs.copy(), vs.copy(), 0
+    start_x, start_v, evaluations = xs.copy(), vs.copy(), np.zeros(times.size, dtype=np.int64)
 
     def beyond(rows: NDArray[np.intp], shares: Floats) -> Floats:
         """Do steps of so much of the size, in their own time, and return how far beyond the time wanted they lead."""
-        nonlocal evaluations
         x, v, once = start_x[rows], start_v[rows], np.ones(rows.size, dtype=np.int64)
         own, clocks = stepper.change(times[rows], shares * sizes[rows], once, x, v)
-        evaluations += own
+        evaluations[rows] += own
         xs[rows], vs[rows] = x, v
         left = (clocks - times[rows]) / sizes[rows] - 1.0
         return np.where(np.isfinite(x).all(axis=1), left, np.nan)

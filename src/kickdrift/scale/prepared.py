@@ -75,6 +75,8 @@ class Prepared:
         Times of the rows.
     controller : Controller or None
         What chooses the steps of the first member, where they vary.
+    driven : System
+        That of the first member, with the functions of the controller.
     """
 
     members: Members
@@ -83,7 +85,8 @@ class Prepared:
     chosen: Choice
     cohorts: list[Cohort]
     t: Floats
-    controller: Controller | None = None
+    controller: Controller | None
+    driven: System
 
     def room(self, to_disk: bool = False) -> Results:
         """Make room for what the members will leave, but for the rows where these go to disk.
@@ -187,15 +190,15 @@ def prepare(
         span, defaults = first.t1 - first.t0, Steering(control).defaults
         chosen = choose(settings.method, settings.order, system, first.t0, first.step, span, **defaults)
         check_direction(chosen.method, first.step)
-        controller = None
+        driven, controller = system, None
         if control is not None:
             adapter = Adapter(first.t0, start.x, start.v, params, settings.compile, settings.check_bounds)
             has_step = lead.step_of(0) is not None
-            _, controller = controlled(control, system, chosen.method, first.t0, adapter.number, has_step)
+            driven, controller = controlled(control, system, chosen.method, first.t0, adapter.number, has_step)
     for cohort in cohorts:
         if isinstance(cohort.grid, Grid):
             check_between(system, cohort.grid)
-    return Prepared(members, settings, system, chosen, cohorts, t, controller)
+    return Prepared(members, settings, system, chosen, cohorts, t, controller, driven)
 
 
 def _times(grid: Grid | Course) -> Floats:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.outcomes import Outcome
+from kickdrift.engine.grid import Course, Grid
 
 Floats = NDArray[np.float64]
 
@@ -50,6 +51,26 @@ class Results:
         """Leave no row as it was found in memory: NaN after those that are filled."""
         for i in np.flatnonzero(self.rows < self.x.shape[1]):
             self.x[i, self.rows[i] :] = self.v[i, self.rows[i] :] = np.nan
+
+    def note(
+        self,
+        indices: NDArray[np.intp],
+        grid: Grid | Course,
+        steps: int | NDArray[np.int64],
+        rows: int,
+        evaluations: NDArray[np.int64],
+    ) -> None:
+        """Note of members that they have done so many steps, and filled so many rows; all, if their steps vary."""
+        self.rows[indices], self.evaluations[indices] = rows, evaluations
+        self.step[indices], self.n_steps[indices] = grid.step, steps
+        self.step_range[indices] = abs(grid.step)
+        outcome = Outcome.COMPLETED if isinstance(grid, Course) or steps == grid.n_steps else Outcome.INTERRUPTED
+        message = outcome.value
+        if isinstance(grid, Grid) and not outcome.success:
+            message += f" It ends at t={grid.t0 + steps * grid.step!r}, after {steps} of {grid.n_steps} steps."
+        for i in indices:
+            self.status[i], self.messages[i] = outcome, message
+        self.done[indices] = outcome.success
 
     def put(self, first: int, other: "Results") -> None:
         """Take over those of the members from `first` on."""

@@ -16,21 +16,24 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.announcing import compiling_announced
 from kickdrift.engine.flows.table import FLOWS
 from kickdrift.engine.grid import Course, Grid
-from kickdrift.engine.in_turn import run_in_turn
 from kickdrift.engine.lane_letters import LANES, fields_of
 from kickdrift.engine.lanes import Lanes, compile_lanes
-from kickdrift.engine.processing import Processing, compile_method, kernel_alone
+from kickdrift.engine.processing import kernel_alone
 from kickdrift.engine.progress import told_of_steps
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.solve import solve
 from kickdrift.scale.prepared import Cohort, Prepared
 from kickdrift.scale.results import Results
+from kickdrift.scale.turns import Numbers, numbers_in_turn, run_in_turn
 
 Floats = NDArray[np.float64]
 Task = partial[Any]
 
 _TASK = 20_000_000  # steps of members in a task of many: some 50 ms
 _FIRST_CHUNK = 1_000_000  # steps of members before Ctrl-C is looked for, until it is known how long they take
+_MOST_STEPS = (
+    10  # times those of the first member: one that takes more, as in a close encounter, does not keep others waiting
+)
 _TASK_SECONDS = 0.05  # of members one after the other, which nothing interrupts
 _LOOK_SECONDS = 0.1  # between two looks at the progress
 _VECTOR = 8  # members in a register
@@ -113,39 +116,23 @@ class Runs:
         first, rest = cohort.indices[0], Cohort(cohort.indices[1:], cohort.grid)
         seconds = self._run_alone(int(first), cohort)
         size = int(_TASK_SECONDS / max(seconds, 1e-6))
-        prepared = self._prepared
-        if size > 1 and rest.indices.size and prepared.system.native and isinstance(cohort.grid, Grid):
-            numbers = prepared.numbers() if cohort.grid.wanted is None else None
-            processed = numbers is not None and not prepared.one_system() and self._processing(cohort.grid).is_processed
-            if numbers is not None and not processed:
-                self._tasks += self._split(self._run_in_turn, rest, size, numbers)
-                return
+        if size > 1 and rest.indices.size and (numbers := numbers_in_turn(self._prepared, cohort.grid)) is not None:
+            most = _MOST_STEPS * int(self.results.n_steps[first])
+            self._tasks += self._split(self._run_in_turn, rest, size, numbers, most)
+            return
         self._tasks += [partial(self._run_alone, int(i), cohort) for i in rest.indices]
 
-    def _processing(self, grid: Grid) -> Processing:
-        prepared = self._prepared
-        return compile_method(prepared.system, prepared.chosen.method, grid, prepared.settings.compensated)
-
-    def _run_in_turn(self, cohort: Cohort, numbers: tuple[Floats, Floats, Floats]) -> None:
+    def _run_in_turn(self, cohort: Cohort, numbers: Numbers, most: int) -> None:
         """Run members one after the other; those that do not reach the end once more alone, to find out how far they go."""
-        grid, indices = cohort.grid, cohort.indices
-        assert isinstance(grid, Grid)
-        x, v, params = (array[indices] for array in numbers)
-        x = x.reshape(indices.size, *self.results.x.shape[2:])
-        v = v.reshape(indices.size, *self.results.v.shape[2:])
-        good = np.zeros(indices.size, dtype=bool)
         try:
-            turns = run_in_turn(self._processing(grid), grid, x, v, params)
-            good = turns.good
-            self.results.x[indices[good]], self.results.v[indices[good]] = turns.x[good], turns.v[good]
-            self._put(indices[good], grid, grid.n_steps, turns.x.shape[1], turns.evaluations[good])
+            good = run_in_turn(self._prepared, cohort, numbers, most, self.results)
         except Exception:  # of a function, for one of the members
-            good[:] = False
-        self._count(int(good.sum()) * grid.n_steps)
-        for i in indices[~good]:
+            good = np.zeros(cohort.indices.size, dtype=bool)
+        self._count(int(good.sum()) * cohort.length)
+        for i in cohort.indices[~good]:
             self._run_alone(int(i), cohort)
 
-    def _lanes(self, grid: Grid | Course) -> tuple[Lanes, tuple[Floats, Floats, Floats]] | None:
+    def _lanes(self, grid: Grid | Course) -> tuple[Lanes, Numbers] | None:
         """Return what runs members in lanes, and their numbers; None where they have to run alone."""
         prepared = self._prepared
         program = kernel_alone(prepared.system, prepared.chosen.method)
@@ -160,7 +147,7 @@ class Runs:
         with compiling_announced(self._progress):
             return compile_lanes(prepared.system, program, compensated), numbers
 
-    def _run_in_lanes(self, cohort: Cohort, lanes: Lanes, numbers: tuple[Floats, Floats, Floats]) -> None:
+    def _run_in_lanes(self, cohort: Cohort, lanes: Lanes, numbers: Numbers) -> None:
         """Run members in blocks; those that do not reach the end once more alone, to find out how far they go."""
         grid, indices = cohort.grid, cohort.indices
         assert isinstance(grid, Grid)
@@ -187,21 +174,9 @@ class Runs:
         evaluations = np.full(indices.size, step * lanes.program.evaluations + primed)
         if not in_place:
             results.x[indices[good]], results.v[indices[good]] = xs[good], vs[good]
-        self._put(indices[good], grid, step, blocks.saved, evaluations[good])
+        results.note(indices[good], grid, step, blocks.saved, evaluations[good])
         for i in indices[~good]:
             self._run_alone(int(i), cohort, step)
-
-    def _put(self, indices: NDArray[np.intp], grid: Grid, step: int, rows: int, evaluations: NDArray[np.int64]) -> None:
-        """Note of members that they have done so many steps, and filled so many rows."""
-        results = self.results
-        results.rows[indices], results.evaluations[indices] = rows, evaluations
-        results.step[indices], results.n_steps[indices] = grid.step, step
-        results.step_range[indices] = abs(grid.step)
-        outcome = Outcome.COMPLETED if step == grid.n_steps else Outcome.INTERRUPTED
-        message = outcome.value if outcome.success else _ended(outcome, grid, step)
-        for i in indices:
-            results.status[i], results.messages[i] = outcome, message
-        results.done[indices] = outcome.success
 
     def _run_alone(self, i: int, cohort: Cohort, counted: int = 0) -> float:
         """Run a member by `kickdrift.solve`, of whose steps so many are counted already; return the seconds in its loop."""
@@ -272,8 +247,3 @@ def _members_of_task(n_steps: int) -> int:
 
 def _rounded_up(number: int, of: int = _VECTOR) -> int:
     return -(-number // of) * of
-
-
-def _ended(outcome: Outcome, grid: Grid, step: int) -> str:
-    t = grid.t0 + step * grid.step
-    return f"{outcome.value} It ends at t={t!r}, after {step} of {grid.n_steps} steps."

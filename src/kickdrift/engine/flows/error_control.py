@@ -52,6 +52,7 @@ RELATIVE, ORDER, GIVEN, BEGIN, BEGIN_ROUNDED_OFF = range(PARAMS)  # of the param
 _SAFETY, _LEAST, _MOST = 0.9, 0.2, 5.0
 _INTEGRAL, _PROPORTIONAL = 0.7, 0.4  # exponents over the order of the error
 _SPACINGS = 16.0  # of floats near the time: a shorter step is lost beside it
+_TINY = 1e-60  # of the first step: at t = 0 floats have no spacing
 
 
 @compiled(inline=True)
@@ -203,7 +204,7 @@ def decide(error: float, x: Floats, v: Floats, work: Floats) -> None:
         size = left
     elif abs(size) > 0.5 * abs(left):
         size = 0.5 * left  # two equal ones, rather than a short one at the end
-    if abs(size) < _SPACINGS * 2.220446049250313e-16 * abs(work[CLOCK]):
+    if abs(size) < max(_SPACINGS * 2.220446049250313e-16 * abs(work[CLOCK]), _TINY * abs(work[FIRST_STEP])):
         work[TROUBLE] = FAILED_CONTROL
     else:
         work[DENSITY] = work[FIRST_STEP] / size
