@@ -345,3 +345,51 @@ def test_bodies_with_radii_are_refused_by_methods_that_do_not_see_them():
     with pytest.raises(ArgumentError, match=r"radii=\.\.\."):
         kd.analysis.mergers(run(kd.systems.kepler(0.1), 0.1, 1.0, "wisdom-holman"))
     assert kd.analysis.mergers(run(quiet_planets(), 0.3, 1.0)) == ()
+
+
+def test_radii_have_the_unit_of_lengths():
+    u, constants = pytest.importorskip("astropy.units"), pytest.importorskip("astropy.constants")
+    x, v = (
+        np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0]]) * u.au,
+        np.array([[0, 0, 0], [0, 30, 0], [-20, 0, 0]]) * u.km / u.s,
+    )
+    bodies = [1, 1e-3, 1e-3] * u.Msun, x, v, constants.G
+    system = kd.systems.planetary(*bodies, radii=[7e5, 7e4, 7e4] * u.km)
+    assert system.radii == pytest.approx(np.array([7e5, 7e4, 7e4]) / 149597870.7)
+    for radii, reason in (([7e5, 7e4, 7e4], "no unit"), ([1, 1, 1] * u.kg, "radii")):
+        with pytest.raises(ArgumentError, match=reason):
+            kd.systems.planetary(*bodies, radii=radii)
+
+
+# Together with others
+
+
+def test_members_of_an_ensemble_are_runs_of_their_own():
+    system = fly_by()
+    v0 = np.repeat(system.v0[None], 3, axis=0)
+    v0[:, 2, 2] = [0.0, 0.01, 0.02]
+    members = kd.solve_ensemble(system, (0.0, 3.0), x0=np.stack([system.x0] * 3), v0=v0, step=0.3, method=NAME)
+    alone = kd.solve(system, (0.0, 3.0), system.x0, v0[1], step=0.3, method=NAME, progress=False)
+    assert np.array_equal(members.x[1, -1], alone.x[-1])
+
+
+def test_planets_rebound_where_impacts_are_asked_for():
+    system = fly_by()
+    m, bounce = np.array([1.0, 1e-3, 1e-3]), kd.Impacts(kd.sphere_gaps([1e-3, 2e-3, 2e-3]), restitution=0.5)
+    sol = run(system, 0.01, 3.0, impacts=bounce, save_every=1)
+    x, v = sol.x[:, 1] - sol.x[:, 2], sol.v[:, 1] - sol.v[:, 2]
+    assert np.linalg.norm(x, axis=1).min() == pytest.approx(4e-3, abs=1e-9)
+    closing = (x * v).sum(axis=1) / np.linalg.norm(x, axis=1)
+    assert (np.diff(np.sign(closing)) > 0).any()
+    assert np.abs(sol.invariants["momentum"] - sol.invariants["momentum"][0]).max() < 1e-15
+    assert np.abs(np.einsum("i,tik->tk", m, sol.v) - m @ system.v0).max() < 1e-15
+
+
+def test_other_controls_of_steps_and_events_go_with_it():
+    system = fly_by()
+    varied = run(system, 0.3, 3.0, step_control=kd.HairerSoderlind(), save_every=1)
+    assert energy_error(varied) < 1e-8
+    assert varied.t[-1] == 3.0
+    sol = run(system, 0.3, 3.0, events=lambda x: x[1, 1])
+    assert sol.t_events[0].size == 1
+    assert abs(sol.x_events[0][0][1, 1]) < 1e-12

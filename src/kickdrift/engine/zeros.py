@@ -6,6 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.compilation import compiled
+
 Floats = NDArray[np.float64]
 
 _ROUNDS = 100  # of a search, each of which takes half of the interval at least every third time
@@ -27,9 +29,24 @@ class Brackets(NamedTuple):
         """Return some of them."""
         return Brackets(*(array[which] for array in self))
 
-    def joined(self, other: "Brackets") -> "Brackets":
+    def joined(self, *others: "Brackets") -> "Brackets":
         """Return these and others."""
-        return Brackets(*(np.concatenate(pair) for pair in zip(self, other, strict=True)))
+        return Brackets(*(np.concatenate(arrays) for arrays in zip(self, *others, strict=True)))
+
+
+@compiled
+def find_changes(values: Floats, found: NDArray[np.int64]) -> int:
+    """Note after which of its values a function passes through zero, or comes to it; return how often it does.
+
+    One pass over memory; masks of NumPy take six, 5 ns a step.
+    """
+    count = 0
+    for row in range(values.size - 1):
+        first, last = values[row], values[row + 1]
+        if (first < 0.0 <= last) or (first > 0.0 >= last):
+            found[count] = row
+            count += 1
+    return count
 
 
 def changes(parts: Brackets) -> NDArray[np.bool_]:

@@ -15,7 +15,7 @@ _MARKERS = "osD^vPX"
 
 
 def plot_work_precision(measured: WorkPrecision, path: str | Path | None = None) -> "Figure":
-    """Draw errors at the end over force evaluations and over seconds, all of them logarithmic.
+    """Draw errors at the end over force evaluations and over milliseconds, all of them logarithmic.
 
     Parameters
     ----------
@@ -36,16 +36,21 @@ def plot_work_precision(measured: WorkPrecision, path: str | Path | None = None)
     """
     start, end = measured.t_span
     figure = new_figure(10, 4.4, f"{measured.system}, {start:g} to {end:g}: error at the end")
+    from matplotlib.ticker import LogLocator, NullFormatter  # after new_figure, which says what is missing
+
     left, right = figure.subplots(1, 2, sharey=True)
     for i, curve in enumerate(measured.curves):
         usable = np.isfinite(curve.errors) & (curve.errors > 0.0)
         style = {"color": COLOURS[i % len(COLOURS)], "marker": _MARKERS[i % len(_MARKERS)], "markersize": 4}
-        for axes, work in ((left, curve.evaluations), (right, curve.median)):
+        for axes, work in ((left, curve.evaluations), (right, 1e3 * curve.median)):
             axes.plot(work[usable], curve.errors[usable], linewidth=1.4, label=curve.label, **style)
     dress(left, "force evaluations", "error")
-    dress(right, "seconds in the loop", "")
+    dress(right, "milliseconds in the loop", "")
     for axes in (left, right):
         axes.set_xscale("log")
         axes.set_yscale("log")
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))  # two of a decade, as there may be one alone
+        axes.xaxis.set_major_formatter("{x:g}")
+        axes.xaxis.set_minor_formatter(NullFormatter())
     right.legend(loc="upper left", bbox_to_anchor=(1.01, 1), frameon=False, fontsize=9)
     return keep(figure, path)

@@ -8,6 +8,7 @@ from functools import cache, partial
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kickdrift.core import units
 from kickdrift.core.arguments import reals
 from kickdrift.core.compilation import Function, compiled, specialise, unbound
 from kickdrift.core.errors import ArgumentError, unknown_name
@@ -105,8 +106,11 @@ def planetary(
 
 def _sizes(radii: ArrayLike, system: System) -> Floats:
     """Return the radii of bodies of which no two overlap."""
+    unit = None if system.quantity_units is None else system.quantity_units.x
+    if unit is not None and not units.has_unit(radii):
+        raise ArgumentError(f"radii={radii!r} have no unit, but x0 has; give them in {units.spelt(unit)} or the like.")
     try:
-        sizes = reals(radii)
+        sizes = reals(radii if unit is None else units.numbers("radii", radii, unit))
     except TypeError as error:
         raise ArgumentError(f"radii={radii!r} must be numbers: {error}.") from None
     if sizes.shape != system.x0.shape[:1] or not (np.isfinite(sizes) & (sizes >= 0)).all():

@@ -102,10 +102,11 @@ def give_impulse(row: int, t: float, x: Floats, v: Floats, params: Floats, work:
     speed, size = speed_of(0, v, work)
     if square == 0.0:
         return False
-    if located:  # else what touches slightly beyond its surface closes by every rounding
-        for i in range(n):
-            x[i] -= row_of(NOW, work)[row] * slopes[i] * inverse[i] / square
-        row_of(NOW, work)[row] = 0.0
+    now = row_of(NOW, work)
+    if located and abs(now[row]) <= TOUCHES * size_of(x, work):
+        for i in range(n):  # or else what touches slightly beyond its surface closes by every rounding
+            x[i] -= now[row] * slopes[i] * inverse[i] / square
+        now[row] = 0.0
     if not speed < -1e-14 * size:
         return False
     pull = pull_to(row, speed, square, t, x, v, params, work)

@@ -57,6 +57,7 @@ hold_listed: Callable[..., None] = unbound
 FREE, RESTS, LEAVES = 0.0, 1.0, 2.0  # what a gap does: the last until its step is taken
 _ROUNDS = 20  # of Newton's method, and of normal impulses and friction in turn
 _SWEEPS = 1000  # of Gauss and Seidel over the gaps
+_STILL = 1e-9  # of what the speed of a gap is made of
 _ROUNDING = 2.220446049250313e-16
 FREE_X, FREE_V = 4, 5  # vectors of control: where the step has led by itself
 
@@ -70,8 +71,8 @@ def find_resting(t: float, h: float, x: Floats, v: Floats, work: Floats) -> None
         if resting[row] == FREE and switch[row] == 0.0 and abs(now[row]) <= touches:
             list_one(row, work)
             find_gradients(t, x, v, work)
-            speed, size = speed_of(0, v, work)
-            if abs(speed) <= 1e-9 * size or abs(speed * h) <= touches:
+            speed, still = speed_of(0, v, work)[0], still_speed(0, h, x, v, work)
+            if abs(speed) <= still:
                 resting[row] = RESTS
             else:
                 opens[row] = speed
@@ -86,6 +87,12 @@ def speed_of(k: int, v: Floats, work: Floats) -> tuple[float, float]:
         speed += slopes[i] * v[i]
         size += abs(slopes[i] * v[i])
     return speed, size
+
+
+@compiled
+def still_speed(k: int, h: float, x: Floats, v: Floats, work: Floats) -> float:
+    """Return how fast a gap listed may open or close that does neither: by roundings, or by no more than touches in a step."""
+    return max(_STILL * speed_of(k, v, work)[1], TOUCHES * size_of(x, work) / abs(h))
 
 
 @compiled
@@ -147,8 +154,8 @@ def hold_to_surfaces(t: float, h: float, x: Floats, v: Floats, work: Floats) -> 
     keep_along(v, work)
     resting, row = row_of(RESTING, work), row_of(LIST, work)
     for k in range(listed):
-        speed, size = speed_of(k, v, work)
-        resting[int(row[k])] = LEAVES if impulse[k] <= 0.0 and speed > TOUCHES * size else RESTS
+        opens = speed_of(k, v, work)[0] > still_speed(k, h, x, v, work)
+        resting[int(row[k])] = LEAVES if impulse[k] <= 0.0 and opens else RESTS
     forget_roundings(x, v, work)
 
 
