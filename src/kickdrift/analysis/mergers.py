@@ -1,17 +1,19 @@
 """Which bodies have merged, and when."""
 
-from dataclasses import dataclass
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.engine.dense import DenseOutput, States
 from kickdrift.engine.solution import Solution
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_MOST_BISECTIONS = 60
 _SPACINGS = 4.0  # of floats at the time
 
 
@@ -27,7 +29,7 @@ class Merger:
         Names, of merged bodies that of their first.
     energy_lost : float
         Kinetic, of their motion relative to each other. ``solution.energy`` loses that, and no longer counts their
-        attraction, which is negative.
+        attraction, which is negative. Not a number of a solution that was read from a file.
     """
 
     t: float
@@ -62,37 +64,60 @@ def mergers(solution: Solution) -> tuple[Merger, ...]:
         raise ArgumentError(
             f"{plain!r} is no run of bodies that attract each other; mergers are those of kd.systems.planetary(..., radii=...)."
         )
+    names = [str(name) for name in plain.about.coordinates["body"]]
+    gm = np.array(plain.about.gm)
+    scale = float(plain.energy[0]) / _energy(gm, plain.x[0], plain.v[0])  # 1 / G
+    rows = plain if plain.dense is None else plain.dense
     found: list[Merger] = []
-    for row in range(len(plain.t) - 1):
-        if not np.array_equal(_together(plain.x[row]), _together(plain.x[row + 1])):
-            found += _between(plain, row)
+    for row in range(len(rows.t) - 1):
+        for t, known, before, after in _between(rows, plain.dense, row):
+            firsts = np.stack([_together(after.x), known], axis=1)
+            lost = math.nan if plain.dense is None else scale * (_kinetic(gm, before.v) - _kinetic(gm, after.v))
+            for one, other in sorted({(int(one), int(other)) for one, other in firsts if one != other}):
+                found.append(Merger(t, (names[one], names[other]), lost))
     return tuple(found)
 
 
-def _between(solution: Solution, row: int) -> list[Merger]:
-    """Return the mergers between two rows, one after the other."""
-    names = [str(name) for name in solution.about.coordinates["body"]]
-    gm = np.array(solution.about.gm)
-    scale = solution.energy[row] / _energy(gm, solution.x[row], solution.v[row])
-    low, end, found = float(solution.t[row]), float(solution.t[row + 1]), []
-    before = solution.x[row], solution.v[row]
-    while not np.array_equal(_together(before[0]), _together(solution.x[row + 1])):
-        high, after = end, (solution.x[row + 1], solution.v[row + 1])
-        for _ in range(_MOST_BISECTIONS if solution.dense is not None else 0):
-            middle = 0.5 * (low + high)
-            if abs(high - low) <= _SPACINGS * np.spacing(abs(high)):
-                break
-            states = solution(middle)
-            if np.array_equal(_together(states.x), _together(before[0])):
-                low, before = middle, (states.x, states.v)
-            else:
-                high, after = middle, (states.x, states.v)
-        lost = scale * (_kinetic(gm, before[1]) - _kinetic(gm, after[1]))
-        firsts = np.stack([_together(after[0]), _together(before[0])], axis=1)
-        for one, other in sorted({(int(one), int(other)) for one, other in firsts if one != other}):
-            found.append(Merger(high, (names[one], names[other]), float(lost)))
-        low, before = high, after
-    return found
+def _between(
+    rows: Solution | DenseOutput, dense: DenseOutput | None, row: int
+) -> Iterator[tuple[float, Integers, States, States]]:
+    """Yield of each merger between two rows its time, who was one with whom before, and the states before and after it."""
+    known, last = _together(rows.x[row]), States(rows.x[row + 1], rows.v[row + 1])
+    if dense is not None:
+        one = slice(row, row + 1)
+        dense = replace(dense, t=dense.t[one], x=dense.x[one], v=dense.v[one], steps=dense.steps[one])
+    while not np.array_equal(known, _together(last.x)):
+        high, before, after = float(rows.t[row + 1]), States(rows.x[row], rows.v[row]), last
+        if dense is not None:
+            high, before, after, dense = _bisect(dense, len(np.unique(known)), high, last)
+        yield high, known, before, after
+        known = _together(after.x)
+
+
+def _bisect(dense: DenseOutput, many: int, high: float, after: States) -> tuple[float, States, States, DenseOutput]:
+    """Return when so many bodies become fewer, the states just before and after, and the output from a step before on."""
+    low, step = float(dense.t[0]), float(dense.steps[0])
+    before = States(dense.x[0], dense.v[0])
+    while abs(high - low) > _SPACINGS * np.spacing(abs(high)):
+        whole = 0 if dense.varies else round((high - float(dense.t[0])) / step)
+        middle = float(dense.t[0]) + whole // 2 * step if whole > 1 else 0.5 * (low + high)
+        try:
+            states = dense(middle)
+        except ArgumentError:  # steps whose sizes vary, of which some lie between two rows
+            break
+        if len(np.unique(_together(states.x))) < many:
+            high, after = middle, states
+            continue
+        low, before = middle, states
+        if whole > 1:  # the next ones from there
+            dense = replace(dense, t=np.array([low]), x=states.x[None], v=states.v[None])
+    return high, before, after, dense
+
+
+def _only(dense: DenseOutput, row: int) -> DenseOutput:
+    """Return what goes on from one row."""
+    one = slice(row, row + 1)
+    return replace(dense, t=dense.t[one], x=dense.x[one], v=dense.v[one], steps=dense.steps[one])
 
 
 def _together(x: Floats) -> Integers:

@@ -184,7 +184,7 @@ _ENCOUNTERS = Method(
     aliases=("close-encounters",),
     parameters=(
         2,  # two bodies come no further from one kick to the next than half their distance
-        Fraction(3, 10**10),  # of the energy, at most, is what a step changes
+        Fraction(1, 10**10),  # of the energy, at most, is what a step changes
         Fraction(1, 10**10),  # of distances, at most, are estimated errors where bodies are integrated
         *(weight for _, weight in METHODS[-1].word),
     ),

@@ -38,7 +38,8 @@ def planetary(
 
     It is `nbody` with more: methods such as ``"wisdom-holman"`` and ``"blanes-aba-1064"`` solve the Kepler problems
     exactly, so that their errors are as small as what is left, by the mass of the planets over that of the first body.
-    All other methods run as they do on `nbody`, and states are those of `nbody` in any case.
+    ``"close-encounters"`` is for planets that meet, or pass the first body closely. All other methods run as they do on
+    `nbody`, and states are those of `nbody` in any case.
 
     Parameters
     ----------

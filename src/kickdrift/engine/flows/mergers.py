@@ -22,6 +22,7 @@ Floats = NDArray[np.float64]
 
 VECTORS = 4
 _ALMOST = 1.1  # of the distance at contact: as exact as the shortest distance within a step is guessed
+_AT_ONCE = 0.01  # of a step: within it the shortest distance is that at its start, which has been looked at
 _BISECTIONS = 40
 
 
@@ -111,7 +112,7 @@ def find_contact(h: float, radii: Floats, x: Floats, v: Floats, new_x: Floats, n
             way = 0.5 * abs(h) * (math.sqrt(u2) + math.sqrt(w2))
             if closing < 0.0 < opening and min(d2, e2) < (_ALMOST * contact + way) ** 2:
                 nearest, at = shortest_distance(h, i, j, x, v, new_x, new_v)
-                if nearest < _ALMOST * contact:
+                if nearest < contact or (nearest < _ALMOST * contact and at > _AT_ONCE):
                     share = at
             if share < found:
                 found, one, other = share, j, i
