@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from contextlib import contextmanager
 from pathlib import Path
 
 import hostile
@@ -71,15 +72,54 @@ def adaptive(folder):
     return sol.t, sol.x, sol.v
 
 
-def world(folder):
+def toppled(**options):
     """Run a pile of boxes that topples."""
-    options = {} if folder is None else {"checkpoint": folder / "run", "checkpoint_every": 60}
     made = kd.World()
     made.add_plane(normal=(0, 0, 1), friction=0.5)
     for k in range(8):
         made.add_box(size=(0.5, 0.5, 0.5), position=(0.1 * k, 0, 0.3 + 0.7 * k), mass=1.0)
-    recording = made.run(60.0, 1 / 120, save_every=10, **options)
-    return recording.t, recording.x, recording.v, recording.orientation, made.position
+    return made.run(60.0, 1 / 120, save_every=10, **options), made.position
+
+
+def world(folder):
+    """Run a world."""
+    recording, position = toppled(**({} if folder is None else {"checkpoint": folder / "run", "checkpoint_every": 60}))
+    return recording.t, recording.x, recording.v, recording.orientation, position
+
+
+@contextmanager
+def to_disk(folder, **kept):
+    """Give what sends rows to a folder, and a function that reads what is there."""
+    with tempfile.TemporaryDirectory() as elsewhere:
+        path = Path(elsewhere if folder is None else folder) / "run.zarr"
+        kept = (
+            {} if folder is None else {name: folder / "run" if name == "checkpoint" else n for name, n in kept.items()}
+        )
+        yield {"save_to": path, **kept}, lambda: tuple(array for _, array in sorted(xr.open_zarr(path).load().items()))
+
+
+def streamed_world(folder):
+    """Run a world whose rows go to disk."""
+    with to_disk(folder, checkpoint=..., checkpoint_every=60) as (options, read):
+        _, position = toppled(**options)
+        return *read(), position
+
+
+def streamed_adaptive(folder):
+    """Run a comet whose steps vary, and whose rows go to disk."""
+    with to_disk(folder, checkpoint=..., checkpoint_every=20_000) as (options, read):
+        control = {"step": 0.01, "step_control": "distance", "method": "stormer-verlet"}
+        kd.solve(kd.systems.kepler(0.9), (0.0, 2e5), save_every=5, **control, **options)
+        return read()
+
+
+def stored(folder):
+    """Run members that go to disk as they are done."""
+    kepler = kd.systems.kepler()
+    x0 = kepler.x0 + 0.01 * np.random.default_rng(0).normal(size=(3000, 2))
+    with to_disk(folder) as (options, read):
+        kd.solve_ensemble(kepler, (0.0, 500.0), x0, step=1e-3, save_every=50_000, **options)
+        return read()
 
 
 def streamed(folder):
@@ -109,6 +149,9 @@ KINDS = {
     "adaptive": adaptive,
     "ensemble": ensemble,
     "world": world,
+    "streamed world": streamed_world,
+    "streamed adaptive": streamed_adaptive,
+    "stored ensemble": stored,
 }
 
 
@@ -155,7 +198,7 @@ def attempt(seed):
         done = KINDS[kind](folder)
         if not all(np.array_equal(one, other) for one, other in zip(done, expected, strict=True)):
             return f"{kind}: other bits after {killed} kills"
-        if left := [path.name for path in (folder / "run").iterdir() if path.name.startswith(".")]:
+        if left := [path.name for path in [*folder.glob(".*"), *(folder / "run").glob(".*")]]:
             return f"{kind}: {left} are left"
     return None
 

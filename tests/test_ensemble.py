@@ -9,6 +9,8 @@ import subprocess
 import sys
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
@@ -483,3 +485,41 @@ def test_lanes_are_vectorised():
     for counts in (packed(kd.systems.kepler()), packed(written)):
         assert min(counts.values()) >= 4
     assert packed(looked_up)["kick"] == 0
+
+
+def floor(x):
+    return x[1]
+
+
+def falling(x):
+    return np.array([0.0, -9.81])
+
+
+def rubbed(x, params):
+    return -x - 0.2 * params[-1]
+
+
+def moving(v):
+    return v
+
+
+@pytest.mark.parametrize("executor", [False, True])
+def test_members_rebound_each_for_itself(executor):
+    starts = np.array([[0.0, 1.0], [0.0, 2.0], [1.0, 0.5]])
+    options = {"step": 0.01, "method": "velocity-verlet", "impacts": kd.Impacts(floor, restitution=0.8)}
+    times = np.linspace(0.0, 3.0, 7)
+    with ThreadPoolExecutor(2) if executor else nullcontext() as pool:
+        sol = kd.solve_ensemble(falling, (0.0, 3.0), starts, [0.5, 0.0], t_eval=times, executor=pool, **options)
+    for k, start in enumerate(starts):
+        alone = kd.solve(falling, (0.0, 3.0), start, [0.5, 0.0], t_eval=times, **options)
+        assert np.array_equal(sol.x[k], alone.x)
+    assert (sol.x[:, :, 1] > -1e-12).all()
+    assert np.ptp(sol.x[:, -1, 1]) > 0.01
+
+
+def test_members_begin_on_sides_of_their_own():
+    options = {"step": 0.05, "method": "velocity-verlet", "switches": moving, "t_eval": [np.pi]}
+    sol = kd.solve_ensemble(rubbed, (0.0, np.pi), [2.5, -2.5], 0.0, **options)
+    assert sol.x[:, -1] == pytest.approx([-2.1, 2.1], abs=1e-3)  # friction of 0.2 takes 0.4 each half period
+    with pytest.raises(ArgumentError, match="t_eval"):
+        kd.solve_ensemble(rubbed, (0.0, np.pi), [2.5, -2.5], 0.0, step=0.05, switches=moving)

@@ -39,6 +39,11 @@ class Steering:
         return self.impacts is not None or self.switches is not None
 
     @property
+    def varies(self) -> bool:
+        """Whether steps are not all of one size."""
+        return self.control is not None or self.cuts
+
+    @property
     def defaults(self) -> dict[str, Any]:
         """What `kickdrift.engine.method_selection.choose` takes where no method is named."""
         return {} if self.control is None else {"default": self.control.method, "order_beside": self.control.order}
@@ -59,7 +64,7 @@ class Steering:
         ArgumentError
             As `kickdrift.engine.grid.lay_grid`.
         """
-        if self.control is None and not self.cuts:
+        if not self.varies:
             return lay_grid(t_span, step, t_eval, save_every, state_size, streamed)
         return lay_course(t_span, step, t_eval, save_every, self.cuts, streamed)
 

@@ -17,10 +17,12 @@ from kickdrift.core.errors import ArgumentError, FileFormatError, depth_of_calle
 from kickdrift.core.naming import digest
 from kickdrift.engine.description import Description
 from kickdrift.engine.identity import version
+from kickdrift.engine.impacts import Impacts
 from kickdrift.engine.invariants import Invariants
 from kickdrift.engine.lane_letters import LANES
 from kickdrift.engine.method_selection import check_wanted
 from kickdrift.engine.progress import Bar
+from kickdrift.engine.steering import steering_of
 from kickdrift.engine.step_control import StepControl
 from kickdrift.engine.task import description_of
 from kickdrift.methods import Method
@@ -48,6 +50,8 @@ def solve_ensemble(
     order: int | None = None,
     t_eval: ArrayLike | None = None,
     save_every: int | None = None,
+    impacts: Impacts | Callable[..., Any] | None = None,
+    switches: Callable[..., Any] | None = None,
     step_control: StepControl | Callable[..., Any] | str | None = None,
     rtol: float | None = None,
     atol: ArrayLike | None = None,
@@ -84,7 +88,7 @@ def solve_ensemble(
         As for `kickdrift.solve`. ``"auto"`` takes for all members what it takes for the first.
     t_eval, save_every
         As for `kickdrift.solve`: the times kept of all members.
-    step_control, rtol, atol
+    impacts, switches, step_control, rtol, atol
         As for `kickdrift.solve`: steps that vary, those of each member by itself, with `t_eval` for the times kept.
     args : array_like or mapping, optional
         Numbers that the functions get as ``params``: p for all, or (M, p). Or a range of each by its name, in the order in
@@ -156,9 +160,8 @@ def solve_ensemble(
         )
     threads = _threads(threads)
     members = members_of(problem, x0, v0, args, step, seeds)
-    settings = Settings(
-        t_span, method, order, t_eval, save_every, step_control, rtol, atol, compensated, compiles, check_bounds
-    )
+    steering = steering_of(step_control, members.step_of(0), rtol, atol, impacts, switches)
+    settings = Settings(t_span, method, order, t_eval, save_every, steering, compensated, compiles, check_bounds)
     prepared = prepare(members, settings, progress, to_disk=save_to is not None)
     results = prepared.room(save_to is not None)
     store = (

@@ -103,6 +103,6 @@ def identity_of(prepared: Prepared) -> dict[str, str]:
         "method": f"{method.name} {digest(written(method))}",
         "compensated": repr(settings.compensated),
         "compile": repr(settings.compile),
-        "step_control": digest(written([settings.step_control, settings.rtol, settings.atol])),
+        "step_control, impacts or switches": digest(written(settings.steering)),
         "save_every or t_eval": digest(written(prepared.t)),
     }

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,11 +10,11 @@ from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.core.room import free_bytes
 from kickdrift.engine import quantities
 from kickdrift.engine.announcing import compiling_announced
-from kickdrift.engine.controller import Controller, control_of, controlled
+from kickdrift.engine.controller import Controller
 from kickdrift.engine.dense import check_between
-from kickdrift.engine.grid import Course, Grid, lay_course, lay_grid
+from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.method_selection import Choice, check_direction, choose
-from kickdrift.engine.problem_adapter import Adapter, describe
+from kickdrift.engine.problem_adapter import Adapter
 from kickdrift.engine.start import parameters, start_of
 from kickdrift.engine.steering import Steering
 from kickdrift.methods import Method
@@ -37,9 +36,7 @@ class Settings:
     order: int | None
     t_eval: ArrayLike | None
     save_every: int | None
-    step_control: Any
-    rtol: float | None
-    atol: ArrayLike | None
+    steering: Steering
     compensated: bool
     compile: bool
     check_bounds: bool
@@ -170,14 +167,14 @@ def prepare(
     lead = lead or members
     x0, v0, args = lead.start_of(0)
     start, params = start_of(lead.problem_of(0), x0, v0), parameters(args)
-    control = control_of(settings.step_control, lead.step_of(0), settings.rtol, settings.atol)
-    if control is not None and settings.t_eval is None:
+    steering = settings.steering
+    if steering.varies and settings.t_eval is None:
         raise ArgumentError("steps vary from member to member; give t_eval=..., the times to keep of all members.")
     cohorts = []
     for indices in members.cohorts():
         numbers, step = (1 if to_disk else members.count) * start.x.size, members.step_of(int(indices[0]))
         given = settings.t_span, step, settings.t_eval, settings.save_every
-        cohorts.append(Cohort(indices, lay_grid(*given, numbers) if control is None else lay_course(*given)))
+        cohorts.append(Cohort(indices, steering.lay(*given, numbers)))
     first = cohorts[0].grid
     t = _times(first)
     if any(not np.array_equal(t, _times(cohort.grid)) for cohort in cohorts):
@@ -186,15 +183,12 @@ def prepare(
             " members."
         )
     with compiling_announced(progress):
-        system = describe(lead.problem_of(0), first.t0, start, params, settings.compile, settings.check_bounds)
-        span, defaults = first.t1 - first.t0, Steering(control).defaults
+        adapter = Adapter(first.t0, start.x, start.v, params, settings.compile, settings.check_bounds)
+        system = steering.describe(lead.problem_of(0), start, adapter)
+        span, defaults = first.t1 - first.t0, steering.defaults
         chosen = choose(settings.method, settings.order, system, first.t0, first.step, span, **defaults)
         check_direction(chosen.method, first.step)
-        driven, controller = system, None
-        if control is not None:
-            adapter = Adapter(first.t0, start.x, start.v, params, settings.compile, settings.check_bounds)
-            has_step = lead.step_of(0) is not None
-            driven, controller = controlled(control, system, chosen.method, first.t0, adapter.number, has_step)
+        driven, controller = steering.ready(lead.problem_of(0), system, chosen.method, first, adapter, lead.step_of(0))
     for cohort in cohorts:
         if isinstance(cohort.grid, Grid):
             check_between(system, cohort.grid)
@@ -220,7 +214,8 @@ def _described(members: Members, settings: Settings, i: int, t0: float) -> Syste
     x0, v0, args = members.start_of(i)
     problem = members.problem_of(i)
     start = start_of(problem, x0, v0)
-    return describe(problem, t0, start, parameters(args), settings.compile, settings.check_bounds)
+    adapter = Adapter(t0, start.x, start.v, parameters(args), settings.compile, settings.check_bounds)
+    return settings.steering.describe(problem, start, adapter)
 
 
 def _alike(one: System, other: System) -> bool:
