@@ -10,7 +10,7 @@ SHORT = {
     "fuzz_arguments": 600,
     "fuzz_cache": 2,
     "fuzz_operations": 20,
-    "fuzz_kills": 9,
+    "fuzz_kills": 4,
 }
 
 
