@@ -183,11 +183,22 @@ def test_steps_are_taken_back_where_they_are_wrong_and_nowhere_else():
     assert distance(run(system, 0.3, 3.0, unconcerned), sol) > 1e-5
 
 
-def test_bodies_without_mass_are_scattered_as_well():
-    system = fly_by((1.0, 1e-3, 0.0))
+@pytest.mark.parametrize("mass", [0.0, 1e-9])
+def test_light_bodies_are_scattered_as_well_as_heavy_ones(mass):
+    system = fly_by((1.0, 1e-3, mass))
     sol = run(system, 0.2, 3.0)
     assert sol.n_rejected > 0
     assert distance(sol, reference(system, 3.0)) < 1e-8
+
+
+@pytest.mark.parametrize("mass", [0.0, 1e-9])
+def test_comets_that_come_from_beyond_a_planet_pass_the_star_closely(mass):
+    a, e = 2.5, 0.98
+    x = [[0, 0, 0], [1, 0, 0], [0, a * (1 + e), 0.3]]
+    v = [[0, 0, 0], [0, 1, 0], [-np.sqrt((1 - e) / (1 + e) / a), 0, 0]]
+    system = kd.systems.planetary([1.0, 1e-3, mass], x, v)
+    period = 2 * np.pi * a**1.5
+    assert distance(run(system, 0.3, period), reference(system, period)) < 1e-6
 
 
 # With all the rest
