@@ -253,6 +253,17 @@ def contact_of(system, one, other, end=10.0):
     return kd.solve(points, (0, end), rtol=1e-13, atol=1e-14, method="dop853", events=touch, progress=False)
 
 
+def test_of_two_contacts_within_a_step_the_first_comes_first():
+    x, v = [[0, 0, 0], [1, 0, 0], [-1, 0, 0]], [[0, 0, 0], [0, 0.01, 0], [0, 0.001, 0]]
+    system = kd.systems.planetary([1.0, 1e-3, 1e-3], x, v, radii=[0.05, 0.001, 0.001])
+    sol = run(system, 0.2, 2.0, save_every=1)
+    first, second = kd.analysis.mergers(sol)
+    assert (first.bodies, second.bodies) == (("0", "2"), ("0", "1"))
+    assert first.energy_lost > 0.0 < second.energy_lost
+    for t in np.linspace(first.t, second.t, 50)[1:-1]:
+        assert len(np.unique(sol(t).x, axis=0)) == 2
+
+
 def test_bodies_that_touch_merge_and_keep_mass_momentum_and_centre_of_mass():
     system, m = head_on(), np.array([1.0, 1e-3, 5e-4])
     sol = run(system, 0.2, 10.0, "auto", save_every=1)
