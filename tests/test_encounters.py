@@ -253,6 +253,12 @@ def contact_of(system, one, other, end=10.0):
     return kd.solve(points, (0, end), rtol=1e-13, atol=1e-14, method="dop853", events=touch, progress=False)
 
 
+@pytest.mark.parametrize("density", ["distance", "acceleration"])
+def test_a_density_by_distances_is_refused_for_bodies_that_merge(density):
+    with pytest.raises(ArgumentError, match="have merged"):
+        run(head_on(), 0.2, 4.0, step_control=density)
+
+
 def test_of_two_contacts_within_a_step_the_first_comes_first():
     x, v = [[0, 0, 0], [1, 0, 0], [-1, 0, 0]], [[0, 0, 0], [0, 0.01, 0], [0, 0.001, 0]]
     system = kd.systems.planetary([1.0, 1e-3, 1e-3], x, v, radii=[0.05, 0.001, 0.001])
