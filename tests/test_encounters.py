@@ -184,11 +184,22 @@ def test_steps_are_taken_back_where_they_are_wrong_and_nowhere_else():
     assert distance(run(system, 0.3, 3.0, unconcerned), sol) > 1e-5
 
 
-def test_bodies_without_mass_are_scattered_as_well():
-    system = fly_by((1.0, 1e-3, 0.0))
+@pytest.mark.parametrize("mass", [0.0, 1e-9])
+def test_light_bodies_are_scattered_as_well_as_heavy_ones(mass):
+    system = fly_by((1.0, 1e-3, mass))
     sol = run(system, 0.2, 3.0)
     assert sol.n_rejected > 0
     assert distance(sol, reference(system, 3.0)) < 1e-8
+
+
+@pytest.mark.parametrize("mass", [0.0, 1e-9])
+def test_comets_that_come_from_beyond_a_planet_pass_the_star_closely(mass):
+    a, e = 2.5, 0.98
+    x = [[0, 0, 0], [1, 0, 0], [0, a * (1 + e), 0.3]]
+    v = [[0, 0, 0], [0, 1, 0], [-np.sqrt((1 - e) / (1 + e) / a), 0, 0]]
+    system = kd.systems.planetary([1.0, 1e-3, mass], x, v)
+    period = 2 * np.pi * a**1.5
+    assert distance(run(system, 0.3, period), reference(system, period)) < 1e-6
 
 
 # With all the rest
@@ -241,6 +252,23 @@ def contact_of(system, one, other, end=10.0):
     touch.terminal = True
     points = kd.systems.planetary(system.gm, system.x0, system.v0)
     return kd.solve(points, (0, end), rtol=1e-13, atol=1e-14, method="dop853", events=touch, progress=False)
+
+
+@pytest.mark.parametrize("density", ["distance", "acceleration"])
+def test_a_density_by_distances_is_refused_for_bodies_that_merge(density):
+    with pytest.raises(ArgumentError, match="have merged"):
+        run(head_on(), 0.2, 4.0, step_control=density)
+
+
+def test_of_two_contacts_within_a_step_the_first_comes_first():
+    x, v = [[0, 0, 0], [1, 0, 0], [-1, 0, 0]], [[0, 0, 0], [0, 0.01, 0], [0, 0.001, 0]]
+    system = kd.systems.planetary([1.0, 1e-3, 1e-3], x, v, radii=[0.05, 0.001, 0.001])
+    sol = run(system, 0.2, 2.0, save_every=1)
+    first, second = kd.analysis.mergers(sol)
+    assert (first.bodies, second.bodies) == (("0", "2"), ("0", "1"))
+    assert first.energy_lost > 0.0 < second.energy_lost
+    for t in np.linspace(first.t, second.t, 50)[1:-1]:
+        assert len(np.unique(sol(t).x, axis=0)) == 2
 
 
 def test_bodies_that_touch_merge_and_keep_mass_momentum_and_centre_of_mass():

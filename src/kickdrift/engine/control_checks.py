@@ -101,6 +101,20 @@ def check_corrector(name: str, method: Method) -> None:
         )
 
 
+def check_merging(density: object, system: System) -> None:
+    """Refuse a density by distances for bodies that merge, as they have none then.
+
+    Raises
+    ------
+    ArgumentError
+    """
+    if system.radii is not None and isinstance(density, str):
+        raise ArgumentError(
+            f"step_control={density!r} has no number where bodies of {system.name!r} have merged; leave it out, as the method"
+            " resolves encounters itself, or give rtol and atol."
+        )
+
+
 def check_density(density: Quantity, named: str, system: System, t0: float) -> None:
     """Refuse a density that is none at the start, or another one with the velocities turned around.
 

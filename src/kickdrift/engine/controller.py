@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.arguments import reals
 from kickdrift.core.errors import ArgumentError
-from kickdrift.engine.control_checks import binding_energy, check_density, check_method
+from kickdrift.engine.control_checks import binding_energy, check_density, check_merging, check_method
 from kickdrift.engine.densities import by_acceleration, by_distance
 from kickdrift.engine.flows import layout
 from kickdrift.engine.flows.error_control import PARAMS
@@ -142,6 +142,7 @@ def controlled(
         return replace(system, parts=parts), _in_its_own_time(
             Controller(name, wanted.conserves, wanted.spelled, params)
         )
+    check_merging(wanted.density, system)
     density, named, sees_v, dear = _density(wanted.density, system, adapt)
     check_density(density, named, system, t0)
     spelled: Callable[..., Spelled] = wanted.spelled

@@ -17,7 +17,8 @@ from kickdrift.systems.splitting import mus, planets, weights
 
 Floats = NDArray[np.float64]
 
-_WITHOUT_MASS = 100.0  # the energy says nothing of encounters with a body without mass
+# The energy says little of bodies of a hundredth of the heaviest's mass or less: distances tell where their orbits are wrong.
+_LIGHT, _OF_LIGHT = 0.01, 100.0
 
 
 @compiled(cached=False)
@@ -81,11 +82,13 @@ def take_word(
     """Do the letters of a word that begins with a Kepler flow, and return whether they may be right.
 
     They are not where two bodies come, from one kick to the next, further relative to each other than their distance over
-    `nearest`; or so close that they would fall to each other within the step, or within ten if one has no mass; or nearly
-    touch; or where a Kepler problem has no solution.
+    `nearest`, or one that is light beside the heaviest relative to body 0, around which its Kepler problem is not; or so close
+    that they would fall to each other within the step, or within ten if one is light; or nearly touch; or where a Kepler
+    problem has no solution.
     """
     n, mu = x.size, mus(x.size, numbers)
     located, before, kicks = part(room, 0, n), part(room, n, n), part(room, 2 * n, n)
+    located[0] = located[1] = located[2] = 0.0
     for letter in range(word.size):
         share = word[letter] * h
         if letter % 2 == 0:
@@ -108,18 +111,25 @@ def take_word(
 
 @compiled(cached=False, fast=True)
 def resolved(h: float, nearest: float, numbers: Floats, sizes: Floats, before: Floats, after: Floats) -> bool:
-    """Whether pairs of the bodies from 1 on are as far apart as that, at two kicks of a step of h."""
+    """Whether pairs of bodies, of body 0 with light ones alone, are as far apart as that, at two kicks of a step of h."""
+    light = 0.0
+    for i in range(1, after.size // 3):
+        light = max(light, _LIGHT * numbers[2 + i])
     for i in range(2, after.size // 3):
-        for j in range(1, i):
+        for j in range(0 if numbers[2 + i] <= light else 1, i):
             old = new = way = 0.0
             for k in range(3):
                 one, other = before[3 * i + k] - before[3 * j + k], after[3 * i + k] - after[3 * j + k]
                 old, new, way = old + one * one, new + other * other, way + (other - one) ** 2
             closest, fall = min(old, new), (numbers[2 + i] + numbers[2 + j]) * h * h
-            if numbers[2 + i] * numbers[2 + j] == 0.0:
-                fall *= _WITHOUT_MASS
+            if not nearest * nearest * way < closest:
+                return False
+            if j == 0:
+                continue
+            if min(numbers[2 + i], numbers[2 + j]) <= light:
+                fall *= _OF_LIGHT
             free, touch = fall * fall < closest * closest * closest, 2.0 * (sizes[i] + sizes[j])
-            if not (nearest * nearest * way < closest and free and touch * touch <= closest):
+            if not (free and touch * touch <= closest):
                 return False
     return True
 

@@ -23,6 +23,7 @@ Floats = NDArray[np.float64]
 VECTORS = 4
 _ALMOST = 1.1  # of the distance at contact: as exact as the shortest distance within a step is guessed
 _AT_ONCE = 0.01  # of a step: within it the shortest distance is that at its start, which has been looked at
+_SAME = 1e-12  # of the distance at contact: two contacts that near are one
 _BISECTIONS = 40
 
 
@@ -149,3 +150,15 @@ def gap(radii: Floats, i: int, j: int, x: Floats) -> float:
     for k in range(3):
         d2 += (x[3 * i + k] - x[3 * j + k]) ** 2
     return float(math.sqrt(d2) - radii[i] - radii[j])
+
+
+@compiled(cached=False)
+def deepest(radii: Floats, one: int, other: int, x: Floats, new_x: Floats) -> tuple[int, int]:
+    """Return who has come to overlap most within a step, but for two that touch at its end; -1 for none."""
+    most, first, second = -_SAME * (radii[one] + radii[other]), -1, -1
+    for i in range(1, radii.size):
+        for j in range(i):
+            now = gap(radii, j, i, new_x)
+            if now < most and not (j == one and i == other) and gap(radii, j, i, x) > 0.0:
+                most, first, second = now, j, i
+    return first, second

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.views import part
-from kickdrift.engine.flows.mergers import find_contact, gap
+from kickdrift.engine.flows.mergers import deepest, find_contact, gap
 from kickdrift.methods.nystrom import DORMAND_12
 from kickdrift.systems.gravity import add_gravity_pairwise
 
@@ -132,22 +132,27 @@ def step_to_contact(h: float, masses: Floats, radii: Floats, room: Floats) -> tu
     if share < 1.0:
         take_step(share * h, masses, room)
         steps = 1
-    apart, through = max(gap(radii, one, other, x), 0.0), gap(radii, one, other, new_x)
-    if through > 0.0:
+    if gap(radii, one, other, new_x) > 0.0:
         return abs(share * h), steps, -1, -1  # the shortest distance, and it is none
-    while steps < _MOST_TRIES and high - low > _SHORTEST and through < -_SHORTEST * radii[one]:
-        middle = 0.5 * (low + high)
-        if steps % 3 != 2:  # regula falsi, of Illinois
-            middle = (low * through - high * apart) / (through - apart)
-        take_step(middle * h, masses, room)
+    found, earlier = one, other
+    while found >= 0:
+        one, other, low = found, earlier, 0.0
+        apart, through = max(gap(radii, one, other, x), 0.0), gap(radii, one, other, new_x)
+        while steps < _MOST_TRIES and high - low > _SHORTEST and through < -_SHORTEST * radii[one]:
+            middle = 0.5 * (low + high)
+            if steps % 3 != 2:  # regula falsi, of Illinois
+                middle = (low * through - high * apart) / (through - apart)
+            take_step(middle * h, masses, room)
+            steps += 1
+            now = gap(radii, one, other, new_x)
+            if now > 0.0:
+                low, apart = middle, now
+            else:
+                high, through = middle, now
+        take_step(high * h, masses, room)
         steps += 1
-        now = gap(radii, one, other, new_x)
-        if now > 0.0:
-            low, apart = middle, now
-        else:
-            high, through = middle, now
-    take_step(high * h, masses, room)
-    return abs(high * h), steps + 1, one, other
+        found, earlier = deepest(radii, one, other, x, new_x) if steps < _MOST_TRIES else (-1, -1)
+    return abs(high * h), steps, one, other
 
 
 @compiled(cached=False, fast=True)
