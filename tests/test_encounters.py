@@ -254,6 +254,14 @@ def contact_of(system, one, other, end=10.0):
     return kd.solve(points, (0, end), rtol=1e-13, atol=1e-14, method="dop853", events=touch, progress=False)
 
 
+@pytest.mark.filterwarnings("error")
+def test_radii_may_be_zero():
+    assert kd.systems.planetary([1.0, 0.0], [[0, 0, 0], [2, 0, 0]], np.zeros((2, 3)), radii=[0, 0]).radii.tolist() == [
+        0,
+        0,
+    ]
+
+
 @pytest.mark.parametrize("density", ["distance", "acceleration"])
 def test_a_density_by_distances_is_refused_for_bodies_that_merge(density):
     with pytest.raises(ArgumentError, match="have merged"):

@@ -118,11 +118,11 @@ def _sizes(radii: ArrayLike, system: System) -> Floats:
         raise ArgumentError(
             f"radii={radii!r} must be {len(system.x0)} finite numbers of at least 0, one for each body."
         )
-    apart = np.linalg.norm(system.x0[:, None] - system.x0, axis=-1) / np.maximum(sizes[:, None] + sizes, 5e-324)
-    for i, j in np.argwhere(np.tril(apart < 1 - 1e-9, -1)).tolist():
+    apart, contact = np.linalg.norm(system.x0[:, None] - system.x0, axis=-1), sizes[:, None] + sizes
+    for i, j in np.argwhere(np.tril(apart < (1 - 1e-9) * contact, -1)).tolist():
         raise ArgumentError(
-            f"bodies {j} and {i} overlap at the start: {apart[i, j]:.3g} of the sum of their radii apart; move one, or give"
-            " smaller radii."
+            f"bodies {j} and {i} overlap at the start: {apart[i, j] / contact[i, j]:.3g} of the sum of their radii apart; move"
+            " one, or give smaller radii."
         )
     return sizes
 
