@@ -387,6 +387,17 @@ def test_radii_that_cannot_be_are_refused(radii, reason):
         head_on(radii)
 
 
+@pytest.mark.parametrize(
+    ("end", "options", "reason"),
+    [(-10.0, {}, "runs backwards"), (10.0, {"impacts": kd.sphere_gaps([0.01, 0.001, 0.001])}, "leave one of them out")],
+)
+def test_bodies_that_merge_neither_rebound_nor_come_apart(end, options, reason):
+    x0, v0 = [[0, 0, 0], [1, 0, 0], [-1.5, 0, 0]], [[0, 0, 0], [0, 1, 0], [0, -0.8, 0]]
+    system = kd.systems.planetary([1.0, 1e-3, 1e-3], x0, v0, radii=[0.01, 0.001, 0.001])
+    with pytest.raises(ArgumentError, match=reason):
+        kd.solve(system, (0.0, end), step=0.1, **options)
+
+
 def test_bodies_with_radii_are_refused_by_methods_that_do_not_see_them():
     with pytest.raises(MethodMismatchError, match="does not see where bodies touch"):
         run(head_on(), 0.1, 1.0, "wisdom-holman")

@@ -195,6 +195,7 @@ def test_events_are_kept_in_files(tmp_path):
     [
         (lambda x, y: x[0], "arguments that kickdrift does not know"),
         (lambda x: x, "must return one number"),
+        (lambda x: x[0] > 0.0, "which has no size and no sign"),
         ("ground", "not a function"),
         ([3.0], "not a function"),
         (lambda x: x[7], "out of bounds"),

@@ -58,10 +58,10 @@ class Impacts:
     Notes
     -----
     A body whose rebounds have become shorter than a thousandth of a step rests on the surface, or slides along it, until
-    nothing presses it on: by impulses at both ends of a step, as RATTLE has them, of second order whatever the method, and with
-    friction that holds what it can hold. What friction stops does so at the end of a step: where it slides on from there, the
-    other way, it has lost up to a step's time. Two zeros of a gap within one step are not seen: take smaller steps than the
-    shortest graze.
+    nothing presses it on: by impulses at both ends of a step, as RATTLE has them, of second order for any method of that order
+    or higher, and with friction that holds what it can hold. What friction stops does so at the end of a step: where it slides
+    on from there, the other way, it has lost up to a step's time, and the order is one. Two zeros of a gap within one step are
+    not seen: take smaller steps than the shortest graze.
 
     Examples
     --------
@@ -223,6 +223,10 @@ def _check(impacts: Impacts | None, system: System, method: Method, course: Cour
         raise ArgumentError(
             f"impacts change velocities, and {system.name!r} has {system.kind.value}; describe it as kd.SecondOrder,"
             " kd.Newtonian or another with x' = v."
+        )
+    if impacts is not None and system.radii is not None:
+        raise ArgumentError(
+            f"impacts are given, but bodies of {system.name!r} have radii, and merge where they touch; leave one of them out."
         )
     check_copies("impacts and switches", system, method)
 

@@ -47,11 +47,18 @@ def choose(
 
     Raises
     ------
+    ArgumentError
+        For bodies that merge backwards in time.
     MethodMismatchError
         If the method would lose its order on the system, or needs a flow that the system does not have, or if there is
         none of the order wanted.
     """
     if system.radii is not None:
+        if step < 0.0:
+            raise ArgumentError(
+                f"t_span runs backwards from t={t0!r}, but bodies of {system.name!r} have radii, and what has merged does not"
+                " come apart; leave the radii out."
+            )
         return _of_bodies_that_merge(method, system)
     if method is None:
         applies = default != AUTO and methods.get(default).kind.includes(system.kind)

@@ -91,6 +91,8 @@ class Adapter:
                 returned = getattr(function, "py_func", function)(**given)
             if returned is None:
                 raise TypeError("it returned None")
+            if np.asarray(returned).dtype == np.bool_:
+                raise TypeError(f"it returned {returned!r}, which has no size and no sign")
             return np.shape(returned)
         except Exception as error:
             raise ArgumentError(
@@ -121,6 +123,7 @@ class Adapter:
         return replace(self, numbers=[])._number(function, role)
 
     def _number(self, function: Function, role: str) -> Quantity:
+        self.shape_of(function, role, self._quantity_names)
         adapted = self.adapt(function, role, self._quantity_names, ())
         return Quantity(adapted.function, params=self.args)
 

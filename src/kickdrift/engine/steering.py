@@ -109,7 +109,6 @@ def steering_of(
     """
     steering = Steering(control_of(step_control, step, rtol, atol), impacts, switches)
     if steering.control is not None and steering.cuts:
-        raise ArgumentError(
-            f"step_control={steering.control!r} and impacts or switches are given, but each chooses the steps; leave one out."
-        )
+        given = f"rtol={rtol!r}, atol={atol!r}" if step_control is None else f"step_control={step_control!r}"
+        raise ArgumentError(f"{given} and impacts or switches are given, but each chooses the steps; leave one out.")
     return steering
