@@ -10,12 +10,7 @@ import kickdrift as kd
 from kickdrift.core.errors import ArgumentError, KickdriftError
 
 ROOT = Path(__file__).parent.parent
-CASES = [
-    ("pendulum", 300.0, 1e-8),
-    ("kepler", 100.0, 1e-4),
-    ("outer-solar-system", 1e5, 1e-5),
-    ("benchmarks-game", 100.0, 1e-6),
-]
+CASES = [("pendulum", 300.0, 1e-8), ("kepler", 100.0, 1e-4), ("outer-solar-system", 1e5, 1e-5)]
 
 
 @pytest.fixture(scope="module", autouse=True)
