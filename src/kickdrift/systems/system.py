@@ -152,8 +152,8 @@ class System:
         for name, function in named.items():
             if self.native and function is not None and not hasattr(function, "py_func"):
                 raise ArgumentError(
-                    f"{name}={function!r} of {self.name!r} is not compiled; decorate it with numba.njit, or describe"
-                    " the system by Python functions, as kd.SecondOrder and the like."
+                    f"{name} of {self.name!r} is not compiled, as all other functions of it are; leave compile=False out,"
+                    " decorate it with numba.njit, or describe the system by Python functions, as kd.SecondOrder and the like."
                 )
 
 
