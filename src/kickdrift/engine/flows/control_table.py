@@ -1,7 +1,16 @@
 """The flows that choose the size of steps, or cut them: what the engine knows of each."""
 
 from kickdrift.core.compilation import Function
-from kickdrift.engine.flows import cuts, error_control, impact, resting, step_density, surfaces, time_transformation
+from kickdrift.engine.flows import (
+    cuts,
+    error_control,
+    impact,
+    resting,
+    sliding,
+    step_density,
+    surfaces,
+    time_transformation,
+)
 from kickdrift.engine.flows.record import Flow
 
 _DENSITY: dict[str, Function] = {
@@ -88,6 +97,7 @@ CONTROLS = {
             "strike": impact.give_impulse,
             "strike_all": impact.strike_rows,
             "cross": impact.cross_switch,
+            "stop": sliding.stop_slip,
         },
         moves_x=True,
         moves_v=True,
