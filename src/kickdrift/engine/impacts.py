@@ -42,8 +42,8 @@ class Impacts:
     Parameters
     ----------
     gap : callable
-        How far each is from touching: a number, or an array of them, positive where nothing touches, with arguments named as
-        those of forces (x, t, params).
+        How far each is from touching: a number, or an array of them, positive where nothing touches and negative where bodies
+        overlap, with arguments named as those of forces (x, t, params). Through abs(x) they would pass; such a run ends there.
     restitution : float or array_like
         Newton's e, of each gap: the share of the closing speed with which it opens again, from 0 to 1.
     friction : float or array_like

@@ -5,6 +5,7 @@ from kickdrift.engine.flows import (
     cuts,
     error_control,
     impact,
+    passing,
     resting,
     sliding,
     step_density,
@@ -30,6 +31,7 @@ _SURFACES: dict[str, Function] = {
     "reach": resting.reach_surfaces,
     "hold_listed": resting.hold_to_surfaces,
     "hold_on": resting.hold,
+    "has_no_other_side": passing.look_around,
     "settle": resting.find_resting,
 }
 
@@ -96,6 +98,9 @@ CONTROLS = {
             "put_back": impact.move_to_surface,
             "strike": impact.give_impulse,
             "strike_all": impact.strike_rows,
+            "gap_on_way": passing.find_gap_on_way,
+            "is_unsigned": passing.touches_without_sign,
+            "look_for_passes": passing.look_for_unsigned,
             "cross": impact.cross_switch,
             "stop": sliding.stop_slip,
         },

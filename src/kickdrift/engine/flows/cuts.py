@@ -16,17 +16,7 @@ from kickdrift.core.compilation import compiled, unbound
 from kickdrift.core.elementwise import assign
 from kickdrift.engine.flows.error_control import BEGIN, saved, take_back
 from kickdrift.engine.flows.impact import REST
-from kickdrift.engine.flows.layout import (
-    CLOCK,
-    DENSITY,
-    END,
-    FAILED_CONTROL,
-    FIRST_STEP,
-    REJECTED,
-    TROUBLE,
-    at_end,
-    own_params,
-)
+from kickdrift.engine.flows.layout import CLOCK, DENSITY, END, FIRST_STEP, JAMMED, REJECTED, TROUBLE, at_end, own_params
 from kickdrift.engine.flows.resting import FREE_V, FREE_X, let_go
 from kickdrift.engine.flows.sliding import least_slip, least_slip_at_start
 from kickdrift.engine.flows.surfaces import (
@@ -66,6 +56,7 @@ settle: Callable[..., None] = unbound
 hold_on: Callable[..., None] = unbound
 cross: Callable[..., None] = unbound
 stop: Callable[..., None] = unbound
+look_for_passes: Callable[..., None] = unbound
 find_sides: Callable[..., None] = unbound
 
 FREE, SEARCHING, LAST = 0.0, 1.0, 2.0  # modes
@@ -235,6 +226,7 @@ def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floa
             take_back(x, v, work)
             work[REJECTED] = 1.0
             return
+    look_for_passes(t, h, x, v, work)
     if cut:
         hit, switch = row_of(HIT, work), row_of(SWITCH, work)
         for row in range(hit.size):
@@ -246,7 +238,7 @@ def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floa
         strike_all(t, x, v, params, work)
         own[SHORT] = own[SHORT] + 1.0 if size < _SLIVER * abs(work[FIRST_STEP]) else 0.0
         if own[SHORT] > _MOST_SHORT:
-            work[TROUBLE] = FAILED_CONTROL
+            work[TROUBLE] = JAMMED
     let_go(work)
     accept_cut(size, work)
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from kickdrift.core.compilation import compiled, unbound
 from kickdrift.core.elementwise import assign
 from kickdrift.engine.flows.error_control import saved
-from kickdrift.engine.flows.layout import FAILED_CONTROL, TROUBLE, own_params
+from kickdrift.engine.flows.layout import CROWDED, NOT_HELD, TROUBLE, UNSIGNED_GAP, own_params
 from kickdrift.engine.flows.sliding import find_sliding, rub_listed
 from kickdrift.engine.flows.surfaces import (
     FLIES,
@@ -51,11 +51,13 @@ Floats = NDArray[np.float64]
 gaps_at: Callable[..., None] = unbound
 find_gradients: Callable[..., None] = unbound
 find_gaps: Callable[..., float] = unbound
+has_no_other_side: Callable[..., bool] = unbound
 reach: Callable[..., None] = unbound
 hold_listed: Callable[..., None] = unbound
 
 _ROUNDS = 20  # of Newton's method, and of normal impulses and friction in turn
 _SWEEPS = 1000  # of Gauss and Seidel over the gaps
+_FLAT = 1e-3  # a gradient that is as small where a gap closes is looked at: that of abs(x) is 0 at 0, by differences
 _STILL = 1e-9  # of what the speed of a gap is made of
 _ROUNDING = 2.220446049250313e-16
 FREE_X, FREE_V = 4, 5  # vectors of control: where the step has led by itself
@@ -71,10 +73,21 @@ def find_resting(t: float, h: float, x: Floats, v: Floats, work: Floats) -> None
             list_one(row, work)
             find_gradients(t, x, v, work)
             speed, still = speed_of(0, v, work)[0], still_speed(0, h, x, v, work)
+            if steepest(0, x.size, work) < _FLAT and has_no_other_side(row, t, x, v, work):
+                work[TROUBLE] = UNSIGNED_GAP
             if abs(speed) <= still:
                 resting[row] = RESTS
             else:
                 opens[row] = speed
+
+
+@compiled
+def steepest(k: int, n: int, work: Floats) -> float:
+    """Return the largest number of the gradient of a gap listed."""
+    slopes, most = gradient(k, n, work), 0.0
+    for i in range(n):
+        most = max(most, abs(slopes[i]))
+    return most
 
 
 @compiled
@@ -102,7 +115,7 @@ def list_resting(leaving: float, work: Floats) -> int:
     for i in range(resting.size):
         if resting[i] == RESTS or resting[i] == leaving:
             if listed == int(own[MOST_LISTED]):  # more than there are ways to move, twice
-                work[TROUBLE] = FAILED_CONTROL
+                work[TROUBLE] = CROWDED
                 break
             row[listed] = i
             listed += 1
@@ -184,7 +197,7 @@ def reach_surfaces(t: float, h: float, x: Floats, v: Floats, work: Floats) -> No
         if max(moved, rubbed) <= 4.0 * _ROUNDING * size:
             return
     if not moved <= TOUCHES * size:
-        work[TROUBLE] = FAILED_CONTROL
+        work[TROUBLE] = NOT_HELD
 
 
 @compiled

@@ -33,7 +33,7 @@ _INVERSE_MASSES, _PLACE, _ACCELERATION = range(VECTORS)
 
 TOUCHES = 1e-12  # of the size of x: two that are so near take part in one impact
 CLOSED = 1e-14  # of the size of x: what touches at the start of a step closes where it is so far beyond
-_DIFFERENCE = 1e-4  # of the size of x: differences of fourth order leave 1e-12 of the gradient
+DIFFERENCE = 1e-4  # of the size of x: differences of fourth order leave 1e-12 of the gradient
 _SPAN = 1e-2  # of a step, in the same way
 
 
@@ -125,7 +125,7 @@ def difference_gradients(t: float, x: Floats, v: Floats, work: Floats) -> None:
     """Leave the gradients of the gaps listed, the squares of these over the masses, and the rates of the gaps at rest."""
     n, room, there, inverse = x.size, room_of_gaps(x.size, work), place(x.size, work), inverse_masses(x.size, work)
     listed, row, square = int(own_params(work)[LISTED]), row_of(LIST, work), row_of(SQUARE, work)
-    d = _DIFFERENCE * size_of(x, work)
+    d = DIFFERENCE * size_of(x, work)
     for i in range(n):
         there[i] = x[i]
     for k in range(listed):
