@@ -4,7 +4,8 @@ Templates, around the letters of a step: `begin_cut` keeps the state, and `end_c
 no longer positive the time at which it closes is searched by steps of other sizes from the same start, by the Illinois rule and
 halves (M. Dowell, P. Jarratt, BIT 11, 168 (1971)). There the impact happens, or the law of the force changes, and the next step
 is what is left of the first. So are steps cut in which the slip of what slides with friction turns around, as the force
-jumps there. Where impacts are not located, they happen after the step.
+jumps there. Where impacts are not located, they happen after the step. A step that leads
+to no state is halved until it does.
 """
 
 from collections.abc import Callable
@@ -16,7 +17,18 @@ from kickdrift.core.compilation import compiled, unbound
 from kickdrift.core.elementwise import assign
 from kickdrift.engine.flows.error_control import BEGIN, saved, take_back
 from kickdrift.engine.flows.impact import REST
-from kickdrift.engine.flows.layout import CLOCK, DENSITY, END, FIRST_STEP, JAMMED, REJECTED, TROUBLE, at_end, own_params
+from kickdrift.engine.flows.layout import (
+    CLOCK,
+    DENSITY,
+    END,
+    FAILED_CONTROL,
+    FIRST_STEP,
+    JAMMED,
+    REJECTED,
+    TROUBLE,
+    at_end,
+    own_params,
+)
 from kickdrift.engine.flows.resting import FREE_V, FREE_X, let_go
 from kickdrift.engine.flows.sliding import least_slip, least_slip_at_start
 from kickdrift.engine.flows.surfaces import (
@@ -59,7 +71,7 @@ stop: Callable[..., None] = unbound
 look_for_passes: Callable[..., None] = unbound
 find_sides: Callable[..., None] = unbound
 
-FREE, SEARCHING, LAST = 0.0, 1.0, 2.0  # modes
+FREE, SEARCHING, LAST, SHORTENED = 0.0, 1.0, 2.0, 3.0  # modes
 _MOST_ROUNDS = 200
 _ROUNDING = 2.220446049250313e-16
 _MOST_SHORT = 100.0  # cuts in a row without time between: a switch that both laws lead back to
@@ -160,6 +172,18 @@ def opens_no_more(touches: float, work: Floats) -> bool:
 
 
 @compiled
+def shorten(size: float, work: Floats) -> bool:
+    """Halve a step that leads to no state, as between points that meet head-on, unless it is none then."""
+    own = own_params(work)
+    if own[MODE] not in (FREE, SHORTENED) or 0.5 * size < _SLIVER * abs(work[FIRST_STEP]):
+        return False
+    own[MODE] = SHORTENED
+    work[DENSITY] = abs(work[FIRST_STEP]) / (0.5 * size)
+    work[TROUBLE], work[REJECTED] = 0.0, 1.0
+    return True
+
+
+@compiled
 def accept_cut(size: float, work: Floats) -> None:
     """Take the step; the next is what is left of it, or a new one, but not beyond the end."""
     own, first = own_params(work), abs(work[FIRST_STEP])
@@ -212,12 +236,16 @@ def begin_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Fl
 
 def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Take the step, or choose how long it is to be."""
-    hold_on(t, h, x, v, work)
-    own, size, turned = own_params(work), abs(work[FIRST_STEP] / work[DENSITY]), row_of(TURNED, work)
-    gap = find_gaps(t, x, v, work)
+    own, size, turned, gap = own_params(work), abs(work[FIRST_STEP] / work[DENSITY]), row_of(TURNED, work), 0.0
+    if work[TROUBLE] != FAILED_CONTROL:
+        hold_on(t, h, x, v, work)
+        gap = find_gaps(t, x, v, work)
+    if work[TROUBLE] == FAILED_CONTROL and shorten(size, work):
+        take_back(x, v, work)
+        return
     if own[MODE] != LAST:
         gap = min(gap, least_slip(v, work))
-    cut = own[MODE] != FREE or gap < 0.0
+    cut = own[MODE] in (SEARCHING, LAST) or gap < 0.0
     if cut and own[LOCATED] != 0.0 and own[MODE] != LAST:
         if own[ROUNDS] == 0.0:
             own[LOW_GAP] = min(own[LOW_GAP], least_slip_at_start(work))
