@@ -310,3 +310,35 @@ def test_a_cluster_without_workers_is_said(cluster, tmp_path, monkeypatch):
         solve(tmp_path / "run.zarr", executor=cluster)
     with ThreadPoolExecutor(2) as workers:
         same(solve(tmp_path / "run.zarr", executor=workers), solve())
+
+
+def test_arrays_on_disk_are_indexed_as_those_of_numpy(tmp_path):
+    stored = solve(tmp_path / "run.zarr")
+    whole = np.asarray(stored.x)
+    mask = np.arange(len(whole)) % 3 == 0
+    keys = [
+        3,
+        -1,
+        np.int64(2),
+        ...,
+        slice(None, None, -1),
+        slice(7, 2, -2),
+        slice(5, 2),
+        slice(2, 5, 2),
+        mask,
+        [4, -1, 1],
+        [],
+    ]
+    for key in [
+        *keys,
+        (2, slice(None, None, -1), 0),
+        (slice(3, None, -1), -1),
+        (..., 1),
+        ([1, 2], slice(None, None, -1)),
+        (),
+    ]:
+        assert np.array_equal(stored.x[key], whole[key]), key
+    assert np.array_equal(list(stored.x), whole)
+    for key in (10**6, -(10**6), 1.5, "a", None, (0, 0, 0, 0), ([1], [1]), mask[:3], [10**6], [[1]], slice("a")):
+        with pytest.raises(ArgumentError, match=r"of an array on disk .* read all by \[:\]"):
+            stored.x[key]

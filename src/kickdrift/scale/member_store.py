@@ -13,6 +13,7 @@ from kickdrift.engine.description import Description, unit_attributes
 from kickdrift.engine.zarr_group import Array, ZarrGroup
 from kickdrift.scale.prepared import Prepared
 from kickdrift.scale.results import Results
+from kickdrift.scale.stored_array import StoredArray
 
 _CHUNK = 1 << 24  # bytes of an array, at most, where a member has not more
 _TEXT = f"<U{max(len(outcome.name) for outcome in Outcome)}"
@@ -82,9 +83,9 @@ class MemberStore(ZarrGroup):
                     " its folder."
                 ) from None
 
-    def array(self, name: str) -> Any:
+    def array(self, name: str) -> StoredArray:
         """Return an array of all members, which reads what is asked of it."""
-        return self._group[_key(name)]
+        return StoredArray(self._group[_key(name)])
 
     def put(self, first: int, prepared: Prepared, results: Results) -> Results:
         """Write the members of a chunk from the `first` on; return what is known of them beside their rows.
