@@ -58,7 +58,7 @@ def test_what_is_on_disk_is_what_would_be_kept(threads, tmp_path):
     assert not stored.success[7]
     same(stored, whole)
     assert not isinstance(stored.x, np.ndarray)
-    assert stored.x.chunks == (20, 4, 2)
+    assert stored.x.chunks == (20, 3, 2)
     data, wanted = xr.open_zarr(tmp_path / "run.zarr").load(), whole.to_xarray()
     for name in (*wanted.data_vars, *wanted.coords):
         assert np.array_equal(data[name], wanted[name], equal_nan=data[name].dtype.kind == "f"), name
@@ -310,6 +310,14 @@ def test_a_cluster_without_workers_is_said(cluster, tmp_path, monkeypatch):
         solve(tmp_path / "run.zarr", executor=cluster)
     with ThreadPoolExecutor(2) as workers:
         same(solve(tmp_path / "run.zarr", executor=workers), solve())
+
+
+def test_chunks_along_time_are_as_long_as_each_other(tmp_path, monkeypatch):
+    monkeypatch.setattr(member_store, "_CHUNK", 150 * 5 * 2 * 8)
+    stored = solve(tmp_path / "run.zarr")
+    assert stored.x.shape[1] == 6
+    assert stored.x.chunks[1] == 3  # and not 5, of which four of the second chunk would hold nothing
+    same(stored, solve())
 
 
 def test_arrays_on_disk_are_indexed_as_those_of_numpy(tmp_path):

@@ -143,12 +143,13 @@ class MemberStore(ZarrGroup):
                 if name != "step":
                     self._label(name, np.asarray(values), ("member", "parameter")[: np.ndim(values)], "")
             for name, array in arrays.items():
-                member = 8 * int(np.prod(array.shape, initial=1))
+                most = max(1, _CHUNK // (8 * size * int(np.prod(array.shape, initial=1))))
+                parts = -(-times // most)  # as long as each other, as Zarr fills up the last one
                 self._add(
                     name,
                     "float64",
                     (members.count, times, *array.shape),
-                    (size, min(times, max(1, _CHUNK // (size * member))), *array.shape),
+                    (size, -(-times // parts), *array.shape),
                     ("member", "time", *array.dimensions),
                     unit_attributes(array.unit),
                     np.nan,
