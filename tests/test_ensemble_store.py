@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 import kickdrift as kd
-from kickdrift.core.errors import ArgumentError
+from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.engine.progress import Bar
 from kickdrift.scale import chunks, executors, member_store
 
@@ -350,3 +350,26 @@ def test_arrays_on_disk_are_indexed_as_those_of_numpy(tmp_path):
     for key in (10**6, -(10**6), 1.5, "a", None, (0, 0, 0, 0), ([1], [1]), mask[:3], [10**6], [[1]], slice("a")):
         with pytest.raises(ArgumentError, match=r"of an array on disk .* read all by \[:\]"):
             stored.x[key]
+
+
+@pytest.mark.parametrize("problem", [None, kd.FirstOrder(lambda y: -y)], ids=["kepler", "first order"])
+def test_folders_are_loaded_as_what_was_returned(problem, tmp_path):
+    x, v = starts(20)
+    begin = (x, None if problem else v)
+    options = {"problem": problem, "begin": begin} | ({"method": "rk4"} if problem else {})
+    whole, stored = solve(**options), solve(tmp_path / "run.zarr", **options)
+    loaded = kd.load(tmp_path / "run.zarr")
+    same(loaded, whole)
+    assert loaded.saved_to == stored.saved_to
+    assert (loaded.about, loaded.wall_time, repr(loaded)) == (stored.about, stored.wall_time, repr(stored))
+    assert loaded[3].x.tobytes() == whole[3].x.tobytes()
+    same(solve(tmp_path / "run.zarr", **options), whole)
+
+
+def test_folders_of_runs_that_have_not_ended_are_no_solutions(tmp_path):
+    solve(tmp_path / "run.zarr")
+    (tmp_path / "run.zarr" / "solution.npz").unlink()
+    with pytest.raises(FileFormatError, match="make the same call again"):
+        kd.load(tmp_path / "run.zarr")
+    with pytest.raises(FileFormatError, match="a folder without"):
+        kd.load(tmp_path)

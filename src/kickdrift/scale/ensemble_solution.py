@@ -22,6 +22,7 @@ class EnsemblePresenters:
     """What the solution of an ensemble can do on the floors above: the package hands it down when it is imported."""
 
     save: Callable[..., Path]
+    keep: Callable[..., None]
     to_xarray: Callable[..., Any]
     report: Callable[..., str]
 

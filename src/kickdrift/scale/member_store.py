@@ -1,13 +1,14 @@
 """Members in a Zarr group on disk: whoever runs a chunk of them writes it, whole and once."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.errors import ArgumentError, FileFormatError
+from kickdrift.core.errors import ArgumentError, FileFormatError, missing_extra
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.description import Description, unit_attributes
 from kickdrift.engine.zarr_group import Array, ZarrGroup
@@ -193,6 +194,22 @@ class MemberStore(ZarrGroup):
         for i in done:
             results.status[i], results.messages[i] = Outcome[str(status[i])], str(messages[i])
         results.done[done] = True
+
+
+def arrays_of(path: Path) -> Callable[[str], StoredArray]:
+    """Return what reads the arrays of a group by their names.
+
+    Raises
+    ------
+    MissingExtraError
+        If zarr is not installed.
+    """
+    try:
+        import zarr
+    except ImportError:
+        raise missing_extra("kickdrift.load of a folder", "zarr", "zarr") from None
+    group: Any = zarr.open_group(path, mode="r", use_consolidated=True)
+    return lambda name: StoredArray(group[_key(name)])
 
 
 def _key(name: str) -> str:
