@@ -13,13 +13,14 @@ from hypothesis import strategies as st
 from PIL import Image
 
 import kickdrift as kd
+from kickdrift.core.colours import colour_of
 from kickdrift.core.errors import ArgumentError, FileFormatError, MissingExtraError
 from kickdrift.core.outcomes import Outcome
 from kickdrift.core.rotations import product, turned
 from kickdrift.plots import animation
 from kickdrift.plots.camera import axes_of, showing
 from kickdrift.plots.painter import AHEAD, Painter
-from kickdrift.plots.scenery import Pose, colour_of
+from kickdrift.plots.scenery import Pose
 from kickdrift.world.integration import DYNAMIC, STATIC
 from kickdrift.world.recording import Appearance, DrawnShape, Recording, Rod
 from kickdrift.world.shapes.box import Box

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.analysis import energy_drift, energy_error, largest_energy_error
+from kickdrift.core.colours import COLOURS
 from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.solution import Solution
-from kickdrift.plots.page import COLOURS, INK, dress, keep, label, new_figure
+from kickdrift.plots.page import INK, dress, keep, label, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.analysis import PoincareSection
+from kickdrift.core.colours import COLOURS
 from kickdrift.core.errors import ArgumentError
-from kickdrift.plots.page import COLOURS, dress, keep, new_figure
+from kickdrift.plots.page import dress, keep, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

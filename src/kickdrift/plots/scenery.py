@@ -5,8 +5,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.colours import FIXED, RODS, colour_of
 from kickdrift.core.rotations import product, turn_to, turned
-from kickdrift.plots.page import COLOURS
 from kickdrift.plots.rendering import MIDDLE, REACH
 from kickdrift.world.integration import DYNAMIC, REMOVED
 from kickdrift.world.recording import Appearance, DrawnShape
@@ -17,8 +17,7 @@ from kickdrift.world.shapes.triangle import FIRST_TRIANGLE, TRIANGLE_SIZE
 
 Floats = NDArray[np.float64]
 _ROD = 0.002  # thickness of a rod, of the extent of the scene
-_LIGHTER = 0.3  # of white in the colours of bodies
-_FIXED, _GROUND, _RODS = (0.72, 0.74, 0.76), (0.93, 0.94, 0.95), (0.35, 0.37, 0.4)
+_GROUND = (0.93, 0.94, 0.95)
 _CORNERS = np.array([[k >> axis & 1 for axis in range(3)] for k in range(8)], dtype=np.bool_)
 _LARGER = 1.02  # than the ball around the lines of a shape: round shapes lie outside of their lines
 _SLAB = 20.0  # half the width of what stands for a plane that is seen from the side, of the extent of the scene
@@ -94,7 +93,7 @@ class Scenery:
                 colour: Any = _GROUND
             else:
                 made = _pieces(part)
-                colour = colour_of(part.body) if appearance.kinds[part.body] == DYNAMIC else _FIXED
+                colour = colour_of(part.body) if appearance.kinds[part.body] == DYNAMIC else FIXED
             pieces += made
             bodies += [part.body] * len(made)
             places += [[*origin, *part.orientation]] * len(made)
@@ -109,7 +108,7 @@ class Scenery:
         kinds, looks = [p.kind for p in pieces], [KINDS[p.kind].look for p in pieces]
         self._shapes = np.column_stack((kinds, ends - sizes, ends, looks)).astype(np.int64).reshape(-1, 4)
         self._numbers = np.concatenate([np.zeros(0), *(p.numbers for p in pieces)])
-        self.colours = np.array([*colours, *[_RODS] * len(self._rods)]).reshape(-1, 3)
+        self.colours = np.array([*colours, *[RODS] * len(self._rods)]).reshape(-1, 3)
 
     @property
     def kinds(self) -> set[int]:
@@ -140,13 +139,6 @@ class Scenery:
 def is_plane(part: DrawnShape) -> bool:
     """Whether a shape fills half of space."""
     return kind_of(part.shape).sort == HALF_SPACE
-
-
-def colour_of(body: int) -> Floats:
-    """Choose the colour of a body."""
-    code = COLOURS[body % (len(COLOURS) - 1)]
-    pure = np.array([int(code[k : k + 2], 16) / 255.0 for k in (1, 3, 5)])
-    return pure + _LIGHTER * (1.0 - pure)
 
 
 def outline(part: DrawnShape) -> tuple[Floats, float]:

@@ -7,8 +7,9 @@ import numpy as np
 
 from kickdrift import methods
 from kickdrift.analysis import amplification_factor, one_step_matrix, stability_limit
+from kickdrift.core.colours import COLOURS
 from kickdrift.methods import Letter
-from kickdrift.plots.page import COLOURS, INK, dress, keep, new_figure
+from kickdrift.plots.page import INK, dress, keep, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.colours import COLOURS
 from kickdrift.engine.solution import Solution
-from kickdrift.plots.page import COLOURS, FAINT, INK, dress, label
+from kickdrift.plots.page import FAINT, INK, dress, label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kickdrift.analysis import WorkPrecision
-from kickdrift.plots.page import COLOURS, dress, keep, new_figure
+from kickdrift.core.colours import COLOURS
+from kickdrift.plots.page import dress, keep, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

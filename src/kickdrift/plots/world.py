@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.plots.page import COLOURS, INK, dress, keep, new_figure
+from kickdrift.core.colours import COLOURS, colour_of
+from kickdrift.plots.page import INK, dress, keep, new_figure
 from kickdrift.plots.painter import Painter
-from kickdrift.plots.scenery import Pose, colour_of
+from kickdrift.plots.scenery import Pose
 from kickdrift.world.recording import Recording
 
 if TYPE_CHECKING:
