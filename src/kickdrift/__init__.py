@@ -163,6 +163,7 @@ def __getattr__(name: str) -> Any:
 # Solutions and worlds save, draw and report themselves with what lives on the floors above them.
 Solution.presenters = SolutionPresenters(
     plot=plots.plot_solution,
+    to_html=_later("kickdrift.viewer.solution", "solution_to_html"),
     save=save,
     to_pandas=to_pandas,
     to_xarray=to_xarray,
@@ -179,6 +180,7 @@ analysis.WorkPrecision.presenter = plots.plot_work_precision
 analysis.PoincareSection.presenter = plots.plot_poincare_sections
 Recording.presenters = WorldPresenters(
     plot=_later("kickdrift.plots.world", "plot_recording"),
+    to_html=_later("kickdrift.viewer.recording", "recording_to_html"),
     save=_later("kickdrift.io.recording_file", "save_recording"),
     to_pandas=to_pandas,
     to_xarray=recording_to_xarray,

@@ -22,6 +22,7 @@ class Presenters:
     """What a solution can do on the floors above: the package hands it down when it is imported."""
 
     plot: Callable[..., Any]
+    to_html: Callable[..., Path]
     save: Callable[..., Path]
     to_pandas: Callable[..., Any]
     to_xarray: Callable[..., Any]
@@ -245,6 +246,13 @@ class Solution:
     def plot(self, path: str | Path | None = None) -> Any:
         """Draw trajectory and energy error; returns the matplotlib figure, and writes it to `path` if given."""
         return self.presenters.plot(self, path)
+
+    def to_html(self, path: str | Path) -> Path:
+        """Write a page that plays in the browser, without a server; returns its path.
+
+        See `kickdrift.viewer.recording.recording_to_html` and `kickdrift.viewer.solution.solution_to_html`.
+        """
+        return self.presenters.to_html(self, path)
 
     def save(self, path: str | Path) -> Path:
         """Write everything to one ``.npz`` file of plain arrays, for `kickdrift.load`; returns its path."""

@@ -1,0 +1,87 @@
+"""Pages for the browser: a scene that plays, in one HTML file that needs no server and no network."""
+
+import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.errors import FileFormatError, missing_extra
+from kickdrift.core.files import written
+
+Floats = NDArray[np.float64]
+AHEAD = (-0.42, 0.82, -0.36)  # where the camera looks first
+_FIELD = math.radians(34.0)  # of the camera, from top to bottom
+_TITLE = "<title>Viser</title>"
+
+
+class Stage(NamedTuple):
+    """What is drawn on: the scene of viser, its camera, and its clock, ``wait(seconds)``."""
+
+    scene: Any
+    camera: Any
+    wait: Callable[[float], None]
+
+    def look(self, centre: Floats, radius: float) -> None:
+        """Place the camera so that it sees a ball."""
+        ahead = np.array(AHEAD) / np.linalg.norm(AHEAD)
+        distance = radius / math.sin(0.5 * _FIELD)
+        self.camera.position = centre - distance * ahead
+        self.camera.look_at = centre
+        self.camera.up = (0.0, 0.0, 1.0)
+        self.camera.fov = _FIELD
+        self.camera.near, self.camera.far = 1e-3 * distance, 1e2 * distance
+
+
+def write_page(path: str | Path, title: str, draw: Callable[[Stage], None]) -> Path:
+    """Write what a function draws, as one HTML file, whole or not at all.
+
+    Raises
+    ------
+    FileFormatError
+        If the name does not end in .html, or the file cannot be written.
+    MissingExtraError
+        If viser is not installed.
+    """
+    target = Path(path)
+    if target.suffix.lower() != ".html":
+        raise FileFormatError(f"path={str(path)!r} cannot be written: pages for the browser end in .html.")
+    try:
+        with written(target) as partial, _serialized(draw) as page:
+            partial.write_text(page.replace(_TITLE, f"<title>{_escaped(title)}</title>", 1), encoding="utf-8")
+    except OSError as error:
+        reason = error.strerror or error
+        raise FileFormatError(f"path={str(path)!r} cannot be written: {reason}; choose another folder.") from None
+    return target
+
+
+@contextmanager
+def _serialized(draw: Callable[[Stage], None]) -> Iterator[str]:
+    """Let a function draw, and give the page that shows it.
+
+    Scenes of viser belong to a server: one that no other machine reaches is started for the while, and stopped.
+    """
+    try:
+        import rich
+        from viser import ViserServer
+    except ImportError:
+        raise missing_extra("A page for the browser", "viser", "viewer") from None
+    console = rich.get_console()
+    was_quiet, console.quiet = console.quiet, True  # viser prints its address when it starts, and when it stops
+    try:
+        server = ViserServer(host="127.0.0.1", port=0, verbose=False)
+        try:
+            recorder = server.get_scene_serializer()
+            draw(Stage(server.scene, server.initial_camera, recorder.insert_sleep))
+            yield recorder.as_html()
+        finally:
+            server.stop()
+    finally:
+        console.quiet = was_quiet
+
+
+def _escaped(text: str) -> str:
+    return text.replace("&", "&amp;").replace("<", "&lt;")

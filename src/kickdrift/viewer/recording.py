@@ -1,0 +1,228 @@
+"""Recordings of worlds as pages for the browser."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.colours import FIXED, RODS, colour_of
+from kickdrift.core.errors import KickdriftError
+from kickdrift.core.rotations import product, turned
+from kickdrift.viewer.page import Stage, write_page
+from kickdrift.viewer.surfaces import Surface, halves_of_ball, surface_of
+from kickdrift.world.integration import DYNAMIC, REMOVED
+from kickdrift.world.recording import DrawnShape, Recording
+from kickdrift.world.shapes.catalogue import kind_of
+from kickdrift.world.shapes.record import BALL, HALF_SPACE
+
+Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
+_RATE = 30.0  # states a second, at least, where so many were kept
+_FINE = 1 / 512  # of a shape's size, to which places are rounded: 0.2 % of a box is a pixel of 500
+_TURN = 2.0**-10  # to which quaternions are rounded
+_STRAYS = 0.01  # of all places on either side that the camera need not see
+_LIGHT = 0.45  # of white in every other octant of a ball
+
+
+def recording_to_html(recording: Recording, path: str | Path) -> Path:
+    """Write a recording as a page that plays in the browser, in real time, and can be turned with the mouse.
+
+    Parameters
+    ----------
+    recording : Recording
+        The states kept are shown, 30 a second or a few more; there is nothing between them.
+    path : path
+        Ends in ``.html``.
+
+    Returns
+    -------
+    Path
+        The file written. It needs no server and no network.
+
+    Raises
+    ------
+    KickdriftError
+        If there is nothing to be seen, or the states are on disk.
+    FileFormatError
+        If the file cannot be written.
+    MissingExtraError
+        If viser is not installed.
+    """
+    parts = [part for part in recording.appearance.parts if recording.appearance.kinds[part.body] != REMOVED]
+    if not parts:
+        raise KickdriftError("the recording has no shapes, and so there is nothing to be seen; add bodies with shapes.")
+    if recording.saved_to:
+        raise KickdriftError(
+            f"the states are in {recording.saved_to!r}, and this recording has the first and the last of them; "
+            "kickdrift.load reads that folder."
+        )
+    return write_page(path, recording.about.system, lambda stage: _play(stage, recording, parts))
+
+
+def _play(stage: Stage, recording: Recording, parts: list[DrawnShape]) -> None:
+    solid = [part for part in parts if kind_of(part.shape).sort != HALF_SPACE]
+    rows = rows_shown(recording.t)
+    centre, radius = _extent(recording, solid, rows)
+    stage.look(centre, radius)
+    _lay_planes(stage.scene, recording, [part for part in parts if kind_of(part.shape).sort == HALF_SPACE], radius)
+    movers = [*_batches(stage.scene, recording, solid, rows), *_joints(stage.scene, recording)]
+    for before, row in zip([rows[0], *rows], rows, strict=False):
+        stage.wait(float(recording.t[row] - recording.t[before]))
+        for mover in movers:
+            mover.show(row)
+    stage.wait(1.0 / _RATE)  # the last state is seen, too
+
+
+def rows_shown(t: Floats) -> list[int]:
+    """Choose rows so that no two of them are farther apart than the rate asks for, where the states kept allow that."""
+    rows, longest = [0], (1.0 + 1e-9) / _RATE
+    while rows[-1] < t.size - 1:
+        last = int(np.searchsorted(t, t[rows[-1]] + longest, side="right")) - 1
+        rows.append(max(last, rows[-1] + 1))
+    return rows
+
+
+class _Batch:
+    """Shapes that look alike but for colour and size, and move."""
+
+    def __init__(self, recording: Recording, parts: list[DrawnShape], surface: Surface) -> None:
+        self._recording = recording
+        self._bodies = np.array([part.body for part in parts])
+        self._places = np.array([part.position for part in parts])
+        self._turns = np.array([part.orientation for part in parts])
+        self.scales = np.array([surface_of(part.shape).scale for part in parts], dtype=np.float32)
+        size = np.abs(surface.vertices).max() * float(self.scales.max(axis=1).min())
+        self._grain = 2.0 ** np.floor(np.log2(_FINE * size))
+        self._handles: list[Any] = []
+
+    def add(self, scene: Any, name: str, surface: Surface, colours: Floats) -> None:
+        """Put the shapes where they are at first."""
+        positions, turns = self._at(0)
+        self._shown = positions, turns
+        self._handles.append(
+            scene.add_batched_meshes_simple(
+                name,
+                surface.vertices,
+                surface.faces,
+                turns,
+                positions,
+                batched_scales=self.scales,
+                batched_colors=np.round(255 * colours).astype(np.uint8),
+                flat_shading=surface.flat,
+                side="double" if surface.flat else "front",
+                lod="off",
+            )
+        )
+
+    def show(self, row: int) -> None:
+        """Move them to where they are in a row, if that can be seen."""
+        positions, turns = self._at(row)
+        for handle in self._handles:
+            if not np.array_equal(positions, self._shown[0]):
+                handle.batched_positions = positions
+            if not np.array_equal(turns, self._shown[1]):
+                handle.batched_wxyzs = turns
+        self._shown = positions, turns
+
+    def _at(self, row: int) -> tuple[Singles, Singles]:
+        """Return places and turns, rounded: what hardly moves stays as it is, and takes no room in the file."""
+        turns = self._recording.orientation[row, self._bodies]
+        positions = self._recording.x[row, self._bodies] + turned(turns, self._places)
+        return _rounded(positions, self._grain), _rounded(product(turns, self._turns), _TURN)
+
+
+class _Joints:
+    """Lines from bodies to their joints."""
+
+    def __init__(self, scene: Any, recording: Recording) -> None:
+        self._recording, rods = recording, recording.appearance.rods
+        self._bodies = np.array([(rod.body_a, rod.body_b) for rod in rods])
+        self._points = np.array([(rod.point_a, rod.point_b) for rod in rods])
+        colour = tuple(round(255 * part) for part in RODS)
+        self._shown = self._at(0)
+        self._handle = scene.add_line_segments(
+            "/joints", self._shown, colour, thickness=2.0, thickness_units="screen"
+        )
+
+    def show(self, row: int) -> None:
+        points = self._at(row)
+        if not np.array_equal(points, self._shown):
+            self._handle.points = self._shown = points
+
+    def _at(self, row: int) -> Singles:
+        turns = self._recording.orientation[row, self._bodies]
+        points = self._recording.x[row, self._bodies] + turned(turns, self._points)
+        return points.astype(np.float32)
+
+
+def _rounded(values: Floats, grain: float) -> Singles:
+    """Round to multiples of a power of two, of which the last bits are zero."""
+    result: Singles = (np.round(values / grain) * grain + 0.0).astype(np.float32)
+    return result
+
+
+def _joints(scene: Any, recording: Recording) -> list[_Joints]:
+    return [_Joints(scene, recording)] if recording.appearance.rods else []
+
+
+def _batches(scene: Any, recording: Recording, parts: list[DrawnShape], rows: list[int]) -> list[_Batch]:
+    """Add all shapes, those that look alike and move at once; return what moves."""
+    x, q = recording.x[rows], recording.orientation[rows]
+    moves = (x != x[0]).any(axis=(0, 2)) | (q != q[0]).any(axis=(0, 2))
+    alike: dict[tuple[int, bytes, bytes, bool], list[DrawnShape]] = {}
+    for part in parts:
+        surface = surface_of(part.shape)
+        key = (part.shape.kind, surface.vertices.tobytes(), surface.faces.tobytes(), bool(moves[part.body]))
+        alike.setdefault(key, []).append(part)
+    moving = []
+    for number, (key, group) in enumerate(alike.items()):
+        surface, kind = surface_of(group[0].shape), kind_of(group[0].shape)
+        batch = _Batch(recording, group, surface)
+        colours = np.array([_colour(recording, part.body) for part in group])
+        name = f"/{kind.name.replace(' ', '_')}_{number}"
+        if kind.look & BALL:
+            dark, light = halves_of_ball(surface)
+            batch.add(scene, name, dark, colours)
+            batch.add(scene, f"{name}_light", light, colours + _LIGHT * (1.0 - colours))
+        else:
+            batch.add(scene, name, surface, colours)
+        if key[-1]:
+            moving.append(batch)
+    return moving
+
+
+def _colour(recording: Recording, body: int) -> Floats:
+    return colour_of(body) if recording.appearance.kinds[body] == DYNAMIC else np.array(FIXED)
+
+
+def _lay_planes(scene: Any, recording: Recording, planes: list[DrawnShape], radius: float) -> None:
+    """Show planes as grids that one can look through."""
+    section = 10.0 ** np.floor(np.log10(radius))
+    for number, plane in enumerate(planes):
+        turn = recording.orientation[0, plane.body]
+        scene.add_grid(
+            f"/plane_{number}",
+            infinite_grid=True,
+            cell_size=0.2 * section,
+            section_size=section,
+            fade_distance=20.0 * radius,
+            position=recording.x[0, plane.body] + turned(turn, plane.position),
+            wxyz=product(turn, plane.orientation),
+        )
+
+
+def _extent(recording: Recording, parts: list[DrawnShape], rows: list[int]) -> tuple[Floats, float]:
+    """Return centre and radius of a ball that holds what moves, or what there is; strays are left out."""
+    moving = [part for part in parts if recording.appearance.kinds[part.body] == DYNAMIC] or parts
+    if not moving:
+        return np.zeros(3), 1.0
+    bodies = np.unique([part.body for part in moving])
+    places = recording.x[np.ix_(rows, bodies)].reshape(-1, 3)
+    places = places[np.isfinite(places).all(axis=1)]
+    low, high = np.quantile(places, (_STRAYS, 1.0 - _STRAYS), axis=0)
+    sizes = []
+    for part in moving:
+        surface = surface_of(part.shape)
+        sizes.append(np.linalg.norm(np.abs(part.position) + np.abs(surface.vertices * surface.scale).max(axis=0)))
+    return 0.5 * (low + high), float(0.5 * np.linalg.norm(high - low) + np.quantile(sizes, 1.0 - _STRAYS))
