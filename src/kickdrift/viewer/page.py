@@ -13,6 +13,7 @@ from kickdrift.core.errors import FileFormatError, missing_extra
 from kickdrift.core.files import written
 
 Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
 AHEAD = (-0.42, 0.82, -0.36)  # where the camera looks first
 _FIELD = math.radians(34.0)  # of the camera, from top to bottom
 _TITLE = "<title>Viser</title>"
@@ -26,13 +27,17 @@ class Stage(NamedTuple):
     wait: Callable[[float], None]
 
     def look(self, centre: Floats, radius: float) -> None:
-        """Place the camera so that it sees a ball."""
+        """Place the camera so that it sees a ball, and the lamps."""
         ahead = np.array(AHEAD) / np.linalg.norm(AHEAD)
         distance = radius / math.sin(0.5 * _FIELD)
         self.camera.position = centre - distance * ahead
         self.camera.look_at = centre
         self.camera.up = (0.0, 0.0, 1.0)
         self.camera.fov = _FIELD
+        self.scene.configure_environment_map(None)
+        self.scene.configure_default_lights(False)
+        self.scene.add_light_ambient("/ambient", intensity=1.3)
+        self.scene.add_light_directional("/lamp", intensity=2.2, cast_shadow=True, position=(-3.0, -4.0, 8.0))
         self.camera.near, self.camera.far = 1e-3 * distance, 1e2 * distance
 
 
@@ -81,6 +86,13 @@ def _serialized(draw: Callable[[Stage], None]) -> Iterator[str]:
             server.stop()
     finally:
         console.quiet = was_quiet
+
+
+def rounded(values: Floats, grain: float) -> Singles:
+    """Round to multiples of a power of two that is not larger than a grain: the last bits are zero, and take no room."""
+    step = 2.0 ** math.floor(math.log2(grain))
+    result: Singles = (np.round(values / step) * step + 0.0).astype(np.float32)
+    return result
 
 
 def _escaped(text: str) -> str:

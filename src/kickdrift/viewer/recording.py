@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from kickdrift.core.colours import FIXED, RODS, colour_of
 from kickdrift.core.errors import KickdriftError
 from kickdrift.core.rotations import product, turned
-from kickdrift.viewer.page import Stage, write_page
+from kickdrift.viewer.page import Singles, Stage, rounded, write_page
 from kickdrift.viewer.surfaces import Surface, halves_of_ball, surface_of
 from kickdrift.world.integration import DYNAMIC, REMOVED
 from kickdrift.world.recording import DrawnShape, Recording
@@ -17,11 +17,11 @@ from kickdrift.world.shapes.catalogue import kind_of
 from kickdrift.world.shapes.record import BALL, HALF_SPACE
 
 Floats = NDArray[np.float64]
-Singles = NDArray[np.float32]
 _RATE = 30.0  # states a second, at least, where so many were kept
 _FINE = 1 / 512  # of a shape's size, to which places are rounded: 0.2 % of a box is a pixel of 500
-_TURN = 2.0**-10  # to which quaternions are rounded
+_TURN = 1 / 1024  # to which quaternions are rounded
 _STRAYS = 0.01  # of all places on either side that the camera need not see
+_LINES = (205, 208, 212)  # of planes
 _LIGHT = 0.45  # of white in every other octant of a ball
 
 
@@ -93,7 +93,7 @@ class _Batch:
         self._turns = np.array([part.orientation for part in parts])
         self.scales = np.array([surface_of(part.shape).scale for part in parts], dtype=np.float32)
         size = np.abs(surface.vertices).max() * float(self.scales.max(axis=1).min())
-        self._grain = 2.0 ** np.floor(np.log2(_FINE * size))
+        self._grain = _FINE * size
         self._handles: list[Any] = []
 
     def add(self, scene: Any, name: str, surface: Surface, colours: Floats) -> None:
@@ -129,7 +129,7 @@ class _Batch:
         """Return places and turns, rounded: what hardly moves stays as it is, and takes no room in the file."""
         turns = self._recording.orientation[row, self._bodies]
         positions = self._recording.x[row, self._bodies] + turned(turns, self._places)
-        return _rounded(positions, self._grain), _rounded(product(turns, self._turns), _TURN)
+        return rounded(positions, self._grain), rounded(product(turns, self._turns), _TURN)
 
 
 class _Joints:
@@ -154,12 +154,6 @@ class _Joints:
         turns = self._recording.orientation[row, self._bodies]
         points = self._recording.x[row, self._bodies] + turned(turns, self._points)
         return points.astype(np.float32)
-
-
-def _rounded(values: Floats, grain: float) -> Singles:
-    """Round to multiples of a power of two, of which the last bits are zero."""
-    result: Singles = (np.round(values / grain) * grain + 0.0).astype(np.float32)
-    return result
 
 
 def _joints(scene: Any, recording: Recording) -> list[_Joints]:
@@ -204,8 +198,9 @@ def _lay_planes(scene: Any, recording: Recording, planes: list[DrawnShape], radi
         scene.add_grid(
             f"/plane_{number}",
             infinite_grid=True,
-            cell_size=0.2 * section,
+            cell_size=section,
             section_size=section,
+            section_color=_LINES,
             fade_distance=20.0 * radius,
             position=recording.x[0, plane.body] + turned(turn, plane.position),
             wxyz=product(turn, plane.orientation),
