@@ -33,7 +33,7 @@ def test_a_scene_is_run_reported_kept_drawn_and_filmed(folder):
     result = call("run", "bouncing-disk", "--duration", 0.5)
     assert result.exit_code == cli.DONE, result.output
     output = folder / "kickdrift-output"
-    assert {path.name for path in output.iterdir()} == {f"bouncing-disk.{end}" for end in ("npz", "png", "gif")}
+    assert {path.name for path in output.iterdir()} == {f"bouncing-disk.{end}" for end in ("npz", "png", "gif", "html")}
     assert result.stderr.splitlines()[0] == "kickdrift: bouncing-disk, 0.5 s in steps of 0.01"
     kept = kd.load(output / "bouncing-disk.npz")
     assert kept.about.system == "bouncing-disk"

@@ -69,7 +69,8 @@ nothing else is written.
   kickdrift run outer-solar-system --save-to planets.zarr --save-every 10
 
 Scenes are worlds of bodies that touch, stack, hinge and walk; a film of each is written besides, <scene>.gif, in real
-time, or faster if it would take more than 20 s. Of the options they have --duration, --step, --save-every, --output,
+time, or faster if it would take more than 20 s; and with the extra viewer a page for the browser, <scene>.html, in
+which it turns under the mouse. Of the options they have --duration, --step, --save-every, --output,
 --checkpoint, --save-to and --quiet; times are in seconds.
 
 \b

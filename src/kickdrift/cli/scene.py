@@ -7,7 +7,7 @@ from kickdrift.cli import DONE, FAILED, INTERRUPTED
 from kickdrift.cli.output import prepare_folder, say
 from kickdrift.cli.plan import Options, save_every
 from kickdrift.cli.times import parse_time
-from kickdrift.core.errors import ArgumentError
+from kickdrift.core.errors import ArgumentError, MissingExtraError
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.announcing import compiling_announced
 from kickdrift.scenes.worlds.catalogue import SCENES
@@ -57,7 +57,7 @@ def make_scene_plan(name: str, options: Options) -> ScenePlan:
 def run_scene(
     plan: ScenePlan, folder: Path, quiet: bool, checkpoint: Path | None = None, save_to: Path | None = None
 ) -> int:
-    """Run a scene, write ``<scene>.npz``, ``.png`` and ``.gif`` into a folder, and return the exit code.
+    """Run a scene, write ``<scene>.npz``, ``.png``, ``.gif`` and ``.html`` into a folder, and return the exit code.
 
     A run that ends early is written and reported all the same. One with a folder for checkpoints goes on from the last,
     and one whose rows go to disk writes nothing else.
@@ -85,8 +85,10 @@ def run_scene(
         say("drawing ...")
     recording.plot(picture)
     _film(recording, film, quiet)
+    page = _page(recording, folder / f"{plan.name}.html")
     if not quiet:
         print(f"\nwritten: {kept}, {picture}, {film}")
+        print(f"open {page}" if page else "to turn it under the mouse: pip install 'kickdrift[viewer]'")
     return _exit_code(recording)
 
 
@@ -102,6 +104,14 @@ def _film(recording: Recording, path: Path, quiet: bool) -> None:
     simulated = float(recording.t[-1] - recording.t[0])
     speed = max(1.0, simulated / _LONGEST_FILM)
     recording.animate(path, speed=speed, progress=False if quiet else None)
+
+
+def _page(recording: Recording, path: Path) -> Path | None:
+    """Write the page for the browser, where viser is installed."""
+    try:
+        return recording.to_html(path)
+    except MissingExtraError:
+        return None
 
 
 def _exit_code(recording: Recording) -> int:
