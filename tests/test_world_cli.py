@@ -60,7 +60,7 @@ def test_options_choose_duration_step_and_folder(folder):
 def test_quiet_writes_files_only(folder):
     result = call("run", "bouncing-disk", "--duration", 0.1, "--quiet")
     assert (result.exit_code, result.output) == (cli.DONE, "")
-    assert len(list((folder / "kickdrift-output").iterdir())) == 3
+    assert len(list((folder / "kickdrift-output").iterdir())) == 4
 
 
 def test_compiling_is_announced_and_is_no_part_of_the_run(folder, monkeypatch):
@@ -98,7 +98,7 @@ def test_an_interrupted_scene_is_written_all_the_same(folder, monkeypatch):
     assert kept.status is kd.Outcome.INTERRUPTED
     assert 5 <= kept.n_steps < 100
     assert kept.message in result.stderr
-    assert len(list((folder / "kickdrift-output").iterdir())) == 3
+    assert len(list((folder / "kickdrift-output").iterdir())) == 4
 
 
 def test_a_scene_that_loses_a_body_is_a_run_that_failed(folder, monkeypatch):

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,14 @@ Singles = NDArray[np.float32]
 AHEAD = (-0.42, 0.82, -0.36)  # where the camera looks first
 _FIELD = math.radians(34.0)  # of the camera, from top to bottom
 _TITLE = "<title>Viser</title>"
+
+
+class Mover(Protocol):
+    """What changes from state to state."""
+
+    def show(self, row: int) -> None:
+        """Send what differs from the row shown before."""
+        ...
 
 
 class Stage(NamedTuple):

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from kickdrift.core.colours import FIXED, RODS, colour_of
 from kickdrift.core.errors import KickdriftError
 from kickdrift.core.rotations import product, turned
-from kickdrift.viewer.page import Singles, Stage, rounded, write_page
+from kickdrift.viewer.page import Mover, Singles, Stage, rounded, write_page
 from kickdrift.viewer.surfaces import Surface, halves_of_ball, surface_of
 from kickdrift.world.integration import DYNAMIC, REMOVED
 from kickdrift.world.recording import DrawnShape, Recording
@@ -66,7 +66,7 @@ def _play(stage: Stage, recording: Recording, parts: list[DrawnShape]) -> None:
     centre, radius = _extent(recording, solid, rows)
     stage.look(centre, radius)
     _lay_planes(stage.scene, recording, [part for part in parts if kind_of(part.shape).sort == HALF_SPACE], radius)
-    movers = [*_batches(stage.scene, recording, solid, rows), *_joints(stage.scene, recording)]
+    movers: list[Mover] = [*_batches(stage.scene, recording, solid, rows), *_joints(stage.scene, recording)]
     for before, row in zip([rows[0], *rows], rows, strict=False):
         stage.wait(float(recording.t[row] - recording.t[before]))
         for mover in movers:
@@ -141,9 +141,7 @@ class _Joints:
         self._points = np.array([(rod.point_a, rod.point_b) for rod in rods])
         colour = tuple(round(255 * part) for part in RODS)
         self._shown = self._at(0)
-        self._handle = scene.add_line_segments(
-            "/joints", self._shown, colour, thickness=2.0, thickness_units="screen"
-        )
+        self._handle = scene.add_line_segments("/joints", self._shown, colour, thickness=2.0, thickness_units="screen")
 
     def show(self, row: int) -> None:
         points = self._at(row)
@@ -153,7 +151,8 @@ class _Joints:
     def _at(self, row: int) -> Singles:
         turns = self._recording.orientation[row, self._bodies]
         points = self._recording.x[row, self._bodies] + turned(turns, self._points)
-        return points.astype(np.float32)
+        result: Singles = points.astype(np.float32)
+        return result
 
 
 def _joints(scene: Any, recording: Recording) -> list[_Joints]:
@@ -213,7 +212,7 @@ def _extent(recording: Recording, parts: list[DrawnShape], rows: list[int]) -> t
     if not moving:
         return np.zeros(3), 1.0
     bodies = np.unique([part.body for part in moving])
-    places = recording.x[np.ix_(rows, bodies)].reshape(-1, 3)
+    places = recording.x[rows][:, bodies].reshape(-1, 3)
     places = places[np.isfinite(places).all(axis=1)]
     low, high = np.quantile(places, (_STRAYS, 1.0 - _STRAYS), axis=0)
     sizes = []

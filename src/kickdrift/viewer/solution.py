@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from kickdrift.core.colours import colour_of
 from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.engine.solution import Solution
-from kickdrift.viewer.page import Singles, Stage, rounded, write_page
+from kickdrift.viewer.page import Mover, Singles, Stage, rounded, write_page
 from kickdrift.viewer.surfaces import surface_of
 from kickdrift.world.shapes.sphere import Sphere
 
@@ -19,7 +19,7 @@ _RATE, _SECONDS, _SLOWEST = 30.0, 20.0, 10.0  # states a second; of the page; st
 _RADIUS = 10.0  # of the scene in the browser's units, whatever the orbits are measured in
 _SIZES = (2e-4, 1e-2)  # of the balls that stand for bodies, of the radius of the scene: least and greatest
 _APART = 0.1  # of the way to the nearest body, which a ball may fill
-_FINE = 1 / 8  # of the smallest ball, to which places are rounded
+_FINE = 1 / 32  # of the smallest ball, to which places are rounded
 _ROWS_MEASURED = 20
 _MOST_POINTS = 50_000  # of all orbits: more of them are slow on a machine without a graphics card
 _MOST_TAILS, _TAIL = 50, 24  # bodies that have one, and its states
@@ -83,7 +83,7 @@ def _play(stage: Stage, solution: Solution) -> None:
     rows, waits = _rows_shown(solution.t)
     stage.look(np.zeros(3), _RADIUS)
     _draw_paths(stage.scene, orbits)
-    movers: list[Any] = [_Balls(stage.scene, orbits)]
+    movers: list[Mover] = [_Balls(stage.scene, orbits)]
     if len(orbits.colours) <= _MOST_TAILS:
         movers.append(_Tails(stage.scene, orbits, rows))
     names = tuple(solution.about.coordinates.get("body", ()))
@@ -138,8 +138,8 @@ def _draw_paths(scene: Any, orbits: _Orbits) -> None:
         scene.add_line_segments("/orbits", segments, each, thickness=1.0, thickness_units="screen")
     if not smooth.all():
         points = paths[:, ~smooth].reshape(-1, 3)
-        each = np.broadcast_to(faint[~smooth], (len(paths), (~smooth).sum(), 3)).reshape(-1, 3)
-        scene.add_point_cloud("/states", points, each, point_size=2e-3 * _RADIUS, precision="float32")
+        each_point = np.broadcast_to(faint[~smooth], (len(paths), (~smooth).sum(), 3)).reshape(-1, 3)
+        scene.add_point_cloud("/states", points, each_point, point_size=2e-3 * _RADIUS, precision="float32")
 
 
 class _Balls:
@@ -194,7 +194,8 @@ class _Tails:
     def _at(self, row: int) -> Singles:
         place = self._place[row]
         last = self._paths[[self._rows[max(0, place - k)] for k in range(_TAIL + 1)]]
-        return np.stack((last[:-1], last[1:]), axis=2).reshape(-1, 2, 3).astype(np.float32)
+        result: Singles = np.stack((last[:-1], last[1:]), axis=2).reshape(-1, 2, 3).astype(np.float32)
+        return result
 
 
 class _Names:
