@@ -9,6 +9,7 @@ Floats = NDArray[np.float64]
 # which is too light for a line.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
 FIXED, RODS = (0.72, 0.74, 0.76), (0.35, 0.37, 0.4)  # bodies that forces do not move, and joints
+SUM = "#c9ccd1"  # of energies
 _LIGHTER = 0.3  # of white in the colours of bodies
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.colours import COLOURS, colour_of
+from kickdrift.core.colours import COLOURS, SUM, colour_of
 from kickdrift.plots.page import INK, dress, keep, new_figure
 from kickdrift.plots.painter import Painter
 from kickdrift.plots.scenery import Pose
@@ -22,7 +22,6 @@ _HEIGHT, _WIDTH = 4.6, 9.2  # of the scene, inches
 _WIDE = 1.8  # width over height, from which on the energy stands below the scene
 _MOST_TRAILS = 40
 _SHORTEST_TRAIL = 0.03  # of the width of the picture
-_SUM = "#c9ccd1"
 _MOST_POINTS = 1000  # of a trail
 
 
@@ -117,7 +116,7 @@ def _draw_energy(axes: "Axes", recording: Recording) -> None:
     for name, values, colour, width in (
         ("kinetic", kinetic, COLOURS[1], 1.3),
         ("potential", potential, COLOURS[0], 1.3),
-        ("sum", total, _SUM, 4.0),
+        ("sum", total, SUM, 4.0),
     ):
         axes.plot(recording.t, values / size, color=colour, linewidth=width, label=name, zorder=3.0 - 0.1 * width)
     dress(axes, "t (s)", f"{unit}, from the lowest potential on", "energy")

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from html import escape
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
@@ -16,7 +17,7 @@ Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 AHEAD = (-0.42, 0.82, -0.36)  # where the camera looks first
 _FIELD = math.radians(34.0)  # of the camera, from top to bottom
-_TITLE = "<title>Viser</title>"
+_TITLE, _END = "<title>Viser</title>", "</body>"  # of viser's page
 
 
 class Mover(Protocol):
@@ -49,8 +50,8 @@ class Stage(NamedTuple):
         self.camera.near, self.camera.far = 1e-3 * distance, 1e2 * distance
 
 
-def write_page(path: str | Path, title: str, draw: Callable[[Stage], None]) -> Path:
-    """Write what a function draws, as one HTML file, whole or not at all.
+def write_page(path: str | Path, title: str, draw: Callable[[Stage], str]) -> Path:
+    """Write what a function draws, as one HTML file, whole or not at all; what it returns is HTML beside the scene.
 
     Raises
     ------
@@ -64,7 +65,7 @@ def write_page(path: str | Path, title: str, draw: Callable[[Stage], None]) -> P
         raise FileFormatError(f"path={str(path)!r} cannot be written: pages for the browser end in .html.")
     try:
         with written(target) as partial, _serialized(draw) as page:
-            partial.write_text(page.replace(_TITLE, f"<title>{_escaped(title)}</title>", 1), encoding="utf-8")
+            partial.write_text(page.replace(_TITLE, f"<title>{escape(title)}</title>", 1), encoding="utf-8")
     except OSError as error:
         reason = error.strerror or error
         raise FileFormatError(f"path={str(path)!r} cannot be written: {reason}; choose another folder.") from None
@@ -72,7 +73,7 @@ def write_page(path: str | Path, title: str, draw: Callable[[Stage], None]) -> P
 
 
 @contextmanager
-def _serialized(draw: Callable[[Stage], None]) -> Iterator[str]:
+def _serialized(draw: Callable[[Stage], str]) -> Iterator[str]:
     """Let a function draw, and give the page that shows it.
 
     Scenes of viser belong to a server: one that no other machine reaches is started for the while, and stopped.
@@ -88,8 +89,10 @@ def _serialized(draw: Callable[[Stage], None]) -> Iterator[str]:
         server = ViserServer(host="127.0.0.1", port=0, verbose=False)
         try:
             recorder = server.get_scene_serializer()
-            draw(Stage(server.scene, server.initial_camera, recorder.insert_sleep))
-            yield recorder.as_html()
+            beside = draw(Stage(server.scene, server.initial_camera, recorder.insert_sleep))
+            page = recorder.as_html()
+            end = page.rindex(_END)
+            yield page[:end] + beside + page[end:]
         finally:
             server.stop()
     finally:
@@ -101,7 +104,3 @@ def rounded(values: Floats, grain: float) -> Singles:
     step = 2.0 ** math.floor(math.log2(grain))
     result: Singles = (np.round(values / step) * step + 0.0).astype(np.float32)
     return result
-
-
-def _escaped(text: str) -> str:
-    return text.replace("&", "&amp;").replace("<", "&lt;")

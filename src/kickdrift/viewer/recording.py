@@ -1,14 +1,17 @@
 """Recordings of worlds as pages for the browser."""
 
+from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.colours import FIXED, RODS, colour_of
+from kickdrift.core.colours import COLOURS, FIXED, RODS, SUM, colour_of
 from kickdrift.core.errors import KickdriftError
 from kickdrift.core.rotations import product, turned
+from kickdrift.viewer.curves import Curve, panel
 from kickdrift.viewer.page import Mover, Singles, Stage, rounded, write_page
 from kickdrift.viewer.surfaces import Surface, halves_of_ball, surface_of
 from kickdrift.world.integration import DYNAMIC, REMOVED
@@ -18,6 +21,7 @@ from kickdrift.world.shapes.record import BALL, HALF_SPACE
 
 Floats = NDArray[np.float64]
 _RATE = 30.0  # states a second, at least, where so many were kept
+_MOST_POSES = 900_000  # that differ from those before: 18.5 MB; a thousand bodies that never rest have as many in 30 s
 _FINE = 1 / 512  # of a shape's size, to which places are rounded: 0.2 % of a box is a pixel of 500
 _TURN = 1 / 1024  # to which quaternions are rounded
 _STRAYS = 0.01  # of all places on either side that the camera need not see
@@ -31,7 +35,8 @@ def recording_to_html(recording: Recording, path: str | Path) -> Path:
     Parameters
     ----------
     recording : Recording
-        The states kept are shown, 30 a second or a few more; there is nothing between them.
+        The states kept are shown, 30 a second or a few more; there is nothing between them. Where so many bodies move for so
+        long that the file would have more than 20 MB, 15 or 10 a second are.
     path : path
         Ends in ``.html``.
 
@@ -60,9 +65,12 @@ def recording_to_html(recording: Recording, path: str | Path) -> Path:
     return write_page(path, recording.about.system, lambda stage: _play(stage, recording, parts))
 
 
-def _play(stage: Stage, recording: Recording, parts: list[DrawnShape]) -> None:
+def _play(stage: Stage, recording: Recording, parts: list[DrawnShape]) -> str:
     solid = [part for part in parts if kind_of(part.shape).sort != HALF_SPACE]
     rows = rows_shown(recording.t)
+    poses = _moved(recording, rows, solid)
+    if poses > _MOST_POSES:
+        rows = rows_shown(recording.t, _RATE / -(-poses // _MOST_POSES))
     centre, radius = _extent(recording, solid, rows)
     stage.look(centre, radius)
     _lay_planes(stage.scene, recording, [part for part in parts if kind_of(part.shape).sort == HALF_SPACE], radius)
@@ -72,15 +80,41 @@ def _play(stage: Stage, recording: Recording, parts: list[DrawnShape]) -> None:
         for mover in movers:
             mover.show(row)
     stage.wait(1.0 / _RATE)  # the last state is seen, too
+    t = recording.t
+    return panel(recording.about.system, t, _energies(recording.derived), float(t[-1] - t[0]), "s")
 
 
-def rows_shown(t: Floats) -> list[int]:
-    """Choose rows so that no two of them are farther apart than the rate asks for, where the states kept allow that."""
-    rows, longest = [0], (1.0 + 1e-9) / _RATE
+def _energies(derived: Mapping[str, Floats]) -> list[Curve]:
+    kinetic, potential = derived["kinetic energy"], derived["potential energy"]
+    potential = potential - potential.min()
+    return [
+        Curve("kinetic + potential energy", kinetic + potential, SUM),
+        Curve("kinetic", kinetic, COLOURS[1]),
+        Curve("potential, J", potential, COLOURS[0]),
+    ]
+
+
+def rows_shown(t: Floats, rate: float = _RATE) -> list[int]:
+    """Choose rows so that no two of them are farther apart than a rate asks for, where the states kept allow that."""
+    rows, longest = [0], (1.0 + 1e-9) / rate
     while rows[-1] < t.size - 1:
         last = int(np.searchsorted(t, t[rows[-1]] + longest, side="right")) - 1
         rows.append(max(last, rows[-1] + 1))
     return rows
+
+
+def _moved(recording: Recording, rows: list[int], parts: list[DrawnShape]) -> int:
+    """Count poses of shapes that can be told from those in the row before."""
+    sizes = {part.body: part.shape.reach for part in parts if recording.appearance.kinds[part.body] == DYNAMIC}
+    bodies, grains = list(sizes), _FINE * np.array(list(sizes.values()))
+    count = 0
+    for before, row in pairwise(rows):
+        way = np.abs(recording.x[row, bodies] - recording.x[before, bodies]).max(axis=1, initial=0.0)
+        turn = np.abs(recording.orientation[row, bodies] - recording.orientation[before, bodies]).max(
+            axis=1, initial=0.0
+        )
+        count += int(np.count_nonzero((way > grains) | (turn > _TURN)))
+    return count
 
 
 class _Batch:

@@ -7,9 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from kickdrift.core.colours import colour_of
+from kickdrift.analysis.energy import energy_error
+from kickdrift.core.colours import COLOURS, colour_of
 from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.engine.solution import Solution
+from kickdrift.viewer.curves import Curve, panel
 from kickdrift.viewer.page import Mover, Singles, Stage, rounded, write_page
 from kickdrift.viewer.surfaces import surface_of
 from kickdrift.world.shapes.sphere import Sphere
@@ -78,7 +80,7 @@ def solution_to_html(solution: Solution, path: str | Path) -> Path:
     return write_page(path, f"{solution.about.system} by {solution.about.method}", lambda stage: _play(stage, solution))
 
 
-def _play(stage: Stage, solution: Solution) -> None:
+def _play(stage: Stage, solution: Solution) -> str:
     orbits = _orbits(solution)
     rows, waits = _rows_shown(solution.t)
     stage.look(np.zeros(3), _RADIUS)
@@ -94,6 +96,9 @@ def _play(stage: Stage, solution: Solution) -> None:
         for mover in movers:
             mover.show(row)
     stage.wait(1.0 / _RATE)
+    about = solution.about
+    curves = [Curve("energy error", energy_error(solution), COLOURS[0])] if "energy" in solution.invariants else []
+    return panel(f"{about.system} by {about.method}", solution.t, curves, sum(waits), about.units.get("t", ""))
 
 
 def _orbits(solution: Solution) -> _Orbits:
@@ -174,7 +179,8 @@ def _radii(paths: Floats) -> Singles:
         return np.array([greatest], dtype=np.float32)
     rows = np.unique(np.linspace(0, len(paths) - 1, _ROWS_MEASURED).astype(np.intp))
     nearest = np.median([cKDTree(paths[row]).query(paths[row], k=2)[0][:, 1] for row in rows], axis=0)
-    return np.clip(_APART * nearest, least, greatest).astype(np.float32)
+    radii: Singles = np.clip(_APART * nearest, least, greatest).astype(np.float32)
+    return radii
 
 
 class _Tails:
