@@ -1,6 +1,7 @@
 """Pages for the browser: what they hold, read back as the browser reads it."""
 
 import base64
+import json
 import re
 import sys
 import threading
@@ -216,6 +217,41 @@ def test_a_recording_that_cannot_be_shown_says_why(tmp_path, monkeypatch):
     with pytest.raises(MissingExtraError, match=r"needs the package 'viser'.* pip install 'kickdrift\[viewer\]'"):
         made.to_html(tmp_path / "a.html")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_never_rests_is_sent_less_often(tmp_path, monkeypatch):
+    t = np.arange(61) / 60
+    made = recording([Box((1, 1, 1))] * 2, [np.outer(t, (1, 0, 0)), np.outer(t, (0, 1, 0))], times=t)
+
+    def sent():
+        page = Page(made.to_html(tmp_path / "moving.html"))
+        assert page.seconds == pytest.approx(1.0 + 1 / 30)
+        return len([what for _, _, what, _ in page.updates if what == "batched_positions"])
+
+    assert sent() == 30
+    monkeypatch.setattr("kickdrift.viewer.recording._MOST_POSES", 40)  # of 60 that two bodies have
+    assert sent() == 15
+
+
+def test_energies_beside_the_scene_end_with_the_run(shown):
+    made, path = shown
+    about = json.loads(re.search(r"const about = (\{.*?\}),", Page(path).text)[1])
+    assert about == {"seconds": made.t[-1], "width": 260, "first": 0.0, "last": made.t[-1], "unit": "s"}
+    curves = re.findall(r'<polyline points="([^"]*)"', path.read_text())
+    total, kinetic, potential = (np.array([p.split(",") for p in curve.split()], dtype=float) for curve in curves)
+    for curve in (total, kinetic, potential):
+        np.testing.assert_allclose(curve[:, 0], 260 * made.t / made.t[-1], atol=0.06)
+    # From the lowest value to the highest, downwards: the kinetic energy falls from 0.5 to 0.
+    np.testing.assert_allclose(kinetic[:, 1], np.linspace(0.0, 90.0, 31), atol=0.06)
+    assert np.all(potential[:, 1] == 90.0)
+
+
+def test_names_cannot_bring_scripts_into_the_page(tmp_path):
+    made = recording([Box((1, 1, 1))], [np.zeros((2, 3))])
+    evil = "<script>alert(1)</script>"
+    text = replace(made, about=replace(made.about, system=evil)).to_html(tmp_path / "a.html").read_text()
+    assert evil not in text
+    assert "<title>&lt;script&gt;alert(1)&lt;/script&gt;</title>" in text
 
 
 @pytest.fixture(scope="module")

@@ -15,14 +15,15 @@ _MOST_POINTS = 500  # of a curve
 _FOLLOW = """
 <script>(() => {
   const about = %s, now = document.getElementById("kickdrift-now"), text = document.getElementById("kickdrift-time");
-  const follow = () => {
+  let shown = NaN;
+  setInterval(() => {
     const slider = document.querySelector("[role=slider]");
     const part = slider ? Math.min(1, slider.getAttribute("aria-valuenow") / about.seconds || 0) : 0;
+    if (part === shown) return;
+    shown = part;
     now.setAttribute("transform", `translate(${part * about.width} 0)`);
     text.textContent = `t = ${(about.first + part * (about.last - about.first)).toPrecision(4)} ${about.unit}`;
-    requestAnimationFrame(follow);
-  };
-  follow();
+  }, 50);
 })();</script>"""
 
 
