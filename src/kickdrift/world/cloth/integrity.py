@@ -1,0 +1,48 @@
+"""What has to hold of the tables of cloths that come from a file: compiled code trusts every index in them."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kickdrift.world.cloth import layout as c
+from kickdrift.world.integration import BODY_KIND, REMOVED
+
+if TYPE_CHECKING:
+    from kickdrift.world.integrity import Rows
+
+_RANGES = (("PARTICLE", c.FIRST_PARTICLE), ("FACE", c.FIRST_FACE), ("FOLD", c.FIRST_FOLD))
+
+
+def check_cloths(rows: "Rows") -> None:
+    """Check them.
+
+    Raises
+    ------
+    ValueError
+        If a number in them could lead a step astray.
+    """
+    for name, of in (("CLOTH_NUMBERS", "CLOTH"), ("FACE_NUMBERS", "FACE"), ("FOLD_NUMBERS", "FOLD"), ("PIN_NUMBERS", "PIN")):
+        rows.count(name, len(rows[of]))
+    rows.count("PARTICLE_REST", len(rows["PARTICLE"]))
+    cloths = rows["CLOTH"]
+    rows.holds("CLOTH", c.PARTS, cloths[:, [c.PARTS, c.BENDING_PARTS]] >= 1)
+    for name, column in _RANGES:  # one cloth after the other, none of them empty
+        rows.holds("CLOTH", column, cloths[:, column + 1] > cloths[:, column])
+        ends = np.concatenate(([0], cloths[:, column + 1]))
+        rows.holds("CLOTH", column, cloths[:, column] == ends[:-1])
+        rows.count(name, int(ends[-1]))
+    for name, columns, of in (
+        ("FACE", slice(c.CORNERS, c.CORNERS + 3), c.FIRST_PARTICLE),
+        ("FACE", slice(c.SIDES, c.SIDES + 3), c.FIRST_FOLD),
+        ("FOLD", slice(c.EDGE, c.EDGE + 4), c.FIRST_PARTICLE),
+    ):
+        own = c.FIRST_FACE if name == "FACE" else c.FIRST_FOLD
+        cloth = np.repeat(np.arange(len(cloths)), cloths[:, own + 1] - cloths[:, own])
+        values = rows[name][:, columns]
+        rows.holds(name, columns.start, (values >= cloths[cloth, of, None]) & (values < cloths[cloth, of + 1, None]))
+    kinds = rows["BODY"][:, BODY_KIND]
+    rows.within("PIN", c.PINNED_PARTICLE, 0, max(len(rows["PARTICLE"]) - 1, 0))
+    rows.within("PIN", c.PINNED_BODY, 0, len(kinds) - 1)
+    rows.holds("PIN", c.PINNED_BODY, kinds[rows["PIN"][:, c.PINNED_BODY]] != REMOVED)
+    rows.holds("PARTICLE", c.PARTICLE_MASS, rows["PARTICLE"][:, c.PARTICLE_MASS] > 0.0)
+    rows.holds("PARTICLE", c.PARTICLE_INVERSE_MASS, rows["PARTICLE"][:, c.PARTICLE_INVERSE_MASS] >= 0.0)
