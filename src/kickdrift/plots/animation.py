@@ -114,14 +114,15 @@ class _Film:
         recording = self._recording
         after = int(np.clip(np.searchsorted(recording.t, time, side="right"), 1, recording.t.size - 1))
         if recording.t.size == 1:
-            return Pose(recording.x[0], recording.orientation[0])
+            return Pose(recording.x[0], recording.orientation[0], recording.particles[0])
         before = after - 1
         part = float(np.clip((time - recording.t[before]) / (recording.t[after] - recording.t[before]), 0.0, 1.0))
         p, q = recording.orientation[before], recording.orientation[after]
         q = np.where(np.sum(p * q, axis=1, keepdims=True) < 0.0, -q, q)
         place = (1.0 - part) * recording.x[before] + part * recording.x[after]
         turn = (1.0 - part) * p + part * q
-        return Pose(place, turn / np.linalg.norm(turn, axis=1, keepdims=True))
+        particles = (1.0 - part) * recording.particles[before] + part * recording.particles[after]
+        return Pose(place, turn / np.linalg.norm(turn, axis=1, keepdims=True), particles)
 
     def samples(self) -> Iterator[Pixels]:
         """Paint some pictures from all over the film."""

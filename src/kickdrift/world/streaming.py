@@ -50,6 +50,7 @@ class StreamedRecordingRows(RecordingRows):
             "v": of_bodies("v"),
             "orientation": of_bodies("orientation", "quaternion"),
             "angular_velocity": of_bodies("angular velocity"),
+            "particles": Array(("particle", "space"), (self._particles, 3), units["particles"]),
             **{name: Array(unit=units["energy"]) for name in ("energy", "kinetic_energy", "potential_energy")},
             **vectors,
             **{name: Array(unit=units["x"]) for name in ("overlap", "joint_gap")},
@@ -119,7 +120,7 @@ class StreamedRecordingRows(RecordingRows):
         (kinetic, potential), (overlap, gap) = rows["energy"].T, rows["constraint error"].T
         values = {
             "time": rows["t"][:, 0],
-            **{name: rows[name] for name in ("x", "v", "orientation", "momentum")},
+            **{name: rows[name] for name in ("x", "v", "orientation", "particles", "momentum")},
             "angular_velocity": rows["angular velocity"],
             "angular_momentum": rows["angular momentum"],
             "energy": kinetic + potential,

@@ -87,15 +87,14 @@ def bending_rate(mesh: ClothMesh, curvature: Curvature, areas: Floats, masses: F
     return math.sqrt(float(np.linalg.eigvalsh(matrix)[:, -1].max(initial=0.0)))
 
 
-def fold_measures(mesh: ClothMesh) -> Floats:
-    """Return how far folds are bent at rest, (K,), as `kickdrift.world.cloth.bending` measures it."""
-    a, b, c, d = (mesh.vertices[mesh.folds[:, k]] for k in range(4))
+def fold_measures(corners: Floats) -> Floats:
+    """Return how far folds are bent, (K,), as `kickdrift.world.cloth.bending` measures it; of their corners, (K, 4, 3)."""
+    a, b, c, d = (corners[:, k] for k in range(4))
     edge = b - a
     n, m = np.cross(edge, c - a), np.cross(d - a, edge)
     lengths = np.linalg.norm(n, axis=1) * np.linalg.norm(m, axis=1)
     sine = (np.cross(m, n) * edge).sum(axis=1) / (lengths * np.linalg.norm(edge, axis=1))
-    half = 0.5 * np.arctan2(sine, (n * m).sum(axis=1) / lengths)
-    measures: Floats = 2.0 * np.sin(half)
+    measures: Floats = 2.0 * np.sin(0.5 * np.arctan2(sine, (n * m).sum(axis=1) / lengths))
     return measures
 
 

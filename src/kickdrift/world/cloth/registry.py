@@ -144,7 +144,7 @@ class Cloths:
         folds[:n_folds, :4] = mesh.folds + first[0]
         folds[n_folds:, :4] = first[0] + mesh.triangles[0, [0, 1, 2, 2]]
         angles = tables.resize(FOLD_NUMBERS, first[2] + max(n_folds, 1))[first[2] :]
-        angles[:n_folds, c.REST_FOLD] = fold_measures(mesh)
+        angles[:n_folds, c.REST_FOLD] = fold_measures(mesh.vertices[mesh.folds])
 
     def _weigh_curvature(self, row: int) -> None:
         """Say how much the angles of a cloth's folds count, with the vertices that are pinned now."""
