@@ -3,6 +3,7 @@
 import numpy as np
 
 from kickdrift.core.errors import LostBodyError
+from kickdrift.world.cloth.motion import roll_back_cloths
 from kickdrift.world.collision.search import shapes_changed
 from kickdrift.world.contacts.layout import BOUNCED, CONTACT_STATE
 from kickdrift.world.integration import BODY_KIND, INVERSE_INERTIA, KINEMATIC, MASS
@@ -19,13 +20,10 @@ from kickdrift.world.tables import (
     LINK_NUMBERS,
     LOAD,
     MOTION,
-    PARTICLE,
-    PARTICLE_FORCE,
     POSE,
     RESTED,
     STARTED_JOINTS,
     STARTED_MOTION,
-    STARTED_PARTICLE,
     STARTED_POSE,
     Tables,
 )
@@ -79,8 +77,7 @@ def roll_back(tables: Tables) -> None:
         lost_body_error, INVERSE_INERTIA : INVERSE_INERTIA + 6
     ]
     tables.array(JOINT_NUMBERS)[:] = tables.array(STARTED_JOINTS)
-    tables.array(PARTICLE)[:] = tables.array(STARTED_PARTICLE)
-    tables.array(PARTICLE_FORCE)[:] = 0.0
+    roll_back_cloths(tables)
     tables.array(LINK_NUMBERS)[:] = 0.0
     tables.array(CONTACT)[:, CONTACT_STATE] &= ~BOUNCED
     nowhere = ~np.isfinite(tables.array(BOUNDS)[:, LOWER : UPPER + 3]).all(axis=1)

@@ -36,7 +36,9 @@ def run(
 ) -> Recording:
     """Run a world and record it; see `World.run`."""
     progress = None if progress is None else choice("progress", progress)
-    per_row = len(world.position) * _BYTES_PER_BODY + world.tables.count(PARTICLE) * _BYTES_PER_PARTICLE + _BYTES_PER_ROW
+    per_row = (
+        len(world.position) * _BYTES_PER_BODY + world.tables.count(PARTICLE) * _BYTES_PER_PARTICLE + _BYTES_PER_ROW
+    )
     grid = _lay(duration, step, save_every, per_row, kept.save_to is not None)
     with ExitStack() as held:
         keeper = kept.keeper(world)
@@ -89,7 +91,7 @@ def _run(
         rows.keep(t0 + done * grid.step)
     if outcome is not Outcome.NOT_WRITTEN:
         outcome, cause = _written(partial(rows.close, outcome), outcome, cause)
-    message = _message(outcome, cause, world, done, grid) + said
+    message = _message(outcome, cause, world, done, grid) + said + world.cloths.notes()
     return rows.recording(outcome, message, grid.step, done, done * world.substeps, seconds)
 
 

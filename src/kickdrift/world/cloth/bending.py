@@ -3,8 +3,8 @@
 The angle of a fold is measured by s = 2 sin(theta / 2), which is theta where it is small and keeps the energy bounded where
 a cloth lies folded on itself. The curvature of a triangle, a symmetric tensor (xx, yy, sqrt 2 xy), is the one that folds
 its three sides in this way: kappa = sum_k W_k (s_k - s_k at rest). It is exact for every quadratic surface, on any mesh
-(Grinspun, Gingold, Reisman and Zorin, Computing discrete shape operators on general meshes, Eurographics 2006, section 4), which
-springs across edges are not. The energy of an area A is A D |kappa|^2 / 2, that of a plate whose Poisson ratio is zero.
+(Grinspun, Gingold, Reisman and Zorin, Computing discrete shape operators on general meshes, Eurographics 2006, section 4),
+which springs across edges are not. The energy of an area A is A D |kappa|^2 / 2, that of a plate whose Poisson ratio is zero.
 """
 
 import math
@@ -50,17 +50,17 @@ Floats = NDArray[np.float64]
 
 
 @compiled
-def add_bending(world: int, cloth: int, h: float, share: float) -> None:
-    """Add `share` times the forces of bending to those on the particles of a cloth, for a kick of length h."""
+def add_bending(world: int, cloth: int, part: float, share: float, begins: bool) -> None:
+    """Add `share` times the forces of bending to those on the particles of a cloth; as `add_membrane`."""
     numbers, fold, own = floats(world, CLOTH_NUMBERS), integers(world, FOLD), integers(world, CLOTH)
     state, particle, force = floats(world, FOLD_NUMBERS), floats(world, PARTICLE), floats(world, PARTICLE_FORCE)
-    ahead = numbers[cloth, BENDING_DAMPING] / h
+    ahead = 0.0 if begins else numbers[cloth, BENDING_DAMPING] / part
     for k in range(own[cloth, FIRST_FOLD], own[cloth, LAST_FOLD]):
         bent = _measure(*_fold(particle, fold, k)) - state[k, REST_FOLD]
-        state[k, DAMPED], state[k, BENT] = bent + ahead * (bent - state[k, BENT]), bent
+        state[k, DAMPED], state[k, BENT] = share * bent + ahead * (bent - state[k, BENT]), bent
         state[k, MOMENT] = 0.0
     _find_moments(world, cloth)
-    stiffness = share * numbers[cloth, BENDING]
+    stiffness = numbers[cloth, BENDING]
     for k in range(own[cloth, FIRST_FOLD], own[cloth, LAST_FOLD]):
         moment = stiffness * state[k, MOMENT]
         pushes = _gradients(*_fold(particle, fold, k))

@@ -166,10 +166,10 @@ def _find_on_surface(world: int, cloth: int, i: int, shape: int, margin: float, 
     box = (p[0] - reach, p[1] - reach, p[2] - reach, p[0] + reach, p[1] + reach, p[2] + reach)
     first, last = int(bounds[shape, FIRST_TREE_NODE]), int(bounds[shape, LAST_TREE_NODE])
     hits, _ = gather(floats(world, TRIANGLE_TREE)[first:last], box_in_frame(world, shape, box), near[after:])
+    fits = True
     for k in range(hits):
-        if not _touch(world, cloth, i, shape, int(near[after + k]), margin):
-            return False
-    return True
+        fits = fits and _touch(world, cloth, i, shape, int(near[after + k]), margin)
+    return fits
 
 
 @compiled
@@ -242,7 +242,7 @@ def _note(world: int, cloth: int, i: int, shape: int, normal: Vector, gap: float
 def resolve_contacts(world: int, cloth: int, part: float, push: float) -> None:
     """Stop the particles of a cloth from moving into shapes in a part of a substep; what they lose, bodies get.
 
-    Particles that are inside already are put out, by `push` at most, m, and get no velocity from it.
+    Particles that are inside already are put out, with the speed `push` at most, m/s, and get no velocity from it.
     """
     cloths, contact, numbers = (
         integers(world, CLOTH),
@@ -258,7 +258,7 @@ def resolve_contacts(world: int, cloth: int, part: float, push: float) -> None:
         v = minus(vector_at(particle, i, PARTICLE_VELOCITY), ground)
         gap, approach = numbers[row, CLOTH_GAP], dot(n, v)
         if gap < 0.0:
-            out = min(-gap, push)
+            out = min(-gap, part * push)
             gap += out
             for k in range(3):
                 particle[i, k] += out * n[k]

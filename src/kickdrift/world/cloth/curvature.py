@@ -74,19 +74,6 @@ def curvature_of(mesh: ClothMesh, flat: Floats, pinned: NDArray[np.bool_]) -> Cu
     return Curvature(weights, jumps, stencils)
 
 
-def bending_rate(mesh: ClothMesh, curvature: Curvature, areas: Floats, masses: Floats, bending: float) -> float:
-    """Bound the highest angular frequency of bending, in rad/s, by that of single triangles with those around them.
-
-    Each of them has an equal share in the masses of its corners; see `kickdrift.world.cloth.membrane.membrane_rate`.
-    """
-    corners, there = curvature.stencils, curvature.stencils != NONE
-    shares = np.bincount(corners[there], minlength=len(masses)) / masses
-    inverse_masses = np.where(there, shares[corners], 0.0)
-    rows = curvature.weights @ curvature.jumps
-    matrix = np.einsum("m,mik,mk,mjk->mij", bending * areas, rows, inverse_masses, rows)
-    return math.sqrt(float(np.linalg.eigvalsh(matrix)[:, -1].max(initial=0.0)))
-
-
 def fold_measures(corners: Floats) -> Floats:
     """Return how far folds are bent, (K,), as `kickdrift.world.cloth.bending` measures it; of their corners, (K, 4, 3)."""
     a, b, c, d = (corners[:, k] for k in range(4))

@@ -21,25 +21,30 @@ def check_cloths(rows: "Rows") -> None:
     ValueError
         If a number in them could lead a step astray.
     """
-    for name, of in (("CLOTH_NUMBERS", "CLOTH"), ("FACE_NUMBERS", "FACE"), ("FOLD_NUMBERS", "FOLD"), ("PIN_NUMBERS", "PIN")):
+    for name, of in (
+        ("CLOTH_NUMBERS", "CLOTH"),
+        ("FACE_NUMBERS", "FACE"),
+        ("FOLD_NUMBERS", "FOLD"),
+        ("PIN_NUMBERS", "PIN"),
+    ):
         rows.count(name, len(rows[of]))
     rows.count("PARTICLE_REST", len(rows["PARTICLE"]))
     cloths = rows["CLOTH"]
-    rows.holds("CLOTH", c.PARTS, cloths[:, [c.PARTS, c.BENDING_PARTS]] >= 1)
+    rows.holds("CLOTH", c.PARTS, cloths[:, c.PARTS] >= 1)
     for name, column in _RANGES:  # one cloth after the other, none of them empty
         rows.holds("CLOTH", column, cloths[:, column + 1] > cloths[:, column])
         ends = np.concatenate(([0], cloths[:, column + 1]))
         rows.holds("CLOTH", column, cloths[:, column] == ends[:-1])
         rows.count(name, int(ends[-1]))
-    for name, columns, of in (
-        ("FACE", slice(c.CORNERS, c.CORNERS + 3), c.FIRST_PARTICLE),
-        ("FACE", slice(c.SIDES, c.SIDES + 3), c.FIRST_FOLD),
-        ("FOLD", slice(c.EDGE, c.EDGE + 4), c.FIRST_PARTICLE),
+    for name, first, size, own, of in (
+        ("FACE", c.CORNERS, 3, c.FIRST_FACE, c.FIRST_PARTICLE),
+        ("FACE", c.SIDES, 3, c.FIRST_FACE, c.FIRST_FOLD),
+        ("FOLD", c.EDGE, 4, c.FIRST_FOLD, c.FIRST_PARTICLE),
     ):
-        own = c.FIRST_FACE if name == "FACE" else c.FIRST_FOLD
         cloth = np.repeat(np.arange(len(cloths)), cloths[:, own + 1] - cloths[:, own])
-        values = rows[name][:, columns]
-        rows.holds(name, columns.start, (values >= cloths[cloth, of, None]) & (values < cloths[cloth, of + 1, None]))
+        values = rows[name][:, first : first + size]
+        least, most = cloths[cloth, of][:, None], cloths[cloth, of + 1][:, None]
+        rows.holds(name, first, (values >= least) & (values < most))
     kinds = rows["BODY"][:, BODY_KIND]
     rows.within("PIN", c.PINNED_PARTICLE, 0, max(len(rows["PARTICLE"]) - 1, 0))
     rows.within("PIN", c.PINNED_BODY, 0, len(kinds) - 1)

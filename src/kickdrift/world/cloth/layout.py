@@ -21,8 +21,7 @@ from kickdrift.world.tables import (
 FIRST_PARTICLE, LAST_PARTICLE = column(CLOTH), column(CLOTH)  # the one after the last, as below
 FIRST_FACE, LAST_FACE = column(CLOTH), column(CLOTH)
 FIRST_FOLD, LAST_FOLD = column(CLOTH), column(CLOTH)
-PARTS = column(CLOTH)  # of a substep, in which the membrane is integrated
-BENDING_PARTS = column(CLOTH)  # such parts from one kick by bending to the next
+PARTS = column(CLOTH)  # of a substep
 FIRST_CONTACT, LAST_CONTACT = column(CLOTH), column(CLOTH)
 CLOTH_GENERATION = column(CLOTH)
 
@@ -62,7 +61,7 @@ SIDES = column(FACE, 3)  # folds; those of the border are fold 0, whose weight i
 # FACE_NUMBERS
 TO_REST = column(FACE_NUMBERS, 4, "1/m")  # inverse of the two edges from the first corner, in the axes of warp and weft
 FACE_AREA = column(FACE_NUMBERS, 1, "m^2")
-STRAIN = column(FACE_NUMBERS, 3)  # along warp and weft, and shear, a part ago
+STRAIN = column(FACE_NUMBERS, 3)  # along warp and weft, and shear, at the last kick
 CURVATURE_WEIGHTS = column(FACE_NUMBERS, 9, "1/m")  # curvature over the angle of each side
 
 # FOLD
@@ -72,7 +71,7 @@ WINGS = column(FOLD, 2)  # and those across it
 # FOLD_NUMBERS
 REST_FOLD = column(FOLD_NUMBERS)  # twice the sine of half the angle, at rest
 BENT = column(FOLD_NUMBERS)  # by how much more it is
-DAMPED = column(FOLD_NUMBERS)  # and will be a moment later
+DAMPED = column(FOLD_NUMBERS)  # a share of it, and of how fast it grows
 MOMENT = column(FOLD_NUMBERS, 1, "N m")
 
 # PIN

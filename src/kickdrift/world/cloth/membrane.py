@@ -34,12 +34,15 @@ Floats = NDArray[np.float64]
 
 
 @compiled
-def add_membrane(world: int, cloth: int, h: float) -> None:
-    """Add the forces of a cloth's membrane to those on its particles, for a kick of length h."""
+def add_membrane(world: int, cloth: int, part: float, share: float, begins: bool) -> None:
+    """Add a share of the forces of a cloth's membrane to those on its particles.
+
+    Damping is by the change of the strains in a part of a substep, s, of which none is known where the substep begins.
+    """
     numbers, face, rest = floats(world, CLOTH_NUMBERS), integers(world, FACE), floats(world, FACE_NUMBERS)
     particle, force = floats(world, PARTICLE), floats(world, PARTICLE_FORCE)
     stretch, shear = numbers[cloth, STRETCH], numbers[cloth, SHEAR]
-    ahead = numbers[cloth, MEMBRANE_DAMPING] / h
+    ahead = 0.0 if begins else numbers[cloth, MEMBRANE_DAMPING] / part
     own = integers(world, CLOTH)
     for f in range(own[cloth, FIRST_FACE], own[cloth, LAST_FACE]):
         a, b, c = face[f, CORNERS], face[f, CORNERS + 1], face[f, CORNERS + 2]
@@ -50,9 +53,9 @@ def add_membrane(world: int, cloth: int, h: float) -> None:
         length_u, length_v = math.sqrt(dot(u, u)), math.sqrt(dot(v, v))
         along_u, along_v, across = length_u - 1.0, length_v - 1.0, dot(u, v)
         area = rest[f, FACE_AREA]
-        push_u = area * stretch * (along_u + ahead * (along_u - rest[f, STRAIN])) / length_u
-        push_v = area * stretch * (along_v + ahead * (along_v - rest[f, STRAIN + 1])) / length_v
-        turn = area * shear * (across + ahead * (across - rest[f, STRAIN + 2]))
+        push_u = area * stretch * (share * along_u + ahead * (along_u - rest[f, STRAIN])) / length_u
+        push_v = area * stretch * (share * along_v + ahead * (along_v - rest[f, STRAIN + 1])) / length_v
+        turn = area * shear * (share * across + ahead * (across - rest[f, STRAIN + 2]))
         rest[f, STRAIN], rest[f, STRAIN + 1], rest[f, STRAIN + 2] = along_u, along_v, across
         on_u, on_v = _sum(push_u, u, turn, v), _sum(push_v, v, turn, u)
         for k in range(3):
@@ -83,23 +86,3 @@ def inverse_edges(flat: Floats) -> Floats:
     edges = np.stack((flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]), axis=2)
     inverse: Floats = np.linalg.inv(edges)
     return np.stack((inverse[:, 0, 0], inverse[:, 1, 0], inverse[:, 0, 1], inverse[:, 1, 1]), axis=1)
-
-
-def membrane_rate(to_rest: Floats, area_density: float, stretch: float, shear: float) -> float:
-    """Bound the highest angular frequency of a membrane, in rad/s, by that of its triangles alone.
-
-    No eigenvalue of a whole exceeds the largest one of its elements with their own masses (Irons and Treharne, 1971). Each
-    corner has a third of its triangle's mass.
-    """
-    u, v = to_rest[:, :2], to_rest[:, 2:]
-    whole_u, whole_v = (np.concatenate((-w.sum(axis=1, keepdims=True), w), axis=1) for w in (u, v))
-    uu, vv, uv = ((p * q).sum(axis=1) for p, q in ((whole_u, whole_u), (whole_v, whole_v), (whole_u, whole_v)))
-    # Rows of the strains over displacements along warp, weft: (w_u, 0), (0, w_v), (w_v, w_u)
-    matrix = np.empty((len(uu), 3, 3))
-    root = math.sqrt(stretch * shear)
-    matrix[:, 0, 0], matrix[:, 1, 1], matrix[:, 2, 2] = stretch * uu, stretch * vv, shear * (uu + vv)
-    matrix[:, 0, 1] = matrix[:, 1, 0] = 0.0
-    matrix[:, 0, 2] = matrix[:, 2, 0] = root * uv
-    matrix[:, 1, 2] = matrix[:, 2, 1] = root * uv
-    largest = np.linalg.eigvalsh(matrix)[:, -1].max(initial=0.0)
-    return math.sqrt(3.0 * float(largest) / area_density)

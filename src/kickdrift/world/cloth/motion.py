@@ -1,9 +1,7 @@
-"""The stage of the step that moves cloths: the semi-implicit Euler method, with parts of a substep for what is stiff.
+"""The stage of the step that moves cloths: the velocity Verlet method, in parts of a substep.
 
-Fabrics resist stretching much more than bending: what is stiff is kicked in every part of a substep, bending in every so many
-of them, as the impulse method does with forces of several speeds (see `kickdrift.methods.multirate`), and wind and gravity
-once. All of these are forces between particles along what they are for, so that momentum and angular momentum are those of what
-acts from outside, to the last digit.
+The first and the last kick of a substep are halves, so that what hangs still has no velocity. Forces between particles are
+along what they are for, so that momentum and angular momentum are kept to the last digit.
 """
 
 import math
@@ -13,7 +11,7 @@ from kickdrift.core.vectors import applied, cross, minus, plus, times, turned
 from kickdrift.world.cloth.bending import add_bending
 from kickdrift.world.cloth.contacts import resolve_contacts
 from kickdrift.world.cloth.layout import (
-    BENDING_PARTS,
+    BENT,
     FIRST_PARTICLE,
     LAST_PARTICLE,
     LINEAR_DAMPING,
@@ -23,6 +21,7 @@ from kickdrift.world.cloth.layout import (
     PIN_POSITION,
     PINNED_BODY,
     PINNED_PARTICLE,
+    STRAIN,
 )
 from kickdrift.world.cloth.membrane import add_membrane
 from kickdrift.world.cloth.wind import add_wind
@@ -40,6 +39,8 @@ from kickdrift.world.step_status import report_cloth
 from kickdrift.world.tables import (
     CLOTH,
     CLOTH_NUMBERS,
+    FACE_NUMBERS,
+    FOLD_NUMBERS,
     INVERSE_MASS,
     MOTION,
     PARTICLE,
@@ -49,6 +50,7 @@ from kickdrift.world.tables import (
     POSE,
     SETTINGS,
     STARTED_PARTICLE,
+    Tables,
     floats,
     integers,
     rows,
@@ -58,47 +60,46 @@ from kickdrift.world.tables import (
 @compiled
 def move_cloths(t: float, h: float, world: int) -> None:
     """Move all cloths through a substep, after the bodies have moved."""
-    cloths = integers(world, CLOTH)
+    cloths, push = integers(world, CLOTH), floats(world, SETTINGS)[0, PUSH_SPEED]
     _aim_pins(world, h)
     for cloth in range(rows(world, CLOTH)):
         add_wind(world, cloth, h)
-        parts, every = cloths[cloth, PARTS], cloths[cloth, BENDING_PARTS]
+        parts = cloths[cloth, PARTS]
         part = h / parts
-        for k in range(parts):
-            add_membrane(world, cloth, part)
-            if k % every == 0:  # half at both ends of the substep, as in the velocity Verlet method
-                share = 0.5 * (min(every, parts - k) + (min(every, parts) if k > 0 else 0))
-                add_bending(world, cloth, every * part, share)
-            _move(world, cloth, part)
-        add_bending(world, cloth, every * part, 0.5 * (parts - (parts - 1) // every * every))
-        _kick(world, cloth, part)
+        for k in range(parts + 1):
+            share = 0.5 if k in (0, parts) else 1.0
+            add_membrane(world, cloth, part, share, k == 0)
+            add_bending(world, cloth, part, share, k == 0)
+            _kick(world, cloth, part, share)
+            resolve_contacts(world, cloth, part, push if k < parts else 0.0)
+            if k < parts:
+                _drift(world, cloth, part)
         _check(world, cloth)
 
 
 @compiled
-def _kick(world: int, cloth: int, part: float) -> None:
-    """Add what the forces do in a part of a substep to the velocities, and let bodies feel those on what is pinned to them."""
+def _kick(world: int, cloth: int, part: float, share: float) -> None:
+    """Add what the forces and a share of gravity do in a part of a substep to the velocities of a cloth.
+
+    Bodies get what acts on the particles that are pinned to them.
+    """
     own, particle, force = integers(world, CLOTH), floats(world, PARTICLE), floats(world, PARTICLE_FORCE)
     _pull_bodies(world, part)
+    fall = times(share * part, vector_at(floats(world, SETTINGS), 0, GRAVITY))
+    keep = 1.0 / (1.0 + share * part * floats(world, CLOTH_NUMBERS)[cloth, LINEAR_DAMPING])
     for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
-        factor = part * particle[i, PARTICLE_INVERSE_MASS]
+        inverse_mass = particle[i, PARTICLE_INVERSE_MASS]
         for k in range(3):
-            particle[i, PARTICLE_VELOCITY + k] += factor * force[i, k]
+            if inverse_mass > 0.0:
+                kicked = particle[i, PARTICLE_VELOCITY + k] + part * inverse_mass * force[i, k] + fall[k]
+                particle[i, PARTICLE_VELOCITY + k] = keep * kicked
             force[i, k] = 0.0
 
 
 @compiled
-def _move(world: int, cloth: int, part: float) -> None:
-    """Kick and drift the particles of a cloth through a part of a substep."""
-    own, particle, settings = integers(world, CLOTH), floats(world, PARTICLE), floats(world, SETTINGS)
-    _kick(world, cloth, part)
-    fall = times(part, vector_at(settings, 0, GRAVITY))
-    keep = 1.0 / (1.0 + part * floats(world, CLOTH_NUMBERS)[cloth, LINEAR_DAMPING])
-    for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
-        if particle[i, PARTICLE_INVERSE_MASS] > 0.0:
-            for k in range(3):
-                particle[i, PARTICLE_VELOCITY + k] = keep * (particle[i, PARTICLE_VELOCITY + k] + fall[k])
-    resolve_contacts(world, cloth, part, part * settings[0, PUSH_SPEED])
+def _drift(world: int, cloth: int, part: float) -> None:
+    """Move the particles of a cloth with their velocities through a part of a substep."""
+    own, particle = integers(world, CLOTH), floats(world, PARTICLE)
     for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
         for k in range(3):
             particle[i, k] += part * particle[i, PARTICLE_VELOCITY + k]
@@ -147,8 +148,17 @@ def _check(world: int, cloth: int) -> None:
 
 @compiled
 def begin_cloths(t: float, h: float, world: int) -> None:
-    """Keep the particles as they are, in case the step cannot be done."""
+    """Keep the cloths as they are, in case the step cannot be done."""
     now, before = floats(world, PARTICLE), floats(world, STARTED_PARTICLE)
     for i in range(rows(world, PARTICLE)):
         for k in range(PARTICLE.width):
             before[i, k] = now[i, k]
+
+
+def roll_back_cloths(tables: Tables) -> None:
+    """Bring the cloths back to where the step began."""
+    tables.array(PARTICLE)[:] = tables.array(STARTED_PARTICLE)
+    tables.array(PARTICLE_FORCE)[:] = 0.0
+    # Where a substep begins they are only read to be multiplied by zero, which of infinity is none.
+    tables.array(FACE_NUMBERS)[:, STRAIN : STRAIN + 3] = 0.0
+    tables.array(FOLD_NUMBERS)[:, BENT] = 0.0

@@ -13,10 +13,11 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
 from kickdrift.world.cloth import layout as c
-from kickdrift.world.cloth.curvature import bending_rate, curvature_of, fold_measures
+from kickdrift.world.cloth.curvature import curvature_of, fold_measures
 from kickdrift.world.cloth.handle import Cloth
-from kickdrift.world.cloth.membrane import inverse_edges, membrane_rate
+from kickdrift.world.cloth.membrane import inverse_edges
 from kickdrift.world.cloth.mesh import NONE, ClothMesh, cloth_mesh, flattened
+from kickdrift.world.cloth.vibration import bending_rate, membrane_rate
 from kickdrift.world.names import Names
 from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.tables import (
@@ -44,7 +45,9 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 MOST_PARTS = 64  # of a substep; where a cloth is so stiff that it would take more, it is made softer
-_STABLE, _DAMPED = 1.2, 1.6  # of `_angle` without damping and with it, which have to be below 2
+# Kick and drift are stable up to 2 for the angle that a vibration turns by in a part, a = (rate part)^2 its square; damped ones
+# for sqrt(a (1 + 2 damping / part)). What is stretched is stiffer against shear, so that some is left.
+_STABLE, _DAMPED = 1.6, 1.8
 
 
 class Fabric(NamedTuple):
@@ -104,21 +107,22 @@ class Cloths:
         tables, row = self.tables, self.tables.count(CLOTH)
         first = [tables.count(table) for table in (PARTICLE, FACE, FOLD)]
         name = self.names.checked(name, row)
-        flat = flattened(mesh, warp)
+        flat, axes = flattened(mesh, warp)
         to_rest = inverse_edges(flat)
         areas = 0.5 / np.abs(to_rest[:, 0] * to_rest[:, 3] - to_rest[:, 1] * to_rest[:, 2])
-        masses = np.bincount(mesh.triangles.ravel(), weights=np.repeat(fabric.density * areas / 3.0, 3))
+        masses: Floats = np.bincount(mesh.triangles.ravel(), weights=np.repeat(fabric.density * areas / 3.0, 3))
         self._add_particles(mesh, masses)
         self._add_faces(mesh, to_rest, areas, first)
         numbers, own = tables.resize(CLOTH_NUMBERS, row + 1)[row], tables.resize(CLOTH, row + 1)[row]
         for k, table in enumerate((PARTICLE, FACE, FOLD)):
             own[[2 * k, 2 * k + 1]] = first[k], tables.count(table)
-        own[[c.PARTS, c.BENDING_PARTS]] = 1
+        own[c.PARTS] = 1
         numbers[c.ASKED : c.ASKED + 5] = fabric.stretch, fabric.shear, fabric.bending, fabric.damping, fabric.damping
         numbers[c.CLOTH_RADIUS], numbers[c.AREA_DENSITY] = 0.5 * fabric.thickness, fabric.density
         numbers[c.CLOTH_FRICTION], numbers[c.LINEAR_DAMPING] = fabric.friction, fabric.linear_damping
         numbers[c.DRAG], numbers[c.LIFT] = fabric.air_density * fabric.drag, fabric.air_density * fabric.lift
-        numbers[c.MEMBRANE_RATE] = membrane_rate(to_rest, fabric.density, fabric.stretch, fabric.shear)
+        stiffness = areas[:, None] * np.array([fabric.stretch, fabric.shear])
+        numbers[c.MEMBRANE_RATE] = membrane_rate(mesh, axes, to_rest, stiffness, masses)
         self.names.give(row, name)
         self._weigh_curvature(row)
         return Cloth(row, row, self)
@@ -151,14 +155,15 @@ class Cloths:
         mesh, own, numbers = self.mesh(row), self.tables.array(CLOTH)[row], self.tables.array(CLOTH_NUMBERS)[row]
         particles = self.tables.array(PARTICLE)[own[c.FIRST_PARTICLE] : own[c.LAST_PARTICLE]]
         faces = self.tables.array(FACE_NUMBERS)[own[c.FIRST_FACE] : own[c.LAST_FACE]]
-        flat = flattened(mesh, np.array([1.0, 0.0, 0.0]))  # any axes will do: the energy is that of an isotropic plate
+        flat, _ = flattened(
+            mesh, np.array([1.0, 0.0, 0.0])
+        )  # any axes will do: the energy is that of an isotropic plate
         curvature = curvature_of(mesh, flat, particles[:, c.PARTICLE_INVERSE_MASS] == 0.0)
         weights = curvature.weights.transpose(0, 2, 1).reshape(-1, 9)
         faces[:, c.CURVATURE_WEIGHTS : c.CURVATURE_WEIGHTS + 9] = weights
         bending = float(numbers[c.ASKED + 2])
-        numbers[c.BENDING_RATE] = bending_rate(
-            mesh, curvature, faces[:, c.FACE_AREA], particles[:, c.PARTICLE_MASS], bending
-        )
+        stiffness = bending * faces[:, c.FACE_AREA]
+        numbers[c.BENDING_RATE] = bending_rate(mesh, curvature, stiffness, particles[:, c.PARTICLE_MASS])
         self._substep = 0.0
 
     def mesh(self, row: int) -> ClothMesh:
@@ -252,6 +257,19 @@ class Cloths:
         stretch, shear, bending = row[first : first + 3].tolist()
         return stretch, shear, bending
 
+    def notes(self) -> str:
+        """Say of cloths that are softer than was asked how soft they are, and what would help."""
+        found = []
+        for row, numbers in enumerate(self.tables.array(CLOTH_NUMBERS)):
+            asked, used = numbers[c.ASKED : c.ASKED + 3], numbers[c.STRETCH : c.STRETCH + 3]
+            if self._substep > 0.0 and (used < asked).any():
+                stretch, bending = used[0], used[2]
+                found.append(
+                    f" The {self.words(row)} was softer than asked, {stretch:.3g} of {asked[0]:.3g} N/m and {bending:.3g} of "
+                    f"{asked[2]:.3g} N m, the most that the step allows; give more substeps or larger triangles."
+                )
+        return "".join(found)
+
     def _rows_of(self, cloth: Cloth, vertices: ArrayLike) -> Integers:
         count, chosen = len(self.particles(cloth)), np.atleast_1d(np.asarray(vertices))
         if chosen.dtype.kind not in "iu" or chosen.ndim != 1:
@@ -276,22 +294,16 @@ def _tune(own: Integers, numbers: Floats, substep: float) -> None:
     membrane, rate = numbers[[c.MEMBRANE_RATE, c.BENDING_RATE]].tolist()
     parts = min(max(math.ceil(substep * max(membrane, rate) / _STABLE), 1), MOST_PARTS)
     part = substep / parts
-    softer, limber = (min(1.0, _STABLE / (part * fastest)) ** 2 if fastest > 0.0 else 1.0 for fastest in (membrane, rate))
+    softer, limber = (
+        min(1.0, _STABLE / (part * fastest)) ** 2 if fastest > 0.0 else 1.0 for fastest in (membrane, rate)
+    )
     rate *= math.sqrt(limber)
-    every = 1
-    while 2 * every <= parts and _angle(rate, 2 * every * part, damping) <= _STABLE:
-        every *= 2
-    own[[c.PARTS, c.BENDING_PARTS]] = parts, every
+    own[c.PARTS] = parts
     numbers[[c.STRETCH, c.SHEAR, c.BENDING]] = softer * stretch, softer * shear, limber * bending
     numbers[c.MEMBRANE_DAMPING] = min(damping, _most_damping(math.sqrt(softer) * membrane, part))
-    numbers[c.BENDING_DAMPING] = min(damping, _most_damping(rate, every * part))
-
-
-def _angle(rate: float, part: float, damping: float) -> float:
-    """Return sqrt(a (1 + 2 c)), of which kick and drift are stable below 2: a = (rate part)^2 and c = damping / part."""
-    return rate * math.sqrt(part * (part + 2.0 * damping))
+    numbers[c.BENDING_DAMPING] = min(damping, _most_damping(rate, part))
 
 
 def _most_damping(rate: float, part: float) -> float:
-    """Return the largest damping, s, of which `_angle` is `_DAMPED`."""
+    """Return the largest damping, s, for which sqrt(a (1 + 2 damping / part)) is `_DAMPED`, with a = (rate part)^2."""
     return max(0.5 * ((_DAMPED / rate) ** 2 / part - part), 0.0) if rate > 0.0 else math.inf
