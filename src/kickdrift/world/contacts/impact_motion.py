@@ -95,7 +95,8 @@ def flown(h: float, world: int, body: int, when: float) -> Flight:
     # From where its last impact left it: what lies before that is no flight.
     last, spin = kicked[body, IMPACT_TIME], vector_at(kicked, body, SPIN)
     way = times(last, w)
-    q = product(exponential(way), q)
+    if last > 0.0:
+        q = product(exponential(way), q)
     if when > last:
         rest = times(when - last, mean_turn(when - last, q, symmetric_at(inertia, body, BODY_INERTIA), spin, w))
         q, way = product(exponential(rest), q), plus(way, rest)

@@ -15,8 +15,9 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.impact_motion import Flight, Place, arms_between, flown, place_of, vector_of
 from kickdrift.world.integration import ADDED
 from kickdrift.world.settings import MIDPOINT
-from kickdrift.world.tables import CONTACT, KICKED, SETTINGS, floats, integers
+from kickdrift.world.tables import CONTACT, KICKED, MOTION, SETTINGS, floats, integers
 
+_STILL = 0.1  # rad a substep
 _TURN = 0.25  # rad, of which a gap bends by a percent less than a parabola
 _MARCHES = 64  # through a substep at most; faster corners may be missed, and then hit late
 _ROUNDS = 8  # of Newton's method
@@ -24,8 +25,35 @@ _ENOUGH = 1e-12  # of the substep
 
 
 @compiled
-def find_time(h: float, world: int, row: int, own: Any, point: int, since: float, slowest: float) -> Any:
-    """Find when a point hits faster than the slowest that bounce.
+def rests(h: float, world: int, row: int, own: Any, slowest: float) -> bool:
+    """Whether no point of a contact can become as fast as what bounces within the substep, as of most things that lie."""
+    contact, motion = integers(world, CONTACT), floats(world, MOTION)
+    a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], vector_of(own, c.N)
+    across = dot(normal, minus(vector_at(motion, b, 0), vector_at(motion, a, 0)))
+    turn_a, turn_b = length(vector_at(motion, a, 3)), length(vector_at(motion, b, 3))
+    reach_a, reach_b = 0.0, 0.0
+    for k in range(contact[row, c.POINTS]):
+        anchor = c.ANCHORS + c.ANCHOR_SIZE * k
+        reach_a = max(reach_a, length(vector_of(own, anchor)) + own[(anchor + c.RADII) * c.WIDTH])
+        reach_b = max(reach_b, length(vector_of(own, anchor + c.ANCHOR_B)) + own[(anchor + c.RADII + 1) * c.WIDTH])
+    # Twice, as the angular velocity of what is not round grows in its flight
+    fastest = abs(across) + abs(_added(world, a, b, normal)) + 2.0 * (turn_a * reach_a + turn_b * reach_b)
+    return fastest < slowest and max(turn_a, turn_b) * h < _STILL
+
+
+@compiled
+def find_time(
+    h: float,
+    world: int,
+    row: int,
+    own: Any,
+    point: int,
+    since: float,
+    slowest: float,
+    flight_a: Flight,
+    flight_b: Flight,
+) -> Any:
+    """Find when a point hits faster than the slowest that bounce; its bodies fly so when the last impact has left them.
 
     Returns
     -------
@@ -38,8 +66,8 @@ def find_time(h: float, world: int, row: int, own: Any, point: int, since: float
         substep, or shapes that overlap there part as fast.
     """
     normal = vector_of(own, c.N)
-    gap, speed, bend = _gap(h, world, row, own, point, normal, since)
-    rate, most = _fastest_turn(h, world, row, own, point, normal, since)
+    gap, speed, bend = _gap(h, world, row, own, point, normal, flight_a, flight_b)
+    rate, most = _fastest_turn(h, world, row, own, point, normal, flight_a, flight_b)
     left = h - since
     if gap > 0.0 and gap + left * speed - 0.5 * most * left * left > 0.0:
         return math.inf, 0.0, most * left > slowest
@@ -54,7 +82,7 @@ def find_time(h: float, world: int, row: int, own: Any, point: int, since: float
             break
         first, above = when, gap > 0.0
         when = min(when + min(window, _until(gap, speed, bend) if above else window), h)
-        gap, speed, bend = _gap(h, world, row, own, point, normal, when)
+        gap, speed, bend = _gap_at(h, world, row, own, point, normal, when)
         for _ in range(_ROUNDS if above else 0):
             step = _until(gap, speed, bend)
             if abs(step) <= _ENOUGH * h:
@@ -62,7 +90,7 @@ def find_time(h: float, world: int, row: int, own: Any, point: int, since: float
             if gap == 0.0 or not first <= when + step <= min(first + window, h):
                 break
             when += step
-            gap, speed, bend = _gap(h, world, row, own, point, normal, when)
+            gap, speed, bend = _gap_at(h, world, row, own, point, normal, when)
         touches = min(touches, when if gap <= 0.0 else math.inf)
     return touches, 0.0, most * left > slowest
 
@@ -77,13 +105,21 @@ def _until(gap: float, speed: float, bend: float) -> float:
 
 
 @compiled
-def _gap(
+def _gap_at(
     h: float, world: int, row: int, own: Any, point: int, normal: Vector, when: float
 ) -> tuple[float, float, float]:
-    """Return the gap of a point at a time in the substep, and its first and second derivative."""
+    contact = integers(world, CONTACT)
+    flight_a, flight_b = flown(h, world, contact[row, c.BODY_A], when), flown(h, world, contact[row, c.BODY_B], when)
+    return _gap(h, world, row, own, point, normal, flight_a, flight_b)
+
+
+@compiled
+def _gap(
+    h: float, world: int, row: int, own: Any, point: int, normal: Vector, flight_a: Flight, flight_b: Flight
+) -> tuple[float, float, float]:
+    """Return the gap of a point where its bodies fly, and its first and second derivative."""
     contact = integers(world, CONTACT)
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
-    flight_a, flight_b = flown(h, world, a, when), flown(h, world, b, when)
     place_a, place_b = place_of(world, a, flight_a[0], flight_a[1]), place_of(world, b, flight_b[0], flight_b[1])
     arm_a, arm_b, between = arms_between(own, point, normal, place_a, place_b)
     speed = dot(
@@ -133,13 +169,12 @@ def _acceleration(flight: Flight, arm: Vector) -> Vector:
 
 @compiled
 def _fastest_turn(
-    h: float, world: int, row: int, own: Any, point: int, normal: Vector, since: float
+    h: float, world: int, row: int, own: Any, point: int, normal: Vector, flight_a: Flight, flight_b: Flight
 ) -> tuple[float, float]:
     """Bound how fast a point goes round, rad/s, and how its gap bends, m/s^2; what is round may spin about its core."""
     contact = integers(world, CONTACT)
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
     anchor = c.ANCHORS + c.ANCHOR_SIZE * point
-    flight_a, flight_b = flown(h, world, a, since), flown(h, world, b, since)
     place_a, place_b = place_of(world, a, flight_a[0], flight_a[1]), place_of(world, b, flight_b[0], flight_b[1])
     rate_a, most_a = _turn_of(own, anchor, anchor + c.RADII, c.AXES, normal, place_a, flight_a)
     rate_b, most_b = _turn_of(own, anchor + c.ANCHOR_B, anchor + c.RADII + 1, c.AXES + 3, normal, place_b, flight_b)

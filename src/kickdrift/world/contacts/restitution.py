@@ -24,8 +24,8 @@ from kickdrift.core.vectors import length
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.colouring import LINKED
-from kickdrift.world.contacts.impact_motion import constraint, is_moved, leave_impact, move_to_impact
-from kickdrift.world.contacts.impact_time import find_time
+from kickdrift.world.contacts.impact_motion import constraint, flown, is_moved, leave_impact, move_to_impact
+from kickdrift.world.contacts.impact_time import find_time, rests
 from kickdrift.world.contacts.simultaneous_impact import BOUNCE, ROW, SPEED, TIME, TIMES, find_impulses, meet, pushed
 from kickdrift.world.integration import IMPACT_TIME, NEXT_IMPACT
 from kickdrift.world.layout import RESTITUTION
@@ -185,10 +185,13 @@ def _find_times(h: float, world: int, row: int, hit: Any) -> bool:
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
     since = max(kicked[a, IMPACT_TIME], kicked[b, IMPACT_TIME])
     hit[TIME] = math.inf
+    if rests(h, world, row, own, slowest):
+        return False
+    flight_a, flight_b = flown(h, world, a, since), flown(h, world, b, since)
     for k in range(4):
         hit[TIMES + k] = math.inf
     for k in range(contact[row, c.POINTS]):
-        when, speed, free = find_time(h, world, row, own, k, since, slowest)
+        when, speed, free = find_time(h, world, row, own, k, since, slowest, flight_a, flight_b)
         hit[TIMES + k] = when
         if speed > 0.0 and when < hit[TIME]:
             hit[TIME], hit[SPEED] = when, speed
