@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from landings import FRICTIONS, RESTITUTIONS, SIZES, STEP, change_of_spin, energies, random_turn
+from landings import FRICTIONS, RESTITUTIONS, SIZES, STEP, axis_of, change_of_spin, energies, random_turn
 
 from kickdrift import World
 from kickdrift.core.vectors import turned, turned_back
@@ -52,6 +52,22 @@ def test_smooth_sticks_of_all_aspect_ratios_bounce_without_losing_energy(spin):
     for _ in range(30):
         world.advance(STEP, 5)
         assert np.array([energy_of(world, stick) for stick in sticks]) / before == pytest.approx(1.0, abs=2e-3)
+
+
+def test_what_spins_fast_on_the_floor_and_may_bounce_is_carried():
+    """Its points turn by a radian a substep, but hardly come nearer."""
+    world, tilt, surface = World(), 0.3, {"restitution": 0.5, "friction": 0.0}
+    world.add_plane(restitution=0.5, friction=0.5)
+    turn, axis = (np.cos(tilt / 2), np.sin(tilt / 2), 0, 0), np.array([0, -np.sin(tilt), np.cos(tilt)])
+    at = (0, 0, 0.05 + 0.15 * np.cos(tilt))
+    top = world.add_capsule(0.05, 0.3, position=at, orientation=turn, angular_velocity=200 * axis, **surface)
+    rotor = world.add_cylinder(
+        0.1, 0.4, position=(2, 0, 0.2), angular_velocity=(0, 0, 300), restitution=0.5, friction=0.5
+    )
+    for _ in range(60):
+        world.advance(STEP, 5)
+        lowest = top.position[2] - 0.15 * abs(axis_of(world, top)[2]) - 0.05
+        assert min(lowest, rotor.position[2] - 0.2) > -0.01
 
 
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])

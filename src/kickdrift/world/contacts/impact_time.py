@@ -62,8 +62,8 @@ def find_time(
     speed : float
         0.0 where it does not hit.
     free : bool
-        Whether the sweeps, which take velocities to be constant, are not to touch it: it may become as fast as that within the
-        substep, or shapes that overlap there part as fast.
+        Whether the sweeps, which take velocities to be constant, are not to touch it: it does not touch, but may become as
+        fast as that within the substep, or shapes that overlap there come to part as fast.
     """
     normal = vector_of(own, c.N)
     gap, speed, bend = _gap(h, world, row, own, point, normal, flight_a, flight_b)
@@ -71,9 +71,9 @@ def find_time(
     left = h - since
     if gap > 0.0 and gap + left * speed - 0.5 * most * left * left > 0.0:
         return math.inf, 0.0, most * left > slowest
-    if gap <= 0.0 and speed - most * left > -slowest:
-        return since, 0.0, max(speed, most * left) > slowest
-    when, touches = since, since if gap <= 0.0 else math.inf
+    if gap <= 0.0 and abs(speed) + most * left < slowest:
+        return since, 0.0, False
+    when, touches, leaves = since, since if gap <= 0.0 else math.inf, speed
     window = max(_TURN / max(rate, 1e-150), left / _MARCHES)
     for _ in range(4 * _MARCHES):
         if gap <= 0.0 and speed < -slowest:
@@ -91,8 +91,8 @@ def find_time(
                 break
             when += step
             gap, speed, bend = _gap_at(h, world, row, own, point, normal, when)
-        touches = min(touches, when if gap <= 0.0 else math.inf)
-    return touches, 0.0, most * left > slowest
+        touches, leaves = min(touches, when if gap <= 0.0 else math.inf), max(leaves, speed)
+    return touches, 0.0, leaves > slowest or (touches == math.inf and most * left > slowest)
 
 
 @compiled(inline=True)
