@@ -15,6 +15,7 @@ import numpy as np
 import kickdrift as kd
 from benchmarks.table import Row, at_most, measured, skipped
 
+WITH_BYTECODE = {"PYTHONDONTWRITEBYTECODE": ""}  # kept beside the sources, as after an installation
 JOB = [sys.executable, "-m", "kickdrift", "run", "solar-system"]
 _IMPORT = """
 import time
@@ -63,7 +64,8 @@ def _first_step(title: str, world: str, rounds: int) -> list[Row]:
 def _import(rounds: int) -> list[Row]:
     samples = []
     for _ in range(rounds + 1):
-        printed = subprocess.run([sys.executable, "-c", _IMPORT], check=True, capture_output=True, text=True).stdout
+        command, own = [sys.executable, "-c", _IMPORT], {**os.environ, **WITH_BYTECODE}
+        printed = subprocess.run(command, check=True, capture_output=True, text=True, env=own).stdout
         samples.append([float(part) for part in printed.split()])
     below, ours = zip(*samples[1:], strict=True)  # the first fills the file cache
     return [
@@ -84,7 +86,6 @@ def force(x):
 sol = kd.solve(force, t_span=(0.0, {end}), x0={x0}, v0={v0}, method="semi-implicit-euler", step=0.01, progress=False)
 print(time.perf_counter() - started, sol.wall_time)
 """
-_WITH_BYTECODE = {"PYTHONDONTWRITEBYTECODE": ""}  # kept beside the sources, as after an installation
 _BROADCAST = """d = x[:, None, :] - x[None, :, :]
     r2 = (d**2).sum(axis=2) + np.eye(x.shape[0])
     i6 = 1 / r2**3

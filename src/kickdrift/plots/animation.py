@@ -26,6 +26,7 @@ _DPI = 100
 _MOST_WORKERS = 4
 _LAST_SECONDS = 1.0  # that the last picture of a GIF stays, before it begins anew
 _NEARLY_WHITE = 247
+_PACKING = np.array([256**2, 256, 1], dtype=np.int32)  # of red, green and blue in one number
 _SAMPLES = 8  # pictures that the colours of a GIF are chosen from
 
 
@@ -164,7 +165,9 @@ def _palette(samples: Iterator[Pixels]) -> Any:
     """Choose the colours of all pictures at once: with colours of their own, what does not move would flicker."""
     from PIL import Image
 
-    colours, counts = np.unique(np.concatenate([s.reshape(-1, 3) for s in samples]), axis=0, return_counts=True)
+    packed = np.concatenate([sample.reshape(-1, 3) @ _PACKING for sample in samples])
+    numbers, counts = np.unique(packed, return_counts=True)  # of rows of three, it would take 5 s instead of 0.2
+    colours = (numbers[:, None] // _PACKING % 256).astype(np.uint8)
     # The square root leaves to bodies, which are small and shaded, their part beside a wide ground.
     weighted = np.repeat(colours, np.sqrt(counts).astype(np.intp), axis=0)
     palette = Image.fromarray(weighted[None]).quantize(255, method=Image.Quantize.MEDIANCUT)
