@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.startup import WITH_BYTECODE
+from benchmarks.environment import environment
 from benchmarks.table import Row, at_most, measured
 
 _README = Path(__file__).parent.parent / "README.md"
@@ -33,7 +33,7 @@ def compare(rounds: int) -> list[Row]:
 def _rows(title: str, compiled: bool) -> list[Row]:
     with tempfile.TemporaryDirectory() as folder:
         caches = {"NUMBA_CACHE_DIR": f"{folder}/numba", "MPLCONFIGDIR": f"{folder}/matplotlib"}
-        own = {**os.environ, **WITH_BYTECODE, **caches, "PYTHONPATH": os.pathsep.join(sys.path)}
+        own = environment(**caches, PYTHONPATH=os.pathsep.join(sys.path))
         rows = []
         if compiled:
             started = time.perf_counter()
