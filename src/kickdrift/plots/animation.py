@@ -91,6 +91,7 @@ class _Film:
         self.times = recording.t[0] + np.arange(count) * (speed / rate)
         workers = min(_MOST_WORKERS, os.cpu_count() or 1, count)
         self._painters = [Painter(recording, _PIXELS) for _ in range(workers)]
+        self._samples: dict[float, Pixels] = {}
         self._compose(speed)
 
     def _compose(self, speed: float) -> None:
@@ -127,7 +128,8 @@ class _Film:
     def samples(self) -> Iterator[Pixels]:
         """Paint some pictures from all over the film."""
         for time in self.times[np.unique(np.linspace(0, len(self.times) - 1, _SAMPLES).astype(np.intp))]:
-            yield self._finished(time, self._painters[0].paint(self.pose(time)))
+            self._samples[time] = self._finished(time, self._painters[0].paint(self.pose(time)))
+            yield self._samples[time]
 
     def __iter__(self) -> Iterator[Pixels]:
         """Paint all pictures, several at once."""
@@ -136,9 +138,11 @@ class _Film:
             started = perf_counter()
             for first in range(0, len(self.times), workers):
                 times = self.times[first : first + workers]
-                pictures = pool.map(lambda painter, time: painter.paint(self.pose(time)), self._painters, times)
-                for time, picture in zip(times, pictures, strict=True):
-                    yield self._finished(time, picture)
+                new = [time for time in times if time not in self._samples]
+                pictures = pool.map(lambda painter, time: painter.paint(self.pose(time)), self._painters, new)
+                painted = dict(zip(new, pictures, strict=True))
+                for time in times:
+                    yield self._finished(time, painted[time]) if time in painted else self._samples[time]
                 bar.show(first + len(times), perf_counter() - started)
 
     def _finished(self, time: float, picture: Pixels) -> Pixels:
