@@ -440,7 +440,9 @@ def test_problems_of_auto_are_of_the_kinds_of_their_candidates():
 def test_the_statements_of_a_page_have_their_lines():
     from benchmarks import readme
 
-    page = "title\n\n```python\nx = [1,\n     2]  # two\nprint(x)\n```\n\n```sh\nls\n```\n\n```python\nx.append(3)\n```\n"
+    page = (
+        "title\n\n```python\nx = [1,\n     2]  # two\nprint(x)\n```\n\n```sh\nls\n```\n\n```python\nx.append(3)\n```\n"
+    )
     assert [(line, first) for line, _, first in readme.statements_of(page)] == [
         (4, "x = [1,"),
         (6, "print(x)"),
