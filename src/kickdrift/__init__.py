@@ -24,7 +24,7 @@ from kickdrift.core.errors import (
 from kickdrift.core.outcomes import Outcome
 from kickdrift.core.version import VERSION
 from kickdrift.engine.impacts import Impacts, sphere_gaps
-from kickdrift.engine.solution import Presenters, Solution
+from kickdrift.engine.solution import Solution, SolutionPresenters
 from kickdrift.engine.solve import solve
 from kickdrift.engine.step_control import (
     HairerSoderlind,
@@ -161,11 +161,17 @@ def __getattr__(name: str) -> Any:
 
 
 # Solutions and worlds save, draw and report themselves with what lives on the floors above them.
-Solution.presenters = Presenters(
-    plot=plots.plot_solution, save=save, to_pandas=to_pandas, to_xarray=to_xarray, report=report
+Solution.presenters = SolutionPresenters(
+    plot=plots.plot_solution,
+    save=save,
+    to_pandas=to_pandas,
+    to_xarray=to_xarray,
+    report=report,
+    keep=_later("kickdrift.io.stored", "keep"),
 )
 EnsembleSolution.presenters = EnsemblePresenters(
     save=_later("kickdrift.io.ensemble_file", "save"),
+    keep=_later("kickdrift.io.stored", "keep"),
     to_xarray=ensemble_to_xarray,
     report=_later("kickdrift.io.ensemble_report", "report"),
 )

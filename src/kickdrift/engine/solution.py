@@ -28,6 +28,13 @@ class Presenters:
     report: Callable[..., str]
 
 
+@dataclass(frozen=True)
+class SolutionPresenters(Presenters):
+    """And that of a run whose rows are on disk: to be found there."""
+
+    keep: Callable[..., None]
+
+
 @dataclass(frozen=True, eq=False)
 class Solution:
     """States of a system at the times kept, and how the run went.
@@ -96,7 +103,7 @@ class Solution:
     continuation: Callable[[float], "Solution"] | None = field(default=None, repr=False)
     saved_to: str = ""
 
-    presenters: ClassVar[Presenters]
+    presenters: ClassVar[SolutionPresenters]
 
     @property
     def success(self) -> bool:
