@@ -3,6 +3,7 @@
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -39,7 +40,7 @@ def systems() -> None:
 
 def interpreted() -> None:
     """Solve what is not compiled, whose flows call compiled functions."""
-    brief = {"step": 0.01, "compile": False, "progress": False}
+    brief: dict[str, Any] = {"step": 0.01, "compile": False, "progress": False}
     curved = kd.Hamiltonian(dHdq=lambda q, p: q * (1 + p * p), dHdp=lambda q, p: p * (1 + q * q))
     for method in ("semi-implicit-euler", "gauss-4", "tao-4"):
         kd.solve(curved, (0.0, 0.02), 0.5, 0.0, method=method, **brief)
@@ -48,7 +49,7 @@ def interpreted() -> None:
 
 def runs() -> None:
     """Solve with steps that vary, events, impacts, constraints and decays, and several members at once."""
-    brief = {"t_span": (0.0, 0.02), "step": 0.01, "progress": False}
+    brief: dict[str, Any] = {"t_span": (0.0, 0.02), "step": 0.01, "progress": False}
     kepler = kd.systems.kepler(eccentricity=0.5)
     for control in ("distance", kd.LogarithmicHamiltonian()):
         kd.solve(kepler, step_control=control, **brief)
