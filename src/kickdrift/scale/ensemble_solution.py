@@ -13,7 +13,6 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.description import Description
 from kickdrift.engine.invariants import Invariants
 from kickdrift.engine.solution import Solution
-from kickdrift.scale.stored_array import StoredArray
 
 Floats = NDArray[np.float64]
 
@@ -62,8 +61,8 @@ class EnsembleSolution:
     """
 
     t: Floats
-    x: Floats | StoredArray
-    v: Floats | StoredArray
+    x: Floats
+    v: Floats
     invariants: Mapping[str, Floats]
     status: tuple[Outcome, ...]
     messages: tuple[str, ...]
