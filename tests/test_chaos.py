@@ -211,3 +211,14 @@ def test_sections_that_cannot_be_are_refused():
         analysis.poincare_section(OSCILLATOR, lambda x: x, (0.0, 1.0), step=0.1, direction=2)
     with pytest.raises(ArgumentError, match="is not a function"):
         analysis.poincare_section(OSCILLATOR, "x", (0.0, 1.0), step=0.1)
+
+
+def test_bodies_that_merge_are_refused_by_one_sentence():
+    planets = kd.systems.planetary([1, 1e-3], [[0, 0, 0], [1, 0, 0]], [[0, 0, 0], [0, 1, 0]], radii=[0.01, 0.001])
+    for call in (
+        lambda: analysis.lyapunov_exponent(planets, (0, 1.0), step=0.1),
+        lambda: kd.advise(planets, (0, 1.0), 1e-6),
+    ):
+        with pytest.raises(ArgumentError, match="Leave the radii out") as refused:
+            call()
+        assert str(refused.value).count("radii, and merge") == 1

@@ -233,6 +233,16 @@ def test_a_collision_of_points_ends_the_run_with_a_sentence():
     assert "No size of the next step" in sol.message
 
 
+@pytest.mark.parametrize("restitution", [1.0, 0.0])
+def test_points_that_meet_head_on_within_a_step_rebound_from_their_surfaces(restitution):
+    system = kd.systems.planetary([1.0, 1e-3, 1e-3], [[0, 0, 0], [1, 0, 0], [1.1, 0, 0]], np.zeros((3, 3)))
+    spheres = kd.Impacts(kd.sphere_gaps([0.005, 0.01, 0.01]), restitution=restitution)
+    sol = run(system, 0.3, 1.5, impacts=spheres)
+    fine = kd.solve(system, (0.0, 1.5), step=2e-4, method="dop853", impacts=spheres, progress=False)
+    assert sol.status is Outcome.COMPLETED
+    assert np.abs(sol.x[-1] - fine.x[-1]).max() < 1e-6
+
+
 # Mergers
 
 

@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 import kickdrift as kd
-from kickdrift.core.errors import ArgumentError
+from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.engine.progress import Bar
 from kickdrift.scale import chunks, executors, member_store
 
@@ -58,7 +58,7 @@ def test_what_is_on_disk_is_what_would_be_kept(threads, tmp_path):
     assert not stored.success[7]
     same(stored, whole)
     assert not isinstance(stored.x, np.ndarray)
-    assert stored.x.chunks == (20, 4, 2)
+    assert stored.x.chunks == (20, 3, 2)
     data, wanted = xr.open_zarr(tmp_path / "run.zarr").load(), whole.to_xarray()
     for name in (*wanted.data_vars, *wanted.coords):
         assert np.array_equal(data[name], wanted[name], equal_nan=data[name].dtype.kind == "f"), name
@@ -310,3 +310,66 @@ def test_a_cluster_without_workers_is_said(cluster, tmp_path, monkeypatch):
         solve(tmp_path / "run.zarr", executor=cluster)
     with ThreadPoolExecutor(2) as workers:
         same(solve(tmp_path / "run.zarr", executor=workers), solve())
+
+
+def test_chunks_along_time_are_as_long_as_each_other(tmp_path, monkeypatch):
+    monkeypatch.setattr(member_store, "_CHUNK", 150 * 5 * 2 * 8)
+    stored = solve(tmp_path / "run.zarr")
+    assert stored.x.shape[1] == 6
+    assert stored.x.chunks[1] == 3  # and not 5, of which four of the second chunk would hold nothing
+    same(stored, solve())
+
+
+def test_arrays_on_disk_are_indexed_as_those_of_numpy(tmp_path):
+    stored = solve(tmp_path / "run.zarr")
+    whole = np.asarray(stored.x)
+    mask = np.arange(len(whole)) % 3 == 0
+    keys = [
+        3,
+        -1,
+        np.int64(2),
+        ...,
+        slice(None, None, -1),
+        slice(7, 2, -2),
+        slice(5, 2),
+        slice(2, 5, 2),
+        mask,
+        [4, -1, 1],
+        [],
+    ]
+    for key in [
+        *keys,
+        (2, slice(None, None, -1), 0),
+        (slice(3, None, -1), -1),
+        (..., 1),
+        ([1, 2], slice(None, None, -1)),
+        (),
+    ]:
+        assert np.array_equal(stored.x[key], whole[key]), key
+    assert np.array_equal(list(stored.x), whole)
+    for key in (10**6, -(10**6), 1.5, "a", None, (0, 0, 0, 0), ([1], [1]), mask[:3], [10**6], [[1]], slice("a")):
+        with pytest.raises(ArgumentError, match=r"of an array on disk .* read all by \[:\]"):
+            stored.x[key]
+
+
+@pytest.mark.parametrize("problem", [None, kd.FirstOrder(lambda y: -y)], ids=["kepler", "first order"])
+def test_folders_are_loaded_as_what_was_returned(problem, tmp_path):
+    x, v = starts(20)
+    begin = (x, None if problem else v)
+    options = {"problem": problem, "begin": begin} | ({"method": "rk4"} if problem else {})
+    whole, stored = solve(**options), solve(tmp_path / "run.zarr", **options)
+    loaded = kd.load(tmp_path / "run.zarr")
+    same(loaded, whole)
+    assert loaded.saved_to == stored.saved_to
+    assert (loaded.about, loaded.wall_time, repr(loaded)) == (stored.about, stored.wall_time, repr(stored))
+    assert loaded[3].x.tobytes() == whole[3].x.tobytes()
+    same(solve(tmp_path / "run.zarr", **options), whole)
+
+
+def test_folders_of_runs_that_have_not_ended_are_no_solutions(tmp_path):
+    solve(tmp_path / "run.zarr")
+    (tmp_path / "run.zarr" / "solution.npz").unlink()
+    with pytest.raises(FileFormatError, match="make the same call again"):
+        kd.load(tmp_path / "run.zarr")
+    with pytest.raises(FileFormatError, match="a folder without"):
+        kd.load(tmp_path)

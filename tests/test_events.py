@@ -8,6 +8,7 @@ from scipy.special import ellipk
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.outcomes import Outcome
+from kickdrift.engine import quantities
 
 QUIET = {"compile": False, "progress": False}
 
@@ -308,3 +309,24 @@ def test_ctrl_c_in_search_of_zeros_keeps_the_run():
     sol = kd.solve(lambda x: -x, (0.0, 4.0), 1.0, 0.0, step=0.1, events=impatient, **QUIET)
     assert sol.t[-1] == 4.0
     assert "KeyboardInterrupt was raised" in sol.message
+
+
+def test_long_runs_have_their_events_compiled_into_the_loop_with_the_same_bits(monkeypatch):
+    def level(x, v):
+        return np.sin(x) * 1.5 - v
+
+    def run():
+        pendulum = kd.systems.pendulum()
+        return kd.solve(
+            pendulum, (0, 200.0), 1.0, 0.0, step=0.01, method="velocity-verlet", events=level, progress=False
+        )
+
+    monkeypatch.setattr(quantities, "_MANY", 1 << 62)
+    called = run()
+    inside, asked = quantities._evaluate_inside, []
+    monkeypatch.setattr(quantities, "_MANY", 64)
+    monkeypatch.setattr(quantities, "_evaluate_inside", lambda quantity: asked.append(quantity) or inside(quantity))
+    compiled = run()
+    assert asked
+    assert np.array_equal(compiled.t_events[0], called.t_events[0])
+    assert np.array_equal(compiled.x_events[0], called.x_events[0])

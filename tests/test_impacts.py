@@ -8,6 +8,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.core.outcomes import Outcome
 
 G = 9.81
+VERLET = {"method": "velocity-verlet"}
 
 
 def _falling(x):
@@ -325,6 +326,59 @@ def test_friction_between_bodies_is_refused():
 def test_radii_that_are_none(radii):
     with pytest.raises(ArgumentError, match="radii="):
         kd.sphere_gaps(radii)
+
+
+@pytest.mark.parametrize("located", [True, False])
+@pytest.mark.parametrize(
+    ("gap", "start"),  # they touch within a step, and at the end of one
+    [
+        (lambda x: abs(x - 0.5), 0.0033),
+        (lambda x: (x - 0.5) ** 2, 0.0033),
+        (lambda x: max(x - 0.5, 0.1 * (0.5 - x)), 0.0033),
+        (lambda x: abs(x - 0.5), 0.0),
+        (lambda x: (x - 0.5) ** 2, 0.0),
+    ],
+)
+def test_gaps_without_a_sign_end_the_run_where_bodies_would_pass_them(gap, start, located):
+    wall = kd.Impacts(gap, located=located)
+    sol = kd.solve(lambda x: 0.0 * x, (0, 3.0), start, 1.0, step=0.01, impacts=wall, compile=False, **VERLET)
+    assert sol.status is Outcome.NO_STEP
+    assert "negative nowhere around" in sol.message
+    assert sol.t[-1] == pytest.approx(0.5, abs=0.011)
+
+
+def test_a_graze_and_a_corner_are_no_gaps_without_a_sign():
+    corner = kd.Impacts(lambda x: max(x[0], x[1]))
+    sol = kd.solve(lambda x: 0.0 * x, (0, 3.0), [1, 1], [-1, -1], step=0.0103, impacts=corner, compile=False, **VERLET)
+    assert sol.success
+    assert sol.x.max(axis=1).min() > -1e-12
+    ball = kd.Impacts(lambda x: np.hypot(x[0], x[1]) - 1)
+    for above in (1e-12, 1e-9, 1e-4):
+        sol = kd.solve(
+            lambda x: 0.0 * x, (0, 3.0), [-2, 1 + above], [1.5, 0], step=0.1, impacts=ball, compile=False, **VERLET
+        )
+        assert sol.x[-1] == pytest.approx([2.5, 1 + above], abs=1e-12)
+
+
+def _pinched(t, x):
+    out = np.empty(2)
+    out[0], out[1] = x[0], 1.0 - t - x[0]
+    return out
+
+
+def _five_floors(x):
+    return x[0] * np.ones(5)
+
+
+def test_what_ends_a_run_with_impacts_is_said():
+    def run(gap, v, e):
+        hit = kd.Impacts(gap, restitution=e)
+        sol = kd.solve(lambda x: 0 * x - G, (0, 2.0), [0.5], [v], step=0.01, impacts=hit, compile=False, **VERLET)
+        assert sol.status is Outcome.NO_STEP
+        return sol.message
+
+    assert "no time between impacts" in run(_pinched, 0.3, 0.5)
+    assert "twice the numbers of the state" in run(_five_floors, 0.0, 0.0)
 
 
 def test_gaps_that_stop_being_numbers_end_the_run():

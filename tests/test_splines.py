@@ -192,3 +192,31 @@ def test_rounding_at_the_ends_is_inside():
 def test_tables_that_cannot_be_are_refused(t, values, options, reason):
     with pytest.raises(ArgumentError, match=reason):
         kd.spline(t, values, **options)
+
+
+def test_ensembles_that_leave_a_table_are_refused_before_the_run():
+    table = kd.spline(TIMES, np.sin(TIMES))
+
+    def driven_by_it(t, x):
+        return table(t) - x
+
+    def run(end, **options):
+        start = [[1.0], [2.0]], [[0.0], [0.0]]
+        return kd.solve_ensemble(
+            driven_by_it, (0.0, end), *start, step=0.01, method="leapfrog", save_every=100, **options
+        )
+
+    assert run(TIMES[-1]).success.all()
+    with pytest.raises(ArgumentError, match=r"leaves a table of kd\.spline"):
+        run(TIMES[-1] + 0.5)
+    switch = kd.spline(TIMES, TIMES - 2.0)
+    with pytest.raises(ArgumentError, match=r"leaves a table of kd\.spline"):
+        kd.solve_ensemble(
+            lambda x: -x,
+            (0.0, TIMES[-1] + 0.5),
+            [[1.0], [2.0]],
+            [[0.0], [0.0]],
+            step=0.01,
+            t_eval=[TIMES[-1] + 0.2],
+            switches=lambda t: switch(t),
+        )

@@ -318,3 +318,19 @@ def test_units_go_to_disk(tmp_path):
     )
     data = opened(tmp_path / "run.zarr")
     assert [data[name].attrs["units"] for name in ("time", "x", "v")] == ["s", "km", "km/s"]
+
+
+def test_a_folder_is_loaded_as_what_was_returned(tmp_path):
+    def level(x):
+        return x
+
+    options = {"step": 0.01, "events": level, "save_to": tmp_path / "run.zarr", "checkpoint": tmp_path / "kept"}
+    for end in (3.0, 6.0):
+        stored = kd.solve(kd.systems.pendulum(), (0, end), **options)
+        loaded = kd.load(tmp_path / "run.zarr")
+        for name in ("t", "x", "v", "energy"):
+            assert np.array_equal(getattr(loaded, name), getattr(stored, name)), name
+        assert np.array_equal(loaded.t_events[0], stored.t_events[0])
+        for name in ("status", "message", "saved_to", "n_steps", "about", "wall_time"):
+            assert getattr(loaded, name) == getattr(stored, name), name
+        assert loaded.to_xarray().identical(stored.to_xarray())

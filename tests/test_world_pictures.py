@@ -403,6 +403,13 @@ def test_bodies_are_between_the_states_where_a_film_needs_them(falling):
     assert np.array_equal(film.pose(1.0).position, made.x[1])
 
 
+def test_each_picture_of_a_film_is_painted_once(falling, tmp_path, small_pictures, monkeypatch):
+    painted, paint = [], Painter.paint
+    monkeypatch.setattr(Painter, "paint", lambda self, pose: painted.append(pose) or paint(self, pose))
+    frames, _ = frames_of(falling.animate(tmp_path / "film.gif", rate=10))
+    assert len(painted) == len(frames) > 1
+
+
 def test_the_same_film_has_the_same_bits(falling, tmp_path, small_pictures):
     first, second = (falling.animate(tmp_path / f"{n}.gif").read_bytes() for n in range(2))
     assert first == second

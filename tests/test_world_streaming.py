@@ -163,3 +163,47 @@ def test_the_command_line_sends_states_to_disk_and_goes_on(target, tmp_path, mon
     again = CliRunner().invoke(app, [*command, "--save-to", "run.zarr"])
     assert again.exit_code == 2
     assert "holds this run" in again.stderr
+
+
+def looped(world, count=50, **options):
+    with world.record(**options) as recording:
+        for _ in range(count):
+            world.step(STEP)
+    return recording
+
+
+@pytest.mark.parametrize("every", [1, 4])
+def test_a_loop_of_ones_own_goes_to_disk(every, tmp_path):
+    whole = looped(pile(), save_every=every)
+    streamed = looped(pile(), save_every=every, save_to=tmp_path / "run.zarr")
+    same(tmp_path / "run.zarr", whole)
+    for name in ("t", "x", "v", "orientation", "angular_velocity", "energy"):
+        assert np.array_equal(getattr(streamed, name), getattr(whole, name)[[0, -1]]), name
+    assert (streamed.status, streamed.n_steps) == (whole.status, whole.n_steps)
+    with pytest.raises(kd.ArgumentError, match="name another folder"):
+        looped(pile(), save_to=tmp_path / "run.zarr")
+
+
+def test_errors_in_a_loop_leave_the_rows_before_them(tmp_path, monkeypatch):
+    made = []
+
+    def growing(world):
+        with world.record(save_to=tmp_path / "run.zarr") as recording:
+            made.append(recording)
+            for _ in range(10):
+                world.step(STEP)
+            world.add_sphere(radius=0.1, mass=1.0, position=(0, 0, 9))
+            world.step(STEP)
+
+    with pytest.raises(kd.ArgumentError, match="add it before the recording"):
+        growing(pile())
+    assert made[0].status is kd.Outcome.FAILED
+    assert xr.open_zarr(tmp_path / "run.zarr").time.size == 11
+
+    def full(*_):
+        raise kd.core.errors.FileFormatError("the disk is full")
+
+    monkeypatch.setattr(zarr_store.ZarrStore, "append", full)
+    recording = looped(pile(), 3, save_to=tmp_path / "other.zarr")
+    assert recording.status is kd.Outcome.NOT_WRITTEN
+    assert "the disk is full" in recording.message

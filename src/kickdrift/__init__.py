@@ -162,10 +162,16 @@ def __getattr__(name: str) -> Any:
 
 # Solutions and worlds save, draw and report themselves with what lives on the floors above them.
 Solution.presenters = Presenters(
-    plot=plots.plot_solution, save=save, to_pandas=to_pandas, to_xarray=to_xarray, report=report
+    plot=plots.plot_solution,
+    save=save,
+    to_pandas=to_pandas,
+    to_xarray=to_xarray,
+    report=report,
+    keep=_later("kickdrift.io.stored", "keep"),
 )
 EnsembleSolution.presenters = EnsemblePresenters(
     save=_later("kickdrift.io.ensemble_file", "save"),
+    keep=_later("kickdrift.io.stored", "keep"),
     to_xarray=ensemble_to_xarray,
     report=_later("kickdrift.io.ensemble_report", "report"),
 )
@@ -177,6 +183,7 @@ Recording.presenters = WorldPresenters(
     to_pandas=to_pandas,
     to_xarray=recording_to_xarray,
     report=_later("kickdrift.io.recording_report", "report"),
+    keep=_later("kickdrift.io.stored", "keep"),
     animate=_later("kickdrift.plots.animation", "animate_recording"),
     save_world=_later("kickdrift.io.world_file", "save_world"),
     contents=_later("kickdrift.io.world_file", "contents"),

@@ -126,7 +126,7 @@ def advise(
     Raises
     ------
     ArgumentError
-        For a tolerance that is not between 1e-13 and 1, for Langevin dynamics and for constraints.
+        For a tolerance that is not between 1e-13 and 1, for Langevin dynamics, for constraints, and for bodies that merge.
     KickdriftError
         If the motion cannot be followed, or no method meets the tolerance.
 
@@ -144,6 +144,11 @@ def advise(
     t0, t1 = ends_of(t_span)
     start = start_of(problem, x0, v0)
     system = described(problem, t0, start.x, start.v, args)
+    if system.radii is not None:
+        raise ArgumentError(
+            f"bodies of {system.name!r} have radii, and merge where they touch, which method='close-encounters' alone does:"
+            " there is nothing to choose. Leave the radii out to compare methods."
+        )
     wanted = _chosen(methods, system)
     with np.errstate(all="ignore"):  # steps that are tried, and too long
         pilot = fly(Rates(system, start.x, start.v), t0, t1 - t0)

@@ -74,7 +74,7 @@ def lyapunov_exponent(
     Raises
     ------
     ArgumentError
-        For a count that cannot be, and what `kickdrift.solve` refuses.
+        For a count that cannot be, for bodies that merge, and what `kickdrift.solve` refuses.
     KickdriftError
         If the run does not reach its end.
 
@@ -92,6 +92,11 @@ def lyapunov_exponent(
     begin, end = ends_of(t_span)
     if not 0 < step_of(step) <= abs(end - begin):
         raise ArgumentError(f"step={step!r} must be positive, and a part of the length of t_span={t_span!r}.")
+    if isinstance(problem, System) and problem.radii is not None:
+        raise ArgumentError(
+            f"bodies of {problem.name!r} have radii, and merge where they touch: states part in no way that is linear there."
+            " Leave the radii out."
+        )
     n_steps = max(2, math.ceil(abs(end - begin) / step * (1 - 1e-12)))
     h = (end - begin) / n_steps
     steps = Steps(problem, method, h, x0, v0, t=begin, args=args, compile_=compile)

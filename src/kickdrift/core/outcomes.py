@@ -12,7 +12,7 @@ class Outcome(Enum):
     NOT_FINITE = "The state became infinite or not a number; the solution ends with the last good state."
     FAILED = "A function raised an error; the solution ends with the last good state."
     NOT_WRITTEN = "What was done could not be written, and the run ends there; what was written before is whole."
-    NO_STEP = "No size of the next step will do: what chooses it gives no number, has lost the motion, or it is lost beside t."
+    NO_STEP = "No size of the next step will do."
     NOT_CONVERGED = "The equations of an implicit step were not solved; the solution ends with the last good state."
 
     @property

@@ -4,7 +4,7 @@ from contextlib import closing
 from dataclasses import dataclass, replace
 from typing import Any
 
-from kickdrift.core.errors import ArgumentError
+from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.engine.grid import Course, Grid, lengthen
 from kickdrift.engine.report import report
 from kickdrift.engine.solution import Solution
@@ -52,7 +52,13 @@ class Continuation:
 def carry_out(journey: Journey) -> Solution:
     """Run to the end, or as far as it goes, and return what was kept."""
     with closing(journey):
-        return report(journey, journey.go(), Continuation)
+        solution = report(journey, journey.go(), Continuation)
+        if journey.store is not None:
+            try:
+                solution.presenters.keep(solution)
+            except FileFormatError as error:
+                solution = replace(solution, message=f"{solution.message} kickdrift.load will not find it: {error}")
+        return solution
 
 
 def _forgotten() -> None:

@@ -42,8 +42,8 @@ class Impacts:
     Parameters
     ----------
     gap : callable
-        How far each is from touching: a number, or an array of them, positive where nothing touches, with arguments named as
-        those of forces (x, t, params).
+        How far each is from touching: a number, or an array of them, positive where nothing touches and negative where bodies
+        overlap, with arguments named as those of forces (x, t, params). Through abs(x) they would pass; such a run ends there.
     restitution : float or array_like
         Newton's e, of each gap: the share of the closing speed with which it opens again, from 0 to 1.
     friction : float or array_like
@@ -59,9 +59,9 @@ class Impacts:
     -----
     A body whose rebounds have become shorter than a thousandth of a step rests on the surface, or slides along it, until
     nothing presses it on: by impulses at both ends of a step, as RATTLE has them, of second order for any method of that order
-    or higher, and with friction that holds what it can hold. What friction stops does so at the end of a step: where it slides
-    on from there, the other way, it has lost up to a step's time, and the order is one. Two zeros of a gap within one step are
-    not seen: take smaller steps than the shortest graze.
+    or higher, and with friction that holds what it can hold. Where the slip turns around or stops, the step is cut, as at
+    impacts; where these are not located, it is not, and the order is one. Two zeros of a gap within one step are not seen: take
+    smaller steps than the shortest graze.
 
     Examples
     --------

@@ -10,7 +10,17 @@ from numpy.typing import NDArray
 from kickdrift.core.interruption import next_chunk
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.events import Watch, Zero
-from kickdrift.engine.flows.layout import EVALUATIONS, FAILED_CONTROL, TAKEN_BACK, TROUBLE, estimated_errors
+from kickdrift.engine.flows.layout import (
+    CROWDED,
+    EVALUATIONS,
+    FAILED_CONTROL,
+    JAMMED,
+    NOT_HELD,
+    TAKEN_BACK,
+    TROUBLE,
+    UNSIGNED_GAP,
+    estimated_errors,
+)
 from kickdrift.engine.flows.table import FLOWS
 from kickdrift.engine.progress import Bar
 from kickdrift.engine.rows import Mark, Rows, Stretch
@@ -22,6 +32,25 @@ Floats = NDArray[np.float64]
 Failure = tuple[Outcome, str]  # and what there is to say about its cause
 _NEAR = 1e-9  # of a step: a zero that is so little after its end is in it
 _LEAST_SHARE = 10  # of the time of a chunk over that of the copy after it
+_NO_STEP = {
+    FAILED_CONTROL: " What chooses it gives no number, has lost the motion, or it is lost beside t.",
+    JAMMED: (
+        " There is no time between impacts or switches: bodies are caught where they fit exactly, a gap closes where its"
+        " gradient is zero, or both laws of a force lead back to its switch. Leave them some room, or take a lower restitution."
+    ),
+    NOT_HELD: (
+        " What rests cannot be kept on all its surfaces: they leave it no room, or curve too much within a step. Give it room,"
+        " or try a smaller step."
+    ),
+    CROWDED: (
+        " More gaps rest at once than twice the numbers of the state, and most of them say the same; give one gap to each"
+        " surface."
+    ),
+    UNSIGNED_GAP: (
+        " A gap of impacts has come to zero and grown again, and is negative nowhere around, so that nothing tells its sides"
+        " apart; give a function that is negative where bodies overlap, such as x for abs(x) or x**2."
+    ),
+}
 
 
 @dataclass(frozen=True)
@@ -174,8 +203,8 @@ class Run:
         except Exception as error:
             return step, mark, _raised(error)
         residual = self._state.work[TROUBLE]
-        if residual == FAILED_CONTROL:
-            return reached, mark, (Outcome.NO_STEP, "")
+        if residual in _NO_STEP:
+            return reached, mark, (Outcome.NO_STEP, _NO_STEP[residual])
         if residual != 0.0:
             why = "." if np.isfinite(residual) else ": a function gave no finite number, or the iteration ran away."
             return reached, mark, (Outcome.NOT_CONVERGED, f" The residual was {residual:.3g}{why}")
@@ -225,7 +254,7 @@ class Run:
         if outcome is not Outcome.COMPLETED:
             t = self.rows.time(good.step) if self._stop is None else self._stop.t
             message += f" It ends at t={t!r}, after {self.rows.steps_of(good.step)}.{cause}"
-        if outcome in (Outcome.NOT_FINITE, Outcome.NOT_CONVERGED, Outcome.NO_STEP):
+        if outcome in (Outcome.NOT_FINITE, Outcome.NOT_CONVERGED) or cause == _NO_STEP[FAILED_CONTROL]:
             message += " Try a smaller step."
         evaluations = good.mark.trials * program.evaluations
         evaluations += sum(FLOWS[name].evaluations for name in program.primers) + int(self._state.work[EVALUATIONS])

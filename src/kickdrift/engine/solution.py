@@ -26,6 +26,7 @@ class Presenters:
     to_pandas: Callable[..., Any]
     to_xarray: Callable[..., Any]
     report: Callable[..., str]
+    keep: Callable[..., None]
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,6 +13,7 @@ from kickdrift.core.errors import ArgumentError, FileFormatError, missing_extra
 from kickdrift.core.locking import FileLock, LockedError
 
 _RUN = "kickdrift_run"  # the attribute that tells runs apart
+KEPT = "solution.npz"  # what is kept of a solution beside its rows, once a run has ended
 
 
 class Array(NamedTuple):
@@ -93,7 +94,9 @@ class ZarrGroup:
             known = dict(self._zarr.open_group(self.path, mode="r", use_consolidated=False).attrs).get(_RUN)
         if known is None:
             raise ArgumentError(f"save_to={str(self.path)!r} is there already; name another folder, or remove it.")
-        if not (again and known == self._run):
+        if again and known == self._run:
+            (self.path / KEPT).unlink(missing_ok=True)
+        else:
             other = (
                 "holds another run" if known != self._run else "holds this run, which checkpoint=... would go on with"
             )

@@ -30,6 +30,13 @@ def save(solution: EnsembleSolution, path: str | Path) -> Path:
     FileFormatError
         If the file cannot be written there.
     """
+    header, arrays = contents(solution)
+    arrays |= {"x": solution.x, "v": solution.v}
+    return archive.write(path, header, arrays | {INVARIANT + name: a for name, a in solution.invariants.items()})
+
+
+def contents(solution: EnsembleSolution) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+    """Return the header and the arrays of a file, but for the rows."""
     outcomes = list(dict.fromkeys(zip(solution.status, solution.messages, strict=True)))
     places = {outcome: k for k, outcome in enumerate(outcomes)}
     header = {
@@ -38,12 +45,10 @@ def save(solution: EnsembleSolution, path: str | Path) -> Path:
         "wall_time": solution.wall_time,
         "about": asdict(solution.about),
     }
-    arrays: dict[str, NDArray[Any]] = {"t": solution.t, "x": solution.x, "v": solution.v}
+    arrays: dict[str, NDArray[Any]] = {"t": solution.t}
     arrays["outcome"] = np.array([places[outcome] for outcome in zip(solution.status, solution.messages, strict=True)])
     arrays |= {name: getattr(solution, name) for name in _OF_MEMBERS}
-    arrays |= {INVARIANT + name: values for name, values in solution.invariants.items()}
-    arrays |= {_PARAMETER + name: values for name, values in solution.parameters.items()}
-    return archive.write(path, header, arrays)
+    return header, arrays | {_PARAMETER + name: values for name, values in solution.parameters.items()}
 
 
 def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> EnsembleSolution:

@@ -13,11 +13,17 @@ from kickdrift.scale.ensemble_solution import EnsembleSolution
 def load(path: str | Path) -> Solution | EnsembleSolution:
     """Read a solution, that of an ensemble, or the recording of a world, that their method `save` wrote.
 
+    Of a folder that ``save_to=`` filled it is what `kickdrift.solve` or `kickdrift.solve_ensemble` returned.
+
     Raises
     ------
     FileFormatError
         If there is no such file, or it is not a solution.
     """
+    if isinstance(path, str | Path) and "\0" not in str(path) and Path(path).is_dir():
+        from kickdrift.io.stored import load_stored  # as ensembles are imported, which others need not wait for
+
+        return load_stored(Path(path))
 
     def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Solution | EnsembleSolution:
         if head["format"] == archive.RECORDING:

@@ -214,7 +214,13 @@ def _run(
         )
     finally:
         bar.close()
-    return _solution(prepared, results, store, time.perf_counter() - started)
+    solution = _solution(prepared, results, store, time.perf_counter() - started)
+    if store is not None:
+        try:
+            solution.presenters.keep(solution)
+        except FileFormatError as error:
+            warnings.warn(f"kickdrift.load will not find it: {error}", RuntimeWarning, stacklevel=depth_of_caller())
+    return solution
 
 
 def _threads(threads: int | None) -> int:

@@ -22,6 +22,7 @@ class EnsemblePresenters:
     """What the solution of an ensemble can do on the floors above: the package hands it down when it is imported."""
 
     save: Callable[..., Path]
+    keep: Callable[..., None]
     to_xarray: Callable[..., Any]
     report: Callable[..., str]
 
@@ -35,8 +36,8 @@ class EnsembleSolution:
     t : (T,) array
         Times kept.
     x, v : (M, T, *shape) array
-        Positions and velocities, NaN after the last good row of a member that failed. Of rows that went to disk they are arrays
-        of Zarr, as are the invariants: ``x[3]`` reads a member, ``x[:]`` all.
+        Positions and velocities, NaN after the last good row of a member that failed. Of rows that went to disk they are
+        arrays there, as are the invariants: ``x[3]`` reads a member, ``x[:]`` all.
     invariants : mapping of str to array
         Conserved quantities at those times, (M, T) or (M, T, size), each evaluated when it is first asked for.
     status : tuple of Outcome

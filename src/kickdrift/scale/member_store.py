@@ -1,18 +1,20 @@
 """Members in a Zarr group on disk: whoever runs a chunk of them writes it, whole and once."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.errors import ArgumentError, FileFormatError
+from kickdrift.core.errors import ArgumentError, FileFormatError, missing_extra
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.description import Description, unit_attributes
 from kickdrift.engine.zarr_group import Array, ZarrGroup
 from kickdrift.scale.prepared import Prepared
 from kickdrift.scale.results import Results
+from kickdrift.scale.stored_array import StoredArray
 
 _CHUNK = 1 << 24  # bytes of an array, at most, where a member has not more
 _TEXT = f"<U{max(len(outcome.name) for outcome in Outcome)}"
@@ -84,7 +86,7 @@ class MemberStore(ZarrGroup):
 
     def array(self, name: str) -> Any:
         """Return an array of all members, which reads what is asked of it."""
-        return self._group[_key(name)]
+        return StoredArray(self._group[_key(name)])
 
     def put(self, first: int, prepared: Prepared, results: Results) -> Results:
         """Write the members of a chunk from the `first` on; return what is known of them beside their rows.
@@ -142,12 +144,13 @@ class MemberStore(ZarrGroup):
                 if name != "step":
                     self._label(name, np.asarray(values), ("member", "parameter")[: np.ndim(values)], "")
             for name, array in arrays.items():
-                member = 8 * int(np.prod(array.shape, initial=1))
+                most = max(1, _CHUNK // (8 * size * int(np.prod(array.shape, initial=1))))
+                parts = -(-times // most)  # as long as each other, as Zarr fills up the last one
                 self._add(
                     name,
                     "float64",
                     (members.count, times, *array.shape),
-                    (size, min(times, max(1, _CHUNK // (size * member))), *array.shape),
+                    (size, -(-times // parts), *array.shape),
                     ("member", "time", *array.dimensions),
                     unit_attributes(array.unit),
                     np.nan,
@@ -191,6 +194,22 @@ class MemberStore(ZarrGroup):
         for i in done:
             results.status[i], results.messages[i] = Outcome[str(status[i])], str(messages[i])
         results.done[done] = True
+
+
+def arrays_of(path: Path) -> Callable[[str], Any]:
+    """Return what reads the arrays of a group by their names.
+
+    Raises
+    ------
+    MissingExtraError
+        If zarr is not installed.
+    """
+    try:
+        import zarr
+    except ImportError:
+        raise missing_extra("kickdrift.load of a folder", "zarr", "zarr") from None
+    group: Any = zarr.open_group(path, mode="r", use_consolidated=True)
+    return lambda name: StoredArray(group[_key(name)])
 
 
 def _key(name: str) -> str:

@@ -17,6 +17,7 @@ from kickdrift.engine.method_selection import Choice, check_direction, choose
 from kickdrift.engine.problem_adapter import Adapter
 from kickdrift.engine.start import parameters, start_of
 from kickdrift.engine.steering import Steering
+from kickdrift.engine.table_ranges import tables_of
 from kickdrift.methods import Method
 from kickdrift.scale.members import Members
 from kickdrift.scale.results import Results
@@ -189,9 +190,13 @@ def prepare(
         chosen = choose(settings.method, settings.order, system, first.t0, first.step, span, **defaults)
         check_direction(chosen.method, first.step)
         driven, controller = steering.ready(lead.problem_of(0), system, chosen.method, first, adapter, lead.step_of(0))
+        functions = lead.problem_of(0), steering.control, steering.impacts, steering.switches
+        tables = tables_of(functions, driven, chosen.method, controller, ())
     for cohort in cohorts:
         if isinstance(cohort.grid, Grid):
             check_between(system, cohort.grid)
+        if tables is not None:
+            tables.check(cohort.grid)
     return Prepared(members, settings, system, chosen, cohorts, t, controller, driven)
 
 

@@ -72,7 +72,7 @@ class KeepsHistory:
         kept = Kept(checkpoint, checkpoint_every, checkpoint_keep, save_to)
         return run(self._world, duration, step, save_every, progress, kept)
 
-    def record(self, save_every: int = 1) -> AbstractContextManager[Recording]:
+    def record(self, save_every: int = 1, *, save_to: str | Path | None = None) -> AbstractContextManager[Recording]:
         """Record the steps of a loop of one's own.
 
         >>> with world.record(save_every=2) as recording:
@@ -85,6 +85,8 @@ class KeepsHistory:
         ----------
         save_every : int
             Keep the state at the beginning, after every n-th step, for n = `save_every`, and after the last one.
+        save_to : path, optional
+            A folder to which the rows go in place of memory, as those of `run`. All bodies have to be there at the start.
 
         Returns
         -------
@@ -95,9 +97,12 @@ class KeepsHistory:
         Raises
         ------
         ArgumentError
-            For a `save_every` that cannot be, and for a world that is being recorded already; in the block, for `restore`.
+            For a `save_every` or a `save_to` that cannot be, and for a world that is being recorded already; in the block, for
+            `restore`, and for bodies that are added where rows go to disk.
+        FileFormatError
+            In the block, if rows cannot be written.
         """
-        return record(self._world, save_every)
+        return record(self._world, save_every, save_to)
 
     @alone
     def snapshot(self) -> Snapshot:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.description import Description
@@ -171,13 +172,15 @@ class Recorder:
     world : World
     save_every : int
         Steps from row to row.
+    rows : RecordingRows
     """
 
-    def __init__(self, world: "World", save_every: int) -> None:
-        self._world, self._every, self._rows = world, save_every, RecordingRows(world, 64)
+    def __init__(self, world: "World", save_every: int, rows: RecordingRows) -> None:
+        self._world, self._every, self._rows = world, save_every, rows
         self.n_steps, self._evaluations = 0, 0
         self._step, self._seconds = 0.0, 0.0
-        self._rows.keep(world.time)
+        rows.begin()
+        rows.keep(world.time)
 
     @property
     def steps_to_row(self) -> int:
@@ -193,9 +196,15 @@ class Recorder:
             self._step = max(self._step, step)
             if self.n_steps % self._every == 0:
                 self._rows.keep(time)
+                self._rows.drain()
 
     def recording(self, outcome: Outcome, message: str) -> Recording:
         """Keep the last state too, and return what was kept."""
-        if self.n_steps % self._every:
-            self._rows.keep(self._world.time)
+        try:
+            if self.n_steps % self._every:
+                self._rows.keep(self._world.time)
+            self._rows.close(outcome)
+        except (ArgumentError, FileFormatError) as error:
+            if outcome is Outcome.COMPLETED:
+                outcome, message = Outcome.NOT_WRITTEN, f"{Outcome.NOT_WRITTEN.value} {error}"
         return self._rows.recording(outcome, message, self._step, self.n_steps, self._evaluations, self._seconds)

@@ -3,9 +3,9 @@
 import math
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager, nullcontext
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -96,14 +96,23 @@ def _run(
 
 
 @contextmanager
-def record(world: "World", save_every: int) -> Iterator[Recording]:
+def record(world: "World", save_every: int, save_to: Any) -> Iterator[Recording]:
     """Record the steps that are done in a block; see `World.record`."""
     if isinstance(save_every, bool) or not (isinstance(save_every, int | np.integer) and save_every >= 1):
         raise ArgumentError(f"save_every={save_every!r} has to be a whole number of steps, one or more.")
     if world.recorder is not None:
         raise ArgumentError("the world is being recorded already; end that recording first, or keep more of its steps.")
+    store = None if save_to is None else ZarrStore(save_to, "a loop that was recorded")
+    with nullcontext() if store is None else closing(store):
+        if store is not None:
+            store.check(again=False)
+        rows = RecordingRows(world, 64) if store is None else StreamedRecordingRows(world, store)
+        yield from _recorded(world, Recorder(world, save_every, rows))
+
+
+def _recorded(world: "World", recorder: Recorder) -> Iterator[Recording]:
     recording = Recording.__new__(Recording)
-    world.recorder = recorder = Recorder(world, save_every)
+    world.recorder = recorder
     outcome, message = Outcome.COMPLETED, "The end of what was to be recorded was reached."
     try:
         yield recording

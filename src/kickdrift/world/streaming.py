@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.errors import ArgumentError
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.zarr_group import Array
 from kickdrift.engine.zarr_store import ZarrStore
@@ -60,7 +61,18 @@ class StreamedRecordingRows(RecordingRows):
         self._store.create(words, arrays, {**about.coordinates, "quaternion": list("wxyz")})
 
     def keep(self, t: float) -> None:
-        """Add a row for a time."""
+        """Add a row for a time.
+
+        Raises
+        ------
+        ArgumentError
+            If there are more bodies than at the start.
+        """
+        if len(self._world.position) > self._bodies:
+            raise ArgumentError(
+                f"a body was added while rows of {self._bodies} go to save_to={self.saved_to!r}; add it before the recording,"
+                " or record into memory."
+            )
         super().keep(t)
         row = self.count - self.first - 1
         self._last = {name: values[row : row + 1].copy() for name, values in self._rows.items()}

@@ -1,7 +1,17 @@
 """The flows that choose the size of steps, or cut them: what the engine knows of each."""
 
 from kickdrift.core.compilation import Function
-from kickdrift.engine.flows import cuts, error_control, impact, resting, step_density, surfaces, time_transformation
+from kickdrift.engine.flows import (
+    cuts,
+    error_control,
+    impact,
+    passing,
+    resting,
+    sliding,
+    step_density,
+    surfaces,
+    time_transformation,
+)
 from kickdrift.engine.flows.record import Flow
 
 _DENSITY: dict[str, Function] = {
@@ -21,6 +31,7 @@ _SURFACES: dict[str, Function] = {
     "reach": resting.reach_surfaces,
     "hold_listed": resting.hold_to_surfaces,
     "hold_on": resting.hold,
+    "has_no_other_side": passing.look_around,
     "settle": resting.find_resting,
 }
 
@@ -87,7 +98,11 @@ CONTROLS = {
             "put_back": impact.move_to_surface,
             "strike": impact.give_impulse,
             "strike_all": impact.strike_rows,
+            "gap_on_way": passing.find_gap_on_way,
+            "is_unsigned": passing.touches_without_sign,
+            "look_for_passes": passing.look_for_unsigned,
             "cross": impact.cross_switch,
+            "stop": sliding.stop_slip,
         },
         moves_x=True,
         moves_v=True,

@@ -3,7 +3,9 @@
 Templates, around the letters of a step: `begin_cut` keeps the state, and `end_cut` looks where the step has led. Where a gap is
 no longer positive the time at which it closes is searched by steps of other sizes from the same start, by the Illinois rule and
 halves (M. Dowell, P. Jarratt, BIT 11, 168 (1971)). There the impact happens, or the law of the force changes, and the next step
-is what is left of the first. Where impacts are not located, they happen after the step.
+is what is left of the first. So are steps cut in which the slip of what slides with friction turns around, as the force
+jumps there. Where impacts are not located, they happen after the step. A step that leads
+to no state is halved until it does.
 """
 
 from collections.abc import Callable
@@ -21,15 +23,17 @@ from kickdrift.engine.flows.layout import (
     END,
     FAILED_CONTROL,
     FIRST_STEP,
+    JAMMED,
     REJECTED,
     TROUBLE,
     at_end,
     own_params,
 )
-from kickdrift.engine.flows.resting import FREE as FLIES
-from kickdrift.engine.flows.resting import FREE_V, FREE_X, RESTS, let_go
+from kickdrift.engine.flows.resting import FREE_V, FREE_X, let_go
+from kickdrift.engine.flows.sliding import least_slip, least_slip_at_start
 from kickdrift.engine.flows.surfaces import (
     BEFORE,
+    FLIES,
     HIGH,
     HIGH_GAP,
     HIT,
@@ -42,11 +46,14 @@ from kickdrift.engine.flows.surfaces import (
     OPENS,
     PLACE_OF_SIDES,
     RESTING,
+    RESTS,
     ROUNDS,
     SHORT,
     SIDE,
+    SLIP,
     SWITCH,
     TOUCHES,
+    TURNED,
     WHOLE,
     row_of,
     size_of,
@@ -60,9 +67,11 @@ strike_all: Callable[..., None] = unbound
 settle: Callable[..., None] = unbound
 hold_on: Callable[..., None] = unbound
 cross: Callable[..., None] = unbound
+stop: Callable[..., None] = unbound
+look_for_passes: Callable[..., None] = unbound
 find_sides: Callable[..., None] = unbound
 
-FREE, SEARCHING, LAST = 0.0, 1.0, 2.0  # modes
+FREE, SEARCHING, LAST, SHORTENED = 0.0, 1.0, 2.0, 3.0  # modes
 _MOST_ROUNDS = 200
 _ROUNDING = 2.220446049250313e-16
 _MOST_SHORT = 100.0  # cuts in a row without time between: a switch that both laws lead back to
@@ -90,10 +99,12 @@ def narrow(size: float, gap: float, work: Floats) -> None:
 
 @compiled
 def note_closed(least: float, work: Floats) -> None:
-    """Note what has closed where a trial has led: what is nearer than that."""
+    """Note what has closed or turned around where a trial has led: what is nearer than that."""
     now, hit, resting = row_of(NOW, work), row_of(HIT, work), row_of(RESTING, work)
+    slip, turned = row_of(SLIP, work), row_of(TURNED, work)
     for row in range(hit.size):
         hit[row] = 1.0 if now[row] < least and resting[row] == FLIES else 0.0
+        turned[row] = 1.0 if slip[row] < least else 0.0
 
 
 @compiled
@@ -105,7 +116,7 @@ def choose_size(last: float, x: Floats, work: Floats) -> bool:
     found = 0.0 < low == last and own[LOW_GAP] <= 4.0 * _ROUNDING * size_of_x
     if found:
         note_closed(4.0 * _ROUNDING * size_of_x, work)
-    if low == 0.0 and own[LOW_GAP] <= TOUCHES * size_of_x and high > tolerance:
+    if low == 0.0 and own[LOW_GAP] <= TOUCHES * size_of_x and high > tolerance and something_is_hit(work):
         size = 0.5 * high
         if closes_at_once(work):
             own[MODE], size = LAST, tolerance
@@ -121,6 +132,15 @@ def choose_size(last: float, x: Floats, work: Floats) -> bool:
         own[MODE] = LAST
     work[DENSITY] = abs(work[FIRST_STEP]) / size
     return bool(size != last or own[MODE] != LAST)
+
+
+@compiled
+def something_is_hit(work: Floats) -> bool:
+    """Whether a gap has closed, and not only a slip turned around."""
+    hit, some = row_of(HIT, work), False
+    for row in range(hit.size):
+        some = some or hit[row] != 0.0
+    return some
 
 
 @compiled
@@ -148,6 +168,18 @@ def opens_no_more(touches: float, work: Floats) -> bool:
         elif hit[row] != 0.0:
             row_of(RESTING, work)[row] = RESTS
         hit[row] = 0.0
+    return True
+
+
+@compiled
+def shorten(size: float, work: Floats) -> bool:
+    """Halve a step that leads to no state, as between points that meet head-on, unless it is none then."""
+    own = own_params(work)
+    if own[MODE] not in (FREE, SHORTENED) or 0.5 * size < _SLIVER * abs(work[FIRST_STEP]):
+        return False
+    own[MODE] = SHORTENED
+    work[DENSITY] = abs(work[FIRST_STEP]) / (0.5 * size)
+    work[TROUBLE], work[REJECTED] = 0.0, 1.0
     return True
 
 
@@ -204,24 +236,37 @@ def begin_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Fl
 
 def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Take the step, or choose how long it is to be."""
-    hold_on(t, h, x, v, work)
-    own, size, gap = own_params(work), abs(work[FIRST_STEP] / work[DENSITY]), find_gaps(t, x, v, work)
-    cut = own[MODE] != FREE or gap < 0.0
+    own, size, turned, gap = own_params(work), abs(work[FIRST_STEP] / work[DENSITY]), row_of(TURNED, work), 0.0
+    if work[TROUBLE] != FAILED_CONTROL:
+        hold_on(t, h, x, v, work)
+        gap = find_gaps(t, x, v, work)
+    if work[TROUBLE] == FAILED_CONTROL and shorten(size, work):
+        take_back(x, v, work)
+        return
+    if own[MODE] != LAST:
+        gap = min(gap, least_slip(v, work))
+    cut = own[MODE] in (SEARCHING, LAST) or gap < 0.0
     if cut and own[LOCATED] != 0.0 and own[MODE] != LAST:
+        if own[ROUNDS] == 0.0:
+            own[LOW_GAP] = min(own[LOW_GAP], least_slip_at_start(work))
         narrow(size, gap, work)
         if choose_size(size, x, work):
             take_back(x, v, work)
             work[REJECTED] = 1.0
             return
+    look_for_passes(t, h, x, v, work)
     if cut:
         hit, switch = row_of(HIT, work), row_of(SWITCH, work)
         for row in range(hit.size):
             if hit[row] != 0.0 and switch[row] != 0.0:
                 cross(row, t, x, v, params, work)
+            if turned[row] != 0.0:
+                stop(row, t, x, v, work)
+                turned[row] = 0.0
         strike_all(t, x, v, params, work)
         own[SHORT] = own[SHORT] + 1.0 if size < _SLIVER * abs(work[FIRST_STEP]) else 0.0
         if own[SHORT] > _MOST_SHORT:
-            work[TROUBLE] = FAILED_CONTROL
+            work[TROUBLE] = JAMMED
     let_go(work)
     accept_cut(size, work)
 

@@ -17,15 +17,17 @@ from numpy.typing import NDArray
 from kickdrift.core.compilation import compiled, unbound
 from kickdrift.core.elementwise import assign
 from kickdrift.engine.flows.layout import END, EVALUATIONS, FIRST_STEP, VELOCITY, has_part, own_params
-from kickdrift.engine.flows.resting import FREE, RESTS, speed_of
+from kickdrift.engine.flows.resting import speed_of
 from kickdrift.engine.flows.surfaces import (
     BODY_SIZE,
+    FLIES,
     FRICTION,
     HIT,
     LOCATED,
     NOW,
     RESTING,
     RESTITUTION,
+    RESTS,
     SIDE,
     SQUARE,
     SWITCH,
@@ -112,7 +114,7 @@ def give_impulse(row: int, t: float, x: Floats, v: Floats, params: Floats, work:
     pull = pull_to(row, speed, square, t, x, v, params, work)
     restitution, rests = row_of(RESTITUTION, work)[row], row_of(RESTING, work)
     flight, share = (-2.0 * restitution * speed, REST) if located else (-2.0 * speed, 2.0)
-    rests[row] = FREE
+    rests[row] = FLIES
     if pull < 0.0 and flight <= -pull * share * abs(work[FIRST_STEP]):
         restitution = 0.0
         rests[row] = RESTS

@@ -81,7 +81,8 @@ SHADOW = -28  # where the copy of the memory of the flows starts, of steps that 
 TAKEN_BACK = -29  # steps that a flow has taken back itself
 DENSITY_HERE = -27  # what the function gives as the density after the last step
 SMALLEST, LARGEST = -24, -25  # of the steps taken
-FAILED_CONTROL = -1.0  # the residual where no size of the step will do
+FAILED_CONTROL, JAMMED, NOT_HELD, CROWDED, UNSIGNED_GAP = -1.0, -2.0, -3.0, -4.0, -5.0
+"""Residuals where no size of the step will do: in general; and of impacts, see `kickdrift.core.outcomes`."""
 _SCRATCH = -1  # of the words in front of work
 _LINE = 8  # numbers in a cache line
 _WORDS = (1 + len(PARTS) + _LINE - 1) // _LINE * _LINE  # in front of work: whole cache lines

@@ -5,9 +5,7 @@ Had it begun with impulses p along the gradients J at its start, it would have e
 other velocities by ``M^-1 J^T p``: those that lead it onto the surfaces. Along the gradients at its end further impulses take
 what moves across them. Both together may push and not pull: where the sum would be negative it is zero, and the body leaves.
 All of order 2, whatever the method; with one that is symmetric, energy is kept as by RATTLE.
-
-Friction acts with both, by Coulomb's law: of the way along the surface it takes what the impulses at the start allow, and of
-the speed at the end what they allow in sum. So what sticks stays where it is.
+Friction acts with both, see `sliding`.
 """
 
 import math
@@ -19,11 +17,12 @@ from numpy.typing import NDArray
 from kickdrift.core.compilation import compiled, unbound
 from kickdrift.core.elementwise import assign
 from kickdrift.engine.flows.error_control import saved
-from kickdrift.engine.flows.layout import FAILED_CONTROL, TROUBLE, own_params
+from kickdrift.engine.flows.layout import CROWDED, NOT_HELD, TROUBLE, UNSIGNED_GAP, own_params
+from kickdrift.engine.flows.sliding import find_sliding, rub_listed
 from kickdrift.engine.flows.surfaces import (
-    BODY_SIZE,
-    FRICTION,
+    FLIES,
     IMPULSE,
+    LEAVES,
     LEFT,
     LIST,
     LISTED,
@@ -32,6 +31,7 @@ from kickdrift.engine.flows.surfaces import (
     OPENS,
     RATE,
     RESTING,
+    RESTS,
     SQUARE,
     SWITCH,
     TOUCHES,
@@ -51,12 +51,13 @@ Floats = NDArray[np.float64]
 gaps_at: Callable[..., None] = unbound
 find_gradients: Callable[..., None] = unbound
 find_gaps: Callable[..., float] = unbound
+has_no_other_side: Callable[..., bool] = unbound
 reach: Callable[..., None] = unbound
 hold_listed: Callable[..., None] = unbound
 
-FREE, RESTS, LEAVES = 0.0, 1.0, 2.0  # what a gap does: the last until its step is taken
 _ROUNDS = 20  # of Newton's method, and of normal impulses and friction in turn
 _SWEEPS = 1000  # of Gauss and Seidel over the gaps
+_FLAT = 1e-3  # a gradient that is as small where a gap closes is looked at: that of abs(x) is 0 at 0, by differences
 _STILL = 1e-9  # of what the speed of a gap is made of
 _ROUNDING = 2.220446049250313e-16
 FREE_X, FREE_V = 4, 5  # vectors of control: where the step has led by itself
@@ -68,14 +69,25 @@ def find_resting(t: float, h: float, x: Floats, v: Floats, work: Floats) -> None
     touches = TOUCHES * size_of(x, work)
     for row in range(now.size):
         opens[row] = 0.0
-        if resting[row] == FREE and switch[row] == 0.0 and abs(now[row]) <= touches:
+        if resting[row] == FLIES and switch[row] == 0.0 and abs(now[row]) <= touches:
             list_one(row, work)
             find_gradients(t, x, v, work)
             speed, still = speed_of(0, v, work)[0], still_speed(0, h, x, v, work)
+            if steepest(0, x.size, work) < _FLAT and has_no_other_side(row, t, x, v, work):
+                work[TROUBLE] = UNSIGNED_GAP
             if abs(speed) <= still:
                 resting[row] = RESTS
             else:
                 opens[row] = speed
+
+
+@compiled
+def steepest(k: int, n: int, work: Floats) -> float:
+    """Return the largest number of the gradient of a gap listed."""
+    slopes, most = gradient(k, n, work), 0.0
+    for i in range(n):
+        most = max(most, abs(slopes[i]))
+    return most
 
 
 @compiled
@@ -103,7 +115,7 @@ def list_resting(leaving: float, work: Floats) -> int:
     for i in range(resting.size):
         if resting[i] == RESTS or resting[i] == leaving:
             if listed == int(own[MOST_LISTED]):  # more than there are ways to move, twice
-                work[TROUBLE] = FAILED_CONTROL
+                work[TROUBLE] = CROWDED
                 break
             row[listed] = i
             listed += 1
@@ -142,6 +154,7 @@ def hold_to_surfaces(t: float, h: float, x: Floats, v: Floats, work: Floats) -> 
     n, listed = x.size, int(own_params(work)[LISTED])
     impulse, used, square = row_of(IMPULSE, work), row_of(USED, work), row_of(SQUARE, work)
     find_gradients(t - h, saved(n, 0, n, work), v, work)
+    find_sliding(h, x, work)
     for k in range(listed):
         impulse[k] = used[k] = 0.0
     reach(t, h, x, v, work)
@@ -176,7 +189,7 @@ def reach_surfaces(t: float, h: float, x: Floats, v: Floats, work: Floats) -> No
             moved = max(moved, abs(h * way[i]))
         for i in range(n):
             way[i] = x[i] - begin[i]
-        rubbed = rub_listed(h, way, work)
+        rubbed = rub_listed(h, way, saved(n, 1, n, work), work)
         if rubbed > 0.0:
             for i in range(n):
                 v[i] += (way[i] - (x[i] - begin[i])) / h
@@ -184,7 +197,7 @@ def reach_surfaces(t: float, h: float, x: Floats, v: Floats, work: Floats) -> No
         if max(moved, rubbed) <= 4.0 * _ROUNDING * size:
             return
     if not moved <= TOUCHES * size:
-        work[TROUBLE] = FAILED_CONTROL
+        work[TROUBLE] = NOT_HELD
 
 
 @compiled
@@ -234,39 +247,8 @@ def keep_along(v: Floats, work: Floats) -> None:
         largest = 0.0
         for i in range(n):
             largest = max(largest, abs(v[i]))
-        if rub_listed(1.0, v, work) <= 4.0 * _ROUNDING * largest:
+        if rub_listed(1.0, v, v, work) <= 4.0 * _ROUNDING * largest:
             break
-
-
-@compiled
-def rub_listed(h: float, way: Floats, work: Floats) -> float:
-    """Take from what is along the surfaces what the impulses allow, acting for a time, and return the largest change."""
-    n, friction, impulse, used = way.size, row_of(FRICTION, work), row_of(IMPULSE, work), row_of(USED, work)
-    row, inverse, largest = row_of(LIST, work), inverse_masses(n, work), 0.0
-    size = int(own_params(work)[BODY_SIZE])
-    for k in range(int(own_params(work)[LISTED])):
-        rough = friction[int(row[k])]
-        if rough == 0.0:
-            continue
-        slopes = gradient(k, n, work)
-        for first in range(0, n, size):
-            length, across, along = 0.0, 0.0, 0.0
-            for i in range(first, first + size):
-                length += slopes[i] * slopes[i]
-                across += slopes[i] * way[i]
-            if length == 0.0:
-                continue
-            for i in range(first, first + size):
-                along += (way[i] - across * slopes[i] / length) ** 2
-            along = math.sqrt(along)
-            allowed = rough * impulse[k] * math.sqrt(length) * inverse[first] * h - used[k]
-            if along > 0.0 and allowed > 0.0:
-                share = min(1.0, allowed / along)
-                used[k] += share * along
-                largest = max(largest, share * along)
-                for i in range(first, first + size):
-                    way[i] -= share * (way[i] - across * slopes[i] / length)
-    return largest
 
 
 @compiled
@@ -291,4 +273,4 @@ def let_go(work: Floats) -> None:
     resting = row_of(RESTING, work)
     for row in range(resting.size):
         if resting[row] == LEAVES:
-            resting[row] = FREE
+            resting[row] = FLIES

@@ -24,15 +24,16 @@ HEAD = 19
 COUNT, LOCATED, BODY_SIZE = 0, 1, 2  # 3 and 4 are those of a trial, see `error_control`
 LOW, HIGH, LOW_GAP, HIGH_GAP, MODE, WHOLE, MOVED_LAST, LENGTH, ROUNDS, PLACE_OF_SIDES, SHORT = range(5, 16)
 START, MOST_LISTED, LISTED = 16, 17, 18  # of the run; how many gaps can be listed, and are
-ROWS = 15
-RESTITUTION, FRICTION, SWITCH, SIDE, RESTING, BEFORE, NOW, HIT, OPENS = range(9)
-LIST, SQUARE, RATE, IMPULSE, USED, LEFT = range(9, ROWS)  # of those listed: the gap, and what `resting` knows of it
+ROWS = 18
+RESTITUTION, FRICTION, SWITCH, SIDE, RESTING, BEFORE, NOW, HIT, OPENS, SLIP, TURNED = range(11)
+LIST, SQUARE, RATE, IMPULSE, USED, LEFT, SLIDES = range(11, ROWS)  # of those listed: the gap, and what is known of it
+FLIES, RESTS, LEAVES = 0.0, 1.0, 2.0  # what a gap does, in RESTING: the last until its step is taken
 VECTORS = 3
 _INVERSE_MASSES, _PLACE, _ACCELERATION = range(VECTORS)
 
 TOUCHES = 1e-12  # of the size of x: two that are so near take part in one impact
 CLOSED = 1e-14  # of the size of x: what touches at the start of a step closes where it is so far beyond
-_DIFFERENCE = 1e-4  # of the size of x: differences of fourth order leave 1e-12 of the gradient
+DIFFERENCE = 1e-4  # of the size of x: differences of fourth order leave 1e-12 of the gradient
 _SPAN = 1e-2  # of a step, in the same way
 
 
@@ -124,7 +125,7 @@ def difference_gradients(t: float, x: Floats, v: Floats, work: Floats) -> None:
     """Leave the gradients of the gaps listed, the squares of these over the masses, and the rates of the gaps at rest."""
     n, room, there, inverse = x.size, room_of_gaps(x.size, work), place(x.size, work), inverse_masses(x.size, work)
     listed, row, square = int(own_params(work)[LISTED]), row_of(LIST, work), row_of(SQUARE, work)
-    d = _DIFFERENCE * size_of(x, work)
+    d = DIFFERENCE * size_of(x, work)
     for i in range(n):
         there[i] = x[i]
     for k in range(listed):

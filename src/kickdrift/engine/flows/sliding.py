@@ -1,0 +1,152 @@
+"""Friction of what rests on surfaces: what sticks, what slides, and where its slip turns around.
+
+Templates. By Coulomb's law friction takes of the way along a surface what the impulses at the start of a step allow, and of the
+speed at the end what they allow in sum, see `resting`. So what sticks stays where it is. What slides at the start is rubbed
+against its velocities at both ends, which is of second order where its way is curved, and as if it slid on even where that
+turns the slip around: there the step is cut, see `cuts`. Where impacts are not located no step is cut, and friction stops what
+it can.
+"""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.compilation import compiled, unbound
+from kickdrift.engine.flows.error_control import saved
+from kickdrift.engine.flows.layout import FIRST_STEP, own_params
+from kickdrift.engine.flows.surfaces import (
+    BODY_SIZE,
+    FRICTION,
+    IMPULSE,
+    LIST,
+    LISTED,
+    LOCATED,
+    RESTING,
+    RESTS,
+    SLIDES,
+    SLIP,
+    TOUCHES,
+    USED,
+    gradient,
+    inverse_masses,
+    list_one,
+    row_of,
+    size_of,
+)
+
+Floats = NDArray[np.float64]
+
+find_gradients: Callable[..., None] = unbound
+
+
+@compiled
+def along(k: int, a: Floats, b: Floats, work: Floats) -> float:
+    """Return the product of what two velocities have along the surface of a gap listed."""
+    slopes, total, size = gradient(k, a.size, work), 0.0, int(own_params(work)[BODY_SIZE])
+    for first in range(0, a.size, size):
+        length, across_a, across_b, product = 0.0, 0.0, 0.0, 0.0
+        for i in range(first, first + size):
+            length += slopes[i] * slopes[i]
+            across_a += slopes[i] * a[i]
+            across_b += slopes[i] * b[i]
+            product += a[i] * b[i]
+        if length > 0.0:
+            total += product - across_a * across_b / length
+    return total
+
+
+@compiled
+def find_sliding(h: float, x: Floats, work: Floats) -> None:
+    """Note how fast the gaps listed slide at the start of a step that can be cut: zero for those that stick."""
+    own, slides, row, start = own_params(work), row_of(SLIDES, work), row_of(LIST, work), saved(x.size, 1, x.size, work)
+    for k in range(int(own[LISTED])):
+        slides[k] = 0.0
+        if own[LOCATED] != 0.0 and row_of(FRICTION, work)[int(row[k])] > 0.0:
+            speed = math.sqrt(max(along(k, start, start, work), 0.0))
+            slides[k] = speed if speed * abs(h) > TOUCHES * size_of(x, work) else 0.0
+
+
+@compiled
+def least_slip(v: Floats, work: Floats) -> float:
+    """Leave how far each slides in a step as it ends, negative where it has turned around, and return the least."""
+    slides, row, slip = row_of(SLIDES, work), row_of(LIST, work), row_of(SLIP, work)
+    start, least = saved(v.size, 1, v.size, work), math.inf
+    for i in range(slip.size):
+        slip[i] = math.inf
+    for k in range(int(own_params(work)[LISTED])):
+        i = int(row[k])
+        if slides[k] > 0.0 and row_of(RESTING, work)[i] == RESTS:
+            slip[i] = along(k, v, start, work) / slides[k] * abs(work[FIRST_STEP])
+            least = min(least, slip[i])
+    return least
+
+
+@compiled
+def least_slip_at_start(work: Floats) -> float:
+    """Return the same at the start of the step."""
+    slides, least = row_of(SLIDES, work), math.inf
+    for k in range(int(own_params(work)[LISTED])):
+        if slides[k] > 0.0:
+            least = min(least, slides[k] * abs(work[FIRST_STEP]))
+    return least
+
+
+def stop_slip(row: int, t: float, x: Floats, v: Floats, work: Floats) -> None:
+    """Take what roundings leave of a slip that has come to zero."""
+    n, size = x.size, int(own_params(work)[BODY_SIZE])
+    start, slopes = saved(n, 1, n, work), gradient(0, n, work)
+    list_one(row, work)
+    find_gradients(t, x, v, work)
+    square = along(0, start, start, work)
+    share = along(0, v, start, work) / square if square > 0.0 else 0.0
+    for first in range(0, n, size):
+        length, across = 0.0, 0.0
+        for i in range(first, first + size):
+            length += slopes[i] * slopes[i]
+            across += slopes[i] * start[i]
+        if length > 0.0:
+            for i in range(first, first + size):
+                v[i] -= share * (start[i] - across * slopes[i] / length)
+
+
+@compiled
+def rub_listed(h: float, way: Floats, velocity: Floats, work: Floats) -> float:
+    """Take from what is along the surfaces what the impulses allow, acting for a time, and return the largest change.
+
+    What slides loses it against its velocity, given; and what sticks loses no more than it has.
+    """
+    n, friction, impulse, used = way.size, row_of(FRICTION, work), row_of(IMPULSE, work), row_of(USED, work)
+    row, inverse, largest, slides = row_of(LIST, work), inverse_masses(n, work), 0.0, row_of(SLIDES, work)
+    start = saved(n, 1, n, work)
+    size = int(own_params(work)[BODY_SIZE])
+    for k in range(int(own_params(work)[LISTED])):
+        rough = friction[int(row[k])]
+        if rough == 0.0:
+            continue
+        slopes = gradient(k, n, work)
+        for first in range(0, n, size):
+            against = velocity if slides[k] > 0.0 else way
+            length, across, far, onward = 0.0, 0.0, 0.0, 0.0
+            for i in range(first, first + size):
+                length += slopes[i] * slopes[i]
+                across += slopes[i] * against[i]
+            if length == 0.0:
+                continue
+            for i in range(first, first + size):
+                far += (against[i] - across * slopes[i] / length) ** 2
+                onward += (against[i] - across * slopes[i] / length) * start[i]
+            far = math.sqrt(far)
+            allowed = rough * impulse[k] * math.sqrt(length) * inverse[first] * h - used[k]
+            if far > 0.0 and allowed > 0.0:
+                share = allowed / far
+                if slides[k] == 0.0:
+                    share = min(1.0, share)
+                used[k] += share * far
+                largest = max(largest, share * far)
+                if slides[k] > 0.0 and onward < 0.0:
+                    share = -share
+                for i in range(first, first + size):
+                    way[i] -= share * (against[i] - across * slopes[i] / length)
+    return largest
