@@ -13,7 +13,7 @@ from kickdrift.engine.description import Description
 from kickdrift.engine.invariants import Invariants
 from kickdrift.world.constraint_error import deepest_overlap, widest_gap
 from kickdrift.world.recording import Recording, appearance
-from kickdrift.world.tables import PARTICLE
+from kickdrift.world.tables import CLOTH, PARTICLE
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World
@@ -118,7 +118,7 @@ class RecordingRows:
     def description(self) -> Description:
         """Describe what is recorded, for people."""
         return Description(
-            system=f"world of {np.count_nonzero(appearance(self._world).kinds) - 1} bodies",
+            system=_words(int(np.count_nonzero(appearance(self._world).kinds)) - 1, self._world.tables.count(CLOTH)),
             method="soft steps",
             kind=Kind.VELOCITY_DEPENDENT.name,
             order=1,
@@ -162,6 +162,12 @@ class RecordingRows:
             particles=rows["particles"],
             appearance=looks,
         )
+
+
+def _words(bodies: int, cloths: int) -> str:
+    """Say what is in a world."""
+    with_cloths = f" and {cloths} cloth{'s' * (cloths != 1)}" if cloths else ""
+    return f"world of {bodies} bod{'ies' if bodies != 1 else 'y'}{with_cloths}"
 
 
 class Recorder:

@@ -47,7 +47,7 @@ def curvature_of(mesh: ClothMesh, flat: Floats, pinned: NDArray[np.bool_]) -> Cu
     pinned : (N,) array of bool
         Vertices that only move as they are told to.
     """
-    clamped = pinned[mesh.triangles].all(axis=1)
+    clamped: NDArray[np.bool_] = np.logical_and.reduce(pinned[mesh.triangles], axis=1)
     neighbours = _neighbours(mesh)
     count = len(flat)
     points = np.zeros((count, 6, 2))
@@ -63,13 +63,13 @@ def curvature_of(mesh: ClothMesh, flat: Floats, pinned: NDArray[np.bool_]) -> Cu
         outward = np.stack((edge[:, 1], -edge[:, 0]), axis=1) / np.linalg.norm(edge, axis=1, keepdims=True)
         at = start + along[:, None] * edge + height[:, None] * outward
         points[inner, 3 + k], stencils[inner, 3 + k] = at, across
-        weights = np.einsum("mj,mjk->mk", np.concatenate((at, np.ones((len(at), 1))), axis=1), to_weights[inner])
-        jumps[inner, k, :3] = -weights / height[:, None]
+        shares = np.einsum("mj,mjk->mk", np.concatenate((at, np.ones((len(at), 1))), axis=1), to_weights[inner])
+        jumps[inner, k, :3] = -shares / height[:, None]
         jumps[inner, k, 3 + k] = 1.0 / height
     x, y = points[..., 0], points[..., 1]
     quadratics = np.stack((0.5 * x**2, 0.5 * y**2, x * y / math.sqrt(2.0)), axis=2)
     halves = np.where((neighbours != NONE) & clamped[neighbours], 0.5, 1.0)[:, :, None]
-    weights = np.linalg.pinv(halves * jumps @ quadratics, rcond=_UNKNOWN)
+    weights: Floats = np.linalg.pinv(halves * jumps @ quadratics, rcond=_UNKNOWN)
     weights[clamped] = 0.0
     return Curvature(weights, jumps, stencils)
 

@@ -10,6 +10,7 @@ depend on the triangles). Damping is that of a Kelvin-Voigt solid: a strain coun
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,5 +85,5 @@ def inverse_edges(flat: Floats) -> Floats:
         F_u and F_v over the edges from the first corner to the second and to the third: as in `TO_REST`, 1/m.
     """
     edges = np.stack((flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]), axis=2)
-    inverse: Floats = np.linalg.inv(edges)
+    inverse: Any = np.linalg.inv(edges)
     return np.stack((inverse[:, 0, 0], inverse[:, 1, 0], inverse[:, 0, 1], inverse[:, 1, 1]), axis=1)

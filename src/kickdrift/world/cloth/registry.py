@@ -110,7 +110,8 @@ class Cloths:
         flat, axes = flattened(mesh, warp)
         to_rest = inverse_edges(flat)
         areas = 0.5 / np.abs(to_rest[:, 0] * to_rest[:, 3] - to_rest[:, 1] * to_rest[:, 2])
-        masses: Floats = np.bincount(mesh.triangles.ravel(), weights=np.repeat(fabric.density * areas / 3.0, 3))
+        thirds = np.repeat(fabric.density * areas / 3.0, 3)
+        masses = np.asarray(np.bincount(mesh.triangles.ravel(), weights=thirds), dtype=np.float64)
         self._add_particles(mesh, masses)
         self._add_faces(mesh, to_rest, areas, first)
         numbers, own = tables.resize(CLOTH_NUMBERS, row + 1)[row], tables.resize(CLOTH, row + 1)[row]

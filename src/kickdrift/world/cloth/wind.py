@@ -25,8 +25,8 @@ def add_wind(world: int, cloth: int, h: float) -> None:
     """Kick the particles of a cloth by the air.
 
     With the area A, the normal n and the wind w = s d, of speed s, that a triangle feels, drag is
-    rho C_d A s^2 |n . d| d / 2 and lift rho C_l A s^2 (n . d) (n - (n . d) d) / 2. Neither gives a triangle more in a substep than
-    the momentum of the wind that it feels, so that drag never turns it round.
+    rho C_d A s^2 |n . d| d / 2 and lift rho C_l A s^2 (n . d) (n - (n . d) d) / 2. Neither gives a triangle more
+    in a substep than the momentum of the wind that it feels, so that drag never turns it round.
     """
     numbers, face, own = floats(world, CLOTH_NUMBERS), integers(world, FACE), integers(world, CLOTH)
     particle, rest = floats(world, PARTICLE), floats(world, FACE_NUMBERS)
