@@ -7,19 +7,7 @@ from numba import carray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import (
-    Vector,
-    applied,
-    conjugate,
-    cross,
-    dot,
-    length,
-    minus,
-    plus,
-    times,
-    turned,
-    turned_back,
-)
+from kickdrift.core.vectors import Vector, conjugate, dot, length, minus, plus, times, turned, turned_back
 from kickdrift.world.cloth.layout import (
     CLOTH_FRICTION,
     CLOTH_GAP,
@@ -43,7 +31,7 @@ from kickdrift.world.collision.bvh import Box, gather
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.narrow_phase import collide, shape_pose
 from kickdrift.world.collision.nearby import find_near
-from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
+from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import NORMAL, ON_A, ON_B, POINT
 from kickdrift.world.integration import AWAKE, BODY_KIND, DYNAMIC
 from kickdrift.world.layout import (
@@ -52,8 +40,6 @@ from kickdrift.world.layout import (
     BODY_ROW,
     FIRST_TREE_NODE,
     FRICTION,
-    INVERSE_INERTIA_IN_WORLD,
-    INVERSE_LINEAR_MASS,
     IS_SENSOR,
     LAST_TREE_NODE,
     ORIENTATION,
@@ -78,7 +64,6 @@ from kickdrift.world.tables import (
     CLOTH_NUMBERS,
     COLLIDERS,
     GEOMETRY,
-    INVERSE_MASS,
     MANIFOLD,
     MOTION,
     PARTICLE,
@@ -236,67 +221,3 @@ def _note(world: int, cloth: int, i: int, shape: int, normal: Vector, gap: float
         numbers[row, CLOTH_NORMAL + k], numbers[row, TOUCHED_POINT + k] = normal[k], arm[k]
         numbers[row, GROUND_VELOCITY + k] = runs[k]
     return True
-
-
-@compiled
-def resolve_contacts(world: int, cloth: int, part: float, push: float) -> None:
-    """Stop the particles of a cloth from moving into shapes in a part of a substep; what they lose, bodies get.
-
-    Particles that are inside already are put out, with the speed `push` at most, m/s, and get no velocity from it.
-    """
-    cloths, contact, numbers = (
-        integers(world, CLOTH),
-        integers(world, CLOTH_CONTACT),
-        floats(world, CLOTH_CONTACT_NUMBERS),
-    )
-    particle, motion = floats(world, PARTICLE), floats(world, MOTION)
-    for row in range(cloths[cloth, FIRST_CONTACT], cloths[cloth, LAST_CONTACT]):
-        i, body = contact[row, TOUCHING_PARTICLE], contact[row, TOUCHED_BODY]
-        n, arm = vector_at(numbers, row, CLOTH_NORMAL), vector_at(numbers, row, TOUCHED_POINT)
-        turn = cross(vector_at(motion, body, ANGULAR_VELOCITY), arm)
-        ground = plus(plus(vector_at(motion, body, VELOCITY), turn), vector_at(numbers, row, GROUND_VELOCITY))
-        v = minus(vector_at(particle, i, PARTICLE_VELOCITY), ground)
-        gap, approach = numbers[row, CLOTH_GAP], dot(n, v)
-        if gap < 0.0:
-            out = min(-gap, part * push)
-            gap += out
-            for k in range(3):
-                particle[i, k] += out * n[k]
-        wanted = -max(gap, 0.0) / part
-        numbers[row, CLOTH_GAP] = gap + part * max(approach, wanted)
-        if approach >= wanted:
-            continue
-        inverse_mass = particle[i, PARTICLE_INVERSE_MASS]
-        moves = contact[row, MOVES_BODY] != 0
-        given = (wanted - approach) / (inverse_mass + (_response(world, body, arm, n) if moves else 0.0))
-        impulse = times(given, n)
-        slip = minus(v, times(approach, n))
-        speed = length(slip)
-        if speed > 0.0:
-            along = times(1.0 / speed, slip)
-            stop = speed / (inverse_mass + (_response(world, body, arm, along) if moves else 0.0))
-            impulse = minus(impulse, times(min(numbers[row, CONTACT_FRICTION] * given, stop), along))
-        for k in range(3):
-            particle[i, PARTICLE_VELOCITY + k] += inverse_mass * impulse[k]
-        if moves:
-            _push(world, body, arm, impulse)
-
-
-@compiled(inline=True)
-def _response(world: int, body: int, arm: Vector, n: Vector) -> float:
-    """Return the velocity of a point of a body along a direction for an impulse along it, 1/kg."""
-    inverse = floats(world, INVERSE_MASS)
-    lever = cross(arm, n)
-    turn = applied(symmetric_at(inverse, body, INVERSE_INERTIA_IN_WORLD), lever)
-    response: float = inverse[body, INVERSE_LINEAR_MASS] + dot(lever, turn)
-    return response
-
-
-@compiled
-def _push(world: int, body: int, arm: Vector, impulse: Vector) -> None:
-    """Give a body the reaction of an impulse."""
-    inverse, motion = floats(world, INVERSE_MASS), floats(world, MOTION)
-    turn = applied(symmetric_at(inverse, body, INVERSE_INERTIA_IN_WORLD), cross(arm, impulse))
-    for k in range(3):
-        motion[body, VELOCITY + k] -= inverse[body, INVERSE_LINEAR_MASS] * impulse[k]
-        motion[body, ANGULAR_VELOCITY + k] -= turn[k]

@@ -69,7 +69,7 @@ def curvature_of(mesh: ClothMesh, flat: Floats, pinned: NDArray[np.bool_]) -> Cu
     x, y = points[..., 0], points[..., 1]
     quadratics = np.stack((0.5 * x**2, 0.5 * y**2, x * y / math.sqrt(2.0)), axis=2)
     halves = np.where((neighbours != NONE) & clamped[neighbours], 0.5, 1.0)[:, :, None]
-    weights: Floats = np.linalg.pinv(halves * jumps @ quadratics, rcond=_UNKNOWN)
+    weights = np.asarray(np.linalg.pinv(halves * jumps @ quadratics, rcond=_UNKNOWN), dtype=np.float64)
     weights[clamped] = 0.0
     return Curvature(weights, jumps, stencils)
 

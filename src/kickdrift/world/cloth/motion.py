@@ -7,9 +7,9 @@ along what they are for, so that momentum and angular momentum are kept to the l
 import math
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import applied, cross, minus, plus, times, turned
+from kickdrift.core.vectors import minus, plus, times, turned
 from kickdrift.world.cloth.bending import add_bending
-from kickdrift.world.cloth.contacts import resolve_contacts
+from kickdrift.world.cloth.contact_impulses import push_body, resolve_contacts
 from kickdrift.world.cloth.layout import (
     BENT,
     FIRST_PARTICLE,
@@ -25,15 +25,8 @@ from kickdrift.world.cloth.layout import (
 )
 from kickdrift.world.cloth.membrane import add_membrane
 from kickdrift.world.cloth.wind import add_wind
-from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
-from kickdrift.world.layout import (
-    ANGULAR_VELOCITY,
-    INVERSE_INERTIA_IN_WORLD,
-    INVERSE_LINEAR_MASS,
-    ORIENTATION,
-    POSITION,
-    VELOCITY,
-)
+from kickdrift.world.columns import quaternion_at, vector_at
+from kickdrift.world.layout import ORIENTATION, POSITION
 from kickdrift.world.settings import GRAVITY, PUSH_SPEED
 from kickdrift.world.step_status import report_cloth
 from kickdrift.world.tables import (
@@ -41,8 +34,6 @@ from kickdrift.world.tables import (
     CLOTH_NUMBERS,
     FACE_NUMBERS,
     FOLD_NUMBERS,
-    INVERSE_MASS,
-    MOTION,
     PARTICLE,
     PARTICLE_FORCE,
     PIN,
@@ -122,16 +113,13 @@ def _aim_pins(world: int, h: float) -> None:
 @compiled
 def _pull_bodies(world: int, part: float) -> None:
     """Give bodies the forces on what is pinned to them."""
-    pin, force, pose = integers(world, PIN), floats(world, PARTICLE_FORCE), floats(world, POSE)
-    particle, motion, inverse = floats(world, PARTICLE), floats(world, MOTION), floats(world, INVERSE_MASS)
+    pin, force = integers(world, PIN), floats(world, PARTICLE_FORCE)
+    pose, particle = floats(world, POSE), floats(world, PARTICLE)
     for k in range(rows(world, PIN)):
         i, body = pin[k, PINNED_PARTICLE], pin[k, PINNED_BODY]
-        impulse = times(part, vector_at(force, i, 0))
         arm = minus(vector_at(particle, i, 0), vector_at(pose, body, POSITION))
-        turn = applied(symmetric_at(inverse, body, INVERSE_INERTIA_IN_WORLD), cross(arm, impulse))
+        push_body(world, body, arm, times(part, vector_at(force, i, 0)))
         for j in range(3):
-            motion[body, VELOCITY + j] += inverse[body, INVERSE_LINEAR_MASS] * impulse[j]
-            motion[body, ANGULAR_VELOCITY + j] += turn[j]
             force[i, j] = 0.0
 
 

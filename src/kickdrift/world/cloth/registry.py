@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, NamedTuple
 from weakref import ReferenceType
 
@@ -17,6 +16,7 @@ from kickdrift.world.cloth.curvature import curvature_of, fold_measures
 from kickdrift.world.cloth.handle import Cloth
 from kickdrift.world.cloth.membrane import inverse_edges
 from kickdrift.world.cloth.mesh import NONE, ClothMesh, cloth_mesh, flattened
+from kickdrift.world.cloth.tuning import tune
 from kickdrift.world.cloth.vibration import bending_rate, membrane_rate
 from kickdrift.world.names import Names
 from kickdrift.world.shapes.mass import rotation_matrix
@@ -43,11 +43,6 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
-
-MOST_PARTS = 64  # of a substep; where a cloth is so stiff that it would take more, it is made softer
-# Kick and drift are stable up to 2 for the angle that a vibration turns by in a part, a = (rate part)^2 its square; damped ones
-# for sqrt(a (1 + 2 damping / part)). What is stretched is stiffer against shear, so that some is left.
-_STABLE, _DAMPED = 1.6, 1.8
 
 
 class Fabric(NamedTuple):
@@ -179,7 +174,7 @@ class Cloths:
         if substep == self._substep:
             return
         for own, numbers in zip(self.tables.array(CLOTH), self.tables.array(CLOTH_NUMBERS), strict=True):
-            _tune(own, numbers, substep)
+            tune(own, numbers, substep)
         self._substep = substep
 
     def forget_step(self) -> None:
@@ -287,24 +282,3 @@ class Cloths:
 
 
 _COLUMNS = {"wind": (c.WIND, 3), "friction": (c.CLOTH_FRICTION, 1)}
-
-
-def _tune(own: Integers, numbers: Floats, substep: float) -> None:
-    """Choose parts of a substep for a cloth, and make it softer where they would be too many."""
-    stretch, shear, bending, damping, _ = numbers[c.ASKED : c.ASKED + 5].tolist()
-    membrane, rate = numbers[[c.MEMBRANE_RATE, c.BENDING_RATE]].tolist()
-    parts = min(max(math.ceil(substep * max(membrane, rate) / _STABLE), 1), MOST_PARTS)
-    part = substep / parts
-    softer, limber = (
-        min(1.0, _STABLE / (part * fastest)) ** 2 if fastest > 0.0 else 1.0 for fastest in (membrane, rate)
-    )
-    rate *= math.sqrt(limber)
-    own[c.PARTS] = parts
-    numbers[[c.STRETCH, c.SHEAR, c.BENDING]] = softer * stretch, softer * shear, limber * bending
-    numbers[c.MEMBRANE_DAMPING] = min(damping, _most_damping(math.sqrt(softer) * membrane, part))
-    numbers[c.BENDING_DAMPING] = min(damping, _most_damping(rate, part))
-
-
-def _most_damping(rate: float, part: float) -> float:
-    """Return the largest damping, s, for which sqrt(a (1 + 2 damping / part)) is `_DAMPED`, with a = (rate part)^2."""
-    return max(0.5 * ((_DAMPED / rate) ** 2 / part - part), 0.0) if rate > 0.0 else math.inf

@@ -282,9 +282,7 @@ def measure_normals(own: Any, s: Any, unused: float, none: float, nothing: float
         ax, ay, az = _vector(s, VELOCITY_A, lane)
         bx, by, bz = _vector(s, VELOCITY_B, lane)
         v = nx * (bx - ax) + ny * (by - ay) + nz * (bz - az)
-        ax, ay, az = _vector(s, VELOCITY_A + 3, lane)
-        bx, by, bz = _vector(s, VELOCITY_B + 3, lane)
-        turning = (ax, ay, az, bx, by, bz)
+        turning = _vector(s, VELOCITY_A + 3, lane) + _vector(s, VELOCITY_B + 3, lane)
         dx, dy, dz = _vector(own, c.BETWEEN, lane)
         between = (dy * nz - dz * ny, dz * nx - dx * nz, dx * ny - dy * nx)
         i = c.P * W + lane
