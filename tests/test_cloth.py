@@ -204,6 +204,19 @@ def test_a_body_hangs_on_what_is_pinned_to_it():
     assert -0.5 - body.position[2] == pytest.approx(tension / 200.0 + own / (2 * 200.0), rel=0.02)
 
 
+def test_what_is_pinned_to_a_body_that_is_removed_falls():
+    world = kd.World()
+    body = world.add_sphere(0.1, position=(0, 0, 5.0), static=True)
+    sheet = world.add_cloth_grid((1.0, 1.0), (4, 4), position=(0, 0, 4.0))
+    sheet.pin([0, 5], body)
+    sheet.pin([3])
+    world.remove(body)
+    assert world.tables.count(kd.world.tables.PIN) == 0
+    sheet.unpin([3])
+    world.advance(STEP, 30)
+    assert sheet.velocity[:, 2] == pytest.approx(-9.81 * 0.5, rel=1e-9)
+
+
 def test_a_ball_dents_a_trampoline_and_comes_back():
     world = kd.World(substeps=8)
     n = 15

@@ -239,11 +239,25 @@ class Cloths:
     @undivided
     def unpin(self, cloth: Cloth, vertices: ArrayLike) -> None:
         """Let vertices go; see `Cloth.unpin`."""
-        rows = self._rows_of(cloth, vertices)
-        self._forget_pins(rows)
-        particles = self.tables.array(PARTICLE)
-        particles[rows, c.PARTICLE_INVERSE_MASS] = 1.0 / particles[rows, c.PARTICLE_MASS]
-        self._weigh_curvature(self.row(cloth))
+        self._free(self.row(cloth), self._rows_of(cloth, vertices))
+
+    def release(self, body: int) -> None:
+        """Let go of a row of bodies."""
+        pins = self.tables.array(PIN)
+        held = pins[pins[:, c.PINNED_BODY] == body, c.PINNED_PARTICLE]
+        for row, (first, last) in enumerate(
+            self.tables.array(CLOTH)[:, c.FIRST_PARTICLE : c.LAST_PARTICLE + 1].tolist()
+        ):
+            own = held[(held >= first) & (held < last)]
+            if own.size:
+                self._free(row, own)
+
+    def _free(self, row: int, particles: Integers) -> None:
+        """Let particles of a cloth go."""
+        self._forget_pins(particles)
+        table = self.tables.array(PARTICLE)
+        table[particles, c.PARTICLE_INVERSE_MASS] = 1.0 / table[particles, c.PARTICLE_MASS]
+        self._weigh_curvature(row)
         self.tables.altered = True
 
     def stiffness(self, cloth: Cloth) -> tuple[float, float, float]:
