@@ -23,6 +23,7 @@ from benchmarks import (
     kepler,
     lab,
     precision,
+    readme,
     rl,
     startup,
     steps,
@@ -45,6 +46,7 @@ COMPARISONS: dict[str, tuple[str, Callable[[int], list[Row]]]] = {
     "advice": ("What `kd.advise` recommends, against the best by brute force", advice.compare),
     "steps": ("Against the same step by hand", steps.compare),
     "startup": ("Before the first step", startup.compare),
+    "readme": ("The README's statements in order, in a fresh environment", readme.compare),
     "scale": ("Boxes at rest: a body's part of a step", world_scale.compare),
     "rl": ("Reading, acting, stepping: a cart with a pole", rl.compare),
 }

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 import kickdrift as kd
+from benchmarks.environment import environment
 from benchmarks.table import Row, at_most, measured, skipped
 
 JOB = [sys.executable, "-m", "kickdrift", "run", "solar-system"]
@@ -51,7 +52,7 @@ def _first_step(title: str, world: str, rounds: int) -> list[Row]:
     for _ in range(rounds):
         with tempfile.TemporaryDirectory() as folder:
             for samples in (cold, warm):
-                command, own = [sys.executable, "-c", world + _STEP], {**os.environ, "NUMBA_CACHE_DIR": folder}
+                command, own = [sys.executable, "-c", world + _STEP], environment(NUMBA_CACHE_DIR=folder)
                 printed = subprocess.run(command, check=True, capture_output=True, text=True, env=own).stdout
                 samples.append(float(printed))
     return [
@@ -63,7 +64,8 @@ def _first_step(title: str, world: str, rounds: int) -> list[Row]:
 def _import(rounds: int) -> list[Row]:
     samples = []
     for _ in range(rounds + 1):
-        printed = subprocess.run([sys.executable, "-c", _IMPORT], check=True, capture_output=True, text=True).stdout
+        command, own = [sys.executable, "-c", _IMPORT], environment()
+        printed = subprocess.run(command, check=True, capture_output=True, text=True, env=own).stdout
         samples.append([float(part) for part in printed.split()])
     below, ours = zip(*samples[1:], strict=True)  # the first fills the file cache
     return [
@@ -84,7 +86,6 @@ def force(x):
 sol = kd.solve(force, t_span=(0.0, {end}), x0={x0}, v0={v0}, method="semi-implicit-euler", step=0.01, progress=False)
 print(time.perf_counter() - started, sol.wall_time)
 """
-_WITH_BYTECODE = {"PYTHONDONTWRITEBYTECODE": ""}  # kept beside the sources, as after an installation
 _BROADCAST = """d = x[:, None, :] - x[None, :, :]
     r2 = (d**2).sum(axis=2) + np.eye(x.shape[0])
     i6 = 1 / r2**3
@@ -108,10 +109,7 @@ def _users_functions(rounds: int) -> list[Row]:
         for _ in range(rounds):
             with tempfile.TemporaryDirectory() as folder:
                 for samples in (cold, warm):
-                    command, own = (
-                        [sys.executable, "-c", _FORCE.format(**parts)],
-                        {**os.environ, "NUMBA_CACHE_DIR": folder},
-                    )
+                    command, own = ([sys.executable, "-c", _FORCE.format(**parts)], environment(NUMBA_CACHE_DIR=folder))
                     printed = subprocess.run(command, check=True, capture_output=True, text=True, env=own).stdout
                     samples.append(float(printed.split()[0]))
         rows.append(measured(f"{title}: import and first result, the first time", cold, at_most(most_cold, "s")))
@@ -179,10 +177,10 @@ def _timed_job(folder: Path) -> tuple[float, float, bool]:
     import pty
 
     ours, theirs = pty.openpty()
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder / "numba")}
+    own = environment(NUMBA_CACHE_DIR=str(folder / "numba"))
     outputs: list[float] = []
     started = time.perf_counter()
-    with subprocess.Popen(JOB, cwd=folder, env=environment, stdin=theirs, stdout=theirs, stderr=theirs) as job:
+    with subprocess.Popen(JOB, cwd=folder, env=own, stdin=theirs, stdout=theirs, stderr=theirs) as job:
         os.close(theirs)
         with contextlib.suppress(OSError):  # how Linux says that the other end is closed
             while os.read(ours, 65536):

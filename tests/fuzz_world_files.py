@@ -34,7 +34,8 @@ def folder():
 
 
 def pile():
-    """Boxes and balls that rest on each other and sleep, one gone, one a sensor, with a robot of sorts and a gear."""
+    """Boxes and balls that rest on each other and sleep, one gone, one a sensor, with a robot of sorts, a gear and
+    two cloths."""
     world = kd.World(sleeping=True, sleep_time=0.1)
     world.add_plane()
     for k in range(12):
@@ -47,6 +48,9 @@ def pile():
     world.add_gear(hinges[0], hinges[1], -2.0)
     hinges[2].set_drive(kd.Drive(10.0, 1.0))
     world.exclude(rods[0], rods[1])
+    sheet = world.add_cloth_grid((1.0, 1.0), (5, 4), position=(0, 0, 4), name="sheet")
+    sheet.pin([0], rods[2])
+    world.add_cloth_grid((0.5, 0.5), (3, 3), position=(2, 0, 1))
     return world
 
 

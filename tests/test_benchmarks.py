@@ -435,3 +435,19 @@ def test_problems_of_auto_are_of_the_kinds_of_their_candidates():
         assert run.about.kind == problem.kind.name
         for name in candidates.of(problem.kind):
             assert kd.methods.get(name).kind.includes(problem.kind)
+
+
+def test_the_statements_of_a_page_have_their_lines():
+    from benchmarks import readme
+
+    page = (
+        "title\n\n```python\nx = [1,\n     2]  # two\nprint(x)\n```\n\n```sh\nls\n```\n\n```python\nx.append(3)\n```\n"
+    )
+    assert [(line, first) for line, _, first in readme.statements_of(page)] == [
+        (4, "x = [1,"),
+        (6, "print(x)"),
+        (14, "x.append(3)"),
+    ]
+    assert [statement[:2] for statement in readme.run(page)] == [(4, "x = [1,"), (6, "print(x)"), (14, "x.append(3)")]
+    with pytest.raises(NameError):
+        readme.run(page.replace("x = [1,\n     2]  # two", "pass\n"))

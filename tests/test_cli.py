@@ -1,5 +1,6 @@
 """The command line: what it writes and says, its exit codes, and what it refuses."""
 
+import gc
 import importlib
 import os
 import re
@@ -101,14 +102,20 @@ def test_compiling_ahead_counts_what_it_compiles(monkeypatch):
     monkeypatch.setattr(
         compiling, "compile_together", lambda some, done: [compiled.append(job) or done() for job in some]
     )
+    monkeypatch.setattr(compiling.first_calls, "ALL", (gc.collect,))
     result = call("compile")
     assert result.exit_code == cli.DONE, result.output
     assert compiled == jobs
     first, last = result.stderr.splitlines()
     assert first == "kickdrift: compiling 3 functions once on this machine, about 12 s ..."
     assert last.startswith("kickdrift: compiled in ")
-    monkeypatch.setattr(compiling, "_call_from_python", lambda: None)
+    monkeypatch.setattr(compiling.first_calls, "ALL", ())
     assert call("compile", "--quiet").stderr == ""
+
+
+@pytest.mark.parametrize("calls", compiling.first_calls.ALL)
+def test_what_is_called_once_to_be_compiled_is_a_short_run(calls, small_pictures):
+    calls()
 
 
 def test_an_empty_cache_is_announced(folder, monkeypatch):

@@ -9,9 +9,10 @@ import numba
 import numpy as np
 import pytest
 from numba import types
+from numba.core.registry import cpu_target
 
-from kickdrift.core import views
-from kickdrift.core.cache import fingerprint
+from kickdrift.core import contexts, views
+from kickdrift.core.cache import fingerprint, machine
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import compiled, is_on_disk, specialise, unbound
 from kickdrift.core.linking import Part, Whole
@@ -185,12 +186,21 @@ def test_fingerprints_do_not_depend_on_the_process():
     assert python(code, PYTHONHASHSEED="1") == " ".join(map(str, here))  # of another seed, except once in 2^32 times
 
 
+FACTOR = unbound
+
+
+def _scaled(x):
+    return FACTOR * x + FACTOR
+
+
 JOBS = (
     "from kickdrift.core import parallel_compile;"
     "from kickdrift.world.collision import PAIRS;"
     "from kickdrift.world.collision.narrow_phase import COLLIDE;"
-    "jobs = [(PAIRS[pair], COLLIDE) for pair in ((0, 2), (0, 3), (2, 2), (2, 3))];"
-    "parallel_compile._processes = lambda jobs: 2;"
+    "from kickdrift.engine import letters;"
+    "jobs = [(PAIRS[pair], COLLIDE) for pair in ((0, 2), (0, 3), (2, 2))];"
+    "jobs += [job for job in letters.shared() if '_drift_drift_1_1_' in job[0].__name__];"
+    "parallel_compile.processes_for = lambda jobs: 2;"
 )
 
 
@@ -198,7 +208,7 @@ def test_another_process_compiles_what_is_found_here(tmp_path):
     code = JOBS + (
         "from collections import deque;"
         "before, done = len(parallel_compile.missing(jobs * 2)), [];"
-        "places, one_more = parallel_compile._places(), lambda: done.append(1);"
+        "places, one_more = parallel_compile._places(jobs), lambda: done.append(1);"
         "workers = parallel_compile._workers(1, deque([job] for job in jobs), places, one_more);"
         "workers.__enter__(); workers.__exit__(None, None, None);"
         "print(before, len(parallel_compile.missing(jobs)), parallel_compile.seconds_for(jobs) > 0.0, len(done))"
@@ -213,6 +223,21 @@ def test_processes_that_do_nothing_do_not_matter(worker, tmp_path):
         "parallel_compile.compile_together(jobs); print(parallel_compile.missing(jobs))"
     )
     assert python(code, NUMBA_CACHE_DIR=str(tmp_path)) == "[]"
+
+
+def test_a_long_session_keeps_no_more_for_each_function(monkeypatch):
+    monkeypatch.setattr(contexts, "_MOST_KNOWN", 30)
+    known = contexts.own_typing(cpu_target.typing_context).known
+    for factor in range(3):
+        function = compiled(cached=False)(specialise(_scaled, f"scaled_{factor}", FACTOR=factor))
+        signature = types.float64(types.float64)
+        for equal in (signature, types.float64(types.float64), types.float64(types.float64)):
+            function.compile(equal)
+            function.load(equal)
+        assert function(2.0) == 2.0 * factor + factor
+        assert list(function._loaded.values()) == [signature]
+        assert len(known) <= 30
+    assert machine(cpu_target.target_context) is machine(cpu_target.target_context.subtarget())
 
 
 def test_compiling_is_announced_where_it_is_wanted_and_takes_longer_than_a_moment(capsys):

@@ -5,7 +5,7 @@ import importlib.util
 import numpy as np
 import pytest
 from benchmarks.lab.building import Builder
-from benchmarks.lab.measures import comes_to, gains, keeps, overlaps, rests, sinks, stays
+from benchmarks.lab.measures import comes_to, gains, keeps, loses, overlaps, rests, sinks, stays
 from benchmarks.lab.ours import Kickdrift
 from benchmarks.lab.report import markdown
 from benchmarks.lab.running import CONTESTANTS, Result, run
@@ -66,6 +66,9 @@ def test_measures_measure():
     assert sinks(0.1).measure(scene, watched) == 0.0
     assert gains().measure(scene, watched) == pytest.approx(16.0 / (2 * 9.81 * 2.0))
     assert keeps().measure(scene, watched) == pytest.approx(1.0)
+    assert loses().measure(scene, watched) == 0.0
+    slower = Watched(watched.times, watched.poses, watched.motions[::-1])
+    assert loses().measure(scene, slower) == pytest.approx(16.0 / (16.0 + 2 * 9.81 * 2.0))
     assert not any(criterion.holds(criterion.measure(scene, watched)) for criterion in (stays(0.1), rests(), gains()))
 
 

@@ -54,7 +54,8 @@ def recording(shapes, ways, *, turns=None, fixed=(), rods=(), times=None):
         t=t, x=x, v=np.zeros_like(x), invariants={"energy": energy}, status=Outcome.COMPLETED, message="done", step=0.1,
         n_steps=len(t) - 1, n_force_evaluations=0, wall_time=0.1, about=replace(about, system="test"),
         derived={"kinetic energy": energy - 0.5, "potential energy": 0.5 + 0 * energy},
-        orientation=q, angular_velocity=np.zeros_like(x), appearance=Appearance(kinds, parts, tuple(rods), {}),
+        orientation=q, angular_velocity=np.zeros_like(x), particles=np.zeros((len(t), 0, 3)),
+        appearance=Appearance(kinds, parts, tuple(rods), {}),
     )  # fmt: skip
 
 
@@ -402,6 +403,13 @@ def test_bodies_are_between_the_states_where_a_film_needs_them(falling):
     assert pose.position[1].tolist() == [0.5, 0, 0]
     assert np.allclose(pose.orientation[1], [np.cos(np.pi / 8), 0, 0, np.sin(np.pi / 8)])
     assert np.array_equal(film.pose(1.0).position, made.x[1])
+
+
+def test_each_picture_of_a_film_is_painted_once(falling, tmp_path, small_pictures, monkeypatch):
+    painted, paint = [], Painter.paint
+    monkeypatch.setattr(Painter, "paint", lambda self, pose: painted.append(pose) or paint(self, pose))
+    frames, _ = frames_of(falling.animate(tmp_path / "film.gif", rate=10))
+    assert len(painted) == len(frames) > 1
 
 
 def test_the_same_film_has_the_same_bits(falling, tmp_path, small_pictures):

@@ -68,6 +68,7 @@ def test_all_tables_have_declared_columns():
         "STARTED_POSE",
         "STARTED_MOTION",
         "STARTED_JOINTS",
+        "STARTED_PARTICLE",
         "STATIC_TREE",
         "TRIANGLE_TREE",
         "ASKED_APART",

@@ -49,6 +49,11 @@ def gains(most: float = 0.01) -> Criterion:
     return Criterion("gains", "", _gain, most=most)
 
 
+def loses(most: float = 0.01) -> Criterion:
+    """Want no body's energy above the ground to fall below its start, each body on its own."""
+    return Criterion("loses", "", _loss, most=most)
+
+
 def keeps(within: float = 0.01, spread: float | None = None) -> Criterion:
     """Want the energy of all to stay, within a part of `spread` in J or of the largest kinetic energy."""
     return Criterion("energy off", "", partial(_off, spread=spread), most=within)
@@ -108,13 +113,23 @@ def _apart(scene: Scene, watched: Watched) -> float:
 
 
 def _gain(scene: Scene, watched: Watched) -> float:
+    energy = _above_ground(scene, watched)
+    return float((energy.max(axis=0) / energy[0] - 1).max())
+
+
+def _loss(scene: Scene, watched: Watched) -> float:
+    energy = _above_ground(scene, watched)
+    return float((1 - energy.min(axis=0) / energy[0]).max())
+
+
+def _above_ground(scene: Scene, watched: Watched) -> Floats:
+    """Energies of what moves, (T, N)."""
     mass = np.array([scene.bodies[i].mass for i in scene.moving])
     inertia = np.array([scene.bodies[i].inertia for i in scene.moving])
     x, q = watched.poses[:, scene.moving, :3], watched.poses[:, scene.moving, 3:]
     v, w = watched.motions[:, scene.moving, :3], watched.motions[:, scene.moving, 3:]
     spin = turned_back(q, w)
-    energy = ((mass * (v**2).sum(-1)) + (inertia * spin**2).sum(-1)) / 2 - mass * (x @ scene.gravity)
-    return float((energy.max(axis=0) / energy[0] - 1).max())
+    return np.asarray(((mass * (v**2).sum(-1)) + (inertia * spin**2).sum(-1)) / 2 - mass * (x @ scene.gravity))
 
 
 def turned_back(q: Floats, v: Floats) -> Floats:

@@ -24,7 +24,7 @@ from kickdrift.core.errors import (
 from kickdrift.core.outcomes import Outcome
 from kickdrift.core.version import VERSION
 from kickdrift.engine.impacts import Impacts, sphere_gaps
-from kickdrift.engine.solution import Solution, SolutionPresenters
+from kickdrift.engine.solution import Presenters, Solution
 from kickdrift.engine.solve import solve
 from kickdrift.engine.step_control import (
     HairerSoderlind,
@@ -161,7 +161,7 @@ def __getattr__(name: str) -> Any:
 
 
 # Solutions and worlds save, draw and report themselves with what lives on the floors above them.
-Solution.presenters = SolutionPresenters(
+Solution.presenters = Presenters(
     plot=plots.plot_solution,
     to_html=_later("kickdrift.viewer.solution", "solution_to_html"),
     save=save,
@@ -185,6 +185,7 @@ Recording.presenters = WorldPresenters(
     to_pandas=to_pandas,
     to_xarray=recording_to_xarray,
     report=_later("kickdrift.io.recording_report", "report"),
+    keep=_later("kickdrift.io.stored", "keep"),
     animate=_later("kickdrift.plots.animation", "animate_recording"),
     save_world=_later("kickdrift.io.world_file", "save_world"),
     contents=_later("kickdrift.io.world_file", "contents"),

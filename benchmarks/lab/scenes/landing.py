@@ -1,11 +1,11 @@
-"""Slender and flat bodies that land: their energy may not rise."""
+"""Slender and flat bodies that land: their energy may not rise, nor fall where nothing takes it."""
 
 import itertools
 
 import numpy as np
 
 from benchmarks.lab.building import Builder
-from benchmarks.lab.measures import at_most, gains, turned_back
+from benchmarks.lab.measures import at_most, gains, loses, turned_back
 from benchmarks.lab.trial import Trial
 from benchmarks.world.described import Floats, Scene
 from benchmarks.world.judge import Watched
@@ -49,6 +49,35 @@ def _landing(kind: str, restitution: float, seed: int, planar: bool = False) -> 
     return Trial(f"planar: {name}" if planar else name, scenes, 2.5, (gains(0.01),), looks=150)
 
 
+def smooth(kind: str, seed: int) -> Scene:
+    """Let boxes or capsules of 1:2 to 1:100 fall from 2 m, elastic and without friction, turning with up to 20 rad/s."""
+    random = np.random.default_rng(seed)
+    builder = Builder(friction=0.0, restitution=1.0)
+    builder.plane(layer=_FLOOR)
+    places = (np.arange(round(_MEMBERS**0.5)) - 2) * _PITCH
+    for x, y in itertools.product(places, places):
+        aspect = 10.0 ** random.uniform(0.3, 2.0)
+        length = min(0.1 * aspect, 2.0)
+        width = length / aspect
+        options = {
+            "position": (x, y, 2.0),
+            "orientation": random.normal(size=4),
+            "angular_velocity": random.uniform(0.0, 20.0) * _direction(random),
+            "layer": _BODIES,
+            "mask": _FLOOR,
+        }
+        if kind == "box":
+            builder.box((width, width, length), **options)
+        else:
+            builder.capsule(width / 2, length, **options)
+    return builder.scene()
+
+
+def _smooth() -> Trial:
+    scenes = (smooth("box", 400), smooth("capsule", 401))
+    return Trial("50 smooth sticks landing, e = 1", scenes, 2.5, (gains(0.01), loses(0.01)), looks=150)
+
+
 def _spinning() -> Trial:
     """Frictionless capsules spin about their axes as they land: nothing can change that."""
     random = np.random.default_rng(5)
@@ -74,5 +103,6 @@ TRIALS = (
     *(_landing("box", e, 10 * k + 100) for k, e in enumerate((0.0, 0.5, 0.8, 1.0))),
     *(_landing("capsule", e, 10 * k + 200) for k, e in enumerate((0.0, 0.5, 0.8, 1.0))),
     *(_landing("box", e, 10 * k + 300, planar=True) for k, e in enumerate((0.0, 0.5, 1.0))),
+    _smooth(),
     _spinning(),
 )

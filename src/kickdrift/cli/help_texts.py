@@ -97,7 +97,7 @@ in position at the end; draws the energy errors in <system>-energy.png.
   kickdrift compare solar-system --years 1 --step "0.01 day"
 """
 
-COMPILE = """Compile all that worlds and the systems of the catalogue need, once on this machine, on all cores.
+COMPILE = """Compile what worlds, pictures, systems and most methods need, once on this machine, on all cores.
 
 What is compiled already is kept. Without this, each run compiles what it is the first to need.
 

@@ -12,7 +12,6 @@ from numba import types
 from numba.core import cgutils
 from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_getattr, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, lower_getattr, models, register_model
-from numba.np.arrayobj import basic_indexing, make_array
 
 
 class Accumulator(types.Type):  # type: ignore[misc]
@@ -72,7 +71,7 @@ def _size(context: Any, builder: Any, type_: Accumulator, value: Any) -> Any:
 
 def _array(context: Any, builder: Any, type_: Accumulator, value: Any) -> Any:
     accumulator = cgutils.create_struct_proxy(type_)(context, builder, value=value)
-    return make_array(type_.values)(context, builder, value=accumulator.values)
+    return context.make_array(type_.values)(context, builder, value=accumulator.values)
 
 
 @infer_global(operator.setitem)
@@ -91,6 +90,8 @@ class _Written(AbstractTemplate):  # type: ignore[misc]
 @lower_builtin(operator.setitem, Accumulator, types.Integer, types.Float)  # type: ignore[untyped-decorator]
 @lower_builtin(operator.setitem, Accumulator, types.BaseTuple, types.Float)  # type: ignore[untyped-decorator]
 def _add(context: Any, builder: Any, own_signature: Any, arguments: Any) -> Any:
+    from numba.np.arrayobj import basic_indexing  # 20 ms, for those who compile
+
     out, index, _ = own_signature.args
     indices, each = [arguments[1]], [index]
     if isinstance(index, types.BaseTuple):
@@ -98,7 +99,7 @@ def _add(context: Any, builder: Any, own_signature: Any, arguments: Any) -> Any:
     accumulator = cgutils.create_struct_proxy(out)(context, builder, value=arguments[0])
 
     def element(type_: Any, array: Any) -> Any:
-        made = make_array(type_)(context, builder, value=array)
+        made = context.make_array(type_)(context, builder, value=array)
         pointer, _, _ = basic_indexing(
             context, builder, type_, made, each, indices, boundscheck=context.enable_boundscheck
         )

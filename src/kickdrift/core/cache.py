@@ -11,11 +11,11 @@ import types
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import cache, cached_property, lru_cache
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numba
-import numba.cpython.hashing  # defines what compiled dictionaries and sets call
 import numpy as np
 from numba.core.caching import CompileResultCacheImpl
 from numba.core.runtime import rtsys
@@ -25,6 +25,7 @@ from kickdrift.core import sealed
 from kickdrift.core.naming import digest
 
 _Function = Callable[..., Any]
+_HASHES = b"_numba_hashsecret"  # in the code of dictionaries and sets of texts
 
 
 class Cache:
@@ -56,7 +57,10 @@ class Cache:
             return None
         rtsys.initialize(target)  # `target.refresh` would import all of Numba, and SciPy: half a second
         try:
-            packed = pickle.loads(sealed.read(self._file(signature, target)))  # noqa: S301 - as Numba's own cache
+            content = sealed.read(self._file(signature, target))
+            if _HASHES in content:
+                import_module("numba.cpython.hashing")  # defines what they use, in 30 ms
+            packed = pickle.loads(content)  # noqa: S301 - as Numba's own cache
             return self._method.rebuild(target, packed)
         except Exception:
             return None
@@ -89,10 +93,14 @@ class Cache:
         return Path(str(self.cache_path)) / name
 
 
-@cache
 def machine(target: Any) -> tuple[Any, ...]:
     """Return what compiled code depends on beside the function."""
-    return (*target.codegen().magic_tuple(), numba.__version__)
+    return _machine(target.codegen())  # of which there is one, while each function may have a target of its own
+
+
+@cache
+def _machine(codegen: Any) -> tuple[Any, ...]:
+    return (*codegen.magic_tuple(), numba.__version__)
 
 
 @lru_cache(maxsize=4096)

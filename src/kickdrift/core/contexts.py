@@ -13,6 +13,8 @@ from numba import types
 from numba.core.cpu import CPUContext
 from numba.core.typing.context import Context
 
+_MOST_KNOWN = 20_000  # of 0.5 kB each; a world with joints makes a third of them
+
 
 class Typing(Context):  # type: ignore[misc]
     """Finds types of calls and of operators once for types of arguments, not at each place."""
@@ -32,7 +34,7 @@ class Typing(Context):  # type: ignore[misc]
         if (signature := self.known.get(key)) is None:
             signature = super().resolve_function_type(func, args, kws)
             if signature is not None and signature.is_precise():
-                self.known[key] = signature
+                self._keep(key, signature)
         return signature
 
     def resolve_static_getitem(self, value: Any, index: Any) -> Any:
@@ -40,13 +42,19 @@ class Typing(Context):  # type: ignore[misc]
         if type(index) is not int:
             return super().resolve_static_getitem(value, index)
         key = operator.getitem, value, index
-        if key not in self.known:
-            self.known[key] = super().resolve_static_getitem(value, index)
-        return self.known[key]
+        if (signature := self.known.get(key)) is None:
+            signature = super().resolve_static_getitem(value, index)
+            self._keep(key, signature)
+        return signature
 
     def resolve_setitem(self, target: Any, index: Any, value: Any) -> Any:
         """Return the signature with which an element is written."""
         return self.resolve_function_type(operator.setitem, (target, index, value), {})
+
+    def _keep(self, key: Any, signature: Any) -> None:
+        if len(self.known) >= _MOST_KNOWN:
+            self.known.clear()  # in a long session most are of functions that have gone
+        self.known[key] = signature
 
 
 def _depends_on_types_alone(function: Any) -> bool:

@@ -78,9 +78,11 @@ class Dispatcher(CPUDispatcher):  # type: ignore[misc]
 
     def __init__(self, py_func: Function, variables: Any = None, targetoptions: Any = None, **more: Any) -> None:
         super().__init__(py_func, variables or {}, targetoptions, **more)
-        options = {**targetoptions, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-        pipeline = self._compiler.pipeline_class  # type: ignore[has-type]
-        self._compiler = _Compiler(py_func, self.targetdescr, options, self.locals, pipeline)
+        self._compiler.__class__ = _Compiler  # one of its own would look at the arguments again: 8 ms of the import
+        self._compiler.targetoptions = {**targetoptions, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+        self.recipe: tuple[Function, tuple[Any, ...]] | None = (
+            None  # what makes it in another process, where no module has it
+        )
         self._called: Any = None
         self._wholes: dict[Any, Any] = {}
         self._loaded: dict[int, Any] = {}  # signatures, whose hashes take 30 us
@@ -148,7 +150,7 @@ class Dispatcher(CPUDispatcher):  # type: ignore[misc]
         if args not in caller.overloads:
             caller.compile(args)
             self._insert_new(caller, [args])
-        self._loaded[id(sig)] = sig
+            self._loaded[id(sig)] = sig  # and no equal one, of which there may be any number
 
     def _caller(self) -> Any:
         """Return the function as Numba compiles it for the interpreter."""

@@ -27,6 +27,7 @@ _FEWEST_JOBS = 4  # to start a process takes as long as compiling one or two fun
 _SECONDS = 1.0e-4  # for a byte of Python's code: a world of joints and bounces has 220,000 and takes one core 22 s
 
 Job = tuple[Function, Any]  # and the signature
+Place = tuple[Callable[..., Function], tuple[Any, ...]]  # what finds a function in another process, or makes it there
 
 _WORKER = (
     "import sys, pickle; sys.path[:] = pickle.load(sys.stdin.buffer);"
@@ -50,15 +51,18 @@ def compile_together(jobs: list[Job], done: Callable[[], object] = lambda: None)
     done : callable
         Called after each of them, in any thread.
     """
-    places = _places()
+    places = _places(jobs)
     waiting = deque(_families([job for job in jobs if id(job[0]) in places]))
     own = [job for job in jobs if id(job[0]) not in places]  # found by no other process, or not kept on disk
-    with no_collector(), _workers(_processes(len(waiting)) - 1, waiting, places, done), suppress(IndexError):
+    with no_collector(), _workers(processes_for(len(waiting)) - 1, waiting, places, done), suppress(IndexError):
         while True:
             for function, signature in own or waiting.popleft():
                 function.compile(signature)  # type: ignore[attr-defined]
                 done()
             own = []
+    for function, signature in missing(jobs):  # of processes that have died
+        function.compile(signature)  # type: ignore[attr-defined]
+        done()
 
 
 def _families(jobs: list[Job]) -> list[list[Job]]:
@@ -81,7 +85,7 @@ def _families(jobs: list[Job]) -> list[list[Job]]:
 
 @contextmanager
 def _workers(
-    count: int, waiting: deque[list[Job]], places: dict[int, tuple[str, str]], done: Callable[[], object]
+    count: int, waiting: deque[list[Job]], places: dict[int, Place], done: Callable[[], object]
 ) -> Iterator[None]:
     """Have so many processes take families of jobs, and at the end wait for the last ones."""
     processes = []
@@ -105,9 +109,7 @@ def _workers(
             process.communicate()
 
 
-def _feed(
-    process: Any, waiting: deque[list[Job]], places: dict[int, tuple[str, str]], done: Callable[[], object]
-) -> None:
+def _feed(process: Any, waiting: deque[list[Job]], places: dict[int, Place], done: Callable[[], object]) -> None:
     """Give one job after the other to a process, for as long as it answers."""
     family: deque[Job] = deque()
     with suppress(OSError, ValueError, IndexError):  # it has died, or nothing is left to be done
@@ -118,7 +120,7 @@ def _feed(
             if not family:
                 family.extend(waiting.popleft())
             function, signature = family.popleft()
-            process.stdin.write(dumps((*places[id(function)], signature)))
+            process.stdin.write(dumps((places[id(function)], signature)))
             process.stdin.flush()
             if not process.stdout.readline():
                 return  # it has died
@@ -132,15 +134,21 @@ def work() -> None:
         while True:
             answers.write("ready\n")
             answers.flush()
-            module, name, signature = pickle.load(sys.stdin.buffer)  # noqa: S301 - from the process that started this one
-            __import__(module)
-            getattr(sys.modules[module], name).compile(signature)
+            (make, given), signature = pickle.load(sys.stdin.buffer)  # noqa: S301 - from the process that started this one
+            make(*given).compile(signature)
 
 
-def _places() -> dict[int, tuple[str, str]]:
-    """Return where another process finds functions that it can keep on disk: by identity, the module and the name there."""
-    return {
-        id(value): (module.__name__, name)
+def _found(module: str, name: str) -> Any:
+    __import__(module)
+    return getattr(sys.modules[module], name)
+
+
+def _places(jobs: list[Job]) -> dict[int, Place]:
+    """Return where another process finds functions that it can keep on disk, by their identities."""
+    functions: list[Any] = [function for function, _ in jobs]
+    made = {id(function): function.recipe for function in functions if getattr(function, "recipe", None)}
+    return made | {
+        id(value): (_found, (module.__name__, name))
         for module in list(sys.modules.values())
         if getattr(module, "__name__", "").startswith("kickdrift.")
         for name, value in list(vars(module).items())
@@ -151,10 +159,11 @@ def _places() -> dict[int, tuple[str, str]]:
 def seconds_for(jobs: list[Job]) -> float:
     """Say about how long compiling takes."""
     largest = max((_size(family) for family in _families(jobs)), default=0)
-    return _SECONDS * max(largest, _size(jobs) / _processes(len(jobs)))
+    return _SECONDS * max(largest, _size(jobs) / processes_for(len(jobs)))
 
 
-def _processes(jobs: int) -> int:
+def processes_for(jobs: int) -> int:
+    """Return how many processes so many jobs are worth."""
     if jobs < _FEWEST_JOBS:
         return 1
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

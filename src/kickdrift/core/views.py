@@ -7,7 +7,6 @@ from llvmlite import ir
 from numba import types
 from numba.core.imputils import impl_ret_borrowed
 from numba.extending import lower_builtin, type_callable
-from numba.np.arrayobj import populate_array
 from numpy.typing import NDArray
 
 
@@ -26,6 +25,12 @@ def float_of(bits: int) -> float:
     return float(np.int64(bits).view(np.float64))
 
 
+def _populate(view: Any, **members: Any) -> None:
+    from numba.np.arrayobj import populate_array  # 20 ms, for those who compile
+
+    populate_array(view, **members)
+
+
 @type_callable(part)  # type: ignore[untyped-decorator]
 def _type_of_part(context: Any) -> Any:
     def typer(array: Any, start: Any, size: Any) -> Any:
@@ -38,7 +43,7 @@ def _type_of_part(context: Any) -> Any:
 def _lower_part(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     whole = context.make_array(signature.args[0])(context, builder, arguments[0])
     view = context.make_array(signature.return_type)(context, builder)
-    populate_array(
+    _populate(
         view,
         data=builder.gep(whole.data, [arguments[1]]),
         shape=[arguments[2]],
@@ -62,7 +67,7 @@ def _type_of_words(context: Any) -> Any:
 def _lower_words(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     floats = context.make_array(signature.args[0])(context, builder, arguments[0])
     view = context.make_array(signature.return_type)(context, builder)
-    populate_array(
+    _populate(
         view,
         data=builder.bitcast(floats.data, ir.IntType(64).as_pointer()),
         shape=floats.shape,

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from functools import cache, lru_cache
-from typing import Any
+from typing import Any, cast
 
 from kickdrift.core import memory
 from kickdrift.core.calls import address_of
@@ -94,13 +94,20 @@ def build(name: str, system: System, program: Program, compensated: bool, scratc
 
 
 def shared() -> list[tuple[Function, Any]]:
-    """Return the letters that are compiled once for all systems, and the signature of each."""
+    """Return the letters that are compiled once for all systems, or for many, and the signature of each."""
     found = []
     for name, known in FLOWS.items():
-        if not (known.inlined or known.constants):
-            sizes = [None] if known.parts else [None, *((n, n) for n in range(1, _SMALL + 1))]
-            found += [(_native(known, name, (), None, size, True, False, ()), LETTER) for size in sizes]
+        if not known.inlined:
+            small = [] if known.parts else [(n, n) for n in range(1, _SMALL + 1)]
+            ahead = known.ahead if known.constants else [(sizes, {}) for sizes in (None, *small)]
+            found += [(_shared(name, sizes, tuple(constants.items())), LETTER) for sizes, constants in ahead]
     return found
+
+
+def _shared(name: str, sizes: tuple[int, int] | None, constants: tuple[tuple[str, int], ...]) -> Function:
+    letter: Any = _native(FLOWS[name], name, (), None, sizes, True, False, constants)
+    letter.recipe = (_shared, (name, sizes, constants))
+    return cast(Function, letter)
 
 
 @lru_cache(maxsize=256)

@@ -6,8 +6,6 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Any
 
-from tqdm import tqdm
-
 _SHORT_RUN_SECONDS = 2.0  # runs expected to be shorter show no bar
 
 
@@ -28,6 +26,8 @@ class Bar:
         if self._tell is not None:
             self._tell(step)
         if self._possible and self._bar is None and seconds * self._n_steps / step > self._from_seconds:
+            from tqdm import tqdm  # 10 ms
+
             self._bar = tqdm(total=self._n_steps, unit=self._unit, unit_scale=True, leave=False, file=sys.stderr)
         if self._bar is not None:
             self._bar.update(step - self._bar.n)

@@ -27,12 +27,6 @@ class Presenters:
     to_pandas: Callable[..., Any]
     to_xarray: Callable[..., Any]
     report: Callable[..., str]
-
-
-@dataclass(frozen=True)
-class SolutionPresenters(Presenters):
-    """And that of a run whose rows are on disk: to be found there."""
-
     keep: Callable[..., None]
 
 
@@ -104,7 +98,7 @@ class Solution:
     continuation: Callable[[float], "Solution"] | None = field(default=None, repr=False)
     saved_to: str = ""
 
-    presenters: ClassVar[SolutionPresenters]
+    presenters: ClassVar[Presenters]
 
     @property
     def success(self) -> bool:

@@ -52,7 +52,7 @@ def load_stored(path: Path) -> Solution | EnsembleSolution:
         rows = arrays_of(path)
         arrays = {**arrays, "x": rows("x")}
         arrays["v"] = rows("v") if head["size of v"] else np.empty((*arrays["x"].shape[:2], 0))
-        arrays |= {ensemble_file.INVARIANT + name: rows(name) for name in head["rows"]}
+        arrays |= {solution_file.INVARIANT + name: rows(name) for name in head["rows"]}
         return replace(ensemble_file.assemble(head, arrays), saved_to=str(path))
 
     return archive.read(file, "a kickdrift solution", "save_to", assemble)

@@ -24,7 +24,7 @@ from kickdrift.world.joints.tree import arrange
 from kickdrift.world.layout import BODY_ROW, GONE, SEARCH_STATE, SHAPE_KIND
 from kickdrift.world.shape_rows import SHOWN, Placed, ShapeRows, Surface
 from kickdrift.world.snapshot import TABLES, Snapshot, kept
-from kickdrift.world.tables import BODY, JOINT, LINK_NUMBERS, PLACE, SHAPE, Table, Tables
+from kickdrift.world.tables import BODY, CLOTH, JOINT, LINK_NUMBERS, PLACE, SHAPE, Table, Tables
 from kickdrift.world.world import World
 
 _KIND, _TABLE = "kickdrift world ", "table "
@@ -82,6 +82,7 @@ def contents(world: World) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         "bouncing": snapshot.bouncing,
         "body_names": list(snapshot.body_names.items()),
         "joint_names": list(snapshot.joint_names.items()),
+        "cloth_names": list(snapshot.cloth_names.items()),
         "shapes": catalogue.words,
         "surfaces": [json.loads(words) for words in surfaces],
     }
@@ -180,6 +181,7 @@ def snapshot_of(head: dict[str, Any], arrays: dict[str, Any]) -> Snapshot:
         bouncing=bool(head["bouncing"]) or shapes.bouncing,
         body_names=_names(head["body_names"], np.flatnonzero(bodies[:, BODY_KIND] != REMOVED)),
         joint_names=_names(head["joint_names"], np.flatnonzero(joints[:, JOINT_KIND] != REMOVED_JOINT)),
+        cloth_names=_names(head["cloth_names"], np.arange(of.count(CLOTH))),
         shapes=MappingProxyType(shapes.shapes),
         geometry=MappingProxyType(shapes.begins),
     )

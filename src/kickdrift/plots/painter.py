@@ -67,7 +67,7 @@ class Painter:
         self._shade = _Film(_LAMP_PIXELS, _LAMP_PIXELS)
         self._lit = np.ones(self._film.distance.shape, dtype=np.float32)
         # Planes do not move: their rays are cast once.
-        sight = self.scenery.at(Pose(recording.x[0], recording.orientation[0]))
+        sight = self.scenery.at(Pose(recording.x[0], recording.orientation[0], recording.particles[0]))
         clear(*self._empty)
         cast(self.camera.numbers(), np.arange(self.scenery.n_planes), *sight, self._addresses, *self._empty)
         self._picture = np.zeros((self.height, self.width, 3), dtype=np.uint8)
@@ -138,6 +138,9 @@ def _places(recording: Recording) -> tuple[Floats, Floats]:
         at, turn = recording.x[rows, body, None], recording.orientation[rows, body, None]
         places.append((at + turned(turn, points)).reshape(-1, 3))
         reaches.append(np.full(len(places[-1]), reach))
+    if recording.appearance.cloths:
+        places.append(recording.particles[rows].reshape(-1, 3))
+        reaches.append(np.zeros(len(places[-1])))
     if not places:
         return np.zeros((1, 3)), np.ones(1)
     x, r = np.concatenate(places), np.concatenate(reaches)
@@ -157,7 +160,7 @@ def _aspect(points: Floats, reaches: Floats, ahead: Floats) -> float:
 def _is_flat(recording: Recording, extent: float) -> bool:
     """Whether everything moves in the x-z plane, and turns in it."""
     rows = recording.moving
-    if not rows.size:
+    if not rows.size or recording.appearance.cloths:
         return False
     q = recording.orientation[:, rows]
     leans = np.abs(2.0 * (q[..., 2] * q[..., 3] + q[..., 0] * q[..., 1])).max()  # of y axes out of the y direction

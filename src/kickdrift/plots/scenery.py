@@ -12,7 +12,7 @@ from kickdrift.world.integration import DYNAMIC, REMOVED
 from kickdrift.world.recording import Appearance, DrawnShape
 from kickdrift.world.shapes.catalogue import KINDS, kind_of, met_as
 from kickdrift.world.shapes.kinds import BOX, CAPSULE, PLANE, TRIANGLE
-from kickdrift.world.shapes.record import BALL, HALF_SPACE
+from kickdrift.world.shapes.record import BALL, HALF_SPACE, PLAIN
 from kickdrift.world.shapes.triangle import FIRST_TRIANGLE, TRIANGLE_SIZE
 
 Floats = NDArray[np.float64]
@@ -24,10 +24,11 @@ _SLAB = 20.0  # half the width of what stands for a plane that is seen from the 
 
 
 class Pose(NamedTuple):
-    """Where all bodies are: positions (N, 3) and orientations (N, 4)."""
+    """Where all bodies are: positions (N, 3) and orientations (N, 4); and the vertices of cloths, (P, 3)."""
 
     position: Floats
     orientation: Floats
+    particles: Floats
 
 
 class Sight(NamedTuple):
@@ -98,6 +99,13 @@ class Scenery:
             bodies += [part.body] * len(made)
             places += [[*origin, *part.orientation]] * len(made)
             colours += [colour] * len(made)
+        corners = [cloth.first + cloth.triangles for cloth in appearance.cloths]
+        self._corners = np.concatenate([np.zeros((0, 3), dtype=np.int64), *corners])
+        self._cloth = slice(len(pieces), len(pieces) + len(self._corners))
+        pieces += [_Piece(TRIANGLE, np.zeros(TRIANGLE_SIZE), np.zeros(3), 0.0)] * len(self._corners)
+        bodies += [0] * len(self._corners)
+        places += [[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]] * len(self._corners)
+        colours += [colour_of(k + 1) for k, cloth in enumerate(appearance.cloths) for _ in cloth.triangles]
         self._bodies = np.array(bodies, dtype=np.intp)
         self._in_body = np.array(places, dtype=np.float64).reshape(-1, 7)
         self._middles = np.array([p.middle for p in pieces]).reshape(-1, 3)
@@ -106,6 +114,7 @@ class Scenery:
         ends = np.cumsum([p.numbers.size for p in pieces], dtype=np.int64)
         sizes = np.array([p.numbers.size for p in pieces], dtype=np.int64)
         kinds, looks = [p.kind for p in pieces], [KINDS[p.kind].look for p in pieces]
+        looks[self._cloth] = [PLAIN] * len(self._corners)
         self._shapes = np.column_stack((kinds, ends - sizes, ends, looks)).astype(np.int64).reshape(-1, 4)
         self._numbers = np.concatenate([np.zeros(0), *(p.numbers for p in pieces)])
         self.colours = np.array([*colours, *[RODS] * len(self._rods)]).reshape(-1, 3)
@@ -125,6 +134,7 @@ class Scenery:
         places[:count, MIDDLE:REACH] = places[:count, :3] + turned(places[:count, 3:7], self._middles)
         places[:, REACH] = self._reaches
         numbers = self._numbers.copy()
+        self._lay_cloths(pose.particles, places, numbers)
         for i, rod in enumerate(self._rods, start=count):
             first = pose.position[rod.body_a] + turned(pose.orientation[rod.body_a], rod.point_a)
             along = pose.position[rod.body_b] + turned(pose.orientation[rod.body_b], rod.point_b) - first
@@ -134,6 +144,16 @@ class Scenery:
             places[i, REACH] = 0.5 * length + self._thickness
             numbers[self._shapes[i, 1] + 1] = 0.5 * length
         return Sight(self._shapes, places, numbers)
+
+    def _lay_cloths(self, particles: Floats, places: Floats, numbers: Floats) -> None:
+        """Write where the triangles of cloths are."""
+        corners, own = particles[self._corners], self._cloth
+        middles = corners.mean(axis=1)
+        places[own, :7] = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+        places[own, MIDDLE:REACH] = middles
+        places[own, REACH] = np.linalg.norm(corners - middles[:, None], axis=2).max(axis=1, initial=0.0)
+        at = self._shapes[own, 1, None] + np.arange(9)
+        numbers[at] = corners.reshape(-1, 9)
 
 
 def is_plane(part: DrawnShape) -> bool:

@@ -66,7 +66,10 @@ def plot_recording(recording: Recording, path: str | Path | None = None) -> "Fig
 
 
 def _draw_scene(axes: "Axes", painter: Painter, recording: Recording) -> None:
-    axes.imshow(painter.paint(Pose(recording.x[-1], recording.orientation[-1])), interpolation="antialiased")
+    axes.imshow(
+        painter.paint(Pose(recording.x[-1], recording.orientation[-1], recording.particles[-1])),
+        interpolation="antialiased",
+    )
     axes.set_axis_off()
     axes.set_title(f"t = {recording.t[-1]:.4g} s", loc="left", fontsize=10, color=INK)
     _draw_trails(axes, painter, recording)

@@ -84,7 +84,7 @@ class MemberStore(ZarrGroup):
                     " its folder."
                 ) from None
 
-    def array(self, name: str) -> StoredArray:
+    def array(self, name: str) -> Any:
         """Return an array of all members, which reads what is asked of it."""
         return StoredArray(self._group[_key(name)])
 
@@ -196,7 +196,7 @@ class MemberStore(ZarrGroup):
         results.done[done] = True
 
 
-def arrays_of(path: Path) -> Callable[[str], StoredArray]:
+def arrays_of(path: Path) -> Callable[[str], Any]:
     """Return what reads the arrays of a group by their names.
 
     Raises

@@ -190,8 +190,8 @@ def prepare(
         chosen = choose(settings.method, settings.order, system, first.t0, first.step, span, **defaults)
         check_direction(chosen.method, first.step)
         driven, controller = steering.ready(lead.problem_of(0), system, chosen.method, first, adapter, lead.step_of(0))
-        given = lead.problem_of(0), steering.control, steering.impacts, steering.switches
-        tables = tables_of(given, driven, chosen.method, controller, ())
+        functions = lead.problem_of(0), steering.control, steering.impacts, steering.switches
+        tables = tables_of(functions, driven, chosen.method, controller, ())
     for cohort in cohorts:
         if isinstance(cohort.grid, Grid):
             check_between(system, cohort.grid)

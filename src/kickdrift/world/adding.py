@@ -11,6 +11,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import choice, number, turn_to, unit_quaternion, vector
 from kickdrift.world.bodies import Bodies, kind_of
 from kickdrift.world.body import Body
+from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.collision.filters import forget
 from kickdrift.world.integration import DYNAMIC, STATIC
 from kickdrift.world.joints.registry import Joints
@@ -91,6 +92,7 @@ class AddsBodies:
     tables: Tables
     bodies: Bodies
     joints: Joints
+    cloths: Cloths
     shape_rows: ShapeRows
 
     def add_sphere(self, radius: float, **options: Any) -> Body:
@@ -282,7 +284,7 @@ class AddsBodies:
 
     @undivided
     def remove(self, body: Body) -> None:
-        """Remove a body with its shapes; its handle is worth nothing then, and its row is used again.
+        """Remove a body with its shapes and joints, and let go what is pinned to it; its row is used again.
 
         Raises
         ------
@@ -291,6 +293,7 @@ class AddsBodies:
         """
         row = self.bodies.row(body)
         self.joints.remove_of_body(row)
+        self.cloths.release(row)
         self.bodies.wake()
         self.bodies.remove(body)
         self.shape_rows.remove_of(row)

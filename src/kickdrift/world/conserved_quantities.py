@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from kickdrift.core.rotations import cross
 from kickdrift.world import settings
 from kickdrift.world.bodies import Bodies
+from kickdrift.world.cloth.energy import cloth_angular_momentum, cloth_energy, cloth_momentum
 from kickdrift.world.integration import BODY_INERTIA, MASS
 from kickdrift.world.layout import ANGULAR_VELOCITY, ORIENTATION, POSITION, VELOCITY
 from kickdrift.world.tables import INERTIA, MOTION, POSE, SETTINGS, Tables
@@ -16,14 +17,14 @@ Floats = NDArray[np.float64]
 
 
 class Energy(NamedTuple):
-    """Energy of the bodies that forces move, J.
+    """Energy of the bodies that forces move, and of cloths, J.
 
     Attributes
     ----------
     kinetic : float
         Of motion and of rotation.
     potential : float
-        In the gravity of the world, from the origin on.
+        In the gravity of the world, from the origin on; and that of cloths by being stretched and folded.
     """
 
     kinetic: float
@@ -61,14 +62,16 @@ def energy(tables: Tables, bodies: Bodies) -> Energy:
     turn = tables.array(MOTION)[rows, ANGULAR_VELOCITY : ANGULAR_VELOCITY + 3]
     kinetic = 0.5 * mass @ np.sum(velocity**2, axis=1) + 0.5 * np.sum(turn * _spin(tables, rows))
     gravity = tables.array(SETTINGS)[0, settings.GRAVITY : settings.GRAVITY + 3]
-    return Energy(float(kinetic), float(-mass @ (tables.array(POSE)[rows, POSITION : POSITION + 3] @ gravity)))
+    of_cloths = cloth_energy(tables)
+    potential = -mass @ (tables.array(POSE)[rows, POSITION : POSITION + 3] @ gravity)
+    return Energy(float(kinetic) + of_cloths[0], float(potential) + of_cloths[1])
 
 
 def momentum(tables: Tables, bodies: Bodies) -> Floats:
     """Measure the momentum, (3,), kg m/s."""
     rows = bodies.moving()
     total: Floats = tables.array(INERTIA)[rows, MASS] @ tables.array(MOTION)[rows, VELOCITY : VELOCITY + 3]
-    return total
+    return total + cloth_momentum(tables)
 
 
 def angular_momentum(tables: Tables, bodies: Bodies) -> Floats:
@@ -76,7 +79,7 @@ def angular_momentum(tables: Tables, bodies: Bodies) -> Floats:
     rows = bodies.moving()
     push = tables.array(INERTIA)[rows, MASS, None] * tables.array(MOTION)[rows, VELOCITY : VELOCITY + 3]
     total: Floats = (cross(tables.array(POSE)[rows, POSITION : POSITION + 3], push) + _spin(tables, rows)).sum(axis=0)
-    return total
+    return total + cloth_angular_momentum(tables)
 
 
 def _spin(tables: Tables, rows: NDArray[np.intp]) -> Floats:

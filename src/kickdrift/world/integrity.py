@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.world import settings as s
+from kickdrift.world.cloth.integrity import check_cloths
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.filters import HIGH_BODY, LOW_BODY
 from kickdrift.world.collision.search import NEW, SOUGHT_ANEW
@@ -90,6 +91,7 @@ def check(tables: Mapping[str, NDArray[Any]]) -> None:
     _check_contacts(rows)
     _check_joints(rows)
     _check_settings(rows)
+    check_cloths(rows)
 
 
 def _check_bodies(rows: Rows) -> None:

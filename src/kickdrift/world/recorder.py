@@ -13,16 +13,18 @@ from kickdrift.engine.description import Description
 from kickdrift.engine.invariants import Invariants
 from kickdrift.world.constraint_error import deepest_overlap, widest_gap
 from kickdrift.world.recording import Recording, appearance
+from kickdrift.world.tables import CLOTH, PARTICLE
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World
 
 Floats = NDArray[np.float64]
 _UNITS = {
-    "t": "s", "x": "m", "v": "m/s", "orientation": "1", "angular velocity": "rad/s",
+    "t": "s", "x": "m", "particles": "m", "v": "m/s", "orientation": "1", "angular velocity": "rad/s",
     "energy": "J", "momentum": "kg m/s", "angular momentum": "kg m^2/s",
 }  # fmt: skip
 _OF_BODIES = {"x": 3, "v": 3, "orientation": 4, "angular velocity": 3}
+_OF_PARTICLES = {"particles": 3}
 _OF_THE_WORLD = {"t": 1, "energy": 2, "constraint error": 2, "residual": 1, "momentum": 3, "angular momentum": 3}
 
 
@@ -44,22 +46,24 @@ class RecordingRows:
     saved_to = ""
 
     def __init__(self, world: "World", room: int) -> None:
-        self._world, self._bodies = world, len(world.position)
+        self._world, self._bodies, self._particles = world, len(world.position), world.tables.count(PARTICLE)
         self.count = self.first = 0
         shapes: dict[str, tuple[int, ...]] = {name: (room, size) for name, size in _OF_THE_WORLD.items()}
         shapes |= {name: (room, self._bodies, size) for name, size in _OF_BODIES.items()}
+        shapes |= {name: (room, self._particles, size) for name, size in _OF_PARTICLES.items()}
         self._rows: dict[str, Floats] = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
 
     def keep(self, t: float) -> None:
         """Add a row for a time."""
         world, rows, row = self._world, self._rows, self.count - self.first
-        bodies = len(world.position)
-        if row == len(rows["t"]) or bodies > self._bodies:
-            self._grow(max(bodies, self._bodies))
+        bodies, particles = len(world.position), world.tables.count(PARTICLE)
+        if row == len(rows["t"]) or bodies > self._bodies or particles > self._particles:
+            self._grow(max(bodies, self._bodies), max(particles, self._particles))
         rows["t"][row] = t
         rows["x"][row, :bodies], rows["v"][row, :bodies] = world.position, world.velocity
         rows["orientation"][row, :bodies] = world.orientation
         rows["angular velocity"][row, :bodies] = world.angular_velocity
+        rows["particles"][row, :particles] = world.tables.array(PARTICLE)[:, :3]
         energy = world.energy()
         rows["energy"][row] = energy.kinetic, energy.potential
         rows["constraint error"][row] = deepest_overlap(world.tables), widest_gap(world.tables)
@@ -100,20 +104,21 @@ class RecordingRows:
         """Return the rows that the recording has."""
         return self.kept()
 
-    def _grow(self, bodies: int) -> None:
-        """Make room for half as many rows again where all are taken, and for so many bodies."""
+    def _grow(self, bodies: int, particles: int) -> None:
+        """Make room for half as many rows again where all are taken, and for so many bodies and particles."""
         before = len(self._rows["t"])
         room = before + (before // 2 + 16 if self.count - self.first == before else 0)
         for name, old in self._rows.items():
-            new = np.full((room, bodies, old.shape[2]) if name in _OF_BODIES else (room, *old.shape[1:]), np.nan)
+            wide = (bodies,) if name in _OF_BODIES else (particles,) if name in _OF_PARTICLES else ()
+            new = np.full((room, *wide, old.shape[-1]), np.nan)
             new[tuple(map(slice, old.shape))] = old
             self._rows[name] = new
-        self._bodies = bodies
+        self._bodies, self._particles = bodies, particles
 
     def description(self) -> Description:
         """Describe what is recorded, for people."""
         return Description(
-            system=f"world of {np.count_nonzero(appearance(self._world).kinds) - 1} bodies",
+            system=_words(int(np.count_nonzero(appearance(self._world).kinds)) - 1, self._world.tables.count(CLOTH)),
             method="soft steps",
             kind=Kind.VELOCITY_DEPENDENT.name,
             order=1,
@@ -154,8 +159,15 @@ class RecordingRows:
             saved_to=self.saved_to,
             orientation=rows["orientation"],
             angular_velocity=rows["angular velocity"],
+            particles=rows["particles"],
             appearance=looks,
         )
+
+
+def _words(bodies: int, cloths: int) -> str:
+    """Say what is in a world."""
+    with_cloths = f" and {cloths} cloth{'s' * (cloths != 1)}" if cloths else ""
+    return f"world of {bodies} bod{'ies' if bodies != 1 else 'y'}{with_cloths}"
 
 
 class Recorder:

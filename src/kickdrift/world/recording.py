@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from kickdrift.core.errors import KickdriftError, unknown_name
 from kickdrift.engine.solution import Presenters, Solution
+from kickdrift.world.cloth.layout import CORNERS, FIRST_PARTICLE
 from kickdrift.world.integration import BODY_KIND, DYNAMIC
 from kickdrift.world.joints import layout
 from kickdrift.world.layout import BODY_ROW
-from kickdrift.world.tables import BODY, JOINT, JOINT_NUMBERS, SHAPE
+from kickdrift.world.tables import BODY, CLOTH, FACE, JOINT, JOINT_NUMBERS, SHAPE
 
 if TYPE_CHECKING:
     from kickdrift.world.shapes.record import Shape
@@ -40,6 +41,18 @@ class Rod(NamedTuple):
     point_b: Floats
 
 
+class DrawnCloth(NamedTuple):
+    """A cloth: its name, the first of its vertices among those of all cloths, one after the last, and its triangles.
+
+    The triangles are rows of vertices of the cloth.
+    """
+
+    name: str | None
+    first: int
+    last: int
+    triangles: NDArray[np.int64]
+
+
 class Appearance(NamedTuple):
     """What a world looks like, wherever its bodies are.
 
@@ -51,12 +64,14 @@ class Appearance(NamedTuple):
     rods : tuple of Rod
     names : mapping of int to str
         Of the bodies that have one, by row.
+    cloths : tuple of DrawnCloth
     """
 
     kinds: NDArray[np.int64]
     parts: tuple[DrawnShape, ...]
     rods: tuple[Rod, ...]
     names: Mapping[int, str]
+    cloths: tuple[DrawnCloth, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -79,8 +94,10 @@ class Recording(Solution):
         Quaternions (w, x, y, z) that turn the bodies' axes into the world's.
     angular_velocity : (T, N, 3) array
         In the world's axes, rad/s.
+    particles : (T, P, 3) array
+        Vertices of all cloths, m; `cloth` returns those of one.
     appearance : Appearance
-        Shapes and joints, for pictures.
+        Shapes, joints and cloths, for pictures.
 
     Notes
     -----
@@ -91,6 +108,7 @@ class Recording(Solution):
 
     orientation: Floats
     angular_velocity: Floats
+    particles: Floats
     appearance: Appearance
 
     presenters: ClassVar[WorldPresenters]
@@ -130,6 +148,25 @@ class Recording(Solution):
             raise unknown_name("name", name, rows)
         return rows[name]
 
+    def cloth(self, which: str | int = 0) -> Floats:
+        """Return where the vertices of a cloth were, (T, N, 3), m.
+
+        Parameters
+        ----------
+        which : str or int
+            Its name, or how many cloths the world had before it.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is none; the sentence says which there are.
+        """
+        known: dict[Any, DrawnCloth] = dict(enumerate(self.appearance.cloths))
+        known |= {cloth.name: cloth for cloth in self.appearance.cloths if cloth.name is not None}
+        if which not in known:
+            raise unknown_name("which", str(which), [str(name) for name in known])
+        return self.particles[:, known[which].first : known[which].last]
+
     def animate(self, path: str | Path, *, speed: float = 1.0, rate: int = 25, progress: bool | None = None) -> Path:
         """Write a film of the recording, a GIF or an MP4; see `kickdrift.plots.animation.animate_recording`."""
         return self.presenters.animate(self, path, speed=speed, rate=rate, progress=progress)
@@ -143,7 +180,15 @@ def appearance(world: "World") -> Appearance:
         for row, placed in sorted(world.shape_rows.shapes.items())
     )
     kinds = world.tables.array(BODY)[:, BODY_KIND].copy()
-    return Appearance(kinds, parts, tuple(_rods(world, kinds)), world.bodies.names.all())
+    return Appearance(kinds, parts, tuple(_rods(world, kinds)), world.bodies.names.all(), tuple(_cloths(world)))
+
+
+def _cloths(world: "World") -> list[DrawnCloth]:
+    own, faces, names = world.tables.array(CLOTH), world.tables.array(FACE), world.cloths.names
+    return [
+        DrawnCloth(names.of(row), first, last, faces[begin:end, CORNERS : CORNERS + 3] - first)
+        for row, (first, last, begin, end) in enumerate(own[:, FIRST_PARTICLE : FIRST_PARTICLE + 4].tolist())
+    ]
 
 
 def _rods(world: "World", kinds: NDArray[np.int64]) -> list[Rod]:

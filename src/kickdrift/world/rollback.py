@@ -3,6 +3,7 @@
 import numpy as np
 
 from kickdrift.core.errors import LostBodyError
+from kickdrift.world.cloth.motion import roll_back_cloths
 from kickdrift.world.collision.search import shapes_changed
 from kickdrift.world.contacts.layout import BOUNCED, CONTACT_STATE
 from kickdrift.world.integration import BODY_KIND, INVERSE_INERTIA, KINEMATIC, MASS
@@ -76,6 +77,7 @@ def roll_back(tables: Tables) -> None:
         lost_body_error, INVERSE_INERTIA : INVERSE_INERTIA + 6
     ]
     tables.array(JOINT_NUMBERS)[:] = tables.array(STARTED_JOINTS)
+    roll_back_cloths(tables)
     tables.array(LINK_NUMBERS)[:] = 0.0
     tables.array(CONTACT)[:, CONTACT_STATE] &= ~BOUNCED
     nowhere = ~np.isfinite(tables.array(BOUNDS)[:, LOWER : UPPER + 3]).all(axis=1)
@@ -92,4 +94,12 @@ def lost_body_error(tables: Tables, body: int, words: str, step: int) -> LostBod
         why = "It had been given a pose or a velocity that is not finite, or an orientation of no length: give it another one."
     return LostBodyError(
         f"{words} was lost to infinity in step {step}; all bodies are where they were before it. {why}"
+    )
+
+
+def lost_cloth_error(words: str, step: int) -> LostBodyError:
+    """Say which cloth was lost, and when; the world is back where the step began."""
+    return LostBodyError(
+        f"{words} was lost to infinity in step {step}; all bodies and cloths are where they were before it. It had been given "
+        "positions or velocities that are not finite, or what touches it is too fast for the step: take a smaller one."
     )

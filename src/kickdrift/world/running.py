@@ -23,11 +23,12 @@ from kickdrift.world.keeping import NOT_KEPT, Keeper, Kept, step_of_row
 from kickdrift.world.recorder import Recorder, RecordingRows
 from kickdrift.world.recording import Recording
 from kickdrift.world.streaming import StreamedRecordingRows
+from kickdrift.world.tables import PARTICLE
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World
 
-_BYTES_PER_BODY, _BYTES_PER_ROW = 13 * 8, 16 * 8
+_BYTES_PER_BODY, _BYTES_PER_PARTICLE, _BYTES_PER_ROW = 13 * 8, 3 * 8, 16 * 8
 
 
 def run(
@@ -35,7 +36,10 @@ def run(
 ) -> Recording:
     """Run a world and record it; see `World.run`."""
     progress = None if progress is None else choice("progress", progress)
-    grid = _lay(duration, step, save_every, len(world.position), kept.save_to is not None)
+    per_row = (
+        len(world.position) * _BYTES_PER_BODY + world.tables.count(PARTICLE) * _BYTES_PER_PARTICLE + _BYTES_PER_ROW
+    )
+    grid = _lay(duration, step, save_every, per_row, kept.save_to is not None)
     with ExitStack() as held:
         keeper = kept.keeper(world)
         if keeper is not None:
@@ -87,7 +91,7 @@ def _run(
         rows.keep(t0 + done * grid.step)
     if outcome is not Outcome.NOT_WRITTEN:
         outcome, cause = _written(partial(rows.close, outcome), outcome, cause)
-    message = _message(outcome, cause, world, done, grid) + said
+    message = _message(outcome, cause, world, done, grid) + said + world.cloths.notes()
     return rows.recording(outcome, message, grid.step, done, done * world.substeps, seconds)
 
 
@@ -131,7 +135,7 @@ def _written(write: Callable[[], None], outcome: Outcome, cause: str) -> tuple[O
     return outcome, cause
 
 
-def _lay(duration: float, step: float, save_every: int | None, n_bodies: int, streamed: bool) -> Grid:
+def _lay(duration: float, step: float, save_every: int | None, per_row: int, streamed: bool) -> Grid:
     for name, value in (("duration", duration), ("step", step)):
         if not (is_number(value) and 0.0 < value < math.inf):
             raise ArgumentError(f"{name}={value!r} has to be positive and finite, in s.")
@@ -144,7 +148,7 @@ def _lay(duration: float, step: float, save_every: int | None, n_bodies: int, st
     if not streamed and (
         save_every is None or (is_number(save_every) and save_every >= 1)
     ):  # what else it is, the grid says
-        check_kept(save_every, math.ceil(duration / step), n_bodies * _BYTES_PER_BODY + _BYTES_PER_ROW)
+        check_kept(save_every, math.ceil(duration / step), per_row)
     return lay_grid((0.0, duration), step, None, 1 if save_every is None else save_every, 0, streamed)
 
 

@@ -30,7 +30,8 @@ _OF_A_STEP = (
     tables.STATIC_TREE, tables.TRIANGLE_TREE, tables.SEARCH, tables.MOVERS, tables.FIXTURES, tables.PLANES, tables.SOUGHT,
     tables.CONTACT_ROW, tables.ISLAND, tables.ISLAND_CONTACT, tables.ISLAND_JOINT, tables.NODE, tables.NEIGHBOUR,
     tables.BLOCK, tables.ADJACENCY, tables.IMPACT, tables.BOUNCING, tables.FORCE_NUMBERS,
-    tables.BATCH, tables.VIEW,
+    tables.BATCH, tables.VIEW, tables.PARTICLE_FORCE, tables.STARTED_PARTICLE, tables.CLOTH_CONTACT,
+    tables.CLOTH_CONTACT_NUMBERS, tables.CLOTH_NEAR,
 )  # fmt: skip
 TABLES: Mapping[str, Table] = MappingProxyType(
     {
@@ -71,7 +72,7 @@ class Snapshot:
         Kinds of shapes that there have been.
     bouncing : bool
         Whether a shape has bounced.
-    body_names, joint_names : mapping of int to str
+    body_names, joint_names, cloth_names : mapping of int to str
         By row.
     """
 
@@ -91,6 +92,7 @@ class Snapshot:
     bouncing: bool
     body_names: Mapping[int, str]
     joint_names: Mapping[int, str]
+    cloth_names: Mapping[int, str]
 
     def with_forces(self, forces: Iterable[Force]) -> "Snapshot":
         """Return the same with other forces."""
@@ -157,6 +159,7 @@ def take(world: "World") -> Snapshot:
         bouncing=world.shape_rows.bouncing,
         body_names=MappingProxyType(world.bodies.names.all()),
         joint_names=MappingProxyType(world.joints.names.all()),
+        cloth_names=MappingProxyType(world.cloths.names.all()),
     )
 
 
@@ -184,6 +187,8 @@ def restore(world: "World", snapshot: Snapshot) -> None:
     shapes.kinds, shapes.bouncing = frozenset(snapshot.kinds), snapshot.bouncing
     bodies.names.replace(snapshot.body_names)
     joints.names.replace(snapshot.joint_names)
+    world.cloths.names.replace(snapshot.cloth_names)
+    world.cloths.forget_step()
     world.tables.altered = True
     world.tables.version += 1
 
@@ -193,4 +198,7 @@ def _begin_anew(of: Tables) -> None:
     for table in _OF_BODIES:
         of.resize(table, of.count(POSE))
     of.resize(STARTED_JOINTS, of.count(JOINT))
+    for table in (tables.PARTICLE_FORCE, tables.STARTED_PARTICLE):
+        of.resize(table, of.count(tables.PARTICLE))
+    of.array(tables.PARTICLE_FORCE)[:] = 0.0
     shapes_new(of)

@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function
+from kickdrift.world.cloth.contacts import find_cloth_contacts
+from kickdrift.world.cloth.motion import begin_cloths, move_cloths
 from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.collision.narrow_phase import place_shapes
 from kickdrift.world.collision.recycling import find_points
@@ -52,6 +54,7 @@ class Uses(NamedTuple):
     planar: bool
     threads: bool
     many: bool
+    cloths: bool
 
 
 class Word(NamedTuple):
@@ -86,11 +89,13 @@ def word(uses: Uses) -> Word:
         *when(uses.joints, measure_joints),
         *when(uses.sequential, relax_in_turn),
         *when(direct, relax_islands),
+        *when(uses.cloths, find_cloth_contacts, move_cloths),
     )
     if uses.threads:
         substep = tuple(THREADED.get(stage, stage) for stage in substep)
     before = (
         begin,
+        *when(uses.cloths, begin_cloths),
         place_shapes,
         find_pairs,
         find_points,

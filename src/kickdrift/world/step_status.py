@@ -11,7 +11,7 @@ from kickdrift.world.tables import STEP_STATUS, Table, integers
 STATUS = column(STEP_STATUS)
 TABLE = column(STEP_STATUS)  # place of the table that is full
 ROWS_WANTED = column(STEP_STATUS)  # rows that it needs
-LOST_BODY = column(STEP_STATUS)  # that is nowhere
+LOST_BODY = column(STEP_STATUS)  # that is nowhere, or a cloth
 REACHED = column(STEP_STATUS)  # steps done since `kickdrift.world.world.World.advance` was called
 WARNING = column(STEP_STATUS)  # set of what is to be said; no reason to stop
 SAID = column(STEP_STATUS)  # those of them that were said
@@ -27,6 +27,7 @@ FULL = 1  # a table needs more room: make it, clear the row and run the stage ag
 NOT_FINITE = 2  # a body has a pose or a velocity that is not finite
 NEEDS_TIME_OF_IMPACT = 3  # shapes are so fast that the step needs the stage `find_impacts`
 NEEDS_DIRECT_SOLVER = 4  # a heap is left unsolved by the sweeps
+LOST_CLOTH = 5  # a cloth has a particle whose position or velocity is not finite
 
 
 @compiled(inline=True)
@@ -43,3 +44,11 @@ def report_body(world: int, body: int) -> None:
     row = integers(world, STEP_STATUS)
     if row[0, STATUS] == OK:
         row[0, STATUS], row[0, LOST_BODY] = NOT_FINITE, body
+
+
+@compiled(inline=True)
+def report_cloth(world: int, cloth: int) -> None:
+    """Say that a cloth is nowhere, unless something else is wrong already."""
+    row = integers(world, STEP_STATUS)
+    if row[0, STATUS] == OK:
+        row[0, STATUS], row[0, LOST_BODY] = LOST_CLOTH, cloth

@@ -11,6 +11,7 @@ from kickdrift.core.interruption import next_chunk
 from kickdrift.core.threads import present
 from kickdrift.world import settings, step_status
 from kickdrift.world.bodies import Bodies
+from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.collision.filters import part_joined
 from kickdrift.world.compiling import compile_step
 from kickdrift.world.contacts import contact_solver_simd
@@ -21,11 +22,11 @@ from kickdrift.world.direct.solve import solve_islands
 from kickdrift.world.force_stage import Force, put_numbers
 from kickdrift.world.joints.registry import Joints
 from kickdrift.world.recorder import Recorder
-from kickdrift.world.rollback import find_lost_body, lost_body_error, roll_back
+from kickdrift.world.rollback import find_lost_body, lost_body_error, lost_cloth_error, roll_back
 from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.stage_order import Program, Uses, Word, addresses, compose, word
 from kickdrift.world.step import run
-from kickdrift.world.tables import BODY, EVENTS, LOAD, SETTINGS, STEP_STATUS, SWEEPS, Table, Tables
+from kickdrift.world.tables import BODY, CLOTH, EVENTS, LOAD, SETTINGS, STEP_STATUS, SWEEPS, Table, Tables
 
 
 class DoesSteps:
@@ -34,6 +35,7 @@ class DoesSteps:
     tables: Tables
     bodies: Bodies
     joints: Joints
+    cloths: Cloths
     shape_rows: ShapeRows
     forces: list[Force]
     recorder: Recorder | None
@@ -108,6 +110,7 @@ class DoesSteps:
                 planar=self.planar,
                 threads=self.threads and present(),
                 many=self.tables.count(BODY) > FEW,
+                cloths=self.tables.count(CLOTH) > 0,
             )
         )
 
@@ -134,6 +137,7 @@ class DoesSteps:
             shapes.find_functions()
             self._addresses, self._composition = addresses(spelt, self.substeps), composition
         put_numbers(self.tables, self.forces)
+        self.cloths.tune(step / self.substeps)
         self.tables.array(SETTINGS)[0, settings.STEP] = step
         self._program = compose(spelt, self._addresses, step, self.substeps)
         self._program_step, self._threaded, self._breakable = step, threaded, self.joints.breakable
@@ -152,6 +156,9 @@ class DoesSteps:
             self.tables.altered = True
         elif kind == step_status.FULL:
             self.tables.make_room(table, wanted)
+        elif kind == step_status.LOST_CLOTH:
+            self._go_back(step, LOAD)
+            raise lost_cloth_error(self.cloths.words(body), self.n_steps)
         else:
             body = find_lost_body(self.tables, step, body)
             self._go_back(step, LOAD)

@@ -11,6 +11,7 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.zarr_group import Array
 from kickdrift.engine.zarr_store import ZarrStore
 from kickdrift.world.recorder import RecordingRows
+from kickdrift.world.tables import PARTICLE
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World
@@ -51,6 +52,7 @@ class StreamedRecordingRows(RecordingRows):
             "v": of_bodies("v"),
             "orientation": of_bodies("orientation", "quaternion"),
             "angular_velocity": of_bodies("angular velocity"),
+            "particles": Array(("particle", "space"), (self._particles, 3), units["particles"]),
             **{name: Array(unit=units["energy"]) for name in ("energy", "kinetic_energy", "potential_energy")},
             **vectors,
             **{name: Array(unit=units["x"]) for name in ("overlap", "joint_gap")},
@@ -67,10 +69,10 @@ class StreamedRecordingRows(RecordingRows):
         ArgumentError
             If there are more bodies than at the start.
         """
-        if len(self._world.position) > self._bodies:
+        if len(self._world.position) > self._bodies or self._world.tables.count(PARTICLE) > self._particles:
             raise ArgumentError(
-                f"a body was added while rows of {self._bodies} go to save_to={self.saved_to!r}; add it before the recording,"
-                " or record into memory."
+                f"a body or a cloth was added while rows of {self._bodies} bodies go to save_to={self.saved_to!r}; add it"
+                " before the recording, or record into memory."
             )
         super().keep(t)
         row = self.count - self.first - 1
@@ -131,7 +133,7 @@ class StreamedRecordingRows(RecordingRows):
         (kinetic, potential), (overlap, gap) = rows["energy"].T, rows["constraint error"].T
         values = {
             "time": rows["t"][:, 0],
-            **{name: rows[name] for name in ("x", "v", "orientation", "momentum")},
+            **{name: rows[name] for name in ("x", "v", "orientation", "particles", "momentum")},
             "angular_velocity": rows["angular velocity"],
             "angular_momentum": rows["angular momentum"],
             "energy": kinetic + potential,

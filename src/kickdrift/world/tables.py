@@ -101,6 +101,23 @@ MEMBER = Table(63, 1, whole=True)  # bodies that a substep moves, one batch afte
 BATCH = Table(64, 4, whole=True)
 MEMBERSHIP = Table(65, 2, whole=True)  # of each body
 
+# Cloths: see `kickdrift.world.cloth.layout`
+CLOTH = Table(66, 12, whole=True)
+CLOTH_NUMBERS = Table(67, 24)
+PARTICLE = Table(68, 8)
+PARTICLE_FORCE = Table(69, 4)
+FACE = Table(70, 8, whole=True)  # a triangle of a cloth
+FACE_NUMBERS = Table(71, 24)
+FOLD = Table(72, 8, whole=True)  # two triangles of a cloth that share an edge
+FOLD_NUMBERS = Table(73, 4)
+PIN = Table(74, 2, whole=True)
+PIN_NUMBERS = Table(75, 4)
+CLOTH_CONTACT = Table(76, 4, whole=True)
+CLOTH_CONTACT_NUMBERS = Table(77, 16)
+STARTED_PARTICLE = Table(78, PARTICLE.width)
+PARTICLE_REST = Table(80, 4)
+CLOTH_NEAR = Table(79, 1)  # shapes, and triangles of one, that are near a cloth
+
 _LAST = max(table.place for table in list(globals().values()) if isinstance(table, Table))
 VIEW = Table(_LAST + 1, 3 * (_LAST + 2), whole=True)  # one row: the block as it is for a batch
 _COUNT = _LAST + 2
@@ -173,7 +190,11 @@ def flat_integers(world: int, table: Table) -> Any:
     return carray(integers_at(word(world, place + _ADDRESS)), (word(world, place + _ROOM) * table[1],))
 
 
-_COMPANIONS = {CONTACT: (MANIFOLD,), LINK: (LINK_NUMBERS,)}  # that have at least the room of a table
+_COMPANIONS = {
+    CONTACT: (MANIFOLD,),
+    LINK: (LINK_NUMBERS,),
+    CLOTH_CONTACT: (CLOTH_CONTACT_NUMBERS,),
+}  # that have at least the room of a table
 _TABLES = {table.place: table for table in list(globals().values()) if isinstance(table, Table)}
 
 

@@ -14,6 +14,8 @@ from kickdrift.world.arguments import choice, direction, number, vector
 from kickdrift.world.batch import BATCH_COLOURS
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
+from kickdrift.world.cloth.adding import AddsCloths
+from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.conserved_quantities import ConservedQuantities
 from kickdrift.world.events import ContactEvent, events, touching
 from kickdrift.world.force_stage import Force
@@ -48,6 +50,7 @@ class World(
     BodyViews,
     AddsBodies,
     AddsJoints,
+    AddsCloths,
     AppliesForces,
     SpatialQueries,
     ConservedQuantities,
@@ -132,7 +135,8 @@ class World(
         self.shape_rows = ShapeRows(self.tables)
         self.joints = Joints(self.tables)
         self.bodies = Bodies(self.tables, self.shape_rows, self.joints.changed)
-        self.bodies.world = self.joints.world = weakref.ref(self)
+        self.cloths = Cloths(self.tables, self.bodies)
+        self.bodies.world = self.joints.world = self.cloths.world = weakref.ref(self)
         self.gravity, self.substeps, self.sleeping = vector("gravity", gravity, 3), substeps, sleeping
         row[settings.MIDPOINT] = choice("midpoint", midpoint)
         row[settings.MARGIN] = number("margin", margin, "m", zero=False)

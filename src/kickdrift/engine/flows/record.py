@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 
 from kickdrift.core.compilation import Function
 
+Ahead = tuple[tuple[int, int] | None, dict[str, int]]
+
 
 @dataclass(frozen=True, eq=False)
 class Flow:
@@ -46,6 +48,9 @@ class Flow:
     constants : callable or None
         From the coefficients, the params and whether x' is not v: names and values that are constants of its compilation,
         as is the size of the state for a few numbers.
+    ahead : tuple of (sizes, constants)
+        Of a flow with constants, what `kickdrift compile` compiles: the numbers of x and of v, None for many, and the
+        constants.
     primer : str
         Name of a flow that makes the memory ready before the first step, empty for none.
     small : callable or None
@@ -78,6 +83,7 @@ class Flow:
     memory: Callable[[int, NDArray[np.float64], NDArray[np.float64]], int] = lambda n, coefficients, params: 0
     scratch: Callable[[int, NDArray[np.float64], NDArray[np.float64]], int] = lambda n, coefficients, params: 0
     constants: Callable[[NDArray[np.float64], int, NDArray[np.float64], bool], dict[str, int]] | None = None
+    ahead: tuple[Ahead, ...] = ()
     primer: str = ""
     small: Function | None = None
     sees_v_clock: bool = False

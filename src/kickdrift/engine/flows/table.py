@@ -24,7 +24,7 @@ from kickdrift.engine.flows import (
     sweep,
 )
 from kickdrift.engine.flows.control_table import CONTROLS
-from kickdrift.engine.flows.record import Flow
+from kickdrift.engine.flows.record import Ahead, Flow
 
 
 def _solving(residual: Function, **parts: Function) -> dict[str, Function]:
@@ -46,6 +46,18 @@ def _projecting(leave_over: Function, excess_of: Function, renew: Function) -> d
         "renew": renew,
         "project": constraints.project_state,
     }
+
+
+_MOTIONS = ((1, 1), (2, 2), (3, 3), (4, 4))  # numbers of x and of v of small states,
+_RATES = ((1, 0), (2, 0), (3, 0), (4, 0))  # and of those that are x alone
+
+
+def _tableaux(sizes: tuple[tuple[int, int] | None, ...], general: bool, stages: tuple[int, ...]) -> tuple[Ahead, ...]:
+    return tuple((size, {"STAGES": count, "GENERAL": general}) for size in sizes for count in stages)
+
+
+# Rods in a plane, one in space, two in a plane
+_PENDULUMS = tuple(((n, n), {"COUNT": count}) for n, count in ((2, 1), (3, 1), (4, 2)))
 
 
 FLOWS = {
@@ -89,7 +101,12 @@ FLOWS = {
     "kepler": Flow(kepler.kepler, moves_x=True, moves_v=True),
     "jump": Flow(kepler.jump),  # moves x by what neither the clock nor the acceleration of the kicks sees
     "encounters": Flow(
-        encounters.encounters, moves_x=True, moves_v=True, memory=encounters.memory_size, constants=encounters.constants
+        encounters.encounters,
+        moves_x=True,
+        moves_v=True,
+        memory=encounters.memory_size,
+        constants=encounters.constants,
+        ahead=((None, {}),),
     ),
     "oscillate": Flow(oscillation.oscillate, moves_x=True, moves_v=True, memory=oscillation.memory_size),
     "filtered-kick": Flow(
@@ -186,6 +203,7 @@ FLOWS = {
         moves_v=True,
         memory=runge_kutta.explicit_memory,
         constants=runge_kutta.constants,
+        ahead=_tableaux((*_MOTIONS, None), False, (4, 12)),  # runge-kutta-4 and dop853
     ),
     "implicit-runge-kutta": Flow(
         runge_kutta.implicit_runge_kutta,
@@ -195,6 +213,7 @@ FLOWS = {
         memory=runge_kutta.implicit_memory,
         scratch=runge_kutta.implicit_scratch,
         constants=runge_kutta.constants,
+        ahead=_tableaux(_MOTIONS, False, (2, 3)),  # gauss-4 and gauss-6
     ),
     "stiff-runge-kutta": Flow(
         stiff.stiff_runge_kutta,
@@ -208,6 +227,7 @@ FLOWS = {
         memory=stiff.memory_size,
         scratch=runge_kutta.implicit_scratch,
         constants=runge_kutta.constants,
+        ahead=_tableaux(_RATES, True, (3,)),  # radau-5
         estimates=True,
     ),
     "linearise-constraints": Flow(
@@ -215,6 +235,7 @@ FLOWS = {
         parts={"jacobian": constraints.jacobian_here},
         memory=constraint_rows.memory_size,
         constants=constraint_rows.constants,
+        ahead=_PENDULUMS,
     ),
     "constrain-positions": Flow(
         constraints.constrain_positions,
@@ -224,6 +245,7 @@ FLOWS = {
         timed=False,
         memory=constraint_rows.memory_size,
         constants=constraint_rows.constants,
+        ahead=_PENDULUMS,
         primer="linearise-constraints",
     ),
     "constrain-velocities": Flow(
@@ -233,6 +255,7 @@ FLOWS = {
         timed=False,
         memory=constraint_rows.memory_size,
         constants=constraint_rows.constants,
+        ahead=_PENDULUMS,
         primer="linearise-constraints",
     ),
     **CONTROLS,

@@ -1,7 +1,8 @@
-"""Worlds to begin with: stacks, chains, balls, humanoids and robots."""
+"""Worlds to begin with: stacks, chains, balls, humanoids, robots and cloths."""
 
 from kickdrift.scenes.worlds.balls import bouncing_disk, newtons_cradle
 from kickdrift.scenes.worlds.chains import chain, joint_grid
+from kickdrift.scenes.worlds.cloths import drape, flag, trampoline
 from kickdrift.scenes.worlds.humanoids import add_person, humanoid, ragdolls
 from kickdrift.scenes.worlds.robots import arm, quadruped, two_link_arm
 from kickdrift.scenes.worlds.stacks import dominoes, pile, pyramid
@@ -12,6 +13,8 @@ __all__ = [
     "bouncing_disk",
     "chain",
     "dominoes",
+    "drape",
+    "flag",
     "humanoid",
     "joint_grid",
     "newtons_cradle",
@@ -19,5 +22,6 @@ __all__ = [
     "pyramid",
     "quadruped",
     "ragdolls",
+    "trampoline",
     "two_link_arm",
 ]

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from kickdrift.scenes.worlds.balls import bouncing_disk, newtons_cradle
 from kickdrift.scenes.worlds.chains import chain, joint_grid
+from kickdrift.scenes.worlds.cloths import drape, flag, trampoline
 from kickdrift.scenes.worlds.humanoids import humanoid, ragdolls
 from kickdrift.scenes.worlds.robots import arm, quadruped, two_link_arm
 from kickdrift.scenes.worlds.stacks import dominoes, pile, pyramid
@@ -44,4 +45,7 @@ SCENES: dict[str, Scene] = {
     "robot-arm": Scene(lambda: arm(damping=0.4).world, 3.0, 1 / 200, "an arm of seven hinges bends"),
     "two-link-arm": Scene(lambda: two_link_arm().world, 10.0, 1 / 200, "two rods swing without friction"),
     "quadruped": Scene(lambda: quadruped().world, 3.0, 1 / 200, "a robot stands on four legs"),
+    "drape": Scene(drape, 3.0, 1 / 60, "a cloth falls over a ball"),
+    "flag": Scene(flag, 4.0, 1 / 60, "a flag flutters in the wind"),
+    "trampoline": Scene(trampoline, 4.0, 1 / 60, "two balls jump on a trampoline"),
 }

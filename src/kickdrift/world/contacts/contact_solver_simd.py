@@ -68,7 +68,7 @@ def _put(array: Any, field: int, lane: int, x: float, y: float, z: float) -> Non
 @compiled(fast=True, inline=True)
 def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, arms: Any, spring: Any, state: Any) -> Any:
     """Solve one point, whose fields begin at i; `state` is the impulse of those before it and the velocities they left."""
-    rate, soft_mass, soft_impulse, per_h, push, closed, sum_mass = spring
+    rate, soft_mass, soft_impulse, per_h, push, closed, fastest, sum_mass = spring
     tx, ty, tz, ex, ey, ez = arms
     total, v, wax, way, waz, wbx, wby, wbz = state
     ax, ay, az = _vector(own, c.ARM, i)
@@ -88,8 +88,10 @@ def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, arms: Any, 
     change = min(-mass * (scale * speed + bias) - leak * impulse, mass * (push - speed))
     new = max(impulse + change, 0.0)
     # The second sweep adds nothing to points that are apart, but for rounding, and carry nothing: what meets in the next
-    # substep may bounce there. Of those that carry something, rounding says whether they are apart.
-    d = min(new - impulse, 0.0 if (gap > closed) & (impulse <= rounding) else 1e300)
+    # substep may bounce there. Of those that carry something, rounding says whether they are apart. Neither sweep adds
+    # anything to points that approach fast enough to bounce, and have not yet.
+    idle = ((gap > closed) | (speed < fastest)) & (impulse <= rounding)
+    d = min(new - impulse, 0.0 if idle else 1e300)
     own[i + c.IMPULSE * W] = impulse + d
     cx, cy, cz = _turn(s, INERTIA_A, lane, ax, ay, az)
     ex, ey, ez = _turn(s, INERTIA_B, lane, bx, by, bz)
@@ -135,7 +137,7 @@ def solve_normals(own: Any, s: Any, per_h: float, soft: float, push: float, n: i
         arms = (tbx - tax, tby - tay, tbz - taz, ex, ey, ez)
         v = nx * (vbx - vax) + ny * (vby - vay) + nz * (vbz - vaz)
         state = (0.0, v, wax, way, waz, wbx, wby, wbz)
-        spring = (rate, soft_mass, soft_impulse, per_h, push, closed, mass_a + mass_b)
+        spring = (rate, soft_mass, soft_impulse, per_h, push, closed, -own[c.FASTEST * W + lane], mass_a + mass_b)
         # Indices of constants and the lane alone: others might be negative to the compiler, and would not be vectors.
         i = c.P * W + lane
         state = _solve_point(own, s, lane, i, opened, arms, spring, state)
@@ -280,9 +282,7 @@ def measure_normals(own: Any, s: Any, unused: float, none: float, nothing: float
         ax, ay, az = _vector(s, VELOCITY_A, lane)
         bx, by, bz = _vector(s, VELOCITY_B, lane)
         v = nx * (bx - ax) + ny * (by - ay) + nz * (bz - az)
-        ax, ay, az = _vector(s, VELOCITY_A + 3, lane)
-        bx, by, bz = _vector(s, VELOCITY_B + 3, lane)
-        turning = (ax, ay, az, bx, by, bz)
+        turning = _vector(s, VELOCITY_A + 3, lane) + _vector(s, VELOCITY_B + 3, lane)
         dx, dy, dz = _vector(own, c.BETWEEN, lane)
         between = (dy * nz - dz * ny, dz * nx - dx * nz, dx * ny - dy * nx)
         i = c.P * W + lane

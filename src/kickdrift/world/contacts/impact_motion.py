@@ -12,6 +12,7 @@ from kickdrift.core.vectors import (
     Vector,
     applied,
     conjugate,
+    cross,
     dot,
     exponential,
     length,
@@ -48,6 +49,10 @@ from kickdrift.world.tables import (
 
 _SIZE = c.FIELDS * c.WIDTH
 
+# Position, orientation, velocity, angular velocity, angular acceleration, and the angle vector since the substep began
+Flight = tuple[Vector, Quaternion, Vector, Vector, Vector, Vector]
+Place = tuple[Vector, Quaternion]  # position, and the turn since the step began
+
 
 @compiled(inline=True)
 def constraint(world: int, row: int) -> Any:
@@ -70,29 +75,69 @@ def is_moved(world: int, body: int) -> bool:
     return moved
 
 
-@compiled(inline=True)
-def _place_at(world: int, body: int, when: float) -> tuple[Vector, Quaternion]:
-    """Return where a body is, and how it has turned since the step began; what impulses do not move, at a time from now."""
-    pose, started, motion = floats(world, POSE), floats(world, STARTED_POSE), floats(world, MOTION)
+@compiled
+def flown(h: float, world: int, body: int, when: float) -> Flight:
+    """Say where a body is at a time in the substep, and how it moves there; `Flight` names the six."""
+    pose, motion, kicked, inertia = (
+        floats(world, POSE),
+        floats(world, MOTION),
+        floats(world, KICKED),
+        floats(world, INERTIA),
+    )
     at, q = vector_at(pose, body, 0), quaternion_at(pose, body, 3)
-    if when > 0.0 and not is_moved(world, body):
-        at = plus(at, times(when, vector_at(motion, body, 0)))
-        q = product(exponential(times(when, vector_at(motion, body, 3))), q)
-    return at, product(q, conjugate(quaternion_at(started, body, 3)))
+    v, w, none = vector_at(motion, body, 0), vector_at(motion, body, 3), (0.0, 0.0, 0.0)
+    if not is_moved(world, body):
+        return plus(at, times(when, v)), product(exponential(times(when, w)), q), v, w, none, times(when, w)
+    at = plus(at, _way(h, world, body, when))
+    v = minus(v, times(_left_to_gain(h, world, when), vector_at(kicked, body, ADDED)))
+    if inertia[body, SPHERICAL] != 0.0:
+        return at, product(exponential(times(when, w)), q), v, w, none, times(when, w)
+    # From where its last impact left it: what lies before that is no flight.
+    last, spin = kicked[body, IMPACT_TIME], vector_at(kicked, body, SPIN)
+    way = times(last, w)
+    if last > 0.0:
+        q = product(exponential(way), q)
+    if when > last:
+        rest = times(when - last, mean_turn(when - last, q, symmetric_at(inertia, body, BODY_INERTIA), spin, w))
+        q, way = product(exponential(rest), q), plus(way, rest)
+    inverse = turned_symmetric(q, symmetric_at(inertia, body, INVERSE_INERTIA))
+    w = applied(inverse, spin)
+    return at, q, v, w, applied(inverse, cross(spin, w)), way
+
+
+@compiled(inline=True)
+def place_of(world: int, body: int, at: Vector, q: Quaternion) -> Place:
+    """Say where a body is, and how it has turned since the step began."""
+    return at, product(q, conjugate(quaternion_at(floats(world, STARTED_POSE), body, 3)))
 
 
 @compiled
-def arms_at(world: int, row: int, own: Any, point: int, when: float, normal: Vector) -> tuple[Vector, Vector, Vector]:
+def arms_between(own: Any, point: int, normal: Vector, a: Place, b: Place) -> tuple[Vector, Vector, Vector]:
     """Arms of both bodies to their own points, and the way from the first to the second."""
-    contact = integers(world, CONTACT)
-    at_a, turn_a = _place_at(world, contact[row, c.BODY_A], when)
-    at_b, turn_b = _place_at(world, contact[row, c.BODY_B], when)
     anchor = c.ANCHORS + c.ANCHOR_SIZE * point
-    arm_a, arm_b = turned(turn_a, vector_of(own, anchor)), turned(turn_b, vector_of(own, anchor + c.ANCHOR_B))
+    arm_a, arm_b = turned(a[1], vector_of(own, anchor)), turned(b[1], vector_of(own, anchor + c.ANCHOR_B))
     radius_a, radius_b = own[(anchor + c.RADII) * c.WIDTH], own[(anchor + c.RADII + 1) * c.WIDTH]
-    arm_a = plus(arm_a, times(radius_a, _away(turned(turn_a, vector_of(own, c.AXES)), normal)))
-    arm_b = minus(arm_b, times(radius_b, _away(turned(turn_b, vector_of(own, c.AXES + 3)), normal)))
-    return arm_a, arm_b, minus(plus(minus(at_b, at_a), arm_b), arm_a)
+    arm_a = plus(arm_a, times(radius_a, _away(turned(a[1], vector_of(own, c.AXES)), normal)))
+    arm_b = minus(arm_b, times(radius_b, _away(turned(b[1], vector_of(own, c.AXES + 3)), normal)))
+    return arm_a, arm_b, minus(plus(minus(b[0], a[0]), arm_b), arm_a)
+
+
+@compiled
+def arms_now(world: int, row: int, own: Any, point: int, when: float, normal: Vector) -> tuple[Vector, Vector, Vector]:
+    """Return the same of bodies that were moved to where they hit; what impulses do not move is flown there."""
+    contact = integers(world, CONTACT)
+    a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
+    return arms_between(own, point, normal, _place_now(world, a, when), _place_now(world, b, when))
+
+
+@compiled(inline=True)
+def _place_now(world: int, body: int, when: float) -> Place:
+    pose, motion = floats(world, POSE), floats(world, MOTION)
+    at, q = vector_at(pose, body, 0), quaternion_at(pose, body, 3)
+    if not is_moved(world, body):
+        at = plus(at, times(when, vector_at(motion, body, 0)))
+        q = product(exponential(times(when, vector_at(motion, body, 3))), q)
+    return place_of(world, body, at, q)
 
 
 @compiled(inline=True)
@@ -105,30 +150,16 @@ def _away(axis: Vector, normal: Vector) -> Vector:
 @compiled
 def move_to_impact(h: float, world: int, body: int) -> None:
     """Move a body to where it is at its next impact, with the angular velocity that it has there."""
-    kicked, pose = floats(world, KICKED), floats(world, POSE)
-    when, last = kicked[body, NEXT_IMPACT], kicked[body, IMPACT_TIME]
+    kicked, pose, motion = floats(world, KICKED), floats(world, POSE), floats(world, MOTION)
+    when = kicked[body, NEXT_IMPACT]
     if when < 0.0 or not is_moved(world, body):
         return
-    kicked[body, IMPACT_TIME], kicked[body, NEXT_IMPACT] = when, -1.0
-    way, turn, inertia = _way(h, world, body, when), vector_at(kicked, body, 3), floats(world, INERTIA)
-    # From where its last impact left it: what lies before that is no flight.
-    q = product(exponential(times(last, turn)), quaternion_at(pose, body, 3))
-    after = turn
-    if inertia[body, SPHERICAL] == 0.0:
-        moments = symmetric_at(inertia, body, BODY_INERTIA)
-        after = mean_turn(when - last, q, moments, vector_at(kicked, body, SPIN), turn)
-    slower = _left_to_gain(h, world, when)
+    at, q, v, w, _, way = flown(h, world, body, when)
     for k in range(3):
-        pose[body, k] += way[k]
-        floats(world, MOTION)[body, k] -= slower * kicked[body, ADDED + k]
-        floats(world, DELTA_POSE)[body, 3 + k] += last * turn[k] + (when - last) * after[k]
-    _turn_to(world, body, product(exponential(times(when - last, after)), q))
-    if inertia[body, SPHERICAL] == 0.0:
-        turn = applied(
-            symmetric_at(floats(world, INVERSE_MASS), body, INVERSE_INERTIA_IN_WORLD), vector_at(kicked, body, SPIN)
-        )
-        for k in range(3):
-            floats(world, MOTION)[body, 3 + k] = turn[k]
+        pose[body, k], motion[body, k], motion[body, 3 + k] = at[k], v[k], w[k]
+        floats(world, DELTA_POSE)[body, 3 + k] += way[k]
+    kicked[body, IMPACT_TIME], kicked[body, NEXT_IMPACT] = when, -1.0
+    _turn_to(world, body, q)
 
 
 @compiled
@@ -199,6 +230,6 @@ def normal_at(world: int, row: int, own: Any, when: float) -> Vector:
     about_axes = length(vector_of(own, axes)) + length(vector_of(own, axes + 3)) > 0.0
     if radius_a == 0.0 or radius_b == 0.0 or about_axes or own[c.COUNT * c.WIDTH] > 1.0:
         return normal
-    _, _, between = arms_at(world, row, own, 0, when, normal)
+    _, _, between = arms_now(world, row, own, 0, when, normal)
     line = plus(between, times(radius_a + radius_b, normal))
     return times(1.0 / length(line), line)

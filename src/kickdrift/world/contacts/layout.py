@@ -107,6 +107,7 @@ MASS_A = _CONSTRAINT.field(1, "1/kg")  # inverse masses
 MASS_B = _CONSTRAINT.field(1, "1/kg")
 REFERENCE = _CONSTRAINT.field(9, "rad, m")  # turns of both bodies, and what they had slid, when the arms were taken
 STALE = _CONSTRAINT.field(2, "rad, m")  # by how much they may differ from now: turns, slide
+FASTEST = _CONSTRAINT.field(1, "m/s")  # at which points approach that sweeps stop: what is faster bounces
 P = _CONSTRAINT.field(4 * POINT_FIELDS)
 ANCHORS = _CONSTRAINT.field(4 * ANCHOR_SIZE)
 AXES = _CONSTRAINT.field(6)  # that radii are at right angles to, when the step began; zeros of balls and capsules

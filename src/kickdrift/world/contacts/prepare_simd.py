@@ -173,7 +173,7 @@ def fill(own: Any, raw: Any, h: float, unused: float, none: float, count: int) -
         own[i + 2 * _NEXT], own[i + 3 * _NEXT] = raw[(IMPULSE + 2) * W + lane], raw[(IMPULSE + 3) * W + lane]
         own[c.SHARE * W + lane], own[c.COUNT * W + lane] = raw[SHARE * W + lane], raw[COUNT * W + lane]
         own[c.STALE * W + lane], own[(c.STALE + 1) * W + lane] = raw[STALE * W + lane], raw[(STALE + 1) * W + lane]
-        own[c.REFRESHED * W + lane] = 0.0
+        own[c.REFRESHED * W + lane], own[c.FASTEST * W + lane] = 0.0, 1e300
         own[c.MASS_A * W + lane], own[c.MASS_B * W + lane] = raw[MASS_A * W + lane], raw[MASS_B * W + lane]
         x, y, z = vector(raw, SOFTNESS * W + lane)
         put(own, c.SOFTNESS * W + lane, x, y, z)

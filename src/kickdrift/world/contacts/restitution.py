@@ -20,22 +20,16 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import cross, dot, length, minus
+from kickdrift.core.vectors import length
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.colouring import LINKED
-from kickdrift.world.contacts.impact_motion import (
-    arms_at,
-    constraint,
-    is_moved,
-    leave_impact,
-    move_to_impact,
-    vector_of,
-)
+from kickdrift.world.contacts.impact_motion import constraint, flown, is_moved, leave_impact, move_to_impact
+from kickdrift.world.contacts.impact_time import find_time, rests
 from kickdrift.world.contacts.simultaneous_impact import BOUNCE, ROW, SPEED, TIME, TIMES, find_impulses, meet, pushed
-from kickdrift.world.integration import ADDED, IMPACT_TIME, NEXT_IMPACT
+from kickdrift.world.integration import IMPACT_TIME, NEXT_IMPACT
 from kickdrift.world.layout import RESTITUTION
-from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, MIDPOINT, SLOP
+from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, SLOP, SUBSTEPS
 from kickdrift.world.step_status import ask_for_room
 from kickdrift.world.tables import (
     BOUNCING,
@@ -43,7 +37,6 @@ from kickdrift.world.tables import (
     CONTACT,
     IMPACT,
     KICKED,
-    MOTION,
     PLACE,
     SETTINGS,
     floats,
@@ -69,12 +62,13 @@ def find_bouncing(t: float, h: float, world: int) -> None:
     if rows(world, CONTACT) > room(world, IMPACT):
         ask_for_room(world, IMPACT, rows(world, CONTACT))
         return
-    bouncing = integers(world, BOUNCING)
+    bouncing, slowest = integers(world, BOUNCING), slowest_bounce(h / floats(world, SETTINGS)[0, SUBSTEPS], world)
     for row in range(rows(world, CONTACT)):
         e = max(place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION])
         bounces = contact[row, c.PLACE_IN_GROUPS] >= 0 and (e > 0.0 or contact[row, c.CONTACT_STATE] & c.FAST)
         if bounces and not _is_linked(world, row):
             bouncing[count, 0] = row
+            constraint(world, row)[c.FASTEST * c.WIDTH] = slowest
             count += 1
     set_rows(world, BOUNCING, count)
 
@@ -102,20 +96,20 @@ def bounce(t: float, h: float, world: int) -> None:
             leave_impact(h, world, b)
             own, was_hit = constraint(world, int(impact[hit, ROW])), pushed(impact[hit]) > 0.0
             own[c.REFERENCE * c.WIDTH] = _FAR if was_hit else _MISSED
-            if impact[hit, BOUNCE] > 0.0:
-                _let_be(own)
+            for k in range(4 if impact[hit, BOUNCE] > 0.0 else 0):
+                _let_be(own, k)
             if was_hit:
                 integers(world, CONTACT)[int(impact[hit, ROW]), c.CONTACT_STATE] |= c.BOUNCED
 
 
 @compiled(inline=True)
-def _let_be(own: Any) -> None:
-    """Keep the sweeps of this substep from a contact that bounced in it, until its arms are taken anew.
+def _let_be(own: Any, point: int) -> None:
+    """Keep the sweeps of this substep from a point that bounced in it or does not touch, until its arms are taken anew.
 
-    Where its bodies have been set back to they never were: turned by a radian, they would seem to overlap there.
+    Where bodies that bounced have been set back to they never were: turned by a radian, they would seem to overlap there. Of
+    those that turn fast the sweeps, which take velocities to be constant, might stop what only passes by.
     """
-    for k in range(4):
-        own[(c.P + c.POINT_FIELDS * k + c.GAP) * c.WIDTH] = _FAR
+    own[(c.P + c.POINT_FIELDS * point + c.GAP) * c.WIDTH] = _FAR
 
 
 @compiled(inline=True)
@@ -186,36 +180,23 @@ def _find_round(h: float, world: int) -> float:
 @compiled
 def _find_times(h: float, world: int, row: int, hit: Any) -> bool:
     """Find when and how fast each point of a contact hits; return whether any does within the substep."""
-    contact, motion, kicked = integers(world, CONTACT), floats(world, MOTION), floats(world, KICKED)
-    midpoint, slowest, own = floats(world, SETTINGS)[0, MIDPOINT], slowest_bounce(h, world), constraint(world, row)
-    a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], vector_of(own, c.N)
-    added = midpoint * dot(normal, minus(vector_at(kicked, b, ADDED), vector_at(kicked, a, ADDED)))
-    across = dot(normal, minus(vector_at(motion, b, 0), vector_at(motion, a, 0)))
-    turn_a, turn_b = vector_at(motion, a, 3), vector_at(motion, b, 3)
+    contact, kicked = integers(world, CONTACT), floats(world, KICKED)
+    slowest, own = slowest_bounce(h, world), constraint(world, row)
+    a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
     since = max(kicked[a, IMPACT_TIME], kicked[b, IMPACT_TIME])
-    hit[TIME] = 2.0 * h
+    hit[TIME] = math.inf
+    if rests(h, world, row, own, slowest):
+        return False
+    flight_a, flight_b = flown(h, world, a, since), flown(h, world, b, since)
     for k in range(4):
         hit[TIMES + k] = math.inf
     for k in range(contact[row, c.POINTS]):
-        arm_a, arm_b, between = arms_at(world, row, own, k, 0.0, normal)
-        gap = dot(normal, between)
-        # gap(s) = gap + start s + bend / 2 s^2: free flight by the midpoint rule (without it, added is 0), and points that go
-        # round.
-        round_a, round_b = cross(turn_a, arm_a), cross(turn_b, arm_b)
-        velocity = across + dot(normal, minus(round_b, round_a))
-        start = velocity - added
-        bend = added / h + dot(normal, minus(cross(turn_b, round_b), cross(turn_a, round_a)))
-        root = start * start - 2.0 * bend * gap
-        when = 2.0 * h
-        if gap <= 0.0:
-            when = since
-        elif root >= 0.0 and math.sqrt(root) > start:
-            when = max(2.0 * gap / (math.sqrt(root) - start), since)
-        speed = start + bend * when
+        when, speed, free = find_time(h, world, row, own, k, since, slowest, flight_a, flight_b)
         hit[TIMES + k] = when
-        # What the solver would stop in this substep hits in it, a few per cent after its end though it may be: the solver
-        # asks the velocity after the kick, which in free flight is reached only at the end.
-        if speed < -slowest and when < hit[TIME] and (when <= h or gap + h * velocity <= 0.0):
-            hit[TIME], hit[SPEED] = when, -speed
-    hits: bool = hit[TIME] < 2.0 * h
+        if speed > 0.0 and when < hit[TIME]:
+            hit[TIME], hit[SPEED] = when, speed
+        if free:
+            _let_be(own, k)
+            own[c.REFERENCE * c.WIDTH] = _FAR
+    hits: bool = hit[TIME] < math.inf
     return hits

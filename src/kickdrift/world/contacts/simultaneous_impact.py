@@ -14,7 +14,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, applied, cross, dot, length, minus, plus, times
 from kickdrift.world.columns import Fields, column, symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.impact_motion import arms_at, constraint, normal_at, vector_of
+from kickdrift.world.contacts.impact_motion import arms_now, constraint, normal_at, vector_of
 from kickdrift.world.integration import IMPACT_TIME
 from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
 from kickdrift.world.settings import SLOP
@@ -66,7 +66,7 @@ def meet(world: int, hit: Any, least: float) -> None:
         if not (hit[TIMES + k] - when) * hit[SPEED] <= near:
             continue
         point = hit[POINTS + POINT_SIZE * k : POINTS + POINT_SIZE * (k + 1)]
-        arm_a, arm_b, between = arms_at(world, row, own, k, when, normal)
+        arm_a, arm_b, between = arms_now(world, row, own, k, when, normal)
         arm_a, arm_b = plus(arm_a, times(share, between)), minus(arm_b, times(1.0 - share, between))
         centre_a, centre_b, found = plus(centre_a, arm_a), plus(centre_b, arm_b), found + 1.0
         _put(point, TURN_A, cross(arm_a, normal))

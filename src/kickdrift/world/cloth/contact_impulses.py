@@ -1,0 +1,94 @@
+"""Impulses between the particles of a cloth and the bodies that they touch."""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Vector, applied, cross, dot, length, minus, plus, times
+from kickdrift.world.cloth.layout import (
+    CLOTH_GAP,
+    CLOTH_NORMAL,
+    CONTACT_FRICTION,
+    FIRST_CONTACT,
+    GROUND_VELOCITY,
+    LAST_CONTACT,
+    MOVES_BODY,
+    PARTICLE_INVERSE_MASS,
+    PARTICLE_VELOCITY,
+    TOUCHED_BODY,
+    TOUCHED_POINT,
+    TOUCHING_PARTICLE,
+)
+from kickdrift.world.columns import symmetric_at, vector_at
+from kickdrift.world.layout import ANGULAR_VELOCITY, INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS, VELOCITY
+from kickdrift.world.tables import (
+    CLOTH,
+    CLOTH_CONTACT,
+    CLOTH_CONTACT_NUMBERS,
+    INVERSE_MASS,
+    MOTION,
+    PARTICLE,
+    floats,
+    integers,
+)
+
+
+@compiled
+def resolve_contacts(world: int, cloth: int, part: float, push: float) -> None:
+    """Stop the particles of a cloth from moving into shapes in a part of a substep; what they lose, bodies get.
+
+    Particles that are inside already are put out, with the speed `push` at most, m/s, and get no velocity from it.
+    """
+    cloths, contact, numbers = (
+        integers(world, CLOTH),
+        integers(world, CLOTH_CONTACT),
+        floats(world, CLOTH_CONTACT_NUMBERS),
+    )
+    particle, motion = floats(world, PARTICLE), floats(world, MOTION)
+    for row in range(cloths[cloth, FIRST_CONTACT], cloths[cloth, LAST_CONTACT]):
+        i, body = contact[row, TOUCHING_PARTICLE], contact[row, TOUCHED_BODY]
+        n, arm = vector_at(numbers, row, CLOTH_NORMAL), vector_at(numbers, row, TOUCHED_POINT)
+        turn = cross(vector_at(motion, body, ANGULAR_VELOCITY), arm)
+        ground = plus(plus(vector_at(motion, body, VELOCITY), turn), vector_at(numbers, row, GROUND_VELOCITY))
+        v = minus(vector_at(particle, i, PARTICLE_VELOCITY), ground)
+        gap, approach = numbers[row, CLOTH_GAP], dot(n, v)
+        if gap < 0.0:
+            out = min(-gap, part * push)
+            gap += out
+            for k in range(3):
+                particle[i, k] += out * n[k]
+        wanted = -max(gap, 0.0) / part
+        numbers[row, CLOTH_GAP] = gap + part * max(approach, wanted)
+        if approach >= wanted:
+            continue
+        inverse_mass = particle[i, PARTICLE_INVERSE_MASS]
+        moves = contact[row, MOVES_BODY] != 0
+        given = (wanted - approach) / (inverse_mass + (_response(world, body, arm, n) if moves else 0.0))
+        impulse = times(given, n)
+        slip = minus(v, times(approach, n))
+        speed = length(slip)
+        if speed > 0.0:
+            along = times(1.0 / speed, slip)
+            stop = speed / (inverse_mass + (_response(world, body, arm, along) if moves else 0.0))
+            impulse = minus(impulse, times(min(numbers[row, CONTACT_FRICTION] * given, stop), along))
+        for k in range(3):
+            particle[i, PARTICLE_VELOCITY + k] += inverse_mass * impulse[k]
+        if moves:
+            push_body(world, body, arm, times(-1.0, impulse))
+
+
+@compiled(inline=True)
+def _response(world: int, body: int, arm: Vector, n: Vector) -> float:
+    """Return the velocity of a point of a body along a direction for an impulse along it, 1/kg."""
+    inverse = floats(world, INVERSE_MASS)
+    lever = cross(arm, n)
+    turn = applied(symmetric_at(inverse, body, INVERSE_INERTIA_IN_WORLD), lever)
+    response: float = inverse[body, INVERSE_LINEAR_MASS] + dot(lever, turn)
+    return response
+
+
+@compiled
+def push_body(world: int, body: int, arm: Vector, impulse: Vector) -> None:
+    """Give a body an impulse at a point, which lies at `arm` from its centre of mass."""
+    inverse, motion = floats(world, INVERSE_MASS), floats(world, MOTION)
+    turn = applied(symmetric_at(inverse, body, INVERSE_INERTIA_IN_WORLD), cross(arm, impulse))
+    for k in range(3):
+        motion[body, VELOCITY + k] += inverse[body, INVERSE_LINEAR_MASS] * impulse[k]
+        motion[body, ANGULAR_VELOCITY + k] += turn[k]

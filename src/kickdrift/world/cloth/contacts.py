@@ -1,0 +1,223 @@
+"""Where the particles of a cloth touch the shapes of bodies: each is a ball as thick as the cloth."""
+
+import math
+from typing import Any
+
+from numba import carray
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.memory import floats_on_stack
+from kickdrift.core.vectors import Vector, conjugate, dot, length, minus, plus, times, turned, turned_back
+from kickdrift.world.cloth.layout import (
+    CLOTH_FRICTION,
+    CLOTH_GAP,
+    CLOTH_NORMAL,
+    CLOTH_RADIUS,
+    CONTACT_FRICTION,
+    FIRST_CONTACT,
+    FIRST_PARTICLE,
+    GROUND_VELOCITY,
+    LAST_CONTACT,
+    LAST_PARTICLE,
+    MOVES_BODY,
+    PARTICLE_INVERSE_MASS,
+    PARTICLE_VELOCITY,
+    TOUCHED_BODY,
+    TOUCHED_POINT,
+    TOUCHING_PARTICLE,
+)
+from kickdrift.world.collision.boxes import box_in_frame
+from kickdrift.world.collision.bvh import Box, gather
+from kickdrift.world.collision.dispatch import sort_of
+from kickdrift.world.collision.narrow_phase import collide, shape_pose
+from kickdrift.world.collision.nearby import find_near
+from kickdrift.world.columns import quaternion_at, vector_at
+from kickdrift.world.contacts.layout import NORMAL, ON_A, ON_B, POINT
+from kickdrift.world.integration import AWAKE, BODY_KIND, DYNAMIC
+from kickdrift.world.layout import (
+    ANGULAR_VELOCITY,
+    BEGIN,
+    BODY_ROW,
+    FIRST_TREE_NODE,
+    FRICTION,
+    IS_SENSOR,
+    LAST_TREE_NODE,
+    ORIENTATION,
+    POSITION,
+    RADIUS,
+    SHAPE_KIND,
+    SIZE,
+    SURFACE_VELOCITY,
+    VELOCITY,
+)
+from kickdrift.world.shapes.kinds import SPHERE, TRIANGLE
+from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
+from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
+from kickdrift.world.step_status import ask_for_room
+from kickdrift.world.tables import (
+    BODY,
+    BOUNDS,
+    CLOTH,
+    CLOTH_CONTACT,
+    CLOTH_CONTACT_NUMBERS,
+    CLOTH_NEAR,
+    CLOTH_NUMBERS,
+    COLLIDERS,
+    GEOMETRY,
+    MANIFOLD,
+    MOTION,
+    PARTICLE,
+    PLACE,
+    POSE,
+    SHAPE,
+    TRIANGLE_TREE,
+    flat,
+    floats,
+    integers,
+    room,
+    rows,
+    set_rows,
+)
+
+_MANIFOLD = MANIFOLD.width
+
+
+@compiled
+def find_cloth_contacts(t: float, h: float, world: int) -> None:
+    """Find the particles of all cloths that may touch a shape in this substep."""
+    cloths = integers(world, CLOTH)
+    set_rows(world, CLOTH_CONTACT, 0)
+    near = rows(world, SHAPE) + rows(world, TRIANGLE_TREE) + 2
+    if room(world, CLOTH_NEAR) < near:
+        ask_for_room(world, CLOTH_NEAR, near)
+        return
+    for cloth in range(rows(world, CLOTH)):
+        cloths[cloth, FIRST_CONTACT] = rows(world, CLOTH_CONTACT)
+        shapes = flat(world, CLOTH_NEAR)
+        count = find_near(world, _box(world, cloth, h), shapes)
+        for k in range(count):
+            shape = int(shapes[k])
+            if integers(world, SHAPE)[shape, IS_SENSOR] == 0 and not _find_on_shape(world, cloth, shape, h, count):
+                return
+        cloths[cloth, LAST_CONTACT] = rows(world, CLOTH_CONTACT)
+
+
+@compiled
+def _box(world: int, cloth: int, h: float) -> Box:
+    """Enclose a cloth, and what it moves through in a substep."""
+    own, particle = integers(world, CLOTH), floats(world, PARTICLE)
+    x, y, z, u, v, w, fastest = math.inf, math.inf, math.inf, -math.inf, -math.inf, -math.inf, 0.0
+    for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
+        p, speed = vector_at(particle, i, 0), vector_at(particle, i, PARTICLE_VELOCITY)
+        x, y, z = min(x, p[0]), min(y, p[1]), min(z, p[2])
+        u, v, w = max(u, p[0]), max(v, p[1]), max(w, p[2])
+        fastest = max(fastest, dot(speed, speed))
+    reach = floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS] + h * math.sqrt(fastest)
+    return (x - reach, y - reach, z - reach, u + reach, v + reach, w + reach)
+
+
+@compiled
+def _find_on_shape(world: int, cloth: int, shape: int, h: float, after: int) -> bool:
+    """Find the particles of a cloth that may touch a shape; False where there is no room for them."""
+    own, particle, place = integers(world, CLOTH), floats(world, PARTICLE), floats(world, PLACE)
+    body, motion = integers(world, SHAPE)[shape, BODY_ROW], floats(world, MOTION)
+    at, q = shape_pose(world, shape)
+    speed = length(vector_at(motion, body, VELOCITY))
+    around, sort = place[shape, RADIUS], sort_of(world, shape)
+    speed += length(vector_at(motion, body, ANGULAR_VELOCITY)) * around
+    up, radius = turned(q, (0.0, 0.0, 1.0)), floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS]
+    for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
+        if particle[i, PARTICLE_INVERSE_MASS] == 0.0:
+            continue
+        away = minus(vector_at(particle, i, 0), at)
+        margin = h * (speed + length(vector_at(particle, i, PARTICLE_VELOCITY))) + radius
+        reach = margin + radius
+        if sort == SURFACE:
+            found = _find_on_surface(world, cloth, i, shape, margin, after)
+        elif sort == HALF_SPACE:
+            found = dot(away, up) > reach or _touch(world, cloth, i, shape, -1, margin)
+        else:
+            found = dot(away, away) > (around + reach) ** 2 or _touch(world, cloth, i, shape, -1, margin)
+        if not found:
+            return False
+    return True
+
+
+@compiled
+def _find_on_surface(world: int, cloth: int, i: int, shape: int, margin: float, after: int) -> bool:
+    """Find where a particle may touch the triangles of a surface; False where there is no room."""
+    p, bounds, near = vector_at(floats(world, PARTICLE), i, 0), floats(world, BOUNDS), flat(world, CLOTH_NEAR)
+    reach = margin + floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS]
+    box = (p[0] - reach, p[1] - reach, p[2] - reach, p[0] + reach, p[1] + reach, p[2] + reach)
+    first, last = int(bounds[shape, FIRST_TREE_NODE]), int(bounds[shape, LAST_TREE_NODE])
+    hits, _ = gather(floats(world, TRIANGLE_TREE)[first:last], box_in_frame(world, shape, box), near[after:])
+    fits = True
+    for k in range(hits):
+        fits = fits and _touch(world, cloth, i, shape, int(near[after + k]), margin)
+    return fits
+
+
+@compiled
+def _touch(world: int, cloth: int, i: int, shape: int, triangle: int, margin: float) -> bool:
+    """Note where a particle touches a shape, or one of its triangles, if it does; False where there is no room."""
+    shapes, geometry = integers(world, SHAPE), flat(world, GEOMETRY)
+    begin, size, kind = shapes[shape, BEGIN], shapes[shape, SIZE], shapes[shape, SHAPE_KIND]
+    if triangle >= 0:
+        begin, size, kind = begin_of(begin, triangle), TRIANGLE_SIZE, TRIANGLE
+    ball, pose = carray(floats_on_stack(1), (1,)), carray(floats_on_stack(7), (7,))
+    manifold = carray(floats_on_stack(_MANIFOLD), (_MANIFOLD,))
+    ball[0] = floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS]
+    at, q = shape_pose(world, shape)
+    p, numbers, function = (
+        vector_at(floats(world, PARTICLE), i, 0),
+        geometry[begin : begin + size],
+        integers(world, COLLIDERS),
+    )
+    if kind <= SPHERE:
+        pose[0], pose[1], pose[2] = turned_back(q, minus(p, at))
+        pose[3], pose[4], pose[5], pose[6] = conjugate(q)
+        count = collide(function[kind, SPHERE], (numbers, ball, pose, margin, manifold))
+    else:
+        pose[0], pose[1], pose[2] = minus(at, p)
+        pose[3], pose[4], pose[5], pose[6] = q
+        count = collide(function[SPHERE, kind], (ball, numbers, pose, margin, manifold))
+    if count == 0:
+        return True
+    normal = (manifold[NORMAL], manifold[NORMAL + 1], manifold[NORMAL + 2])
+    on_a, on_b = _point(manifold, POINT + ON_A), _point(manifold, POINT + ON_B)
+    if kind <= SPHERE:  # all in the frame of the shape, from the shape
+        normal = turned(q, normal)
+        point, own_point = plus(at, turned(q, on_a)), minus(p, times(ball[0], normal))
+    else:
+        normal = times(-1.0, normal)
+        point, own_point = plus(at, turned(q, on_b)), plus(p, on_a)
+    return _note(world, cloth, i, shape, normal, dot(normal, minus(own_point, point)), point)
+
+
+@compiled(inline=True)
+def _point(manifold: Any, at: int) -> Vector:
+    return (manifold[at], manifold[at + 1], manifold[at + 2])
+
+
+@compiled
+def _note(world: int, cloth: int, i: int, shape: int, normal: Vector, gap: float, point: Vector) -> bool:
+    """Add a row for a particle that may touch a shape at a point; False where there is no room."""
+    row = rows(world, CLOTH_CONTACT)
+    if row >= min(room(world, CLOTH_CONTACT), room(world, CLOTH_CONTACT_NUMBERS)):
+        ask_for_room(world, CLOTH_CONTACT, 2 * row + 64)
+        return False
+    set_rows(world, CLOTH_CONTACT, row + 1)
+    contact, numbers, place = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS), floats(world, PLACE)
+    body, pose = integers(world, SHAPE)[shape, BODY_ROW], floats(world, POSE)
+    contact[row, TOUCHING_PARTICLE], contact[row, TOUCHED_BODY] = i, body
+    contact[row, MOVES_BODY] = int(
+        integers(world, BODY)[body, BODY_KIND] == DYNAMIC and integers(world, BODY)[body, AWAKE] != 0
+    )
+    arm = minus(point, vector_at(pose, body, POSITION))
+    runs = turned(quaternion_at(pose, body, ORIENTATION), vector_at(place, shape, SURFACE_VELOCITY))
+    friction = math.sqrt(floats(world, CLOTH_NUMBERS)[cloth, CLOTH_FRICTION] * place[shape, FRICTION])
+    numbers[row, CLOTH_GAP], numbers[row, CONTACT_FRICTION] = gap, friction
+    for k in range(3):
+        numbers[row, CLOTH_NORMAL + k], numbers[row, TOUCHED_POINT + k] = normal[k], arm[k]
+        numbers[row, GROUND_VELOCITY + k] = runs[k]
+    return True

@@ -1,0 +1,94 @@
+"""Columns of the tables of cloths."""
+
+from kickdrift.world.columns import column
+from kickdrift.world.tables import (
+    CLOTH,
+    CLOTH_CONTACT,
+    CLOTH_CONTACT_NUMBERS,
+    CLOTH_NUMBERS,
+    FACE,
+    FACE_NUMBERS,
+    FOLD,
+    FOLD_NUMBERS,
+    PARTICLE,
+    PARTICLE_FORCE,
+    PARTICLE_REST,
+    PIN,
+    PIN_NUMBERS,
+)
+
+# CLOTH
+FIRST_PARTICLE, LAST_PARTICLE = column(CLOTH), column(CLOTH)  # the one after the last, as below
+FIRST_FACE, LAST_FACE = column(CLOTH), column(CLOTH)
+FIRST_FOLD, LAST_FOLD = column(CLOTH), column(CLOTH)
+PARTS = column(CLOTH)  # of a substep
+FIRST_CONTACT, LAST_CONTACT = column(CLOTH), column(CLOTH)
+CLOTH_GENERATION = column(CLOTH)
+
+# CLOTH_NUMBERS
+STRETCH = column(CLOTH_NUMBERS, 1, "N/m")  # stiffness, as it is in use
+SHEAR = column(CLOTH_NUMBERS, 1, "N/m")
+BENDING = column(CLOTH_NUMBERS, 1, "N m")
+MEMBRANE_DAMPING = column(CLOTH_NUMBERS, 1, "s")  # as it is in use
+BENDING_DAMPING = column(CLOTH_NUMBERS, 1, "s")
+CLOTH_RADIUS = column(CLOTH_NUMBERS, 1, "m")  # half the thickness
+AREA_DENSITY = column(CLOTH_NUMBERS, 1, "kg/m^2")
+LINEAR_DAMPING = column(CLOTH_NUMBERS, 1, "1/s")
+CLOTH_FRICTION = column(CLOTH_NUMBERS)
+DRAG = column(CLOTH_NUMBERS, 1, "kg/m^3")  # coefficient times density of the air
+LIFT = column(CLOTH_NUMBERS, 1, "kg/m^3")
+WIND = column(CLOTH_NUMBERS, 3, "m/s")
+ASKED = column(CLOTH_NUMBERS, 5, "N/m, N/m, N m, s, s")  # the first five as they were asked for
+MEMBRANE_RATE = column(CLOTH_NUMBERS, 1, "1/s")  # highest angular frequency, with what was asked for
+BENDING_RATE = column(CLOTH_NUMBERS, 1, "1/s")
+
+# PARTICLE
+PARTICLE_POSITION = column(PARTICLE, 3, "m")
+PARTICLE_INVERSE_MASS = column(PARTICLE, 1, "1/kg")  # 0.0 of those that are pinned
+PARTICLE_VELOCITY = column(PARTICLE, 3, "m/s")
+PARTICLE_MASS = column(PARTICLE, 1, "kg")
+
+# PARTICLE_REST
+column(PARTICLE_REST, 3, "m")  # where it is in the cloth without tension
+
+# PARTICLE_FORCE
+column(PARTICLE_FORCE, 3, "N")
+
+# FACE
+CORNERS = column(FACE, 3)  # particles
+SIDES = column(FACE, 3)  # folds; those of the border are fold 0, whose weight in FACE_NUMBERS is 0.0
+
+# FACE_NUMBERS
+TO_REST = column(FACE_NUMBERS, 4, "1/m")  # inverse of the two edges from the first corner, in the axes of warp and weft
+FACE_AREA = column(FACE_NUMBERS, 1, "m^2")
+STRAIN = column(FACE_NUMBERS, 3)  # along warp and weft, and shear, at the last kick
+CURVATURE_WEIGHTS = column(FACE_NUMBERS, 9, "1/m")  # curvature over the angle of each side
+
+# FOLD
+EDGE = column(FOLD, 2)  # particles at its ends
+WINGS = column(FOLD, 2)  # and those across it
+
+# FOLD_NUMBERS
+REST_FOLD = column(FOLD_NUMBERS)  # twice the sine of half the angle, at rest
+BENT = column(FOLD_NUMBERS)  # by how much more it is
+DAMPED = column(FOLD_NUMBERS)  # a share of it, and of how fast it grows
+MOMENT = column(FOLD_NUMBERS, 1, "N m")
+
+# PIN
+PINNED_PARTICLE = column(PIN)
+PINNED_BODY = column(PIN)
+
+# PIN_NUMBERS
+PIN_POSITION = column(PIN_NUMBERS, 3, "m")  # in the body
+
+# CLOTH_CONTACT
+TOUCHING_PARTICLE = column(CLOTH_CONTACT)
+TOUCHED_BODY = column(CLOTH_CONTACT)
+MOVES_BODY = column(CLOTH_CONTACT)  # 1: the body takes the reaction
+
+# CLOTH_CONTACT_NUMBERS
+CLOTH_NORMAL = column(CLOTH_CONTACT_NUMBERS, 3)  # from the shape to the particle
+CLOTH_GAP = column(CLOTH_CONTACT_NUMBERS, 1, "m")
+CONTACT_FRICTION = column(CLOTH_CONTACT_NUMBERS)
+TOUCHED_POINT = column(CLOTH_CONTACT_NUMBERS, 3, "m")  # from the centre of the body
+GROUND_VELOCITY = column(CLOTH_CONTACT_NUMBERS, 3, "m/s")  # of a surface that runs, beside that of its body

@@ -1,0 +1,152 @@
+"""The stage of the step that moves cloths: the velocity Verlet method, in parts of a substep.
+
+The first and the last kick of a substep are halves, so that what hangs still has no velocity. Forces between particles are
+along what they are for, so that momentum and angular momentum are kept to the last digit.
+"""
+
+import math
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import minus, plus, times, turned
+from kickdrift.world.cloth.bending import add_bending
+from kickdrift.world.cloth.contact_impulses import push_body, resolve_contacts
+from kickdrift.world.cloth.layout import (
+    BENT,
+    FIRST_PARTICLE,
+    LAST_PARTICLE,
+    LINEAR_DAMPING,
+    PARTICLE_INVERSE_MASS,
+    PARTICLE_VELOCITY,
+    PARTS,
+    PIN_POSITION,
+    PINNED_BODY,
+    PINNED_PARTICLE,
+    STRAIN,
+)
+from kickdrift.world.cloth.membrane import add_membrane
+from kickdrift.world.cloth.wind import add_wind
+from kickdrift.world.columns import quaternion_at, vector_at
+from kickdrift.world.layout import ORIENTATION, POSITION
+from kickdrift.world.settings import GRAVITY, PUSH_SPEED
+from kickdrift.world.step_status import report_cloth
+from kickdrift.world.tables import (
+    CLOTH,
+    CLOTH_NUMBERS,
+    FACE_NUMBERS,
+    FOLD_NUMBERS,
+    PARTICLE,
+    PARTICLE_FORCE,
+    PIN,
+    PIN_NUMBERS,
+    POSE,
+    SETTINGS,
+    STARTED_PARTICLE,
+    Tables,
+    floats,
+    integers,
+    rows,
+)
+
+
+@compiled
+def move_cloths(t: float, h: float, world: int) -> None:
+    """Move all cloths through a substep, after the bodies have moved."""
+    cloths, push = integers(world, CLOTH), floats(world, SETTINGS)[0, PUSH_SPEED]
+    _aim_pins(world, h)
+    for cloth in range(rows(world, CLOTH)):
+        add_wind(world, cloth, h)
+        parts = cloths[cloth, PARTS]
+        part = h / parts
+        for k in range(parts + 1):
+            share = 0.5 if k in (0, parts) else 1.0
+            add_membrane(world, cloth, part, share, k == 0)
+            add_bending(world, cloth, part, share, k == 0)
+            _kick(world, cloth, part, share)
+            resolve_contacts(world, cloth, part, push if k < parts else 0.0)
+            if k < parts:
+                _drift(world, cloth, part)
+        _check(world, cloth)
+
+
+@compiled
+def _kick(world: int, cloth: int, part: float, share: float) -> None:
+    """Add what the forces and a share of gravity do in a part of a substep to the velocities of a cloth.
+
+    Bodies get what acts on the particles that are pinned to them.
+    """
+    own, particle, force = integers(world, CLOTH), floats(world, PARTICLE), floats(world, PARTICLE_FORCE)
+    _pull_bodies(world, part)
+    fall = times(share * part, vector_at(floats(world, SETTINGS), 0, GRAVITY))
+    keep = 1.0 / (1.0 + share * part * floats(world, CLOTH_NUMBERS)[cloth, LINEAR_DAMPING])
+    for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
+        inverse_mass = particle[i, PARTICLE_INVERSE_MASS]
+        for k in range(3):
+            if inverse_mass > 0.0:
+                kicked = particle[i, PARTICLE_VELOCITY + k] + part * inverse_mass * force[i, k] + fall[k]
+                particle[i, PARTICLE_VELOCITY + k] = keep * kicked
+            force[i, k] = 0.0
+
+
+@compiled
+def _drift(world: int, cloth: int, part: float) -> None:
+    """Move the particles of a cloth with their velocities through a part of a substep."""
+    own, particle = integers(world, CLOTH), floats(world, PARTICLE)
+    for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
+        for k in range(3):
+            particle[i, k] += part * particle[i, PARTICLE_VELOCITY + k]
+
+
+@compiled
+def _aim_pins(world: int, h: float) -> None:
+    """Let what is pinned to bodies arrive with them at the end of the substep."""
+    pin, pin_numbers, pose = integers(world, PIN), floats(world, PIN_NUMBERS), floats(world, POSE)
+    particle = floats(world, PARTICLE)
+    for k in range(rows(world, PIN)):
+        i, body = pin[k, PINNED_PARTICLE], pin[k, PINNED_BODY]
+        q = quaternion_at(pose, body, ORIENTATION)
+        goal = plus(vector_at(pose, body, POSITION), turned(q, vector_at(pin_numbers, k, PIN_POSITION)))
+        way = minus(goal, vector_at(particle, i, 0))
+        for j in range(3):
+            particle[i, PARTICLE_VELOCITY + j] = way[j] / h
+
+
+@compiled
+def _pull_bodies(world: int, part: float) -> None:
+    """Give bodies the forces on what is pinned to them."""
+    pin, force = integers(world, PIN), floats(world, PARTICLE_FORCE)
+    pose, particle = floats(world, POSE), floats(world, PARTICLE)
+    for k in range(rows(world, PIN)):
+        i, body = pin[k, PINNED_PARTICLE], pin[k, PINNED_BODY]
+        arm = minus(vector_at(particle, i, 0), vector_at(pose, body, POSITION))
+        push_body(world, body, arm, times(part, vector_at(force, i, 0)))
+        for j in range(3):
+            force[i, j] = 0.0
+
+
+@compiled
+def _check(world: int, cloth: int) -> None:
+    """See that all particles of a cloth are somewhere."""
+    own, particle, total = integers(world, CLOTH), floats(world, PARTICLE), 0.0
+    for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
+        for k in range(7):
+            total += abs(particle[i, k])
+    if not total < math.inf:
+        report_cloth(world, cloth)
+
+
+@compiled
+def begin_cloths(t: float, h: float, world: int) -> None:
+    """Keep the cloths as they are, in case the step cannot be done."""
+    now, before = floats(world, PARTICLE), floats(world, STARTED_PARTICLE)
+    for i in range(rows(world, PARTICLE)):
+        for k in range(PARTICLE.width):
+            before[i, k] = now[i, k]
+
+
+def roll_back_cloths(tables: Tables) -> None:
+    """Bring the cloths back to where the step began."""
+    tables.array(PARTICLE)[:] = tables.array(STARTED_PARTICLE)
+    tables.array(PARTICLE_FORCE)[:] = 0.0
+    # Where a substep begins they are only read to be multiplied by zero, which of infinity is none.
+    tables.array(FACE_NUMBERS)[:, STRAIN : STRAIN + 3] = 0.0
+    tables.array(FOLD_NUMBERS)[:, BENT] = 0.0

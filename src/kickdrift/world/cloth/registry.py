@@ -1,0 +1,298 @@
+"""Cloths of a world: rows of tables, and handles."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+from weakref import ReferenceType
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.world.bodies import Bodies
+from kickdrift.world.body import Body
+from kickdrift.world.cloth import layout as c
+from kickdrift.world.cloth.curvature import curvature_of, fold_measures
+from kickdrift.world.cloth.handle import Cloth
+from kickdrift.world.cloth.membrane import inverse_edges
+from kickdrift.world.cloth.mesh import NONE, ClothMesh, cloth_mesh, flattened
+from kickdrift.world.cloth.tuning import tune
+from kickdrift.world.cloth.vibration import bending_rate, membrane_rate
+from kickdrift.world.names import Names
+from kickdrift.world.shapes.mass import rotation_matrix
+from kickdrift.world.tables import (
+    CLOTH,
+    CLOTH_NUMBERS,
+    FACE,
+    FACE_NUMBERS,
+    FOLD,
+    FOLD_NUMBERS,
+    PARTICLE,
+    PARTICLE_FORCE,
+    PARTICLE_REST,
+    PIN,
+    PIN_NUMBERS,
+    POSE,
+    STARTED_PARTICLE,
+    Tables,
+)
+from kickdrift.world.undivided import alone, undivided
+
+if TYPE_CHECKING:
+    from kickdrift.world.world import World
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+class Fabric(NamedTuple):
+    """What a cloth is made of.
+
+    Attributes
+    ----------
+    density : float
+        kg/m^2.
+    thickness : float
+        m.
+    stretch, shear : float
+        Stiffness, N/m.
+    bending : float
+        N m.
+    damping : float
+        s.
+    linear_damping : float
+        1/s.
+    friction, drag, lift : float
+    air_density : float
+        kg/m^3.
+    """
+
+    density: float
+    thickness: float
+    stretch: float
+    shear: float
+    bending: float
+    damping: float
+    linear_damping: float
+    friction: float
+    drag: float
+    lift: float
+    air_density: float
+
+
+class Cloths:
+    """The rows of cloths in the tables of a world.
+
+    Parameters
+    ----------
+    tables : Tables
+    bodies : Bodies
+        That vertices may be pinned to.
+    """
+
+    def __init__(self, tables: Tables, bodies: Bodies) -> None:
+        self.tables, self._bodies = tables, bodies
+        self.names = Names("cloth")
+        self.world: ReferenceType[World] | None = None
+        self._substep = 0.0
+
+    @undivided
+    def add(self, mesh: ClothMesh, fabric: Fabric, warp: Floats, name: str | None) -> Cloth:
+        """Take rows for a cloth that lies as its mesh does, without any tension."""
+        tables, row = self.tables, self.tables.count(CLOTH)
+        first = [tables.count(table) for table in (PARTICLE, FACE, FOLD)]
+        name = self.names.checked(name, row)
+        flat, axes = flattened(mesh, warp)
+        to_rest = inverse_edges(flat)
+        areas = 0.5 / np.abs(to_rest[:, 0] * to_rest[:, 3] - to_rest[:, 1] * to_rest[:, 2])
+        thirds = np.repeat(fabric.density * areas / 3.0, 3)
+        masses = np.asarray(np.bincount(mesh.triangles.ravel(), weights=thirds), dtype=np.float64)
+        self._add_particles(mesh, masses)
+        self._add_faces(mesh, to_rest, areas, first)
+        numbers, own = tables.resize(CLOTH_NUMBERS, row + 1)[row], tables.resize(CLOTH, row + 1)[row]
+        for k, table in enumerate((PARTICLE, FACE, FOLD)):
+            own[[2 * k, 2 * k + 1]] = first[k], tables.count(table)
+        own[c.PARTS] = 1
+        numbers[c.ASKED : c.ASKED + 5] = fabric.stretch, fabric.shear, fabric.bending, fabric.damping, fabric.damping
+        numbers[c.CLOTH_RADIUS], numbers[c.AREA_DENSITY] = 0.5 * fabric.thickness, fabric.density
+        numbers[c.CLOTH_FRICTION], numbers[c.LINEAR_DAMPING] = fabric.friction, fabric.linear_damping
+        numbers[c.DRAG], numbers[c.LIFT] = fabric.air_density * fabric.drag, fabric.air_density * fabric.lift
+        stiffness = areas[:, None] * np.array([fabric.stretch, fabric.shear])
+        numbers[c.MEMBRANE_RATE] = membrane_rate(mesh, axes, to_rest, stiffness, masses)
+        self.names.give(row, name)
+        self._weigh_curvature(row)
+        return Cloth(row, row, self)
+
+    def _add_particles(self, mesh: ClothMesh, masses: Floats) -> None:
+        tables, first, last = self.tables, self.tables.count(PARTICLE), self.tables.count(PARTICLE) + len(masses)
+        for table in (PARTICLE, PARTICLE_REST, PARTICLE_FORCE, STARTED_PARTICLE):
+            tables.resize(table, last)
+        tables.array(PARTICLE_REST)[first:, :3] = mesh.vertices
+        particles = tables.array(PARTICLE)[first:]
+        particles[:, :3], particles[:, c.PARTICLE_MASS] = mesh.vertices, masses
+        particles[:, c.PARTICLE_INVERSE_MASS] = 1.0 / masses
+
+    def _add_faces(self, mesh: ClothMesh, to_rest: Floats, areas: Floats, first: list[int]) -> None:
+        tables, n_faces, n_folds = self.tables, len(mesh.triangles), len(mesh.folds)
+        faces = tables.resize(FACE, first[1] + n_faces)[first[1] :]
+        faces[:, c.CORNERS : c.CORNERS + 3] = mesh.triangles + first[0]
+        faces[:, c.SIDES : c.SIDES + 3] = np.where(mesh.sides == NONE, first[2], mesh.sides + first[2])
+        rest = tables.resize(FACE_NUMBERS, first[1] + n_faces)[first[1] :]
+        rest[:, c.TO_REST : c.TO_REST + 4], rest[:, c.FACE_AREA] = to_rest, areas
+        # At least one, which those sides on the border name that have no weight
+        folds = tables.resize(FOLD, first[2] + max(n_folds, 1))[first[2] :]
+        folds[:n_folds, :4] = mesh.folds + first[0]
+        folds[n_folds:, :4] = first[0] + mesh.triangles[0, [0, 1, 2, 2]]
+        angles = tables.resize(FOLD_NUMBERS, first[2] + max(n_folds, 1))[first[2] :]
+        angles[:n_folds, c.REST_FOLD] = fold_measures(mesh.vertices[mesh.folds])
+
+    def _weigh_curvature(self, row: int) -> None:
+        """Say how much the angles of a cloth's folds count, with the vertices that are pinned now."""
+        mesh, own, numbers = self.mesh(row), self.tables.array(CLOTH)[row], self.tables.array(CLOTH_NUMBERS)[row]
+        particles = self.tables.array(PARTICLE)[own[c.FIRST_PARTICLE] : own[c.LAST_PARTICLE]]
+        faces = self.tables.array(FACE_NUMBERS)[own[c.FIRST_FACE] : own[c.LAST_FACE]]
+        flat, _ = flattened(
+            mesh, np.array([1.0, 0.0, 0.0])
+        )  # any axes will do: the energy is that of an isotropic plate
+        curvature = curvature_of(mesh, flat, particles[:, c.PARTICLE_INVERSE_MASS] == 0.0)
+        weights = curvature.weights.transpose(0, 2, 1).reshape(-1, 9)
+        faces[:, c.CURVATURE_WEIGHTS : c.CURVATURE_WEIGHTS + 9] = weights
+        bending = float(numbers[c.ASKED + 2])
+        stiffness = bending * faces[:, c.FACE_AREA]
+        numbers[c.BENDING_RATE] = bending_rate(mesh, curvature, stiffness, particles[:, c.PARTICLE_MASS])
+        self._substep = 0.0
+
+    def mesh(self, row: int) -> ClothMesh:
+        """Return the mesh of a cloth as it is without tension."""
+        tables, own = self.tables, self.tables.array(CLOTH)[row]
+        first, last = own[c.FIRST_PARTICLE], own[c.LAST_PARTICLE]
+        triangles = tables.array(FACE)[own[c.FIRST_FACE] : own[c.LAST_FACE], c.CORNERS : c.CORNERS + 3] - first
+        return cloth_mesh(tables.array(PARTICLE_REST)[first:last, :3].copy(), triangles)
+
+    def tune(self, substep: float) -> None:
+        """Choose parts of a substep, s, for all cloths, and how stiff they can be in it."""
+        if substep == self._substep:
+            return
+        for own, numbers in zip(self.tables.array(CLOTH), self.tables.array(CLOTH_NUMBERS), strict=True):
+            tune(own, numbers, substep)
+        self._substep = substep
+
+    def forget_step(self) -> None:
+        """Let `tune` choose anew, after the tables have become others."""
+        self._substep = 0.0
+
+    def row(self, cloth: Cloth, argument: str = "cloth") -> int:
+        """Return the row of a cloth; ArgumentError if it is none of this world."""
+        if not isinstance(cloth, Cloth) or not self.knows(cloth.index, cloth.generation) or cloth.registry is not self:
+            raise ArgumentError(f"{argument}={cloth!r} is no cloth of this world; give what World.add_cloth returned.")
+        return cloth.index
+
+    def words(self, row: int) -> str:
+        """Name a cloth in a sentence."""
+        name = self.names.of(row)
+        return f"cloth {row}" if name is None else f"cloth {name!r}"
+
+    def knows(self, index: int, generation: int) -> bool:
+        """Whether there is a cloth of a row."""
+        return index < self.tables.count(CLOTH)
+
+    def particles(self, cloth: Cloth) -> Floats:
+        """Rows of the vertices, a live view."""
+        own = self.tables.array(CLOTH)[self.row(cloth)]
+        return self.tables.array(PARTICLE)[own[c.FIRST_PARTICLE] : own[c.LAST_PARTICLE]]
+
+    def triangles(self, cloth: Cloth) -> Integers:
+        """Vertices of the triangles, a copy."""
+        return self.mesh(self.row(cloth)).triangles
+
+    def numbers(self, cloth: Cloth, name: str) -> Floats:
+        """Return numbers of a name, a copy."""
+        first, size = _COLUMNS[name]
+        return self.tables.array(CLOTH_NUMBERS)[self.row(cloth), first : first + size].copy()
+
+    @alone
+    def set_numbers(self, cloth: Cloth, name: str, value: ArrayLike) -> None:
+        """Give numbers of a name anew."""
+        first, size = _COLUMNS[name]
+        self.tables.array(CLOTH_NUMBERS)[self.row(cloth), first : first + size] = value
+
+    @undivided
+    def pin(self, cloth: Cloth, vertices: ArrayLike, body: Body | None) -> None:
+        """Hold vertices; see `Cloth.pin`."""
+        rows = self._rows_of(cloth, vertices)
+        particles = self.tables.array(PARTICLE)
+        self._forget_pins(rows)
+        particles[rows, c.PARTICLE_INVERSE_MASS] = 0.0
+        particles[rows, 4:7] = 0.0
+        if body is not None:
+            of = self._bodies.row(body, "body")
+            pose = self.tables.array(POSE)[of]
+            local = (particles[rows, :3] - pose[:3]) @ rotation_matrix(pose[3:7])
+            self.tables.put(PIN, np.concatenate((self.tables.array(PIN), [[row, of] for row in rows.tolist()])))
+            width = PIN_NUMBERS.width - 3
+            self.tables.put(
+                PIN_NUMBERS, np.concatenate((self.tables.array(PIN_NUMBERS), np.pad(local, ((0, 0), (0, width)))))
+            )
+        self._weigh_curvature(self.row(cloth))
+        self.tables.altered = True
+
+    @undivided
+    def unpin(self, cloth: Cloth, vertices: ArrayLike) -> None:
+        """Let vertices go; see `Cloth.unpin`."""
+        self._free(self.row(cloth), self._rows_of(cloth, vertices))
+
+    def release(self, body: int) -> None:
+        """Let go of a row of bodies."""
+        pins = self.tables.array(PIN)
+        held = pins[pins[:, c.PINNED_BODY] == body, c.PINNED_PARTICLE]
+        for row, (first, last) in enumerate(
+            self.tables.array(CLOTH)[:, c.FIRST_PARTICLE : c.LAST_PARTICLE + 1].tolist()
+        ):
+            own = held[(held >= first) & (held < last)]
+            if own.size:
+                self._free(row, own)
+
+    def _free(self, row: int, particles: Integers) -> None:
+        """Let particles of a cloth go."""
+        self._forget_pins(particles)
+        table = self.tables.array(PARTICLE)
+        table[particles, c.PARTICLE_INVERSE_MASS] = 1.0 / table[particles, c.PARTICLE_MASS]
+        self._weigh_curvature(row)
+        self.tables.altered = True
+
+    def stiffness(self, cloth: Cloth) -> tuple[float, float, float]:
+        """Stiffness in use; see `Cloth.stiffness`."""
+        row = self.tables.array(CLOTH_NUMBERS)[self.row(cloth)]
+        first = c.STRETCH if self._substep > 0.0 else c.ASKED
+        stretch, shear, bending = row[first : first + 3].tolist()
+        return stretch, shear, bending
+
+    def notes(self) -> str:
+        """Say of cloths that are softer than was asked how soft they are, and what would help."""
+        found = []
+        for row, numbers in enumerate(self.tables.array(CLOTH_NUMBERS)):
+            asked, used = numbers[c.ASKED : c.ASKED + 3], numbers[c.STRETCH : c.STRETCH + 3]
+            if self._substep > 0.0 and (used < asked).any():
+                stretch, bending = used[0], used[2]
+                found.append(
+                    f" The {self.words(row)} was softer than asked, {stretch:.3g} of {asked[0]:.3g} N/m and {bending:.3g} of "
+                    f"{asked[2]:.3g} N m, the most that the step allows; give more substeps or larger triangles."
+                )
+        return "".join(found)
+
+    def _rows_of(self, cloth: Cloth, vertices: ArrayLike) -> Integers:
+        count, chosen = len(self.particles(cloth)), np.atleast_1d(np.asarray(vertices))
+        if chosen.dtype.kind not in "iu" or chosen.ndim != 1:
+            raise ArgumentError(f"vertices={vertices!r} have to be whole numbers, those of vertices of the cloth.")
+        wrong = chosen[(chosen < 0) | (chosen >= count)]
+        if wrong.size:
+            raise ArgumentError(f"vertex {wrong[0]} is none of the cloth's, which are those from 0 to {count - 1}.")
+        return np.unique(chosen).astype(np.int64) + int(self.tables.array(CLOTH)[self.row(cloth), c.FIRST_PARTICLE])
+
+    def _forget_pins(self, rows: Integers) -> None:
+        keep = ~np.isin(self.tables.array(PIN)[:, c.PINNED_PARTICLE], rows)
+        for table in (PIN, PIN_NUMBERS):
+            self.tables.put(table, self.tables.array(table)[keep].copy())
+
+
+_COLUMNS = {"wind": (c.WIND, 3), "friction": (c.CLOTH_FRICTION, 1)}

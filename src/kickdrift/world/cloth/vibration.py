@@ -1,0 +1,73 @@
+"""The fastest vibration of a cloth, which says in how many parts a substep is done."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array, diags_array
+from scipy.sparse.linalg import eigsh
+
+from kickdrift.world.cloth.curvature import Curvature
+from kickdrift.world.cloth.mesh import NONE, ClothMesh
+
+Floats = NDArray[np.float64]
+
+_FEW = 300  # unknowns, for which all eigenvalues are found
+_TOLERANCE = 1e-3  # of the largest one, by which it is raised
+
+
+def membrane_rate(mesh: ClothMesh, axes: Floats, to_rest: Floats, stiffness: Floats, masses: Floats) -> float:
+    """Find the highest angular frequency of a membrane without tension, rad/s.
+
+    Parameters
+    ----------
+    mesh : ClothMesh
+    axes : (M, 2, 3) array
+        Warp and weft of each triangle.
+    to_rest : (M, 4) array
+        As of `kickdrift.world.cloth.membrane.inverse_edges`.
+    stiffness : (M, 2) array
+        Of each triangle against stretching and shear, times its area, N m.
+    masses : (N,) array
+        kg.
+    """
+    weights = np.concatenate((-to_rest[:, ::2] - to_rest[:, 1::2], to_rest[:, ::2], to_rest[:, 1::2]), axis=1)
+    along_u, along_v = weights[:, ::2], weights[:, 1::2]  # (M, 3): derivatives of F_u and F_v over the corners
+    u, v = axes[:, None, 0], axes[:, None, 1]
+    rows = np.stack(
+        (along_u[..., None] * u, along_v[..., None] * v, along_v[..., None] * u + along_u[..., None] * v), axis=1
+    )
+    scale = np.sqrt(stiffness[:, [0, 0, 1]])
+    columns = 3 * mesh.triangles[:, :, None] + np.arange(3)
+    return _highest(rows.reshape(-1, 3, 9) * scale[..., None], columns.reshape(-1, 9), np.repeat(masses, 3))
+
+
+def bending_rate(mesh: ClothMesh, curvature: Curvature, stiffness: Floats, masses: Floats) -> float:
+    """Find the highest angular frequency of bending of a flat cloth, rad/s.
+
+    Parameters
+    ----------
+    mesh : ClothMesh
+    curvature : Curvature
+    stiffness : (M,) array
+        Bending stiffness times the areas of the triangles, N m^3.
+    masses : (N,) array
+        kg.
+    """
+    rows = curvature.weights @ curvature.jumps * np.sqrt(stiffness)[:, None, None]
+    columns = np.where(curvature.stencils == NONE, 0, curvature.stencils)  # whose rows are zeros there
+    return _highest(rows, columns, masses)
+
+
+def _highest(rows: Floats, columns: NDArray[np.int64], masses: Floats) -> float:
+    """Find the square root of the largest eigenvalue of M^-1/2 R^T R M^-1/2 for rows (M, 3, K) in columns (M, K)."""
+    count, width = len(rows), rows.shape[2]
+    where = np.broadcast_to(columns[:, None, :], rows.shape)
+    starts = np.arange(0, 3 * count * width + 1, width)
+    matrix = csr_array((rows.ravel(), where.ravel(), starts), shape=(3 * count, len(masses)))
+    scaled = matrix @ diags_array(1.0 / np.sqrt(masses))
+    if len(masses) < _FEW:
+        return float(np.linalg.norm(scaled.toarray(), 2))
+    start = np.random.default_rng(0).normal(size=len(masses))  # the same for the same cloth
+    largest = eigsh(scaled.T @ scaled, k=1, tol=_TOLERANCE, v0=start, return_eigenvectors=False)[0]
+    return math.sqrt((1.0 + _TOLERANCE) * float(largest))

@@ -1,0 +1,57 @@
+"""What the air does to a cloth: drag along the relative wind, and lift across it, on every triangle."""
+
+import math
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import cross, dot, minus, plus, times
+from kickdrift.world.cloth.layout import (
+    AREA_DENSITY,
+    CORNERS,
+    DRAG,
+    FACE_AREA,
+    FIRST_FACE,
+    LAST_FACE,
+    LIFT,
+    PARTICLE_INVERSE_MASS,
+    PARTICLE_VELOCITY,
+    WIND,
+)
+from kickdrift.world.columns import vector_at
+from kickdrift.world.tables import CLOTH, CLOTH_NUMBERS, FACE, FACE_NUMBERS, PARTICLE, floats, integers
+
+
+@compiled
+def add_wind(world: int, cloth: int, h: float) -> None:
+    """Kick the particles of a cloth by the air.
+
+    With the area A, the normal n and the wind w = s d, of speed s, that a triangle feels, drag is
+    rho C_d A s^2 |n . d| d / 2 and lift rho C_l A s^2 (n . d) (n - (n . d) d) / 2. Neither gives a triangle more
+    in a substep than the momentum of the wind that it feels, so that drag never turns it round.
+    """
+    numbers, face, own = floats(world, CLOTH_NUMBERS), integers(world, FACE), integers(world, CLOTH)
+    particle, rest = floats(world, PARTICLE), floats(world, FACE_NUMBERS)
+    drag, lift, wind = numbers[cloth, DRAG], numbers[cloth, LIFT], vector_at(numbers, cloth, WIND)
+    if drag == 0.0 and lift == 0.0:
+        return
+    for f in range(own[cloth, FIRST_FACE], own[cloth, LAST_FACE]):
+        a, b, c = face[f, CORNERS], face[f, CORNERS + 1], face[f, CORNERS + 2]
+        origin = vector_at(particle, a, 0)
+        across = cross(minus(vector_at(particle, b, 0), origin), minus(vector_at(particle, c, 0), origin))
+        doubled = math.sqrt(dot(across, across))
+        moves = plus(vector_at(particle, a, PARTICLE_VELOCITY), vector_at(particle, b, PARTICLE_VELOCITY))
+        moves = times(1.0 / 3.0, plus(moves, vector_at(particle, c, PARTICLE_VELOCITY)))
+        felt = minus(wind, moves)
+        speed = math.sqrt(dot(felt, felt))
+        if doubled == 0.0 or speed == 0.0:
+            continue
+        n, d = times(1.0 / doubled, across), times(1.0 / speed, felt)
+        facing = dot(n, d)
+        pressure = 0.25 * doubled * speed * speed
+        mass = numbers[cloth, AREA_DENSITY] * rest[f, FACE_AREA]
+        pull = min(h * drag * pressure * abs(facing), mass * speed)
+        rise = min(h * lift * pressure * abs(facing), mass * speed)
+        impulse = plus(times(pull, d), times(math.copysign(rise, facing), minus(n, times(facing, d))))
+        for corner in range(3):
+            i = face[f, CORNERS + corner]
+            for k in range(3):
+                particle[i, PARTICLE_VELOCITY + k] += particle[i, PARTICLE_INVERSE_MASS] * impulse[k] / 3.0
