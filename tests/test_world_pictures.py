@@ -61,7 +61,7 @@ def recording(shapes, ways, *, turns=None, fixed=(), rods=(), times=None):
 
 def painted(made, row=0):
     painter = Painter(made, PIXELS)
-    return painter, painter.paint(Pose(made.x[row], made.orientation[row])).astype(int)
+    return painter, painter.paint(Pose(made.x[row], made.orientation[row], made.particles[row])).astype(int)
 
 
 def pixel(painter, point):
@@ -136,7 +136,7 @@ def test_rotations_of_many_bodies_are_those_of_one():
 def test_a_ball_is_as_large_as_it_looks_from_where_the_camera_stands():
     made = recording([Sphere(0.5), Sphere(0.01)], [at(0, 0, 0), at(2, 2, 0)])
     painter = Painter(made, 250_000)
-    painter.paint(Pose(made.x[0], made.orientation[0]))
+    painter.paint(Pose(made.x[0], made.orientation[0], made.particles[0]))
     camera = painter.camera
     seen = np.count_nonzero(np.isfinite(painter.distance))
     # The outline of a ball at distance d is an ellipse of area pi f^2 r^2 d cos / (d^2 cos^2 - r^2)^(3/2) for focal
