@@ -109,7 +109,7 @@ PARTICLE_FORCE = Table(69, 4)
 FACE = Table(70, 8, whole=True)  # a triangle of a cloth
 FACE_NUMBERS = Table(71, 24)
 FOLD = Table(72, 8, whole=True)  # two triangles of a cloth that share an edge
-FOLD_NUMBERS = Table(73, 4)
+FOLD_NUMBERS = Table(73, 8)
 PIN = Table(74, 2, whole=True)
 PIN_NUMBERS = Table(75, 4)
 CLOTH_CONTACT = Table(76, 4, whole=True)

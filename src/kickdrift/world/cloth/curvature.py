@@ -85,6 +85,16 @@ def fold_measures(corners: Floats) -> Floats:
     return measures
 
 
+def folded_faces(mesh: ClothMesh) -> NDArray[np.int64]:
+    """Return the triangles beside each fold, (K, 2): first the one whose side runs as the edge does."""
+    found = np.empty((len(mesh.folds), 2), dtype=np.int64)
+    for k in range(3):
+        inner = np.flatnonzero(mesh.sides[:, k] != NONE)
+        folds = mesh.sides[inner, k]
+        found[folds, (mesh.folds[folds, 0] != mesh.triangles[inner, k]).astype(np.int64)] = inner
+    return found
+
+
 def _neighbours(mesh: ClothMesh) -> NDArray[np.int64]:
     """Return the triangles beyond each side, (M, 3); `NONE` beyond the border."""
     triangles = np.broadcast_to(np.arange(len(mesh.sides))[:, None], mesh.sides.shape)

@@ -39,6 +39,7 @@ def check_cloths(rows: "Rows") -> None:
     _check_indices(rows, "FACE", c.CORNERS, 3, c.FIRST_FACE, c.FIRST_PARTICLE)
     _check_indices(rows, "FACE", c.SIDES, 3, c.FIRST_FACE, c.FIRST_FOLD)
     _check_indices(rows, "FOLD", c.EDGE, 4, c.FIRST_FOLD, c.FIRST_PARTICLE)
+    _check_indices(rows, "FOLD", c.FOLDED_FACES, 2, c.FIRST_FOLD, c.FIRST_FACE)
     kinds = rows["BODY"][:, BODY_KIND]
     rows.within("PIN", c.PINNED_PARTICLE, 0, max(len(rows["PARTICLE"]) - 1, 0))
     rows.within("PIN", c.PINNED_BODY, 0, len(kinds) - 1)

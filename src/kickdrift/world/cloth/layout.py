@@ -56,23 +56,27 @@ column(PARTICLE_FORCE, 3, "N")
 
 # FACE
 CORNERS = column(FACE, 3)  # particles
-SIDES = column(FACE, 3)  # folds; those of the border are fold 0, whose weight in FACE_NUMBERS is 0.0
+SIDES = column(FACE, 3)  # folds; on the border the last one of the cloth, which has no moment
 
 # FACE_NUMBERS
 TO_REST = column(FACE_NUMBERS, 4, "1/m")  # inverse of the two edges from the first corner, in the axes of warp and weft
 FACE_AREA = column(FACE_NUMBERS, 1, "m^2")
 STRAIN = column(FACE_NUMBERS, 3)  # along warp and weft, and shear, at the last kick
+FACE_NORMAL = column(FACE_NUMBERS, 3)
+DOUBLED_AREA = column(FACE_NUMBERS, 1, "m^2")  # as it is now
 CURVATURE_WEIGHTS = column(FACE_NUMBERS, 9, "1/m")  # curvature over the angle of each side
 
 # FOLD
 EDGE = column(FOLD, 2)  # particles at its ends
 WINGS = column(FOLD, 2)  # and those across it
+FOLDED_FACES = column(FOLD, 2)  # the one whose sides run as the edge does, and the other
 
 # FOLD_NUMBERS
 REST_FOLD = column(FOLD_NUMBERS)  # twice the sine of half the angle, at rest
 BENT = column(FOLD_NUMBERS)  # by how much more it is
 DAMPED = column(FOLD_NUMBERS)  # a share of it, and of how fast it grows
-MOMENT = column(FOLD_NUMBERS, 1, "N m")
+MOMENT = column(FOLD_NUMBERS, 1, "1/m")  # over the bending stiffness
+FOLD_SLOPE = column(FOLD_NUMBERS)  # of the measure over the angle: cos(theta / 2)
 
 # PIN
 PINNED_PARTICLE = column(PIN)

@@ -12,7 +12,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
 from kickdrift.world.cloth import layout as c
-from kickdrift.world.cloth.curvature import curvature_of, fold_measures
+from kickdrift.world.cloth.curvature import curvature_of, fold_measures, folded_faces
 from kickdrift.world.cloth.handle import Cloth
 from kickdrift.world.cloth.membrane import inverse_edges
 from kickdrift.world.cloth.mesh import NONE, ClothMesh, cloth_mesh, flattened
@@ -136,14 +136,16 @@ class Cloths:
         tables, n_faces, n_folds = self.tables, len(mesh.triangles), len(mesh.folds)
         faces = tables.resize(FACE, first[1] + n_faces)[first[1] :]
         faces[:, c.CORNERS : c.CORNERS + 3] = mesh.triangles + first[0]
-        faces[:, c.SIDES : c.SIDES + 3] = np.where(mesh.sides == NONE, first[2], mesh.sides + first[2])
+        faces[:, c.SIDES : c.SIDES + 3] = np.where(mesh.sides == NONE, n_folds, mesh.sides) + first[2]
         rest = tables.resize(FACE_NUMBERS, first[1] + n_faces)[first[1] :]
         rest[:, c.TO_REST : c.TO_REST + 4], rest[:, c.FACE_AREA] = to_rest, areas
-        # At least one, which those sides on the border name that have no weight
-        folds = tables.resize(FOLD, first[2] + max(n_folds, 1))[first[2] :]
+        # The last one is for sides on the border: a triangle with itself, which has no moment
+        folds = tables.resize(FOLD, first[2] + n_folds + 1)[first[2] :]
         folds[:n_folds, :4] = mesh.folds + first[0]
+        folds[:n_folds, c.FOLDED_FACES : c.FOLDED_FACES + 2] = folded_faces(mesh) + first[1]
         folds[n_folds:, :4] = first[0] + mesh.triangles[0, [0, 1, 2, 2]]
-        angles = tables.resize(FOLD_NUMBERS, first[2] + max(n_folds, 1))[first[2] :]
+        folds[n_folds:, c.FOLDED_FACES : c.FOLDED_FACES + 2] = first[1]
+        angles = tables.resize(FOLD_NUMBERS, first[2] + n_folds + 1)[first[2] :]
         angles[:n_folds, c.REST_FOLD] = fold_measures(mesh.vertices[mesh.folds])
 
     def _weigh_curvature(self, row: int) -> None:
