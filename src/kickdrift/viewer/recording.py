@@ -35,7 +35,8 @@ def recording_to_html(recording: Recording, path: str | Path) -> Path:
     Parameters
     ----------
     recording : Recording
-        The states kept are shown, 30 a second or a few more; there is nothing between them. Where so many bodies move for so
+        The states kept are shown, 30 a second or a few more; there is nothing between them. Cloths are
+        not drawn yet. Where so many bodies move for so
         long that the file would have more than 20 MB, 15 or 10 a second are.
     path : path
         Ends in ``.html``.
