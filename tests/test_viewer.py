@@ -246,6 +246,17 @@ def test_energies_beside_the_scene_end_with_the_run(shown):
     assert np.all(potential[:, 1] == 90.0)
 
 
+def test_the_vertices_of_a_cloth_are_where_the_recording_has_them(tmp_path):
+    world = kd.World()
+    sheet = world.add_cloth_grid((1.0, 1.0), (6, 5))
+    sheet.pin([0, 4])
+    made = world.run(duration=0.5, step=1 / 60, progress=False)
+    page = Page(made.to_html(tmp_path / "cloth.html"))
+    course = page.course("cloth_0", "vertices", np.linspace(0.0, 0.5, 16)).reshape(16, 30, 3)
+    np.testing.assert_allclose(course, made.cloth(0)[::2], atol=1e-3)  # 30 states a second
+    assert np.ptp(course[:, -1, 2]) > 0.1
+
+
 def test_names_cannot_bring_scripts_into_the_page(tmp_path):
     made = recording([Box((1, 1, 1))], [np.zeros((2, 3))])
     evil = "<script>alert(1)</script>"

@@ -177,4 +177,4 @@ def test_every_scene_makes_a_world_that_can_be_looked_at(name):
     world = chosen.make()
     assert isinstance(world, kd.World)
     assert 0 < chosen.step <= chosen.duration / 100
-    assert len(world.bodies.moving()) >= 1
+    assert len(world.bodies.moving()) + world.tables.count(kd.world.tables.CLOTH) >= 1

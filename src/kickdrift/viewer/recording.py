@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from kickdrift.core.colours import COLOURS, FIXED, RODS, SUM, colour_of
 from kickdrift.core.errors import KickdriftError
 from kickdrift.core.rotations import product, turned
+from kickdrift.viewer.cloth import ClothMesh
 from kickdrift.viewer.curves import Curve, panel
 from kickdrift.viewer.page import Mover, Singles, Stage, rounded, write_page
 from kickdrift.viewer.surfaces import Surface, halves_of_ball, surface_of
@@ -35,9 +36,8 @@ def recording_to_html(recording: Recording, path: str | Path) -> Path:
     Parameters
     ----------
     recording : Recording
-        The states kept are shown, 30 a second or a few more; there is nothing between them. Cloths are
-        not drawn yet. Where so many bodies move for so
-        long that the file would have more than 20 MB, 15 or 10 a second are.
+        The states kept are shown, 30 a second or a few more; there is nothing between them. Where so much moves for so long
+        that the file would have more than 20 MB, 15 or 10 a second are.
     path : path
         Ends in ``.html``.
 
@@ -56,7 +56,7 @@ def recording_to_html(recording: Recording, path: str | Path) -> Path:
         If viser is not installed.
     """
     parts = [part for part in recording.appearance.parts if recording.appearance.kinds[part.body] != REMOVED]
-    if not parts:
+    if not parts and not recording.appearance.cloths:
         raise KickdriftError("the recording has no shapes, and so there is nothing to be seen; add bodies with shapes.")
     if recording.saved_to:
         raise KickdriftError(
@@ -75,7 +75,12 @@ def _play(stage: Stage, recording: Recording, parts: list[DrawnShape]) -> str:
     centre, radius = _extent(recording, solid, rows)
     stage.look(centre, radius)
     _lay_planes(stage.scene, recording, [part for part in parts if kind_of(part.shape).sort == HALF_SPACE], radius)
-    movers: list[Mover] = [*_batches(stage.scene, recording, solid, rows), *_joints(stage.scene, recording)]
+    cloths = enumerate(recording.appearance.cloths)
+    movers: list[Mover] = [
+        *_batches(stage.scene, recording, solid, rows),
+        *_joints(stage.scene, recording),
+        *(ClothMesh(stage.scene, recording, cloth, number) for number, cloth in cloths),
+    ]
     for before, row in zip([rows[0], *rows], rows, strict=False):
         stage.wait(float(recording.t[row] - recording.t[before]))
         for mover in movers:
@@ -108,7 +113,7 @@ def _moved(recording: Recording, rows: list[int], parts: list[DrawnShape]) -> in
     """Count poses of shapes that can be told from those in the row before."""
     sizes = {part.body: part.shape.reach for part in parts if recording.appearance.kinds[part.body] == DYNAMIC}
     bodies, grains = list(sizes), _FINE * np.array(list(sizes.values()))
-    count = 0
+    count = int(recording.particles.shape[1]) * len(rows) // 2  # a vertex takes less than half of the room of a pose
     for before, row in pairwise(rows):
         way = np.abs(recording.x[row, bodies] - recording.x[before, bodies]).max(axis=1, initial=0.0)
         turn = np.abs(recording.orientation[row, bodies] - recording.orientation[before, bodies]).max(
@@ -244,14 +249,16 @@ def _lay_planes(scene: Any, recording: Recording, planes: list[DrawnShape], radi
 def _extent(recording: Recording, parts: list[DrawnShape], rows: list[int]) -> tuple[Floats, float]:
     """Return centre and radius of a ball that holds what moves, or what there is; strays are left out."""
     moving = [part for part in parts if recording.appearance.kinds[part.body] == DYNAMIC] or parts
-    if not moving:
+    if not moving and not recording.appearance.cloths:
         return np.zeros(3), 1.0
-    bodies = np.unique([part.body for part in moving])
-    places = recording.x[rows][:, bodies].reshape(-1, 3)
+    bodies = np.unique([part.body for part in moving]).astype(np.intp)
+    places = np.concatenate((recording.x[rows][:, bodies], recording.particles[rows]), axis=1).reshape(-1, 3)
     places = places[np.isfinite(places).all(axis=1)]
     low, high = np.quantile(places, (_STRAYS, 1.0 - _STRAYS), axis=0)
-    sizes = []
+    sizes = [0.0]
     for part in moving:
         surface = surface_of(part.shape)
-        sizes.append(np.linalg.norm(np.abs(part.position) + np.abs(surface.vertices * surface.scale).max(axis=0)))
+        sizes.append(
+            float(np.linalg.norm(np.abs(part.position) + np.abs(surface.vertices * surface.scale).max(axis=0)))
+        )
     return 0.5 * (low + high), float(0.5 * np.linalg.norm(high - low) + np.quantile(sizes, 1.0 - _STRAYS))
