@@ -144,6 +144,8 @@ def _places(recording: Recording) -> tuple[Floats, Floats]:
     if not places:
         return np.zeros((1, 3)), np.ones(1)
     x, r = np.concatenate(places), np.concatenate(reaches)
+    there = np.isfinite(x).all(axis=1)  # not what was added later
+    x, r = x[there], r[there]
     middle = np.median(x, axis=0)
     away = np.abs(x - middle).max(axis=1)
     near = away <= _STRAY * np.quantile(away, _MOST)

@@ -101,5 +101,6 @@ def lost_cloth_error(words: str, step: int) -> LostBodyError:
     """Say which cloth was lost, and when; the world is back where the step began."""
     return LostBodyError(
         f"{words} was lost to infinity in step {step}; all bodies and cloths are where they were before it. It had been given "
-        "positions or velocities that are not finite, or what touches it is too fast for the step: take a smaller one."
+        "positions or velocities that are not finite, or triangles without area, or was stretched too fast for the step: take"
+        " a smaller one."
     )

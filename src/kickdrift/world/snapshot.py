@@ -188,7 +188,7 @@ def restore(world: "World", snapshot: Snapshot) -> None:
     bodies.names.replace(snapshot.body_names)
     joints.names.replace(snapshot.joint_names)
     world.cloths.names.replace(snapshot.cloth_names)
-    world.cloths.forget_step()
+    world.cloths.restored()
     world.tables.altered = True
     world.tables.version += 1
 

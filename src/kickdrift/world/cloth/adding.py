@@ -42,7 +42,7 @@ class AddsCloths:
         warp: ArrayLike = (1.0, 0.0, 0.0),
         name: str | None = None,
     ) -> Cloth:
-        """Add a cloth that lies as a mesh of triangles does, without tension.
+        """Add a cloth that lies as a mesh of triangles does, without tension. It is of layer 0, and meets all shapes that do.
 
         Parameters
         ----------
@@ -53,7 +53,7 @@ class AddsCloths:
         density : float
             kg/m^2.
         thickness : float
-            m: how far apart it keeps from what it lies on, measured through the cloth.
+            m: vertices keep half of it away from shapes. Bodies that are narrower than its triangles pass between them.
         stretch_stiffness, shear_stiffness : float
             Tension over strain along warp and weft, and shear force over the shear angle, both of a metre's width, N/m.
         bending_stiffness : float
@@ -148,8 +148,9 @@ class AddsCloths:
             raise ArgumentError(f"size={size!r} has to be positive, in m.")
         if counts.shape != (2,) or counts.dtype.kind not in "iu" or (counts < 2).any():
             raise ArgumentError(f"vertices={vertices!r} have to be two whole numbers, each two or more.")
-        if counts.prod() > _MOST_VERTICES:
-            raise ArgumentError(f"vertices={vertices!r} are {counts.prod()}, more than {_MOST_VERTICES}; give fewer.")
+        count = int(counts[0]) * int(counts[1])
+        if count > _MOST_VERTICES:
+            raise ArgumentError(f"vertices={vertices!r} are {count}, more than {_MOST_VERTICES}; give fewer.")
         turn = rotation_matrix(unit_quaternion("orientation", orientation))
         points, triangles = grid(int(counts[0]), int(counts[1]), (float(sides[0]), float(sides[1])))
         centred = points - [0.5 * sides[0], 0.5 * sides[1], 0.0]
@@ -179,5 +180,4 @@ class AddsCloths:
         UnknownNameError
             If none has it; the sentence says which there are.
         """
-        row = self.cloths.names.row(name)
-        return Cloth(row, row, self.cloths)
+        return self.cloths.handle(self.cloths.names.row(name))

@@ -7,7 +7,7 @@ from numba import carray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import Vector, conjugate, dot, length, minus, plus, times, turned, turned_back
+from kickdrift.core.vectors import Vector, conjugate, cross, dot, length, minus, plus, times, turned, turned_back
 from kickdrift.world.cloth.layout import (
     CLOTH_FRICTION,
     CLOTH_GAP,
@@ -42,6 +42,7 @@ from kickdrift.world.layout import (
     FRICTION,
     IS_SENSOR,
     LAST_TREE_NODE,
+    MASK,
     ORIENTATION,
     POSITION,
     RADIUS,
@@ -80,12 +81,13 @@ from kickdrift.world.tables import (
 )
 
 _MANIFOLD = MANIFOLD.width
+_LAYER = 1  # bit of layer 0, in which all cloths are
 
 
 @compiled
 def find_cloth_contacts(t: float, h: float, world: int) -> None:
     """Find the particles of all cloths that may touch a shape in this substep."""
-    cloths = integers(world, CLOTH)
+    cloths, own = integers(world, CLOTH), integers(world, SHAPE)
     set_rows(world, CLOTH_CONTACT, 0)
     near = rows(world, SHAPE) + rows(world, TRIANGLE_TREE) + 2
     if room(world, CLOTH_NEAR) < near:
@@ -97,7 +99,8 @@ def find_cloth_contacts(t: float, h: float, world: int) -> None:
         count = find_near(world, _box(world, cloth, h), shapes)
         for k in range(count):
             shape = int(shapes[k])
-            if integers(world, SHAPE)[shape, IS_SENSOR] == 0 and not _find_on_shape(world, cloth, shape, h, count):
+            meets = own[shape, IS_SENSOR] == 0 and own[shape, MASK] & _LAYER != 0
+            if meets and not _find_on_shape(world, cloth, shape, h, count):
                 return
         cloths[cloth, LAST_CONTACT] = rows(world, CLOTH_CONTACT)
 
@@ -133,18 +136,18 @@ def _find_on_shape(world: int, cloth: int, shape: int, h: float, after: int) -> 
         margin = h * (speed + length(vector_at(particle, i, PARTICLE_VELOCITY))) + radius
         reach = margin + radius
         if sort == SURFACE:
-            found = _find_on_surface(world, cloth, i, shape, margin, after)
+            found = _find_on_surface(world, cloth, i, shape, margin, after, h)
         elif sort == HALF_SPACE:
-            found = dot(away, up) > reach or _touch(world, cloth, i, shape, -1, margin)
+            found = dot(away, up) > reach or _touch(world, cloth, i, shape, -1, margin, h)
         else:
-            found = dot(away, away) > (around + reach) ** 2 or _touch(world, cloth, i, shape, -1, margin)
+            found = dot(away, away) > (around + reach) ** 2 or _touch(world, cloth, i, shape, -1, margin, h)
         if not found:
             return False
     return True
 
 
 @compiled
-def _find_on_surface(world: int, cloth: int, i: int, shape: int, margin: float, after: int) -> bool:
+def _find_on_surface(world: int, cloth: int, i: int, shape: int, margin: float, after: int, h: float) -> bool:
     """Find where a particle may touch the triangles of a surface; False where there is no room."""
     p, bounds, near = vector_at(floats(world, PARTICLE), i, 0), floats(world, BOUNDS), flat(world, CLOTH_NEAR)
     reach = margin + floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS]
@@ -153,12 +156,12 @@ def _find_on_surface(world: int, cloth: int, i: int, shape: int, margin: float, 
     hits, _ = gather(floats(world, TRIANGLE_TREE)[first:last], box_in_frame(world, shape, box), near[after:])
     fits = True
     for k in range(hits):
-        fits = fits and _touch(world, cloth, i, shape, int(near[after + k]), margin)
+        fits = fits and _touch(world, cloth, i, shape, int(near[after + k]), margin, h)
     return fits
 
 
 @compiled
-def _touch(world: int, cloth: int, i: int, shape: int, triangle: int, margin: float) -> bool:
+def _touch(world: int, cloth: int, i: int, shape: int, triangle: int, margin: float, h: float) -> bool:
     """Note where a particle touches a shape, or one of its triangles, if it does; False where there is no room."""
     shapes, geometry = integers(world, SHAPE), flat(world, GEOMETRY)
     begin, size, kind = shapes[shape, BEGIN], shapes[shape, SIZE], shapes[shape, SHAPE_KIND]
@@ -191,7 +194,7 @@ def _touch(world: int, cloth: int, i: int, shape: int, triangle: int, margin: fl
     else:
         normal = times(-1.0, normal)
         point, own_point = plus(at, turned(q, on_b)), plus(p, on_a)
-    return _note(world, cloth, i, shape, normal, dot(normal, minus(own_point, point)), point)
+    return _note(world, cloth, i, shape, normal, dot(normal, minus(own_point, point)), point, h)
 
 
 @compiled(inline=True)
@@ -200,7 +203,7 @@ def _point(manifold: Any, at: int) -> Vector:
 
 
 @compiled
-def _note(world: int, cloth: int, i: int, shape: int, normal: Vector, gap: float, point: Vector) -> bool:
+def _note(world: int, cloth: int, i: int, shape: int, normal: Vector, gap: float, point: Vector, h: float) -> bool:
     """Add a row for a particle that may touch a shape at a point; False where there is no room."""
     row = rows(world, CLOTH_CONTACT)
     if row >= min(room(world, CLOTH_CONTACT), room(world, CLOTH_CONTACT_NUMBERS)):
@@ -216,7 +219,10 @@ def _note(world: int, cloth: int, i: int, shape: int, normal: Vector, gap: float
     arm = minus(point, vector_at(pose, body, POSITION))
     runs = turned(quaternion_at(pose, body, ORIENTATION), vector_at(place, shape, SURFACE_VELOCITY))
     friction = math.sqrt(floats(world, CLOTH_NUMBERS)[cloth, CLOTH_FRICTION] * place[shape, FRICTION])
-    numbers[row, CLOTH_GAP], numbers[row, CONTACT_FRICTION] = gap, friction
+    motion = floats(world, MOTION)
+    moves = plus(vector_at(motion, body, VELOCITY), cross(vector_at(motion, body, ANGULAR_VELOCITY), arm))
+    # The body has moved already, the particle has not: the gap is that where the substep began.
+    numbers[row, CLOTH_GAP], numbers[row, CONTACT_FRICTION] = gap + h * dot(normal, moves), friction
     for k in range(3):
         numbers[row, CLOTH_NORMAL + k], numbers[row, TOUCHED_POINT + k] = normal[k], arm[k]
         numbers[row, GROUND_VELOCITY + k] = runs[k]

@@ -66,6 +66,23 @@ def add_membrane(world: int, cloth: int, part: float, share: float, begins: bool
             force[a, k] += on_b + on_c
 
 
+@compiled
+def largest_strain(world: int, cloth: int) -> float:
+    """Return the largest strain along warp or weft of a cloth's triangles as they lie now."""
+    face, rest, particle = integers(world, FACE), floats(world, FACE_NUMBERS), floats(world, PARTICLE)
+    own, largest = integers(world, CLOTH), 1.0
+    for f in range(own[cloth, FIRST_FACE], own[cloth, LAST_FACE]):
+        origin = vector_at(particle, face[f, CORNERS], 0)
+        p = minus(vector_at(particle, face[f, CORNERS + 1], 0), origin)
+        q = minus(vector_at(particle, face[f, CORNERS + 2], 0), origin)
+        u = _sum(rest[f, TO_REST], p, rest[f, TO_REST + 1], q)
+        v = _sum(rest[f, TO_REST + 2], p, rest[f, TO_REST + 3], q)
+        for square in (dot(u, u), dot(v, v)):
+            if square > largest:  # which NaN is not
+                largest = square
+    return math.sqrt(largest) - 1.0
+
+
 @compiled(inline=True)
 def _sum(s: float, a: Vector, t: float, b: Vector) -> Vector:
     return (s * a[0] + t * b[0], s * a[1] + t * b[1], s * a[2] + t * b[2])

@@ -112,7 +112,10 @@ def _vertices(vertices: ArrayLike) -> Floats:
 
 
 def _triangles(triangles: ArrayLike) -> Integers:
-    faces = np.asarray(triangles)
+    try:
+        faces = np.asarray(triangles)
+    except ValueError:  # rows of several lengths
+        faces = np.empty(0)
     if faces.ndim != 2 or faces.shape[1:] != (3,) or len(faces) == 0 or faces.dtype.kind not in "iu":
         raise ArgumentError(
             f"triangles of shape {faces.shape} and type {faces.dtype} have to be an (M, 3) array of whole numbers, one row or "

@@ -16,7 +16,7 @@ from kickdrift.world.cloth.curvature import curvature_of, fold_measures, folded_
 from kickdrift.world.cloth.handle import Cloth
 from kickdrift.world.cloth.membrane import inverse_edges
 from kickdrift.world.cloth.mesh import NONE, ClothMesh, cloth_mesh, flattened
-from kickdrift.world.cloth.tuning import tune
+from kickdrift.world.cloth.tuning import softness, tune
 from kickdrift.world.cloth.vibration import bending_rate, membrane_rate
 from kickdrift.world.names import Names
 from kickdrift.world.shapes.mass import rotation_matrix
@@ -94,6 +94,7 @@ class Cloths:
         self.tables, self._bodies = tables, bodies
         self.names = Names("cloth")
         self.world: ReferenceType[World] | None = None
+        self.n_made = 0  # never goes back, not even to a snapshot: two cloths would share a handle
         self._substep = 0.0
 
     @undivided
@@ -112,8 +113,10 @@ class Cloths:
         numbers, own = tables.resize(CLOTH_NUMBERS, row + 1)[row], tables.resize(CLOTH, row + 1)[row]
         for k, table in enumerate((PARTICLE, FACE, FOLD)):
             own[[2 * k, 2 * k + 1]] = first[k], tables.count(table)
-        own[c.PARTS] = 1
-        numbers[c.ASKED : c.ASKED + 5] = fabric.stretch, fabric.shear, fabric.bending, fabric.damping, fabric.damping
+        generation, self.n_made = self.n_made, self.n_made + 1
+        own[c.PARTS], own[c.CLOTH_GENERATION] = 1, generation
+        asked = fabric.stretch, fabric.shear, fabric.bending, fabric.damping, fabric.damping
+        numbers[c.STRETCH : c.STRETCH + 5] = numbers[c.ASKED : c.ASKED + 5] = asked
         numbers[c.CLOTH_RADIUS], numbers[c.AREA_DENSITY] = 0.5 * fabric.thickness, fabric.density
         numbers[c.CLOTH_FRICTION], numbers[c.LINEAR_DAMPING] = fabric.friction, fabric.linear_damping
         numbers[c.DRAG], numbers[c.LIFT] = fabric.air_density * fabric.drag, fabric.air_density * fabric.lift
@@ -121,7 +124,7 @@ class Cloths:
         numbers[c.MEMBRANE_RATE] = membrane_rate(mesh, axes, to_rest, stiffness, masses)
         self.names.give(row, name)
         self._weigh_curvature(row)
-        return Cloth(row, row, self)
+        return Cloth(row, generation, self)
 
     def _add_particles(self, mesh: ClothMesh, masses: Floats) -> None:
         tables, first, last = self.tables, self.tables.count(PARTICLE), self.tables.count(PARTICLE) + len(masses)
@@ -179,9 +182,10 @@ class Cloths:
             tune(own, numbers, substep)
         self._substep = substep
 
-    def forget_step(self) -> None:
-        """Let `tune` choose anew, after the tables have become others."""
+    def restored(self) -> None:
+        """Let `tune` choose anew, and new handles be others than all before, after the tables have become others."""
         self._substep = 0.0
+        self.n_made = max(self.n_made, 1 + int(self.tables.array(CLOTH)[:, c.CLOTH_GENERATION].max(initial=-1)))
 
     def row(self, cloth: Cloth, argument: str = "cloth") -> int:
         """Return the row of a cloth; ArgumentError if it is none of this world."""
@@ -191,12 +195,16 @@ class Cloths:
 
     def words(self, row: int) -> str:
         """Name a cloth in a sentence."""
-        name = self.names.of(row)
-        return f"cloth {row}" if name is None else f"cloth {name!r}"
+        return f"cloth {(self.names.of(row) or row)!r}"
 
     def knows(self, index: int, generation: int) -> bool:
-        """Whether there is a cloth of a row."""
-        return index < self.tables.count(CLOTH)
+        """Whether a row is that of a cloth of a generation, and there."""
+        cloths = self.tables.array(CLOTH)
+        return index < len(cloths) and bool(cloths[index, c.CLOTH_GENERATION] == generation)
+
+    def handle(self, row: int) -> Cloth:
+        """Return the handle of a row."""
+        return Cloth(row, int(self.tables.array(CLOTH)[row, c.CLOTH_GENERATION]), self)
 
     def particles(self, cloth: Cloth) -> Floats:
         """Rows of the vertices, a live view."""
@@ -221,13 +229,12 @@ class Cloths:
     @undivided
     def pin(self, cloth: Cloth, vertices: ArrayLike, body: Body | None) -> None:
         """Hold vertices; see `Cloth.pin`."""
-        rows = self._rows_of(cloth, vertices)
+        rows, of = self._rows_of(cloth, vertices), None if body is None else self._bodies.row(body, "body")
         particles = self.tables.array(PARTICLE)
         self._forget_pins(rows)
         particles[rows, c.PARTICLE_INVERSE_MASS] = 0.0
         particles[rows, 4:7] = 0.0
-        if body is not None:
-            of = self._bodies.row(body, "body")
+        if of is not None:
             pose = self.tables.array(POSE)[of]
             local = (particles[rows, :3] - pose[:3]) @ rotation_matrix(pose[3:7])
             self.tables.put(PIN, np.concatenate((self.tables.array(PIN), [[row, of] for row in rows.tolist()])))
@@ -236,6 +243,7 @@ class Cloths:
                 PIN_NUMBERS, np.concatenate((self.tables.array(PIN_NUMBERS), np.pad(local, ((0, 0), (0, width)))))
             )
         self._weigh_curvature(self.row(cloth))
+        self._bodies.wake()
         self.tables.altered = True
 
     @undivided
@@ -260,27 +268,19 @@ class Cloths:
         table = self.tables.array(PARTICLE)
         table[particles, c.PARTICLE_INVERSE_MASS] = 1.0 / table[particles, c.PARTICLE_MASS]
         self._weigh_curvature(row)
+        self._bodies.wake()
         self.tables.altered = True
 
     def stiffness(self, cloth: Cloth) -> tuple[float, float, float]:
         """Stiffness in use; see `Cloth.stiffness`."""
         row = self.tables.array(CLOTH_NUMBERS)[self.row(cloth)]
-        first = c.STRETCH if self._substep > 0.0 else c.ASKED
-        stretch, shear, bending = row[first : first + 3].tolist()
+        stretch, shear, bending = row[c.STRETCH : c.STRETCH + 3].tolist()
         return stretch, shear, bending
 
     def notes(self) -> str:
         """Say of cloths that are softer than was asked how soft they are, and what would help."""
-        found = []
-        for row, numbers in enumerate(self.tables.array(CLOTH_NUMBERS)):
-            asked, used = numbers[c.ASKED : c.ASKED + 3], numbers[c.STRETCH : c.STRETCH + 3]
-            if self._substep > 0.0 and (used < asked).any():
-                stretch, bending = used[0], used[2]
-                found.append(
-                    f" The {self.words(row)} was softer than asked, {stretch:.3g} of {asked[0]:.3g} N/m and {bending:.3g} of "
-                    f"{asked[2]:.3g} N m, the most that the step allows; give more substeps or larger triangles."
-                )
-        return "".join(found)
+        rows = enumerate(self.tables.array(CLOTH_NUMBERS))
+        return "".join(softness(self.words(row), numbers) for row, numbers in rows)
 
     def _rows_of(self, cloth: Cloth, vertices: ArrayLike) -> Integers:
         count, chosen = len(self.particles(cloth)), np.atleast_1d(np.asarray(vertices))

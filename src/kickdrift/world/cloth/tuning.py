@@ -14,6 +14,8 @@ MOST_PARTS = 64  # of a substep; where a cloth is so stiff that it would take mo
 # Kick and drift are stable up to 2 for the angle that a vibration turns by in a part, a = (rate part)^2 its square; damped ones
 # for sqrt(a (1 + 2 damping / part)). What is stretched is stiffer against shear, so that some is left.
 _STABLE, _DAMPED = 1.6, 1.8
+_NAMES = "stretch_stiffness", "shear_stiffness", "bending_stiffness", "damping of the membrane", "damping of bending"
+_UNITS = "N/m", "N/m", "N m", "s", "s"
 
 
 def tune(own: Integers, numbers: Floats, substep: float) -> None:
@@ -35,3 +37,16 @@ def tune(own: Integers, numbers: Floats, substep: float) -> None:
 def _most_damping(rate: float, part: float) -> float:
     """Return the largest damping, s, for which sqrt(a (1 + 2 damping / part)) is `_DAMPED`, with a = (rate part)^2."""
     return max(0.5 * ((_DAMPED / rate) ** 2 / part - part), 0.0) if rate > 0.0 else math.inf
+
+
+def softness(words: str, numbers: Floats) -> str:
+    """Say of a cloth, if it is softer or less damped than was asked, what it is, and what would help."""
+    asked, used = numbers[c.ASKED : c.ASKED + 5].tolist(), numbers[c.STRETCH : c.STRETCH + 5].tolist()
+    found = [
+        f"{name} {now:.3g} of {wanted:.3g} {unit}"
+        for name, unit, wanted, now in zip(_NAMES, _UNITS, asked, used, strict=True)
+        if now < wanted
+    ]
+    if not found:
+        return ""
+    return f" Of {words}, as much as the step allows: {', '.join(found)}; more substeps or larger triangles allow more."

@@ -66,6 +66,8 @@ def _highest(rows: Floats, columns: NDArray[np.int64], masses: Floats) -> float:
     starts = np.arange(0, 3 * count * width + 1, width)
     matrix = csr_array((rows.ravel(), where.ravel(), starts), shape=(3 * count, len(masses)))
     scaled = matrix @ diags_array(1.0 / np.sqrt(masses))
+    if not rows.any():
+        return 0.0  # nothing resists
     if len(masses) < _FEW:
         return float(np.linalg.norm(scaled.toarray(), 2))
     start = np.random.default_rng(0).normal(size=len(masses))  # the same for the same cloth
