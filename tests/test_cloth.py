@@ -391,6 +391,7 @@ def test_meshes_that_no_cloth_is_made_of(vertices, triangles, words):
     ("arguments", "words"),
     [
         ({"density": 0.0}, "density"),
+        ({"colour": 1.0}, "colour= is no option"),
         ({"density": -1.0}, "density"),
         ({"thickness": 0.0}, "thickness"),
         ({"stretch_stiffness": np.inf}, "stretch_stiffness"),

@@ -43,7 +43,7 @@ MEMBRANE_RATE = column(CLOTH_NUMBERS, 1, "1/s")  # highest angular frequency, wi
 BENDING_RATE = column(CLOTH_NUMBERS, 1, "1/s")
 
 # PARTICLE
-PARTICLE_POSITION = column(PARTICLE, 3, "m")
+column(PARTICLE, 3, "m")  # position
 PARTICLE_INVERSE_MASS = column(PARTICLE, 1, "1/kg")  # 0.0 of those that are pinned
 PARTICLE_VELOCITY = column(PARTICLE, 3, "m/s")
 PARTICLE_MASS = column(PARTICLE, 1, "kg")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 from weakref import ReferenceType
 
 import numpy as np
@@ -13,6 +13,7 @@ from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
 from kickdrift.world.cloth import layout as c
 from kickdrift.world.cloth.curvature import curvature_of, fold_measures, folded_faces
+from kickdrift.world.cloth.fabric import Fabric
 from kickdrift.world.cloth.handle import Cloth
 from kickdrift.world.cloth.membrane import inverse_edges
 from kickdrift.world.cloth.mesh import NONE, ClothMesh, cloth_mesh, flattened
@@ -43,41 +44,6 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
-
-
-class Fabric(NamedTuple):
-    """What a cloth is made of.
-
-    Attributes
-    ----------
-    density : float
-        kg/m^2.
-    thickness : float
-        m.
-    stretch, shear : float
-        Stiffness, N/m.
-    bending : float
-        N m.
-    damping : float
-        s.
-    linear_damping : float
-        1/s.
-    friction, drag, lift : float
-    air_density : float
-        kg/m^3.
-    """
-
-    density: float
-    thickness: float
-    stretch: float
-    shear: float
-    bending: float
-    damping: float
-    linear_damping: float
-    friction: float
-    drag: float
-    lift: float
-    air_density: float
 
 
 class Cloths:
@@ -115,12 +81,18 @@ class Cloths:
             own[[2 * k, 2 * k + 1]] = first[k], tables.count(table)
         generation, self.n_made = self.n_made, self.n_made + 1
         own[c.PARTS], own[c.CLOTH_GENERATION] = 1, generation
-        asked = fabric.stretch, fabric.shear, fabric.bending, fabric.damping, fabric.damping
+        asked = (
+            fabric.stretch_stiffness,
+            fabric.shear_stiffness,
+            fabric.bending_stiffness,
+            fabric.damping,
+            fabric.damping,
+        )
         numbers[c.STRETCH : c.STRETCH + 5] = numbers[c.ASKED : c.ASKED + 5] = asked
         numbers[c.CLOTH_RADIUS], numbers[c.AREA_DENSITY] = 0.5 * fabric.thickness, fabric.density
         numbers[c.CLOTH_FRICTION], numbers[c.LINEAR_DAMPING] = fabric.friction, fabric.linear_damping
         numbers[c.DRAG], numbers[c.LIFT] = fabric.air_density * fabric.drag, fabric.air_density * fabric.lift
-        stiffness = areas[:, None] * np.array([fabric.stretch, fabric.shear])
+        stiffness = areas[:, None] * np.array([fabric.stretch_stiffness, fabric.shear_stiffness])
         numbers[c.MEMBRANE_RATE] = membrane_rate(mesh, axes, to_rest, stiffness, masses)
         self.names.give(row, name)
         self._weigh_curvature(row)
