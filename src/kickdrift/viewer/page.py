@@ -10,8 +10,9 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.errors import FileFormatError, missing_extra
+from kickdrift.core.errors import FileFormatError, KickdriftError, missing_extra
 from kickdrift.core.files import written
+from kickdrift.engine.solution import Solution
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -48,6 +49,20 @@ class Stage(NamedTuple):
         self.scene.add_light_ambient("/ambient", intensity=1.3)
         self.scene.add_light_directional("/lamp", intensity=2.2, cast_shadow=True, position=(-3.0, -4.0, 8.0))
         self.camera.near, self.camera.far = 1e-3 * distance, 1e2 * distance
+
+
+def check_in_memory(solution: Solution) -> None:
+    """Refuse a solution that has the first and the last of its states.
+
+    Raises
+    ------
+    KickdriftError
+    """
+    if solution.saved_to:
+        raise KickdriftError(
+            f"the states are in {solution.saved_to!r}, and here are the first and the last of them; run without save_to, or"
+            " with a larger save_every, to see them."
+        )
 
 
 def write_page(path: str | Path, title: str, draw: Callable[[Stage], str]) -> Path:

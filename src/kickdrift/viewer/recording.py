@@ -13,7 +13,7 @@ from kickdrift.core.errors import KickdriftError
 from kickdrift.core.rotations import product, turned
 from kickdrift.viewer.cloth import ClothMesh
 from kickdrift.viewer.curves import Curve, panel
-from kickdrift.viewer.page import Mover, Singles, Stage, rounded, write_page
+from kickdrift.viewer.page import Mover, Singles, Stage, check_in_memory, rounded, write_page
 from kickdrift.viewer.surfaces import Surface, halves_of_ball, surface_of
 from kickdrift.world.integration import DYNAMIC, REMOVED
 from kickdrift.world.recording import DrawnShape, Recording
@@ -58,11 +58,7 @@ def recording_to_html(recording: Recording, path: str | Path) -> Path:
     parts = [part for part in recording.appearance.parts if recording.appearance.kinds[part.body] != REMOVED]
     if not parts and not recording.appearance.cloths:
         raise KickdriftError("the recording has no shapes, and so there is nothing to be seen; add bodies with shapes.")
-    if recording.saved_to:
-        raise KickdriftError(
-            f"the states are in {recording.saved_to!r}, and this recording has the first and the last of them; "
-            "kickdrift.load reads that folder."
-        )
+    check_in_memory(recording)
     return write_page(path, recording.about.system, lambda stage: _play(stage, recording, parts))
 
 

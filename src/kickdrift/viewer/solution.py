@@ -9,10 +9,10 @@ from scipy.spatial import cKDTree
 
 from kickdrift.analysis.energy import energy_error
 from kickdrift.core.colours import COLOURS, colour_of
-from kickdrift.core.errors import ArgumentError, KickdriftError
+from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.solution import Solution
 from kickdrift.viewer.curves import Curve, panel
-from kickdrift.viewer.page import Mover, Singles, Stage, rounded, write_page
+from kickdrift.viewer.page import Mover, Singles, Stage, check_in_memory, rounded, write_page
 from kickdrift.viewer.surfaces import surface_of
 from kickdrift.world.shapes.sphere import Sphere
 
@@ -72,11 +72,7 @@ def solution_to_html(solution: Solution, path: str | Path) -> Path:
             f"x has the shape {shape} at each time, and the viewer shows bodies in the plane or in space, (2,), (3,), (N, 2)"
             " or (N, 3); sol.plot() draws it over time."
         )
-    if solution.saved_to:
-        raise KickdriftError(
-            f"the rows are in {solution.saved_to!r}, and this solution has the first and the last of them; "
-            "kickdrift.load reads that folder."
-        )
+    check_in_memory(solution)
     return write_page(path, f"{solution.about.system} by {solution.about.method}", lambda stage: _play(stage, solution))
 
 
