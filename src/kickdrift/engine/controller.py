@@ -159,7 +159,7 @@ def controlled(
 
 
 def _in_its_own_time(controller: Controller) -> Controller:
-    """Let parts of steps be controlled as whole ones are."""
+    """Control parts of steps as whole ones are."""
     return replace(controller, between=controller)
 
 

@@ -132,7 +132,7 @@ _DESCRIPTIONS = {
 
 
 def check_wanted(method: Any, order: Any) -> None:
-    """Refuse a method that there is not, and an order that is none or not for this method.
+    """Refuse an unknown method, and an order that is no order or that this method cannot have.
 
     Raises
     ------

@@ -132,7 +132,7 @@ class Journey:
             raise
 
     def close(self) -> None:
-        """Let other runs have the folders of checkpoints and rows."""
+        """Release the folders of checkpoints and rows to other runs."""
         for folder in (self._checkpoints, self.store):
             if folder is not None:
                 folder.close()

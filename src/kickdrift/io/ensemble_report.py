@@ -14,7 +14,7 @@ _MOST = 3  # members that failed which are named
 
 
 def report(solution: EnsembleSolution) -> str:
-    """Say what was run, what it cost, how the members ended, and how well they kept what is conserved.
+    """Return a report: what was run, what it cost, how the members ended, and how well they conserved what is conserved.
 
     Errors are the largest at the times kept, of each member relative to its start: the median and the largest of members.
     """

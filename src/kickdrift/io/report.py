@@ -8,7 +8,7 @@ from kickdrift.engine.solution import Solution
 
 
 def report(solution: Solution) -> str:
-    """Say what was run, what it cost, and how well the conserved quantities were conserved.
+    """Return a report: what was run, what it cost, and how well the conserved quantities were conserved.
 
     Errors are the largest at the times kept. The drift is the slope of a straight line through the energy errors. Where the
     exact motion is known, the phase error says by how much time the run is ahead of it.
@@ -50,7 +50,7 @@ def report(solution: Solution) -> str:
 
 
 def _phase(solution: Solution, unit: str) -> str:
-    """Say how far the run is ahead of the exact motion, and how fast that grows."""
+    """Return the phase error in words: how far the run is ahead of the exact motion, and how fast that grows."""
     largest = f"{largest_phase_error(solution):.3e} {unit}".rstrip() + " of time"
     return largest + (f", {phase_drift(solution):+.3e} per time" if solution.t.size > 1 else "")
 

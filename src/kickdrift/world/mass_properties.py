@@ -22,7 +22,7 @@ def mass_properties_of(
     inertia: ArrayLike | None,
     centre: ArrayLike | None,
 ) -> Mass:
-    """Weigh a body by its parts, or by what is given instead; see `World.add_body`."""
+    """Return the mass properties of a body, from its parts or from what is given instead; see `World.add_body`."""
     if density is not None and mass is not None:
         raise ArgumentError(f"density={density!r} and mass={mass!r} say the same twice; give one of them.")
     for part in parts:

@@ -74,7 +74,7 @@ class Tunable:
 
     @undivided
     def exclude(self, body_a: Body, body_b: Body) -> None:
-        """Let two bodies pass through each other; those that a joint holds together do so anyway.
+        """Exclude two bodies from colliding; those that a joint holds together never do.
 
         Raises
         ------

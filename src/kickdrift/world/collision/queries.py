@@ -220,7 +220,7 @@ def _overlap(
 
 
 def _strays(tables: Tables) -> Integers:
-    """Bring the trees up to date with the shapes that there are, and return those that have left their boxes."""
+    """Update the trees to the present shapes, and return those that have left their boxes."""
     find_extents(tables, _kinds(tables))
     status = tables.array(STEP_STATUS)[0]
     while not update_for_queries(tables.address):

@@ -81,7 +81,7 @@ class Record(ABC):
 
     @abstractmethod
     def placement(self) -> Placement:
-        """Say where the joint is and what its axes do.
+        """Return the frame of the joint and the laws of its axes.
 
         Raises
         ------

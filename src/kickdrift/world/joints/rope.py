@@ -32,5 +32,5 @@ class Rope(Record):
     length: float | None = None
 
     def placement(self) -> Placement:
-        """Say where the joint is and what its axes do."""
+        """Return the frame of the joint and the laws of its axes."""
         return line_placement(self.anchor_a, self.anchor_b, self.length, Axis(limits=(-math.inf, 0.0)))

@@ -109,7 +109,7 @@ class Hull:
         return float(np.sqrt((self.vertices**2).sum(axis=1).max()))
 
     def mass_properties(self) -> MassProperties:
-        """Weigh it for density 1.
+        """Return the mass properties at unit density.
 
         Notes
         -----

@@ -61,7 +61,7 @@ def placed(
     density: float | None = None,
     mass: float | None = None,
 ) -> Mass:
-    """Weigh a shape that has a place in a body.
+    """Return the mass properties of a shape that has a place in a body.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def placed(
 
 
 def combined(parts: Sequence[Mass]) -> Mass:
-    """Weigh a body by its parts, by the parallel axis theorem.
+    """Return the mass properties of a body of parts, by the parallel axis theorem.
 
     Parameters
     ----------
