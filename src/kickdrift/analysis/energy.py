@@ -1,5 +1,7 @@
 """Energy along a solution: its error, its drift, and the modified energy of the semi-implicit Euler method."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

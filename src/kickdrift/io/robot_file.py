@@ -1,5 +1,7 @@
 """Robots from MJCF and URDF files."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType

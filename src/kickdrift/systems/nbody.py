@@ -1,5 +1,7 @@
 """Direct N-body: every body attracts every other."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
 from typing import Any

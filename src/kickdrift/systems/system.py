@@ -1,5 +1,7 @@
 """What moves: the record of a system."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any

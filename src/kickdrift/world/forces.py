@@ -1,5 +1,7 @@
 """How forces come into a world: for a step, or as functions compiled into it."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

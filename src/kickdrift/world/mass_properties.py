@@ -1,5 +1,7 @@
 """Mass properties of bodies: from their parts, or as given."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -16,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def mass_properties_of(
-    parts: "Sequence[Part]",
+    parts: Sequence[Part],
     density: float | None,
     mass: float | None,
     inertia: ArrayLike | None,

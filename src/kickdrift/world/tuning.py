@@ -1,5 +1,7 @@
 """What may be changed between the steps of a world, and what says whether to."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

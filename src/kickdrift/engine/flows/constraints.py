@@ -138,7 +138,7 @@ def positions_left_over(t: float, x: Floats, v: Floats, params: Floats, work: Fl
 
 
 def nothing_in_excess(left: Floats, sums: Floats) -> float:
-    """Return True: the residual of velocities is linear, so that small increments will do."""
+    """Return zero: the residual of velocities is linear, so that small increments will do."""
     return 0.0
 
 
@@ -170,7 +170,7 @@ def renew_at_positions(t: float, x: Floats, v: Floats, params: Floats, work: Flo
 
 
 def renew_nothing(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:
-    """Return True, S is up to date: in the velocities, the constraints are linear."""
+    """Return False, nothing was renewed: in the velocities, the constraints are linear."""
     return False
 
 

@@ -1,5 +1,7 @@
 """Which shapes may touch at all: by their bodies, layers, and joints that exclude it."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -4,6 +4,8 @@ They hold for the poses that the bodies have when they are asked. Sensors are no
 inside of a closed one overlaps nothing.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterable
 from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
@@ -57,7 +59,7 @@ class RayHit(NamedTuple):
     """
 
     shape: int
-    body: "Body"
+    body: Body
     distance: float
     point: Floats
     normal: Floats

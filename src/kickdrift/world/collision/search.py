@@ -1,5 +1,7 @@
 """What the search for pairs remembers: columns of the row of `kickdrift.world.tables.SEARCH`, and states of shapes."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike
 

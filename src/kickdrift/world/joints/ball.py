@@ -1,5 +1,7 @@
 """The ball joint."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 

@@ -1,5 +1,7 @@
 """The rod: two points stay as far apart as they are."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 from numpy.typing import ArrayLike

@@ -1,5 +1,7 @@
 """The joint that lets nothing move."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

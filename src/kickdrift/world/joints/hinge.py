@@ -1,5 +1,7 @@
 """The hinge."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 from numpy.typing import ArrayLike

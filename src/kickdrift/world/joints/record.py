@@ -1,5 +1,7 @@
 """What a kind of joint says of itself: a frozen record that tells where its axes are and what each of them does."""
 
+from __future__ import annotations
+
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from math import inf

@@ -1,5 +1,7 @@
 """The rope: two points get no farther apart than it is long."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 

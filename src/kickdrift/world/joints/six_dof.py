@@ -1,5 +1,7 @@
 """The joint whose six axes do what one wants."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 

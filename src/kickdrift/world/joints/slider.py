@@ -1,5 +1,7 @@
 """The slider."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 from numpy.typing import ArrayLike

@@ -1,5 +1,7 @@
 """The spring between two points."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 from numpy.typing import ArrayLike

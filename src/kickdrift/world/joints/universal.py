@@ -1,5 +1,7 @@
 """The universal joint."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Mass of shapes and of the bodies that they make up."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 

@@ -1,5 +1,7 @@
 """Surfaces of triangles: ground that does not move."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from typing import ClassVar
