@@ -59,7 +59,7 @@ def _errors(values: NDArray[Any]) -> str:
     relative = relative[np.isfinite(relative)]
     if not relative.size:
         return "unknown"
-    return f"{np.median(relative):.3e} of the start in the median, {relative.max():.3e} at most"
+    return f"{np.median(relative):.3e} relative in the median, {relative.max():.3e} at most"
 
 
 def _relative(values: NDArray[Any]) -> NDArray[Any]:
