@@ -45,12 +45,15 @@ def test_the_sample_of_the_help_is_a_bodies_file(tmp_path):
     assert own.system.coordinates["body"] == ["Sun", "Earth"]
     assert own.system.units == {"t": "year", "x": "au", "v": "au/year"}
     assert own.system.quantities["energy"].unit == "solar mass au^2/year^2"
-    assert (own.run.duration, own.run.step, own.run.method, own.run.save_every) == (
-        100.0,
-        0.001,
-        "velocity-verlet",
-        100,
-    )
+    assert (own.run.duration, own.run.step, own.run.method, own.run.save_every) == (100.0, 0.001, "stormer-verlet", 100)
+
+
+def test_units_ask_for_their_constant_of_gravitation(tmp_path):
+    bodies = SAMPLE_TOML[SAMPLE_TOML.index("[[bodies]]") :]
+    assert load_bodies_file(write(tmp_path, bodies)).system.params[0] == 1.0
+    assert "but no G" in error_of(tmp_path, '[units]\nlength = "au"\ntime = "year"\n' + bodies)
+    sentence = error_of(tmp_path, '[units]\nlength = "furlong"\n' + bodies)
+    assert sentence.startswith("bodies.toml: units.length='furlong': is not known; known: au,")
 
 
 def test_a_table_beside_it_is_the_same_bodies(tmp_path):

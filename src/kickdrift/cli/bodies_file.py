@@ -83,6 +83,11 @@ def _checked(path: Path, content: dict[str, Any], place: Callable[[Location], st
         if body.name in seen:
             raise FileFormatError(f"{place(('bodies', i, 'name'))}={body.name!r} is taken; give another.")
         seen.add(body.name)
+    if file.units.given and file.G is None:
+        raise FileFormatError(
+            f"{path}: [units] are given, but no G, and G = 1 is that of no such units; add it to the top of the file, such as"
+            " G = 39.4769264 for au, years and solar masses, or leave [units] out."
+        )
     try:
         return OwnBodies(_system(file, path.stem), file.run)
     except ArgumentError as error:
@@ -114,7 +119,7 @@ def _system(file: BodiesFile, name: str) -> System:
         masses=[body.mass for body in file.bodies],
         x0=[body.position for body in file.bodies],
         v0=[body.velocity for body in file.bodies],
-        G=file.G,
+        G=1.0 if file.G is None else file.G,
         softening=file.softening,
         names=[body.name for body in file.bodies],
     )

@@ -2,10 +2,15 @@
 
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 
 from kickdrift import methods
+from kickdrift.cli.times import TIMES
+from kickdrift.core.errors import unknown_name
 from kickdrift.engine.method_selection import AUTO
+
+LENGTHS = "m", "km", "au", "ly", "pc", "kpc", "earth radius", "solar radius"
+MASSES = "g", "kg", "t", "lunar mass", "earth mass", "jupiter mass", "solar mass"
 
 Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
 
@@ -32,11 +37,24 @@ class Body(_Strict):
 
 
 class Units(_Strict):
-    """Labels; they convert nothing, but a known unit of time lets durations be given in others."""
+    """Of the file's numbers, which are not converted; durations may be given in other units of time."""
 
     time: str = ""
     length: str = ""
     mass: str = ""
+
+    @field_validator("*")
+    @classmethod
+    def _known(cls, value: str, info: ValidationInfo) -> str:
+        known = {"time": TIMES, "length": LENGTHS, "mass": MASSES}[str(info.field_name)]
+        if value and value not in known:
+            raise ValueError(str(unknown_name("it", value, known)).removeprefix(f"it={value!r} "))
+        return value
+
+    @property
+    def given(self) -> bool:
+        """Whether there is any."""
+        return bool(self.time or self.length or self.mass)
 
 
 class Run(_Strict):
@@ -50,14 +68,16 @@ class Run(_Strict):
     @field_validator("method")
     @classmethod
     def _known(cls, value: str | None) -> str | None:
-        return value if value in (None, AUTO) else methods.get(str(value)).name
+        if value not in (None, AUTO):
+            methods.get(str(value))
+        return value
 
 
 class BodiesFile(_Strict):
     """The whole file."""
 
     bodies: Annotated[list[Body], Field(min_length=1)]
-    G: Annotated[float, Field(gt=0)] = 1.0
+    G: Annotated[float, Field(gt=0)] | None = None
     softening: Annotated[float, Field(ge=0)] = 0.0
     units: Units = Units()
     run: Run = Run()

@@ -1,10 +1,10 @@
 """What ``--help`` says; a paragraph that begins with a backspace keeps its lines."""
 
 SAMPLE_TOML = """\
-G = 39.4769264                # constant of gravitation (1)
+G = 39.4769264                # constant of gravitation (1 where there are no units)
 softening = 0.0               # softening length (0)
 
-[units]                       # labels
+[units]                       # of all numbers here
 time = "year"
 length = "au"
 mass = "solar mass"

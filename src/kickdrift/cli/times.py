@@ -18,6 +18,7 @@ _SECONDS = {
     )
     for unit in units
 }
+TIMES = tuple(_SECONDS)
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-z]*)\s*")
 
 

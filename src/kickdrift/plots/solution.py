@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 def plot_solution(solution: Solution, path: str | Path | None = None) -> "Figure":
     """Draw the trajectory and, for a system that says its energy, the energy error.
 
-    A state of one number is drawn over time, one of two or three as an orbit in the plane, and bodies, of shape (N, 2)
-    or (N, 3), as orbits seen from the z axis; named bodies whose orbits would be lost beside the others have a panel of
-    their own. Other states are drawn number by number over time.
+    A state of one number is drawn over time, and as a phase portrait, one of two or three as an orbit in the plane, and bodies,
+    of shape (N, 2) or (N, 3), as orbits seen from the z axis; named bodies whose orbits would be lost beside the others have
+    a panel of their own. Other states are drawn number by number over time.
 
     Parameters
     ----------
@@ -39,19 +39,20 @@ def plot_solution(solution: Solution, path: str | Path | None = None) -> "Figure
     """
     solution = solution.plain
     about, parts = solution.about, trajectory.panels(solution)
-    has_energy = "energy" in solution.invariants
+    has_energy, has_phases = "energy" in solution.invariants, solution.x[0].size == solution.v[0].size == 1
+    columns = len(parts) + has_phases + has_energy
     unit = f" {about.units['t']}" if about.units.get("t") else ""
     figure = new_figure(
-        4.6 * (len(parts) + has_energy),
-        4.4,
-        f"{about.system} by {about.method}: {solution.n_steps} steps of {solution.step:g}{unit}",
+        4.6 * columns, 4.4, f"{about.system} by {about.method}: {solution.n_steps} steps of {solution.step:g}{unit}"
     )
-    grid = figure.subplots(1, len(parts) + has_energy, squeeze=False)[0]
+    grid = figure.subplots(1, columns, squeeze=False)[0]
     for i, bodies in enumerate(parts):
         if bodies is None:
             trajectory.draw_coordinates(grid[i], solution)
         else:
             trajectory.draw_bodies(grid[i], bodies, solution, trajectory.title_of(i, parts))
+    if has_phases:
+        trajectory.draw_phase_portrait(grid[1], solution)
     if has_energy:
         draw_energy_error(grid[-1], solution)
     if len(parts) == 2:

@@ -89,6 +89,17 @@ def _inner(radius: Floats) -> NDArray[np.intp] | None:
     return order[: int(np.argmax(ratios)) + 2]
 
 
+def draw_phase_portrait(axes: "Axes", solution: Solution) -> None:
+    """Draw the velocity, or the momentum, of a state of one number over its position."""
+    stride = -(-solution.t.size // _MOST_POINTS)
+    x, v = (values.reshape(-1)[::stride] for values in (solution.x, solution.v))
+    axes.plot(x, v, color=COLOURS[0], linewidth=0.9)
+    axes.plot(x[:1], v[:1], "o", color=COLOURS[0], markersize=4)
+    of_x, of_v = ("x", "v") if solution.about.v_is_velocity else ("q", "p")
+    units = solution.about.units
+    dress(axes, label(of_x, units.get("x")), label(of_v, units.get("v")), "phase portrait")
+
+
 def draw_coordinates(axes: "Axes", solution: Solution) -> None:
     """Draw positions over time, a line for each number of the state."""
     units = solution.about.units
