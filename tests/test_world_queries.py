@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from kickdrift.core.errors import ArgumentError, KickdriftError, LostBodyError
 from kickdrift.world import tables as t
-from kickdrift.world.adding import Part
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.collision.bvh import build, fit
@@ -19,6 +18,7 @@ from kickdrift.world.collision.queries import overlap_box, overlap_sphere, ray_c
 from kickdrift.world.collision.search import CHANGED, shapes_changed
 from kickdrift.world.integration import DYNAMIC, STATIC
 from kickdrift.world.layout import RADIUS
+from kickdrift.world.part import Part
 from kickdrift.world.queries import SpatialQueries
 from kickdrift.world.settings import GRAVITY, MARGIN
 from kickdrift.world.shapes.catalogue import RAYS

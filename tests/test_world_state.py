@@ -23,11 +23,11 @@ from kickdrift.io.shapes import Catalogue, shapes_of
 from kickdrift.io.world_file import MADE
 from kickdrift.scenes.worlds import newtons_cradle, pyramid
 from kickdrift.world import settings as settings_
-from kickdrift.world.adding import Part
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.integration import BODY_KIND, DYNAMIC
 from kickdrift.world.joints import layout as j
 from kickdrift.world.layout import BODY_ROW, SHAPE_KIND
+from kickdrift.world.part import Part
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
 from kickdrift.world.shapes.heightfield import HeightField

@@ -60,8 +60,8 @@ if TYPE_CHECKING:
     from kickdrift.io.world_file import load_world
     from kickdrift.scale.ensemble import solve_ensemble
     from kickdrift.systems.symbolic import from_lagrangian, from_sympy
-    from kickdrift.world.adding import Part
     from kickdrift.world.joints.axis import Axis, Drive, Motor
+    from kickdrift.world.part import Part
     from kickdrift.world.shapes.box import Box
     from kickdrift.world.shapes.capsule import Capsule
     from kickdrift.world.shapes.cone import Cone
@@ -142,7 +142,7 @@ def _later(module: str, name: str) -> Callable[..., Any]:
 _LATER = {
     **dict.fromkeys(("from_lagrangian", "from_sympy"), "kickdrift.systems.symbolic"),
     "World": "kickdrift.world.world",
-    "Part": "kickdrift.world.adding",
+    "Part": "kickdrift.world.part",
     **dict.fromkeys(("Axis", "Drive", "Motor"), "kickdrift.world.joints.axis"),
     **{
         name: f"kickdrift.world.shapes.{name.lower()}"

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -18,10 +17,10 @@ from kickdrift.world.collision.filters import forget
 from kickdrift.world.integration import DYNAMIC, STATIC
 from kickdrift.world.joints.registry import Joints
 from kickdrift.world.mass_properties import mass_properties_of
-from kickdrift.world.shape_rows import Placed, ShapeRows, Surface
+from kickdrift.world.part import Part, surface_of
+from kickdrift.world.shape_rows import Placed, ShapeRows
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
-from kickdrift.world.shapes.catalogue import kind_of as shape_kind
 from kickdrift.world.shapes.cone import Cone
 from kickdrift.world.shapes.cylinder import Cylinder
 from kickdrift.world.shapes.heightfield import HeightField
@@ -37,55 +36,6 @@ from kickdrift.world.undivided import undivided
 
 Floats = NDArray[np.float64]
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
-
-
-class Part:
-    """A shape with a place in a compound body.
-
-    Parameters
-    ----------
-    shape : Shape
-        One of `kickdrift.world.shapes`.
-    position : (3,) array_like
-        Origin of the shape's frame in the body, m.
-    orientation : (4,) array_like
-        Quaternion (w, x, y, z) that turns the shape's axes into the body's.
-    density : float, optional
-        kg/m^3; the body's by default.
-    **surface
-        Those of `friction`, `restitution` and the like in which its surface differs from the body's.
-    """
-
-    def __init__(
-        self,
-        shape: Shape,
-        position: ArrayLike = (0.0, 0.0, 0.0),
-        orientation: ArrayLike = _UPRIGHT,
-        density: float | None = None,
-        **surface: Any,
-    ) -> None:
-        shape_kind(shape)
-        self.shape = shape
-        self.position = vector("position", position, 3)
-        self.orientation = unit_quaternion("orientation", orientation)
-        self.position.flags.writeable = self.orientation.flags.writeable = False  # worlds keep them
-        self.density = None if density is None else number("density", density, "kg/m^3", zero=False)
-        surface_of(surface)
-        self.surface = surface
-
-
-def surface_of(options: Mapping[str, Any]) -> Surface:
-    """Return a surface with these options.
-
-    Raises
-    ------
-    ArgumentError
-        For options that there are not, and for values that they cannot have.
-    """
-    unknown = set(options) - {field.name for field in fields(Surface)}
-    if unknown:
-        raise ArgumentError(f"{sorted(unknown)[0]}= is not known; see the options of World.add_body.")
-    return Surface(**options)
 
 
 class AddsBodies:

@@ -1,0 +1,64 @@
+"""A part of a compound body."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.world.arguments import number, unit_quaternion, vector
+from kickdrift.world.shape_rows import Surface
+from kickdrift.world.shapes.catalogue import kind_of
+from kickdrift.world.shapes.record import Shape
+
+
+class Part:
+    """A shape with a place in a compound body.
+
+    Parameters
+    ----------
+    shape : Shape
+        One of `kickdrift.world.shapes`.
+    position : (3,) array_like
+        Origin of the shape's frame in the body, m.
+    orientation : (4,) array_like
+        Quaternion (w, x, y, z) that turns the shape's axes into the body's.
+    density : float, optional
+        kg/m^3; the body's by default.
+    **surface
+        Those of `friction`, `restitution` and the like in which its surface differs from the body's.
+    """
+
+    def __init__(
+        self,
+        shape: Shape,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        orientation: ArrayLike = (1.0, 0.0, 0.0, 0.0),
+        density: float | None = None,
+        **surface: Any,
+    ) -> None:
+        kind_of(shape)
+        self.shape = shape
+        self.position = vector("position", position, 3)
+        self.orientation = unit_quaternion("orientation", orientation)
+        self.position.flags.writeable = self.orientation.flags.writeable = False  # worlds keep them
+        self.density = None if density is None else number("density", density, "kg/m^3", zero=False)
+        surface_of(surface)
+        self.surface = surface
+
+
+def surface_of(options: Mapping[str, Any]) -> Surface:
+    """Return a surface with these options.
+
+    Raises
+    ------
+    ArgumentError
+        For unknown options, and for values that they cannot have.
+    """
+    unknown = set(options) - {field.name for field in fields(Surface)}
+    if unknown:
+        raise ArgumentError(f"{sorted(unknown)[0]}= is not known; see the options of World.add_body.")
+    return Surface(**options)
