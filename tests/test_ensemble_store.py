@@ -202,7 +202,7 @@ def other(path):
         (solve, {"problem": kd.systems.kepler(0.5)}, "holds another run"),
         (lambda path: kd.solve(kd.systems.kepler(), SPAN, step=0.1, save_to=path), {}, "holds another run"),
         (None, {"path": 3}, "is no path"),
-        (None, {"path": "no/such/folder.zarr"}, "folder that there is not"),
+        (None, {"path": "no/such/folder.zarr"}, "folder that does not exist"),
         (None, {"checkpoint": "kept"}, "both given"),
         (
             None,

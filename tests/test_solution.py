@@ -173,10 +173,36 @@ def test_without_xarray_the_error_names_the_extra(planets, monkeypatch):
 
 def test_the_report_says_what_was_asked_for(planets):
     text = planets.report()
-    for word in ("solar-system", "kick-drift, order 1", "K D", "100", "ns a step", "energy error", "energy drift"):
+    for word in (
+        "solar-system",
+        "semi-implicit-euler, order 1",
+        "K D",
+        "100",
+        "ns a step",
+        "energy error",
+        "energy drift",
+    ):
         assert word in text
     assert "angular momentum error" in text
     assert "day" in text
+
+
+def test_methods_are_reported_by_the_name_that_was_asked_for():
+    for name in ("stormer-verlet", "velocity-verlet"):
+        sol = kd.solve(lambda x: -x, (0.0, 1.0), 1.0, 0.0, step=0.5, method=name, compile=False)
+        assert sol.about.method == name
+        assert f"{name}, order 2" in sol.report()
+
+
+def test_errors_of_momenta_are_relative_to_those_of_the_bodies():
+    """Of two bodies at rest in the mean the total is zero, or a rounding, which says nothing."""
+    system = kd.systems.nbody([1.0, 3.0], [[1, 0, 0], [-1 / 3, 0, 0]], [[0, 0.9, 0], [0, -0.3, 0]])
+    sol = kd.solve(system, (0.0, 10.0), step=0.01)
+    assert sol.about.scales["momentum"] == pytest.approx(1.8)
+    assert sol.about.scales["angular momentum"] == pytest.approx(1.2)
+    error = np.linalg.norm(sol.invariants["momentum"] - sol.invariants["momentum"][0], axis=1).max()
+    assert f"momentum error          {error / 1.8:.3e} relative, {error:.3e}" in sol.report()
+    assert error / 1.8 < 1e-15
 
 
 def test_the_report_of_a_function_without_energy_leaves_it_out():

@@ -251,7 +251,7 @@ def another_run(path):
         (another_run, {"checkpoint": "kept"}, "holds another run"),
         (None, {"path": 3}, "is no path"),
         (None, {"path": ""}, "is no path"),
-        (None, {"path": "no/such/folder.zarr"}, "folder that there is not"),
+        (None, {"path": "no/such/folder.zarr"}, "folder that does not exist"),
         (None, {"save_every": None, "t_eval": [1.0]}, "t_eval are both given"),
         (None, {"step_control": "distance", "save_every": None, "t_eval": [1.0]}, "t_eval are both given"),
     ],

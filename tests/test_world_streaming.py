@@ -116,7 +116,7 @@ def test_a_disk_that_is_full_ends_it_with_what_is_whole(tmp_path, monkeypatch):
         ({"save_to": 3}, "is no path"),
         ({"save_to": "run.zarr"}, "holds this run"),
         ({"save_to": "run.zarr", "step": STEP / 2}, "holds another run"),
-        ({"save_to": "no/such.zarr"}, "folder that there is not"),
+        ({"save_to": "no/such.zarr"}, "folder that does not exist"),
         ({"checkpoint": "kept"}, "another save_to"),
         ({"save_to": "other.zarr", "checkpoint": "kept", "save_every": 8}, "another save_every"),
     ],

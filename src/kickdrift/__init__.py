@@ -160,6 +160,10 @@ def __getattr__(name: str) -> Any:
     return getattr(import_module(_LATER[name]), name)
 
 
+def __dir__() -> list[str]:
+    return __all__
+
+
 # Solutions and worlds save, draw and report themselves with what lives on the floors above them.
 Solution.presenters = Presenters(
     plot=plots.plot_solution,

@@ -71,7 +71,7 @@ class SplittingSolver(OdeSolver):
         self.h_abs = abs(self._h)
 
     def _check_halves(self) -> None:
-        """See that each half's rate depends on the other half alone, and that of x is linear in v where the method needs it."""
+        """Check that each half's rate depends on the other half alone, and that x' is linear in v where the method needs it."""
         n, rate, wrong = self._half, np.asarray(self.fun(self.t, self.y), dtype=float), ""
         for own, what in ((np.s_[:n], "x' depends on x"), (np.s_[n:], "v' depends on v")):
             y = self.y.copy()

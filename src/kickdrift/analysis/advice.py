@@ -1,5 +1,7 @@
 """Which method and step to take, by measurement: `advise`."""
 
+from __future__ import annotations
+
 import math
 import time
 from collections.abc import Callable, Sequence

@@ -1,5 +1,7 @@
 """Energy along a solution: its error, its drift, and the modified energy of the semi-implicit Euler method."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -62,12 +64,16 @@ def drift(t: Floats, energy: Floats) -> float:
         return float(centred @ (error - error.mean()) / (centred @ centred))
 
 
-def largest_error(values: Floats) -> tuple[float, float | None]:
-    """Return the largest deviation of a quantity, (T,) or (T, size), from its start, and its ratio to a start not 0."""
+def largest_error(values: Floats, scale: float | None = None) -> tuple[float, float | None]:
+    """Return the largest deviation of a quantity, (T,) or (T, size), from its start, and its ratio to a scale not 0.
+
+    The scale is the size of the start by default.
+    """
     deviation = values - values[0]
     sizes = np.abs(deviation) if values.ndim == 1 else np.linalg.norm(deviation, axis=1)
-    start, largest = float(np.linalg.norm(values[0])), float(sizes.max())
-    return largest, largest / start if start > 0 else None
+    largest = float(sizes.max())
+    scale = float(np.linalg.norm(values[0])) if scale is None else scale
+    return largest, largest / scale if scale > 0 else None
 
 
 def _relative(energy: Floats) -> Floats:

@@ -1,5 +1,7 @@
 """Lyapunov exponents: how fast states part that begin next to each other."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,5 +1,7 @@
 """The Hamiltonian that a word of kicks and drifts conserves, by its series in the step."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from typing import Any
 

@@ -1,5 +1,7 @@
 """The order of a method as a run shows it."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any

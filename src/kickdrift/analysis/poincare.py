@@ -1,5 +1,7 @@
 """Poincare sections: where motion passes through a surface."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from types import FunctionType

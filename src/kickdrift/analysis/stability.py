@@ -1,5 +1,7 @@
 """Linear stability: the matrix of one step on the oscillator, and the amplification factor for y' = lambda y."""
 
+from __future__ import annotations
+
 import math
 
 import numpy as np

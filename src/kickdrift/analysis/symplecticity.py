@@ -1,5 +1,7 @@
 """Symplecticity of one step."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from typing import Any
 

@@ -1,5 +1,7 @@
 """The tangent map: what steps of a method make of small differences between states."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from typing import Any
 

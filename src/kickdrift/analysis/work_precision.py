@@ -1,5 +1,7 @@
 """Work and precision: the errors of methods over what they cost."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial

@@ -66,7 +66,7 @@ def _run_to_disk(plan: Plan, quiet: bool, checkpoint: Path | None, save_to: Path
 
 
 def exit_code(solution: Solution) -> int:
-    """Say how a run that did not reach its end ended, and return the exit code of the outcome."""
+    """Print how a run that did not reach its end ended, and return the exit code of the outcome."""
     if solution.success:
         return DONE
     say(solution.message)

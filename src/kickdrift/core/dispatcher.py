@@ -188,7 +188,7 @@ class Addressed(Dispatcher):
 
 @contextmanager
 def no_collector() -> Iterator[None]:
-    """Let the garbage collector rest, which takes a tenth of the time of compiling to find what is gone soon anyway."""
+    """Pause the garbage collector, which takes a tenth of the time of compiling to find what is gone soon anyway."""
     collects = gc.isenabled()
     gc.disable()
     try:

@@ -27,7 +27,7 @@ class Part(JITCodeLibrary):  # type: ignore[misc]
     _own: Any = None
 
     def finalize(self) -> None:
-        """Let nothing be added any more."""
+        """Close it: nothing can be added any more."""
         self._finalized = True
 
     def own_module(self) -> Any:

@@ -39,7 +39,7 @@ class FileLock:
             _held.add(self._key)
 
     def release(self) -> None:
-        """Let others have it."""
+        """Release it."""
         with _changing:
             if self._key not in _held:
                 return

@@ -157,7 +157,7 @@ def _places(jobs: list[Job]) -> dict[int, Place]:
 
 
 def seconds_for(jobs: list[Job]) -> float:
-    """Say about how long compiling takes."""
+    """Return a sentence on how long compiling takes."""
     largest = max((_size(family) for family in _families(jobs)), default=0)
     return _SECONDS * max(largest, _size(jobs) / processes_for(len(jobs)))
 

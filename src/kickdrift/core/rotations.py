@@ -3,6 +3,8 @@
 Compiled code has its own in `kickdrift.core.vectors`, in registers.
 """
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

@@ -44,7 +44,7 @@ def write(path: Path, content: bytes) -> None:
 
 
 def _close(path: Path) -> None:
-    """Let nobody else write there: many systems let a user's group."""
+    """Forbid others to write there: many systems let a user's group."""
     mode = path.stat().st_mode
     if os.name == "posix" and mode & _OTHERS:
         path.chmod(stat.S_IMODE(mode) & ~_OTHERS)

@@ -17,7 +17,7 @@ _A_MOMENT = 1.0  # seconds; what is found compiled on disk is read in 0.3
 
 @contextmanager
 def compiling_announced(wanted: bool | None = None, what: str = "", seconds: float = 0.0) -> Iterator[None]:
-    """Say so where compiling in a block takes longer than a moment, unless that is not wanted (False).
+    """Announce the compiling in a block that takes longer than a moment, unless that is not wanted (False).
 
     Of blocks in each other the outermost speaks, and only if it is wanted there.
 
@@ -67,7 +67,7 @@ class _Wait:
             self._timer.start()
 
     def end(self) -> None:
-        """Say how long it took, if anything was said."""
+        """Print how long it took, if anything was printed."""
         if self._timer is not None:
             self._timer.cancel()
             self._timer.join()

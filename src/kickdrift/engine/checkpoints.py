@@ -76,7 +76,7 @@ class Checkpoints:
             ) from None
 
     def close(self) -> None:
-        """Let other runs have the folder."""
+        """Release the folder to other runs."""
         self._lock.release()
 
     def __enter__(self) -> Self:
@@ -92,7 +92,7 @@ class Checkpoints:
         return min(last, int((step // self._every + 1) * self._every))
 
     def pace(self, steps: int, seconds: float) -> None:
-        """Say that so many steps took so long."""
+        """Note the pace: so many steps took so long."""
         self._pace = max(1, min(10 * max(steps, _FIRST), int(steps * _SECONDS / max(seconds, 1e-9))))
 
     def write(self, step: int, header: Mapping[str, Any], arrays: archive.Arrays) -> None:

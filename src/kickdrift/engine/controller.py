@@ -1,5 +1,7 @@
 """A control of steps made ready for a system and a method: the function that it asks, checked, and its numbers in work."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -67,7 +69,7 @@ class Controller:
     params: Floats
     dear: int = 0
     tolerances: Floats = field(default_factory=lambda: np.zeros(0))
-    between: "Controller | None" = None
+    between: Controller | None = None
     takes_back: bool = False
     surfaces: Surfaces | None = None
     function: Quantity | None = None
@@ -159,7 +161,7 @@ def controlled(
 
 
 def _in_its_own_time(controller: Controller) -> Controller:
-    """Let parts of steps be controlled as whole ones are."""
+    """Control parts of steps as whole ones are."""
     return replace(controller, between=controller)
 
 

@@ -5,6 +5,8 @@ Its error is that of a step, so that what lies between has the order of the meth
 there. A whole step leads to the next row.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
@@ -71,7 +73,7 @@ class DenseOutput:
         rows: tuple[Floats, Floats, Floats, Floats],
         end: float,
         compile: Callable[[], Processing],  # noqa: A002 - the name of the field
-    ) -> "DenseOutput":
+    ) -> DenseOutput:
         """Make one of rows, their times, x, v and steps, before which there is the start, if it is none of them."""
         t, xs, vs, steps = rows
         if not t.size or t[0] != grid.t0:
@@ -79,7 +81,7 @@ class DenseOutput:
             xs, vs = np.concatenate((start.x[None], xs)), np.concatenate((start.v[None], vs))
         return cls(t, xs, vs, end, steps, isinstance(grid, Course), compile)
 
-    def followed_by(self, t: float, x: Floats, v: Floats) -> "DenseOutput":
+    def followed_by(self, t: float, x: Floats, v: Floats) -> DenseOutput:
         """Add a row."""
         return replace(
             self,
@@ -89,10 +91,10 @@ class DenseOutput:
             steps=np.append(self.steps, self.steps[-1:]),
         )
 
-    def __copy__(self) -> "DenseOutput":
+    def __copy__(self) -> DenseOutput:
         return self
 
-    def __deepcopy__(self, memo: dict[int, Any]) -> "DenseOutput":
+    def __deepcopy__(self, memo: dict[int, Any]) -> DenseOutput:
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:

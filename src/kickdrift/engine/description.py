@@ -29,6 +29,8 @@ class Description:
         Labels along those axes.
     units : mapping of str to str
         Units of t, x and v and of the invariants by name.
+    scales : mapping of str to float
+        Of invariants that may be zero, the size against which their errors are judged: of a sum that of its parts.
     source : str
         Where the system is from.
     choice : str
@@ -48,6 +50,7 @@ class Description:
     dimensions: tuple[str, ...] = ()
     coordinates: Mapping[str, Any] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
+    scales: Mapping[str, float] = field(default_factory=dict)
     source: str = ""
     choice: str = ""
     step_control: str = ""

@@ -284,7 +284,7 @@ class Watch:
         return found
 
     def _crosses(self, event: int, parts: Brackets) -> NDArray[np.bool_]:
-        """Say where an event changes its sign in the direction that is wanted."""
+        """Return where an event changes its sign in its direction."""
         direction = self.events[event].direction
         wanted = np.ones(parts.t.size, dtype=bool) if direction == 0.0 else (parts.first < 0.0) == (direction > 0.0)
         return np.asarray(changes(parts) & wanted)

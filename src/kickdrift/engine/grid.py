@@ -1,5 +1,7 @@
 """The grid of a run: equal steps over the span, and which of them are kept."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -39,7 +39,7 @@ def identity_of(
     events: Any,
     steps: Any,
 ) -> dict[str, str]:
-    """Say what determines a run, by the names of the arguments of `solve`.
+    """Return what determines a run, by the names of the arguments of `solve`.
 
     Of equal steps their size and the rows are left out, which are compared where they are known: another end changes both.
     Where sizes vary the end has to be the same.

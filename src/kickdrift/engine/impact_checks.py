@@ -1,5 +1,7 @@
 """Numbers of impacts, checked: masses, restitution and friction of gaps, and that these are open at the start."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,5 +1,7 @@
 """Impacts and switches: surfaces that bodies rebound from, and those beyond which a force has another law."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction

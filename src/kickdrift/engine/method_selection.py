@@ -23,10 +23,16 @@ MERGING = "close-encounters"
 
 @dataclass(frozen=True)
 class Choice:
-    """A method, and why ``"auto"`` takes it; no reason where it was named."""
+    """A method, and why ``"auto"`` takes it; no reason where it was named, by its name or an alias."""
 
     method: Method
     reason: str = ""
+    alias: str = ""
+
+    @property
+    def name(self) -> str:
+        """The name by which it was asked for, else its own."""
+        return self.alias or self.method.name
 
 
 def choose(
@@ -72,7 +78,7 @@ def choose(
     if system.kind is Kind.HAMILTONIAN and named.counterpart:
         return Choice(methods.get(named.counterpart))
     if named.kind.includes(system.kind):
-        return Choice(named)
+        return Choice(named, alias=method if isinstance(method, str) else "")
     raise _mismatch(named, system)
 
 
@@ -85,7 +91,7 @@ def _of_bodies_that_merge(method: str | Method | None, system: System) -> Choice
             f"method={named.name!r} does not see where bodies touch, but those of {system.name!r} have radii, and are to merge;"
             f" use {MERGING!r}, or leave the radii out."
         )
-    return Choice(named)
+    return Choice(named, alias=method if isinstance(method, str) else "")
 
 
 def _choose_by_itself(order: int | None, system: System, t0: float, step: float, span: float) -> Choice:
@@ -132,7 +138,7 @@ _DESCRIPTIONS = {
 
 
 def check_wanted(method: Any, order: Any) -> None:
-    """Refuse a method that there is not, and an order that is none or not for this method.
+    """Refuse an unknown method, and an order that is no order or that this method cannot have.
 
     Raises
     ------

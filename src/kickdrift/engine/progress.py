@@ -22,7 +22,7 @@ class Bar:
         self._bar: Any = None
 
     def show(self, step: int, seconds: float) -> None:
-        """Say that `step` steps took so many seconds."""
+        """Show that `step` steps took so many seconds."""
         if self._tell is not None:
             self._tell(step)
         if self._possible and self._bar is None and seconds * self._n_steps / step > self._from_seconds:

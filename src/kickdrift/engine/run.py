@@ -119,7 +119,7 @@ class Run:
             self._watch.go_on(standing.seen, t, self._state.x.copy(), self._state.v.copy())
 
     def standing(self, beyond_the_stop: bool = False) -> Standing:
-        """Say where the run stands; whether the event that ended it, if one did, is not to end it again."""
+        """Return the state of the run, and whether the event that ended it, if one did, is not to end it again."""
         good, seen = self._checkpoint, None
         if self._watch is not None:
             beyond = self._stop.t if beyond_the_stop and self._stop is not None else None
@@ -129,11 +129,11 @@ class Run:
         )
 
     def drain(self, rows: StreamedRows) -> None:
-        """Let rows go to disk, if they are as many as go at a time."""
+        """Write rows to disk, once they are a whole chunk."""
         rows.drain(self._checkpoint.mark)
 
     def close(self, rows: StreamedRows, outcome: Outcome) -> None:
-        """Let all rows go to disk, and how the run ended."""
+        """Write all rows to disk, and how the run ended."""
         good = self._checkpoint
         rows.close(good.step, good.mark, good.state, self._stop, outcome.name)
 
@@ -248,7 +248,7 @@ class Run:
         return None
 
     def ending(self, outcome: Outcome, cause: str) -> Ending:
-        """Say how the run ended, and keep the state reached as a row."""
+        """Return the outcome of the run, and keep the state reached as a row."""
         good, program, message = self._checkpoint, self._stepper.program, outcome.value
         saved = self.rows.keep_last(good.state, good.step, good.mark, self._stop is not None)
         if outcome is not Outcome.COMPLETED:

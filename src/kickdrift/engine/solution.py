@@ -1,5 +1,7 @@
 """What a run leaves: the states, what they conserve, and how the run went."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -95,7 +97,7 @@ class Solution:
     x_events: tuple[Floats, ...] = ()
     v_events: tuple[Floats, ...] = ()
     dense: DenseOutput | None = field(default=None, repr=False)
-    continuation: Callable[[float], "Solution"] | None = field(default=None, repr=False)
+    continuation: Callable[[float], Solution] | None = field(default=None, repr=False)
     saved_to: str = ""
 
     presenters: ClassVar[Presenters]
@@ -157,7 +159,7 @@ class Solution:
         return self.x
 
     @property
-    def plain(self) -> "Solution":
+    def plain(self) -> Solution:
         """The same in numbers: itself, unless it was solved in units, see `kickdrift.engine.unit_solution`."""
         return self
 
@@ -197,7 +199,7 @@ class Solution:
             )
         return self.dense(t)
 
-    def continue_to(self, t: float) -> "Solution":
+    def continue_to(self, t: float) -> Solution:
         """Run on to another end, with the bits of a run that was never broken.
 
         It goes on from the state that the loop was left with, at the same step; a run that

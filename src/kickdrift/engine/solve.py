@@ -1,5 +1,7 @@
 """`solve`: from a function or a system to a solution."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any

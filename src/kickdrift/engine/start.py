@@ -1,5 +1,7 @@
 """Where a run starts: x, v and params from what users give."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 

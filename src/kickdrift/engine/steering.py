@@ -1,5 +1,7 @@
 """What the sizes of steps follow in a run: nothing, a control of them, or impacts and switches that cut them."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,5 +1,7 @@
 """How the size of steps is chosen, where it is not one for all: what users ask for, and what it makes of a method."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction

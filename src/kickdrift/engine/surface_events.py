@@ -35,12 +35,12 @@ class Surfaces(NamedTuple):
     located: bool
 
     def touched(self, system: System, t: Floats, x: Floats, v: Floats) -> NDArray[np.bool_]:
-        """Say where a gap is closed."""
+        """Return the places at which a gap is closed."""
         gaps = evaluate_quantity(self.gaps, system, t, x, v).reshape(t.size, -1)[:, : self.of_impacts]
         return np.asarray((np.abs(gaps) <= TOUCHES * self._sizes(x)[:, None]).any(axis=1))
 
     def struck(self, t: Floats, touched: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Say which steps between times may end with an impact."""
+        """Return which steps between times may end with an impact."""
         cut = np.abs(np.abs(np.diff(t)) - abs(self.step)) > 1e-9 * abs(self.step)
         return np.asarray(touched[1:] & (~touched[:-1] | cut | (not self.located)))
 

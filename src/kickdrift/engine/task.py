@@ -74,9 +74,10 @@ def description_of(system: System, chosen: Choice, compensated: bool, controller
     """Describe what is run, for people."""
     method = chosen.method
     units = dict(system.units) | {name: quantity.unit for name, quantity in system.quantities.items() if quantity.unit}
+    scales = {name: quantity.scale for name, quantity in system.quantities.items() if quantity.scale is not None}
     return Description(
         system=system.name,
-        method=method.name,
+        method=chosen.name,
         kind=system.kind.name,
         order=method.order,
         word=method.spelling,
@@ -84,6 +85,7 @@ def description_of(system: System, chosen: Choice, compensated: bool, controller
         dimensions=system.dimensions or tuple(f"axis_{i}" for i in range(system.x0.ndim)),
         coordinates=dict(system.coordinates),
         units=units,
+        scales=scales,
         source=system.source,
         choice=chosen.reason,
         gm=() if system.gm is None else tuple(system.gm.tolist()),
@@ -132,7 +134,7 @@ class Journey:
             raise
 
     def close(self) -> None:
-        """Let other runs have the folders of checkpoints and rows."""
+        """Release the folders of checkpoints and rows to other runs."""
         for folder in (self._checkpoints, self.store):
             if folder is not None:
                 folder.close()

@@ -54,7 +54,7 @@ class ZarrGroup:
         self._lock: FileLock | None = None
 
     def close(self) -> None:
-        """Let other runs have the folder."""
+        """Release the folder to other runs."""
         if self._lock is not None:
             self._lock.release()
 
@@ -87,7 +87,9 @@ class ZarrGroup:
     def _holds_this_run(self, again: bool) -> bool:
         if not self.path.exists() or (self.path.is_dir() and not any(self.path.iterdir())):
             if not self.path.absolute().parent.is_dir():
-                raise ArgumentError(f"save_to={str(self.path)!r} lies in a folder that there is not; make it first.")
+                raise ArgumentError(
+                    f"save_to={str(self.path)!r} lies in a folder that does not exist; create it first."
+                )
             return False
         known: Any = None
         with suppress(Exception):  # of whatever it may be
@@ -117,7 +119,7 @@ class ZarrGroup:
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
-        """Say what of the user's argument the system says of a file; and be silent about what Zarr has yet to specify."""
+        """Name the user's argument in errors of the file system; silence Zarr's warnings of what it has yet to specify."""
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # consolidated metadata, and texts

@@ -50,7 +50,7 @@ def find_changes(values: Floats, found: NDArray[np.int64]) -> int:
 
 
 def changes(parts: Brackets) -> NDArray[np.bool_]:
-    """Say where a function passes through zero, or comes to it."""
+    """Return the steps in which a function passes through zero, or comes to it."""
     first, last = parts.first, parts.last
     return np.asarray(((first < 0.0) & (last >= 0.0)) | ((first > 0.0) & (last <= 0.0)))
 

@@ -14,7 +14,7 @@ _MOST = 3  # members that failed which are named
 
 
 def report(solution: EnsembleSolution) -> str:
-    """Say what was run, what it cost, how the members ended, and how well they kept what is conserved.
+    """Return a report: what was run, what it cost, how the members ended, and how well they conserved what is conserved.
 
     Errors are the largest at the times kept, of each member relative to its start: the median and the largest of members.
     """
@@ -59,7 +59,7 @@ def _errors(values: NDArray[Any]) -> str:
     relative = relative[np.isfinite(relative)]
     if not relative.size:
         return "unknown"
-    return f"{np.median(relative):.3e} of the start in the median, {relative.max():.3e} at most"
+    return f"{np.median(relative):.3e} relative in the median, {relative.max():.3e} at most"
 
 
 def _relative(values: NDArray[Any]) -> NDArray[Any]:

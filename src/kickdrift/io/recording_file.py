@@ -65,7 +65,7 @@ def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Recording:
     rods = tuple(Rod(a, end[:3], b, end[3:6]) for (a, b), end in ends)
     shown = [*(part.body for part in parts), *(body for rod in rods for body in (rod.body_a, rod.body_b))]
     if any(not 0 <= body < bodies for body in shown):
-        raise ValueError(f"a shape is one of a body that there is not; there are {bodies}")
+        raise ValueError(f"a shape belongs to a body that does not exist; there are {bodies}")
     names = {int(row): str(name) for row, name in head["names"]}
     particles = arrays["particles"]
     if particles.ndim != 3 or particles.shape[::2] != (times, 3):

@@ -8,7 +8,7 @@ from kickdrift.world.recording import Recording
 
 
 def report(recording: Recording) -> str:
-    """Say what was run, how fast, and what became of energy, momentum and angular momentum."""
+    """Return a report: what was run, how fast, and what became of energy, momentum and angular momentum."""
     about, seconds = recording.about, recording.wall_time
     simulated = float(recording.t[-1] - recording.t[0])
     looks = recording.appearance

@@ -8,10 +8,11 @@ from kickdrift.engine.solution import Solution
 
 
 def report(solution: Solution) -> str:
-    """Say what was run, what it cost, and how well the conserved quantities were conserved.
+    """Return a report: what was run, what it cost, and how well the conserved quantities were conserved.
 
-    Errors are the largest at the times kept. The drift is the slope of a straight line through the energy errors. Where the
-    exact motion is known, the phase error says by how much time the run is ahead of it.
+    Errors are the largest at the times kept, relative to the start; those of momenta, which may be zero, to the sum of the
+    sizes of the bodies'. The drift is the slope of a straight line through the energy errors. Where the exact motion is known,
+    the phase error says by how much time the run is ahead of it.
     """
     solution = solution.plain
     about, unit = solution.about, solution.about.units.get("t", "")
@@ -33,9 +34,9 @@ def report(solution: Solution) -> str:
     if about.choice:
         rows.insert(2, ("taken because", about.choice))
     for name, values in solution.invariants.items():
-        absolute, relative = largest_error(values)
+        absolute, relative = largest_error(values, about.scales.get(name))
         size = f"{absolute:.3e} {about.units.get(name, '')}".rstrip()
-        rows.append((f"{name} error", f"{relative:.3e} of the start, {size}" if relative is not None else size))
+        rows.append((f"{name} error", f"{relative:.3e} relative, {size}" if relative is not None else size))
         if name == "energy" and solution.t.size > 1:
             per = f" per {unit}" if unit else " per unit of time"
             rows.append(("energy drift", f"{drift(solution.t, values):+.3e}{per}"))
@@ -50,7 +51,7 @@ def report(solution: Solution) -> str:
 
 
 def _phase(solution: Solution, unit: str) -> str:
-    """Say how far the run is ahead of the exact motion, and how fast that grows."""
+    """Return the phase error in words: how far the run is ahead of the exact motion, and how fast that grows."""
     largest = f"{largest_phase_error(solution):.3e} {unit}".rstrip() + " of time"
     return largest + (f", {phase_drift(solution):+.3e} per time" if solution.t.size > 1 else "")
 

@@ -1,5 +1,7 @@
 """Robots from MJCF and URDF files."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -99,7 +101,7 @@ def load_robot(
     FileFormatError
         If there is no such file, it reads others outside of the folder, or MuJoCo does not understand it.
     ArgumentError
-        For joints, shapes and masses that there are none of here. The world is then as it was before.
+        For joints, shapes and masses that kickdrift does not have. The world is then as it was before.
 
     Notes
     -----

@@ -20,7 +20,7 @@ class Catalogue:
         self._places: dict[Any, int] = {}
 
     def place(self, shape: Any) -> int:
-        """Say which one of the catalogue a shape is; it comes into it if there is none like it."""
+        """Return the index of a shape in the catalogue, to which it is added if there is none like it."""
         arguments = {f.name: np.asarray(getattr(shape, f.name)) for f in fields(shape) if f.init}
         key = (type(shape), *((name, value.shape, value.tobytes()) for name, value in arguments.items()))
         if key not in self._places:

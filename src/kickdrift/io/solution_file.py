@@ -109,6 +109,7 @@ def description(given: dict[str, Any]) -> Description:
     """Return what a file says of what was run."""
     about = {f.name: given[f.name] for f in fields(Description)}
     about["choice"], about["step_control"] = str(about["choice"]), str(about["step_control"])
+    about["scales"] = {str(name): float(scale) for name, scale in about["scales"].items()}
     about["gm"] = tuple(float(each) for each in about["gm"])
     about["dimensions"] = tuple(about["dimensions"])
     about["kind"] = Kind[about["kind"]].name

@@ -251,7 +251,7 @@ def _names(pairs: list[tuple[int, str]], rows: NDArray[np.intp]) -> MappingProxy
 
 
 def _words(surface: Surface) -> str:
-    """Say in JSON what a surface is; equal ones in equal words."""
+    """Return a surface as JSON; equal ones in equal words."""
     layers = surface.collides_with
     return json.dumps(
         {

@@ -40,7 +40,7 @@ class Camera(NamedTuple):
         return np.concatenate((self.eye, self.right, self.up, self.ahead, [self.perspective, self.scale]))
 
     def project(self, points: Floats, width: int, height: int) -> Floats:
-        """Say where points (..., 3) appear on a picture of so many pixels, from its upper left, and how far away.
+        """Return where points (..., 3) appear on a picture of so many pixels, from its upper left, and how far away.
 
         Returns
         -------

@@ -26,7 +26,7 @@ _EDGE, _MARK, _LINE = 0.55, 0.84, 0.93  # what edges, marks on balls and lines o
 
 @compiled(fast=True)
 def light(camera: Any, distance: Any, normal: Any, lamp: Any, reached: Any, lit: Any) -> None:
-    """Say how much of the lamp each pixel of a picture sees.
+    """Compute how much of the lamp each pixel of a picture sees.
 
     Parameters
     ----------

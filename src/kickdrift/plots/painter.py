@@ -153,7 +153,7 @@ def _places(recording: Recording) -> tuple[Floats, Floats]:
 
 
 def _aspect(points: Floats, reaches: Floats, ahead: Floats) -> float:
-    """Say how wide a scene is, seen from a direction, over its height, within what pictures can be."""
+    """Return the ratio of a scene's width to its height, seen from a direction, within what pictures can be."""
     right, up, _ = axes_of(ahead)
     width, height = ((points @ axis + reaches).max() - (points @ axis - reaches).min() for axis in (right, up))
     return float(np.clip(width / height, *_ASPECTS))

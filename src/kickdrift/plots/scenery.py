@@ -125,7 +125,7 @@ class Scenery:
         return {int(kind) for kind in self._shapes[:, 0]}
 
     def at(self, pose: Pose) -> Sight:
-        """Say where everything is for a pose of the bodies."""
+        """Return the scenery for a pose of the bodies."""
         turns, at = pose.orientation[self._bodies], pose.position[self._bodies]
         places = np.zeros((len(self._shapes), 11))
         count = len(self._bodies)

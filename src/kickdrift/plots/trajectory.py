@@ -51,7 +51,7 @@ class Bodies:
 
 
 def panels(solution: Solution) -> list[Bodies | None]:
-    """Say what to draw: a panel of bodies, two of them where some orbits are tiny, or None for a graph over time."""
+    """Return what to draw: a panel of bodies, two of them where some orbits are tiny, or None for a graph over time."""
     shape = solution.x.shape[1:]
     if not shape or shape[-1] not in (2, 3) or len(shape) > 2:
         return [None]

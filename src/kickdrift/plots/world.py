@@ -97,7 +97,7 @@ def _draw_trails(axes: "Axes", painter: Painter, recording: Recording) -> None:
 
 
 def _hidden(painter: Painter, points: Floats, pixels: Floats) -> NDArray[np.bool_]:
-    """Say which points lie behind what is seen, or out of the picture."""
+    """Return which points lie behind what is seen, or out of the picture."""
     camera, distance = painter.camera, painter.distance
     samples = len(distance) // painter.height
     size = np.array([painter.width, painter.height])

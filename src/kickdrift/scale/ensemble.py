@@ -1,5 +1,7 @@
 """`solve_ensemble`: many members of one problem, in one solution."""
 
+from __future__ import annotations
+
 import os
 import time
 import warnings

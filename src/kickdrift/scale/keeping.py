@@ -44,7 +44,7 @@ class Kept:
         self._count, self._written = int(results.done.sum()), time.perf_counter()
 
     def close(self) -> None:
-        """Let other runs have the folder."""
+        """Release the folder to other runs."""
         self._checkpoints.close()
 
     def look(self) -> None:
@@ -90,7 +90,7 @@ class Kept:
 
 
 def identity_of(prepared: Prepared) -> dict[str, str]:
-    """Say what determines an ensemble, by the names of the arguments of `solve_ensemble`."""
+    """Return what determines an ensemble, by the names of the arguments of `solve_ensemble`."""
     members, settings, method = prepared.members, prepared.settings, prepared.chosen.method
     return {
         "problem": digest(written(members.problem)),

@@ -1,5 +1,7 @@
 """The members of an ensemble: what each has of its own, start, numbers, step or seed."""
 
+from __future__ import annotations
+
 import inspect
 import itertools
 from collections.abc import Callable, Mapping, Sequence
@@ -69,7 +71,7 @@ class Members:
         steps = np.broadcast_to(self.steps, self.count)
         return [np.flatnonzero(steps == step) for step in np.unique(steps)]
 
-    def part(self, first: int, last: int) -> "Members":
+    def part(self, first: int, last: int) -> Members:
         """Return the members from `first` to `last`."""
 
         def cut(array: Any) -> Any:

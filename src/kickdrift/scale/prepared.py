@@ -1,5 +1,7 @@
 """Members made ready: the system of the first, the method, the steps; and the systems of the others."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 

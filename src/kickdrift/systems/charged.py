@@ -1,5 +1,7 @@
 """x'' = (q/m) (E(t, x) + v x B(t, x)), by Python functions."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 

@@ -1,5 +1,7 @@
 """m x'' = F - G^T lambda with holonomic constraints g(x) = 0, by Python functions."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar

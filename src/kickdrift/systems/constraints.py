@@ -102,7 +102,7 @@ class Constraints:
         return y if not self.violated(y).any() else None
 
     def violated(self, x: Floats) -> NDArray[np.bool_]:
-        """Say which constraints ask for changes of x by more than 1e-12 of its size, shape (m,)."""
+        """Return which constraints ask for changes of x by more than 1e-12 of its size, shape (m,)."""
         off: NDArray[np.bool_] = abs(self.values(x)) > 1e-12 * abs(self.jacobian(x)).sum(axis=1) * self.length(x)
         return off
 

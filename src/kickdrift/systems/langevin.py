@@ -1,5 +1,7 @@
 """Langevin dynamics: m dv = F(t, x) dt - gamma m v dt + sqrt(2 gamma kT m) dW, dx = v dt, by a Python function."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

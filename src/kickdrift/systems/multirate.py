@@ -1,5 +1,7 @@
 """m x'' = F_fast(t, x) + F_slow(t, x), by Python functions."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 

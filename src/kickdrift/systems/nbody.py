@@ -1,5 +1,7 @@
 """Direct N-body: every body attracts every other."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -85,11 +87,17 @@ def _density(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> Non
     out[0] = math.sqrt(squares)
 
 
-QUANTITIES = {
-    "energy": Quantity(_energy),
-    "momentum": Quantity(_momentum, 3),
-    "angular momentum": Quantity(_angular_momentum, 3),
-}
+def _quantities(masses: Floats, x0: Floats, v0: Floats) -> dict[str, Quantity]:
+    """Return the conserved quantities; momenta are judged by the sizes of those of the bodies, which may cancel."""
+    with np.errstate(all="ignore"):  # what overflows is found in the run
+        momenta = masses[:, None] * v0
+        scale = float(np.linalg.norm(momenta, axis=1).sum())
+        angular_scale = float(np.linalg.norm(np.cross(x0, momenta), axis=1).sum())
+    return {
+        "energy": Quantity(_energy),
+        "momentum": Quantity(_momentum, 3, scale=scale),
+        "angular momentum": Quantity(_angular_momentum, 3, scale=angular_scale),
+    }
 
 
 def nbody(
@@ -149,7 +157,7 @@ def nbody(
         x0=positions,
         v0=velocities,
         params=np.concatenate([[G, softening**2], gm]),
-        quantities=QUANTITIES,
+        quantities=_quantities(gm / float(G) if G else gm, positions, velocities),
         packaged=True,
         dimensions=("body", "space"),
         coordinates={"body": labels, "space": ["x", "y", "z"]},

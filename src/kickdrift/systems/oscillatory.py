@@ -1,5 +1,7 @@
 """x'' = -omega^2 x + g(t, x), by Python functions."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 

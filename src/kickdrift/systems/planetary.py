@@ -1,5 +1,7 @@
 """Planets around a heavy body, split into Kepler problems and the little that is left."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace

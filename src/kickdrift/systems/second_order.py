@@ -1,5 +1,7 @@
 """x'' = f, by Python functions."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 

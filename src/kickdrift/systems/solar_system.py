@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from kickdrift.core.errors import ArgumentError, unknown_name
 from kickdrift.systems.nbody import nbody
 from kickdrift.systems.planetary import planetary
-from kickdrift.systems.system import Quantity, System
+from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
 
@@ -103,10 +103,7 @@ def solar_system(bodies: Sequence[str] | None = None, splitting: str | None = No
     return replace(
         system,
         name="solar-system",
-        quantities={
-            name: Quantity(quantity.function, quantity.size, units[name])
-            for name, quantity in system.quantities.items()
-        },
+        quantities={name: replace(quantity, unit=units[name]) for name, quantity in system.quantities.items()},
         units={"t": "day", "x": "au", "v": "au/day"},
         source=sky.source,
     )

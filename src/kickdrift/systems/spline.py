@@ -1,5 +1,7 @@
 """Tables that forces may call: ephemerides and measured series, by cubic splines."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator
 from types import FunctionType
 from typing import Any
@@ -20,7 +22,7 @@ _ENDS = ("not-a-knot", "natural", "clamped", "periodic")
 _ROUNDING = 1e-9  # of the length: the times of a run are sums
 _SMALLEST = 8  # knots
 
-_ranges: "WeakKeyDictionary[Any, tuple[float, float]]" = WeakKeyDictionary()
+_ranges: WeakKeyDictionary[Any, tuple[float, float]] = WeakKeyDictionary()
 
 
 def spline(t: ArrayLike, values: ArrayLike, end: str = "not-a-knot") -> Callable[[float], Any]:

@@ -186,7 +186,7 @@ class _Formulas:
         return [formula.diff(symbol) for symbol in self.symbols[half]]
 
     def are_zero(self, formulas: Any) -> bool:
-        """Say whether it can be shown that all of these are zero."""
+        """Return whether all of these can be shown to be zero."""
         return all(formula == 0 or self._sympy.simplify(formula) == 0 for formula in formulas)
 
     def function(self, name: str, halves: str, formulas: list[Any], *, scalar: bool = False) -> FunctionType:

@@ -1,5 +1,7 @@
 """What moves: the record of a system."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -29,12 +31,15 @@ class Quantity:
         Its unit, empty for none.
     params : (P,) array, optional
         What the function gets as `params`, where they are not those of the system.
+    scale : float, optional
+        The size against which its error is judged, where it is a sum that may be zero; by default its own at the start.
     """
 
     function: Function
     size: int = 1
     unit: str = ""
     params: Floats | None = None
+    scale: float | None = None
 
 
 @dataclass(frozen=True)

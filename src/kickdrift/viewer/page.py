@@ -89,7 +89,7 @@ def write_page(path: str | Path, title: str, draw: Callable[[Stage], str]) -> Pa
 
 @contextmanager
 def _serialized(draw: Callable[[Stage], str]) -> Iterator[str]:
-    """Let a function draw, and give the page that shows it.
+    """Have a function draw, and return the page that shows it.
 
     Scenes of viser belong to a server: one that no other machine reaches is started for the while, and stopped.
     """

@@ -1,5 +1,7 @@
 """How bodies come into a world: one method a shape."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from typing import Any

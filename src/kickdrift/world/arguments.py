@@ -1,5 +1,7 @@
 """What users give to worlds: numbers, vectors and orientations, checked."""
 
+from __future__ import annotations
+
 from typing import Any
 
 import numpy as np

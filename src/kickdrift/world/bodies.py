@@ -249,12 +249,12 @@ class Bodies:
 
     @undivided
     def change_surface(self, body: Body, name: Literal["friction", "restitution"], value: float) -> None:
-        """Give all shapes of a body another number of their surfaces, and wake what rests on it."""
+        """Set a property of the surfaces of all shapes of a body, and wake the bodies that rest on it."""
         self._shape_rows.change_surface(self.row(body), name, value)
         self.wake()
 
     def words(self, row: int) -> str:
-        """Say which body is in a row, for sentences."""
+        """Return the name of the body in a row, for sentences."""
         name = self.names.of(row)
         return f"body {row}" if name is None else f"body {row}, {name!r},"
 
@@ -275,7 +275,7 @@ class Bodies:
 
 
 def kind_of(static: bool, kinematic: bool) -> int:
-    """Say what kind of body is wanted."""
+    """Return the kind of body that is asked for."""
     static, kinematic = choice("static", static), choice("kinematic", kinematic)
     if static and kinematic:
         raise ArgumentError(

@@ -109,7 +109,7 @@ class Fields:
         return first
 
     def close(self) -> int:
-        """Say that all are declared, and return how many numbers they are."""
+        """Close the declaration, and return how many numbers the columns are."""
         self._closed = True
         return self._end()
 

@@ -103,7 +103,7 @@ def force_of(function: Function) -> Force:
     Raises
     ------
     ArgumentError
-        If it is no function, names what there is not, adds to nothing, or cannot be compiled.
+        If it is no function, has an argument with an unknown name, adds to nothing, or cannot be compiled.
     """
     names = argument_names(function, "force", tuple(_ARGUMENTS), "take numbers from around the function")
     if "force" not in names and "torque" not in names:

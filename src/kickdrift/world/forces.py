@@ -1,5 +1,7 @@
 """How forces come into a world: for a step, or as functions compiled into it."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -23,7 +25,7 @@ class AppliesForces:
 
     @alone
     def apply_force(self, body: Body, force: ArrayLike, point: ArrayLike | None = None) -> None:
-        """Let a force in N act on a body during the next step.
+        """Apply a force in N to a body during the next step.
 
         Parameters
         ----------
@@ -42,12 +44,12 @@ class AppliesForces:
 
     @alone
     def apply_torque(self, body: Body, torque: ArrayLike) -> None:
-        """Let a torque in N m, (3,) in the world's axes, act on a body during the next step."""
+        """Apply a torque in N m, (3,) in the world's axes, to a body during the next step."""
         row, t = self.bodies.moved_row(body), vector("torque", torque, 3)
         self.tables.row(LOAD, row)[3:6] += t
 
     def add_force(self, force: Function) -> None:
-        """Let a function of one's own act on the bodies in every substep, compiled into the step.
+        """Apply a force function of your own in every substep, compiled into the step.
 
         Bodies that sleep (``World(sleeping=True)``) stay asleep under it, also where it changes; `apply_force` wakes them.
 
@@ -61,7 +63,7 @@ class AppliesForces:
         Raises
         ------
         ArgumentError
-            If it is no function, names what there is not, adds to nothing, or cannot be compiled.
+            If it is no function, has an argument with an unknown name, adds to nothing, or cannot be compiled.
         """
         self._keep_force(force_of(force))  # Ctrl-C need not wait for the compiler
 

@@ -116,7 +116,7 @@ def begin(t: float, h: float, world: int) -> None:
 
 @compiled
 def finish(t: float, h: float, world: int) -> None:
-    """See that all bodies of a batch are somewhere, before anything is kept of its step, and forget their forces."""
+    """Check that all bodies of a batch have finite positions, before anything of its step is kept, and clear their forces."""
     pose, motion, load = floats(world, POSE), floats(world, MOTION), floats(world, LOAD)
     kind, member = integers(world, BODY), integers(world, MEMBER)
     for place in range(rows(world, MEMBER)):

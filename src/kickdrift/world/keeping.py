@@ -77,7 +77,7 @@ class Keeper:
         self._world, self._checkpoints = world, Checkpoints(folder, every, keep, _identity_of(world))
 
     def close(self) -> None:
-        """Let other runs have the folder."""
+        """Release the folder to other runs."""
         self._checkpoints.close()
 
     def until(self, done: int, last: int) -> int:
@@ -155,7 +155,7 @@ def step_of_row(grid: Grid, row: int) -> int:
 
 
 def _identity_of(world: "World") -> dict[str, str]:
-    """Say what determines the run of a world."""
+    """Return what determines the run of a world."""
     header, arrays = Recording.presenters.contents(world)
     forces = [force.function for force in world.forces]
     return {"world": digest((written(header), written(arrays))), "forces": digest(written(forces))}

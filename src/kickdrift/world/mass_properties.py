@@ -1,5 +1,7 @@
 """Mass properties of bodies: from their parts, or as given."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -16,13 +18,13 @@ if TYPE_CHECKING:
 
 
 def mass_properties_of(
-    parts: "Sequence[Part]",
+    parts: Sequence[Part],
     density: float | None,
     mass: float | None,
     inertia: ArrayLike | None,
     centre: ArrayLike | None,
 ) -> Mass:
-    """Weigh a body by its parts, or by what is given instead; see `World.add_body`."""
+    """Return the mass properties of a body, from its parts or from what is given instead; see `World.add_body`."""
     if density is not None and mass is not None:
         raise ArgumentError(f"density={density!r} and mass={mass!r} say the same twice; give one of them.")
     for part in parts:

@@ -39,7 +39,7 @@ class Names:
         return name
 
     def give(self, row: int, name: str | None) -> None:
-        """Let a row go by a name that was checked, or by none."""
+        """Set the name of a row, which was checked, or none."""
         self._rows.pop(self._names.pop(row, ""), None)
         if name is not None:
             self._names[row], self._rows[name] = name, row

@@ -1,5 +1,7 @@
 """Questions to a world: what rays meet, and what overlaps a box or a ball."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable
 from typing import Any
 

@@ -165,7 +165,7 @@ class RecordingRows:
 
 
 def _words(bodies: int, cloths: int) -> str:
-    """Say what is in a world."""
+    """Return a description of the bodies and joints of a world."""
     with_cloths = f" and {cloths} cloth{'s' * (cloths != 1)}" if cloths else ""
     return f"world of {bodies} bod{'ies' if bodies != 1 else 'y'}{with_cloths}"
 
@@ -194,7 +194,7 @@ class Recorder:
         return self._every - self.n_steps % self._every
 
     def note(self, count: int, step: float, time: float, seconds: float) -> None:
-        """Say that so many steps were done up to a time, and what they took."""
+        """Note how many steps were done up to a time, and what they took."""
         self.n_steps += count
         self._evaluations += count * self._world.substeps
         self._seconds += seconds

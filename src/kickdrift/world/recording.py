@@ -173,7 +173,7 @@ class Recording(Solution):
 
 
 def appearance(world: "World") -> Appearance:
-    """Say what a world looks like."""
+    """Return the shapes of a world and their colours."""
     rows = world.tables.array(SHAPE)
     parts = tuple(
         DrawnShape(int(rows[row, BODY_ROW]), placed.shape, placed.position, placed.orientation)

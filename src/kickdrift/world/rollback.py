@@ -32,7 +32,7 @@ _FAR = 1e100  # m or m/s: as good as infinite
 
 
 def find_lost_body(tables: Tables, step: float, found: int) -> int:
-    """Say which body was lost.
+    """Return which body was lost.
 
     Where joints hold bodies together all are lost at once: it is one that was nowhere before, or else the one that was
     the fastest, or pushed the most.
@@ -86,7 +86,7 @@ def roll_back(tables: Tables) -> None:
 
 
 def lost_body_error(tables: Tables, body: int, words: str, step: int) -> LostBodyError:
-    """Say which body was lost, in words, and when; the world is back where the step began."""
+    """Return in words which body was lost, and when; the world is back where the step began."""
     pose, motion = tables.array(POSE)[body, :7], tables.array(MOTION)[body, :6]
     if np.isfinite(pose).all() and np.isfinite(motion).all() and pose[3:].any():
         why = "Its forces or velocities are too large for the step: take a smaller one."
@@ -98,7 +98,7 @@ def lost_body_error(tables: Tables, body: int, words: str, step: int) -> LostBod
 
 
 def lost_cloth_error(words: str, step: int) -> LostBodyError:
-    """Say which cloth was lost, and when; the world is back where the step began."""
+    """Return in words which cloth was lost, and when; the world is back where the step began."""
     return LostBodyError(
         f"{words} was lost to infinity in step {step}; all bodies and cloths are where they were before it. It had been given "
         "positions or velocities that are not finite, or triangles without area, or was stretched too fast for the step: take"

@@ -53,7 +53,7 @@ class Snapshot:
     n_steps : int
         Steps done.
     sleeping : bool
-        Whether what rests may sleep.
+        Whether resting bodies may sleep.
     forces : tuple of Force
         Users' functions, and the stages of the step made of them.
     tables : mapping of str to array

@@ -150,7 +150,7 @@ def addresses(spelt: Word, substeps: int) -> NDArray[np.intp]:
 
 
 def compose(spelt: Word, at: NDArray[np.intp], step: float, substeps: int) -> Program:
-    """Say what times the stages of a word at these addresses cover."""
+    """Return what times the stages of a word at these addresses cover."""
     before, substep, after = spelt
     h = step / substeps
     lengths = [step] * len(before) + [h] * len(substep) * substeps + [step] * len(after)

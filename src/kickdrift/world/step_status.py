@@ -32,7 +32,7 @@ LOST_CLOTH = 5  # a cloth has a particle whose position or velocity is not finit
 
 @compiled(inline=True)
 def ask_for_room(world: int, table: Table, count: int) -> None:
-    """Say that a table needs room for so many rows, unless something else is wrong already."""
+    """Ask for room for so many rows of a table, unless another error is set already."""
     row = integers(world, STEP_STATUS)
     if row[0, STATUS] == OK:
         row[0, STATUS], row[0, TABLE], row[0, ROWS_WANTED] = FULL, table[0], count
@@ -40,7 +40,7 @@ def ask_for_room(world: int, table: Table, count: int) -> None:
 
 @compiled(inline=True)
 def report_body(world: int, body: int) -> None:
-    """Say that a body is nowhere, unless something else is wrong already."""
+    """Report a body without a finite position, unless another error is set already."""
     row = integers(world, STEP_STATUS)
     if row[0, STATUS] == OK:
         row[0, STATUS], row[0, LOST_BODY] = NOT_FINITE, body
@@ -48,7 +48,7 @@ def report_body(world: int, body: int) -> None:
 
 @compiled(inline=True)
 def report_cloth(world: int, cloth: int) -> None:
-    """Say that a cloth is nowhere, unless something else is wrong already."""
+    """Report a cloth without finite positions, unless another error is set already."""
     row = integers(world, STEP_STATUS)
     if row[0, STATUS] == OK:
         row[0, STATUS], row[0, LOST_BODY] = LOST_CLOTH, cloth

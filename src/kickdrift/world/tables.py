@@ -145,7 +145,7 @@ def room(world: int, table: Table) -> int:
 
 @compiled(inline=True)
 def set_rows(world: int, table: Table, count: int) -> None:
-    """Say how many rows are in use, at most what there is room for."""
+    """Set the number of rows in use, at most as many as there is room for."""
     put_word(world, 3 * table[0] + _ROWS, count)
 
 
@@ -158,7 +158,7 @@ def address(world: int, table: Table) -> int:
 
 @compiled(inline=True)
 def narrow(world: int, table: Table, first: int, count: int) -> None:
-    """Let a table be only so many of its rows, from one on."""
+    """Restrict a table to so many of its rows, from one on."""
     place = 3 * table[0]
     put_word(world, place + _ADDRESS, word(world, place + _ADDRESS) + 8 * table[1] * first)
     put_word(world, place + _ROWS, count)
@@ -231,7 +231,7 @@ class Tables:
         return self._room(table)[: self.block[3 * table.place + _ROWS]]
 
     def resize(self, table: Table, count: int) -> NDArray[Any]:
-        """Say how many rows are in use; new ones are zeros. Room grows by half of itself at least."""
+        """Set the number of rows in use and return them; new ones are zeros. Room grows by half of itself at least."""
         place = 3 * table.place
         before = int(self.block[place + _ROWS])
         if count > before:
@@ -256,7 +256,7 @@ class Tables:
             self.reserve(companion, len(new))
 
     def put(self, table: Table, values: NDArray[Any]) -> None:
-        """Let a table hold these rows."""
+        """Replace the rows of a table."""
         self.resize(table, len(values))[:] = values
 
     def make_room(self, place: int, count: int) -> None:

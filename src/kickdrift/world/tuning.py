@@ -1,5 +1,7 @@
 """What may be changed between the steps of a world, and what says whether to."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -74,7 +76,7 @@ class Tunable:
 
     @undivided
     def exclude(self, body_a: Body, body_b: Body) -> None:
-        """Let two bodies pass through each other; those that a joint holds together do so anyway.
+        """Exclude two bodies from colliding; those that a joint holds together never do.
 
         Raises
         ------

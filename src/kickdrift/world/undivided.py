@@ -10,7 +10,7 @@ M = TypeVar("M", bound=Callable[..., Any])  # a method of what has `tables`, tho
 
 
 def alone(method: M) -> M:
-    """Let a method wait until no other thread is at the world: for what is asked thousands of times a second."""
+    """Make a method wait until no other thread uses the world: for what is asked thousands of times a second."""
 
     @functools.wraps(method)
     def done(self: Any, *args: Any, **kwargs: Any) -> Any:
@@ -21,7 +21,7 @@ def alone(method: M) -> M:
 
 
 def undivided(method: M) -> M:
-    """Let a method, besides, come to its end before Ctrl-C counts, which takes some microseconds."""
+    """Make a method, besides, end before Ctrl-C counts, which takes some microseconds."""
 
     @functools.wraps(method)
     def done(self: Any, *args: Any, **kwargs: Any) -> Any:

@@ -1,5 +1,7 @@
 """A world: bodies that touch, stack, hinge and walk."""
 
+from __future__ import annotations
+
 import weakref
 from typing import Any
 
@@ -36,7 +38,7 @@ from kickdrift.world.unsolved import say
 from kickdrift.world.views import BodyViews
 
 
-def _revived(kind: type["World"], snapshot: Snapshot, threads: bool) -> "World":
+def _revived(kind: type[World], snapshot: Snapshot, threads: bool) -> World:
     """Make a world of a snapshot, whatever its class takes to make one."""
     world = kind.__new__(kind)
     World.__init__(world, threads=threads)

@@ -138,7 +138,7 @@ def positions_left_over(t: float, x: Floats, v: Floats, params: Floats, work: Fl
 
 
 def nothing_in_excess(left: Floats, sums: Floats) -> float:
-    """Say that what velocities leave over is linear, so that small increments say enough."""
+    """Return zero: the residual of velocities is linear, so that small increments will do."""
     return 0.0
 
 
@@ -170,7 +170,7 @@ def renew_at_positions(t: float, x: Floats, v: Floats, params: Floats, work: Flo
 
 
 def renew_nothing(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:
-    """Say that S is what it should be: in the velocities, the constraints are linear."""
+    """Return False, nothing was renewed: in the velocities, the constraints are linear."""
     return False
 
 

@@ -96,7 +96,7 @@ def accelerate_gap(
 
 
 def give_impulse(row: int, t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:
-    """Let a row rebound, if it is closing, or rest; return whether it was."""
+    """Apply the rebound of a row that is closing, or bring it to rest; return whether it was closing."""
     n, located = x.size, is_located(work)
     list_one(row, work)
     find_gradients(t, x, v, work)
@@ -181,7 +181,7 @@ def cross_switch(row: int, t: float, x: Floats, v: Floats, params: Floats, work:
 
 
 def strike_rows(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Let everything rebound that closes where it touches, one after the other, until nothing does."""
+    """Apply rebounds one after the other where bodies touch and close in, until none does."""
     own, now, hit, switch = own_params(work), row_of(NOW, work), row_of(HIT, work), row_of(SWITCH, work)
     touches = TOUCHES * size_of(x, work)
     for row in range(now.size):

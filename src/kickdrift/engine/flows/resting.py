@@ -269,7 +269,7 @@ def forget_roundings(x: Floats, v: Floats, work: Floats) -> None:
 
 @compiled
 def let_go(work: Floats) -> None:
-    """Let fly what leaves."""
+    """Release what leaves its surface."""
     resting = row_of(RESTING, work)
     for row in range(resting.size):
         if resting[row] == LEAVES:

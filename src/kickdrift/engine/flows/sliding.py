@@ -1,4 +1,4 @@
-"""Friction of what rests on surfaces: what sticks, what slides, and where its slip turns around.
+"""Friction of bodies on surfaces: which stick, which slide, and where a slip turns around.
 
 Templates. By Coulomb's law friction takes of the way along a surface what the impulses at the start of a step allow, and of the
 speed at the end what they allow in sum, see `resting`. So what sticks stays where it is. What slides at the start is rubbed

@@ -103,7 +103,7 @@ def _same(a: Placed, b: Placed) -> bool:
 
 
 def _mass(model: Model, body: int, head: int) -> Mass:
-    """Weigh one of MuJoCo's bodies in the axes and from the origin of another one that it is fixed to."""
+    """Return the mass properties of one of MuJoCo's bodies in the frame of another one that it is fixed to."""
     m, d = model.compiled, model.data
     if body == head:
         centre, turn = np.array(m.body_ipos[body]), m.body_iquat[body]

@@ -153,7 +153,7 @@ class Layers:
         self._layers = {(1, 1): 0, **dict(zip(kinds, free, strict=False))}
 
     def surface(self, model: Model, geom: int) -> Surface:
-        """Say how the surface of a geom behaves."""
+        """Return the properties of a geom's surface."""
         m = model.compiled
         slide, _, roll = m.geom_friction[geom].tolist()
         dimensions = int(m.geom_condim[geom])

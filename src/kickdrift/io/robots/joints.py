@@ -48,7 +48,7 @@ class Chain(NamedTuple):
 
 
 def chain_of(model: Model, piece: Piece, actuators: dict[str, Actuator], notes: list[str]) -> Chain:
-    """Say how a body hangs at its parent; what floats has no links.
+    """Return the links between a body and its parent; floating bodies have none.
 
     The small bodies and the rotors of motors change the mass of the piece.
     """

@@ -96,7 +96,7 @@ def _clipped(value: float, ends: tuple[float, float]) -> float:
 
 
 def axis_of(model: Model, joint: int, actuators: dict[str, Actuator], notes: list[str]) -> Axis:
-    """Say what happens along or about the axis of a hinge or slide, and collect its actuators."""
+    """Return the laws along or about the axis of a hinge or slide, and collect its actuators."""
     m = model.compiled
     at, dof = int(m.jnt_qposadr[joint]), int(m.jnt_dofadr[joint])
     zero, name = float(m.qpos0[at]), model.name("joint", joint)

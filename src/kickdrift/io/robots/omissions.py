@@ -70,7 +70,7 @@ def overlaps(model: Model, apart: Iterable[tuple[int, int]]) -> list[str]:
 
 
 def gathered(notes: list[str]) -> tuple[str, ...]:
-    """Say once what is said of several: notes that differ in one name, the first that they mention, become one."""
+    """Merge notes that differ in one name, the first that they mention."""
     names: dict[tuple[str, ...], list[str]] = {}
     for note in notes:
         found = _NAME.match(note)

@@ -192,7 +192,7 @@ def _reason(error: Exception) -> str:
 
 
 def _set_free(spec: Any) -> None:
-    """Let roots float that have no joint."""
+    """Make roots without a joint float."""
     for body in spec.worldbody.bodies:
         if not body.joints:
             body.add_freejoint()

@@ -1,5 +1,7 @@
 """People: ragdolls that fall, and one who stands."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
 from typing import NamedTuple

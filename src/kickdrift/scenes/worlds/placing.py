@@ -1,5 +1,7 @@
 """Where things of a scene begin."""
 
+from __future__ import annotations
+
 import math
 from typing import NamedTuple
 

@@ -39,7 +39,7 @@ from kickdrift.world.tables import (
 
 @compiled
 def find_pairs(t: float, h: float, world: int) -> None:
-    """Bring the contacts up to date for a step of h: those whose shapes have parted go, new ones come without points.
+    """Update the contacts for a step of h: those whose shapes have parted go, new ones come without points.
 
     New contacts are in the order of the shapes that were sought, which is that of their rows, and then of the others,
     so that it does not depend on how the trees were built. Where a contact goes, the last one takes its row.
@@ -64,7 +64,7 @@ def find_pairs(t: float, h: float, world: int) -> None:
 
 @compiled
 def _lay_out_scratch(world: int) -> bool:
-    """Say what lies where in SCRATCH; False where there is no room."""
+    """Lay out SCRATCH; False where there is no room."""
     search = integers(world, SEARCH)
     search[0, SLOTS] = slots_for(rows(world, CONTACT))
     search[0, SHAPES_AT] = search[0, SLOTS]
@@ -173,7 +173,7 @@ def _append(world: int) -> None:
 
 @compiled
 def _set_count(world: int, count: int) -> None:
-    """Say how many contacts there are."""
+    """Set the number of contacts."""
     set_rows(world, CONTACT, count)
     set_rows(world, MANIFOLD, count)
     integers(world, SEARCH)[0, CONTACTS] = count

@@ -44,7 +44,7 @@ _BOX = 6  # numbers
 
 @compiled
 def update_trees(world: int) -> bool:
-    """Bring all trees up to date; False where there is something wrong.
+    """Update all trees; False on an error.
 
     A tree whose boxes have been drawn anew still finds everything, but more slowly: once there have been as many
     changes as shapes it is built anew. At 1000 shapes drawing takes 10 us, building 30 us.
@@ -70,7 +70,7 @@ def update_trees(world: int) -> bool:
 
 @compiled
 def update_for_queries(world: int) -> bool:
-    """Bring the trees up to date with the shapes that there are; False where there is something wrong.
+    """Update the trees to the present shapes; False on an error.
 
     New shapes stay new, and find their pairs in the next step as if no one had asked.
     """

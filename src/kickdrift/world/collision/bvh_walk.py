@@ -66,7 +66,7 @@ def advance(walk: Any, nodes: Any, origin: Vector, inverse: Vector, limit: float
 
 @compiled(inline=True)
 def _push(walk: Any, node: int, distance: float) -> None:
-    """Put a node on the stack, unless the ray misses its box."""
+    """Push a node on the stack, unless the ray misses its box."""
     if distance < math.inf:
         top = int(walk[0]) + 1
         walk[0], walk[2 * top], walk[2 * top + 1] = top, node, distance

@@ -1,5 +1,7 @@
 """Which shapes may touch at all: by their bodies, layers, and joints that exclude it."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -45,7 +47,7 @@ def _excluded(world: int, i: int, j: int) -> bool:
 
 
 def exclude(tables: Tables, pairs: ArrayLike) -> None:
-    """Say which bodies never touch each other.
+    """Exclude pairs of bodies from touching.
 
     Parameters
     ----------
@@ -68,7 +70,7 @@ def forget(tables: Tables, body: int) -> None:
 
 
 def part_joined(tables: Tables) -> None:
-    """Let bodies pass through each other that joints hold together or users ask for, and all others touch."""
+    """Exclude bodies from colliding that joints hold together or users name, and no others."""
     joint = tables.array(JOINT)
     held = joint[joint[:, layout.JOINT_KIND] != layout.REMOVED][:, [layout.BODY_A, layout.BODY_B]]
     now = {(min(pair), max(pair)) for pair in [*held.tolist(), *tables.array(ASKED_APART).tolist()]}

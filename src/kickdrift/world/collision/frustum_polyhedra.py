@@ -212,7 +212,7 @@ def _settled_on_face(f: Frustum, body: Any, seen: Any, face: int) -> bool:
 
 @compiled
 def _settled_on_end(f: Frustum, upper: bool, corner: Vector, gap: float) -> bool:
-    """Say the same of an end of the frustum, as the corner of the polyhedron that is deepest there tells."""
+    """Return the same for an end of the frustum, from the corner of the polyhedron that is deepest there."""
     if gap <= 0.0:
         _, normal = signed_distance(f, corner)
         return normal[2] == (1.0 if upper else -1.0)

@@ -73,7 +73,7 @@ _NEAR = 0.2  # of the smaller shape, within which a point takes the impulse of a
 
 @compiled
 def place_shapes(t: float, h: float, world: int) -> None:
-    """Say where in the world the shapes are."""
+    """Compute the poses of the shapes in the world."""
     placed = floats(world, PLACED)
     for shape in range(rows(world, SHAPE)):
         at, turn = shape_pose(world, shape)

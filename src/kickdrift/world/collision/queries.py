@@ -4,6 +4,8 @@ They hold for the poses that the bodies have when they are asked. Sensors are no
 inside of a closed one overlaps nothing.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterable
 from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
@@ -57,7 +59,7 @@ class RayHit(NamedTuple):
     """
 
     shape: int
-    body: "Body"
+    body: Body
     distance: float
     point: Floats
     normal: Floats
@@ -220,7 +222,7 @@ def _overlap(
 
 
 def _strays(tables: Tables) -> Integers:
-    """Bring the trees up to date with the shapes that there are, and return those that have left their boxes."""
+    """Update the trees to the present shapes, and return those that have left their boxes."""
     find_extents(tables, _kinds(tables))
     status = tables.array(STEP_STATUS)[0]
     while not update_for_queries(tables.address):

@@ -1,5 +1,7 @@
 """Arguments of queries: checked, and laid out as compiled code wants them."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable
 from typing import Any
 

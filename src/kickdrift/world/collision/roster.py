@@ -118,7 +118,7 @@ def enlist(world: int, h: float) -> bool:
 
 @compiled(inline=True)
 def _note(world: int, table: Table, shape: int) -> None:
-    """Put a shape at the end of a list."""
+    """Append a shape to a list."""
     count = rows(world, table)
     integers(world, table)[count, 0] = shape
     set_rows(world, table, count + 1)

@@ -1,5 +1,7 @@
 """What the search for pairs remembers: columns of the row of `kickdrift.world.tables.SEARCH`, and states of shapes."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -46,7 +48,7 @@ SOUGHT_ANEW = 2  # in fat bounds that are new
 
 
 def shapes_changed(tables: Tables, rows: ArrayLike = ()) -> None:
-    """Say that shapes have come or gone, and which ones are to be taken for new.
+    """Note that shapes have come or gone, and which ones count as new.
 
     Parameters
     ----------
@@ -61,7 +63,7 @@ def shapes_changed(tables: Tables, rows: ArrayLike = ()) -> None:
 
 
 def shapes_new(tables: Tables) -> None:
-    """Say that all lists and trees of shapes are to be made anew, for the shapes and contacts that there are."""
+    """Have all lists and trees of shapes built again from the present shapes and contacts."""
     for table in (MOVERS, FIXTURES, PLANES, SOUGHT, TREE, STATIC_TREE, TRIANGLE_TREE):
         tables.resize(table, 0)
     search = tables.resize(SEARCH, 1)[0]
@@ -71,7 +73,7 @@ def shapes_new(tables: Tables) -> None:
 
 
 def filters_changed(tables: Tables, bodies: ArrayLike) -> None:
-    """Say that the shapes of some bodies meet others than before: their contacts are looked through, and sought anew.
+    """Note that the shapes of some bodies meet others than before: their contacts are filtered, and searched again.
 
     Parameters
     ----------

@@ -154,7 +154,7 @@ def _wrong(
 
 @compiled(inline=True)
 def _share(rolls_a: bool, rolls_b: bool, lightness_a: float, lightness_b: float) -> float:
-    """Say how far from the first body's point to the second's the contact lies, where they have slid past each other.
+    """Return how far from the first body's point to the second's the contact lies, where they have slid past each other.
 
     Round shapes take it with them, whatever they roll on. Else the lighter body does, on which a wrong arm would tell more.
     """

@@ -77,7 +77,7 @@ def is_moved(world: int, body: int) -> bool:
 
 @compiled
 def flown(h: float, world: int, body: int, when: float) -> Flight:
-    """Say where a body is at a time in the substep, and how it moves there; `Flight` names the six."""
+    """Return where a body is at a time in the substep, and how it moves there; `Flight` names the six."""
     pose, motion, kicked, inertia = (
         floats(world, POSE),
         floats(world, MOTION),
@@ -107,7 +107,7 @@ def flown(h: float, world: int, body: int, when: float) -> Flight:
 
 @compiled(inline=True)
 def place_of(world: int, body: int, at: Vector, q: Quaternion) -> Place:
-    """Say where a body is, and how it has turned since the step began."""
+    """Return where a body is, and how it has turned since the step began."""
     return at, product(q, conjugate(quaternion_at(floats(world, STARTED_POSE), body, 3)))
 
 
@@ -204,7 +204,7 @@ def _way(h: float, world: int, body: int, when: float) -> Vector:
 
 @compiled(inline=True)
 def _left_to_gain(h: float, world: int, when: float) -> float:
-    """Say what part of the kick a body has yet to gain at a time, by the midpoint rule if that is asked for."""
+    """Return what part of the kick a body has yet to gain at a time, by the midpoint rule if that is asked for."""
     left: float = floats(world, SETTINGS)[0, MIDPOINT] * (1.0 - when / h)
     return left
 

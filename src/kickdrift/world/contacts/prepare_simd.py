@@ -102,7 +102,7 @@ def bend_of(array: Any, i: int, n: Any, x: float, y: float, z: float) -> float:
 
 @compiled(fast=True, inline=True)
 def away(array: Any, i: int, n: Any, x: float, y: float, z: float) -> Any:
-    """Say where radii about an axis point that goes round with the angular velocity that begins at i.
+    """Return where radii about an axis point that goes round with the angular velocity that begins at i.
 
     Returns
     -------

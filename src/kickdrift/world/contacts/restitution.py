@@ -75,7 +75,7 @@ def find_bouncing(t: float, h: float, world: int) -> None:
 
 @compiled
 def bounce(t: float, h: float, world: int) -> None:
-    """Let everything bounce that hits something within the substep."""
+    """Resolve the bounces of all impacts within the substep."""
     if rows(world, BOUNCING) == 0:
         return
     for _ in range(_ROUNDS):

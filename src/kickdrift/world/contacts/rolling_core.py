@@ -29,7 +29,7 @@ _ASTRAY = 0.01  # of the radius, by which points of the side may be beside the n
 def rolling_core(
     world: int, shape: int, radius: float, turn: Quaternion, way: Vector, normal: Vector, tilt: Vector
 ) -> RollingCore:
-    """Say how a shape rolls on a contact that has a direction in its frame, and a normal in the world's axes.
+    """Return how a shape rolls on a contact that has a direction in its frame, and a normal in the world's axes.
 
     `tilt` is by how much its body is about to turn in a step.
     """

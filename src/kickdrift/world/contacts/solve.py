@@ -176,7 +176,7 @@ def _take_anew(h: float, world: int, g: int, own: Any, scratch: Any, n: int) -> 
 
 @compiled(inline=True)
 def _gather_turn(pose: Any, started: Any, body: int, scratch: Any) -> None:
-    """Say how a body has turned since the step began."""
+    """Store how a body has turned since the step began."""
     q = (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
     before = (started[body, 3], -started[body, 4], -started[body, 5], -started[body, 6])
     turn = product(q, before)

@@ -28,7 +28,7 @@ NO_MORE = 1.001
 
 @compiled
 def bounce_islands(t: float, h: float, world: int) -> None:
-    """Let everything in islands bounce that hits something within the substep."""
+    """Resolve the bounces of all impacts in islands within the substep."""
     for island in range(rows(world, ISLAND)):
         for _ in range(_ROUNDS):
             if not _find_hits(island, h, world):
@@ -46,7 +46,7 @@ def bounce_islands(t: float, h: float, world: int) -> None:
 
 @compiled(cached=False)
 def _find_hits(island: int, h: float, world: int) -> bool:
-    """Say which points of an island hit, and with what speed they shall leave; return whether any does."""
+    """Find the points of an island that hit, and the speed with which they are to leave; return whether any does."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     contact, place, found = integers(world, CONTACT), floats(world, PLACE), False
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):

@@ -72,7 +72,7 @@ def load_contacts(island: int, world: int) -> None:
 
 @compiled(cached=False, fast=True)
 def _load(a: int, b: int, impulse: float, wrench: Any, world: int) -> None:
-    """Let an impulse along a row act on the nodes of a contact."""
+    """Apply an impulse along a row to the nodes of a contact."""
     nodes, work = integers(world, NODE), floats(world, LINK_NUMBERS)
     for side in range(2):
         node = b if side == 1 else a

@@ -118,7 +118,7 @@ def forget_contacts(island: int, world: int) -> None:
 
 @compiled(cached=False, fast=True)
 def clear_contacts(island: int, world: int) -> None:
-    """Let contacts have given nothing."""
+    """Clear the impulses of contacts."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         fields = constraint(order[k, 0], world)

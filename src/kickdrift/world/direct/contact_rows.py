@@ -209,7 +209,7 @@ def _slide(rows: Any, bound: int, most: float, share: float) -> None:
 
 @compiled(cached=False, fast=True)
 def bind_points(rows: Any) -> None:
-    """Let no point pull."""
+    """Bound the impulses of points from below: none pulls."""
     for k in range(TANGENT):
         if rows[ACTIVE + k] != 0.0:
             rows[GIVEN + k] = max(rows[GIVEN + k], -rows[IMPULSE + k])

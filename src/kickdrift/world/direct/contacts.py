@@ -72,7 +72,7 @@ def twelve() -> Any:
 
 @compiled(cached=False, fast=True)
 def begin_contacts(island: int, h: float, task: int, world: int) -> None:
-    """Say what is wanted of the rows of all contacts of an island, as bodies move now."""
+    """Set the right-hand sides of all contacts of an island, as bodies move now."""
     own = integers(world, ISLAND)[island]
     order = integers(world, ISLAND_CONTACT)
     fallen, mass = h * length(vector_at(floats(world, SETTINGS), 0, GRAVITY)), mass_of(island, world)
@@ -103,7 +103,7 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
 def _begin_points(
     own: Any, numbers: Any, velocity: Any, change: Any, a: int, b: int, h: float, task: int, world: int
 ) -> tuple[bool, float]:
-    """Say what is wanted of the points; return whether any may press, and the greatest distance from the centre."""
+    """Set the target velocities of the points; return whether any may press, and the greatest distance from the centre."""
     rigid = PRESSING if task == PRESS else RIGID if task == REST else RIGID_BOUNCE
     push, presses, lever = floats(world, SETTINGS)[0, PUSH_SPEED], False, 0.0
     for k in range(TANGENT):
@@ -128,7 +128,7 @@ def _begin_points(
 def _begin_friction(
     own: Any, numbers: Any, velocity: Any, a: int, b: int, task: int, presses: bool, lever: float, world: int
 ) -> None:
-    """Say what is wanted of friction, twist and rolling resistance, where there are any."""
+    """Set the right-hand sides of friction, twist and rolling resistance, where there are any."""
     grip = RIGID_BOUNCE if task >= BOUNCE else GRIP
     for bound in range(3):
         reach = own[c.ROLL * c.WIDTH] if bound == 2 else own[c.FRICTION * c.WIDTH] * (lever if bound == 1 else 1.0)

@@ -59,7 +59,7 @@ _NOTICED_PART = 1e-3
 
 @compiled(cached=False)
 def aim_island(island: int, h: float, mode: int, world: int) -> float:
-    """Say what is wanted of each joint of an island, and return how far any of them will be off at most."""
+    """Set the right-hand sides of the joints of an island, and return the largest error that any of them will have."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     worst = 0.0
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):

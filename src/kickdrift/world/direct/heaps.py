@@ -156,7 +156,7 @@ def count_unsolved(t: float, h: float, world: int) -> None:
 
 @compiled(inline=True)
 def _count_left(row: int, t: float, h: float, world: int) -> None:
-    """Say so where a body that rests, slower than gravity makes it in a step, is left unsolved for too long."""
+    """Count how long a resting body, slower than gravity makes it in a step, is left unsolved, and report it after too long."""
     body = integers(world, BODY)
     v, gravity = vector_at(floats(world, MOTION), row, 0), vector_at(floats(world, SETTINGS), 0, GRAVITY)
     rests = body[row, BODY_KIND] == DYNAMIC and dot(v, v) < h * h * dot(gravity, gravity)

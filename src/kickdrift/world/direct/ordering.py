@@ -82,7 +82,7 @@ def order_nodes(world: int, island: int) -> bool:
 
 @compiled(cached=False)
 def _place_neighbours(world: int, first: int, after: int, member: int) -> None:
-    """Say of parents and neighbours where in the order they are, now that it is known."""
+    """Replace parents and neighbours by their places in the order, now that it is known."""
     links, nodes = integers(world, LINK), integers(world, NODE)
     neighbours, bits = integers(world, NEIGHBOUR), integers(world, ADJACENCY)
     for place in range(first, after):

@@ -202,7 +202,7 @@ def _lawful(island: int, h: float, world: int) -> float:
 
 @compiled(cached=False)
 def _hold(island: int, h: float, world: int) -> None:
-    """Let joints take up what contacts with other islands have given: for the end of the substep where that is near."""
+    """Solve joints for what contacts with other islands have given: for the end of the substep where that is near."""
     islands = integers(world, ISLAND)
     near = islands[island, RATIO] * aim_island(island, h, AHEAD, world) <= POOR and islands[island, LOST] == 0
     if near:

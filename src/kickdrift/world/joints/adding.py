@@ -1,6 +1,7 @@
 """How joints come into a world: one line a kind."""
 
 import functools
+import inspect
 from collections.abc import Callable
 from typing import Concatenate, ParamSpec, cast
 
@@ -33,6 +34,7 @@ def _adds(kind: Callable[P, Record]) -> Callable[Concatenate["AddsJoints", Body 
     def add(self: "AddsJoints", body_a: Body | None, body_b: Body | None, *args: P.args, **kwargs: P.kwargs) -> Joint:
         return self.add_joint(body_a, body_b, kind(*args, **kwargs))
 
+    _sign(add, kind, ("self", "body_a", "body_b"))
     return cast(Callable[Concatenate["AddsJoints", Body | None, Body | None, P], Joint], add)
 
 
@@ -46,7 +48,15 @@ def _couples(kind: Callable[P, Gear]) -> Callable[Concatenate["AddsJoints", P], 
             self.joints.row(joint)
         return self.joints.add(gear, *gear.bodies())
 
+    _sign(add, kind, ("self",))
     return cast(Callable[Concatenate["AddsJoints", P], Joint], add)
+
+
+def _sign(add: Callable[..., Joint], kind: Callable[..., Record], first: tuple[str, ...]) -> None:
+    """Give a method the signature that people see: some arguments, then those of the record."""
+    own = [inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD) for name in first]
+    parameters = [*own, *inspect.signature(kind).parameters.values()]
+    vars(add)["__signature__"] = inspect.Signature(parameters, return_annotation="Joint")
 
 
 class AddsJoints:

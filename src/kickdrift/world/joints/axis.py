@@ -176,7 +176,7 @@ class Axis:
     motor : Motor, optional
     drive : Drive, optional
     friction : float
-        Dry friction: the greatest force or torque with which it holds what rests and brakes what moves, N or N m.
+        Dry friction: the greatest force or torque with which it holds at rest and brakes in motion, N or N m.
 
     Raises
     ------

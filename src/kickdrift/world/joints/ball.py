@@ -1,5 +1,7 @@
 """The ball joint."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 
@@ -67,7 +69,7 @@ class Ball(Record):
             )
 
     def placement(self) -> Placement:
-        """Say where the joint is and what its axes do."""
+        """Return the frame of the joint and the laws of its axes."""
         anchor = point("anchor", self.anchor)
         swing = None if self.swing_limit is None else (-math.inf, self.swing_limit)
         limits = (swing, None, self.twist_limits)

@@ -1,5 +1,7 @@
 """The rod: two points stay as far apart as they are."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
@@ -31,5 +33,5 @@ class Distance(Record):
     length: float | None = None
 
     def placement(self) -> Placement:
-        """Say where the joint is and what its axes do."""
+        """Return the frame of the joint and the laws of its axes."""
         return line_placement(self.anchor_a, self.anchor_b, self.length, LOCKED)

@@ -1,5 +1,7 @@
 """The joint that lets nothing move."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +24,6 @@ class Fixed(Record):
     anchor: ArrayLike
 
     def placement(self) -> Placement:
-        """Say where the joint is and what its axes do."""
+        """Return the frame of the joint and the laws of its axes."""
         anchor = point("anchor", self.anchor)
         return Placement(anchor, anchor, np.eye(3), (LOCKED, LOCKED, LOCKED), (LOCKED, LOCKED, LOCKED))

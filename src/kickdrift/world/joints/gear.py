@@ -72,7 +72,7 @@ class Gear(Record):
         return max((pair for pair in pairs if pair[0] != pair[1]), key=lambda pair: (moves[pair[1]], moves[pair[0]]))
 
     def placement(self) -> Placement:
-        """Say which axes are coupled, and what their positions add up to."""
+        """Return the axes that are coupled, and what their positions add up to."""
         finite("ratio", self.ratio)
         if self.ratio == 0.0:
             raise ArgumentError(

@@ -146,7 +146,7 @@ class Joint(Handle):
         return effort
 
     def apply_effort(self, effort: float, axis: int | None = None) -> None:
-        """Let a torque about an open axis, or a force along it, act during the next step, and its opposite on the other body.
+        """Apply a torque about an open axis, or a force along it, during the next step, and its opposite to the other body.
 
         A positive one makes the angle or position grow. Its direction is that of the axis at the end of the last step.
         `effort`, what the joint itself does, is without it.

@@ -64,7 +64,7 @@ def note_speeds(joint: int, world: int) -> None:
 
 @compiled(cached=False)
 def push_bodies(joint: int, source: Any, row: int, column: int, world: int) -> None:
-    """Let six impulses along and about the axes of a joint act on b, and their opposites at the same point on a."""
+    """Apply six impulses along and about the axes of a joint to b, and their opposites at the same point to a."""
     joints, numbers = integers(world, JOINT), floats(world, JOINT_NUMBERS)
     if joints[joint, LINEAR] == GEARED:
         _push_geared(joint, source[row, column + joints[joint, PRINCIPAL]], world)
@@ -81,7 +81,7 @@ def push_bodies(joint: int, source: Any, row: int, column: int, world: int) -> N
 
 @compiled(cached=False)
 def _push_geared(joint: int, impulse: float, world: int) -> None:
-    """Let the impulse of a gear act on the bodies of its joints."""
+    """Apply the impulse of a gear to the bodies of its joints."""
     wrenches = carray(floats_on_stack(24), (1, 24))
     put_wrenches(joint, 0.0, wrenches, 0, 0, world)
     for i in range(4):
@@ -92,7 +92,7 @@ def _push_geared(joint: int, impulse: float, world: int) -> None:
 
 @compiled(inline=True, cached=False)
 def push_body(body: int, push: Vector, turn: Vector, world: int) -> None:
-    """Let an impulse at the centre of mass and an angular impulse act on a body."""
+    """Apply an impulse at the centre of mass and an angular impulse to a body."""
     motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
     turned = applied(symmetric_at(inverse_mass, body, INVERSE_INERTIA_IN_WORLD), turn)
     for k in range(3):

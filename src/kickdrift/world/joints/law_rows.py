@@ -35,7 +35,7 @@ LAW_PARTS: tuple[LawPart, ...] = ("limits", "motor", "drive", "friction")
 
 
 def clear_laws(tables: Tables, joint: int) -> None:
-    """Let nothing happen along the axes of a joint."""
+    """Clear the laws along the axes of a joint."""
     laws = tables.array(JOINT_AXES)[6 * joint : 6 * joint + 6]
     laws[:] = 0.0
     laws[:, [LOWER_LIMIT, UPPER_LIMIT, DRIVE_MAXIMUM]] = -np.inf, np.inf, np.inf

@@ -1,5 +1,7 @@
 """What acts along the line between a point of one body and a point of the other."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike
 

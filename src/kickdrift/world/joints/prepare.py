@@ -59,7 +59,7 @@ def begin_joints(t: float, h: float, world: int) -> None:
 
 @compiled
 def finish_joints(t: float, h: float, world: int) -> None:
-    """Say with what mean force and torque joints held during the step, and let go those that had to bear too much."""
+    """Compute the mean force and torque of the joints in the step, and break those that had to bear too much."""
     articulations, links = integers(world, ARTICULATION), integers(world, LINK)
     joints, numbers = integers(world, JOINT), floats(world, JOINT_NUMBERS)
     for row in range(rows(world, ARTICULATION)):

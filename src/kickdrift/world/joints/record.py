@@ -1,5 +1,7 @@
 """What a kind of joint says of itself: a frozen record that tells where its axes are and what each of them does."""
 
+from __future__ import annotations
+
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from math import inf
@@ -81,7 +83,7 @@ class Record(ABC):
 
     @abstractmethod
     def placement(self) -> Placement:
-        """Say where the joint is and what its axes do.
+        """Return the frame of the joint and the laws of its axes.
 
         Raises
         ------

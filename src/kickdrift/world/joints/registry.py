@@ -190,7 +190,7 @@ class Joints:
         return handles
 
     def changed(self) -> None:
-        """Say that bodies have got other masses."""
+        """Note that masses of bodies have changed."""
         self.arranged = False
 
     def arrange(self) -> None:
@@ -262,7 +262,7 @@ class Joints:
 
 
 def _linear_mode(placement: Placement) -> int:
-    """Say how positions are measured."""
+    """Return the function that measures positions."""
     if placement.geared is not None:
         return GEARED
     if placement.line:
@@ -271,7 +271,7 @@ def _linear_mode(placement: Placement) -> int:
 
 
 def _angular_mode(placement: Placement) -> tuple[int, int]:
-    """Say how angles are measured, and about which axis first."""
+    """Return the function that measures angles, and the axis that comes first."""
     is_open = [not axis.locked for axis in placement.angular]
     if sum(is_open) == 0:
         return RIGID, 0

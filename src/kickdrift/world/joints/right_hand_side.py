@@ -74,7 +74,7 @@ REPAIR = 3  # a change of position, as a speed, after which nothing is off
 
 @compiled(cached=False)
 def write_right_hand_side(joint: int, link: int, h: float, mode: int, world: int) -> float:
-    """Say what is wanted of the axes of a joint: of locked ones the speed that puts them right, of laws nothing yet.
+    """Set the right-hand side of the axes of a joint: of locked ones the speed that corrects them, of laws nothing yet.
 
     Returns
     -------
@@ -114,7 +114,7 @@ def write_right_hand_side(joint: int, link: int, h: float, mode: int, world: int
 
 @compiled(cached=False)
 def _write_gear(joint: int, link: int, h: float, mode: int, world: int) -> float:
-    """Say what is wanted of a gear; how far it will be off, as an angle or in parts of its bodies."""
+    """Set the right-hand side of a gear; return the error that it will have, as an angle or in parts of its bodies."""
     joints, work, numbers = integers(world, JOINT), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     k = joints[joint, PRINCIPAL]
     put_wrenches(joint, 0.0, work, link, START_WRENCHES, world)
@@ -147,7 +147,7 @@ def look_here(joint: int, link: int, world: int) -> None:
 
 @compiled(cached=False)
 def _look_ahead(joint: int, link: int, h: float, world: int) -> None:
-    """Say how far locked axes would be off at the end of the substep with the velocities as they are, and where they then are.
+    """Compute the error of locked axes at the end of the substep with the present velocities, and where they then are.
 
     One step of Newton's method from there leaves an error of the third order in h. What counts for that are the axes and
     arms at the end: with those at the start, errors grow where masses differ by more than a substep turns the joint by. A

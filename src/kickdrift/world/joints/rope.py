@@ -1,5 +1,7 @@
 """The rope: two points get no farther apart than it is long."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 
@@ -32,5 +34,5 @@ class Rope(Record):
     length: float | None = None
 
     def placement(self) -> Placement:
-        """Say where the joint is and what its axes do."""
+        """Return the frame of the joint and the laws of its axes."""
         return line_placement(self.anchor_a, self.anchor_b, self.length, Axis(limits=(-math.inf, 0.0)))

@@ -1,5 +1,7 @@
 """The joint whose six axes do what one wants."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 
@@ -46,7 +48,7 @@ class SixDof(Record):
     swing_limit: float | None = None
 
     def placement(self) -> Placement:
-        """Say where the joint is and what its axes do."""
+        """Return the frame of the joint and the laws of its axes."""
         anchor, x, y = point("anchor", self.anchor), direction("axis_x", self.axis_x), direction("axis_y", self.axis_y)
         if abs(x @ y) > 1e-6:
             raise ArgumentError(

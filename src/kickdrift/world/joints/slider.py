@@ -1,5 +1,7 @@
 """The slider."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
@@ -40,7 +42,7 @@ class Slider(Record):
     friction: float = 0.0
 
     def placement(self) -> Placement:
-        """Say where the joint is and what its axes do."""
+        """Return the frame of the joint and the laws of its axes."""
         anchor = point("anchor", self.anchor)
         slide = Axis(False, self.limits, self.motor, self.drive, self.friction)
         frame = frame_along(direction("axis", self.axis))

@@ -1,5 +1,7 @@
 """The spring between two points."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
@@ -42,7 +44,7 @@ class Spring(Record):
     damping: float = 0.0
 
     def placement(self) -> Placement:
-        """Say where the joint is and what its axes do."""
+        """Return the frame of the joint and the laws of its axes."""
         drive = Drive(self.stiffness, self.damping, self.hertz, self.damping_ratio)
         if self.hertz is None and self.stiffness == self.damping == 0.0:
             raise ArgumentError("stiffness=0.0 makes a spring that does nothing; give hertz or stiffness.")

@@ -1,5 +1,7 @@
 """The universal joint."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,7 +38,7 @@ class Universal(Record):
     about_b: Axis = FREE
 
     def placement(self) -> Placement:
-        """Say where the joint is and what its axes do."""
+        """Return the frame of the joint and the laws of its axes."""
         anchor, x, y = point("anchor", self.anchor), direction("axis_a", self.axis_a), direction("axis_b", self.axis_b)
         if abs(x @ y) > 1e-6:
             raise ArgumentError(

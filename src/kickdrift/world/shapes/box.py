@@ -1,5 +1,7 @@
 """Boxes."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -96,7 +98,7 @@ class Box:
         return float(np.linalg.norm(self.numbers))
 
     def mass_properties(self) -> MassProperties:
-        """Weigh it for density 1."""
+        """Return the mass properties at unit density."""
         squares = np.square(self.size)
         volume = float(np.prod(self.size))
         return MassProperties(volume, np.zeros(3), np.diag(volume / 12.0 * (squares.sum() - squares)))

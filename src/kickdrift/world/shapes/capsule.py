@@ -84,7 +84,7 @@ class Capsule:
         return self.radius + 0.5 * self.length
 
     def mass_properties(self) -> MassProperties:
-        """Weigh it for density 1.
+        """Return the mass properties at unit density.
 
         Notes
         -----

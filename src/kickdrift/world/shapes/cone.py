@@ -54,7 +54,7 @@ class Cone:
         return math.hypot(self.radius, 0.5 * self.length)
 
     def mass_properties(self) -> MassProperties:
-        """Weigh it for density 1."""
+        """Return the mass properties at unit density."""
         square = self.radius**2
         volume = math.pi * square * self.length / 3.0
         across = volume * 3.0 * (4.0 * square + self.length**2) / 80.0

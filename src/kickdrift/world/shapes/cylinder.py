@@ -55,7 +55,7 @@ class Cylinder:
         return math.hypot(self.radius, 0.5 * self.length)
 
     def mass_properties(self) -> MassProperties:
-        """Weigh it for density 1."""
+        """Return the mass properties at unit density."""
         square = self.radius**2
         volume = math.pi * square * self.length
         across = volume * (3.0 * square + self.length**2) / 12.0

@@ -1,5 +1,7 @@
 """Terrain: heights over a grid."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import ClassVar
 

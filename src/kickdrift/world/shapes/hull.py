@@ -1,5 +1,7 @@
 """Convex hulls of points."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -109,7 +111,7 @@ class Hull:
         return float(np.sqrt((self.vertices**2).sum(axis=1).max()))
 
     def mass_properties(self) -> MassProperties:
-        """Weigh it for density 1.
+        """Return the mass properties at unit density.
 
         Notes
         -----
@@ -173,7 +175,7 @@ def _distinct(points: Array) -> Array:
     return points[kept]
 
 
-def _merged(corners: Array, hull: "ConvexHull") -> tuple[tuple[int, ...], ...]:
+def _merged(corners: Array, hull: ConvexHull) -> tuple[tuple[int, ...], ...]:
     """Merge facets in one plane into faces; return the loop of each."""
     facets = [
         facet if np.linalg.det(np.vstack((corners[facet[1:]] - corners[facet[0]], equation[:3]))) > 0.0 else facet[::-1]

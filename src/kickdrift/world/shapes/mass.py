@@ -1,5 +1,7 @@
 """Mass of shapes and of the bodies that they make up."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -61,7 +63,7 @@ def placed(
     density: float | None = None,
     mass: float | None = None,
 ) -> Mass:
-    """Weigh a shape that has a place in a body.
+    """Return the mass properties of a shape that has a place in a body.
 
     Parameters
     ----------
@@ -94,7 +96,7 @@ def placed(
 
 
 def combined(parts: Sequence[Mass]) -> Mass:
-    """Weigh a body by its parts, by the parallel axis theorem.
+    """Return the mass properties of a body of parts, by the parallel axis theorem.
 
     Parameters
     ----------

@@ -1,5 +1,7 @@
 """Surfaces of triangles: ground that does not move."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from typing import ClassVar
@@ -80,7 +82,7 @@ class Mesh:
         return np.concatenate(([count], rows.ravel()))
 
     def active_edges(self) -> NDArray[np.bool_]:
-        """Say of which edges bodies may be pushed sideways, (F, 3); edge k leaves corner k.
+        """Return the edges at which bodies may be pushed sideways, (F, 3); edge k leaves corner k.
 
         Of those where the surface ends or bends away from its outside by more than five degrees. Elsewhere, bodies
         touch the triangles beside it.

@@ -47,7 +47,7 @@ class Shape(Protocol):
         ...
 
     def mass_properties(self) -> MassProperties:
-        """Weigh it for density 1."""
+        """Return the mass properties at unit density."""
         ...
 
     def wireframe(self) -> list[Floats]:

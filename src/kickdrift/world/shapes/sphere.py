@@ -66,7 +66,7 @@ class Sphere:
         return self.radius
 
     def mass_properties(self) -> MassProperties:
-        """Weigh it for density 1."""
+        """Return the mass properties at unit density."""
         volume = 4.0 / 3.0 * math.pi * self.radius**3
         return MassProperties(volume, np.zeros(3), 0.4 * volume * self.radius**2 * np.eye(3))
 
