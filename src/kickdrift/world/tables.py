@@ -105,11 +105,14 @@ MEMBERSHIP = Table(65, 2, whole=True)  # of each body
 CLOTH = Table(66, 12, whole=True)
 CLOTH_NUMBERS = Table(67, 24)
 PARTICLE = Table(68, 8)
-PARTICLE_FORCE = Table(69, 4)
-FACE = Table(70, 8, whole=True)  # a triangle of a cloth
-FACE_NUMBERS = Table(71, 24)
-FOLD = Table(72, 8, whole=True)  # two triangles of a cloth that share an edge
-FOLD_NUMBERS = Table(73, 8)
+PARTICLE_FORCE = Table(69, 8)
+PARTICLE_COUPLINGS = Table(72, 2, whole=True)
+FACE = Table(70, 4, whole=True)  # a triangle of a cloth
+FACE_NUMBERS = Table(71, 8)
+COUPLING = Table(73, 1, whole=True)  # of a particle with another one, by bending
+COUPLING_NUMBERS = Table(81, 1)
+CURVED_FACE = Table(82, 8, whole=True)  # a triangle that is curved at rest
+CURVED_FACE_NUMBERS = Table(83, 8)
 PIN = Table(74, 2, whole=True)
 PIN_NUMBERS = Table(75, 4)
 CLOTH_CONTACT = Table(76, 4, whole=True)

@@ -74,27 +74,6 @@ def curvature_of(mesh: ClothMesh, flat: Floats, pinned: NDArray[np.bool_]) -> Cu
     return Curvature(weights, jumps, stencils)
 
 
-def fold_measures(corners: Floats) -> Floats:
-    """Return how far folds are bent, (K,), as `kickdrift.world.cloth.bending` measures it; of their corners, (K, 4, 3)."""
-    a, b, c, d = (corners[:, k] for k in range(4))
-    edge = b - a
-    n, m = np.cross(edge, c - a), np.cross(d - a, edge)
-    lengths = np.linalg.norm(n, axis=1) * np.linalg.norm(m, axis=1)
-    sine = (np.cross(m, n) * edge).sum(axis=1) / (lengths * np.linalg.norm(edge, axis=1))
-    measures: Floats = 2.0 * np.sin(0.5 * np.arctan2(sine, (n * m).sum(axis=1) / lengths))
-    return measures
-
-
-def folded_faces(mesh: ClothMesh) -> NDArray[np.int64]:
-    """Return the triangles beside each fold, (K, 2): first the one whose side runs as the edge does."""
-    found = np.empty((len(mesh.folds), 2), dtype=np.int64)
-    for k in range(3):
-        inner = np.flatnonzero(mesh.sides[:, k] != NONE)
-        folds = mesh.sides[inner, k]
-        found[folds, (mesh.folds[folds, 0] != mesh.triangles[inner, k]).astype(np.int64)] = inner
-    return found
-
-
 def _neighbours(mesh: ClothMesh) -> NDArray[np.int64]:
     """Return the triangles beyond each side, (M, 3); `NONE` beyond the border."""
     triangles = np.broadcast_to(np.arange(len(mesh.sides))[:, None], mesh.sides.shape)

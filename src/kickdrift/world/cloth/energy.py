@@ -5,21 +5,24 @@ from numpy.typing import NDArray
 
 from kickdrift.core.rotations import cross
 from kickdrift.world.cloth import layout as c
-from kickdrift.world.cloth.curvature import fold_measures
 from kickdrift.world.settings import GRAVITY
 from kickdrift.world.tables import (
     CLOTH,
     CLOTH_NUMBERS,
+    COUPLING,
+    COUPLING_NUMBERS,
+    CURVED_FACE,
+    CURVED_FACE_NUMBERS,
     FACE,
     FACE_NUMBERS,
-    FOLD,
-    FOLD_NUMBERS,
     PARTICLE,
+    PARTICLE_COUPLINGS,
     SETTINGS,
     Tables,
 )
 
 Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 
 def cloth_energy(tables: Tables) -> tuple[float, float]:
@@ -53,14 +56,9 @@ def _moved(particles: Floats) -> Floats:
     return np.where(particles[:, c.PARTICLE_INVERSE_MASS] > 0.0, particles[:, c.PARTICLE_MASS], 0.0)
 
 
-def _of_faces(tables: Tables, column: int) -> Floats:
-    """Return a number of the cloth for each of its triangles."""
-    own = tables.array(CLOTH)
-    numbers: Floats = np.repeat(tables.array(CLOTH_NUMBERS)[:, column], own[:, c.LAST_FACE] - own[:, c.FIRST_FACE])
-    return numbers
-
-
 def _membrane(tables: Tables, x: Floats) -> float:
+    own = tables.array(CLOTH)
+    of_faces = np.repeat(tables.array(CLOTH_NUMBERS), own[:, c.LAST_FACE] - own[:, c.FIRST_FACE], axis=0)
     corners = x[tables.array(FACE)[:, c.CORNERS : c.CORNERS + 3]]
     rest = tables.array(FACE_NUMBERS)
     p, q = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
@@ -68,13 +66,31 @@ def _membrane(tables: Tables, x: Floats) -> float:
     u, v = u1 * p + u2 * q, v1 * p + v2 * q
     stretch = (np.linalg.norm(u, axis=1) - 1.0) ** 2 + (np.linalg.norm(v, axis=1) - 1.0) ** 2
     shear = (u * v).sum(axis=1) ** 2
-    density = _of_faces(tables, c.STRETCH) * stretch + _of_faces(tables, c.SHEAR) * shear
+    density = of_faces[:, c.STRETCH] * stretch + of_faces[:, c.SHEAR] * shear
     return float(0.5 * rest[:, c.FACE_AREA] @ density)
 
 
 def _bending(tables: Tables, x: Floats) -> float:
-    faces, rest = tables.array(FACE), tables.array(FACE_NUMBERS)
-    bent = fold_measures(x[tables.array(FOLD)[:, c.EDGE : c.EDGE + 4]]) - tables.array(FOLD_NUMBERS)[:, c.REST_FOLD]
-    weights = rest[:, c.CURVATURE_WEIGHTS : c.CURVATURE_WEIGHTS + 9].reshape(-1, 3, 3)
-    curvature = np.einsum("msk,ms->mk", weights, bent[faces[:, c.SIDES : c.SIDES + 3]])
-    return float(0.5 * (rest[:, c.FACE_AREA] * _of_faces(tables, c.BENDING)) @ (curvature**2).sum(axis=1))
+    total = 0.0
+    for own, numbers in zip(tables.array(CLOTH), tables.array(CLOTH_NUMBERS), strict=True):
+        here, other, rows = _coupled_pairs(own, tables.array(PARTICLE_COUPLINGS), tables.array(COUPLING))
+        apart = x[other] - x[here]
+        flat = 0.25 * float(tables.array(COUPLING_NUMBERS)[rows, c.WEIGHT] @ (apart * apart).sum(axis=1))
+        curved = slice(own[c.FIRST_CURVED], own[c.LAST_CURVED])
+        rest, corners = tables.array(CURVED_FACE_NUMBERS)[curved], x[tables.array(CURVED_FACE)[curved, : c.STENCIL + 6]]
+        sides = corners - corners[:, :1]
+        normals = np.cross(sides[:, 1], sides[:, 2])
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        along = np.einsum("mk,mkj,mj->m", rest[:, c.PULLS : c.PULLS + 6], sides, normals)
+        total += float(numbers[c.BENDING]) * (flat + float((rest[:, c.REST_ENERGY] - along).sum()))
+    return total
+
+
+def _coupled_pairs(own: Integers, ranges: Integers, couplings: Integers) -> tuple[Integers, Integers, Integers]:
+    """Return the particles of a cloth that bending couples, each pair twice, and the rows of their couplings."""
+    begin = ranges[own[c.FIRST_PARTICLE] : own[c.LAST_PARTICLE], c.COUPLINGS]
+    counts = ranges[own[c.FIRST_PARTICLE] : own[c.LAST_PARTICLE], c.COUPLINGS + 1] - begin
+    here = np.repeat(np.arange(own[c.FIRST_PARTICLE], own[c.LAST_PARTICLE]), counts)
+    within = np.arange(len(here)) - np.repeat(np.cumsum(counts) - counts, counts)
+    rows = own[c.FIRST_COUPLING] + np.repeat(begin, counts) + within
+    return here, here + couplings[rows, c.OFFSET], rows

@@ -10,7 +10,9 @@ from kickdrift.world.integration import BODY_KIND, REMOVED
 if TYPE_CHECKING:
     from kickdrift.world.integrity import Rows
 
-_RANGES = (("PARTICLE", c.FIRST_PARTICLE), ("FACE", c.FIRST_FACE), ("FOLD", c.FIRST_FOLD))
+_RANGES = (
+    ("PARTICLE", c.FIRST_PARTICLE), ("FACE", c.FIRST_FACE), ("COUPLING", c.FIRST_COUPLING), ("CURVED_FACE", c.FIRST_CURVED),
+)  # fmt: skip
 
 
 def check_cloths(rows: "Rows") -> None:
@@ -24,22 +26,24 @@ def check_cloths(rows: "Rows") -> None:
     for name, of in (
         ("CLOTH_NUMBERS", "CLOTH"),
         ("FACE_NUMBERS", "FACE"),
-        ("FOLD_NUMBERS", "FOLD"),
+        ("COUPLING_NUMBERS", "COUPLING"),
+        ("CURVED_FACE_NUMBERS", "CURVED_FACE"),
+        ("PARTICLE_REST", "PARTICLE"),
+        ("PARTICLE_COUPLINGS", "PARTICLE"),
         ("PIN_NUMBERS", "PIN"),
     ):
         rows.count(name, len(rows[of]))
-    rows.count("PARTICLE_REST", len(rows["PARTICLE"]))
     cloths = rows["CLOTH"]
     rows.holds("CLOTH", c.PARTS, cloths[:, c.PARTS] >= 1)
-    for name, column in _RANGES:  # one cloth after the other, none of them empty
-        rows.holds("CLOTH", column, cloths[:, column + 1] > cloths[:, column])
+    for name, column in _RANGES:  # one cloth after the other
+        least = 1 if name in ("PARTICLE", "FACE") else 0
+        rows.holds("CLOTH", column, cloths[:, column + 1] >= cloths[:, column] + least)
         ends = np.concatenate(([0], cloths[:, column + 1]))
         rows.holds("CLOTH", column, cloths[:, column] == ends[:-1])
         rows.count(name, int(ends[-1]))
     _check_indices(rows, "FACE", c.CORNERS, 3, c.FIRST_FACE, c.FIRST_PARTICLE)
-    _check_indices(rows, "FACE", c.SIDES, 3, c.FIRST_FACE, c.FIRST_FOLD)
-    _check_indices(rows, "FOLD", c.EDGE, 4, c.FIRST_FOLD, c.FIRST_PARTICLE)
-    _check_indices(rows, "FOLD", c.FOLDED_FACES, 2, c.FIRST_FOLD, c.FIRST_FACE)
+    _check_indices(rows, "CURVED_FACE", c.STENCIL, 6, c.FIRST_CURVED, c.FIRST_PARTICLE)
+    _check_couplings(rows)
     kinds = rows["BODY"][:, BODY_KIND]
     rows.within("PIN", c.PINNED_PARTICLE, 0, max(len(rows["PARTICLE"]) - 1, 0))
     rows.within("PIN", c.PINNED_BODY, 0, len(kinds) - 1)
@@ -54,3 +58,19 @@ def _check_indices(rows: "Rows", name: str, first: int, size: int, own: int, of:
     cloth = np.repeat(np.arange(len(cloths)), cloths[:, own + 1] - cloths[:, own])
     least, most = cloths[cloth, of][:, None], cloths[cloth, of + 1][:, None]
     rows.holds(name, first, (values >= least) & (values < most))
+
+
+def _check_couplings(rows: "Rows") -> None:
+    """Ask that couplings are those of a cloth, one range after the other, and couple particles of the same cloth."""
+    for own in rows["CLOTH"]:
+        first, last = own[c.FIRST_PARTICLE], own[c.LAST_PARTICLE]
+        ranges = rows["PARTICLE_COUPLINGS"][first:last, c.COUPLINGS : c.COUPLINGS + 2]
+        offsets = rows["COUPLING"][own[c.FIRST_COUPLING] : own[c.LAST_COUPLING], c.OFFSET]
+        coupled = np.flatnonzero(ranges[:, 0] != ranges[:, 1])
+        kinds, of = np.unique(ranges[coupled], axis=0, return_inverse=True)
+        begins, ends = np.append(kinds[:, 0], len(offsets)), np.append(0, kinds[:, 1])
+        rows.holds("PARTICLE_COUPLINGS", c.COUPLINGS, (begins == ends) & (begins[:-1] < ends[1:]).all())
+        rows.holds("PARTICLE_COUPLINGS", c.COUPLINGS, (ranges >= 0) & (ranges <= len(offsets)))
+        if len(coupled):
+            low, high = np.minimum.reduceat(offsets, begins[:-1])[of], np.maximum.reduceat(offsets, begins[:-1])[of]
+            rows.holds("COUPLING", c.OFFSET, (low >= -coupled) & (high < last - first - coupled))

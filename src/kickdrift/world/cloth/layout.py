@@ -6,11 +6,14 @@ from kickdrift.world.tables import (
     CLOTH_CONTACT,
     CLOTH_CONTACT_NUMBERS,
     CLOTH_NUMBERS,
+    COUPLING,
+    COUPLING_NUMBERS,
+    CURVED_FACE,
+    CURVED_FACE_NUMBERS,
     FACE,
     FACE_NUMBERS,
-    FOLD,
-    FOLD_NUMBERS,
     PARTICLE,
+    PARTICLE_COUPLINGS,
     PARTICLE_FORCE,
     PARTICLE_REST,
     PIN,
@@ -20,7 +23,8 @@ from kickdrift.world.tables import (
 # CLOTH
 FIRST_PARTICLE, LAST_PARTICLE = column(CLOTH), column(CLOTH)  # the one after the last, as below
 FIRST_FACE, LAST_FACE = column(CLOTH), column(CLOTH)
-FIRST_FOLD, LAST_FOLD = column(CLOTH), column(CLOTH)
+FIRST_COUPLING, LAST_COUPLING = column(CLOTH), column(CLOTH)
+FIRST_CURVED, LAST_CURVED = column(CLOTH), column(CLOTH)
 PARTS = column(CLOTH)  # of a substep
 FIRST_CONTACT, LAST_CONTACT = column(CLOTH), column(CLOTH)
 CLOTH_GENERATION = column(CLOTH)
@@ -53,30 +57,31 @@ column(PARTICLE_REST, 3, "m")  # where it is in the cloth without tension
 
 # PARTICLE_FORCE
 column(PARTICLE_FORCE, 3, "N")
+CURVE = column(PARTICLE_FORCE, 3, "1/m")  # force of bending over the stiffness, where it is damped
+
+# PARTICLE_COUPLINGS
+COUPLINGS = column(PARTICLE_COUPLINGS, 2)  # the first and one after the last, of those of the cloth
+
+# COUPLING: particles that are bent alike have the same ones
+OFFSET = column(COUPLING)  # by how many rows of PARTICLE the other one comes later
+
+# COUPLING_NUMBERS
+WEIGHT = column(COUPLING_NUMBERS, 1, "1/m^2")
 
 # FACE
 CORNERS = column(FACE, 3)  # particles
-SIDES = column(FACE, 3)  # folds; on the border the last one of the cloth, which has no moment
 
 # FACE_NUMBERS
 TO_REST = column(FACE_NUMBERS, 4, "1/m")  # inverse of the two edges from the first corner, in the axes of warp and weft
 FACE_AREA = column(FACE_NUMBERS, 1, "m^2")
 STRAIN = column(FACE_NUMBERS, 3)  # along warp and weft, and shear, at the last kick
-FACE_NORMAL = column(FACE_NUMBERS, 3)
-DOUBLED_AREA = column(FACE_NUMBERS, 1, "m^2")  # as it is now
-CURVATURE_WEIGHTS = column(FACE_NUMBERS, 9, "1/m")  # curvature over the angle of each side
 
-# FOLD
-EDGE = column(FOLD, 2)  # particles at its ends
-WINGS = column(FOLD, 2)  # and those across it
-FOLDED_FACES = column(FOLD, 2)  # the one whose sides run as the edge does, and the other
+# CURVED_FACE
+STENCIL = column(CURVED_FACE, 6)  # particles: its corners and those across its sides
 
-# FOLD_NUMBERS
-REST_FOLD = column(FOLD_NUMBERS)  # twice the sine of half the angle, at rest
-BENT = column(FOLD_NUMBERS)  # by how much more it is
-DAMPED = column(FOLD_NUMBERS)  # a share of it, and of how fast it grows
-MOMENT = column(FOLD_NUMBERS, 1, "1/m")  # over the bending stiffness
-FOLD_SLOPE = column(FOLD_NUMBERS)  # of the measure over the angle: cos(theta / 2)
+# CURVED_FACE_NUMBERS
+PULLS = column(CURVED_FACE_NUMBERS, 6, "1/m")  # of the particles along its normal, over the bending stiffness
+REST_ENERGY = column(CURVED_FACE_NUMBERS)  # that it would take to flatten it, over the bending stiffness
 
 # PIN
 PINNED_PARTICLE = column(PIN)

@@ -11,7 +11,6 @@ from kickdrift.core.vectors import minus, plus, times, turned
 from kickdrift.world.cloth.bending import add_bending
 from kickdrift.world.cloth.contact_impulses import push_body, resolve_contacts
 from kickdrift.world.cloth.layout import (
-    BENT,
     FIRST_PARTICLE,
     LAST_PARTICLE,
     LINEAR_DAMPING,
@@ -33,7 +32,6 @@ from kickdrift.world.tables import (
     CLOTH,
     CLOTH_NUMBERS,
     FACE_NUMBERS,
-    FOLD_NUMBERS,
     PARTICLE,
     PARTICLE_FORCE,
     PIN,
@@ -61,7 +59,7 @@ def move_cloths(t: float, h: float, world: int) -> None:
         for k in range(parts + 1):
             share = 0.5 if k in (0, parts) else 1.0
             add_membrane(world, cloth, part, share, k == 0)
-            add_bending(world, cloth, part, share, k == 0)
+            add_bending(world, cloth, share)
             _kick(world, cloth, part, share, h - k * part)
             resolve_contacts(world, cloth, part, push if k < parts else 0.0, h - k * part)
             if k < parts:
@@ -163,4 +161,3 @@ def roll_back_cloths(tables: Tables) -> None:
     tables.array(PARTICLE_FORCE)[:] = 0.0
     # Where a substep begins they are only read to be multiplied by zero, which of infinity is none.
     tables.array(FACE_NUMBERS)[:, STRAIN : STRAIN + 3] = 0.0
-    tables.array(FOLD_NUMBERS)[:, BENT] = 0.0

@@ -12,23 +12,24 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
 from kickdrift.world.cloth import layout as c
-from kickdrift.world.cloth.curvature import curvature_of, fold_measures, folded_faces
+from kickdrift.world.cloth.coupling_tables import put_couplings
 from kickdrift.world.cloth.fabric import Fabric
 from kickdrift.world.cloth.handle import Cloth
 from kickdrift.world.cloth.membrane import inverse_edges
-from kickdrift.world.cloth.mesh import NONE, ClothMesh, cloth_mesh, flattened
+from kickdrift.world.cloth.mesh import ClothMesh, cloth_mesh, flattened
 from kickdrift.world.cloth.tuning import softness, tune
-from kickdrift.world.cloth.vibration import bending_rate, membrane_rate
+from kickdrift.world.cloth.vibration import membrane_rate
 from kickdrift.world.names import Names
 from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.tables import (
     CLOTH,
     CLOTH_NUMBERS,
+    COUPLING,
+    CURVED_FACE,
     FACE,
     FACE_NUMBERS,
-    FOLD,
-    FOLD_NUMBERS,
     PARTICLE,
+    PARTICLE_COUPLINGS,
     PARTICLE_FORCE,
     PARTICLE_REST,
     PIN,
@@ -67,7 +68,7 @@ class Cloths:
     def add(self, mesh: ClothMesh, fabric: Fabric, warp: Floats, name: str | None) -> Cloth:
         """Take rows for a cloth that lies as its mesh does, without any tension."""
         tables, row = self.tables, self.tables.count(CLOTH)
-        first = [tables.count(table) for table in (PARTICLE, FACE, FOLD)]
+        first = [tables.count(table) for table in (PARTICLE, FACE, COUPLING, CURVED_FACE)]
         name = self.names.checked(name, row)
         flat, axes = flattened(mesh, warp)
         to_rest = inverse_edges(flat)
@@ -75,9 +76,12 @@ class Cloths:
         thirds = np.repeat(fabric.density * areas / 3.0, 3)
         masses = np.asarray(np.bincount(mesh.triangles.ravel(), weights=thirds), dtype=np.float64)
         self._add_particles(mesh, masses)
-        self._add_faces(mesh, to_rest, areas, first)
+        faces = tables.resize(FACE, first[1] + len(areas))[first[1] :]
+        faces[:, c.CORNERS : c.CORNERS + 3] = mesh.triangles + first[0]
+        rest = tables.resize(FACE_NUMBERS, first[1] + len(areas))[first[1] :]
+        rest[:, c.TO_REST : c.TO_REST + 4], rest[:, c.FACE_AREA] = to_rest, areas
         numbers, own = tables.resize(CLOTH_NUMBERS, row + 1)[row], tables.resize(CLOTH, row + 1)[row]
-        for k, table in enumerate((PARTICLE, FACE, FOLD)):
+        for k, table in enumerate((PARTICLE, FACE, COUPLING, CURVED_FACE)):
             own[[2 * k, 2 * k + 1]] = first[k], tables.count(table)
         generation, self.n_made = self.n_made, self.n_made + 1
         own[c.PARTS], own[c.CLOTH_GENERATION] = 1, generation
@@ -95,48 +99,20 @@ class Cloths:
         stiffness = areas[:, None] * np.array([fabric.stretch_stiffness, fabric.shear_stiffness])
         numbers[c.MEMBRANE_RATE] = membrane_rate(mesh, axes, to_rest, stiffness, masses)
         self.names.give(row, name)
-        self._weigh_curvature(row)
+        self._couple(row)
         return Cloth(row, generation, self)
 
     def _add_particles(self, mesh: ClothMesh, masses: Floats) -> None:
         tables, first, last = self.tables, self.tables.count(PARTICLE), self.tables.count(PARTICLE) + len(masses)
-        for table in (PARTICLE, PARTICLE_REST, PARTICLE_FORCE, STARTED_PARTICLE):
+        for table in (PARTICLE, PARTICLE_REST, PARTICLE_FORCE, PARTICLE_COUPLINGS, STARTED_PARTICLE):
             tables.resize(table, last)
         tables.array(PARTICLE_REST)[first:, :3] = mesh.vertices
         particles = tables.array(PARTICLE)[first:]
         particles[:, :3], particles[:, c.PARTICLE_MASS] = mesh.vertices, masses
         particles[:, c.PARTICLE_INVERSE_MASS] = 1.0 / masses
 
-    def _add_faces(self, mesh: ClothMesh, to_rest: Floats, areas: Floats, first: list[int]) -> None:
-        tables, n_faces, n_folds = self.tables, len(mesh.triangles), len(mesh.folds)
-        faces = tables.resize(FACE, first[1] + n_faces)[first[1] :]
-        faces[:, c.CORNERS : c.CORNERS + 3] = mesh.triangles + first[0]
-        faces[:, c.SIDES : c.SIDES + 3] = np.where(mesh.sides == NONE, n_folds, mesh.sides) + first[2]
-        rest = tables.resize(FACE_NUMBERS, first[1] + n_faces)[first[1] :]
-        rest[:, c.TO_REST : c.TO_REST + 4], rest[:, c.FACE_AREA] = to_rest, areas
-        # The last one is for sides on the border: a triangle with itself, which has no moment
-        folds = tables.resize(FOLD, first[2] + n_folds + 1)[first[2] :]
-        folds[:n_folds, :4] = mesh.folds + first[0]
-        folds[:n_folds, c.FOLDED_FACES : c.FOLDED_FACES + 2] = folded_faces(mesh) + first[1]
-        folds[n_folds:, :4] = first[0] + mesh.triangles[0, [0, 1, 2, 2]]
-        folds[n_folds:, c.FOLDED_FACES : c.FOLDED_FACES + 2] = first[1]
-        angles = tables.resize(FOLD_NUMBERS, first[2] + n_folds + 1)[first[2] :]
-        angles[:n_folds, c.REST_FOLD] = fold_measures(mesh.vertices[mesh.folds])
-
-    def _weigh_curvature(self, row: int) -> None:
-        """Say how much the angles of a cloth's folds count, with the vertices that are pinned now."""
-        mesh, own, numbers = self.mesh(row), self.tables.array(CLOTH)[row], self.tables.array(CLOTH_NUMBERS)[row]
-        particles = self.tables.array(PARTICLE)[own[c.FIRST_PARTICLE] : own[c.LAST_PARTICLE]]
-        faces = self.tables.array(FACE_NUMBERS)[own[c.FIRST_FACE] : own[c.LAST_FACE]]
-        flat, _ = flattened(
-            mesh, np.array([1.0, 0.0, 0.0])
-        )  # any axes will do: the energy is that of an isotropic plate
-        curvature = curvature_of(mesh, flat, particles[:, c.PARTICLE_INVERSE_MASS] == 0.0)
-        weights = curvature.weights.transpose(0, 2, 1).reshape(-1, 9)
-        faces[:, c.CURVATURE_WEIGHTS : c.CURVATURE_WEIGHTS + 9] = weights
-        bending = float(numbers[c.ASKED + 2])
-        stiffness = bending * faces[:, c.FACE_AREA]
-        numbers[c.BENDING_RATE] = bending_rate(mesh, curvature, stiffness, particles[:, c.PARTICLE_MASS])
+    def _couple(self, row: int) -> None:
+        put_couplings(self.tables, row, self.mesh(row))
         self._substep = 0.0
 
     def mesh(self, row: int) -> ClothMesh:
@@ -214,7 +190,7 @@ class Cloths:
             self.tables.put(
                 PIN_NUMBERS, np.concatenate((self.tables.array(PIN_NUMBERS), np.pad(local, ((0, 0), (0, width)))))
             )
-        self._weigh_curvature(self.row(cloth))
+        self._couple(self.row(cloth))
         self._bodies.wake()
         self.tables.altered = True
 
@@ -239,7 +215,7 @@ class Cloths:
         self._forget_pins(particles)
         table = self.tables.array(PARTICLE)
         table[particles, c.PARTICLE_INVERSE_MASS] = 1.0 / table[particles, c.PARTICLE_MASS]
-        self._weigh_curvature(row)
+        self._couple(row)
         self._bodies.wake()
         self.tables.altered = True
 

@@ -11,9 +11,10 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 MOST_PARTS = 64  # of a substep; where a cloth is so stiff that it would take more, it is made softer
-# Kick and drift are stable up to 2 for the angle that a vibration turns by in a part, a = (rate part)^2 its square; damped ones
-# for sqrt(a (1 + 2 damping / part)). What is stretched is stiffer against shear, so that some is left.
-_STABLE, _DAMPED = 1.6, 1.8
+# With the angle w that a vibration turns by in a part, and damping d, kick and drift are stable for w^2 (1 + 2 d / part) < 4.
+# The highest of membrane and bending may be one vibration, so that theirs are added. What is stretched is stiffer against
+# shear, so that some is left.
+_STABLE, _DAMPED = 1.6**2, 1.8**2
 _NAMES = "stretch_stiffness", "shear_stiffness", "bending_stiffness", "damping of the membrane", "damping of bending"
 _UNITS = "N/m", "N/m", "N m", "s", "s"
 
@@ -21,22 +22,25 @@ _UNITS = "N/m", "N/m", "N m", "s", "s"
 def tune(own: Integers, numbers: Floats, substep: float) -> None:
     """Choose parts of a substep for a cloth, and make it softer where they would be too many."""
     stretch, shear, bending, damping, _ = numbers[c.ASKED : c.ASKED + 5].tolist()
-    membrane, rate = numbers[[c.MEMBRANE_RATE, c.BENDING_RATE]].tolist()
-    parts = min(max(math.ceil(substep * max(membrane, rate) / _STABLE), 1), MOST_PARTS)
+    rates = numbers[[c.MEMBRANE_RATE, c.BENDING_RATE]]
+    fastest = substep * math.sqrt(float(rates @ rates) / _STABLE)
+    parts = min(max(math.ceil(fastest), 1), MOST_PARTS)
     part = substep / parts
-    softer, limber = (
-        min(1.0, _STABLE / (part * fastest)) ** 2 if fastest > 0.0 else 1.0 for fastest in (membrane, rate)
-    )
-    rate *= math.sqrt(limber)
+    squares = (rates * part) ** 2
+    softer, limber = _granted(squares, _STABLE).tolist()
+    squares *= softer, limber
     own[c.PARTS] = parts
     numbers[[c.STRETCH, c.SHEAR, c.BENDING]] = softer * stretch, softer * shear, limber * bending
-    numbers[c.MEMBRANE_DAMPING] = min(damping, _most_damping(math.sqrt(softer) * membrane, part))
-    numbers[c.BENDING_DAMPING] = min(damping, _most_damping(rate, part))
+    spare = _granted(2.0 * squares * damping / part, _DAMPED - float(squares.sum()))
+    numbers[[c.MEMBRANE_DAMPING, c.BENDING_DAMPING]] = spare * damping
 
 
-def _most_damping(rate: float, part: float) -> float:
-    """Return the largest damping, s, for which sqrt(a (1 + 2 damping / part)) is `_DAMPED`, with a = (rate part)^2."""
-    return max(0.5 * ((_DAMPED / rate) ** 2 / part - part), 0.0) if rate > 0.0 else math.inf
+def _granted(wanted: Floats, limit: float) -> Floats:
+    """Return how much two get of what they want, as a part of it: half of the limit at least, and what the other leaves."""
+    first = min(wanted[0], max(0.5 * limit, limit - wanted[1]))
+    given = np.array([first, min(wanted[1], limit - first)])
+    granted: Floats = np.divide(given, wanted, where=wanted > 0.0, out=np.ones(2))
+    return granted
 
 
 def softness(words: str, numbers: Floats) -> str:

@@ -1,0 +1,78 @@
+"""The couplings of the particles of a cloth by bending, in the tables of a world."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.world.cloth import layout as c
+from kickdrift.world.cloth.couplings import Bending, bending_of, couplings_of
+from kickdrift.world.cloth.curvature import curvature_of
+from kickdrift.world.cloth.mesh import ClothMesh, flattened
+from kickdrift.world.cloth.vibration import bending_rate
+from kickdrift.world.tables import (
+    CLOTH,
+    CLOTH_NUMBERS,
+    COUPLING,
+    COUPLING_NUMBERS,
+    CURVED_FACE,
+    CURVED_FACE_NUMBERS,
+    FACE_NUMBERS,
+    PARTICLE,
+    PARTICLE_COUPLINGS,
+    Table,
+    Tables,
+)
+
+Floats = NDArray[np.float64]
+
+
+def put_couplings(tables: Tables, row: int, mesh: ClothMesh) -> None:
+    """Write how the particles of a cloth act on each other by bending, with those that are pinned now.
+
+    Parameters
+    ----------
+    tables : Tables
+    row : int
+        Of the cloth.
+    mesh : ClothMesh
+        As it lies without tension.
+    """
+    own, numbers = tables.array(CLOTH)[row], tables.array(CLOTH_NUMBERS)[row]
+    vertices, faces = slice(*own[c.FIRST_PARTICLE :][:2]), slice(*own[c.FIRST_FACE :][:2])
+    particles, areas = tables.array(PARTICLE)[vertices], tables.array(FACE_NUMBERS)[faces, c.FACE_AREA]
+    flat, _ = flattened(mesh, np.array([1.0, 0.0, 0.0]))  # any axes will do: bending is the same in all directions
+    bending = bending_of(mesh, curvature_of(mesh, flat, particles[:, c.PARTICLE_INVERSE_MASS] == 0.0))
+    couplings = couplings_of(bending, areas, len(particles))
+    tables.array(PARTICLE_COUPLINGS)[vertices] = couplings.ranges
+    rows = {COUPLING: couplings.offsets[:, None], COUPLING_NUMBERS: couplings.weights[:, None]}
+    _replace(tables, row, c.FIRST_COUPLING, rows)
+    _replace(tables, row, c.FIRST_CURVED, _curved(bending, areas, int(own[c.FIRST_PARTICLE])))
+    rate = bending_rate(mesh, bending, areas, particles[:, c.PARTICLE_MASS])
+    numbers[c.BENDING_RATE] = math.sqrt(numbers[c.ASKED + 2]) * rate
+
+
+def _curved(bending: Bending, areas: Floats, first: int) -> Mapping[Table, NDArray[Any]]:
+    """Return the rows of triangles that are curved at rest, of a cloth whose particles are those from `first` on."""
+    curved = np.flatnonzero(bending.rest.any(axis=1))
+    rest, size = bending.rest[curved], areas[curved, None]
+    stencils = np.zeros((len(curved), CURVED_FACE.width), dtype=np.int64)
+    stencils[:, c.STENCIL : c.STENCIL + 6] = bending.stencils[curved] + first
+    numbers = np.zeros((len(curved), CURVED_FACE_NUMBERS.width))
+    numbers[:, c.PULLS : c.PULLS + 6] = size * np.einsum("ms,msk->mk", rest, bending.rows[curved])
+    numbers[:, [c.REST_ENERGY]] = 0.5 * size * (rest * rest).sum(axis=1, keepdims=True)
+    return {CURVED_FACE: stencils, CURVED_FACE_NUMBERS: numbers}
+
+
+def _replace(tables: Tables, row: int, first: int, anew: Mapping[Table, NDArray[Any]]) -> None:
+    """Give a cloth other rows of tables, those from the one in column `first` to that in the next; others move."""
+    cloths = tables.array(CLOTH)
+    begin, end = cloths[row, [first, first + 1]].tolist()
+    for table, values in anew.items():
+        now = tables.array(table)
+        tables.put(table, np.concatenate((now[:begin], values, now[end:])))
+        growth = len(values) - (end - begin)
+    cloths[row, first + 1] += growth
+    cloths[row + 1 :, [first, first + 1]] += growth

@@ -1,0 +1,107 @@
+"""The bending of a cloth as forces between pairs of vertices; see `kickdrift.world.cloth.bending`."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array, diags_array
+
+from kickdrift.world.cloth.curvature import Curvature
+from kickdrift.world.cloth.mesh import NONE, ClothMesh
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+_FLAT = 1e-9  # rad, below which a triangle is not bent at rest
+# Of the largest weight, what weights are rounded to, so that those that differ by rounding are the same: momentum is kept to
+# the last digit, and vertices of a grid share their couplings. A force then errs by 1e-12 of itself.
+_ROUNDING = 2.0**-40
+
+
+class Bending(NamedTuple):
+    """The curvature of triangles as a linear function of where six vertices are, less what it is at rest.
+
+    Attributes
+    ----------
+    rows : (M, 3, 6) array
+        H: curvature, as a vector each of xx, yy and sqrt 2 xy, over positions, 1/m^2.
+    stencils : (M, 6) array
+        The vertices; where there is none across the border the first corner, whose number in `rows` is then zero.
+    rest : (M, 3) array
+        c: curvature at rest along the normal, 1/m.
+    """
+
+    rows: Floats
+    stencils: Integers
+    rest: Floats
+
+
+class Couplings(NamedTuple):
+    """What bending gives vertices from each other.
+
+    Attributes
+    ----------
+    ranges : (N, 2) array
+        First and one after the last of the couplings of each vertex; vertices whose couplings are alike share them.
+    offsets : (C,) array
+        By how much the other vertex has the larger number.
+    weights : (C,) array
+        Force over distance and bending stiffness, 1/m^2.
+    """
+
+    ranges: Integers
+    offsets: Integers
+    weights: Floats
+
+
+def bending_of(mesh: ClothMesh, curvature: Curvature) -> Bending:
+    """Turn curvature from heights into one from positions in space.
+
+    Of a triangle that is folded against its neighbours at rest, H has a part along it, too: it is a sum of two sides of the
+    triangle, and taken off H, as the same sum of the sides, however these lie.
+    """
+    rows: Floats = curvature.weights @ curvature.jumps
+    stencils = np.where(curvature.stencils == NONE, mesh.triangles[:, :1], curvature.stencils)
+    corners = mesh.vertices[stencils]
+    sides = corners[:, 1:3] - corners[:, :1]
+    normals = np.cross(sides[:, 0], sides[:, 1])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    vectors = rows @ (corners - corners[:, :1])
+    rest = np.einsum("msk,mk->ms", vectors, normals)
+    along = vectors @ np.linalg.pinv(sides)
+    rows[:, :, 0] += along.sum(axis=2)
+    rows[:, :, 1:3] -= along
+    sizes = np.sqrt(np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1, keepdims=True))
+    return Bending(rows, stencils, np.where(np.abs(rest).max(axis=1, keepdims=True) * sizes > _FLAT, rest, 0.0))
+
+
+def couplings_of(bending: Bending, areas: Floats, count: int) -> Couplings:
+    """Add up the forces between the pairs among so many vertices: sum A H^T H, but for its diagonal."""
+    rows = bending.rows * np.sqrt(areas)[:, None, None]
+    starts, columns = np.arange(0, rows.size + 1, 6), np.broadcast_to(bending.stencils[:, None, :], rows.shape)
+    roots = csr_array((rows.ravel(), columns.ravel(), starts), shape=(3 * len(rows), count))
+    product = roots.T @ roots
+    pairs = diags_array(product.diagonal()) - 0.5 * (product + product.T)  # symmetric to the last digit
+    largest = np.abs(pairs.data).max(initial=0.0)
+    if largest > 0.0:
+        pairs.data = np.rint(pairs.data * (1.0 / _ROUNDING / largest)) * (_ROUNDING * largest)
+    pairs.setdiag(0.0)
+    pairs.eliminate_zeros()
+    pairs.sort_indices()
+    return _shared(pairs.indptr.astype(np.int64), pairs.indices.astype(np.int64), pairs.data)
+
+
+def _shared(starts: Integers, columns: Integers, weights: Floats) -> Couplings:
+    """Find out which rows of a matrix are the same but for where they stand."""
+    offsets = columns - np.repeat(np.arange(len(starts) - 1), np.diff(starts))
+    found: dict[bytes, int] = {}
+    ranges, kept, end = np.empty((len(starts) - 1, 2), dtype=np.int64), [], 0
+    for row, (first, last) in enumerate(zip(starts[:-1].tolist(), starts[1:].tolist(), strict=True)):
+        key = offsets[first:last].tobytes() + weights[first:last].tobytes()
+        begin = found.setdefault(key, end)
+        if begin == end:
+            kept.append(slice(first, last))
+            end += last - first
+        ranges[row] = begin, begin + last - first
+    chosen: Any = np.concatenate([np.arange(part.start, part.stop) for part in kept])
+    return Couplings(ranges, offsets[chosen], weights[chosen])
