@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from kickdrift.core.colours import colour_of
 from kickdrift.viewer.page import rounded
-from kickdrift.world.recording import DrawnCloth, Recording
+from kickdrift.world.recording import DrawnCloth
 
+Floats = NDArray[np.float64]
 _FINE = 1 / 4096  # of the size of a cloth, to which its vertices are rounded
 
 
@@ -18,16 +19,17 @@ class ClothMesh:
     Parameters
     ----------
     scene : viser.SceneApi
-    recording : Recording
     cloth : DrawnCloth
     number : int
         How many there were before.
+    particles : (P, 3) array
+        Vertices of all cloths at first, m.
     """
 
-    def __init__(self, scene: Any, recording: Recording, cloth: DrawnCloth, number: int) -> None:
-        self._vertices = recording.particles[:, cloth.first : cloth.last]
-        self._grain = _FINE * float(np.ptp(self._vertices[0], axis=0).max())
-        self._shown = self._at(0)
+    def __init__(self, scene: Any, cloth: DrawnCloth, number: int, particles: Floats) -> None:
+        self._rows = slice(cloth.first, cloth.last)
+        self._grain = _FINE * float(np.ptp(particles[self._rows], axis=0).max())
+        self._shown = rounded(particles[self._rows], self._grain)
         colour = tuple(np.round(255 * colour_of(number + 1)).astype(int).tolist())
         self._handle = scene.add_mesh_simple(
             f"/cloth_{number}",
@@ -38,11 +40,12 @@ class ClothMesh:
             side="double",
         )
 
-    def show(self, row: int) -> None:
-        """Move its vertices to where they are in a row, if that can be seen."""
-        vertices = self._at(row)
+    def show(self, particles: Floats) -> None:
+        """Move its vertices to where they are, if that can be seen."""
+        vertices = rounded(particles[self._rows], self._grain)
         if not np.array_equal(vertices, self._shown):
             self._handle.vertices = self._shown = vertices
 
-    def _at(self, row: int) -> NDArray[np.float32]:
-        return rounded(self._vertices[row], self._grain)
+    def remove(self) -> None:
+        """Take it out of the scene."""
+        self._handle.remove()

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from html import escape
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,14 +19,6 @@ Singles = NDArray[np.float32]
 AHEAD = (-0.42, 0.82, -0.36)  # where the camera looks first
 _FIELD = math.radians(34.0)  # of the camera, from top to bottom
 _TITLE, _END = "<title>Viser</title>", "</body>"  # of viser's page
-
-
-class Mover(Protocol):
-    """What changes from state to state."""
-
-    def show(self, row: int) -> None:
-        """Send what differs from the row shown before."""
-        ...
 
 
 class Stage(NamedTuple):
