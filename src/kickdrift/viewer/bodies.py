@@ -1,7 +1,7 @@
 """The bodies of a world in a scene of viser: drawn once, and moved from state to state."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,17 +9,17 @@ from numpy.typing import NDArray
 from kickdrift.core.colours import FIXED, RODS, colour_of
 from kickdrift.core.errors import KickdriftError
 from kickdrift.core.rotations import product, turned
-from kickdrift.viewer.cloth import ClothMesh
 from kickdrift.viewer.page import Singles, rounded
 from kickdrift.viewer.surfaces import Surface, halves_of_ball, surface_of
 from kickdrift.world.integration import DYNAMIC, REMOVED
-from kickdrift.world.recording import Appearance, DrawnShape, Rod
+from kickdrift.world.recording import Appearance, DrawnCloth, DrawnShape, Rod
 from kickdrift.world.shapes.catalogue import kind_of
 from kickdrift.world.shapes.record import BALL, HALF_SPACE
 
 Floats = NDArray[np.float64]
 FINE = 1 / 512  # of a shape's size, to which positions are rounded: 0.2 % of a box is a pixel of 500
 TURN = 1 / 1024  # to which quaternions are rounded
+_FINE_CLOTH = 1 / 4096  # of the size of a cloth, to which its vertices are rounded
 _STRAYS = 0.01  # of all positions on either side that the camera need not see
 _LINES = (205, 208, 212)  # of planes
 _LIGHT = 0.45  # of white in every other octant of a ball
@@ -40,6 +40,18 @@ class State(NamedTuple):
     position: Floats
     orientation: Floats
     particles: Floats
+
+
+class _Drawn(Protocol):
+    """What may be somewhere else in each state."""
+
+    def show(self, state: State) -> None:
+        """Send what differs from the state shown before."""
+        ...
+
+    def remove(self) -> None:
+        """Take it out of the scene."""
+        ...
 
 
 class Drag(NamedTuple):
@@ -84,16 +96,16 @@ class DrawnBodies:
     ) -> None:
         solid, planes = parts_of(appearance)
         self._batches = _batches(scene, appearance, solid, state, moves)
-        self._joints = [_Joints(scene, appearance.rods, state)] if appearance.rods else []
-        self._cloths = [ClothMesh(scene, cloth, k, state.particles) for k, cloth in enumerate(appearance.cloths)]
+        self._drawn: list[_Drawn] = [*self._batches]
+        if appearance.rods:
+            self._drawn.append(_Joints(scene, appearance.rods, state))
+        self._drawn += [_Cloth(scene, cloth, k, state) for k, cloth in enumerate(appearance.cloths)]
         self._planes = _lay_planes(scene, planes, state, radius)
 
     def show(self, state: State) -> None:
         """Send what differs from the state shown before."""
-        for drawn in (*self._batches, *self._joints):
+        for drawn in self._drawn:
             drawn.show(state)
-        for cloth in self._cloths:
-            cloth.show(state.particles)
 
     def on_drag(self, heard: Callable[[Drag], None]) -> None:
         """Call a function when the mouse drags a body that is expected to move; it may not take long."""
@@ -103,10 +115,8 @@ class DrawnBodies:
 
     def remove(self) -> None:
         """Take everything out of the scene."""
-        for drawn in (*self._batches, *self._joints, *self._cloths):
+        for drawn in (*self._drawn, *self._planes):
             drawn.remove()
-        for plane in self._planes:
-            plane.remove()
 
 
 def parts_of(appearance: Appearance) -> tuple[list[DrawnShape], list[DrawnShape]]:
@@ -240,6 +250,35 @@ class _Joints:
         points = state.position[self._bodies] + turned(turns, self._points)
         result: Singles = points.astype(np.float32)
         return result
+
+
+class _Cloth:
+    """A mesh whose vertices move."""
+
+    def __init__(self, scene: Any, cloth: DrawnCloth, number: int, state: State) -> None:
+        self._rows = slice(cloth.first, cloth.last)
+        self._grain = _FINE_CLOTH * float(np.ptp(state.particles[self._rows], axis=0).max())
+        self._shown = self._at(state)
+        colour = tuple(np.round(255 * colour_of(number + 1)).astype(int).tolist())
+        self._handle = scene.add_mesh_simple(
+            f"/cloth_{number}",
+            self._shown,
+            cloth.triangles.astype(np.uint32),
+            color=colour,
+            flat_shading=False,
+            side="double",
+        )
+
+    def show(self, state: State) -> None:
+        vertices = self._at(state)
+        if not np.array_equal(vertices, self._shown):
+            self._handle.vertices = self._shown = vertices
+
+    def remove(self) -> None:
+        self._handle.remove()
+
+    def _at(self, state: State) -> Singles:
+        return rounded(state.particles[self._rows], self._grain)
 
 
 def _batches(

@@ -10,9 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.errors import FileFormatError, KickdriftError, missing_extra
+from kickdrift.core.errors import FileFormatError, KickdriftError
 from kickdrift.core.files import written
 from kickdrift.engine.solution import Solution
+from kickdrift.viewer.server import local_server
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -81,29 +82,13 @@ def write_page(path: str | Path, title: str, draw: Callable[[Stage], str]) -> Pa
 
 @contextmanager
 def _serialized(draw: Callable[[Stage], str]) -> Iterator[str]:
-    """Have a function draw, and return the page that shows it.
-
-    Scenes of viser belong to a server: one that no other machine reaches is started for the while, and stopped.
-    """
-    try:
-        import rich
-        from viser import ViserServer
-    except ImportError:
-        raise missing_extra("A page for the browser", "viser", "viewer") from None
-    console = rich.get_console()
-    was_quiet, console.quiet = console.quiet, True  # viser prints its address when it starts, and when it stops
-    try:
-        server = ViserServer(host="127.0.0.1", port=0, verbose=False)
-        try:
-            recorder = server.get_scene_serializer()
-            beside = draw(Stage(server.scene, server.initial_camera, recorder.insert_sleep))
-            page = recorder.as_html()
-            end = page.rindex(_END)
-            yield page[:end] + beside + page[end:]
-        finally:
-            server.stop()
-    finally:
-        console.quiet = was_quiet
+    """Have a function draw, and return the page that shows it; scenes of viser belong to a server, which is stopped then."""
+    with local_server(0) as server:
+        recorder = server.get_scene_serializer()
+        beside = draw(Stage(server.scene, server.initial_camera, recorder.insert_sleep))
+        page = recorder.as_html()
+        end = page.rindex(_END)
+        yield page[:end] + beside + page[end:]
 
 
 def rounded(values: Floats, grain: float) -> Singles:

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.colours import COLOURS, SUM
-from kickdrift.core.errors import KickdriftError
 from kickdrift.viewer.bodies import FINE, TURN, DrawnBodies, State, check_can_be_seen, extent, parts_of
 from kickdrift.viewer.curves import Curve, panel
 from kickdrift.viewer.page import Stage, check_in_memory, write_page
