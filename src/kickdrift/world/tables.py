@@ -102,7 +102,7 @@ BATCH = Table(64, 4, whole=True)
 MEMBERSHIP = Table(65, 2, whole=True)  # of each body
 
 # Cloths: see `kickdrift.world.cloth.layout`
-CLOTH = Table(66, 12, whole=True)
+CLOTH = Table(66, 16, whole=True)
 CLOTH_NUMBERS = Table(67, 24)
 PARTICLE = Table(68, 8)
 PARTICLE_FORCE = Table(69, 8)
