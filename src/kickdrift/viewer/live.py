@@ -13,9 +13,10 @@ from typing import Any, Self
 import numpy as np
 
 from kickdrift.engine.announcing import compiling_announced
-from kickdrift.viewer.bodies import Drag, DrawnBodies, check_can_be_seen, extent
+from kickdrift.viewer.bodies import DrawnBodies, check_can_be_seen, extent
 from kickdrift.viewer.controls import Controls
 from kickdrift.viewer.live_world import LiveWorld
+from kickdrift.viewer.meshes import Drag
 from kickdrift.viewer.page import Stage
 from kickdrift.viewer.server import ADDRESS, local_server
 from kickdrift.world.arguments import number

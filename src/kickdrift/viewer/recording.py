@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.colours import COLOURS, SUM
-from kickdrift.viewer.bodies import FINE, TURN, DrawnBodies, State, check_can_be_seen, extent, parts_of
+from kickdrift.viewer.bodies import DrawnBodies, check_can_be_seen, extent, parts_of
 from kickdrift.viewer.curves import Curve, panel
+from kickdrift.viewer.meshes import FINE, TURN, State
 from kickdrift.viewer.page import Stage, check_in_memory, write_page
 from kickdrift.world.integration import DYNAMIC
 from kickdrift.world.recording import DrawnShape, Recording
