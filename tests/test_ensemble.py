@@ -417,7 +417,7 @@ def test_members_are_solutions():
     members = list(sol)
     assert len(members) == len(sol) == 2
     assert np.array_equal(sol[-1].energy, sol.energy[1])
-    assert "kick-drift" in sol[0].report()
+    assert "semi-implicit-euler" in sol[0].report()
     with pytest.raises(IndexError):
         sol[2]
 

@@ -165,8 +165,8 @@ def test_an_order_without_auto_is_refused():
 @pytest.mark.parametrize(
     ("kind", "order", "name"),
     [
-        (Kind.NEWTONIAN, None, "kick-drift"),
-        (Kind.FIRST_ORDER, None, "kick-drift"),
+        (Kind.NEWTONIAN, None, "semi-implicit-euler"),
+        (Kind.FIRST_ORDER, None, "semi-implicit-euler"),
         (Kind.CONSTRAINED, None, "rattle"),
         (Kind.LANGEVIN, None, "baoab"),
         (Kind.NEWTONIAN, 6, "blanes-moan-srkn11b"),

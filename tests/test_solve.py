@@ -313,4 +313,4 @@ def test_states_cannot_be_changed_under_the_invariants():
 
 def test_repr_says_what_it_is():
     s = kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.1)
-    assert repr(s) == "<Solution of kepler by kick-drift: 11 times from 0 to 1, 10 steps of 0.1, completed>"
+    assert repr(s) == "<Solution of kepler by semi-implicit-euler: 11 times from 0 to 1, 10 steps of 0.1, completed>"

@@ -1,4 +1,4 @@
-"""kickdrift: mechanics in time, structure first.
+"""kickdrift: structure-preserving integration for mechanics.
 
 ``kickdrift.solve`` integrates accelerations, Hamiltonians and other equations of motion; ``kickdrift.systems`` and
 ``kickdrift.methods`` are the catalogues, ``kickdrift.analysis`` judges runs, ``kickdrift.plots`` draws them,

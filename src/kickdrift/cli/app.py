@@ -62,7 +62,7 @@ def _kickdrift(
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version and end.")
     ] = False,
 ) -> None:
-    """Mechanics in time, structure first."""
+    """Structure-preserving integration for mechanics."""
 
 
 @app.command(help=help_texts.RUN, short_help="Run a system or a scene, report on it, keep and draw it.")

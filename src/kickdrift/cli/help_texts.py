@@ -34,7 +34,7 @@ Sun,1.0,0,0,0,0,0,0
 Earth,3e-6,1,0,0,0,6.2831853,0
 """
 
-KICKDRIFT = """Mechanics in time, structure first.
+KICKDRIFT = """Structure-preserving integration for mechanics.
 
 \b
   kickdrift run solar-system      a hundred years, compared with JPL's positions

@@ -55,7 +55,7 @@ from kickdrift.world.joints.layout import (
 )
 from kickdrift.world.joints.placing import signs
 from kickdrift.world.joints.record import Placement, Record
-from kickdrift.world.joints.tree import arrange
+from kickdrift.world.joints.spanning_tree import arrange
 from kickdrift.world.names import Names
 from kickdrift.world.tables import ARTICULATION, JOINT, JOINT_AXES, JOINT_NUMBERS, POSE, STARTED_JOINTS, Tables
 from kickdrift.world.undivided import alone, undivided
