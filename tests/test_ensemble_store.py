@@ -197,11 +197,11 @@ def other(path):
 @pytest.mark.parametrize(
     ("before", "others", "words"),
     [
-        (other, {}, "is there already"),
+        (other, {}, "exists already"),
         (solve, {"step": 0.02, "save_every": 30}, "holds another run"),
         (solve, {"problem": kd.systems.kepler(0.5)}, "holds another run"),
         (lambda path: kd.solve(kd.systems.kepler(), SPAN, step=0.1, save_to=path), {}, "holds another run"),
-        (None, {"path": 3}, "is no path"),
+        (None, {"path": 3}, "is not a path"),
         (None, {"path": "no/such/folder.zarr"}, "folder that does not exist"),
         (None, {"checkpoint": "kept"}, "both given"),
         (

@@ -159,7 +159,7 @@ def test_nothing_to_compare_is_refused():
 
 def test_runs_without_an_energy_are_refused():
     s = kd.solve(lambda x: -x, (0.0, 1.0), 1.0, 0.0, step=0.1, compile=False)
-    with pytest.raises(KickdriftError, match="does not say its energy"):
+    with pytest.raises(KickdriftError, match="has no energy"):
         plots.plot_energy_comparison({"mine": s})
 
 

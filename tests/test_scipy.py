@@ -108,7 +108,7 @@ def test_solvers_are_scipys_and_named():
 @pytest.mark.parametrize(
     ("fun", "y0", "options", "text"),
     [
-        (driven, START, {}, "step=None has to be positive"),
+        (driven, START, {}, "step=None must be positive"),
         (driven, START, {"step": 0.0}, "step=0.0"),
         (driven, START, {"step": np.nan}, "step=nan"),
         (driven, START, {"step": "small"}, "step='small'"),

@@ -265,7 +265,7 @@ def test_states_between_steps_and_at_wanted_times(options, backwards):
     some = kd.solve(system, span, save_every=7, **options, **order)
     sevenths = every.x[:-1][::7]
     assert np.array_equal(some.x[: len(sevenths)], sevenths)
-    with pytest.raises(ArgumentError, match="some steps after a row"):
+    with pytest.raises(ArgumentError, match="several steps after a row"):
         some(wanted)
 
 
@@ -410,7 +410,7 @@ def test_a_density_that_reaches_zero_ends_the_run_where_it_was_good():
     )
     assert sol.status is Outcome.NO_STEP
     assert 0.7 < sol.t[-1] < 1.0
-    assert "gives no number" in sol.message
+    assert "returned NaN" in sol.message
 
 
 def test_a_singularity_ends_steps_by_their_error():

@@ -143,7 +143,7 @@ def test_formulas_that_cannot_be(make, text):
 @pytest.mark.parametrize("start", [[1.0, 2.0, 3.0], [[1.0, 2.0]], 1.0])
 def test_starts_of_another_shape_are_refused(start):
     double = kd.from_lagrangian((DA**2 + DB**2) / 2 - A * B, (A, B), (DA, DB))
-    with pytest.raises(ArgumentError, match=r"the formulas are for one of shape \(2,\)"):
+    with pytest.raises(ArgumentError, match=r"the formulas need shape \(2,\)"):
         kd.solve(double, (0.0, 1.0), start, np.zeros_like(start), step=0.1)
 
 

@@ -419,13 +419,13 @@ def test_the_same_film_has_the_same_bits(falling, tmp_path, small_pictures):
 
 @pytest.mark.parametrize("speed", [0, -1.0, np.nan, np.inf, "fast", None, 1j])
 def test_speeds_that_cannot_be(falling, tmp_path, speed):
-    with pytest.raises(ArgumentError, match=r"speed=.* has to be positive and finite"):
+    with pytest.raises(ArgumentError, match=r"speed=.* must be positive and finite"):
         falling.animate(tmp_path / "film.gif", speed=speed)
 
 
 @pytest.mark.parametrize("rate", [0, -5, 51, 2.5, "fast", None])
 def test_rates_that_cannot_be(falling, tmp_path, rate):
-    with pytest.raises(ArgumentError, match=r"rate=.* has to be a whole number of pictures"):
+    with pytest.raises(ArgumentError, match=r"rate=.* must be a whole number of pictures"):
         falling.animate(tmp_path / "film.gif", rate=rate)
 
 

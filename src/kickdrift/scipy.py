@@ -135,7 +135,7 @@ def _count(step: Any, length: float) -> int:
     except TypeError:
         size = math.nan
     if not 0.0 < size < math.inf:
-        raise ArgumentError(f"step={step!r} has to be positive and finite: solve_ivp(..., method=..., step=0.01).")
+        raise ArgumentError(f"step={step!r} must be positive and finite: solve_ivp(..., method=..., step=0.01).")
     return max(1, math.ceil(length / size * (1.0 - 1e-12)))
 
 

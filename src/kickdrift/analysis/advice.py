@@ -148,8 +148,8 @@ def advise(
     system = described(problem, t0, start.x, start.v, args)
     if system.radii is not None:
         raise ArgumentError(
-            f"bodies of {system.name!r} have radii, and merge where they touch, which method='close-encounters' alone does:"
-            " there is nothing to choose. Leave the radii out to compare methods."
+            f"the bodies of {system.name!r} have radii, and only method='close-encounters' merges bodies on contact,"
+            " so there is nothing to choose from. Leave the radii out to compare methods."
         )
     wanted = _chosen(methods, system)
     with np.errstate(all="ignore"):  # steps that are tried, and too long
@@ -179,7 +179,7 @@ def _chosen(given: Any, system: System) -> list[methods.Method]:
     names = candidates.of(system.kind) if given is None else [given] if isinstance(given, str) else given
     if not names:
         raise ArgumentError(
-            f"{system.name!r} has no methods to choose from by their errors: noise drives it, it has constraints (there is"
+            f"{system.name!r} has no methods to compare by their errors: it is stochastic, it has constraints (use"
             f" 'rattle'), or methods={given!r}."
         )
     return sorted((methods.get(name) for name in names), key=lambda method: -method.order)  # the quick ones first

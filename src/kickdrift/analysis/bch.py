@@ -33,8 +33,8 @@ def brackets(method: Method, order: int = MOST - 1) -> dict[str, Fraction]:
     degree = order + 1
     if not {letter.plain for letter in method.letters} <= {Letter.KICK, Letter.DRIFT}:
         raise ArgumentError(
-            f"method={method.name!r} has no modified Hamiltonian here: its word {method.spelling} has more than kicks and"
-            " drifts; take one such as 'velocity-verlet'."
+            f"method={method.name!r} has no modified Hamiltonian here: its word {method.spelling} contains flows other"
+            " than kicks and drifts; use a method such as 'velocity-verlet'."
         )
     product: _Series = {"": Fraction(1)}
     for letter, weight in method.word:

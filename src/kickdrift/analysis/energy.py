@@ -53,7 +53,10 @@ def energy_drift(solution: Solution) -> float:
         If the system does not say its energy.
     """
     if solution.t.size < 2:
-        raise ArgumentError(f"solution has {solution.t.size} time kept, but a drift needs two; keep more, by t_eval.")
+        raise ArgumentError(
+            f"solution holds {solution.t.size} time, but a drift needs at least two; keep more, with t_eval or"
+            " save_every."
+        )
     return drift(solution.plain.t, solution.energy)
 
 
@@ -120,9 +123,7 @@ def modified_energy(
     """
     chosen = methods.get(method)
     if chosen.word not in _CROSS_TERM:
-        raise ArgumentError(
-            f"method={chosen.name!r} has no modified energy here; it is known for 'kick-drift' and 'drift-kick'."
-        )
+        raise ArgumentError(f"method={chosen.name!r} has no modified energy here; use 'kick-drift' or 'drift-kick'.")
     x, v = np.asarray(x, dtype=np.float64), np.asarray(v, dtype=np.float64)
     stiffness = omega * omega
     modified: Floats = 0.5 * (v * v + stiffness * x * x + _CROSS_TERM[chosen.word] * step * stiffness * x * v)

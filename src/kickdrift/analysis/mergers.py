@@ -63,7 +63,8 @@ def mergers(solution: Solution) -> tuple[Merger, ...]:
     plain = solution.plain
     if not plain.about.gm or plain.x.ndim != 3 or len(plain.about.gm) != plain.x.shape[1]:
         raise ArgumentError(
-            f"{plain!r} is no run of bodies that attract each other; mergers are those of kd.systems.planetary(..., radii=...)."
+            f"{plain!r} is not a run of bodies that attract each other; only kd.systems.planetary(..., radii=...) has"
+            " mergers."
         )
     names = [str(name) for name in plain.about.coordinates["body"]]
     gm = np.array(plain.about.gm)

@@ -51,7 +51,7 @@ def modified_formula(
         energy, (q, p) = sympy.sympify(hamiltonian), sympy.sympify((q, p))
     except sympy.SympifyError as error:
         raise ArgumentError(
-            f"hamiltonian={hamiltonian!r}, q={q!r} and p={p!r} are no formula and symbols: {error}"
+            f"hamiltonian={hamiltonian!r}, q={q!r} and p={p!r} must be a formula and its symbols: {error}"
         ) from None
     h = sympy.Symbol("h") if step is None else step
     positions, momenta = ([part] if isinstance(part, sympy.Expr) else list(part) for part in (q, p))

@@ -84,19 +84,19 @@ def orbital_elements(solution: Solution, coordinates: str = "jacobi") -> Orbital
     if coordinates not in _COORDINATES:
         raise ArgumentError(f"coordinates={coordinates!r} must be one of {', '.join(map(repr, _COORDINATES))}.")
     if not isinstance(solution, Solution):
-        raise ArgumentError(f"solution={solution!r} is none; give one of kd.solve(...).")
+        raise ArgumentError(f"solution={solution!r} is not a solution; give the result of kd.solve(...).")
     solution = solution.plain
     gm = np.array(solution.about.gm)
     if not gm.size:
         raise KickdriftError(
-            f"{solution.about.system!r} does not say how strongly its bodies attract each other; orbital elements are those of"
-            " kd.systems.kepler, nbody, planetary and the like."
+            f"{solution.about.system!r} has no gravitational parameters; use kd.systems.kepler, nbody, planetary or"
+            " another system of gravitating bodies."
         )
     x, v = (_in_space(half) for half in (solution.x, solution.v))
     if gm.size == 1 and x.shape[1] == 1 and solution.x.ndim == 2:  # one body around a centre
         return _elements(solution.t, x, v, gm, ("0",))
     if gm.size < 2:
-        raise ArgumentError(f"{solution.about.system!r} has one body, and so no orbit.")
+        raise ArgumentError(f"{solution.about.system!r} has only one body, and so no orbit.")
     relative = _relative if coordinates == "jacobi" else _heliocentric
     mu = np.cumsum(gm)[1:] if coordinates == "jacobi" else gm[0] + gm[1:]
     names = tuple(map(str, solution.about.coordinates.get("body", range(gm.size))))[1:]

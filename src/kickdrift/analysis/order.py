@@ -106,10 +106,12 @@ def observed_order(
     ]
     for run in runs:
         if not run.success:
-            raise KickdriftError(f"steps={run.step!r} has no order to show: {run.message}")
+            raise KickdriftError(f"steps={run.step!r}: the order cannot be measured: {run.message}")
     sizes = np.array([abs(run.step) for run in runs])
     if np.unique(sizes).size < 2:
-        raise ArgumentError(f"steps={list(steps)!r} make {np.unique(sizes).size} different step; a slope needs two.")
+        raise ArgumentError(
+            f"steps={list(steps)!r} yield only {np.unique(sizes).size} different step size; a slope needs at least two."
+        )
     x, v = reference if reference is not None else end_of_reference(problem, runs[0], x0 is None and v0 is None, args)
     errors = np.array([_error(run, x, v) for run in runs])
     largest_first = np.argsort(-sizes)
@@ -121,5 +123,5 @@ def observed_order(
 def _error(run: Solution, x: ArrayLike, v: ArrayLike) -> float:
     error = float(max(np.abs(run.x[-1] - x).max(), np.abs(run.v[-1] - v).max(initial=0.0)))
     if error == 0:
-        raise KickdriftError(f"steps={run.step!r} has no error against the reference; give larger steps.")
+        raise KickdriftError(f"steps={run.step!r} has no error beyond that of the reference; give larger steps.")
     return error

@@ -46,17 +46,17 @@ def phase_error(solution: Solution, reference: Solution | None = None) -> Floats
     if reference is None:
         if "phase error" not in solution.derived:
             raise KickdriftError(
-                f"reference=None, but {solution.about.system!r} has no exact motion from this start; give a run with a finer"
-                " step, reference=kd.solve(...)."
+                f"reference=None, but {solution.about.system!r} has no exact solution from this initial state; give a"
+                " run with a finer step, reference=kd.solve(...)."
             )
         return solution.derived["phase error"]
     if not isinstance(reference, Solution):
-        raise ArgumentError(f"reference={reference!r} is no solution; give that of a finer run, kd.solve(...).")
+        raise ArgumentError(f"reference={reference!r} is not a solution; give one of a finer run, kd.solve(...).")
     solution, dense = solution.plain, reference.plain.dense
     if dense is None or reference.x.shape[1:] != solution.x.shape[1:]:
         raise ArgumentError(
-            f"reference={reference!r} has other states than {solution!r}, or does not know its equations, as one read from a"
-            " file; solve it here."
+            f"reference={reference!r} has states unlike those of {solution!r}, or no equations, because it was read"
+            " from a file; solve it in this process."
         )
     low, high = sorted((float(dense.t[0]), dense.end))
     if not (low <= solution.t.min() and solution.t.max() <= high):
@@ -81,7 +81,10 @@ def phase_drift(solution: Solution, reference: Solution | None = None) -> float:
         If the solution has fewer than two times.
     """
     if solution.t.size < 2:
-        raise ArgumentError(f"solution has {solution.t.size} time kept, but a drift needs two; keep more, by t_eval.")
+        raise ArgumentError(
+            f"solution holds {solution.t.size} time, but a drift needs at least two; keep more, with t_eval or"
+            " save_every."
+        )
     return slope(solution.plain.t, phase_error(solution, reference))
 
 

@@ -94,13 +94,13 @@ def poincare_section(
         number = surface
         if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number < len(problem.t_events):
             raise ArgumentError(
-                f"surface={surface!r} is no event of the solution, which has {len(problem.t_events)}; solve with events=...,"
-                " and give the number of one, from 0."
+                f"surface={surface!r} is not an event of the solution, which has {len(problem.t_events)}; solve with"
+                " events=..., and give the index of one, from 0."
             )
         return _section(problem, number)
     if isinstance(surface, int) or t_span is None or step is None:
         raise ArgumentError(
-            "surface, t_span and step are needed to solve a problem: give a function, a span and a step."
+            "to solve a problem, surface, t_span and step are needed: give a function, a span and a step."
         )
     if direction not in (-1, 0, 1):
         raise ArgumentError(f"direction={direction!r} must be 1, -1 or 0.")

@@ -155,7 +155,7 @@ def amplification_factor(method: str | methods.Method, z: ArrayLike) -> NDArray[
     chosen = methods.get(method)
     if chosen.tableau is None or chosen.tableau().a_of_v is not None:
         raise ArgumentError(
-            f"method={chosen.name!r} has no amplification factor: it treats position and velocity differently; use"
+            f"method={chosen.name!r} has no amplification factor: it is not a map of one complex number; use"
             f" one_step_matrix({chosen.name!r}, h_omega)."
         )
     a, b = (np.array(part, dtype=np.float64) for part in (chosen.tableau().a, chosen.tableau().b))

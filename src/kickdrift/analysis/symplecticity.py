@@ -75,8 +75,8 @@ def symplecticity_defect(
         )
     if isinstance(problem, ChargedParticle | Constrained | Langevin):
         raise ArgumentError(
-            f"problem={type(problem).__name__} has no defect of this kind: in a magnetic field v is not the momentum,"
-            " constraints leave no room for differences, and noise conserves no area."
+            f"problem={type(problem).__name__} has no symplecticity defect here: in a magnetic field v is not the"
+            " canonical momentum, constraints exclude finite differences, and noise is not symplectic."
         )
     if masses is None:
         masses = problem.mass if isinstance(problem, Newtonian) else 1.0

@@ -120,7 +120,9 @@ class Steps:
             problem, (t, t + step), x0, v0, step=abs(step), method=method, args=args, compile=compile_, progress=False
         )
         if run.dense is None:
-            raise ArgumentError("noise drives the path: it has no tangent; take a problem without.")
+            raise ArgumentError(
+                "the problem is stochastic, and its tangent map is not defined here; use a problem without noise."
+            )
         self.x0, self.v0, self._step = run.x[0], run.v[0], step
         self.start = np.concatenate([run.x[0].reshape(-1), run.v[0].reshape(-1)])
         self._processing = run.dense.compile()
@@ -138,5 +140,7 @@ class Steps:
         sizes, counts = np.full(many, self._step), np.full(many, count, dtype=np.int64)
         x, v, _ = self._processing.go_on(np.full(many, float(t)), sizes, counts, xs, vs)
         if not (np.isfinite(x).all() and np.isfinite(v).all()):
-            raise KickdriftError(f"step={self._step!r} leads to no finite state from t={t!r}; take a smaller one.")
+            raise KickdriftError(
+                f"step={self._step!r} leads to a state that is not finite from t={t!r}; use a smaller one."
+            )
         return np.concatenate([x.reshape(many, -1), v.reshape(many, -1)], axis=1)

@@ -120,9 +120,9 @@ def work_precision(
     (['velocity-verlet', 'kahan-li-8'], array([ 401., 1001.]))
     """
     if isinstance(methods, str) or not methods:
-        raise ArgumentError(f"methods={methods!r} has to be a list of at least one method.")
+        raise ArgumentError(f"methods={methods!r} must be a list of at least one method.")
     if not isinstance(rounds, int) or rounds < 1:
-        raise ArgumentError(f"rounds={rounds!r} has to be a whole number of at least 1.")
+        raise ArgumentError(f"rounds={rounds!r} must be a whole number of at least 1.")
     wanted = {catalogue.get(method).name: _steps_of(method, steps) for method in methods}
     chosen = {catalogue.get(method).name: method for method in methods}
 
@@ -166,5 +166,5 @@ def _steps_of(method: str | catalogue.Method, steps: Any) -> list[float]:
     except TypeError:
         own = []
     if not own:
-        raise ArgumentError(f"steps={steps!r} has none for {catalogue.get(method).name!r}; give at least one.")
+        raise ArgumentError(f"steps={steps!r} has no step for {catalogue.get(method).name!r}; give at least one.")
     return own

@@ -177,7 +177,7 @@ def cut_steps(
     surfaces = Surfaces(whole, of_impacts, length, course.step, bool(params[layout.LOCATED])) if of_impacts else None
     controller = Controller(
         name,
-        "what impacts leave of energy and momenta",
+        "energy and momenta as the impacts leave them",
         spelled,
         params,
         between=Controller(name, "", _between, params),
@@ -219,16 +219,18 @@ def sides_at(switches: Any, problem: Any, adapter: Adapter) -> Floats:
 def _check(impacts: Impacts | None, system: System, method: Method, course: Course) -> None:
     if impacts is not None and course.t1 < course.t0:
         raise ArgumentError(
-            f"t_span=({course.t0!r}, {course.t1!r}) runs backwards, where impacts have no meaning; start at the earlier time."
+            f"t_span=({course.t0!r}, {course.t1!r}) runs backwards, but impacts are irreversible; start at the earlier"
+            " time."
         )
     if not Kind.VELOCITY_DEPENDENT.includes(system.kind) and impacts is not None:
         raise ArgumentError(
-            f"impacts change velocities, and {system.name!r} has {system.kind.value}; describe it as kd.SecondOrder,"
-            " kd.Newtonian or another with x' = v."
+            f"impacts change velocities, but the kind of {system.name!r} is {system.kind.value}; describe it as"
+            " kd.SecondOrder, kd.Newtonian or another kind with x' = v."
         )
     if impacts is not None and system.radii is not None:
         raise ArgumentError(
-            f"impacts are given, but bodies of {system.name!r} have radii, and merge where they touch; leave one of them out."
+            f"impacts are given, but the bodies of {system.name!r} have radii, and merge on contact; leave one of them"
+            " out."
         )
     check_copies("impacts and switches", system, method)
 

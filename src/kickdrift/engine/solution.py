@@ -118,8 +118,8 @@ class Solution:
         """
         if "energy" not in self.invariants:
             raise KickdriftError(
-                f"{self.about.system!r} does not say its energy; give energy=... to its description, for an"
-                " acceleration kd.SecondOrder(acceleration, energy=...)."
+                f"{self.about.system!r} has no energy; pass energy=... to its description, for an acceleration"
+                " kd.SecondOrder(acceleration, energy=...)."
             )
         return self.invariants["energy"]
 
@@ -139,7 +139,7 @@ class Solution:
         if "multipliers" not in self.derived:
             raise KickdriftError(
                 f"{self.about.system!r} has no constraints, and so no multipliers; kd.Constrained(force, constraint)"
-                " describes a problem that has."
+                " describes a problem with constraints."
             )
         return self.derived["multipliers"]
 
@@ -186,15 +186,15 @@ class Solution:
         """
         if self.saved_to:
             raise KickdriftError(
-                f"the rows are in {self.saved_to!r}: open them by xarray.open_zarr, and interpolate there."
+                f"the rows are in {self.saved_to!r}: open them with xarray.open_zarr, and interpolate there."
             )
         if self.dense is None:
             if self.about.kind == Kind.LANGEVIN.name:
                 raise KickdriftError(
-                    "noise drives the path: between two steps it is not known; take smaller steps, and keep them."
+                    "the path is stochastic, and not known between steps; use smaller steps, and keep them."
                 )
             raise KickdriftError(
-                "this solution was read from a file or sent from another process, and does not know its equations; solve again,"
+                "this solution was read from a file or sent from another process, without its equations; solve again,"
                 " or interpolate between sol.t."
             )
         return self.dense(t)
@@ -230,8 +230,8 @@ class Solution:
             )
         if self.continuation is None:
             raise KickdriftError(
-                "this solution was read from a file or sent from another process, and does not know its equations; solve with"
-                " checkpoint='folder' what is to go on in another process."
+                "this solution was read from a file or sent from another process, without its equations; solve with"
+                " checkpoint='folder' what is to be continued in another process."
             )
         return self.continuation(t)
 

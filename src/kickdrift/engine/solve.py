@@ -131,7 +131,7 @@ def solve(
     checkpoint : path, optional
         A folder for checkpoints, made where it is missing. The same call again, in whatever process, goes on from the newest
         one with the bits of a run that was never broken; with a later end, too, and with an earlier one from the newest one
-        before it. One process at a time. Where the sizes of steps vary, the end has to be the same.
+        before it. One process at a time. Where the sizes of steps vary, the end must be the same.
     checkpoint_every : int, optional
         Steps from one checkpoint to the next; by default they are about a minute apart. Each holds the rows so far.
     checkpoint_keep : int, optional
@@ -210,6 +210,6 @@ def solve(
     except MemoryError as error:
         raise ArgumentError(
             f"step={step!r}, save_every={save_every!r} and method={method!r} need more memory than there is ({error});"
-            " keep fewer steps, or take an explicit method: implicit ones keep a matrix of the state's size squared."
+            " keep fewer steps, or use an explicit method: implicit ones store a matrix of the state's size squared."
         ) from None
     return entered.leave(carry_out(journey))

@@ -98,7 +98,7 @@ class LogarithmicHamiltonian:
 
     method: ClassVar[str] = "position-verlet"  # where none is named
     order: ClassVar[int | None] = None
-    conserves: ClassVar[str] = "reversible, and symplectic in a time of its own; no drift of the energy"
+    conserves: ClassVar[str] = "reversible, and symplectic in the transformed time; no drift of the energy"
 
     @staticmethod
     def spelled(spell: Spell, word: Word) -> Spelled:

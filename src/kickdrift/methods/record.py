@@ -98,9 +98,7 @@ class Method:
             if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
                 raise ArgumentError(f"{name}={value!r} of a method is no {kind.__name__}; give one.")
         if self.tableau is not None and not callable(self.tableau):
-            raise ArgumentError(
-                f"tableau={self.tableau!r} of {self.name!r} has to be a function that returns a Tableau."
-            )
+            raise ArgumentError(f"tableau={self.tableau!r} of {self.name!r} must be a function that returns a Tableau.")
         for name in ("word", "corrector"):
             for member in getattr(self, name):
                 if not (isinstance(member, tuple) and len(member) == 2 and _is_share(*member)):

@@ -152,7 +152,7 @@ def _check_numbers(name: str, given: Any, dimensions: int) -> None:
         array = reals([list(row) for row in given] if dimensions == 2 else list(given))
     except Exception as error:  # of objects of all sorts
         raise ArgumentError(
-            f"{name}={given!r} has to be numbers: {error}; give Fraction(1, 2) or 0.5, no texts."
+            f"{name}={given!r} must be numbers: {error}; give Fraction(1, 2) or 0.5, no texts."
         ) from None
     if array.ndim != dimensions or not np.isfinite(array).all():
-        raise ArgumentError(f"{name}={given!r} has to be {'rows of ' * (dimensions - 1)}finite numbers.")
+        raise ArgumentError(f"{name}={given!r} must be {'rows of ' * (dimensions - 1)}finite numbers.")

@@ -63,9 +63,9 @@ def animate_recording(
         If matplotlib is not installed.
     """
     if not (isinstance(speed, int | float | np.integer | np.floating) and 0.0 < float(speed) < math.inf):
-        raise ArgumentError(f"speed={speed!r} has to be positive and finite; 1 is real time, 0.5 half as fast.")
+        raise ArgumentError(f"speed={speed!r} must be positive and finite; 1 is real time, 0.5 half as fast.")
     if not (isinstance(rate, int | np.integer) and 1 <= rate <= 50):
-        raise ArgumentError(f"rate={rate!r} has to be a whole number of pictures a second, from 1 to 50.")
+        raise ArgumentError(f"rate={rate!r} must be a whole number of pictures a second, from 1 to 50.")
     target = Path(path)
     write = {".gif": _write_gif, ".mp4": _write_mp4}.get(target.suffix.lower())
     if write is None:

@@ -151,7 +151,7 @@ class _Formulas:
         first, second = self.symbols.values()
         if len(first) != len(second) or len(self._replaced) != 2 * len(first) or not first:
             raise ArgumentError(
-                f"{halves[0][1]!r} and {halves[1][1]!r} have to be as many symbols each, and all of them different."
+                f"{halves[0][1]!r} and {halves[1][1]!r} must be as many symbols each, and all of them different."
             )
         if t is not None:
             self._replaced[t] = self.t
@@ -250,7 +250,7 @@ def _number(symbol: Any, value: Any) -> float:
     except TypeError:
         number = math.nan
     if not math.isfinite(number):
-        raise ArgumentError(f"constants[{symbol}]={value!r} has to be a finite number.")
+        raise ArgumentError(f"constants[{symbol}]={value!r} must be a finite number.")
     return number
 
 

@@ -197,12 +197,12 @@ class AddsBodies:
         name = self.bodies.names.checked(name)
         parts = list(shapes) if isinstance(shapes, Sequence) else [Part(shapes)]
         if not parts or not all(isinstance(part, Part) for part in parts):
-            raise ArgumentError(f"shapes={shapes!r} has to be a shape, or a sequence of at least one Part.")
+            raise ArgumentError(f"shapes={shapes!r} must be a shape, or a sequence of at least one Part.")
         kind = kind_of(static, kinematic)
         origin, turn = vector("position", position, 3), unit_quaternion("orientation", orientation)
         motion = np.concatenate((vector("velocity", velocity, 3), vector("angular_velocity", angular_velocity, 3)))
         if kind == STATIC and motion.any():
-            raise ArgumentError("velocity of a static body has to be zero; make it kinematic=True to move it.")
+            raise ArgumentError("velocity of a static body must be zero; make it kinematic=True to move it.")
         if choice("locked_rotation", locked_rotation) and (kind != DYNAMIC or motion[3:].any()):
             raise ArgumentError(
                 "locked_rotation=True is for bodies that forces move, and have no angular_velocity; leave one of them out."

@@ -20,9 +20,9 @@ def vector(argument: str, value: ArrayLike, size: int) -> Floats:
     try:
         array = reals(value)
     except TypeError:
-        raise ArgumentError(f"{argument}={value!r} has to be {size} numbers.") from None
+        raise ArgumentError(f"{argument}={value!r} must be {size} numbers.") from None
     if array.shape != (size,) or not np.isfinite(array).all():
-        raise ArgumentError(f"{argument}={value!r} has to be {size} finite numbers.")
+        raise ArgumentError(f"{argument}={value!r} must be {size} finite numbers.")
     return array
 
 
@@ -60,7 +60,7 @@ def number(argument: str, value: Any, unit: str, *, zero: bool = True) -> float:
     try:
         size = real(value)
     except TypeError:
-        raise ArgumentError(f"{argument}={value!r} has to be a number, {what}.") from None
+        raise ArgumentError(f"{argument}={value!r} must be a number, {what}.") from None
     if not (0.0 <= size < np.inf) or (size == 0.0 and not zero):
-        raise ArgumentError(f"{argument}={value!r} has to be {what}.")
+        raise ArgumentError(f"{argument}={value!r} must be {what}.")
     return size

@@ -86,7 +86,7 @@ class KeepsHistory:
         save_every : int
             Keep the state at the beginning, after every n-th step, for n = `save_every`, and after the last one.
         save_to : path, optional
-            A folder to which the rows go in place of memory, as those of `run`. All bodies have to be there at the start.
+            A folder to which the rows go in place of memory, as those of `run`. All bodies must be there at the start.
 
         Returns
         -------

@@ -63,7 +63,7 @@ class Rows:
         wrong = ~((values >= least) & (values <= most))  # NaN is wrong, too
         if wrong.any():
             raise ValueError(
-                f"table {name} has {values[wrong][0]} in column {first}, which has to be from {least} to {most}"
+                f"table {name} has {values[wrong][0]} in column {first}, which must be from {least} to {most}"
             )
 
     def holds(self, name: str, column: int, true: Any) -> None:

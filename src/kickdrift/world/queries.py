@@ -137,7 +137,7 @@ class SpatialQueries:
         if isinstance(ignore, Body):
             return {self.bodies.row(ignore, "ignore")}
         if isinstance(ignore, str | np.ndarray) or not isinstance(ignore, Iterable):
-            raise ArgumentError(f"ignore={ignore!r} has to be a body, or several of them.")
+            raise ArgumentError(f"ignore={ignore!r} must be a body, or several of them.")
         return {self.bodies.row(body, "ignore") for body in ignore}
 
     def _hits(self, hits: RayHits) -> list[RayHit]:

@@ -50,7 +50,7 @@ class Tunable:
         if isinstance(substeps, bool) or not (
             isinstance(substeps, int | np.integer) and 1 <= substeps <= MOST_SUBSTEPS
         ):
-            raise ArgumentError(f"substeps={substeps!r} has to be a whole number from 1 to {MOST_SUBSTEPS}.")
+            raise ArgumentError(f"substeps={substeps!r} must be a whole number from 1 to {MOST_SUBSTEPS}.")
         self.tables.array(SETTINGS)[0, SUBSTEPS] = substeps
         self.tables.altered = True
 

@@ -213,7 +213,7 @@ class World(
         """Do so many steps in compiled code; as `step`, again and again."""
         step = number("step", step, "s; 1/60 is usual", zero=False)
         if type(count) is bool or not (isinstance(count, int | np.integer) and count >= 0):
-            raise ArgumentError(f"count={count!r} has to be a whole number of steps, zero or more.")
+            raise ArgumentError(f"count={count!r} must be a whole number of steps, zero or more.")
         self.advance_from(self.time, 0, step, int(count))
 
     def advance_from(self, t0: float, first: int, step: float, count: int) -> None:

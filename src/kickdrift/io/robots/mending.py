@@ -60,7 +60,7 @@ def mend_inertias(mujoco: Any, spec: Any, notes: list[str]) -> list[Repair]:
     Returns
     -------
     list of callables
-        What has to be done to the compiled model, once there is one.
+        What must be done to the compiled model, once there is one.
     """
     by_shapes = int(mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE)
     if spec.compiler.balanceinertia or int(spec.compiler.inertiafromgeom) == by_shapes:

@@ -37,7 +37,7 @@ def _limit(limit: Any) -> float:
     except TypeError:
         length = 0.0
     if not length > 0.0:
-        raise ArgumentError(f"limit={limit!r} has to be positive, in m; infinity is the default.")
+        raise ArgumentError(f"limit={limit!r} must be positive, in m; infinity is the default.")
     return length
 
 
@@ -67,7 +67,7 @@ def layer_bits(layers: Iterable[int] | None) -> int:
     if layers is None:
         return _ALL_LAYERS
     if not isinstance(layers, Iterable) or (isinstance(layers, np.ndarray) and layers.ndim == 0):
-        raise ArgumentError(f"layers={layers!r} has to be a sequence of layers, whole numbers from 0 to 61.")
+        raise ArgumentError(f"layers={layers!r} must be a sequence of layers, whole numbers from 0 to 61.")
     wanted = 0
     for layer in layers:
         if not (isinstance(layer, int | np.integer) and 0 <= layer < 62):

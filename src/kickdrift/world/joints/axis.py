@@ -27,7 +27,7 @@ def finite(argument: str, value: float) -> None:
     ArgumentError
     """
     if not ((type(value) is float or is_number(value)) and math.isfinite(value)):
-        raise ArgumentError(f"{argument}={value!r} has to be a finite number.")
+        raise ArgumentError(f"{argument}={value!r} must be a finite number.")
 
 
 def not_negative(argument: str, value: float, unit: str, *, infinite: bool = False) -> None:
@@ -41,7 +41,7 @@ def not_negative(argument: str, value: float, unit: str, *, infinite: bool = Fal
         return
     if not (is_number(value) and value >= 0.0 and (infinite or value < math.inf)):
         rest = "zero or positive" if infinite else "zero or positive, and finite"
-        raise ArgumentError(f"{argument}={value!r} has to be {rest}, in {unit}.")
+        raise ArgumentError(f"{argument}={value!r} must be {rest}, in {unit}.")
 
 
 def pair(argument: str, value: Any) -> tuple[float, float]:
@@ -53,7 +53,7 @@ def pair(argument: str, value: Any) -> tuple[float, float]:
     """
     ends = list(value) if isinstance(value, tuple | list) or (isinstance(value, np.ndarray) and value.ndim == 1) else []
     if len(ends) != 2 or not all(is_number(end) for end in ends):
-        raise ArgumentError(f"{argument}={value!r} have to be two numbers, the least and the greatest one, or None.")
+        raise ArgumentError(f"{argument}={value!r} must be two numbers, the least and the greatest one, or None.")
     return value[0], value[1]
 
 
@@ -65,7 +65,7 @@ def check_kind(argument: str, value: Any, kind: type) -> None:
     ArgumentError
     """
     if not (value is None or isinstance(value, kind)):
-        raise ArgumentError(f"{argument}={value!r} has to be a kickdrift.{kind.__name__}, or None.")
+        raise ArgumentError(f"{argument}={value!r} must be a kickdrift.{kind.__name__}, or None.")
 
 
 @dataclass(frozen=True)
@@ -148,7 +148,7 @@ class Drive:
                 )
             return
         if not (is_number(self.hertz) and 0.0 < self.hertz < math.inf):
-            raise ArgumentError(f"hertz={self.hertz!r} has to be positive and finite, in 1/s.")
+            raise ArgumentError(f"hertz={self.hertz!r} must be positive and finite, in 1/s.")
         if self.stiffness > 0.0 or self.damping > 0.0:
             raise ArgumentError(
                 f"hertz={self.hertz!r} and stiffness={self.stiffness!r}, damping={self.damping!r} say how stiff the drive"
@@ -199,7 +199,7 @@ class Axis:
             lower, upper = pair("limits", self.limits)
             if not lower <= upper:
                 raise ArgumentError(
-                    f"limits={self.limits!r} have to be the least and the greatest position, in this order."
+                    f"limits={self.limits!r} must be the least and the greatest position, in this order."
                 )
             if lower == math.inf or upper == -math.inf:
                 raise ArgumentError(f"limits={self.limits!r} leave no place; give finite ones.")

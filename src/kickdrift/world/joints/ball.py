@@ -52,12 +52,12 @@ class Ball(Record):
         super().__post_init__()
         check_kind("drive", self.drive, Drive)
         if self.swing_limit is not None and not (is_number(self.swing_limit) and 0.0 < self.swing_limit < math.pi):
-            raise ArgumentError(f"swing_limit={self.swing_limit!r} has to be above 0 and below pi, in rad.")
+            raise ArgumentError(f"swing_limit={self.swing_limit!r} must be above 0 and below pi, in rad.")
         if self.twist_limits is not None:
             lower, upper = pair("twist_limits", self.twist_limits)
             if not -math.pi < lower <= upper < math.pi:
                 raise ArgumentError(
-                    f"twist_limits={self.twist_limits!r} have to be the least and the greatest angle, in this order, above"
+                    f"twist_limits={self.twist_limits!r} must be the least and the greatest angle, in this order, above"
                     " -pi and below pi."
                 )
         if self.drive is not None and (

@@ -238,7 +238,7 @@ class Joint(Handle):
                 )
             return principal
         if isinstance(axis, bool) or not (isinstance(axis, int | np.integer) and 0 <= axis < 6):
-            raise ArgumentError(f"axis={axis!r} has to be 0-2 for a linear or 3-5 for an angular axis.")
+            raise ArgumentError(f"axis={axis!r} must be 0-2 for a linear or 3-5 for an angular axis.")
         return axis
 
     def sign(self, k: int) -> float:

@@ -52,12 +52,12 @@ class SixDof(Record):
         anchor, x, y = point("anchor", self.anchor), direction("axis_x", self.axis_x), direction("axis_y", self.axis_y)
         if abs(x @ y) > 1e-6:
             raise ArgumentError(
-                f"axis_y={self.axis_y!r} and axis_x={self.axis_x!r} have to be at right angles to each other."
+                f"axis_y={self.axis_y!r} and axis_x={self.axis_x!r} must be at right angles to each other."
             )
         for name, axes in (("linear", self.linear), ("angular", self.angular)):
             three = isinstance(axes, tuple | list) and len(axes) == 3
             if not (three and all(isinstance(axis, Axis) for axis in axes)):
-                raise ArgumentError(f"{name}={axes!r} has to be three of kd.Axis, for x, y and z.")
+                raise ArgumentError(f"{name}={axes!r} must be three of kd.Axis, for x, y and z.")
         y -= (x @ y) * x
         y /= np.linalg.norm(y)
         frame = np.column_stack((x, y, np.cross(x, y)))
@@ -80,7 +80,7 @@ class SixDof(Record):
         if self.swing_limit is None and z.limits is None:
             return self.angular, False
         if self.swing_limit is not None and not (is_number(self.swing_limit) and 0.0 < self.swing_limit < math.pi):
-            raise ArgumentError(f"swing_limit={self.swing_limit!r} has to be above 0 and below pi, in rad.")
+            raise ArgumentError(f"swing_limit={self.swing_limit!r} must be above 0 and below pi, in rad.")
         if x.motor or y.motor or z.motor or not x.drive == y.drive == z.drive:
             raise ArgumentError(
                 "angular has motors or different drives together with limits of swing or twist, whose axes move with the"

@@ -150,7 +150,7 @@ def checked_inertia(inertia: ArrayLike, argument: str = "inertia") -> Array:
     try:
         matrix = reals(inertia)
     except TypeError:
-        raise ArgumentError(f"{argument}={inertia!r} has to be three numbers, or (3, 3), in kg m^2.") from None
+        raise ArgumentError(f"{argument}={inertia!r} must be three numbers, or (3, 3), in kg m^2.") from None
     if matrix.shape == (3,):
         matrix = np.diag(matrix)
     if matrix.shape != (3, 3):
@@ -165,7 +165,7 @@ def checked_inertia(inertia: ArrayLike, argument: str = "inertia") -> Array:
     moments = np.linalg.eigvalsh(matrix)
     if not moments[0] > 0.0:
         raise ArgumentError(
-            f"{argument} has the principal moments {_listed(moments)} kg m^2; all have to be positive, "
+            f"{argument} has the principal moments {_listed(moments)} kg m^2; all must be positive, "
             "or the body would turn without resistance; give it an extent in all directions."
         )
     if moments[2] > (moments[0] + moments[1]) * (1.0 + _TOLERANCE):
@@ -212,7 +212,7 @@ def positive(argument: str, value: float, unit: str) -> float:
     except TypeError:
         raise ArgumentError(f"{argument}={value!r} is no number; give a positive one, in {unit}.") from None
     if not 0.0 < number < np.inf:
-        raise ArgumentError(f"{argument}={number:g} {unit} has to be positive and finite.")
+        raise ArgumentError(f"{argument}={number:g} {unit} must be positive and finite.")
     return number
 
 
