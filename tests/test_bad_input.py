@@ -138,7 +138,7 @@ def test_bad_functions(function, says):
         (lambda: kd.systems.nbody([1.0, 1.0], np.zeros((2, 2)), np.zeros((2, 2))), "x0 has shape"),
         (lambda: kd.systems.nbody([1.0, -1.0], np.eye(3)[:2], np.zeros((2, 3))), r"masses\[1\]"),
         (lambda: kd.systems.nbody([1.0, np.nan], np.eye(3)[:2], np.zeros((2, 3))), r"masses\[1\]"),
-        (lambda: kd.systems.nbody([1.0, 1.0], np.ones((2, 3)), np.zeros((2, 3))), "same place"),
+        (lambda: kd.systems.nbody([1.0, 1.0], np.ones((2, 3)), np.zeros((2, 3))), "same position"),
         (lambda: kd.systems.nbody([], [], []), "masses has shape"),
         (lambda: kd.systems.nbody(["a"], [[0, 0, 0]], [[0, 0, 0]]), "arrays of numbers"),
         (lambda: kd.systems.nbody([1.0], [[0, 0, np.inf]], [[0, 0, 0]]), "x0 of body 0 is not finite"),
@@ -244,7 +244,7 @@ def test_weights_that_are_no_numbers_are_refused(b):
 
 def test_a_method_that_claims_more_than_its_word_has_is_refused():
     verlet = kd.methods.get("leapfrog")
-    with pytest.raises(ArgumentError, match="order=4 of 'mine': its word has order 2 on the harmonic oscillator"):
+    with pytest.raises(ArgumentError, match="order=4 of 'mine': its word has only order 2 on the harmonic oscillator"):
         dataclasses.replace(verlet, name="mine", order=4)
     assert dataclasses.replace(verlet, name="mine").order == 2
 

@@ -116,7 +116,7 @@ MISTAKES = {
         "unprintable characters",
     ),
     "name twice": (TWO.replace('"b"', '"a"'), "bodies.toml: bodies[1].name='a' is already in use"),
-    "one place": (TWO.replace("[1, 0, 0]", "[0, 0, 0]"), "bodies.toml: x0 has two bodies at the same place"),
+    "one place": (TWO.replace("[1, 0, 0]", "[0, 0, 0]"), "bodies.toml: x0 has two bodies at the same position"),
     "no step": (TWO + "[run]\nstep = 0.0\n", "bodies.toml: run.step=0.0", "greater than 0"),
     "step as text": (TWO + '[run]\nstep = "1 day"\n', "bodies.toml: run.step='1 day'", "number"),
     "unknown method": (TWO + '[run]\nmethod = "leapfrg"\n', "bodies.toml: run.method='leapfrg'", "'leapfrog'"),

@@ -328,7 +328,7 @@ def test_ctrl_c_keeps_what_is_done(monkeypatch):
     assert np.isfinite(sol.x[0, : done // 10**5]).all()
     assert np.isnan(sol.x[0, done // 10**5 + 1 :]).all()
     assert np.isnan(sol.x[-1]).all()
-    assert "did not begin" in sol.messages[-1]
+    assert "did not start" in sol.messages[-1]
 
 
 KILLED = """
@@ -435,8 +435,8 @@ def test_members_are_solutions():
         ({"args": {}}, "no names"),
         ({"args": {"step": [1.0]}}, "taken"),
         ({"problem": kd.systems.kepler, "args": {"excentricity": [0.1]}}, "did you mean 'eccentricity'"),
-        ({"problem": lambda k: k, "args": {"k": [0.1]}}, "has to make a system"),
-        ({"seeds": [1, 2]}, "no noise"),
+        ({"problem": lambda k: k, "args": {"k": [0.1]}}, "must return a system"),
+        ({"seeds": [1, 2]}, "not stochastic"),
         ({"step": [[0.1]]}, "step has shape"),
         ({"threads": 0}, "threads=0"),
         ({"x0": None}, "x0 is missing"),

@@ -201,7 +201,7 @@ def test_a_folder_that_is_not_there_is_an_error(pendulum, tmp_path):
 
 
 def test_an_ending_that_is_no_picture_is_an_error(pendulum, tmp_path):
-    with pytest.raises(FileFormatError, match=r"Format 'mp3' is not supported.*end it in \.png"):
+    with pytest.raises(FileFormatError, match=r"Format 'mp3' is not supported.*use a name that ends in \.png"):
         pendulum.plot(tmp_path / "p.mp3")
 
 

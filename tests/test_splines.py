@@ -179,10 +179,10 @@ def test_rounding_at_the_ends_is_inside():
 @pytest.mark.parametrize(
     ("t", "values", "options", "reason"),
     [
-        ([0, 1, 1], [1, 2, 3], {}, "t must ascend, but 1.0 is followed by 1.0"),
-        ([0, 2, 1], [1, 2, 3], {}, "t must ascend, but 2.0"),
+        ([0, 1, 1], [1, 2, 3], {}, "t must be strictly increasing, but 1.0 is followed by 1.0"),
+        ([0, 2, 1], [1, 2, 3], {}, "t must be strictly increasing, but 2.0"),
         ([0], [1], {}, "at least two times"),
-        ([0, 1], [1, 2, 3], {}, "a value to each"),
+        ([0, 1], [1, 2, 3], {}, "one value per time"),
         ([0, np.nan], [1, 2], {}, "must be finite"),
         ([0, 1], ["a", "b"], {}, "arrays of numbers"),
         ([0, 1, 2], [1, 2, 3], {"end": "free"}, "end='free'"),

@@ -446,12 +446,12 @@ def test_a_file_damaged_anywhere_is_refused(tmp_path):
 
 def test_files_of_other_sorts_say_what_they_are(tmp_path, rolled):
     recording, world = rolled
-    with pytest.raises(FileFormatError, match=r"is a world, not its recording; read it with kickdrift\.load_world"):
+    with pytest.raises(FileFormatError, match=r"is a world, not a recording; read it with kickdrift\.load_world"):
         kd.load(world.save(tmp_path / "world.npz"))
     with pytest.raises(FileFormatError, match="is not a kickdrift world"):
         kd.load_world(recording.save(tmp_path / "recording.npz"))
     _rewritten(tmp_path / "world.npz", _put(0, "format", "kickdrift world 3"))
-    with pytest.raises(FileFormatError, match=r"'kickdrift world 3', and this version of kickdrift reads"):
+    with pytest.raises(FileFormatError, match=r"'kickdrift world 3', but this version of kickdrift reads"):
         kd.load_world(tmp_path / "world.npz")
     with pytest.raises(FileFormatError, match="cannot be read"):
         kd.load_world(tmp_path / "nothing.npz")
@@ -870,9 +870,9 @@ def test_recordings_that_cannot_be():
     with world.record() as recording:
         with pytest.raises(AttributeError, match=r"x is there once the block of World\.record has ended"):
             recording.x  # noqa: B018
-        with pytest.raises(ArgumentError, match="recorded already"), world.record():
+        with pytest.raises(ArgumentError, match="already being recorded"), world.record():
             pass
-        with pytest.raises(ArgumentError, match="does not go back"):
+        with pytest.raises(ArgumentError, match="cannot go back in time"):
             world.restore(then)
         world.step(STEP)
     with pytest.raises(AttributeError, match="no 'colour'"):

@@ -58,7 +58,7 @@ class SplittingSolver(OdeSolver):
     ) -> None:
         if extraneous:
             warnings.warn(
-                f"{', '.join(sorted(extraneous))} given, of which a fixed step has no use; give step=... alone.",
+                f"{', '.join(sorted(extraneous))} given, which a fixed step does not use; give step=... alone.",
                 stacklevel=3,
             )
         super().__init__(fun, t0, y0, t_bound, vectorized)
@@ -85,8 +85,8 @@ class SplittingSolver(OdeSolver):
             )
         if wrong and self.method.order > 1:
             raise ArgumentError(
-                f"fun returns [x', v'], in which {wrong}: {self.method.name!r} would lose its order. Use kickdrift.solve,"
-                " which has methods for that."
+                f"fun returns [x', v'], in which {wrong}: {self.method.name!r} would lose its order. Use"
+                " kickdrift.solve, which has methods for this."
             )
 
     def _moved(self, t: float, y: Floats, h: float) -> Floats:
@@ -105,7 +105,7 @@ class SplittingSolver(OdeSolver):
     def _step_impl(self) -> tuple[bool, str | None]:
         y = self._moved(self.t, self.y, self._h)
         if not np.isfinite(y).all():
-            return False, "the state is not finite after this step; take a smaller one"
+            return False, "the state is not finite after this step; use a smaller one"
         self._done += 1
         self._before = self.t, self.y
         self.t = self.t_bound if self._done == self._steps else self._t0 + self._done * self._h
@@ -163,7 +163,7 @@ def solver(method: str | Method) -> type[SplittingSolver]:
     found = methods.get(method) if isinstance(method, str) else method
     if not set(found.letters) <= {Letter.KICK, Letter.DRIFT} or found.corrector:
         raise ArgumentError(
-            f"method={found.name!r} is not made of kicks and drifts alone, which are all that fun tells of; use"
+            f"method={found.name!r} needs more than kicks and drifts, which are all that fun defines; use"
             " kickdrift.solve."
         )
     name = "".join(part.capitalize() for part in found.name.split("-"))

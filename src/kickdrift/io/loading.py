@@ -31,9 +31,7 @@ def load(path: str | Path) -> Solution | EnsembleSolution:
 
             return recording_file.assemble(head, arrays)
         if head["format"] == archive.WORLD:
-            raise FileFormatError(
-                f"path={str(path)!r} is a world, not its recording; read it with kickdrift.load_world."
-            )
+            raise FileFormatError(f"path={str(path)!r} is a world, not a recording; read it with kickdrift.load_world.")
         if head["format"] == archive.ENSEMBLE:
             return ensemble_file.assemble(head, arrays)
         return solution_file.assemble(head, arrays)

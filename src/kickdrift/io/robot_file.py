@@ -114,9 +114,9 @@ def load_robot(
     are inertia of what their joint moves about its axis: as in MuJoCo where the parent does not turn about it.
     """
     if world is not None and not isinstance(world, World):
-        raise ArgumentError(f"world={world!r} is no world; give a kickdrift.World, or None for a new one.")
+        raise ArgumentError(f"world={world!r} is not a world; give a kickdrift.World, or None for a new one.")
     if not isinstance(folder, str | Path | None):
-        raise ArgumentError(f"folder={folder!r} is no path; give that of a folder, or None.")
+        raise ArgumentError(f"folder={folder!r} is not a path; give the path of a folder, or None.")
     place, turn = vector("position", position, 3), unit_quaternion("orientation", orientation)
     model, notes = parse(path, floating, place, turn, folder)
     notes += omissions(model)
@@ -163,7 +163,7 @@ def _world(model: Model, world: World | None, notes: list[str]) -> World:
         return World(gravity=gravity)
     there = world.tables.array(SETTINGS)[0, GRAVITY : GRAVITY + 3]
     if not np.array_equal(there, gravity):
-        notes.append(f"gravity is {there.tolist()} m/s^2, as in the world given, and not the file's {gravity.tolist()}")
+        notes.append(f"gravity is {there.tolist()} m/s^2, as in the given world, not {gravity.tolist()} as in the file")
     return world
 
 

@@ -48,7 +48,7 @@ def tao(order: int = 2, binding: float = _BINDING) -> Method:
     Tao, Phys. Rev. E 94, 043303 (2016), eq. 5; Suzuki, Phys. Lett. A 146, 319 (1990).
     """
     if isinstance(order, bool) or not isinstance(order, int) or order < 2 or order % 2:
-        raise ArgumentError(f"order={order!r} must be 2, 4 or another even number; the method is symmetric.")
+        raise ArgumentError(f"order={order!r} must be a positive even number, since the method is symmetric.")
     if not 0 < binding < math.inf:
         raise ArgumentError(f"binding={binding!r} must be positive and finite; {_BINDING} suits rates of about 1.")
     spelled = word((_A, "1/2"), (_B, "1/2"), (_C, 1), (_B, "1/2"), (_A, "1/2"))

@@ -40,7 +40,7 @@ def respa(substeps: int = _SUBSTEPS) -> Method:
     1990 (1992).
     """
     if isinstance(substeps, bool) or not isinstance(substeps, int | np.integer) or substeps < 1:
-        raise ArgumentError(f"substeps={substeps!r} must be a positive whole number: of steps under the fast force.")
+        raise ArgumentError(f"substeps={substeps!r} must be a positive whole number, of steps with the fast force.")
     return Method(
         name="respa-2" if substeps == _SUBSTEPS else f"respa-2-substeps-{substeps}",
         order=2,

@@ -95,7 +95,7 @@ def preferred(kind: Kind, order: int | None, catalogue: dict[str, Method]) -> Me
     if enough:
         return enough[0]
     raise MethodMismatchError(
-        f"order={order!r} is higher than methods for {kind.value} have; the highest is {choices[-1].order}"
+        f"order={order!r} is higher than that of any method for {kind.value}; the highest is {choices[-1].order}"
         f" ({choices[-1].name!r})."
     )
 

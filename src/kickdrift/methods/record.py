@@ -79,7 +79,7 @@ class Method:
     def __post_init__(self) -> None:
         self._check_types()
         if not self.word:
-            raise ArgumentError(f"word of {self.name!r} is empty; a method has at least one flow.")
+            raise ArgumentError(f"word of {self.name!r} is empty; a method needs at least one flow.")
         if self.order < 1:
             raise ArgumentError(f"order={self.order!r} of {self.name!r} must be at least 1.")
         self._check_shares()
@@ -96,7 +96,7 @@ class Method:
         for name, kind in wanted.items():
             value: Any = getattr(self, name)
             if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
-                raise ArgumentError(f"{name}={value!r} of a method is no {kind.__name__}; give one.")
+                raise ArgumentError(f"{name}={value!r} of a method is not of type {kind.__name__}; give one.")
         if self.tableau is not None and not callable(self.tableau):
             raise ArgumentError(f"tableau={self.tableau!r} of {self.name!r} must be a function that returns a Tableau.")
         for name in ("word", "corrector"):
@@ -108,7 +108,7 @@ class Method:
         for number in (*self.parameters, *self.generalised_order):
             if not isinstance(number, int | Fraction):
                 raise ArgumentError(
-                    f"parameters and generalised_order of {self.name!r} hold {number!r}; give whole numbers."
+                    f"parameters and generalised_order of {self.name!r} contain {number!r}; give whole numbers."
                 )
 
     def _check_shares(self) -> None:
@@ -118,13 +118,13 @@ class Method:
         for share, total in totals.items():
             if total != 1:
                 raise ArgumentError(
-                    f"word of {self.name!r}: the weights of {share!r} add up to {float(total)!r}, not to 1;"
-                    " give exact fractions, or derive one weight from the others."
+                    f"word of {self.name!r}: the weights of {share!r} add up to {float(total)!r}, not to 1; give exact"
+                    " fractions, or compute one weight from the others."
                 )
         if frozenset(totals) not in WHOLES:
             raise ArgumentError(
                 f"word of {self.name!r} has the flows {', '.join(sorted(totals))}; a step needs kicks and drifts, or"
-                " another set of flows that make up the whole dynamics."
+                " another complete set of flows."
             )
 
     def _check_order(self) -> None:
@@ -132,8 +132,8 @@ class Method:
             moves = [(letter is D, float(weight)) for letter, weight in self.word]
             if (order := order_on_oscillator(moves, self.order)) < self.order:
                 raise ArgumentError(
-                    f"order={self.order!r} of {self.name!r}: its word has order {order} on the harmonic oscillator, and so"
-                    " no higher one; give that, or other weights."
+                    f"order={self.order!r} of {self.name!r}: its word has only order {order} on the harmonic"
+                    " oscillator; give that order, or other weights."
                 )
 
     def _check_corrector(self) -> None:
@@ -147,7 +147,8 @@ class Method:
         used = {letter for letter, _ in self.corrector}
         if not used <= self.letters or any(letter.noisy or letter.adjoint is None for letter in used):
             raise ArgumentError(
-                f"corrector of {self.name!r} has letters that its word has not, or that cannot be undone; use others."
+                f"corrector of {self.name!r} has letters that are not in its word, or that cannot be inverted; use"
+                " others."
             )
 
     def __hash__(self) -> int:
@@ -176,9 +177,9 @@ class Method:
                     f"kind of {self.name!r} is {self.kind.value}, but its flow {letter.value!r} needs {kind.value}."
                 )
         if not Kind.FIRST_ORDER.includes(self.kind) and not special:
-            raise ArgumentError(f"kind of {self.name!r} is {self.kind.value}, but none of its flows is for that.")
+            raise ArgumentError(f"kind of {self.name!r} is {self.kind.value}, but none of its flows is for this kind.")
         if (self.tableau is not None) != any(letter.has_tableau for letter in self.letters):
-            raise ArgumentError(f"tableau of {self.name!r}: a Runge-Kutta flow has one, and no other does.")
+            raise ArgumentError(f"tableau of {self.name!r}: a Runge-Kutta flow needs one, and no other flow has one.")
         wanted = sum(letter.parameters for letter in self.letters)
         if len(self.parameters) != wanted:
             raise ArgumentError(f"parameters={self.parameters!r} of {self.name!r}: its flows need {wanted}.")
@@ -199,11 +200,13 @@ class Method:
             raise ArgumentError(f"tableau of {self.name!r} is implicit; its letter is IMPLICIT_RUNGE_KUTTA.")
         if Letter.STIFF_RUNGE_KUTTA in self.letters and not tableau.stiffly_accurate:
             raise ArgumentError(
-                f"tableau of {self.name!r} is not stiffly accurate: b is the last row of a regular a, for x and v alike;"
-                " its letter is IMPLICIT_RUNGE_KUTTA."
+                f"tableau of {self.name!r} is not stiffly accurate, which needs b to be the last row of a nonsingular"
+                " a, for x and v alike; its letter is IMPLICIT_RUNGE_KUTTA."
             )
         if tableau.symmetric != self.symmetric:
-            raise ArgumentError(f"symmetric={self.symmetric} of {self.name!r}: its tableau says {tableau.symmetric}.")
+            raise ArgumentError(
+                f"symmetric={self.symmetric} of {self.name!r}: for its tableau this is {tableau.symmetric}."
+            )
         return tableau.numbers
 
     @property

@@ -45,7 +45,9 @@ class Tableau:
             _check_numbers(name, getattr(self, name), 1 if name[0] == "b" else 2)
         for a, b in ((self._a, self._b), (self._a_of_v, self._b_of_v)):
             if a.shape != (b.size, b.size) or b.shape != self._b.shape:
-                raise ArgumentError(f"a has shape {a.shape} but b has {b.size} weights; a tableau is square.")
+                raise ArgumentError(
+                    f"a has shape {a.shape} but b has {b.size} weights; a must be square, with one row per weight."
+                )
             if abs(b.sum() - 1) > _ROUNDING:
                 raise ArgumentError(f"b={b.tolist()!r} adds up to {b.sum()!r}, not to 1.")
 
@@ -152,7 +154,7 @@ def _check_numbers(name: str, given: Any, dimensions: int) -> None:
         array = reals([list(row) for row in given] if dimensions == 2 else list(given))
     except Exception as error:  # of objects of all sorts
         raise ArgumentError(
-            f"{name}={given!r} must be numbers: {error}; give Fraction(1, 2) or 0.5, no texts."
+            f"{name}={given!r} must be numbers: {error}; give Fraction(1, 2) or 0.5, not strings."
         ) from None
     if array.ndim != dimensions or not np.isfinite(array).all():
         raise ArgumentError(f"{name}={given!r} must be {'rows of ' * (dimensions - 1)}finite numbers.")

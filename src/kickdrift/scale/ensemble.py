@@ -157,8 +157,8 @@ def solve_ensemble(
         )
     if checkpoint is not None and save_to is not None:
         raise ArgumentError(
-            f"checkpoint={str(checkpoint)!r} and save_to={str(save_to)!r} are both given, but save_to keeps the members"
-            " that are done, too; leave checkpoint out."
+            f"checkpoint={str(checkpoint)!r} and save_to={str(save_to)!r} are both given, but save_to also stores the"
+            " finished members; leave checkpoint out."
         )
     threads = _threads(threads)
     members = members_of(problem, x0, v0, args, step, seeds)
@@ -212,7 +212,7 @@ def _run(
             kept.write()
     except (FileFormatError, NoWorkerError) as error:  # as on a full disk
         warnings.warn(
-            f"the ensemble ends with the members that are done: {error}", RuntimeWarning, stacklevel=depth_of_caller()
+            f"the ensemble ends with the finished members: {error}", RuntimeWarning, stacklevel=depth_of_caller()
         )
     finally:
         bar.close()

@@ -94,8 +94,8 @@ class EnsembleSolution:
         """
         if "energy" not in self.invariants:
             raise KickdriftError(
-                f"{self.about.system!r} does not say its energy; give energy=... to its description, for an"
-                " acceleration kd.SecondOrder(acceleration, energy=...)."
+                f"{self.about.system!r} has no energy; pass energy=... to its description, for an acceleration"
+                " kd.SecondOrder(acceleration, energy=...)."
             )
         return self.invariants["energy"]
 

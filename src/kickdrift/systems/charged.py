@@ -109,7 +109,7 @@ def _check_vectors(adapter: Adapter, role: str, function: Function, names: tuple
     shape = adapter.shape_of(function, role, names)
     if shape not in ((3,), adapter.x0.shape):
         raise ArgumentError(
-            f"{role} returns an array of shape {shape}; a field has three components, at each particle or one for all:"
+            f"{role} returns an array of shape {shape}; a field has three components, for each particle or for all:"
             f" return shape (3,) or {adapter.x0.shape}."
         )
 
@@ -137,8 +137,8 @@ def _lorentz(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> Non
 def _charges_of(charge_to_mass: ArrayLike, shape: tuple[int, ...]) -> Floats:
     if shape != (3,) and (len(shape) != 2 or shape[1] != 3):
         raise ArgumentError(
-            f"x0 has shape {shape}, but charged particles need (3,) or (N, 3); for a planar motion give the third"
-            " position and velocity as 0."
+            f"x0 has shape {shape}, but charged particles need (3,) or (N, 3); for planar motion set the third"
+            " component of position and velocity to 0."
         )
     try:
         charges = np.broadcast_to(reals(charge_to_mass), shape[:-1])

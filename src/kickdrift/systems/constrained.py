@@ -95,9 +95,9 @@ class Constrained(Problem):
         force = adapter.adapt(self.force, "the force")
         if "v" in force.names:
             raise ArgumentError(
-                f"force={name_of(self.force)} has an argument v, but methods for constraints keep their order for"
-                " forces of t and x alone; leave out what depends on the velocity, or use kd.SecondOrder in coordinates"
-                " that need no constraints, such as angles."
+                f"force={name_of(self.force)} has an argument v, but methods for constraints keep their order only for"
+                " forces of t and x; leave out the dependence on velocity, or use kd.SecondOrder in coordinates"
+                " without constraints, such as angles."
             )
         shape = adapter.shape_of(self.constraint, "the constraint", _POSITION)
         if len(shape) > 1 or 0 in shape:

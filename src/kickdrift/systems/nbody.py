@@ -184,7 +184,7 @@ def _checked(
     except TypeError as error:
         raise ArgumentError(f"masses, x0 and v0 must be arrays of numbers: {error}.") from None
     if m.ndim != 1 or m.size == 0:
-        raise ArgumentError(f"masses has shape {m.shape}; give a list of one mass for each body.")
+        raise ArgumentError(f"masses has shape {m.shape}; give a list with one mass per body.")
     for name, value in (("x0", x), ("v0", v)):
         if value.shape != (m.size, 3):
             raise ArgumentError(f"{name} has shape {value.shape}, but {m.size} masses need shape ({m.size}, 3).")
@@ -199,5 +199,5 @@ def _checked(
     if not _between(softening, 0.0):
         raise ArgumentError(f"softening={softening!r} must be finite and at least 0.")
     if softening == 0 and len(np.unique(x, axis=0)) < m.size:
-        raise ArgumentError("x0 has two bodies at the same place; move one, or give a softening.")
+        raise ArgumentError("x0 has two bodies at the same position; move one, or give a softening.")
     return G * m, x, v

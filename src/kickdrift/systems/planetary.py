@@ -86,8 +86,8 @@ def planetary(
         raise ArgumentError(f"masses has {gm.size} body; a planetary system has at least two.")
     if not gm[0] > 0 or gm.argmax() != 0:
         raise ArgumentError(
-            f"masses[{int(gm.argmax())}] is the largest, or all are 0; put the heaviest body first, the others are to"
-            " move around it."
+            f"masses[{int(gm.argmax())}] is the largest, or all are 0; put the heaviest body first, since the others"
+            " orbit it."
         )
     sizes, quantities = None, system.quantities
     if radii is not None:
@@ -117,9 +117,7 @@ def _sizes(radii: ArrayLike, system: System) -> Floats:
     except TypeError as error:
         raise ArgumentError(f"radii={radii!r} must be numbers: {error}.") from None
     if sizes.shape != system.x0.shape[:1] or not (np.isfinite(sizes) & (sizes >= 0)).all():
-        raise ArgumentError(
-            f"radii={radii!r} must be {len(system.x0)} finite numbers of at least 0, one for each body."
-        )
+        raise ArgumentError(f"radii={radii!r} must be {len(system.x0)} finite numbers of at least 0, one per body.")
     apart, contact = np.linalg.norm(system.x0[:, None] - system.x0, axis=-1), sizes[:, None] + sizes
     for i, j in np.argwhere(np.tril(apart < (1 - 1e-9) * contact, -1)).tolist():
         raise ArgumentError(

@@ -120,6 +120,6 @@ def _choose(bodies: Sequence[str] | None, known: tuple[str, ...]) -> list[int]:
         if capital not in known:
             raise unknown_name("bodies", name, known)
         if known.index(capital) in indices:
-            raise ArgumentError(f"bodies names {capital!r} twice; name each body once.")
+            raise ArgumentError(f"bodies contains {capital!r} twice; name each body once.")
         indices.append(known.index(capital))
     return indices

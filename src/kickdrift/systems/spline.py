@@ -17,7 +17,7 @@ from kickdrift.core.errors import ArgumentError
 
 Floats = NDArray[np.float64]
 
-OUTSIDE = "a table of kd.spline is asked for a time outside of it"
+OUTSIDE = "a kd.spline is evaluated at a time outside its table"
 _ENDS = ("not-a-knot", "natural", "clamped", "periodic")
 _ROUNDING = 1e-9  # of the length: the times of a run are sums
 _SMALLEST = 8  # knots
@@ -92,14 +92,16 @@ def _checked(t: ArrayLike, values: ArrayLike) -> tuple[Floats, Floats]:
         raise ArgumentError(f"t and values must be arrays of numbers: {error}.") from None
     if times.ndim != 1 or times.size < 2 or table.shape[:1] != times.shape or not table.size:
         raise ArgumentError(
-            f"t and values have shapes {times.shape} and {table.shape}; give at least two times, and a value to each."
+            f"t and values have shapes {times.shape} and {table.shape}; give at least two times, and one value per"
+            " time."
         )
     if not (np.isfinite(times).all() and np.isfinite(table).all()):
-        raise ArgumentError("t and values must be finite; leave out what is not known.")
+        raise ArgumentError("t and values must be finite; leave out missing values.")
     if not (np.diff(times) > 0).all():
         row = int(np.argmin(np.diff(times) > 0))
         raise ArgumentError(
-            f"t must ascend, but {float(times[row])!r} is followed by {float(times[row + 1])!r}; sort it."
+            f"t must be strictly increasing, but {float(times[row])!r} is followed by {float(times[row + 1])!r}; sort"
+            " it."
         )
     return times, table
 
@@ -112,7 +114,7 @@ def _function(knots: Floats, pieces: Floats, rows: float, rounding: float) -> Ca
     @numba.njit  # type: ignore[untyped-decorator]
     def row_of(t: float) -> int:
         if not first - rounding <= t <= last + rounding:
-            raise ValueError("a table of kd.spline is asked for a time outside of it")  # OUTSIDE, which is no number
+            raise ValueError("a kd.spline is evaluated at a time outside its table")  # OUTSIDE, which is no number
         low, high = 0, int(rows) - 1
         guess = min(max(int((t - first) * density), 0), high - 1)
         if knots[guess] <= t < knots[guess + 1]:  # where knots are evenly spaced

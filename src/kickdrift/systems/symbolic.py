@@ -115,8 +115,8 @@ def from_lagrangian(
     minors = (sympy.Matrix(mass)[:size, :size].det(method="berkowitz") for size in range(1, len(x) + 1))
     if any(formulas.are_zero([minor]) for minor in minors):
         raise ArgumentError(
-            "lagrangian has no kinetic energy along some of its coordinates, or some mixture of them, or one that is not"
-            " positive: their accelerations do not follow from it. Leave those out, or give their masses."
+            "lagrangian has a kinetic energy that is not positive definite in its velocities, so that it does not"
+            " determine the accelerations. Leave out the coordinates without mass, or give their masses."
         )
     total = sum(momentum * symbol for momentum, symbol in zip(momenta, v, strict=True)) - energy
     return SecondOrder(
@@ -151,7 +151,7 @@ class _Formulas:
         first, second = self.symbols.values()
         if len(first) != len(second) or len(self._replaced) != 2 * len(first) or not first:
             raise ArgumentError(
-                f"{halves[0][1]!r} and {halves[1][1]!r} must be as many symbols each, and all of them different."
+                f"{halves[0][1]!r} and {halves[1][1]!r} must have the same number of symbols, all different."
             )
         if t is not None:
             self._replaced[t] = self.t
@@ -173,8 +173,8 @@ class _Formulas:
         unknown = sorted(map(str, formula.free_symbols - known))
         if unknown:
             raise ArgumentError(
-                f"{argument} has symbols without numbers: {', '.join(unknown)}. Give them by"
-                f" constants={{{unknown[0]}: 1.0}}, or time by t=... ."
+                f"{argument} has symbols without values: {', '.join(unknown)}. Pass them as constants={{{unknown[0]}:"
+                " 1.0}, or time as t=... ."
             )
         return formula
 
@@ -226,9 +226,7 @@ class _Formulas:
         try:
             text: str = self._sympy.pycode(formula, fully_qualified_modules=True, strict=True)
         except NotImplementedError:
-            raise ArgumentError(
-                f"{formula} has functions that cannot be written in Python; replace them by others."
-            ) from None
+            raise ArgumentError(f"{formula} has functions that cannot be written in Python; replace them.") from None
         return f"({text})".replace(_OWN, "")
 
     def _defined(self, name: str, halves: str, formulas: list[Any], lines: list[str]) -> FunctionType:
@@ -260,7 +258,7 @@ def _taken_apart(equations: Any, q: Any, qdot: Any, sympy: Any) -> tuple[Any, An
         raise ArgumentError("q and qdot are given, but a LagrangesMethod brings its own; leave them out.")
     if equations.coneqs:
         raise ArgumentError(
-            "lagrangian has constraints, which accelerations alone do not keep; describe them by"
+            "lagrangian has constraints, which accelerations alone do not enforce; describe them with"
             " kd.Constrained(force, constraint)."
         )
     time = sympy.physics.mechanics.dynamicsymbols._t

@@ -202,10 +202,10 @@ class AddsBodies:
         origin, turn = vector("position", position, 3), unit_quaternion("orientation", orientation)
         motion = np.concatenate((vector("velocity", velocity, 3), vector("angular_velocity", angular_velocity, 3)))
         if kind == STATIC and motion.any():
-            raise ArgumentError("velocity of a static body must be zero; make it kinematic=True to move it.")
+            raise ArgumentError("velocity of a static body must be zero; use kinematic=True for a body that moves.")
         if choice("locked_rotation", locked_rotation) and (kind != DYNAMIC or motion[3:].any()):
             raise ArgumentError(
-                "locked_rotation=True is for bodies that forces move, and have no angular_velocity; leave one of them out."
+                "locked_rotation=True is for dynamic bodies without angular_velocity; leave one of them out."
             )
         surfaces = [surface_of({**surface, **part.surface}) for part in parts]
         weight = mass_properties_of(parts, density, mass, inertia, centre) if kind == DYNAMIC else None

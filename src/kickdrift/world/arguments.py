@@ -31,7 +31,7 @@ def unit_quaternion(argument: str, value: ArrayLike) -> Floats:
     q = vector(argument, value, 4)
     size = float(np.linalg.norm(q))
     if size < 1e-9:
-        raise ArgumentError(f"{argument}={value!r} has no length; (1, 0, 0, 0) leaves a body as it is.")
+        raise ArgumentError(f"{argument}={value!r} has zero norm; (1, 0, 0, 0) is no rotation.")
     return q / size
 
 
@@ -40,7 +40,7 @@ def direction(argument: str, value: ArrayLike) -> Floats:
     v = vector(argument, value, 3)
     size = float(np.linalg.norm(v))
     if size == 0.0:
-        raise ArgumentError(f"{argument}={value!r} has no direction; (0, 0, 1) looks up.")
+        raise ArgumentError(f"{argument}={value!r} has no direction; (0, 0, 1) points up.")
     return v / size
 
 

@@ -60,5 +60,5 @@ def surface_of(options: Mapping[str, Any]) -> Surface:
     """
     unknown = set(options) - {field.name for field in fields(Surface)}
     if unknown:
-        raise ArgumentError(f"{sorted(unknown)[0]}= is not known; see the options of World.add_body.")
+        raise ArgumentError(f"{sorted(unknown)[0]}= is unknown; see the options of World.add_body.")
     return Surface(**options)

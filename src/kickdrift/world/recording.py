@@ -121,13 +121,16 @@ class Recording(Solution):
         KickdriftError
         """
         raise KickdriftError(
-            "a recording does not go on, but its world does: world.run(duration, step) goes on from where it is."
+            "a recording cannot be continued, but its world can: world.run(duration, step) continues from its current"
+            " state."
         )
 
     def __getattr__(self, name: str) -> Any:
         known = name in self.__dataclass_fields__
         raise AttributeError(
-            f"{name} is there once the block of World.record has ended." if known else f"a Recording has no {name!r}."
+            f"{name} is available once the block of World.record has ended."
+            if known
+            else f"a Recording has no {name!r}."
         )
 
     @property

@@ -101,8 +101,8 @@ def record(world: "World", save_every: int, save_to: Any) -> Iterator[Recording]
     if isinstance(save_every, bool) or not (isinstance(save_every, int | np.integer) and save_every >= 1):
         raise ArgumentError(f"save_every={save_every!r} must be a whole number of steps, one or more.")
     if world.recorder is not None:
-        raise ArgumentError("the world is being recorded already; end that recording first, or keep more of its steps.")
-    store = None if save_to is None else ZarrStore(save_to, "a loop that was recorded")
+        raise ArgumentError("the world is already being recorded; end that recording first, or keep more of its steps.")
+    store = None if save_to is None else ZarrStore(save_to, "a recorded loop")
     with nullcontext() if store is None else closing(store):
         if store is not None:
             store.check(again=False)
@@ -113,7 +113,7 @@ def record(world: "World", save_every: int, save_to: Any) -> Iterator[Recording]
 def _recorded(world: "World", recorder: Recorder) -> Iterator[Recording]:
     recording = Recording.__new__(Recording)
     world.recorder = recorder
-    outcome, message = Outcome.COMPLETED, "The end of what was to be recorded was reached."
+    outcome, message = Outcome.COMPLETED, "The recording was completed."
     try:
         yield recording
     except BaseException as error:
@@ -143,7 +143,7 @@ def _lay(duration: float, step: float, save_every: int | None, per_row: int, str
         raise ArgumentError(f"step={step!r} is larger than duration={duration!r}; give a smaller one.")
     if not duration / step < 2**53:
         raise ArgumentError(
-            f"step={step!r} cuts duration={duration!r} into more steps than float64 counts; give a larger one."
+            f"step={step!r} cuts duration={duration!r} into more steps than float64 can count; give a larger step."
         )
     if not streamed and (
         save_every is None or (is_number(save_every) and save_every >= 1)

@@ -79,7 +79,7 @@ class Surface:
             if not fits:
                 raise ArgumentError(f"{name}={value!r} must be a number, zero or positive and finite.")
         if self.restitution > 1.0:
-            raise ArgumentError(f"restitution={self.restitution!r} would gain energy at every bounce; give at most 1.")
+            raise ArgumentError(f"restitution={self.restitution!r} would add energy at every bounce; give at most 1.")
         try:
             velocity = reals(self.surface_velocity)
         except TypeError:
@@ -168,7 +168,7 @@ class ShapeRows:
         """Give the surfaces of all shapes of a body another number of a name; ArgumentError for one that cannot be."""
         rows = self.rows_of(body).tolist()
         if not rows:
-            raise ArgumentError(f"{name}={value!r} is for bodies that have shapes; this one has none.")
+            raise ArgumentError(f"{name}={value!r} is for bodies with shapes; this one has none.")
         changed: dict[str, Any] = {name: value}
         new = {row: replace(self.shapes[row].surface, **changed) for row in rows}
         for row, surface in new.items():

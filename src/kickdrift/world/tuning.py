@@ -85,5 +85,5 @@ class Tunable:
         """
         pair = (self.bodies.row(body_a, "body_a"), self.bodies.row(body_b, "body_b"))
         if pair[0] == pair[1]:
-            raise ArgumentError(f"body_b={body_b!r} is body_a, and the parts of a body never touch; give another one.")
+            raise ArgumentError(f"body_b={body_b!r} is body_a, but parts of one body never touch; give another body.")
         exclude(self.tables, [*self.tables.array(ASKED_APART).tolist(), pair])

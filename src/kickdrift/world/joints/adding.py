@@ -90,9 +90,11 @@ class AddsJoints:
             For a body with itself, bodies that are gone, and for what the record refuses.
         """
         if not isinstance(record, Record):
-            raise ArgumentError(f"record={record!r} is no kind of joint; give one of kickdrift.world.joints.catalogue.")
+            raise ArgumentError(
+                f"record={record!r} is not a kind of joint; give one of kickdrift.world.joints.catalogue."
+            )
         if isinstance(record, Gear):
-            raise ArgumentError(f"record={record!r} couples joints, not bodies; give what it is made of to add_gear.")
+            raise ArgumentError(f"record={record!r} couples joints, not bodies; use add_gear with its parameters.")
         row_a, row_b = (
             self.bodies.row(self.bodies.ground if body is None else body, argument)
             for body, argument in ((body_a, "body_a"), (body_b, "body_b"))
@@ -100,7 +102,8 @@ class AddsJoints:
         kinds = self.tables.array(BODY)[[row_a, row_b], BODY_KIND]
         if not (kinds == DYNAMIC).any():
             raise ArgumentError(
-                "body_a and body_b are both static or kinematic, which no joint moves; give one that moves."
+                "body_a and body_b are both static or kinematic, so no joint can move them; give at least one dynamic"
+                " body."
             )
         return self.joints.add(record, row_a, row_b)
 

@@ -53,7 +53,7 @@ def pair(argument: str, value: Any) -> tuple[float, float]:
     """
     ends = list(value) if isinstance(value, tuple | list) or (isinstance(value, np.ndarray) and value.ndim == 1) else []
     if len(ends) != 2 or not all(is_number(end) for end in ends):
-        raise ArgumentError(f"{argument}={value!r} must be two numbers, the least and the greatest one, or None.")
+        raise ArgumentError(f"{argument}={value!r} must be two numbers, the smallest and the largest, or None.")
     return value[0], value[1]
 
 
@@ -137,7 +137,7 @@ class Drive:
     def __post_init__(self) -> None:
         not_negative("stiffness", self.stiffness, "N m/rad about an axis, N/m along one")
         not_negative("damping", self.damping, "N m s/rad about an axis, N s/m along one")
-        not_negative("damping_ratio", self.damping_ratio, "parts of critical damping")
+        not_negative("damping_ratio", self.damping_ratio, "ratio to critical damping")
         not_negative("maximum", self.maximum, "N m about an axis, N along one", infinite=True)
         finite("target", self.target)
         finite("speed", self.speed)
@@ -151,8 +151,8 @@ class Drive:
             raise ArgumentError(f"hertz={self.hertz!r} must be positive and finite, in 1/s.")
         if self.stiffness > 0.0 or self.damping > 0.0:
             raise ArgumentError(
-                f"hertz={self.hertz!r} and stiffness={self.stiffness!r}, damping={self.damping!r} say how stiff the drive"
-                " is in two ways; give hertz and damping_ratio, or stiffness and damping."
+                f"hertz={self.hertz!r} and stiffness={self.stiffness!r}, damping={self.damping!r} define the stiffness"
+                " of the drive twice; give hertz and damping_ratio, or stiffness and damping."
             )
 
     def coefficients(self, mass: float) -> tuple[float, float]:
@@ -199,12 +199,12 @@ class Axis:
             lower, upper = pair("limits", self.limits)
             if not lower <= upper:
                 raise ArgumentError(
-                    f"limits={self.limits!r} must be the least and the greatest position, in this order."
+                    f"limits={self.limits!r} must be the smallest and the largest position, in this order."
                 )
             if lower == math.inf or upper == -math.inf:
-                raise ArgumentError(f"limits={self.limits!r} leave no place; give finite ones.")
+                raise ArgumentError(f"limits={self.limits!r} allow no finite position; give finite limits.")
         if self.locked and self.has_law:
-            raise ArgumentError("locked=True leaves nothing to limit, drive or brake; leave the axis open.")
+            raise ArgumentError("locked=True leaves no motion to limit, drive or brake; leave the axis open.")
 
     def reversed(self) -> "Axis":
         """Return the same as seen from the other side, where positions, speeds and efforts have the other sign."""

@@ -57,15 +57,15 @@ class Ball(Record):
             lower, upper = pair("twist_limits", self.twist_limits)
             if not -math.pi < lower <= upper < math.pi:
                 raise ArgumentError(
-                    f"twist_limits={self.twist_limits!r} must be the least and the greatest angle, in this order, above"
-                    " -pi and below pi."
+                    f"twist_limits={self.twist_limits!r} must be the smallest and the largest angle, in this order,"
+                    " above -pi and below pi."
                 )
         if self.drive is not None and (
             self.drive.target != 0.0 or self.drive.speed != 0.0 or self.drive.maximum != math.inf
         ):
             raise ArgumentError(
-                f"drive={self.drive!r} has a target, a speed or a maximum, but that of a ball joint pulls back to the"
-                " orientation at the start, about no axis of its own; use add_six_dof_joint for others."
+                f"drive={self.drive!r} has a target, a speed or a maximum, but the drive of a ball joint only pulls"
+                " back to the initial orientation, about no particular axis; use add_six_dof_joint for other drives."
             )
 
     def placement(self) -> Placement:

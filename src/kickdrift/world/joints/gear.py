@@ -108,8 +108,8 @@ def _axis(name: str, joint: Joint, axis: int | None) -> int:
     row = joint.joints.tables.row(JOINT, joint.joints.row(joint))
     if axis is None and row.item(PRINCIPAL) < 0:
         raise ArgumentError(
-            f"axis_{name}=None is ambiguous for joint_{name}={joint!r}, which has no one open axis; give 0-2 for a linear or"
-            " 3-5 for an angular one."
+            f"axis_{name}=None is ambiguous for joint_{name}={joint!r}, which does not have exactly one open axis;"
+            " give 0-2 for a linear or 3-5 for an angular one."
         )
     k = joint.axis(axis)
     if row.item(LOCKED) >> k & 1:
@@ -118,7 +118,7 @@ def _axis(name: str, joint: Joint, axis: int | None) -> int:
         )
     if (k < 3 and row.item(LINEAR) == LINE) or (k >= 3 and row.item(ANGULAR) != HINGE):
         raise ArgumentError(
-            f"axis_{name}={k} of joint_{name}={joint!r} cannot be geared; give a linear axis that is fixed in a body, as that"
-            " of a slider, or the only open angular one, as that of a hinge."
+            f"axis_{name}={k} of joint_{name}={joint!r} cannot be geared; give a linear axis that is fixed in a body,"
+            " as in a slider, or the only open angular axis, as in a hinge."
         )
     return k

@@ -233,8 +233,8 @@ class Joint(Handle):
         if axis is None:
             if principal < 0:
                 raise ArgumentError(
-                    f"axis=None is ambiguous for joint={self!r}, which has no one open axis; give 0-2 for a linear or 3-5 for"
-                    " an angular one, or ask for angles or positions."
+                    f"axis=None is ambiguous for joint={self!r}, which does not have exactly one open axis; give 0-2"
+                    " for a linear or 3-5 for an angular one, or use angles or positions."
                 )
             return principal
         if isinstance(axis, bool) or not (isinstance(axis, int | np.integer) and 0 <= axis < 6):
@@ -256,7 +256,7 @@ class Joint(Handle):
         k = self.axis()
         if (k < 3) == (what == "angle"):
             does, has = ("slides", "position") if k < 3 else ("turns", "angle")
-            raise ArgumentError(f"joint={self!r} {does} and has no {what} of its own; ask for its {has}.")
+            raise ArgumentError(f"joint={self!r} {does} and has no {what} of its own; use its {has}.")
         return k
 
     def _look(self) -> JointViews:

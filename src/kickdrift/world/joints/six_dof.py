@@ -74,7 +74,7 @@ class SixDof(Record):
             return self.angular, False
         if x.limits is not None or y.limits is not None:
             raise ArgumentError(
-                "angular has limits about x or y with all three axes open, where they are no angles of their own; give"
+                "angular has limits about x or y with all three axes open, where they do not define angles; give"
                 " swing_limit, or lock an axis."
             )
         if self.swing_limit is None and z.limits is None:

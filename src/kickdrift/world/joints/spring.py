@@ -47,5 +47,5 @@ class Spring(Record):
         """Return the frame of the joint and the laws of its axes."""
         drive = Drive(self.stiffness, self.damping, self.hertz, self.damping_ratio)
         if self.hertz is None and self.stiffness == self.damping == 0.0:
-            raise ArgumentError("stiffness=0.0 makes a spring that does nothing; give hertz or stiffness.")
+            raise ArgumentError("stiffness=0.0 is a spring without force; give hertz or stiffness.")
         return line_placement(self.anchor_a, self.anchor_b, self.length, Axis(drive=drive))
