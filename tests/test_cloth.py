@@ -285,6 +285,59 @@ def test_what_is_pinned_to_a_body_that_is_removed_falls():
     assert sheet.velocity[:, 2] == pytest.approx(-9.81 * 0.5, rel=1e-9)
 
 
+def carried_sheet(mass, **options):
+    """A body with a sheet, all of whose vertices are pinned to it."""
+    world = kd.World()
+    body = world.add_sphere(0.1, position=(0, 0, 5.0), mass=mass, collides_with=())
+    sheet = world.add_cloth_grid((0.4, 0.5), (3, 4), position=(0, 0, 5.0), density=5.0, **options)
+    sheet.pin(np.arange(12), body)
+    return world, body, sheet
+
+
+@pytest.mark.parametrize("lift", [0.0, 30.0])
+def test_a_body_carries_the_weight_and_the_inertia_of_what_is_pinned_to_it(lift):
+    world, body, sheet = carried_sheet(0.1)  # a tenth of the mass of the sheet
+    for _ in range(30):
+        world.apply_force(body, (0, 0, lift))
+        world.step(STEP)
+    assert body.velocity[2] == pytest.approx(0.5 * (lift / 1.1 - 9.81), abs=1e-9)
+    assert np.abs(body.angular_velocity).max() < 1e-9
+    assert sheet.position[:, 2] == pytest.approx(body.position[2], abs=1e-9)
+
+
+def test_wind_drives_a_body_by_what_is_pinned_to_it():
+    world, body, sheet = carried_sheet(2.0, drag=1.2)
+    world.gravity, sheet.wind = (0, 0, 0), (0, 0, 8.0)
+    world.advance(STEP, 60)
+    assert body.velocity[2] == pytest.approx(8.0 - 1 / (1 / 8.0 + 0.5 * 1.2 * 1.2 * 0.2 / 3.0), rel=2e-3)
+
+
+def test_a_turning_body_and_what_is_pinned_to_it_keep_momentum():
+    world = kd.World(gravity=(0, 0, 0))
+    body = world.add_box((0.2, 0.3, 0.1), position=(0, 0, 0), mass=0.5, collides_with=())
+    body.velocity[:], body.angular_velocity[:] = (0.3, -0.1, 0.2), (1.0, -2.0, 3.0)
+    sheet = world.add_cloth_grid((0.8, 0.6), (7, 6), damping=1e-3)
+    sheet.pin([14, 15, 20, 21, 26], body)
+    momentum, spin, energy = world.momentum(), world.angular_momentum(), world.energy().total
+    world.advance(STEP, 200)
+    assert world.momentum() == pytest.approx(momentum, abs=1e-12)
+    assert world.angular_momentum() == pytest.approx(spin, abs=1e-4)
+    assert 0.0 < world.energy().total < energy
+
+
+@pytest.mark.parametrize("speed", [0.0, -2.0])
+def test_a_sleeping_body_wakes_where_a_cloth_hits_it(speed):
+    world = kd.World(gravity=(0, 0, 0), sleeping=True)
+    ball = world.add_sphere(0.2, position=(0, 0, 0), mass=0.1)
+    world.advance(STEP, 60)
+    sheet = world.add_cloth_grid((0.5, 0.5), (9, 9), position=(0, 0, 0.3))
+    sheet.velocity[:, 2] = speed
+    momentum = world.momentum()
+    world.advance(STEP, 60)
+    assert world.momentum() == pytest.approx(momentum, abs=1e-12)
+    assert (ball.velocity[2] < -0.1) == (speed < 0.0)
+
+
 def test_a_ball_dents_a_trampoline_and_comes_back():
     world = kd.World(substeps=8)
     n = 15
@@ -342,6 +395,9 @@ def test_what_is_too_stiff_for_the_step_is_softer_and_says_so():
     recording = world.run(1.0, STEP, save_every=60, progress=False)
     assert sheet.stiffness[0] < 1e6
     assert "'steel'" in recording.message
+    with world.record() as own:
+        world.step(STEP)
+    assert "'steel'" in own.report()
     assert np.abs(sheet.velocity).max() < 20.0
 
 
@@ -399,6 +455,9 @@ def test_meshes_that_no_cloth_is_made_of(vertices, triangles, words):
         ({"bending_stiffness": np.nan}, "bending_stiffness"),
         ({"damping": -1e-3}, "damping"),
         ({"friction": "rough"}, "friction"),
+        ({"density": 1e308}, "density=1e.308 has to be from"),
+        ({"bending_stiffness": 1e308}, "bending_stiffness=1e.308 has to be zero or from"),
+        ({"size": (1e150, 1e150)}, "vertex 0 is at"),
         ({"size": (1.0, 0.0)}, "size"),
         ({"vertices": (1, 5)}, "vertices"),
         ({"vertices": (10.0, 5)}, "vertices"),

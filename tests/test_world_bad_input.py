@@ -256,6 +256,14 @@ def test_orientations_of_no_length_are_told_from_what_is_too_fast():
         world.step(1 / 60)
 
 
+def test_an_orientation_that_is_not_finite_in_its_last_number_alone_is_found_where_nothing_moves():
+    world = World()
+    wall = world.add_box((1, 1, 1), static=True)
+    world.orientation[wall.index, 3] = NAN
+    with pytest.raises(LostBodyError, match="not finite"):
+        world.step(1 / 60)
+
+
 @pytest.mark.parametrize("where", ["position", "velocity"])
 def test_what_is_not_finite_is_told_from_what_is_too_fast(where):
     world = World()

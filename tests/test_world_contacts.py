@@ -385,6 +385,29 @@ def test_a_fast_small_ball_does_not_pass_a_thin_wall(restitution):
         assert world.velocity[2, 0] == pytest.approx(-200 * restitution, abs=1e-6)
 
 
+@pytest.mark.parametrize("add", ["add_sphere", "add_box"])
+@pytest.mark.parametrize("gap", [0.01, 0.03, 0.045])
+def test_a_body_at_rest_beside_a_thin_wall_does_not_pass_it_when_it_is_shot(add, gap):
+    world = World(gravity=(0, 0, 0))
+    world.add_box((0.02, 4, 4), static=True)
+    body = getattr(world, add)(0.1 if add == "add_sphere" else (0.2, 0.2, 0.2), position=(0.11 + gap, 0, 0))
+    world.step(STEP)
+    body.velocity = (-100, 0, 0)
+    world.step(STEP)
+    assert body.position[0] == pytest.approx(0.11, abs=2e-3)
+
+
+@pytest.mark.parametrize("gap", [0.025, 0.04])
+def test_a_fast_ball_that_missed_a_wall_does_not_sink_into_it_slowly(gap):
+    world = World(gravity=(0, 0, 0))
+    world.add_box((0.02, 40, 40), static=True)
+    ball = world.add_sphere(0.1, position=(0.11 + gap, -3, 0), velocity=(0, 300, 0))
+    world.step(STEP)
+    ball.velocity = (-1, 0, 0)
+    world.advance(STEP, 60)
+    assert ball.position[0] == pytest.approx(0.11, abs=2e-3)
+
+
 @pytest.mark.parametrize("angle", [0.0, 0.1, 0.4])
 @pytest.mark.parametrize("clearance", [1e-4, 1e-2])
 def test_a_fast_ball_that_misses_the_edge_flies_on(angle, clearance):

@@ -20,7 +20,7 @@ from kickdrift.world.integration import GENERATION as BODY_GENERATION
 from kickdrift.world.integrity import check
 from kickdrift.world.joints.layout import GENERATION, JOINT_KIND
 from kickdrift.world.joints.layout import REMOVED as REMOVED_JOINT
-from kickdrift.world.joints.tree import arrange
+from kickdrift.world.joints.spanning_tree import arrange
 from kickdrift.world.layout import BODY_ROW, GONE, SEARCH_STATE, SHAPE_KIND
 from kickdrift.world.shape_rows import SHOWN, Placed, ShapeRows, Surface
 from kickdrift.world.snapshot import TABLES, Snapshot, kept

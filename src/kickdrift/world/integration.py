@@ -121,7 +121,7 @@ def finish(t: float, h: float, world: int) -> None:
     kind, member = integers(world, BODY), integers(world, MEMBER)
     for place in range(rows(world, MEMBER)):
         body = member[place, 0]
-        total = 0.0
+        total = abs(pose[body, 6])
         for k in range(6):
             total += abs(pose[body, k]) + abs(motion[body, k])
         if not total < math.inf and kind[body, BODY_KIND] != REMOVED:

@@ -48,7 +48,7 @@ def find_lost_body(tables: Tables, step: float, found: int) -> int:
     """
     now = np.hstack((tables.array(POSE)[:, :7], tables.array(MOTION)[:, :6]))
     moves = tables.array(BODY)[:, BODY_KIND] >= KINEMATIC
-    lost_body_error = moves & ~(np.abs(now) < _FAR).all(axis=1)
+    lost = moves & ~(np.abs(now) < _FAR).all(axis=1)
     motion, load = tables.array(STARTED_MOTION), tables.array(LOAD)
     inertia, reach = tables.array(INERTIA), tables.array(RESTED)[:, REACH]
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
@@ -62,7 +62,7 @@ def find_lost_body(tables: Tables, step: float, found: int) -> int:
         )
         speeds = np.max(pushes, axis=0) + 0.0 * tables.array(STARTED_POSE)[:, :7].sum(axis=1)
     speeds = np.where(np.isfinite(speeds), speeds, np.inf)
-    of = moves & (lost_body_error | (speeds > _FAR))
+    of = moves & (lost | (speeds > _FAR))
     return int(np.argmax(np.where(of, speeds, -1.0))) if of.any() else found
 
 
@@ -72,10 +72,8 @@ def roll_back(tables: Tables) -> None:
     tables.array(MOTION)[:] = tables.array(STARTED_MOTION)
     tables.array(KICKED)[:] = 0.0  # which orientations the drift left is forgotten, so that all of a body is found anew
     # Those of unequal moments are found anew by the kick.
-    lost_body_error = ~np.isfinite(tables.array(INVERSE_MASS)[:, :7]).all(axis=1)
-    tables.array(INVERSE_MASS)[lost_body_error, 1:7] = tables.array(INERTIA)[
-        lost_body_error, INVERSE_INERTIA : INVERSE_INERTIA + 6
-    ]
+    unknown = ~np.isfinite(tables.array(INVERSE_MASS)[:, :7]).all(axis=1)
+    tables.array(INVERSE_MASS)[unknown, 1:7] = tables.array(INERTIA)[unknown, INVERSE_INERTIA : INVERSE_INERTIA + 6]
     tables.array(JOINT_NUMBERS)[:] = tables.array(STARTED_JOINTS)
     roll_back_cloths(tables)
     tables.array(LINK_NUMBERS)[:] = 0.0

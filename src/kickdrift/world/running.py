@@ -123,7 +123,7 @@ def _recorded(world: "World", recorder: Recorder) -> Iterator[Recording]:
         raise
     finally:
         world.recorder = None
-        vars(recording).update(vars(recorder.recording(outcome, message)))
+        vars(recording).update(vars(recorder.recording(outcome, message + world.cloths.notes())))
 
 
 def _written(write: Callable[[], None], outcome: Outcome, cause: str) -> tuple[Outcome, str]:

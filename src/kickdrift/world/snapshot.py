@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from kickdrift.world.world import World
 
 # Addresses of compiled functions mean nothing in another process; a world finds its own.
-_OF_THE_PROCESS = (tables.COLLIDERS, tables.SHAPE_KINDS, tables.SWEEPS)
+_OF_THE_PROCESS = (tables.COLLIDERS, tables.SHAPE_KINDS, tables.KERNEL_ADDRESSES)
 # What a step makes anew, with a row a body each
 _OF_BODIES = (
     tables.DELTA_POSE, tables.FORCE, tables.NOTED, tables.COLOURED, tables.STARTED_POSE, tables.STARTED_MOTION,

@@ -80,7 +80,7 @@ ADJACENCY = Table(58, 1, whole=True)  # bits: which nodes are coupled
 # The sweeps
 COLOURS = Table(30, 4, whole=True)  # of contacts: see `kickdrift.world.contacts.layout`
 COLOURED = Table(31, 1, whole=True)  # of each body the set of colours that its contacts have
-SWEEPS = Table(34, 10, whole=True)  # one row: see `kickdrift.world.contacts.layout`
+KERNEL_ADDRESSES = Table(34, 10, whole=True)  # one row: see `kickdrift.world.contacts.layout`
 IMPACT = Table(59, 64)  # hits of a round of impacts: see `kickdrift.world.contacts.simultaneous_impact`
 BOUNCING = Table(60, 1, whole=True)  # contacts that may bounce in this step
 STARTED_POSE = Table(32, POSE.width)  # as POSE, MOTION and JOINT_NUMBERS were when the step began
@@ -102,7 +102,7 @@ BATCH = Table(64, 4, whole=True)
 MEMBERSHIP = Table(65, 2, whole=True)  # of each body
 
 # Cloths: see `kickdrift.world.cloth.layout`
-CLOTH = Table(66, 12, whole=True)
+CLOTH = Table(66, 16, whole=True)
 CLOTH_NUMBERS = Table(67, 24)
 PARTICLE = Table(68, 8)
 PARTICLE_FORCE = Table(69, 8)

@@ -32,7 +32,7 @@ from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.snapshot import Snapshot
 from kickdrift.world.stage_order import Program
 from kickdrift.world.stepping import DoesSteps
-from kickdrift.world.tables import COLOURS, SETTINGS, STEP_STATUS, SWEEPS, VIEW, Tables
+from kickdrift.world.tables import COLOURS, KERNEL_ADDRESSES, SETTINGS, STEP_STATUS, VIEW, Tables
 from kickdrift.world.tuning import Tunable
 from kickdrift.world.unsolved import say
 from kickdrift.world.views import BodyViews
@@ -160,7 +160,7 @@ class World(
         self.tables.resize(STEP_STATUS, 1)
         self.tables.resize(COLOURS, BATCH_COLOURS)
         self.tables.resize(VIEW, 1)
-        self.tables.resize(SWEEPS, 1)
+        self.tables.resize(KERNEL_ADDRESSES, 1)
         self.broken: list[Joint] = []
         self.recorder: Recorder | None = None
         self._said = 0

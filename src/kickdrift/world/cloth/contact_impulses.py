@@ -83,7 +83,7 @@ def resolve_contacts(world: int, cloth: int, part: float, push: float, left: flo
         for k in range(3):
             particle[i, PARTICLE_VELOCITY + k] += inverse_mass * impulse[k]
         if moves:
-            push_body(world, body, arm, times(-1.0, impulse), left)
+            _push_body(world, body, arm, times(-1.0, impulse), left)
 
 
 @compiled(inline=True)
@@ -97,16 +97,22 @@ def _response(world: int, body: int, arm: Vector, n: Vector) -> float:
 
 
 @compiled
-def push_body(world: int, body: int, arm: Vector, impulse: Vector, left: float) -> None:
-    """Give a body an impulse at a point, which lies at `arm` from its centre of mass.
+def _push_body(world: int, body: int, arm: Vector, impulse: Vector, left: float) -> None:
+    """Give a body an impulse at a point, which lies at `arm` from its centre of mass."""
+    inverse = floats(world, INVERSE_MASS)
+    shift = times(inverse[body, INVERSE_LINEAR_MASS], impulse)
+    turn = applied(symmetric_at(inverse, body, INVERSE_INERTIA_IN_WORLD), cross(arm, impulse))
+    move_on(world, body, shift, turn, left)
+
+
+@compiled
+def move_on(world: int, body: int, shift: Vector, turn: Vector, left: float) -> None:
+    """Add to the velocity and the angular velocity of a body.
 
     The body has drifted through the substep already: with what it gets it moves on for the time that is `left`, s. If it did
     so in the next substep only, a load on a spring of cloth would gain energy: a lag of h / 2 is a negative damping.
     """
-    inverse, motion = floats(world, INVERSE_MASS), floats(world, MOTION)
-    pose, delta = floats(world, POSE), floats(world, DELTA_POSE)
-    shift = times(inverse[body, INVERSE_LINEAR_MASS], impulse)
-    turn = applied(symmetric_at(inverse, body, INVERSE_INERTIA_IN_WORLD), cross(arm, impulse))
+    motion, pose, delta = floats(world, MOTION), floats(world, POSE), floats(world, DELTA_POSE)
     for k in range(3):
         motion[body, VELOCITY + k] += shift[k]
         motion[body, ANGULAR_VELOCITY + k] += turn[k]

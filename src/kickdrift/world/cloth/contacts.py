@@ -26,7 +26,7 @@ from kickdrift.world.cloth.layout import (
     TOUCHED_POINT,
     TOUCHING_PARTICLE,
 )
-from kickdrift.world.collision.boxes import box_in_frame
+from kickdrift.world.collision.aabb import box_in_frame
 from kickdrift.world.collision.bvh import Box, gather
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.narrow_phase import collide, shape_pose
@@ -51,6 +51,7 @@ from kickdrift.world.layout import (
     SURFACE_VELOCITY,
     VELOCITY,
 )
+from kickdrift.world.settings import SLEEP_SPEED
 from kickdrift.world.shapes.kinds import SPHERE, TRIANGLE
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
@@ -70,6 +71,7 @@ from kickdrift.world.tables import (
     PARTICLE,
     PLACE,
     POSE,
+    SETTINGS,
     SHAPE,
     TRIANGLE_TREE,
     flat,
@@ -213,9 +215,7 @@ def _note(world: int, cloth: int, i: int, shape: int, normal: Vector, gap: float
     contact, numbers, place = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS), floats(world, PLACE)
     body, pose = integers(world, SHAPE)[shape, BODY_ROW], floats(world, POSE)
     contact[row, TOUCHING_PARTICLE], contact[row, TOUCHED_BODY] = i, body
-    contact[row, MOVES_BODY] = int(
-        integers(world, BODY)[body, BODY_KIND] == DYNAMIC and integers(world, BODY)[body, AWAKE] != 0
-    )
+    contact[row, MOVES_BODY] = int(_moves(world, i, body))
     arm = minus(point, vector_at(pose, body, POSITION))
     runs = turned(quaternion_at(pose, body, ORIENTATION), vector_at(place, shape, SURFACE_VELOCITY))
     friction = math.sqrt(floats(world, CLOTH_NUMBERS)[cloth, CLOTH_FRICTION] * place[shape, FRICTION])
@@ -227,3 +227,12 @@ def _note(world: int, cloth: int, i: int, shape: int, normal: Vector, gap: float
         numbers[row, CLOTH_NORMAL + k], numbers[row, TOUCHED_POINT + k] = normal[k], arm[k]
         numbers[row, GROUND_VELOCITY + k] = runs[k]
     return True
+
+
+@compiled(inline=True)
+def _moves(world: int, i: int, body: int) -> bool:
+    """Whether a body takes what a particle gives it. One that sleeps does where it is hit, and wakes before the next step."""
+    own, v = integers(world, BODY), vector_at(floats(world, PARTICLE), i, PARTICLE_VELOCITY)
+    slow = floats(world, SETTINGS)[0, SLEEP_SPEED]
+    takes: bool = own[body, BODY_KIND] == DYNAMIC and (own[body, AWAKE] != 0 or dot(v, v) > slow * slow)
+    return takes

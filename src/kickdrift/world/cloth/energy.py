@@ -5,8 +5,10 @@ from numpy.typing import NDArray
 
 from kickdrift.core.rotations import cross
 from kickdrift.world.cloth import layout as c
+from kickdrift.world.integration import BODY_KIND, DYNAMIC
 from kickdrift.world.settings import GRAVITY
 from kickdrift.world.tables import (
+    BODY,
     CLOTH,
     CLOTH_NUMBERS,
     COUPLING,
@@ -17,6 +19,7 @@ from kickdrift.world.tables import (
     FACE_NUMBERS,
     PARTICLE,
     PARTICLE_COUPLINGS,
+    PIN,
     SETTINGS,
     Tables,
 )
@@ -31,29 +34,34 @@ def cloth_energy(tables: Tables) -> tuple[float, float]:
         return 0.0, 0.0
     particles = tables.array(PARTICLE)
     x, v = particles[:, :3], particles[:, c.PARTICLE_VELOCITY : c.PARTICLE_VELOCITY + 3]
-    moved = _moved(particles)
+    moved = _moved(tables)
     gravity = tables.array(SETTINGS)[0, GRAVITY : GRAVITY + 3]
     elastic = _membrane(tables, x) + _bending(tables, x)
     return float(0.5 * moved @ (v * v).sum(axis=1)), float(elastic - moved @ (x @ gravity))
 
 
 def cloth_momentum(tables: Tables) -> Floats:
-    """Measure the momentum, (3,), kg m/s, of vertices that are not pinned."""
+    """Measure the momentum, (3,), kg m/s, of vertices that are free or pinned to bodies that are."""
     particles = tables.array(PARTICLE)
-    total: Floats = _moved(particles) @ particles[:, c.PARTICLE_VELOCITY : c.PARTICLE_VELOCITY + 3]
+    total: Floats = _moved(tables) @ particles[:, c.PARTICLE_VELOCITY : c.PARTICLE_VELOCITY + 3]
     return total
 
 
 def cloth_angular_momentum(tables: Tables) -> Floats:
-    """Measure the angular momentum about the origin, (3,), kg m^2/s, of vertices that are not pinned."""
+    """Measure the angular momentum about the origin, (3,), kg m^2/s, of vertices that are free or pinned to bodies that are."""
     particles = tables.array(PARTICLE)
-    push = _moved(particles)[:, None] * particles[:, c.PARTICLE_VELOCITY : c.PARTICLE_VELOCITY + 3]
+    push = _moved(tables)[:, None] * particles[:, c.PARTICLE_VELOCITY : c.PARTICLE_VELOCITY + 3]
     total: Floats = cross(particles[:, :3], push).sum(axis=0)
     return total
 
 
-def _moved(particles: Floats) -> Floats:
-    return np.where(particles[:, c.PARTICLE_INVERSE_MASS] > 0.0, particles[:, c.PARTICLE_MASS], 0.0)
+def _moved(tables: Tables) -> Floats:
+    """Return the masses of the particles that are free, or pinned to bodies that are; zero of others."""
+    particles, pins = tables.array(PARTICLE), tables.array(PIN)
+    moved = np.where(particles[:, c.PARTICLE_INVERSE_MASS] > 0.0, particles[:, c.PARTICLE_MASS], 0.0)
+    carried = pins[tables.array(BODY)[pins[:, c.PINNED_BODY], BODY_KIND] == DYNAMIC, c.PINNED_PARTICLE]
+    moved[carried] = particles[carried, c.PARTICLE_MASS]
+    return moved
 
 
 def _membrane(tables: Tables, x: Floats) -> float:

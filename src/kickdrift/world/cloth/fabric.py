@@ -14,6 +14,9 @@ _UNITS = {
 }  # fmt: skip
 
 
+_SMALLEST, _LARGEST = 1e-15, 1e15  # of all of them: squares of what follows from them are finite
+
+
 @dataclass(frozen=True)
 class Fabric:
     """What a cloth is made of.
@@ -43,7 +46,7 @@ class Fabric:
     Raises
     ------
     ArgumentError
-        For numbers that cannot be.
+        For numbers that cannot be, or lie so far out that the step could not count with them.
     """
 
     density: float = 0.2
@@ -60,7 +63,11 @@ class Fabric:
 
     def __post_init__(self) -> None:
         for name, unit in _UNITS.items():
-            object.__setattr__(self, name, number(name, getattr(self, name), unit, zero=name not in _POSITIVE))
+            value = number(name, getattr(self, name), unit, zero=name not in _POSITIVE)
+            if value > _LARGEST or 0.0 < value < _SMALLEST:
+                zero = "" if name in _POSITIVE else "zero or "
+                raise ArgumentError(f"{name}={value!r} has to be {zero}from {_SMALLEST:g} to {_LARGEST:g} {unit}.")
+            object.__setattr__(self, name, value)
 
 
 def fabric_of(options: Mapping[str, Any]) -> Fabric:

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 _RANGES = (
     ("PARTICLE", c.FIRST_PARTICLE), ("FACE", c.FIRST_FACE), ("COUPLING", c.FIRST_COUPLING), ("CURVED_FACE", c.FIRST_CURVED),
+    ("PIN", c.FIRST_PIN),
 )  # fmt: skip
 
 
@@ -43,9 +44,9 @@ def check_cloths(rows: "Rows") -> None:
         rows.count(name, int(ends[-1]))
     _check_indices(rows, "FACE", c.CORNERS, 3, c.FIRST_FACE, c.FIRST_PARTICLE)
     _check_indices(rows, "CURVED_FACE", c.STENCIL, 6, c.FIRST_CURVED, c.FIRST_PARTICLE)
+    _check_indices(rows, "PIN", c.PINNED_PARTICLE, 1, c.FIRST_PIN, c.FIRST_PARTICLE)
     _check_couplings(rows)
     kinds = rows["BODY"][:, BODY_KIND]
-    rows.within("PIN", c.PINNED_PARTICLE, 0, max(len(rows["PARTICLE"]) - 1, 0))
     rows.within("PIN", c.PINNED_BODY, 0, len(kinds) - 1)
     rows.holds("PIN", c.PINNED_BODY, kinds[rows["PIN"][:, c.PINNED_BODY]] != REMOVED)
     rows.holds("PARTICLE", c.PARTICLE_MASS, rows["PARTICLE"][:, c.PARTICLE_MASS] > 0.0)

@@ -25,6 +25,7 @@ FIRST_PARTICLE, LAST_PARTICLE = column(CLOTH), column(CLOTH)  # the one after th
 FIRST_FACE, LAST_FACE = column(CLOTH), column(CLOTH)
 FIRST_COUPLING, LAST_COUPLING = column(CLOTH), column(CLOTH)
 FIRST_CURVED, LAST_CURVED = column(CLOTH), column(CLOTH)
+FIRST_PIN, LAST_PIN = column(CLOTH), column(CLOTH)
 PARTS = column(CLOTH)  # of a substep
 FIRST_CONTACT, LAST_CONTACT = column(CLOTH), column(CLOTH)
 CLOTH_GENERATION = column(CLOTH)
@@ -83,7 +84,7 @@ STENCIL = column(CURVED_FACE, 6)  # particles: its corners and those across its 
 PULLS = column(CURVED_FACE_NUMBERS, 6, "1/m")  # of the particles along its normal, over the bending stiffness
 REST_ENERGY = column(CURVED_FACE_NUMBERS)  # that it would take to flatten it, over the bending stiffness
 
-# PIN
+# PIN: by cloths, and of each by bodies
 PINNED_PARTICLE = column(PIN)
 PINNED_BODY = column(PIN)
 

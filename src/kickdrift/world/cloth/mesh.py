@@ -12,6 +12,7 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 NONE = -1
+_FAR = 1e15  # m
 _THIN = 1e-6  # height of a triangle over its longest side, below which it has no area
 
 
@@ -108,6 +109,9 @@ def _vertices(vertices: ArrayLike) -> Floats:
     wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if wrong.size:
         raise ArgumentError(f"vertex {wrong[0]} is at {points[wrong[0]]}, which is not finite.")
+    far = np.flatnonzero((np.abs(points) > _FAR).any(axis=1))
+    if far.size:
+        raise ArgumentError(f"vertex {far[0]} is at {points[far[0]]}, farther than {_FAR:g} m; give a smaller cloth.")
     return points
 
 

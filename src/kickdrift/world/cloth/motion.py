@@ -7,9 +7,9 @@ keep momentum and angular momentum to the last digit; contacts keep angular mome
 import math
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import minus, plus, times, turned
+from kickdrift.core.vectors import times
 from kickdrift.world.cloth.bending import add_bending
-from kickdrift.world.cloth.contact_impulses import push_body, resolve_contacts
+from kickdrift.world.cloth.contact_impulses import resolve_contacts
 from kickdrift.world.cloth.layout import (
     FIRST_PARTICLE,
     LAST_PARTICLE,
@@ -17,15 +17,12 @@ from kickdrift.world.cloth.layout import (
     PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
     PARTS,
-    PIN_POSITION,
-    PINNED_BODY,
-    PINNED_PARTICLE,
     STRAIN,
 )
 from kickdrift.world.cloth.membrane import add_membrane, largest_strain
+from kickdrift.world.cloth.pins import carry_pins, pull_bodies
 from kickdrift.world.cloth.wind import add_wind
-from kickdrift.world.columns import quaternion_at, vector_at
-from kickdrift.world.layout import ORIENTATION, POSITION
+from kickdrift.world.columns import vector_at
 from kickdrift.world.settings import GRAVITY, PUSH_SPEED
 from kickdrift.world.step_status import report_cloth
 from kickdrift.world.tables import (
@@ -34,9 +31,6 @@ from kickdrift.world.tables import (
     FACE_NUMBERS,
     PARTICLE,
     PARTICLE_FORCE,
-    PIN,
-    PIN_NUMBERS,
-    POSE,
     SETTINGS,
     STARTED_PARTICLE,
     Tables,
@@ -53,17 +47,17 @@ def move_cloths(t: float, h: float, world: int) -> None:
     """Move all cloths through a substep, after the bodies have moved."""
     cloths, push = integers(world, CLOTH), floats(world, SETTINGS)[0, PUSH_SPEED]
     for cloth in range(rows(world, CLOTH)):
-        add_wind(world, cloth, h)
         parts = cloths[cloth, PARTS] * _parts_of_strain(world, cloth)
         part = h / parts
+        add_wind(world, cloth, h, part)
         for k in range(parts + 1):
             share = 0.5 if k in (0, parts) else 1.0
             add_membrane(world, cloth, part, share, k == 0)
             add_bending(world, cloth, share)
-            _kick(world, cloth, part, share, h - k * part)
+            _kick(world, cloth, part, share, k == 0, h - k * part)
             resolve_contacts(world, cloth, part, push if k < parts else 0.0, h - k * part)
             if k < parts:
-                _aim_pins(world, cloth, h - k * part)
+                carry_pins(world, cloth, part, h - k * part)
                 _drift(world, cloth, part)
         _check(world, cloth)
 
@@ -79,14 +73,16 @@ def _parts_of_strain(world: int, cloth: int) -> int:
 
 
 @compiled
-def _kick(world: int, cloth: int, part: float, share: float, left: float) -> None:
+def _kick(world: int, cloth: int, part: float, share: float, begins: bool, left: float) -> None:
     """Add what the forces and a share of gravity do in a part of a substep to the velocities of a cloth.
 
-    Bodies get what acts on the particles that are pinned to them, and move on with it for the time `left` in the substep, s.
+    Bodies are pulled by the particles that are pinned to them, and move on with it for the time `left` in the substep, s.
     """
     own, particle, force = integers(world, CLOTH), floats(world, PARTICLE), floats(world, PARTICLE_FORCE)
-    _pull_bodies(world, part, left)
-    fall = times(share * part, vector_at(floats(world, SETTINGS), 0, GRAVITY))
+    gravity = vector_at(floats(world, SETTINGS), 0, GRAVITY)
+    fall = times(share * part, gravity)
+    # Bodies have fallen for the whole substep where it begins, and what is pinned to them does so with them.
+    pull_bodies(world, cloth, part, times(left if begins else 0.0, gravity), left)
     keep = 1.0 / (1.0 + share * part * floats(world, CLOTH_NUMBERS)[cloth, LINEAR_DAMPING])
     for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
         inverse_mass = particle[i, PARTICLE_INVERSE_MASS]
@@ -104,35 +100,6 @@ def _drift(world: int, cloth: int, part: float) -> None:
     for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
         for k in range(3):
             particle[i, k] += part * particle[i, PARTICLE_VELOCITY + k]
-
-
-@compiled
-def _aim_pins(world: int, cloth: int, left: float) -> None:
-    """Let what is pinned to bodies arrive with them at the end of the substep, which is `left` s away."""
-    pin, pin_numbers, pose = integers(world, PIN), floats(world, PIN_NUMBERS), floats(world, POSE)
-    particle, own = floats(world, PARTICLE), integers(world, CLOTH)
-    for k in range(rows(world, PIN)):
-        i, body = pin[k, PINNED_PARTICLE], pin[k, PINNED_BODY]
-        if not own[cloth, FIRST_PARTICLE] <= i < own[cloth, LAST_PARTICLE]:
-            continue
-        q = quaternion_at(pose, body, ORIENTATION)
-        goal = plus(vector_at(pose, body, POSITION), turned(q, vector_at(pin_numbers, k, PIN_POSITION)))
-        way = minus(goal, vector_at(particle, i, 0))
-        for j in range(3):
-            particle[i, PARTICLE_VELOCITY + j] = way[j] / left
-
-
-@compiled
-def _pull_bodies(world: int, part: float, left: float) -> None:
-    """Give bodies the forces on what is pinned to them."""
-    pin, force = integers(world, PIN), floats(world, PARTICLE_FORCE)
-    pose, particle = floats(world, POSE), floats(world, PARTICLE)
-    for k in range(rows(world, PIN)):
-        i, body = pin[k, PINNED_PARTICLE], pin[k, PINNED_BODY]
-        arm = minus(vector_at(particle, i, 0), vector_at(pose, body, POSITION))
-        push_body(world, body, arm, times(part, vector_at(force, i, 0)), left)
-        for j in range(3):
-            force[i, j] = 0.0
 
 
 @compiled

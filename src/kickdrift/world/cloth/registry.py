@@ -17,10 +17,10 @@ from kickdrift.world.cloth.fabric import Fabric
 from kickdrift.world.cloth.handle import Cloth
 from kickdrift.world.cloth.membrane import inverse_edges
 from kickdrift.world.cloth.mesh import ClothMesh, cloth_mesh, flattened
+from kickdrift.world.cloth.pinning import add_pins, remove_pins
 from kickdrift.world.cloth.tuning import softness, tune
 from kickdrift.world.cloth.vibration import membrane_rate
 from kickdrift.world.names import Names
-from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.tables import (
     CLOTH,
     CLOTH_NUMBERS,
@@ -33,8 +33,6 @@ from kickdrift.world.tables import (
     PARTICLE_FORCE,
     PARTICLE_REST,
     PIN,
-    PIN_NUMBERS,
-    POSE,
     STARTED_PARTICLE,
     Tables,
 )
@@ -83,6 +81,7 @@ class Cloths:
         numbers, own = tables.resize(CLOTH_NUMBERS, row + 1)[row], tables.resize(CLOTH, row + 1)[row]
         for k, table in enumerate((PARTICLE, FACE, COUPLING, CURVED_FACE)):
             own[[2 * k, 2 * k + 1]] = first[k], tables.count(table)
+        own[[c.FIRST_PIN, c.LAST_PIN]] = tables.count(PIN)
         generation, self.n_made = self.n_made, self.n_made + 1
         own[c.PARTS], own[c.CLOTH_GENERATION] = 1, generation
         asked = (
@@ -179,17 +178,11 @@ class Cloths:
         """Hold vertices; see `Cloth.pin`."""
         rows, of = self._rows_of(cloth, vertices), None if body is None else self._bodies.row(body, "body")
         particles = self.tables.array(PARTICLE)
-        self._forget_pins(rows)
+        remove_pins(self.tables, rows)
         particles[rows, c.PARTICLE_INVERSE_MASS] = 0.0
         particles[rows, 4:7] = 0.0
         if of is not None:
-            pose = self.tables.array(POSE)[of]
-            local = (particles[rows, :3] - pose[:3]) @ rotation_matrix(pose[3:7])
-            self.tables.put(PIN, np.concatenate((self.tables.array(PIN), [[row, of] for row in rows.tolist()])))
-            width = PIN_NUMBERS.width - 3
-            self.tables.put(
-                PIN_NUMBERS, np.concatenate((self.tables.array(PIN_NUMBERS), np.pad(local, ((0, 0), (0, width)))))
-            )
+            add_pins(self.tables, rows, of)
         self._couple(self.row(cloth))
         self._bodies.wake()
         self.tables.altered = True
@@ -212,7 +205,7 @@ class Cloths:
 
     def _free(self, row: int, particles: Integers) -> None:
         """Let particles of a cloth go."""
-        self._forget_pins(particles)
+        remove_pins(self.tables, particles)
         table = self.tables.array(PARTICLE)
         table[particles, c.PARTICLE_INVERSE_MASS] = 1.0 / table[particles, c.PARTICLE_MASS]
         self._couple(row)
@@ -238,11 +231,6 @@ class Cloths:
         if wrong.size:
             raise ArgumentError(f"vertex {wrong[0]} is none of the cloth's, which are those from 0 to {count - 1}.")
         return np.unique(chosen).astype(np.int64) + int(self.tables.array(CLOTH)[self.row(cloth), c.FIRST_PARTICLE])
-
-    def _forget_pins(self, rows: Integers) -> None:
-        keep = ~np.isin(self.tables.array(PIN)[:, c.PINNED_PARTICLE], rows)
-        for table in (PIN, PIN_NUMBERS):
-            self.tables.put(table, self.tables.array(table)[keep].copy())
 
 
 _COLUMNS = {"wind": (c.WIND, 3), "friction": (c.CLOTH_FRICTION, 1)}

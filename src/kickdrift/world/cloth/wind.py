@@ -17,19 +17,19 @@ from kickdrift.world.cloth.layout import (
     WIND,
 )
 from kickdrift.world.columns import vector_at
-from kickdrift.world.tables import CLOTH, CLOTH_NUMBERS, FACE, FACE_NUMBERS, PARTICLE, floats, integers
+from kickdrift.world.tables import CLOTH, CLOTH_NUMBERS, FACE, FACE_NUMBERS, PARTICLE, PARTICLE_FORCE, floats, integers
 
 
 @compiled
-def add_wind(world: int, cloth: int, h: float) -> None:
-    """Kick the particles of a cloth by the air.
+def add_wind(world: int, cloth: int, h: float, part: float) -> None:
+    """Kick the particles of a cloth by the air; what is pinned gets a force that does as much in the first part, s.
 
     With the area A, the normal n and the wind w = s d, of speed s, that a triangle feels, drag is
     rho C_d A s^2 |n . d| d / 2 and lift rho C_l A s^2 (n . d) (n - (n . d) d) / 2. Neither gives a triangle more
     in a substep than the momentum of the wind that it feels, so that drag never turns it round.
     """
     numbers, face, own = floats(world, CLOTH_NUMBERS), integers(world, FACE), integers(world, CLOTH)
-    particle, rest = floats(world, PARTICLE), floats(world, FACE_NUMBERS)
+    particle, force, rest = floats(world, PARTICLE), floats(world, PARTICLE_FORCE), floats(world, FACE_NUMBERS)
     drag, lift, wind = numbers[cloth, DRAG], numbers[cloth, LIFT], vector_at(numbers, cloth, WIND)
     if drag == 0.0 and lift == 0.0:
         return
@@ -53,5 +53,7 @@ def add_wind(world: int, cloth: int, h: float) -> None:
         impulse = plus(times(pull, d), times(math.copysign(rise, facing), minus(n, times(facing, d))))
         for corner in range(3):
             i = face[f, CORNERS + corner]
+            inverse_mass = particle[i, PARTICLE_INVERSE_MASS]
             for k in range(3):
-                particle[i, PARTICLE_VELOCITY + k] += particle[i, PARTICLE_INVERSE_MASS] * impulse[k] / 3.0
+                particle[i, PARTICLE_VELOCITY + k] += inverse_mass * impulse[k] / 3.0
+                force[i, k] += 0.0 if inverse_mass > 0.0 else impulse[k] / (3.0 * part)

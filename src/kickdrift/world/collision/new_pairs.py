@@ -1,8 +1,8 @@
 """Pairs of shapes whose fat bounds overlap: the trees are asked for every shape that is sought anew."""
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.collision.aabb import box_in_frame, boxes_overlap, fat_bounds, reaches_under
 from kickdrift.world.collision.bounds import may_move
-from kickdrift.world.collision.boxes import box_in_frame, boxes_overlap, fat_bounds, reaches_under
 from kickdrift.world.collision.bvh import gather
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.filters import may_touch

@@ -102,7 +102,7 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
         raw[(r.ARM_B + k) * c.WIDTH] = arm_b[k]
         raw[(r.APART + k) * c.WIDTH] = apart[k]
         scratch[(r.FROM_A_TO_B + k) * c.WIDTH] = lay[k]
-        raw[(r.SLID + k) * c.WIDTH] = manifold[row, c.FRICTION_IMPULSE + k]
+        raw[(r.FRICTION_IMPULSE + k) * c.WIDTH] = manifold[row, c.FRICTION_IMPULSE + k]
         raw[(r.TURNING_A + k) * c.WIDTH], raw[(r.TURNING_B + k) * c.WIDTH] = turning_a[k], turning_b[k]
         raw[(r.AXIS_A + k) * c.WIDTH], raw[(r.AXIS_B + k) * c.WIDTH] = round_a[1][k], round_b[1][k]
         raw[(r.ROLLED + k) * c.WIDTH] = manifold[row, c.ROLLING_IMPULSE + k]
@@ -167,7 +167,7 @@ def _share(rolls_a: bool, rolls_b: bool, lightness_a: float, lightness_b: float)
 def softness(world: int, fixed: bool) -> Vector:
     """Rate of the bias, scale of the mass and of the impulse of a damped spring, implicit and whatever the masses.
 
-    It is twice as stiff against what cannot move.
+    Against what cannot move it has twice the frequency, thus four times the stiffness, and half the damping ratio.
     """
     settings = floats(world, SETTINGS)
     h, damping = settings[0, STEP] / settings[0, SUBSTEPS], settings[0, CONTACT_DAMPING]

@@ -68,7 +68,7 @@ def impulse_field(k: int) -> int:
     if k < TANGENT:
         return c.P + c.POINT_FIELDS * k + c.IMPULSE
     if k < TWIST:
-        return c.SLID + k - TANGENT
+        return c.TANGENT_IMPULSE + k - TANGENT
     return c.TWIST + 1 if k == TWIST else c.ROLL + 2 + k - ROLL
 
 

@@ -13,7 +13,6 @@ the drift too, and bodies are put back to where the joints hold them.
 import math
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.direct.closings import begin_closings, stay_closings
 from kickdrift.world.direct.contact_impulses import clear_contacts, driven, forget_contacts, left_of_contacts
 from kickdrift.world.direct.contacts import PRESS, REST, begin_contacts, is_cut, note_impulses
 from kickdrift.world.direct.equations import AS_ASSUMED, BY_LAWS, aim_island, solve
@@ -28,6 +27,7 @@ from kickdrift.world.direct.layout import (
     LOST,
     RATIO,
 )
+from kickdrift.world.direct.loop_closures import begin_closings, stay_closings
 from kickdrift.world.direct.losses import LONG_TURN
 from kickdrift.world.direct.nodes import mass_of
 from kickdrift.world.direct.position_correction import repair
