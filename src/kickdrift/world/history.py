@@ -78,11 +78,15 @@ class KeepsHistory:
     def record(self, save_every: int = 1, *, save_to: str | Path | None = None) -> AbstractContextManager[Recording]:
         """Record the steps of a loop of one's own.
 
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.1, mass=1.0)
         >>> with world.record(save_every=2) as recording:
         ...     for _ in range(100):
-        ...         world.apply_force(ball, (0, 0, 1.0))
+        ...         world.apply_force(ball, (0, 0, 9.81))
         ...         world.step(1 / 60)
-        >>> recording.plot()
+        >>> recording.x.shape
+        (51, 2, 3)
 
         Parameters
         ----------
