@@ -267,7 +267,7 @@ def test_a_checkpoint_of_another_version_is_refused(tmp_path, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(identity, "VERSION", "0.0.9")
         broken_off(patch, tmp_path / "run", 1)
-    with pytest.raises(kd.ArgumentError, match=r"is of kickdrift 0\.0\.9, .* and this is kickdrift"):
+    with pytest.raises(kd.ArgumentError, match=r"was written by kickdrift 0\.0\.9, .* and this is kickdrift"):
         solve(tmp_path / "run")
 
 

@@ -75,7 +75,7 @@ def test_options_choose_span_step_method_bodies_and_folder(folder):
     assert kept.about.coordinates["body"] == ["Sun", "Earth", "Jupiter"]
     assert (kept.step, kept.n_steps, kept.about.method) == (0.25, 2922, "leapfrog")
     assert kept.t.tolist() == [0.0, 1.0, 10.0, 100.0, 365.25, 730.5]
-    assert "The pull of Mercury, Venus, Moon, Mars, Saturn, Uranus, Neptune, Pluto is left out" in result.stdout
+    assert "The attraction of Mercury, Venus, Moon, Mars, Saturn, Uranus, Neptune, Pluto is neglected" in result.stdout
 
 
 def test_what_cannot_be_compared_is_said(folder):

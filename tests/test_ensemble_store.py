@@ -183,7 +183,7 @@ def test_a_disk_that_is_full_ends_it_with_what_is_whole(tmp_path, monkeypatch):
 
     with monkeypatch.context() as patch:
         patch.setattr(member_store.MemberStore, "_write", full)
-        with pytest.warns(RuntimeWarning, match="members that are done: save_to=.*No space left on device"):
+        with pytest.warns(RuntimeWarning, match="finished members: save_to=.*No space left on device"):
             part = solve(tmp_path / "run.zarr")
     assert part.success.sum() == 40
     same(solve(tmp_path / "run.zarr"), solve())

@@ -224,7 +224,11 @@ def test_sizes_whose_inertia_would_overflow(size):
     refused(lambda: world.add_sphere(size), "radius", "supported range")
     refused(lambda: world.add_box((1, size, 1)), "size[1]", "supported range")
     refused(lambda: world.add_capsule(0.1, size), "length", "supported range")
-    refused(lambda: world.add_hull(size * np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])), "points", "supported range")
+    refused(
+        lambda: world.add_hull(size * np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])),
+        "points",
+        "supported range",
+    )
     assert len(world.position) == 1
 
 

@@ -124,7 +124,7 @@ def test_a_scene_that_loses_a_body_is_a_run_that_failed(folder, monkeypatch):
 @pytest.mark.parametrize(
     ("arguments", "why"),
     [
-        (("run", "pyramd"), "TARGET='pyramd' is not known; did you mean 'pyramid'"),
+        (("run", "pyramd"), "TARGET='pyramd' is unknown; did you mean 'pyramid'"),
         (("run", "dominos"), "did you mean 'dominoes'"),
         (("run", "keppler"), "did you mean 'kepler'"),
         (("compare", "pyramid"), "'pyramid' is a scene, and methods are compared on systems"),
@@ -133,7 +133,7 @@ def test_a_scene_that_loses_a_body_is_a_run_that_failed(folder, monkeypatch):
             "--method='leapfrog' applies to systems, and 'pyramid' is a scene",
         ),
         (("run", "pyramid", "--years", "1"), "--years='1' applies to systems"),
-        (("run", "pyramid", "--bodies", "Sun"), "--bodies='Sun' is for"),
+        (("run", "pyramid", "--bodies", "Sun"), "--bodies='Sun' applies to"),
         (("run", "pyramid", "--duration", "-1"), "--duration='-1' must be positive"),
         (("run", "pyramid", "--duration", "0"), "--duration='0' must be finite and not zero"),
         (("run", "pyramid", "--duration", "long"), "--duration='long' is not a time"),

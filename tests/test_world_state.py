@@ -276,7 +276,7 @@ def test_forces_are_given_again_and_the_bits_are_the_same(tmp_path):
     world.add_force(wind)
     world.advance(STEP, 10)
     path = world.save(tmp_path / "world.npz")
-    with pytest.raises(ArgumentError, match=r"forces has 0 functions, and the world in .* had 1"):
+    with pytest.raises(ArgumentError, match=r"forces has 0 functions, but the world in .* had 1"):
         kd.load_world(path)
     with pytest.raises(ArgumentError, match="forces has 2 functions"):
         kd.load_world(path, forces=[wind, wind])
@@ -868,7 +868,7 @@ def test_recordings_that_cannot_be():
         with pytest.raises(ArgumentError, match="save_every"), world.record(save_every=every):
             pass
     with world.record() as recording:
-        with pytest.raises(AttributeError, match=r"x is there once the block of World\.record has ended"):
+        with pytest.raises(AttributeError, match=r"x is available once the block of World\.record has ended"):
             recording.x  # noqa: B018
         with pytest.raises(ArgumentError, match="already being recorded"), world.record():
             pass

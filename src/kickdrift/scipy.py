@@ -1,8 +1,8 @@
 """Methods of kicks and drifts as solvers of SciPy: ``solve_ivp(fun, t_span, y0, method=StormerVerlet, step=0.01)``.
 
-With them come SciPy's events, dense output and `t_eval`. The state is y = [x, v], and ``fun(t, y)`` returns [x', v'], in which
-v' may depend on t and x, and x' on t and v: x'' = a(t, x), and Hamiltonians T(p, t) + V(q, t). Every step calls the function in
-Python; `kickdrift.solve` is some hundred times as fast, and knows other kinds of problem.
+SciPy's events, dense output and `t_eval` work with them. The state is y = [x, v], and ``fun(t, y)`` returns [x', v'], where
+v' may depend on t and x, and x' on t and v: x'' = a(t, x), and Hamiltonians T(p, t) + V(q, t). Every step calls the function
+in Python; `kickdrift.solve` is some hundred times as fast, and supports other kinds of problem.
 """
 
 import math
@@ -30,16 +30,17 @@ class SplittingSolver(OdeSolver):
     Parameters
     ----------
     fun, t0, y0, t_bound, vectorized
-        As SciPy's solvers have them; y0 is [x, v], and real.
+        As for SciPy's solvers; y0 is [x, v], and real.
     step : float
         Largest step allowed. A whole number of equal steps leads to t_bound.
     **extraneous
-        Options of other solvers, such as rtol and atol, of which a fixed step has no use; SciPy's solvers warn of them as well.
+        Options of other solvers, such as rtol and atol, which a fixed step does not use; they cause a warning, as in SciPy's
+        solvers.
 
     Raises
     ------
     ArgumentError
-        For a step that is not positive and finite, and for states and functions that have no such halves.
+        For a step that is not positive and finite, and for states and functions without these two halves.
     """
 
     method: ClassVar[Method]
@@ -145,7 +146,7 @@ def solver(method: str | Method) -> type[SplittingSolver]:
     Parameters
     ----------
     method : str or Method
-        Of kicks and drifts, such as ``"blanes-moan-s6"``.
+        A method of kicks and drifts, such as ``"blanes-moan-s6"``.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The series of Baker, Campbell and Hausdorff of a word of kicks and drifts, as far as its fifth degree.
+"""The Baker-Campbell-Hausdorff series of a word of kicks and drifts, up to its fifth degree.
 
 A step is the flow over h of a modified Hamiltonian H + h H_2 + h^2 H_3 + ..., with the brackets of the kinetic part, whose flow
 are drifts D, and of the potential, whose flow are kicks K. With derivatives along the two flows, D f and K f, brackets are
@@ -26,7 +26,8 @@ def brackets(method: Method, order: int = MOST - 1) -> dict[str, Fraction]:
     Raises
     ------
     ArgumentError
-        For a method that is no word of kicks and drifts, or an order, the last power of the step, that is not from 0 to 4.
+        For a method that is not a word of kicks and drifts, or an order, the last power of the step, that is not from 0 to
+        4.
     """
     if isinstance(order, bool) or not isinstance(order, int) or not 0 <= order < MOST:
         raise ArgumentError(f"order={order!r} must be a whole number from 0 to {MOST - 1}.")

@@ -1,4 +1,4 @@
-"""Lyapunov exponents: how fast states part that begin next to each other."""
+"""Lyapunov exponents: the rates at which neighbouring trajectories diverge."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ _STEPS = 20  # between two renormalisations
 
 @dataclass(frozen=True, eq=False)
 class LyapunovExponents:
-    """Lyapunov exponents, and how they settled.
+    """Lyapunov exponents, and their convergence.
 
     Attributes
     ----------
     values : (K,) array
-        The K largest, largest first, per unit of time: means from a tenth of the time to its end.
+        The K largest, in descending order, per unit of time: means over the time from a tenth of the span to its end.
     t : (T,) array
         Times of the renormalisations.
     running : (T, K) array
@@ -55,10 +55,10 @@ def lyapunov_exponent(
     args: Sequence[float] | None = None,
     compile: bool = True,  # noqa: A002 - as in `solve`
 ) -> LyapunovExponents:
-    """Measure how fast states part that begin next to each other.
+    """Measure the rates at which neighbouring trajectories diverge.
 
-    Differences go along with the run, to both sides of it, and are made small and orthogonal again every twenty steps. A
-    positive exponent is chaos; where motion is regular all of them fall to zero as log(t) / t does.
+    Small displacements to both sides of the trajectory are integrated with it, and renormalised and orthogonalised every
+    twenty steps. A positive exponent indicates chaos; in regular motion all of them decay to zero like log(t) / t.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def lyapunov_exponent(
     method : str or Method
         A method for the kind of the problem.
     count : int
-        How many exponents, up to the numbers of a state; each costs two more runs.
+        Number of exponents, up to the dimension of the state; each costs two more runs.
 
     Returns
     -------
@@ -76,7 +76,7 @@ def lyapunov_exponent(
     Raises
     ------
     ArgumentError
-        For a count that cannot be, for bodies that merge, and what `kickdrift.solve` refuses.
+        For an invalid count, for bodies that merge, and for whatever `kickdrift.solve` refuses.
     KickdriftError
         If the run does not reach its end.
 

@@ -1,4 +1,4 @@
-"""The Hamiltonian that a word of kicks and drifts conserves, by its series in the step."""
+"""The modified Hamiltonian that a word of kicks and drifts conserves, as a series in the step."""
 
 from __future__ import annotations
 
@@ -37,16 +37,16 @@ def modified_hamiltonian(
     args: Sequence[float] | None = None,
     compile: bool = True,  # noqa: A002 - as in `solve`
 ) -> Floats | np.float64:
-    """Return the Hamiltonian that a method conserves, at states: H + h H_2 + h^2 H_3 + ..., cut after a power of the step.
+    """Evaluate the modified Hamiltonian of a method at states: H + h H_2 + h^2 H_3 + ..., truncated at a power of the step.
 
-    Its terms are brackets of the kinetic and the potential part (Baker, Campbell and Hausdorff), here derivatives of the energy
-    along drifts and kicks, by differences of order 6 and 8. A method of order p conserves it to h^(order + 1), or h^(order + 2)
-    where it is symmetric and the order even, as long as the step is small: the series diverges in the end.
+    Its terms are Poisson brackets of the kinetic and the potential part (Baker-Campbell-Hausdorff), computed as derivatives
+    of the energy along drifts and kicks, by finite differences of order 6 and 8. A method conserves it to h^(order + 1), or
+    to h^(order + 2) if it is symmetric and `order` even, for small steps: the series is asymptotic and diverges.
 
     Parameters
     ----------
     problem : System, Problem or callable
-        A separable one that knows its energy, and does not depend on time.
+        A separable one with an energy, and without time dependence.
     method : str or Method
         A word of kicks and drifts.
     step : float
@@ -69,7 +69,7 @@ def modified_hamiltonian(
     MethodMismatchError
         For a problem that is not separable.
     KickdriftError
-        For a problem that does not say its energy.
+        For a problem without energy.
 
     Examples
     --------
@@ -112,7 +112,7 @@ def modified_order(
     args: Sequence[float] | None = None,
     compile: bool = True,  # noqa: A002 - as in `solve`
 ) -> ObservedOrder:
-    """Measure with which power of the step a method conserves its modified Hamiltonian.
+    """Measure the power of the step to which a method conserves its modified Hamiltonian.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ def modified_order(
     Returns
     -------
     ObservedOrder
-        Whose errors are those by which the values along a run differ.
+        Its errors are the variation of the modified Hamiltonian along a run.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The Hamiltonian that a word of kicks and drifts conserves, as a formula."""
+"""The modified Hamiltonian that a word of kicks and drifts conserves, as a formula."""
 
 from fractions import Fraction
 from typing import Any
@@ -32,7 +32,7 @@ def modified_formula(
     Raises
     ------
     ArgumentError
-        For what is not T(p) + V(q), and what `modified_hamiltonian` refuses.
+        For a Hamiltonian that is not T(p) + V(q), and for whatever `modified_hamiltonian` refuses.
     MissingExtraError
         Without the package sympy.
 

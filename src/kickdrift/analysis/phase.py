@@ -1,4 +1,4 @@
-"""Phase along a solution: by how much time a run is ahead of the exact motion, or of a finer run."""
+"""Phase error along a solution: the time by which a run is ahead of the exact motion, or of a finer run."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,17 +11,17 @@ Floats = NDArray[np.float64]
 
 
 def phase_error(solution: Solution, reference: Solution | None = None) -> Floats:
-    """Return by how much time a run is ahead at the times kept, beside `energy_error`.
+    """Return the phase error at the times kept: the time by which a run is ahead.
 
-    At a time t the state is nearest to that of the reference at t + `phase_error`, with positions and velocities each in
-    terms of their root mean squares. A symplectic method has an error that grows linearly with time; where the energy drifts,
-    it grows with the square of it.
+    At a time t the state is nearest to that of the reference at t + `phase_error`, with positions and velocities scaled by
+    their root mean squares. The phase error of a symplectic method grows linearly with time; where the energy drifts, it
+    grows quadratically.
 
     Parameters
     ----------
     solution : Solution
     reference : Solution, optional
-        A run of the same system over the same time, with a finer step or a better method. By default the exact motion, where
+        A run of the same system over the same time, with a finer step or a better method. By default the exact solution, if
         the system has one, as `kickdrift.systems.kepler` does, and the run began at 0.
 
     Returns
@@ -32,9 +32,9 @@ def phase_error(solution: Solution, reference: Solution | None = None) -> Floats
     Raises
     ------
     ArgumentError
-        For a reference with other states, or that does not know its equations.
+        For a reference with other states, or without its equations.
     KickdriftError
-        Without a reference where there is no exact motion.
+        Without a reference if there is no exact solution.
 
     Examples
     --------
@@ -68,12 +68,12 @@ def phase_error(solution: Solution, reference: Solution | None = None) -> Floats
 
 
 def largest_phase_error(solution: Solution, reference: Solution | None = None) -> float:
-    """Return the largest size of `phase_error` at the times kept, in units of time."""
+    """Return the largest magnitude of `phase_error` at the times kept, in units of time."""
     return float(np.abs(phase_error(solution, reference)).max())
 
 
 def phase_drift(solution: Solution, reference: Solution | None = None) -> float:
-    """Return the slope of the straight line through `phase_error`: time gained per time.
+    """Return the slope of the least-squares line through `phase_error`: time gained per unit of time.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The tangent map: what steps of a method make of small differences between states."""
+"""The tangent map: the effect of steps of a method on small differences between states."""
 
 from __future__ import annotations
 
@@ -50,10 +50,11 @@ def tangent_map(
     args: Sequence[float] | None = None,
     compile: bool = True,  # noqa: A002 - as in `solve`
 ) -> Floats:
-    """Return the derivative of steps of a method by the state that they begin at.
+    """Return the derivative of steps of a method with respect to the initial state.
 
-    It is that of the method, not of the equations, by central differences of order six of the steps themselves. Times a small
-    difference of states it is what becomes of that; for symplectic methods and unit masses it is symplectic.
+    It is the derivative of the method, not of the equations, by central differences of order six of the steps themselves.
+    Applied to a small difference of states, it gives the difference after the steps; for symplectic methods and unit masses
+    it is symplectic.
 
     Parameters
     ----------
@@ -62,14 +63,15 @@ def tangent_map(
     step : float
         Size of a step, with its sign.
     at : (x, v), optional
-        Where they begin; the start of a system if it has one.
+        The initial state; by default that of the system, if it has one.
     n_steps : int
-        How many steps.
+        Number of steps.
     t : float
-        When they begin, for forces that depend on time.
+        The initial time, for forces that depend on it.
     increment : float
-        Of the differences: in x in terms of the largest number in x, or of the largest in v times the time of the steps if that
-        is larger; in v that over the time. Where states part fast, over many steps, a smaller one leaves a smaller error.
+        Of the differences: in x relative to the largest component of x, or of v times the duration of the steps if that is
+        larger; in v that over the duration. Where trajectories diverge fast, over many steps, a smaller increment has a
+        smaller error.
 
     Returns
     -------
@@ -79,7 +81,8 @@ def tangent_map(
     Raises
     ------
     ArgumentError
-        For a step of 0, fewer steps than one, an increment that is not between 0 and 1, and what `kickdrift.solve` refuses.
+        For a step of 0, fewer steps than one, an increment that is not between 0 and 1, and whatever `kickdrift.solve`
+        refuses.
     KickdriftError
         If a step fails.
 

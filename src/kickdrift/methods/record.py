@@ -1,4 +1,4 @@
-"""What a method is: a word over flows, with exact weights."""
+"""The record of a method: a word over flows, with exact weights."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ def _is_share(letter: Any, weight: Any) -> bool:
 
 @dataclass(frozen=True)
 class Method:
-    """A one-step method as data; refuses to exist if its word is wrong.
+    """A one-step method as data, validated on creation.
 
     Attributes
     ----------
@@ -40,27 +40,27 @@ class Method:
     order : int
         Order of the global error, on the problems of `kind`; for Langevin dynamics that of averages, the weak order.
     word : tuple of (Letter, Fraction)
-        The flows of one step, first to last, each with its share of the step.
+        The flows of one step, from first to last, each with its fraction of the step.
     symmetric : bool
-        Whether a step over -h undoes a step over h.
+        Whether a step of -h inverts a step of h.
     kind : Kind
-        The widest kind of problem that it is made for: its order holds there, and its error is as small as stated.
+        The widest kind of problem that it is designed for, on which its order holds.
     source : str
-        Where the coefficients are from.
+        Source of the coefficients.
     aliases : tuple of str
         Other names.
     tableau : callable, optional
         Returns the `Tableau` of a Runge-Kutta method.
     parameters : tuple of numbers
-        What else the flows of the word need to know.
+        Further parameters of the flows of the word.
     counterpart : str
-        Name of the method that goes under the same name for Hamiltonians that are not separable.
+        Name of the method that replaces it for non-separable Hamiltonians.
     generalised_order : tuple of int
-        For problems A + e B with a small e: the order to which the error vanishes of the terms with e, e^2, ..., as in
-        (8, 6, 4) for e h^8 + e^2 h^6 + e^3 h^4.
+        For problems A + e B with a small e: the powers of h in the errors of order e, e^2, ..., such as (8, 6, 4) for e h^8
+        + e^2 h^6 + e^3 h^4.
     corrector : tuple of (Letter, Fraction)
-        Another word of the same letters, none of which advances: done once, before the first step, and undone on
-        whatever is kept.
+        Another word of the same letters, whose weights sum to zero: applied once, before the first step, and inverted on
+        every state that is kept.
     """
 
     name: str
@@ -221,7 +221,7 @@ class Method:
 
     @cached_property
     def spelling(self) -> str:
-        """The word for people, such as ``K/2 D K/2``; the middle of a long one is left out."""
+        """The word as text, such as ``K/2 D K/2``; the middle of a long one is left out."""
         spelled = [_spell(letter.symbol, weight) for letter, weight in self.word]
         if len(spelled) > _LONGEST_SPELLING:
             spelled[3:-3] = [f"... ({len(spelled)} letters) ..."]

@@ -33,7 +33,7 @@ _SAMPLES = 8  # pictures that the colours of a GIF are chosen from
 def animate_recording(
     recording: Recording, path: str | Path, *, speed: float = 1.0, rate: int = 25, progress: bool | None = None
 ) -> Path:
-    """Write a film of a recording.
+    """Write an animation of a recording.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def animate_recording(
     path : path
         Ends in ``.gif``, or in ``.mp4`` where the program ffmpeg is installed.
     speed : float
-        Seconds of the recording for each second of the film.
+        Seconds of the recording per second of the animation.
     rate : int
         Pictures a second, at most 50.
     progress : bool, optional

@@ -19,17 +19,17 @@ _LIMITS = (0.2, 5.0)
 
 
 def plot_stability_region(method: str | methods.Method, path: str | Path | None = None) -> "Figure":
-    """Draw where a method is stable.
+    """Plot the stability region of a method.
 
-    For a method with an amplification factor R(z), z = h lambda, it is the region |R(z)| <= 1 of the complex plane. For
-    a word of kicks and drifts it is the moduli of both eigenvalues of one step on the oscillator, over h omega.
+    For a method with an amplification factor R(z), z = h lambda, this is the region |R(z)| <= 1 of the complex plane. For a
+    word of kicks and drifts, plot the moduli of both eigenvalues of one step on the oscillator against h omega.
 
     Parameters
     ----------
     method : str or Method
         Name of a method.
     path : path, optional
-        Where to write the picture; the ending says the format.
+        Where to write the figure; the file extension determines the format.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Arrays of Zarr that are indexed as those of NumPy are, as far as a part is read without the rest."""
+"""Zarr arrays that are indexed as NumPy's are, as far as that reads only the part selected."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -10,7 +10,7 @@ from kickdrift.core.errors import ArgumentError
 
 
 class StoredArray:
-    """An array on disk, of which each index reads what it names.
+    """An array on disk; indexing reads only the selected part.
 
     Parameters
     ----------

@@ -25,7 +25,7 @@ def _energy(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None
 
 
 def pendulum(amplitude: float = 2.0, omega: float = 1.0) -> System:
-    """Make a pendulum released at rest from an angle; the state is a scalar, in radians.
+    """Create a pendulum released at rest from an angle; the state is a scalar, in radians.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Tables that forces may call: ephemerides and measured series, by cubic splines."""
+"""Tables that forces can call: ephemerides and measured series, by cubic splines."""
 
 from __future__ import annotations
 
@@ -26,31 +26,32 @@ _ranges: WeakKeyDictionary[Any, tuple[float, float]] = WeakKeyDictionary()
 
 
 def spline(t: ArrayLike, values: ArrayLike, end: str = "not-a-knot") -> Callable[[float], Any]:
-    """Make a function of a table, which forces may call, compiled or not: a cubic spline through its values.
+    """Create a function from a table, which forces can call, compiled or not: a cubic spline through its values.
 
-    Its numbers are data of the compiled force: another table of the same form, with other times and values, is not compiled
-    anew as long as it has at most as many rows, rounded up to a power of two.
+    Its values are data of the compiled force: another table of the same shape, with other times and values, does not
+    recompile the force if it has at most as many rows, rounded up to a power of two.
 
     Parameters
     ----------
     t : (T,) array_like
-        Times, or whatever else the table is over, in ascending order; at least two.
+        Times, or another abscissa, strictly increasing; at least two.
     values : (T,) or (T, ...) array_like
-        Numbers, vectors, or arrays; the function returns one of them.
+        Numbers, vectors, or arrays; the function returns an interpolated one.
     end : str
-        What holds at both ends: ``"not-a-knot"``, a cubic through the first four values; ``"natural"``, no curvature;
-        ``"clamped"``, no slope; or ``"periodic"``.
+        Boundary condition: ``"not-a-knot"``, one cubic through the first four values; ``"natural"``, zero curvature;
+        ``"clamped"``, zero slope; or ``"periodic"``.
 
     Returns
     -------
     callable
-        ``table(t)``, for a number t. Outside of the table it raises: a run whose span leaves it is refused before it starts.
-        A few methods with steps backwards, such as `yoshida-8`, and steps that vary look a little beyond their span.
+        ``table(t)``, for a number t. It raises outside the table: a run whose span extends beyond it is refused before it
+        starts. A few methods with negative substeps, such as `yoshida-8`, and variable steps evaluate it slightly beyond the
+        span.
 
     Raises
     ------
     ArgumentError
-        For times that do not ascend, values that are not as many, or either not finite.
+        For times that are not increasing, another number of values, or values that are not finite.
 
     Notes
     -----

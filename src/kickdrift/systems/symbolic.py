@@ -24,12 +24,12 @@ def from_sympy(
     hamiltonian : sympy expression
         H(q, p), or H(q, p, t).
     q, p : symbol or sequence of symbols
-        Coordinates and momenta, in the order that they have in x0 and v0; with a symbol alone states are scalars. Functions of
-        time, such as SymPy's dynamic symbols, will do.
+        Coordinates and momenta, in their order in x0 and v0; for a single symbol states are scalars. Functions of time, such
+        as SymPy's dynamic symbols, are accepted.
     t : symbol, optional
-        Time, where H has it by a symbol of its own.
+        The symbol of time, if H depends on it.
     constants : mapping of symbol or str to float, optional
-        Numbers for all other symbols. With others of them nothing is compiled again.
+        Values of all other symbols. Other values do not recompile anything.
 
     Returns
     -------
@@ -39,7 +39,7 @@ def from_sympy(
     Raises
     ------
     ArgumentError
-        For symbols without numbers, and for functions that cannot be written in Python.
+        For symbols without values, and for functions that cannot be written in Python.
     MissingExtraError
         Without the package sympy.
 
@@ -67,14 +67,14 @@ def from_sympy(
 def from_lagrangian(
     lagrangian: Any, q: Any = None, qdot: Any = None, *, t: Any = None, constants: Mapping[Any, float] | None = None
 ) -> SecondOrder:
-    """Derive the accelerations from a Lagrangian, by the equations of Euler and Lagrange.
+    """Derive the accelerations from a Lagrangian, by the Euler-Lagrange equations.
 
     Parameters
     ----------
     lagrangian : sympy expression or sympy.physics.mechanics.LagrangesMethod
-        L(q, q'), or L(q, q', t). A LagrangesMethod brings coordinates, velocities and applied forces of its own.
+        L(q, q'), or L(q, q', t). A LagrangesMethod has its own coordinates, velocities and applied forces.
     q, qdot : symbol or sequence of symbols
-        Coordinates and velocities, in the order that they have in x0 and v0.
+        Coordinates and velocities, in their order in x0 and v0.
     t, constants
         As for `from_sympy`.
 
@@ -86,7 +86,7 @@ def from_lagrangian(
     Raises
     ------
     ArgumentError
-        For what `from_sympy` refuses, for a Lagrangian without kinetic energy along some coordinate, and for constraints.
+        For whatever `from_sympy` refuses, for a kinetic energy that is not positive definite, and for constraints.
     MissingExtraError
         Without the package sympy.
 

@@ -19,7 +19,7 @@ Function = Callable[..., Any]
 
 @dataclass(frozen=True, eq=False)
 class Quantity:
-    """Something that the exact motion conserves.
+    """A quantity that the exact motion conserves.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Units of a system that was made of quantities: which its numbers are in."""
+"""Units of the numbers in a system created from quantities."""
 
 from dataclasses import dataclass
 from typing import Any

@@ -1,4 +1,4 @@
-"""Snapshots: a world as it is at one moment, to be gone back to as often as one likes."""
+"""Snapshots: the state of a world at one time, which can be restored any number of times."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -44,7 +44,7 @@ TABLES: Mapping[str, Table] = MappingProxyType(
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """All that the next steps of a world depend on. It does not change with the world that it was taken of.
+    """Everything that the next steps of a world depend on. It does not change with the world that it was taken from.
 
     Attributes
     ----------

@@ -14,7 +14,7 @@ _NONZERO = {
     "jnt_stiffnesspoly": ("joint", "stiffness beyond the linear term"),
     "jnt_springyield": ("joint", "yielding springs"),
     "jnt_actgravcomp": ("joint", "gravity compensation by actuators"),
-    "body_gravcomp": ("body", "compensation of gravity"),
+    "body_gravcomp": ("body", "gravity compensation"),
     "geom_adhesion": ("geom", "adhesion"),
     "geom_surfacevel": ("geom", "surface velocity"),
     "geom_fluid": ("geom", "fluid forces"),

@@ -1,4 +1,4 @@
-"""What a joint does along or about one of its axes."""
+"""The laws of a joint along or about one of its axes."""
 
 import math
 from dataclasses import dataclass, replace
@@ -70,12 +70,12 @@ def check_kind(argument: str, value: Any, kind: type) -> None:
 
 @dataclass(frozen=True)
 class Motor:
-    """Turns or pushes at a speed, with as much torque or force as that takes up to a maximum.
+    """A motor that maintains a speed, with as much torque or force as that takes, up to a maximum.
 
     Parameters
     ----------
     speed : float
-        At which the joint's angle or position grows; rad/s about an axis, m/s along one.
+        Rate of the joint's angle or position; rad/s about an axis, m/s along one.
     maximum : float
         N m about an axis, N along one.
 
@@ -95,10 +95,10 @@ class Motor:
 
 @dataclass(frozen=True)
 class Drive:
-    """A spring with a damper, which pulls towards a position: passive, or as the controller of an actuator.
+    """A spring and damper that pulls towards a position: passive, or as the controller of an actuator.
 
-    Give either stiffness and damping, or hertz and damping ratio: those of the two bodies alone, with everything else that
-    the joint locks held, at the pose at which the joint is made.
+    Give either stiffness and damping, or frequency and damping ratio: those of the two bodies alone, with the joint's locked
+    axes held, in the pose in which the joint is created.
 
     Parameters
     ----------
@@ -109,21 +109,21 @@ class Drive:
     hertz, damping_ratio : float, optional
         Natural frequency, in 1/s, and damping over critical damping.
     target : float
-        Position or angle at which it does not pull, m or rad.
+        Position or angle at which the spring force is zero, m or rad.
     speed : float
-        Speed at which it does not damp, m/s or rad/s.
+        Speed at which the damping force is zero, m/s or rad/s.
     maximum : float
-        N or N m that it does not exceed.
+        Largest force or torque, N or N m.
 
     Raises
     ------
     ArgumentError
-        For negative numbers, ones that are not finite, and both ways of saying how stiff it is at once.
+        For negative numbers, ones that are not finite, and a stiffness that is given twice.
 
     Notes
     -----
-    Both act by the position and speed that they lead to, so any stiffness and damping is stable. Springs slow against the
-    substep keep their energy; see `kickdrift.world.joints.laws`.
+    Both are implicit in the position and speed, so any stiffness and damping is stable. Springs that are slow compared to
+    the substep conserve their energy; see `kickdrift.world.joints.laws`.
     """
 
     stiffness: float = 0.0
@@ -165,23 +165,23 @@ class Drive:
 
 @dataclass(frozen=True)
 class Axis:
-    """What a joint does along or about one of its axes.
+    """The laws of a joint along or about one of its axes.
 
     Parameters
     ----------
     locked : bool
-        Nothing moves along it. All else is for axes that are open.
+        Whether no motion is possible. All other parameters are for open axes.
     limits : (2,) tuple of float, optional
-        Least and greatest position or angle, in m or rad; infinite ones are none.
+        Smallest and largest position or angle, in m or rad; infinite for none.
     motor : Motor, optional
     drive : Drive, optional
     friction : float
-        Dry friction: the greatest force or torque with which it holds at rest and brakes in motion, N or N m.
+        Dry friction: the largest force or torque with which it holds at rest and brakes in motion, N or N m.
 
     Raises
     ------
     ArgumentError
-        For limits the wrong way round or not a number, negative friction, and for a locked axis with anything else.
+        For limits in the wrong order or not a number, negative friction, and a locked axis with any law.
     """
 
     locked: bool = False

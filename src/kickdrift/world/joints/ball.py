@@ -23,18 +23,18 @@ class Ball(Record):
     axis : (3,) array_like
         Direction from which swing and about which twist are measured, in the world: along the limb.
     swing_limit : float, optional
-        Greatest angle by which the axis of b leaves that of a, rad, below pi.
+        Largest angle between the axes of a and b, rad, below pi.
     twist_limits : (2,) tuple of float, optional
-        Least and greatest angle of b about the axis, rad, between -pi and pi.
+        Smallest and largest angle of b about the axis, rad, between -pi and pi.
     drive : Drive, optional
-        Pulls b back into the orientation that it has now, by the rotation vector.
+        Pulls b back to its initial orientation, by the rotation vector.
     friction : float
-        Greatest torque of dry friction about each axis, N m.
+        Largest torque of dry friction about each axis, N m.
 
     Raises
     ------
     ArgumentError
-        For limits the wrong way round or beyond pi, and for a drive with a target or a maximum.
+        For limits in the wrong order or beyond pi, and for a drive with a target or a maximum.
 
     Notes
     -----

@@ -1,4 +1,4 @@
-"""The joint whose six axes do what one wants."""
+"""The joint with six configurable axes."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ class SixDof(Record):
     anchor : (3,) array_like
         Origin of the axes, in the world, m.
     axis_x, axis_y : (3,) array_like
-        Directions of the first two axes, in the world, at right angles; the third is at right angles to both. They are
-        fixed in body a.
+        Directions of the first two axes, in the world, perpendicular; the third is perpendicular to both. They are fixed in
+        body a.
     linear : tuple of three Axis
-        What happens along them.
+        The laws along them.
     angular : tuple of three Axis
-        What happens about them. Where one is open it is a hinge's; where two are, the first (of x-y, y-z, z-x) is fixed in
-        a and the other in b, as in a universal joint; where three are, the angles are the components of the rotation
-        vector, or with limits swing and twist about z.
+        The laws about them. A single open axis is that of a hinge; of two, the first (of x-y, y-z, z-x) is fixed in a and
+        the other in b, as in a universal joint; with three, the angles are the components of the rotation vector, or with
+        limits swing and twist about z.
     swing_limit : float, optional
-        Where three angular axes are open: greatest angle of the z axis of b with that of a, rad.
+        With three open angular axes: largest angle between the z axes of a and b, rad.
 
     Raises
     ------

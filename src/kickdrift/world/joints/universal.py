@@ -14,7 +14,7 @@ from kickdrift.world.joints.record import Placement, Record, direction, point
 
 @dataclass(frozen=True)
 class Universal(Record):
-    """A cross with one axis in body a and one in body b, at right angles to each other: Cardan's joint.
+    """A universal (Cardan) joint: a cross with one axis in body a and one in body b, perpendicular to each other.
 
     Parameters
     ----------
@@ -23,7 +23,7 @@ class Universal(Record):
     axis_a, axis_b : (3,) array_like
         Their directions, in the world.
     about_a, about_b : Axis
-        What happens about them: limits, motor, drive, friction. Angles are zero now and count turns.
+        The laws about them: limits, motor, drive, friction. Angles are zero initially and count turns.
 
     Raises
     ------
