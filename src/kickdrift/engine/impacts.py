@@ -70,7 +70,7 @@ class Impacts:
     >>> import numpy as np, kickdrift as kd
     >>> floor = kd.Impacts(lambda x: x[1], restitution=0.9)
     >>> fall = lambda x: np.array([0.0, -9.81])
-    >>> ball = kd.solve(fall, (0.0, 3.0), [0, 1], [1, 0], step=0.01, method="velocity-verlet", impacts=floor, compile=False)
+    >>> ball = kd.solve(fall, (0.0, 1.0), [0, 1], [1, 0], step=0.05, method="velocity-verlet", impacts=floor, compile=False)
     >>> bool(ball.x[:, 1].min() > -1e-12)
     True
     """

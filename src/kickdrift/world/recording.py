@@ -79,6 +79,7 @@ class WorldPresenters(Presenters):
     """What recordings can do on the floors above, and worlds: the package hands it down when it is imported."""
 
     animate: Callable[..., Path]
+    view: Callable[..., Any]
     save_world: Callable[..., Path]
     contents: Callable[..., tuple[dict[str, Any], dict[str, NDArray[Any]]]]
     snapshot_of: Callable[..., Any]

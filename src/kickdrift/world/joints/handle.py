@@ -182,6 +182,29 @@ class Joint(Handle):
                 a, b, c = arm.tolist()
                 load[:] = (u + f, v + g, w + h, p + b * h - c * g, q + c * f - a * h, r + a * g - b * f)
 
+    def motor(self, axis: int | None = None) -> Motor | None:
+        """Return the motor of an axis, or None; axes are as in `apply_effort`."""
+        found: Motor | None = self._joints.law(self, axis, "motor")
+        return found
+
+    def drive(self, axis: int | None = None) -> Drive | None:
+        """Return the drive of an axis, or None: with its stiffness and damping, also where it was given by its frequency.
+
+        >>> joint.set_drive(dataclasses.replace(joint.drive(), target=0.5))
+        """
+        found: Drive | None = self._joints.law(self, axis, "drive")
+        return found
+
+    def limits(self, axis: int | None = None) -> tuple[float, float] | None:
+        """Return the limits of an axis, m or rad, or None."""
+        found: tuple[float, float] | None = self._joints.law(self, axis, "limits")
+        return found
+
+    def friction(self, axis: int | None = None) -> float:
+        """Return the dry friction of an axis, N or N m."""
+        found: float = self._joints.law(self, axis, "friction")
+        return found
+
     def set_motor(self, motor: Motor | None, axis: int | None = None) -> None:
         """Exchange the motor of an axis; None takes it away."""
         check_kind("motor", motor, Motor)

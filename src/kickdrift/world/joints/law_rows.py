@@ -6,6 +6,7 @@ from typing import Any, Literal
 import numpy as np
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.world.joints.axis import Drive, Motor
 from kickdrift.world.joints.effective import effective_mass
 from kickdrift.world.joints.layout import (
     ANGULAR,
@@ -69,6 +70,24 @@ def write_law(tables: Tables, joint: int, k: int, part: LawPart, what: Any) -> N
     if k >= 3 and does and angular == LOOSE:
         angular = VECTOR
     law[:], row[LAWS], row[ANGULAR] = numbers, laws, angular  # at once, which Ctrl-C does not divide
+
+
+def read_law(tables: Tables, joint: int, k: int, part: LawPart) -> Any:
+    """Return one part of what happens along an axis of a joint: as in an `Axis`, seen from its body a."""
+    numbers: list[float] = tables.row(JOINT_AXES, 6 * joint + k).tolist()
+    if part == "motor":
+        return Motor(numbers[MOTOR_SPEED], numbers[MOTOR_MAXIMUM]) if numbers[MOTOR_MAXIMUM] > 0.0 else None
+    if part == "limits":
+        limits = numbers[LOWER_LIMIT], numbers[UPPER_LIMIT]
+        return None if limits == (-math.inf, math.inf) else limits
+    if part == "friction":
+        return numbers[JOINT_FRICTION]
+    stiffness, damping = numbers[DRIVE_STIFFNESS], numbers[DRIVE_DAMPING]
+    if stiffness == damping == 0.0:
+        return None
+    return Drive(
+        stiffness, damping, target=numbers[TARGET], speed=numbers[TARGET_SPEED], maximum=numbers[DRIVE_MAXIMUM]
+    )
 
 
 def check_changeable(tables: Tables, joint: int, k: int, part: LawPart) -> None:

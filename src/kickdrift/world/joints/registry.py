@@ -13,7 +13,7 @@ from kickdrift.core.rotations import of_matrix, product, turned
 from kickdrift.world.joints.axis import Axis
 from kickdrift.world.joints.catalogue import KINDS
 from kickdrift.world.joints.handle import Joint
-from kickdrift.world.joints.law_rows import LAW_PARTS, LawPart, check_changeable, clear_laws, write_law
+from kickdrift.world.joints.law_rows import LAW_PARTS, LawPart, check_changeable, clear_laws, read_law, write_law
 from kickdrift.world.joints.layout import (
     ANCHOR_A,
     ANCHOR_B,
@@ -136,6 +136,13 @@ class Joints:
         self.arranged = False
         self.names.give(row, name)
         return self.handle(row)
+
+    @alone
+    def law(self, joint: Joint, axis: int | None, part: LawPart) -> Any:
+        """Return the limits, the motor, the drive or the friction of an axis, as in an `Axis`."""
+        k = joint.axis(axis)
+        found = read_law(self.tables, joint.index, k, part)
+        return getattr(Axis(**{part: found}).reversed(), part) if joint.sign(k) < 0.0 else found
 
     @alone
     def change_law(self, joint: Joint, axis: int | None, part: LawPart, what: Any) -> None:
