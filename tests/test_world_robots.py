@@ -504,7 +504,7 @@ def test_surfaces_have_the_friction_of_their_geoms(tmp_path):
     surfaces = [placed.surface for placed in robot.world.shape_rows.shapes.values()]
     assert [(s.friction, s.rolling_resistance) for s in surfaces] == [(0.7, 0.0), (0.4, 0.05), (0.0, 0.0)]
     assert any("geometric mean" in note for note in robot.notes)
-    assert any("twisting" in note for note in robot.notes)
+    assert any("torsional" in note for note in robot.notes)
 
 
 def test_the_root_of_a_urdf_is_fixed_or_floats():

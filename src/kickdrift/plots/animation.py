@@ -20,6 +20,7 @@ from kickdrift.plots.painter import Painter
 from kickdrift.plots.scenery import Pose
 from kickdrift.world.recording import Recording
 
+Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 _PIXELS = 310_000
 _DPI = 100
@@ -128,23 +129,28 @@ class _Film:
 
     def samples(self) -> Iterator[Pixels]:
         """Paint some pictures from all over the film."""
-        for time in self.times[np.unique(np.linspace(0, len(self.times) - 1, _SAMPLES).astype(np.intp))]:
-            self._samples[time] = self._finished(time, self._painters[0].paint(self.pose(time)))
-            yield self._samples[time]
+        times = self.times[np.unique(np.linspace(0, len(self.times) - 1, _SAMPLES).astype(np.intp))]
+        for time, pixels in zip(times, self._painted(times), strict=True):
+            self._samples[time] = pixels
+            yield pixels
 
     def __iter__(self) -> Iterator[Pixels]:
-        """Paint all pictures, several at once."""
-        bar, workers = Bar(len(self.times), self._progress, unit="picture"), len(self._painters)
-        with closing(bar), ThreadPoolExecutor(workers) as pool:
+        """Paint all pictures but those that are painted already."""
+        painted = self._painted(self.times[[time not in self._samples for time in self.times]])
+        with closing(Bar(len(self.times), self._progress, unit="picture")) as bar:
             started = perf_counter()
-            for first in range(0, len(self.times), workers):
-                times = self.times[first : first + workers]
-                new = [time for time in times if time not in self._samples]
-                pictures = pool.map(lambda painter, time: painter.paint(self.pose(time)), self._painters, new)
-                painted = dict(zip(new, pictures, strict=True))
-                for time in times:
-                    yield self._finished(time, painted[time]) if time in painted else self._samples[time]
-                bar.show(first + len(times), perf_counter() - started)
+            for count, time in enumerate(self.times, 1):
+                yield self._samples[time] if time in self._samples else next(painted)
+                bar.show(count, perf_counter() - started)
+
+    def _painted(self, times: Floats) -> Iterator[Pixels]:
+        """Paint pictures, several at once."""
+        workers = len(self._painters)
+        with ThreadPoolExecutor(workers) as pool:
+            for first in range(0, len(times), workers):
+                some = times[first : first + workers].tolist()
+                pictures = pool.map(lambda painter, time: painter.paint(self.pose(time)), self._painters, some)
+                yield from map(self._finished, some, pictures)
 
     def _finished(self, time: float, picture: Pixels) -> Pixels:
         self._image.set_data(picture)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Floats = NDArray[np.float64]
-_PIXELS = 1_400_000
+_PIXELS = 1_000_000  # about as many as the file has for the scene
 _HEIGHT, _WIDTH = 4.6, 9.2  # of the scene, inches
 _WIDE = 1.8  # width over height, from which on the energy stands below the scene
 _MOST_TRAILS = 40
