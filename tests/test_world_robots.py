@@ -381,7 +381,7 @@ def test_links_of_a_urdf_do_not_touch_the_base_that_they_hang_at(tmp_path):
     a, b, c = (robot.bodies[name].index for name in "abc")
     assert robot.world.tables.array(ASKED_APART).tolist() == [[a, b], [b, c]]
     assert [note for note in robot.notes if "overlap" in note] == [
-        "bodies 'a', 'c' overlap by 0.4 m in the reference pose and push each other apart; move or exclude them"
+        "bodies 'a', 'c' overlap by 0.4 m in the reference pose and will push each other apart; move or exclude them"
     ]
     path.write_text(
         f"<robot name='r'>{link((1, 1, 1), name='a')}{links[len(link((1, 1, 1), shapes=ball)) :]}{hinges}</robot>"
