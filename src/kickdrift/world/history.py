@@ -114,7 +114,7 @@ class KeepsHistory:
     def view(self, step: float, *, port: int = 8080) -> LivePage:
         """Show the world on a page of the browser, where it plays, pauses, steps, resets, and is pulled with the mouse.
 
-        >>> world.view(1 / 60).wait()
+        In a script: ``world.view(1 / 60).wait()``.
 
         Parameters
         ----------

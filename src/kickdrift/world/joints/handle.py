@@ -190,7 +190,7 @@ class Joint(Handle):
     def drive(self, axis: int | None = None) -> Drive | None:
         """Return the drive of an axis, or None, with stiffness and damping even if it was set by its frequency.
 
-        >>> joint.set_drive(dataclasses.replace(joint.drive(), target=0.5))
+        Change a part of it with ``joint.set_drive(dataclasses.replace(joint.drive(), target=0.5))``.
         """
         found: Drive | None = self._joints.law(self, axis, "drive")
         return found
