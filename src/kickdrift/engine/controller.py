@@ -56,7 +56,7 @@ class Controller:
     between : Controller or None
         What controls parts of steps, for states between them.
     takes_back : bool
-        Whether steps are taken back.
+        Whether steps can be rejected.
     surfaces : Surfaces or None
         Of impacts, for events.
     function : Quantity or None

@@ -1,4 +1,4 @@
-"""Where a run stands, so that it can go on from there."""
+"""Where a run stands, so that it can continue from there."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

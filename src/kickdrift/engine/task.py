@@ -65,13 +65,13 @@ class Task:
 
     @property
     def description(self) -> Description:
-        """What is run, for people."""
+        """What is run, for display."""
         about = description_of(self.system, self.chosen, self.compensated, self.controller)
         return replace(about, units={**about.units, **self.units})
 
 
 def description_of(system: System, chosen: Choice, compensated: bool, controller: Controller | None) -> Description:
-    """Describe what is run, for people."""
+    """Describe what is run, for display."""
     method = chosen.method
     units = dict(system.units) | {name: quantity.unit for name, quantity in system.quantities.items() if quantity.unit}
     scales = {name: quantity.scale for name, quantity in system.quantities.items() if quantity.scale is not None}

@@ -38,7 +38,7 @@ class Catalogue:
 
 
 def shapes_of(words: Iterable[Mapping[str, Any]], numbers: NDArray[np.float64]) -> list[Shape]:
-    """Make the shapes of a catalogue anew.
+    """Make the shapes of a catalogue again.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Worlds on disk: all that their next steps depend on, so that they go on with the same bits."""
+"""Worlds on disk: all that their next steps depend on, so that they continue with the same bits."""
 
 import json
 import math
@@ -40,7 +40,7 @@ def save_world(world: World, path: str | Path) -> Path:
     Parameters
     ----------
     world : World
-        Forces that were added to it, functions of one's own, are counted and not written: a file holds no code.
+        Forces that were added to it, functions of users, are counted and not written: a file holds no code.
     path : path
         Where; ``.npz`` is appended where it is missing. The folder must exist.
 
@@ -96,7 +96,7 @@ def contents(world: World) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
 
 
 def load_world(path: str | Path, forces: Sequence[Function] = ()) -> World:
-    """Read a world that `World.save` wrote; it goes on with the bits of the one that was written.
+    """Read a world that `World.save` wrote; it continues with the bits of the one that was written.
 
     Parameters
     ----------

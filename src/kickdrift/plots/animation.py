@@ -25,7 +25,7 @@ Pixels = NDArray[np.uint8]
 _PIXELS = 310_000
 _DPI = 100
 _MOST_WORKERS = 4
-_LAST_SECONDS = 1.0  # that the last picture of a GIF stays, before it begins anew
+_LAST_SECONDS = 1.0  # that the last picture of a GIF stays, before it begins again
 _NEARLY_WHITE = 247
 _PACKING = np.array([256**2, 256, 1], dtype=np.int32)  # of red, green and blue in one number
 _SAMPLES = 8  # pictures that the colours of a GIF are chosen from

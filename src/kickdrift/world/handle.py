@@ -56,7 +56,7 @@ class Handle:
 
     @property
     def name(self) -> str | None:
-        """Its name, or None; no two have the same. May be given anew."""
+        """Its name, or None; no two have the same. Can be set."""
         return self._registry.names.of(self._registry.row(self))
 
     @name.setter

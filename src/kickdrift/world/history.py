@@ -76,7 +76,7 @@ class KeepsHistory:
         return run(self._world, duration, step, save_every, progress, kept)
 
     def record(self, save_every: int = 1, *, save_to: str | Path | None = None) -> AbstractContextManager[Recording]:
-        """Record the steps of a loop of one's own.
+        """Record the steps of a user's loop.
 
         >>> import kickdrift as kd
         >>> world = kd.World()

@@ -116,7 +116,7 @@ class RecordingRows:
         self._bodies, self._particles = bodies, particles
 
     def description(self) -> Description:
-        """Describe what is recorded, for people."""
+        """Describe what is recorded, for display."""
         return Description(
             system=_words(int(np.count_nonzero(appearance(self._world).kinds)) - 1, self._world.tables.count(CLOTH)),
             method="soft steps",
@@ -171,7 +171,7 @@ def _words(bodies: int, cloths: int) -> str:
 
 
 class Recorder:
-    """What a world tells of its steps while a loop of one's own is recorded.
+    """What a world tells of its steps while a user's loop is recorded.
 
     Parameters
     ----------

@@ -108,7 +108,7 @@ def _look_through(world: int) -> bool:
 
 @compiled(inline=True)
 def _stays(world: int, a: int, b: int, part: int) -> bool:
-    """Whether shapes of which one is sought anew, or gone, still make a contact."""
+    """Whether shapes of which one is sought again, or gone, still make a contact."""
     shapes = integers(world, SHAPE)
     if shapes[a, SEARCH_STATE] == NEW or shapes[b, SEARCH_STATE] == NEW:
         return False
