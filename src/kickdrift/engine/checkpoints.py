@@ -24,7 +24,7 @@ _NAME = re.compile(r"step-(\d{15})\.npz")
 
 
 class Found(NamedTuple):
-    """A checkpoint that was read: what it says, its arrays, and what is to be said of it."""
+    """A checkpoint that was read: its header, its arrays, and what to report about it."""
 
     header: dict[str, Any]
     arrays: dict[str, Any]
@@ -97,7 +97,7 @@ class Checkpoints:
         self._pace = max(1, min(10 * max(steps, _FIRST), int(steps * _SECONDS / max(seconds, 1e-9))))
 
     def write(self, step: int, header: Mapping[str, Any], arrays: archive.Arrays) -> None:
-        """Write a checkpoint, unless that is where the run continued from, and remove those that are not to be kept.
+        """Write a checkpoint, unless the run resumed from it, and remove those that are not to be kept.
 
         Raises
         ------

@@ -117,7 +117,7 @@ def check_merging(density: object, system: System) -> None:
 
 
 def check_density(density: Quantity, named: str, system: System, t0: float) -> None:
-    """Refuse a density that is none at the start, or another one with the velocities reversed.
+    """Refuse a density that is invalid at the start, or that changes with the velocities reversed.
 
     Raises
     ------

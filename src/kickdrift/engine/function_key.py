@@ -57,7 +57,7 @@ class Taken:
 
     @property
     def known(self) -> bool:
-        """Whether the key tells all, so that compiled code may be kept for other processes."""
+        """Whether the key is complete, so that compiled code may be kept for other processes."""
         return isinstance(self.key, tuple)
 
     def options(self, checked: bool) -> dict[str, Any]:

@@ -40,7 +40,7 @@ def save_world(world: World, path: str | Path) -> Path:
     Parameters
     ----------
     world : World
-        Forces that were added to it, functions of users, are counted and not written: a file holds no code.
+        Forces added by users are functions; they are counted but not written, since a file holds no code.
     path : path
         Where; ``.npz`` is appended where it is missing. The folder must exist.
 

@@ -1,4 +1,4 @@
-"""Checkpoints of ensembles: the members that are done, from which the same call continues with the others."""
+"""Checkpoints of ensembles: the finished members; the same call continues with the others."""
 
 import time
 from collections.abc import Mapping

@@ -99,7 +99,7 @@ def members_of(
     Raises
     ------
     ArgumentError
-        For numbers of members that do not fit together, or what is none of a member.
+        For inconsistent numbers of members, or invalid values of a member.
     """
     made, numbers = None, None
     parameters: dict[str, Any] = {}

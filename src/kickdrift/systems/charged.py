@@ -103,7 +103,7 @@ class ChargedParticle(Problem):
 
 
 def _check_vectors(adapter: Adapter, role: str, function: Function, names: tuple[str, ...]) -> None:
-    """Refuse what would broadcast to vectors and is none: a number, or the strength at each particle."""
+    """Refuse values that would broadcast to vectors but are not vectors: a number, or the strength at each particle."""
     if "out" in adapter.names_of(function, role, names):
         return
     shape = adapter.shape_of(function, role, names)

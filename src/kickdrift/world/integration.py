@@ -147,7 +147,7 @@ def flatten(t: float, h: float, world: int) -> None:
 
 @compiled
 def kick(t: float, h: float, world: int) -> None:
-    """Add h times the acceleration to the velocities, and say with which velocities free bodies turn."""
+    """Add h times the acceleration to the velocities, and set the angular velocities of free bodies."""
     motion, kicked, force = floats(world, MOTION), floats(world, KICKED), floats(world, FORCE)
     inertia, inverse_mass, pose = floats(world, INERTIA), floats(world, INVERSE_MASS), floats(world, POSE)
     body_kind, settings, member = integers(world, BODY), floats(world, SETTINGS), integers(world, MEMBER)

@@ -63,7 +63,7 @@ class Snapshot:
     n_bodies_made, n_joints_made : int
         How many there have been in the world, so that the handle of one is never that of another.
     joints_arranged : bool
-        Whether the tables say which joints make trees, and which close loops.
+        Whether the tables contain which joints form trees, and which close loops.
     shapes : mapping of int to Placed
         By row.
     geometry : mapping of bytes to int

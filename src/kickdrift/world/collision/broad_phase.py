@@ -135,7 +135,7 @@ def _note_parting(world: int, row: int) -> bool:
 
 @compiled
 def _has_room(world: int) -> bool:
-    """Ask for room for what was found, where there is none."""
+    """Request room for what was found, if there is none."""
     search = integers(world, SEARCH)
     count = rows(world, CONTACT) + search[0, FOUND]
     if room(world, SCRATCH) < search[0, PAIRS_AT] + PAIR * search[0, FOUND]:
