@@ -102,20 +102,19 @@ def load_world(path: str | Path, forces: Sequence[Function] = ()) -> World:
     ----------
     path : path
     forces : sequence of callable
-        The functions that `World.add_force` was given, in their order: a file holds no code.
+        The functions passed to `World.add_force`, in the same order: a file holds no code.
 
     Returns
     -------
     World
-        Bodies have the rows and names that they had; ``world.body(name)`` and ``world.bodies.handle(row)`` give the handle
-        of one.
+        Bodies keep their rows and names; ``world.body(name)`` and ``world.bodies.handle(row)`` return handles.
 
     Raises
     ------
     FileFormatError
-        If there is no such file, it is not a world, or one of another version of kickdrift.
+        If there is no such file, or it is not a world, or one of another version of kickdrift.
     ArgumentError
-        If the forces are not as many as the world had.
+        If the number of forces differs from that of the world.
     """
 
     def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> tuple[Snapshot, int, bool]:
