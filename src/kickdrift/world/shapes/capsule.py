@@ -88,7 +88,8 @@ class Capsule:
 
         Notes
         -----
-        A hemisphere has its centre of mass at 3/8 of its radius from its flat side, and a moment of inertia of 83/320 m r^2 about axes through that centre and parallel to the flat side.
+        A hemisphere has its centre of mass at 3/8 of its radius from its flat side, and a moment of inertia of 83/320 m r^2
+        about axes through that centre and parallel to the flat side.
         """
         r, half = self.radius, 0.5 * self.length
         cylinder = math.pi * r**2 * self.length

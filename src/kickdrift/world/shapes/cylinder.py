@@ -30,7 +30,10 @@ class Cylinder:
 
     Notes
     -----
-    It is round, not a prism: it rolls, and ray casts, bounding boxes and contacts with planes, spheres and capsules are exact. So are contacts with boxes, hulls and triangles, at faces as well as at edges, except for the extent of contact points where an end lies partly over a face: there the rim is a polygon of 24 corners. In contacts of two cylinders one of them is such a polygon, with a corner at the point of contact.
+    It is round, not a prism: it rolls, and ray casts, bounding boxes and contacts with planes, spheres and capsules are
+    exact. So are contacts with boxes, hulls and triangles, at faces as well as at edges, except for the extent of contact
+    points where an end lies partly over a face: there the rim is a polygon of 24 corners. In contacts of two cylinders one
+    of them is such a polygon, with a corner at the point of contact.
     """
 
     radius: float
