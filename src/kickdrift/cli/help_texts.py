@@ -40,6 +40,7 @@ KICKDRIFT = """Structure-preserving integration for mechanics.
   kickdrift run solar-system      a hundred years, compared with JPL's positions
   kickdrift run bodies.toml       bodies of your own
   kickdrift run pyramid           boxes on boxes, with a picture and a film
+  kickdrift view ragdolls         a world that runs in the browser, and is pulled with the mouse
   kickdrift compare kepler        Euler's methods and Stoermer-Verlet side by side
   kickdrift list methods
   kickdrift compile               all that runs may need, once on this machine
@@ -84,6 +85,19 @@ A bodies file, bodies.toml, holds these keys; all but the bodies may be left out
 With bodies = "bodies.csv" at its top instead, they are read from that file beside it:
 
 {_literal(SAMPLE_CSV)}
+"""
+
+VIEW = """Show a scene, a robot or a saved run in the browser (extra viewer).
+
+Scenes, robots (extra robots) and worlds that were saved run on a page, in real time where steps are fast enough: play, pause,
+step, reset, speed, sliders for the targets of joints, gravity and substeps, and the mouse pulls at bodies. The page is for this
+machine alone, and ends with Ctrl-C. Of a run that was saved, FILE.html is written beside FILE.npz; it plays without a server.
+
+\b
+  kickdrift view pyramid
+  kickdrift view robot.xml --step 0.002
+  kickdrift view world.npz --port 8081
+  kickdrift view kickdrift-output/pile.npz
 """
 
 COMPARE = """Run explicit, implicit and semi-implicit Euler and Stoermer-Verlet with the same step.
