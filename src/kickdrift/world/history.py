@@ -78,18 +78,22 @@ class KeepsHistory:
     def record(self, save_every: int = 1, *, save_to: str | Path | None = None) -> AbstractContextManager[Recording]:
         """Record the steps of a loop of one's own.
 
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.1, mass=1.0)
         >>> with world.record(save_every=2) as recording:
         ...     for _ in range(100):
-        ...         world.apply_force(ball, (0, 0, 1.0))
+        ...         world.apply_force(ball, (0, 0, 9.81))
         ...         world.step(1 / 60)
-        >>> recording.plot()
+        >>> recording.x.shape
+        (51, 2, 3)
 
         Parameters
         ----------
         save_every : int
             Keep the state at the beginning, after every n-th step, for n = `save_every`, and after the last one.
         save_to : path, optional
-            A folder to which the rows go in place of memory, as those of `run`. All bodies have to be there at the start.
+            A folder to which the rows go in place of memory, as those of `run`. All bodies must be there at the start.
 
         Returns
         -------
@@ -110,7 +114,7 @@ class KeepsHistory:
     def view(self, step: float, *, port: int = 8080) -> LivePage:
         """Show the world on a page of the browser, where it plays, pauses, steps, resets, and is pulled with the mouse.
 
-        >>> world.view(1 / 60).wait()
+        In a script: ``world.view(1 / 60).wait()``.
 
         Parameters
         ----------
