@@ -34,7 +34,7 @@ _SAMPLES = 8  # pictures that the colours of a GIF are chosen from
 def animate_recording(
     recording: Recording, path: str | Path, *, speed: float = 1.0, rate: int = 25, progress: bool | None = None
 ) -> Path:
-    """Write a film of a recording.
+    """Write an animation of a recording.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def animate_recording(
     path : path
         Ends in ``.gif``, or in ``.mp4`` where the program ffmpeg is installed.
     speed : float
-        Seconds of the recording for each second of the film.
+        Seconds of the recording per second of the animation.
     rate : int
         Pictures a second, at most 50.
     progress : bool, optional
@@ -64,13 +64,13 @@ def animate_recording(
         If matplotlib is not installed.
     """
     if not (isinstance(speed, int | float | np.integer | np.floating) and 0.0 < float(speed) < math.inf):
-        raise ArgumentError(f"speed={speed!r} has to be positive and finite; 1 is real time, 0.5 half as fast.")
+        raise ArgumentError(f"speed={speed!r} must be positive and finite; 1 is real time, 0.5 half as fast.")
     if not (isinstance(rate, int | np.integer) and 1 <= rate <= 50):
-        raise ArgumentError(f"rate={rate!r} has to be a whole number of pictures a second, from 1 to 50.")
+        raise ArgumentError(f"rate={rate!r} must be a whole number of frames per second, from 1 to 50.")
     target = Path(path)
     write = {".gif": _write_gif, ".mp4": _write_mp4}.get(target.suffix.lower())
     if write is None:
-        raise FileFormatError(f"path={str(path)!r} cannot be written: films end in .gif or .mp4.")
+        raise FileFormatError(f"path={str(path)!r} cannot be written: animations end in .gif or .mp4.")
     film = _Film(recording, speed, int(rate), progress)
     try:
         with written(target) as partial:
@@ -193,7 +193,8 @@ def _write_mp4(film: _Film, path: Path) -> None:
 
     if not FFMpegWriter.isAvailable():
         raise FileFormatError(
-            f"path={str(path)!r} needs the program ffmpeg, which is not found; install it, or end the name in .gif."
+            f"path={str(path)!r} needs the program ffmpeg, which was not found; install it, or use a name that ends in"
+            " .gif."
         )
     writer = FFMpegWriter(fps=film.rate)
     with writer.saving(film.figure, str(path), _DPI):

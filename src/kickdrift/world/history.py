@@ -93,7 +93,7 @@ class KeepsHistory:
         save_every : int
             Keep the state at the beginning, after every n-th step, for n = `save_every`, and after the last one.
         save_to : path, optional
-            A folder to which the rows go in place of memory, as those of `run`. All bodies have to be there at the start.
+            A folder to which the rows go in place of memory, as those of `run`. All bodies must be there at the start.
 
         Returns
         -------
@@ -114,7 +114,7 @@ class KeepsHistory:
     def view(self, step: float, *, port: int = 8080) -> LivePage:
         """Show the world on a page of the browser, where it plays, pauses, steps, resets, and is pulled with the mouse.
 
-        >>> world.view(1 / 60).wait()
+        In a script: ``world.view(1 / 60).wait()``.
 
         Parameters
         ----------

@@ -15,7 +15,7 @@ _UP: Vector = (0.0, 0.0, 1.0)
 # Sine of the angle between a disc and what it stands on, below which the points of its rim stay where they are in the
 # body: which one is the lowest is rounding then.
 STANDING = 1e-4
-FLAT_ON = 5e-3  # the same on a face, where many points are chosen from: which ones are chosen has to be steady
+FLAT_ON = 5e-3  # the same on a face, where many points are chosen from: which ones are chosen must be steady
 
 
 @compiled(inline=True)
