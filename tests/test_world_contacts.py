@@ -224,6 +224,18 @@ def test_a_sleeper_that_is_shot_does_not_pass_what_it_slept_beside(wall):
     assert ball.position[0] == pytest.approx(0.11, abs=2e-3)
 
 
+@pytest.mark.parametrize("sleeping", [False, True])
+def test_a_body_that_becomes_lighter_is_not_thrown_by_what_held_its_weight(sleeping):
+    world = World(sleeping=sleeping)
+    world.add_plane()
+    hull = world.add_hull([(0, 0, 0), (0.3, 0, 0), (0, 0.2, 0), (0.1, 0.1, 0.3), (0.3, 0.3, 0.1)], position=(0, 0, 0.1))
+    world.advance(STEP, 120)
+    hull.mass = 1e-4 * hull.mass
+    for _ in range(5):
+        world.step(STEP)
+        assert np.abs(world.velocity).max() < 1e-3
+
+
 def test_what_moves_does_not_fall_asleep():
     world = World(sleeping=True)
     world.add_plane(friction=0.0)

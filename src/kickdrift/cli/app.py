@@ -120,6 +120,20 @@ def compare(
     raise typer.Exit(do(make_plan(system, options, comparison=True), output))
 
 
+@app.command(help=help_texts.VIEW, short_help="Show a scene, a robot or a saved run in the browser.")
+def view(
+    target: Annotated[
+        str, typer.Argument(help="A scene (see: kickdrift list scenes), a robot's .xml or .urdf, or a .npz file.")
+    ],
+    step: Annotated[str | None, typer.Option(help="Of a world, in seconds.")] = None,
+    port: Annotated[int, typer.Option(help="Of this machine; 0 takes any that is free.")] = 8080,
+) -> None:
+    """Run a world in the browser, or write the page of a run that was saved."""
+    from kickdrift.cli.view import view as do
+
+    raise typer.Exit(do(target, step, port))
+
+
 @app.command(
     "compile", help=help_texts.COMPILE, short_help="Compile everything that runs may need, once on this machine."
 )

@@ -40,6 +40,7 @@ KICKDRIFT = """Structure-preserving integration for mechanics.
   kickdrift run solar-system      a hundred years, compared with JPL's positions
   kickdrift run bodies.toml       bodies of your own
   kickdrift run pyramid           a pyramid of boxes, with a plot and an animation
+  kickdrift view ragdolls         a world running live in the browser, where the mouse pulls at bodies
   kickdrift compare kepler        Euler's methods and Stoermer-Verlet side by side
   kickdrift list methods
   kickdrift compile               everything that runs may need, once on this machine
@@ -84,6 +85,20 @@ A bodies file, bodies.toml, has these keys; all but the bodies are optional, and
 With bodies = "bodies.csv" at the top instead, the bodies are read from that file in the same folder:
 
 {_literal(SAMPLE_CSV)}
+"""
+
+VIEW = """Show a scene, a robot or a saved run in the browser (extra viewer).
+
+Scenes, robots (extra robots) and saved worlds run live on a page, in real time if steps are fast enough, with buttons to
+play, pause, step and reset, sliders for speed, substeps and the targets of joints, and a spring with which the mouse pulls
+at bodies. Only this machine can open the page; Ctrl-C ends it. For a saved run, FILE.npz, a page that plays without a server
+is written beside it, FILE.html.
+
+\b
+  kickdrift view pyramid
+  kickdrift view robot.xml --step 0.002
+  kickdrift view world.npz --port 8081
+  kickdrift view kickdrift-output/pile.npz
 """
 
 COMPARE = """Run explicit, implicit and semi-implicit Euler and Stoermer-Verlet with the same step.

@@ -132,6 +132,13 @@ def read(path: str | Path, what: str, writer: str, assemble: Callable[[dict[str,
         ) from None
 
 
+def format_of(path: str | Path) -> str:
+    """Return the format that a file names, or an empty text where it names none or cannot be read; `read` says why."""
+    with suppress(OSError, *_FOREIGN), opened(path) as handle, np.load(handle, allow_pickle=False) as file:
+        return str(json.loads(str(file[_HEADER]))["format"])
+    return ""
+
+
 def _is_swollen(file: BinaryIO) -> bool:
     """Whether an archive says that it takes much memory for what it takes on disk; close the file."""
     with file, suppress(*_FOREIGN), zipfile.ZipFile(file) as members:

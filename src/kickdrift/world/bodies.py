@@ -13,6 +13,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import choice
 from kickdrift.world.body import Body
 from kickdrift.world.collision.search import shapes_changed
+from kickdrift.world.contacts.kept_impulses import scale_impulses
 from kickdrift.world.integration import (
     AWAKE,
     BODY_INERTIA,
@@ -207,6 +208,8 @@ class Bodies:
         self.set_mass(
             row, Mass(old.mass if mass is None else mass, old.centre, new), numbers[[DAMPING, TURN_DAMPING]], locked
         )
+        lighter = 1.0 if mass is None else min(1.0, mass / old.mass)
+        scale_impulses(self.tables, row, lighter)  # those that held the old weight would throw a lighter body
         # Which orientation the drift left is forgotten, so that the kick takes the angular momentum again.
         self.tables.array(KICKED)[row, LEFT_POSE : LEFT_POSE + 4] = 0.0
         self._masses_changed()
