@@ -191,6 +191,7 @@ Recording.presenters = WorldPresenters(
     report=_later("kickdrift.io.recording_report", "report"),
     keep=_later("kickdrift.io.stored", "keep"),
     animate=_later("kickdrift.plots.animation", "animate_recording"),
+    view=_later("kickdrift.viewer.live", "view_world"),
     save_world=_later("kickdrift.io.world_file", "save_world"),
     contents=_later("kickdrift.io.world_file", "contents"),
     snapshot_of=_later("kickdrift.io.world_file", "snapshot_of"),

@@ -23,7 +23,7 @@ class _Strict(BaseModel):
     def _printable(cls, value: Any) -> Any:
         # Texts of strangers go to the terminal, where a control character is a command.
         if isinstance(value, str) and not value.isprintable():
-            raise ValueError("it has characters that cannot be printed; leave them out.")
+            raise ValueError("it contains unprintable characters; remove them.")
         return value
 
 

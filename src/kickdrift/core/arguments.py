@@ -47,12 +47,12 @@ def real(value: Any) -> float:
     if type(value) is float:
         return value
     if isinstance(value, bool | np.bool_) or (array := reals(value)).ndim != 0:
-        raise TypeError("it is no number")
+        raise TypeError("it is not a number")
     return float(array)
 
 
 def choice(argument: str, value: Any) -> bool:
     """Return True or False; ArgumentError for anything else, which might be meant as the other one."""
     if not isinstance(value, bool | np.bool_):
-        raise ArgumentError(f"{argument}={value!r} has to be True or False.")
+        raise ArgumentError(f"{argument}={value!r} must be True or False.")
     return bool(value)

@@ -47,7 +47,7 @@ def unknown_name(argument: str, value: object, known: Iterable[str]) -> UnknownN
     known = sorted(known)
     near = difflib.get_close_matches(str(value), known, n=3, cutoff=0.4)
     hint = f"did you mean {' or '.join(repr(name) for name in near)}?" if near else f"known: {', '.join(known)}."
-    return UnknownNameError(f"{argument}={value!r} is not known; {hint}")
+    return UnknownNameError(f"{argument}={value!r} is unknown; {hint}")
 
 
 def missing_extra(feature: str, package: str, extra: str) -> MissingExtraError:

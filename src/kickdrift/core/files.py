@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
-_NO_FILE = "it is a pipe, a socket or a device, and no file"
+_NO_FILE = "it is a pipe, a socket or a device, not a regular file"
 
 
 def opened(path: str | Path) -> BinaryIO:

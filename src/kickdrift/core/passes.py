@@ -81,7 +81,7 @@ class _Assignments(ReconstructSSA):  # type: ignore[misc]
 
 @register_pass(mutates_CFG=True, analysis_only=False)
 class _StripPhis(PreLowerStripPhis):  # type: ignore[misc]
-    """Makes variables of where control comes together, and finds out whether references have to be counted."""
+    """Makes variables of where control comes together, and finds out whether references must be counted."""
 
     _name = "kickdrift_strip_phis"
 

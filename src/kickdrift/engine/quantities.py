@@ -111,7 +111,7 @@ def energy_lost(system: System, t: Floats, x: Floats, v: Floats) -> str:
             times = _times_its_size(system, t, x, v)
     if not 1.0 < times < np.inf:
         return ""
-    return f" The energy is off by {times:.3g} times its size: the states are wrong; try a smaller step."
+    return f" The energy error is {times:.3g} times the energy: the states are wrong; try a smaller step."
 
 
 def _times_its_size(system: System, t: Floats, x: Floats, v: Floats) -> float:

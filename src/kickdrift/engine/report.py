@@ -74,7 +74,7 @@ def report(
             kept, evaluations = kept.followed_by(end, x[0], v[0]), evaluations + own
             dense = _dense(system, grid, once, end, kept)
         except (Exception, KeyboardInterrupt) as error:
-            message += f" The last row is before it, as {type(error).__name__} was raised: {error}."
+            message += f" The rows end before it, since {type(error).__name__} was raised: {error}."
     t, xs, vs, _ = kept
     zeros: tuple[tuple[Zero, ...], ...] = ()
     if watch is not None:
@@ -85,7 +85,7 @@ def report(
             t, xs, vs, own = _at_wanted(grid, ending, dense, t, xs, vs)
             evaluations += own
         except (Exception, KeyboardInterrupt) as error:  # Ctrl-C, or a function that fails between steps alone
-            message += f" Times between steps are left out, where {type(error).__name__} was raised: {error}."
+            message += f" Times between steps are missing where {type(error).__name__} was raised: {error}."
     for array in (t, xs, vs):
         array.flags.writeable = False  # invariants are evaluated later, from the same numbers
     return Solution(
@@ -131,7 +131,7 @@ def _zeros(watch: Watch, end: float) -> tuple[tuple[tuple[Zero, ...], ...], str]
     except (Exception, KeyboardInterrupt) as error:
         return tuple(
             () for _ in watch.events
-        ), f" Zeros of events are left out, as {type(error).__name__} was raised: {error}."
+        ), f" Zeros of events are missing, since {type(error).__name__} was raised: {error}."
 
 
 def _dense(

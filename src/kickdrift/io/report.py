@@ -10,9 +10,9 @@ from kickdrift.engine.solution import Solution
 def report(solution: Solution) -> str:
     """Return a report: what was run, what it cost, and how well the conserved quantities were conserved.
 
-    Errors are the largest at the times kept, relative to the start; those of momenta, which may be zero, to the sum of the
-    sizes of the bodies'. The drift is the slope of a straight line through the energy errors. Where the exact motion is known,
-    the phase error says by how much time the run is ahead of it.
+    Errors are the largest at the times kept, relative to the initial value; those of momenta, which may be zero, relative to
+    the sum of the magnitudes for the bodies. The drift is the slope of the least-squares line through the energy errors. If
+    the exact motion is known, the phase error is the time by which the run is ahead of it.
     """
     solution = solution.plain
     about, unit = solution.about, solution.about.units.get("t", "")

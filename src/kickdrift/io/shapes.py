@@ -56,5 +56,5 @@ def shapes_of(words: Iterable[Mapping[str, Any]], numbers: NDArray[np.float64]) 
             begin = end
         made.append(kind(**{n: float(v) if v.ndim == 0 else v for n, v in arguments.items()}))
     if begin != numbers.size:
-        raise ValueError("there are numbers of more shapes than are named")
+        raise ValueError("it has data of more shapes than are named")
     return made

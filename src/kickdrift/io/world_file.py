@@ -125,8 +125,8 @@ def load_world(path: str | Path, forces: Sequence[Function] = ()) -> World:
     snapshot, count, threads = archive.read(path, "a kickdrift world", "World.save", assemble)
     if len(forces) != count:
         raise ArgumentError(
-            f"forces has {len(forces)} functions, and the world in path={str(path)!r} had {count}; give those that"
-            " add_force was given, in their order."
+            f"forces has {len(forces)} functions, but the world in path={str(path)!r} had {count}; give the functions"
+            " passed to add_force, in the same order."
         )
     world = World(threads=threads)
     for force in forces:
@@ -139,7 +139,7 @@ def _check(path: str, head: dict[str, Any], arrays: dict[str, Any]) -> None:
     given = str(head["format"])
     if given != archive.WORLD and given.startswith(_KIND):
         raise FileFormatError(
-            f"path={path!r} is {given!r}, and this version of kickdrift reads {archive.WORLD!r}; read it with the"
+            f"path={path!r} is {given!r}, but this version of kickdrift reads {archive.WORLD!r}; read it with the"
             " version that wrote it."
         )
     if given != archive.WORLD:
@@ -227,13 +227,13 @@ def _rows_of(given: list[int], wanted: NDArray[np.intp]) -> tuple[int, ...]:
     """Return rows that are free, in their order, if they are the ones that no one has."""
     rows = tuple(_whole(row, 0) for row in given)
     if sorted(rows) != wanted.tolist():
-        raise ValueError(f"the rows {list(rows)} are said to be free, and {wanted.tolist()} are")
+        raise ValueError(f"the rows {list(rows)} are listed as free, but {wanted.tolist()} are")
     return rows
 
 
 def _whole(value: Any, least: int) -> int:
     if type(value) is not int or not least <= value < 1 << 62:
-        raise ValueError(f"{value!r} is no whole number from {least} on")
+        raise ValueError(f"{value!r} is not a whole number of at least {least}")
     return value
 
 
@@ -246,7 +246,7 @@ def _finite(value: Any) -> float:
 def _names(pairs: list[tuple[int, str]], rows: NDArray[np.intp]) -> MappingProxyType[int, str]:
     names = {_whole(row, 0): str(name) for row, name in pairs}
     if not set(names) <= set(rows.tolist()) or len(set(names.values())) != len(pairs):
-        raise ValueError("names are those of rows that are not there, or the same")
+        raise ValueError("names are duplicates, or belong to rows that do not exist")
     return MappingProxyType(names)
 
 

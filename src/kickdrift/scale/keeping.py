@@ -83,8 +83,8 @@ class Kept:
                 results.status[i], results.messages[i] = kinds[kind]
         except (LookupError, TypeError, ValueError) as error:
             raise FileFormatError(
-                f"checkpoint={str(self._checkpoints.folder)!r} does not hold what it should ({type(error).__name__}: {error});"
-                " remove it to begin anew."
+                f"checkpoint={str(self._checkpoints.folder)!r} has invalid contents ({type(error).__name__}: {error});"
+                " remove it to start again."
             ) from None
         results.done[members] = True
 

@@ -80,7 +80,7 @@ def first_methods_side_by_side(
     methods: tuple[str | Method, ...] = FIRST_METHODS,
     progress: bool | None = None,
 ) -> Iterator[Solution]:
-    """Run a system by explicit, implicit and semi-implicit Euler and by Stoermer-Verlet, all with the same step.
+    """Run a system with explicit, implicit and semi-implicit Euler and Stoermer-Verlet, all with the same step.
 
     Parameters
     ----------

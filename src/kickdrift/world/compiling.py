@@ -10,8 +10,8 @@ from kickdrift.world.collision.narrow_phase import COLLIDE
 from kickdrift.world.contacts.contact_solver_simd import KERNEL, KERNELS
 from kickdrift.world.direct.equations import SOLVE_ISLAND, solve_island
 from kickdrift.world.direct.solve import solve_islands
-from kickdrift.world.shapes.catalogue import KINDS
-from kickdrift.world.shapes.record import EXTENT
+from kickdrift.world.shapes.catalogue import KINDS, RAYS
+from kickdrift.world.shapes.record import EXTENT, RAY
 from kickdrift.world.stage_order import Uses, Word, word
 from kickdrift.world.step import STAGE
 
@@ -34,7 +34,8 @@ def all_jobs() -> list[Job]:
         word(Uses((), **everything | {"threads": False})),
         word(Uses((), **everything)),
     )
-    return [job for spelt in words for job in _jobs(spelt, KINDS, PAIRS)]
+    rays = [(ray, RAY) for ray in RAYS.values()]
+    return [*(job for spelt in words for job in _jobs(spelt, KINDS, PAIRS)), *rays]
 
 
 def _jobs(spelt: Word, kinds: Iterable[int], pairs: Iterable[tuple[int, int]]) -> list[Job]:

@@ -85,7 +85,9 @@ class Handle:
     def __reduce__(self) -> str | tuple[Any, ...]:
         world = None if self._registry.world is None else self._registry.world()
         if world is None:
-            raise TypeError(f"{self!r} is of a world that is gone, without which it cannot be copied or pickled.")
+            raise TypeError(
+                f"{self!r} belongs to a world that no longer exists, without which it cannot be copied or pickled."
+            )
         return _handle_in, (world, type(self), self._index, self._generation)
 
 

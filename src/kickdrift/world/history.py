@@ -1,4 +1,6 @@
-"""How worlds are recorded, kept and restored."""
+"""How worlds are recorded, shown, kept and restored."""
+
+from __future__ import annotations
 
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -12,11 +14,12 @@ from kickdrift.world.tables import Tables
 from kickdrift.world.undivided import alone, undivided
 
 if TYPE_CHECKING:
+    from kickdrift.viewer.live import LivePage
     from kickdrift.world.world import World
 
 
 class KeepsHistory:
-    """The methods of a world that record, keep and restore it."""
+    """The methods of a world that record, show, keep and restore it."""
 
     tables: Tables
 
@@ -90,7 +93,7 @@ class KeepsHistory:
         save_every : int
             Keep the state at the beginning, after every n-th step, for n = `save_every`, and after the last one.
         save_to : path, optional
-            A folder to which the rows go in place of memory, as those of `run`. All bodies have to be there at the start.
+            A folder to which the rows go in place of memory, as those of `run`. All bodies must be there at the start.
 
         Returns
         -------
@@ -107,6 +110,34 @@ class KeepsHistory:
             In the block, if rows cannot be written.
         """
         return record(self._world, save_every, save_to)
+
+    def view(self, step: float, *, port: int = 8080) -> LivePage:
+        """Show the world on a page of the browser, where it plays, pauses, steps, resets, and is pulled with the mouse.
+
+        In a script: ``world.view(1 / 60).wait()``.
+
+        Parameters
+        ----------
+        step : float
+            s. A thread of their own does the steps from when the page is first opened, in real time where they are fast enough.
+        port : int
+            Of this machine, for itself alone; 0 takes any that is free.
+
+        Returns
+        -------
+        LivePage
+            Its `wait` returns after Ctrl-C; `close`, and the end of a ``with`` block, end the page, as the end of Python does.
+
+        Raises
+        ------
+        ArgumentError
+            For a step that is not positive and finite, and for a port that is taken.
+        KickdriftError
+            If there is nothing to be seen.
+        MissingExtraError
+            If viser is not installed.
+        """
+        return cast("LivePage", Recording.presenters.view(self._world, step, port=port))
 
     @alone
     def snapshot(self) -> Snapshot:
@@ -142,5 +173,5 @@ class KeepsHistory:
         return Recording.presenters.save_world(self, path)
 
     @property
-    def _world(self) -> "World":
+    def _world(self) -> World:
         return cast("World", self)

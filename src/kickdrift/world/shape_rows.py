@@ -77,22 +77,22 @@ class Surface:
             except TypeError:
                 fits = False
             if not fits:
-                raise ArgumentError(f"{name}={value!r} has to be a number, zero or positive and finite.")
+                raise ArgumentError(f"{name}={value!r} must be a number, zero or positive and finite.")
         if self.restitution > 1.0:
-            raise ArgumentError(f"restitution={self.restitution!r} would gain energy at every bounce; give at most 1.")
+            raise ArgumentError(f"restitution={self.restitution!r} would add energy at every bounce; give at most 1.")
         try:
             velocity = reals(self.surface_velocity)
         except TypeError:
             velocity = np.zeros(0)
         if velocity.shape != (3,) or not np.isfinite(velocity).all():
-            raise ArgumentError(f"surface_velocity={self.surface_velocity!r} has to be three finite numbers, in m/s.")
+            raise ArgumentError(f"surface_velocity={self.surface_velocity!r} must be three finite numbers, in m/s.")
         object.__setattr__(self, "surface_velocity", tuple(velocity.tolist()))  # which nobody changes
         layers = () if self.collides_with is None else self.collides_with
         if not isinstance(layers, Collection) or (isinstance(layers, np.ndarray) and layers.ndim == 0):
-            raise ArgumentError(f"collides_with={layers!r} has to be a sequence of layers, whole numbers from 0 to 61.")
+            raise ArgumentError(f"collides_with={layers!r} must be a sequence of layers, whole numbers from 0 to 61.")
         for layer in (self.layer, *layers):
             if not (isinstance(layer, int | np.integer) and 0 <= layer < 62):
-                raise ArgumentError(f"layer={layer!r} has to be a whole number from 0 to 61.")
+                raise ArgumentError(f"layer={layer!r} must be a whole number from 0 to 61.")
         choice("sensor", self.sensor)
 
 
@@ -168,7 +168,7 @@ class ShapeRows:
         """Give the surfaces of all shapes of a body another number of a name; ArgumentError for one that cannot be."""
         rows = self.rows_of(body).tolist()
         if not rows:
-            raise ArgumentError(f"{name}={value!r} is for bodies that have shapes; this one has none.")
+            raise ArgumentError(f"{name}={value!r} is for bodies with shapes; this one has none.")
         changed: dict[str, Any] = {name: value}
         new = {row: replace(self.shapes[row].surface, **changed) for row in rows}
         for row, surface in new.items():

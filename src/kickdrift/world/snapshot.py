@@ -1,4 +1,4 @@
-"""Snapshots: a world as it is at one moment, to be gone back to as often as one likes."""
+"""Snapshots: the state of a world at one time, which can be restored any number of times."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -44,7 +44,7 @@ TABLES: Mapping[str, Table] = MappingProxyType(
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """All that the next steps of a world depend on. It does not change with the world that it was taken of.
+    """Everything that the next steps of a world depend on. It does not change with the world that it was taken from.
 
     Attributes
     ----------
@@ -166,9 +166,11 @@ def take(world: "World") -> Snapshot:
 def restore(world: "World", snapshot: Snapshot) -> None:
     """Make a world what it was, or what another one was, when a snapshot was taken."""
     if not isinstance(snapshot, Snapshot):
-        raise ArgumentError(f"snapshot={snapshot!r} is no snapshot; give what World.snapshot returned.")
+        raise ArgumentError(f"snapshot={snapshot!r} is not a snapshot; give one returned by World.snapshot.")
     if world.recorder is not None:
-        raise ArgumentError("the world is being recorded, and a recording does not go back; end it before you restore.")
+        raise ArgumentError(
+            "the world is being recorded, and a recording cannot go back in time; end it before restoring."
+        )
     world.sleeping = snapshot.sleeping  # which wakes all; who sleeps is in the tables
     for name, table in TABLES.items():
         world.tables.put(table, snapshot.tables[name])

@@ -109,7 +109,7 @@ def note_closed(least: float, work: Floats) -> None:
 
 @compiled
 def choose_size(last: float, x: Floats, work: Floats) -> bool:
-    """Choose how long the step is to be; return whether it has to be done again for that."""
+    """Choose how long the step is to be; return whether it must be done again for that."""
     own, size_of_x = own_params(work), size_of(x, work)
     low, high = own[LOW], own[HIGH]
     tolerance = 4.0 * _ROUNDING * (abs(own[BEGIN]) + high)

@@ -57,8 +57,8 @@ def constants(coefficients: Floats, n: int, params: Floats, general: bool) -> di
     """
     if n < 6 or n % 3 or params.size not in (2 + 4 * (n // 3), 2 + 5 * (n // 3)):
         raise MethodMismatchError(
-            "the method is for bodies that attract each other, whose encounters it watches, and this system is none of those;"
-            " make it by kd.systems.planetary, or take method='blanes-aba-1064'."
+            "the method is for bodies that attract each other, whose encounters it detects, and this system is not one"
+            " of these; create it with kd.systems.planetary, or use method='blanes-aba-1064'."
         )
     return {}
 

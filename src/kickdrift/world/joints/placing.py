@@ -141,12 +141,13 @@ def _check_placeable(tables: Tables, row: int, k: int) -> None:
     """Refuse axes that are locked, and those that have no angle or position of their own; ArgumentError."""
     joint = tables.array(JOINT)[row]
     if joint[LOCKED] >> k & 1:
-        raise ArgumentError(f"axis={k} is locked, so the joint cannot be placed along it; place one of its bodies.")
+        raise ArgumentError(f"axis={k} is locked, so the joint cannot be moved along it; move one of its bodies.")
     if k < 3 and joint[LINEAR] == LINE and k != 2:
         raise ArgumentError(f"axis={k} of a joint along a line has no position of its own; only axis 2, the line, has.")
     if k >= 3 and joint[ANGULAR] not in (HINGE, UNIVERSAL):
         raise ArgumentError(
-            f"axis={k} is one of three open angular axes, which have no angles of their own; give a body its orientation."
+            f"axis={k} is one of three open angular axes, which have no angles of their own; set the orientation of a"
+            " body."
         )
 
 
@@ -155,7 +156,7 @@ def _put(tables: Tables, row: int, k: int, target: float, side: Side) -> None:
     numbers = tables.row(JOINT_NUMBERS, row)
     if k == 2 and tables.row(JOINT, row).item(LINEAR) == LINE and target < -numbers[LENGTH]:
         raise ArgumentError(
-            f"position={target!r} is a distance below zero; give at least minus the joint's length, {-numbers[LENGTH]:g}."
+            f"position={target!r} is a negative distance; give at least minus the joint's length, {-numbers[LENGTH]:g}."
         )
     axis, pivot = _axis(tables, row, k)
     way = side.sign * (target - numbers.item(JOINT_POSITION + k)) * axis
@@ -186,13 +187,13 @@ def _side_of(tables: Tables, row: int, words: str) -> Side:
         side, held = _hanging(start, neighbours, moves)
         if other in side:
             raise ArgumentError(
-                f"{words} is part of a loop, where no side can move alone; place its bodies one by one."
+                f"{words} is part of a loop, where neither side can move alone; place its bodies one by one."
             )
         if not held:
             return Side(np.array(sorted(side)), other, sign)
     raise ArgumentError(
-        f"{words} lies on a way of joints between what forces do not move, where no side can move alone; place its bodies one"
-        " by one."
+        f"{words} lies on a chain of joints between bodies that forces do not move, where neither side can move alone;"
+        " place its bodies one by one."
     )
 
 

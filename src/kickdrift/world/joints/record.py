@@ -104,7 +104,7 @@ def point(argument: str, value: ArrayLike) -> Floats:
     except TypeError:
         given = np.empty(0)
     if given.shape != (3,) or not np.isfinite(given).all():
-        raise ArgumentError(f"{argument}={value!r} has to be three finite numbers (x, y, z), in the world's axes.")
+        raise ArgumentError(f"{argument}={value!r} must be three finite numbers (x, y, z), in the world's axes.")
     return np.asarray(given)
 
 

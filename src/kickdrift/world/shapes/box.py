@@ -81,7 +81,7 @@ class Box:
             lengths = reals(size)
         except TypeError as error:
             raise ArgumentError(
-                f"size={size!r} are no numbers: {error}; give the lengths of three edges, in m."
+                f"size={size!r} must be numbers: {error}; give the lengths of three edges, in m."
             ) from None
         if lengths.shape != (3,):
             raise ArgumentError(f"size={size!r} has the shape {lengths.shape}; give the lengths of three edges, in m.")

@@ -44,9 +44,9 @@ class HeightField:
         try:
             array = reals(heights)
         except TypeError as error:
-            raise ArgumentError(f"heights={heights!r} are no numbers: {error}; give z along x and y, in m.") from None
+            raise ArgumentError(f"heights={heights!r} must be numbers: {error}; give z along x and y, in m.") from None
         if array.ndim != 2 or min(array.shape) < 2:
-            raise ArgumentError(f"heights has the shape {array.shape}; give (M, N), two by two at least.")
+            raise ArgumentError(f"heights has the shape {array.shape}; give (M, N), at least two by two.")
         near = np.abs(array) <= LARGEST
         if not near.all():
             i, j = np.argwhere(~near)[0].tolist()
@@ -56,7 +56,9 @@ class HeightField:
         try:
             steps = reals(spacing)
         except TypeError as error:
-            raise ArgumentError(f"spacing={spacing!r} is no number: {error}; give one length or two, in m.") from None
+            raise ArgumentError(
+                f"spacing={spacing!r} must be numbers: {error}; give one length or two, in m."
+            ) from None
         if steps.shape not in ((), (2,)):
             raise ArgumentError(f"spacing={spacing!r} has the shape {steps.shape}; give one length or two, in m.")
         dx, dy = np.broadcast_to(steps, 2)

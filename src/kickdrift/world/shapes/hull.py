@@ -86,15 +86,15 @@ class Hull:
         try:
             array = reals(points)
         except TypeError as error:
-            raise ArgumentError(f"points={points!r} are no numbers: {error}; give three a row, in m.") from None
+            raise ArgumentError(f"points={points!r} must be numbers: {error}; give three per row, in m.") from None
         _check(array)
         centre = 0.5 * (array.min(axis=0) + array.max(axis=0))
         size = extent("the extent of points", float(np.ptp(array, axis=0).max()))
         corners, faces = _corners_and_faces((array - centre) / size)
         if len(corners) > MOST_VERTICES:
             raise ArgumentError(
-                f"points, {len(array)} of them, make a hull of {len(corners)} corners, and contacts know at most "
-                f"{MOST_VERTICES}; give fewer points on its surface, or several hulls."
+                f"points has {len(array)} rows, whose hull has {len(corners)} corners, but contacts support at most"
+                f" {MOST_VERTICES}; give fewer points on its surface, or several hulls."
             )
         object.__setattr__(self, "points", array)
         object.__setattr__(self, "vertices", centre + size * corners)
@@ -148,8 +148,8 @@ def _check(points: Array) -> None:
     extents = np.ptp(centred @ axes.T, axis=0)
     if not extents.min() > _FLAT * extents.max():
         raise ArgumentError(
-            f"points lie in one plane: their largest extent is {extents.max():.6g} m, and across it they are "
-            f"{extents.min():.3g} m thick; give a body at least a millionth of its extent in every direction."
+            f"points lie in one plane: their largest extent is {extents.max():.6g} m, but their smallest is"
+            f" {extents.min():.3g} m; a hull needs at least a millionth of its extent in every direction."
         )
 
 
