@@ -63,6 +63,7 @@ class Browser:
 
     def set(self, label, value):
         until(lambda: self.has(label), f"a control {label!r}")
+        self.gui[self.find(label)]["value"] = value  # what one says is not said back
         self.say(_messages.GuiUpdateMessage(self.find(label), {"value": value}))
 
     def value(self, label):
@@ -90,6 +91,8 @@ class Browser:
             self.gui[message["uuid"]]["props"].update(updates)
         elif message["type"] == "SceneNodeUpdateMessage":
             self.nodes[message["name"]].update(updates)
+        elif message["type"] == "SetSceneNodeVisibilityMessage" and message["name"] in self.nodes:
+            self.nodes[message["name"]]["visible"] = message["visible"]
         elif message["type"] == "RemoveSceneNodeMessage":
             self.nodes.pop(message["name"], None)
         elif "props" in message and "uuid" in message:

@@ -16,7 +16,7 @@ from kickdrift.engine.announcing import compiling_announced
 from kickdrift.viewer.bodies import DrawnBodies, check_can_be_seen, extent
 from kickdrift.viewer.controls import Controls
 from kickdrift.viewer.live_world import LiveWorld
-from kickdrift.viewer.meshes import Drag
+from kickdrift.viewer.meshes import Drag, State
 from kickdrift.viewer.page import Stage
 from kickdrift.viewer.server import ADDRESS, local_server
 from kickdrift.world.arguments import number
@@ -173,31 +173,33 @@ class _Picture:
 
     def __init__(self, scene: Any, camera: Any, live: LiveWorld, hear: Callable[[Drag], None]) -> None:
         self._scene, self._live, self._hear = scene, live, hear
-        state, self._looks, self._made_of = live.state(), appearance(live.world), _made_of(live.world)
+        with live.world.tables.lock:
+            state, self._looks, self._made_of = live.state(), appearance(live.world), _made_of(live.world)
         centre, self._radius = extent(self._looks, state.position[None], state.particles[None])
         Stage(scene, camera, time.sleep).look(centre, self._radius)
-        self._drawn = self._draw()
+        self._drawn = self._draw(state)
         self._springs = scene.add_line_segments(
             "/springs", np.zeros((1, 2, 3)), _SPRING, thickness=3.0, thickness_units="screen", visible=False
         )
 
     def show(self) -> None:
         """Send what has changed."""
-        live = self._live
-        made_of = _made_of(live.world)
-        if made_of != self._made_of:
-            self._made_of, before, self._looks = made_of, self._looks, appearance(live.world)
-            if not _alike(before, self._looks):
-                self._drawn.remove()
-                self._drawn = self._draw()
-        self._drawn.show(live.state())
+        live, before = self._live, self._looks
+        with live.world.tables.lock:  # bodies may come and go in other threads
+            state, made_of = live.state(), _made_of(live.world)
+            if made_of != self._made_of:
+                self._made_of, self._looks = made_of, appearance(live.world)
+        if self._looks is not before and not _alike(before, self._looks):
+            self._drawn.remove()
+            self._drawn = self._draw(state)
+        self._drawn.show(state)
         if live.grips:
             self._springs.points = np.array([(grip.point, grip.target) for grip in live.grips.values()])
         if self._springs.visible != bool(live.grips):
             self._springs.visible = bool(live.grips)
 
-    def _draw(self) -> DrawnBodies:
-        drawn = DrawnBodies(self._scene, self._looks, self._live.state(), self._looks.kinds == DYNAMIC, self._radius)
+    def _draw(self, state: State) -> DrawnBodies:
+        drawn = DrawnBodies(self._scene, self._looks, state, self._looks.kinds == DYNAMIC, self._radius)
         drawn.on_drag(self._hear)
         return drawn
 

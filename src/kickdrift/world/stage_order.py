@@ -33,7 +33,7 @@ from kickdrift.world.joints.breaking import finish_joints
 from kickdrift.world.joints.impulses import warm_start_joints
 from kickdrift.world.joints.measure import measure_joints
 from kickdrift.world.joints.prepare import begin_joints, wake_joints
-from kickdrift.world.sleeping import sleep, wake
+from kickdrift.world.sleeping import sleep, wake_moved, wake_touched
 from kickdrift.world.step import STAGE
 
 Stages = tuple[Function, ...]
@@ -96,12 +96,13 @@ def word(uses: Uses) -> Word:
         substep = tuple(THREADED.get(stage, stage) for stage in substep)
     before = (
         begin,
+        *when(uses.sleeps, wake_moved),
         *when(uses.cloths, begin_cloths),
         place_shapes,
         find_pairs,
         find_points,
         *when(uses.is_fast, find_impacts),
-        *when(uses.sleeps, wake),
+        *when(uses.sleeps, wake_touched),
         *when(uses.joints, wake_joints, measure_joints, begin_joints),
         find_heaps,
         *when(direct, find_nodes),

@@ -72,5 +72,5 @@ PAIRS: dict[tuple[int, int], Callable[..., Any]] = {
 _WITHOUT = [pair for pair in combinations_with_replacement(sorted(KINDS), 2) if may_touch(*pair) and pair not in PAIRS]
 if _WITHOUT:
     raise ArgumentError(
-        f"There is no function for where {' and '.join(KINDS[kind].name for kind in _WITHOUT[0])} touch; add it to PAIRS."
+        f"There is no contact function for {' and '.join(KINDS[kind].name for kind in _WITHOUT[0])}; add one to PAIRS."
     )

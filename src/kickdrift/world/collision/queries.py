@@ -241,7 +241,7 @@ def _strays(tables: Tables) -> Integers:
 
 
 def _nowhere(body: int) -> KickdriftError:
-    return KickdriftError(f"Body {body} has a pose that is not finite, and cannot be looked for; move it.")
+    return KickdriftError(f"Body {body} has a pose that is not finite, so queries cannot find it; move it.")
 
 
 def _rows(bodies: Iterable[int]) -> Integers:

@@ -99,10 +99,11 @@ def check_changeable(tables: Tables, joint: int, k: int, part: LawPart) -> None:
     """
     row = tables.row(JOINT, joint)
     if row.item(LOCKED) >> k & 1:
-        raise ArgumentError(f"axis={k} is locked, so it has no {part}; make a joint in which it is open.")
+        raise ArgumentError(f"axis={k} is locked, so it has no {part}; add a joint in which it is open.")
     if k != 2 and row.item(LINEAR) == LINE:
         raise ArgumentError(f"axis={k} of a joint along a line has no {part} of its own; only axis 2, the line, has.")
     if k >= 3 and row.item(ANGULAR) == SWING_TWIST:
         raise ArgumentError(
-            f"axis={k} is one of swing and twist, whose {part} cannot be changed; remove the joint and add another one."
+            f"axis={k} belongs to swing and twist, whose {part} cannot be changed; remove the joint and add another"
+            " one."
         )

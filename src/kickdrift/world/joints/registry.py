@@ -90,7 +90,7 @@ class Joints:
         """
         if body_a == body_b:
             raise ArgumentError(
-                f"body_b is body_a, row {body_a}, but a joint holds two bodies together; give another one, or None for the"
+                f"body_b is body_a, row {body_a}, but a joint connects two bodies; give another one, or None for the"
                 " ground."
             )
         placement, name = record.placement(), self.names.checked(record.name)
@@ -227,10 +227,12 @@ class Joints:
         if isinstance(joint, Joint) and joint.joints is self and self.knows(joint.index, joint.generation):
             return joint.index
         if not isinstance(joint, Joint):
-            raise ArgumentError(f"joint={joint!r} is not a joint; give what World.add_hinge and the like returned.")
+            raise ArgumentError(
+                f"joint={joint!r} is not a joint; give a handle returned by World.add_hinge or the like."
+            )
         if joint.joints is not self or not 0 <= joint.index < self.tables.count(JOINT):
             raise ArgumentError(f"joint={joint!r} is a joint of another world.")
-        raise ArgumentError(f"joint={joint!r} was removed, or has broken; use a handle of one that is there.")
+        raise ArgumentError(f"joint={joint!r} was removed, or has broken; use an existing joint.")
 
     def knows(self, index: int, generation: int) -> bool:
         """Whether there is a joint of a generation in a row."""
