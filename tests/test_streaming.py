@@ -136,10 +136,10 @@ def test_memory_stays_as_it_is(tmp_path, monkeypatch):
         tracemalloc.stop()
         return peak
 
-    short, long = most(500.0), most(4000.0)
+    short, long = most(500.0), most(10_000.0)
     assert long < 2.0 * short
-    assert opened(tmp_path / "4000.0").sizes["time"] == 256_001
-    assert long < 0.1 * 256_001 * 32
+    assert opened(tmp_path / "10000.0").sizes["time"] == 640_001
+    assert long < 0.1 * 640_001 * 32
 
 
 def test_what_would_not_fit_in_memory_says_so_and_names_the_way_out(tmp_path):
