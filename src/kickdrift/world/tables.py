@@ -102,7 +102,7 @@ BATCH = Table(64, 4, whole=True)
 MEMBERSHIP = Table(65, 2, whole=True)  # of each body
 
 # Cloths: see `kickdrift.world.cloth.layout`
-CLOTH = Table(66, 16, whole=True)
+CLOTH = Table(66, 20, whole=True)
 CLOTH_NUMBERS = Table(67, 24)
 PARTICLE = Table(68, 8)
 PARTICLE_FORCE = Table(69, 8)
@@ -119,6 +119,17 @@ CLOTH_CONTACT = Table(76, 4, whole=True)
 CLOTH_CONTACT_NUMBERS = Table(77, 16)
 STARTED_PARTICLE = Table(78, PARTICLE.width)
 PARTICLE_REST = Table(80, 4)
+PARTICLE_SHIFT = Table(84, 4)
+PARTICLE_BOUNDS = Table(85, 8)
+CLOTH_PAIR = Table(86, 6, whole=True)  # a vertex and a triangle, or two edges, that may touch
+CLOTH_PAIR_NUMBERS = Table(87, 4)
+CLOTH_TREE = Table(88, 8)  # over the triangles of each cloth: see `kickdrift.world.cloth.face_tree`
+CLOTH_TREE_NODE = Table(89, 2, whole=True)
+FACE_BOUNDS = Table(90, 8)
+FACE_SIDES = Table(91, 1, whole=True)
+ZONE = Table(92, 2, whole=True)  # of each particle: see `kickdrift.world.cloth.zones`
+ZONE_NUMBERS = Table(93, 16)
+CLOTH_SEARCH = Table(94, 16)  # one row
 CLOTH_NEAR = Table(79, 1)  # shapes, and triangles of one, that are near a cloth
 
 _LAST = max(table.place for table in list(globals().values()) if isinstance(table, Table))
@@ -197,6 +208,7 @@ _COMPANIONS = {
     CONTACT: (MANIFOLD,),
     LINK: (LINK_NUMBERS,),
     CLOTH_CONTACT: (CLOTH_CONTACT_NUMBERS,),
+    CLOTH_PAIR: (CLOTH_PAIR_NUMBERS,),
 }  # that have at least the room of a table
 _TABLES = {table.place: table for table in list(globals().values()) if isinstance(table, Table)}
 
