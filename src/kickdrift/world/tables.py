@@ -124,9 +124,10 @@ PARTICLE_BOUNDS = Table(85, 8)
 CLOTH_PAIR = Table(86, 6, whole=True)  # a vertex and a triangle, or two edges, that may touch
 CLOTH_PAIR_NUMBERS = Table(87, 4)
 CLOTH_TREE = Table(88, 8)  # over the triangles of each cloth: see `kickdrift.world.cloth.face_tree`
-CLOTH_TREE_NODE = Table(89, 2, whole=True)
+NORMAL_TREE = Table(95, 8)  # as it, over their normals
+CLOTH_TREE_NODE = Table(89, 1, whole=True)
 FACE_BOUNDS = Table(90, 8)
-FACE_SIDES = Table(91, 1, whole=True)
+FACE_NORMALS = Table(91, 8)
 ZONE = Table(92, 2, whole=True)  # of each particle: see `kickdrift.world.cloth.zones`
 ZONE_NUMBERS = Table(93, 16)
 CLOTH_SEARCH = Table(94, 16)  # one row

@@ -11,15 +11,17 @@ import math
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, length, minus, plus, times
-from kickdrift.world.cloth.layout import PAIR_APART, PAIR_KIND, PARTICLE_INVERSE_MASS, PARTICLE_VELOCITY
+from kickdrift.world.cloth.layout import PAIR_APART, PAIR_KIND, PAIR_SEEN, PARTICLE_VELOCITY, TRAVELLED
 from kickdrift.world.cloth.pair_impulses import add, is_free, mobility, particles_of
-from kickdrift.world.cloth.proximity import EDGE_EDGE, VERTEX_FACE, Weights, mix, mixed, nearest
+from kickdrift.world.cloth.proximity import VERTEX_FACE, Weights, mix, mixed, nearest
+from kickdrift.world.cloth.swept import travels
 from kickdrift.world.cloth.tangles import CROSSING
 from kickdrift.world.cloth.zones import begin_zones, join_zone, move_zones
 from kickdrift.world.columns import vector_at
 from kickdrift.world.tables import (
     CLOTH_PAIR,
     CLOTH_PAIR_NUMBERS,
+    CLOTH_SEARCH,
     PARTICLE,
     PARTICLE_SHIFT,
     floats,
@@ -37,30 +39,33 @@ Ways = tuple[Vector, Vector, Vector, Vector]
 
 @compiled
 def stop_crossings(world: int, part: float) -> None:
-    """See that nothing crosses in the drift of a part of a substep, s."""
-    for _ in range(_ROUNDS):
-        if _stop(world, part, False) == 0:
+    """See that nothing crosses in the drift of a part of a substep, s, and note how far it goes."""
+    if rows(world, CLOTH_PAIR) == 0:
+        return
+    search = floats(world, CLOTH_SEARCH)
+    for k in range(_ROUNDS + _ZONE_ROUNDS):
+        if k == _ROUNDS:
+            begin_zones(world)
+        ahead, zones = travels(world, part), k >= _ROUNDS
+        if _stop(world, part, search[0, TRAVELLED] + ahead, zones) == 0:
+            search[0, TRAVELLED] += ahead
             return
-    begin_zones(world)
-    for _ in range(_ZONE_ROUNDS):
-        if _stop(world, part, True) == 0:
-            return
-        move_zones(world, part)
+        if zones:
+            move_zones(world, part)
+    search[0, TRAVELLED] += travels(world, part)
 
 
 @compiled
-def _stop(world: int, part: float, zones: bool) -> int:
-    """Stop pairs that get too near, or let them join zones; return how many."""
+def _stop(world: int, part: float, travelled: float, zones: bool) -> int:
+    """Stop pairs that get too near, or let them join zones; return how many. `travelled` is what it will be after the drift."""
     pair, numbers, hits = integers(world, CLOTH_PAIR), floats(world, CLOTH_PAIR_NUMBERS), 0
     for row in range(rows(world, CLOTH_PAIR)):
-        kind = pair[row, PAIR_KIND]
-        if kind == CROSSING or is_free(world, row):
+        kind, near = pair[row, PAIR_KIND], numbers[row, PAIR_APART] <= travelled - numbers[row, PAIR_SEEN]
+        if not near or kind == CROSSING or is_free(world, row):
             continue
         at = particles_of(world, row)
         ways = _ways(world, row, part)
         bound = _bound(kind, ways)
-        if numbers[row, PAIR_APART] > bound or numbers[row, PAIR_APART] == 0.0:
-            continue
         time, weights, way = _time_of_hit(world, row, kind, ways, bound)
         if time == _NEVER or not mobility(world, at, weights) > 0.0:
             continue
@@ -143,6 +148,8 @@ def _time_of_hit(world: int, row: int, kind: int, ways: Ways, bound: float) -> t
         apart = length(way)
         if look == 0:
             least = _NEAR * apart
+            if apart > bound or apart == 0.0:
+                return _NEVER, weights, way
         elif apart <= 1.5 * least:
             return time, weights, way
         time += (apart - least) / bound

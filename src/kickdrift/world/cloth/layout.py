@@ -16,8 +16,8 @@ from kickdrift.world.tables import (
     CURVED_FACE_NUMBERS,
     FACE,
     FACE_BOUNDS,
+    FACE_NORMALS,
     FACE_NUMBERS,
-    FACE_SIDES,
     PARTICLE,
     PARTICLE_BOUNDS,
     PARTICLE_COUPLINGS,
@@ -58,6 +58,7 @@ WIND = column(CLOTH_NUMBERS, 3, "m/s")
 ASKED = column(CLOTH_NUMBERS, 5, "N/m, N/m, N m, s, s")  # the first five as they were asked for
 MEMBRANE_RATE = column(CLOTH_NUMBERS, 1, "1/s")  # highest angular frequency, with what was asked for
 BENDING_RATE = column(CLOTH_NUMBERS, 1, "1/s")
+SKIN = column(CLOTH_NUMBERS, 1, "m")  # by which particles may move otherwise than foreseen until pairs are sought anew
 
 # PARTICLE
 column(PARTICLE, 3, "m")  # position
@@ -126,11 +127,10 @@ REACH = column(PARTICLE_BOUNDS, 1, "m")  # how far it may get from where it was 
 # FACE_BOUNDS
 column(FACE_BOUNDS, 6, "m")  # around those of the corners
 
-# FACE_SIDES
-LOOKS = column(FACE_SIDES)  # set of directions that its normal looks into
+# FACE_NORMALS
+column(FACE_NORMALS, 6)  # corners of a box around its normal, of length one
 
 # CLOTH_TREE_NODE
-NODE_LOOKS = column(CLOTH_TREE_NODE)  # directions that the normals of all its triangles look into
 IS_CONNECTED = column(CLOTH_TREE_NODE)
 
 # CLOTH_SEARCH
@@ -139,6 +139,7 @@ SEARCH_AGE = column(CLOTH_SEARCH, 1, "s")
 FRAME_VELOCITY = column(CLOTH_SEARCH, 3, "m/s")
 TURN = column(CLOTH_SEARCH)  # how far the substep is done
 SHARED_PARTS = column(CLOTH_SEARCH)
+TRAVELLED = column(CLOTH_SEARCH, 1, "m")  # how far particles have moved against each other at most, since pairs were sought
 CROSSINGS = column(CLOTH_SEARCH)  # pairs of triangles that cross
 
 # CLOTH_PAIR
@@ -148,7 +149,8 @@ PAIR_KIND = column(CLOTH_PAIR)
 # CLOTH_PAIR_NUMBERS
 PAIR_DISTANCE = column(CLOTH_PAIR_NUMBERS, 1, "m")  # that is kept
 PAIR_FRICTION = column(CLOTH_PAIR_NUMBERS)
-PAIR_APART = column(CLOTH_PAIR_NUMBERS, 1, "m")  # where the part began
+PAIR_APART = column(CLOTH_PAIR_NUMBERS, 1, "m")  # when it was last looked at
+PAIR_SEEN = column(CLOTH_PAIR_NUMBERS, 1, "m")  # TRAVELLED then
 
 # ZONE
 IN_ZONE = column(ZONE)  # leads to the first particle of its zone

@@ -26,8 +26,9 @@ from kickdrift.world.cloth.layout import (
 from kickdrift.world.cloth.crossings import stop_crossings
 from kickdrift.world.cloth.membrane import add_membrane, largest_strain
 from kickdrift.world.cloth.pair_impulses import resolve_pairs
-from kickdrift.world.cloth.pairs import find_pairs
+from kickdrift.world.cloth.pairs import find_pairs, meets
 from kickdrift.world.cloth.pins import carry_pins, pull_bodies
+from kickdrift.world.cloth.swept import stays
 from kickdrift.world.cloth.wind import add_wind
 from kickdrift.world.columns import vector_at
 from kickdrift.world.settings import GRAVITY, PUSH_SPEED
@@ -35,6 +36,7 @@ from kickdrift.world.step_status import report_cloth
 from kickdrift.world.tables import (
     CLOTH,
     CLOTH_NUMBERS,
+    CLOTH_PAIR,
     CLOTH_SEARCH,
     FACE_NUMBERS,
     PARTICLE,
@@ -46,9 +48,11 @@ from kickdrift.world.tables import (
     floats,
     integers,
     rows,
+    set_rows,
 )
 
 _TURNS = 3  # of a part
+_SEARCHES = 3  # for pairs, at most, while impulses that stop crossings make particles leave their boxes
 _WIDE, _WIDEST = 0.1, 10.0  # strains, below and above which parts stay as many
 
 
@@ -95,11 +99,14 @@ def _do(world: int, turn: int, h: float, part: float, begins: bool, ends: bool, 
             return False
         resolve_pairs(world, part, 0.0 if ends else floats(world, SETTINGS)[0, PUSH_SPEED])
     elif not ends:
-        if not find_pairs(world, h, part):
-            return False
         for cloth in range(rows(world, CLOTH)):
             carry_pins(world, cloth, part, left)
-        stop_crossings(world, part)
+        for _ in range(_SEARCHES):
+            if not find_pairs(world, h, part):
+                return False
+            stop_crossings(world, part)
+            if not meets(world) or stays(world, part):
+                break
         _drift(world, part)
         floats(world, CLOTH_SEARCH)[0, SEARCH_AGE] += part
     return True
@@ -172,6 +179,7 @@ def begin_cloths(t: float, h: float, world: int) -> None:
     """Keep the cloths as they are, in case the step cannot be done, and let pairs be sought anew."""
     search = floats(world, CLOTH_SEARCH)
     search[0, SEARCH_VALID] = search[0, TURN] = 0.0
+    set_rows(world, CLOTH_PAIR, 0)
     now, before = floats(world, PARTICLE), floats(world, STARTED_PARTICLE)
     for i in range(rows(world, PARTICLE)):
         for k in range(PARTICLE.width):

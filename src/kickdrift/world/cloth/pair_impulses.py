@@ -9,15 +9,19 @@ from kickdrift.world.cloth.layout import (
     PAIR_FRICTION,
     PAIR_KIND,
     PAIR_PARTICLES,
+    PAIR_SEEN,
     PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
+    TRAVELLED,
 )
 from kickdrift.world.cloth.proximity import Corners, Weights, mixed, nearest
+from kickdrift.world.cloth.swept import travels
 from kickdrift.world.cloth.tangles import CROSSING, untangle
 from kickdrift.world.columns import vector_at
 from kickdrift.world.tables import (
     CLOTH_PAIR,
     CLOTH_PAIR_NUMBERS,
+    CLOTH_SEARCH,
     PARTICLE,
     PARTICLE_SHIFT,
     ZONE,
@@ -37,12 +41,18 @@ def resolve_pairs(world: int, part: float, push: float) -> None:
 
     What is closer already is moved apart, with the speed `push` at most, m/s, and gets no velocity from it.
     """
+    if rows(world, CLOTH_PAIR) == 0:
+        return
     pair, numbers = integers(world, CLOTH_PAIR), floats(world, CLOTH_PAIR_NUMBERS)
+    travelled, ahead = floats(world, CLOTH_SEARCH)[0, TRAVELLED], travels(world, part)
     for row in range(rows(world, CLOTH_PAIR)):
         if pair[row, PAIR_KIND] == CROSSING:
-            untangle(world, row, part * push)
-        elif not is_free(world, row):
+            untangle(world, row)
+            continue
+        least = numbers[row, PAIR_APART] - (travelled - numbers[row, PAIR_SEEN])
+        if least < numbers[row, PAIR_DISTANCE] + ahead and not is_free(world, row):
             numbers[row, PAIR_APART] = _resolve(world, row, part, push)
+            numbers[row, PAIR_SEEN] = travelled
 
 
 @compiled(inline=True)

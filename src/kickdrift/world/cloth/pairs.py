@@ -19,23 +19,24 @@ from kickdrift.world.cloth.layout import (
     CORNERS,
     CROSSINGS,
     FIRST_NODE,
+    IS_CONNECTED,
     IS_TANGLED,
     LAST_NODE,
-    LOOKS,
     MEETS_ITSELF,
-    NODE_LOOKS,
     OWNED,
     PAIR_APART,
     PAIR_DISTANCE,
     PAIR_FRICTION,
     PAIR_KIND,
     PAIR_PARTICLES,
+    PAIR_SEEN,
     REACH,
     SEARCH_AGE,
     SEARCH_VALID,
+    SKIN,
 )
 from kickdrift.world.cloth.proximity import EDGE_EDGE, VERTEX_FACE, Corners, nearest
-from kickdrift.world.cloth.swept import set_frame, stays, sweep
+from kickdrift.world.cloth.swept import is_flat, set_frame, stays, sweep
 from kickdrift.world.cloth.tangles import note_crossing
 from kickdrift.world.collision.bvh import BRANCH, ITEM, SKIP
 from kickdrift.world.columns import vector_at
@@ -50,7 +51,8 @@ from kickdrift.world.tables import (
     CLOTH_TREE_NODE,
     FACE,
     FACE_BOUNDS,
-    FACE_SIDES,
+    FACE_NORMALS,
+    NORMAL_TREE,
     PARTICLE,
     PARTICLE_BOUNDS,
     PARTICLE_REST,
@@ -71,13 +73,12 @@ _CLOSE = 0.5  # of the distance at rest, that is kept between what is closer tha
 def find_pairs(world: int, h: float, part: float) -> bool:
     """Find the pairs that may touch in a part of a substep, s; False where there is no room for them.
 
-    Those that are known serve for as long as particles stay in their boxes, which are made for the time h, s.
+    Those that are known serve for as long as particles stay in their boxes, at most for the time h, s.
     """
     search = floats(world, CLOTH_SEARCH)
-    if search[0, SEARCH_VALID] != 0.0 and stays(world, part):
+    if not meets(world) or (search[0, SEARCH_VALID] != 0.0 and stays(world, part)):
         return True
-    set_frame(world)
-    sweep(world, h)
+    sweep(world, _horizon(world, h, part, set_frame(world)))
     set_rows(world, CLOTH_PAIR, 0)
     search[0, CROSSINGS] = 0.0
     zone, own = integers(world, ZONE), integers(world, CLOTH)
@@ -92,12 +93,28 @@ def find_pairs(world: int, h: float, part: float) -> bool:
 
 
 @compiled
+def meets(world: int) -> bool:
+    """Whether there are several cloths, or one that collides with itself."""
+    count: int = rows(world, CLOTH)
+    return count > 1 or (count == 1 and integers(world, CLOTH)[0, MEETS_ITSELF] != 0)
+
+
+@compiled
+def _horizon(world: int, h: float, part: float, speed: float) -> float:
+    """Return for what time pairs are sought, s: long where little moves, as the fast ones of a boxful meet many."""
+    numbers, skin = floats(world, CLOTH_NUMBERS), math.inf
+    for cloth in range(rows(world, CLOTH)):
+        skin = min(skin, numbers[cloth, SKIN])
+    return max(min(h, skin / max(speed, 1e-12)), part)
+
+
+@compiled
 def _walk(world: int, a: int, b: int) -> bool:
     """Find the pairs of two cloths, or of one with itself, by both trees at once; False where there is no room."""
     own = integers(world, CLOTH)
-    tree, looks = floats(world, CLOTH_TREE), integers(world, CLOTH_TREE_NODE)
+    tree, connected = floats(world, CLOTH_TREE), integers(world, CLOTH_TREE_NODE)
     one, other = tree[own[a, FIRST_NODE] : own[a, LAST_NODE]], tree[own[b, FIRST_NODE] : own[b, LAST_NODE]]
-    looks = looks[own[a, FIRST_NODE] : own[a, LAST_NODE]]
+    normals, begin = floats(world, NORMAL_TREE), own[a, FIRST_NODE]
     stack = carray(floats_on_stack(_NUMBERS), (_STACK, 2))
     stack[0, 0] = stack[0, 1] = 0.0
     top, fits = 1, True
@@ -105,7 +122,10 @@ def _walk(world: int, a: int, b: int) -> bool:
         top -= 1
         m, n = int(stack[top, 0]), int(stack[top, 1])
         same = a == b and m == n
-        if (same and looks[m, NODE_LOOKS] != 0) or not (same or _overlap(one, m, other, n)):
+        at = begin + m
+        if same and connected[at, IS_CONNECTED] != 0 and is_flat(normals, at, at):
+            continue
+        if not (same or _overlap(one, m, other, n)):
             continue
         left, right = one[m, ITEM] == BRANCH, other[n, ITEM] == BRANCH
         if not left and not right:
@@ -142,14 +162,14 @@ def _overlap(a: Any, m: int, b: Any, n: int) -> bool:
 def _pair_faces(world: int, cloth: int, other: int, f: int, g: int) -> bool:
     """Find the pairs of two triangles; False where there is no room for them.
 
-    Neighbours that look into one direction do not touch, whatever moves in their plane.
+    Neighbours that lie flat do not touch.
     """
-    face, looks = integers(world, FACE), integers(world, FACE_SIDES)
+    face = integers(world, FACE)
     shared = 0
     for i in range(3):
         for j in range(3):
             shared += int(face[f, CORNERS + i] == face[g, CORNERS + j])
-    if shared > 0 and looks[f, LOOKS] & looks[g, LOOKS] != 0:
+    if shared > 0 and is_flat(floats(world, FACE_NORMALS), f, g):
         return True
     fits, bounds = shared == 2 or note_crossing(world, f, g), floats(world, PARTICLE_BOUNDS)
     for i in range(3):
@@ -201,7 +221,8 @@ def _add(world: int, cloth: int, other: int, kind: int, at: Corners) -> bool:
     pair, own = integers(world, CLOTH_PAIR), floats(world, CLOTH_PAIR_NUMBERS)
     for k in range(4):
         pair[row, PAIR_PARTICLES + k] = at[k]
-    pair[row, PAIR_KIND], own[row, PAIR_DISTANCE], own[row, PAIR_APART] = kind, kept, apart
+    pair[row, PAIR_KIND], own[row, PAIR_DISTANCE] = kind, kept
+    own[row, PAIR_APART], own[row, PAIR_SEEN] = apart, 0.0
     own[row, PAIR_FRICTION] = math.sqrt(numbers[cloth, CLOTH_FRICTION] * numbers[other, CLOTH_FRICTION])
     return True
 

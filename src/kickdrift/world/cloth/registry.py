@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 from weakref import ReferenceType
 
@@ -94,6 +95,7 @@ class Cloths:
         )
         numbers[c.STRETCH : c.STRETCH + 5] = numbers[c.ASKED : c.ASKED + 5] = asked
         numbers[c.CLOTH_RADIUS], numbers[c.AREA_DENSITY] = 0.5 * fabric.thickness, fabric.density
+        numbers[c.SKIN] = min(0.5 * fabric.thickness, _SKIN * math.sqrt(float(np.median(areas))))
         numbers[c.CLOTH_FRICTION], numbers[c.LINEAR_DAMPING] = fabric.friction, fabric.linear_damping
         numbers[c.DRAG], numbers[c.LIFT] = fabric.air_density * fabric.drag, fabric.air_density * fabric.lift
         stiffness = areas[:, None] * np.array([fabric.stretch_stiffness, fabric.shear_stiffness])
@@ -237,4 +239,5 @@ class Cloths:
         return np.unique(chosen).astype(np.int64) + int(self.tables.array(CLOTH)[self.row(cloth), c.FIRST_PARTICLE])
 
 
+_SKIN = 0.35  # of the size of triangles: normals do not turn far in it
 _COLUMNS = {"wind": (c.WIND, 3), "friction": (c.CLOTH_FRICTION, 1)}

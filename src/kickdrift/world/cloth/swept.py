@@ -4,37 +4,39 @@ All is in a frame that moves with the cloths, so that what flies as a whole stay
 """
 
 import math
+from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, cross, dot, minus, plus, times
+from kickdrift.core.vectors import cross, dot, minus, plus, times
 from kickdrift.world.cloth.layout import (
     CLOTH_RADIUS,
     CORNERS,
+    FACE_AREA,
     FIRST_FACE,
     FIRST_NODE,
     FIRST_PARTICLE,
     FRAME_VELOCITY,
-    IS_CONNECTED,
     LAST_FACE,
     LAST_NODE,
     LAST_PARTICLE,
-    LOOKS,
-    NODE_LOOKS,
     PARTICLE_VELOCITY,
     REACH,
     SEARCH_AGE,
+    SKIN,
+    TRAVELLED,
 )
-from kickdrift.world.collision.bvh import BRANCH, ITEM, SKIP, TWIG, fit
+from kickdrift.world.collision.bvh import fit
 from kickdrift.world.columns import vector_at
 from kickdrift.world.tables import (
     CLOTH,
     CLOTH_NUMBERS,
     CLOTH_SEARCH,
     CLOTH_TREE,
-    CLOTH_TREE_NODE,
     FACE,
     FACE_BOUNDS,
-    FACE_SIDES,
+    FACE_NORMALS,
+    FACE_NUMBERS,
+    NORMAL_TREE,
     PARTICLE,
     PARTICLE_BOUNDS,
     PARTICLE_SHIFT,
@@ -43,27 +45,39 @@ from kickdrift.world.tables import (
     rows,
 )
 
-_STEEP = 0.7  # cosine of the angle between a normal and a direction that it looks into, at least
-# Directions, each with its opposite: of the axes, of the diagonals of a cube's sides and of the cube
-_AXES = (
-    (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0),
-    (0.70710678, 0.70710678, 0.0), (0.70710678, -0.70710678, 0.0), (0.70710678, 0.0, 0.70710678),
-    (0.70710678, 0.0, -0.70710678), (0.0, 0.70710678, 0.70710678), (0.0, 0.70710678, -0.70710678),
-    (0.57735027, 0.57735027, 0.57735027), (0.57735027, 0.57735027, -0.57735027),
-    (0.57735027, -0.57735027, 0.57735027), (0.57735027, -0.57735027, -0.57735027),
-)  # fmt: skip
+_SQUEEZED = 0.6  # of its area at rest
+_ANY = 9.0  # half a side of the box of a normal that is not known
+# Cosine of the angle between normals and a direction. Of six triangles around a vertex five may be in a patch, and where they lean by
+# more than 30 degrees the first and the last of them may cross while the sixth is folded away.
+_FLAT = 0.9
 
 
 @compiled
-def set_frame(world: int) -> None:
-    """Let the frame move as the particles do on average."""
+def set_frame(world: int) -> float:
+    """Let the frame move as the particles do on average, and return how fast they are in it, by the mean of squares."""
     particle, search = floats(world, PARTICLE), floats(world, CLOTH_SEARCH)
-    total, count = (0.0, 0.0, 0.0), rows(world, PARTICLE)
+    total, squares, count = (0.0, 0.0, 0.0), 0.0, rows(world, PARTICLE)
     for i in range(count):
-        total = plus(total, vector_at(particle, i, PARTICLE_VELOCITY))
+        v = vector_at(particle, i, PARTICLE_VELOCITY)
+        total, squares = plus(total, v), squares + dot(v, v)
+    mean = times(1.0 / count, total)
     for k in range(3):
-        search[0, FRAME_VELOCITY + k] = total[k] / count
-    search[0, SEARCH_AGE] = 0.0
+        search[0, FRAME_VELOCITY + k] = mean[k]
+    search[0, SEARCH_AGE] = search[0, TRAVELLED] = 0.0
+    return math.sqrt(max(squares / count - dot(mean, mean), 0.0))
+
+
+@compiled
+def travels(world: int, part: float) -> float:
+    """Return how far two particles move against each other at most in the drift of a part, m: twice as far as one in the frame."""
+    particle, shift, most = floats(world, PARTICLE), floats(world, PARTICLE_SHIFT), 0.0
+    x, y, z = vector_at(floats(world, CLOTH_SEARCH), 0, FRAME_VELOCITY)
+    for i in range(rows(world, PARTICLE)):
+        u = part * (particle[i, PARTICLE_VELOCITY] - x) + shift[i, 0]
+        v = part * (particle[i, PARTICLE_VELOCITY + 1] - y) + shift[i, 1]
+        w = part * (particle[i, PARTICLE_VELOCITY + 2] - z) + shift[i, 2]
+        most = max(most, u * u + v * v + w * w)
+    return 2.0 * math.sqrt(most)
 
 
 @compiled
@@ -88,23 +102,25 @@ def sweep(world: int, h: float) -> None:
     """Draw the boxes of all particles, triangles and trees anew, around what they move through in the time h, s."""
     own, numbers = integers(world, CLOTH), floats(world, CLOTH_NUMBERS)
     for cloth in range(rows(world, CLOTH)):
-        _sweep_particles(world, cloth, h, 2.0 * numbers[cloth, CLOTH_RADIUS])
+        _sweep_particles(world, cloth, h, numbers[cloth, CLOTH_RADIUS], numbers[cloth, SKIN])
         for f in range(own[cloth, FIRST_FACE], own[cloth, LAST_FACE]):
             _enclose(world, f)
             _look(world, f, h)
-        _fit(world, own[cloth, FIRST_NODE], own[cloth, LAST_NODE])
+        first, last = own[cloth, FIRST_NODE], own[cloth, LAST_NODE]
+        fit(floats(world, CLOTH_TREE)[first:last], floats(world, FACE_BOUNDS))
+        fit(floats(world, NORMAL_TREE)[first:last], floats(world, FACE_NORMALS))
 
 
 @compiled
-def _sweep_particles(world: int, cloth: int, h: float, margin: float) -> None:
+def _sweep_particles(world: int, cloth: int, h: float, radius: float, skin: float) -> None:
     own, particle, bounds = integers(world, CLOTH), floats(world, PARTICLE), floats(world, PARTICLE_BOUNDS)
     frame = vector_at(floats(world, CLOTH_SEARCH), 0, FRAME_VELOCITY)
     for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
         way = times(h, minus(vector_at(particle, i, PARTICLE_VELOCITY), frame))
         for k in range(3):
-            bounds[i, k] = particle[i, k] + min(way[k], 0.0) - margin
-            bounds[i, 3 + k] = particle[i, k] + max(way[k], 0.0) + margin
-        bounds[i, REACH] = math.sqrt(dot(way, way)) + 0.5 * margin
+            bounds[i, k] = particle[i, k] + min(way[k], 0.0) - radius - skin
+            bounds[i, 3 + k] = particle[i, k] + max(way[k], 0.0) + radius + skin
+        bounds[i, REACH] = math.sqrt(dot(way, way)) + skin
 
 
 @compiled(inline=True)
@@ -118,43 +134,33 @@ def _enclose(world: int, f: int) -> None:
 
 @compiled
 def _look(world: int, f: int, h: float) -> None:
-    """Note the directions that the normal of a triangle looks into now, and still will after the time h."""
+    """Draw a box around the normal of a triangle, of length one, as it is now and will be after the time h.
+
+    One of a triangle that is squeezed may turn over in its plane.
+    """
     face, particle = integers(world, FACE), floats(world, PARTICLE)
     origin, motion = vector_at(particle, face[f, CORNERS], 0), vector_at(particle, face[f, CORNERS], PARTICLE_VELOCITY)
     b, c = face[f, CORNERS + 1], face[f, CORNERS + 2]
     p, q = minus(vector_at(particle, b, 0), origin), minus(vector_at(particle, c, 0), origin)
-    u, v = (
-        minus(vector_at(particle, b, PARTICLE_VELOCITY), motion),
-        minus(vector_at(particle, c, PARTICLE_VELOCITY), motion),
-    )
+    u = minus(vector_at(particle, b, PARTICLE_VELOCITY), motion)
+    v = minus(vector_at(particle, c, PARTICLE_VELOCITY), motion)
     now, then = cross(p, q), cross(plus(p, times(h, u)), plus(q, times(h, v)))
-    integers(world, FACE_SIDES)[f, LOOKS] = _directions(now) & _directions(then)
-
-
-@compiled(inline=True)
-def _directions(normal: Vector) -> int:
-    """Return the set of directions that a vector looks into; none for zero."""
-    least, found = _STEEP * math.sqrt(dot(normal, normal)), 0
-    for k in range(len(_AXES)):
-        along = dot(_AXES[k], normal)
-        found |= int(along > least) << (2 * k) | int(-along > least) << (2 * k + 1)
-    return found
+    now_size, then_size = math.sqrt(dot(now, now)), math.sqrt(dot(then, then))
+    known = min(now_size, then_size) > _SQUEEZED * 2.0 * floats(world, FACE_NUMBERS)[f, FACE_AREA]
+    box = floats(world, FACE_NORMALS)
+    for k in range(3):
+        one, other = now[k] / now_size, then[k] / then_size
+        box[f, k] = min(one, other) if known else -_ANY
+        box[f, 3 + k] = max(one, other) if known else _ANY
 
 
 @compiled
-def _fit(world: int, first: int, last: int) -> None:
-    """Draw the boxes of a tree, and find the directions that all normals below a node look into."""
-    nodes, own = floats(world, CLOTH_TREE)[first:last], integers(world, CLOTH_TREE_NODE)[first:last]
-    faces = integers(world, FACE_SIDES)
-    fit(nodes, floats(world, FACE_BOUNDS))
-    for node in range(len(nodes) - 1, -1, -1):
-        item = nodes[node, ITEM]
-        if item == BRANCH:
-            found = own[node + 1, NODE_LOOKS] & own[int(nodes[node + 1, SKIP]), NODE_LOOKS]
-        elif item == TWIG:
-            found = own[node + 1, NODE_LOOKS]
-            for leaf in range(node + 2, int(nodes[node, SKIP])):
-                found &= own[leaf, NODE_LOOKS]
-        else:
-            found = faces[int(item), LOOKS]
-        own[node, NODE_LOOKS] = found * own[node, IS_CONNECTED]
+def is_flat(boxes: Any, m: int, n: int) -> bool:
+    """Whether all normals in two boxes are near one direction."""
+    x, u = min(boxes[m, 0], boxes[n, 0]), max(boxes[m, 3], boxes[n, 3])
+    y, v = min(boxes[m, 1], boxes[n, 1]), max(boxes[m, 4], boxes[n, 4])
+    z, w = min(boxes[m, 2], boxes[n, 2]), max(boxes[m, 5], boxes[n, 5])
+    middle, half = (0.5 * (x + u), 0.5 * (y + v), 0.5 * (z + w)), (0.5 * (u - x), 0.5 * (v - y), 0.5 * (w - z))
+    size = math.sqrt(dot(middle, middle))
+    across = abs(middle[0]) * half[0] + abs(middle[1]) * half[1] + abs(middle[2]) * half[2]
+    return size * size - across >= _FLAT * size and size > 0.0
