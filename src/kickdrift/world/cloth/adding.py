@@ -113,8 +113,8 @@ class AddsCloths:
         turn = rotation_matrix(unit_quaternion("orientation", orientation))
         points, triangles = grid(int(counts[0]), int(counts[1]), (float(sides[0]), float(sides[1])))
         centred = points - [0.5 * sides[0], 0.5 * sides[1], 0.0]
-        at, own = centred @ turn.T + vector("position", position, 3), {"self_collision": self_collision, "name": name}
-        return self.add_cloth(at, triangles, warp=turn[:, 0], **own, **fabric)
+        at, warp = centred @ turn.T + vector("position", position, 3), turn[:, 0]
+        return self.add_cloth(at, triangles, warp=warp, self_collision=self_collision, name=name, **fabric)
 
     def cloth(self, name: str) -> Cloth:
         """Return the cloth of a name.

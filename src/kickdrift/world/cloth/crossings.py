@@ -1,10 +1,10 @@
 """What stops cloth from crossing cloth in the drift of a part of a substep, where impulses at its start did not.
 
 When a pair gets too near while its particles move along straight lines is found by conservative advancement: a step is never
-longer than the distance allows, so that no crossing is missed (Li, Kaufman and Jiang, Codimensional incremental potential contact,
-SIGGRAPH 2021, section 5.2). Such a pair gets an impulse in which its approach ends there; what is still too near after some rounds
-moves as rigid bodies do (Provot 1997; Bridson, Fedkiw and Anderson, Robust treatment of collisions, contact and friction for cloth
-animation, SIGGRAPH 2002).
+longer than the distance allows, so that no crossing is missed (Li, Kaufman and Jiang, Codimensional incremental potential
+contact, SIGGRAPH 2021, section 5.2). Such a pair gets an impulse that ends its approach there; what is still too near after
+some rounds moves as rigid bodies do (Bridson, Fedkiw and Anderson, Robust treatment of collisions, contact and friction for
+cloth animation, SIGGRAPH 2002, section 7.3).
 """
 
 import math
@@ -133,8 +133,9 @@ def _bound(kind: int, ways: Ways) -> float:
 @compiled
 def _time_of_hit(world: int, row: int, kind: int, ways: Ways, bound: float) -> tuple[float, Weights, Vector]:
     """Return when a pair is too near, from 0 to 1, or `_NEVER`; and its weights and distance then."""
-    (i, j, k, l), particle = particles_of(world, row), floats(world, PARTICLE)
-    p, a, b, c = vector_at(particle, i, 0), vector_at(particle, j, 0), vector_at(particle, k, 0), vector_at(particle, l, 0)
+    at, particle = particles_of(world, row), floats(world, PARTICLE)
+    p, a = vector_at(particle, at[0], 0), vector_at(particle, at[1], 0)
+    b, c = vector_at(particle, at[2], 0), vector_at(particle, at[3], 0)
     time, weights, way = 0.0, (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     least = 0.0
     for look in range(_LOOKS):

@@ -1,8 +1,8 @@
 """Trees over the triangles of cloths, halved as they lie without tension, so that nodes are patches.
 
-A patch that is one piece, and whose normals are near one direction, does not touch itself: where the tree is walked, nothing below
-it is (Volino and Magnenat Thalmann, Efficient self-collision detection on smoothly discretized surface animations using
-geometrical shape regularity, Eurographics 1994).
+A patch that is one piece, and whose normals are near one direction, does not touch itself: where the tree is walked, nothing
+below it is (Volino and Magnenat Thalmann, Efficient self-collision detection on smoothly discretized surface animations
+using geometrical shape regularity, Eurographics 1994).
 """
 
 from typing import NamedTuple

@@ -139,7 +139,9 @@ SEARCH_AGE = column(CLOTH_SEARCH, 1, "s")
 FRAME_VELOCITY = column(CLOTH_SEARCH, 3, "m/s")
 TURN = column(CLOTH_SEARCH)  # how far the substep is done
 SHARED_PARTS = column(CLOTH_SEARCH)
-TRAVELLED = column(CLOTH_SEARCH, 1, "m")  # how far particles have moved against each other at most, since pairs were sought
+TRAVELLED = column(
+    CLOTH_SEARCH, 1, "m"
+)  # how far particles have moved against each other at most, since pairs were sought
 CROSSINGS = column(CLOTH_SEARCH)  # pairs of triangles that cross
 
 # CLOTH_PAIR

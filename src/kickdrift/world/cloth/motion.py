@@ -10,6 +10,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import times
 from kickdrift.world.cloth.bending import add_bending
 from kickdrift.world.cloth.contact_impulses import resolve_contacts
+from kickdrift.world.cloth.crossings import stop_crossings
 from kickdrift.world.cloth.layout import (
     FIRST_PARTICLE,
     LAST_PARTICLE,
@@ -20,10 +21,9 @@ from kickdrift.world.cloth.layout import (
     SEARCH_AGE,
     SEARCH_VALID,
     SHARED_PARTS,
-    TURN,
     STRAIN,
+    TURN,
 )
-from kickdrift.world.cloth.crossings import stop_crossings
 from kickdrift.world.cloth.membrane import add_membrane, largest_strain
 from kickdrift.world.cloth.pair_impulses import resolve_pairs
 from kickdrift.world.cloth.pairs import find_pairs, meets

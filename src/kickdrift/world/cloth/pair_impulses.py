@@ -1,7 +1,7 @@
 """Impulses between the particles of cloths that touch each other."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, dot, length, minus, times
+from kickdrift.core.vectors import Vector, cross, dot, length, minus, times
 from kickdrift.world.cloth.layout import (
     IS_TANGLED,
     PAIR_APART,
@@ -14,7 +14,7 @@ from kickdrift.world.cloth.layout import (
     PARTICLE_VELOCITY,
     TRAVELLED,
 )
-from kickdrift.world.cloth.proximity import Corners, Weights, mixed, nearest
+from kickdrift.world.cloth.proximity import EDGE_EDGE, Corners, Weights, mixed, nearest
 from kickdrift.world.cloth.swept import travels
 from kickdrift.world.cloth.tangles import CROSSING, untangle
 from kickdrift.world.columns import vector_at
@@ -31,7 +31,7 @@ from kickdrift.world.tables import (
     rows,
 )
 
-
+_ABOVE = 0.99**2  # square of the cosine of the angle at which a vertex is above a triangle
 _SOFT = 0.25  # of what is too close is moved apart in a part
 
 
@@ -47,7 +47,7 @@ def resolve_pairs(world: int, part: float, push: float) -> None:
     travelled, ahead = floats(world, CLOTH_SEARCH)[0, TRAVELLED], travels(world, part)
     for row in range(rows(world, CLOTH_PAIR)):
         if pair[row, PAIR_KIND] == CROSSING:
-            untangle(world, row)
+            untangle(world, row, part * push)
             continue
         least = numbers[row, PAIR_APART] - (travelled - numbers[row, PAIR_SEEN])
         if least < numbers[row, PAIR_DISTANCE] + ahead and not is_free(world, row):
@@ -91,7 +91,7 @@ def _resolve(world: int, row: int, part: float, push: float) -> float:
     apart = length(way)
     v = mixed(weights, particle, at, PARTICLE_VELOCITY)
     gap = apart - numbers[row, PAIR_DISTANCE]
-    if not apart > 0.0 or (gap > 0.0 and gap * gap > part * part * dot(v, v)):
+    if not apart > 0.0 or _is_beside(world, row, weights, way) or (gap > 0.0 and gap * gap > part * part * dot(v, v)):
         return apart
     gives, n = mobility(world, at, weights), times(1.0 / apart, way)
     if not gives > 0.0:
@@ -112,6 +112,22 @@ def _resolve(world: int, row: int, part: float, push: float) -> float:
         impulse = minus(impulse, times(min(numbers[row, PAIR_FRICTION] * given, speed / gives) / speed, slip))
     add(world, PARTICLE, PARTICLE_VELOCITY, at, weights, impulse)
     return apart
+
+
+@compiled
+def _is_beside(world: int, row: int, weights: Weights, way: Vector) -> bool:
+    """Whether a pair is nearest at the end of an edge, or beside a triangle and not above it.
+
+    A vertex and another triangle, or other edges, are as near there. Without it sheets that slide stumble over edges.
+    """
+    if weights[0] != 0.0 and weights[1] != 0.0 and weights[2] != 0.0 and weights[3] != 0.0:
+        return False
+    if integers(world, CLOTH_PAIR)[row, PAIR_KIND] == EDGE_EDGE:
+        return True
+    particle, (_, a, b, c) = floats(world, PARTICLE), particles_of(world, row)
+    origin = vector_at(particle, a, 0)
+    n = cross(minus(vector_at(particle, b, 0), origin), minus(vector_at(particle, c, 0), origin))
+    return dot(n, way) ** 2 < _ABOVE * dot(n, n) * dot(way, way)
 
 
 @compiled(inline=True)

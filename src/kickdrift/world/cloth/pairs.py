@@ -134,9 +134,9 @@ def _walk(world: int, a: int, b: int) -> bool:
         for i in range(2 if left else 1):
             for j in range(2 if right else 1):
                 k = m if not left else m + 1 if i == 1 else int(one[m + 1, SKIP])
-                l = n if not right else n + 1 if j == 1 else int(other[n + 1, SKIP])
-                if not same or k <= l:
-                    stack[top, 0], stack[top, 1] = k, l
+                o = n if not right else n + 1 if j == 1 else int(other[n + 1, SKIP])
+                if not same or k <= o:
+                    stack[top, 0], stack[top, 1] = k, o
                     top += 1
     return fits
 
@@ -192,15 +192,14 @@ def _vertex_and(world: int, f: int, i: int, g: int) -> Corners:
 @compiled(inline=True)
 def _edges(world: int, f: int, i: int, g: int, j: int) -> Corners:
     face = integers(world, FACE)
-    k, l = (i + 1) % 3, (j + 1) % 3
-    return (face[f, CORNERS + i], face[f, CORNERS + k], face[g, CORNERS + j], face[g, CORNERS + l])
+    return (face[f, CORNERS + i], face[f, CORNERS + (i + 1) % 3], face[g, CORNERS + j], face[g, CORNERS + (j + 1) % 3])
 
 
 @compiled
 def _add(world: int, cloth: int, other: int, kind: int, at: Corners) -> bool:
     """Add a pair, unless it has a particle twice or stays farther apart than is kept; False where there is no room."""
     p, a, b, c = at
-    if p == b or p == c or a == b or a == c or (kind == VERTEX_FACE and p == a):
+    if p in (b, c) or (p == a if kind == VERTEX_FACE else a in (b, c)):
         return True
     bounds, particle, numbers = floats(world, PARTICLE_BOUNDS), floats(world, PARTICLE), floats(world, CLOTH_NUMBERS)
     if kind == VERTEX_FACE:
@@ -229,6 +228,11 @@ def _add(world: int, cloth: int, other: int, kind: int, at: Corners) -> bool:
 
 @compiled(inline=True)
 def _distance(table: Any, kind: int, at: Corners) -> float:
-    p, a, b, c = vector_at(table, at[0], 0), vector_at(table, at[1], 0), vector_at(table, at[2], 0), vector_at(table, at[3], 0)
+    p, a, b, c = (
+        vector_at(table, at[0], 0),
+        vector_at(table, at[1], 0),
+        vector_at(table, at[2], 0),
+        vector_at(table, at[3], 0),
+    )
     _, apart = nearest(kind, p, a, b, c)
     return length(apart)

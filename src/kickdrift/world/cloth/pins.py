@@ -112,7 +112,12 @@ def carry_pins(world: int, cloth: int, part: float, left: float) -> None:
 
     The drift adds a part times the velocity, which is taken off here: a chord is no tangent.
     """
-    own, pin, pose, particle = integers(world, CLOTH), integers(world, PIN), floats(world, POSE), floats(world, PARTICLE)
+    own, pin, pose, particle = (
+        integers(world, CLOTH),
+        integers(world, PIN),
+        floats(world, POSE),
+        floats(world, PARTICLE),
+    )
     shift = floats(world, PARTICLE_SHIFT)
     for k in range(own[cloth, FIRST_PIN], own[cloth, LAST_PIN]):
         i = pin[k, PINNED_PARTICLE]

@@ -19,7 +19,7 @@ Corners = tuple[int, int, int, int]
 
 @compiled
 def nearest(kind: int, p: Vector, a: Vector, b: Vector, c: Vector) -> tuple[Weights, Vector]:
-    """Return weights of four points and the distance as a vector: of a vertex p from a triangle, or of the edges p a and b c."""
+    """Return weights and the distance as a vector: of a vertex p from a triangle a b c, or of the edges p a and b c."""
     if kind == VERTEX_FACE:
         u, v, w = barycentric(p, a, b, c)
         weights = (1.0, -u, -v, -w)

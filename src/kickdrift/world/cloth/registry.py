@@ -14,8 +14,8 @@ from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
 from kickdrift.world.cloth import layout as c
 from kickdrift.world.cloth.coupling_tables import put_couplings
-from kickdrift.world.cloth.face_tree import owned
 from kickdrift.world.cloth.fabric import Fabric
+from kickdrift.world.cloth.face_tree import owned
 from kickdrift.world.cloth.handle import Cloth
 from kickdrift.world.cloth.membrane import inverse_edges
 from kickdrift.world.cloth.mesh import ClothMesh, cloth_mesh, flattened

@@ -47,8 +47,8 @@ from kickdrift.world.tables import (
 
 _SQUEEZED = 0.6  # of its area at rest
 _ANY = 9.0  # half a side of the box of a normal that is not known
-# Cosine of the angle between normals and a direction. Of six triangles around a vertex five may be in a patch, and where they lean by
-# more than 30 degrees the first and the last of them may cross while the sixth is folded away.
+# Cosine of the angle between normals and a direction. Of six triangles around a vertex five may be in a patch, and where they
+# lean by more than 30 degrees the first and the last of them may cross while the sixth is folded away.
 _FLAT = 0.9
 
 
@@ -69,7 +69,7 @@ def set_frame(world: int) -> float:
 
 @compiled
 def travels(world: int, part: float) -> float:
-    """Return how far two particles move against each other at most in the drift of a part, m: twice as far as one in the frame."""
+    """Return how far two particles move against each other at most in the drift of a part, m."""
     particle, shift, most = floats(world, PARTICLE), floats(world, PARTICLE_SHIFT), 0.0
     x, y, z = vector_at(floats(world, CLOTH_SEARCH), 0, FRAME_VELOCITY)
     for i in range(rows(world, PARTICLE)):

@@ -1,8 +1,9 @@
 """Cloth that crosses cloth already: from the start, or where pins and bodies have forced it.
 
-Vertices of triangles that cross are left free by impulses and by what stops crossings, and the curve in which the surfaces cross
-is shortened until it is gone, which needs no history: an edge that crosses a triangle is moved along the slope of the length of the
-curve (Volino and Magnenat Thalmann, Resolving surface collisions through intersection contour minimization, SIGGRAPH 2006).
+Vertices of triangles that cross are left free by impulses and by what stops crossings until they are apart, and the curve in
+which the surfaces cross is shortened, which needs no history: an edge that crosses a triangle is shifted along the slope of
+its length (Volino and Magnenat Thalmann, Resolving surface collisions through intersection contour minimization, SIGGRAPH
+2006). A corner that sticks through comes out; a sheet that cuts another one in two halves stays, and gains no energy.
 """
 
 import math
@@ -16,7 +17,6 @@ from kickdrift.world.cloth.layout import (
     PAIR_KIND,
     PAIR_PARTICLES,
     PARTICLE_INVERSE_MASS,
-    PARTICLE_VELOCITY,
 )
 from kickdrift.world.cloth.proximity import barycentric
 from kickdrift.world.columns import vector_at
@@ -27,6 +27,7 @@ from kickdrift.world.tables import (
     CLOTH_SEARCH,
     FACE,
     PARTICLE,
+    PARTICLE_SHIFT,
     ZONE,
     floats,
     integers,
@@ -36,7 +37,9 @@ from kickdrift.world.tables import (
 )
 
 CROSSING = 2  # kind of a pair: triangles, whose rows stand for the first two particles
-_SPEED = 0.3  # m/s, of edges against triangles that they cross
+_SHARE = (
+    0.25  # of the speed at which things are pushed apart, for each edge; impulses in place of shifts throw sheets about
+)
 _MISSES = -1.0
 
 
@@ -91,7 +94,7 @@ def _crossed_at(world: int, f: int, k: int, g: int) -> float:
     face, particle = integers(world, FACE), floats(world, PARTICLE)
     i, j = face[f, CORNERS + k], face[f, CORNERS + (k + 1) % 3]
     ia, ib, ic = face[g, CORNERS], face[g, CORNERS + 1], face[g, CORNERS + 2]
-    if i == ia or i == ib or i == ic or j == ia or j == ib or j == ic:
+    if i in (ia, ib, ic) or j in (ia, ib, ic):
         return _MISSES
     p, q = vector_at(particle, i, 0), vector_at(particle, j, 0)
     a, b, c = vector_at(particle, ia, 0), vector_at(particle, ib, 0), vector_at(particle, ic, 0)
@@ -107,25 +110,25 @@ def _crossed_at(world: int, f: int, k: int, g: int) -> float:
 
 
 @compiled
-def untangle(world: int, row: int) -> None:
-    """Give two triangles impulses, for as long as they cross, by which they cross along less."""
+def untangle(world: int, row: int, distance: float) -> None:
+    """Shift two triangles, for as long as they cross, by so much for each edge, m, so that they cross along less."""
     pair = integers(world, CLOTH_PAIR)
     f, g = pair[row, PAIR_PARTICLES], pair[row, PAIR_PARTICLES + 1]
     for k in range(3):
         for first, second in ((f, g), (g, f)):
             s = _crossed_at(world, first, k, second)
             if s != _MISSES:
-                _pull_out(world, first, k, s, second, _SPEED)
+                _pull_out(world, first, k, s, second, _SHARE * distance)
 
 
 @compiled
-def _pull_out(world: int, f: int, k: int, s: float, g: int, speed: float) -> None:
-    """Let a side of a triangle move against another one that it crosses at s, at that speed along the slope and not across it.
+def _pull_out(world: int, f: int, k: int, s: float, g: int, distance: float) -> None:
+    """Shift a side of a triangle against another one that it crosses at s.
 
     With the directions E of the side, R of the curve from there into its triangle, and the normal N of the other triangle, the
     slope is R - 2 (E . R) / (E . N) N.
     """
-    face, particle = integers(world, FACE), floats(world, PARTICLE)
+    face, particle, shift = integers(world, FACE), floats(world, PARTICLE), floats(world, PARTICLE_SHIFT)
     i, j, o = face[f, CORNERS + k], face[f, CORNERS + (k + 1) % 3], face[f, CORNERS + (k + 2) % 3]
     p, q, third = vector_at(particle, i, 0), vector_at(particle, j, 0), vector_at(particle, o, 0)
     ia, ib, ic = face[g, CORNERS], face[g, CORNERS + 1], face[g, CORNERS + 2]
@@ -137,17 +140,16 @@ def _pull_out(world: int, f: int, k: int, s: float, g: int, speed: float) -> Non
     slope = minus(r, times(2.0 * dot(e, r) / dot(e, n), n))
     u, v, w = barycentric(at, a, b, c)
     weights, of = (1.0 - s, s, -u, -v, -w), (i, j, ia, ib, ic)
-    gives, moves = 0.0, (0.0, 0.0, 0.0)
+    gives = 0.0
     for m in range(5):
         gives += weights[m] * weights[m] * particle[of[m], PARTICLE_INVERSE_MASS]
-        moves = plus(moves, times(weights[m], vector_at(particle, of[m], PARTICLE_VELOCITY)))
     if not gives > 0.0:
         return
-    impulse = times(1.0 / gives, minus(times(speed, _unit(slope)), moves))
+    way = times(distance / gives, _unit(slope))
     for m in range(5):
+        share = weights[m] * particle[of[m], PARTICLE_INVERSE_MASS]
         for axis in range(3):
-            share = weights[m] * particle[of[m], PARTICLE_INVERSE_MASS]
-            particle[of[m], PARTICLE_VELOCITY + axis] += share * impulse[axis]
+            shift[of[m], axis] += share * way[axis]
 
 
 @compiled(inline=True)

@@ -77,7 +77,9 @@ def _add_turn(world: int, i: int) -> None:
     """Add the angular momentum of a particle about the centre of its zone, and its moments of inertia."""
     zone, numbers, particle = integers(world, ZONE), floats(world, ZONE_NUMBERS), floats(world, PARTICLE)
     first, m = first_of(zone, IN_ZONE, i), _mass(world, i)
-    arm = minus(vector_at(particle, i, 0), times(1.0 / numbers[first, ZONE_MASS], vector_at(numbers, first, ZONE_CENTRE)))
+    arm = minus(
+        vector_at(particle, i, 0), times(1.0 / numbers[first, ZONE_MASS], vector_at(numbers, first, ZONE_CENTRE))
+    )
     spin = cross(arm, vector_at(particle, i, PARTICLE_VELOCITY))
     x, y, z = arm
     moments = (y * y + z * z, x * x + z * z, x * x + y * y, -x * y, -x * z, -y * z)
