@@ -82,11 +82,11 @@ def test_what_cannot_be_advised_on_is_refused():
     for tolerance in (0.0, 1.0, "small"):
         with pytest.raises(ArgumentError, match="tolerance="):
             kd.advise(pendulum, (0.0, 1.0), tolerance)
-    with pytest.raises(ArgumentError, match="noise drives it"):
+    with pytest.raises(ArgumentError, match="it is stochastic"):
         kd.advise(kd.Langevin(lambda x: -x, friction=1.0, temperature=1.0), (0.0, 1.0), 1e-3, 1.0, 0.0, compile=False)
-    with pytest.raises(KickdriftError, match="forces at the start are not finite"):
+    with pytest.raises(KickdriftError, match="forces at the initial state are not finite"):
         kd.advise(lambda x: np.nan * x, (0.0, 1.0), 1e-3, 1.0, 0.0, compile=False)
-    with pytest.raises(KickdriftError, match="cannot be followed"):
+    with pytest.raises(KickdriftError, match=r"DOP853 (finds no step|cannot compute)"):
         kd.advise(lambda x: x**3, (0.0, 100.0), 1e-3, 1.0, 1.0, compile=False)
     rod = kd.Constrained(lambda x: np.array([0.0, -9.81]), lambda x: x @ x - 1)
     with pytest.raises(ArgumentError, match="it has constraints"):

@@ -253,10 +253,10 @@ def test_drift_of_a_straight_line_is_its_slope():
 
 
 def test_a_drift_needs_two_times_and_an_energy():
-    with pytest.raises(ArgumentError, match="needs two"):
+    with pytest.raises(ArgumentError, match="needs at least two"):
         analysis.energy_drift(kd.solve(OSCILLATOR, (0.0, 1.0), step=0.1, t_eval=[1.0]))
     nameless = kd.solve(lambda x: -x, (0.0, 1.0), 1.0, 0.0, step=0.1, compile=False)
-    with pytest.raises(KickdriftError, match="does not say its energy"):
+    with pytest.raises(KickdriftError, match="has no energy"):
         analysis.energy_error(nameless)
 
 
@@ -350,11 +350,11 @@ def test_the_masses_of_a_newtonian_problem_are_those_of_its_two_form():
     ],
 )
 def test_problems_without_such_a_two_form_are_refused(problem):
-    with pytest.raises(ArgumentError, match="has no defect of this kind"):
+    with pytest.raises(ArgumentError, match="has no symplecticity defect here"):
         analysis.symplecticity_defect(problem, "boris", 0.1, at=([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]))
 
 
 def test_noise_has_no_reference():
     bath = kd.Langevin(lambda x: -x, friction=1.0, temperature=0.2)
-    with pytest.raises(ArgumentError, match="a path with noise has none"):
+    with pytest.raises(ArgumentError, match="a stochastic path has none"):
         analysis.observed_order(bath, "baoab", (0, 1), (0.1, 0.05), 1.0, 0.0, compile=False)

@@ -131,7 +131,7 @@ def test_the_same_call_gives_the_same_bits():
 
 @pytest.mark.parametrize(
     ("options", "reason"),
-    [({"count": 0}, "count=0"), ({"count": 3}, "count=3"), ({"step": 20.0}, "a part of the length")],
+    [({"count": 0}, "count=0"), ({"count": 3}, "count=3"), ({"step": 20.0}, "at most the length")],
 )
 def test_exponents_that_cannot_be_are_refused(options, reason):
     with pytest.raises(ArgumentError, match=reason):
@@ -139,7 +139,7 @@ def test_exponents_that_cannot_be_are_refused(options, reason):
 
 
 def test_states_that_are_lost_have_no_exponent():
-    with pytest.raises(KickdriftError, match=r"no finite state|are lost"):
+    with pytest.raises(KickdriftError, match=r"is not finite"):
         analysis.lyapunov_exponent(lambda x: x**3, (0.0, 100.0), 1.0, 1.0, step=0.1, method="leapfrog", compile=False)
 
 
@@ -200,7 +200,7 @@ def test_the_events_of_a_solution_are_a_section():
     assert np.array_equal(section.t, sol.t_events[1])
     assert np.array_equal(section.v, sol.v_events[1])
     for number in (2, -1, None):
-        with pytest.raises(ArgumentError, match="is no event of the solution"):
+        with pytest.raises(ArgumentError, match="is not an event of the solution"):
             analysis.poincare_section(sol, number)
 
 
@@ -221,4 +221,4 @@ def test_bodies_that_merge_are_refused_by_one_sentence():
     ):
         with pytest.raises(ArgumentError, match="Leave the radii out") as refused:
             call()
-        assert str(refused.value).count("radii, and merge") == 1
+        assert str(refused.value).count("have radii, and") == 1

@@ -302,7 +302,7 @@ def test_bodies_of_the_kernels(kernel):
     ("charge", "shape", "sentence"),
     [
         (1.0, (2,), "need \\(3,\\) or \\(N, 3\\)"),
-        (1.0, (), "third position and velocity as 0"),
+        (1.0, (), "third component"),
         (1.0, (2, 2, 3), "need \\(3,\\)"),
         ([1.0, 2.0], (3, 3), "does not fit states of shape"),
         ([1.0, 2.0], (3,), "does not fit"),

@@ -75,7 +75,7 @@ def test_options_choose_span_step_method_bodies_and_folder(folder):
     assert kept.about.coordinates["body"] == ["Sun", "Earth", "Jupiter"]
     assert (kept.step, kept.n_steps, kept.about.method) == (0.25, 2922, "leapfrog")
     assert kept.t.tolist() == [0.0, 1.0, 10.0, 100.0, 365.25, 730.5]
-    assert "The pull of Mercury, Venus, Moon, Mars, Saturn, Uranus, Neptune, Pluto is left out" in result.stdout
+    assert "The attraction of Mercury, Venus, Moon, Mars, Saturn, Uranus, Neptune, Pluto is neglected" in result.stdout
 
 
 def test_what_cannot_be_compared_is_said(folder):
@@ -85,7 +85,7 @@ def test_what_cannot_be_compared_is_said(folder):
     assert "add Sun" in result.stderr
     result = call("run", "solar-system", "--years", 0.5)
     assert result.exit_code == cli.DONE
-    assert "JPL's epochs 1, 10, 100 (days after J2000) fall between two of the equal steps" in result.stderr
+    assert "JPL's epochs 1, 10, 100 (days after J2000) fall between steps" in result.stderr
 
 
 def test_quiet_writes_files_only(folder):
@@ -234,7 +234,9 @@ def test_a_terminal_wide_enough_gets_a_table_with_wrapped_cells(monkeypatch, cap
     ]
 
 
-@pytest.mark.parametrize("arguments", [("--help",), ("run", "--help"), ("compare", "--help"), ("list", "--help")])
+@pytest.mark.parametrize(
+    "arguments", [(*command, "--help") for command in ((), ("run",), ("view",), ("compare",), ("list",))]
+)
 def test_help_has_examples(arguments):
     result = call(*arguments)
     assert result.exit_code == cli.DONE
@@ -264,8 +266,8 @@ REFUSED = {
     ("run", "kepler", "--step", "1e999"): ["--step='1e999'", "finite"],
     ("run", "kepler", "--step", "1e-300"): ["step=1e-300", "larger"],
     ("run", "kepler", "--step", "200"): ["step=200.0", "smaller"],
-    ("run", "kepler", "--step", "1 day"): ["--step='1 day'", "no unit of time", "number alone"],
-    ("run", "benchmarks-game", "--step", "1 day"): ["--step='1 day'", "year of 365.24 days", "number alone"],
+    ("run", "kepler", "--step", "1 day"): ["--step='1 day'", "no unit of time", "plain numbers"],
+    ("run", "benchmarks-game", "--step", "1 day"): ["--step='1 day'", "year of 365.24 days", "plain numbers"],
     ("run", "solar-system", "--step", "1 parsec"): ["--step='1 parsec'", "'parsec'", "hour"],
     ("run", "solar-system", "--step", "1 2 day"): ["--step='1 2 day'", "is not a time"],
     ("run", "kepler", "--duration", "0"): ["--duration='0'", "not zero"],
@@ -274,7 +276,7 @@ REFUSED = {
     ("run", "solar-system", "--years", "many"): ["--years='many'", "give a number"],
     ("run", "solar-system", "--years", "0"): ["--years", "not zero"],
     ("run", "solar-system", "--years", "nan"): ["--years", "nan"],
-    ("run", "solar-system", "--years", "1", "--duration", "5"): ["--years='1'", "--duration='5'", "drop one"],
+    ("run", "solar-system", "--years", "1", "--duration", "5"): ["--years='1'", "--duration='5'", "leave one out"],
     ("run", "kepler", "--method", "leapfrg"): ["method='leapfrg'", "'leapfrog'"],
     ("run", "solar-system", "--bodies", "Sun,Erth"): ["bodies='Erth'", "'Earth'"],
     ("run", "solar-system", "--bodies", "Sun,sun"): ["'Sun' twice"],
@@ -285,6 +287,14 @@ REFUSED = {
     ("run", "kepler", "--output", "notes.txt"): ["--output='notes.txt'", "cannot be written", "another folder"],
     ("run", "kepler", "--output", "notes.txt/below"): ["--output='notes.txt/below'", "Not a directory"],
     ("run", "kepler", "--output", "/proc/kickdrift"): ["--output='/proc/kickdrift'", "cannot be written"],
+    ("view", "pyramd"): ["TARGET='pyramd'", "'pyramid'"],
+    ("view", "kepler"): ["is a system", "kickdrift run kepler"],
+    ("view", "notes.txt"): ["TARGET='notes.txt'", "no file to view", ".npz"],
+    ("view", "missing.npz"): ["missing.npz", "No such file"],
+    ("view", "notes.npz"): ["notes.npz", "is not a kickdrift solution"],
+    ("view", "missing.xml"): ["missing.xml", "No such file"],
+    ("view", "bouncing-disk", "--step=-1"): ["--step='-1'", "positive"],
+    ("view", "bouncing-disk", "--port", "65536"): ["port=65536", "from 0 to 65535"],
     ("compare", "keplr"): ["TARGET='keplr'", "'kepler'"],
     ("compare", "kepler", "--step", "2 h"): ["--step='2 h'"],
     ("compare", "kepler", "--output", "notes.txt"): ["--output='notes.txt'", "another folder"],
@@ -294,6 +304,7 @@ REFUSED = {
 @pytest.mark.parametrize("arguments", REFUSED, ids=" ".join)
 def test_bad_input_is_one_sentence_before_any_work(folder, arguments):
     (folder / "notes.txt").write_text("notes")
+    (folder / "notes.npz").write_text("notes")
     (folder / "folder.toml").mkdir()
     (folder / "zip.toml").write_bytes(b"PK\x03\x04\xff")
     (folder / "typo.toml").write_text('[[bodies]]\nname = "a"\nmas = 1\n')
@@ -450,5 +461,63 @@ def test_times(text, own_unit, value):
 
 
 def test_a_unit_needs_one_to_convert_to():
-    with pytest.raises(ArgumentError, match="counts time in 'fortnight'"):
+    with pytest.raises(ArgumentError, match="has its time in 'fortnight'"):
         parse_time("--step", "1 day", "fortnight")
+
+
+def viewed(folder, monkeypatch, *arguments):
+    """Call `kickdrift view`, with nobody who waits; return what it said, and the world, its step and port."""
+    seen = []
+
+    class Page:
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *_):
+            pass
+
+        def wait(self):
+            pass
+
+    def view(world, step, *, port):
+        seen.append((world, step, port))
+        return Page()
+
+    monkeypatch.setattr(kd.World, "view", view)
+    result = call("view", *arguments)
+    assert result.exit_code == cli.DONE, result.output
+    return result, *(seen[0] if seen else ())
+
+
+def test_scenes_and_worlds_that_were_saved_are_viewed(folder, monkeypatch):
+    _, world, step, port = viewed(folder, monkeypatch, "bouncing-disk")
+    assert (len(world.position) > 1, step, port) == (True, 1 / 100, 8080)
+    assert viewed(folder, monkeypatch, "bouncing-disk", "--step", "0.02", "--port", 0)[2:] == (0.02, 0)
+    world.step(1 / 128)
+    world.save("world.npz")
+    _, again, step, _ = viewed(folder, monkeypatch, "world.npz")
+    assert (again.time, step) == (world.time, 1 / 128)
+
+
+def test_runs_that_were_saved_become_pages(folder, monkeypatch):
+    world = kd.World()
+    world.add_sphere(0.5, mass=1.0)
+    world.run(0.1, 1 / 60, progress=False).save("ball.npz")
+    planets(1.0).save("planets.npz")
+    for name in ("ball", "planets"):
+        (result,) = viewed(folder, monkeypatch, f"{name}.npz")
+        assert result.stdout == f"open {name}.html\n"
+        assert (folder / f"{name}.html").read_text(encoding="utf-8").startswith("<!doctype html>")
+    result = call("view", "ball.npz", "--step", "0.1")
+    assert result.exit_code == cli.BAD_INPUT
+    assert "--step='0.1' is for worlds" in result.stderr
+
+
+def test_robots_are_viewed_with_what_is_to_be_said_of_them(folder, monkeypatch):
+    pytest.importorskip("mujoco", reason="robots are read by MuJoCo")
+    (folder / "arm.xml").write_text(
+        '<mujoco><worldbody><body><joint name="elbow" axis="0 1 0" frictionloss="0.1"/>'
+        '<geom type="capsule" size="0.05" fromto="0 0 0 1 0 0"/></body></worldbody></mujoco>'
+    )
+    _, world, step, _ = viewed(folder, monkeypatch, "arm.xml")
+    assert (len(world.joints), step) == (1, 1 / 200)

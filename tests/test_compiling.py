@@ -22,7 +22,7 @@ from kickdrift.scenes.worlds.catalogue import SCENES
 from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.compiling import _jobs, all_jobs
 from kickdrift.world.contacts.contact_solver_simd import KERNELS
-from kickdrift.world.direct.bounces import bounce_islands
+from kickdrift.world.direct.restitution import bounce_islands
 from kickdrift.world.direct.solve import relax_islands, solve_islands
 from kickdrift.world.step import STAGE
 
@@ -177,12 +177,13 @@ def test_names_are_part_of_a_fingerprint(one, other):
 
 def test_fingerprints_do_not_depend_on_the_process():
     code = (
-        "from kickdrift.world.contacts.contact_solver_simd import KERNELS as sweeps;"
+        "from kickdrift.world.contacts.contact_solver_simd import KERNELS as kernels;"
         "from kickdrift.core.cache import fingerprint;"
-        "print([fingerprint(sweep.py_func) for sweep in sweeps.values()], sweeps[0]._cache._file('', sweeps[0].targetctx).name)"
+        "file = kernels[0]._cache._file('', kernels[0].targetctx);"
+        "print([fingerprint(kernel.py_func) for kernel in kernels.values()], file.name)"
     )
-    sweeps = list(KERNELS.values())
-    here = [fingerprint(sweep.py_func) for sweep in sweeps], sweeps[0]._cache._file("", sweeps[0].targetctx).name
+    kernels = list(KERNELS.values())
+    here = [fingerprint(kernel.py_func) for kernel in kernels], kernels[0]._cache._file("", kernels[0].targetctx).name
     assert python(code, PYTHONHASHSEED="1") == " ".join(map(str, here))  # of another seed, except once in 2^32 times
 
 

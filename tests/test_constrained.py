@@ -432,7 +432,7 @@ ON = ([0.6, -0.8], [0.0, 0.0])
         (with_(lambda x: np.array([1.2, 2 * x[1]])), ON, r"entry \(0, 0\) is 1.2 at x=\[0.60\d+"),
         (double(jacobian=lambda x: np.ones((2, 2, 2)), force=down), (DOUBLE["x0"], DOUBLE["v0"]), r"entry \(0, 0, 0\)"),
         (pendulum(), ([0.6, -0.81], [0.0, 0.0]), r"constraint 0 is 0.0161 there, not 0; move it by at most 0.006"),
-        (pendulum(), ([0.0, 0.0], [0.0, 0.0]), "look at the constraint"),
+        (pendulum(), ([0.0, 0.0], [0.0, 0.0]), "check the constraint"),
         (pendulum(), ([0.6, -0.8], [1.0, 0.0]), r"changes at a rate of 1.2, not 0; .* v0=\[0.6"),
         (chain(), (np.ones((20, 3)), np.zeros((20, 3))), "constraint 0 is 2 there, not 0"),
         (kd.Constrained(down, lambda x: on_circle(x) ** 2), ON, r"constraint 0 .* rank found is 0"),

@@ -171,7 +171,7 @@ def test_a_rate_at_the_time_of_the_wrong_copy_is_caught(monkeypatch):
 
 @pytest.mark.parametrize("order", [0, 1, 3, 2.0, True, "2"])
 def test_an_order_that_is_not_even_is_refused(order):
-    with pytest.raises(ArgumentError, match="another even number"):
+    with pytest.raises(ArgumentError, match="positive even number"):
         tao(order)
 
 

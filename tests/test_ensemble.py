@@ -328,7 +328,7 @@ def test_ctrl_c_keeps_what_is_done(monkeypatch):
     assert np.isfinite(sol.x[0, : done // 10**5]).all()
     assert np.isnan(sol.x[0, done // 10**5 + 1 :]).all()
     assert np.isnan(sol.x[-1]).all()
-    assert "did not begin" in sol.messages[-1]
+    assert "did not start" in sol.messages[-1]
 
 
 KILLED = """
@@ -378,7 +378,7 @@ def test_checkpoints_keep_members_that_are_done(tmp_path, in_lanes, monkeypatch)
     assert first.x.tobytes() == again.x.tobytes()
     assert (first.status, first.messages) == (again.status, again.messages)
     monkeypatch.setattr(archive, "write", full)
-    with pytest.warns(RuntimeWarning, match="members that are done: no space is left"):
+    with pytest.warns(RuntimeWarning, match="finished members: no space is left"):
         sol = kd.solve_ensemble(kd.systems.kepler(), SPAN, x, v, **options | {"checkpoint": tmp_path / "full"})
     assert sol[3].success
     with pytest.raises(ArgumentError, match="another x0"):
@@ -433,10 +433,10 @@ def test_members_are_solutions():
         ({"x0": np.ones((0, 2))}, "x0 of shape .* is empty"),
         ({"args": {"k": []}}, r"args\['k'\] is empty"),
         ({"args": {}}, "no names"),
-        ({"args": {"step": [1.0]}}, "taken"),
+        ({"args": {"step": [1.0]}}, "already in use"),
         ({"problem": kd.systems.kepler, "args": {"excentricity": [0.1]}}, "did you mean 'eccentricity'"),
-        ({"problem": lambda k: k, "args": {"k": [0.1]}}, "has to make a system"),
-        ({"seeds": [1, 2]}, "no noise"),
+        ({"problem": lambda k: k, "args": {"k": [0.1]}}, "must return a system"),
+        ({"seeds": [1, 2]}, "not stochastic"),
         ({"step": [[0.1]]}, "step has shape"),
         ({"threads": 0}, "threads=0"),
         ({"x0": None}, "x0 is missing"),

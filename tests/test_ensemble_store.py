@@ -183,7 +183,7 @@ def test_a_disk_that_is_full_ends_it_with_what_is_whole(tmp_path, monkeypatch):
 
     with monkeypatch.context() as patch:
         patch.setattr(member_store.MemberStore, "_write", full)
-        with pytest.warns(RuntimeWarning, match="members that are done: save_to=.*No space left on device"):
+        with pytest.warns(RuntimeWarning, match="finished members: save_to=.*No space left on device"):
             part = solve(tmp_path / "run.zarr")
     assert part.success.sum() == 40
     same(solve(tmp_path / "run.zarr"), solve())
@@ -197,11 +197,11 @@ def other(path):
 @pytest.mark.parametrize(
     ("before", "others", "words"),
     [
-        (other, {}, "is there already"),
+        (other, {}, "exists already"),
         (solve, {"step": 0.02, "save_every": 30}, "holds another run"),
         (solve, {"problem": kd.systems.kepler(0.5)}, "holds another run"),
         (lambda path: kd.solve(kd.systems.kepler(), SPAN, step=0.1, save_to=path), {}, "holds another run"),
-        (None, {"path": 3}, "is no path"),
+        (None, {"path": 3}, "is not a path"),
         (None, {"path": "no/such/folder.zarr"}, "folder that does not exist"),
         (None, {"checkpoint": "kept"}, "both given"),
         (
@@ -212,7 +212,7 @@ def other(path):
         (
             None,
             {"problem": lambda x, params: -params[0] * x, "args": {"message": [1.0, 2.0]}, "begin": ([[1.0]], [[0.0]])},
-            "keeps something else",
+            "uses for something else",
         ),
     ],
 )
@@ -303,10 +303,10 @@ def test_a_cluster_without_workers_is_said(cluster, tmp_path, monkeypatch):
         return submit(executor, chunk)
 
     monkeypatch.setattr(executors, "_submitted", leaving)
-    with pytest.warns(RuntimeWarning, match=r"members that are done: .*no worker left, and none has come for 0\.5 s"):
+    with pytest.warns(RuntimeWarning, match=r"finished members: .*no workers left, and none has joined for 0\.5 s"):
         part = solve(tmp_path / "run.zarr", executor=cluster)
     assert not part.success.all()
-    with pytest.raises(ArgumentError, match="no worker left"):
+    with pytest.raises(ArgumentError, match="no workers left"):
         solve(tmp_path / "run.zarr", executor=cluster)
     with ThreadPoolExecutor(2) as workers:
         same(solve(tmp_path / "run.zarr", executor=workers), solve())
@@ -348,7 +348,7 @@ def test_arrays_on_disk_are_indexed_as_those_of_numpy(tmp_path):
         assert np.array_equal(stored.x[key], whole[key]), key
     assert np.array_equal(list(stored.x), whole)
     for key in (10**6, -(10**6), 1.5, "a", None, (0, 0, 0, 0), ([1], [1]), mask[:3], [10**6], [[1]], slice("a")):
-        with pytest.raises(ArgumentError, match=r"of an array on disk .* read all by \[:\]"):
+        with pytest.raises(ArgumentError, match=r"of an array on disk .* read everything with \[:\]"):
             stored.x[key]
 
 
@@ -369,7 +369,7 @@ def test_folders_are_loaded_as_what_was_returned(problem, tmp_path):
 def test_folders_of_runs_that_have_not_ended_are_no_solutions(tmp_path):
     solve(tmp_path / "run.zarr")
     (tmp_path / "run.zarr" / "solution.npz").unlink()
-    with pytest.raises(FileFormatError, match="make the same call again"):
+    with pytest.raises(FileFormatError, match="repeat the call"):
         kd.load(tmp_path / "run.zarr")
     with pytest.raises(FileFormatError, match="a folder without"):
         kd.load(tmp_path)

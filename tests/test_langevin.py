@@ -389,7 +389,7 @@ def test_noise_does_not_run_backwards():
         kd.solve(kd.Langevin(spring, 1.0, 1.0), (1.0, 0.0), 0.0, 0.0, step=0.1, method="baoab", compile=False)
     third = word((Letter.KICK, 1), (Letter.DRIFT, 1), (Letter.THERMOSTAT, "3/2"), (Letter.THERMOSTAT, "-1/2"))
     mine = Method("mine", 1, third, False, Kind.LANGEVIN, "a test")
-    with pytest.raises(ArgumentError, match="negative shares"):
+    with pytest.raises(ArgumentError, match="negative weights"):
         solve(kd.Langevin(spring, 1.0, 1.0), 1.0, 0.0, 0.0, 0.1, mine)
 
 

@@ -102,10 +102,10 @@ def test_a_method_of_ones_own_runs():
         ({"word": word((K, 1), (D, 1), (Letter.ROTATE, 1))}, "'rotate' needs charges"),
         ({"word": word((K, 1), (D, 1), (Letter.THERMOSTAT, 1))}, "'thermostat' needs Langevin"),
         ({"word": word((K, 1), (Letter.KEPLER, 1))}, "'kepler' needs light bodies"),
-        ({"kind": Kind.CONSTRAINED}, "none of its flows is for that"),
-        ({"kind": Kind.LANGEVIN}, "none of its flows is for that"),
-        ({"word": word((Letter.RUNGE_KUTTA, 1))}, "a Runge-Kutta flow has one"),
-        ({"tableau": lambda: Tableau([[0]], [1])}, "a Runge-Kutta flow has one"),
+        ({"kind": Kind.CONSTRAINED}, "none of its flows is for this kind"),
+        ({"kind": Kind.LANGEVIN}, "none of its flows is for this kind"),
+        ({"word": word((Letter.RUNGE_KUTTA, 1))}, "a Runge-Kutta flow needs one"),
+        ({"tableau": lambda: Tableau([[0]], [1])}, "a Runge-Kutta flow needs one"),
         ({"word": word((Letter.EXTRAPOLATION, 1))}, "its flows need 1"),
         ({"parameters": (1,)}, "its flows need 0"),
     ],
@@ -120,7 +120,7 @@ def test_a_method_whose_flows_lack_what_they_need_cannot_exist(change, reason):
     ("letter", "symmetric", "reason"),
     [
         (Letter.RUNGE_KUTTA, True, "tableau of 'mine' is implicit"),
-        (Letter.IMPLICIT_RUNGE_KUTTA, False, "its tableau says True"),
+        (Letter.IMPLICIT_RUNGE_KUTTA, False, "for its tableau this is True"),
     ],
 )
 def test_a_tableau_that_does_not_fit_is_refused_when_it_is_needed(letter, symmetric, reason):

@@ -142,7 +142,7 @@ def test_what_has_none_is_refused():
     q, p = sp.symbols("q p")
     with pytest.raises(ArgumentError, match="is not T\\(p\\) \\+ V\\(q\\)"):
         analysis.modified_formula(q**2 * p**2, q, p, "leapfrog")
-    with pytest.raises(ArgumentError, match="more than kicks and drifts"):
+    with pytest.raises(ArgumentError, match="other than kicks and drifts"):
         analysis.modified_hamiltonian(PENDULUM, "gauss-4", 0.1, 0.1, 0.1)
     for order in (5, -1, 1.5, "2"):
         with pytest.raises(ArgumentError, match="order="):
@@ -153,7 +153,7 @@ def test_what_has_none_is_refused():
         analysis.modified_hamiltonian(kd.systems.kepler(), "leapfrog", 0.1, [0.1] * 3, [0.1] * 3)
     with pytest.raises(MethodMismatchError, match="has no modified Hamiltonian"):
         analysis.modified_hamiltonian(lambda x, v: -x - v, "kick-drift", 0.1, [0.1], [0.1], compile=False)
-    with pytest.raises(KickdriftError, match="does not say its energy"):
+    with pytest.raises(KickdriftError, match="has no energy"):
         analysis.modified_hamiltonian(lambda x: -x, "leapfrog", 0.1, [0.1], [0.1], compile=False)
-    with pytest.raises(ArgumentError, match="show no slope"):
+    with pytest.raises(ArgumentError, match="yield no slope"):
         analysis.modified_order(PENDULUM, "leapfrog", (0.0, 1.0), [0.1])

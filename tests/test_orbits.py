@@ -96,8 +96,8 @@ def test_a_solution_from_a_file_knows_its_masses(planets, tmp_path):
 def test_what_has_none_is_refused(planets):
     with pytest.raises(ArgumentError, match="'jacobi', 'heliocentric'"):
         analysis.orbital_elements(planets[1], "barycentric")
-    with pytest.raises(KickdriftError, match="does not say how strongly"):
+    with pytest.raises(KickdriftError, match="has no gravitational parameters"):
         analysis.orbital_elements(kd.solve(kd.systems.pendulum(), (0.0, 1.0), step=0.1))
     alone = kd.systems.nbody([1.0], [[0.0, 0.0, 0.0]], [[0.0, 0.0, 0.0]])
-    with pytest.raises(ArgumentError, match="has one body"):
+    with pytest.raises(ArgumentError, match="has only one body"):
         analysis.orbital_elements(kd.solve(alone, (0.0, 1.0), step=0.1))

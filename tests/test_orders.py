@@ -251,12 +251,12 @@ def test_a_method_of_ones_own_is_measured():
 
 
 def test_steps_that_are_one_step_are_refused():
-    with pytest.raises(ArgumentError, match="a slope needs two"):
+    with pytest.raises(ArgumentError, match="a slope needs at least two"):
         kd.analysis.observed_order(PENDULUM, "kick-drift", (0.0, 1.0), [0.5, 0.6])
 
 
 def test_a_run_that_fails_has_no_order():
-    with pytest.raises(KickdriftError, match="no order to show"):
+    with pytest.raises(KickdriftError, match="the order cannot be measured"):
         kd.analysis.observed_order(lambda x: 1e200 * x, "kick-drift", (0, 4), [1, 2], 1.0, 0.0, compile=False)
 
 

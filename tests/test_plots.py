@@ -159,7 +159,7 @@ def test_nothing_to_compare_is_refused():
 
 def test_runs_without_an_energy_are_refused():
     s = kd.solve(lambda x: -x, (0.0, 1.0), 1.0, 0.0, step=0.1, compile=False)
-    with pytest.raises(KickdriftError, match="does not say its energy"):
+    with pytest.raises(KickdriftError, match="has no energy"):
         plots.plot_energy_comparison({"mine": s})
 
 
@@ -201,7 +201,7 @@ def test_a_folder_that_is_not_there_is_an_error(pendulum, tmp_path):
 
 
 def test_an_ending_that_is_no_picture_is_an_error(pendulum, tmp_path):
-    with pytest.raises(FileFormatError, match=r"Format 'mp3' is not supported.*end it in \.png"):
+    with pytest.raises(FileFormatError, match=r"Format 'mp3' is not supported.*use a name that ends in \.png"):
         pendulum.plot(tmp_path / "p.mp3")
 
 

@@ -227,7 +227,7 @@ def test_a_new_shape(house):
         capture_output=True, text=True, check=False, cwd=house.folder,
         env={**os.environ, "PYTHONPATH": str(house.folder)},
     )  # fmt: skip
-    assert "There is no function for where triangle and bead touch" in with_message.stderr
+    assert "There is no contact function for triangle and bead" in with_message.stderr
     others = ("TRIANGLE", "SPHERE", "CAPSULE", "BOX", "HULL", "CYLINDER", "CONE", "10")
     house.line(
         pairs, "    (PLANE, CONE): frustum", "".join(f"    ({other}, 10): bead.touch_nothing,\n" for other in others)

@@ -94,7 +94,7 @@ def test_a_span_that_leaves_a_table_is_refused_before_the_run(span, compile_):
     def force(t, x):
         return table(t) - x
 
-    with pytest.raises(ArgumentError, match=f"leaves a table of kd.spline|{OUTSIDE}") as caught:
+    with pytest.raises(ArgumentError, match=f"extends beyond a table of kd.spline|{OUTSIDE}") as caught:
         kd.solve(force, span, 1.0, 0.0, step=0.1, compile=compile_)
     if "leaves" in str(caught.value):
         assert "from 0.0 to 10.0" in str(caught.value)
@@ -114,10 +114,10 @@ def test_methods_that_look_beyond_the_span_say_so():
 def test_tables_in_gaps_switches_events_and_densities_are_checked_before_the_run(name):
     table = kd.spline(np.linspace(0.0, 1.0, 11), np.ones(11))
     options = {"step": 0.05, "method": "velocity-verlet", "compile": False, name: lambda t, x: x + 2.0 * table(t)}
-    with pytest.raises(ArgumentError, match=r"leaves a table of kd\.spline"):
+    with pytest.raises(ArgumentError, match=r"extends beyond a table of kd\.spline"):
         kd.solve(lambda x: -1.0, (0.0, 2.0), 1.0, 0.0, **options)
     if name == "step_control":  # asked half a step ahead of the start, and beyond the end
-        with pytest.raises(ArgumentError, match=r"asks it as for t=-0\.025"):
+        with pytest.raises(ArgumentError, match=r"evaluates it at t=-0\.025"):
             kd.solve(lambda x: -1.0, (0.0, 1.0), 1.0, 0.0, **options)
         wide = kd.spline(np.linspace(-0.1, 1.2, 11), np.ones(11))
         options[name] = lambda t, x: x + 2.0 * wide(t)
@@ -137,7 +137,7 @@ def test_walls_that_move_by_a_table_do_so_from_its_first_time_to_its_last():
 def test_a_run_does_not_go_on_beyond_its_table():
     table = kd.spline(np.linspace(0.0, 1.0, 11), np.zeros(11))
     sol = driven(table, 0.5, step=0.05)
-    with pytest.raises(ArgumentError, match=r"t_span=\(0.0, 2.0\) leaves a table"):
+    with pytest.raises(ArgumentError, match=r"t_span=\(0.0, 2.0\) extends beyond a table"):
         sol.continue_to(2.0)
     assert sol.continue_to(1.0).success
 
@@ -149,7 +149,7 @@ def test_in_a_problem_of_several_functions_and_through_another_one():
         return table(t)
 
     problem = kd.SecondOrder(lambda t, x: push(t) - x, energy=lambda x, v: v * v + x * x)
-    with pytest.raises(ArgumentError, match="leaves a table"):
+    with pytest.raises(ArgumentError, match="extends beyond a table"):
         kd.solve(problem, (0.0, 12.0), 1.0, 0.0, step=0.1, compile=False)
 
 
@@ -179,10 +179,10 @@ def test_rounding_at_the_ends_is_inside():
 @pytest.mark.parametrize(
     ("t", "values", "options", "reason"),
     [
-        ([0, 1, 1], [1, 2, 3], {}, "t must ascend, but 1.0 is followed by 1.0"),
-        ([0, 2, 1], [1, 2, 3], {}, "t must ascend, but 2.0"),
+        ([0, 1, 1], [1, 2, 3], {}, "t must be strictly increasing, but 1.0 is followed by 1.0"),
+        ([0, 2, 1], [1, 2, 3], {}, "t must be strictly increasing, but 2.0"),
         ([0], [1], {}, "at least two times"),
-        ([0, 1], [1, 2, 3], {}, "a value to each"),
+        ([0, 1], [1, 2, 3], {}, "one value per time"),
         ([0, np.nan], [1, 2], {}, "must be finite"),
         ([0, 1], ["a", "b"], {}, "arrays of numbers"),
         ([0, 1, 2], [1, 2, 3], {"end": "free"}, "end='free'"),
@@ -207,10 +207,10 @@ def test_ensembles_that_leave_a_table_are_refused_before_the_run():
         )
 
     assert run(TIMES[-1]).success.all()
-    with pytest.raises(ArgumentError, match=r"leaves a table of kd\.spline"):
+    with pytest.raises(ArgumentError, match=r"extends beyond a table of kd\.spline"):
         run(TIMES[-1] + 0.5)
     switch = kd.spline(TIMES, TIMES - 2.0)
-    with pytest.raises(ArgumentError, match=r"leaves a table of kd\.spline"):
+    with pytest.raises(ArgumentError, match=r"extends beyond a table of kd\.spline"):
         kd.solve_ensemble(
             lambda x: -x,
             (0.0, TIMES[-1] + 0.5),

@@ -236,7 +236,7 @@ def test_stiff_decay_after_a_transient_takes_long_steps():
 def test_a_given_first_step_is_tried_first_and_rejected_ones_are_counted():
     sol = kd.solve(_eccentric(), (0, 1.0), step=1.0, rtol=1e-9, atol=1e-12, method="velocity-verlet")
     assert sol.n_rejected >= 4
-    assert "taken back" in sol.report()
+    assert "rejected" in sol.report()
     trials = sol.n_steps + sol.n_rejected
     assert sol.n_force_evaluations > 4 * trials
 
@@ -265,7 +265,7 @@ def test_states_between_steps_and_at_wanted_times(options, backwards):
     some = kd.solve(system, span, save_every=7, **options, **order)
     sevenths = every.x[:-1][::7]
     assert np.array_equal(some.x[: len(sevenths)], sevenths)
-    with pytest.raises(ArgumentError, match="some steps after a row"):
+    with pytest.raises(ArgumentError, match="several steps after a row"):
         some(wanted)
 
 
@@ -335,7 +335,7 @@ def test_a_density_takes_the_symmetric_method_of_order_two_for_the_kind(problem,
     ("options", "text"),
     [
         ({}, "step is missing"),
-        ({"step": 0.1, "step_control": 3}, "step_control=3 is none"),
+        ({"step": 0.1, "step_control": 3}, "step_control=3 is not a step control"),
         ({"step": 0.1, "step_control": "speed"}, "density='speed'"),
         ({"step": 0.1, "step_control": "distance", "rtol": 1e-3}, "each chooses the steps"),
         ({"step": 0.1, "step_control": "distance", "method": "semi-implicit-euler"}, "not symmetric"),
@@ -351,8 +351,8 @@ def test_a_density_takes_the_symmetric_method_of_order_two_for_the_kind(problem,
         ({"step": 0.1, "step_control": lambda x: 1 + x @ x, "compile": False}, "leave compile=False out"),
         ({"step": 0.1, "step_control": lambda x: 0.0}, "must be positive and finite"),
         ({"step": 0.1, "step_control": lambda x: np.nan}, "must be positive and finite"),
-        ({"step": 0.1, "step_control": lambda x, v: 2 + v[1]}, "turned around"),
-        ({"step": 0.1, "step_control": kd.TimeTransformed(lambda x, v: 1 + v @ v)}, "sees v"),
+        ({"step": 0.1, "step_control": lambda x, v: 2 + v[1]}, "velocities reversed"),
+        ({"step": 0.1, "step_control": kd.TimeTransformed(lambda x, v: 1 + v @ v)}, "depends on v"),
         ({"rtol": -1e-3}, "rtol=-0.001"),
         ({"rtol": 1e-17}, "rtol=1e-17"),
         ({"rtol": np.nan}, "rtol=nan"),
@@ -410,7 +410,7 @@ def test_a_density_that_reaches_zero_ends_the_run_where_it_was_good():
     )
     assert sol.status is Outcome.NO_STEP
     assert 0.7 < sol.t[-1] < 1.0
-    assert "gives no number" in sol.message
+    assert "returned NaN" in sol.message
 
 
 def test_a_singularity_ends_steps_by_their_error():

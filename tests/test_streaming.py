@@ -160,7 +160,7 @@ def test_a_run_that_was_killed_goes_on_in_its_folder(function, after, others, tm
         patch.setattr(zarr_store.ZarrStore, "append", lambda self, *a: written.append(self.rows) or append(self, *a))
         on = solve(**options)
     same(tmp_path / "run.zarr", solve(**others))
-    assert ("It went on from step" in on.message) == (after > 0)
+    assert ("It resumed from step" in on.message) == (after > 0)
     if function is WRITE and after == 4:
         # Whole chunks before the checkpoint are not written again: at step 2000 of row 667, or at 400
         assert written[0] == (400 if others else 600)
@@ -243,14 +243,14 @@ def another_run(path):
 @pytest.mark.parametrize(
     ("before", "others", "words"),
     [
-        (other, {}, "is there already"),
-        (other, {"checkpoint": "kept"}, "is there already"),
-        (file, {}, "is there already"),
+        (other, {}, "exists already"),
+        (other, {"checkpoint": "kept"}, "exists already"),
+        (file, {}, "exists already"),
         (this_run, {}, "holds this run"),
         (another_run, {}, "holds another run"),
         (another_run, {"checkpoint": "kept"}, "holds another run"),
-        (None, {"path": 3}, "is no path"),
-        (None, {"path": ""}, "is no path"),
+        (None, {"path": 3}, "is not a path"),
+        (None, {"path": ""}, "is not a path"),
         (None, {"path": "no/such/folder.zarr"}, "folder that does not exist"),
         (None, {"save_every": None, "t_eval": [1.0]}, "t_eval are both given"),
         (None, {"step_control": "distance", "save_every": None, "t_eval": [1.0]}, "t_eval are both given"),
@@ -272,7 +272,7 @@ def test_a_store_that_is_not_what_the_checkpoint_goes_on_from_is_refused(tmp_pat
     options = {"path": tmp_path / "run.zarr", "checkpoint": tmp_path / "kept", "checkpoint_every": 500}
     broken_off(monkeypatch, WRITE, 3, **options)
     shutil.rmtree(tmp_path / "run.zarr")
-    with pytest.raises(kd.KickdriftError, match="not what the checkpoint goes on from"):
+    with pytest.raises(kd.KickdriftError, match="does not match the checkpoint"):
         solve(**options)
 
 

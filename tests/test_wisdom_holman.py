@@ -393,7 +393,7 @@ def test_a_corrector_that_advances_or_has_other_letters_is_refused():
     assert Method(**options, corrector=word((KEPLER, 1), (K, "1/2"), (KEPLER, -1), (K, "-1/2"))).corrector
     with pytest.raises(ArgumentError, match=r"add up to 0\.5, not to 0"):
         Method(**options, corrector=word((KEPLER, "1/2")))
-    with pytest.raises(ArgumentError, match="letters that its word has not"):
+    with pytest.raises(ArgumentError, match="letters that are not in its word"):
         Method(**options, corrector=word((Letter.DRIFT, 1), (Letter.DRIFT, -1)))
 
 

@@ -81,8 +81,8 @@ def test_without_an_exact_solution_a_tight_run_is_the_reference():
     [
         ([], {}, "methods="),
         ("leapfrog", {}, "methods='leapfrog'"),
-        (["leapfrog"], {"steps": []}, "has none for 'velocity-verlet'"),
-        (["leapfrog"], {"steps": {"kahan-li-8": [0.1]}}, "has none for 'velocity-verlet'"),
+        (["leapfrog"], {"steps": []}, "has no step for 'velocity-verlet'"),
+        (["leapfrog"], {"steps": {"kahan-li-8": [0.1]}}, "has no step for 'velocity-verlet'"),
         (["leapfrog"], {"rounds": 0}, "rounds=0"),
         (["leapfog"], {}, "did you mean"),
     ],

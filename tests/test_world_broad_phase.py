@@ -180,7 +180,7 @@ def near(scene, a, b, boxes):
 
 
 def expected(scene, boxes, excluded=()):
-    """All pairs that there have to be if the shapes are in these boxes."""
+    """All pairs there must be if the shapes are in these boxes."""
     shapes, kinds, boxes = scene[t.SHAPE], scene[t.BODY][:, 0], boxes.tolist()
     found = set()
     for a, b in combinations([row for row in range(len(shapes)) if shapes[row, 0] >= 0], 2):

@@ -58,8 +58,8 @@ def test_a_world_goes_on_with_the_same_bits(tmp_path, monkeypatch):
     broken_off(monkeypatch, tmp_path / "run", 2)
     on = run(goes_on, tmp_path / "run")
     same(on, whole)
-    assert "It went on from step 100" in on.message
-    assert "It went on from step 100" in on.report()
+    assert "It resumed from step 100" in on.message
+    assert "It resumed from step 100" in on.report()
     assert goes_on.time == left_alone.time
     left_alone.advance(STEP, 30)
     goes_on.advance(STEP, 30)
@@ -118,7 +118,7 @@ def test_what_cannot_be_written_ends_the_run(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("others", "words"),
     [
-        ({"checkpoint": 3}, "is no path"),
+        ({"checkpoint": 3}, "is not a path"),
         ({"checkpoint": "x", "checkpoint_every": 0}, "checkpoint_every=0 must"),
         ({"checkpoint_every": 5}, "without checkpoint"),
     ],
@@ -147,6 +147,6 @@ def test_the_same_command_goes_on(target, tmp_path, monkeypatch, small_pictures)
         result = CliRunner().invoke(app, [*command, *more, "--output", str(output)])
         assert result.exit_code == 0, result.output
     on, whole = (kd.load(output / f"{target}.npz") for output in outputs)
-    assert "It went on from step" in on.message
+    assert "It resumed from step" in on.message
     assert np.array_equal(on.x, whole.x)
     assert np.array_equal(on.t, whole.t)

@@ -210,6 +210,32 @@ def test_a_stack_falls_asleep_and_does_not_move():
     assert awake(rest(sleeping=False))[2:].all()
 
 
+@pytest.mark.parametrize("wall", ["plane", "thin wall"])
+def test_a_sleeper_that_is_shot_does_not_pass_what_it_slept_beside(wall):
+    world = World(gravity=(0, 0, 0), sleeping=True)
+    if wall == "plane":
+        world.add_plane((1, 0, 0), (0.01, 0, 0))
+    else:
+        world.add_box((0.02, 4, 4), static=True)
+    ball = world.add_sphere(0.1, position=(0.135, 0, 0))
+    world.advance(STEP, 60)
+    ball.velocity = (-300, 0, 0)
+    world.step(STEP)
+    assert ball.position[0] == pytest.approx(0.11, abs=2e-3)
+
+
+@pytest.mark.parametrize("sleeping", [False, True])
+def test_a_body_that_becomes_lighter_is_not_thrown_by_what_held_its_weight(sleeping):
+    world = World(sleeping=sleeping)
+    world.add_plane()
+    hull = world.add_hull([(0, 0, 0), (0.3, 0, 0), (0, 0.2, 0), (0.1, 0.1, 0.3), (0.3, 0.3, 0.1)], position=(0, 0, 0.1))
+    world.advance(STEP, 120)
+    hull.mass = 1e-4 * hull.mass
+    for _ in range(5):
+        world.step(STEP)
+        assert np.abs(world.velocity).max() < 1e-3
+
+
 def test_what_moves_does_not_fall_asleep():
     world = World(sleeping=True)
     world.add_plane(friction=0.0)
@@ -383,6 +409,29 @@ def test_a_fast_small_ball_does_not_pass_a_thin_wall(restitution):
         world.advance(STEP, 12)
         assert world.position[2, 0] < 4.991
         assert world.velocity[2, 0] == pytest.approx(-200 * restitution, abs=1e-6)
+
+
+@pytest.mark.parametrize("add", ["add_sphere", "add_box"])
+@pytest.mark.parametrize("gap", [0.01, 0.03, 0.045])
+def test_a_body_at_rest_beside_a_thin_wall_does_not_pass_it_when_it_is_shot(add, gap):
+    world = World(gravity=(0, 0, 0))
+    world.add_box((0.02, 4, 4), static=True)
+    body = getattr(world, add)(0.1 if add == "add_sphere" else (0.2, 0.2, 0.2), position=(0.11 + gap, 0, 0))
+    world.step(STEP)
+    body.velocity = (-100, 0, 0)
+    world.step(STEP)
+    assert body.position[0] == pytest.approx(0.11, abs=2e-3)
+
+
+@pytest.mark.parametrize("gap", [0.025, 0.04])
+def test_a_fast_ball_that_missed_a_wall_does_not_sink_into_it_slowly(gap):
+    world = World(gravity=(0, 0, 0))
+    world.add_box((0.02, 40, 40), static=True)
+    ball = world.add_sphere(0.1, position=(0.11 + gap, -3, 0), velocity=(0, 300, 0))
+    world.step(STEP)
+    ball.velocity = (-1, 0, 0)
+    world.advance(STEP, 60)
+    assert ball.position[0] == pytest.approx(0.11, abs=2e-3)
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.1, 0.4])

@@ -207,3 +207,50 @@ def test_cylinders_stand_on_each_other():
     world.advance(STEP, 300)
     assert world.position[bodies] == pytest.approx(start, abs=0.01)
     assert np.abs(world.velocity[bodies]).max() < 1e-3
+
+
+@pytest.mark.parametrize("shape", ["cylinder", "cone"])
+def test_what_lands_fast_and_tumbles_does_not_sink_in(shape):
+    rng = np.random.default_rng(5)
+    world = kd.World()
+    world.add_plane(friction=0.5)
+    points, bodies = [], []
+    for k in range(24):
+        size = rng.uniform(0.2, 0.4)
+        turn = rng.normal(size=4)
+        velocity = (*rng.normal(size=2) * 20, -24)
+        options = {
+            "velocity": velocity,
+            "angular_velocity": rng.normal(size=3) * 5,
+            "position": (3 * k, 0, 1.2),
+            "friction": 0.5,
+        }
+        add = getattr(world, f"add_{shape}")
+        bodies.append(add(size / 2, size / 2, orientation=turn / np.linalg.norm(turn), **options))
+        lower, upper = (size / 2, size / 2) if shape == "cylinder" else (size / 2, 0.0)
+        base = -size / 4 if shape == "cylinder" else -size / 8  # from the centre of mass
+        points.append(np.vstack((ring(lower, base), ring(upper, base + size / 2))))
+    lowest = []
+    for _ in range(60):
+        world.step(STEP)
+        turns = [rotation_matrix(body.orientation) for body in bodies]
+        lowest.append([(p @ m.T)[:, 2].min() + b.position[2] for p, m, b in zip(points, turns, bodies, strict=True)])
+    assert np.min(lowest) > -0.15
+    assert np.min(lowest[20:]) > -0.05
+
+
+@pytest.mark.parametrize("dip", [-0.3, 0.1, 0.5, 0.9])
+def test_a_blunt_cone_that_tips_over_its_rim_stands_on_it(dip):
+    turn = 0.5 * (
+        0.5 * math.pi + dip
+    )  # the tip points down by so many radians, of 1.11 at which its side lies on the plane
+    world = kd.World()
+    world.add_plane(friction=0.5)
+    cone = world.add_cone(0.2, 0.2, position=(0, 0, 1), orientation=(math.cos(turn), 0, math.sin(turn), 0))
+    points = np.vstack((ring(0.2, -0.05), ring(0.0, 0.15)))  # from the centre of mass
+    cone.position = (0, 0, -(points @ rotation_matrix(cone.orientation).T)[:, 2].min())
+    lowest = []
+    for _ in range(30):
+        world.step(STEP)
+        lowest.append((points @ rotation_matrix(cone.orientation).T)[:, 2].min() + cone.position[2])
+    assert np.min(lowest) > -0.01

@@ -262,3 +262,61 @@ def test_laws_that_cannot_be_set(method, value):
 def test_drives_that_cannot_be(numbers):
     with pytest.raises(ArgumentError, match=next(iter(numbers))):
         kd.Drive(**numbers)
+
+
+# Laws that are read back
+
+
+LAWS = {
+    "motor": kd.Motor(2.0, 3.0),
+    "drive": kd.Drive(20.0, 3.0, target=0.4, speed=-0.1, maximum=7.0),
+    "limits": (-0.5, 1.5),
+    "friction": 0.25,
+}
+
+
+@pytest.mark.parametrize("flipped", [False, True], ids=["body moves", "ground is named second"])
+@pytest.mark.parametrize("part", LAWS)
+def test_laws_are_read_as_they_were_given(part, flipped):
+    world = kd.World()
+    box = world.add_box((1, 1, 1), mass=1.0)
+    ends = (box, world.ground) if flipped else (world.ground, box)
+    given = world.add_hinge(*ends, anchor=(0, 0, 0), axis=(0, 0, 1), **{part: LAWS[part]})
+    later = world.add_hinge(*ends, anchor=(0, 0, 0), axis=(0, 0, 1))
+    nothing = 0.0 if part == "friction" else None
+    assert getattr(later, part)() == nothing
+    getattr(later, f"set_{part}")(LAWS[part])
+    for hinge in (given, later):
+        assert getattr(hinge, part)() == getattr(hinge, part)(5) == LAWS[part]
+        for other in set(LAWS) - {part}:
+            assert getattr(hinge, other)() == (0.0 if other == "friction" else None)
+    getattr(later, f"set_{part}")(nothing)
+    assert getattr(later, part)() == nothing
+
+
+def test_the_drive_that_is_read_does_the_same_as_the_one_given():
+    def swing(back):
+        world = kd.World()
+        box = world.add_box((1, 1, 1), position=(1, 0, 0), mass=2.0)
+        hinge = world.add_hinge(
+            world.ground, box, anchor=(0, 0, 0), axis=(0, 1, 0), drive=kd.Drive(hertz=2.0, target=0.3)
+        )
+        if back:
+            hinge.set_drive(hinge.drive())
+        world.advance(STEP, 50)
+        return hinge.angle
+
+    assert swing(True) == swing(False)
+
+
+def test_one_sided_limits_and_axes_of_no_joint():
+    world = kd.World()
+    box = world.add_box((1, 1, 1), mass=1.0)
+    slider = world.add_slider(world.ground, box, anchor=(0, 0, 0), axis=(1, 0, 0), limits=(-INF, 2.0))
+    assert slider.limits() == (-INF, 2.0)
+    assert slider.limits(4) is None
+    with pytest.raises(ArgumentError, match=r"axis=6 has to be 0-2"):
+        slider.drive(6)
+    world.remove_joint(slider)
+    with pytest.raises(ArgumentError, match="was removed"):
+        slider.drive()

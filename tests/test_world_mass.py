@@ -165,8 +165,8 @@ BALL = Sphere(1.0).mass_properties()
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        ({}, "one of the two"),
-        ({"density": 1.0, "mass": 1.0}, "one of the two"),
+        ({}, "exactly one of them"),
+        ({"density": 1.0, "mass": 1.0}, "exactly one of them"),
         ({"density": 0.0}, "density=0"),
         ({"density": -1.0}, "density=-1"),
         ({"density": float("nan")}, "density=nan"),
@@ -212,7 +212,7 @@ def test_inertias_at_the_border_are_taken():
 
 
 def test_a_body_of_nothing_and_one_of_points():
-    with pytest.raises(ArgumentError, match="no shapes"):
+    with pytest.raises(ArgumentError, match="without shapes"):
         combined([])
     with pytest.raises(ArgumentError, match="extent"):
         combined([Mass(1.0, np.zeros(3), np.zeros((3, 3)))])

@@ -419,26 +419,26 @@ def test_the_same_film_has_the_same_bits(falling, tmp_path, small_pictures):
 
 @pytest.mark.parametrize("speed", [0, -1.0, np.nan, np.inf, "fast", None, 1j])
 def test_speeds_that_cannot_be(falling, tmp_path, speed):
-    with pytest.raises(ArgumentError, match=r"speed=.* has to be positive and finite"):
+    with pytest.raises(ArgumentError, match=r"speed=.* must be positive and finite"):
         falling.animate(tmp_path / "film.gif", speed=speed)
 
 
 @pytest.mark.parametrize("rate", [0, -5, 51, 2.5, "fast", None])
 def test_rates_that_cannot_be(falling, tmp_path, rate):
-    with pytest.raises(ArgumentError, match=r"rate=.* has to be a whole number of pictures"):
+    with pytest.raises(ArgumentError, match=r"rate=.* must be a whole number of frames"):
         falling.animate(tmp_path / "film.gif", rate=rate)
 
 
 def test_films_that_cannot_be_written(falling, tmp_path, small_pictures, monkeypatch):
     for name in ("film", "film.avi", "film.png"):
-        with pytest.raises(FileFormatError, match=r"films end in \.gif or \.mp4"):
+        with pytest.raises(FileFormatError, match=r"animations end in \.gif or \.mp4"):
             falling.animate(tmp_path / name)
     with pytest.raises(FileFormatError, match="cannot be written: No such file or directory"):
         falling.animate(tmp_path / "missing" / "film.gif")
     with pytest.raises(FileFormatError, match="cannot be written"):
         falling.plot(tmp_path / "missing" / "film.png")
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(FileFormatError, match="needs the program ffmpeg, which is not found; install it"):
+    with pytest.raises(FileFormatError, match="needs the program ffmpeg, which was not found; install it"):
         falling.animate(tmp_path / "film.mp4")
     assert list(tmp_path.iterdir()) == []
 

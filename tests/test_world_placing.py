@@ -272,7 +272,7 @@ def test_ropes_are_placed_and_springs_do_not_hold():
     assert spring.position == pytest.approx(math.hypot(1, 2 * math.sin(0.25)) - 1, abs=1e-12)
     rope.position = -0.2
     assert load.position[2] == pytest.approx(-1.3, abs=1e-12)
-    with pytest.raises(ArgumentError, match="distance below zero"):
+    with pytest.raises(ArgumentError, match="negative distance"):
         rope.position = -1.6
 
 
@@ -303,7 +303,7 @@ def test_what_is_part_of_a_loop_or_held_on_both_sides_cannot_be_placed():
     world.remove_joint(joints[2])
     held = world.add_hinge(c, None, anchor=(2, 0, 0), axis=Z)
     for joint in (joints[0], held):
-        with pytest.raises(ArgumentError, match="no side can move alone"):
+        with pytest.raises(ArgumentError, match="neither side can move alone"):
             joint.angle = 0.1
     assert np.array_equal(world.position, before)
     world.remove_joint(free)

@@ -327,11 +327,11 @@ def test_rays_of_any_length_and_along_the_axes_are_met():
     ("arguments", "options", "part"),
     [
         (((0, 0), (1, 0, 0)), {}, r"origin has the shape \(2,\)"),
-        (((0, 0, 0), (0, 0, 0)), {}, "no length"),
+        (((0, 0, 0), (0, 0, 0)), {}, "zero length"),
         (((0, np.nan, 0), (1, 0, 0)), {}, "not finite"),
         (((0, 0, 0), (1, np.inf, 0)), {}, "not finite"),
         ((((0, 0, 0), (1, 1, 1)), (1, 0, 0)), {}, "three numbers"),
-        (("up", (1, 0, 0)), {}, "no array of numbers"),
+        (("up", (1, 0, 0)), {}, "not an array of numbers"),
         (((0, 0, 0), (1, 0, 0)), {"limit": 0}, "positive"),
         (((0, 0, 0), (1, 0, 0)), {"limit": -1.0}, "positive"),
         (((0, 0, 0), (1, 0, 0)), {"limit": np.nan}, "positive"),

@@ -76,7 +76,10 @@ def test_every_file_is_as_in_mujoco_or_refused_by_name(path):
     free = np.flatnonzero(model.body_weldid > 0)
     masses = world.tables.array(INERTIA)[rows, 0]
     said = [
-        name for note in robot.notes if "is mass of what it moves" in note for name in re.findall("'([^']+)'", note)
+        name
+        for note in robot.notes
+        if "is added to the mass of what it moves" in note
+        for name in re.findall("'([^']+)'", note)
     ]
     rotors = sum(model.dof_armature[model.joint(name).dofadr[0]] for name in said)
     assert masses.sum() == pytest.approx(model.body_mass[free].sum() + rotors, rel=1e-12)

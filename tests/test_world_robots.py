@@ -177,7 +177,7 @@ def test_motors_and_servos_can_be_read_and_set(tmp_path):
     assert drive.damping == pytest.approx(4.5)
     assert drive.target == pytest.approx((6.0 + 0.6) / 43.0)
     assert drive.maximum == 8.0
-    assert any("greatest force" in note for note in robot.notes)
+    assert any("maximum force" in note for note in robot.notes)
     with pytest.raises(ArgumentError, match="control=1"):
         motor.drive(1.0)
     assert motor.effort(0.5) == 1.5
@@ -271,7 +271,7 @@ def test_several_joints_at_one_body_move_as_in_mujoco(tmp_path, joints):
     robot = load_robot(path)
     assert set(robot.joints) == {f"j{k}" for k in range(len(joints))}
     assert set(robot.between) <= set(robot.joints)
-    assert sum("moves a small body" in note for note in robot.notes) == 1
+    assert sum("moves a small intermediate body" in note for note in robot.notes) == 1
 
 
 @pytest.mark.parametrize("joints", SEVERAL.values(), ids=SEVERAL)
@@ -324,7 +324,7 @@ def test_rotors_whose_parents_turn_are_said_to_resist_that_too(tmp_path):
     inside = f'<body><joint name="a" axis="0 1 0" armature="1"/>{BALL}<body>{{}}{BALL}</body></body>'
     robot = load_robot(text(tmp_path, inside.format('<joint name="b" axis="0 1 0" armature="2"/>')))
     assert [note for note in robot.notes if "armature" in note] == [
-        "armature of joint 'b' is inertia of what it moves, so that it resists the turning of the parent as well"
+        "armature of joint 'b' is added to the inertia of what it moves, so that it also resists rotation of the parent"
     ]
     about_y = robot.world.tables.array(INERTIA)[robot.world.bodies.moving(), 2]
     np.testing.assert_allclose(about_y, 0.4 * 0.1**2 + np.array([1.0, 2.0]), rtol=1e-12)
@@ -352,7 +352,7 @@ def test_connect_and_weld_close_loops(tmp_path):
 
 def test_a_loop_that_is_open_is_refused(tmp_path):
     path = text(tmp_path, TWO, '<equality><weld body1="a" body2="b" relpose="1 0 0.1 1 0 0 0"/></equality>')
-    with pytest.raises(ArgumentError, match=r"off by 0\.1 m"):
+    with pytest.raises(ArgumentError, match=r"violated by 0\.1 m"):
         load_robot(path)
 
 
@@ -381,7 +381,7 @@ def test_links_of_a_urdf_do_not_touch_the_base_that_they_hang_at(tmp_path):
     a, b, c = (robot.bodies[name].index for name in "abc")
     assert robot.world.tables.array(ASKED_APART).tolist() == [[a, b], [b, c]]
     assert [note for note in robot.notes if "overlap" in note] == [
-        "bodies 'a', 'c' overlap by 0.4 m in the reference pose and push each other apart; move or exclude them"
+        "bodies 'a', 'c' overlap by 0.4 m in the reference pose and will push each other apart; move or exclude them"
     ]
     path.write_text(
         f"<robot name='r'>{link((1, 1, 1), name='a')}{links[len(link((1, 1, 1), shapes=ball)) :]}{hinges}</robot>"
@@ -432,7 +432,7 @@ def test_geoms_become_shapes(tmp_path):
     assert ellipsoid.mass_properties().volume == pytest.approx(4 / 3 * np.pi * 0.006, rel=0.1)
     assert (capsule.radius, capsule.length) == (0.1, 0.4)
     np.testing.assert_allclose(box.numbers, (0.1, 0.2, 0.3))
-    assert sum("touches as" in note for note in robot.notes) == 2
+    assert sum("collides as" in note for note in robot.notes) == 2
 
 
 def test_includes_and_classes_count(tmp_path):
@@ -494,7 +494,7 @@ def test_visuals_of_links_are_drawn_where_mujoco_can(tmp_path):
     path.write_text(path.read_text().replace("<sphere radius='0.7'/>", "<mesh filename='missing.dae'/>"))
     robot = load_robot(path, floating=True)
     assert len(robot.world.shape_rows.shapes) == 1
-    assert any("only for show" in note and "missing.dae" in note for note in robot.notes)
+    assert any("visual geom" in note and "missing.dae" in note for note in robot.notes)
 
 
 def test_surfaces_have_the_friction_of_their_geoms(tmp_path):
@@ -504,7 +504,7 @@ def test_surfaces_have_the_friction_of_their_geoms(tmp_path):
     surfaces = [placed.surface for placed in robot.world.shape_rows.shapes.values()]
     assert [(s.friction, s.rolling_resistance) for s in surfaces] == [(0.7, 0.0), (0.4, 0.05), (0.0, 0.0)]
     assert any("geometric mean" in note for note in robot.notes)
-    assert any("twisting" in note for note in robot.notes)
+    assert any("torsional" in note for note in robot.notes)
 
 
 def test_the_root_of_a_urdf_is_fixed_or_floats():
@@ -547,7 +547,7 @@ def test_inertias_beyond_those_of_bodies_are_kept(tmp_path):
     robot = load_robot(path, floating=True)
     numbers = robot.world.tables.array(INERTIA)[robot.bodies["a"].index, :7]
     np.testing.assert_allclose(numbers, [2.0, 0.1, 0.2, 0.9, 0.01, 0.02, 0.03], 0.0, 1e-12)
-    assert any("inertia of body 'a' is one that no body has" in note for note in robot.notes)
+    assert any("inertia of body 'a' is impossible" in note for note in robot.notes)
     inertial = '<inertial pos="0 0 0" quat="0.8 0.6 0 0" mass="1" diaginertia="0.1 0.2 0.9"/>'
     robot = load_robot(text(tmp_path, f"<body name='b'><freejoint/>{inertial}</body>"))
     xx, yy, zz, xy, xz, yz = robot.world.tables.array(INERTIA)[robot.bodies["b"].index, 1:7]
@@ -606,7 +606,7 @@ def test_gravity_is_that_of_the_file_or_of_the_world(tmp_path):
             "",
             "left out: armature of free joint 'j'",
         ),
-        (f'<body gravcomp="1"><freejoint/>{BALL}</body>', "", "compensation of gravity"),
+        (f'<body gravcomp="1"><freejoint/>{BALL}</body>', "", "gravity compensation"),
         (f"<body><freejoint/>{BALL}</body>", '<option density="1.2"/>', "medium"),
         (f'<body><joint name="j" type="ball" range="0 60" limited="true"/>{BALL}</body>', "", "limit of ball 'j'"),
         (f'<body><joint name="j" type="free" damping="2"/>{BALL}</body>', "", "damping of free joint"),
@@ -625,7 +625,7 @@ def test_gravity_is_that_of_the_file_or_of_the_world(tmp_path):
         (
             f'<body><joint name="j" axis="0 0 1"/>{BALL}</body>',
             '<actuator><position name="m" joint="j" forcerange="-1 2"/></actuator>',
-            "greater one of its limits in both",
+            "larger of its two limits in both",
         ),
     ],
 )
@@ -641,14 +641,14 @@ def test_what_is_left_out_is_said(tmp_path, inside, rest, word):
         ("", "neither MJCF nor URDF"),
         ("<sdf/>", "neither MJCF nor URDF"),
         ("\0\1\2", "neither MJCF nor URDF"),
-        ("<mujoco>", "understands: XML parse error"),
-        ("<mujoco><worldbody><body><geom/></worldbody></mujoco>", "understands"),
+        ("<mujoco>", "can read: XML parse error"),
+        ("<mujoco><worldbody><body><geom/></worldbody></mujoco>", "can read"),
         ("<mujoco><wordbody/></mujoco>", "wordbody"),
         ("<mujoco><worldbody><body><joint/></body></worldbody></mujoco>", "mass and inertia of moving bodies"),
-        ("<mujoco><worldbody><geom type='mesh' mesh='m'/></worldbody></mujoco>", "understands"),
-        ("<mujoco><worldbody><body><freejoint/><geom size='nan'/></body></worldbody></mujoco>", "understands"),
-        ("<robot name='r'><link name='a'/><link name='a'/></robot>", "understands"),
-        ("<robot name='r'><joint name='j' type='revolute'/></robot>", "understands"),
+        ("<mujoco><worldbody><geom type='mesh' mesh='m'/></worldbody></mujoco>", "can read"),
+        ("<mujoco><worldbody><body><freejoint/><geom size='nan'/></body></worldbody></mujoco>", "can read"),
+        ("<robot name='r'><link name='a'/><link name='a'/></robot>", "can read"),
+        ("<robot name='r'><joint name='j' type='revolute'/></robot>", "can read"),
     ],
 )
 def test_files_that_are_no_robots_are_refused(tmp_path, content, word):
@@ -735,7 +735,7 @@ def test_a_file_reads_nothing_outside_of_its_folder(name, tmp_path):
     tetrahedron(tmp_path / "other.stl")
     (inside / "link.stl").symlink_to(tmp_path / "other.stl")
     path = text(inside, *OUTSIDE[name])
-    with pytest.raises(FileFormatError, match="give folder=, one that holds all that it may read"):
+    with pytest.raises(FileFormatError, match="pass folder=, a folder with all that it may read"):
         load_robot(path)
     if name not in ("a height field", "an include", "an include by its number"):
         assert load_robot(path, folder=tmp_path).bodies is not None
@@ -747,7 +747,7 @@ def test_a_package_above_its_folder_is_read_if_that_is_asked_for(tmp_path):
     mesh = "<geometry><mesh filename='package://p/part.stl'/></geometry>"
     path = tmp_path / "p" / "urdf" / "a.urdf"
     path.write_text(f"<robot name='r'><link name='l'><collision>{mesh}</collision></link></robot>")
-    with pytest.raises(FileFormatError, match=r"'package://p/part.stl' is found in .* give folder="):
+    with pytest.raises(FileFormatError, match=r"'package://p/part.stl' is in .* pass folder="):
         load_robot(path)
     assert len(load_robot(path, folder=tmp_path / "p").world.shape_rows.shapes) == 1
 
@@ -763,7 +763,7 @@ def test_a_package_above_its_folder_is_read_if_that_is_asked_for(tmp_path):
 )
 def test_a_file_that_repeats_itself_without_end_is_refused(inside, tmp_path):
     (tmp_path / "part.xml").write_text("<mujoco><worldbody><replicate count='99999999999'/></worldbody></mujoco>")
-    with pytest.raises(FileFormatError, match=r"repeats parts of itself \d+ times"):
+    with pytest.raises(FileFormatError, match=r"replicates parts \d+ times"):
         load_robot(text(tmp_path, inside))
     few = "<replicate count='3' offset='0 0 1'><body><freejoint/><geom size='.1'/></body></replicate>"
     assert len(load_robot(text(tmp_path, few)).bodies) == 4

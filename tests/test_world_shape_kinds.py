@@ -33,16 +33,16 @@ def test_a_shape_of_no_kind_is_refused_and_leaves_nothing_behind(shape):
     world = kd.World()
     with pytest.raises(ArgumentError, match="shape"):
         world.add_body(shape)
-    with pytest.raises(ArgumentError, match="is no shape"):
+    with pytest.raises(ArgumentError, match="is not a shape"):
         Part(shape)
-    with pytest.raises(ArgumentError, match="is no shape"):
+    with pytest.raises(ArgumentError, match="is not a shape"):
         kind_of(shape)
     assert len(world.position) == 1
 
 
 @pytest.mark.parametrize("missing", ["shape", "extent", "ray"])
 def test_a_record_without_what_its_kind_needs_is_refused(missing):
-    with pytest.raises(ArgumentError, match=f"'sphere' has to have {missing}="):
+    with pytest.raises(ArgumentError, match=f"'sphere' must have {missing}="):
         replace(sphere.RECORD, **{missing: None})
 
 
@@ -55,7 +55,7 @@ def test_a_record_of_a_shape_that_lacks_something_is_refused(missing):
 
 
 def test_a_record_and_its_shape_have_the_same_number():
-    with pytest.raises(ArgumentError, match="is number 98, its shape says 2"):
+    with pytest.raises(ArgumentError, match="is number 98, but its shape has 2"):
         Kind(number=98, name="ball", sort=SOLID, shape=Sphere, extent=sphere.RECORD.extent, ray=sphere.RECORD.ray)
 
 

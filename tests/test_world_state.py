@@ -276,7 +276,7 @@ def test_forces_are_given_again_and_the_bits_are_the_same(tmp_path):
     world.add_force(wind)
     world.advance(STEP, 10)
     path = world.save(tmp_path / "world.npz")
-    with pytest.raises(ArgumentError, match=r"forces has 0 functions, and the world in .* had 1"):
+    with pytest.raises(ArgumentError, match=r"forces has 0 functions, but the world in .* had 1"):
         kd.load_world(path)
     with pytest.raises(ArgumentError, match="forces has 2 functions"):
         kd.load_world(path, forces=[wind, wind])
@@ -446,12 +446,12 @@ def test_a_file_damaged_anywhere_is_refused(tmp_path):
 
 def test_files_of_other_sorts_say_what_they_are(tmp_path, rolled):
     recording, world = rolled
-    with pytest.raises(FileFormatError, match=r"is a world, not its recording; read it with kickdrift\.load_world"):
+    with pytest.raises(FileFormatError, match=r"is a world, not a recording; read it with kickdrift\.load_world"):
         kd.load(world.save(tmp_path / "world.npz"))
     with pytest.raises(FileFormatError, match="is not a kickdrift world"):
         kd.load_world(recording.save(tmp_path / "recording.npz"))
     _rewritten(tmp_path / "world.npz", _put(0, "format", "kickdrift world 3"))
-    with pytest.raises(FileFormatError, match=r"'kickdrift world 3', and this version of kickdrift reads"):
+    with pytest.raises(FileFormatError, match=r"'kickdrift world 3', but this version of kickdrift reads"):
         kd.load_world(tmp_path / "world.npz")
     with pytest.raises(FileFormatError, match="cannot be read"):
         kd.load_world(tmp_path / "nothing.npz")
@@ -545,18 +545,18 @@ def test_runs_in_chunks_have_the_bits_of_single_steps():
 @pytest.mark.parametrize(
     ("arguments", "why"),
     [
-        ((0.0, 0.1), "duration=0.0 has to be positive"),
-        ((-1.0, 0.1), "duration=-1.0 has to be positive"),
-        ((np.nan, 0.1), "duration=nan has to be positive"),
-        ((np.inf, 0.1), "duration=inf has to be positive"),
-        (("1", 0.1), "duration='1' has to be positive"),
-        ((None, 0.1), "duration=None has to be positive"),
-        (([1.0], 0.1), r"duration=\[1.0\] has to be positive"),
-        ((1j, 0.1), "duration=1j has to be positive"),
-        ((1.0, 0.0), "step=0.0 has to be positive"),
-        ((1.0, -0.1), "step=-0.1 has to be positive"),
-        ((1.0, np.nan), "step=nan has to be positive"),
-        ((1.0, "fast"), "step='fast' has to be positive"),
+        ((0.0, 0.1), "duration=0.0 must be positive"),
+        ((-1.0, 0.1), "duration=-1.0 must be positive"),
+        ((np.nan, 0.1), "duration=nan must be positive"),
+        ((np.inf, 0.1), "duration=inf must be positive"),
+        (("1", 0.1), "duration='1' must be positive"),
+        ((None, 0.1), "duration=None must be positive"),
+        (([1.0], 0.1), r"duration=\[1.0\] must be positive"),
+        ((1j, 0.1), "duration=1j must be positive"),
+        ((1.0, 0.0), "step=0.0 must be positive"),
+        ((1.0, -0.1), "step=-0.1 must be positive"),
+        ((1.0, np.nan), "step=nan must be positive"),
+        ((1.0, "fast"), "step='fast' must be positive"),
         ((1.0, 1.5), "step=1.5 is larger than duration=1.0"),
         ((1.0, 0.1, 0), "save_every=0 must be a positive whole number"),
         ((1.0, 0.1, -2), "save_every=-2 must be"),
@@ -868,11 +868,11 @@ def test_recordings_that_cannot_be():
         with pytest.raises(ArgumentError, match="save_every"), world.record(save_every=every):
             pass
     with world.record() as recording:
-        with pytest.raises(AttributeError, match=r"x is there once the block of World\.record has ended"):
+        with pytest.raises(AttributeError, match=r"x is available once the block of World\.record has ended"):
             recording.x  # noqa: B018
-        with pytest.raises(ArgumentError, match="recorded already"), world.record():
+        with pytest.raises(ArgumentError, match="already being recorded"), world.record():
             pass
-        with pytest.raises(ArgumentError, match="does not go back"):
+        with pytest.raises(ArgumentError, match="cannot go back in time"):
             world.restore(then)
         world.step(STEP)
     with pytest.raises(AttributeError, match="no 'colour'"):

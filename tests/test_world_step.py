@@ -41,10 +41,10 @@ def test_stages_that_a_world_has_no_use_for_are_not_in_its_word():
     assert "flatten" in str(kd.World(plane_normal=(0, 1, 0)).word)
 
 
-@pytest.mark.parametrize("sweep", contact_solver_simd.KERNELS.values(), ids=lambda sweep: sweep.__name__)
-def test_sweeps_over_lanes_are_vector_instructions(sweep):
-    fresh = compiled(fast=True, cached=False)(sweep.py_func)
-    assembly = fresh.get_compile_result(contact_solver_simd.SWEEP).library.get_asm_str()
+@pytest.mark.parametrize("kernel", contact_solver_simd.KERNELS.values(), ids=lambda kernel: kernel.__name__)
+def test_kernels_over_lanes_are_vector_instructions(kernel):
+    fresh = compiled(fast=True, cached=False)(kernel.py_func)
+    assembly = fresh.get_compile_result(contact_solver_simd.KERNEL).library.get_asm_str()
     packed = re.findall(r"^\s+v?(?:mul|add|sub|max|min|fn?madd\d*|fn?msub\d*)pd\b", assembly, re.MULTILINE)
     single = re.findall(r"^\s+v?(?:mul|add|sub|max|min|fn?madd\d*|fn?msub\d*)sd\b", assembly, re.MULTILINE)
     # What is left after whole vectors is done one by one, by as many instructions again.
@@ -57,7 +57,7 @@ def test_lanes_that_touch_each_other_would_not_be_vector_instructions():
             own[lane] = own[lane - 1] * s[lane] + soft
 
     fresh = compiled(fast=True, cached=False)(chained)
-    assembly = fresh.get_compile_result(contact_solver_simd.SWEEP).library.get_asm_str()
+    assembly = fresh.get_compile_result(contact_solver_simd.KERNEL).library.get_asm_str()
     assert not re.findall(r"^\s+v?(?:mul|fn?madd\d*)pd\b", assembly, re.MULTILINE)
 
 

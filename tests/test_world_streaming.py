@@ -71,7 +71,7 @@ def test_a_world_that_was_killed_goes_on_in_its_folder(function, after, tmp_path
         on = run(pile(), tmp_path / "kept", save_to=tmp_path / "run.zarr")
     whole = run(pile())
     same(tmp_path / "run.zarr", whole)
-    assert ("It went on from step" in on.message) == (after > 0)
+    assert ("It resumed from step" in on.message) == (after > 0)
     assert np.array_equal(on.x, whole.x[[0, -1]])
     if function is WRITE and after == 2:
         assert written[0] == 8  # the checkpoint is at step 100, of row 15
@@ -113,7 +113,7 @@ def test_a_disk_that_is_full_ends_it_with_what_is_whole(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("others", "words"),
     [
-        ({"save_to": 3}, "is no path"),
+        ({"save_to": 3}, "is not a path"),
         ({"save_to": "run.zarr"}, "holds this run"),
         ({"save_to": "run.zarr", "step": STEP / 2}, "holds another run"),
         ({"save_to": "no/such.zarr"}, "folder that does not exist"),
@@ -155,7 +155,7 @@ def test_the_command_line_sends_states_to_disk_and_goes_on(target, tmp_path, mon
     result = CliRunner().invoke(app, [*command, *kept])
     assert result.exit_code == 0, result.output
     assert "written: run.zarr" in result.stdout
-    assert "It went on from step" in result.stdout
+    assert "It resumed from step" in result.stdout
     assert CliRunner().invoke(app, [*command, "--save-to", "whole.zarr", "--quiet"]).output == ""
     assert xr.open_zarr("run.zarr").load().equals(xr.open_zarr("whole.zarr").load())
     assert xr.open_zarr("run.zarr").sizes["time"] == 68

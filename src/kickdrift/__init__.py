@@ -164,7 +164,7 @@ def __dir__() -> list[str]:
     return __all__
 
 
-# Solutions and worlds save, draw and report themselves with what lives on the floors above them.
+# Solutions and worlds save, draw and report themselves with what lives in the layers above them.
 Solution.presenters = Presenters(
     plot=plots.plot_solution,
     to_html=_later("kickdrift.viewer.solution", "solution_to_html"),
@@ -191,6 +191,7 @@ Recording.presenters = WorldPresenters(
     report=_later("kickdrift.io.recording_report", "report"),
     keep=_later("kickdrift.io.stored", "keep"),
     animate=_later("kickdrift.plots.animation", "animate_recording"),
+    view=_later("kickdrift.viewer.live", "view_world"),
     save_world=_later("kickdrift.io.world_file", "save_world"),
     contents=_later("kickdrift.io.world_file", "contents"),
     snapshot_of=_later("kickdrift.io.world_file", "snapshot_of"),

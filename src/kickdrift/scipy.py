@@ -1,8 +1,8 @@
 """Methods of kicks and drifts as solvers of SciPy: ``solve_ivp(fun, t_span, y0, method=StormerVerlet, step=0.01)``.
 
-With them come SciPy's events, dense output and `t_eval`. The state is y = [x, v], and ``fun(t, y)`` returns [x', v'], in which
-v' may depend on t and x, and x' on t and v: x'' = a(t, x), and Hamiltonians T(p, t) + V(q, t). Every step calls the function in
-Python; `kickdrift.solve` is some hundred times as fast, and knows other kinds of problem.
+SciPy's events, dense output and `t_eval` work with them. The state is y = [x, v], and ``fun(t, y)`` returns [x', v'], where
+v' may depend on t and x, and x' on t and v: x'' = a(t, x), and Hamiltonians T(p, t) + V(q, t). Every step calls the function
+in Python; `kickdrift.solve` is some hundred times as fast, and supports other kinds of problem.
 """
 
 import math
@@ -30,16 +30,17 @@ class SplittingSolver(OdeSolver):
     Parameters
     ----------
     fun, t0, y0, t_bound, vectorized
-        As SciPy's solvers have them; y0 is [x, v], and real.
+        As for SciPy's solvers; y0 is [x, v], and real.
     step : float
         Largest step allowed. A whole number of equal steps leads to t_bound.
     **extraneous
-        Options of other solvers, such as rtol and atol, of which a fixed step has no use; SciPy's solvers warn of them as well.
+        Options of other solvers, such as rtol and atol, which a fixed step does not use; they cause a warning, as in SciPy's
+        solvers.
 
     Raises
     ------
     ArgumentError
-        For a step that is not positive and finite, and for states and functions that have no such halves.
+        For a step that is not positive and finite, and for states and functions without these two halves.
     """
 
     method: ClassVar[Method]
@@ -58,7 +59,7 @@ class SplittingSolver(OdeSolver):
     ) -> None:
         if extraneous:
             warnings.warn(
-                f"{', '.join(sorted(extraneous))} given, of which a fixed step has no use; give step=... alone.",
+                f"{', '.join(sorted(extraneous))} given, which a fixed step does not use; give step=... alone.",
                 stacklevel=3,
             )
         super().__init__(fun, t0, y0, t_bound, vectorized)
@@ -85,8 +86,8 @@ class SplittingSolver(OdeSolver):
             )
         if wrong and self.method.order > 1:
             raise ArgumentError(
-                f"fun returns [x', v'], in which {wrong}: {self.method.name!r} would lose its order. Use kickdrift.solve,"
-                " which has methods for that."
+                f"fun returns [x', v'], in which {wrong}: {self.method.name!r} would lose its order. Use"
+                " kickdrift.solve, which has methods for this."
             )
 
     def _moved(self, t: float, y: Floats, h: float) -> Floats:
@@ -105,7 +106,7 @@ class SplittingSolver(OdeSolver):
     def _step_impl(self) -> tuple[bool, str | None]:
         y = self._moved(self.t, self.y, self._h)
         if not np.isfinite(y).all():
-            return False, "the state is not finite after this step; take a smaller one"
+            return False, "the state is not finite after this step; use a smaller one"
         self._done += 1
         self._before = self.t, self.y
         self.t = self.t_bound if self._done == self._steps else self._t0 + self._done * self._h
@@ -135,7 +136,7 @@ def _count(step: Any, length: float) -> int:
     except TypeError:
         size = math.nan
     if not 0.0 < size < math.inf:
-        raise ArgumentError(f"step={step!r} has to be positive and finite: solve_ivp(..., method=..., step=0.01).")
+        raise ArgumentError(f"step={step!r} must be positive and finite: solve_ivp(..., method=..., step=0.01).")
     return max(1, math.ceil(length / size * (1.0 - 1e-12)))
 
 
@@ -145,7 +146,7 @@ def solver(method: str | Method) -> type[SplittingSolver]:
     Parameters
     ----------
     method : str or Method
-        Of kicks and drifts, such as ``"blanes-moan-s6"``.
+        A method of kicks and drifts, such as ``"blanes-moan-s6"``.
 
     Raises
     ------
@@ -163,7 +164,7 @@ def solver(method: str | Method) -> type[SplittingSolver]:
     found = methods.get(method) if isinstance(method, str) else method
     if not set(found.letters) <= {Letter.KICK, Letter.DRIFT} or found.corrector:
         raise ArgumentError(
-            f"method={found.name!r} is not made of kicks and drifts alone, which are all that fun tells of; use"
+            f"method={found.name!r} needs more than kicks and drifts, which are all that fun defines; use"
             " kickdrift.solve."
         )
     name = "".join(part.capitalize() for part in found.name.split("-"))

@@ -1,4 +1,4 @@
-"""Which method and step to take, by measurement: `advise`."""
+"""`advise`: the choice of method and step by measurement."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Advice:
-    """The recommendation, and what it rests on; it shows itself as a table.
+    """The recommendation and the measurements behind it; its repr is a table.
 
     Attributes
     ----------
     method : str
-        The method recommended: of those that meet the tolerance the one with the fewest force evaluations.
+        The recommended method: the one with the fewest force evaluations of those that meet the tolerance.
     step : float
         Its step.
     tolerance : float
@@ -44,9 +44,9 @@ class Advice:
     span, pilot : float
         Lengths of the whole span, and of the runs.
     trials : tuple of Trial
-        The methods that get there, by their force evaluations.
+        The methods that meet the tolerance, ordered by force evaluations.
     left_out : mapping of str to str
-        The others, and why.
+        The other methods, and the reasons.
     """
 
     method: str
@@ -60,7 +60,7 @@ class Advice:
 
     @property
     def columns(self) -> dict[str, Column]:
-        """The table, a row a method."""
+        """The table, with one row per method."""
         return {
             "method": [trial.method for trial in self.trials],
             "step": np.array([trial.step for trial in self.trials]),
@@ -73,7 +73,7 @@ class Advice:
         }
 
     def to_pandas(self) -> Any:
-        """Return the table as a `pandas.DataFrame`, a row a method."""
+        """Return the table as a `pandas.DataFrame`, with one row per method."""
         return frame(self.columns, "Advice.to_pandas")
 
     def __repr__(self) -> str:
@@ -106,20 +106,21 @@ def advise(
 ) -> Advice:
     """Measure short runs of the methods that suit a problem, and recommend a method and a step.
 
-    As much of the span as DOP853 solves to 1e-13 within two seconds is a pilot; each method runs it with smaller and smaller
-    steps, until the error to expect at the end of the span, by how errors grow in the pilot, meets the tolerance. Chaos
-    makes errors grow faster than that; where it sets in after the pilot nothing of it is seen.
+    The part of the span that DOP853 solves to 1e-13 within two seconds is the pilot run; each method repeats it with smaller
+    and smaller steps, until the error at the end of the span, extrapolated from the growth of errors in the pilot run, meets
+    the tolerance. In chaotic motion errors grow faster than that; chaos that sets in after the pilot run goes unnoticed.
 
     Parameters
     ----------
     problem, t_span, x0, v0, args, compile
         As for `kickdrift.solve`.
     tolerance : float
-        The largest error of the state, in x in terms of the largest number of x along the motion, in v in that of v.
+        The largest error of the state, of x relative to the largest component of x along the motion, of v relative to that
+        of v.
     methods : sequence of str or Method, optional
-        Which to try. By default those that were the fastest on some problem of the kind.
+        The methods to try. By default those that were the fastest on some problem of the kind.
     seconds : float
-        After which no further method is tried.
+        Time limit after which no further method is tried.
 
     Returns
     -------
@@ -130,7 +131,7 @@ def advise(
     ArgumentError
         For a tolerance that is not between 1e-13 and 1, for Langevin dynamics, for constraints, and for bodies that merge.
     KickdriftError
-        If the motion cannot be followed, or no method meets the tolerance.
+        If DOP853 cannot compute the motion, or no method meets the tolerance.
 
     Examples
     --------
@@ -148,8 +149,8 @@ def advise(
     system = described(problem, t0, start.x, start.v, args)
     if system.radii is not None:
         raise ArgumentError(
-            f"bodies of {system.name!r} have radii, and merge where they touch, which method='close-encounters' alone does:"
-            " there is nothing to choose. Leave the radii out to compare methods."
+            f"the bodies of {system.name!r} have radii, and only method='close-encounters' merges bodies on contact,"
+            " so there is nothing to choose from. Leave the radii out to compare methods."
         )
     wanted = _chosen(methods, system)
     with np.errstate(all="ignore"):  # steps that are tried, and too long
@@ -179,7 +180,7 @@ def _chosen(given: Any, system: System) -> list[methods.Method]:
     names = candidates.of(system.kind) if given is None else [given] if isinstance(given, str) else given
     if not names:
         raise ArgumentError(
-            f"{system.name!r} has no methods to choose from by their errors: noise drives it, it has constraints (there is"
+            f"{system.name!r} has no methods to compare by their errors: it is stochastic, it has constraints (use"
             f" 'rattle'), or methods={given!r}."
         )
     return sorted((methods.get(name) for name in names), key=lambda method: -method.order)  # the quick ones first

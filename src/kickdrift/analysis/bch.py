@@ -1,4 +1,4 @@
-"""The series of Baker, Campbell and Hausdorff of a word of kicks and drifts, as far as its fifth degree.
+"""The Baker-Campbell-Hausdorff series of a word of kicks and drifts, up to its fifth degree.
 
 A step is the flow over h of a modified Hamiltonian H + h H_2 + h^2 H_3 + ..., with the brackets of the kinetic part, whose flow
 are drifts D, and of the potential, whose flow are kicks K. With derivatives along the two flows, D f and K f, brackets are
@@ -26,15 +26,16 @@ def brackets(method: Method, order: int = MOST - 1) -> dict[str, Fraction]:
     Raises
     ------
     ArgumentError
-        For a method that is no word of kicks and drifts, or an order, the last power of the step, that is not from 0 to 4.
+        For a method that is not a word of kicks and drifts, or an order, the last power of the step, that is not from 0 to
+        4.
     """
     if isinstance(order, bool) or not isinstance(order, int) or not 0 <= order < MOST:
         raise ArgumentError(f"order={order!r} must be a whole number from 0 to {MOST - 1}.")
     degree = order + 1
     if not {letter.plain for letter in method.letters} <= {Letter.KICK, Letter.DRIFT}:
         raise ArgumentError(
-            f"method={method.name!r} has no modified Hamiltonian here: its word {method.spelling} has more than kicks and"
-            " drifts; take one such as 'velocity-verlet'."
+            f"method={method.name!r} has no modified Hamiltonian here: its word {method.spelling} contains flows other"
+            " than kicks and drifts; use a method such as 'velocity-verlet'."
         )
     product: _Series = {"": Fraction(1)}
     for letter, weight in method.word:

@@ -23,37 +23,40 @@ def energy_error(solution: Solution) -> Floats:
     Raises
     ------
     KickdriftError
-        If the system does not say its energy.
+        If the system has no energy.
     """
     return _relative(solution.energy)
 
 
 def largest_energy_error(solution: Solution) -> float:
-    """Return the largest size of `energy_error` at the times kept.
+    """Return the largest magnitude of `energy_error` at the times kept.
 
     Raises
     ------
     KickdriftError
-        If the system does not say its energy.
+        If the system has no energy.
     """
     return float(np.abs(energy_error(solution)).max())
 
 
 def energy_drift(solution: Solution) -> float:
-    """Return the slope of the straight line through `energy_error`, per unit of time.
+    """Return the slope of the least-squares line through `energy_error`, per unit of time.
 
-    A bounded ripple, of a symplectic method, leaves a slope that falls with the length of the run; a steady gain or
-    loss leaves one that does not.
+    For the bounded oscillation of a symplectic method the slope decreases with the length of the run; for a steady gain or
+    loss it does not.
 
     Raises
     ------
     ArgumentError
         If the solution has fewer than two times.
     KickdriftError
-        If the system does not say its energy.
+        If the system has no energy.
     """
     if solution.t.size < 2:
-        raise ArgumentError(f"solution has {solution.t.size} time kept, but a drift needs two; keep more, by t_eval.")
+        raise ArgumentError(
+            f"solution holds {solution.t.size} time, but a drift needs at least two; keep more, with t_eval or"
+            " save_every."
+        )
     return drift(solution.plain.t, solution.energy)
 
 
@@ -87,10 +90,11 @@ _CROSS_TERM = {methods.get("kick-drift").word: -1, methods.get("drift-kick").wor
 def modified_energy(
     method: str | methods.Method, step: float, omega: float, x: ArrayLike, v: ArrayLike
 ) -> Floats | np.float64:
-    """Return what a semi-implicit Euler method conserves on the oscillator x'' = -omega^2 x, to rounding.
+    """Return the invariant of a semi-implicit Euler method on the oscillator x'' = -omega^2 x, conserved to rounding error.
 
-    It is ``(v^2 + omega^2 x^2 -+ step omega^2 x v) / 2``, with the minus for the velocity first (``kick-drift``) and
-    the plus for the position first (``drift-kick``). For ``step * omega < 2`` its levels are ellipses: no state leaves.
+    It is ``(v^2 + omega^2 x^2 -+ step omega^2 x v) / 2``, with the minus for the velocity first (``kick-drift``) and the
+    plus for the position first (``drift-kick``). For ``step * omega < 2`` its level sets are ellipses, so the motion is
+    bounded.
 
     Parameters
     ----------
@@ -114,15 +118,13 @@ def modified_energy(
 
     Notes
     -----
-    Velocity first, insert v' = v - step omega^2 x and x' = x + step v': the energy changes in a step by as much as
-    step omega^2 x v / 2 does. Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed. (2006), section IX.1,
+    With the velocity first, insert v' = v - step omega^2 x and x' = x + step v': the energy changes in a step by the same
+    amount as step omega^2 x v / 2. Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed. (2006), section IX.1,
     has the general case, a series in the step.
     """
     chosen = methods.get(method)
     if chosen.word not in _CROSS_TERM:
-        raise ArgumentError(
-            f"method={chosen.name!r} has no modified energy here; it is known for 'kick-drift' and 'drift-kick'."
-        )
+        raise ArgumentError(f"method={chosen.name!r} has no modified energy here; use 'kick-drift' or 'drift-kick'.")
     x, v = np.asarray(x, dtype=np.float64), np.asarray(v, dtype=np.float64)
     stiffness = omega * omega
     modified: Floats = 0.5 * (v * v + stiffness * x * x + _CROSS_TERM[chosen.word] * step * stiffness * x * v)

@@ -1,4 +1,4 @@
-"""Lyapunov exponents: how fast states part that begin next to each other."""
+"""Lyapunov exponents: the rates at which neighbouring trajectories diverge."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ _STEPS = 20  # between two renormalisations
 
 @dataclass(frozen=True, eq=False)
 class LyapunovExponents:
-    """Lyapunov exponents, and how they settled.
+    """Lyapunov exponents, and their convergence.
 
     Attributes
     ----------
     values : (K,) array
-        The K largest, largest first, per unit of time: means from a tenth of the time to its end.
+        The K largest, in descending order, per unit of time: means over the time from a tenth of the span to its end.
     t : (T,) array
         Times of the renormalisations.
     running : (T, K) array
@@ -55,10 +55,10 @@ def lyapunov_exponent(
     args: Sequence[float] | None = None,
     compile: bool = True,  # noqa: A002 - as in `solve`
 ) -> LyapunovExponents:
-    """Measure how fast states part that begin next to each other.
+    """Measure the rates at which neighbouring trajectories diverge.
 
-    Differences go along with the run, to both sides of it, and are made small and orthogonal again every twenty steps. A
-    positive exponent is chaos; where motion is regular all of them fall to zero as log(t) / t does.
+    Small displacements to both sides of the trajectory are integrated with it, and renormalised and orthogonalised every
+    twenty steps. A positive exponent indicates chaos; in regular motion all of them decay to zero like log(t) / t.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def lyapunov_exponent(
     method : str or Method
         A method for the kind of the problem.
     count : int
-        How many exponents, up to the numbers of a state; each costs two more runs.
+        Number of exponents, up to the dimension of the state; each costs two more runs.
 
     Returns
     -------
@@ -76,7 +76,7 @@ def lyapunov_exponent(
     Raises
     ------
     ArgumentError
-        For a count that cannot be, for bodies that merge, and what `kickdrift.solve` refuses.
+        For an invalid count, for bodies that merge, and for whatever `kickdrift.solve` refuses.
     KickdriftError
         If the run does not reach its end.
 
@@ -93,10 +93,10 @@ def lyapunov_exponent(
     """
     begin, end = ends_of(t_span)
     if not 0 < step_of(step) <= abs(end - begin):
-        raise ArgumentError(f"step={step!r} must be positive, and a part of the length of t_span={t_span!r}.")
+        raise ArgumentError(f"step={step!r} must be positive, and at most the length of t_span={t_span!r}.")
     if isinstance(problem, System) and problem.radii is not None:
         raise ArgumentError(
-            f"bodies of {problem.name!r} have radii, and merge where they touch: states part in no way that is linear there."
+            f"the bodies of {problem.name!r} have radii, and merge on contact, where the motion has no derivative."
             " Leave the radii out."
         )
     n_steps = max(2, math.ceil(abs(end - begin) / step * (1 - 1e-12)))
@@ -104,7 +104,7 @@ def lyapunov_exponent(
     steps = Steps(problem, method, h, x0, v0, t=begin, args=args, compile_=compile)
     if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= steps.start.size:
         raise ArgumentError(
-            f"count={count!r} must be a whole number from 1 to {steps.start.size}, the numbers of a state."
+            f"count={count!r} must be a whole number from 1 to {steps.start.size}, the dimension of the state."
         )
     lengths = _APART * scales_of(steps.x0, steps.v0, math.copysign(max(abs(h), abs(end - begin) / 1000), h))
     directions = np.linalg.qr(np.random.default_rng(0).normal(size=(steps.start.size, count)))[0]
@@ -117,7 +117,7 @@ def lyapunov_exponent(
         state, done = rows[0], done + now
         grown = (rows[1 : 1 + count] - rows[1 + count :]) / (2 * lengths)
         if not np.isfinite(grown).all():
-            raise KickdriftError(f"the states are lost at t={begin + done * h!r}; take a smaller step.")
+            raise KickdriftError(f"the state is not finite at t={begin + done * h!r}; use a smaller step.")
         directions, triangle = np.linalg.qr(grown.T)
         times.append(begin + done * h)
         logarithms.append(np.log(np.abs(np.diag(triangle))))

@@ -24,13 +24,13 @@ class Merger:
     Attributes
     ----------
     t : float
-        When; of a solution that was read from a file, or whose steps vary and are not all kept, the time of the first row
-        after it.
+        Time of the merger; for a solution that was read from a file, or whose steps vary and are not all kept, the time of
+        the first row after it.
     bodies : (str, str)
-        Names, of merged bodies that of their first.
+        Names; a merged body has the name of its first member.
     energy_lost : float
-        Kinetic, of their motion relative to each other. ``solution.energy`` loses that, and no longer counts their
-        attraction, which is negative. Not a number of such a solution.
+        Kinetic energy of their relative motion. ``solution.energy`` loses it, and no longer counts their mutual potential
+        energy, which is negative. NaN for such a solution.
     """
 
     t: float
@@ -63,7 +63,8 @@ def mergers(solution: Solution) -> tuple[Merger, ...]:
     plain = solution.plain
     if not plain.about.gm or plain.x.ndim != 3 or len(plain.about.gm) != plain.x.shape[1]:
         raise ArgumentError(
-            f"{plain!r} is no run of bodies that attract each other; mergers are those of kd.systems.planetary(..., radii=...)."
+            f"{plain!r} is not a run of bodies that attract each other; only kd.systems.planetary(..., radii=...) has"
+            " mergers."
         )
     names = [str(name) for name in plain.about.coordinates["body"]]
     gm = np.array(plain.about.gm)

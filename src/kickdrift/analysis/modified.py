@@ -1,4 +1,4 @@
-"""The Hamiltonian that a word of kicks and drifts conserves, by its series in the step."""
+"""The modified Hamiltonian that a word of kicks and drifts conserves, as a series in the step."""
 
 from __future__ import annotations
 
@@ -37,16 +37,16 @@ def modified_hamiltonian(
     args: Sequence[float] | None = None,
     compile: bool = True,  # noqa: A002 - as in `solve`
 ) -> Floats | np.float64:
-    """Return the Hamiltonian that a method conserves, at states: H + h H_2 + h^2 H_3 + ..., cut after a power of the step.
+    """Evaluate the modified Hamiltonian of a method at states: H + h H_2 + h^2 H_3 + ..., truncated at a power of the step.
 
-    Its terms are brackets of the kinetic and the potential part (Baker, Campbell and Hausdorff), here derivatives of the energy
-    along drifts and kicks, by differences of order 6 and 8. A method of order p conserves it to h^(order + 1), or h^(order + 2)
-    where it is symmetric and the order even, as long as the step is small: the series diverges in the end.
+    Its terms are Poisson brackets of the kinetic and the potential part (Baker-Campbell-Hausdorff), computed as derivatives
+    of the energy along drifts and kicks, by finite differences of order 6 and 8. A method conserves it to h^(order + 1), or
+    to h^(order + 2) if it is symmetric and `order` even, for small steps: the series is asymptotic and diverges.
 
     Parameters
     ----------
     problem : System, Problem or callable
-        A separable one that knows its energy, and does not depend on time.
+        A separable one with an energy, and without time dependence.
     method : str or Method
         A word of kicks and drifts.
     step : float
@@ -69,7 +69,7 @@ def modified_hamiltonian(
     MethodMismatchError
         For a problem that is not separable.
     KickdriftError
-        For a problem that does not say its energy.
+        For a problem without energy.
 
     Examples
     --------
@@ -87,7 +87,7 @@ def modified_hamiltonian(
     except TypeError as error:
         raise ArgumentError(f"x and v must be arrays of numbers: {error}.") from None
     if xs.shape != vs.shape:
-        raise ArgumentError(f"x and v have shapes {xs.shape} and {vs.shape}; give states with both.")
+        raise ArgumentError(f"x and v have shapes {xs.shape} and {vs.shape}; give x and v of the same shape.")
     system = _separable(problem, xs, vs, args, compile)
     single = xs.shape == system.x0.shape
     if not single and xs.shape[1:] != system.x0.shape:
@@ -112,7 +112,7 @@ def modified_order(
     args: Sequence[float] | None = None,
     compile: bool = True,  # noqa: A002 - as in `solve`
 ) -> ObservedOrder:
-    """Measure with which power of the step a method conserves its modified Hamiltonian.
+    """Measure the power of the step to which a method conserves its modified Hamiltonian.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ def modified_order(
     Returns
     -------
     ObservedOrder
-        Whose errors are those by which the values along a run differ.
+        Its errors are the variation of the modified Hamiltonian along a run.
 
     Raises
     ------
@@ -142,7 +142,7 @@ def modified_order(
     for step in steps:
         run = solve(problem, t_span, x0, v0, step=step, method=chosen, args=args, compile=compile, progress=False)
         if not run.success:
-            raise KickdriftError(f"steps={step!r} has no order to show: {run.message}")
+            raise KickdriftError(f"steps={step!r}: the order cannot be measured: {run.message}")
         rows = slice(None, None, -(-run.t.size // _ROWS))
         states = run.x[rows], run.v[rows]
         values = modified_hamiltonian(problem, chosen, run.step, *states, order=last, args=args, compile=compile)
@@ -150,7 +150,7 @@ def modified_order(
     sizes, errors = np.array(sorted(found, reverse=True)).T
     if np.unique(sizes).size < 2 or not errors.all():
         raise ArgumentError(
-            f"steps={list(steps)!r} show no slope: they need two different ones, and deviations beyond rounding."
+            f"steps={list(steps)!r} yield no slope: give at least two different steps, with errors above rounding."
         )
     slope, _ = np.polyfit(np.log(sizes), np.log(errors), 1)
     return ObservedOrder(chosen.name, sizes, errors, float(slope))
@@ -164,9 +164,9 @@ def _separable(problem: Any, x: Floats, v: Floats, args: Sequence[float] | None,
         system = describe(problem, 0.0, first, start(() if args is None else args).reshape(-1), compile_)
     if not Kind.SEPARABLE.includes(system.kind):
         raise MethodMismatchError(
-            f"problem={system.name!r} has no modified Hamiltonian here: it is of {system.kind.value}, and kicks and drifts are"
-            f" the flows of {Kind.SEPARABLE.value}."
+            f"problem={system.name!r} has no modified Hamiltonian here: its kind is {system.kind.value}, but kicks and"
+            f" drifts are the flows of {Kind.SEPARABLE.value}."
         )
     if "energy" not in system.quantities:
-        raise KickdriftError(f"{system.name!r} does not say its energy; give energy=... to its description.")
+        raise KickdriftError(f"{system.name!r} has no energy; pass energy=... to its description.")
     return system

@@ -1,4 +1,4 @@
-"""The Hamiltonian that a word of kicks and drifts conserves, as a formula."""
+"""The modified Hamiltonian that a word of kicks and drifts conserves, as a formula."""
 
 from fractions import Fraction
 from typing import Any
@@ -32,7 +32,7 @@ def modified_formula(
     Raises
     ------
     ArgumentError
-        For what is not T(p) + V(q), and what `modified_hamiltonian` refuses.
+        For a Hamiltonian that is not T(p) + V(q), and for whatever `modified_hamiltonian` refuses.
     MissingExtraError
         Without the package sympy.
 
@@ -51,7 +51,7 @@ def modified_formula(
         energy, (q, p) = sympy.sympify(hamiltonian), sympy.sympify((q, p))
     except sympy.SympifyError as error:
         raise ArgumentError(
-            f"hamiltonian={hamiltonian!r}, q={q!r} and p={p!r} are no formula and symbols: {error}"
+            f"hamiltonian={hamiltonian!r}, q={q!r} and p={p!r} must be a formula and its symbols: {error}"
         ) from None
     h = sympy.Symbol("h") if step is None else step
     positions, momenta = ([part] if isinstance(part, sympy.Expr) else list(part) for part in (q, p))

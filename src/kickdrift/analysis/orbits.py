@@ -15,7 +15,7 @@ _COORDINATES = ("jacobi", "heliocentric")
 
 @dataclass(frozen=True, eq=False)
 class OrbitalElements:
-    """Elements of the orbits that bodies would go on moving on, if each were alone with what it moves around.
+    """Osculating elements of the orbits of bodies.
 
     Attributes
     ----------
@@ -26,13 +26,13 @@ class OrbitalElements:
     e : (T, N) array
         Eccentricities.
     i : (T, N) array
-        Inclinations against the plane of x and y, from 0 to pi.
+        Inclinations to the x-y plane, from 0 to pi.
     Omega : (T, N) array
         Longitudes of the ascending node, from 0 to 2 pi; 0 where there is no node.
     omega : (T, N) array
-        Arguments of the pericentre, from 0 to 2 pi; where there is no pericentre that of the start of M.
+        Arguments of the pericentre, from 0 to 2 pi; for circular orbits the origin of M.
     M : (T, N) array
-        Mean anomalies, from 0 to 2 pi; for hyperbolas any number.
+        Mean anomalies, from 0 to 2 pi; unbounded for hyperbolas.
     bodies : tuple of str
         Names of the N bodies: all but the first.
     """
@@ -48,15 +48,15 @@ class OrbitalElements:
 
 
 def orbital_elements(solution: Solution, coordinates: str = "jacobi") -> OrbitalElements:
-    """Return the orbital elements of all bodies but the first, over the times kept.
+    """Return the orbital elements of all bodies but the first, at the times kept.
 
     Parameters
     ----------
     solution : Solution
         Of `kickdrift.systems.kepler`, `nbody`, `planetary`, or one of the solar systems, whose first body is the heavy one.
     coordinates : str
-        ``"jacobi"``: around the centre of mass of the bodies before, with the mass of all of them; or ``"heliocentric"``:
-        around the first body, with its mass and the own one.
+        ``"jacobi"``: around the centre of mass of the preceding bodies, with the mass of these and the body; or
+        ``"heliocentric"``: around the first body, with the mass of the two.
 
     Returns
     -------
@@ -65,9 +65,9 @@ def orbital_elements(solution: Solution, coordinates: str = "jacobi") -> Orbital
     Raises
     ------
     ArgumentError
-        For other coordinates, or one body alone.
+        For other coordinates, or a single body.
     KickdriftError
-        For systems that do not say how strongly their bodies attract each other.
+        For systems without gravitational parameters.
 
     Notes
     -----
@@ -84,19 +84,19 @@ def orbital_elements(solution: Solution, coordinates: str = "jacobi") -> Orbital
     if coordinates not in _COORDINATES:
         raise ArgumentError(f"coordinates={coordinates!r} must be one of {', '.join(map(repr, _COORDINATES))}.")
     if not isinstance(solution, Solution):
-        raise ArgumentError(f"solution={solution!r} is none; give one of kd.solve(...).")
+        raise ArgumentError(f"solution={solution!r} is not a solution; give the result of kd.solve(...).")
     solution = solution.plain
     gm = np.array(solution.about.gm)
     if not gm.size:
         raise KickdriftError(
-            f"{solution.about.system!r} does not say how strongly its bodies attract each other; orbital elements are those of"
-            " kd.systems.kepler, nbody, planetary and the like."
+            f"{solution.about.system!r} has no gravitational parameters; use kd.systems.kepler, nbody, planetary or"
+            " another system of gravitating bodies."
         )
     x, v = (_in_space(half) for half in (solution.x, solution.v))
     if gm.size == 1 and x.shape[1] == 1 and solution.x.ndim == 2:  # one body around a centre
         return _elements(solution.t, x, v, gm, ("0",))
     if gm.size < 2:
-        raise ArgumentError(f"{solution.about.system!r} has one body, and so no orbit.")
+        raise ArgumentError(f"{solution.about.system!r} has only one body, and so no orbit.")
     relative = _relative if coordinates == "jacobi" else _heliocentric
     mu = np.cumsum(gm)[1:] if coordinates == "jacobi" else gm[0] + gm[1:]
     names = tuple(map(str, solution.about.coordinates.get("body", range(gm.size))))[1:]

@@ -1,4 +1,4 @@
-"""The order of a method as a run shows it."""
+"""The order of a method, measured on a problem."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ObservedOrder:
-    """How the error falls with the step.
+    """The decrease of the error with the step.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class ObservedOrder:
 
     @property
     def between(self) -> Floats:
-        """Orders from each step to the next, shape (S - 1,): equal ones show that the steps are small enough."""
+        """Orders between successive steps, shape (S - 1,): if they agree, the steps are small enough."""
         slopes: Floats = np.diff(np.log(self.errors)) / np.diff(np.log(self.steps))
         return slopes
 
@@ -60,13 +60,13 @@ def observed_order(
     args: Sequence[float] | None = None,
     compile: bool = True,  # noqa: A002 - as in `solve`
 ) -> ObservedOrder:
-    """Measure the order of a method on a problem: the slope of the error over the step.
+    """Measure the order of a method on a problem: the slope of log(error) against log(step).
 
     Parameters
     ----------
     problem, method, t_span, x0, v0, args, compile
-        As for `kickdrift.solve`. A Python function runs interpreted in a few seconds what takes longer to compile once
-        for each step: up to some 10,000 steps in all, give ``compile=False``.
+        As for `kickdrift.solve`. For a Python function and up to some 10,000 steps in all, ``compile=False`` is faster: the
+        runs take less time than compilation.
     steps : sequence of float
         At least two, each the largest allowed, as for `kickdrift.solve`.
     reference : (x, v), optional
@@ -106,10 +106,12 @@ def observed_order(
     ]
     for run in runs:
         if not run.success:
-            raise KickdriftError(f"steps={run.step!r} has no order to show: {run.message}")
+            raise KickdriftError(f"steps={run.step!r}: the order cannot be measured: {run.message}")
     sizes = np.array([abs(run.step) for run in runs])
     if np.unique(sizes).size < 2:
-        raise ArgumentError(f"steps={list(steps)!r} make {np.unique(sizes).size} different step; a slope needs two.")
+        raise ArgumentError(
+            f"steps={list(steps)!r} yield only {np.unique(sizes).size} different step size; a slope needs at least two."
+        )
     x, v = reference if reference is not None else end_of_reference(problem, runs[0], x0 is None and v0 is None, args)
     errors = np.array([_error(run, x, v) for run in runs])
     largest_first = np.argsort(-sizes)
@@ -121,5 +123,5 @@ def observed_order(
 def _error(run: Solution, x: ArrayLike, v: ArrayLike) -> float:
     error = float(max(np.abs(run.x[-1] - x).max(), np.abs(run.v[-1] - v).max(initial=0.0)))
     if error == 0:
-        raise KickdriftError(f"steps={run.step!r} has no error against the reference; give larger steps.")
+        raise KickdriftError(f"steps={run.step!r} has no error beyond that of the reference; give larger steps.")
     return error

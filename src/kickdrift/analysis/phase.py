@@ -1,4 +1,4 @@
-"""Phase along a solution: by how much time a run is ahead of the exact motion, or of a finer run."""
+"""Phase error along a solution: the time by which a run is ahead of the exact motion, or of a finer run."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,17 +11,17 @@ Floats = NDArray[np.float64]
 
 
 def phase_error(solution: Solution, reference: Solution | None = None) -> Floats:
-    """Return by how much time a run is ahead at the times kept, beside `energy_error`.
+    """Return the phase error at the times kept: the time by which a run is ahead.
 
-    At a time t the state is nearest to that of the reference at t + `phase_error`, with positions and velocities each in
-    terms of their root mean squares. A symplectic method has an error that grows linearly with time; where the energy drifts,
-    it grows with the square of it.
+    At a time t the state is nearest to that of the reference at t + `phase_error`, with positions and velocities scaled by
+    their root mean squares. The phase error of a symplectic method grows linearly with time; where the energy drifts, it
+    grows quadratically.
 
     Parameters
     ----------
     solution : Solution
     reference : Solution, optional
-        A run of the same system over the same time, with a finer step or a better method. By default the exact motion, where
+        A run of the same system over the same time, with a finer step or a better method. By default the exact solution, if
         the system has one, as `kickdrift.systems.kepler` does, and the run began at 0.
 
     Returns
@@ -32,9 +32,9 @@ def phase_error(solution: Solution, reference: Solution | None = None) -> Floats
     Raises
     ------
     ArgumentError
-        For a reference with other states, or that does not know its equations.
+        For a reference with other states, or without its equations.
     KickdriftError
-        Without a reference where there is no exact motion.
+        Without a reference if there is no exact solution.
 
     Examples
     --------
@@ -46,17 +46,17 @@ def phase_error(solution: Solution, reference: Solution | None = None) -> Floats
     if reference is None:
         if "phase error" not in solution.derived:
             raise KickdriftError(
-                f"reference=None, but {solution.about.system!r} has no exact motion from this start; give a run with a finer"
-                " step, reference=kd.solve(...)."
+                f"reference=None, but {solution.about.system!r} has no exact solution from this initial state; give a"
+                " run with a finer step, reference=kd.solve(...)."
             )
         return solution.derived["phase error"]
     if not isinstance(reference, Solution):
-        raise ArgumentError(f"reference={reference!r} is no solution; give that of a finer run, kd.solve(...).")
+        raise ArgumentError(f"reference={reference!r} is not a solution; give one of a finer run, kd.solve(...).")
     solution, dense = solution.plain, reference.plain.dense
     if dense is None or reference.x.shape[1:] != solution.x.shape[1:]:
         raise ArgumentError(
-            f"reference={reference!r} has other states than {solution!r}, or does not know its equations, as one read from a"
-            " file; solve it here."
+            f"reference={reference!r} has states unlike those of {solution!r}, or no equations, because it was read"
+            " from a file; solve it in this process."
         )
     low, high = sorted((float(dense.t[0]), dense.end))
     if not (low <= solution.t.min() and solution.t.max() <= high):
@@ -68,12 +68,12 @@ def phase_error(solution: Solution, reference: Solution | None = None) -> Floats
 
 
 def largest_phase_error(solution: Solution, reference: Solution | None = None) -> float:
-    """Return the largest size of `phase_error` at the times kept, in units of time."""
+    """Return the largest magnitude of `phase_error` at the times kept, in units of time."""
     return float(np.abs(phase_error(solution, reference)).max())
 
 
 def phase_drift(solution: Solution, reference: Solution | None = None) -> float:
-    """Return the slope of the straight line through `phase_error`: time gained per time.
+    """Return the slope of the least-squares line through `phase_error`: time gained per unit of time.
 
     Raises
     ------
@@ -81,7 +81,10 @@ def phase_drift(solution: Solution, reference: Solution | None = None) -> float:
         If the solution has fewer than two times.
     """
     if solution.t.size < 2:
-        raise ArgumentError(f"solution has {solution.t.size} time kept, but a drift needs two; keep more, by t_eval.")
+        raise ArgumentError(
+            f"solution holds {solution.t.size} time, but a drift needs at least two; keep more, with t_eval or"
+            " save_every."
+        )
     return slope(solution.plain.t, phase_error(solution, reference))
 
 

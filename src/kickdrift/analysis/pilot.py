@@ -1,4 +1,4 @@
-"""Short runs by which methods are judged: how long, against what, and what they say of the whole span."""
+"""Pilot runs by which methods are compared: their length, their reference, and extrapolation to the whole span."""
 
 import math
 import time
@@ -84,7 +84,7 @@ class Pilot:
 
 
 def fly(rates: Rates, t0: float, span: float) -> Pilot:
-    """Look how fast a problem moves, and solve as much of its span as may be had for little, to 1e-13.
+    """Measure the time scale of a problem, and solve as much of its span as is cheap, to 1e-13.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def fly(rates: Rates, t0: float, span: float) -> Pilot:
     from scipy.integrate import DOP853
 
     if np.abs(rates(t0, rates.start)).max() >= HUGE:  # compiles, too
-        raise KickdriftError("the forces at the start are not finite; check them there.")
+        raise KickdriftError("the forces at the initial state are not finite; check them there.")
     began = time.perf_counter()
     scout = DOP853(rates, t0, rates.start, t0 + span, rtol=1e-6, atol=1e-7 * rates.scales)
     sizes = []
@@ -102,9 +102,7 @@ def fly(rates: Rates, t0: float, span: float) -> Pilot:
         scout.step()
         sizes.append(abs(scout.t - scout.t_old) if scout.t_old is not None else 0.0)
     if scout.status == "failed" or scout.t == t0:
-        raise KickdriftError(
-            "the motion cannot be followed from its start: DOP853 finds no step; check the forces there."
-        )
+        raise KickdriftError("DOP853 finds no step from the initial state; check the forces there.")
     cost = (time.perf_counter() - began) / scout.nfev
     affordable = min(_MOST, _SECONDS / cost) / _TIGHTER / scout.nfev  # in terms of what the scout has done
     length = math.copysign(min(abs(span), abs(scout.t - t0) * max(affordable, 0.25)), span)
@@ -116,8 +114,8 @@ def fly(rates: Rates, t0: float, span: float) -> Pilot:
             leg.step()
         if leg.status != "finished":
             raise KickdriftError(
-                f"the motion cannot be followed to 1e-13 beyond t={float(leg.t)!r} in {4 * _SECONDS:g} s by DOP853: its forces"
-                " may be rough; shorten the span, or judge methods by kd.analysis.work_precision."
+                f"DOP853 cannot compute the motion to 1e-13 beyond t={float(leg.t)!r} within {4 * _SECONDS:g} s: the"
+                " forces may not be smooth; shorten the span, or compare methods with kd.analysis.work_precision."
             )
         y, at = leg.y, end
         states.append(y)

@@ -1,4 +1,4 @@
-"""Poincare sections: where motion passes through a surface."""
+"""Poincare sections: the crossings of a surface by a trajectory."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class PoincareSection:
-    """Passages through a surface.
+    """Crossings of a surface.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class PoincareSection:
     presenter: ClassVar[Callable[..., Any]]
 
     def plot(self, path: Any = None, *, axes: tuple[str, str] | None = None) -> Any:
-        """Draw the passages, see `kickdrift.plots.plot_poincare_sections`; returns the matplotlib figure."""
+        """Plot the crossings, see `kickdrift.plots.plot_poincare_sections`; return the matplotlib figure."""
         return type(self).presenter(self, path, axes=axes)
 
 
@@ -59,18 +59,18 @@ def poincare_section(
     args: Sequence[float] | None = None,
     compile: bool = True,  # noqa: A002 - as in `solve`
 ) -> PoincareSection:
-    """Return where motion passes through a surface, as exactly as the method is.
+    """Return the crossings of a surface, as accurate as the method.
 
     Parameters
     ----------
     problem : Solution, System, Problem or callable
-        A solution that was solved with ``events=``; or what `kickdrift.solve` takes, with `t_span` and so on as there.
+        A solution with ``events=``; or a problem, with `t_span` and so on as for `kickdrift.solve`.
     surface : callable or int
-        A function of the state, as an event is, that is zero on the surface; of a solution the number of its event.
+        A function of the state, like an event, that is zero on the surface; for a solution the index of its event.
     t_span, x0, v0, step, method, args, compile
         As for `kickdrift.solve`.
     direction : int
-        1 for passages on which the function grows, -1 for those on which it falls, 0 for all.
+        1 for crossings where the function increases, -1 for those where it decreases, 0 for all.
 
     Returns
     -------
@@ -79,7 +79,7 @@ def poincare_section(
     Raises
     ------
     ArgumentError
-        For a solution without that event, a direction that is none, and what `kickdrift.solve` refuses.
+        For a solution without that event, an invalid direction, and whatever `kickdrift.solve` refuses.
     KickdriftError
         If the run does not reach its end.
 
@@ -94,13 +94,13 @@ def poincare_section(
         number = surface
         if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number < len(problem.t_events):
             raise ArgumentError(
-                f"surface={surface!r} is no event of the solution, which has {len(problem.t_events)}; solve with events=...,"
-                " and give the number of one, from 0."
+                f"surface={surface!r} is not an event of the solution, which has {len(problem.t_events)}; solve with"
+                " events=..., and give the index of one, from 0."
             )
         return _section(problem, number)
     if isinstance(surface, int) or t_span is None or step is None:
         raise ArgumentError(
-            "surface, t_span and step are needed to solve a problem: give a function, a span and a step."
+            "to solve a problem, surface, t_span and step are needed: give a function, a span and a step."
         )
     if direction not in (-1, 0, 1):
         raise ArgumentError(f"direction={direction!r} must be 1, -1 or 0.")

@@ -44,7 +44,7 @@ def end_of_reference(problem: Any, run: Solution, own_start: bool, args: Sequenc
         return x[0], v[0]
     if run.about.kind == Kind.LANGEVIN.name:
         raise ArgumentError(
-            "reference=None cannot be computed for Langevin dynamics: a path with noise has none; compare averages, or"
+            "reference=None cannot be computed for Langevin dynamics: a stochastic path has none; compare averages, or"
             " give a reference."
         )
     return _dop853(described(problem, float(run.t[0]), run.x[0], run.v[0], args), run)

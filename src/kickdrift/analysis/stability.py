@@ -23,7 +23,7 @@ _PROBES = np.concatenate([np.arange(1, 400) * 0.05, np.geomspace(20.0, _LARGEST,
 
 
 def one_step_matrix(method: str | methods.Method, h_omega: float, damping: float = 0.0) -> Floats:
-    """Return the matrix of one step on the oscillator x'' = -omega^2 x - 2 damping omega x', found by running it.
+    """Return the matrix of one step on the oscillator x'' = -omega^2 x - 2 damping omega x', by running the method.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def one_step_matrix(method: str | methods.Method, h_omega: float, damping: float
     ArgumentError
         If `h_omega` is not positive and finite, or `damping` negative.
     MethodMismatchError
-        For a damping with a method that has no place for velocity-dependent accelerations.
+        For damping with a method that does not support velocity-dependent accelerations.
     """
     if not (math.isfinite(h_omega) and h_omega > 0):
         raise ArgumentError(f"h_omega={h_omega!r} must be positive and finite; it is the step times omega.")
@@ -70,10 +70,10 @@ def _oscillators(damping: float) -> System:
 
 
 def stability_limit(method: str | methods.Method, damping: float = 0.0) -> float:
-    """Return the step times omega up to which the oscillator x'' = -omega^2 x - 2 damping omega x' does not grow.
+    """Return the largest stable step times omega on the oscillator x'' = -omega^2 x - 2 damping omega x'.
 
-    It is where the spectral radius of `one_step_matrix` first leaves 1, coming from small steps: there may be stable
-    intervals beyond.
+    It is where the spectral radius of `one_step_matrix` first exceeds 1 as the step grows: there may be stable intervals
+    beyond.
 
     Parameters
     ----------
@@ -85,13 +85,13 @@ def stability_limit(method: str | methods.Method, damping: float = 0.0) -> float
     Returns
     -------
     float
-        To about 1e-12. 0.0 if a step of ``h omega = 1e-3`` grows already. ``inf`` if every step that was tried up to
-        1e6 is stable, and so are the largest traces between them: evidence, not proof.
+        To about 1e-12. 0.0 if a step of ``h omega = 1e-3`` is already unstable. ``inf`` if every step tried up to 1e6 is
+        stable, and so are the largest traces between them: evidence, not proof.
 
     Raises
     ------
     MethodMismatchError
-        For a damping with a method that has no place for velocity-dependent accelerations.
+        For damping with a method that does not support velocity-dependent accelerations.
 
     Notes
     -----
@@ -126,7 +126,7 @@ def stability_limit(method: str | methods.Method, damping: float = 0.0) -> float
 
 
 def amplification_factor(method: str | methods.Method, z: ArrayLike) -> NDArray[np.complex128] | np.complex128:
-    """Return R(z), by which one step of size h multiplies y in y' = lambda y, with z = h lambda.
+    """Return R(z), the factor by which one step of size h multiplies y in y' = lambda y, with z = h lambda.
 
     Parameters
     ----------
@@ -143,8 +143,8 @@ def amplification_factor(method: str | methods.Method, z: ArrayLike) -> NDArray[
     Raises
     ------
     ArgumentError
-        For a word of kicks and drifts: it treats position and velocity differently, and has no meaning for one y. So
-        does a tableau with other weights for v.
+        For a word of kicks and drifts, or a tableau with other weights for v: these treat position and velocity differently,
+        and are not defined for a single y.
 
     Notes
     -----
@@ -155,7 +155,7 @@ def amplification_factor(method: str | methods.Method, z: ArrayLike) -> NDArray[
     chosen = methods.get(method)
     if chosen.tableau is None or chosen.tableau().a_of_v is not None:
         raise ArgumentError(
-            f"method={chosen.name!r} has no amplification factor: it treats position and velocity differently; use"
+            f"method={chosen.name!r} has no amplification factor: it is not a map of one complex number; use"
             f" one_step_matrix({chosen.name!r}, h_omega)."
         )
     a, b = (np.array(part, dtype=np.float64) for part in (chosen.tableau().a, chosen.tableau().b))

@@ -42,15 +42,16 @@ def symplecticity_defect(
     step : float
         Size of the step, with its sign.
     at : (x, v), optional
-        Where; the start of the system if it has one. With d numbers to a state the step is run 12 d times.
+        The state; by default the initial state of the system, if it has one. For a state of d numbers the step is run 12 d
+        times.
     t : float
-        When, for a force that depends on time.
+        The time, for a force that depends on it.
     masses : array_like, optional
-        Of a shape that broadcasts to the state: the two-form is sum_i m_i dx_i ^ dv_i, so bodies of different masses
-        need theirs. By default those of a `kickdrift.Newtonian`, or 1.
+        Of a shape that broadcasts to the state: the two-form is sum_i m_i dx_i ^ dv_i, so it depends on the masses of
+        bodies. By default those of a `kickdrift.Newtonian`, or 1.
     increment : float
-        Of the differences: in x in terms of the largest number in x, or of the largest in step * v if that is larger;
-        in v that over the step. A much shorter length, such as a close pair's, wants a smaller one.
+        Of the differences: in x relative to the largest component of x, or of step * v if that is larger; in v that over the
+        step. A much shorter length scale, such as a close pair's, needs a smaller increment.
 
     Returns
     -------
@@ -61,8 +62,8 @@ def symplecticity_defect(
     Raises
     ------
     ArgumentError
-        For masses or a place that do not fit, a step of 0, an increment that is not positive, or a kind of problem
-        that has no such two-form.
+        For masses or a state of the wrong shape, a step of 0, an increment that is not positive, or a kind of problem
+        without such a two-form.
 
     Notes
     -----
@@ -75,8 +76,8 @@ def symplecticity_defect(
         )
     if isinstance(problem, ChargedParticle | Constrained | Langevin):
         raise ArgumentError(
-            f"problem={type(problem).__name__} has no defect of this kind: in a magnetic field v is not the momentum,"
-            " constraints leave no room for differences, and noise conserves no area."
+            f"problem={type(problem).__name__} has no symplecticity defect here: in a magnetic field v is not the"
+            " canonical momentum, constraints exclude finite differences, and noise is not symplectic."
         )
     if masses is None:
         masses = problem.mass if isinstance(problem, Newtonian) else 1.0

@@ -1,4 +1,4 @@
-"""The tangent map: what steps of a method make of small differences between states."""
+"""The tangent map: the effect of steps of a method on small differences between states."""
 
 from __future__ import annotations
 
@@ -50,10 +50,11 @@ def tangent_map(
     args: Sequence[float] | None = None,
     compile: bool = True,  # noqa: A002 - as in `solve`
 ) -> Floats:
-    """Return the derivative of steps of a method by the state that they begin at.
+    """Return the derivative of steps of a method with respect to the initial state.
 
-    It is that of the method, not of the equations, by central differences of order six of the steps themselves. Times a small
-    difference of states it is what becomes of that; for symplectic methods and unit masses it is symplectic.
+    It is the derivative of the method, not of the equations, by central differences of order six of the steps themselves.
+    Applied to a small difference of states, it gives the difference after the steps; for symplectic methods and unit masses
+    it is symplectic.
 
     Parameters
     ----------
@@ -62,14 +63,15 @@ def tangent_map(
     step : float
         Size of a step, with its sign.
     at : (x, v), optional
-        Where they begin; the start of a system if it has one.
+        The initial state; by default that of the system, if it has one.
     n_steps : int
-        How many steps.
+        Number of steps.
     t : float
-        When they begin, for forces that depend on time.
+        The initial time, for forces that depend on it.
     increment : float
-        Of the differences: in x in terms of the largest number in x, or of the largest in v times the time of the steps if that
-        is larger; in v that over the time. Where states part fast, over many steps, a smaller one leaves a smaller error.
+        Of the differences: in x relative to the largest component of x, or of v times the duration of the steps if that is
+        larger; in v that over the duration. Where trajectories diverge fast, over many steps, a smaller increment has a
+        smaller error.
 
     Returns
     -------
@@ -79,7 +81,8 @@ def tangent_map(
     Raises
     ------
     ArgumentError
-        For a step of 0, fewer steps than one, an increment that is not between 0 and 1, and what `kickdrift.solve` refuses.
+        For a step of 0, fewer steps than one, an increment that is not between 0 and 1, and whatever `kickdrift.solve`
+        refuses.
     KickdriftError
         If a step fails.
 
@@ -120,7 +123,9 @@ class Steps:
             problem, (t, t + step), x0, v0, step=abs(step), method=method, args=args, compile=compile_, progress=False
         )
         if run.dense is None:
-            raise ArgumentError("noise drives the path: it has no tangent; take a problem without.")
+            raise ArgumentError(
+                "the problem is stochastic, and its tangent map is not defined here; use a problem without noise."
+            )
         self.x0, self.v0, self._step = run.x[0], run.v[0], step
         self.start = np.concatenate([run.x[0].reshape(-1), run.v[0].reshape(-1)])
         self._processing = run.dense.compile()
@@ -138,5 +143,7 @@ class Steps:
         sizes, counts = np.full(many, self._step), np.full(many, count, dtype=np.int64)
         x, v, _ = self._processing.go_on(np.full(many, float(t)), sizes, counts, xs, vs)
         if not (np.isfinite(x).all() and np.isfinite(v).all()):
-            raise KickdriftError(f"step={self._step!r} leads to no finite state from t={t!r}; take a smaller one.")
+            raise KickdriftError(
+                f"step={self._step!r} leads to a state that is not finite from t={t!r}; use a smaller one."
+            )
         return np.concatenate([x.reshape(many, -1), v.reshape(many, -1)], axis=1)

@@ -89,11 +89,11 @@ def tried(run: Any, method: methods.Method, pilot: Pilot, tolerance: float, kind
         rows = min(ROWS, 1 << (n_steps.bit_length() - 1))
         n_steps = rows * math.ceil(n_steps / rows)
         if n_steps > _MOST_STEPS:
-            raise KickdriftError(f"it needs more than {_MOST_STEPS} steps in the pilot")
+            raise KickdriftError(f"needs more than {_MOST_STEPS} steps in the pilot run")
         span = pilot.t0, pilot.t0 + pilot.length
         sol = run(t_span=span, step=length / n_steps, method=method, save_every=n_steps // rows)
         if sol.n_force_evaluations > max(_TIMES * least * length, _FEW):
-            raise KickdriftError(f"it needs more than {_TIMES} times the force evaluations of the best")
+            raise KickdriftError(f"needs more than {_TIMES} times the force evaluations of the best method")
         return _Run(sol, pilot, conserving, steady)
 
     runs = [at(min(2 * pilot.step, length))]
@@ -109,7 +109,7 @@ def tried(run: Any, method: methods.Method, pilot: Pilot, tolerance: float, kind
     if confirmed.expected > tolerance and confirmed.error > pilot.exact_to:
         step, last = min(own.step for own in runs), runs[-1]
         if last.expected > tolerance and last.error > pilot.exact_to:
-            raise KickdriftError(f"an error of {last.expected:.2g} is left with a step of {last.step:.3g}")
+            raise KickdriftError(f"has an error of {last.expected:.2g} even with a step of {last.step:.3g}")
     else:
         last = confirmed
     return _trial(method, step, last, pilot, wanted, len(runs) + 1)
@@ -131,12 +131,12 @@ def _step_for(runs: Sequence[_Run], wanted: float, pilot: Pilot, method: methods
     """Return the step with a wanted error, between two runs or, where the pilot is too short to show it, by the order."""
     good = [own for own in runs if math.isfinite(own.expected)]
     if not good:
-        raise KickdriftError("its runs do not reach the end of the pilot")
+        raise KickdriftError("does not reach the end of the pilot run")
     fine = next((own for own in runs if own.expected <= wanted), None)
     if fine is None:
         told = [own for own in good if own.error > pilot.exact_to]
         if not _at_the_floor(runs, pilot) or not told:
-            raise KickdriftError(f"an error of {runs[-1].expected:.2g} is left with a step of {runs[-1].step:.3g}")
+            raise KickdriftError(f"has an error of {runs[-1].expected:.2g} even with a step of {runs[-1].step:.3g}")
         return float(told[-1].step * (wanted / told[-1].expected) ** (1 / method.order))
     coarser = [own for own in good if own.step > fine.step]
     if not coarser or fine.error < pilot.exact_to:

@@ -1,4 +1,4 @@
-"""Work and precision: the errors of methods over what they cost."""
+"""Work-precision diagrams: the errors of methods against their cost."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class WorkPrecision:
-    """Errors of methods over force evaluations and seconds; it shows itself as a table.
+    """Errors of methods against force evaluations and seconds; its repr is a table.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class WorkPrecision:
         Name.
     t_span : (float, float)
     curves : tuple of Curve
-        Of each method its runs: `label`, `steps`, `errors`, `evaluations`, `seconds` of each round, and their `median`.
+        The runs of each method: `label`, `steps`, `errors`, `evaluations`, `seconds` of each round, and their `median`.
     """
 
     system: str
@@ -45,7 +45,7 @@ class WorkPrecision:
 
     @property
     def columns(self) -> dict[str, Column]:
-        """The table, a row a run."""
+        """The table, with one row per run."""
         return {
             "method": [curve.label for curve in self.curves for _ in curve.errors],
             "step": np.concatenate([curve.steps for curve in self.curves if curve.steps is not None]),
@@ -55,7 +55,7 @@ class WorkPrecision:
         }
 
     def to_pandas(self) -> Any:
-        """Return the table as a `pandas.DataFrame`, a row a run.
+        """Return the table as a `pandas.DataFrame`, with one row per run.
 
         Raises
         ------
@@ -65,7 +65,7 @@ class WorkPrecision:
         return frame(self.columns, "WorkPrecision.to_pandas")
 
     def plot(self, path: Any = None) -> Any:
-        """Draw errors over force evaluations and seconds; returns the matplotlib figure, and writes it to `path` if given."""
+        """Plot errors against force evaluations and seconds; return the matplotlib figure, and write it to `path` if given."""
         return type(self).presenter(self, path)
 
     def __repr__(self) -> str:
@@ -87,7 +87,7 @@ def work_precision(
     args: Sequence[float] | None = None,
     compile: bool = True,  # noqa: A002 - as in `solve`
 ) -> WorkPrecision:
-    """Run methods at several steps, and measure errors at the end over force evaluations and time.
+    """Run methods at several steps, and measure errors at the end against force evaluations and time.
 
     Parameters
     ----------
@@ -95,12 +95,12 @@ def work_precision(
         As for `kickdrift.solve`.
     methods : sequence of str or Method
     steps : sequence of float, or mapping of str to such
-        Largest steps allowed; or those of each method, by its name as given.
+        Largest steps allowed; or the steps of each method, by its name as given.
     reference : (x, v), optional
-        State at the end. By default the exact one, where a system knows it from its own start at 0, or else that of DOP853 at a
-        relative tolerance of 1e-13: errors should lie above 1e-11.
+        State at the end. By default the exact one, where a system has an exact solution from its own initial state at 0, or
+        else that of DOP853 at a relative tolerance of 1e-13: errors should lie above 1e-11.
     rounds : int
-        How often each run is timed; the methods take turns. The first is not counted: it compiles, and fills caches.
+        How often each run is timed; the methods take turns. A first, uncounted round compiles and fills caches.
 
     Returns
     -------
@@ -120,9 +120,9 @@ def work_precision(
     (['velocity-verlet', 'kahan-li-8'], array([ 401., 1001.]))
     """
     if isinstance(methods, str) or not methods:
-        raise ArgumentError(f"methods={methods!r} has to be a list of at least one method.")
+        raise ArgumentError(f"methods={methods!r} must be a list of at least one method.")
     if not isinstance(rounds, int) or rounds < 1:
-        raise ArgumentError(f"rounds={rounds!r} has to be a whole number of at least 1.")
+        raise ArgumentError(f"rounds={rounds!r} must be a whole number of at least 1.")
     wanted = {catalogue.get(method).name: _steps_of(method, steps) for method in methods}
     chosen = {catalogue.get(method).name: method for method in methods}
 
@@ -166,5 +166,5 @@ def _steps_of(method: str | catalogue.Method, steps: Any) -> list[float]:
     except TypeError:
         own = []
     if not own:
-        raise ArgumentError(f"steps={steps!r} has none for {catalogue.get(method).name!r}; give at least one.")
+        raise ArgumentError(f"steps={steps!r} has no step for {catalogue.get(method).name!r}; give at least one.")
     return own

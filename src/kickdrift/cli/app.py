@@ -1,4 +1,4 @@
-"""The commands and their options: what they say about themselves, and what to do where one goes wrong."""
+"""The commands and their options: help texts, and the handling of errors."""
 
 from enum import StrEnum
 from pathlib import Path
@@ -15,7 +15,7 @@ from kickdrift.core.errors import KickdriftError
 
 
 class _Commands(TyperGroup):
-    """Turns what kickdrift raises on purpose into one line and an exit code."""
+    """Turns the errors that kickdrift raises on purpose into one line and an exit code."""
 
     def invoke(self, ctx: Any) -> Any:
         try:
@@ -33,12 +33,13 @@ app = typer.Typer(
 )
 
 DurationOption = Annotated[
-    str | None, typer.Option(help="How long: in the system's unit of time, or with one, such as '10 years'.")
+    str | None,
+    typer.Option(help="Duration: a number in the system's unit of time, or with a unit, such as '10 years'."),
 ]
-YearsOption = Annotated[str | None, typer.Option(help="The same in years of 365.25 days.")]
-StepOption = Annotated[str | None, typer.Option(help="Largest step, likewise: 0.01, '0.5 day', '6 h'.")]
+YearsOption = Annotated[str | None, typer.Option(help="The duration in years of 365.25 days.")]
+StepOption = Annotated[str | None, typer.Option(help="Largest step: a number, or with a unit: 0.01, '0.5 day', '6 h'.")]
 OutputOption = Annotated[
-    Path, typer.Option(help="Folder for the files; made if missing, files of the same name are replaced.")
+    Path, typer.Option(help="Folder for the files, created if missing; files of the same name are replaced.")
 ]
 
 
@@ -59,13 +60,13 @@ def _version(wanted: bool) -> None:
 @app.callback(help=help_texts.KICKDRIFT)
 def _kickdrift(
     version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version and end.")
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version and exit.")
     ] = False,
 ) -> None:
     """Structure-preserving integration for mechanics."""
 
 
-@app.command(help=help_texts.RUN, short_help="Run a system or a scene, report on it, keep and draw it.")
+@app.command(help=help_texts.RUN, short_help="Run a system or a scene, report on it, save and plot it.")
 def run(
     target: Annotated[
         str, typer.Argument(help="A system or a scene (see: kickdrift list systems, list scenes), or a .toml file.")
@@ -74,20 +75,24 @@ def run(
     years: YearsOption = None,
     step: StepOption = None,
     method: Annotated[str | None, typer.Option(help="A method (see: kickdrift list methods), or auto.")] = None,
-    bodies: Annotated[str | None, typer.Option(help="Of the solar system, such as 'Sun,Earth,Jupiter'.")] = None,
-    save_every: Annotated[str | None, typer.Option(help="Steps between the states kept; some 4000 are, else.")] = None,
+    bodies: Annotated[
+        str | None, typer.Option(help="Bodies of the solar system to include, such as 'Sun,Earth,Jupiter'.")
+    ] = None,
+    save_every: Annotated[
+        str | None, typer.Option(help="Number of steps between stored states; by default some 4000 states are stored.")
+    ] = None,
     output: OutputOption = Path("kickdrift-output"),
     checkpoint: Annotated[
         Path | None,
-        typer.Option(help="Folder for checkpoints: the same command goes on from the last one, bit for bit."),
+        typer.Option(help="Folder for checkpoints: the same command resumes from the last one, bit for bit."),
     ] = None,
     save_to: Annotated[
         Path | None,
         typer.Option(
-            help="Zarr folder, such as run.zarr, to which all states go as the run goes on, in place of the files."
+            help="Zarr folder, such as run.zarr, to which all states are written during the run, instead of the files."
         ),
     ] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Write the files and print errors only.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Write the files, and print errors only.")] = False,
 ) -> None:
     """Run a system or a scene, report on it, and write <name>.npz and <name>.png, and of a scene <name>.gif."""
     options = Options(duration, years, step, method, bodies, save_every)
@@ -100,7 +105,7 @@ def run(
     raise typer.Exit(do(make_plan(target, options), output, quiet, checkpoint, save_to))
 
 
-@app.command(help=help_texts.COMPARE, short_help="Run the first four methods side by side.")
+@app.command(help=help_texts.COMPARE, short_help="Compare three Euler methods and Stoermer-Verlet.")
 def compare(
     system: Annotated[str, typer.Argument(help="A system (see: kickdrift list systems), or a .toml file.")],
     duration: DurationOption = None,
@@ -115,9 +120,25 @@ def compare(
     raise typer.Exit(do(make_plan(system, options, comparison=True), output))
 
 
-@app.command("compile", help=help_texts.COMPILE, short_help="Compile all that runs may need, once on this machine.")
+@app.command(help=help_texts.VIEW, short_help="Show a scene, a robot or a saved run in the browser.")
+def view(
+    target: Annotated[
+        str, typer.Argument(help="A scene (see: kickdrift list scenes), a robot's .xml or .urdf, or a .npz file.")
+    ],
+    step: Annotated[str | None, typer.Option(help="Of a world, in seconds.")] = None,
+    port: Annotated[int, typer.Option(help="Of this machine; 0 takes any that is free.")] = 8080,
+) -> None:
+    """Run a world in the browser, or write the page of a run that was saved."""
+    from kickdrift.cli.view import view as do
+
+    raise typer.Exit(do(target, step, port))
+
+
+@app.command(
+    "compile", help=help_texts.COMPILE, short_help="Compile everything that runs may need, once on this machine."
+)
 def compile_(quiet: Annotated[bool, typer.Option("--quiet", help="Print errors only.")] = False) -> None:
-    """Compile all that runs may need, once on this machine."""
+    """Compile everything that runs may need, once on this machine."""
     from kickdrift.cli.compiling import compile_all
 
     raise typer.Exit(compile_all(quiet))
@@ -125,7 +146,7 @@ def compile_(quiet: Annotated[bool, typer.Option("--quiet", help="Print errors o
 
 @app.command("list", help=help_texts.LIST, short_help="List the methods, the systems or the scenes.")
 def list_(what: Annotated[Catalogue, typer.Argument(help="Which catalogue.")]) -> None:
-    """List the methods, the systems or the scenes; whole lines where the output is piped."""
+    """List the methods, the systems or the scenes; lines are not truncated if the output is piped."""
     from kickdrift.cli import listing
 
     lists = {

@@ -21,7 +21,7 @@ Location = tuple[str | int, ...]
 
 @dataclass(frozen=True)
 class OwnBodies:
-    """The system that a file describes, and how it wants it run."""
+    """The system that a file describes, and its settings for the run."""
 
     system: System
     run: Run
@@ -68,7 +68,8 @@ def _beside(path: Path, name: str) -> Path:
     # A Windows path takes both kinds of slashes and drives apart.
     if name in ("", ".", "..") or PureWindowsPath(name).name != name or not name.isprintable():
         raise FileFormatError(
-            f"{path}: bodies={name!r} must be the plain name of a CSV file beside {path.name}; move the file there."
+            f"{path}: bodies={name!r} must be the plain name of a CSV file beside {path.name}; move the file into its"
+            " folder."
         )
     return path.parent / name
 
@@ -81,12 +82,12 @@ def _checked(path: Path, content: dict[str, Any], place: Callable[[Location], st
     seen: set[str] = set()
     for i, body in enumerate(file.bodies):
         if body.name in seen:
-            raise FileFormatError(f"{place(('bodies', i, 'name'))}={body.name!r} is taken; give another.")
+            raise FileFormatError(f"{place(('bodies', i, 'name'))}={body.name!r} is already in use; give another.")
         seen.add(body.name)
     if file.units.given and file.G is None:
         raise FileFormatError(
-            f"{path}: [units] are given, but no G, and G = 1 is that of no such units; add it to the top of the file, such as"
-            " G = 39.4769264 for au, years and solar masses, or leave [units] out."
+            f"{path}: [units] is given without G, and G = 1 does not hold in these units; add G at the top of the"
+            " file, such as G = 39.4769264 for au, years and solar masses, or leave [units] out."
         )
     try:
         return OwnBodies(_system(file, path.stem), file.run)

@@ -23,7 +23,7 @@ class _Strict(BaseModel):
     def _printable(cls, value: Any) -> Any:
         # Texts of strangers go to the terminal, where a control character is a command.
         if isinstance(value, str) and not value.isprintable():
-            raise ValueError("it has characters that cannot be printed; leave them out.")
+            raise ValueError("it contains unprintable characters; remove them.")
         return value
 
 
@@ -58,7 +58,7 @@ class Units(_Strict):
 
 
 class Run(_Strict):
-    """How to run where the command line does not say; times in the file's own unit."""
+    """Defaults for the run; times in the file's own unit."""
 
     duration: float | None = None
     step: Annotated[float, Field(gt=0)] | None = None

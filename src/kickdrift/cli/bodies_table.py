@@ -43,7 +43,7 @@ def read_bodies_table(path: Path) -> tuple[list[dict[str, Any]], list[int]]:
     except csv.Error as error:
         raise FileFormatError(f"{path}:{reader.line_num}: not a CSV file: {error}.") from None
     if not bodies:
-        raise FileFormatError(f"{path}: there is no body; give the line {','.join(COLUMNS)} and a line for each body.")
+        raise FileFormatError(f"{path}: no bodies; give the header {','.join(COLUMNS)} and a line for each body.")
     return bodies, lines
 
 
@@ -59,13 +59,13 @@ def read_text(path: Path) -> str:
         with opened(path) as file:
             content = file.read(_MOST_BYTES + 1)
         if len(content) > _MOST_BYTES:
-            raise FileFormatError(f"{path}: is larger than {_MOST_BYTES >> 20} MiB; give a smaller one.")
+            raise FileFormatError(f"{path}: larger than {_MOST_BYTES >> 20} MiB; give a smaller file.")
         return io.TextIOWrapper(io.BytesIO(content), encoding="utf-8-sig").read()
     except UnicodeDecodeError as error:
-        raise FileFormatError(f"{path}: byte {error.start} is not UTF-8; give a text file in UTF-8.") from None
+        raise FileFormatError(f"{path}: byte {error.start} is not UTF-8; save the file as UTF-8.") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
-        raise FileFormatError(f"{path}: cannot be read: {reason}; give the path of a file that can.") from None
+        raise FileFormatError(f"{path}: cannot be read: {reason}; give the path of a readable file.") from None
 
 
 def _checked_header(cells: list[str], place: str) -> list[str]:
@@ -73,7 +73,7 @@ def _checked_header(cells: list[str], place: str) -> list[str]:
         if cell not in COLUMNS:
             raise FileFormatError(f"{place}: {unknown_name('column', cell, COLUMNS)}")
         if cells.count(cell) > 1:
-            raise FileFormatError(f"{place}: column={cell!r} is there twice; name each once.")
+            raise FileFormatError(f"{place}: column={cell!r} appears twice; name each column once.")
     for column in COLUMNS:
         if column not in cells:
             raise FileFormatError(f"{place}: column={column!r} is missing; the header is {','.join(COLUMNS)}.")

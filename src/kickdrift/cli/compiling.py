@@ -36,5 +36,5 @@ def compile_all(quiet: bool) -> int:
                 call.result()
                 count()
     if not (jobs or quiet):
-        say("all that runs may need is compiled already.")
+        say("everything is already compiled.")
     return DONE

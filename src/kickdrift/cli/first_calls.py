@@ -12,13 +12,16 @@ from kickdrift.scenes import DEFAULTS, FIRST_METHODS, Defaults
 
 
 def worlds() -> None:
-    """Step a world, ask it for what is where, place its arm, and draw it."""
+    """Step a world with a cloth, ask it for what is where, place its arm, and draw it."""
     world = kd.World()
     world.add_plane()
     ball = world.add_sphere(1.0, position=(0.0, 0.0, 2.0))
     hinge = world.add_hinge(world.ground, ball, anchor=(0.0, 0.0, 4.0), axis=(0.0, 1.0, 0.0))
     world.add_box((1.0, 1.0, 1.0), position=(3.0, 0.0, 0.5))
     world.add_cylinder(1.0, 1.0, position=(6.0, 0.0, 0.5))
+    world.add_cloth_grid(
+        vertices=(3, 3), position=(0.0, 3.0, 0.1)
+    )  # beside the plane of the others: pictures are not flat
     recording = world.run(duration=0.02, step=0.01)
     world.ray_cast((0.0, 0.0, 9.0), (0.0, 0.0, -1.0))
     world.overlap_sphere(radius=0.5, position=(0.0, 0.0, 2.0))

@@ -1,15 +1,15 @@
-"""What ``--help`` says; a paragraph that begins with a backspace keeps its lines."""
+"""The texts of ``--help``; in a paragraph that begins with a backspace, line breaks are kept."""
 
 SAMPLE_TOML = """\
-G = 39.4769264                # constant of gravitation (1 where there are no units)
-softening = 0.0               # softening length (0)
+G = 39.4769264                # gravitational constant (default: 1, without units)
+softening = 0.0               # softening length (default: 0)
 
-[units]                       # of all numbers here
+[units]                       # of all numbers in this file
 time = "year"
 length = "au"
 mass = "solar mass"
 
-[run]                         # what the command line does not say
+[run]                         # defaults for options of the command line
 duration = 100.0
 step = 0.001
 method = "stormer-verlet"
@@ -39,12 +39,13 @@ KICKDRIFT = """Structure-preserving integration for mechanics.
 \b
   kickdrift run solar-system      a hundred years, compared with JPL's positions
   kickdrift run bodies.toml       bodies of your own
-  kickdrift run pyramid           boxes on boxes, with a picture and a film
+  kickdrift run pyramid           a pyramid of boxes, with a plot and an animation
+  kickdrift view ragdolls         a world running live in the browser, where the mouse pulls at bodies
   kickdrift compare kepler        Euler's methods and Stoermer-Verlet side by side
   kickdrift list methods
-  kickdrift compile               all that runs may need, once on this machine
+  kickdrift compile               everything that runs may need, once on this machine
 
-Exit codes: 0 done, 2 input that cannot be used, 3 a run that failed on its way, 130 interrupted.
+Exit codes: 0 success, 2 invalid input, 3 failed run, 130 interrupted.
 """
 
 
@@ -55,9 +56,9 @@ def _literal(text: str) -> str:
 RUN = f"""Run a system or a scene, report on it, and write <name>.npz and <name>.png.
 
 The solar system runs for 100 years by default, and is compared with the positions of JPL's DE421 at J2000 and up to
-ten years later. Ctrl-C ends a run early; what is done is written. With --checkpoint the same command goes on from where it
-was, also after the process was killed. With --save-to the states go to disk as the run goes on, where xarray reads them, and
-nothing else is written.
+ten years later. Ctrl-C ends a run early, and the states until then are written. With --checkpoint the same command resumes
+an interrupted run, even if the process was killed. With --save-to the states are written to disk during the run, where
+xarray reads them, and nothing else is written.
 
 \b
   kickdrift run solar-system
@@ -68,28 +69,42 @@ nothing else is written.
   kickdrift run solar-system --years 100000 --checkpoint millennia
   kickdrift run outer-solar-system --save-to planets.zarr --save-every 10
 
-Scenes are worlds of bodies that touch, stack, hinge and walk; a film of each is written besides, <scene>.gif, in real
-time, or faster if it would take more than 20 s; and with the extra viewer a page for the browser, <scene>.html, in
-which it turns under the mouse. Of the options they have --duration, --step, --save-every, --output,
---checkpoint, --save-to and --quiet; times are in seconds.
+Scenes are worlds of rigid bodies and cloth. A run of a scene also writes an animation, <scene>.gif, in real
+time, or faster if it would take more than 20 s; and with the extra viewer an interactive page for the browser,
+<scene>.html. Scenes take the options --duration, --step, --save-every, --output, --checkpoint, --save-to and --quiet;
+times are in seconds.
 
 \b
   kickdrift run pyramid
   kickdrift run ragdolls --duration 2 --step 0.01 --output humanoids
 
-A bodies file, bodies.toml, holds these keys; all but the bodies may be left out, and any other is an error:
+A bodies file, bodies.toml, has these keys; all but the bodies are optional, and any other key is an error:
 
 {_literal(SAMPLE_TOML)}
 
-With bodies = "bodies.csv" at its top instead, they are read from that file beside it:
+With bodies = "bodies.csv" at the top instead, the bodies are read from that file in the same folder:
 
 {_literal(SAMPLE_CSV)}
 """
 
+VIEW = """Show a scene, a robot or a saved run in the browser (extra viewer).
+
+Scenes, robots (extra robots) and saved worlds run live on a page, in real time if steps are fast enough, with buttons to
+play, pause, step and reset, sliders for speed, substeps and the targets of joints, and a spring with which the mouse pulls
+at bodies. Only this machine can open the page; Ctrl-C ends it. For a saved run, FILE.npz, a page that plays without a server
+is written beside it, FILE.html.
+
+\b
+  kickdrift view pyramid
+  kickdrift view robot.xml --step 0.002
+  kickdrift view world.npz --port 8081
+  kickdrift view kickdrift-output/pile.npz
+"""
+
 COMPARE = """Run explicit, implicit and semi-implicit Euler and Stoermer-Verlet with the same step.
 
-Shows the largest relative energy error, its drift, what each costs and, where the exact solution is known, the error
-in position at the end; draws the energy errors in <system>-energy.png.
+Prints the largest relative energy error, the energy drift, the cost and, where the exact solution is known, the error
+in position at the end; plots the energy errors in <system>-energy.png.
 
 \b
   kickdrift compare kepler
@@ -99,13 +114,13 @@ in position at the end; draws the energy errors in <system>-energy.png.
 
 COMPILE = """Compile what worlds, pictures, systems and most methods need, once on this machine, on all cores.
 
-What is compiled already is kept. Without this, each run compiles what it is the first to need.
+Existing compiled code is kept. Without this command, each run compiles what is not yet compiled.
 
 \b
   kickdrift compile
 """
 
-LIST = """List the methods, the systems or the scenes; whole lines where the output is piped.
+LIST = """List the methods, the systems or the scenes; lines are not truncated if the output is piped.
 
 \b
   kickdrift list methods

@@ -50,7 +50,7 @@ class Plan:
 
 @dataclass(frozen=True)
 class _Wishes:
-    """What a system is run with where the command line does not say."""
+    """Defaults for options that the command line does not set."""
 
     duration: float | None
     step: float | None
@@ -89,7 +89,7 @@ def make_plan(target: str, options: Options, *, comparison: bool = False) -> Pla
     """
     is_file = target.lower().endswith(".toml")
     if options.bodies is not None and target != SOLAR_SYSTEM:
-        raise ArgumentError(f"--bodies={options.bodies!r} is for {SOLAR_SYSTEM!r} alone; leave it out.")
+        raise ArgumentError(f"--bodies={options.bodies!r} applies only to {SOLAR_SYSTEM!r}; leave it out.")
     system, wishes = _own_bodies(Path(target)) if is_file else _catalogued(target, options, comparison)
     unit = system.units.get("t", "")
     duration = _duration(options, wishes, unit, target)
@@ -136,7 +136,7 @@ def _duration(options: Options, wishes: _Wishes, unit: str, target: str) -> floa
     if options.years is not None:
         if options.duration is not None:
             raise ArgumentError(
-                f"--years={options.years!r} and --duration={options.duration!r} are both given; drop one."
+                f"--years={options.years!r} and --duration={options.duration!r} are both given; leave one out."
             )
         return parse_time("--years", options.years, unit, bare="year")
     if options.duration is not None:
@@ -149,7 +149,7 @@ def _step(options: Options, wishes: _Wishes, unit: str, target: str) -> float:
         return _given("step", wishes.step, target)
     step = parse_time("--step", options.step, unit)
     if step < 0:
-        raise ArgumentError(f"--step={options.step!r} must be positive; the direction is that of the duration.")
+        raise ArgumentError(f"--step={options.step!r} must be positive; the sign of the duration sets the direction.")
     return step
 
 
@@ -171,6 +171,7 @@ def save_every(options: Options, otherwise: int | None) -> int | None:
 def _given(name: str, value: float | None, target: str) -> float:
     if value is None:
         raise ArgumentError(
-            f"--{name} is missing, and {target} does not say it; give one, or add it to its [run] table."
+            f"--{name} is missing, and {target} does not set it; give the option, or add it to the [run] table of the"
+            " file."
         )
     return value

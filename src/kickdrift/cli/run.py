@@ -16,7 +16,7 @@ from kickdrift.systems import ephemeris
 def run(plan: Plan, folder: Path, quiet: bool, checkpoint: Path | None = None, save_to: Path | None = None) -> int:
     """Do a run, write ``<system>.npz`` and ``<system>.png`` into a folder, and return the exit code.
 
-    A run that ends early is written and reported all the same. One with a folder for checkpoints goes on from the last, and one
+    A run that ends early is still written and reported. One with a folder for checkpoints resumes from the last, and one
     whose rows go to disk writes nothing else.
     """
     if save_to is not None:
@@ -77,8 +77,8 @@ def _say_missed(missed: list[float], plan: Plan) -> None:
     if missed:
         days = ", ".join(f"{day:g}" for day in missed)
         say(
-            f"JPL's epochs {days} (days after J2000) fall between two of the equal steps that cover the span;"
-            " with --years a whole number and --step '0.25 day' or half of it, none does."
+            f"JPL's epochs {days} (days after J2000) fall between steps; with a whole number of --years and --step '0.25 day'"
+            " or half of it, none does."
         )
 
 
@@ -97,7 +97,7 @@ def _show_distances(solution: Solution) -> None:
         return
     if not bodies:
         return
-    print("distance to JPL's positions (DE421), both taken from the Sun, in km, by days after J2000")
+    print("difference from JPL's heliocentric positions (DE421), in km, by days after J2000")
     rows = [
         [body, *(f"{distance:.3g}" if distance < 1e3 else f"{distance:.0f}" for distance in row)]
         for body, row in zip(bodies, km, strict=True)
@@ -105,8 +105,11 @@ def _show_distances(solution: Solution) -> None:
     show_table(["body", *(f"{day:g}" for day in days)], rows)
     missing = [body for body in ephemeris().bodies if body not in ("Sun", *bodies)]
     if missing:
-        print(f"The pull of {', '.join(missing)} is left out, and so are general relativity and the asteroids.")
+        print(f"The attraction of {', '.join(missing)} is neglected, and so are general relativity and the asteroids.")
         return
-    print("What is left is general relativity and the asteroids: integrated without error, Newton's point masses miss")
+    print(
+        "The remaining difference is due to general relativity and the asteroids. For Newtonian point masses, integrated"
+        " without error, it is"
+    )
     for day, floor in NEWTONIAN_FLOOR.items():
-        print(f"  after {day:g} days {', '.join(f'{body} by {km:g}' for body, km in floor.items())} km")
+        print(f"  after {day:g} days {', '.join(f'{body} {km:g}' for body, km in floor.items())} km")

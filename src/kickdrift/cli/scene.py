@@ -39,7 +39,7 @@ def make_scene_plan(name: str, options: Options) -> ScenePlan:
     for field in fields(options):
         value = getattr(options, field.name)
         if field.name in _FOR_SYSTEMS and value is not None:
-            raise ArgumentError(f"--{field.name}={value!r} is for systems, and {name!r} is a scene; leave it out.")
+            raise ArgumentError(f"--{field.name}={value!r} applies to systems, and {name!r} is a scene; leave it out.")
     scene = SCENES[name]
     duration, step = (
         default if text is None else parse_time(f"--{which}", text, "s")
@@ -48,7 +48,9 @@ def make_scene_plan(name: str, options: Options) -> ScenePlan:
     for which, value in (("duration", duration), ("step", step)):
         if value < 0.0:
             given = getattr(options, which)
-            raise ArgumentError(f"--{which}={given!r} must be positive: bodies that touch run forwards.")
+            raise ArgumentError(
+                f"--{which}={given!r} must be positive: contacts cannot be integrated backwards in time."
+            )
     if step > duration:
         raise ArgumentError(f"--step={step!r} is larger than the duration, {duration!r} s; give a smaller one.")
     return ScenePlan(name, duration, step, save_every(options, None))
@@ -59,8 +61,8 @@ def run_scene(
 ) -> int:
     """Run a scene, write ``<scene>.npz``, ``.png``, ``.gif`` and ``.html`` into a folder, and return the exit code.
 
-    A run that ends early is written and reported all the same. One with a folder for checkpoints goes on from the last,
-    and one whose rows go to disk writes nothing else.
+    A run that ends early is still written and reported. One with a folder for checkpoints resumes from the last, and one
+    whose rows go to disk writes nothing else.
     """
     if save_to is None:
         prepare_folder(folder)
@@ -88,7 +90,7 @@ def run_scene(
     page = _page(recording, folder / f"{plan.name}.html")
     if not quiet:
         print(f"\nwritten: {kept}, {picture}, {film}")
-        print(f"open {page}" if page else "to turn it under the mouse: pip install 'kickdrift[viewer]'")
+        print(f"open {page}" if page else "for an interactive page: pip install 'kickdrift[viewer]'")
     return _exit_code(recording)
 
 

@@ -62,11 +62,11 @@ def _own_units_in(argument: str, text: str, unit: str, own_unit: str) -> float:
         return 1.0
     if unit.lower() not in _SECONDS:
         raise ArgumentError(
-            f"{argument}={text!r}: the unit {unit!r} is not known; use second, minute, hour, day or year."
+            f"{argument}={text!r}: the unit {unit!r} is unknown; use second, minute, hour, day or year."
         )
     if own_unit.lower() not in _SECONDS:
-        own = f"counts time in {own_unit!r}" if own_unit else "has no unit of time"
+        own = f"has its time in {own_unit!r}" if own_unit else "has no unit of time"
         raise ArgumentError(
-            f"{argument}={text!r} is in units, but the system {own}; give --duration or --step as a number alone."
+            f"{argument}={text!r} has a unit, but the system {own}; give --duration and --step as plain numbers."
         )
     return _SECONDS[unit.lower()] / _SECONDS[own_unit.lower()]

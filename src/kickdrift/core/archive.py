@@ -46,7 +46,7 @@ def write(path: str | Path, header: Mapping[str, Any], arrays: Arrays, compresse
     path : path
         Where; ``.npz`` is appended where it is missing. The folder must exist.
     header : mapping
-        What JSON can say; under "format" the name of the format.
+        JSON data; under "format" the name of the format.
     arrays : mapping of str to array
     compressed : bool
         Whether to take less room and ten times as long.
@@ -81,7 +81,7 @@ def write(path: str | Path, header: Mapping[str, Any], arrays: Arrays, compresse
 
 def _target(path: str | Path) -> Path:
     if not isinstance(path, str | os.PathLike):
-        raise ArgumentError(f"path={path!r} is no path; give a text such as 'run.npz', or a pathlib.Path.")
+        raise ArgumentError(f"path={path!r} is not a path; give a string such as 'run.npz', or a pathlib.Path.")
     target = Path(path)
     if target.name in ("", "..") or "\0" in str(path):
         raise FileFormatError(f"path={str(path)!r} does not name a file; give a name such as 'run.npz'.")
@@ -108,8 +108,8 @@ def read(path: str | Path, what: str, writer: str, assemble: Callable[[dict[str,
     try:
         if _is_swollen(opened(path)):
             raise FileFormatError(
-                f"path={str(path)!r} takes {_LARGE >> 30} GiB and more in memory, and more than {_MOST_TIMES} times what it"
-                f" takes on disk, which no file does that {writer} wrote; it is not read."
+                f"path={str(path)!r} would take {_LARGE >> 30} GiB or more in memory, more than {_MOST_TIMES} times"
+                f" its size on disk, unlike any file written by {writer}; it is not read."
             )
         with opened(path) as handle, np.load(handle, allow_pickle=False) as file:
             header = json.loads(str(file[_HEADER]))
@@ -130,6 +130,13 @@ def read(path: str | Path, what: str, writer: str, assemble: Callable[[dict[str,
         raise FileFormatError(
             f"path={str(path)!r} is not {what} ({type(error).__name__}: {error}); give a file that {writer} wrote."
         ) from None
+
+
+def format_of(path: str | Path) -> str:
+    """Return the format that a file names, or an empty text where it names none or cannot be read; `read` says why."""
+    with suppress(OSError, *_FOREIGN), opened(path) as handle, np.load(handle, allow_pickle=False) as file:
+        return str(json.loads(str(file[_HEADER]))["format"])
+    return ""
 
 
 def _is_swollen(file: BinaryIO) -> bool:

@@ -20,7 +20,7 @@ def reals(value: Any) -> Floats:
     Raises
     ------
     TypeError
-        If it holds anything else, is ragged, or no array can be made of it; the text says why.
+        If it holds anything else, is ragged, or cannot be converted to an array; the message tells why.
     """
     if has_unit(value):
         raise TypeError("it has a unit, which would be lost")
@@ -42,17 +42,17 @@ def real(value: Any) -> float:
     Raises
     ------
     TypeError
-        If it is none, or is larger than floats are.
+        If it is not a number, or beyond the range of floats.
     """
     if type(value) is float:
         return value
     if isinstance(value, bool | np.bool_) or (array := reals(value)).ndim != 0:
-        raise TypeError("it is no number")
+        raise TypeError("it is not a number")
     return float(array)
 
 
 def choice(argument: str, value: Any) -> bool:
     """Return True or False; ArgumentError for anything else, which might be meant as the other one."""
     if not isinstance(value, bool | np.bool_):
-        raise ArgumentError(f"{argument}={value!r} has to be True or False.")
+        raise ArgumentError(f"{argument}={value!r} must be True or False.")
     return bool(value)

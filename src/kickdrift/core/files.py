@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
-_NO_FILE = "it is a pipe, a socket or a device, and no file"
+_NO_FILE = "it is a pipe, a socket or a device, not a regular file"
 
 
 def opened(path: str | Path) -> BinaryIO:
@@ -38,7 +38,7 @@ def written(target: Path) -> Iterator[Path]:
     Raises
     ------
     OSError
-        If there can be no file, or what is there is none.
+        If there can be no file, or the path is not a regular file.
     """
     mode = None
     with suppress(FileNotFoundError):

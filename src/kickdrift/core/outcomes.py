@@ -4,15 +4,15 @@ from enum import Enum
 
 
 class Outcome(Enum):
-    """The ways in which a run ends; `Outcome.value` is the sentence for people."""
+    """The ways in which a run ends; `Outcome.value` is the sentence shown to users."""
 
     COMPLETED = "The end of t_span was reached."
     STOPPED = "A terminal event ended the run."
     INTERRUPTED = "Interrupted by the user; everything up to the interruption is kept."
     NOT_FINITE = "The state became infinite or not a number; the solution ends with the last good state."
     FAILED = "A function raised an error; the solution ends with the last good state."
-    NOT_WRITTEN = "What was done could not be written, and the run ends there; what was written before is whole."
-    NO_STEP = "No size of the next step will do."
+    NOT_WRITTEN = "The output could not be written; the run ends there, and what was written before is intact."
+    NO_STEP = "No valid size was found for the next step."
     NOT_CONVERGED = "The equations of an implicit step were not solved; the solution ends with the last good state."
 
     @property

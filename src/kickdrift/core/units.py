@@ -51,7 +51,7 @@ def numbers(name: str, value: Any, unit: Any) -> Any:
         converted = value.to(unit)
     except Exception:
         raise ArgumentError(
-            f"{name}={value} has the unit {spelt(unit_of(value))}, which is no {spelt(unit)}: they measure different things."
+            f"{name}={value} has the unit {spelt(unit_of(value))}, which cannot be converted to {spelt(unit)}."
         ) from None
     return converted.value if hasattr(converted, "unit") else converted.magnitude
 

@@ -1,4 +1,4 @@
-"""Whether a user's function says the same compiled as in Python: whole numbers beyond 64 bits overflow in compiled code."""
+"""Whether a user's function agrees compiled and in Python: integers beyond 64 bits overflow in compiled code."""
 
 import random
 import time
@@ -66,8 +66,9 @@ def compare_once(
     if differ.any():
         k = int(np.argmax(differ))
         raise ArgumentError(
-            f"{name} gives {float(found[k])!r} compiled and {float(wanted[k])!r} in Python near the start, as where whole"
-            " numbers beyond 2**63 overflow in compiled code. Write them as floats (1e12, not 10**12), or pass compile=False."
+            f"{name} returns {float(found[k])!r} compiled but {float(wanted[k])!r} in Python near the initial state;"
+            " integers beyond 2**63, for example, overflow in compiled code. Write them as floats (1e12, not 10**12),"
+            " or pass compile=False."
         )
     _COMPARED.add(native)
 

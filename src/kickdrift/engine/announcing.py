@@ -62,7 +62,7 @@ class _Wait:
         """Note that something is compiled."""
         if self._wanted and self._timer is None:
             self._begin()
-            self._timer = threading.Timer(_A_MOMENT, self._say, ["compiling; it takes some seconds ..."])
+            self._timer = threading.Timer(_A_MOMENT, self._say, ["compiling; this takes some seconds ..."])
             self._timer.daemon = True
             self._timer.start()
 

@@ -18,13 +18,13 @@ from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.core.locking import FileLock, LockedError
 from kickdrift.engine.identity import version
 
-_SECONDS = 60.0  # between checkpoints where nobody says how many steps there are
+_SECONDS = 60.0  # between checkpoints, if the number of steps is not given
 _FIRST = 1000  # steps to the first one there
 _NAME = re.compile(r"step-(\d{15})\.npz")
 
 
 class Found(NamedTuple):
-    """A checkpoint that was read: what it says, its arrays, and what is to be said of it."""
+    """A checkpoint that was read: its header, its arrays, and what to report about it."""
 
     header: dict[str, Any]
     arrays: dict[str, Any]
@@ -55,9 +55,9 @@ class Checkpoints:
         for name, value in (("checkpoint_every", every), ("checkpoint_keep", keep)):
             whole = isinstance(value, int | np.integer) and not isinstance(value, bool) and value >= 1
             if value is not None and not whole:
-                raise ArgumentError(f"{name}={value!r} must be a whole number, one or more.")
+                raise ArgumentError(f"{name}={value!r} must be a whole number of at least 1.")
         if not isinstance(folder, str | os.PathLike) or not str(folder) or "\0" in str(folder):
-            raise ArgumentError(f"checkpoint={folder!r} is no path; give a folder, such as 'run.checkpoints'.")
+            raise ArgumentError(f"checkpoint={folder!r} is not a path; give a folder, such as 'run.checkpoints'.")
         self.folder, self._every, self._keep, self._identity = Path(folder), every, keep, dict(identity)
         self._pace, self._newest = _FIRST, -1
         try:
@@ -67,12 +67,13 @@ class Checkpoints:
                 partial.unlink(missing_ok=True)
         except OSError as error:
             raise ArgumentError(
-                f"checkpoint={str(folder)!r} cannot be the folder of checkpoints: {error.strerror}; name another one, in a"
-                " folder that there is."
+                f"checkpoint={str(folder)!r} cannot be used as the folder for checkpoints: {error.strerror}; name"
+                " another one, in an existing folder."
             ) from None
         except LockedError as holder:
             raise ArgumentError(
-                f"checkpoint={str(folder)!r} is in use by a run of {holder}; wait until that has ended, or name another folder."
+                f"checkpoint={str(folder)!r} is in use by a run of {holder}; wait until that run has ended, or name"
+                " another folder."
             ) from None
 
     def close(self) -> None:
@@ -96,7 +97,7 @@ class Checkpoints:
         self._pace = max(1, min(10 * max(steps, _FIRST), int(steps * _SECONDS / max(seconds, 1e-9))))
 
     def write(self, step: int, header: Mapping[str, Any], arrays: archive.Arrays) -> None:
-        """Write a checkpoint, unless that is where the run went on from, and remove those that are not to be kept.
+        """Write a checkpoint, unless the run resumed from it, and remove those that are not to be kept.
 
         Raises
         ------
@@ -133,29 +134,29 @@ class Checkpoints:
             header, arrays = found
             self._check(header)
             self._newest = step
-            said = f" It went on from step {step}, kept in {str(self.folder)!r}."
+            said = f" It resumed from step {step}, stored in {str(self.folder)!r}."
             return Found(
                 header, arrays, said + "".join(f" A newer checkpoint is damaged: {words}" for words in damaged)
             )
         if damaged:
             raise FileFormatError(
-                f"checkpoint={str(self.folder)!r} has no checkpoint that is whole: {' '.join(damaged)} Remove the folder to"
-                " begin anew."
+                f"checkpoint={str(self.folder)!r} has no intact checkpoint: {' '.join(damaged)} Remove the folder to"
+                " start again."
             )
         return None
 
     def refuse(self, argument: str) -> ArgumentError:
         """Return the error for a folder of a run that another argument has determined."""
         return ArgumentError(
-            f"checkpoint={str(self.folder)!r} is of another run, with another {argument}; name another folder, or remove that"
-            " one to begin anew."
+            f"checkpoint={str(self.folder)!r} belongs to another run, with another {argument}; name another folder, or"
+            " remove this one to start again."
         )
 
     def _check(self, header: Mapping[str, Any]) -> None:
         if header["version"] != version():
             raise ArgumentError(
-                f"checkpoint={str(self.folder)!r} is of {header['version']}, and this is {version()}, whose bits may be others;"
-                " go on with that version, or name another folder."
+                f"checkpoint={str(self.folder)!r} was written by {header['version']}, and this is {version()}, which"
+                " may yield other bits; resume with that version, or name another folder."
             )
         others = [name for name, words in self._identity.items() if header["identity"].get(name) != words]
         if header["identity"].keys() - self._identity.keys() or len(others) == len(self._identity):

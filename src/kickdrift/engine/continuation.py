@@ -1,4 +1,4 @@
-"""Runs that go on from where they stand, with the bits of one that was never broken."""
+"""Runs that continue from their current state, with the bits of an uninterrupted run."""
 
 from contextlib import closing
 from dataclasses import dataclass, replace
@@ -41,10 +41,10 @@ class Continuation:
         if isinstance(grid, Grid):
             return lengthen(grid, t, self.standing.step, self.task.system.x0.size)
         if self.ended or t != grid.t1:
-            rest = "" if self.ended else f" This run can go on to its end, {grid.t1!r}."
+            rest = "" if self.ended else f" This run can be continued to its end, {grid.t1!r}."
             raise ArgumentError(
-                f"t={t!r}: the sizes of the steps vary, and rows and steps are laid for the end that was given; solve to the"
-                f" later end, with checkpoint='folder' if it takes long.{rest}"
+                f"t={t!r}: the steps vary, and the steps and rows of this run depend on its end; solve to the later"
+                f" end from the start, with checkpoint='folder' if that takes long.{rest}"
             )
         return grid
 

@@ -34,30 +34,31 @@ def check_method(wanted: StepControl, system: System, method: Method) -> None:
         return
     if not method.symmetric:
         raise ArgumentError(
-            f"step_control={name} keeps steps reversible, but method={method.name!r} is not symmetric; take"
-            f" {preferred(system.kind, 2).name!r}, another symmetric one, or kd.LocalError(rtol, atol)."
+            f"step_control={name} keeps steps reversible, but method={method.name!r} is not symmetric; use"
+            f" {preferred(system.kind, 2).name!r}, another symmetric method, or kd.LocalError(rtol, atol)."
         )
     if isinstance(wanted, HuangLeimkuhler | TimeTransformed) and (method.order != 2 or method.tableau is not None):
         raise ArgumentError(
-            f"step_control={name} is for splittings of order 2, and method={method.name!r} is none; take"
+            f"step_control={name} is for splittings of order 2, and method={method.name!r} is not one; use"
             " 'velocity-verlet', or kd.HairerSoderlind."
         )
     if isinstance(wanted, HuangLeimkuhler) and not {letter.plain for letter in method.letters} <= {K, D}:
         raise ArgumentError(
-            f"step_control={name} parts a step in its middle, and method={method.name!r} has other flows than kicks and drifts;"
-            " take kd.HairerSoderlind."
+            f"step_control={name} divides a step at its midpoint, and method={method.name!r} has flows other than"
+            " kicks and drifts; use kd.HairerSoderlind."
         )
     if isinstance(wanted, LogarithmicHamiltonian | TimeTransformed):
         plain = {letter.plain for letter in method.letters}
         if not (plain <= {K, D} and method.kind.includes(Kind.SEPARABLE)):
             raise ArgumentError(
-                f"step_control={name} changes kicks and drifts so that only splittings for T(p) + V(q) keep their order, and"
-                f" method={method.name!r} is none; take 'velocity-verlet', 'blanes-moan-s6' or 'kahan-li-8'."
+                f"step_control={name} changes kicks and drifts so that only splittings for T(p) + V(q) keep their"
+                f" order, and method={method.name!r} is not one; use 'velocity-verlet', 'blanes-moan-s6' or"
+                " 'kahan-li-8'."
             )
         if not Kind.NEWTONIAN.includes(system.kind):
             raise ArgumentError(
-                f"step_control={name} is for {Kind.NEWTONIAN.value}, but {system.name!r} has {system.kind.value}; take"
-                " kd.HairerSoderlind."
+                f"step_control={name} is for {Kind.NEWTONIAN.value}, but the kind of {system.name!r} is"
+                f" {system.kind.value}; use kd.HairerSoderlind."
             )
 
 
@@ -72,8 +73,8 @@ def check_copies(name: str, system: System, method: Method) -> None:
     check_corrector(name, method)
     if any(letter.share.startswith("doubled") for letter in method.letters):
         raise ArgumentError(
-            f"{name} and method={method.name!r}: velocities jump, but this one keeps a second copy of the state; take"
-            " another, such as 'gauss-4'."
+            f"{name} and method={method.name!r}: velocities jump, but this method keeps a second copy of the state;"
+            " use another one, such as 'gauss-4'."
         )
 
 
@@ -85,7 +86,7 @@ def check_noise(name: str, system: System) -> None:
     ArgumentError
     """
     if system.kind is Kind.LANGEVIN:
-        raise ArgumentError(f"{name} and noise: its path is for steps of one size; leave one of them out.")
+        raise ArgumentError(f"{name} and noise: a stochastic path needs equal steps; leave one of them out.")
 
 
 def check_corrector(name: str, method: Method) -> None:
@@ -97,7 +98,7 @@ def check_corrector(name: str, method: Method) -> None:
     """
     if method.corrector:
         raise ArgumentError(
-            f"{name} and method={method.name!r}: its corrector is for steps of one size; take the method without it."
+            f"{name} and method={method.name!r}: its corrector needs equal steps; use the method without it."
         )
 
 
@@ -110,13 +111,13 @@ def check_merging(density: object, system: System) -> None:
     """
     if system.radii is not None and isinstance(density, str):
         raise ArgumentError(
-            f"step_control={density!r} has no number where bodies of {system.name!r} have merged; leave it out, as the method"
-            " resolves encounters itself, or give rtol and atol."
+            f"step_control={density!r} has no value where bodies of {system.name!r} have merged; leave it out, since"
+            " the method resolves encounters itself, or give rtol and atol."
         )
 
 
 def check_density(density: Quantity, named: str, system: System, t0: float) -> None:
-    """Refuse a density that is none at the start, or another one with the velocities turned around.
+    """Refuse a density that is invalid at the start, or that changes with the velocities reversed.
 
     Raises
     ------
@@ -126,12 +127,13 @@ def check_density(density: Quantity, named: str, system: System, t0: float) -> N
     here, turned = float(at(system.v0[None])[0]), float(at(-system.v0[None])[0])
     if not 0.0 < here < math.inf:
         raise ArgumentError(
-            f"density by {named} is {here!r} at the start; it must be positive and finite: so many steps to a unit of time."
+            f"density by {named} is {here!r} at the start; it must be positive and finite: the number of steps per"
+            " unit of time."
         )
     if abs(here - turned) > 1e-9 * here:
         raise ArgumentError(
-            f"density by {named} is {here!r} at the start, and {turned!r} with the velocities turned around; it must be the"
-            " same, or no step leads back."
+            f"density by {named} is {here!r} at the start, and {turned!r} with the velocities reversed; it must"
+            " be the same, or the steps are not reversible."
         )
 
 
@@ -144,8 +146,8 @@ def binding_energy(system: System, t0: float) -> Quantity:
     """
     if "energy" not in system.quantities:
         raise ArgumentError(
-            f"step_control=kd.LogarithmicHamiltonian() needs the energy, which {system.name!r} does not say; give energy=..."
-            " to its description, or take kd.TimeTransformed('distance')."
+            f"step_control=kd.LogarithmicHamiltonian() needs the energy, which {system.name!r} does not define; pass"
+            " energy=... to its description, or use kd.TimeTransformed('distance')."
         )
     energy = system.quantities["energy"]
     x, v, rest = system.x0, system.v0, np.zeros_like(system.v0)
@@ -154,12 +156,12 @@ def binding_energy(system: System, t0: float) -> Quantity:
     potential, whole, other, other_whole = evaluate_quantity(energy, system, np.full(4, t0), *states)
     if not -math.inf < potential < 0.0:
         raise ArgumentError(
-            f"step_control=kd.LogarithmicHamiltonian() needs a negative potential energy, as of gravity; at the start that of"
-            f" {system.name!r} is {float(potential)!r}. Take kd.HairerSoderlind() or kd.TimeTransformed()."
+            "step_control=kd.LogarithmicHamiltonian() needs a negative potential energy, as of gravity; at the start"
+            f" that of {system.name!r} is {float(potential)!r}. Use kd.HairerSoderlind() or kd.TimeTransformed()."
         )
     if abs((whole - potential) - (other_whole - other)) > 1e-9 * (abs(whole) + abs(potential) + abs(other)):
         raise ArgumentError(
-            f"step_control=kd.LogarithmicHamiltonian() needs an energy T(v) + U(x), but that of {system.name!r} has a kinetic"
-            " energy that depends on x; take kd.HairerSoderlind()."
+            f"step_control=kd.LogarithmicHamiltonian() needs an energy T(v) + U(x), but that of {system.name!r} has a"
+            " kinetic energy that depends on x; use kd.HairerSoderlind()."
         )
     return energy

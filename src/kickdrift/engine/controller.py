@@ -56,7 +56,7 @@ class Controller:
     between : Controller or None
         What controls parts of steps, for states between them.
     takes_back : bool
-        Whether steps are taken back.
+        Whether steps can be rejected.
     surfaces : Surfaces or None
         Of impacts, for events.
     function : Quantity or None
@@ -99,7 +99,7 @@ def control_of(wanted: Any, step: float | None, rtol: float | None, atol: ArrayL
     Raises
     ------
     ArgumentError
-        For what is no control, if two are given, or no step where there has to be one.
+        For an invalid control, if two are given, or if a required step is missing.
     """
     by_error = rtol is not None or atol is not None
     if by_error and wanted is not None:
@@ -110,16 +110,16 @@ def control_of(wanted: Any, step: float | None, rtol: float | None, atol: ArrayL
         return LocalError(1e-3 if rtol is None else rtol, 1e-6 if atol is None else atol)
     if step is None and not isinstance(wanted, LocalError):
         raise ArgumentError(
-            "step is missing: give the size of the steps, or with step_control that of the first; rtol and atol alone find it"
+            "step is missing: give the step size, or with step_control the first one; only rtol and atol determine it"
             " themselves."
         )
     if isinstance(wanted, str) or (callable(wanted) and not isinstance(wanted, type)):
         return HairerSoderlind(wanted)
     if not isinstance(wanted, StepControl | None):
         raise ArgumentError(
-            f"step_control={wanted!r} is none; give a density (a function, 'distance', 'acceleration' or 'own'),"
-            " kd.HairerSoderlind(...), kd.HuangLeimkuhler(...), kd.LogarithmicHamiltonian(), kd.TimeTransformed(...) or"
-            " kd.LocalError(rtol, atol)."
+            f"step_control={wanted!r} is not a step control; give a density (a function, 'distance', 'acceleration' or"
+            " 'own'), kd.HairerSoderlind(...), kd.HuangLeimkuhler(...), kd.LogarithmicHamiltonian(),"
+            " kd.TimeTransformed(...) or kd.LocalError(rtol, atol)."
         )
     return wanted
 
@@ -150,7 +150,7 @@ def controlled(
     spelled: Callable[..., Spelled] = wanted.spelled
     if sees_v:
         if not isinstance(wanted, HairerSoderlind):
-            raise ArgumentError(f"density={named} sees v, which kd.{type(wanted).__name__} does not allow.")
+            raise ArgumentError(f"density={named} depends on v, which kd.{type(wanted).__name__} does not allow.")
         spelled = _seeing_v
     name = f"{_SCHEMES[type(wanted)]}, density by {named}"
     parts = {**system.parts, "density": density.function}
@@ -189,7 +189,8 @@ def _by_error(wanted: LocalError, system: System, method: Method, first_is_given
         of_x = np.broadcast_to(absolute, system.x0.shape).reshape(-1)
     except (TypeError, ValueError) as error:
         raise ArgumentError(
-            f"rtol={wanted.rtol!r}, atol={wanted.atol!r}: {error}; give a number, and a number or one to each of the state."
+            f"rtol={wanted.rtol!r}, atol={wanted.atol!r}: {error}; give a number for rtol, and for atol a number or"
+            " one per component of the state."
         ) from None
     if not (100 * np.finfo(float).eps <= relative < 1.0 or (relative == 0.0 and (of_x > 0.0).all())):
         raise ArgumentError(f"rtol={wanted.rtol!r} must be at least 2.3e-14 and below 1, or 0 with a positive atol.")
@@ -222,10 +223,12 @@ def _density(wanted: Any, system: System, adapt: Adapt) -> tuple[Quantity, str, 
         return Quantity(own), "the system's own", False, 0
     if isinstance(wanted, str):
         if wanted not in _NAMES:
-            why = f"{system.name!r} has none of its own; " if wanted == "own" else ""
+            why = f"{system.name!r} has no density of its own; " if wanted == "own" else ""
             raise ArgumentError(f"density={wanted!r}: {why}give 'distance', 'acceleration' or a function of the state.")
         if wanted == "acceleration" and not system.v0.size:
-            raise ArgumentError("density='acceleration': first-order equations have none; give a function of y.")
+            raise ArgumentError(
+                "density='acceleration': first-order equations have no acceleration; give a function of y."
+            )
         return _NAMES[wanted](system), wanted, False, int(wanted == "acceleration")
     allowed = ("t", "x", "v", "params", "q", "p") if system.v0.size else ("t", "y", "x", "params")
     given = argument_names(wanted, "density", allowed)

@@ -74,7 +74,7 @@ class DenseOutput:
         end: float,
         compile: Callable[[], Processing],  # noqa: A002 - the name of the field
     ) -> DenseOutput:
-        """Make one of rows, their times, x, v and steps, before which there is the start, if it is none of them."""
+        """Create one from rows, their times, x, v and steps, preceded by the start if it is not a row."""
         t, xs, vs, steps = rows
         if not t.size or t[0] != grid.t0:
             t, steps = np.append(grid.t0, t), np.append(grid.step, steps)
@@ -106,7 +106,7 @@ class DenseOutput:
         Raises
         ------
         ArgumentError
-            For times outside, and for what is no list of times.
+            For times outside the run, and anything but a list of times.
         KickdriftError
             If the method finds no state at one of them.
         """
@@ -115,8 +115,8 @@ class DenseOutput:
         lost = ~np.isfinite(xs).all(axis=tuple(range(1, xs.ndim)))
         if lost.any():
             raise KickdriftError(
-                f"there is no state at t={float(times.reshape(-1)[lost][0])!r}: the step to there has no solution, or is not"
-                " finite; take a smaller step."
+                f"there is no state at t={float(times.reshape(-1)[lost][0])!r}: the step to it has no solution, or is"
+                " not finite; use a smaller step."
             )
         return States(xs.reshape(times.shape + xs.shape[1:]), vs.reshape(times.shape + vs.shape[1:]))
 
@@ -138,8 +138,8 @@ class DenseOutput:
         far = (counts > 1) | ((counts == 1) & (rest != 0.0))
         if self.varies and far.any():
             raise ArgumentError(
-                f"t={float(wanted[far][0])!r} lies some steps after a row, and their sizes vary; keep every step, or"
-                " ask for the times by t_eval."
+                f"t={float(wanted[far][0])!r} lies several steps after a row, and the steps vary; keep every step, or"
+                " request the times with t_eval."
             )
         return row, counts, rest
 
@@ -182,8 +182,8 @@ def check_between(system: System, grid: Grid) -> None:
     first = float(off[0]) if off.size else float(grid.wanted[0])
     nearest = grid.t0 + round((first - grid.t0) / grid.step) * grid.step
     raise ArgumentError(
-        f"t_eval={first!r}: noise drives the path, which is known after whole steps of {abs(grid.step)!r} alone, one after"
-        f" the other; the nearest is {nearest!r}. Choose a step that divides the times wanted, and sort them."
+        f"t_eval={first!r}: a stochastic path is known only after whole steps of {abs(grid.step)!r}, in ascending"
+        f" order; the nearest is {nearest!r}. Choose a step that divides all times, and sort them."
     )
 
 
@@ -195,12 +195,12 @@ def _times(t: Any, first: float, last: float) -> Floats:
     try:
         times = np.asarray(reals(t))
     except TypeError:
-        raise ArgumentError(f"t={t!r} has to be a time, or an array of times.") from None
+        raise ArgumentError(f"t={t!r} must be a time, or an array of times.") from None
     low, high = min(first, last), max(first, last)
     outside = ~((times >= low) & (times <= high))
     if outside.any():
         raise ArgumentError(
-            f"t={float(times[outside][0])!r} lies outside of what was run, {float(first)!r} to {float(last)!r}; run on to there"
-            " first."
+            f"t={float(times[outside][0])!r} lies outside the times of the solution, {float(first)!r} to"
+            f" {float(last)!r}; extend it with continue_to first."
         )
     return times

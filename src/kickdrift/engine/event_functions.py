@@ -27,7 +27,7 @@ def events_of(events: Any, quantity: Callable[[str, Any], Quantity]) -> tuple[Ev
     Raises
     ------
     ArgumentError
-        For what is no function of the state, and attributes that cannot be.
+        For anything but functions of the state, and for invalid attributes.
     """
     if events is None:
         return ()
@@ -40,7 +40,9 @@ def _event(name: str, function: Any, quantity: Callable[[str, Any], Quantity]) -
     bound = getattr(function, "rate_bound", None)
     name = f"{name}, {name_of(function)}" if callable(function) else name
     if not (isinstance(terminal, bool | np.bool_ | int | np.integer) and terminal >= 0):
-        raise ArgumentError(f"{name}, has terminal={terminal!r}; give True, False, or at which zero the run ends.")
+        raise ArgumentError(
+            f"{name}, has terminal={terminal!r}; give True, False, or the number of the zero that ends the run."
+        )
     for attribute, value, wanted in (
         ("direction", direction, "1, -1 or 0"),
         ("rate_bound", bound, "a positive number"),

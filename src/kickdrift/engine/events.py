@@ -44,7 +44,7 @@ class Zero(NamedTuple):
 class Seen(NamedTuple):
     """What was found of events up to a step: zeros, the steps in which further ones are, and the evaluations that it took.
 
-    No zero up to the time `beyond` ends a run: it went on from there.
+    No zero up to the time `beyond` ends a run: it continued from there.
     """
 
     zeros: tuple[Zero, ...]
@@ -83,7 +83,7 @@ def watch_for(
         return None
     if system.kind is Kind.LANGEVIN:
         raise ArgumentError(
-            "events are given, but noise drives the path: between two steps it is not known; leave them out."
+            "events are given, but the path is stochastic, and not known between steps; leave them out."
         )
     return Watch(events, system, processing(), end, surfaces)
 
@@ -173,7 +173,7 @@ class Watch:
             steps = min(steps, max(before_it, 0))
         elif bad.size:
             k = int(np.argmax(np.isnan([value[bad[0]] for value in values])))
-            failure = f" {self.events[k].name}, gave no number at t={float(t[bad[0]])!r}."
+            failure = f" {self.events[k].name}, returned NaN at t={float(t[bad[0]])!r}."
         self._x, self._v = xs[steps : steps + 1], vs[steps : steps + 1]
         return Found(steps, stop, failure, any(zero is stop for zero in self._jumps))
 
@@ -263,7 +263,7 @@ class Watch:
         t = at.t + size
         values = evaluate_quantity(self.events[event].quantity, self._system, t, x, v)
         if np.isnan(values).any():
-            raise KickdriftError(f"{self.events[event].name}, gave no number at t={float(t[np.isnan(values)][0])!r}")
+            raise KickdriftError(f"{self.events[event].name}, returned NaN at t={float(t[np.isnan(values)][0])!r}")
         return t, x, v, values
 
     def _bracketed(self, event: int, steps: Brackets) -> Brackets:

@@ -133,7 +133,9 @@ def lay_grid(
     largest = _largest_step(step, length, rounding)
     n_steps = max(1, math.ceil(length / largest * (1 - rounding)))
     if length / n_steps < 4 * np.spacing(farthest):
-        raise ArgumentError(f"step={step!r} is lost beside times of {farthest!r}; count time from a nearer origin.")
+        raise ArgumentError(
+            f"step={step!r} is lost to rounding beside times of {farthest!r}; shift the origin of time closer."
+        )
     h = (t1 - t0) / n_steps
     if t_eval is not None:
         _check_one_of(t_eval, save_every)
@@ -172,13 +174,14 @@ def _largest_step(step: float | None, length: float, rounding: float) -> float:
     except TypeError:
         raise ArgumentError(f"step={step!r} must be a number, the largest step allowed.") from None
     if not (math.isfinite(value) and value > 0):
-        remedy = "give its size; the direction is that of t_span." if value < 0 else "give a positive number."
+        remedy = "give its size; t_span sets the direction." if value < 0 else "give a positive number."
         raise ArgumentError(f"step={step!r} must be positive and finite; {remedy}")
     if value > length * (1 + 1e-12 + rounding):
         raise ArgumentError(f"step={step!r} is larger than t_span, which is {length!r} long; give a smaller step.")
     if length / value > 2**53:
         raise ArgumentError(
-            f"step={step!r} cuts t_span into {length / value:.3g} steps, more than float64 counts; give a larger one."
+            f"step={step!r} cuts t_span into {length / value:.3g} steps, more than float64 can count; give a larger"
+            " step."
         )
     return value
 
@@ -206,12 +209,12 @@ def lengthen(grid: Grid, t1: float, done: int, state_size: int) -> Grid:
     if n_steps <= done:
         end = grid.t0 + done * grid.step
         raise ArgumentError(
-            f"t={t1!r} does not lie beyond what is done, {end!r}; what lies before it, solution(t) gives."
+            f"t={t1!r} does not lie beyond the end of the solution, {end!r}; for earlier times use solution(t)."
         )
     if abs(ahead - n_steps) > rounding:
         near = [grid.t0 + (math.floor(ahead) + k) * grid.step for k in (0, 1)]
         raise ArgumentError(
-            f"t={t1!r} is no whole number of steps of {grid.step!r} away from {grid.t0!r}, and the step stays what it is;"
+            f"t={t1!r} is not a whole number of steps of {grid.step!r} from {grid.t0!r}, and the step cannot change;"
             f" the nearest times are {near[0]!r} and {near[1]!r}."
         )
     if grid.every is not None:
@@ -249,7 +252,7 @@ def _every(t0: float, t1: float, h: float, n_steps: int, every: int) -> Grid:
 def _check_one_of(t_eval: ArrayLike, save_every: int | None) -> None:
     if save_every is not None:
         raise ArgumentError(
-            f"save_every={save_every!r} and t_eval are both given, but each says which times to keep; give one."
+            f"save_every={save_every!r} and t_eval are both given, but each determines the times to keep; give one."
         )
 
 
@@ -271,7 +274,9 @@ def _wanted_times(t_eval: ArrayLike, t0: float, t1: float) -> NDArray[np.float64
     outside = ~((times >= min(t0, t1) - rounding) & (times <= max(t0, t1) + rounding))
     if outside.any():
         bad = times[outside][0]
-        raise ArgumentError(f"t_eval={bad!r} lies outside t_span=({t0!r}, {t1!r}); leave it out or widen t_span.")
+        raise ArgumentError(
+            f"t_eval={bad!r} lies outside t_span=({t0!r}, {t1!r}); leave this time out or extend t_span."
+        )
     return times
 
 

@@ -1,4 +1,4 @@
-"""What determines a run, in words that are the same in every process: a run that goes on has to be the same one.
+"""What determines a run, in words that are the same in every process: only the same run can be resumed.
 
 It guards against mistakes. Where one cannot tell what a function uses, its code alone is compared.
 """
@@ -42,7 +42,7 @@ def identity_of(
     """Return what determines a run, by the names of the arguments of `solve`.
 
     Of equal steps their size and the rows are left out, which are compared where they are known: another end changes both.
-    Where sizes vary the end has to be the same.
+    Where sizes vary the end must be the same.
     """
     varies = isinstance(grid, Course)
     rows: list[Any] = [grid.stride, grid.wanted, grid.streamed] if isinstance(grid, Course) else []

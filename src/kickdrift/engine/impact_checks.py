@@ -47,8 +47,8 @@ def check_friction(friction: Floats, gaps: Quantity, system: System, t0: float) 
     between = np.flatnonzero((friction > 0.0) & (touched > 1))
     if between.size:
         raise ArgumentError(
-            f"gap {int(between[0])} is between bodies and has friction {float(friction[between[0]])!r}; impacts have friction"
-            " with surroundings at rest alone: give 0 there, or build a kd.World."
+            f"gap {int(between[0])} is between two bodies and has friction {float(friction[between[0]])!r}, but"
+            " impacts support friction only with surroundings at rest: give 0 there, or build a kd.World."
         )
 
 
@@ -82,6 +82,6 @@ def check_start(start: Floats, count: int, length: float) -> None:
     beyond: Sequence[int] = np.flatnonzero(start[:count] < -1e-9 * length).tolist()
     if beyond:
         raise ArgumentError(
-            f"gap {beyond[0]} is {float(start[beyond[0]])!r} at the start, beyond the surface; gaps are positive where nothing"
-            " touches: move x0, or turn the sign of the function."
+            f"gap {beyond[0]} is {float(start[beyond[0]])!r} at the start, beyond the surface; gaps are positive where"
+            " nothing touches: move x0, or change the sign of the function."
         )

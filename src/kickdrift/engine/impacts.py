@@ -1,4 +1,4 @@
-"""Impacts and switches: surfaces that bodies rebound from, and those beyond which a force has another law."""
+"""Impacts and switches: surfaces from which bodies rebound, and surfaces at which the force law changes."""
 
 from __future__ import annotations
 
@@ -44,33 +44,34 @@ class Impacts:
     Parameters
     ----------
     gap : callable
-        How far each is from touching: a number, or an array of them, positive where nothing touches and negative where bodies
-        overlap, with arguments named as those of forces (x, t, params). Through abs(x) they would pass; such a run ends there.
+        The distance to contact: a number, or an array of them, positive where nothing touches and negative where bodies
+        overlap, with arguments named as those of forces (x, t, params). A gap that is never negative, such as abs(x), cannot
+        be resolved: the run ends there.
     restitution : float or array_like
-        Newton's e, of each gap: the share of the closing speed with which it opens again, from 0 to 1.
+        Newton's coefficient e of each gap: the ratio of the separation speed to the approach speed, from 0 to 1.
     friction : float or array_like
-        Coulomb's mu, of each gap, for those between one body and its surroundings.
+        Coulomb's coefficient mu of each gap, for gaps between one body and its surroundings.
     mass : array_like, optional
-        A number, or for states (N, d) one to each of the N bodies; by default those of the problem where it has masses
-        (`kickdrift.Newtonian`, systems under gravity), or else 1.
+        A number, or for states (N, d) one per body; by default the masses of the problem where it has any
+        (`kickdrift.Newtonian`, systems under gravity), otherwise 1.
     located : bool
-        Whether impacts happen at their moment, to which the step is cut; or after the step in which they fall, where bodies are
-        put back onto the surface: as in games, with the flights' times wrong by a part of a step.
+        Whether impacts happen at the time of contact, at which the step is cut; otherwise they happen after the step, and
+        bodies are moved back onto the surface, as in games, with an error of a fraction of a step in the times of flight.
 
     Notes
     -----
-    A body whose rebounds have become shorter than a thousandth of a step rests on the surface, or slides along it, until
-    nothing presses it on: by impulses at both ends of a step, as RATTLE has them, of second order for any method of that order
-    or higher, and with friction that holds what it can hold. Where the slip turns around or stops, the step is cut, as at
-    impacts; where these are not located, it is not, and the order is one. Two zeros of a gap within one step are not seen: take
-    smaller steps than the shortest graze.
+    A body whose rebounds have become shorter than a thousandth of a step rests on the surface, or slides along it, until the
+    contact force vanishes. It is constrained by impulses at both ends of a step, as in RATTLE, to second order for any
+    method of that order or higher, with static friction up to Coulomb's limit. Where the slip reverses or stops, the step is
+    cut, as at impacts; if these are not located, it is not cut, and the order is one. Two zeros of a gap within one step are
+    missed: use steps shorter than the shortest graze.
 
     Examples
     --------
     >>> import numpy as np, kickdrift as kd
     >>> floor = kd.Impacts(lambda x: x[1], restitution=0.9)
     >>> fall = lambda x: np.array([0.0, -9.81])
-    >>> ball = kd.solve(fall, (0.0, 3.0), [0, 1], [1, 0], step=0.01, method="velocity-verlet", impacts=floor, compile=False)
+    >>> ball = kd.solve(fall, (0.0, 1.0), [0, 1], [1, 0], step=0.05, method="velocity-verlet", impacts=floor, compile=False)
     >>> bool(ball.x[:, 1].min() > -1e-12)
     True
     """
@@ -98,7 +99,7 @@ def sphere_gaps(radii: ArrayLike) -> Callable[..., Any]:
     Raises
     ------
     ArgumentError
-        For what is no list of positive numbers.
+        If `radii` is not a list of positive numbers.
     """
     try:
         sizes = reals(radii)
@@ -138,7 +139,7 @@ def cut_steps(
     Raises
     ------
     ArgumentError
-        For what is none, does not go with the method or the system, and for a start beyond a surface.
+        For invalid impacts, ones that are incompatible with the method or the system, and a start beyond a surface.
     """
     if impacts is not None and not isinstance(impacts, Impacts):
         impacts = Impacts(impacts)
@@ -177,7 +178,7 @@ def cut_steps(
     surfaces = Surfaces(whole, of_impacts, length, course.step, bool(params[layout.LOCATED])) if of_impacts else None
     controller = Controller(
         name,
-        "what impacts leave of energy and momenta",
+        "energy and momenta as the impacts leave them",
         spelled,
         params,
         between=Controller(name, "", _between, params),
@@ -206,7 +207,7 @@ def sides_at(switches: Any, problem: Any, adapter: Adapter) -> Floats:
     Raises
     ------
     ArgumentError
-        For what is no function of the state.
+        For anything but functions of the state.
     """
     if switches is None or isinstance(problem, System):
         return np.zeros(0)
@@ -219,16 +220,18 @@ def sides_at(switches: Any, problem: Any, adapter: Adapter) -> Floats:
 def _check(impacts: Impacts | None, system: System, method: Method, course: Course) -> None:
     if impacts is not None and course.t1 < course.t0:
         raise ArgumentError(
-            f"t_span=({course.t0!r}, {course.t1!r}) runs backwards, where impacts have no meaning; start at the earlier time."
+            f"t_span=({course.t0!r}, {course.t1!r}) runs backwards, but impacts are irreversible; start at the earlier"
+            " time."
         )
     if not Kind.VELOCITY_DEPENDENT.includes(system.kind) and impacts is not None:
         raise ArgumentError(
-            f"impacts change velocities, and {system.name!r} has {system.kind.value}; describe it as kd.SecondOrder,"
-            " kd.Newtonian or another with x' = v."
+            f"impacts change velocities, but the kind of {system.name!r} is {system.kind.value}; describe it as"
+            " kd.SecondOrder, kd.Newtonian or another kind with x' = v."
         )
     if impacts is not None and system.radii is not None:
         raise ArgumentError(
-            f"impacts are given, but bodies of {system.name!r} have radii, and merge where they touch; leave one of them out."
+            f"impacts are given, but the bodies of {system.name!r} have radii, and merge on contact; leave one of them"
+            " out."
         )
     check_copies("impacts and switches", system, method)
 

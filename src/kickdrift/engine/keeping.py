@@ -76,8 +76,8 @@ def find(
         standing = Standing(_state_of(arrays, blank), int(header["step"]), mark, rows, seconds, seen)
     except (LookupError, TypeError, ValueError) as error:
         raise FileFormatError(
-            f"checkpoint={str(checkpoints.folder)!r} does not hold what it should ({type(error).__name__}: {error}); remove it"
-            " to begin anew."
+            f"checkpoint={str(checkpoints.folder)!r} has invalid contents ({type(error).__name__}: {error}); remove it"
+            " to start again."
         ) from None
     same = with_step(grid, h) if isinstance(grid, Grid) else grid
     if same is None or (same is grid and grid.step != h):

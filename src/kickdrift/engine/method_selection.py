@@ -62,8 +62,8 @@ def choose(
     if system.radii is not None:
         if step < 0.0:
             raise ArgumentError(
-                f"t_span runs backwards from t={t0!r}, but bodies of {system.name!r} have radii, and what has merged does not"
-                " come apart; leave the radii out."
+                f"t_span runs backwards from t={t0!r}, but the bodies of {system.name!r} have radii, and mergers"
+                " cannot be reversed; leave the radii out."
             )
         return _of_bodies_that_merge(method, system)
     if method is None:
@@ -84,12 +84,12 @@ def choose(
 
 def _of_bodies_that_merge(method: str | Method | None, system: System) -> Choice:
     if method is None or method == AUTO:
-        return Choice(methods.get(MERGING), "bodies have radii, and merge where they touch")
+        return Choice(methods.get(MERGING), "bodies have radii, and merge on contact")
     named = methods.get(method)
     if Letter.ENCOUNTERS not in named.letters:
         raise MethodMismatchError(
-            f"method={named.name!r} does not see where bodies touch, but those of {system.name!r} have radii, and are to merge;"
-            f" use {MERGING!r}, or leave the radii out."
+            f"method={named.name!r} does not detect contact, but the bodies of {system.name!r} have radii, and merge"
+            f" on contact; use {MERGING!r}, or leave the radii out."
         )
     return Choice(named, alias=method if isinstance(method, str) else "")
 
@@ -97,20 +97,20 @@ def _of_bodies_that_merge(method: str | Method | None, system: System) -> Choice
 def _choose_by_itself(order: int | None, system: System, t0: float, step: float, span: float) -> Choice:
     found = stiffness(system, t0, step, span) if may_be_stiff(system.kind) else Stiffness.NONE
     if found is Stiffness.DECAY and (stable := methods.preferred_for_stiff(order)) is not None:
-        return Choice(stable, "stiff: there are decays much faster than a step; of those methods that are L-stable")
+        return Choice(stable, "stiff, with decay much faster than a step; of the L-stable methods the preferred one")
     if found is Stiffness.OSCILLATION and order is None:
         return Choice(
             methods.preferred_for_fast_oscillations(system.kind),
-            "there are oscillations much faster than a step, which it neither damps nor lets grow",
+            "stiff, with oscillations much faster than a step, which it neither damps nor amplifies",
         )
     if system.kind is Kind.NEARLY_KEPLERIAN and order is None:
         turn = abs(step) * fastest_pericentre(system)
         return Choice(
             methods.preferred_for_nearly_keplerian(turn),
-            f"the fastest to most errors, where a step is {turn:.2g} radians of the fastest passage of a pericentre",
+            f"the fastest for most tolerances, where a step spans {turn:.2g} radians of the fastest pericentre passage",
         )
     method = methods.preferred(system.kind, order)
-    aim = "the fastest to most errors" if order is None else f"of order {order} or more the best"
+    aim = "the fastest for most tolerances" if order is None else f"the best of order {order} or higher"
     return Choice(method, f"{aim}, for {system.kind.value}")
 
 
@@ -121,8 +121,9 @@ def _mismatch(named: Method, system: System) -> MethodMismatchError:
         best = methods.preferred(system.kind)
     description = f", or describe it as {_DESCRIPTIONS[named.kind]}" if named.kind in _DESCRIPTIONS else ""
     return MethodMismatchError(
-        f"method={named.name!r} is for {named.kind.value}, but {system.name!r} has {system.kind.value}: there it would"
-        f" lose its order, or has no flow for a part of it; use {best.name!r} (order {best.order}){description}."
+        f"method={named.name!r} is for {named.kind.value}, but the kind of {system.name!r} is {system.kind.value}:"
+        f" there the method would lose its order, or lacks a flow; use {best.name!r} (order"
+        f" {best.order}){description}."
     )
 
 
@@ -147,7 +148,9 @@ def check_wanted(method: Any, order: Any) -> None:
     if not (method is None or (isinstance(method, str) and method == AUTO)):
         methods.get(method)
         if order is not None:
-            raise ArgumentError(f"order={order!r} is for method='auto'; {method!r} has its own. Leave one of them out.")
+            raise ArgumentError(
+                f"order={order!r} is for method='auto'; {method!r} has its own order. Leave one of them out."
+            )
     elif order is not None and (isinstance(order, bool) or not isinstance(order, int | np.integer) or order < 1):
         raise ArgumentError(f"order={order!r} must be a positive whole number.")
 
@@ -164,5 +167,5 @@ def check_direction(method: Method, step: float) -> None:
         if letter.noisy and float(weight) * step < 0:
             raise ArgumentError(
                 f"method={method.name!r} has {letter.symbol!r} for {float(weight) * step!r}, backwards in time, where"
-                " noise has no meaning; give a t_span that runs forwards, and a word without negative shares of it."
+                " noise is not defined; give a t_span that runs forwards, and a word without negative weights for it."
             )

@@ -56,9 +56,7 @@ class Adapter:
         given = argument_names(function, role, names)
         own = getattr(function, OF_SHAPE, self.x0.shape)
         if own != self.x0.shape:
-            raise ArgumentError(
-                f"x0 has shape {self.x0.shape}, but the formulas are for one of shape {own}; give that."
-            )
+            raise ArgumentError(f"x0 has shape {self.x0.shape}, but the formulas need shape {own}; give that.")
         result = self.x0.shape if shape is None else shape
         layout = Layout(self.x0.shape, result, self.users_args.size, self.args.size)
         flat = flatten(function, given, layout, self.compile_, self.check_bounds)
@@ -92,7 +90,7 @@ class Adapter:
             if returned is None:
                 raise TypeError("it returned None")
             if np.asarray(returned).dtype == np.bool_:
-                raise TypeError(f"it returned {returned!r}, which has no size and no sign")
+                raise TypeError(f"it returned {returned!r}, which is not a real number")
             return np.shape(returned)
         except Exception as error:
             raise ArgumentError(
@@ -107,10 +105,12 @@ class Adapter:
     def quantities(self, energy: Function | None, invariants: Mapping[str, Function]) -> dict[str, Quantity]:
         """Adapt conserved quantities: numbers."""
         if not isinstance(invariants, Mapping) or not all(isinstance(name, str) for name in invariants):
-            raise ArgumentError(f"invariants={invariants!r} has to be a dict of functions by their names.")
+            raise ArgumentError(f"invariants={invariants!r} must be a dict of functions by their names.")
         for name in invariants:
             if name in _TAKEN:
-                raise ArgumentError(f"invariants has the name {name!r}, which is taken; give another, or energy=... .")
+                raise ArgumentError(
+                    f"invariants has the name {name!r}, which is already in use; give another, or energy=... ."
+                )
         given = {"energy": energy, **invariants}
         return {name: self._quantity(name, function) for name, function in given.items() if function is not None}
 
@@ -166,7 +166,7 @@ class Adapter:
         except IndexError as error:
             raise ArgumentError(
                 f"{name} has an index out of bounds at the start, x0 of shape {self.x0.shape} with"
-                f" {self.users_args.size} args: IndexError: {error}. The numbers of params are those given as args=(...)."
+                f" {self.users_args.size} args: IndexError: {error}. Pass the numbers of params as args=(...)."
             ) from error
         except Exception as error:
             wanted = "one number" if shape == () or "i" in names else f"an array of shape {shape or self.x0.shape}"
@@ -176,11 +176,11 @@ class Adapter:
             ) from error
         if "out" in names and not np.array_equal(out, other, equal_nan=True):
             raise ArgumentError(
-                f"{name} leaves numbers of `out` as they were, or adds to them; it must overwrite all of them."
+                f"{name} leaves elements of `out` unchanged, or adds to them; it must overwrite all of them."
             )
         for label, kept, array in zip(("x", "v", "params"), (x, second, self.args), given, strict=True):
             if not np.array_equal(kept, array):
-                raise ArgumentError(f"{name} changes {label}; compute from a copy.")
+                raise ArgumentError(f"{name} modifies {label}; work on a copy.")
 
 
 def bind(template: Function, **bindings: Function | int) -> Function:

@@ -50,7 +50,7 @@ class _Kept(NamedTuple):
 def report(
     journey: Journey, ending: Ending, continuation: Callable[[Task, Standing, bool], Callable[[float], Solution]]
 ) -> Solution:
-    """Return what a run has kept, as people see it, and what goes on from there, which `continuation` makes."""
+    """Return what a run has kept, as people see it, and what continues from there, which `continuation` makes."""
     task, processing, between, watch = journey.task, journey.processing, journey.between, journey.watch
     once = cache(between)  # for the rows; the solution, which threads may ask, has a state for each
     system, grid, rows = task.system, task.grid, journey.run.rows
@@ -74,7 +74,7 @@ def report(
             kept, evaluations = kept.followed_by(end, x[0], v[0]), evaluations + own
             dense = _dense(system, grid, once, end, kept)
         except (Exception, KeyboardInterrupt) as error:
-            message += f" The last row is before it, as {type(error).__name__} was raised: {error}."
+            message += f" The rows end before it, since {type(error).__name__} was raised: {error}."
     t, xs, vs, _ = kept
     zeros: tuple[tuple[Zero, ...], ...] = ()
     if watch is not None:
@@ -85,7 +85,7 @@ def report(
             t, xs, vs, own = _at_wanted(grid, ending, dense, t, xs, vs)
             evaluations += own
         except (Exception, KeyboardInterrupt) as error:  # Ctrl-C, or a function that fails between steps alone
-            message += f" Times between steps are left out, where {type(error).__name__} was raised: {error}."
+            message += f" Times between steps are missing where {type(error).__name__} was raised: {error}."
     for array in (t, xs, vs):
         array.flags.writeable = False  # invariants are evaluated later, from the same numbers
     return Solution(
@@ -119,7 +119,7 @@ def _kept(rows: Rows, ending: Ending, early: bool, processing: Processing) -> _K
         return _Kept(*rows.ends(ending.n_steps))
     t = rows.times(ending.saved, ending.n_steps, early)
     xs, vs = rows.xs[: ending.saved], rows.vs[: ending.saved]
-    if processing.postprocessor is not None:  # which overwrites what the run goes on with
+    if processing.postprocessor is not None:  # which overwrites what the run continues with
         xs, vs = xs.copy(), vs.copy()
     return _Kept(t, *processing.leave(t, xs, vs, rows.grid.t0), rows.steps(t))
 
@@ -131,7 +131,7 @@ def _zeros(watch: Watch, end: float) -> tuple[tuple[tuple[Zero, ...], ...], str]
     except (Exception, KeyboardInterrupt) as error:
         return tuple(
             () for _ in watch.events
-        ), f" Zeros of events are left out, as {type(error).__name__} was raised: {error}."
+        ), f" Zeros of events are missing, since {type(error).__name__} was raised: {error}."
 
 
 def _dense(

@@ -12,7 +12,7 @@ from numba.extending import overload
 
 
 def write_result(out: Any, result: Any) -> None:
-    """Overwrite `out` by a number, or by an array, list or tuple that broadcasts to it."""
+    """Overwrite `out` with a number, or with an array, list or tuple that broadcasts to it."""
     out[...] = _returned(result)
 
 

@@ -33,22 +33,23 @@ Failure = tuple[Outcome, str]  # and what there is to say about its cause
 _NEAR = 1e-9  # of a step: a zero that is so little after its end is in it
 _LEAST_SHARE = 10  # of the time of a chunk over that of the copy after it
 _NO_STEP = {
-    FAILED_CONTROL: " What chooses it gives no number, has lost the motion, or it is lost beside t.",
+    FAILED_CONTROL: (" The step control returned NaN, the motion was lost, or the step is lost to rounding beside t."),
     JAMMED: (
-        " There is no time between impacts or switches: bodies are caught where they fit exactly, a gap closes where its"
-        " gradient is zero, or both laws of a force lead back to its switch. Leave them some room, or take a lower restitution."
+        " No time passes between impacts or switches: bodies are jammed without clearance, a gap closes where its"
+        " gradient is zero, or the force on both sides of a switch points back to it. Leave some clearance, or use a"
+        " lower restitution."
     ),
     NOT_HELD: (
-        " What rests cannot be kept on all its surfaces: they leave it no room, or curve too much within a step. Give it room,"
-        " or try a smaller step."
+        " A resting body cannot be kept on all its surfaces: they leave no room, or curve too much within a step."
+        " Leave some clearance, or try a smaller step."
     ),
     CROWDED: (
-        " More gaps rest at once than twice the numbers of the state, and most of them say the same; give one gap to each"
+        " More gaps are closed at once than twice the numbers of the state, so most are redundant; give one gap per"
         " surface."
     ),
     UNSIGNED_GAP: (
-        " A gap of impacts has come to zero and grown again, and is negative nowhere around, so that nothing tells its sides"
-        " apart; give a function that is negative where bodies overlap, such as x for abs(x) or x**2."
+        " A gap has reached zero and grown again without becoming negative, so that its sides cannot be told apart;"
+        " give a function that is negative where bodies overlap, such as x instead of abs(x) or x**2."
     ),
 }
 
@@ -138,7 +139,7 @@ class Run:
         rows.close(good.step, good.mark, good.state, self._stop, outcome.name)
 
     def go(self, bar: Bar, started: float, until: int = sys.maxsize) -> Failure | None:
-        """Go to the end of the grid or up to a step, or as far as it goes, and say what ended it before.
+        """Run to the end of the grid or up to a step, or as far as possible, and return what ended it earlier.
 
         What was done is kept in any case. The bar shows how far the run is that was `started` then.
         """
@@ -206,7 +207,11 @@ class Run:
         if residual in _NO_STEP:
             return reached, mark, (Outcome.NO_STEP, _NO_STEP[residual])
         if residual != 0.0:
-            why = "." if np.isfinite(residual) else ": a function gave no finite number, or the iteration ran away."
+            why = (
+                "."
+                if np.isfinite(residual)
+                else ": a function returned a value that is not finite, or the iteration diverged."
+            )
             return reached, mark, (Outcome.NOT_CONVERGED, f" The residual was {residual:.3g}{why}")
         if not self._state.finite:
             return reached, mark, (Outcome.NOT_FINITE, "")

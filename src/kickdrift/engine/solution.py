@@ -1,4 +1,4 @@
-"""What a run leaves: the states, what they conserve, and how the run went."""
+"""The result of a run: the states, the conserved quantities, and how the run went."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Presenters:
-    """What a solution can do on the floors above: the package hands it down when it is imported."""
+    """What a solution can do in the layers above: the package hands it down when it is imported."""
 
     plot: Callable[..., Any]
     to_html: Callable[..., Path]
@@ -41,22 +41,22 @@ class Solution:
     t : (T,) array
         Times kept.
     x, v : (T, *shape) array
-        Positions and velocities, in the shape of x0. For Hamiltonians they are q and p, and go by these names, too;
+        Positions and velocities, in the shape of x0. For Hamiltonians they are q and p, and have these names, too;
         first-order equations have x alone, which is y.
     invariants : mapping of str to array
         Conserved quantities at those times, (T,) or (T, size).
     status : Outcome
         How the run ended.
     message : str
-        The same as a sentence, with time and step where it did not reach the end.
+        The status as a sentence, with time and step if the end was not reached.
     step : float
-        The step used, with its sign; at most the step asked for. Of steps that vary, the first.
+        The step used, with its sign; at most the step requested. With variable steps, the first one.
     step_range : (float, float)
         The sizes of the smallest and of the largest step.
     n_rejected : int
-        Steps that were tried and taken back.
+        Steps that were tried and rejected.
     n_steps : int
-        Steps done.
+        Number of steps.
     n_force_evaluations : int
         Evaluations of the acceleration.
     wall_time : float
@@ -64,18 +64,18 @@ class Solution:
     about : Description
         What was run.
     derived : mapping of str to array
-        What else follows from the states, by name, each evaluated when it is first asked for.
+        Other quantities derived from the states, by name, each evaluated on first access.
     error_estimate : array or None
-        The largest error that a step is estimated to have made in each number of x, in the shape of x0; None where the
-        method has no estimate. It is that of a method of lower order, and so larger than the error.
+        The largest estimated error of a step in each component of x, in the shape of x0; None where the method has no
+        estimate. It is the error of a method of lower order, and so larger than the actual one.
     t_events, x_events, v_events : tuple of array
-        Of each event, the times of its zeros, (K,), and the states there, (K, *shape).
+        For each event, the times of its zeros, (K,), and the states there, (K, *shape).
     dense : DenseOutput or None
-        What ``solution(t)`` asks; None of solutions that were loaded, and of Langevin dynamics.
+        The interpolant behind ``solution(t)``; None for loaded solutions, and for Langevin dynamics.
     continuation : callable or None
-        What `continue_to` asks; None of solutions that were loaded.
+        The function behind `continue_to`; None for loaded solutions.
     saved_to : str
-        Where the rows are of which this solution has the first and the last alone; empty if it has all.
+        Folder with the rows, of which this solution has only the first and the last; empty if it has all.
     """
 
     t: Floats
@@ -114,12 +114,12 @@ class Solution:
         Raises
         ------
         KickdriftError
-            If the system does not say its energy.
+            If the system has no energy.
         """
         if "energy" not in self.invariants:
             raise KickdriftError(
-                f"{self.about.system!r} does not say its energy; give energy=... to its description, for an"
-                " acceleration kd.SecondOrder(acceleration, energy=...)."
+                f"{self.about.system!r} has no energy; pass energy=... to its description, for an acceleration"
+                " kd.SecondOrder(acceleration, energy=...)."
             )
         return self.invariants["energy"]
 
@@ -139,7 +139,7 @@ class Solution:
         if "multipliers" not in self.derived:
             raise KickdriftError(
                 f"{self.about.system!r} has no constraints, and so no multipliers; kd.Constrained(force, constraint)"
-                " describes a problem that has."
+                " describes a problem with constraints."
             )
         return self.derived["multipliers"]
 
@@ -160,7 +160,7 @@ class Solution:
 
     @property
     def plain(self) -> Solution:
-        """The same in numbers: itself, unless it was solved in units, see `kickdrift.engine.unit_solution`."""
+        """The solution in plain numbers: itself, unless it was solved with units, see `kickdrift.engine.unit_solution`."""
         return self
 
     def __call__(self, t: ArrayLike) -> States:
@@ -186,25 +186,24 @@ class Solution:
         """
         if self.saved_to:
             raise KickdriftError(
-                f"the rows are in {self.saved_to!r}: open them by xarray.open_zarr, and interpolate there."
+                f"the rows are in {self.saved_to!r}: open them with xarray.open_zarr, and interpolate there."
             )
         if self.dense is None:
             if self.about.kind == Kind.LANGEVIN.name:
                 raise KickdriftError(
-                    "noise drives the path: between two steps it is not known; take smaller steps, and keep them."
+                    "the path is stochastic, and not known between steps; use smaller steps, and keep them."
                 )
             raise KickdriftError(
-                "this solution was read from a file or sent from another process, and does not know its equations; solve again,"
+                "this solution was read from a file or sent from another process, without its equations; solve again,"
                 " or interpolate between sol.t."
             )
         return self.dense(t)
 
     def continue_to(self, t: float) -> Solution:
-        """Run on to another end, with the bits of a run that was never broken.
+        """Continue to another end, with the bits of an uninterrupted run.
 
-        It goes on from the state that the loop was left with, at the same step; a run that
-        was interrupted, or ended by an event, goes on as one that reached its end. Events that are `terminal` count anew
-        from there.
+        It continues from the last state of the loop, at the same step, whether the run reached its end, was interrupted, or
+        was ended by an event. `terminal` events count afresh from there.
 
         Parameters
         ----------
@@ -214,15 +213,15 @@ class Solution:
         Returns
         -------
         Solution
-            From the start to the new end, with the rows that one run would have kept; where `t_eval` said which, the new end is
-            one of them. This one stays as it is, and may be continued again.
+            From the start to the new end, with the rows that one run would have kept; with `t_eval`, the new end is added to
+            them. This solution is not changed, and may be continued again.
 
         Raises
         ------
         ArgumentError
             For another end than that.
         KickdriftError
-            If the solution does not know its equations: it was loaded from a file, or comes from another process.
+            If the solution was loaded from a file or comes from another process, without its equations.
         """
         if self.saved_to:
             raise KickdriftError(
@@ -230,17 +229,17 @@ class Solution:
             )
         if self.continuation is None:
             raise KickdriftError(
-                "this solution was read from a file or sent from another process, and does not know its equations; solve with"
-                " checkpoint='folder' what is to go on in another process."
+                "this solution was read from a file or sent from another process, without its equations; solve with"
+                " checkpoint='folder' what is to be continued in another process."
             )
         return self.continuation(t)
 
     def report(self) -> str:
-        """Return how the run went, as a text of a line per fact."""
+        """Return a report on the run, as text with one fact per line."""
         return self.presenters.report(self)
 
     def plot(self, path: str | Path | None = None) -> Any:
-        """Draw trajectory and energy error; returns the matplotlib figure, and writes it to `path` if given."""
+        """Plot trajectory and energy error; return the matplotlib figure, and write it to `path` if given."""
         return self.presenters.plot(self, path)
 
     def to_html(self, path: str | Path) -> Path:
@@ -251,7 +250,7 @@ class Solution:
         return self.presenters.to_html(self, path)
 
     def save(self, path: str | Path) -> Path:
-        """Write everything to one ``.npz`` file of plain arrays, for `kickdrift.load`; returns its path."""
+        """Write everything to one ``.npz`` file of plain arrays, for `kickdrift.load`; return its path."""
         return self.presenters.save(self, path)
 
     def to_pandas(self) -> Any:

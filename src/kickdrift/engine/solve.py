@@ -66,76 +66,76 @@ def solve(
     Parameters
     ----------
     problem : System, Problem or callable
-        A system of `kickdrift.systems`; a description by functions, such as `kickdrift.SecondOrder`,
-        `kickdrift.Hamiltonian` or `kickdrift.FirstOrder`; or a function for the acceleration. The names of its
-        arguments declare its structure: ``x``, ``t``, ``v``, ``params`` (the float array of `args`), ``out`` (written
-        in place).
+        A system of `kickdrift.systems`; a description by functions, such as `kickdrift.SecondOrder`, `kickdrift.Hamiltonian`
+        or `kickdrift.FirstOrder`; or a function for the acceleration. The names of its arguments declare its structure:
+        ``x``, ``t``, ``v``, ``params`` (the float array of `args`), ``out`` (written in place instead of returned).
     t_span : (float, float)
         Start and end; the end may lie before the start.
     x0, v0 : array_like
-        Start, of any one shape; a scalar makes the function get and return floats. A system brings its own. For
+        Initial state, of any shape; with a scalar the functions take and return floats. A system has its own. For
         Hamiltonians they are q and p; first-order equations have no v0.
     step : float
         Largest step allowed. A whole number of equal steps covers `t_span`; the step used is ``solution.step``. With
         `step_control` it is the first one; with `rtol` or `atol` it may be left out.
     method : str or Method, optional
-        Name of a method, see ``kickdrift.methods.catalogue()``; ``"auto"`` takes the one that is best for the kind of
-        problem, or of the wanted `order`, and an L-stable one where the problem is seen to be stiff; the report says why.
-        By default the semi-implicit Euler method, or ``"auto"`` where that does not apply, or an order is given, and for
-        `kickdrift.Oscillatory`; with a density the symmetric method of order 2 for the kind of problem.
+        Name of a method, see ``kickdrift.methods.catalogue()``; ``"auto"`` selects the best one for the kind of problem, or
+        for the requested `order`, and an L-stable one where the problem is found to be stiff; the report gives the reason.
+        By default the semi-implicit Euler method, or ``"auto"`` where that does not apply, where an order is given, and for
+        `kickdrift.Oscillatory`; with a step density the symmetric method of order 2 for the kind of problem.
     order : int, optional
-        For ``method="auto"``: the least order wanted, of methods that keep the structure of the problem. By default what
-        takes the least time to errors between 1e-3 and 1e-9 at the end, or close to it; for Hamiltonians that are not
-        separable that is `dop853`, whose energy drifts.
+        For ``method="auto"``: the lowest order wanted, among methods that preserve the structure of the problem. By default
+        the method that takes the least time, or nearly so, for errors between 1e-3 and 1e-9 at the end; for non-separable
+        Hamiltonians that is `dop853`, whose energy drifts.
     t_eval : array_like, optional
-        Times to keep, any in `t_span`, in any order. Those between two steps are found as ``solution(t)`` finds them.
+        Times to keep, any in `t_span`, in any order. States between two steps are interpolated as by ``solution(t)``.
     save_every : int, optional
         Keep every n-th step, for n = `save_every`, and the last; every step if neither this nor `t_eval` is given.
     events : callable or list of callable, optional
-        Functions of the state, with arguments named as those of forces, whose zeros are wanted: ``solution.t_events`` and the
-        states there, as exact as the method. Attributes say which: ``direction`` 1 for those on the way up, -1 for those on
-        the way down; ``terminal``, True or a number, ends the run at the first or that zero; ``rate_bound``, a bound
-        of how fast the function changes, finds two zeros within a step, too, if they are more than 1/256 of it apart. A zero at
-        the start is none. Where a function jumps over zero in an impact, it is found there, once; and where a gap closes in
-        one. The states are those after the impact.
+        Functions of the state, with arguments named as those of forces, whose zeros are located: ``solution.t_events`` and
+        the states there, as accurate as the method. Attributes select zeros: ``direction`` 1 for increasing functions, -1
+        for decreasing ones; ``terminal``, True or a number, ends the run at the first or that zero; with ``rate_bound``, a
+        bound on the rate of change, two zeros within a step are found, too, if they are more than 1/256 of it apart. A zero
+        at the start does not count. A function that jumps over zero in an impact has a zero there, and so has a gap that
+        closes in one. The states are those after the impact.
     impacts : Impacts or callable, optional
         Surfaces that bodies rebound from, see `kickdrift.Impacts`; a function alone is a gap with restitution 1.
     switches : callable, optional
-        A function of the state, a number or an array of them, at whose zeros the force changes its law: steps end there, so
-        that the method keeps its order. The last of the ``params`` that the force gets are the sides, 1 or -1, on which
-        steps are to their ends; forces that jump have to ask these, as a step looks beyond its end before it is cut.
+        A function of the state, a number or an array, at whose zeros the force law changes: steps are cut there, so that the
+        method keeps its order. The sides, 1 or -1, on which the step lies are appended to the ``params`` of the force;
+        discontinuous forces must use these, since a step looks beyond its end before it is cut.
     step_control : optional
-        What chooses the size of each step: a density, which is a function of the state, ``"distance"``, ``"acceleration"`` or
-        ``"own"``, for reversible steps as `kickdrift.HairerSoderlind` describes them; or that or one of
-        `kickdrift.HuangLeimkuhler`, `kickdrift.LogarithmicHamiltonian`, `kickdrift.TimeTransformed`,
-        `kickdrift.LocalError`. By default steps are equal. The last row is at the end of `t_span`, by a part of a step.
+        What determines the size of each step: a step density, which is a function of the state, ``"distance"``,
+        ``"acceleration"`` or ``"own"``, for reversible steps by `kickdrift.HairerSoderlind`; or an instance of that class,
+        `kickdrift.HuangLeimkuhler`, `kickdrift.LogarithmicHamiltonian`, `kickdrift.TimeTransformed`, or
+        `kickdrift.LocalError`. By default steps are equal. The last row is at the end of `t_span`, reached by a partial
+        step.
     rtol, atol : float, optional
         Tolerances, relative and absolute, for ``step_control=kd.LocalError(rtol, atol)``; 1e-3 and 1e-6 where one is given.
     args : sequence of float, optional
-        Numbers that the function gets as ``params``.
+        Numbers passed to the functions as ``params``.
     compensated : bool
-        Whether the sums for x and v carry what they round off (Kahan), so that rounding does not grow with the number
-        of steps.
+        Whether x and v are summed with compensation (Kahan), so that rounding errors do not grow with the number of steps.
     compile : bool
         Whether to compile Python functions with Numba; False runs them interpreted.
     check_bounds : bool
-        Whether an index out of bounds in a compiled function is an error, as it is in Python: at the start an
-        ArgumentError, later the end of the run, with what was done. False saves a few per cent of the time in loops over
-        large arrays, where a wrong index then reads or overwrites other memory.
+        Whether an index out of bounds in a compiled function is an error, as in Python: at the start an ArgumentError, later
+        the end of the run, with the states until then. False saves a few per cent of the time in loops over large arrays,
+        but a wrong index then reads or overwrites other memory.
     progress : bool, optional
         Whether to show a progress bar. By default one shows on a terminal, for runs longer than two seconds.
     save_to : path, optional
-        A folder, such as ``"run.zarr"``, to which the rows go while the run goes on, in place of memory: a Zarr group in
-        chunks along time, with the energy and the like, that ``xarray.open_zarr`` reads at any moment. The solution has the
-        first and the last row. With `checkpoint` a run goes on in its folder; else one that is there is refused.
+        A folder, such as ``"run.zarr"``, to which the rows are written during the run, instead of memory: a Zarr group in
+        chunks along time, with the energy and other invariants, which ``xarray.open_zarr`` can read at any moment. The
+        solution has the first and the last row. With `checkpoint` a run resumes in its folder; otherwise an existing folder
+        is refused.
     checkpoint : path, optional
-        A folder for checkpoints, made where it is missing. The same call again, in whatever process, goes on from the newest
-        one with the bits of a run that was never broken; with a later end, too, and with an earlier one from the newest one
-        before it. One process at a time. Where the sizes of steps vary, the end has to be the same.
+        A folder for checkpoints, created if missing. The same call, in any process, resumes from the newest one with the
+        bits of an uninterrupted run; also with a later end, and with an earlier end from the newest checkpoint before it.
+        One process at a time. Where steps vary, the end must be the same.
     checkpoint_every : int, optional
         Steps from one checkpoint to the next; by default they are about a minute apart. Each holds the rows so far.
     checkpoint_keep : int, optional
-        How many of the last to keep, None for all, from which any earlier time is near.
+        How many of the last to keep; None for all, so that any earlier time can be reached quickly.
 
     Returns
     -------
@@ -157,9 +157,9 @@ def solve(
 
     Notes
     -----
-    Span, step, t_eval and start may be quantities of astropy or pint. Functions then get plain numbers, times in the unit of
-    t_span, positions in that of x0, and velocities in the one over the other; ``solution.t``, ``.x`` and ``.v`` are quantities,
-    and ``solution.plain`` is the same in numbers.
+    Span, step, t_eval and start may be quantities of astropy or pint. Functions then take plain numbers, times in the unit
+    of t_span, positions in that of x0, and velocities in the unit of x0 over that of t_span; ``solution.t``, ``.x`` and
+    ``.v`` are quantities, and ``solution.plain`` has plain numbers.
 
     Examples
     --------
@@ -210,6 +210,6 @@ def solve(
     except MemoryError as error:
         raise ArgumentError(
             f"step={step!r}, save_every={save_every!r} and method={method!r} need more memory than there is ({error});"
-            " keep fewer steps, or take an explicit method: implicit ones keep a matrix of the state's size squared."
+            " keep fewer steps, or use an explicit method: implicit ones store a matrix of the state's size squared."
         ) from None
     return entered.leave(carry_out(journey))

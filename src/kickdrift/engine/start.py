@@ -32,21 +32,21 @@ def start_of(problem: Any, x0: ArrayLike | None, v0: ArrayLike | None) -> Start:
     Raises
     ------
     ArgumentError
-        For what is no problem, or no start of it.
+        For an invalid problem, or an invalid initial state.
     """
     if not isinstance(problem, System | Problem) and not callable(problem):
         raise ArgumentError(
-            f"problem={problem!r} is not a function or a system; give one, such as kd.systems.get('kepler')."
+            f"problem={problem!r} is neither a function nor a system; give one, such as kd.systems.get('kepler')."
         )
     if problem in systems.catalogue().values():
-        raise ArgumentError(f"problem={problem.__name__} is the function that makes a system; call it.")
+        raise ArgumentError(f"problem={problem.__name__} is a function that creates a system; call it.")
     if isinstance(problem, System):
         x0, v0 = problem.x0 if x0 is None else x0, problem.v0 if v0 is None else v0
         has_velocity = problem.kind is not Kind.FIRST_ORDER
     else:
         has_velocity = getattr(problem, "has_velocity", True)
         if not has_velocity and v0 is not None:
-            raise ArgumentError(f"v0={v0!r} given, but first-order equations have only x0, the start of y.")
+            raise ArgumentError(f"v0={v0!r} is given, but first-order equations have only x0, the initial y.")
     x = _floats("x0", x0)
     if x.size == 0:
         raise ArgumentError(f"x0 of shape {x.shape} is empty; give at least one number.")
@@ -56,7 +56,7 @@ def start_of(problem: Any, x0: ArrayLike | None, v0: ArrayLike | None) -> Start:
         return Start(x, np.zeros(0))
     v = _floats("v0", v0)
     if x.shape != v.shape:
-        raise ArgumentError(f"v0 has shape {v.shape} but x0 has shape {x.shape}; give one velocity to each position.")
+        raise ArgumentError(f"v0 has shape {v.shape} but x0 has shape {x.shape}; give one velocity per position.")
     return Start(x, v)
 
 
@@ -71,7 +71,7 @@ def _floats(name: str, value: ArrayLike | None) -> Floats:
         ) from None
     if not np.isfinite(array).all():
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
-        raise ArgumentError(f"{name} is {array[where]} at index {where}; a start must be finite.")
+        raise ArgumentError(f"{name} is {array[where]} at index {where}; the initial state must be finite.")
     return array
 
 
@@ -81,7 +81,7 @@ def parameters(args: Sequence[float] | None) -> Floats:
     Raises
     ------
     ArgumentError
-        For what is no flat list of finite numbers.
+        For anything but a flat list of finite numbers.
     """
     try:
         params = np.atleast_1d(reals(() if args is None else args))

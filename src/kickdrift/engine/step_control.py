@@ -1,4 +1,4 @@
-"""How the size of steps is chosen, where it is not one for all: what users ask for, and what it makes of a method."""
+"""Control of variable steps: what users ask for, and how it changes the word of a method."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ _HALF = Fraction(1, 2)
 
 @dataclass(frozen=True)
 class HairerSoderlind:
-    """Reversible steps by a density, for any symmetric method.
+    """Reversible steps by a step density, for any symmetric method.
 
     Parameters
     ----------
     density : str or callable, optional
-        How many steps there should be in a unit of time, but for a factor, which is such that the first step is the one given:
-        a function of the state, with arguments named as those of forces, that is positive and the same for -v as for v; or
-        a name, ``"distance"`` (of the bodies in a state (N, d), or of a state (d,) from the origin, to the power -3/2),
-        ``"acceleration"`` (the square root of its size) or ``"own"``, that of the system. By default ``"own"`` where there is
-        one, or else ``"acceleration"``.
+        The number of steps per unit of time, up to a factor, which is fixed by the given first step: a function of the
+        state, with arguments named as those of forces, that is positive and even in v; or a name, ``"distance"`` (between
+        the bodies of a state (N, d), or of a state (d,) from the origin, to the power -3/2), ``"acceleration"`` (the square
+        root of its magnitude) or ``"own"``, the density of the system. By default ``"own"`` if there is one, otherwise
+        ``"acceleration"``.
 
     Notes
     -----
-    The size of the steps follows the density without solving an equation, and the same steps lead back when the velocities
-    are turned around. The energy error is bounded, as with a fixed step; momenta that the method conserves stay conserved.
-    A step costs three evaluations of the density beside the forces.
+    The step size follows the density explicitly, and the steps are reversible: with reversed velocities the same steps lead
+    back. The energy error is bounded, as with a fixed step; momenta that the method conserves remain conserved. A step costs
+    three evaluations of the density in addition to the forces.
 
     References
     ----------
@@ -56,12 +56,12 @@ class HairerSoderlind:
 
 @dataclass(frozen=True)
 class HuangLeimkuhler:
-    """Reversible steps by a density that is reflected in the middle of each: adaptive Verlet, and its like of order 2.
+    """Reversible steps by a step density reflected at each midpoint: adaptive Verlet, also for other splittings of order 2.
 
     Parameters
     ----------
     density : str or callable, optional
-        As for `HairerSoderlind`, a function of x and t alone.
+        As for `HairerSoderlind`, but a function of x and t only.
 
     References
     ----------
@@ -76,7 +76,7 @@ class HuangLeimkuhler:
 
     @staticmethod
     def spelled(spell: Spell, word: Word) -> Spelled:
-        """Part a word in the middle."""
+        """Divide a word at its midpoint."""
         middle, odd = divmod(len(word), 2)
         shared = tuple((letter, weight / 2) for letter, weight in word[middle : middle + odd])
         first, second = (*word[:middle], *shared), (*shared, *word[middle + odd :])
@@ -87,9 +87,9 @@ class HuangLeimkuhler:
 class LogarithmicHamiltonian:
     """Kicks and drifts of log(T - E) - log(-U), for gravity and other energies T(v) + U(x) with U < 0.
 
-    Symplectic in a time of its own, in which close encounters are as smooth as the rest: with ``"position-verlet"``, the
-    default here, the orbits of two bodies are exact but for their time, at any eccentricity. For any splitting into kicks and
-    drifts; the system has to say its energy.
+    Symplectic in a transformed time, in which close encounters are as smooth as the rest: with ``"position-verlet"``, the
+    default here, the orbit of two bodies is exact except for the time, at any eccentricity. For any splitting into kicks and
+    drifts; the system must have an energy.
 
     References
     ----------
@@ -98,7 +98,7 @@ class LogarithmicHamiltonian:
 
     method: ClassVar[str] = "position-verlet"  # where none is named
     order: ClassVar[int | None] = None
-    conserves: ClassVar[str] = "reversible, and symplectic in a time of its own; no drift of the energy"
+    conserves: ClassVar[str] = "reversible, and symplectic in the transformed time; no drift of the energy"
 
     @staticmethod
     def spelled(spell: Spell, word: Word) -> Spelled:
@@ -108,15 +108,15 @@ class LogarithmicHamiltonian:
 
 @dataclass(frozen=True)
 class TimeTransformed:
-    """Kicks over 1 / density, and drifts over what follows it by the velocities: the time-transformed leapfrog.
+    """The time-transformed leapfrog: kicks over 1 / density, and drifts over an auxiliary variable that follows it.
 
-    For forces of all sizes at once, as in few-body gravity with great ratios of masses, where the logarithmic Hamiltonian sees
-    the heavy bodies alone. For ``"position-verlet"``, the default here, and ``"velocity-verlet"``.
+    For forces of very different magnitude, as in few-body gravity with large mass ratios, where the heavy bodies dominate
+    the logarithmic Hamiltonian. For ``"position-verlet"``, the default here, and ``"velocity-verlet"``.
 
     Parameters
     ----------
     density : str or callable, optional
-        As for `HairerSoderlind`, a function of x alone.
+        As for `HairerSoderlind`, but a function of x only.
 
     References
     ----------
@@ -139,15 +139,16 @@ class TimeTransformed:
 class LocalError:
     """Steps whose estimated error is at most ``atol + rtol * abs(state)`` on average, for any method without noise.
 
-    The error is what the method itself estimates (``"dop853"``), or else each step is done once whole and once in halves, which
-    are what is kept. For dissipative and other problems that have nothing to conserve: the energy drifts by the errors.
+    The error is the method's own estimate (``"dop853"``), or else each step is done once whole and once as two halves, of
+    which the halves are kept. For dissipative and other problems without conserved quantities: the energy drifts with the
+    errors.
 
     Parameters
     ----------
     rtol : float
         Relative tolerance.
     atol : float or array_like
-        Absolute tolerance, of a shape that broadcasts to the state; that of v, too.
+        Absolute tolerance, of a shape that broadcasts to the state; it applies to x and v.
 
     References
     ----------

@@ -118,7 +118,7 @@ class StreamedCourseRows(StreamedRows, CourseRows):
         try:
             x, v, self.evaluations = DenseOutput(t, xs, vs, end, sizes, True, self._between).states_at(np.array([end]))
         except (Exception, KeyboardInterrupt) as error:
-            self.said = f" The last row is before it, as {type(error).__name__} was raised: {error}."
+            self.said = f" The rows end before it, since {type(error).__name__} was raised: {error}."
             return t, xs, vs
         return np.append(t, end), np.concatenate((xs, x)), np.concatenate((vs, v))
 

@@ -53,8 +53,9 @@ class Tables:
         for t in (grid.t0 - self.before * grid.step, grid.t1 + self.beyond * grid.step):
             if any(self._leaves(function, t) for function in self.functions):
                 raise ArgumentError(
-                    f"t_span=({grid.t0!r}, {grid.t1!r}) leaves a table of kd.spline (from {self.spans}): {self.method!r} with"
-                    f" step={grid.step!r} asks it as for t={t!r}; shorten the span, or give a longer table."
+                    f"t_span=({grid.t0!r}, {grid.t1!r}) extends beyond a table of kd.spline (from {self.spans}):"
+                    f" {self.method!r} with step={grid.step!r} evaluates it at t={t!r}; shorten the span, or give a"
+                    " longer table."
                 )
 
     def _leaves(self, quantity: Quantity, t: float) -> bool:

@@ -54,7 +54,7 @@ def _change_once(stepper: Stepper, times: Floats, sizes: Floats, xs: Floats, vs:
         ends[short] *= 2.0
         reached[short] = beyond(short, ends[short])
     if (reached < 0.0).any():
-        raise KickdriftError(f"no step after t={float(times[reached < 0.0][0])!r} leads on; take a smaller step.")
+        raise KickdriftError(f"no valid step was found after t={float(times[reached < 0.0][0])!r}; use a smaller step.")
     tolerance = 4.0 * np.spacing(np.abs(times) + np.abs(sizes)) / np.abs(sizes)
     beyond(rows, search(np.zeros(times.size), ends, np.full(times.size, -1.0), reached, beyond, tolerance))
     return evaluations

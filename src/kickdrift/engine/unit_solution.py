@@ -56,8 +56,8 @@ def enter(problem: Any, t_span: Any, x0: Any, v0: Any, step: Any, t_eval: Any) -
         return Entered(t_span, x0, v0, step, t_eval, Units(), Units())
     if isinstance(problem, System) and own is None:
         raise ArgumentError(
-            f"{problem.name!r} has numbers without units; give plain numbers, or make it of quantities, as"
-            " kd.systems.nbody(masses, x0, v0, G=...) does."
+            f"{problem.name!r} has numbers without units; give plain numbers, or create the system from quantities, as"
+            " with kd.systems.nbody(masses, x0, v0, G=...)."
         )
     outside_t = _time_unit(t_span, step)
     t = outside_t if own is None else own.t
@@ -83,7 +83,7 @@ def _time_unit(t_span: Any, step: Any) -> Any:
             raise ArgumentError(f"{name}={value!r} has no unit, but other arguments have; give a time.")
     unit = units.unit_of(t_span)
     if not units.is_time(unit):
-        raise ArgumentError(f"t_span={t_span} is in {units.spelt(unit)}, which is no unit of time.")
+        raise ArgumentError(f"t_span={t_span} is in {units.spelt(unit)}, which is not a unit of time.")
     return unit
 
 

@@ -45,7 +45,7 @@ def argument_names(
         parameters = inspect.signature(python).parameters.values()
     except (TypeError, ValueError):
         raise ArgumentError(
-            f"{role} {function!r} does not tell the names of its arguments; wrap it: lambda x: ..."
+            f"{role} {function!r} does not reveal the names of its arguments; wrap it: lambda x: ..."
         ) from None
     required = [p.name for p in parameters if p.default is p.empty or p.name in allowed]
     unknown = [name for name in required if name not in allowed]

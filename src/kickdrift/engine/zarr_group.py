@@ -32,19 +32,19 @@ class ZarrGroup:
     path : path
         Of a folder.
     run : str
-        What tells the run apart, of which alone a group that is there is gone on with.
+        The identity of the run; an existing group is continued only if it is the same.
 
     Raises
     ------
     ArgumentError
-        For what is no path.
+        For an invalid path.
     MissingExtraError
         If zarr is not installed.
     """
 
     def __init__(self, path: Any, run: str) -> None:
         if not isinstance(path, str | os.PathLike) or not str(path) or "\0" in str(path):
-            raise ArgumentError(f"save_to={path!r} is no path; give a folder, such as 'run.zarr'.")
+            raise ArgumentError(f"save_to={path!r} is not a path; give a folder, such as 'run.zarr'.")
         try:
             import zarr
         except ImportError:
@@ -76,7 +76,8 @@ class ZarrGroup:
             self._lock = FileLock(self.path.with_name(f".{self.path.name}.lock"))
         except LockedError as holder:
             raise ArgumentError(
-                f"save_to={str(self.path)!r} is in use by a run of {holder}; wait until that has ended, or name another folder."
+                f"save_to={str(self.path)!r} is in use by a run of {holder}; wait until that run has ended, or name"
+                " another folder."
             ) from None
         try:
             return self._holds_this_run(again)
@@ -95,14 +96,14 @@ class ZarrGroup:
         with suppress(Exception):  # of whatever it may be
             known = dict(self._zarr.open_group(self.path, mode="r", use_consolidated=False).attrs).get(_RUN)
         if known is None:
-            raise ArgumentError(f"save_to={str(self.path)!r} is there already; name another folder, or remove it.")
+            raise ArgumentError(f"save_to={str(self.path)!r} exists already; name another folder, or remove it.")
         if again and known == self._run:
             (self.path / KEPT).unlink(missing_ok=True)
         else:
-            other = (
-                "holds another run" if known != self._run else "holds this run, which checkpoint=... would go on with"
+            other = "holds another run" if known != self._run else "holds this run, which checkpoint=... would continue"
+            raise ArgumentError(
+                f"save_to={str(self.path)!r} {other}; name another folder, or remove it to start again."
             )
-            raise ArgumentError(f"save_to={str(self.path)!r} {other}; name another folder, or remove it to begin anew.")
         return True
 
     def _begin(self, attributes: Mapping[str, Any], labels: Mapping[str, Any]) -> None:

@@ -68,13 +68,13 @@ class ZarrStore(ZarrGroup):
                 there = min(array.shape[0] for _, array in self._along_time())
             except (FileNotFoundError, KeyError, ValueError) as error:
                 raise FileFormatError(
-                    f"save_to={str(self.path)!r} is not what the checkpoint goes on from ({type(error).__name__}: {error});"
-                    " remove the checkpoints to begin anew."
+                    f"save_to={str(self.path)!r} does not match the checkpoint ({type(error).__name__}: {error});"
+                    " remove the checkpoints to start again."
                 ) from None
             if there < rows:
                 raise FileFormatError(
-                    f"save_to={str(self.path)!r} has {there} rows, and the checkpoint goes on after {rows}; remove the"
-                    " checkpoints to begin anew."
+                    f"save_to={str(self.path)!r} has {there} rows, but the checkpoint continues after {rows}; remove"
+                    " the checkpoints to start again."
                 )
             self.chunk = self._group["time"].chunks[0]
             for _, array in self._along_time():

@@ -73,7 +73,7 @@ def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> EnsembleSolution:
     if any(array.shape[:1] != rows[:1] for array in of_members) or any(
         a.shape[:1] != rows[:1] for a in labels.values()
     ):
-        raise ValueError("what it says of the members is not of as many as there are")
+        raise ValueError("the number of members is inconsistent")
     outcomes = [(Outcome[name], str(message)) for name, message in head["outcomes"]]
     chosen = [outcomes[k] for k in arrays["outcome"]]
     return EnsembleSolution(

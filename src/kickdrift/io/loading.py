@@ -11,9 +11,9 @@ from kickdrift.scale.ensemble_solution import EnsembleSolution
 
 
 def load(path: str | Path) -> Solution | EnsembleSolution:
-    """Read a solution, that of an ensemble, or the recording of a world, that their method `save` wrote.
+    """Read a solution, an ensemble solution, or the recording of a world, written by its method `save`.
 
-    Of a folder that ``save_to=`` filled it is what `kickdrift.solve` or `kickdrift.solve_ensemble` returned.
+    For a folder written by ``save_to=`` it is what `kickdrift.solve` or `kickdrift.solve_ensemble` returned.
 
     Raises
     ------
@@ -31,9 +31,7 @@ def load(path: str | Path) -> Solution | EnsembleSolution:
 
             return recording_file.assemble(head, arrays)
         if head["format"] == archive.WORLD:
-            raise FileFormatError(
-                f"path={str(path)!r} is a world, not its recording; read it with kickdrift.load_world."
-            )
+            raise FileFormatError(f"path={str(path)!r} is a world, not a recording; read it with kickdrift.load_world.")
         if head["format"] == archive.ENSEMBLE:
             return ensemble_file.assemble(head, arrays)
         return solution_file.assemble(head, arrays)

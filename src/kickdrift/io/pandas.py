@@ -10,11 +10,10 @@ from kickdrift.engine.solution import Solution
 
 
 def to_pandas(solution: Solution) -> Any:
-    """Return a solution as a `pandas.DataFrame`: a row a time, a column a number.
+    """Return a solution as a `pandas.DataFrame`: one row per time, one column per number.
 
-    The index is the time, ``t``. Columns are named as one writes them, ``x``, ``x[0]`` or ``x[Jupiter, y]`` by the labels of
-    the state, and ``energy``, ``angular momentum[2]`` and the like for what is conserved. ``frame.attrs["units"]`` has their
-    units.
+    The index is the time, ``t``. Columns are named by the labels of the state, ``x``, ``x[0]`` or ``x[Jupiter, y]``, and
+    ``energy``, ``angular momentum[2]`` and so on for conserved quantities. ``frame.attrs["units"]`` has their units.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The report of a run: a fact a line."""
+"""The report of a run: one fact per line."""
 
 from collections.abc import Sequence
 
@@ -10,9 +10,9 @@ from kickdrift.engine.solution import Solution
 def report(solution: Solution) -> str:
     """Return a report: what was run, what it cost, and how well the conserved quantities were conserved.
 
-    Errors are the largest at the times kept, relative to the start; those of momenta, which may be zero, to the sum of the
-    sizes of the bodies'. The drift is the slope of a straight line through the energy errors. Where the exact motion is known,
-    the phase error says by how much time the run is ahead of it.
+    Errors are the largest at the times kept, relative to the initial value; those of momenta, which may be zero, relative to
+    the sum of the magnitudes for the bodies. The drift is the slope of the least-squares line through the energy errors. If
+    the exact motion is known, the phase error is the time by which the run is ahead of it.
     """
     solution = solution.plain
     about, unit = solution.about, solution.about.units.get("t", "")
@@ -22,7 +22,7 @@ def report(solution: Solution) -> str:
         ("method", f"{about.method}, order {about.order}: {about.word}"),
         ("span", f"{solution.t[0]:.10g} to {solution.t[-1]:.10g} {unit}".rstrip()),
         ("step", _step(solution, unit)),
-        ("steps", f"{solution.n_steps}" + f", {solution.n_rejected} more taken back" * (solution.n_rejected > 0)),
+        ("steps", f"{solution.n_steps}" + f", {solution.n_rejected} more rejected" * (solution.n_rejected > 0)),
         ("force evaluations", f"{solution.n_force_evaluations}"),
         ("wall time", f"{solution.wall_time:.3g} s, {per_step:.4g} ns a step"),
         ("sums", "compensated" if about.compensated else "plain"),

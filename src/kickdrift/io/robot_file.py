@@ -37,9 +37,9 @@ class Robot(NamedTuple):
     ----------
     world : World
     bodies : mapping of str to Body
-        By the names of the file; bodies that are fixed to each other are one. What is fixed to the world does not move.
+        By their names in the file; bodies fixed to each other are one. What is fixed to the world is static.
     joints : mapping of str to Joint
-        By the names of the file; several hinges and slides at one body may be one. What floats has none.
+        By their names in the file; several hinges and slides on one body may be one joint. Floating bodies have none.
     axes : mapping of str to int
         Which axis of its joint each of the file's joints is, for ``Joint.angles``, ``Joint.set_drive`` and the like;
         -1 for balls.
@@ -48,9 +48,10 @@ class Robot(NamedTuple):
     actuators : mapping of str to Actuator
         Motors and servos. Servos are drives of their joints with the control zero.
     between : mapping of str to Body
-        Small bodies between joints of one body that no joint here is all of, by the names of the joints that move them.
+        Small intermediate bodies, for joints of one body that no single joint here represents, by the names of the joints
+        that move them.
     notes : tuple of str
-        What the file says and the robot here does not do, or not in the same way.
+        Features of the file that are left out or treated differently here.
     """
 
     world: World
@@ -79,44 +80,46 @@ def load_robot(
     path : path
         MuJoCo parses and compiles it. Nothing in it is executed.
     world : World, optional
-        Where it comes to; by default a new one with the gravity of the file.
+        The world to add it to; by default a new one with the gravity of the file.
     position : (3,) array_like
         Of the file's origin in the world, m.
     orientation : (4,) array_like
         Quaternion (w, x, y, z) that turns the file's axes into the world's.
     floating : bool
-        Whether the root of a URDF file moves freely, rather than being fixed to the world; MJCF says so itself.
+        Whether the root of a URDF file moves freely, rather than being fixed to the world; MJCF files specify this
+        themselves.
     folder : path, optional
-        That all the files lie in which the file may read, such as its package; by default the one that it lies in itself.
+        The folder within which the file may refer to others, such as its package; by default the folder of the file.
 
     Returns
     -------
     Robot
-        The world, bodies, joints and actuators by name, and notes on everything that is not as the file says.
+        The world, bodies, joints and actuators by name, and notes on everything that differs from the file.
 
     Raises
     ------
     MissingExtraError
         If MuJoCo is not installed: ``pip install 'kickdrift[robots]'``.
     FileFormatError
-        If there is no such file, it reads others outside of the folder, or MuJoCo does not understand it.
+        If there is no such file, it refers to others outside the folder, or MuJoCo cannot read it.
     ArgumentError
-        For joints, shapes and masses that kickdrift does not have. The world is then as it was before.
+        For joints, shapes and masses that kickdrift does not support. The world is then unchanged.
 
     Notes
     -----
-    Contacts, limits and constraints are those of the world: rigid, and without the ``solref``, ``solimp`` and ``margin``
-    of the file. Geoms with contype and conaffinity zero and the visuals of links are drawn, meshes as their convex hulls;
-    nothing meets them, rays neither, and what they weigh counts. Bodies do not touch their parents and those that are
-    excluded. Angles are zero in the reference pose; keyframes, sensors, cameras and lights are ignored.
+    Contacts, limits and constraints are those of the world: rigid, and without the ``solref``, ``solimp`` and ``margin`` of
+    the file. Geoms with contype and conaffinity zero and the visuals of links are drawn, meshes as their convex hulls;
+    nothing collides with them, nor do rays hit them, but their mass counts. Bodies do not collide with their parents or with
+    excluded bodies. Angles are zero in the reference pose; keyframes, sensors, cameras and lights are ignored.
 
-    Where the joints of one body are none here, there are small bodies between them, taken out of it. Rotors (``armature``)
-    are inertia of what their joint moves about its axis: as in MuJoCo where the parent does not turn about it.
+    Joints of one body that no single joint here represents get small intermediate bodies, whose mass is taken from it.
+    Rotors (``armature``) add inertia about the axis to what their joint moves, which equals MuJoCo's model if the parent
+    does not turn about it.
     """
     if world is not None and not isinstance(world, World):
-        raise ArgumentError(f"world={world!r} is no world; give a kickdrift.World, or None for a new one.")
+        raise ArgumentError(f"world={world!r} is not a world; give a kickdrift.World, or None for a new one.")
     if not isinstance(folder, str | Path | None):
-        raise ArgumentError(f"folder={folder!r} is no path; give that of a folder, or None.")
+        raise ArgumentError(f"folder={folder!r} is not a path; give the path of a folder, or None.")
     place, turn = vector("position", position, 3), unit_quaternion("orientation", orientation)
     model, notes = parse(path, floating, place, turn, folder)
     notes += omissions(model)
@@ -156,14 +159,14 @@ def load_robot(
 
 
 def _world(model: Model, world: World | None, notes: list[str]) -> World:
-    """Make a world with the file's gravity, or say that the one given has another."""
+    """Create a world with the file's gravity, or note that the given one has another."""
     off = model.compiled.opt.disableflags & model.mujoco.mjtDisableBit.mjDSBL_GRAVITY
     gravity = np.zeros(3) if off else np.array(model.compiled.opt.gravity)
     if world is None:
         return World(gravity=gravity)
     there = world.tables.array(SETTINGS)[0, GRAVITY : GRAVITY + 3]
     if not np.array_equal(there, gravity):
-        notes.append(f"gravity is {there.tolist()} m/s^2, as in the world given, and not the file's {gravity.tolist()}")
+        notes.append(f"gravity is {there.tolist()} m/s^2, as in the given world, not {gravity.tolist()} as in the file")
     return world
 
 

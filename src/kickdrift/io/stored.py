@@ -42,8 +42,8 @@ def load_stored(path: Path) -> Solution | EnsembleSolution:
     file = path / KEPT
     if not file.is_file():
         raise FileFormatError(
-            f"path={str(path)!r} is a folder without {KEPT}, which solve and solve_ensemble leave in save_to when"
-            " they have ended; make the same call again, or read the rows there are by xarray.open_zarr, as those of worlds."
+            f"path={str(path)!r} is a folder without {KEPT}, which solve and solve_ensemble write to save_to at their"
+            " end; repeat the call to finish it, or read its rows with xarray.open_zarr, as for worlds."
         )
 
     def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Solution | EnsembleSolution:

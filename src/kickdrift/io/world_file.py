@@ -1,4 +1,4 @@
-"""Worlds on disk: all that their next steps depend on, so that they go on with the same bits."""
+"""Worlds on disk: all that their next steps depend on, so that they continue with the same bits."""
 
 import json
 import math
@@ -20,7 +20,7 @@ from kickdrift.world.integration import GENERATION as BODY_GENERATION
 from kickdrift.world.integrity import check
 from kickdrift.world.joints.layout import GENERATION, JOINT_KIND
 from kickdrift.world.joints.layout import REMOVED as REMOVED_JOINT
-from kickdrift.world.joints.tree import arrange
+from kickdrift.world.joints.spanning_tree import arrange
 from kickdrift.world.layout import BODY_ROW, GONE, SEARCH_STATE, SHAPE_KIND
 from kickdrift.world.shape_rows import SHOWN, Placed, ShapeRows, Surface
 from kickdrift.world.shapes.kinds import SPHERE
@@ -41,7 +41,7 @@ def save_world(world: World, path: str | Path) -> Path:
     Parameters
     ----------
     world : World
-        Forces that were added to it, functions of one's own, are counted and not written: a file holds no code.
+        Forces added by users are functions; they are counted but not written, since a file holds no code.
     path : path
         Where; ``.npz`` is appended where it is missing. The folder must exist.
 
@@ -97,26 +97,25 @@ def contents(world: World) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
 
 
 def load_world(path: str | Path, forces: Sequence[Function] = ()) -> World:
-    """Read a world that `World.save` wrote; it goes on with the bits of the one that was written.
+    """Read a world that `World.save` wrote; it continues with the bits of the one that was written.
 
     Parameters
     ----------
     path : path
     forces : sequence of callable
-        The functions that `World.add_force` was given, in their order: a file holds no code.
+        The functions passed to `World.add_force`, in the same order: a file holds no code.
 
     Returns
     -------
     World
-        Bodies have the rows and names that they had; ``world.body(name)`` and ``world.bodies.handle(row)`` give the handle
-        of one.
+        Bodies keep their rows and names; ``world.body(name)`` and ``world.bodies.handle(row)`` return handles.
 
     Raises
     ------
     FileFormatError
-        If there is no such file, it is not a world, or one of another version of kickdrift.
+        If there is no such file, or it is not a world, or one of another version of kickdrift.
     ArgumentError
-        If the forces are not as many as the world had.
+        If the number of forces differs from that of the world.
     """
 
     def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> tuple[Snapshot, int, bool]:
@@ -126,8 +125,8 @@ def load_world(path: str | Path, forces: Sequence[Function] = ()) -> World:
     snapshot, count, threads = archive.read(path, "a kickdrift world", "World.save", assemble)
     if len(forces) != count:
         raise ArgumentError(
-            f"forces has {len(forces)} functions, and the world in path={str(path)!r} had {count}; give those that"
-            " add_force was given, in their order."
+            f"forces has {len(forces)} functions, but the world in path={str(path)!r} had {count}; give the functions"
+            " passed to add_force, in the same order."
         )
     world = World(threads=threads)
     for force in forces:
@@ -140,7 +139,7 @@ def _check(path: str, head: dict[str, Any], arrays: dict[str, Any]) -> None:
     given = str(head["format"])
     if given != archive.WORLD and given.startswith(_KIND):
         raise FileFormatError(
-            f"path={path!r} is {given!r}, and this version of kickdrift reads {archive.WORLD!r}; read it with the"
+            f"path={path!r} is {given!r}, but this version of kickdrift reads {archive.WORLD!r}; read it with the"
             " version that wrote it."
         )
     if given != archive.WORLD:
@@ -228,13 +227,13 @@ def _rows_of(given: list[int], wanted: NDArray[np.intp]) -> tuple[int, ...]:
     """Return rows that are free, in their order, if they are the ones that no one has."""
     rows = tuple(_whole(row, 0) for row in given)
     if sorted(rows) != wanted.tolist():
-        raise ValueError(f"the rows {list(rows)} are said to be free, and {wanted.tolist()} are")
+        raise ValueError(f"the rows {list(rows)} are listed as free, but {wanted.tolist()} are")
     return rows
 
 
 def _whole(value: Any, least: int) -> int:
     if type(value) is not int or not least <= value < 1 << 62:
-        raise ValueError(f"{value!r} is no whole number from {least} on")
+        raise ValueError(f"{value!r} is not a whole number of at least {least}")
     return value
 
 
@@ -247,7 +246,7 @@ def _finite(value: Any) -> float:
 def _names(pairs: list[tuple[int, str]], rows: NDArray[np.intp]) -> MappingProxyType[int, str]:
     names = {_whole(row, 0): str(name) for row, name in pairs}
     if not set(names) <= set(rows.tolist()) or len(set(names.values())) != len(pairs):
-        raise ValueError("names are those of rows that are not there, or the same")
+        raise ValueError("names are duplicates, or belong to rows that do not exist")
     return MappingProxyType(names)
 
 

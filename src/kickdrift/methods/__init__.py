@@ -100,7 +100,7 @@ _ALIASES: dict[str, Method] = {alias: method for method in _CATALOGUE.values() f
 
 
 def catalogue() -> dict[str, Method]:
-    """Return every method by its name, aliases left out.
+    """Return every method by its name, without aliases.
 
     Returns
     -------
@@ -110,47 +110,47 @@ def catalogue() -> dict[str, Method]:
 
 
 def preferred(kind: Kind, order: int | None = None) -> Method:
-    """Choose a method by the kind of problem and the order wanted, as ``solve(..., method="auto", order=order)`` does.
+    """Choose a method by the kind of problem and the requested order, as ``solve(..., method="auto", order=order)`` does.
 
     Parameters
     ----------
     kind : Kind
         What moves.
     order : int, optional
-        The least order wanted; by default what is the fastest to errors between 1e-3 and 1e-9 at the end, or close to it.
+        The lowest order wanted; by default the fastest method, or nearly so, for errors between 1e-3 and 1e-9 at the end.
 
     Raises
     ------
     MethodMismatchError
-        If no method for the kind has an order so high.
+        If no method for the kind has so high an order.
     """
     return preference.preferred(kind, order, _CATALOGUE)
 
 
 def preferred_for_stiff(order: int | None = None) -> Method | None:
-    """Choose a method for what decays much faster than a step; None if nothing L-stable has an order so high."""
+    """Choose a method for decay much faster than a step; None if no L-stable method has so high an order."""
     return preference.for_stiff(order, _CATALOGUE)
 
 
 def preferred_for_fast_oscillations(kind: Kind) -> Method:
-    """Choose a method for what oscillates much faster than a step."""
+    """Choose a method for oscillations much faster than a step."""
     return preference.for_fast_oscillations(kind, _CATALOGUE)
 
 
 def preferred_for_nearly_keplerian(turn: float) -> Method:
-    """Choose by the angle that the fastest body turns by at its pericentre, in a step."""
+    """Choose by the angle that the fastest body moves through in a step at its pericentre."""
     if turn > preference.LONG_STEP:
         return preference.for_long_steps(_CATALOGUE)
     return preferred(Kind.NEARLY_KEPLERIAN)
 
 
 def get(name: str | Method) -> Method:
-    """Find a method by its name or an alias; a `Method` of your own is returned as it is.
+    """Return a method by its name or an alias; a `Method` is returned unchanged.
 
     Raises
     ------
     UnknownNameError
-        For a name that is not in the catalogue; the sentence names the nearest ones.
+        For a name that is not in the catalogue; the message suggests similar ones.
     """
     if isinstance(name, Method):
         return name

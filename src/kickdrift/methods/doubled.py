@@ -1,4 +1,4 @@
-"""Explicit methods for Hamiltonians that are not separable, in a doubled phase space."""
+"""Explicit methods for non-separable Hamiltonians, in a doubled phase space."""
 
 import math
 from decimal import Decimal, localcontext
@@ -15,22 +15,22 @@ _BINDING = 20
 
 
 def tao(order: int = 2, binding: float = _BINDING) -> Method:
-    """Make the method of an order for a binding constant.
+    """Create Tao's method of a given order and binding constant.
 
-    It moves two copies of the state, bound to each other by a spring in phase space that turns their differences at
-    the angular frequency 2 `binding`. It conserves a symplectic form of both together, and its energy error stays
-    bounded for as long as the copies stay together. For that
+    It integrates two copies of the state, bound to each other by a spring in phase space that rotates their difference at
+    the angular frequency 2 `binding`. It is symplectic in the doubled phase space, and its energy error stays bounded as
+    long as the copies stay together. For that
 
-    - q and p want units in which they are about as large: the spring weighs both alike;
-    - `binding` must be larger than the rates of the motion, and far larger than those at which its trajectories part:
-      too small a constant shows as an energy that wanders off;
+    - q and p need units in which they are of similar size, since the spring weights both alike;
+    - `binding` must be larger than the rates of the motion, and far larger than the rate at which its trajectories diverge:
+      with too small a constant the energy drifts away;
     - step^order * binding must be well below 1.
 
     Parameters
     ----------
     order : int
-        2, 4, 6, ...; each has five times the evaluations of the one before. At equal cost Suzuki's five steps have a
-        tenth of the error of the triple jump on Tao's first example.
+        2, 4, 6, ...; each takes five times as many evaluations as the one before. At equal cost Suzuki's five-step
+        composition has a tenth of the error of the triple jump on Tao's first example.
     binding : float
         Tao's omega, positive, per unit of time.
 
@@ -48,7 +48,7 @@ def tao(order: int = 2, binding: float = _BINDING) -> Method:
     Tao, Phys. Rev. E 94, 043303 (2016), eq. 5; Suzuki, Phys. Lett. A 146, 319 (1990).
     """
     if isinstance(order, bool) or not isinstance(order, int) or order < 2 or order % 2:
-        raise ArgumentError(f"order={order!r} must be 2, 4 or another even number; the method is symmetric.")
+        raise ArgumentError(f"order={order!r} must be a positive even number, since the method is symmetric.")
     if not 0 < binding < math.inf:
         raise ArgumentError(f"binding={binding!r} must be positive and finite; {_BINDING} suits rates of about 1.")
     spelled = word((_A, "1/2"), (_B, "1/2"), (_C, 1), (_B, "1/2"), (_A, "1/2"))

@@ -1,4 +1,4 @@
-"""The letters that methods are spelled with: flows, by the name that the engine knows them by."""
+"""The letters of the words of methods: flows, by their names in the engine."""
 
 from enum import Enum
 
@@ -36,7 +36,7 @@ class Letter(Enum):
 
     @property
     def adjoint(self) -> "Letter | None":
-        """The flow whose step over -h undoes a step over h; None where no letter does."""
+        """The flow whose step of -h inverts a step of h; None if there is no such letter."""
         return _ADJOINTS.get(self, self)
 
     @property
@@ -46,7 +46,7 @@ class Letter(Enum):
 
     @property
     def projection(self) -> bool:
-        """Whether it moves a state back to its constraints, and does nothing to one that fulfils them."""
+        """Whether it projects a state onto its constraints, and leaves one that satisfies them unchanged."""
         return self in (Letter.CONSTRAIN_POSITIONS, Letter.CONSTRAIN_VELOCITIES)
 
     @property
@@ -98,7 +98,7 @@ class Letter(Enum):
 
     @property
     def symbol(self) -> str:
-        """What people read: a sign or two for the commonest, the name for the others."""
+        """The symbol as shown: one or two characters for the most common letters, the name for the others."""
         return _SYMBOLS.get(self, self.value)
 
 

@@ -1,4 +1,4 @@
-"""The impulse method: seldom a kick by the slow part of the force, and between them small steps under the fast one."""
+"""The impulse method: rare kicks by the slow part of the force, and small steps with the fast part between them."""
 
 import numpy as np
 
@@ -12,13 +12,12 @@ _SUBSTEPS = 10
 
 
 def respa(substeps: int = _SUBSTEPS) -> Method:
-    """Make the impulse method, r-RESPA, with so many steps under the fast force in each step under the slow one.
+    """Create the impulse method, r-RESPA, with a number of steps with the fast force per step with the slow one.
 
-    A step is half a kick by the slow force, `substeps` steps of Stoermer-Verlet under the fast one, and half a kick. It is
-    symplectic and symmetric, of order 2, with one evaluation of the slow force. Where the time between kicks comes close
-    to half a period of the fast motion, or a multiple of it, the kicks pump energy into it: steps of more than a third of
-    its shortest period are on the user's own account. For fast forces that are linear the trigonometric methods are
-    filtered against that.
+    A step is a half-kick by the slow force, `substeps` steps of Stoermer-Verlet with the fast one, and another half-kick. It
+    is symplectic and symmetric, of order 2, with one evaluation of the slow force. Where the time between kicks is close to
+    a multiple of half a period of the fast motion, resonance pumps energy into it: keep steps below a third of its shortest
+    period. For linear fast forces the trigonometric methods are filtered against these resonances.
 
     Parameters
     ----------
@@ -32,7 +31,7 @@ def respa(substeps: int = _SUBSTEPS) -> Method:
     Raises
     ------
     ArgumentError
-        For a number that is not whole and positive.
+        If `substeps` is not a positive whole number.
 
     References
     ----------
@@ -40,7 +39,7 @@ def respa(substeps: int = _SUBSTEPS) -> Method:
     1990 (1992).
     """
     if isinstance(substeps, bool) or not isinstance(substeps, int | np.integer) or substeps < 1:
-        raise ArgumentError(f"substeps={substeps!r} must be a positive whole number: of steps under the fast force.")
+        raise ArgumentError(f"substeps={substeps!r} must be a positive whole number, of steps with the fast force.")
     return Method(
         name="respa-2" if substeps == _SUBSTEPS else f"respa-2-substeps-{substeps}",
         order=2,

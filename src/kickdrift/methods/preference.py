@@ -1,4 +1,4 @@
-"""Which method to take for a kind of problem and an order: what ``method="auto"`` stands for."""
+"""The method that ``method="auto"`` selects for a kind of problem and an order."""
 
 from kickdrift.core.errors import MethodMismatchError
 from kickdrift.core.kinds import Kind
@@ -86,7 +86,7 @@ def preferred(kind: Kind, order: int | None, catalogue: dict[str, Method]) -> Me
     Raises
     ------
     MethodMismatchError
-        If no method for the kind has an order so high.
+        If no method for the kind has so high an order.
     """
     if order is None:
         return catalogue[_FASTEST[kind]]
@@ -95,19 +95,19 @@ def preferred(kind: Kind, order: int | None, catalogue: dict[str, Method]) -> Me
     if enough:
         return enough[0]
     raise MethodMismatchError(
-        f"order={order!r} is higher than methods for {kind.value} have; the highest is {choices[-1].order}"
+        f"order={order!r} is higher than that of any method for {kind.value}; the highest is {choices[-1].order}"
         f" ({choices[-1].name!r})."
     )
 
 
 def for_stiff(order: int | None, catalogue: dict[str, Method]) -> Method | None:
-    """Choose for what decays much faster than a step; None if nothing L-stable has an order so high."""
+    """Choose for decay much faster than a step; None if no L-stable method has so high an order."""
     enough = [catalogue[name] for name in _L_STABLE if catalogue[name].order >= (order or 0)]
     return (enough[-1] if order is None else enough[0]) if enough else None
 
 
 def for_fast_oscillations(kind: Kind, catalogue: dict[str, Method]) -> Method:
-    """Choose for what oscillates much faster than a step: it neither grows nor decays."""
+    """Choose for oscillations much faster than a step, which neither grow nor decay then."""
     return catalogue[_TRIGONOMETRIC if kind is Kind.OSCILLATORY else _A_STABLE]
 
 

@@ -1,4 +1,4 @@
-"""What a method is: a word over flows, with exact weights."""
+"""The record of a method: a word over flows, with exact weights."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ def _is_share(letter: Any, weight: Any) -> bool:
 
 @dataclass(frozen=True)
 class Method:
-    """A one-step method as data; refuses to exist if its word is wrong.
+    """A one-step method as data, validated on creation.
 
     Attributes
     ----------
@@ -40,27 +40,27 @@ class Method:
     order : int
         Order of the global error, on the problems of `kind`; for Langevin dynamics that of averages, the weak order.
     word : tuple of (Letter, Fraction)
-        The flows of one step, first to last, each with its share of the step.
+        The flows of one step, from first to last, each with its fraction of the step.
     symmetric : bool
-        Whether a step over -h undoes a step over h.
+        Whether a step of -h inverts a step of h.
     kind : Kind
-        The widest kind of problem that it is made for: its order holds there, and its error is as small as stated.
+        The widest kind of problem that it is designed for, on which its order holds.
     source : str
-        Where the coefficients are from.
+        Source of the coefficients.
     aliases : tuple of str
         Other names.
     tableau : callable, optional
         Returns the `Tableau` of a Runge-Kutta method.
     parameters : tuple of numbers
-        What else the flows of the word need to know.
+        Further parameters of the flows of the word.
     counterpart : str
-        Name of the method that goes under the same name for Hamiltonians that are not separable.
+        Name of the method that replaces it for non-separable Hamiltonians.
     generalised_order : tuple of int
-        For problems A + e B with a small e: the order to which the error vanishes of the terms with e, e^2, ..., as in
-        (8, 6, 4) for e h^8 + e^2 h^6 + e^3 h^4.
+        For problems A + e B with a small e: the powers of h in the errors of order e, e^2, ..., such as (8, 6, 4) for e h^8
+        + e^2 h^6 + e^3 h^4.
     corrector : tuple of (Letter, Fraction)
-        Another word of the same letters, none of which advances: done once, before the first step, and undone on
-        whatever is kept.
+        Another word of the same letters, whose weights sum to zero: applied once, before the first step, and inverted on
+        every state that is kept.
     """
 
     name: str
@@ -79,7 +79,7 @@ class Method:
     def __post_init__(self) -> None:
         self._check_types()
         if not self.word:
-            raise ArgumentError(f"word of {self.name!r} is empty; a method has at least one flow.")
+            raise ArgumentError(f"word of {self.name!r} is empty; a method needs at least one flow.")
         if self.order < 1:
             raise ArgumentError(f"order={self.order!r} of {self.name!r} must be at least 1.")
         self._check_shares()
@@ -96,11 +96,9 @@ class Method:
         for name, kind in wanted.items():
             value: Any = getattr(self, name)
             if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
-                raise ArgumentError(f"{name}={value!r} of a method is no {kind.__name__}; give one.")
+                raise ArgumentError(f"{name}={value!r} of a method is not of type {kind.__name__}; give one.")
         if self.tableau is not None and not callable(self.tableau):
-            raise ArgumentError(
-                f"tableau={self.tableau!r} of {self.name!r} has to be a function that returns a Tableau."
-            )
+            raise ArgumentError(f"tableau={self.tableau!r} of {self.name!r} must be a function that returns a Tableau.")
         for name in ("word", "corrector"):
             for member in getattr(self, name):
                 if not (isinstance(member, tuple) and len(member) == 2 and _is_share(*member)):
@@ -110,7 +108,7 @@ class Method:
         for number in (*self.parameters, *self.generalised_order):
             if not isinstance(number, int | Fraction):
                 raise ArgumentError(
-                    f"parameters and generalised_order of {self.name!r} hold {number!r}; give whole numbers."
+                    f"parameters and generalised_order of {self.name!r} contain {number!r}; give whole numbers."
                 )
 
     def _check_shares(self) -> None:
@@ -120,13 +118,13 @@ class Method:
         for share, total in totals.items():
             if total != 1:
                 raise ArgumentError(
-                    f"word of {self.name!r}: the weights of {share!r} add up to {float(total)!r}, not to 1;"
-                    " give exact fractions, or derive one weight from the others."
+                    f"word of {self.name!r}: the weights of {share!r} add up to {float(total)!r}, not to 1; give exact"
+                    " fractions, or compute one weight from the others."
                 )
         if frozenset(totals) not in WHOLES:
             raise ArgumentError(
                 f"word of {self.name!r} has the flows {', '.join(sorted(totals))}; a step needs kicks and drifts, or"
-                " another set of flows that make up the whole dynamics."
+                " another complete set of flows."
             )
 
     def _check_order(self) -> None:
@@ -134,8 +132,8 @@ class Method:
             moves = [(letter is D, float(weight)) for letter, weight in self.word]
             if (order := order_on_oscillator(moves, self.order)) < self.order:
                 raise ArgumentError(
-                    f"order={self.order!r} of {self.name!r}: its word has order {order} on the harmonic oscillator, and so"
-                    " no higher one; give that, or other weights."
+                    f"order={self.order!r} of {self.name!r}: its word has only order {order} on the harmonic"
+                    " oscillator; give that order, or other weights."
                 )
 
     def _check_corrector(self) -> None:
@@ -149,7 +147,8 @@ class Method:
         used = {letter for letter, _ in self.corrector}
         if not used <= self.letters or any(letter.noisy or letter.adjoint is None for letter in used):
             raise ArgumentError(
-                f"corrector of {self.name!r} has letters that its word has not, or that cannot be undone; use others."
+                f"corrector of {self.name!r} has letters that are not in its word, or that cannot be inverted; use"
+                " others."
             )
 
     def __hash__(self) -> int:
@@ -178,9 +177,9 @@ class Method:
                     f"kind of {self.name!r} is {self.kind.value}, but its flow {letter.value!r} needs {kind.value}."
                 )
         if not Kind.FIRST_ORDER.includes(self.kind) and not special:
-            raise ArgumentError(f"kind of {self.name!r} is {self.kind.value}, but none of its flows is for that.")
+            raise ArgumentError(f"kind of {self.name!r} is {self.kind.value}, but none of its flows is for this kind.")
         if (self.tableau is not None) != any(letter.has_tableau for letter in self.letters):
-            raise ArgumentError(f"tableau of {self.name!r}: a Runge-Kutta flow has one, and no other does.")
+            raise ArgumentError(f"tableau of {self.name!r}: a Runge-Kutta flow needs one, and no other flow has one.")
         wanted = sum(letter.parameters for letter in self.letters)
         if len(self.parameters) != wanted:
             raise ArgumentError(f"parameters={self.parameters!r} of {self.name!r}: its flows need {wanted}.")
@@ -201,11 +200,13 @@ class Method:
             raise ArgumentError(f"tableau of {self.name!r} is implicit; its letter is IMPLICIT_RUNGE_KUTTA.")
         if Letter.STIFF_RUNGE_KUTTA in self.letters and not tableau.stiffly_accurate:
             raise ArgumentError(
-                f"tableau of {self.name!r} is not stiffly accurate: b is the last row of a regular a, for x and v alike;"
-                " its letter is IMPLICIT_RUNGE_KUTTA."
+                f"tableau of {self.name!r} is not stiffly accurate, which needs b to be the last row of a nonsingular"
+                " a, for x and v alike; its letter is IMPLICIT_RUNGE_KUTTA."
             )
         if tableau.symmetric != self.symmetric:
-            raise ArgumentError(f"symmetric={self.symmetric} of {self.name!r}: its tableau says {tableau.symmetric}.")
+            raise ArgumentError(
+                f"symmetric={self.symmetric} of {self.name!r}: for its tableau this is {tableau.symmetric}."
+            )
         return tableau.numbers
 
     @property
@@ -220,7 +221,7 @@ class Method:
 
     @cached_property
     def spelling(self) -> str:
-        """The word for people, such as ``K/2 D K/2``; the middle of a long one is left out."""
+        """The word as text, such as ``K/2 D K/2``; the middle of a long one is left out."""
         spelled = [_spell(letter.symbol, weight) for letter, weight in self.word]
         if len(spelled) > _LONGEST_SPELLING:
             spelled[3:-3] = [f"... ({len(spelled)} letters) ..."]

@@ -1,4 +1,4 @@
-"""The coefficients of a Runge-Kutta method, partitioned if x and v have their own."""
+"""The coefficients of a Runge-Kutta method, partitioned if those of x and v differ."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ _ROUNDING = 1e-13
 
 @dataclass(frozen=True)
 class Tableau:
-    """The Butcher tableau of s stages; refuses to exist if its rows do not add up.
+    """The Butcher tableau of s stages, validated on creation.
 
     Attributes
     ----------
@@ -25,12 +25,12 @@ class Tableau:
     b : sequence of s numbers
         Weights of the slopes in the step, for x.
     a_of_v, b_of_v : the same for v, optional
-        Where v has weights of its own (Hairer, Lubich, Wanner, Geometric Numerical Integration, section II.2).
+        If v has different weights (Hairer, Lubich, Wanner, Geometric Numerical Integration, section II.2).
     error_weights : two sequences of s numbers, optional
-        Weights of the slopes in two estimates of the error of a step, the first one of the higher order, which are put together
-        as in Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, eq. (II.10.17).
+        Weights of the slopes in two estimates of the error of a step, the first of the higher order, which are combined as
+        in Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, eq. (II.10.17).
     error_order : int
-        The order of what they estimate: the error of a step goes as its size to this power plus one.
+        The order of the estimated error: the error of a step scales as its size to this power plus one.
     """
 
     a: Sequence[Sequence[Fraction | float]]
@@ -45,7 +45,9 @@ class Tableau:
             _check_numbers(name, getattr(self, name), 1 if name[0] == "b" else 2)
         for a, b in ((self._a, self._b), (self._a_of_v, self._b_of_v)):
             if a.shape != (b.size, b.size) or b.shape != self._b.shape:
-                raise ArgumentError(f"a has shape {a.shape} but b has {b.size} weights; a tableau is square.")
+                raise ArgumentError(
+                    f"a has shape {a.shape} but b has {b.size} weights; a must be square, with one row per weight."
+                )
             if abs(b.sum() - 1) > _ROUNDING:
                 raise ArgumentError(f"b={b.tolist()!r} adds up to {b.sum()!r}, not to 1.")
 
@@ -67,17 +69,17 @@ class Tableau:
 
     @property
     def stages(self) -> int:
-        """How many stages there are."""
+        """Number of stages."""
         return len(self.b)
 
     @property
     def explicit(self) -> bool:
-        """Whether each stage needs only those before it."""
+        """Whether each stage depends only on earlier ones."""
         return not (np.triu(self._a).any() or np.triu(self._a_of_v).any())
 
     @property
     def symmetric(self) -> bool:
-        """Whether a step over -h undoes a step over h (Hairer, Lubich, Wanner, theorem V.2.3)."""
+        """Whether a step of -h inverts a step of h (Hairer, Lubich, Wanner, theorem V.2.3)."""
         return all(
             np.allclose(a + a[::-1, ::-1], np.broadcast_to(b, a.shape), rtol=0, atol=_ROUNDING)
             and np.allclose(b, b[::-1], rtol=0, atol=_ROUNDING)
@@ -109,7 +111,7 @@ class Tableau:
     def stiffly_accurate(self) -> bool:
         """Whether the last stage is the end of the step, and each stage an equation to solve.
 
-        What decays fast is then gone after a step (Hairer, Wanner, Solving Ordinary Differential Equations II, section
+        Fast decay is then complete after one step (Hairer, Wanner, Solving Ordinary Differential Equations II, section
         IV.3), if the method is A-stable.
         """
         same = self.a_of_v is None and self.b_of_v is None
@@ -152,7 +154,7 @@ def _check_numbers(name: str, given: Any, dimensions: int) -> None:
         array = reals([list(row) for row in given] if dimensions == 2 else list(given))
     except Exception as error:  # of objects of all sorts
         raise ArgumentError(
-            f"{name}={given!r} has to be numbers: {error}; give Fraction(1, 2) or 0.5, no texts."
+            f"{name}={given!r} must be numbers: {error}; give Fraction(1, 2) or 0.5, not strings."
         ) from None
     if array.ndim != dimensions or not np.isfinite(array).all():
-        raise ArgumentError(f"{name}={given!r} has to be {'rows of ' * (dimensions - 1)}finite numbers.")
+        raise ArgumentError(f"{name}={given!r} must be {'rows of ' * (dimensions - 1)}finite numbers.")

@@ -21,7 +21,8 @@ def alternating(first: Letter, weights: Sequence[Weight], second: Letter | None 
 def rows(first: Letter, own: Sequence[Weight], others: Sequence[Weight]) -> Word:
     """Spell a word of kicks and drifts in turns by the weights of `first` and of the other, each without the last.
 
-    The two left out follow from the sums, so the clock is exact whatever the printed digits leave over.
+    The two left out follow from the sums, so that time advances by exactly one step whatever the rounding of the printed
+    digits.
     """
     weights = [Fraction(0)] * (len(own) + len(others) + 2)
     for start, given in enumerate((own, others)):

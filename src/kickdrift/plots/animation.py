@@ -1,4 +1,4 @@
-"""Films of recordings."""
+"""Animations of recordings."""
 
 import math
 import os
@@ -20,11 +20,12 @@ from kickdrift.plots.painter import Painter
 from kickdrift.plots.scenery import Pose
 from kickdrift.world.recording import Recording
 
+Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 _PIXELS = 310_000
 _DPI = 100
 _MOST_WORKERS = 4
-_LAST_SECONDS = 1.0  # that the last picture of a GIF stays, before it begins anew
+_LAST_SECONDS = 1.0  # that the last picture of a GIF stays, before it begins again
 _NEARLY_WHITE = 247
 _PACKING = np.array([256**2, 256, 1], dtype=np.int32)  # of red, green and blue in one number
 _SAMPLES = 8  # pictures that the colours of a GIF are chosen from
@@ -33,18 +34,18 @@ _SAMPLES = 8  # pictures that the colours of a GIF are chosen from
 def animate_recording(
     recording: Recording, path: str | Path, *, speed: float = 1.0, rate: int = 25, progress: bool | None = None
 ) -> Path:
-    """Write a film of a recording.
+    """Write an animation of a recording.
 
     Parameters
     ----------
     recording : Recording
-        Between the states kept, bodies are drawn on the straight way.
+        Between the states kept, poses are interpolated linearly.
     path : path
-        Ends in ``.gif``, or in ``.mp4`` where the program ffmpeg is installed.
+        Ends in ``.gif``, or in ``.mp4`` if the program ffmpeg is installed.
     speed : float
-        Seconds of the recording for each second of the film.
+        Seconds of the recording per second of the animation.
     rate : int
-        Pictures a second, at most 50.
+        Frames per second, at most 50.
     progress : bool, optional
         Show a bar; by default on a terminal, where it takes more than two seconds.
 
@@ -56,20 +57,20 @@ def animate_recording(
     Raises
     ------
     ArgumentError
-        For a speed or rate that cannot be.
+        For an invalid speed or rate.
     FileFormatError
         If the file cannot be written, or ffmpeg is missing.
     MissingExtraError
         If matplotlib is not installed.
     """
     if not (isinstance(speed, int | float | np.integer | np.floating) and 0.0 < float(speed) < math.inf):
-        raise ArgumentError(f"speed={speed!r} has to be positive and finite; 1 is real time, 0.5 half as fast.")
+        raise ArgumentError(f"speed={speed!r} must be positive and finite; 1 is real time, 0.5 half as fast.")
     if not (isinstance(rate, int | np.integer) and 1 <= rate <= 50):
-        raise ArgumentError(f"rate={rate!r} has to be a whole number of pictures a second, from 1 to 50.")
+        raise ArgumentError(f"rate={rate!r} must be a whole number of frames per second, from 1 to 50.")
     target = Path(path)
     write = {".gif": _write_gif, ".mp4": _write_mp4}.get(target.suffix.lower())
     if write is None:
-        raise FileFormatError(f"path={str(path)!r} cannot be written: films end in .gif or .mp4.")
+        raise FileFormatError(f"path={str(path)!r} cannot be written: animations end in .gif or .mp4.")
     film = _Film(recording, speed, int(rate), progress)
     try:
         with written(target) as partial:
@@ -128,23 +129,28 @@ class _Film:
 
     def samples(self) -> Iterator[Pixels]:
         """Paint some pictures from all over the film."""
-        for time in self.times[np.unique(np.linspace(0, len(self.times) - 1, _SAMPLES).astype(np.intp))]:
-            self._samples[time] = self._finished(time, self._painters[0].paint(self.pose(time)))
-            yield self._samples[time]
+        times = self.times[np.unique(np.linspace(0, len(self.times) - 1, _SAMPLES).astype(np.intp))]
+        for time, pixels in zip(times, self._painted(times), strict=True):
+            self._samples[time] = pixels
+            yield pixels
 
     def __iter__(self) -> Iterator[Pixels]:
-        """Paint all pictures, several at once."""
-        bar, workers = Bar(len(self.times), self._progress, unit="picture"), len(self._painters)
-        with closing(bar), ThreadPoolExecutor(workers) as pool:
+        """Paint all pictures but those that are painted already."""
+        painted = self._painted(self.times[[time not in self._samples for time in self.times]])
+        with closing(Bar(len(self.times), self._progress, unit="picture")) as bar:
             started = perf_counter()
-            for first in range(0, len(self.times), workers):
-                times = self.times[first : first + workers]
-                new = [time for time in times if time not in self._samples]
-                pictures = pool.map(lambda painter, time: painter.paint(self.pose(time)), self._painters, new)
-                painted = dict(zip(new, pictures, strict=True))
-                for time in times:
-                    yield self._finished(time, painted[time]) if time in painted else self._samples[time]
-                bar.show(first + len(times), perf_counter() - started)
+            for count, time in enumerate(self.times, 1):
+                yield self._samples[time] if time in self._samples else next(painted)
+                bar.show(count, perf_counter() - started)
+
+    def _painted(self, times: Floats) -> Iterator[Pixels]:
+        """Paint pictures, several at once."""
+        workers = len(self._painters)
+        with ThreadPoolExecutor(workers) as pool:
+            for first in range(0, len(times), workers):
+                some = times[first : first + workers].tolist()
+                pictures = pool.map(lambda painter, time: painter.paint(self.pose(time)), self._painters, some)
+                yield from map(self._finished, some, pictures)
 
     def _finished(self, time: float, picture: Pixels) -> Pixels:
         self._image.set_data(picture)
@@ -187,7 +193,8 @@ def _write_mp4(film: _Film, path: Path) -> None:
 
     if not FFMpegWriter.isAvailable():
         raise FileFormatError(
-            f"path={str(path)!r} needs the program ffmpeg, which is not found; install it, or end the name in .gif."
+            f"path={str(path)!r} needs the program ffmpeg, which was not found; install it, or use a name that ends in"
+            " .gif."
         )
     writer = FFMpegWriter(fps=film.rate)
     with writer.saving(film.figure, str(path), _DPI):

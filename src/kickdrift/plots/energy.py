@@ -24,7 +24,7 @@ _BINS = 1500  # over the width of a panel, more than it has pixels on a screen
 
 
 def draw_energy_error(axes: "Axes", solution: Solution) -> None:
-    """Draw the energy error with its sign: what is bounded lies in a band, what drifts leaves it."""
+    """Plot the signed energy error: a bounded error stays in a band, a drift leaves it."""
     units = solution.about.units
     _draw_band(axes, solution.t, energy_error(solution), COLOURS[0])
     axes.axhline(0, color=INK, linewidth=0.6)
@@ -67,7 +67,7 @@ def _draw_band(axes: "Axes", t: Floats, error: Floats, colour: str) -> None:
 
 
 def plot_energy_comparison(solutions: Mapping[str, Solution], path: str | Path | None = None) -> "Figure":
-    """Draw the energy errors of several runs into one picture.
+    """Plot the energy errors of several runs in one figure.
 
     The scale is linear around zero, as far as the smallest of the largest errors goes, and logarithmic beyond: growth,
     loss and a bounded ripple all show.
@@ -77,7 +77,7 @@ def plot_energy_comparison(solutions: Mapping[str, Solution], path: str | Path |
     solutions : mapping of str to Solution
         Runs by the names that the legend shows, such as the methods.
     path : path, optional
-        Where to write the picture; the ending says the format.
+        Where to write the figure; the file extension determines the format.
 
     Returns
     -------
@@ -88,7 +88,7 @@ def plot_energy_comparison(solutions: Mapping[str, Solution], path: str | Path |
     ArgumentError
         If there are no solutions.
     KickdriftError
-        If a system does not say its energy.
+        If a system has no energy.
     FileFormatError
         If the file cannot be written.
     MissingExtraError

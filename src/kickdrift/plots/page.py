@@ -54,7 +54,7 @@ def label(name: str, unit: str | None) -> str:
 
 
 def keep(figure: "Figure", path: str | Path | None) -> "Figure":
-    """Write a figure to a file, if there is a path; the ending says the format.
+    """Write a figure to a file, if there is a path; the file extension determines the format.
 
     Raises
     ------
@@ -68,7 +68,7 @@ def keep(figure: "Figure", path: str | Path | None) -> "Figure":
         except OSError as error:
             raise FileFormatError(_unwritable(path, error.strerror or error, "choose another folder.")) from None
         except ValueError as error:
-            raise FileFormatError(_unwritable(path, error, "end it in .png, .pdf or .svg.")) from None
+            raise FileFormatError(_unwritable(path, error, "use a name that ends in .png, .pdf or .svg.")) from None
     return figure
 
 

@@ -24,17 +24,17 @@ def plot_poincare_sections(
     *,
     axes: tuple[str, str] | None = None,
 ) -> "Figure":
-    """Draw passages through a surface, a colour a section.
+    """Plot the crossings of a surface, with one colour per section.
 
     Parameters
     ----------
     sections : PoincareSection or sequence of PoincareSection
         Of one system, from several starts.
     path : path, optional
-        Where to write the picture; the ending says the format.
+        Where to write the figure; the file extension determines the format.
     axes : (str, str), optional
-        Two numbers of the state, such as ``("x[1]", "v[1]")``. By default the position that differs most between passages,
-        and its velocity.
+        Two components of the state, such as ``("x[1]", "v[1]")``. By default the position that varies most between
+        crossings, and its velocity.
 
     Returns
     -------
@@ -43,7 +43,7 @@ def plot_poincare_sections(
     Raises
     ------
     ArgumentError
-        For no sections, or axes that the state has not.
+        For no sections, or axes that the state does not have.
     FileFormatError
         If the file cannot be written.
     MissingExtraError

@@ -13,18 +13,18 @@ if TYPE_CHECKING:
 
 
 def plot_solution(solution: Solution, path: str | Path | None = None) -> "Figure":
-    """Draw the trajectory and, for a system that says its energy, the energy error.
+    """Plot the trajectory and, for a system with an energy, the energy error.
 
-    A state of one number is drawn over time, and as a phase portrait, one of two or three as an orbit in the plane, and bodies,
-    of shape (N, 2) or (N, 3), as orbits seen from the z axis; named bodies whose orbits would be lost beside the others have
-    a panel of their own. Other states are drawn number by number over time.
+    A state of one number is plotted over time, and as a phase portrait; one of two or three as an orbit in the plane;
+    bodies, of shape (N, 2) or (N, 3), as orbits seen along the z axis, where named bodies whose orbits would be too small
+    have a panel of their own. Other states are plotted component by component over time.
 
     Parameters
     ----------
     solution : Solution
         At least one time.
     path : path, optional
-        Where to write the picture; the ending says the format.
+        Where to write the figure; the file extension determines the format.
 
     Returns
     -------

@@ -19,17 +19,17 @@ _LIMITS = (0.2, 5.0)
 
 
 def plot_stability_region(method: str | methods.Method, path: str | Path | None = None) -> "Figure":
-    """Draw where a method is stable.
+    """Plot the stability region of a method.
 
-    For a method with an amplification factor R(z), z = h lambda, it is the region |R(z)| <= 1 of the complex plane. For
-    a word of kicks and drifts it is the size of both eigenvalues of one step on the oscillator, over h omega.
+    For a method with an amplification factor R(z), z = h lambda, this is the region |R(z)| <= 1 of the complex plane. For a
+    word of kicks and drifts, plot the moduli of both eigenvalues of one step on the oscillator against h omega.
 
     Parameters
     ----------
     method : str or Method
         Name of a method.
     path : path, optional
-        Where to write the picture; the ending says the format.
+        Where to write the figure; the file extension determines the format.
 
     Returns
     -------
@@ -43,7 +43,7 @@ def plot_stability_region(method: str | methods.Method, path: str | Path | None 
         If matplotlib is not installed.
     """
     chosen = methods.get(method)
-    figure = new_figure(4.8, 4.8, f"{chosen.name}: where it is stable")
+    figure = new_figure(4.8, 4.8, f"{chosen.name}: region of stability")
     axes = figure.add_subplot()
     if chosen.word[0][0] in (Letter.KICK, Letter.DRIFT):
         _draw_eigenvalues(axes, chosen)
@@ -82,4 +82,4 @@ def _draw_eigenvalues(axes: "Axes", method: methods.Method) -> None:
     axes.set_yticks(ticks := (0.2, 0.5, 1, 2, 5), [f"{tick:g}" for tick in ticks])
     axes.set_yticks([], minor=True)
     axes.margins(x=0)
-    dress(axes, "hω", "size of both eigenvalues", f"stable up to hω = {limit:.5g}; shaded: unstable")
+    dress(axes, "hω", "moduli of both eigenvalues", f"stable up to hω = {limit:.5g}; shaded: unstable")

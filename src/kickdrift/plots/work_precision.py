@@ -1,4 +1,4 @@
-"""Errors over work, a line a method."""
+"""Errors over work, one line per method."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,13 +16,13 @@ _MARKERS = "osD^vPX"
 
 
 def plot_work_precision(measured: WorkPrecision, path: str | Path | None = None) -> "Figure":
-    """Draw errors at the end over force evaluations and over milliseconds, all of them logarithmic.
+    """Plot errors at the end against force evaluations and against milliseconds, on logarithmic axes.
 
     Parameters
     ----------
     measured : WorkPrecision
     path : path, optional
-        Where to write the picture; the ending says the format.
+        Where to write the figure; the file extension determines the format.
 
     Returns
     -------

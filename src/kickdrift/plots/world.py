@@ -1,4 +1,4 @@
-"""The picture of a recording: the world as it was left, the ways of its bodies, and the energy."""
+"""The plot of a recording: the last state, the paths of its bodies, and the energy."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Floats = NDArray[np.float64]
-_PIXELS = 1_400_000
+_PIXELS = 1_000_000  # about as many as the file has for the scene
 _HEIGHT, _WIDTH = 4.6, 9.2  # of the scene, inches
 _WIDE = 1.8  # width over height, from which on the energy stands below the scene
 _MOST_TRAILS = 40
@@ -26,16 +26,15 @@ _MOST_POINTS = 1000  # of a trail
 
 
 def plot_recording(recording: Recording, path: str | Path | None = None) -> "Figure":
-    """Draw the last state of a recording with the ways that bodies took, and the kinetic and potential energy.
+    """Plot the last state of a recording with the paths of its bodies, and the kinetic and potential energy.
 
-    What moves in a vertical plane along x is seen from the side; other scenes are seen from above the front left, with
-    the shadows that they cast.
+    Motion in a vertical plane along x is seen from the side; other scenes are seen from above the front left, with shadows.
 
     Parameters
     ----------
     recording : Recording
     path : path, optional
-        Where to write the picture; the ending says the format.
+        Where to write the figure; the file extension determines the format.
 
     Returns
     -------

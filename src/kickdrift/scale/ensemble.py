@@ -69,72 +69,73 @@ def solve_ensemble(
     checkpoint: str | Path | None = None,
     checkpoint_every: int | None = None,
 ) -> EnsembleSolution:
-    """Integrate many members of one problem: other starts, parameters, steps or seeds.
+    """Integrate many members of one problem, with different starts, parameters, steps or seeds.
 
-    Each member has the numbers of `kickdrift.solve` for it alone, to the bit, on any number of threads. Steps of explicit
-    methods on small states are done for eight members and more at once, in the vector registers of the processor.
+    Each member is bit-identical to a run of `kickdrift.solve` of its own, on any number of threads. Explicit methods on
+    small states run eight or more members at once, vectorised.
 
     Parameters
     ----------
     problem : System, Problem or callable
-        As for `kickdrift.solve`; or a function that makes a system or problem, such as `kickdrift.systems.kepler`, with `args`
-        by the names of its arguments.
+        As for `kickdrift.solve`; or a function that creates a system or problem, such as `kickdrift.systems.kepler`, with
+        `args` by the names of its arguments.
     t_span : (float, float)
         Start and end of all members.
     x0, v0 : array_like
-        Starts, with members along the first axis: (M, *shape). They broadcast, so that one v0 goes with many x0. Of a system,
-        one start of its shape goes for all; without one, its own.
+        Initial states, with members along the first axis: (M, *shape). They broadcast, so that one v0 can be combined with
+        many x0. For a system, a single state of its shape applies to all; by default its own.
     step : float or (M,) array_like
-        Largest step allowed, or one to each member. Of members with other steps `t_eval` says which times are kept.
+        Largest step allowed, or one per member. For members with different steps `t_eval` sets the times to keep.
     method, order
-        As for `kickdrift.solve`. ``"auto"`` takes for all members what it takes for the first.
+        As for `kickdrift.solve`. ``"auto"`` selects for all members the method that it selects for the first.
     t_eval, save_every
-        As for `kickdrift.solve`: the times kept of all members.
+        As for `kickdrift.solve`: the times kept for all members.
     impacts, switches, step_control, rtol, atol
-        As for `kickdrift.solve`: steps that vary, those of each member by itself, with `t_eval` for the times kept.
+        As for `kickdrift.solve`: variable steps, separately for each member, with `t_eval` for the times to keep.
     args : array_like or mapping, optional
-        Numbers that the functions get as ``params``: p for all, or (M, p). Or a range of each by its name, in the order in
-        which the functions get them, ``{"stiffness": np.linspace(1, 9, 81), "damping": [0.1, 0.2]}``: the members are the
-        product of all ranges, the last of which changes fastest; a single number goes for all. The names label the members.
+        Numbers passed to the functions as ``params``: p for all, or (M, p). Or a range for each by name, in the order of
+        ``params``, ``{"stiffness": np.linspace(1, 9, 81), "damping": [0.1, 0.2]}``: the members are the product of all
+        ranges, the last of which varies fastest; a single number applies to all. The names label the members.
     seeds : sequence of int, optional
-        One to each member, of `kickdrift.Langevin`.
+        One per member, for `kickdrift.Langevin`.
     compensated, compile, check_bounds
         As for `kickdrift.solve`.
     progress : bool, optional
         Whether to show a progress bar for all members. By default one shows on a terminal, for runs longer than two seconds.
     threads : int, optional
-        By default as many as there are cores for this process.
+        By default the number of cores available to this process.
     executor : concurrent.futures.Executor or dask.distributed.Client, optional
-        Runs the members in its workers, a chunk of them a task, instead of on threads. What a worker that dies leaves undone
-        is done again, to the same bits. `concurrent.futures` sends functions by their names in their modules; Dask others, too.
+        Runs the members in its workers, one chunk of members per task, instead of on threads. The tasks of a worker that
+        dies are repeated, with the same bits. `concurrent.futures` sends functions by their names in their modules; Dask can
+        send others, too.
     save_to : path, optional
-        A folder, such as ``"sweep.zarr"``, to which the rows go in place of memory: a Zarr group of chunks of members, with the
-        energy and the like, that ``xarray.open_zarr`` reads at any moment, NaN where a member is not done. Whoever runs a chunk
-        writes it, so that workers on other machines have to share the folder. The solution reads what it is asked for. The
-        same call again goes on with the members that are not done.
+        A folder, such as ``"sweep.zarr"``, to which the rows are written instead of memory: a Zarr group of chunks of
+        members, with the energy and other invariants, which ``xarray.open_zarr`` can read at any moment, NaN where a member
+        is not finished. Each chunk is written by the process that computes it, so that workers on other machines must share
+        the folder. The solution reads only what it is asked for. The same call computes the members that are missing.
     checkpoint : path, optional
-        A folder for checkpoints of the members that are done. The same call again, in whatever process, goes on with the
-        others, to the bits of a run that was never broken.
+        A folder for checkpoints of the finished members. The same call, in any process, continues with the others, with the
+        bits of an uninterrupted run.
     checkpoint_every : int, optional
         Members from one checkpoint to the next; by default they are about a minute apart.
 
     Returns
     -------
     EnsembleSolution
-        A member that fails is marked with its message, and the others finish. Ctrl-C keeps what is done.
+        A member that fails is marked with its message, and the others finish. Ctrl-C keeps the finished members.
 
     Raises
     ------
     ArgumentError
-        For an argument that cannot be used, before any work is done; and where an executor of Dask has no worker to begin with.
+        For an argument that cannot be used, before any work is done; and for a Dask cluster without workers.
 
     Warns
     -----
     InterpretedWarning
         If Numba cannot compile the function.
     RuntimeWarning
-        If a worker dies. And if members cannot be written, or no worker is left, which ends the ensemble with the members that
-        are done.
+        If a worker dies; and if members cannot be written or no worker is left, which ends the ensemble with the finished
+        members.
 
     Examples
     --------
@@ -157,8 +158,8 @@ def solve_ensemble(
         )
     if checkpoint is not None and save_to is not None:
         raise ArgumentError(
-            f"checkpoint={str(checkpoint)!r} and save_to={str(save_to)!r} are both given, but save_to keeps the members"
-            " that are done, too; leave checkpoint out."
+            f"checkpoint={str(checkpoint)!r} and save_to={str(save_to)!r} are both given, but save_to also stores the"
+            " finished members; leave checkpoint out."
         )
     threads = _threads(threads)
     members = members_of(problem, x0, v0, args, step, seeds)
@@ -212,7 +213,7 @@ def _run(
             kept.write()
     except (FileFormatError, NoWorkerError) as error:  # as on a full disk
         warnings.warn(
-            f"the ensemble ends with the members that are done: {error}", RuntimeWarning, stacklevel=depth_of_caller()
+            f"the ensemble ends with the finished members: {error}", RuntimeWarning, stacklevel=depth_of_caller()
         )
     finally:
         bar.close()

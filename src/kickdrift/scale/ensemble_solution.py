@@ -1,4 +1,4 @@
-"""What an ensemble leaves: the states of all members, and how each of them went."""
+"""The result of an ensemble: the states of all members, and how each of them ended."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class EnsemblePresenters:
-    """What the solution of an ensemble can do on the floors above: the package hands it down when it is imported."""
+    """What the solution of an ensemble can do in the layers above: the package hands it down when it is imported."""
 
     save: Callable[..., Path]
     keep: Callable[..., None]
@@ -29,33 +29,33 @@ class EnsemblePresenters:
 
 @dataclass(frozen=True, eq=False)
 class EnsembleSolution:
-    """States of M members at the times kept, and how each of them went; ``solution[i]`` is the `Solution` of one.
+    """States of M members at the times kept, and how each of them ended; ``solution[i]`` is the `Solution` of one.
 
     Attributes
     ----------
     t : (T,) array
         Times kept.
     x, v : (M, T, *shape) array
-        Positions and velocities, NaN after the last good row of a member that failed. Of rows that went to disk they are
-        arrays there, as are the invariants: ``x[3]`` reads a member, ``x[:]`` all.
+        Positions and velocities, NaN after the last good row of a failed member. For rows on disk they, and the invariants,
+        are arrays on disk: ``x[3]`` reads a member, ``x[:]`` all.
     invariants : mapping of str to array
-        Conserved quantities at those times, (M, T) or (M, T, size), each evaluated when it is first asked for.
+        Conserved quantities at those times, (M, T) or (M, T, size), each evaluated on first access.
     status : tuple of Outcome
         How each member ended.
     messages : tuple of str
-        The same as sentences, with time and step of those that did not reach the end.
+        The same as sentences, with time and step for those that did not reach the end.
     step : (M,) array
         The step used.
     step_range : (M, 2) array
         The sizes of the smallest and of the largest step.
     n_steps, n_rejected, n_force_evaluations : (M,) array of int
-        Steps done, steps that were tried and taken back, and evaluations of the acceleration.
+        Steps done, steps rejected, and evaluations of the acceleration.
     wall_time : float
-        Seconds that all members took together, compilation not counted.
+        Total seconds for all members, compilation not counted.
     about : Description
         What was run.
     parameters : mapping of str to array
-        What tells the members apart, (M,) or (M, p): what was swept, steps, seeds.
+        What distinguishes the members, (M,) or (M, p): swept parameters, steps, seeds.
     saved_to : str
         Where the rows are, if not in memory.
     """
@@ -90,12 +90,12 @@ class EnsembleSolution:
         Raises
         ------
         KickdriftError
-            If the system does not say its energy.
+            If the system has no energy.
         """
         if "energy" not in self.invariants:
             raise KickdriftError(
-                f"{self.about.system!r} does not say its energy; give energy=... to its description, for an"
-                " acceleration kd.SecondOrder(acceleration, energy=...)."
+                f"{self.about.system!r} has no energy; pass energy=... to its description, for an acceleration"
+                " kd.SecondOrder(acceleration, energy=...)."
             )
         return self.invariants["energy"]
 
@@ -142,11 +142,11 @@ class EnsembleSolution:
         )
 
     def report(self) -> str:
-        """Return how the members went, as a text of a line per fact."""
+        """Return a report on the members, as text with one fact per line."""
         return self.presenters.report(self)
 
     def save(self, path: str | Path) -> Path:
-        """Write everything to one ``.npz`` file of plain arrays, for `kickdrift.load`; returns its path."""
+        """Write everything to one ``.npz`` file of plain arrays, for `kickdrift.load`; return its path."""
         return self.presenters.save(self, path)
 
     def to_xarray(self) -> Any:

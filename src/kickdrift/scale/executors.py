@@ -91,7 +91,7 @@ def _check(executor: Any) -> None:
     """Refuse what is no executor, and one whose workers do not have this version of kickdrift."""
     if not callable(getattr(executor, "submit", None)):
         raise ArgumentError(
-            f"executor={executor!r} has no method submit; give one of concurrent.futures, or a client of Dask."
+            f"executor={executor!r} has no method submit; give an executor of concurrent.futures, or a Dask client."
         )
     own, found, why = pydoc.locate(_VERSION), None, ""
     try:
@@ -109,7 +109,7 @@ def _check(executor: Any) -> None:
     if found != own:
         has = f"do not have it{why}" if found is None else f"have kickdrift {found}"
         raise ArgumentError(
-            f"executor={executor!r}: here is kickdrift {own}, but its workers {has}; install this version"
+            f"executor={executor!r}: this process runs kickdrift {own}, but its workers {has}; install this version"
             " where they run."
         )
 
@@ -128,8 +128,8 @@ def _explained(error: Exception) -> Exception:
     if not unsent:
         return error
     return ArgumentError(
-        f"the problem cannot be sent to other processes ({error}); define its functions in a module, at the top level, or"
-        " give a client of Dask, which sends others, too."
+        f"the problem cannot be sent to other processes ({error}); define its functions at the top level of a module,"
+        " or use a Dask client, which can send others, too."
     )
 
 
@@ -140,7 +140,7 @@ def _is_death(error: Exception) -> bool:
 
 def _warn(error: Exception) -> bool:
     warnings.warn(
-        f"a worker of the executor died ({type(error).__name__}); what is left of the ensemble runs in this process.",
+        f"a worker of the executor died ({type(error).__name__}); the rest of the ensemble runs in this process.",
         RuntimeWarning,
         stacklevel=depth_of_caller(),
     )
@@ -161,7 +161,7 @@ def _next(done: "queue.SimpleQueue[T]", executor: Any) -> T:
     Raises
     ------
     NoWorkerError
-        Where the scheduler of Dask has no worker for as long as Dask waits for others: those that died are started anew, or
+        Where the scheduler of Dask has no worker for as long as Dask waits for others: those that died are started again, or
         not. A pool is broken then, and all is done.
     """
     client, since = getattr(executor, "_client", None), time.monotonic()
@@ -172,8 +172,8 @@ def _next(done: "queue.SimpleQueue[T]", executor: Any) -> T:
             since = time.monotonic()
         elif time.monotonic() - since > (patience := _patience()):
             raise NoWorkerError(
-                f"executor={client!r} has no worker left, and none has come for {patience:g} s; start some, and call again"
-                " (save_to and checkpoint keep the members that are done)."
+                f"executor={client!r} has no workers left, and none has joined for {patience:g} s; start some, and"
+                " call again (save_to and checkpoint keep the finished members)."
             )
 
 

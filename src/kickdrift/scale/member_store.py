@@ -1,4 +1,4 @@
-"""Members in a Zarr group on disk: whoever runs a chunk of them writes it, whole and once."""
+"""Members in a Zarr group on disk: the process that computes a chunk writes it, whole and once."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -80,8 +80,8 @@ class MemberStore(ZarrGroup):
                 self.members_of_chunk = self._group["status"].chunks[0]
             except (OSError, LookupError, ValueError) as error:
                 raise FileFormatError(
-                    f"save_to={str(self.path)!r} cannot be opened ({type(error).__name__}: {error}); all workers have to share"
-                    " its folder."
+                    f"save_to={str(self.path)!r} cannot be opened ({type(error).__name__}: {error}); all workers must"
+                    " share its folder."
                 ) from None
 
     def array(self, name: str) -> Any:
@@ -133,7 +133,8 @@ class MemberStore(ZarrGroup):
         taken = {*arrays, *_OF_MEMBERS, *about.coordinates, "message", "parameter", "range"} - {"step"}
         if known := sorted(taken & members.parameters.keys()):
             raise ArgumentError(
-                f"args has the name {known[0]!r}, under which save_to={str(self.path)!r} keeps something else; give another."
+                f"args has the name {known[0]!r}, which save_to={str(self.path)!r} uses for something else; give"
+                " another."
             )
         coordinates = [*members.parameters, *_OF_MEMBERS, "message", "status"]
         words = {"system": about.system, "method": about.method, "source": about.source}

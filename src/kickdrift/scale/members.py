@@ -38,7 +38,7 @@ class Members:
     made : sequence of dict, optional
         The arguments from which `problem` makes the system of each member.
     parameters : mapping of str to array
-        What tells the members apart, for people: (M,) or (M, p).
+        What tells the members apart, for display: (M,) or (M, p).
     """
 
     problem: Any
@@ -99,7 +99,7 @@ def members_of(
     Raises
     ------
     ArgumentError
-        For numbers of members that do not fit together, or what is none of a member.
+        For inconsistent numbers of members, or invalid values of a member.
     """
     made, numbers = None, None
     parameters: dict[str, Any] = {}
@@ -108,7 +108,7 @@ def members_of(
     elif args is not None:
         numbers = _numbers("args", args)
         if numbers.ndim > 2:
-            raise ArgumentError(f"args has shape {numbers.shape}; give (M, p), or p numbers that go for all members.")
+            raise ArgumentError(f"args has shape {numbers.shape}; give (M, p), or p numbers for all members.")
         if numbers.ndim == 2:
             parameters = {"args": numbers}
         numbers = numbers.reshape(-1, numbers.shape[-1] if numbers.ndim else 1)
@@ -117,7 +117,7 @@ def members_of(
     steps = None if step is None else _numbers("step", step)
     given_seeds = _seeds(problem, seeds)
     if steps is not None and steps.ndim > 1:
-        raise ArgumentError(f"step has shape {steps.shape}; give a number, or one to each member.")
+        raise ArgumentError(f"step has shape {steps.shape}; give a number, or one per member.")
     if steps is not None and steps.ndim:
         parameters = {**parameters, "step": steps}
     if given_seeds is not None:
@@ -147,7 +147,7 @@ def _count(given: Mapping[str, Any]) -> int:
     if any(own not in (1, count) for own in counts.values()):
         told = ", ".join(f"{name} {own}" for name, own in counts.items() if own != 1)
         raise ArgumentError(
-            f"the members do not fit together: {told}; each has to have one number of members, or one for all of them."
+            f"the numbers of members differ: {told}; give the same number everywhere, or one for all members."
         )
     return count
 
@@ -165,8 +165,8 @@ def _starts(shape: tuple[int, ...] | None, x0: ArrayLike | None, v0: ArrayLike |
         x, v = np.broadcast_arrays(np.atleast_1d(x), v)
     except ValueError:
         raise ArgumentError(
-            f"x0 has shape {x.shape} but v0 has shape {v.shape}; members are along the first axis, and states are"
-            " of one shape."
+            f"x0 has shape {x.shape} but v0 has shape {v.shape}; members are along the first axis, and both must have"
+            " the same shape."
         ) from None
     return np.ascontiguousarray(x), np.ascontiguousarray(v)
 
@@ -180,13 +180,13 @@ def _seeds(problem: Any, seeds: Sequence[int] | None) -> NDArray[np.uint64] | No
         return None
     if not is_dataclass(problem) or "seed" not in {f.name for f in fields(problem)}:
         raise ArgumentError(
-            "seeds are given, but no noise drives the problem; kd.Langevin describes one that has a seed."
+            "seeds are given, but the problem is not stochastic; kd.Langevin describes one with a seed."
         )
     try:
         whole = [int(seed) for seed in seeds if not isinstance(seed, bool | float)]
         return np.array(whole, dtype=np.uint64).reshape(len(seeds))
     except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(f"seeds={seeds!r} must be integers from 0 to 2**64 - 1, one to each member.") from None
+        raise ArgumentError(f"seeds={seeds!r} must be integers from 0 to 2**64 - 1, one per member.") from None
 
 
 def _swept(
@@ -195,7 +195,7 @@ def _swept(
     """Return the product of named ranges: as arguments of what makes systems, labels, or numbers of functions."""
     for name in ranges:
         if not isinstance(name, str) or name in _OURS:
-            raise ArgumentError(f"args has the name {name!r}, which is taken; give another.")
+            raise ArgumentError(f"args has the name {name!r}, which is already in use; give another.")
     if not ranges:
         raise ArgumentError("args={} has no names; give ranges by the names of the parameters, or leave it out.")
     allowed = _arguments_of_maker(problem)
@@ -227,7 +227,7 @@ def _made(maker: Callable[..., Any], arguments: Mapping[str, Any]) -> Any:
     made = maker(**arguments)
     if not isinstance(made, System | Problem):
         raise ArgumentError(
-            f"problem={maker!r} has returned {made!r}; a function with arguments of these names has to make a system, or to be"
-            " an acceleration, whose arguments are x, t, v, params and out."
+            f"problem={maker!r} returned {made!r}; a function with these argument names must return a system, or be an"
+            " acceleration with arguments x, t, v, params and out."
         )
     return made

@@ -172,7 +172,7 @@ def prepare(
     start, params = start_of(lead.problem_of(0), x0, v0), parameters(args)
     steering = settings.steering
     if steering.varies and settings.t_eval is None:
-        raise ArgumentError("steps vary from member to member; give t_eval=..., the times to keep of all members.")
+        raise ArgumentError("steps vary from member to member; give t_eval=..., the times to keep for all members.")
     cohorts = []
     for indices in members.cohorts():
         numbers, step = (1 if to_disk else members.count) * start.x.size, members.step_of(int(indices[0]))
@@ -182,8 +182,8 @@ def prepare(
     t = _times(first)
     if any(not np.array_equal(t, _times(cohort.grid)) for cohort in cohorts):
         raise ArgumentError(
-            f"step has {len(cohorts)} values, after whose steps the times are others; give t_eval=..., the times to keep of all"
-            " members."
+            f"step has {len(cohorts)} values, which lead to different times; give t_eval=..., the times to keep for"
+            " all members."
         )
     with compiling_announced(progress):
         adapter = Adapter(first.t0, start.x, start.v, params, settings.compile, settings.check_bounds)
@@ -212,8 +212,8 @@ def _check_room(count: int, times: int, numbers: int) -> None:
     size, most = 8.0 * count * times * numbers, _PART * free_bytes()
     if size > most:
         raise ArgumentError(
-            f"{count} members at {times} times are {size / 2**30:.3g} GiB, and there is room for {most / 2**30:.3g} GiB; keep"
-            " fewer times (save_every, t_eval), or give save_to='run.zarr', a folder to which they go."
+            f"{count} members at {times} times are {size / 2**30:.3g} GiB, and there is room for {most / 2**30:.3g}"
+            " GiB; keep fewer times (save_every, t_eval), or give save_to='run.zarr', a folder for them."
         )
 
 

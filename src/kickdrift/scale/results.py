@@ -38,7 +38,7 @@ class Results:
             np.empty((count, times, *shape_of_v)),
             np.zeros(count, dtype=np.int64),
             [Outcome.INTERRUPTED] * count,
-            [f"{Outcome.INTERRUPTED.value} It did not begin."] * count,
+            [f"{Outcome.INTERRUPTED.value} It did not start."] * count,
             np.zeros(count),
             np.zeros((count, 2)),
             np.zeros(count, dtype=np.int64),

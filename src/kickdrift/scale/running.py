@@ -216,7 +216,7 @@ class Runs:
                 )
         except Exception as error:
             results.status[i] = Outcome.FAILED
-            results.messages[i] = f"It did not begin. The error was {type(error).__name__}: {error}"
+            results.messages[i] = f"It did not start. The error was {type(error).__name__}: {error}"
             results.done[i] = True
             return 0.0
         if isinstance(cohort.grid, Course):

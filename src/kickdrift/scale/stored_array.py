@@ -1,4 +1,4 @@
-"""Arrays of Zarr that are indexed as those of NumPy are, as far as a part is read without the rest."""
+"""Zarr arrays that are indexed as NumPy's are, as far as that reads only the part selected."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -10,7 +10,7 @@ from kickdrift.core.errors import ArgumentError
 
 
 class StoredArray:
-    """An array on disk, of which each index reads what it names.
+    """An array on disk; indexing reads only the selected part.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ class StoredArray:
         """
         places = [self._place(axis, part) for axis, part in enumerate(self._parts(key))]
         if sum(isinstance(place, np.ndarray) for place in places) > 1:
-            raise self._refused(key, "names lists for more than one dimension")
+            raise self._refused(key, "has lists for more than one dimension")
         read = self._array.oindex[tuple(_forwards(place) for place in places)]
         kept = [place for place in places if not isinstance(place, int)]
         return read[tuple(slice(None, None, -1 if isinstance(p, slice) and p.step < 0 else 1) for p in kept)]
@@ -76,7 +76,7 @@ class StoredArray:
             try:
                 start, stop, step = part.indices(count)
             except (TypeError, ValueError) as error:
-                raise self._refused(part, f"is no slice ({error})") from None
+                raise self._refused(part, f"is not a slice ({error})") from None
             return slice(start, max(start, stop), step) if step > 0 else slice(start, stop, step)
         if isinstance(part, int | np.integer) and not isinstance(part, bool):
             if not -count <= part < count:
@@ -96,8 +96,8 @@ class StoredArray:
 
     def _refused(self, key: Any, why: str) -> ArgumentError:
         return ArgumentError(
-            f"index {key!r} of an array on disk of shape {self.shape} {why}; give whole numbers, slices, or for one dimension a"
-            " list or a mask of it, or read all by [:], which is an array of NumPy."
+            f"index {key!r} of an array on disk of shape {self.shape} {why}; give whole numbers, slices, or for one"
+            " dimension a list or a mask, or read everything with [:], as a NumPy array."
         )
 
     def __repr__(self) -> str:

@@ -40,7 +40,7 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Defaults:
-    """How long and in which steps a system is run where nobody says, in its own unit of time.
+    """How long and in which steps a system is run by default, in its own unit of time.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ def first_methods_side_by_side(
     methods: tuple[str | Method, ...] = FIRST_METHODS,
     progress: bool | None = None,
 ) -> Iterator[Solution]:
-    """Run a system by explicit, implicit and semi-implicit Euler and by Stoermer-Verlet, all with the same step.
+    """Run a system with explicit, implicit and semi-implicit Euler and Stoermer-Verlet, all with the same step.
 
     Parameters
     ----------

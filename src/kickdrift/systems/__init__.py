@@ -63,7 +63,7 @@ _CATALOGUE: dict[str, Callable[[], System]] = {
 
 
 def catalogue() -> dict[str, Callable[[], System]]:
-    """Return the systems that have a default start, by name: functions that make them.
+    """Return the systems with a default initial state, by name: functions that create them.
 
     Returns
     -------
@@ -73,12 +73,12 @@ def catalogue() -> dict[str, Callable[[], System]]:
 
 
 def get(name: str) -> System:
-    """Make a system of the catalogue, with its default start.
+    """Create a system of the catalogue, with its default initial state.
 
     Raises
     ------
     UnknownNameError
-        For a name that is not in the catalogue; the sentence names the nearest ones.
+        For a name that is not in the catalogue; the message suggests similar ones.
     """
     if not isinstance(name, str) or name not in _CATALOGUE:
         raise unknown_name("system", name, _CATALOGUE)

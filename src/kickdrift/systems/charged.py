@@ -25,18 +25,18 @@ magnetic: Function = unbound
 class ChargedParticle(Problem):
     """x'' = (q/m) (E(t, x) + v x B(t, x)): charges in electric and magnetic fields given by Python functions.
 
-    States have the shape (3,), or (N, 3) for N particles. For a planar motion give the third position and velocity as
-    0 and B as [0, 0, B_z]: the particles stay in the plane, exactly.
+    States have the shape (3,), or (N, 3) for N particles. For planar motion set the third component of position and velocity
+    to 0 and B to [0, 0, B_z]: the particles then stay in the plane exactly.
 
     Parameters
     ----------
     charge_to_mass : array_like
         q/m, of any sign: a number, or N of them.
     magnetic_field : callable
-        B. The arguments that it names are ``x``, ``t``, ``params``, and ``out`` (written in place instead of
-        returning). It returns the field at each particle, or one vector for all.
+        B, a function of any of ``x``, ``t``, ``params``, and ``out`` (written in place instead of returned). It returns the
+        field at each particle, or one vector for all.
     electric_field : callable, optional
-        E, in the same way; none if it is left out.
+        E, likewise; zero by default.
     energy, invariants
         As for `kickdrift.SecondOrder`.
 
@@ -47,12 +47,12 @@ class ChargedParticle(Problem):
 
     Notes
     -----
-    ``method="boris"`` is the standard: it kicks with E and rotates v about B. In uniform fields its gyration has the
-    exact radius and its drift E x B / B^2 the exact speed, and the phase lags: a turn of 2 atan(h q B / 2 m) a step
-    instead of h q B / m. ``"he-sun-liu-qin-2"`` turns by the exact angle, and misses the radius and the drift instead.
-    ``"blanes-moan-gyration-4"`` has order 4. All three preserve the volume of phase space and are symmetric. Their
-    energy errors stay bounded in many fields, but not in all: they are not symplectic, and where neither B is constant
-    nor the potential quadratic the energy can drift slowly [1]_.
+    ``method="boris"`` is the standard: it kicks with E and rotates v about B. In uniform fields its gyroradius and its drift
+    velocity E x B / B^2 are exact, and the phase lags: v turns by 2 atan(h q B / 2 m) per step instead of h q B / m.
+    ``"he-sun-liu-qin-2"`` turns by the exact angle, with errors in the radius and the drift instead.
+    ``"blanes-moan-gyration-4"`` has order 4. All three preserve the volume of phase space and are symmetric. Their energy
+    errors stay bounded in many fields, but not in all: they are not symplectic, and where neither B is constant nor the
+    potential quadratic the energy can drift slowly [1]_.
 
     References
     ----------
@@ -77,7 +77,7 @@ class ChargedParticle(Problem):
     invariants: Mapping[str, Function] = field(default_factory=dict)
 
     def system(self, adapter: Adapter) -> System:
-        """Make the system. Its last params are the charges to masses, one to each number of the state."""
+        """Make the system. Its last params are the charges to masses, one per number of the state."""
         names = ("t", "x", "params", "out")
         charges = _charges_of(self.charge_to_mass, adapter.x0.shape)
         for role, function in (("magnetic_field", self.magnetic_field), ("electric_field", self.electric_field)):
@@ -103,13 +103,13 @@ class ChargedParticle(Problem):
 
 
 def _check_vectors(adapter: Adapter, role: str, function: Function, names: tuple[str, ...]) -> None:
-    """Refuse what would broadcast to vectors and is none: a number, or the strength at each particle."""
+    """Refuse values that would broadcast to vectors but are not vectors: a number, or the strength at each particle."""
     if "out" in adapter.names_of(function, role, names):
         return
     shape = adapter.shape_of(function, role, names)
     if shape not in ((3,), adapter.x0.shape):
         raise ArgumentError(
-            f"{role} returns an array of shape {shape}; a field has three components, at each particle or one for all:"
+            f"{role} returns an array of shape {shape}; a field has three components, for each particle or for all:"
             f" return shape (3,) or {adapter.x0.shape}."
         )
 
@@ -137,8 +137,8 @@ def _lorentz(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> Non
 def _charges_of(charge_to_mass: ArrayLike, shape: tuple[int, ...]) -> Floats:
     if shape != (3,) and (len(shape) != 2 or shape[1] != 3):
         raise ArgumentError(
-            f"x0 has shape {shape}, but charged particles need (3,) or (N, 3); for a planar motion give the third"
-            " position and velocity as 0."
+            f"x0 has shape {shape}, but charged particles need (3,) or (N, 3); for planar motion set the third"
+            " component of position and velocity to 0."
         )
     try:
         charges = np.broadcast_to(reals(charge_to_mass), shape[:-1])

@@ -21,8 +21,8 @@ def check(constraints: Constraints, x: Floats, v: Floats) -> None:
     g, G = constraints.values(x), constraints.jacobian(x)
     if not (np.isfinite(g).all() and np.isfinite(G).all()):
         raise ArgumentError(
-            f"constraint: its values {g.tolist()!r} at x0 or their derivatives are not finite; write it so that they"
-            " are, such as squares of distances in the place of distances."
+            f"constraint: its values {g.tolist()!r} at x0 or their derivatives are not finite; rewrite it, for example"
+            " with squared distances instead of distances."
         )
     beside = x + np.random.default_rng(0).uniform(-0.01, 0.01, x.size) * constraints.length(x)
     if constraints.has_jacobian:
@@ -47,7 +47,7 @@ def _check_jacobian(constraints: Constraints, x: Floats) -> None:
         raise ArgumentError(
             f"jacobian: its entry {place} is {float(given[i, j])!r} at {_shown('x', x, constraints)}, where constraint"
             f" {i} changes by {float(expected[i, j]):.9g} per unit of x[{', '.join(map(str, place[1:]))}]. Correct it,"
-            " or leave jacobian out to have it formed by differences."
+            " or leave jacobian out to use finite differences."
         )
 
 
@@ -57,7 +57,7 @@ def _check_positions(constraints: Constraints, x: Floats, g: Floats) -> None:
         return
     i = int(np.argmax(np.where(off, abs(g), 0.0)))
     nearest = constraints.nearest(x)
-    remedy = "there is none near it that fulfils them, so look at the constraint"
+    remedy = "no position near it satisfies them, so check the constraint"
     if nearest is not None:
         remedy = f"move it by at most {abs(nearest - x).max():.3g}, to {_shown('x0', nearest, constraints)}"
     raise ArgumentError(f"x0 violates the constraints: constraint {i} is {float(g[i]):.3g} there, not 0; {remedy}.")
@@ -68,9 +68,9 @@ def _check_gradients(constraints: Constraints, G: Floats, beside: Floats) -> Non
     if flat.any():
         rank = _rank(constraints, np.where(flat[:, None], 0.0, G))
         raise ArgumentError(
-            f"constraint {int(np.argmax(flat))} does not change to first order at x0, so that no force keeps it: of"
-            f" {constraints.count} constraints, the rank found is {rank}. Write it so that its derivative is not zero"
-            " where it holds, such as g in the place of g**2."
+            f"constraint {int(np.argmax(flat))} does not change to first order at x0, so that no force can enforce it:"
+            f" of {constraints.count} constraints, the rank found is {rank}. Rewrite it so that its derivative is not"
+            " zero where it holds, such as g instead of g**2."
         )
 
 
@@ -82,8 +82,8 @@ def _check_rank(constraints: Constraints, x: Floats, G: Floats) -> None:
     if (shares[rank:] > _REDUNDANT).any():
         raise ArgumentError(
             f"constraint: at x0 the {m} constraints are nearly dependent (the rank found is {rank}, and the next"
-            f" singular value is {shares[rank]:.1e} of the largest), so that rounding would decide the forces; leave"
-            " out what says nearly the same, or start elsewhere."
+            f" singular value is {shares[rank]:.1e} of the largest), so that rounding errors would determine the"
+            " forces; leave out the redundant ones, or start elsewhere."
         )
     if rank < min(m, x.size):
         _check_redundancy(constraints, x, directions[rank:], rank)
@@ -95,10 +95,10 @@ def _check_redundancy(constraints: Constraints, x: Floats, free: Floats, rank: i
     nearby = constraints.nearest(x + 0.01 * constraints.length(x) * direction / abs(direction).max())
     rank_there = None if nearby is None else _rank(constraints, constraints.jacobian(nearby))
     if rank_there != rank:
-        found = "no position nearby fulfils all" if rank_there is None else f"{rank_there} are nearby"
+        found = "no position nearby satisfies all" if rank_there is None else f"{rank_there} are nearby"
         raise ArgumentError(
             f"constraint: of {constraints.count} constraints, the rank found at x0 is {rank}, but {found}: a singular"
-            " configuration, where the constraints do not tell the motion; start beside it."
+            " configuration, where the constraints do not determine the motion; start next to it."
         )
 
 
@@ -114,8 +114,8 @@ def _check_velocities(constraints: Constraints, v: Floats, G: Floats) -> None:
     if off.any():
         i, nearest = int(np.argmax(np.where(off, abs(rates), 0.0))), v - constraints.normal(G, rates)
         raise ArgumentError(
-            f"v0 leaves the constraints: constraint {i} changes at a rate of {float(rates[i]):.3g}, not 0; change v0 by"
-            f" at most {abs(nearest - v).max():.3g}, to {_shown('v0', nearest, constraints)}."
+            f"v0 violates the constraints: constraint {i} changes at a rate of {float(rates[i]):.3g}, not 0; change v0"
+            f" by at most {abs(nearest - v).max():.3g}, to {_shown('v0', nearest, constraints)}."
         )
 
 

@@ -29,9 +29,9 @@ SIZE, COUNT = 0, 0  # of the state, and of constraints: loops over a few are unr
 class Constrained(Problem):
     """m x'' = F(t, x) - G(x)^T lambda with constraints g(x) = 0 and G = dg/dx, by Python functions.
 
-    The constraint forces -G^T lambda do what it takes to keep g(x) = 0; their multipliers lambda are the solution's
-    ``multipliers``. Methods: ``rattle``, ``shake``, ``projected-kick-drift``. Each step solves for the constraints down
-    to rounding, some 1e-16 of the size of x; a step that cannot ends the run with a sentence.
+    The constraint forces -G^T lambda enforce g(x) = 0; their multipliers lambda are the solution's ``multipliers``. Methods:
+    ``rattle``, ``shake``, ``projected-kick-drift``. Each step solves the constraints to rounding error, some 1e-16 of the
+    size of x; if that fails, the run ends with a message.
 
     Parameters
     ----------
@@ -39,16 +39,16 @@ class Constrained(Problem):
         F: returns the force, of the shape of x0, or writes it into ``out``. Arguments: ``x``, ``t``, ``params``,
         ``out``.
     constraint : callable
-        g: returns the numbers that are zero where the constraints are fulfilled, shape (m,), or one number. Arguments:
-        ``x``, ``params``.
+        g: returns numbers that are zero where the constraints are satisfied, shape (m,), or one number. Arguments: ``x``,
+        ``params``.
     mass : array_like
-        Positive: a number, or for states (N, 3) one to each body.
+        Positive: a number, or for states (N, 3) one per body.
     jacobian : callable, optional
-        G: returns the derivatives of g by x, shape (m, *shape of x0), or the shape of x0 for one number, or writes
-        them into ``out``. It is compared with differences of g at x0 and near it. Without it, differences of fourth
-        order over 1e-4 of the size of x0 take its place: 4 n evaluations of g a step, and G to some 1e-12 where g is
-        smooth over such distances and all of x has one unit. The constraints are kept as exactly as with it; the
-        velocities are tangent, and the energy keeps from drifting, up to that error.
+        G: returns the derivatives of g with respect to x, shape (m, *shape of x0), or the shape of x0 for one number, or
+        writes them into ``out``. It is compared with finite differences of g at x0 and near it. Without it, fourth-order
+        differences over 1e-4 of the size of x0 are used: 4 n evaluations of g per step, accurate to some 1e-12 if g is
+        smooth over such distances and all components of x have the same unit. The constraints are satisfied as accurately as
+        with it; the velocities are tangent, and the energy is free of drift, up to that error.
     energy : callable, optional
         Returns the energy, a number; the constraint forces do no work.
     invariants : mapping of str to callable, optional
@@ -58,9 +58,9 @@ class Constrained(Problem):
     ------
     ArgumentError
         For a force that depends on the velocity; a Jacobian with a wrong entry; a start with g(x0) or G v0 not zero.
-        Constraints that say the same twice are accepted, and share the force with the smallest multipliers, each
-        measured by the length of its gradient. Refused with the rank found are constraints whose gradient vanishes,
-        that are nearly but not quite dependent, or that are dependent at x0 alone, a singular configuration.
+        Redundant constraints are accepted, and share the force with the smallest multipliers, each weighted by the length of
+        its gradient. Constraints whose gradient vanishes, that are nearly but not exactly dependent, or that are dependent
+        only at x0, a singular configuration, are refused with the rank found.
 
     Notes
     -----
@@ -76,7 +76,7 @@ class Constrained(Problem):
     ...     constraint=lambda x: x[0] ** 2 + x[1] ** 2 - 1,
     ...     energy=lambda x, v: 0.5 * (v[0] ** 2 + v[1] ** 2) + 9.81 * x[1],
     ... )
-    >>> sol = kd.solve(pendulum, (0.0, 10.0), x0=[1, 0], v0=[0, 0], method="rattle", step=0.01, compile=False)
+    >>> sol = kd.solve(pendulum, (0.0, 0.5), x0=[1, 0], v0=[0, 0], method="rattle", step=0.01, compile=False)
     >>> bool(abs(np.hypot(*sol.x.T) - 1).max() < 1e-12), bool(abs(sol.energy).max() < 1e-2)
     (True, True)
     """
@@ -95,9 +95,9 @@ class Constrained(Problem):
         force = adapter.adapt(self.force, "the force")
         if "v" in force.names:
             raise ArgumentError(
-                f"force={name_of(self.force)} has an argument v, but methods for constraints keep their order for"
-                " forces of t and x alone; leave out what depends on the velocity, or use kd.SecondOrder in coordinates"
-                " that need no constraints, such as angles."
+                f"force={name_of(self.force)} has an argument v, but methods for constraints keep their order only for"
+                " forces of t and x; leave out the dependence on velocity, or use kd.SecondOrder in coordinates"
+                " without constraints, such as angles."
             )
         shape = adapter.shape_of(self.constraint, "the constraint", _POSITION)
         if len(shape) > 1 or 0 in shape:

@@ -27,14 +27,14 @@ class Damped(Problem):
     Parameters
     ----------
     force : callable
-        F. The arguments that it names are ``x``, ``t`` (forced), ``params``, and ``out`` (written in place instead of
-        returning).
+        F, a function of any of ``x``, ``t`` (time-dependent forcing), ``params``, and ``out`` (written in place instead of
+        returned).
     damping : array_like
-        c, at least 0: force per velocity; a number, or for states (N, 3) one to each body.
+        c, at least 0: force per velocity; a number, or for states (N, 3) one per body.
     mass : array_like
-        m, positive: a number, or for states (N, 3) one to each body.
+        m, positive: a number, or for states (N, 3) one per body.
     energy, invariants
-        As for `kickdrift.SecondOrder`; the energy of a damped motion falls.
+        As for `kickdrift.SecondOrder`; the energy of a damped motion decreases.
 
     Raises
     ------
@@ -43,11 +43,11 @@ class Damped(Problem):
 
     Notes
     -----
-    ``method="conformal-verlet"`` and ``"blanes-moan-conformal-4"`` multiply v by exp(-c h / m) for the damping, and
-    kick and drift for the rest. With the same c / m everywhere they shrink areas in phase space by exactly
-    exp(-c t / m), as the motion does: they are conformally symplectic [1]_. They are for weak damping, where a step
-    times c / m is at most about 1: beyond, splitting alone stops the motion, and the negative shares of orders 4 and 6
-    make v grow. For strong damping take ``"implicit-damping"`` or ``"gauss-4"``: methods for any acceleration run, too.
+    ``method="conformal-verlet"`` and ``"blanes-moan-conformal-4"`` multiply v by exp(-c h / m) for the damping, and kick and
+    drift for the rest. With the same c / m everywhere they contract the symplectic form by exactly exp(-c t / m), as the
+    exact flow does: they are conformally symplectic [1]_. They are for weak damping, where the step times c / m is at most
+    about 1: beyond that, the splitting error stops the motion, and the negative weights of orders 4 and 6 make v grow. For
+    strong damping use ``"implicit-damping"`` or ``"gauss-4"``; methods for any acceleration can be used, too.
 
     References
     ----------

@@ -16,16 +16,16 @@ component: Function = unbound
 class FirstOrder(Problem):
     """y' = f(t, y) by a Python function.
 
-    `solve` gets the start as x0, without v0; a solution has the states as ``y``, too.
+    `solve` takes the initial y as x0, without v0; a solution has the states as ``y``, too.
 
     Parameters
     ----------
     rates : callable
-        f. It may have the arguments ``y``, ``t``, ``params``, and ``out`` (written in place instead of returning).
-        With an argument ``i`` it returns the rate of y[i] alone: the semi-implicit sweeps need one component at a time,
-        and cost as many evaluations of f as there are components where f gives only all of them.
+        f, a function of any of ``y``, ``t``, ``params``, and ``out`` (written in place instead of returned). With an
+        argument ``i`` it returns the rate of y[i] alone: the semi-implicit sweeps need one component at a time, and
+        otherwise cost one evaluation of all of f per component.
     energy, invariants
-        What is conserved, functions of ``y`` and ``t``.
+        Conserved quantities, functions of ``y`` and ``t``.
 
     Examples
     --------

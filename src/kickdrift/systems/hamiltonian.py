@@ -14,7 +14,7 @@ gradient: Function = unbound
 
 @dataclass(frozen=True)
 class Separable(Problem):
-    """H = T(p) + V(q) by Python functions, with any T.
+    """H = T(p) + V(q) with any T, by Python functions.
 
     The functions may have the arguments ``q`` or ``p``, ``t``, ``params``, and ``out`` (written in place instead of
     returning). In `solve`, x0 is q and v0 is p; a solution has them as ``q`` and ``p``, too. Both parts may depend on
@@ -86,7 +86,7 @@ class Hamiltonian(Problem):
 
     Examples
     --------
-    Tao's example, with its kinetic energy depending on the position:
+    Tao's example, whose kinetic energy depends on the position:
 
     >>> import kickdrift as kd
     >>> system = kd.Hamiltonian(
@@ -129,14 +129,13 @@ class Partitioned(Problem):
     Parameters
     ----------
     x_rate, v_rate : callable
-        f and g. The arguments that they name are ``t``, ``x``, ``v``, ``params``, and ``out`` (written in place instead
-        of returning).
+        f and g, functions of any of ``t``, ``x``, ``v``, ``params``, and ``out`` (written in place instead of returned).
     energy, invariants
-        What is conserved, as for `SecondOrder`.
+        Conserved quantities, as for `SecondOrder`.
 
     Examples
     --------
-    Lotka and Volterra's prey x and predators v:
+    The Lotka-Volterra equations, with prey x and predators v:
 
     >>> import numpy as np, kickdrift as kd
     >>> fish = kd.Partitioned(

@@ -23,7 +23,7 @@ def _energy(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None
 
 
 def harmonic_oscillator(omega: float = 1.0, x0: float = 1.0, v0: float = 0.0) -> System:
-    """Make a harmonic oscillator of unit mass, x'' = -omega^2 x; the state is a scalar.
+    """Create a harmonic oscillator of unit mass, x'' = -omega^2 x; the state is a scalar.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """Democratic heliocentric coordinates: positions relative to body 0, velocities relative to the centre of mass.
 
-The Hamiltonian of N bodies is that of N - 1 Kepler problems with mu = G m_0, of the free motion of the centre of mass
-(here body 0), of what the planets do to each other, and of |sum m_i v'_i|^2 / 2 m_0 for the motion of body 0 [1]_. The
-last two commute: all planets jump by one vector. They are the remainder, the last as the part ``jump``.
+The Hamiltonian of N bodies is that of N - 1 Kepler problems with mu = G m_0, of the free motion of the centre of mass (here
+body 0), of the attraction between the planets, and of |sum m_i v'_i|^2 / 2 m_0 for the motion of body 0 [1]_. The last two
+commute: all planets jump by one vector. They are the remainder, the last as the part ``jump``.
 
 References
 ----------

@@ -39,9 +39,9 @@ def _angular_momentum(t: float, x: Floats, v: Floats, params: Floats, out: Float
 
 
 def kepler(eccentricity: float = 0.6, semi_major_axis: float = 1.0, mu: float = 1.0) -> System:
-    """Make a body on an elliptic orbit, starting at the pericentre; the state has shape (2,).
+    """Create a body on an elliptic orbit, starting at the pericentre; the state has shape (2,).
 
-    ``method="wisdom-holman"`` is exact here, but for rounding.
+    ``method="wisdom-holman"`` is exact here, except for rounding.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def kepler(eccentricity: float = 0.6, semi_major_axis: float = 1.0, mu: float = 
     Raises
     ------
     ArgumentError
-        For an eccentricity that is not an ellipse's, or an axis or `mu` that is not positive.
+        For an eccentricity outside [0, 1), or an axis or `mu` that is not positive.
     """
     if not 0 <= eccentricity < 1:
         raise ArgumentError(f"eccentricity={eccentricity!r} must be at least 0 and below 1; the orbit is an ellipse.")
@@ -95,7 +95,7 @@ def eccentric_anomaly(mean_anomaly: Floats, eccentricity: float) -> Floats:
 
     Newton's method on (0, pi), where E - e sin E is convex, converges from beyond the zero for every eccentricity below 1.
     Begun at the least of pi, M + e and M / (1 - e), which all are beyond it. The correction c is followed by one of
-    e c^2 / 2 (1 - e) at most. Parts of the arrays that stay in the nearest cache take half the time.
+    e c^2 / 2 (1 - e) at most. Parts of the arrays that stay in the L1 cache take half the time.
     """
     solved = np.empty(mean_anomaly.size)
     for first in range(0, solved.size, _PART):

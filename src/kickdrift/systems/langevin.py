@@ -24,27 +24,26 @@ _HALF_WORD = 2**32  # a float64 holds 53 bits: the seed goes into two of them
 
 @dataclass(frozen=True)
 class Langevin(Problem):
-    """Langevin dynamics: a force by a Python function, friction, and the noise that belongs to it at a temperature.
+    """Langevin dynamics: a force, friction, and the noise that balances it at a temperature.
 
     dx = v dt, m dv = F(t, x) dt - gamma m v dt + sqrt(2 gamma kT m) dW.
 
     Parameters
     ----------
     force : callable
-        F. The arguments that it names are ``x``, ``t``, ``params``, and ``out`` (written in place instead of
-        returning).
+        F, a function of any of ``x``, ``t``, ``params``, and ``out`` (written in place instead of returned).
     friction : array_like
-        gamma, at least 0: a rate, one over time; a number, or for states (N, 3) one to each body.
+        gamma, at least 0: a rate, in inverse time; a number, or for states (N, 3) one per body.
     temperature : float
         kT, at least 0, in units of energy.
     mass : array_like
-        m, positive: a number, or for states (N, 3) one to each body.
+        m, positive: a number, or for states (N, 3) one per body.
     seed : int
-        From 0 to 2**64 - 1. The same seed gives the same noise, to the bit: whatever is saved, and on any number of
-        threads. Runs that are to be independent need seeds of their own, and so does a run that goes on where another
-        ended: with the same seed it would meet the same noise again.
+        From 0 to 2**64 - 1. The same seed yields the same noise, bit for bit, whatever is saved and on any number of
+        threads. Independent runs need different seeds, and so does a run that continues from the end of another: with the
+        same seed the noise would repeat.
     energy : callable, optional
-        Of x, v and so on, as for `kickdrift.SecondOrder`; it is not conserved.
+        The energy, a function of x, v and so on, as for `kickdrift.SecondOrder`; it is not conserved.
 
     Raises
     ------
@@ -54,8 +53,8 @@ class Langevin(Problem):
 
     Notes
     -----
-    ``method="baoab"`` has the most accurate positions: those of a harmonic oscillator have the exact distribution at
-    every stable step, up to h omega = 2. Their orders are weak orders, of averages. Numbers drawn: see
+    ``method="baoab"`` has the most accurate positions: those of a harmonic oscillator have the exact distribution at every
+    stable step, up to h omega = 2. The orders of these methods are weak orders, of averages. For the random numbers see
     `kickdrift.core.random`.
 
     Examples

@@ -15,14 +15,14 @@ from kickdrift.systems import gravity
 
 Floats = NDArray[np.float64]
 FEW = 31  # bodies up to which a loop over the pairs is faster than tiles (measured: even at 28)
-_BLOCK = 256  # bodies without mass, whose positions and sums stay in the nearest cache
+_BLOCK = 256  # bodies without mass, whose positions and sums stay in the L1 cache
 _FIELDS = 6
 
 
 def mostly_massless(gm: Floats, threads: bool = False) -> bool:
     """Whether so many bodies have no mass that those with mass and those without are better summed apart.
 
-    That is done on one core: with `threads`, the massive ones have to be a sixteenth, so that no number of cores up to that
+    That is done on one core: with `threads`, the massive ones must be a sixteenth, so that no number of cores up to that
     would be faster. The number of threads must not decide, since bits depend on the order of the sums.
     """
     share = 16 if threads else 4

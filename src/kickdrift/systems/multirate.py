@@ -20,15 +20,15 @@ slow: Function = unbound
 
 @dataclass(frozen=True)
 class Multirate(Problem):
-    """m x'' = F_fast(t, x) + F_slow(t, x): a force that changes fast and is cheap, and one that is neither.
+    """m x'' = F_fast(t, x) + F_slow(t, x): a cheap force that varies fast, and an expensive one that varies slowly.
 
     Parameters
     ----------
     slow_force, fast_force : callable
-        The arguments that they name are ``x``, ``t`` (forced), ``params``, and ``out`` (written in place instead of
-        returning).
+        Functions of any of ``x``, ``t`` (time-dependent forcing), ``params``, and ``out`` (written in place instead of
+        returned).
     mass : array_like
-        m, positive: a number, or for states (N, 3) one to each body.
+        m, positive: a number, or for states (N, 3) one per body.
     energy, invariants
         As for `kickdrift.SecondOrder`.
 
@@ -39,8 +39,8 @@ class Multirate(Problem):
 
     Notes
     -----
-    ``method=kd.methods.respa(substeps=20)`` evaluates the fast force twenty times a step, and the slow one once; evaluations
-    of both are counted alike. Any method for accelerations runs, too, on their sum.
+    ``method=kd.methods.respa(substeps=20)`` evaluates the fast force twenty times per step, and the slow one once;
+    evaluations of both are counted alike. Any method for accelerations can also be used, on their sum.
 
     Examples
     --------

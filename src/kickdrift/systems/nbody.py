@@ -109,24 +109,24 @@ def nbody(
     names: Sequence[str] | None = None,
     threads: bool = False,
 ) -> System:
-    """Make a system of N bodies under Newtonian gravity, summed directly; the state has shape (N, 3).
+    """Create a system of N bodies under Newtonian gravity, summed directly; the state has shape (N, 3).
 
     Parameters
     ----------
     masses : (N,) array_like
-        Masses, at least 0; a body without mass is attracted and does not attract.
+        Masses, at least 0; a massless body is attracted and does not attract.
     x0, v0 : (N, 3) array_like
         Positions and velocities.
     G : float
-        Gravitational constant in the units of the rest.
+        Gravitational constant, in the units of the other arguments.
     softening : float
         Plummer softening length: distances enter as sqrt(r^2 + softening^2).
     names : sequence of str, optional
         Names of the bodies.
     threads : bool
-        Whether the forces are shared among the threads that Numba has (``numba.set_num_threads``). The numbers are the
-        same, to the bit, for any number of threads. Worth it from some 500 bodies on, on cores that nobody else uses. Processes
-        that are forked from one that has used them do without.
+        Whether the forces are distributed over Numba's threads (``numba.set_num_threads``). The results are the same, bit
+        for bit, for any number of threads. Worthwhile from some 500 bodies on, on otherwise idle cores. Processes forked
+        from one that has used threads run on one thread.
 
     Raises
     ------
@@ -135,8 +135,8 @@ def nbody(
 
     Notes
     -----
-    Masses, positions, velocities, G and softening may be quantities of astropy or pint, all of them: lengths are then in the
-    unit of x0, velocities in that of v0, and times in what follows.
+    Masses, positions, velocities, G and softening may be quantities of astropy or pint, but then all of them: lengths are in
+    the unit of x0, velocities in that of v0, and times in the unit that follows from these.
     """
     (masses, x0, v0, G, softening), units = of_bodies(masses, x0, v0, G, softening)
     gm, positions, velocities = _checked(masses, x0, v0, G, softening)
@@ -184,7 +184,7 @@ def _checked(
     except TypeError as error:
         raise ArgumentError(f"masses, x0 and v0 must be arrays of numbers: {error}.") from None
     if m.ndim != 1 or m.size == 0:
-        raise ArgumentError(f"masses has shape {m.shape}; give a list of one mass for each body.")
+        raise ArgumentError(f"masses has shape {m.shape}; give a list with one mass per body.")
     for name, value in (("x0", x), ("v0", v)):
         if value.shape != (m.size, 3):
             raise ArgumentError(f"{name} has shape {value.shape}, but {m.size} masses need shape ({m.size}, 3).")
@@ -199,5 +199,5 @@ def _checked(
     if not _between(softening, 0.0):
         raise ArgumentError(f"softening={softening!r} must be finite and at least 0.")
     if softening == 0 and len(np.unique(x, axis=0)) < m.size:
-        raise ArgumentError("x0 has two bodies at the same place; move one, or give a softening.")
+        raise ArgumentError("x0 has two bodies at the same position; move one, or give a softening.")
     return G * m, x, v

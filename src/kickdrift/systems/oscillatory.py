@@ -20,16 +20,16 @@ oscillation: Function = unbound
 
 @dataclass(frozen=True)
 class Oscillatory(Problem):
-    """x'' = -omega^2 x + g(t, x): fast oscillations that are solved exactly, and other accelerations by a function.
+    """x'' = -omega^2 x + g(t, x): fast linear oscillations, which are solved exactly, and other accelerations.
 
     Parameters
     ----------
     force : callable
-        g. The arguments that it names are ``x``, ``t`` (forced), ``params``, and ``out`` (written in place instead of
-        returning).
+        g, a function of any of ``x``, ``t`` (time-dependent forcing), ``params``, and ``out`` (written in place instead of
+        returned).
     omega : array_like
-        Angular frequencies, at least 0: a number, for states (N, 3) one to each body, or of a shape that broadcasts to
-        x0. Of x'' = -A x + g with a symmetric matrix A they are those of the eigenvectors of A: write x and g in these.
+        Angular frequencies, at least 0: a number, for states (N, 3) one per body, or of a shape that broadcasts to x0. For
+        x'' = -A x + g with a symmetric matrix A, transform x and g to the eigenbasis of A; omega^2 are its eigenvalues.
     energy, invariants
         As for `kickdrift.SecondOrder`; the energy includes that of the oscillations.
 
@@ -40,11 +40,11 @@ class Oscillatory(Problem):
 
     Notes
     -----
-    The trigonometric methods bear steps far beyond 2 / omega, where others of kicks and drifts are not stable. Which is
-    best depends on what is wanted and on where h omega lies [1]_. ``"mollified-impulse"`` is symplectic, and the one to
-    begin with. ``"deuflhard-2"`` has the smallest errors for small h omega; where h omega is close to a multiple of pi
-    its error grows. Slow energies of many oscillators, and the energy of all oscillations together, stay over long times
-    as long as no h omega is within about sqrt(h) of a multiple of pi. Any other method for accelerations runs, too.
+    The trigonometric methods allow steps far beyond 2 / omega, where other methods of kicks and drifts are unstable. Which
+    one is best depends on the aim and on h omega [1]_. ``"mollified-impulse"`` is symplectic, and a good first choice.
+    ``"deuflhard-2"`` has the smallest errors for small h omega; close to a multiple of pi its error grows. The slowly
+    varying energies of the oscillators, and the total oscillatory energy, are nearly conserved over long times as long as no
+    h omega is within about sqrt(h) of a multiple of pi. Any other method for accelerations can be used, too.
 
     References
     ----------

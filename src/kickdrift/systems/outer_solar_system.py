@@ -20,7 +20,7 @@ BODIES = {
 
 
 def outer_solar_system(splitting: str = "jacobi") -> System:
-    """Make the outer solar system of Hairer, Lubich and Wanner; the state has shape (6, 3).
+    """Create the outer solar system of Hairer, Lubich and Wanner; the state has shape (6, 3).
 
     The energy is -3.215453183208163e-8 at the start. Jupiter's period is 4332.6 days.
 

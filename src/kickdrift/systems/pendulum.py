@@ -25,7 +25,7 @@ def _energy(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None
 
 
 def pendulum(amplitude: float = 2.0, omega: float = 1.0) -> System:
-    """Make a pendulum released at rest from an angle; the state is a scalar, in radians.
+    """Create a pendulum released at rest from an angle; the state is a scalar, in radians.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def pendulum(amplitude: float = 2.0, omega: float = 1.0) -> System:
         If the amplitude does not lie between 0 and pi, or `omega` is not positive.
     """
     if not 0 < amplitude < math.pi:
-        raise ArgumentError(f"amplitude={amplitude!r} must lie between 0 and pi, without the ends.")
+        raise ArgumentError(f"amplitude={amplitude!r} must lie strictly between 0 and pi.")
     if not (math.isfinite(omega) and omega > 0):
         raise ArgumentError(f"omega={omega!r} must be positive and finite.")
 

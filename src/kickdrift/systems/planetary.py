@@ -1,4 +1,4 @@
-"""Planets around a heavy body, split into Kepler problems and the little that is left."""
+"""Planets around a heavy body, split into Kepler problems and small perturbations."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ def planetary(
     names: Sequence[str] | None = None,
     radii: ArrayLike | None = None,
 ) -> System:
-    """Make a system of light bodies around a heavy one, the first; the state has shape (N, 3).
+    """Create a system of light bodies around a heavy one, the first; the state has shape (N, 3).
 
-    It is `nbody` with more: methods such as ``"wisdom-holman"`` and ``"blanes-aba-1064"`` solve the Kepler problems
-    exactly, so that their errors are as small as what is left, by the mass of the planets over that of the first body.
-    ``"close-encounters"`` is for planets that meet, or pass the first body closely. All other methods run as they do on
-    `nbody`, and states are those of `nbody` in any case.
+    It is `nbody` with a splitting: methods such as ``"wisdom-holman"`` and ``"blanes-aba-1064"`` solve the Kepler problems
+    exactly, so that their errors are smaller by the ratio of the planets' masses to that of the first body.
+    ``"close-encounters"`` is for planets that have close encounters with each other or the first body. All other methods run
+    as on `nbody`, and the states are those of `nbody` in any case.
 
     Parameters
     ----------
@@ -50,24 +50,24 @@ def planetary(
     x0, v0 : (N, 3) array_like
         Positions and velocities, in any inertial frame.
     G : float
-        Gravitational constant in the units of the rest.
+        Gravitational constant, in the units of the other arguments.
     splitting : str
-        Into which Kepler problems: ``"jacobi"``, where the bodies should come by their distance and what is left is
-        smaller; or ``"democratic-heliocentric"``, where their order does not matter, and they may pass each other.
+        The choice of Kepler problems: ``"jacobi"``, for bodies listed in order of distance, with the smaller perturbations;
+        or ``"democratic-heliocentric"``, where the order does not matter, and orbits may cross.
     names : sequence of str, optional
         Names of the bodies.
     radii : (N,) array_like, optional
-        Of the bodies, at least 0: they merge where they touch, and the method is ``"close-encounters"``. Merged bodies
-        keep their masses and are in one place from then on, with the velocity of their centre of mass, as large as their
-        volumes together; `kickdrift.analysis.mergers` says which did when, and what kinetic energy was lost.
+        Radii of the bodies, at least 0: they merge on contact, and the method is ``"close-encounters"``. Merged bodies keep
+        their masses and move together from then on, with the velocity of their centre of mass and the sum of their volumes;
+        `kickdrift.analysis.mergers` lists the mergers, their times and the kinetic energy lost.
 
     Raises
     ------
     ArgumentError
-        As for `nbody`, and for fewer than two bodies, a first one that is not the heaviest, one that is where the
-        first is, or bodies that overlap.
+        As for `nbody`, and for fewer than two bodies, a first one that is not the heaviest, one at the position of the
+        first, or bodies that overlap.
     UnknownNameError
-        For a splitting that is not known.
+        For an unknown splitting.
 
     Examples
     --------
@@ -86,8 +86,8 @@ def planetary(
         raise ArgumentError(f"masses has {gm.size} body; a planetary system has at least two.")
     if not gm[0] > 0 or gm.argmax() != 0:
         raise ArgumentError(
-            f"masses[{int(gm.argmax())}] is the largest, or all are 0; put the heaviest body first, the others are to"
-            " move around it."
+            f"masses[{int(gm.argmax())}] is the largest, or all are 0; put the heaviest body first, since the others"
+            " orbit it."
         )
     sizes, quantities = None, system.quantities
     if radii is not None:
@@ -117,9 +117,7 @@ def _sizes(radii: ArrayLike, system: System) -> Floats:
     except TypeError as error:
         raise ArgumentError(f"radii={radii!r} must be numbers: {error}.") from None
     if sizes.shape != system.x0.shape[:1] or not (np.isfinite(sizes) & (sizes >= 0)).all():
-        raise ArgumentError(
-            f"radii={radii!r} must be {len(system.x0)} finite numbers of at least 0, one for each body."
-        )
+        raise ArgumentError(f"radii={radii!r} must be {len(system.x0)} finite numbers of at least 0, one per body.")
     apart, contact = np.linalg.norm(system.x0[:, None] - system.x0, axis=-1), sizes[:, None] + sizes
     for i, j in np.argwhere(np.tril(apart < (1 - 1e-9) * contact, -1)).tolist():
         raise ArgumentError(

@@ -23,11 +23,11 @@ force: Function = unbound
 
 @dataclass(frozen=True)
 class SecondOrder(Problem):
-    """x'' = f by Python functions: an acceleration and, if there are, what it conserves.
+    """x'' = f: an acceleration as a Python function, optionally with its conserved quantities.
 
-    The names of a function's arguments declare its structure: ``x`` (position), ``t`` (time: forced), ``v``
-    (velocity-dependent), ``params`` (a float array), and, for the acceleration, ``out`` (written in place instead of
-    returning). Arrays arrive in the shape of x0; a scalar state arrives as a float.
+    The argument names of a function declare its dependences: ``x`` (position), ``t`` (time), ``v`` (velocity), ``params`` (a
+    float array), and, for the acceleration, ``out`` (written in place instead of returned). Arrays have the shape of x0; a
+    scalar state is a float.
 
     Parameters
     ----------
@@ -36,16 +36,16 @@ class SecondOrder(Problem):
     energy : callable, optional
         Returns the energy, a number.
     invariants : mapping of str to callable, optional
-        Other conserved numbers by name.
+        Other conserved quantities by name.
     velocity_jacobian : callable, optional
-        Returns the derivatives of the acceleration with respect to v, shape (n, n) for states of n numbers, row i those
-        of number i of the acceleration; it has the arguments of the acceleration. Linearly implicit methods form it by
-        differences otherwise, at n evaluations a step.
+        Returns the derivatives of the acceleration with respect to v, shape (n, n) for states of n numbers, row i those of
+        number i of the acceleration; it has the arguments of the acceleration. Without it, linearly implicit methods use
+        finite differences, at n evaluations per step.
 
     Raises
     ------
     ArgumentError
-        For a `velocity_jacobian` that differences contradict at the start.
+        For a `velocity_jacobian` that disagrees with finite differences at the initial state.
 
     Examples
     --------
@@ -83,15 +83,15 @@ class SecondOrder(Problem):
 
 @dataclass(frozen=True)
 class Newtonian(Problem):
-    """m x'' = F by Python functions: a force and the masses.
+    """m x'' = F: a force as a Python function, and the masses.
 
     Parameters
     ----------
     force : callable
         Returns the force, or writes it into ``out``; its arguments are those of `SecondOrder`.
     mass : array_like
-        Positive: a number, or for states (N, 3) one to each of the N bodies; else of a shape that broadcasts to x0. Of a
-        quantity, in its unit; the force is then in that, lengths and times in those of `solve`.
+        Positive: a number, or for states (N, 3) one per body; otherwise of a shape that broadcasts to x0. For a quantity,
+        the force is in its unit of mass and the units of length and time of `solve`.
     energy, invariants
         As for `SecondOrder`.
     velocity_jacobian : callable, optional
@@ -145,7 +145,7 @@ def divided_by_mass(t: float, x: Floats, v: Floats, params: Floats, out: Floats)
 
 
 def to_each_number(values: ArrayLike, shape: tuple[int, ...]) -> Floats:
-    """Give a value to each number of a state; N values to a state of N bodies, (N, d), are one to each body."""
+    """Give a value to each number of a state; N values to a state of N bodies, (N, d), are one per body."""
     given = reals(values)
     if len(shape) == 2 and given.shape == shape[:1]:
         given = given[:, None]
@@ -153,12 +153,12 @@ def to_each_number(values: ArrayLike, shape: tuple[int, ...]) -> Floats:
 
 
 def fitted(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Floats:
-    """Give a value of this name to each number of a state of this shape, or say why it does not fit.
+    """Broadcast a value of this name to each number of a state of this shape, or refuse it with the reason.
 
     Raises
     ------
     ArgumentError
-        For what is no number, or a shape that does not broadcast.
+        For anything but numbers, or a shape that does not broadcast.
     """
     try:
         return to_each_number(value, shape)

@@ -64,26 +64,26 @@ def ephemeris() -> Ephemeris:
 
 
 def solar_system(bodies: Sequence[str] | None = None, splitting: str | None = None) -> System:
-    """Make the solar system at J2000 (Julian date 2451545.0 TDB), in au and days; the state has shape (N, 3).
+    """Create the solar system at J2000 (Julian date 2451545.0 TDB), in au and days; the state has shape (N, 3).
 
-    Point masses under Newtonian gravity, barycentric, on the equatorial axes of the ICRF. Planets from Mars on stand
-    for the barycentre of the planet and its moons.
+    Point masses under Newtonian gravity, barycentric, on the equatorial axes of the ICRF. Planets from Mars outwards
+    represent the barycentre of the planet and its moons.
 
     Parameters
     ----------
     bodies : sequence of str, optional
-        Which bodies: Sun, Mercury, Venus, Earth, Moon, Mars, Jupiter, Saturn, Uranus, Neptune, Pluto; all by default.
-        Case does not matter. With the Earth but without the Moon, the Earth stands for the barycentre of both.
+        Which bodies: Sun, Mercury, Venus, Earth, Moon, Mars, Jupiter, Saturn, Uranus, Neptune, Pluto; all by default. Case
+        does not matter. With the Earth but without the Moon, the Earth represents the barycentre of both.
     splitting : str, optional
-        As for `planetary`, of which the system then is one: give the Sun first, and leave out the Moon, which is not on
-        an orbit around the Sun that the Earth disturbs little.
+        As for `planetary`, which then creates the system: list the Sun first, and leave out the Moon, whose orbit around the
+        Sun is strongly perturbed by the Earth.
 
     Raises
     ------
     ArgumentError
-        For a body that is not known, named twice, or a list without any.
+        For an unknown body, one named twice, or an empty list.
     UnknownNameError
-        For a splitting that is not known.
+        For an unknown splitting.
     """
     sky = ephemeris()
     chosen = _choose(bodies, sky.bodies)
@@ -120,6 +120,6 @@ def _choose(bodies: Sequence[str] | None, known: tuple[str, ...]) -> list[int]:
         if capital not in known:
             raise unknown_name("bodies", name, known)
         if known.index(capital) in indices:
-            raise ArgumentError(f"bodies names {capital!r} twice; name each body once.")
+            raise ArgumentError(f"bodies contains {capital!r} twice; name each body once.")
         indices.append(known.index(capital))
     return indices

@@ -1,4 +1,4 @@
-"""Tables that forces may call: ephemerides and measured series, by cubic splines."""
+"""Tables that forces can call: ephemerides and measured series, by cubic splines."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from kickdrift.core.errors import ArgumentError
 
 Floats = NDArray[np.float64]
 
-OUTSIDE = "a table of kd.spline is asked for a time outside of it"
+OUTSIDE = "a kd.spline is evaluated at a time outside its table"
 _ENDS = ("not-a-knot", "natural", "clamped", "periodic")
 _ROUNDING = 1e-9  # of the length: the times of a run are sums
 _SMALLEST = 8  # knots
@@ -26,31 +26,32 @@ _ranges: WeakKeyDictionary[Any, tuple[float, float]] = WeakKeyDictionary()
 
 
 def spline(t: ArrayLike, values: ArrayLike, end: str = "not-a-knot") -> Callable[[float], Any]:
-    """Make a function of a table, which forces may call, compiled or not: a cubic spline through its values.
+    """Create a function from a table, which forces can call, compiled or not: a cubic spline through its values.
 
-    Its numbers are data of the compiled force: another table of the same form, with other times and values, is not compiled
-    anew as long as it has at most as many rows, rounded up to a power of two.
+    Its values are data of the compiled force: another table of the same shape, with other times and values, does not
+    recompile the force if it has at most as many rows, rounded up to a power of two.
 
     Parameters
     ----------
     t : (T,) array_like
-        Times, or whatever else the table is over, in ascending order; at least two.
+        Times, or another abscissa, strictly increasing; at least two.
     values : (T,) or (T, ...) array_like
-        Numbers, vectors, or arrays; the function returns one of them.
+        Numbers, vectors, or arrays; the function returns an interpolated one.
     end : str
-        What holds at both ends: ``"not-a-knot"``, a cubic through the first four values; ``"natural"``, no curvature;
-        ``"clamped"``, no slope; or ``"periodic"``.
+        Boundary condition: ``"not-a-knot"``, one cubic through the first four values; ``"natural"``, zero curvature;
+        ``"clamped"``, zero slope; or ``"periodic"``.
 
     Returns
     -------
     callable
-        ``table(t)``, for a number t. Outside of the table it raises: a run whose span leaves it is refused before it starts.
-        A few methods with steps backwards, such as `yoshida-8`, and steps that vary look a little beyond their span.
+        ``table(t)``, for a number t. It raises outside the table: a run whose span extends beyond it is refused before it
+        starts. A few methods with negative substeps, such as `yoshida-8`, and variable steps evaluate it slightly beyond the
+        span.
 
     Raises
     ------
     ArgumentError
-        For times that do not ascend, values that are not as many, or either not finite.
+        For times that are not increasing, another number of values, or values that are not finite.
 
     Notes
     -----
@@ -92,14 +93,16 @@ def _checked(t: ArrayLike, values: ArrayLike) -> tuple[Floats, Floats]:
         raise ArgumentError(f"t and values must be arrays of numbers: {error}.") from None
     if times.ndim != 1 or times.size < 2 or table.shape[:1] != times.shape or not table.size:
         raise ArgumentError(
-            f"t and values have shapes {times.shape} and {table.shape}; give at least two times, and a value to each."
+            f"t and values have shapes {times.shape} and {table.shape}; give at least two times, and one value per"
+            " time."
         )
     if not (np.isfinite(times).all() and np.isfinite(table).all()):
-        raise ArgumentError("t and values must be finite; leave out what is not known.")
+        raise ArgumentError("t and values must be finite; leave out missing values.")
     if not (np.diff(times) > 0).all():
         row = int(np.argmin(np.diff(times) > 0))
         raise ArgumentError(
-            f"t must ascend, but {float(times[row])!r} is followed by {float(times[row + 1])!r}; sort it."
+            f"t must be strictly increasing, but {float(times[row])!r} is followed by {float(times[row + 1])!r}; sort"
+            " it."
         )
     return times, table
 
@@ -112,7 +115,7 @@ def _function(knots: Floats, pieces: Floats, rows: float, rounding: float) -> Ca
     @numba.njit  # type: ignore[untyped-decorator]
     def row_of(t: float) -> int:
         if not first - rounding <= t <= last + rounding:
-            raise ValueError("a table of kd.spline is asked for a time outside of it")  # OUTSIDE, which is no number
+            raise ValueError("a kd.spline is evaluated at a time outside its table")  # OUTSIDE, which is no number
         low, high = 0, int(rows) - 1
         guess = min(max(int((t - first) * density), 0), high - 1)
         if knots[guess] <= t < knots[guess + 1]:  # where knots are evenly spaced

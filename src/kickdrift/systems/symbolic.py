@@ -24,12 +24,12 @@ def from_sympy(
     hamiltonian : sympy expression
         H(q, p), or H(q, p, t).
     q, p : symbol or sequence of symbols
-        Coordinates and momenta, in the order that they have in x0 and v0; with a symbol alone states are scalars. Functions of
-        time, such as SymPy's dynamic symbols, will do.
+        Coordinates and momenta, in their order in x0 and v0; for a single symbol states are scalars. Functions of time, such
+        as SymPy's dynamic symbols, are accepted.
     t : symbol, optional
-        Time, where H has it by a symbol of its own.
+        The symbol of time, if H depends on it.
     constants : mapping of symbol or str to float, optional
-        Numbers for all other symbols. With others of them nothing is compiled again.
+        Values of all other symbols. Other values do not recompile anything.
 
     Returns
     -------
@@ -39,7 +39,7 @@ def from_sympy(
     Raises
     ------
     ArgumentError
-        For symbols without numbers, and for functions that cannot be written in Python.
+        For symbols without values, and for functions that cannot be written in Python.
     MissingExtraError
         Without the package sympy.
 
@@ -67,14 +67,14 @@ def from_sympy(
 def from_lagrangian(
     lagrangian: Any, q: Any = None, qdot: Any = None, *, t: Any = None, constants: Mapping[Any, float] | None = None
 ) -> SecondOrder:
-    """Derive the accelerations from a Lagrangian, by the equations of Euler and Lagrange.
+    """Derive the accelerations from a Lagrangian, by the Euler-Lagrange equations.
 
     Parameters
     ----------
     lagrangian : sympy expression or sympy.physics.mechanics.LagrangesMethod
-        L(q, q'), or L(q, q', t). A LagrangesMethod brings coordinates, velocities and applied forces of its own.
+        L(q, q'), or L(q, q', t). A LagrangesMethod has its own coordinates, velocities and applied forces.
     q, qdot : symbol or sequence of symbols
-        Coordinates and velocities, in the order that they have in x0 and v0.
+        Coordinates and velocities, in their order in x0 and v0.
     t, constants
         As for `from_sympy`.
 
@@ -86,7 +86,7 @@ def from_lagrangian(
     Raises
     ------
     ArgumentError
-        For what `from_sympy` refuses, for a Lagrangian without kinetic energy along some coordinate, and for constraints.
+        For whatever `from_sympy` refuses, for a kinetic energy that is not positive definite, and for constraints.
     MissingExtraError
         Without the package sympy.
 
@@ -115,8 +115,8 @@ def from_lagrangian(
     minors = (sympy.Matrix(mass)[:size, :size].det(method="berkowitz") for size in range(1, len(x) + 1))
     if any(formulas.are_zero([minor]) for minor in minors):
         raise ArgumentError(
-            "lagrangian has no kinetic energy along some of its coordinates, or some mixture of them, or one that is not"
-            " positive: their accelerations do not follow from it. Leave those out, or give their masses."
+            "lagrangian has a kinetic energy that is not positive definite in its velocities, so that it does not"
+            " determine the accelerations. Leave out the coordinates without mass, or give their masses."
         )
     total = sum(momentum * symbol for momentum, symbol in zip(momenta, v, strict=True)) - energy
     return SecondOrder(
@@ -151,7 +151,7 @@ class _Formulas:
         first, second = self.symbols.values()
         if len(first) != len(second) or len(self._replaced) != 2 * len(first) or not first:
             raise ArgumentError(
-                f"{halves[0][1]!r} and {halves[1][1]!r} have to be as many symbols each, and all of them different."
+                f"{halves[0][1]!r} and {halves[1][1]!r} must have the same number of symbols, all different."
             )
         if t is not None:
             self._replaced[t] = self.t
@@ -173,8 +173,8 @@ class _Formulas:
         unknown = sorted(map(str, formula.free_symbols - known))
         if unknown:
             raise ArgumentError(
-                f"{argument} has symbols without numbers: {', '.join(unknown)}. Give them by"
-                f" constants={{{unknown[0]}: 1.0}}, or time by t=... ."
+                f"{argument} has symbols without values: {', '.join(unknown)}. Pass them as constants={{{unknown[0]}:"
+                " 1.0}, or time as t=... ."
             )
         return formula
 
@@ -226,13 +226,11 @@ class _Formulas:
         try:
             text: str = self._sympy.pycode(formula, fully_qualified_modules=True, strict=True)
         except NotImplementedError:
-            raise ArgumentError(
-                f"{formula} has functions that cannot be written in Python; replace them by others."
-            ) from None
+            raise ArgumentError(f"{formula} has functions that cannot be written in Python; replace them.") from None
         return f"({text})".replace(_OWN, "")
 
     def _defined(self, name: str, halves: str, formulas: list[Any], lines: list[str]) -> FunctionType:
-        """Define a function, whose arguments say what it depends on."""
+        """Define a function, whose arguments declare what it depends on."""
         used = set().union(*(formula.free_symbols for formula in formulas))
         arguments = [half for half in halves if half != "o" and (used & set(self.symbols[half]) or name == "energy")]
         arguments = arguments or [halves[0]]
@@ -250,7 +248,7 @@ def _number(symbol: Any, value: Any) -> float:
     except TypeError:
         number = math.nan
     if not math.isfinite(number):
-        raise ArgumentError(f"constants[{symbol}]={value!r} has to be a finite number.")
+        raise ArgumentError(f"constants[{symbol}]={value!r} must be a finite number.")
     return number
 
 
@@ -260,7 +258,7 @@ def _taken_apart(equations: Any, q: Any, qdot: Any, sympy: Any) -> tuple[Any, An
         raise ArgumentError("q and qdot are given, but a LagrangesMethod brings its own; leave them out.")
     if equations.coneqs:
         raise ArgumentError(
-            "lagrangian has constraints, which accelerations alone do not keep; describe them by"
+            "lagrangian has constraints, which accelerations alone do not enforce; describe them with"
             " kd.Constrained(force, constraint)."
         )
     time = sympy.physics.mechanics.dynamicsymbols._t

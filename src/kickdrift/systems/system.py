@@ -19,7 +19,7 @@ Function = Callable[..., Any]
 
 @dataclass(frozen=True, eq=False)
 class Quantity:
-    """Something that the exact motion conserves.
+    """A quantity that the exact motion conserves.
 
     Attributes
     ----------
@@ -150,15 +150,16 @@ class System:
             )
         if self.kind is Kind.NEARLY_KEPLERIAN and "remainder" not in self.parts:
             raise ArgumentError(
-                f"parts={sorted(self.parts)!r} of {self.name!r} has no 'remainder', the acceleration that is left to"
-                " the kicks beside the Kepler flow; give it, or make the kind NEWTONIAN."
+                f"parts={sorted(self.parts)!r} of {self.name!r} has no 'remainder', the acceleration that the Kepler"
+                " flow leaves to the kicks; give it, or set the kind to NEWTONIAN."
             )
         named = {"acceleration": self.acceleration, "velocity": self.velocity, **self.parts}
         for name, function in named.items():
             if self.native and function is not None and not hasattr(function, "py_func"):
                 raise ArgumentError(
-                    f"{name} of {self.name!r} is not compiled, as all other functions of it are; leave compile=False out,"
-                    " decorate it with numba.njit, or describe the system by Python functions, as kd.SecondOrder and the like."
+                    f"{name} of {self.name!r} is not compiled, unlike its other functions; leave compile=False out,"
+                    " decorate it with numba.njit, or describe the system with Python functions, as with"
+                    " kd.SecondOrder."
                 )
 
 

@@ -1,4 +1,4 @@
-"""Units of a system that was made of quantities: which its numbers are in."""
+"""Units of the numbers in a system created from quantities."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -49,12 +49,13 @@ def of_bodies(
     for name, value in (("masses", masses), ("x0", x0), ("v0", v0), ("G", G)):
         if not units.has_unit(value):
             raise ArgumentError(
-                f"{name} has no unit, but others of masses, x0, v0 and G have; give all four, such as astropy.constants.G."
+                f"{name} has no unit, but others of masses, x0, v0 and G have one; give units for all four, such as"
+                " astropy.constants.G."
             )
     mass, x, v = (units.unit_of(value) for value in (masses, x0, v0))
     t = x / v
     if not units.is_time(t):
-        raise ArgumentError(f"v0 in {units.spelt(v)} is no velocity of what x0 in {units.spelt(x)} measures.")
+        raise ArgumentError(f"v0 in {units.spelt(v)} is not a velocity for x0 in {units.spelt(x)}.")
     plain_softening = units.numbers("softening", softening, x) if units.has_unit(softening) else softening
     if not units.has_unit(softening) and softening != 0:
         raise ArgumentError(f"softening={softening!r} has no unit; give it in {units.spelt(x)} or the like.")

@@ -1,4 +1,4 @@
-"""How forces change with the velocity, where a user says so: the matrix, checked against differences at the start."""
+"""Users' derivatives of forces with respect to velocity: the matrix, checked against differences at the start."""
 
 from typing import Any
 
@@ -24,7 +24,7 @@ def adapt_velocity_jacobian(function: Any, force: Adapted, adapter: Adapter) -> 
         at another velocity.
     """
     if "v" not in force.names:
-        raise ArgumentError("velocity_jacobian is given, but the force has no argument v to differentiate by; drop it.")
+        raise ArgumentError("velocity_jacobian is given, but the force has no argument v; leave it out.")
     n = adapter.v0.size
     adapted = adapter.adapt(function, "velocity_jacobian", shape=(n, n))
     v = adapter.v0.reshape(-1)
@@ -61,8 +61,8 @@ def _check(function: Function, force: Function, adapter: Adapter, v: Floats) -> 
         place = f"v={v.tolist()!r}" if n <= _MOST_SHOWN else "the start"
         raise ArgumentError(
             f"velocity_jacobian: its entry ({i}, {j}) is {float(given[i * n + j])!r} where number {i} of the force"
-            f" changes by {float(expected[i, j]):.9g} per unit of number {j} of v, at {place}. Correct it, or"
-            " leave velocity_jacobian out to have it formed by differences."
+            f" changes by {float(expected[i, j]):.9g} per unit of number {j} of v, at {place}. Correct it, or leave"
+            " velocity_jacobian out to use finite differences."
         )
 
 

@@ -5,28 +5,21 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from html import escape
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.errors import FileFormatError, KickdriftError, missing_extra
+from kickdrift.core.errors import FileFormatError, KickdriftError
 from kickdrift.core.files import written
 from kickdrift.engine.solution import Solution
+from kickdrift.viewer.server import local_server
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 AHEAD = (-0.42, 0.82, -0.36)  # where the camera looks first
 _FIELD = math.radians(34.0)  # of the camera, from top to bottom
 _TITLE, _END = "<title>Viser</title>", "</body>"  # of viser's page
-
-
-class Mover(Protocol):
-    """What changes from state to state."""
-
-    def show(self, row: int) -> None:
-        """Send what differs from the row shown before."""
-        ...
 
 
 class Stage(NamedTuple):
@@ -89,29 +82,13 @@ def write_page(path: str | Path, title: str, draw: Callable[[Stage], str]) -> Pa
 
 @contextmanager
 def _serialized(draw: Callable[[Stage], str]) -> Iterator[str]:
-    """Have a function draw, and return the page that shows it.
-
-    Scenes of viser belong to a server: one that no other machine reaches is started for the while, and stopped.
-    """
-    try:
-        import rich
-        from viser import ViserServer
-    except ImportError:
-        raise missing_extra("A page for the browser", "viser", "viewer") from None
-    console = rich.get_console()
-    was_quiet, console.quiet = console.quiet, True  # viser prints its address when it starts, and when it stops
-    try:
-        server = ViserServer(host="127.0.0.1", port=0, verbose=False)
-        try:
-            recorder = server.get_scene_serializer()
-            beside = draw(Stage(server.scene, server.initial_camera, recorder.insert_sleep))
-            page = recorder.as_html()
-            end = page.rindex(_END)
-            yield page[:end] + beside + page[end:]
-        finally:
-            server.stop()
-    finally:
-        console.quiet = was_quiet
+    """Have a function draw, and return the page that shows it; scenes of viser belong to a server, which is stopped then."""
+    with local_server(0) as server:
+        recorder = server.get_scene_serializer()
+        beside = draw(Stage(server.scene, server.initial_camera, recorder.insert_sleep))
+        page = recorder.as_html()
+        end = page.rindex(_END)
+        yield page[:end] + beside + page[end:]
 
 
 def rounded(values: Floats, grain: float) -> Singles:

@@ -1,7 +1,7 @@
 """Solutions as pages for the browser: bodies that move on their orbits."""
 
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from kickdrift.core.colours import COLOURS, colour_of
 from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.solution import Solution
 from kickdrift.viewer.curves import Curve, panel
-from kickdrift.viewer.page import Mover, Singles, Stage, check_in_memory, rounded, write_page
+from kickdrift.viewer.page import Singles, Stage, check_in_memory, rounded, write_page
 from kickdrift.viewer.surfaces import surface_of
 from kickdrift.world.shapes.sphere import Sphere
 
@@ -81,7 +81,7 @@ def _play(stage: Stage, solution: Solution) -> str:
     rows, waits = _rows_shown(solution.t)
     stage.look(np.zeros(3), _RADIUS)
     _draw_paths(stage.scene, orbits)
-    movers: list[Mover] = [_Balls(stage.scene, orbits)]
+    movers: list[_Mover] = [_Balls(stage.scene, orbits)]
     if len(orbits.colours) <= _MOST_TAILS:
         movers.append(_Tails(stage.scene, orbits, rows))
     names = tuple(solution.about.coordinates.get("body", ()))
@@ -141,6 +141,14 @@ def _draw_paths(scene: Any, orbits: _Orbits) -> None:
         points = paths[:, ~smooth].reshape(-1, 3)
         each_point = np.broadcast_to(faint[~smooth], (len(paths), (~smooth).sum(), 3)).reshape(-1, 3)
         scene.add_point_cloud("/states", points, each_point, point_size=2e-3 * _RADIUS, precision="float32")
+
+
+class _Mover(Protocol):
+    """What changes from state to state."""
+
+    def show(self, row: int) -> None:
+        """Send what differs from the row shown before."""
+        ...
 
 
 class _Balls:

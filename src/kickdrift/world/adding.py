@@ -1,4 +1,4 @@
-"""How bodies come into a world: one method a shape."""
+"""Adding bodies to a world: one method per shape."""
 
 from __future__ import annotations
 
@@ -52,23 +52,23 @@ class AddsBodies:
         return self.add_body(Sphere(radius), **options)
 
     def add_capsule(self, radius: float, length: float, **options: Any) -> Body:
-        """Add a cylinder along z with half balls at its ends; options as in `add_body`.
+        """Add a cylinder along z with hemispherical caps; options as in `add_body`.
 
         Parameters
         ----------
         radius, length : float
-            In m; the length is that of the cylinder between the half balls.
+            In m; the length is that of the cylinder between the caps.
         """
         return self.add_body(Capsule(radius, length), **options)
 
     def add_cylinder(self, radius: float, length: float, **options: Any) -> Body:
-        """Add a cylinder about z, whose middle is its origin, with a radius and a length in m; options as in `add_body`."""
+        """Add a cylinder about z, centred at its origin, with a radius and a length in m; options as in `add_body`."""
         return self.add_body(Cylinder(radius, length), **options)
 
     def add_cone(self, radius: float, length: float, **options: Any) -> Body:
-        """Add a cone about z of a radius and a length in m; options as in `add_body`.
+        """Add a cone about z with a radius and a length in m; options as in `add_body`.
 
-        The position that is given is halfway between base and tip; the body's own is its centre of mass.
+        The position passed in is halfway between base and tip; the position of the body is its centre of mass.
         """
         return self.add_body(Cone(radius, length), **options)
 
@@ -79,7 +79,7 @@ class AddsBodies:
     def add_hull(self, points: ArrayLike, **options: Any) -> Body:
         """Add the convex hull of (N, 3) points in m; options as in `add_body`.
 
-        The position that is given is that of the origin of the points; the body's own is its centre of mass.
+        The position passed in is that of the origin of the points; the position of the body is its centre of mass.
         """
         return self.add_body(Hull(points), **options)
 
@@ -91,7 +91,7 @@ class AddsBodies:
         Parameters
         ----------
         normal : (3,) array_like
-            Where it looks; any length but zero.
+            Its outward normal; any length but zero.
         point : (3,) array_like
             Any point of the plane, m.
         **options
@@ -100,28 +100,28 @@ class AddsBodies:
         return self.add_body(Plane(), position=point, orientation=turn_to(normal), static=True, **options)
 
     def add_mesh(self, vertices: ArrayLike, faces: ArrayLike, **options: Any) -> Body:
-        """Add a surface of triangles, which never moves.
+        """Add an immovable triangle mesh.
 
         Parameters
         ----------
         vertices : (N, 3) array_like
             m.
         faces : (M, 3) array_like of int
-            Rows of vertices, counter-clockwise seen from outside.
+            Indices of vertices, counter-clockwise as seen from outside.
         **options
             As in `add_body`.
         """
         return self.add_body(Mesh(vertices, faces), static=True, **options)
 
     def add_height_field(self, heights: ArrayLike, spacing: float, **options: Any) -> Body:
-        """Add ground of given heights, which never moves.
+        """Add an immovable height field.
 
         Parameters
         ----------
         heights : (K, L) array_like
             z in m, along x and y.
         spacing : float
-            Between two of them, m.
+            Distance between neighbouring heights, m.
         **options
             As in `add_body`.
         """
@@ -153,10 +153,9 @@ class AddsBodies:
         Parameters
         ----------
         shapes : Shape or sequence of Part
-            What it is made of.
+            Its shapes.
         position : (3,) array_like
-            Of the origin of its shapes, m. `World.position` gives the centre of mass, which is another point where the
-            shapes are heavier on one side.
+            Position of the origin of its shapes, m. `World.position` is the centre of mass, which may be a different point.
         orientation : (4,) array_like
             Quaternion (w, x, y, z) that turns the body's axes into the world's.
         velocity : (3,) array_like
@@ -170,16 +169,16 @@ class AddsBodies:
         inertia : (3,) or (3, 3) array_like, optional
             About the centre of mass in the body's axes, kg m^2; from the shapes by default.
         centre : (3,) array_like, optional
-            Centre of mass, from the origin of the shapes in the body's axes, m, where it is not that of the shapes; it
-            needs the inertia.
+            Centre of mass, relative to the origin of the shapes in the body's axes, m, if it is not that of the shapes;
+            requires the inertia.
         static, kinematic : bool
-            A static body never moves; a kinematic one moves with the velocity given and minds no force.
+            A static body never moves; a kinematic one moves with the given velocity, unaffected by forces.
         damping, angular_damping : float
             Rates in 1/s at which velocities decay.
         locked_rotation : bool
-            Whether it never turns, as if its inertia were infinite: for characters that stay upright.
+            Whether it cannot rotate, as if its inertia were infinite: for characters that stay upright.
         name : str, optional
-            By which `World.body` finds it, and which errors and recordings call it; no two bodies have the same.
+            For `World.body`, and used in errors and recordings; unique in the world.
         **surface
             `friction`, `restitution`, `rolling_resistance`, `surface_velocity`, `layer`, `collides_with` and `sensor`, as
             in `Surface`.
@@ -197,15 +196,15 @@ class AddsBodies:
         name = self.bodies.names.checked(name)
         parts = list(shapes) if isinstance(shapes, Sequence) else [Part(shapes)]
         if not parts or not all(isinstance(part, Part) for part in parts):
-            raise ArgumentError(f"shapes={shapes!r} has to be a shape, or a sequence of at least one Part.")
+            raise ArgumentError(f"shapes={shapes!r} must be a shape, or a sequence of at least one Part.")
         kind = kind_of(static, kinematic)
         origin, turn = vector("position", position, 3), unit_quaternion("orientation", orientation)
         motion = np.concatenate((vector("velocity", velocity, 3), vector("angular_velocity", angular_velocity, 3)))
         if kind == STATIC and motion.any():
-            raise ArgumentError("velocity of a static body has to be zero; make it kinematic=True to move it.")
+            raise ArgumentError("velocity of a static body must be zero; use kinematic=True for a body that moves.")
         if choice("locked_rotation", locked_rotation) and (kind != DYNAMIC or motion[3:].any()):
             raise ArgumentError(
-                "locked_rotation=True is for bodies that forces move, and have no angular_velocity; leave one of them out."
+                "locked_rotation=True is for dynamic bodies without angular_velocity; leave one of them out."
             )
         surfaces = [surface_of({**surface, **part.surface}) for part in parts]
         weight = mass_properties_of(parts, density, mass, inertia, centre) if kind == DYNAMIC else None
@@ -225,18 +224,18 @@ class AddsBodies:
         return self.bodies.handle(body.index)
 
     def body(self, name: str) -> Body:
-        """Return the body of a name.
+        """Return the body with a name.
 
         Raises
         ------
         UnknownNameError
-            If none has it; the sentence says which there are.
+            If there is none; the message lists the names.
         """
         return self.bodies.handle(self.bodies.names.row(name))
 
     @undivided
     def remove(self, body: Body) -> None:
-        """Remove a body with its shapes and joints, and let go what is pinned to it; its row is used again.
+        """Remove a body with its shapes and joints, and release what is pinned to it; its row is reused.
 
         Raises
         ------

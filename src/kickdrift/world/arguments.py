@@ -16,13 +16,13 @@ Floats = NDArray[np.float64]
 
 
 def vector(argument: str, value: ArrayLike, size: int) -> Floats:
-    """Return so many finite numbers as an array; ArgumentError if they are none."""
+    """Return a given number of finite numbers as an array; ArgumentError for anything else."""
     try:
         array = reals(value)
     except TypeError:
-        raise ArgumentError(f"{argument}={value!r} has to be {size} numbers.") from None
+        raise ArgumentError(f"{argument}={value!r} must be {size} numbers.") from None
     if array.shape != (size,) or not np.isfinite(array).all():
-        raise ArgumentError(f"{argument}={value!r} has to be {size} finite numbers.")
+        raise ArgumentError(f"{argument}={value!r} must be {size} finite numbers.")
     return array
 
 
@@ -31,7 +31,7 @@ def unit_quaternion(argument: str, value: ArrayLike) -> Floats:
     q = vector(argument, value, 4)
     size = float(np.linalg.norm(q))
     if size < 1e-9:
-        raise ArgumentError(f"{argument}={value!r} has no length; (1, 0, 0, 0) leaves a body as it is.")
+        raise ArgumentError(f"{argument}={value!r} has zero norm; (1, 0, 0, 0) is no rotation.")
     return q / size
 
 
@@ -40,7 +40,7 @@ def direction(argument: str, value: ArrayLike) -> Floats:
     v = vector(argument, value, 3)
     size = float(np.linalg.norm(v))
     if size == 0.0:
-        raise ArgumentError(f"{argument}={value!r} has no direction; (0, 0, 1) looks up.")
+        raise ArgumentError(f"{argument}={value!r} has no direction; (0, 0, 1) points up.")
     return v / size
 
 
@@ -60,7 +60,7 @@ def number(argument: str, value: Any, unit: str, *, zero: bool = True) -> float:
     try:
         size = real(value)
     except TypeError:
-        raise ArgumentError(f"{argument}={value!r} has to be a number, {what}.") from None
+        raise ArgumentError(f"{argument}={value!r} must be a number, {what}.") from None
     if not (0.0 <= size < np.inf) or (size == 0.0 and not zero):
-        raise ArgumentError(f"{argument}={value!r} has to be {what}.")
+        raise ArgumentError(f"{argument}={value!r} must be {what}.")
     return size

@@ -13,6 +13,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import choice
 from kickdrift.world.body import Body
 from kickdrift.world.collision.search import shapes_changed
+from kickdrift.world.contacts.kept_impulses import scale_impulses
 from kickdrift.world.integration import (
     AWAKE,
     BODY_INERTIA,
@@ -131,13 +132,15 @@ class Bodies:
         if isinstance(body, Body) and body.bodies is self and self.knows(body.index, body.generation):
             return body.index
         if not isinstance(body, Body):
-            raise ArgumentError(f"{argument}={body!r} is not a body; give what World.add_box and the like returned.")
+            raise ArgumentError(
+                f"{argument}={body!r} is not a body; give a handle returned by World.add_box or the like."
+            )
         if body.bodies is not self:
             raise ArgumentError(
                 f"{argument}={body!r} is a body of another world; give one of this world, such as world.body(name) or"
                 " world.bodies.handle(row)."
             )
-        raise ArgumentError(f"{argument}={body!r} was removed; use one that is there.")
+        raise ArgumentError(f"{argument}={body!r} was removed; use an existing body.")
 
     def knows(self, index: int, generation: int) -> bool:
         """Whether there is a body of a generation in a row."""
@@ -150,7 +153,7 @@ class Bodies:
         """Return the row of a body that forces move; ArgumentError for others."""
         row = self.row(body)
         if self.tables.row(BODY, row).item(BODY_KIND) != DYNAMIC:
-            raise ArgumentError(f"body={body!r} is moved by no force: it is the ground, static or kinematic.")
+            raise ArgumentError(f"forces do not move body={body!r}: it is the ground, static or kinematic.")
         return row
 
     def set_mass(self, row: int, mass: Mass, damping: Sequence[float], locked: bool = False) -> None:
@@ -205,17 +208,19 @@ class Bodies:
         self.set_mass(
             row, Mass(old.mass if mass is None else mass, old.centre, new), numbers[[DAMPING, TURN_DAMPING]], locked
         )
-        # Which orientation the drift left is forgotten, so that the kick takes the angular momentum anew.
+        lighter = 1.0 if mass is None else min(1.0, mass / old.mass)
+        scale_impulses(self.tables, row, lighter)  # those that held the old weight would throw a lighter body
+        # Which orientation the drift left is forgotten, so that the kick takes the angular momentum again.
         self.tables.array(KICKED)[row, LEFT_POSE : LEFT_POSE + 4] = 0.0
         self._masses_changed()
         self.wake()
 
     @alone
     def place(self, body: Body, columns: slice, numbers: Floats) -> None:
-        """Write columns of a pose; what is static is sought anew in its new place, and wakes all."""
+        """Write columns of a pose; what is static is sought again in its new place, and wakes all."""
         row = self.row(body)
         if row == GROUND:
-            raise ArgumentError("body is the ground of the world, which stays where it is; place another one.")
+            raise ArgumentError("body is the ground of the world, which cannot move; move another body.")
         self.tables.row(POSE, row)[columns] = numbers
         if self.tables.array(BODY)[row, BODY_KIND] == STATIC:
             shapes_changed(self.tables, self._shape_rows.rows_of(row))
@@ -226,10 +231,11 @@ class Bodies:
         """Write columns of the velocity and the angular velocity."""
         row = self.row(body)
         if self.tables.array(BODY)[row, BODY_KIND] == STATIC and numbers.any():
-            raise ArgumentError(f"body={body!r} is static and has no velocity; make it kinematic=True to move it.")
+            raise ArgumentError(f"body={body!r} is static and has no velocity; add it with kinematic=True to move it.")
         if columns.start == 3 and numbers.any() and self.locked(body):
             raise ArgumentError(
-                f"angular_velocity={numbers.tolist()} of body={body!r}, whose rotation is locked; unlock it."
+                f"angular_velocity={numbers.tolist()} cannot be set for body={body!r}, whose rotation is locked;"
+                " unlock it."
             )
         self.tables.row(MOTION, row)[columns] = numbers
 
@@ -244,7 +250,7 @@ class Bodies:
         found = self._shape_rows.surface_numbers(self.row(body), name)
         if len(found) != 1:
             what = "has no shapes" if not found else f"has shapes of {name} {', '.join(map(str, sorted(found)))}"
-            raise ArgumentError(f"body={body!r} {what}, and so no {name} of its own.")
+            raise ArgumentError(f"body={body!r} {what}, so {name} has no single value.")
         return found.pop()
 
     @undivided
@@ -279,7 +285,7 @@ def kind_of(static: bool, kinematic: bool) -> int:
     static, kinematic = choice("static", static), choice("kinematic", kinematic)
     if static and kinematic:
         raise ArgumentError(
-            "static=True and kinematic=True exclude each other: a kinematic body has a velocity; choose one."
+            "static=True and kinematic=True are mutually exclusive: a kinematic body has a velocity; choose one."
         )
     return STATIC if static else KINEMATIC if kinematic else DYNAMIC
 

@@ -1,4 +1,4 @@
-"""The handle of a body: what it says of the body, and what it sets."""
+"""The handle of a body, which reads and sets its properties."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ class Body(Handle):
     index : int
         Its row in `World.position` and the other arrays.
     generation : int
-        Bodies that the world had seen before it; a handle of one that was removed is known by it.
+        Number of bodies that the world had before it; identifies handles of removed bodies.
 
     Notes
     -----
-    Poses and velocities are live views of the rows of `World.position` and the like: what is written into them moves the
-    body, and what is to be kept is copied. The pose of a static body is given as a whole (``wall.position = ...``), so that it
-    is sought in its new place. Everything raises `ArgumentError` once the body is gone, and for values that a body cannot
+    Poses and velocities are live views of the rows of `World.position` and the like: writing into them moves the body; copy
+    values that are to be kept. Assign the pose of a static body as a whole (``wall.position = ...``), so that collision
+    detection is updated. Every access raises `ArgumentError` once the body is removed, and for values that a body cannot
     have.
     """
 
@@ -69,7 +69,7 @@ class Body(Handle):
 
     @property
     def position(self) -> Floats:
-        """Centre of mass, (3,), m; may be given anew."""
+        """Centre of mass, (3,), m; can be set."""
         return self._look().position
 
     @position.setter
@@ -78,7 +78,7 @@ class Body(Handle):
 
     @property
     def orientation(self) -> Floats:
-        """Quaternion (w, x, y, z) that turns the body's axes into the world's, (4,); may be given anew."""
+        """Quaternion (w, x, y, z) that turns the body's axes into the world's, (4,); can be set."""
         return self._look().orientation
 
     @orientation.setter
@@ -87,7 +87,7 @@ class Body(Handle):
 
     @property
     def velocity(self) -> Floats:
-        """Velocity of the centre of mass, (3,), m/s; may be given anew, but for static bodies."""
+        """Velocity of the centre of mass, (3,), m/s; can be set, except for static bodies."""
         return self._look().velocity
 
     @velocity.setter
@@ -96,7 +96,7 @@ class Body(Handle):
 
     @property
     def angular_velocity(self) -> Floats:
-        """In the world's axes, (3,), rad/s; may be given anew, but for static bodies."""
+        """Angular velocity in the world's axes, (3,), rad/s; can be set, except for static bodies."""
         return self._look().angular_velocity
 
     @angular_velocity.setter
@@ -105,7 +105,7 @@ class Body(Handle):
 
     @property
     def mass(self) -> float:
-        """Mass, kg; infinite of what no force moves. A new one scales the inertia; velocities stay."""
+        """Mass, kg; infinite for static and kinematic bodies. Setting it scales the inertia; velocities do not change."""
         return self._bodies.mass(self).mass
 
     @mass.setter
@@ -114,7 +114,7 @@ class Body(Handle):
 
     @property
     def inertia(self) -> Floats:
-        """Inertia about the centre of mass in the body's axes, (3, 3), kg m^2, a copy; may be given anew, also as (3,)."""
+        """Inertia about the centre of mass in the body's axes, (3, 3), kg m^2, a copy; can be set, also as (3,)."""
         return self._bodies.mass(self).inertia
 
     @inertia.setter
@@ -123,7 +123,7 @@ class Body(Handle):
 
     @property
     def locked_rotation(self) -> bool:
-        """Whether it never turns, whatever pushes it; may be given anew, and True stops its rotation."""
+        """Whether it cannot rotate; can be set, and True stops its rotation."""
         return self._bodies.locked(self)
 
     @locked_rotation.setter
@@ -134,7 +134,7 @@ class Body(Handle):
 
     @property
     def friction(self) -> float:
-        """Coefficient of friction of its shapes; a new one is that of all. ArgumentError where they differ."""
+        """Coefficient of friction of its shapes; setting it applies to all. ArgumentError if they differ."""
         return self._bodies.surface(self, "friction")
 
     @friction.setter
@@ -143,7 +143,7 @@ class Body(Handle):
 
     @property
     def restitution(self) -> float:
-        """Restitution of its shapes, from 0 to 1; a new one is that of all. ArgumentError where they differ."""
+        """Restitution of its shapes, from 0 to 1; setting it applies to all. ArgumentError if they differ."""
         return self._bodies.surface(self, "restitution")
 
     @restitution.setter

@@ -86,8 +86,8 @@ def _check_over(table: Table, size: int, over: int) -> None:
     room = {columns.first: columns.size for columns in DECLARED[table.place] if not columns.over}
     if size > room.get(over, 0):
         raise ArgumentError(
-            f"{size} columns of table {table.place} are declared over those at {over}, which are {room.get(over, 0)}; declare "
-            "them over another thing, or as columns of their own."
+            f"{size} columns of table {table.place} are declared over those at {over}, which are {room.get(over, 0)};"
+            " declare them over other columns, or as columns of their own."
         )
 
 
@@ -102,7 +102,7 @@ class Fields:
         """Declare the next of them, and return the first, as `column` does."""
         if self._closed:
             raise ArgumentError(
-                "A field is declared after `close`, which has said how many there are; declare it before."
+                "A field is declared after `close`, which has fixed the number of columns; declare it before."
             )
         first = self._end()
         self.declared.append(Columns(first, size, unit, str(sys._getframe(1).f_globals["__name__"])))

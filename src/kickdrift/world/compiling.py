@@ -7,11 +7,11 @@ from kickdrift.engine.announcing import compiling_announced
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.dispatch import extents_of
 from kickdrift.world.collision.narrow_phase import COLLIDE
-from kickdrift.world.contacts.contact_solver_simd import KERNELS, SWEEP
+from kickdrift.world.contacts.contact_solver_simd import KERNEL, KERNELS
 from kickdrift.world.direct.equations import SOLVE_ISLAND, solve_island
 from kickdrift.world.direct.solve import solve_islands
-from kickdrift.world.shapes.catalogue import KINDS
-from kickdrift.world.shapes.record import EXTENT
+from kickdrift.world.shapes.catalogue import KINDS, RAYS
+from kickdrift.world.shapes.record import EXTENT, RAY
 from kickdrift.world.stage_order import Uses, Word, word
 from kickdrift.world.step import STAGE
 
@@ -34,12 +34,13 @@ def all_jobs() -> list[Job]:
         word(Uses((), **everything | {"threads": False})),
         word(Uses((), **everything)),
     )
-    return [job for spelt in words for job in _jobs(spelt, KINDS, PAIRS)]
+    rays = [(ray, RAY) for ray in RAYS.values()]
+    return [*(job for spelt in words for job in _jobs(spelt, KINDS, PAIRS)), *rays]
 
 
 def _jobs(spelt: Word, kinds: Iterable[int], pairs: Iterable[tuple[int, int]]) -> list[Job]:
     stages = [(stage, STAGE) for part in spelt for stage in part]
-    sweeps = [(sweep, SWEEP) for sweep in KERNELS.values()]
+    kernels = [(kernel, KERNEL) for kernel in KERNELS.values()]
     solves = [(solve_island, SOLVE_ISLAND)] if solve_islands in spelt.substep else []
     extents = [(kind.extent, EXTENT) for kind in extents_of(kinds) if kind.extent is not None]
-    return [*stages, *solves, *sweeps, *extents, *((PAIRS[pair], COLLIDE) for pair in pairs)]
+    return [*stages, *solves, *kernels, *extents, *((PAIRS[pair], COLLIDE) for pair in pairs)]

@@ -22,9 +22,9 @@ class Energy(NamedTuple):
     Attributes
     ----------
     kinetic : float
-        Of motion and of rotation.
+        Translational and rotational.
     potential : float
-        In the gravity of the world, from the origin on; and that of cloths by being stretched and folded.
+        In the gravity of the world, zero at the origin; and the elastic energy of cloths.
     """
 
     kinetic: float

@@ -1,4 +1,4 @@
-"""Errors of constraints: how far contacts and joints are from what they should be."""
+"""Constraint errors: the overlaps of contacts and the gaps of joints."""
 
 import numpy as np
 from numpy.typing import NDArray

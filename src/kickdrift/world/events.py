@@ -1,4 +1,4 @@
-"""What begins and ends to touch."""
+"""Contacts that begin and end."""
 
 from typing import Any, NamedTuple
 
@@ -17,12 +17,12 @@ from kickdrift.world.tables import CONTACT, EVENTS, MANIFOLD, Tables, floats, in
 
 
 class ContactEvent(NamedTuple):
-    """Two bodies that begin or end to touch; of bodies of several shapes, each pair of shapes does so by itself.
+    """A contact between two bodies that begins or ends; each pair of shapes of compound bodies has its own events.
 
     Attributes
     ----------
     begins : bool
-        True where they begin, False where they part.
+        True if it begins, False if it ends.
     body_a, body_b : Body
     sensor : bool
         Whether one of the shapes is a sensor.

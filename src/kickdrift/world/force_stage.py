@@ -105,17 +105,17 @@ def force_of(function: Function) -> Force:
     ArgumentError
         If it is no function, has an argument with an unknown name, adds to nothing, or cannot be compiled.
     """
-    names = argument_names(function, "force", tuple(_ARGUMENTS), "take numbers from around the function")
+    names = argument_names(function, "force", tuple(_ARGUMENTS), "capture numbers from the enclosing scope")
     if "force" not in names and "torque" not in names:
         raise ArgumentError(
-            f"force {_name(function)}({', '.join(names)}) adds to nothing; name `force` or `torque`, arrays of a row a body,"
-            " and add to them in place."
+            f"force {_name(function)}({', '.join(names)}) has no output; take an argument `force` or `torque`, arrays"
+            " with one row per body, and add to them in place."
         )
     python = getattr(function, "py_func", function)
     if not isinstance(python, FunctionType) or python.__code__.co_flags & _LAZY:
         raise ArgumentError(
-            f"force={function!r} is a partial, a method, a generator or the like, of which no stage can be made; give a"
-            " function by def."
+            f"force={function!r} is a partial, a method, a generator or the like, which cannot be compiled; give a"
+            " function defined with def."
         )
     taken = taken_apart(function)
     numbers = {name: value for name, value in taken.numbers.items() if name not in names}
@@ -144,7 +144,7 @@ def _stage(taken: Taken, source: str) -> Function:
         lines = [line.strip() for line in str(error).splitlines() if line.strip()]
         reason = next((line for line in lines if not line.startswith(_AROUND)), type(error).__name__)
         raise ArgumentError(
-            f"force {_name(function)} cannot be compiled: {reason} Use loops and NumPy functions that Numba knows."
+            f"force {_name(function)} cannot be compiled: {reason} Use loops and NumPy functions that Numba supports."
         ) from error
     made: Function = stage
     return made

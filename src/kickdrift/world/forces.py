@@ -1,4 +1,4 @@
-"""How forces come into a world: for a step, or as functions compiled into it."""
+"""Applying forces in a world: for one step, or as functions compiled into the step."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 
 
 class AppliesForces:
-    """The methods of a world that let forces act."""
+    """The methods of a world that apply forces."""
 
     tables: Tables
     bodies: Bodies
@@ -33,7 +33,7 @@ class AppliesForces:
         force : (3,) array_like
             N, in the world's axes.
         point : (3,) array_like, optional
-            Where it acts, in the world, m; the centre of mass by default.
+            Point of application, in the world, m; the centre of mass by default.
         """
         row, f = self.bodies.moved_row(body), vector("force", force, 3)
         at = None if point is None else vector("point", point, 3)
@@ -51,19 +51,19 @@ class AppliesForces:
     def add_force(self, force: Function) -> None:
         """Apply a force function of your own in every substep, compiled into the step.
 
-        Bodies that sleep (``World(sleeping=True)``) stay asleep under it, also where it changes; `apply_force` wakes them.
+        Sleeping bodies (``World(sleeping=True)``) are not woken by it, even when it changes; `apply_force` wakes them.
 
         Parameters
         ----------
         force : callable
-            Its arguments say what it needs, in any order: `t`, `position`, `orientation`, `velocity`,
-            `angular_velocity`, `mass`, and `force` (N) and `torque` (N m), to which it adds in place; arrays of a row a
-            body, in the world's axes. Numbers and arrays around it are kept as they are now.
+            Its argument names declare what it needs, in any order: `t`, `position`, `orientation`, `velocity`,
+            `angular_velocity`, `mass`, and `force` (N) and `torque` (N m), to which it adds in place; arrays with one row
+            per body, in the world's axes. Numbers and arrays that it captures keep their present values.
 
         Raises
         ------
         ArgumentError
-            If it is no function, has an argument with an unknown name, adds to nothing, or cannot be compiled.
+            If it is not a function, has an argument with an unknown name, has no output, or cannot be compiled.
         """
         self._keep_force(force_of(force))  # Ctrl-C need not wait for the compiler
 

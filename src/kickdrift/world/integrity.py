@@ -55,7 +55,7 @@ class Rows:
     def count(self, name: str, wanted: int) -> None:
         """Ask for so many rows."""
         if len(self[name]) != wanted:
-            raise ValueError(f"table {name} has {len(self[name])} rows, where others say {wanted}")
+            raise ValueError(f"table {name} has {len(self[name])} rows, but other tables require {wanted}")
 
     def within(self, name: str, first: int, least: int, most: int, size: int = 1, of: Any = slice(None)) -> None:
         """Ask that columns from one on, in all rows or some, lie between two numbers."""
@@ -63,13 +63,13 @@ class Rows:
         wrong = ~((values >= least) & (values <= most))  # NaN is wrong, too
         if wrong.any():
             raise ValueError(
-                f"table {name} has {values[wrong][0]} in column {first}, which has to be from {least} to {most}"
+                f"table {name} has {values[wrong][0]} in column {first}, where values are from {least} to {most}"
             )
 
     def holds(self, name: str, column: int, true: Any) -> None:
         """Ask that something is true of all rows."""
         if not np.all(true):
-            raise ValueError(f"table {name} has a number in column {column} that does not go with the others")
+            raise ValueError(f"table {name} has a number in column {column} that is inconsistent with the others")
 
 
 def check(tables: Mapping[str, NDArray[Any]]) -> None:

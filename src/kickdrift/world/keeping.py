@@ -133,8 +133,8 @@ class Keeper:
             snapshot = Recording.presenters.snapshot_of(header["world"], _part(arrays, _WORLD))
         except (LookupError, TypeError, ValueError) as error:
             raise FileFormatError(
-                f"checkpoint={str(self._checkpoints.folder)!r} does not hold what it should ({type(error).__name__}: {error});"
-                " remove it to begin anew."
+                f"checkpoint={str(self._checkpoints.folder)!r} has invalid contents ({type(error).__name__}: {error});"
+                " remove it to start again."
             ) from None
         same = with_step(grid, h)
         if same is None:

@@ -26,10 +26,12 @@ def mass_properties_of(
 ) -> Mass:
     """Return the mass properties of a body, from its parts or from what is given instead; see `World.add_body`."""
     if density is not None and mass is not None:
-        raise ArgumentError(f"density={density!r} and mass={mass!r} say the same twice; give one of them.")
+        raise ArgumentError(f"density={density!r} and mass={mass!r} both determine the mass; give one of them.")
     for part in parts:
         if kind_of(part.shape).sort != SOLID:
-            raise ArgumentError(f"{type(part.shape).__name__} cannot move: it has no inside; add it static=True.")
+            raise ArgumentError(
+                f"{type(part.shape).__name__} cannot move: it has no interior; add it with static=True."
+            )
     common = 1000.0 if density is None else density
     whole = combined(
         [
@@ -40,11 +42,11 @@ def mass_properties_of(
         ]
     )
     if mass is not None:
-        total = number("mass", mass, "kg; static=True is for what nothing moves", zero=False)
+        total = number("mass", mass, "kg; use static=True for immovable bodies", zero=False)
         whole = Mass(total, whole.centre, whole.inertia * (total / whole.mass))
     if centre is not None and inertia is None:
         raise ArgumentError(
-            f"centre={centre!r} has no inertia about it; give inertia= as well, (3,) or (3, 3), in kg m^2."
+            f"centre={centre!r} is given without inertia; give inertia= as well, (3,) or (3, 3), in kg m^2."
         )
     if inertia is not None:
         middle = whole.centre if centre is None else vector("centre", centre, 3)

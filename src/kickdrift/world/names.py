@@ -31,10 +31,10 @@ class Names:
         if name is None:
             return None
         if not isinstance(name, str) or not name:
-            raise ArgumentError(f"name={name!r} has to be a text of at least one letter, or None.")
+            raise ArgumentError(f"name={name!r} must be a non-empty string, or None.")
         if self._rows.get(name, row) != row:
             raise ArgumentError(
-                f"name={name!r} is that of another {self._what}, row {self._rows[name]}; give one that is new."
+                f"name={name!r} belongs to another {self._what}, row {self._rows[name]}; give a new name."
             )
         return name
 
@@ -54,7 +54,7 @@ class Names:
         Raises
         ------
         UnknownNameError
-            If none has it; the sentence says which there are.
+            If there is none; the message lists the names.
         """
         if not isinstance(name, str) or name not in self._rows:
             raise unknown_name("name", name, self._rows)

@@ -16,7 +16,7 @@ from kickdrift.world.shapes.record import Shape
 
 
 class Part:
-    """A shape with a place in a compound body.
+    """A shape with its pose in a compound body.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ class Part:
     density : float, optional
         kg/m^3; the body's by default.
     **surface
-        Those of `friction`, `restitution` and the like in which its surface differs from the body's.
+        Those of `friction`, `restitution` and the other options in which it differs from the body.
     """
 
     def __init__(
@@ -56,9 +56,9 @@ def surface_of(options: Mapping[str, Any]) -> Surface:
     Raises
     ------
     ArgumentError
-        For unknown options, and for values that they cannot have.
+        For unknown options, and for invalid values.
     """
     unknown = set(options) - {field.name for field in fields(Surface)}
     if unknown:
-        raise ArgumentError(f"{sorted(unknown)[0]}= is not known; see the options of World.add_body.")
+        raise ArgumentError(f"{sorted(unknown)[0]}= is unknown; see the options of World.add_body.")
     return Surface(**options)

@@ -1,4 +1,4 @@
-"""Questions to a world: what rays meet, and what overlaps a box or a ball."""
+"""Spatial queries: what rays hit, and what overlaps a box or a sphere."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _Ignored = Body | Iterable[Body]
 
 
 class SpatialQueries:
-    """The methods of a world that ask where things are, and leave it as it is."""
+    """The spatial queries of a world; none of them changes it."""
 
     tables: Tables
     bodies: Bodies
@@ -36,7 +36,7 @@ class SpatialQueries:
         layers: Iterable[int] | None = None,
         ignore: _Ignored = (),
     ) -> RayHit | None:
-        """Return the nearest shape that a ray meets, or None.
+        """Return the nearest shape that a ray hits, or None.
 
         Parameters
         ----------
@@ -45,11 +45,11 @@ class SpatialQueries:
         direction : (3,) array_like
             Any length but zero.
         limit : float
-            How far the ray goes, m.
+            Length of the ray, m.
         layers : iterable of int, optional
-            Layers whose shapes it meets, from 0 to 61; all by default.
+            Layers whose shapes it can hit, from 0 to 61; all by default.
         ignore : Body or iterable of Body
-            Bodies that it goes through, such as the one that looks.
+            Bodies that it passes through, such as the one that casts it.
 
         Returns
         -------
@@ -75,7 +75,7 @@ class SpatialQueries:
         layers: Iterable[int] | None = None,
         ignore: _Ignored = (),
     ) -> list[RayHit]:
-        """Return where a ray meets every shape on its way first, the nearest shape first; as `ray_cast`."""
+        """Return the first hit of a ray on every shape along it, nearest first; arguments as in `ray_cast`."""
         return self._hits(queries.ray_cast_all(self.tables, origin, direction, limit, layers, self._ignored(ignore)))
 
     @alone
@@ -87,7 +87,7 @@ class SpatialQueries:
         layers: Iterable[int] | None = None,
         ignore: _Ignored = (),
     ) -> RayHits:
-        """Return the nearest shape that each of many rays meets, as arrays; (N, 3) directions from (N, 3) or (3,) origins."""
+        """Return the nearest shape that each of many rays hits, as arrays; (N, 3) directions from (N, 3) or (3,) origins."""
         return queries.ray_cast_many(self.tables, origins, directions, limit, layers, self._ignored(ignore))
 
     @alone
@@ -106,7 +106,7 @@ class SpatialQueries:
         size : (3,) array_like
             Lengths of its edges, m.
         position : (3,) array_like
-            Of its middle, m.
+            Of its centre, m.
         orientation : (4,) array_like
             Quaternion (w, x, y, z) that turns its axes into the world's.
         layers : iterable of int, optional
@@ -130,14 +130,14 @@ class SpatialQueries:
         layers: Iterable[int] | None = None,
         ignore: _Ignored = (),
     ) -> list[Body]:
-        """Return the bodies that overlap a ball of a radius in m; the rest as in `overlap_box`."""
+        """Return the bodies that overlap a sphere with a radius in m; other arguments as in `overlap_box`."""
         return self._bodies_of(queries.overlap_sphere(self.tables, radius, position, layers, self._ignored(ignore)))
 
     def _ignored(self, ignore: Any) -> set[int]:
         if isinstance(ignore, Body):
             return {self.bodies.row(ignore, "ignore")}
         if isinstance(ignore, str | np.ndarray) or not isinstance(ignore, Iterable):
-            raise ArgumentError(f"ignore={ignore!r} has to be a body, or several of them.")
+            raise ArgumentError(f"ignore={ignore!r} must be a body, or several of them.")
         return {self.bodies.row(body, "ignore") for body in ignore}
 
     def _hits(self, hits: RayHits) -> list[RayHit]:

@@ -1,4 +1,4 @@
-"""Recordings: what a world did, as a solution with bodies as a dimension, and what it looks like."""
+"""Recordings: the motion of a world, as a solution with bodies as a dimension, and its appearance."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ class DrawnShape(NamedTuple):
 
 
 class Rod(NamedTuple):
-    """What a joint looks like: a line from a point of one body to a point of another, each in its body's axes."""
+    """A joint as drawn: a line from a point of one body to a point of another, each in its body's axes."""
 
     body_a: int
     point_a: Floats
@@ -54,7 +54,7 @@ class DrawnCloth(NamedTuple):
 
 
 class Appearance(NamedTuple):
-    """What a world looks like, wherever its bodies are.
+    """The appearance of a world, independent of the poses of its bodies.
 
     Attributes
     ----------
@@ -76,9 +76,10 @@ class Appearance(NamedTuple):
 
 @dataclass(frozen=True)
 class WorldPresenters(Presenters):
-    """What recordings can do on the floors above, and worlds: the package hands it down when it is imported."""
+    """What recordings can do in the layers above, and worlds: the package hands it down when it is imported."""
 
     animate: Callable[..., Path]
+    view: Callable[..., Any]
     save_world: Callable[..., Path]
     contents: Callable[..., tuple[dict[str, Any], dict[str, NDArray[Any]]]]
     snapshot_of: Callable[..., Any]
@@ -86,7 +87,7 @@ class WorldPresenters(Presenters):
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Recording(Solution):
-    """What a world did: a solution in which row n of x and v is body n, and row 0 the ground.
+    """The motion of a world: a solution in which row n of x and v is body n, and row 0 the ground.
 
     Attributes
     ----------
@@ -97,13 +98,13 @@ class Recording(Solution):
     particles : (T, P, 3) array
         Vertices of all cloths, m; `cloth` returns those of one.
     appearance : Appearance
-        Shapes, joints and cloths, for pictures.
+        Shapes, joints and cloths, for drawing.
 
     Notes
     -----
-    `derived` has "kinetic energy" and "potential energy", J; "overlap", how deep bodies that touch have sunk into each
-    other, and "joint gap", how far points are from the distance at which joints hold them, at most, m; and
-    "residual", what the solver left unsolved, m/s, see `World.residual`.
+    `derived` has "kinetic energy" and "potential energy", J; "overlap", the largest penetration of bodies in contact, and
+    "joint gap", the largest error of a joint's distance, m; and "residual", what the solver left unsolved, m/s, see
+    `World.residual`.
     """
 
     orientation: Floats
@@ -114,20 +115,23 @@ class Recording(Solution):
     presenters: ClassVar[WorldPresenters]
 
     def continue_to(self, t: float) -> Solution:
-        """Refuse: it is the world that goes on.
+        """Refuse, since only the world can be continued.
 
         Raises
         ------
         KickdriftError
         """
         raise KickdriftError(
-            "a recording does not go on, but its world does: world.run(duration, step) goes on from where it is."
+            "a recording cannot be continued, but its world can: world.run(duration, step) continues from its current"
+            " state."
         )
 
     def __getattr__(self, name: str) -> Any:
         known = name in self.__dataclass_fields__
         raise AttributeError(
-            f"{name} is there once the block of World.record has ended." if known else f"a Recording has no {name!r}."
+            f"{name} is available once the block of World.record has ended."
+            if known
+            else f"a Recording has no {name!r}."
         )
 
     @property
@@ -136,12 +140,12 @@ class Recording(Solution):
         return np.flatnonzero(self.appearance.kinds == DYNAMIC)
 
     def row(self, name: str) -> int:
-        """Return the row of the body of a name, as in ``recording.x[:, recording.row("ball")]``.
+        """Return the row of the body with a name, as in ``recording.x[:, recording.row("ball")]``.
 
         Raises
         ------
         UnknownNameError
-            If none had it at the end; the sentence says which there are.
+            If none had it at the end; the message lists the names.
         """
         rows = {known: row for row, known in self.appearance.names.items()}
         if name not in rows:
@@ -149,17 +153,17 @@ class Recording(Solution):
         return rows[name]
 
     def cloth(self, which: str | int = 0) -> Floats:
-        """Return where the vertices of a cloth were, (T, N, 3), m.
+        """Return the positions of the vertices of a cloth, (T, N, 3), m.
 
         Parameters
         ----------
         which : str or int
-            Its name, or how many cloths the world had before it.
+            Its name, or its index among the cloths of the world.
 
         Raises
         ------
         UnknownNameError
-            If there is none; the sentence says which there are.
+            If there is none; the message lists the names.
         """
         known: dict[Any, DrawnCloth] = dict(enumerate(self.appearance.cloths))
         known |= {cloth.name: cloth for cloth in self.appearance.cloths if cloth.name is not None}
@@ -168,7 +172,7 @@ class Recording(Solution):
         return self.particles[:, known[which].first : known[which].last]
 
     def animate(self, path: str | Path, *, speed: float = 1.0, rate: int = 25, progress: bool | None = None) -> Path:
-        """Write a film of the recording, a GIF or an MP4; see `kickdrift.plots.animation.animate_recording`."""
+        """Write an animation of the recording, a GIF or an MP4; see `kickdrift.plots.animation.animate_recording`."""
         return self.presenters.animate(self, path, speed=speed, rate=rate, progress=progress)
 
 

@@ -48,7 +48,7 @@ def find_lost_body(tables: Tables, step: float, found: int) -> int:
     """
     now = np.hstack((tables.array(POSE)[:, :7], tables.array(MOTION)[:, :6]))
     moves = tables.array(BODY)[:, BODY_KIND] >= KINEMATIC
-    lost_body_error = moves & ~(np.abs(now) < _FAR).all(axis=1)
+    lost = moves & ~(np.abs(now) < _FAR).all(axis=1)
     motion, load = tables.array(STARTED_MOTION), tables.array(LOAD)
     inertia, reach = tables.array(INERTIA), tables.array(RESTED)[:, REACH]
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
@@ -62,20 +62,20 @@ def find_lost_body(tables: Tables, step: float, found: int) -> int:
         )
         speeds = np.max(pushes, axis=0) + 0.0 * tables.array(STARTED_POSE)[:, :7].sum(axis=1)
     speeds = np.where(np.isfinite(speeds), speeds, np.inf)
-    of = moves & (lost_body_error | (speeds > _FAR))
+    of = moves & (lost | (speeds > _FAR))
     return int(np.argmax(np.where(of, speeds, -1.0))) if of.any() else found
 
 
 def roll_back(tables: Tables) -> None:
-    """Bring a world back to where the step began; shapes that were nowhere are sought anew."""
+    """Bring a world back to where the step began; shapes that were nowhere are sought again."""
     tables.array(POSE)[:] = tables.array(STARTED_POSE)
     tables.array(MOTION)[:] = tables.array(STARTED_MOTION)
-    tables.array(KICKED)[:] = 0.0  # which orientations the drift left is forgotten, so that all of a body is found anew
-    # Those of unequal moments are found anew by the kick.
-    lost_body_error = ~np.isfinite(tables.array(INVERSE_MASS)[:, :7]).all(axis=1)
-    tables.array(INVERSE_MASS)[lost_body_error, 1:7] = tables.array(INERTIA)[
-        lost_body_error, INVERSE_INERTIA : INVERSE_INERTIA + 6
-    ]
+    tables.array(KICKED)[:] = (
+        0.0  # which orientations the drift left is forgotten, so that all of a body is found again
+    )
+    # Those of unequal moments are found again by the kick.
+    unknown = ~np.isfinite(tables.array(INVERSE_MASS)[:, :7]).all(axis=1)
+    tables.array(INVERSE_MASS)[unknown, 1:7] = tables.array(INERTIA)[unknown, INVERSE_INERTIA : INVERSE_INERTIA + 6]
     tables.array(JOINT_NUMBERS)[:] = tables.array(STARTED_JOINTS)
     roll_back_cloths(tables)
     tables.array(LINK_NUMBERS)[:] = 0.0
@@ -89,9 +89,11 @@ def lost_body_error(tables: Tables, body: int, words: str, step: int) -> LostBod
     """Return in words which body was lost, and when; the world is back where the step began."""
     pose, motion = tables.array(POSE)[body, :7], tables.array(MOTION)[body, :6]
     if np.isfinite(pose).all() and np.isfinite(motion).all() and pose[3:].any():
-        why = "Its forces or velocities are too large for the step: take a smaller one."
+        why = "Its forces or velocities are too large for the step: use a smaller one."
     else:
-        why = "It had been given a pose or a velocity that is not finite, or an orientation of no length: give it another one."
+        why = (
+            "Its pose or velocity was set to a value that is not finite, or its orientation to zero: set valid values."
+        )
     return LostBodyError(
         f"{words} was lost to infinity in step {step}; all bodies are where they were before it. {why}"
     )
@@ -100,7 +102,7 @@ def lost_body_error(tables: Tables, body: int, words: str, step: int) -> LostBod
 def lost_cloth_error(words: str, step: int) -> LostBodyError:
     """Return in words which cloth was lost, and when; the world is back where the step began."""
     return LostBodyError(
-        f"{words} was lost to infinity in step {step}; all bodies and cloths are where they were before it. It had been given "
-        "positions or velocities that are not finite, or triangles without area, or was stretched too fast for the step: take"
-        " a smaller one."
+        f"{words} was lost to infinity in step {step}; all bodies and cloths are where they were before it. Its"
+        " positions or velocities were set to values that are not finite, its triangles have no area, or it was"
+        " stretched too fast for the step: use a smaller one."
     )

@@ -99,10 +99,10 @@ def _run(
 def record(world: "World", save_every: int, save_to: Any) -> Iterator[Recording]:
     """Record the steps that are done in a block; see `World.record`."""
     if isinstance(save_every, bool) or not (isinstance(save_every, int | np.integer) and save_every >= 1):
-        raise ArgumentError(f"save_every={save_every!r} has to be a whole number of steps, one or more.")
+        raise ArgumentError(f"save_every={save_every!r} must be a whole number of steps, one or more.")
     if world.recorder is not None:
-        raise ArgumentError("the world is being recorded already; end that recording first, or keep more of its steps.")
-    store = None if save_to is None else ZarrStore(save_to, "a loop that was recorded")
+        raise ArgumentError("the world is already being recorded; end that recording first, or keep more of its steps.")
+    store = None if save_to is None else ZarrStore(save_to, "a recorded loop")
     with nullcontext() if store is None else closing(store):
         if store is not None:
             store.check(again=False)
@@ -113,7 +113,7 @@ def record(world: "World", save_every: int, save_to: Any) -> Iterator[Recording]
 def _recorded(world: "World", recorder: Recorder) -> Iterator[Recording]:
     recording = Recording.__new__(Recording)
     world.recorder = recorder
-    outcome, message = Outcome.COMPLETED, "The end of what was to be recorded was reached."
+    outcome, message = Outcome.COMPLETED, "The recording was completed."
     try:
         yield recording
     except BaseException as error:
@@ -138,12 +138,12 @@ def _written(write: Callable[[], None], outcome: Outcome, cause: str) -> tuple[O
 def _lay(duration: float, step: float, save_every: int | None, per_row: int, streamed: bool) -> Grid:
     for name, value in (("duration", duration), ("step", step)):
         if not (is_number(value) and 0.0 < value < math.inf):
-            raise ArgumentError(f"{name}={value!r} has to be positive and finite, in s.")
+            raise ArgumentError(f"{name}={value!r} must be positive and finite, in s.")
     if step > duration * (1.0 + 1e-12):
         raise ArgumentError(f"step={step!r} is larger than duration={duration!r}; give a smaller one.")
     if not duration / step < 2**53:
         raise ArgumentError(
-            f"step={step!r} cuts duration={duration!r} into more steps than float64 counts; give a larger one."
+            f"step={step!r} cuts duration={duration!r} into more steps than float64 can count; give a larger step."
         )
     if not streamed and (
         save_every is None or (is_number(save_every) and save_every >= 1)

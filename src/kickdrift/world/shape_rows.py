@@ -40,25 +40,25 @@ _FEW = 4096  # numbers of shapes that are gone, for which those that are there a
 
 @dataclass(frozen=True)
 class Surface:
-    """How the surface of a shape behaves, and which others it meets.
+    """The contact properties of a shape, and the layers it collides with.
 
     Attributes
     ----------
     friction : float
-        Coefficient; of two shapes the geometric mean counts.
+        Coefficient of friction; two shapes in contact use the geometric mean.
     restitution : float
-        From 0 (does not bounce) to 1 (keeps its energy); of two shapes the larger counts.
+        From 0 (no bounce) to 1 (elastic); two shapes in contact use the larger value.
     rolling_resistance : float
-        Length in m, as of the lever of the normal force against rolling; of two shapes the larger counts. Without any, balls
-        that nothing stops roll for ever, as in rigid mechanics; a thousandth of the radius brings a pen full of them to rest.
+        Length in m, the lever arm of the normal force against rolling; two shapes in contact use the larger value. Without
+        it, balls roll for ever, as in rigid-body mechanics; a thousandth of the radius brings a pen full of them to rest.
     surface_velocity : (3,) sequence
-        In m/s, in the axes of the body, at which the surface runs like that of a conveyor.
+        Velocity in m/s, in the axes of the body, of a surface that moves like a conveyor belt.
     layer : int
         From 0 to 61.
     collides_with : sequence of int, optional
-        Layers that it meets; all by default.
+        Layers that it collides with; all by default.
     sensor : bool
-        Reports what it meets, and lets it through.
+        Whether it reports contacts without colliding.
     """
 
     friction: float = 0.6
@@ -77,27 +77,27 @@ class Surface:
             except TypeError:
                 fits = False
             if not fits:
-                raise ArgumentError(f"{name}={value!r} has to be a number, zero or positive and finite.")
+                raise ArgumentError(f"{name}={value!r} must be a number, zero or positive and finite.")
         if self.restitution > 1.0:
-            raise ArgumentError(f"restitution={self.restitution!r} would gain energy at every bounce; give at most 1.")
+            raise ArgumentError(f"restitution={self.restitution!r} would add energy at every bounce; give at most 1.")
         try:
             velocity = reals(self.surface_velocity)
         except TypeError:
             velocity = np.zeros(0)
         if velocity.shape != (3,) or not np.isfinite(velocity).all():
-            raise ArgumentError(f"surface_velocity={self.surface_velocity!r} has to be three finite numbers, in m/s.")
+            raise ArgumentError(f"surface_velocity={self.surface_velocity!r} must be three finite numbers, in m/s.")
         object.__setattr__(self, "surface_velocity", tuple(velocity.tolist()))  # which nobody changes
         layers = () if self.collides_with is None else self.collides_with
         if not isinstance(layers, Collection) or (isinstance(layers, np.ndarray) and layers.ndim == 0):
-            raise ArgumentError(f"collides_with={layers!r} has to be a sequence of layers, whole numbers from 0 to 61.")
+            raise ArgumentError(f"collides_with={layers!r} must be a sequence of layers, whole numbers from 0 to 61.")
         for layer in (self.layer, *layers):
             if not (isinstance(layer, int | np.integer) and 0 <= layer < 62):
-                raise ArgumentError(f"layer={layer!r} has to be a whole number from 0 to 61.")
+                raise ArgumentError(f"layer={layer!r} must be a whole number from 0 to 61.")
         choice("sensor", self.sensor)
 
 
 class Placed(NamedTuple):
-    """A shape with its place in a body: origin (3,) and orientation (4,), and its surface."""
+    """A shape with its pose in a body, origin (3,) and orientation (4,), and its surface."""
 
     shape: Shape
     position: Floats
@@ -168,7 +168,7 @@ class ShapeRows:
         """Give the surfaces of all shapes of a body another number of a name; ArgumentError for one that cannot be."""
         rows = self.rows_of(body).tolist()
         if not rows:
-            raise ArgumentError(f"{name}={value!r} is for bodies that have shapes; this one has none.")
+            raise ArgumentError(f"{name}={value!r} is for bodies with shapes; this one has none.")
         changed: dict[str, Any] = {name: value}
         new = {row: replace(self.shapes[row].surface, **changed) for row in rows}
         for row, surface in new.items():

@@ -18,10 +18,9 @@ SLEPT_POSE = column(RESTED, 7)  # where it sleeps
 
 
 @compiled
-def wake(t: float, h: float, world: int) -> None:
-    """Wake islands that sleep where one was moved, or given a velocity or a force, or something awake touches or holds it."""
+def wake_moved(t: float, h: float, world: int) -> None:
+    """Wake islands in which a body was moved, or given a velocity or a force: before anyone looks where it will be."""
     body, load = integers(world, BODY), floats(world, LOAD)
-    contact, joint = integers(world, CONTACT), integers(world, JOINT)
     for row in range(rows(world, BODY)):
         if body[row, BODY_KIND] < KINEMATIC or body[row, AWAKE] != 0:
             continue
@@ -32,6 +31,12 @@ def wake(t: float, h: float, world: int) -> None:
             _wake_island(world, body[row, SLEEP_ISLAND])
         elif pushed:
             body[row, AWAKE] = 1
+
+
+@compiled
+def wake_touched(t: float, h: float, world: int) -> None:
+    """Wake islands that something awake touches or holds."""
+    contact, joint = integers(world, CONTACT), integers(world, JOINT)
     for row in range(rows(world, CONTACT)):
         if _is_near(world, row):
             _wake_one_by_other(world, contact[row, c.BODY_A], contact[row, c.BODY_B])

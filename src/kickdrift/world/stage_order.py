@@ -18,21 +18,22 @@ from kickdrift.world.contacts.colouring import colour
 from kickdrift.world.contacts.prepare import prepare
 from kickdrift.world.contacts.residual import measure
 from kickdrift.world.contacts.restitution import bounce, find_bouncing
-from kickdrift.world.contacts.solve import THREADED, relax, solve, store, warm_start
-from kickdrift.world.direct.bounces import bounce_islands
+from kickdrift.world.contacts.solver_stages import THREADED, relax, solve, store, warm_start
+from kickdrift.world.direct.gauss_seidel import relax_in_turn, solve_in_turn
 from kickdrift.world.direct.heaps import count_unsolved, find_heaps
 from kickdrift.world.direct.islands import find_islands
 from kickdrift.world.direct.losses import note_losses
 from kickdrift.world.direct.nodes import find_nodes
-from kickdrift.world.direct.sequential import relax_in_turn, solve_in_turn
+from kickdrift.world.direct.restitution import bounce_islands
 from kickdrift.world.direct.solve import measure_islands, relax_islands, solve_islands
 from kickdrift.world.events import note_touching
 from kickdrift.world.force_stage import begin_forces
 from kickdrift.world.integration import begin, drift, finish, flatten, kick
+from kickdrift.world.joints.breaking import finish_joints
 from kickdrift.world.joints.impulses import warm_start_joints
 from kickdrift.world.joints.measure import measure_joints
-from kickdrift.world.joints.prepare import begin_joints, finish_joints, wake_joints
-from kickdrift.world.sleeping import sleep, wake
+from kickdrift.world.joints.prepare import begin_joints, wake_joints
+from kickdrift.world.sleeping import sleep, wake_moved, wake_touched
 from kickdrift.world.step import STAGE
 
 Stages = tuple[Function, ...]
@@ -95,12 +96,13 @@ def word(uses: Uses) -> Word:
         substep = tuple(THREADED.get(stage, stage) for stage in substep)
     before = (
         begin,
+        *when(uses.sleeps, wake_moved),
         *when(uses.cloths, begin_cloths),
         place_shapes,
         find_pairs,
         find_points,
         *when(uses.is_fast, find_impacts),
-        *when(uses.sleeps, wake),
+        *when(uses.sleeps, wake_touched),
         *when(uses.joints, wake_joints, measure_joints, begin_joints),
         find_heaps,
         *when(direct, find_nodes),

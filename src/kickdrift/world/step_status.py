@@ -1,6 +1,7 @@
-"""What a stage says where it cannot go on: columns of the one row of `kickdrift.world.tables.STEP_STATUS`.
+"""The status of a stage that cannot proceed: columns of the one row of `kickdrift.world.tables.STEP_STATUS`.
 
-A stage that cannot go on leaves the tables as they were and returns. Who runs the stages looks here after each.
+A stage that cannot go on returns, and is run again from its beginning once it was helped: what it has written until then must
+not change what it does. Whoever runs the stages looks here after each.
 """
 
 from kickdrift.core.compilation import compiled
@@ -12,7 +13,7 @@ STATUS = column(STEP_STATUS)
 TABLE = column(STEP_STATUS)  # place of the table that is full
 ROWS_WANTED = column(STEP_STATUS)  # rows that it needs
 LOST_BODY = column(STEP_STATUS)  # that is nowhere, or a cloth
-REACHED = column(STEP_STATUS)  # steps done since `kickdrift.world.world.World.advance` was called
+REACHED = column(STEP_STATUS)  # number of the step that is being done, counted from the start time
 WARNING = column(STEP_STATUS)  # set of what is to be said; no reason to stop
 SAID = column(STEP_STATUS)  # those of them that were said
 MIDWAY = column(STEP_STATUS)  # 1: a step was begun and is not done

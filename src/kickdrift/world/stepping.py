@@ -26,7 +26,7 @@ from kickdrift.world.rollback import find_lost_body, lost_body_error, lost_cloth
 from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.stage_order import Program, Uses, Word, addresses, compose, word
 from kickdrift.world.step import run
-from kickdrift.world.tables import BODY, CLOTH, EVENTS, LOAD, SETTINGS, STEP_STATUS, SWEEPS, Table, Tables
+from kickdrift.world.tables import BODY, CLOTH, EVENTS, KERNEL_ADDRESSES, LOAD, SETTINGS, STEP_STATUS, Table, Tables
 
 
 class DoesSteps:
@@ -128,12 +128,12 @@ class DoesSteps:
         composition = spelt, self.substeps, shapes.kinds
         if composition != self._composition:
             compile_step(spelt, shapes.kinds, pairs)
-            sweeps = self.tables.array(SWEEPS)[0]
-            for column, sweep in contact_solver_simd.KERNELS.items():
-                sweeps[column] = address_of(sweep, contact_solver_simd.SWEEP)
-            sweeps[LANE_COUNT] = WIDTH
+            kernels = self.tables.array(KERNEL_ADDRESSES)[0]
+            for column, kernel in contact_solver_simd.KERNELS.items():
+                kernels[column] = address_of(kernel, contact_solver_simd.KERNEL)
+            kernels[LANE_COUNT] = WIDTH
             if solve_islands in spelt.substep:
-                sweeps[SOLVE_EQUATIONS] = address_of(solve_island, SOLVE_ISLAND)
+                kernels[SOLVE_EQUATIONS] = address_of(solve_island, SOLVE_ISLAND)
             shapes.find_functions()
             self._addresses, self._composition = addresses(spelt, self.substeps), composition
         put_numbers(self.tables, self.forces)

@@ -71,8 +71,8 @@ class StreamedRecordingRows(RecordingRows):
         """
         if len(self._world.position) > self._bodies or self._world.tables.count(PARTICLE) > self._particles:
             raise ArgumentError(
-                f"a body or a cloth was added while rows of {self._bodies} bodies go to save_to={self.saved_to!r}; add it"
-                " before the recording, or record into memory."
+                f"a body or a cloth was added while rows of {self._bodies} bodies are written to"
+                f" save_to={self.saved_to!r}; add it before the recording, or record into memory."
             )
         super().keep(t)
         row = self.count - self.first - 1

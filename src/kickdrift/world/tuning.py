@@ -1,4 +1,4 @@
-"""What may be changed between the steps of a world, and what says whether to."""
+"""Settings of a world that can change between steps, and the residual that indicates whether they should."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Tunable:
 
     @property
     def gravity(self) -> NDArray[np.float64]:
-        """Acceleration of what falls, (3,), m/s^2, read-only; give another one to change it."""
+        """Gravitational acceleration, (3,), m/s^2; a read-only array: assign another one to change it."""
         acceleration = self.tables.array(SETTINGS)[0, GRAVITY : GRAVITY + 3].copy()
         acceleration.flags.writeable = False
         return acceleration
@@ -38,10 +38,10 @@ class Tunable:
 
     @property
     def substeps(self) -> int:
-        """Parts of a step in which contacts and joints are solved; give another number to change it.
+        """Number of parts of a step in which contacts and joints are solved; can be set.
 
-        Contacts get stiffer with more of them. A loaded stack that has sunk in under few of them is pushed out when they
-        are many at once, so that what stands high wants them raised step by step.
+        Contacts get stiffer with more of them. A loaded stack that has sunk in with few substeps is pushed out when the
+        number jumps, so raise it gradually for high stacks.
         """
         return int(self.tables.array(SETTINGS)[0, SUBSTEPS])
 
@@ -50,13 +50,13 @@ class Tunable:
         if isinstance(substeps, bool) or not (
             isinstance(substeps, int | np.integer) and 1 <= substeps <= MOST_SUBSTEPS
         ):
-            raise ArgumentError(f"substeps={substeps!r} has to be a whole number from 1 to {MOST_SUBSTEPS}.")
+            raise ArgumentError(f"substeps={substeps!r} must be a whole number from 1 to {MOST_SUBSTEPS}.")
         self.tables.array(SETTINGS)[0, SUBSTEPS] = substeps
         self.tables.altered = True
 
     @property
     def sleeping(self) -> bool:
-        """Whether islands that have rested are left alone; may be given anew, and False wakes all."""
+        """Whether islands at rest are skipped; can be set, and False wakes all."""
         return self._sleeping
 
     @sleeping.setter
@@ -69,21 +69,22 @@ class Tunable:
     def residual(self) -> float:
         """What the solver left unsolved in the last step, m/s.
 
-        The largest speed, along the normal, of points that press on each other, those of islands with joints among them: zero
-        where every impulse is right, and what a loaded stack still sinks or jitters at. More substeps make it smaller.
+        The largest speed, along the normal, of points that press on each other, including those of islands with joints: zero
+        if every impulse is exact; otherwise the speed at which a loaded stack sinks or jitters. More substeps make it
+        smaller.
         """
         return float(self.tables.array(SETTINGS)[0, RESIDUAL])
 
     @undivided
     def exclude(self, body_a: Body, body_b: Body) -> None:
-        """Exclude two bodies from colliding; those that a joint holds together never do.
+        """Exclude two bodies from colliding; bodies connected by a joint never collide.
 
         Raises
         ------
         ArgumentError
-            For a body with itself, and bodies that are gone.
+            For a body with itself, and removed bodies.
         """
         pair = (self.bodies.row(body_a, "body_a"), self.bodies.row(body_b, "body_b"))
         if pair[0] == pair[1]:
-            raise ArgumentError(f"body_b={body_b!r} is body_a, and the parts of a body never touch; give another one.")
+            raise ArgumentError(f"body_b={body_b!r} is body_a, but parts of one body never touch; give another body.")
         exclude(self.tables, [*self.tables.array(ASKED_APART).tolist(), pair])

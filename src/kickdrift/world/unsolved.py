@@ -36,8 +36,8 @@ def _unsolved(tables: Tables, bodies: Bodies) -> str:
     row = tables.array(SETTINGS)[0]
     return (
         f"{bodies.words(int(row[UNSOLVED_BODY]))} rests on contacts that the solver has left unsolved since"
-        f" t={row[UNSOLVED_SINCE]:.3g} s: its heap sinks or creeps, and world.residual says how fast. Take more"
-        f" substeps, as world.substeps = {2 * int(row[SUBSTEPS])}, or a smaller step than {row[STEP]:.3g} s."
+        f" t={row[UNSOLVED_SINCE]:.3g} s: its heap sinks or creeps, and world.residual measures how fast. Use more"
+        f" substeps, such as world.substeps = {2 * int(row[SUBSTEPS])}, or a smaller step than {row[STEP]:.3g} s."
     )
 
 
@@ -47,9 +47,12 @@ def _too_fast(tables: Tables, bodies: Bodies) -> str:
     times = max(turn / LONG_TURN, 2.0)
     why = f"{body} turns by {turn:.2g} rad in a substep, too far for its joints"
     if turn <= LONG_TURN:
-        why = f"no impulses were found that hold the joints of {body} and what it is joined to at the end of a substep"
+        why = (
+            f"no impulses were found that satisfy the joints of {body} and the bodies joined to it at the end of a"
+            " substep"
+        )
     loss, end = 100 * row[FAST_LOSS], row[FAST_TIME]
     return (
-        f"{why}: they lost {loss:.2g} % of the energy of what they hold in the step to t={end:.4g} s."
-        f" Take world.substeps = {math.ceil(row[SUBSTEPS] * times)}, or a step of {row[STEP] / times:.2g} s."
+        f"{why}: they lost {loss:.2g} % of the energy of their bodies in the step to t={end:.4g} s. Set world.substeps"
+        f" = {math.ceil(row[SUBSTEPS] * times)}, or use a step of {row[STEP] / times:.2g} s."
     )

@@ -1,4 +1,4 @@
-"""Where the bodies of a world are and how they move, as arrays that look into its tables."""
+"""Positions and velocities of the bodies of a world, as views into its tables."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,14 +12,14 @@ Floats = NDArray[np.float64]
 
 
 class BodyViews:
-    """The attributes of a world that are arrays of a row a body."""
+    """The attributes of a world that are arrays with one row per body."""
 
     tables: Tables
     bodies: Bodies
 
     @property
     def ground(self) -> Body:
-        """What never moves: row 0, to which joints can hold."""
+        """The ground, which never moves: row 0, to which joints can be attached."""
         return self.bodies.ground
 
     @property
@@ -39,5 +39,5 @@ class BodyViews:
 
     @property
     def angular_velocity(self) -> Floats:
-        """In the world's axes, (N, 3), rad/s."""
+        """Angular velocities in the world's axes, (N, 3), rad/s."""
         return self.tables.array(MOTION)[:, layout.ANGULAR_VELOCITY : layout.ANGULAR_VELOCITY + 3]

@@ -1,4 +1,4 @@
-"""A world: bodies that touch, stack, hinge and walk."""
+"""A world of rigid bodies, joints and cloth."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.snapshot import Snapshot
 from kickdrift.world.stage_order import Program
 from kickdrift.world.stepping import DoesSteps
-from kickdrift.world.tables import COLOURS, SETTINGS, STEP_STATUS, SWEEPS, VIEW, Tables
+from kickdrift.world.tables import COLOURS, KERNEL_ADDRESSES, SETTINGS, STEP_STATUS, VIEW, Tables
 from kickdrift.world.tuning import Tunable
 from kickdrift.world.unsolved import say
 from kickdrift.world.views import BodyViews
@@ -60,44 +60,48 @@ class World(
 ):
     """Rigid bodies in three dimensions.
 
-    Free bodies are solved by sweeps over their contacts. Bodies that joints hold together, and what touches them, are islands
-    that are solved directly, with all of their joints and contacts at once; so are small heaps that sweeps leave unsolved.
+    Contacts of free bodies are solved iteratively, by sweeps. Bodies connected by joints, and what touches them, form
+    islands that are solved directly, with all of their joints and contacts at once; so are small heaps on which the sweeps
+    do not converge.
 
     Parameters
     ----------
     gravity : (3,) array_like
         m/s^2.
     substeps : int
-        Parts of a step in which contacts and joints are solved; more of them make contacts stiffer, and follow faster turns.
+        Number of parts of a step in which contacts and joints are solved; more of them make contacts stiffer, and resolve
+        faster rotation.
     midpoint : bool
-        Bodies in free flight move with the mean of their velocities before and after the kick, so that gravity costs no
-        energy; without it, as in the semi-implicit Euler method, with the one after.
+        Whether bodies in free flight move with the mean of their velocities before and after the kick, so that gravity
+        conserves energy; otherwise, as in the semi-implicit Euler method, with the velocity after it.
     margin, slop : float
-        How far apart shapes are when a contact between them is begun, and how deep they may sink in; m.
+        The distance of shapes at which a contact between them is created, and the depth to which they may overlap; m.
     contact_hertz, contact_damping : float
-        Frequency and damping ratio of the spring that pushes overlapping bodies apart; by default the frequency is 0.15
-        over the substep, the stiffest that leaves high stacks alone.
+        Frequency and damping ratio of the spring that pushes overlapping bodies apart; by default the frequency is 0.15 over
+        the substep, the stiffest that does not disturb high stacks.
     push_speed : float
-        At which they are pushed apart at most, m/s. What lies on several that are pushed at once gets faster: with 3 m/s
-        four rows of boxes that overlap by a quarter throw the uppermost up at 7 m/s, with 1.5 m/s none exceeds 4 m/s.
+        The largest speed at which they are pushed apart, m/s. Bodies on top of several that are pushed at once get faster:
+        with 3 m/s four rows of boxes that overlap by a quarter throw the uppermost up at 7 m/s, with 1.5 m/s none exceeds 4
+        m/s.
     bounce_speed : float, optional
-        Approaches that are slower do not bounce, m/s; four times what gravity adds in a substep by default.
+        Bodies that approach more slowly do not bounce, m/s; by default four times the speed that gravity adds in a substep.
     sleeping : bool
-        Whether islands of bodies that nearly touch or are joined are left alone once they have rested: once no point of
-        them has moved faster than `sleep_speed`, m/s, for `sleep_time`, s. Off by default, because it takes their last energy.
+        Whether islands of bodies that nearly touch or are joined are skipped once they are at rest: once no point of them
+        has moved faster than `sleep_speed`, m/s, for `sleep_time`, s. Off by default, because it removes their remaining
+        kinetic energy.
     sleep_speed, sleep_time : float
     threads : bool
-        Whether contacts are shared among the threads that Numba has (``numba.set_num_threads``). The bits are the same for
-        any number of threads. Worth it from some thousand bodies on, on cores that nobody else uses. Processes that are
-        forked from one that has used them do without.
+        Whether contacts are distributed over Numba's threads (``numba.set_num_threads``). The bits are the same for any
+        number of threads. Worthwhile from some thousand bodies on, on otherwise idle cores. Processes forked from one that
+        has used threads run on one thread.
     plane_normal : (3,) array_like, optional
-        Makes the world planar: bodies move at right angles to this direction and turn about it only.
+        Makes the world planar: bodies move only perpendicular to this direction, and turn only about it.
 
     Attributes
     ----------
     position, velocity : (N, 3) array
-        Centres of mass in m and their velocities in m/s, a row a body; the ground is row 0. Live views: what is written
-        into them moves the bodies. Ask for them again once bodies were added.
+        Centres of mass in m and their velocities in m/s, one row per body; the ground is row 0. These are live views:
+        writing into them moves the bodies. Get them again after adding bodies.
     orientation : (N, 4) array
         Quaternions (w, x, y, z) that turn the bodies' axes into the world's.
     angular_velocity : (N, 3) array
@@ -105,7 +109,7 @@ class World(
     gravity, substeps, sleeping
         As above; each may be set between steps.
     residual : float
-        What the last step left unsolved: how fast points that press on each other part or approach, m/s, read-only.
+        What the last step left unsolved: the largest normal speed at points that press on each other, m/s, read-only.
     time : float
         s.
     broken : list of Joint
@@ -160,7 +164,7 @@ class World(
         self.tables.resize(STEP_STATUS, 1)
         self.tables.resize(COLOURS, BATCH_COLOURS)
         self.tables.resize(VIEW, 1)
-        self.tables.resize(SWEEPS, 1)
+        self.tables.resize(KERNEL_ADDRESSES, 1)
         self.broken: list[Joint] = []
         self.recorder: Recorder | None = None
         self._said = 0
@@ -178,7 +182,7 @@ class World(
 
     @property
     def events(self) -> list[ContactEvent]:
-        """What has begun and ended to touch in the last call of `step` or `advance`, in order; removals end without one."""
+        """Contacts that began or ended in the last call of `step` or `advance`, in order; removing a body creates no event."""
         return events(self.tables, self.bodies)
 
     @property
@@ -199,25 +203,25 @@ class World(
         ArgumentError
             For a step that is not positive and finite.
         KickdriftError
-            If a body is lost to infinity; the world then is as it was before the step.
+            If a body is lost to infinity; the world is then restored to its state before the step.
 
         Warns
         -----
         UnsolvedWarning
             Once if joints lose energy because bodies turn too far in a substep, and once if a body has rested for seconds on
-            contacts that the solver leaves unsolved; the sentence says what would help.
+            contacts that the solver leaves unsolved; the message says what would help.
         """
         self.advance(step, 1)
 
     def advance(self, step: float, count: int) -> None:
-        """Do so many steps in compiled code; as `step`, again and again."""
+        """Do a number of steps in compiled code, as by repeated calls of `step`."""
         step = number("step", step, "s; 1/60 is usual", zero=False)
         if type(count) is bool or not (isinstance(count, int | np.integer) and count >= 0):
-            raise ArgumentError(f"count={count!r} has to be a whole number of steps, zero or more.")
+            raise ArgumentError(f"count={count!r} must be a whole number of steps, zero or more.")
         self.advance_from(self.time, 0, step, int(count))
 
     def advance_from(self, t0: float, first: int, step: float, count: int) -> None:
-        """Do so many steps, the first of them number `first` from t0: wherever a run is cut, its steps have the same times."""
+        """Do a number of steps, the first with index `first` from t0, so that the times do not depend on where a run is cut."""
         with self.tables.lock:
             found = self.do_steps(t0, first, step, count)
             self.broken = self.joints.take_broken() if self._breakable else []

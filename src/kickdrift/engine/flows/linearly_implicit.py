@@ -45,9 +45,9 @@ def scratch_size(n: int, coefficients: Floats, params: Floats) -> int:
     """Numbers of scratch for a state of n numbers, of which there may be too many for a matrix."""
     if n > MOST_WITH_MATRIX:
         raise ArgumentError(
-            f"x0 has {n} numbers, and kicks that are implicit in the velocity form a matrix of all of them by all, which is"
-            f" done for up to {MOST_WITH_MATRIX}; use a method without, such as 'velocity-verlet', or 'implicit-midpoint',"
-            " which does without a matrix where the step is small enough."
+            f"x0 has {n} numbers, and kicks that are implicit in the velocity need a matrix of that size squared,"
+            f" which is limited to {MOST_WITH_MATRIX} rows; use a method without a matrix, such as 'velocity-verlet',"
+            " or 'implicit-midpoint', which needs none if the step is small enough."
         )
     return n * n + n
 

@@ -88,7 +88,7 @@ def _shown(model: Model, piece: Piece, layers: Layers, notes: list[str]) -> list
             try:
                 made = placed(model, geom, piece.members[0], layers, [])
             except ArgumentError as error:
-                notes.append(f"geom {model.name('geom', geom)!r}, which is only for show, is not drawn: {error}")
+                notes.append(f"visual geom {model.name('geom', geom)!r} is not drawn: {error}")
                 continue
             if not any(_same(made, other) for other in piece.shapes):
                 found.append(made._replace(surface=piece.shapes[0].surface) if piece.shapes else made)

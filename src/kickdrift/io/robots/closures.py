@@ -79,8 +79,8 @@ def _weld(model: Model, row: int, name: str) -> Link:
 def _check(name: str, gap: float, unit: str) -> None:
     if gap > _OPEN:
         raise ArgumentError(
-            f"constraint {name!r} is off by {gap:.3g} {unit} at the file's reference pose, and a joint holds bodies as they"
-            " stand there; move them so that it is fulfilled."
+            f"constraint {name!r} is violated by {gap:.3g} {unit} in the file's reference pose, but a joint keeps"
+            " bodies as they are placed there; move them so that the constraint is satisfied."
         )
 
 
@@ -101,5 +101,5 @@ def exclusions(model: Model, parts: list[Piece], notes: list[str]) -> list[tuple
         pair = (first[signature >> 16], first[signature & 0xFFFF])
         pairs.append(pair)
         if several & set(pair):
-            notes.append(f"exclude of {model.named('body', pair)} holds for all that is fixed to them")
+            notes.append(f"exclude of {model.named('body', pair)} also applies to everything fixed to them")
     return pairs

@@ -39,8 +39,8 @@ def check(path: Path, content: bytes, folder: Path | None) -> None:
         copies += _copies(text)
         if copies > _MOST_COPIES:
             raise FileFormatError(
-                f"path={str(path)!r} repeats parts of itself {copies} times (replicate, composite or flexcomp); at most"
-                f" {_MOST_COPIES} are read."
+                f"path={str(path)!r} replicates parts {copies} times (replicate, composite or flexcomp); at most"
+                f" {_MOST_COPIES} copies are read."
             )
         places = [path.parent, place.parent]
         places += [path.parent / value for name, value in _attributes(text) if name in _FOLDERS]
@@ -69,8 +69,8 @@ def _check_inside(path: Path, candidates: list[Path], value: str, inside: Path) 
             continue
         if outside:
             raise FileFormatError(
-                f"path={str(path)!r} reads {value!r}, which is not in {str(inside)!r}; give folder=, one that holds all that"
-                " it may read, if you trust it."
+                f"path={str(path)!r} refers to {value!r}, which is not in {str(inside)!r}; if you trust the file, pass"
+                " folder=, a folder with all that it may read."
             )
 
 

@@ -48,7 +48,7 @@ def shape_of(model: Model, geom: int, notes: list[str]) -> tuple[Shape, Floats]:
     Raises
     ------
     ArgumentError
-        For what no shape is.
+        For geoms without a shape.
     """
     m, kinds = model.compiled, model.mujoco.mjtGeom
     kind, size = int(m.geom_type[geom]), m.geom_size[geom]
@@ -64,15 +64,15 @@ def shape_of(model: Model, geom: int, notes: list[str]) -> tuple[Shape, Floats]:
     if kind == kinds.mjGEOM_CYLINDER:
         return Cylinder(float(size[0]), 2.0 * float(size[1])), middle
     if kind == kinds.mjGEOM_ELLIPSOID:
-        notes.append(f"ellipsoid {name!r} touches as a polyhedron, whose corners lie on it")
+        notes.append(f"ellipsoid {name!r} collides as a polyhedron with its corners on the ellipsoid")
         return Hull(_ball() * size), middle
     if kind == kinds.mjGEOM_MESH:
         return _hull(model, geom, notes), middle
     if kind == kinds.mjGEOM_HFIELD:
         return _terrain(m, int(m.geom_dataid[geom]))
     raise ArgumentError(
-        f"geom {name!r} is of a type that there is no shape for; give a sphere, capsule, box, cylinder, ellipsoid, mesh,"
-        " plane or height field, or contype=0 conaffinity=0."
+        f"geom {name!r} is of a type without a shape; give a sphere, capsule, box, cylinder, ellipsoid, mesh, plane or"
+        " height field, or contype=0 conaffinity=0."
     )
 
 
@@ -98,7 +98,7 @@ def _hull(model: Model, geom: int, notes: list[str]) -> Hull:
             raise ArgumentError(f"mesh {name!r}: {error}") from None
     hull, count = model.hulls[mesh]
     notes.append(
-        f"mesh {name!r} touches as its convex hull" + (f" of {count} of its {len(points)} points" if count else "")
+        f"mesh {name!r} collides as its convex hull" + (f" of {count} of its {len(points)} points" if count else "")
     )
     return hull
 
@@ -147,8 +147,8 @@ class Layers:
         free = [layer for layer in range(1, _LAYERS) if not used >> layer & 1]
         if len(kinds) > len(free):
             raise ArgumentError(
-                f"path names a robot with {len(kinds)} pairs of contype and conaffinity, and the world has {len(free)} layers"
-                " left; use fewer of them."
+                f"path names a robot with {len(kinds)} pairs of contype and conaffinity, but the world has {len(free)}"
+                " layers left; use fewer pairs."
             )
         self._layers = {(1, 1): 0, **dict(zip(kinds, free, strict=False))}
 

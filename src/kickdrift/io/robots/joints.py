@@ -72,8 +72,8 @@ def chain_of(model: Model, piece: Piece, actuators: dict[str, Actuator], notes: 
             moved, number = _small(model, piece, min(following[1])), m.nbody + last
             chain.between[number] = moved
             notes.append(
-                f"joint {model.name('joint', last)!r} moves a small body, of {_SMALL:g} of the inertia of the body that"
-                " hangs on it and the joints after it"
+                f"joint {model.name('joint', last)!r} moves a small intermediate body, with {_SMALL:g} of the inertia"
+                " of what the joint carries"
             )
         add_rotor(model, last, parent, moved, notes)
         record.placement()  # refuses what no joint is, before anything is added
@@ -119,7 +119,9 @@ def _float(model: Model, piece: Piece, row: int, notes: list[str]) -> None:
     damping = float(m.dof_damping[dof])
     if damping > 0.0 and piece.mass is not None:
         piece.damping = damping / piece.mass.mass
-        notes.append(f"damping of free joint {name!r} slows the body's centre of mass here, and not its turning")
+        notes.append(
+            f"damping of free joint {name!r} acts here on the velocity of the centre of mass, not on the rotation"
+        )
     if m.dof_frictionloss[dof] > 0.0 or m.jnt_stiffness[row] > 0.0:
         notes.append(f"friction and stiffness of free joint {name!r} are left out")
     if m.dof_armature[dof] > 0.0:

@@ -57,11 +57,11 @@ class Actuator:
         Raises
         ------
         ArgumentError
-            For a motor: no drive has a force of its own; `effort` says how large it is.
+            For a motor, which is not a drive; `effort` returns its force.
         """
         if not self.servo:
             raise ArgumentError(
-                f"control={control!r} of a motor is a force, and no drive; in each step, give its effort(control) to"
+                f"control={control!r} of a motor is a force, not a drive; in each step, pass effort(control) to"
                 " Joint.apply_effort."
             )
         stiffness, damping = -self.bias[1] * self.gear**2, -self.bias[2] * self.gear**2
@@ -79,11 +79,11 @@ class Actuator:
         Raises
         ------
         ArgumentError
-            For a servo, whose force depends on where its joint is; `drive` says how.
+            For a servo, whose force depends on the position of its joint; see `drive`.
         """
         if self.servo:
             raise ArgumentError(
-                f"control={control!r} of a servo is no force; give its drive(control) to Joint.set_drive."
+                f"control={control!r} of a servo is not a force; pass drive(control) to Joint.set_drive."
             )
         return _clipped(self._force(control), self.force_range)
 
@@ -101,7 +101,9 @@ def axis_of(model: Model, joint: int, actuators: dict[str, Actuator], notes: lis
     at, dof = int(m.jnt_qposadr[joint]), int(m.jnt_dofadr[joint])
     zero, name = float(m.qpos0[at]), model.name("joint", joint)
     if zero != 0.0:
-        notes.append(f"joint {name!r} is at {zero:g} in the file where it is at zero here; its limits are shifted")
+        notes.append(
+            f"joint {name!r} is at zero here where it is at {zero:g} in the file; its limits are shifted accordingly"
+        )
     limits = None
     if m.jnt_limited[joint]:
         lower, upper = (float(end) - zero for end in m.jnt_range[joint])
@@ -121,17 +123,18 @@ def axis_of(model: Model, joint: int, actuators: dict[str, Actuator], notes: lis
             continue
         actuators[model.name("actuator", row)] = actuator
         if actuator.servo and drive is not None and drive is not passive:
-            raise ArgumentError(f"joint {name!r} has two servos; a joint here has one, so give one of them.")
+            raise ArgumentError(f"joint {name!r} has two servos, but a joint here has at most one; remove the other.")
         if actuator.servo:
             drive = actuator.drive(0.0)
             if -actuator.force_range[0] != actuator.force_range[1]:
                 notes.append(
-                    f"the force of servo {model.name('actuator', row)!r} has the greater one of its limits in both directions"
+                    f"the force of servo {model.name('actuator', row)!r} has the larger of its two limits in both"
+                    " directions"
                 )
             if drive.maximum < math.inf and (passive.stiffness > 0.0 or passive.damping > 0.0):
                 notes.append(
-                    f"the greatest force of the servo of joint {name!r} holds for it and the joint's own spring and"
-                    " damper together"
+                    f"the maximum force of the servo of joint {name!r} applies to the sum of the servo and the joint's"
+                    " own spring and damper"
                 )
     return Axis(limits=limits, drive=drive, friction=float(m.dof_frictionloss[dof]))
 
@@ -145,7 +148,7 @@ def _actuator(model: Model, row: int, zero: float, passive: Drive, notes: list[s
     plain = model.is_one_of(m.actuator_gaintype[row], mj.mjtGain.mjGAIN_FIXED)
     plain = plain and model.is_one_of(m.actuator_dyntype[row], mj.mjtDyn.mjDYN_NONE)
     if not plain or bias is None or bias[1] > 0.0 or bias[2] > 0.0:
-        notes.append(f"actuator {name!r} is left out: it is no motor, and no servo without dynamics of its own")
+        notes.append(f"actuator {name!r} is left out: it is neither a motor nor a servo without internal dynamics")
         return None
     gear = float(m.actuator_gear[row, 0])
     clamped = m.actuator_ctrllimited[row] and not m.opt.disableflags & mj.mjtDisableBit.mjDSBL_CLAMPCTRL

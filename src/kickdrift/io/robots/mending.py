@@ -47,8 +47,8 @@ def _in_package(file: str, folder: Path, highest: Path) -> str:
             if candidate.is_file():
                 if not candidate.resolve().is_relative_to(highest):
                     raise FileFormatError(
-                        f"{file!r} is found in {str(above)!r}, which is not in {str(highest)!r}; give folder=, one that holds"
-                        " all that the file may read, if you trust it."
+                        f"{file!r} is in {str(above)!r}, which is not in {str(highest)!r}; if you trust the file, pass"
+                        " folder=, a folder with all that it may read."
                     )
                 return str(candidate)
     return file
@@ -60,7 +60,7 @@ def mend_inertias(mujoco: Any, spec: Any, notes: list[str]) -> list[Repair]:
     Returns
     -------
     list of callables
-        What has to be done to the compiled model, once there is one.
+        What must be done to the compiled model, once there is one.
     """
     by_shapes = int(mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE)
     if spec.compiler.balanceinertia or int(spec.compiler.inertiafromgeom) == by_shapes:
@@ -79,13 +79,14 @@ def _mend(mujoco: Any, body: Any, notes: list[str]) -> Repair | None:
         if not solid or body.mass <= 0.0:
             return None
         notes.append(
-            f"inertia of body {body.name!r} has a moment that is zero or less; that of its shapes is taken, with the mass and"
-            " the centre of the file"
+            f"inertia of body {body.name!r} has a principal moment that is not positive; the inertia of its shapes is"
+            " used, with the mass and centre from the file"
         )
         return _from_shapes(body)
     if moments[0] + moments[1] < moments[2]:
         notes.append(
-            f"inertia of body {body.name!r} is one that no body has, with one moment above the sum of the others; it is kept"
+            f"inertia of body {body.name!r} is impossible, with one principal moment above the sum of the others; it"
+            " is kept"
         )
         return _kept(mujoco, body, inertia)
     return None

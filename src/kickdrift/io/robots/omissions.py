@@ -1,4 +1,4 @@
-"""What a file says and nothing here does."""
+"""Features of a file that are left out."""
 
 import re
 from collections.abc import Iterable
@@ -13,20 +13,20 @@ _NONZERO = {
     "dof_dampingpoly": ("joint", "damping beyond the linear term"),
     "jnt_stiffnesspoly": ("joint", "stiffness beyond the linear term"),
     "jnt_springyield": ("joint", "yielding springs"),
-    "jnt_actgravcomp": ("joint", "compensation of gravity by actuators"),
-    "body_gravcomp": ("body", "compensation of gravity"),
+    "jnt_actgravcomp": ("joint", "gravity compensation by actuators"),
+    "body_gravcomp": ("body", "gravity compensation"),
     "geom_adhesion": ("geom", "adhesion"),
-    "geom_surfacevel": ("geom", "velocity of the surface"),
-    "geom_fluid": ("geom", "forces of a fluid"),
+    "geom_surfacevel": ("geom", "surface velocity"),
+    "geom_fluid": ("geom", "fluid forces"),
     "actuator_armature": ("actuator", "armature"),
     "actuator_damping": ("actuator", "damping"),
 }
 
 # Counts of a model, and what they count.
 _COUNTS = {
-    "ntendon": "tendons, with all that acts by them",
+    "ntendon": "tendons, and everything that acts through them",
     "nflex": "flexible bodies",
-    "npair": "contact pairs with numbers of their own",
+    "npair": "contact pairs with their own parameters",
     "nplugin": "plugins",
 }
 
@@ -62,8 +62,8 @@ def overlaps(model: Model, apart: Iterable[tuple[int, int]]) -> list[str]:
         deepest[a, b] = min(deepest.get((a, b), 0.0), float(contact.dist))
     left_out = {tuple(sorted(pair)) for pair in apart}
     return [
-        f"bodies {model.named('body', pair)} overlap by {-depth:.2g} m in the reference pose and push each other apart; move"
-        " or exclude them"
+        f"bodies {model.named('body', pair)} overlap by {-depth:.2g} m in the reference pose and will push each other"
+        " apart; move or exclude them"
         for pair, depth in deepest.items()
         if depth < -_OVERLAP and pair not in left_out
     ]
@@ -99,10 +99,10 @@ def _friction(m: Any, model: Model) -> list[str]:
     notes = []
     if np.unique(m.geom_friction[touching, 0]).size > 1:
         notes.append(
-            "geoms differ in friction: of two, here the geometric mean counts, and in MuJoCo the greater or that of"
-            " priority"
+            "geoms differ in friction: two in contact have the geometric mean here, but in MuJoCo the larger one or"
+            " that of higher priority"
         )
     twisting = np.flatnonzero(touching & (m.geom_condim >= 4))
     if twisting.size:
-        notes.append(f"left out: friction against twisting (condim 4 and 6), of geom {model.named('geom', twisting)}")
+        notes.append(f"left out: torsional friction (condim 4 and 6) of geom {model.named('geom', twisting)}")
     return notes

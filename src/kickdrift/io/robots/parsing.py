@@ -106,7 +106,7 @@ def parse(
     -------
     Model
     list of str
-        Notes on what is not as the file says.
+        Notes on what differs from the file.
 
     Raises
     ------
@@ -115,7 +115,7 @@ def parse(
     FileFormatError
         If there is no such file, or it is no MJCF or URDF that MuJoCo understands.
     ArgumentError
-        For ``floating=True`` with a file that says itself what floats.
+        For ``floating=True`` with a file that specifies floating bodies itself.
     """
     try:
         mujoco: Any = import_module("mujoco")
@@ -135,8 +135,8 @@ def parse(
         )
     if floating and root[1] == b"mujoco":
         raise ArgumentError(
-            f"floating=True is for URDF, which cannot say whether its root is fixed; path={str(path)!r} is MJCF: give its"
-            " root a <freejoint/>."
+            f"floating=True is for URDF, which cannot specify whether its root is fixed; path={str(path)!r} is MJCF:"
+            " add a <freejoint/> to its root."
         )
     notes: list[str] = []
     inside = Path(path).parent if folder is None else Path(folder)
@@ -158,7 +158,7 @@ def _compile(mujoco: Any, path: Path, content: bytes, floating: bool, folder: Pa
             spec = mujoco.MjSpec.from_string(text[:end] + _SHOWN + text[end:])
             compiled = _build(mujoco, spec, path, floating, folder, shown)
         except refused as error:
-            notes.append(f"left out: what is only for show, which MuJoCo does not compile: {_reason(error)}")
+            notes.append(f"left out: visual geometry, which MuJoCo does not compile: {_reason(error)}")
         else:
             notes += shown
             return compiled
@@ -166,7 +166,7 @@ def _compile(mujoco: Any, path: Path, content: bytes, floating: bool, folder: Pa
         return _build(mujoco, mujoco.MjSpec.from_file(str(path)), path, floating, folder, notes)
     except refused as error:
         raise FileFormatError(
-            f"path={str(path)!r} is no robot that MuJoCo {mujoco.__version__} understands: {_reason(error)}"
+            f"path={str(path)!r} is not a robot that MuJoCo {mujoco.__version__} can read: {_reason(error)}"
         ) from None
 
 

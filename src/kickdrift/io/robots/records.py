@@ -100,7 +100,7 @@ def _ball(model: Model, row: int, notes: list[str]) -> Record:
     m, name = model.compiled, model.name("joint", row)
     at, dof = int(m.jnt_qposadr[row]), int(m.jnt_dofadr[row])
     if m.jnt_limited[row]:
-        notes.append(f"the limit of ball {name!r} is left out: it is one of the whole angle, not of swing or twist")
+        notes.append(f"the limit of ball {name!r} is left out: it limits the total rotation angle, not swing or twist")
     stiffness, damping = float(m.jnt_stiffness[row]), float(m.dof_damping[dof])
     if stiffness > 0.0 and not np.allclose(m.qpos_spring[at : at + 4], m.qpos0[at : at + 4], 0.0, 1e-12):
         raise ArgumentError(f"springref of ball {name!r} is not its reference orientation; leave it out.")

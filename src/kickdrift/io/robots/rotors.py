@@ -33,13 +33,16 @@ def add_rotor(model: Model, joint: int, parent: int, moved: Piece, notes: list[s
     if int(m.jnt_type[joint]) == kinds.mjJNT_SLIDE:
         if fixed and abs(model.data.xaxis[joint] @ m.opt.gravity) <= 1e-6 * np.linalg.norm(m.opt.gravity):
             moved.mass = moved.mass._replace(mass=moved.mass.mass + armature)
-            notes.append(f"armature of joint {name!r} is mass of what it moves")
+            notes.append(f"armature of joint {name!r} is added to the mass of what it moves")
         else:
-            notes.append(f"left out: armature of joint {name!r}, which slides against gravity or what moves itself")
+            notes.append(
+                f"left out: armature of joint {name!r}, which slides against gravity, or relative to a moving body"
+            )
         return
     about = np.eye(3) if int(m.jnt_type[joint]) == kinds.mjJNT_BALL else np.outer(n, n)
     moved.mass = moved.mass._replace(inertia=moved.mass.inertia + armature * about)
     if not fixed:
         notes.append(
-            f"armature of joint {name!r} is inertia of what it moves, so that it resists the turning of the parent as well"
+            f"armature of joint {name!r} is added to the inertia of what it moves, so that it also resists rotation of"
+            " the parent"
         )

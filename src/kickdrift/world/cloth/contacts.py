@@ -26,7 +26,7 @@ from kickdrift.world.cloth.layout import (
     TOUCHED_POINT,
     TOUCHING_PARTICLE,
 )
-from kickdrift.world.collision.boxes import box_in_frame
+from kickdrift.world.collision.aabb import box_in_frame
 from kickdrift.world.collision.bvh import Box, gather
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.narrow_phase import collide, shape_pose

@@ -65,10 +65,10 @@ def note_crossing(world: int, f: int, g: int) -> bool:
 def _cross(world: int, f: int, g: int) -> bool:
     if _on_one_side(world, f, g) or _on_one_side(world, g, f):
         return False
+    found = False
     for k in range(3):
-        if _crossed_at(world, f, k, g) != _MISSES or _crossed_at(world, g, k, f) != _MISSES:
-            return True
-    return False
+        found = found or _crossed_at(world, f, k, g) != _MISSES or _crossed_at(world, g, k, f) != _MISSES
+    return found
 
 
 @compiled

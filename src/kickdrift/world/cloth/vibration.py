@@ -80,8 +80,9 @@ def _highest(rows: Floats, columns: NDArray[np.int64], masses: Floats) -> float:
     scaled = matrix @ diags_array(1.0 / np.sqrt(masses))
     if not rows.any():
         return 0.0  # nothing resists
+    products = scaled.T @ scaled
     if len(masses) < _FEW:
-        return float(np.linalg.norm(scaled.toarray(), 2))
+        return math.sqrt(float(np.linalg.eigvalsh(products.toarray())[-1]))  # a fifth of the time of singular values
     start = np.random.default_rng(0).normal(size=len(masses))  # the same for the same cloth
-    largest = eigsh(scaled.T @ scaled, k=1, tol=_TOLERANCE, v0=start, return_eigenvectors=False)[0]
+    largest = eigsh(products, k=1, tol=_TOLERANCE, v0=start, return_eigenvectors=False)[0]
     return math.sqrt((1.0 + _TOLERANCE) * float(largest))

@@ -18,7 +18,7 @@ from kickdrift.world.collision import (
     capsule_box,
     capsule_hull,
     capsules,
-    frusta,
+    frustum_frustum,
     frustum_polyhedra,
     frustum_round,
     plane_polyhedra,
@@ -27,7 +27,7 @@ from kickdrift.world.collision import (
     spheres,
     triangle_frustum,
     triangle_polyhedra,
-    triangles,
+    triangle_round,
 )
 from kickdrift.world.shapes.catalogue import KINDS, may_touch
 from kickdrift.world.shapes.kinds import BOX, CAPSULE, CONE, CYLINDER, HULL, PLANE, SPHERE, TRIANGLE
@@ -38,8 +38,8 @@ PAIRS: dict[tuple[int, int], Callable[..., Any]] = {
     (PLANE, CAPSULE): capsules.plane_capsule,
     (PLANE, BOX): plane_polyhedra.plane_box,
     (PLANE, HULL): plane_polyhedra.plane_hull,
-    (TRIANGLE, SPHERE): triangles.triangle_sphere,
-    (TRIANGLE, CAPSULE): triangles.triangle_capsule,
+    (TRIANGLE, SPHERE): triangle_round.triangle_sphere,
+    (TRIANGLE, CAPSULE): triangle_round.triangle_capsule,
     (TRIANGLE, BOX): triangle_polyhedra.triangle_box,
     (TRIANGLE, HULL): triangle_polyhedra.triangle_hull,
     (SPHERE, SPHERE): spheres.sphere_sphere,
@@ -58,19 +58,19 @@ PAIRS: dict[tuple[int, int], Callable[..., Any]] = {
     (CAPSULE, CYLINDER): frustum_round.capsule_frustum,
     (BOX, CYLINDER): frustum_polyhedra.box_frustum,
     (HULL, CYLINDER): frustum_polyhedra.hull_frustum,
-    (CYLINDER, CYLINDER): frusta.frustum_frustum,
+    (CYLINDER, CYLINDER): frustum_frustum.frustum_frustum,
     (PLANE, CONE): frustum_round.plane_frustum,
     (TRIANGLE, CONE): triangle_frustum.triangle_frustum,
     (SPHERE, CONE): frustum_round.sphere_frustum,
     (CAPSULE, CONE): frustum_round.capsule_frustum,
     (BOX, CONE): frustum_polyhedra.box_frustum,
     (HULL, CONE): frustum_polyhedra.hull_frustum,
-    (CYLINDER, CONE): frusta.frustum_frustum,
-    (CONE, CONE): frusta.frustum_frustum,
+    (CYLINDER, CONE): frustum_frustum.frustum_frustum,
+    (CONE, CONE): frustum_frustum.frustum_frustum,
 }
 
 _WITHOUT = [pair for pair in combinations_with_replacement(sorted(KINDS), 2) if may_touch(*pair) and pair not in PAIRS]
 if _WITHOUT:
     raise ArgumentError(
-        f"There is no function for where {' and '.join(KINDS[kind].name for kind in _WITHOUT[0])} touch; add it to PAIRS."
+        f"There is no contact function for {' and '.join(KINDS[kind].name for kind in _WITHOUT[0])}; add one to PAIRS."
     )

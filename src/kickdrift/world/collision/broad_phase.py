@@ -4,7 +4,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.bvh_update import update_trees
 from kickdrift.world.collision.filters import may_touch
 from kickdrift.world.collision.new_pairs import FIRST_SHAPE, PAIR, PART, SECOND_SHAPE, overlap, seek
-from kickdrift.world.collision.pair_hash import forget_all, key_of, remember, slots_for
+from kickdrift.world.collision.pair_hash import clear, insert, key_of, slots_for
 from kickdrift.world.collision.roster import update_bounds
 from kickdrift.world.collision.search import AT_HOME, CONTACTS, FOUND, NEW, PAIRS_AT, PARTS_AT, REVIEW, SHAPES_AT, SLOTS
 from kickdrift.world.contacts.layout import (
@@ -85,14 +85,14 @@ def _look_through(world: int) -> bool:
     again.
     """
     contact, manifold, shapes = integers(world, CONTACT), floats(world, MANIFOLD), integers(world, SHAPE)
-    forget_all(world)
+    clear(world)
     row = 0
     while row < rows(world, CONTACT):
         a, b, part = contact[row, SHAPE_A], contact[row, SHAPE_B], contact[row, TRIANGLE_INDEX]
         if shapes[a, SEARCH_STATE] == AT_HOME and shapes[b, SEARCH_STATE] == AT_HOME:
             row += 1
         elif _stays(world, a, b, part):
-            remember(world, key_of(world, a, b, part))
+            insert(world, key_of(world, a, b, part))
             row += 1
         elif not _note_parting(world, row):
             return False
@@ -108,7 +108,7 @@ def _look_through(world: int) -> bool:
 
 @compiled(inline=True)
 def _stays(world: int, a: int, b: int, part: int) -> bool:
-    """Whether shapes of which one is sought anew, or gone, still make a contact."""
+    """Whether shapes of which one is sought again, or gone, still make a contact."""
     shapes = integers(world, SHAPE)
     if shapes[a, SEARCH_STATE] == NEW or shapes[b, SEARCH_STATE] == NEW:
         return False
@@ -135,7 +135,7 @@ def _note_parting(world: int, row: int) -> bool:
 
 @compiled
 def _has_room(world: int) -> bool:
-    """Ask for room for what was found, where there is none."""
+    """Request room for what was found, if there is none."""
     search = integers(world, SEARCH)
     count = rows(world, CONTACT) + search[0, FOUND]
     if room(world, SCRATCH) < search[0, PAIRS_AT] + PAIR * search[0, FOUND]:

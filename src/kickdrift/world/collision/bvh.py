@@ -125,7 +125,7 @@ def fit(nodes: Any, boxes: Any) -> None:
 def gather(nodes: Any, box: Box, found: Any) -> tuple[int, int]:
     """Write the items whose boxes overlap one into `found`; return how many, and how many nodes were looked at.
 
-    There has to be room for one more item than there are in the tree.
+    There must be room for one more item than there are in the tree.
     """
     node = 0
     hits = 0

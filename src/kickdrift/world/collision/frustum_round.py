@@ -15,7 +15,7 @@ _UP: Vector = (0.0, 0.0, 1.0)
 # Sine of the angle between a disc and what it stands on, below which the points of its rim stay where they are in the
 # body: which one is the lowest is rounding then.
 STANDING = 1e-4
-FLAT_ON = 5e-3  # the same on a face, where many points are chosen from: which ones are chosen has to be steady
+FLAT_ON = 5e-3  # the same on a face, where many points are chosen from: which ones are chosen must be steady
 
 
 @compiled(inline=True)
@@ -35,27 +35,30 @@ def plane_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> in
     """Find where a half-space and a frustum touch; see `kickdrift.world.collision`.
 
     An end that nearly lies on the plane touches it at the lowest point of its rim and at three more, a quarter of a turn
-    apart; a side that nearly lies on it at both ends of its lowest line.
+    apart; a side that nearly lies on it at both ends of its lowest line. What may move by its own size in the step, and turn
+    to stand on another part of its rims, keeps all of these.
     """
     centre, q = place(pose), turn(pose)
     lower, upper, half = frustum_of(b)
     down = turned_back(q, (0.0, 0.0, -1.0))
     sine, x, y = lowest_direction(down, STANDING)
     c, s = side_normal((lower, upper, half))
-    lies = (down[0] * x + down[1] * y) * c + down[2] * s > FLAT
+    sideways = down[0] * x + down[1] * y
+    lies = sideways * c + down[2] * s > FLAT
     put_normal(manifold, _UP)
+    tumbles = margin > max(lower, upper, half)
+    lowest = 0 if sideways * lower - half * down[2] >= sideways * upper + half * down[2] else 1
     count = 0
-    for end in range(2):
+    for end in (lowest, 1 - lowest):
         radius, z = (lower, -half) if end == 0 else (upper, half)
-        faces_it = down[2] < 0.0 if end == 0 else down[2] > 0.0
-        stands = faces_it and sine < STEEP and radius > 0.0
-        for k in range(4):
+        stands = ((end == lowest and sine < STEEP) or tumbles) and radius > 0.0
+        for k in range(3 if tumbles else 4):
             if k > 0 and not stands:
                 break
             u, v = (x, y) if k == 0 else (-y, x) if k == 1 else (y, -x) if k == 2 else (-x, -y)
             on_b = (radius * u, radius * v, z)
             at = plus(centre, turned(q, on_b))
-            if at[2] <= margin and (k > 0 or lies or faces_it) and count < 4:
+            if at[2] <= margin and (end == lowest or lies or tumbles) and count < 4:
                 put_point(manifold, count, (at[0], at[1], 0.0), on_b, 4 * end + k)
                 count += 1
     return count

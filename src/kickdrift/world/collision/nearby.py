@@ -7,7 +7,7 @@ from numba import carray
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Quaternion, Vector, conjugate, minus, product, turned_back
-from kickdrift.world.collision.boxes import box_in_frame, reaches_under
+from kickdrift.world.collision.aabb import box_in_frame, reaches_under
 from kickdrift.world.collision.bvh import Box, gather
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.narrow_phase import collide, shape_pose

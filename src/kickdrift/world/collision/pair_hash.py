@@ -20,7 +20,7 @@ def slots_for(contacts: int) -> int:
 
 
 @compiled
-def forget_all(world: int) -> None:
+def clear(world: int) -> None:
     """Empty the table."""
     table = integers(world, SCRATCH)
     for slot in range(integers(world, SEARCH)[0, SLOTS]):
@@ -36,7 +36,7 @@ def key_of(world: int, a: int, b: int, part: int) -> int:
 
 
 @compiled
-def remember(world: int, key: int) -> None:
+def insert(world: int, key: int) -> None:
     """Enter a contact."""
     integers(world, SCRATCH)[_slot(world, key), 0] = key
 

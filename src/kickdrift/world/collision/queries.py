@@ -18,11 +18,11 @@ from kickdrift.core.errors import KickdriftError
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.bounds import find_strays
 from kickdrift.world.collision.bvh_update import update_for_queries
-from kickdrift.world.collision.casting import DISTANCE, HIT, NORMAL, SHAPE_HIT, cast, cast_many
 from kickdrift.world.collision.dispatch import find_extents
 from kickdrift.world.collision.narrow_phase import COLLIDE
 from kickdrift.world.collision.nearby import find_near, overlaps
 from kickdrift.world.collision.query_arguments import layer_bits, one_vector, rays_of
+from kickdrift.world.collision.ray_cast import DISTANCE, HIT, NORMAL, SHAPE_HIT, cast, cast_many
 from kickdrift.world.layout import BODY_ROW, IS_SENSOR, LAYER, SHAPE_KIND
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.catalogue import KINDS, RAYS, met_as
@@ -241,7 +241,7 @@ def _strays(tables: Tables) -> Integers:
 
 
 def _nowhere(body: int) -> KickdriftError:
-    return KickdriftError(f"Body {body} has a pose that is not finite, and cannot be looked for; move it.")
+    return KickdriftError(f"Body {body} has a pose that is not finite, so queries cannot find it; move it.")
 
 
 def _rows(bodies: Iterable[int]) -> Integers:

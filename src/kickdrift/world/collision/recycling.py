@@ -37,7 +37,9 @@ def find_points(t: float, h: float, world: int) -> None:
     awake = integers(world, BODY)
     for row in range(rows(world, CONTACT)):
         a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
-        contact[row, CONTACT_STATE] &= ~FAST
+        if contact[row, CONTACT_STATE] & FAST:  # found, if at all, for another time than the start of a step
+            contact[row, CONTACT_STATE] &= ~FAST
+            manifold[row, RECYCLED] = 0.0
         if awake[contact[row, BODY_A], AWAKE] == 0 and awake[contact[row, BODY_B], AWAKE] == 0:
             continue
         at_a, turn_a = placed_pose(world, a)

@@ -37,7 +37,7 @@ from kickdrift.world.shapes.polyhedron import (
 from kickdrift.world.shapes.triangle import ACTIVE_EDGES
 
 # A body whose centre is deeper than this, or than half of the margin, is behind the triangle and not in touch with
-# it. Thin plates may sink as deep as the slop and have to be lifted out.
+# it. Thin plates may sink as deep as the slop and must be lifted out.
 BEHIND = 0.01  # m, twice the slop of a world by default
 
 # How far a triangle may push down at an edge: the sine of the angle, for rounding at upright sides must not decide.

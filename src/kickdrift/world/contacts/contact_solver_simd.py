@@ -2,8 +2,8 @@
 
 `own` are the fields of a group, `s` its scratch; both lie flat, field k of lane l at k WIDTH + l, so that the compiler sees
 that lanes do not touch each other. The number of lanes comes as an argument: a constant one of eight or less is unrolled
-before the vectoriser sees the loop. All sweeps have one signature and are called by address: linked into the three stages
-that use them, they would be compiled three times.
+before the vectoriser sees the loop. All kernels have one signature and are called by address: linked into the stages that
+use them, they would be compiled as many times.
 """
 
 import math
@@ -30,7 +30,7 @@ _NEXT = c.POINT_FIELDS * W  # from a field of a point to the same of the next
 _LEVER = (c.P + c.LEVER) * W
 
 _ARRAY = types.Array(types.float64, 1, "C")
-SWEEP = types.none(_ARRAY, _ARRAY, types.float64, types.float64, types.float64, types.int64)
+KERNEL = types.none(_ARRAY, _ARRAY, types.float64, types.float64, types.float64, types.int64)
 
 
 @compiled(fast=True, inline=True)
@@ -68,7 +68,7 @@ def _put(array: Any, field: int, lane: int, x: float, y: float, z: float) -> Non
 @compiled(fast=True, inline=True)
 def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, arms: Any, spring: Any, state: Any) -> Any:
     """Solve one point, whose fields begin at i; `state` is the impulse of those before it and the velocities they left."""
-    rate, soft_mass, soft_impulse, per_h, push, closed, fastest, sum_mass = spring
+    rate, soft_mass, soft_impulse, per_h, push, closed, bounces, sum_mass = spring
     tx, ty, tz, ex, ey, ez = arms
     total, v, wax, way, waz, wbx, wby, wbz = state
     ax, ay, az = _vector(own, c.ARM, i)
@@ -90,7 +90,7 @@ def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, arms: Any, 
     # The second sweep adds nothing to points that are apart, but for rounding, and carry nothing: what meets in the next
     # substep may bounce there. Of those that carry something, rounding says whether they are apart. Neither sweep adds
     # anything to points that approach fast enough to bounce, and have not yet.
-    idle = ((gap > closed) | (speed < fastest)) & (impulse <= rounding)
+    idle = ((gap > closed) | (speed < bounces)) & (impulse <= rounding)
     d = min(new - impulse, 0.0 if idle else 1e300)
     own[i + c.IMPULSE * W] = impulse + d
     cx, cy, cz = _turn(s, INERTIA_A, lane, ax, ay, az)
@@ -137,7 +137,8 @@ def solve_normals(own: Any, s: Any, per_h: float, soft: float, push: float, n: i
         arms = (tbx - tax, tby - tay, tbz - taz, ex, ey, ez)
         v = nx * (vbx - vax) + ny * (vby - vay) + nz * (vbz - vaz)
         state = (0.0, v, wax, way, waz, wbx, wby, wbz)
-        spring = (rate, soft_mass, soft_impulse, per_h, push, closed, -own[c.FASTEST * W + lane], mass_a + mass_b)
+        bounces = -own[c.BOUNCE_THRESHOLD * W + lane]
+        spring = (rate, soft_mass, soft_impulse, per_h, push, closed, bounces, mass_a + mass_b)
         # Indices of constants and the lane alone: others might be negative to the compiler, and would not be vectors.
         i = c.P * W + lane
         state = _solve_point(own, s, lane, i, opened, arms, spring, state)
@@ -198,7 +199,7 @@ def solve_friction(own: Any, s: Any, per_h: float, soft: float, push: float, n: 
         s1 = ux * rx + uy * ry + uz * rz - own[c.SLIDE * W + lane]
         s2 = mx * rx + my * ry + mz * rz - own[(c.SLIDE + 1) * W + lane]
         k11, k22, k12 = _vector(own, c.GRIP, lane)
-        old1, old2 = own[c.SLID * W + lane], own[(c.SLID + 1) * W + lane]
+        old1, old2 = own[c.TANGENT_IMPULSE * W + lane], own[(c.TANGENT_IMPULSE + 1) * W + lane]
         new1 = old1 - (k11 * s1 + k12 * s2)
         new2 = old2 - (k12 * s1 + k22 * s2)
         # What sticks takes the impulse that stops it. What slides has friction against the way it slides, which is another
@@ -210,8 +211,8 @@ def solve_friction(own: Any, s: Any, per_h: float, soft: float, push: float, n: 
         new1, new2 = new1 if sticks else old1 - mass * s1, new2 if sticks else old2 - mass * s2
         scale = min(1.0, most / math.sqrt(new1 * new1 + new2 * new2 + 1e-300))
         new1, new2 = new1 * scale, new2 * scale
-        own[c.SLID * W + lane] = new1
-        own[(c.SLID + 1) * W + lane] = new2
+        own[c.TANGENT_IMPULSE * W + lane] = new1
+        own[(c.TANGENT_IMPULSE + 1) * W + lane] = new2
         d1, d2 = new1 - old1, new2 - old2
         px, py, pz = d1 * ux + d2 * mx, d1 * uy + d2 * my, d1 * uz + d2 * mz
         cx, cy, cz = _turn(s, INERTIA_A, lane, ay * pz - az * py, az * px - ax * pz, ax * py - ay * px)
@@ -229,7 +230,7 @@ def apply_impulses(own: Any, s: Any, per_h: float, soft: float, push: float, n: 
         nx, ny, nz = _vector(own, c.N, lane)
         ux, uy, uz = _vector(own, c.T, lane)
         mx, my, mz = ny * uz - nz * uy, nz * ux - nx * uz, nx * uy - ny * ux
-        d1, d2 = own[c.SLID * W + lane], own[(c.SLID + 1) * W + lane]
+        d1, d2 = own[c.TANGENT_IMPULSE * W + lane], own[(c.TANGENT_IMPULSE + 1) * W + lane]
         px, py, pz = d1 * ux + d2 * mx, d1 * uy + d2 * my, d1 * uz + d2 * mz
         ax, ay, az = _vector(own, c.CENTRE, lane)
         bx, by, bz = _vector(own, c.BETWEEN, lane)
@@ -292,7 +293,7 @@ def measure_normals(own: Any, s: Any, unused: float, none: float, nothing: float
         s[MARK * W + lane] = max(most, _point_speed(own, lane, i + 3 * _NEXT, v, turning, between))
 
 
-# By columns of the table `SWEEPS`, which holds their addresses
+# By columns of the table `KERNEL_ADDRESSES`, which holds their addresses
 KERNELS = {
     c.APPLY_IMPULSES: apply_impulses, c.SOLVE_NORMALS: solve_normals, c.SOLVE_FRICTION: solve_friction, c.FILL: fill,
     c.FIND_STALE: find_stale, c.REFRESH: refresh, c.REFRESH_FRICTION: refresh_friction, c.MEASURE: measure_normals,

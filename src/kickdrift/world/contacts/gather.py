@@ -40,7 +40,7 @@ from kickdrift.world.tables import (
 
 # Of the spring, times the substep. A pyramid of twenty rows sways from 0.2 on, and one of 0.15 leaves it standing.
 STIFFEST = 0.15
-# Arms are taken anew where bodies turn or slide past each other faster than _STILL, in widths of the face on which they meet
+# Arms are taken again where bodies turn or slide past each other faster than _STILL, in widths of the face on which they meet
 # and 1/s. What creeps keeps those with which it came to rest, until they are wrong by more than _CREEP of it: the overlap of a
 # tall stack is soft, and with arms that follow every lean it would bend like a soft rod, and fall. Edges and points have no
 # width, and what is round rolls: their arms always follow.
@@ -102,7 +102,7 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
         raw[(r.ARM_B + k) * c.WIDTH] = arm_b[k]
         raw[(r.APART + k) * c.WIDTH] = apart[k]
         scratch[(r.FROM_A_TO_B + k) * c.WIDTH] = lay[k]
-        raw[(r.SLID + k) * c.WIDTH] = manifold[row, c.FRICTION_IMPULSE + k]
+        raw[(r.FRICTION_IMPULSE + k) * c.WIDTH] = manifold[row, c.FRICTION_IMPULSE + k]
         raw[(r.TURNING_A + k) * c.WIDTH], raw[(r.TURNING_B + k) * c.WIDTH] = turning_a[k], turning_b[k]
         raw[(r.AXIS_A + k) * c.WIDTH], raw[(r.AXIS_B + k) * c.WIDTH] = round_a[1][k], round_b[1][k]
         raw[(r.ROLLED + k) * c.WIDTH] = manifold[row, c.ROLLING_IMPULSE + k]
@@ -167,7 +167,7 @@ def _share(rolls_a: bool, rolls_b: bool, lightness_a: float, lightness_b: float)
 def softness(world: int, fixed: bool) -> Vector:
     """Rate of the bias, scale of the mass and of the impulse of a damped spring, implicit and whatever the masses.
 
-    It is twice as stiff against what cannot move.
+    Against what cannot move it has twice the frequency, thus four times the stiffness, and half the damping ratio.
     """
     settings = floats(world, SETTINGS)
     h, damping = settings[0, STEP] / settings[0, SUBSTEPS], settings[0, CONTACT_DAMPING]

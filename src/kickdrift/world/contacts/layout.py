@@ -8,7 +8,7 @@ so that the loops over lanes vectorise. Fields that the sweeps read come first; 
 """
 
 from kickdrift.world.columns import Fields, column
-from kickdrift.world.tables import COLOURS, CONTACT, GROUPS, MANIFOLD, SWEEPS
+from kickdrift.world.tables import COLOURS, CONTACT, GROUPS, KERNEL_ADDRESSES, MANIFOLD
 
 WIDTH = 8  # lanes: two vectors of AVX2 or one of AVX-512
 
@@ -27,7 +27,7 @@ TOUCHING = 1
 SENSOR = 2
 BOUNCED = 4  # bounced in this step
 FAST = 8  # its shapes may pass each other within the step
-MOVING = 16  # its arms were taken anew within the last step, or it is new
+MOVING = 16  # its arms were taken again within the last step, or it is new
 
 # Columns of COLOURS
 COLOUR_CONTACTS = column(COLOURS)  # how many
@@ -39,17 +39,19 @@ BODIES_A = column(GROUPS, WIDTH)
 BODIES_B = column(GROUPS, WIDTH)
 GROUP_CONTACTS = column(GROUPS, WIDTH)  # -1 in lanes that have none
 
-# Columns of SWEEPS: addresses of loops over lanes (see `kickdrift.world.contacts.contact_solver_simd`), and how many lanes
-APPLY_IMPULSES = column(SWEEPS)
-SOLVE_NORMALS = column(SWEEPS)
-SOLVE_FRICTION = column(SWEEPS)
-FILL = column(SWEEPS)
-FIND_STALE = column(SWEEPS)
-REFRESH = column(SWEEPS)
-REFRESH_FRICTION = column(SWEEPS)
-MEASURE = column(SWEEPS)
-LANE_COUNT = column(SWEEPS)
-SOLVE_EQUATIONS = column(SWEEPS)  # address of the direct solver, see `kickdrift.world.direct.equations.solve_island`
+# Columns of KERNEL_ADDRESSES: of loops over lanes (see `kickdrift.world.contacts.contact_solver_simd`), and how many lanes
+APPLY_IMPULSES = column(KERNEL_ADDRESSES)
+SOLVE_NORMALS = column(KERNEL_ADDRESSES)
+SOLVE_FRICTION = column(KERNEL_ADDRESSES)
+FILL = column(KERNEL_ADDRESSES)
+FIND_STALE = column(KERNEL_ADDRESSES)
+REFRESH = column(KERNEL_ADDRESSES)
+REFRESH_FRICTION = column(KERNEL_ADDRESSES)
+MEASURE = column(KERNEL_ADDRESSES)
+LANE_COUNT = column(KERNEL_ADDRESSES)
+SOLVE_EQUATIONS = column(
+    KERNEL_ADDRESSES
+)  # address of the direct solver, see `kickdrift.world.direct.equations.solve_island`
 
 # Numbers of a point of a manifold
 _POINT = Fields()
@@ -100,18 +102,18 @@ CENTRE = _CONSTRAINT.field(3, "m")  # of the contact, from body a
 BETWEEN = _CONSTRAINT.field(3, "m")  # from body a to body b: by so much arms of a are longer than those of b
 GRIP = _CONSTRAINT.field(3, "kg")  # inverse of the 2x2 response to friction: 11, 22, 12
 SLIDE = _CONSTRAINT.field(2, "m/s")  # velocity of the surfaces wanted along both tangents
-SLID = _CONSTRAINT.field(2, "N s")  # friction impulse along both tangents
+TANGENT_IMPULSE = _CONSTRAINT.field(2, "N s")  # friction impulse along both tangents
 TWIST = _CONSTRAINT.field(2, "kg m^2, N m s")  # effective mass, impulse
 ROLL = _CONSTRAINT.field(5, "m, kg m^2, N m s")  # resistance, effective mass, impulse (3)
 MASS_A = _CONSTRAINT.field(1, "1/kg")  # inverse masses
 MASS_B = _CONSTRAINT.field(1, "1/kg")
 REFERENCE = _CONSTRAINT.field(9, "rad, m")  # turns of both bodies, and what they had slid, when the arms were taken
 STALE = _CONSTRAINT.field(2, "rad, m")  # by how much they may differ from now: turns, slide
-FASTEST = _CONSTRAINT.field(1, "m/s")  # at which points approach that sweeps stop: what is faster bounces
+BOUNCE_THRESHOLD = _CONSTRAINT.field(1, "m/s")  # what approaches faster bounces, and sweeps wait until it has
 P = _CONSTRAINT.field(4 * POINT_FIELDS)
 ANCHORS = _CONSTRAINT.field(4 * ANCHOR_SIZE)
 AXES = _CONSTRAINT.field(6)  # that radii are at right angles to, when the step began; zeros of balls and capsules
 SHARE = _CONSTRAINT.field()  # of the way from the point on a to that on b, at which both arms end
 COUNT = _CONSTRAINT.field()  # of points
-REFRESHED = _CONSTRAINT.field()  # 1.0 where arms were taken anew within the step
+REFRESHED = _CONSTRAINT.field()  # 1.0 where arms were taken again within the step
 FIELDS = _CONSTRAINT.close()

@@ -8,17 +8,17 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts import prepare_simd as r
 from kickdrift.world.contacts.colouring import LINKED
-from kickdrift.world.contacts.contact_solver_simd import SWEEP
+from kickdrift.world.contacts.contact_solver_simd import KERNEL
 from kickdrift.world.contacts.gather import gather, softness
 from kickdrift.world.contacts.transposing import fetch_rows
 from kickdrift.world.settings import SLOP, STEP, SUBSTEPS
 from kickdrift.world.tables import (
     COLOURS,
     GROUPS,
+    KERNEL_ADDRESSES,
     LANES,
     MANIFOLD,
     SETTINGS,
-    SWEEPS,
     flat,
     flat_integers,
     floats,
@@ -29,7 +29,7 @@ from kickdrift.world.tables import (
 _MANY = 250  # groups, whose manifolds do not fit into a megabyte
 _RAW, _SCRATCH = r.RAW * c.WIDTH, r.SCRATCH_SIZE
 
-sweep = caller(SWEEP)
+run_kernel = caller(KERNEL)
 
 
 @compiled
@@ -37,14 +37,18 @@ def prepare(t: float, h: float, world: int) -> None:
     """Fill the groups with constraints."""
     colours, groups, lanes = integers(world, COLOURS), integers(world, GROUPS), flat(world, LANES)
     first, after = colours[0, c.FIRST_GROUP], colours[LINKED, c.AFTER_GROUP]
-    raw, sweeps, settings = carray(floats_on_stack(_RAW), (_RAW,)), integers(world, SWEEPS), floats(world, SETTINGS)
+    raw, kernels, settings = (
+        carray(floats_on_stack(_RAW), (_RAW,)),
+        integers(world, KERNEL_ADDRESSES),
+        floats(world, SETTINGS),
+    )
     slop = settings[0, SLOP]
     substep = settings[0, STEP] / settings[0, SUBSTEPS]
     scratch = carray(floats_on_stack(_SCRATCH), (_SCRATCH,))
     soft, softer = softness(world, True), softness(world, False)
     for k in range(_SCRATCH):
         scratch[k] = 0.0
-    numbers, many, n = flat_integers(world, GROUPS), rows(world, GROUPS) > _MANY, sweeps[0, c.LANE_COUNT]
+    numbers, many, n = flat_integers(world, GROUPS), rows(world, GROUPS) > _MANY, kernels[0, c.LANE_COUNT]
     for g in range(first, after):
         if many and g + 1 < after:
             for k in range(0, MANIFOLD.width, 8):  # a cache line each
@@ -60,6 +64,6 @@ def prepare(t: float, h: float, world: int) -> None:
             for k in range(r.INERTIA_A, r.MARK):
                 scratch[k * c.WIDTH + lane] = 0.0
         own = lanes[g * c.FIELDS * c.WIDTH : (g + 1) * c.FIELDS * c.WIDTH]
-        sweep(sweeps[0, c.FILL], (own, raw, substep, 0.0, 0.0, n))
-        sweep(sweeps[0, c.REFRESH], (own, scratch, slop, 0.0, 0.0, n))
-        sweep(sweeps[0, c.REFRESH_FRICTION], (own, scratch, 0.0, 0.0, 0.0, n))
+        run_kernel(kernels[0, c.FILL], (own, raw, substep, 0.0, 0.0, n))
+        run_kernel(kernels[0, c.REFRESH], (own, scratch, slop, 0.0, 0.0, n))
+        run_kernel(kernels[0, c.REFRESH_FRICTION], (own, scratch, 0.0, 0.0, 0.0, n))

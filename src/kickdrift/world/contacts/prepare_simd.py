@@ -1,8 +1,8 @@
 """Constraints from manifolds, in lanes: what `kickdrift.world.contacts.prepare` gathers of eight contacts, made into a group.
 
-`raw` are the fields gathered, `own` those of the group, `s` the scratch of `kickdrift.world.contacts.contact_solver_simd`,
-where it is said how loops over lanes are written. Everything is seen from the centre of mass of the first body, where little
-is rounded off.
+`raw` are the fields gathered, `own` those of the group, `s` the scratch, whose fields are declared here too.
+`kickdrift.world.contacts.contact_solver_simd` tells how loops over lanes are written. Everything is seen from the centre of
+mass of the first body, where little is rounded off.
 """
 
 import math
@@ -29,7 +29,7 @@ MASS_A = _RAW.field(1, "1/kg")  # inverse
 MASS_B = _RAW.field(1, "1/kg")
 FRICTION = _RAW.field()
 SLIDE = _RAW.field(3, "m/s")
-SLID = _RAW.field(3, "N s")
+FRICTION_IMPULSE = _RAW.field(3, "N s")
 TWISTED = _RAW.field(1, "N m s")
 RESISTANCE = _RAW.field(1, "m")
 ROLLED = _RAW.field(3, "N m s")
@@ -53,7 +53,7 @@ INERTIA_B = _SCRATCH.field(6, "1/(kg m^2)")
 TURNED_A = _SCRATCH.field(4)  # how they have turned since the anchors lay as they do
 TURNED_B = _SCRATCH.field(4)
 FROM_A_TO_B = _SCRATCH.field(3, "m")
-MARK = _SCRATCH.field()  # 1.0 where arms are to be taken anew
+MARK = _SCRATCH.field()  # 1.0 where arms are to be taken again
 SCRATCH_SIZE = _SCRATCH.close() * W
 _NEXT = c.POINT_FIELDS * W  # from a field of a point to the same of the next
 _ANCHORS, _ANCHOR = c.ANCHORS * W, c.ANCHOR_SIZE * W
@@ -173,7 +173,7 @@ def fill(own: Any, raw: Any, h: float, unused: float, none: float, count: int) -
         own[i + 2 * _NEXT], own[i + 3 * _NEXT] = raw[(IMPULSE + 2) * W + lane], raw[(IMPULSE + 3) * W + lane]
         own[c.SHARE * W + lane], own[c.COUNT * W + lane] = raw[SHARE * W + lane], raw[COUNT * W + lane]
         own[c.STALE * W + lane], own[(c.STALE + 1) * W + lane] = raw[STALE * W + lane], raw[(STALE + 1) * W + lane]
-        own[c.REFRESHED * W + lane], own[c.FASTEST * W + lane] = 0.0, 1e300
+        own[c.REFRESHED * W + lane], own[c.BOUNCE_THRESHOLD * W + lane] = 0.0, 1e300
         own[c.MASS_A * W + lane], own[c.MASS_B * W + lane] = raw[MASS_A * W + lane], raw[MASS_B * W + lane]
         x, y, z = vector(raw, SOFTNESS * W + lane)
         put(own, c.SOFTNESS * W + lane, x, y, z)
@@ -189,8 +189,11 @@ def fill(own: Any, raw: Any, h: float, unused: float, none: float, count: int) -
         own[c.FRICTION * W + lane] = raw[FRICTION * W + lane]
         x, y, z = vector(raw, SLIDE * W + lane)
         own[c.SLIDE * W + lane], own[(c.SLIDE + 1) * W + lane] = ux * x + uy * y + uz * z, vx * x + vy * y + vz * z
-        x, y, z = vector(raw, SLID * W + lane)
-        own[c.SLID * W + lane], own[(c.SLID + 1) * W + lane] = ux * x + uy * y + uz * z, vx * x + vy * y + vz * z
+        x, y, z = vector(raw, FRICTION_IMPULSE * W + lane)
+        own[c.TANGENT_IMPULSE * W + lane], own[(c.TANGENT_IMPULSE + 1) * W + lane] = (
+            ux * x + uy * y + uz * z,
+            vx * x + vy * y + vz * z,
+        )
         own[(c.TWIST + 1) * W + lane], own[c.ROLL * W + lane] = raw[TWISTED * W + lane], raw[RESISTANCE * W + lane]
         x, y, z = vector(raw, ROLLED * W + lane)
         put(own, (c.ROLL + 2) * W + lane, x, y, z)

@@ -9,7 +9,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.colouring import LINKED
-from kickdrift.world.contacts.contact_solver_simd import SWEEP
+from kickdrift.world.contacts.contact_solver_simd import KERNEL
 from kickdrift.world.contacts.prepare_simd import MARK, SCRATCH_SIZE, VELOCITY_A, VELOCITY_B
 from kickdrift.world.contacts.transposing import gather_rows
 from kickdrift.world.integration import UNSOLVED
@@ -18,10 +18,10 @@ from kickdrift.world.tables import (
     BODY,
     COLOURS,
     GROUPS,
+    KERNEL_ADDRESSES,
     LANES,
     MOTION,
     SETTINGS,
-    SWEEPS,
     flat,
     flat_integers,
     floats,
@@ -39,20 +39,20 @@ _NOTED, _FAR, _CALM = 0.01, 30.0, 10.0
 # directly.
 LEFT, FAR_LEFT, TOUCHES = 1 << 20, 1 << 21, 1 << 22
 
-sweep = caller(SWEEP)
+run_kernel = caller(KERNEL)
 
 
 @compiled
 def measure(t: float, h: float, world: int) -> None:
     """Measure the residual, and mark the bodies that are left with too much of it, and those that are solved directly."""
     groups, colours, body = integers(world, GROUPS), integers(world, COLOURS), integers(world, BODY)
-    lanes, sweeps, bodies = flat(world, LANES), integers(world, SWEEPS), flat_integers(world, GROUPS)
+    lanes, kernels, bodies = flat(world, LANES), integers(world, KERNEL_ADDRESSES), flat_integers(world, GROUPS)
     scratch, motion = carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)), floats(world, MOTION)
-    most, noted, n = floats(world, SETTINGS)[0, RESIDUAL], _noted(h, world), sweeps[0, c.LANE_COUNT]
+    most, noted, n = floats(world, SETTINGS)[0, RESIDUAL], _noted(h, world), kernels[0, c.LANE_COUNT]
     for g in range(colours[0, c.FIRST_GROUP], colours[LINKED, c.FIRST_GROUP]):
         gather_rows(motion, 0, 0, 6, bodies, GROUPS.width * g + c.BODIES_A, scratch, VELOCITY_A)
         gather_rows(motion, 0, 0, 6, bodies, GROUPS.width * g + c.BODIES_B, scratch, VELOCITY_B)
-        sweep(sweeps[0, c.MEASURE], (lanes[g * _SIZE : (g + 1) * _SIZE], scratch, 0.0, 0.0, 0.0, n))
+        run_kernel(kernels[0, c.MEASURE], (lanes[g * _SIZE : (g + 1) * _SIZE], scratch, 0.0, 0.0, 0.0, n))
         for lane in range(n):
             left = scratch[MARK * _W + lane]
             most = max(most, left)

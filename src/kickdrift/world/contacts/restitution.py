@@ -68,7 +68,7 @@ def find_bouncing(t: float, h: float, world: int) -> None:
         bounces = contact[row, c.PLACE_IN_GROUPS] >= 0 and (e > 0.0 or contact[row, c.CONTACT_STATE] & c.FAST)
         if bounces and not _is_linked(world, row):
             bouncing[count, 0] = row
-            constraint(world, row)[c.FASTEST * c.WIDTH] = slowest
+            constraint(world, row)[c.BOUNCE_THRESHOLD * c.WIDTH] = slowest
             count += 1
     set_rows(world, BOUNCING, count)
 
@@ -104,7 +104,7 @@ def bounce(t: float, h: float, world: int) -> None:
 
 @compiled(inline=True)
 def _let_be(own: Any, point: int) -> None:
-    """Keep the sweeps of this substep from a point that bounced in it or does not touch, until its arms are taken anew.
+    """Keep the sweeps of this substep from a point that bounced in it or does not touch, until its arms are taken again.
 
     Where bodies that bounced have been set back to they never were: turned by a radian, they would seem to overlap there. Of
     those that turn fast the sweeps, which take velocities to be constant, might stop what only passes by.
@@ -120,7 +120,7 @@ def _bodies(world: int, hit: int) -> tuple[int, int]:
 
 @compiled(inline=True)
 def _is_linked(world: int, row: int) -> bool:
-    """Whether a contact is solved directly, and bounces there: see `kickdrift.world.direct.bounces`."""
+    """Whether a contact is solved directly, and bounces there: see `kickdrift.world.direct.restitution`."""
     place: int = integers(world, CONTACT)[row, c.PLACE_IN_GROUPS]
     linked: bool = place // c.WIDTH >= integers(world, COLOURS)[LINKED, c.FIRST_GROUP]
     return linked

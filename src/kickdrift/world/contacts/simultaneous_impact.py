@@ -228,7 +228,7 @@ def find_impulses(world: int) -> None:
 
 @compiled
 def _find_friction(world: int, scale: float) -> None:
-    """Find friction within what the normal impulses allow, and what they have to be for nothing to part or approach."""
+    """Find friction within what the normal impulses allow, and what they must be for nothing to part or approach."""
     impact, count = floats(world, IMPACT), rows(world, IMPACT)
     for hit in range(count):
         total = pushed(impact[hit])

@@ -5,7 +5,6 @@ from numba import types
 from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts.layout import SOLVE_EQUATIONS
-from kickdrift.world.direct.closings import add_closings, load_closings, predict_closings, refine_closings
 from kickdrift.world.direct.contact_assembly import add_contacts, load_contacts
 from kickdrift.world.direct.contact_impulses import give_contacts, predict_contacts, refine_contacts
 from kickdrift.world.direct.contacts import BOUNCE, PRESS, fix_contacts, update_contact_states
@@ -13,6 +12,7 @@ from kickdrift.world.direct.factorisation import factor
 from kickdrift.world.direct.joint_impulses import give_joints
 from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE, HAS_JOINTS, LINK_ROW
 from kickdrift.world.direct.line_search import search_line
+from kickdrift.world.direct.loop_closures import add_closings, load_closings, predict_closings, refine_closings
 from kickdrift.world.direct.matrix import clear_blocks, put_inertia
 from kickdrift.world.direct.substitution import substitute
 from kickdrift.world.direct.velocities import inner_speed
@@ -23,11 +23,11 @@ from kickdrift.world.tables import (
     ISLAND,
     ISLAND_JOINT,
     JOINT,
+    KERNEL_ADDRESSES,
     LINK,
     LINK_NUMBERS,
     MOTION,
     NODE,
-    SWEEPS,
     floats,
     integers,
 )
@@ -89,7 +89,7 @@ def solve_island(
 def solve(island: int, h: float, ahead: float, task: int, first: bool, touched: bool, how: int, world: int) -> bool:
     """Call `solve_island`: until the laws fit, with those at hand, or to find velocities alone, which nothing is given."""
     found: bool = call(
-        integers(world, SWEEPS)[0, SOLVE_EQUATIONS], (island, h, ahead, task, first, touched, how, world)
+        integers(world, KERNEL_ADDRESSES)[0, SOLVE_EQUATIONS], (island, h, ahead, task, first, touched, how, world)
     )
     return found
 

@@ -13,7 +13,6 @@ the drift too, and bodies are put back to where the joints hold them.
 import math
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.direct.closings import begin_closings, stay_closings
 from kickdrift.world.direct.contact_impulses import clear_contacts, driven, forget_contacts, left_of_contacts
 from kickdrift.world.direct.contacts import PRESS, REST, begin_contacts, is_cut, note_impulses
 from kickdrift.world.direct.equations import AS_ASSUMED, BY_LAWS, aim_island, solve
@@ -28,6 +27,7 @@ from kickdrift.world.direct.layout import (
     LOST,
     RATIO,
 )
+from kickdrift.world.direct.loop_closures import begin_closings, stay_closings
 from kickdrift.world.direct.losses import LONG_TURN
 from kickdrift.world.direct.nodes import mass_of
 from kickdrift.world.direct.position_correction import repair
@@ -165,7 +165,7 @@ def _approach(island: int, h: float, off: float, most: int, world: int) -> float
 
 @compiled(cached=False)
 def _is_thrown(island: int, h: float, world: int) -> bool:
-    """Whether an island turns fast with far more energy than it had: at a solution far away, which no one wants."""
+    """Whether an island turns fast with far more energy than it had: at a distant, spurious solution."""
     most = WILD * kinetic_energy(island, NOTED, world)
     thrown: bool = (
         h * fastest(island, MOTION, ANGULAR_PART, world) > LONG_TURN and kinetic_energy(island, MOTION, world) > most
@@ -194,7 +194,7 @@ def _take_care(island: int, h: float, world: int) -> None:
 def _lawful(island: int, h: float, world: int) -> float:
     """Part of its energy that an island may have before the drift: turned by an angle a in the substep, it has a^2 / 2 more.
 
-    With a margin of a tenth: solutions far away, which no one wants, have more, that of a grid of 4 x 4 balls by a sixth.
+    With a margin of a tenth: distant, spurious solutions have more, that of a grid of 4 x 4 balls by a sixth.
     """
     turn = h * fastest(island, NOTED, ANGULAR_PART, world)
     return 1.1 + 0.6 * min(turn, 1.5) ** 2

@@ -1,4 +1,4 @@
-"""How joints come into a world: one line a kind."""
+"""Adding joints to a world: one line per kind."""
 
 import functools
 import inspect
@@ -60,24 +60,24 @@ def _sign(add: Callable[..., Joint], kind: Callable[..., Record], first: tuple[s
 
 
 class AddsJoints:
-    """The methods of a world that add joints: of body b to body a, where None is the ground."""
+    """The methods of a world that add joints, of body b to body a; None is the ground."""
 
     tables: Tables
     bodies: Bodies
     joints: Joints
 
     def add_joint(self, body_a: Body | None, body_b: Body | None, record: Record) -> Joint:
-        """Join two bodies as they stand.
+        """Join two bodies in their current poses.
 
-        Angles, positions, motors, drives and limits are those of b against a. Where forces move only one of the two, they
-        are those of that one against the other: it does not matter which was named first.
+        Angles, positions, motors, drives and limits are those of b relative to a. If forces move only one of the two, they
+        are those of that one relative to the other, whichever is named first.
 
         Parameters
         ----------
         body_a, body_b : Body
             None is the ground.
         record : Record
-            What kind of joint it is: one of `kickdrift.world.joints.catalogue.KINDS`.
+            The kind of joint: one of `kickdrift.world.joints.catalogue.KINDS`.
 
         Returns
         -------
@@ -87,12 +87,14 @@ class AddsJoints:
         Raises
         ------
         ArgumentError
-            For a body with itself, bodies that are gone, and for what the record refuses.
+            For a body with itself, removed bodies, and whatever the record refuses.
         """
         if not isinstance(record, Record):
-            raise ArgumentError(f"record={record!r} is no kind of joint; give one of kickdrift.world.joints.catalogue.")
+            raise ArgumentError(
+                f"record={record!r} is not a kind of joint; give one of kickdrift.world.joints.catalogue."
+            )
         if isinstance(record, Gear):
-            raise ArgumentError(f"record={record!r} couples joints, not bodies; give what it is made of to add_gear.")
+            raise ArgumentError(f"record={record!r} couples joints, not bodies; use add_gear with its parameters.")
         row_a, row_b = (
             self.bodies.row(self.bodies.ground if body is None else body, argument)
             for body, argument in ((body_a, "body_a"), (body_b, "body_b"))
@@ -100,27 +102,28 @@ class AddsJoints:
         kinds = self.tables.array(BODY)[[row_a, row_b], BODY_KIND]
         if not (kinds == DYNAMIC).any():
             raise ArgumentError(
-                "body_a and body_b are both static or kinematic, which no joint moves; give one that moves."
+                "body_a and body_b are both static or kinematic, so no joint can move them; give at least one dynamic"
+                " body."
             )
         return self.joints.add(record, row_a, row_b)
 
     def joint(self, name: str) -> Joint:
-        """Return the joint of a name.
+        """Return the joint with a name.
 
         Raises
         ------
         UnknownNameError
-            If none has it; the sentence says which there are.
+            If there is none; the message lists the names.
         """
         return self.joints.handle(self.joints.names.row(name))
 
     def remove_joint(self, joint: Joint) -> None:
-        """Take a joint away.
+        """Remove a joint.
 
         Raises
         ------
         ArgumentError
-            If it is gone already.
+            If it was removed before.
         """
         self.joints.remove(joint)
 

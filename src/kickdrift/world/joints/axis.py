@@ -1,4 +1,4 @@
-"""What a joint does along or about one of its axes."""
+"""The laws of a joint along or about one of its axes."""
 
 import math
 from dataclasses import dataclass, replace
@@ -20,14 +20,14 @@ def is_number(value: Any) -> bool:
 
 
 def finite(argument: str, value: float) -> None:
-    """Refuse a number that is none.
+    """Refuse a number that is not finite.
 
     Raises
     ------
     ArgumentError
     """
     if not ((type(value) is float or is_number(value)) and math.isfinite(value)):
-        raise ArgumentError(f"{argument}={value!r} has to be a finite number.")
+        raise ArgumentError(f"{argument}={value!r} must be a finite number.")
 
 
 def not_negative(argument: str, value: float, unit: str, *, infinite: bool = False) -> None:
@@ -41,7 +41,7 @@ def not_negative(argument: str, value: float, unit: str, *, infinite: bool = Fal
         return
     if not (is_number(value) and value >= 0.0 and (infinite or value < math.inf)):
         rest = "zero or positive" if infinite else "zero or positive, and finite"
-        raise ArgumentError(f"{argument}={value!r} has to be {rest}, in {unit}.")
+        raise ArgumentError(f"{argument}={value!r} must be {rest}, in {unit}.")
 
 
 def pair(argument: str, value: Any) -> tuple[float, float]:
@@ -53,7 +53,7 @@ def pair(argument: str, value: Any) -> tuple[float, float]:
     """
     ends = list(value) if isinstance(value, tuple | list) or (isinstance(value, np.ndarray) and value.ndim == 1) else []
     if len(ends) != 2 or not all(is_number(end) for end in ends):
-        raise ArgumentError(f"{argument}={value!r} have to be two numbers, the least and the greatest one, or None.")
+        raise ArgumentError(f"{argument}={value!r} must be two numbers, the smallest and the largest, or None.")
     return value[0], value[1]
 
 
@@ -65,17 +65,17 @@ def check_kind(argument: str, value: Any, kind: type) -> None:
     ArgumentError
     """
     if not (value is None or isinstance(value, kind)):
-        raise ArgumentError(f"{argument}={value!r} has to be a kickdrift.{kind.__name__}, or None.")
+        raise ArgumentError(f"{argument}={value!r} must be a kickdrift.{kind.__name__}, or None.")
 
 
 @dataclass(frozen=True)
 class Motor:
-    """Turns or pushes at a speed, with as much torque or force as that takes up to a maximum.
+    """A motor that maintains a speed, with as much torque or force as that takes, up to a maximum.
 
     Parameters
     ----------
     speed : float
-        At which the joint's angle or position grows; rad/s about an axis, m/s along one.
+        Rate of the joint's angle or position; rad/s about an axis, m/s along one.
     maximum : float
         N m about an axis, N along one.
 
@@ -95,10 +95,10 @@ class Motor:
 
 @dataclass(frozen=True)
 class Drive:
-    """A spring with a damper, which pulls towards a position: passive, or as the controller of an actuator.
+    """A spring and damper that pulls towards a position: passive, or as the controller of an actuator.
 
-    Give either stiffness and damping, or hertz and damping ratio: those of the two bodies alone, with everything else that
-    the joint locks held, at the pose at which the joint is made.
+    Give either stiffness and damping, or frequency and damping ratio: those of the two bodies alone, with the joint's locked
+    axes held, in the pose in which the joint is created.
 
     Parameters
     ----------
@@ -109,21 +109,21 @@ class Drive:
     hertz, damping_ratio : float, optional
         Natural frequency, in 1/s, and damping over critical damping.
     target : float
-        Position or angle at which it does not pull, m or rad.
+        Position or angle at which the spring force is zero, m or rad.
     speed : float
-        Speed at which it does not damp, m/s or rad/s.
+        Speed at which the damping force is zero, m/s or rad/s.
     maximum : float
-        N or N m that it does not exceed.
+        Largest force or torque, N or N m.
 
     Raises
     ------
     ArgumentError
-        For negative numbers, ones that are not finite, and both ways of saying how stiff it is at once.
+        For negative numbers, ones that are not finite, and a stiffness that is given twice.
 
     Notes
     -----
-    Both act by the position and speed that they lead to, so any stiffness and damping is stable. Springs slow against the
-    substep keep their energy; see `kickdrift.world.joints.laws`.
+    Both are implicit in the position and speed, so any stiffness and damping is stable. Springs that are slow compared to
+    the substep conserve their energy; see `kickdrift.world.joints.laws`.
     """
 
     stiffness: float = 0.0
@@ -137,7 +137,7 @@ class Drive:
     def __post_init__(self) -> None:
         not_negative("stiffness", self.stiffness, "N m/rad about an axis, N/m along one")
         not_negative("damping", self.damping, "N m s/rad about an axis, N s/m along one")
-        not_negative("damping_ratio", self.damping_ratio, "parts of critical damping")
+        not_negative("damping_ratio", self.damping_ratio, "ratio to critical damping")
         not_negative("maximum", self.maximum, "N m about an axis, N along one", infinite=True)
         finite("target", self.target)
         finite("speed", self.speed)
@@ -148,11 +148,11 @@ class Drive:
                 )
             return
         if not (is_number(self.hertz) and 0.0 < self.hertz < math.inf):
-            raise ArgumentError(f"hertz={self.hertz!r} has to be positive and finite, in 1/s.")
+            raise ArgumentError(f"hertz={self.hertz!r} must be positive and finite, in 1/s.")
         if self.stiffness > 0.0 or self.damping > 0.0:
             raise ArgumentError(
-                f"hertz={self.hertz!r} and stiffness={self.stiffness!r}, damping={self.damping!r} say how stiff the drive"
-                " is in two ways; give hertz and damping_ratio, or stiffness and damping."
+                f"hertz={self.hertz!r} and stiffness={self.stiffness!r}, damping={self.damping!r} define the stiffness"
+                " of the drive twice; give hertz and damping_ratio, or stiffness and damping."
             )
 
     def coefficients(self, mass: float) -> tuple[float, float]:
@@ -165,23 +165,23 @@ class Drive:
 
 @dataclass(frozen=True)
 class Axis:
-    """What a joint does along or about one of its axes.
+    """The laws of a joint along or about one of its axes.
 
     Parameters
     ----------
     locked : bool
-        Nothing moves along it. All else is for axes that are open.
+        Whether no motion is possible. All other parameters are for open axes.
     limits : (2,) tuple of float, optional
-        Least and greatest position or angle, in m or rad; infinite ones are none.
+        Smallest and largest position or angle, in m or rad; infinite for none.
     motor : Motor, optional
     drive : Drive, optional
     friction : float
-        Dry friction: the greatest force or torque with which it holds at rest and brakes in motion, N or N m.
+        Dry friction: the largest force or torque with which it holds at rest and brakes in motion, N or N m.
 
     Raises
     ------
     ArgumentError
-        For limits the wrong way round or not a number, negative friction, and for a locked axis with anything else.
+        For limits in the wrong order or not a number, negative friction, and a locked axis with any law.
     """
 
     locked: bool = False
@@ -199,12 +199,12 @@ class Axis:
             lower, upper = pair("limits", self.limits)
             if not lower <= upper:
                 raise ArgumentError(
-                    f"limits={self.limits!r} have to be the least and the greatest position, in this order."
+                    f"limits={self.limits!r} must be the smallest and the largest position, in this order."
                 )
             if lower == math.inf or upper == -math.inf:
-                raise ArgumentError(f"limits={self.limits!r} leave no place; give finite ones.")
+                raise ArgumentError(f"limits={self.limits!r} allow no finite position; give finite limits.")
         if self.locked and self.has_law:
-            raise ArgumentError("locked=True leaves nothing to limit, drive or brake; leave the axis open.")
+            raise ArgumentError("locked=True leaves no motion to limit, drive or brake; leave the axis open.")
 
     def reversed(self) -> "Axis":
         """Return the same as seen from the other side, where positions, speeds and efforts have the other sign."""

@@ -23,18 +23,18 @@ class Ball(Record):
     axis : (3,) array_like
         Direction from which swing and about which twist are measured, in the world: along the limb.
     swing_limit : float, optional
-        Greatest angle by which the axis of b leaves that of a, rad, below pi.
+        Largest angle between the axes of a and b, rad, below pi.
     twist_limits : (2,) tuple of float, optional
-        Least and greatest angle of b about the axis, rad, between -pi and pi.
+        Smallest and largest angle of b about the axis, rad, between -pi and pi.
     drive : Drive, optional
-        Pulls b back into the orientation that it has now, by the rotation vector.
+        Pulls b back to its initial orientation, by the rotation vector.
     friction : float
-        Greatest torque of dry friction about each axis, N m.
+        Largest torque of dry friction about each axis, N m.
 
     Raises
     ------
     ArgumentError
-        For limits the wrong way round or beyond pi, and for a drive with a target or a maximum.
+        For limits in the wrong order or beyond pi, and for a drive with a target or a maximum.
 
     Notes
     -----
@@ -52,20 +52,20 @@ class Ball(Record):
         super().__post_init__()
         check_kind("drive", self.drive, Drive)
         if self.swing_limit is not None and not (is_number(self.swing_limit) and 0.0 < self.swing_limit < math.pi):
-            raise ArgumentError(f"swing_limit={self.swing_limit!r} has to be above 0 and below pi, in rad.")
+            raise ArgumentError(f"swing_limit={self.swing_limit!r} must be above 0 and below pi, in rad.")
         if self.twist_limits is not None:
             lower, upper = pair("twist_limits", self.twist_limits)
             if not -math.pi < lower <= upper < math.pi:
                 raise ArgumentError(
-                    f"twist_limits={self.twist_limits!r} have to be the least and the greatest angle, in this order, above"
-                    " -pi and below pi."
+                    f"twist_limits={self.twist_limits!r} must be the smallest and the largest angle, in this order,"
+                    " above -pi and below pi."
                 )
         if self.drive is not None and (
             self.drive.target != 0.0 or self.drive.speed != 0.0 or self.drive.maximum != math.inf
         ):
             raise ArgumentError(
-                f"drive={self.drive!r} has a target, a speed or a maximum, but that of a ball joint pulls back to the"
-                " orientation at the start, about no axis of its own; use add_six_dof_joint for others."
+                f"drive={self.drive!r} has a target, a speed or a maximum, but the drive of a ball joint only pulls"
+                " back to the initial orientation, about no particular axis; use add_six_dof_joint for other drives."
             )
 
     def placement(self) -> Placement:

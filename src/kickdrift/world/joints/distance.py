@@ -1,4 +1,4 @@
-"""The rod: two points stay as far apart as they are."""
+"""The distance joint: two points keep their distance."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Distance(Record):
     anchor_a, anchor_b : (3,) array_like
         The points, in the world, m.
     length : float, optional
-        m; how far apart the points are now by default.
+        m; by default the current distance of the points.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The joint that lets nothing move."""
+"""The fixed joint."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Fixed(Record):
     Parameters
     ----------
     anchor : (3,) array_like
-        Where they are joined, in the world, m: the point that its torque refers to.
+        Where they are joined, in the world, m: the reference point of its torque.
     """
 
     anchor: ArrayLike

@@ -1,4 +1,4 @@
-"""The gear, which couples axes of two joints: wheels that mesh, belts, racks and screws."""
+"""The gear, which couples axes of two joints: meshing wheels, belts, racks and screws."""
 
 from dataclasses import dataclass
 
@@ -27,34 +27,35 @@ from kickdrift.world.tables import BODY, JOINT, JOINT_NUMBERS
 
 @dataclass(frozen=True)
 class Gear(Record):
-    """One joint moves as another one does, times a ratio: wheels that mesh, belts, racks and screws.
+    """One joint moves in proportion to another: meshing wheels, belts, racks and screws.
 
-    From where they stand, the angle or position of joint a changes by ``ratio`` times as much as that of joint b. What
-    that takes acts about or along the axes of both joints, on both bodies of each: a housing that moves bears its part.
+    From its current value, the angle or position of joint a changes by ``ratio`` times as much as that of joint b. The
+    reaction acts about or along the axes of both joints, on both bodies of each: a movable housing takes its share.
 
     Parameters
     ----------
     joint_a, joint_b : Joint
         Hinges and sliders, of any bodies; or others, with the axes named.
     ratio : float
-        Change of joint a per change of joint b. Wheels that mesh turn against each other: it is minus the radius of wheel b
-        over that of wheel a, where both axes have the same direction. With a slider as joint a and a hinge as joint b it is
-        in m/rad: the radius of a pinion on a rack, or the pitch of a screw over 2 pi.
+        Change of joint a per change of joint b. Meshing wheels turn in opposite directions: the ratio is minus the radius of
+        wheel b over that of wheel a, if both axes have the same direction. With a slider as joint a and a hinge as joint b
+        it is in m/rad: the radius of a pinion on a rack, or the pitch of a screw over 2 pi.
     axis_a, axis_b : int, optional
-        The axes that are coupled: 0-2 along, 3-5 about them; by default the one that a hinge turns about or a slider slides
-        along. Joint b may be joint a, with another axis: a cylindrical joint (`SixDof`) becomes a screw.
+        The coupled axes: 0-2 linear, 3-5 angular; by default the axis of a hinge or a slider. Joint b may be joint a, with
+        another axis: a cylindrical joint (`SixDof`) becomes a screw.
 
     Raises
     ------
     ArgumentError
-        For joints that are gone or of different worlds, axes that are locked or have no angle or position that can be
+        For removed joints or joints of different worlds, axes that are locked or have no angle or position that can be
         coupled, an axis with itself, and a ratio that is zero or not finite.
 
     Notes
     -----
-    The handle's `Joint.effort` is the torque or force on joint a, that on joint b is ``-ratio`` times as great; with a hinge as
-    joint a, the gear breaks with ``breaking_torque``, with a slider with ``breaking_force``. A gear goes with its joints, of
-    which none can be placed while it is there. A joint that turns by more than half a turn in a substep slips by full turns.
+    The handle's `Joint.effort` is the torque or force on joint a, that on joint b is ``-ratio`` times as great; with a hinge
+    as joint a, the gear breaks with ``breaking_torque``, with a slider with ``breaking_force``. A gear is removed with its
+    joints, none of which can be placed while it exists. A joint that turns by more than half a turn in a substep slips by
+    full turns.
     """
 
     joint_a: Joint
@@ -108,8 +109,8 @@ def _axis(name: str, joint: Joint, axis: int | None) -> int:
     row = joint.joints.tables.row(JOINT, joint.joints.row(joint))
     if axis is None and row.item(PRINCIPAL) < 0:
         raise ArgumentError(
-            f"axis_{name}=None is ambiguous for joint_{name}={joint!r}, which has no one open axis; give 0-2 for a linear or"
-            " 3-5 for an angular one."
+            f"axis_{name}=None is ambiguous for joint_{name}={joint!r}, which does not have exactly one open axis;"
+            " give 0-2 for a linear or 3-5 for an angular one."
         )
     k = joint.axis(axis)
     if row.item(LOCKED) >> k & 1:
@@ -118,7 +119,7 @@ def _axis(name: str, joint: Joint, axis: int | None) -> int:
         )
     if (k < 3 and row.item(LINEAR) == LINE) or (k >= 3 and row.item(ANGULAR) != HINGE):
         raise ArgumentError(
-            f"axis_{name}={k} of joint_{name}={joint!r} cannot be geared; give a linear axis that is fixed in a body, as that"
-            " of a slider, or the only open angular one, as that of a hinge."
+            f"axis_{name}={k} of joint_{name}={joint!r} cannot be geared; give a linear axis that is fixed in a body,"
+            " as in a slider, or the only open angular axis, as in a hinge."
         )
     return k

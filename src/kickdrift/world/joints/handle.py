@@ -1,4 +1,4 @@
-"""The handle of a joint: what it reads and sets while a world runs."""
+"""The handle of a joint, which reads and sets its properties while a world runs."""
 
 from __future__ import annotations
 
@@ -30,17 +30,17 @@ class Joint(Handle):
     index : int
         Its row in the tables of joints.
     generation : int
-        Joints that the world had seen before it; a handle of one that is gone is known by it.
+        Number of joints that the world had before it; identifies handles of removed joints.
 
     Notes
     -----
-    Angles, positions, speeds, efforts, forces and torques are those of body b against body a. Where forces move only one
-    of the two, they are those of that one against the other, whichever was named first: the ground, a static or a kinematic
-    body is what one measures from. A hinge's angle is positive counter-clockwise about its axis, a slider's position along it.
+    Angles, positions, speeds, efforts, forces and torques are those of body b relative to body a. If forces move only one of
+    the two, they are those of that one relative to the other, whichever was named first: the ground, a static or a kinematic
+    body is the reference. A hinge's angle is positive counter-clockwise about its axis, a slider's position along it.
 
-    Axes 0-2 are linear and 3-5 angular; where ``axis`` is left out, the one that a hinge turns about, a slider slides along
-    and the line of a distance joint, a rope or a spring are meant. Positions and angles are those at the end of the last step,
-    or those that the joint was given since. Everything raises `ArgumentError` once the joint is gone.
+    Axes 0-2 are linear and 3-5 angular; the default of ``axis`` is the axis of a hinge or a slider, and the line of a
+    distance joint, a rope or a spring. Positions and angles are those at the end of the last step, or those set since. Every
+    access raises `ArgumentError` once the joint is removed.
     """
 
     __slots__ = ("_joints", "_seen")
@@ -78,7 +78,7 @@ class Joint(Handle):
 
     @property
     def angle(self) -> float:
-        """Angle about the axis of a hinge, rad, with full turns counted; a new one places what hangs on it, see `place`."""
+        """Angle about the axis of a hinge, rad, with full turns counted; setting it moves what is attached, see `place`."""
         seen, k = self._look(), self._axis("angle")
         angle: float = 0.0 + seen.signs[k] * seen.numbers.item(JOINT_POSITION + k)  # never -0.0
         return angle
@@ -89,9 +89,9 @@ class Joint(Handle):
 
     @property
     def position(self) -> float:
-        """Position along the axis of a slider; of a distance joint, rope or spring the length it has too much; m.
+        """Position along the axis of a slider; for a distance joint, rope or spring the excess length; m.
 
-        A new one places what hangs on it, see `place`.
+        Setting it moves what is attached, see `place`.
         """
         seen, k = self._look(), self._axis("position")
         position: float = 0.0 + seen.signs[k] * seen.numbers.item(JOINT_POSITION + k)
@@ -103,7 +103,7 @@ class Joint(Handle):
 
     @property
     def speed(self) -> float:
-        """Rate of `angle` or `position`, rad/s or m/s; a new one is given to what hangs on it, see `place`."""
+        """Rate of `angle` or `position`, rad/s or m/s; setting it applies to what is attached, see `place`."""
         seen = self._look()
         k = seen.principal if seen.principal >= 0 else self.axis()
         x, y, z = seen.axes[k].tolist()
@@ -126,7 +126,7 @@ class Joint(Handle):
 
     @property
     def force(self) -> Floats:
-        """Mean force at the joint during the last step on the body whose motion is measured, (3,) in the world's axes, N."""
+        """Mean force at the joint during the last step on the body that is measured, (3,) in the world's axes, N."""
         seen = self._look()
         numbers = seen.numbers
         return np.asarray(seen.side * (numbers[TOTAL : TOTAL + 3] @ numbers[AXES : AXES + 9].reshape(3, 3)))
@@ -140,16 +140,16 @@ class Joint(Handle):
 
     @property
     def effort(self) -> float:
-        """Torque or force along the open axis in the last step: of motor, drive, friction and limits; N m or N."""
+        """Torque or force along the open axis in the last step, from motor, drive, friction and limits; N m or N."""
         seen, k = self._look(), self.axis()
         effort: float = 0.0 + seen.signs[k] * seen.numbers.item(TOTAL + k)
         return effort
 
     def apply_effort(self, effort: float, axis: int | None = None) -> None:
-        """Apply a torque about an open axis, or a force along it, during the next step, and its opposite to the other body.
+        """Apply a torque about an open axis, or a force along it, in the next step, and its reaction to the other body.
 
-        A positive one makes the angle or position grow. Its direction is that of the axis at the end of the last step.
-        `effort`, what the joint itself does, is without it.
+        A positive effort increases the angle or position. Its direction is that of the axis at the end of the last step.
+        `effort`, which is that of the joint itself, does not include it.
 
         Parameters
         ----------
@@ -182,29 +182,52 @@ class Joint(Handle):
                 a, b, c = arm.tolist()
                 load[:] = (u + f, v + g, w + h, p + b * h - c * g, q + c * f - a * h, r + a * g - b * f)
 
+    def motor(self, axis: int | None = None) -> Motor | None:
+        """Return the motor of an axis, or None; axes are as in `apply_effort`."""
+        found: Motor | None = self._joints.law(self, axis, "motor")
+        return found
+
+    def drive(self, axis: int | None = None) -> Drive | None:
+        """Return the drive of an axis, or None, with stiffness and damping even if it was set by its frequency.
+
+        Change a part of it with ``joint.set_drive(dataclasses.replace(joint.drive(), target=0.5))``.
+        """
+        found: Drive | None = self._joints.law(self, axis, "drive")
+        return found
+
+    def limits(self, axis: int | None = None) -> tuple[float, float] | None:
+        """Return the limits of an axis, m or rad, or None."""
+        found: tuple[float, float] | None = self._joints.law(self, axis, "limits")
+        return found
+
+    def friction(self, axis: int | None = None) -> float:
+        """Return the dry friction of an axis, N or N m."""
+        found: float = self._joints.law(self, axis, "friction")
+        return found
+
     def set_motor(self, motor: Motor | None, axis: int | None = None) -> None:
-        """Exchange the motor of an axis; None takes it away."""
+        """Set the motor of an axis; None removes it."""
         check_kind("motor", motor, Motor)
         self._joints.change_law(self, axis, "motor", motor)
 
     def set_drive(self, drive: Drive | None, axis: int | None = None) -> None:
-        """Exchange the drive of an axis; None takes it away."""
+        """Set the drive of an axis; None removes it."""
         check_kind("drive", drive, Drive)
         self._joints.change_law(self, axis, "drive", drive)
 
     def set_limits(self, limits: tuple[float, float] | None, axis: int | None = None) -> None:
-        """Exchange the limits of an axis, m or rad; None takes them away."""
+        """Set the limits of an axis, m or rad; None removes them."""
         self._joints.change_law(self, axis, "limits", Axis(limits=limits).limits)
 
     def set_friction(self, friction: float, axis: int | None = None) -> None:
-        """Exchange the dry friction of an axis, N or N m."""
+        """Set the dry friction of an axis, N or N m."""
         self._joints.change_law(self, axis, "friction", Axis(friction=friction).friction)
 
     def place(self, value: float, axis: int | None = None) -> None:
-        """Place a joint at an angle or position, with everything that hangs on it; the rates of all joints stay.
+        """Move a joint to an angle or position, with everything attached to it; the rates of all joints stay the same.
 
-        The body whose motion is measured is turned or shifted against the other one, and all that joints hold to it goes
-        with it as if it were one body. Where a way of joints leads from it to what forces do not move, the other side moves.
+        The body that is measured is rotated or shifted relative to the other one, and everything joined to it moves with it
+        as one rigid body. If a chain of joints leads from it to a body that forces do not move, the other side moves.
 
         Parameters
         ----------
@@ -217,7 +240,7 @@ class Joint(Handle):
         ------
         ArgumentError
             For a value that is not finite or beyond the limits, an axis that is locked or has no angle of its own, and where
-            the joint is part of a loop, or both sides are held: then there is no side that could move alone.
+            the joint is part of a loop, or both sides are held, so that neither side can move alone.
         """
         place(self, self.axis(axis), "value", value)
 
@@ -233,12 +256,12 @@ class Joint(Handle):
         if axis is None:
             if principal < 0:
                 raise ArgumentError(
-                    f"axis=None is ambiguous for joint={self!r}, which has no one open axis; give 0-2 for a linear or 3-5 for"
-                    " an angular one, or ask for angles or positions."
+                    f"axis=None is ambiguous for joint={self!r}, which does not have exactly one open axis; give 0-2"
+                    " for a linear or 3-5 for an angular one, or use angles or positions."
                 )
             return principal
         if isinstance(axis, bool) or not (isinstance(axis, int | np.integer) and 0 <= axis < 6):
-            raise ArgumentError(f"axis={axis!r} has to be 0-2 for a linear or 3-5 for an angular axis.")
+            raise ArgumentError(f"axis={axis!r} must be 0-2 for a linear or 3-5 for an angular axis.")
         return axis
 
     def sign(self, k: int) -> float:
@@ -256,7 +279,7 @@ class Joint(Handle):
         k = self.axis()
         if (k < 3) == (what == "angle"):
             does, has = ("slides", "position") if k < 3 else ("turns", "angle")
-            raise ArgumentError(f"joint={self!r} {does} and has no {what} of its own; ask for its {has}.")
+            raise ArgumentError(f"joint={self!r} {does} and has no {what} of its own; use its {has}.")
         return k
 
     def _look(self) -> JointViews:

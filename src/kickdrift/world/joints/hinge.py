@@ -12,26 +12,26 @@ from kickdrift.world.joints.record import Placement, Record, direction, frame_al
 
 @dataclass(frozen=True)
 class Hinge(Record):
-    """Body b turns about an axis of body a.
+    """Body b rotates about an axis of body a.
 
     Parameters
     ----------
     anchor : (3,) array_like
         A point of the axis, in the world, m.
     axis : (3,) array_like
-        Direction of the axis, in the world; angles are positive counter-clockwise about it: of b against a, or where forces
-        move only one of them, of that one against the other.
+        Direction of the axis, in the world; angles are positive counter-clockwise about it: of b relative to a, or if forces
+        move only one of them, of that one relative to the other.
     limits : (2,) tuple of float, optional
-        Least and greatest angle, rad; it is zero now, and counts turns.
+        Smallest and largest angle, rad; the angle is zero initially, and counts turns.
     motor : Motor, optional
     drive : Drive, optional
     friction : float
-        Greatest torque of dry friction, N m.
+        Largest torque of dry friction, N m.
 
     Raises
     ------
     ArgumentError
-        For an axis of length zero, limits the wrong way round, negative friction.
+        For an axis of length zero, limits in the wrong order, negative friction.
     """
 
     anchor: ArrayLike

@@ -6,6 +6,7 @@ from typing import Any, Literal
 import numpy as np
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.world.joints.axis import Drive, Motor
 from kickdrift.world.joints.effective import effective_mass
 from kickdrift.world.joints.layout import (
     ANGULAR,
@@ -71,6 +72,24 @@ def write_law(tables: Tables, joint: int, k: int, part: LawPart, what: Any) -> N
     law[:], row[LAWS], row[ANGULAR] = numbers, laws, angular  # at once, which Ctrl-C does not divide
 
 
+def read_law(tables: Tables, joint: int, k: int, part: LawPart) -> Any:
+    """Return one part of what happens along an axis of a joint: as in an `Axis`, seen from its body a."""
+    numbers: list[float] = tables.row(JOINT_AXES, 6 * joint + k).tolist()
+    if part == "motor":
+        return Motor(numbers[MOTOR_SPEED], numbers[MOTOR_MAXIMUM]) if numbers[MOTOR_MAXIMUM] > 0.0 else None
+    if part == "limits":
+        limits = numbers[LOWER_LIMIT], numbers[UPPER_LIMIT]
+        return None if limits == (-math.inf, math.inf) else limits
+    if part == "friction":
+        return numbers[JOINT_FRICTION]
+    stiffness, damping = numbers[DRIVE_STIFFNESS], numbers[DRIVE_DAMPING]
+    if stiffness == damping == 0.0:
+        return None
+    return Drive(
+        stiffness, damping, target=numbers[TARGET], speed=numbers[TARGET_SPEED], maximum=numbers[DRIVE_MAXIMUM]
+    )
+
+
 def check_changeable(tables: Tables, joint: int, k: int, part: LawPart) -> None:
     """Refuse to change the law of an axis that has none of its own.
 
@@ -80,10 +99,11 @@ def check_changeable(tables: Tables, joint: int, k: int, part: LawPart) -> None:
     """
     row = tables.row(JOINT, joint)
     if row.item(LOCKED) >> k & 1:
-        raise ArgumentError(f"axis={k} is locked, so it has no {part}; make a joint in which it is open.")
+        raise ArgumentError(f"axis={k} is locked, so it has no {part}; add a joint in which it is open.")
     if k != 2 and row.item(LINEAR) == LINE:
         raise ArgumentError(f"axis={k} of a joint along a line has no {part} of its own; only axis 2, the line, has.")
     if k >= 3 and row.item(ANGULAR) == SWING_TWIST:
         raise ArgumentError(
-            f"axis={k} is one of swing and twist, whose {part} cannot be changed; remove the joint and add another one."
+            f"axis={k} belongs to swing and twist, whose {part} cannot be changed; remove the joint and add another"
+            " one."
         )

@@ -22,9 +22,10 @@ def line_placement(anchor_a: ArrayLike, anchor_b: ArrayLike, length: float | Non
     distance = float(np.linalg.norm(b - a))
     if not distance > 0.0:
         raise ArgumentError(
-            f"anchor_b={anchor_b!r} is where anchor_a is; give points apart, or use a ball joint where they are to stay so."
+            f"anchor_b={anchor_b!r} coincides with anchor_a; give two distinct points, or use a ball joint if they are"
+            " to coincide."
         )
     if length is not None and not (is_number(length) and 0.0 < length < np.inf):
-        raise ArgumentError(f"length={length!r} has to be positive and finite, in m.")
+        raise ArgumentError(f"length={length!r} must be positive and finite, in m.")
     frame = frame_along((b - a) / distance)
     return Placement(a, b, frame, (FREE, FREE, axis), line=True, length=length or distance, principal=2)

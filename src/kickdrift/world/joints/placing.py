@@ -1,4 +1,4 @@
-"""Joints at given angles and positions: the side of a joint that hangs on it is moved as if it were one body.
+"""Setting joints to angles and positions: the attached side of a joint is moved as one rigid body.
 
 Seen from the reference, the body at the joint that stays, all points and velocities of the other side are turned or shifted
 alike, so that the rates of all joints stay what they were, that of the one placed too.
@@ -107,7 +107,7 @@ def signs(tables: Tables, row: int) -> Floats:
 
 
 def place(joint: "Joint", k: int, what: str, value: float) -> None:
-    """Place a joint at a position along axis k, or an angle about it, as `Joint.place` says."""
+    """Move a joint to a position along axis k, or an angle about it, see `Joint.place`."""
     row, sign, side = _ready(joint, k, what, value)
     tables = joint.joints.tables
     _check_limits(tables, row, k, sign, what, value)
@@ -115,7 +115,7 @@ def place(joint: "Joint", k: int, what: str, value: float) -> None:
 
 
 def set_speed(joint: "Joint", k: int, speed: float) -> None:
-    """Give axis k of a joint another rate, as `Joint.speed` says."""
+    """Set the rate of axis k of a joint, see `Joint.speed`."""
     row, sign, side = _ready(joint, k, "speed", speed)
     tables = joint.joints.tables
     axis, pivot = _axis(tables, row, k)
@@ -141,12 +141,13 @@ def _check_placeable(tables: Tables, row: int, k: int) -> None:
     """Refuse axes that are locked, and those that have no angle or position of their own; ArgumentError."""
     joint = tables.array(JOINT)[row]
     if joint[LOCKED] >> k & 1:
-        raise ArgumentError(f"axis={k} is locked, so the joint cannot be placed along it; place one of its bodies.")
+        raise ArgumentError(f"axis={k} is locked, so the joint cannot be moved along it; move one of its bodies.")
     if k < 3 and joint[LINEAR] == LINE and k != 2:
         raise ArgumentError(f"axis={k} of a joint along a line has no position of its own; only axis 2, the line, has.")
     if k >= 3 and joint[ANGULAR] not in (HINGE, UNIVERSAL):
         raise ArgumentError(
-            f"axis={k} is one of three open angular axes, which have no angles of their own; give a body its orientation."
+            f"axis={k} is one of three open angular axes, which have no angles of their own; set the orientation of a"
+            " body."
         )
 
 
@@ -155,7 +156,7 @@ def _put(tables: Tables, row: int, k: int, target: float, side: Side) -> None:
     numbers = tables.row(JOINT_NUMBERS, row)
     if k == 2 and tables.row(JOINT, row).item(LINEAR) == LINE and target < -numbers[LENGTH]:
         raise ArgumentError(
-            f"position={target!r} is a distance below zero; give at least minus the joint's length, {-numbers[LENGTH]:g}."
+            f"position={target!r} is a negative distance; give at least minus the joint's length, {-numbers[LENGTH]:g}."
         )
     axis, pivot = _axis(tables, row, k)
     way = side.sign * (target - numbers.item(JOINT_POSITION + k)) * axis
@@ -186,13 +187,13 @@ def _side_of(tables: Tables, row: int, words: str) -> Side:
         side, held = _hanging(start, neighbours, moves)
         if other in side:
             raise ArgumentError(
-                f"{words} is part of a loop, where no side can move alone; place its bodies one by one."
+                f"{words} is part of a loop, where neither side can move alone; place its bodies one by one."
             )
         if not held:
             return Side(np.array(sorted(side)), other, sign)
     raise ArgumentError(
-        f"{words} lies on a way of joints between what forces do not move, where no side can move alone; place its bodies one"
-        " by one."
+        f"{words} lies on a chain of joints between bodies that forces do not move, where neither side can move alone;"
+        " place its bodies one by one."
     )
 
 

@@ -1,26 +1,9 @@
-"""What happens to joints before and after the substeps of a step."""
+"""What happens to joints before the substeps of a step."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import length
-from kickdrift.world.columns import vector_at
 from kickdrift.world.integration import AWAKE, BODY_KIND, DYNAMIC
 from kickdrift.world.joints.impulses import note_speeds
-from kickdrift.world.joints.layout import (
-    BODY_A,
-    BREAKING_FORCE,
-    BREAKING_TORQUE,
-    BROKEN,
-    CLOSINGS,
-    END,
-    FIRST,
-    JOINT_IMPULSE,
-    LAWS,
-    LINK_BODY,
-    LINK_JOINT,
-    LINKS,
-    LOCKED,
-    TOTAL,
-)
+from kickdrift.world.joints.layout import BODY_A, CLOSINGS, END, FIRST, LINK_BODY, LINK_JOINT, LINKS, TOTAL
 from kickdrift.world.tables import ARTICULATION, BODY, JOINT, JOINT_NUMBERS, LINK, floats, integers, rows
 
 
@@ -55,22 +38,3 @@ def begin_joints(t: float, h: float, world: int) -> None:
                 note_speeds(joint, world)
                 for k in range(6):
                     numbers[joint, TOTAL + k] = 0.0
-
-
-@compiled
-def finish_joints(t: float, h: float, world: int) -> None:
-    """Compute the mean force and torque of the joints in the step, and break those that had to bear too much."""
-    articulations, links = integers(world, ARTICULATION), integers(world, LINK)
-    joints, numbers = integers(world, JOINT), floats(world, JOINT_NUMBERS)
-    for row in range(rows(world, ARTICULATION)):
-        for link in range(articulations[row, FIRST], articulations[row, END]):
-            joint = links[link, LINK_JOINT]
-            if joint < 0:
-                continue
-            for k in range(6):
-                numbers[joint, TOTAL + k] /= h
-            force, torque = length(vector_at(numbers, joint, TOTAL)), length(vector_at(numbers, joint, TOTAL + 3))
-            if force > numbers[joint, BREAKING_FORCE] or torque > numbers[joint, BREAKING_TORQUE]:
-                joints[joint, LOCKED], joints[joint, LAWS], joints[joint, BROKEN] = 0, 0, 1
-                for k in range(6):
-                    numbers[joint, JOINT_IMPULSE + k] = 0.0

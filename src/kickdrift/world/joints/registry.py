@@ -13,7 +13,7 @@ from kickdrift.core.rotations import of_matrix, product, turned
 from kickdrift.world.joints.axis import Axis
 from kickdrift.world.joints.catalogue import KINDS
 from kickdrift.world.joints.handle import Joint
-from kickdrift.world.joints.law_rows import LAW_PARTS, LawPart, check_changeable, clear_laws, write_law
+from kickdrift.world.joints.law_rows import LAW_PARTS, LawPart, check_changeable, clear_laws, read_law, write_law
 from kickdrift.world.joints.layout import (
     ANCHOR_A,
     ANCHOR_B,
@@ -55,7 +55,7 @@ from kickdrift.world.joints.layout import (
 )
 from kickdrift.world.joints.placing import signs
 from kickdrift.world.joints.record import Placement, Record
-from kickdrift.world.joints.tree import arrange
+from kickdrift.world.joints.spanning_tree import arrange
 from kickdrift.world.names import Names
 from kickdrift.world.tables import ARTICULATION, JOINT, JOINT_AXES, JOINT_NUMBERS, POSE, STARTED_JOINTS, Tables
 from kickdrift.world.undivided import alone, undivided
@@ -90,7 +90,7 @@ class Joints:
         """
         if body_a == body_b:
             raise ArgumentError(
-                f"body_b is body_a, row {body_a}, but a joint holds two bodies together; give another one, or None for the"
+                f"body_b is body_a, row {body_a}, but a joint connects two bodies; give another one, or None for the"
                 " ground."
             )
         placement, name = record.placement(), self.names.checked(record.name)
@@ -136,6 +136,13 @@ class Joints:
         self.arranged = False
         self.names.give(row, name)
         return self.handle(row)
+
+    @alone
+    def law(self, joint: Joint, axis: int | None, part: LawPart) -> Any:
+        """Return the limits, the motor, the drive or the friction of an axis, as in an `Axis`."""
+        k = joint.axis(axis)
+        found = read_law(self.tables, joint.index, k, part)
+        return getattr(Axis(**{part: found}).reversed(), part) if joint.sign(k) < 0.0 else found
 
     @alone
     def change_law(self, joint: Joint, axis: int | None, part: LawPart, what: Any) -> None:
@@ -220,10 +227,12 @@ class Joints:
         if isinstance(joint, Joint) and joint.joints is self and self.knows(joint.index, joint.generation):
             return joint.index
         if not isinstance(joint, Joint):
-            raise ArgumentError(f"joint={joint!r} is not a joint; give what World.add_hinge and the like returned.")
+            raise ArgumentError(
+                f"joint={joint!r} is not a joint; give a handle returned by World.add_hinge or the like."
+            )
         if joint.joints is not self or not 0 <= joint.index < self.tables.count(JOINT):
             raise ArgumentError(f"joint={joint!r} is a joint of another world.")
-        raise ArgumentError(f"joint={joint!r} was removed, or has broken; use a handle of one that is there.")
+        raise ArgumentError(f"joint={joint!r} was removed, or has broken; use an existing joint.")
 
     def knows(self, index: int, generation: int) -> bool:
         """Whether there is a joint of a generation in a row."""

@@ -1,4 +1,4 @@
-"""The joint whose six axes do what one wants."""
+"""The joint with six configurable axes."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ class SixDof(Record):
     anchor : (3,) array_like
         Origin of the axes, in the world, m.
     axis_x, axis_y : (3,) array_like
-        Directions of the first two axes, in the world, at right angles; the third is at right angles to both. They are
-        fixed in body a.
+        Directions of the first two axes, in the world, perpendicular; the third is perpendicular to both. They are fixed in
+        body a.
     linear : tuple of three Axis
-        What happens along them.
+        The laws along them.
     angular : tuple of three Axis
-        What happens about them. Where one is open it is a hinge's; where two are, the first (of x-y, y-z, z-x) is fixed in
-        a and the other in b, as in a universal joint; where three are, the angles are the components of the rotation
-        vector, or with limits swing and twist about z.
+        The laws about them. A single open axis is that of a hinge; of two, the first (of x-y, y-z, z-x) is fixed in a and
+        the other in b, as in a universal joint; with three, the angles are the components of the rotation vector, or with
+        limits swing and twist about z.
     swing_limit : float, optional
-        Where three angular axes are open: greatest angle of the z axis of b with that of a, rad.
+        With three open angular axes: largest angle between the z axes of a and b, rad.
 
     Raises
     ------
@@ -52,12 +52,12 @@ class SixDof(Record):
         anchor, x, y = point("anchor", self.anchor), direction("axis_x", self.axis_x), direction("axis_y", self.axis_y)
         if abs(x @ y) > 1e-6:
             raise ArgumentError(
-                f"axis_y={self.axis_y!r} and axis_x={self.axis_x!r} have to be at right angles to each other."
+                f"axis_y={self.axis_y!r} and axis_x={self.axis_x!r} must be at right angles to each other."
             )
         for name, axes in (("linear", self.linear), ("angular", self.angular)):
             three = isinstance(axes, tuple | list) and len(axes) == 3
             if not (three and all(isinstance(axis, Axis) for axis in axes)):
-                raise ArgumentError(f"{name}={axes!r} has to be three of kd.Axis, for x, y and z.")
+                raise ArgumentError(f"{name}={axes!r} must be three of kd.Axis, for x, y and z.")
         y -= (x @ y) * x
         y /= np.linalg.norm(y)
         frame = np.column_stack((x, y, np.cross(x, y)))
@@ -74,13 +74,13 @@ class SixDof(Record):
             return self.angular, False
         if x.limits is not None or y.limits is not None:
             raise ArgumentError(
-                "angular has limits about x or y with all three axes open, where they are no angles of their own; give"
+                "angular has limits about x or y with all three axes open, where they do not define angles; give"
                 " swing_limit, or lock an axis."
             )
         if self.swing_limit is None and z.limits is None:
             return self.angular, False
         if self.swing_limit is not None and not (is_number(self.swing_limit) and 0.0 < self.swing_limit < math.pi):
-            raise ArgumentError(f"swing_limit={self.swing_limit!r} has to be above 0 and below pi, in rad.")
+            raise ArgumentError(f"swing_limit={self.swing_limit!r} must be above 0 and below pi, in rad.")
         if x.motor or y.motor or z.motor or not x.drive == y.drive == z.drive:
             raise ArgumentError(
                 "angular has motors or different drives together with limits of swing or twist, whose axes move with the"

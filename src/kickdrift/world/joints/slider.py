@@ -12,26 +12,26 @@ from kickdrift.world.joints.record import Placement, Record, direction, frame_al
 
 @dataclass(frozen=True)
 class Slider(Record):
-    """Body b moves along an axis of body a and does not turn against it.
+    """Body b slides along an axis of body a without relative rotation.
 
     Parameters
     ----------
     anchor : (3,) array_like
         A point of the axis, in the world, m.
     axis : (3,) array_like
-        Direction of the axis, in the world; positions along it are positive: of b against a, or where forces move only one of
-        them, of that one against the other.
+        Direction of the axis, in the world; positions along it are positive: of b relative to a, or if forces move only one
+        of them, of that one relative to the other.
     limits : (2,) tuple of float, optional
-        Least and greatest position, m; it is zero now.
+        Smallest and largest position, m; the position is zero initially.
     motor : Motor, optional
     drive : Drive, optional
     friction : float
-        Greatest force of dry friction, N.
+        Largest force of dry friction, N.
 
     Raises
     ------
     ArgumentError
-        For an axis of length zero, limits the wrong way round, negative friction.
+        For an axis of length zero, limits in the wrong order, negative friction.
     """
 
     anchor: ArrayLike

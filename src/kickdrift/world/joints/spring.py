@@ -16,14 +16,14 @@ from kickdrift.world.joints.record import Placement, Record
 class Spring(Record):
     """A spring with a damper between a point of one body and a point of the other.
 
-    Give either hertz and damping ratio, those of the two bodies alone, or stiffness and damping.
+    Give either frequency and damping ratio, those of the two bodies alone, or stiffness and damping.
 
     Parameters
     ----------
     anchor_a, anchor_b : (3,) array_like
         The points, in the world, m.
     length : float, optional
-        At which it does not pull, m; how far apart the points are now by default.
+        Rest length, m; by default the current distance of the points.
     hertz, damping_ratio : float, optional
         Natural frequency, in 1/s, and damping over critical damping.
     stiffness, damping : float
@@ -32,7 +32,7 @@ class Spring(Record):
     Raises
     ------
     ArgumentError
-        For points that coincide, lengths that are not positive, and a spring that does nothing.
+        For points that coincide, lengths that are not positive, and a spring without force.
     """
 
     anchor_a: ArrayLike
@@ -47,5 +47,5 @@ class Spring(Record):
         """Return the frame of the joint and the laws of its axes."""
         drive = Drive(self.stiffness, self.damping, self.hertz, self.damping_ratio)
         if self.hertz is None and self.stiffness == self.damping == 0.0:
-            raise ArgumentError("stiffness=0.0 makes a spring that does nothing; give hertz or stiffness.")
+            raise ArgumentError("stiffness=0.0 is a spring without force; give hertz or stiffness.")
         return line_placement(self.anchor_a, self.anchor_b, self.length, Axis(drive=drive))

@@ -14,7 +14,7 @@ from kickdrift.world.joints.record import Placement, Record, direction, point
 
 @dataclass(frozen=True)
 class Universal(Record):
-    """A cross with one axis in body a and one in body b, at right angles to each other: Cardan's joint.
+    """A universal (Cardan) joint: a cross with one axis in body a and one in body b, perpendicular to each other.
 
     Parameters
     ----------
@@ -23,7 +23,7 @@ class Universal(Record):
     axis_a, axis_b : (3,) array_like
         Their directions, in the world.
     about_a, about_b : Axis
-        What happens about them: limits, motor, drive, friction. Angles are zero now and count turns.
+        The laws about them: limits, motor, drive, friction. Angles are zero initially and count turns.
 
     Raises
     ------
@@ -42,13 +42,13 @@ class Universal(Record):
         anchor, x, y = point("anchor", self.anchor), direction("axis_a", self.axis_a), direction("axis_b", self.axis_b)
         if abs(x @ y) > 1e-6:
             raise ArgumentError(
-                f"axis_b={self.axis_b!r} and axis_a={self.axis_a!r} have to be at right angles to each other."
+                f"axis_b={self.axis_b!r} and axis_a={self.axis_a!r} must be at right angles to each other."
             )
         for name, about in (("about_a", self.about_a), ("about_b", self.about_b)):
             if not isinstance(about, Axis):
-                raise ArgumentError(f"{name}={about!r} has to be a kickdrift.Axis.")
+                raise ArgumentError(f"{name}={about!r} must be a kickdrift.Axis.")
         if self.about_a.locked or self.about_b.locked:
-            raise ArgumentError("about_a and about_b have to be open; a joint with one open axis is a hinge.")
+            raise ArgumentError("about_a and about_b must be open; a joint with one open axis is a hinge.")
         y -= (x @ y) * x
         y /= np.linalg.norm(y)
         frame = np.column_stack((x, y, np.cross(x, y)))

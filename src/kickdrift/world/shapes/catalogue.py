@@ -32,9 +32,7 @@ RAYS: Mapping[int, Function] = MappingProxyType(
 (_TRIANGLE,) = [record for record in _RECORDS if record.sort == TRIANGLE_OF_SURFACE]
 
 if sorted(KINDS) != list(range(len(_RECORDS))) or len({record.name for record in _RECORDS}) != len(_RECORDS):
-    raise ArgumentError(
-        f"Kinds of shapes have the numbers {sorted(KINDS)}; number them from 0 on, and name them apart."
-    )
+    raise ArgumentError(f"Kinds of shapes have the numbers {sorted(KINDS)}; number them from 0, with distinct names.")
 
 
 def kind_of(shape: Any) -> Kind:
@@ -47,7 +45,9 @@ def kind_of(shape: Any) -> Kind:
     """
     kind = KINDS.get(getattr(shape, "kind", None))  # type: ignore[arg-type]
     if kind is None or type(shape) is not kind.shape:
-        raise ArgumentError(f"shape={shape!r} is no shape; give one of kickdrift.world.shapes, such as Box((1, 1, 1)).")
+        raise ArgumentError(
+            f"shape={shape!r} is not a shape; give one of kickdrift.world.shapes, such as Box((1, 1, 1))."
+        )
     return kind
 
 

@@ -19,16 +19,16 @@ from kickdrift.world.shapes.triangle import surface_extent
 
 @dataclass(frozen=True, eq=False)
 class HeightField:
-    """A surface over a grid, touched from above: two triangles per cell.
+    """A surface over a grid that collides from above: two triangles per cell.
 
-    It has no mass and belongs to bodies that do not move.
+    It has no mass and is for static bodies.
 
     Attributes
     ----------
     heights : (M, N) array
         z at x = i dx, y = j dy in the shape's frame, m.
     spacing : (2,) tuple
-        dx and dy, m; one number is both.
+        dx and dy, m; one number sets both.
 
     Raises
     ------
@@ -44,9 +44,9 @@ class HeightField:
         try:
             array = reals(heights)
         except TypeError as error:
-            raise ArgumentError(f"heights={heights!r} are no numbers: {error}; give z along x and y, in m.") from None
+            raise ArgumentError(f"heights={heights!r} must be numbers: {error}; give z along x and y, in m.") from None
         if array.ndim != 2 or min(array.shape) < 2:
-            raise ArgumentError(f"heights has the shape {array.shape}; give (M, N), two by two at least.")
+            raise ArgumentError(f"heights has the shape {array.shape}; give (M, N), at least two by two.")
         near = np.abs(array) <= LARGEST
         if not near.all():
             i, j = np.argwhere(~near)[0].tolist()
@@ -56,7 +56,9 @@ class HeightField:
         try:
             steps = reals(spacing)
         except TypeError as error:
-            raise ArgumentError(f"spacing={spacing!r} is no number: {error}; give one length or two, in m.") from None
+            raise ArgumentError(
+                f"spacing={spacing!r} must be numbers: {error}; give one length or two, in m."
+            ) from None
         if steps.shape not in ((), (2,)):
             raise ArgumentError(f"spacing={spacing!r} has the shape {steps.shape}; give one length or two, in m.")
         dx, dy = np.broadcast_to(steps, 2)
@@ -79,7 +81,7 @@ class HeightField:
 
     @property
     def numbers(self) -> Array:
-        """What compiled code knows of it: the triangles."""
+        """The data for compiled code: the triangles."""
         return self.mesh.numbers
 
     @property
@@ -88,7 +90,7 @@ class HeightField:
         return 0.0
 
     def mass_properties(self) -> MassProperties:
-        """Refuse to weigh it.
+        """Refuse, since it has no mass.
 
         Raises
         ------

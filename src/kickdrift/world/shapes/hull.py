@@ -58,23 +58,23 @@ def _ray(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
 
 @dataclass(frozen=True, eq=False)
 class Hull:
-    """The smallest convex body that holds some points, of at most 128 corners.
+    """The convex hull of some points, with at most 128 corners.
 
     Its numbers for compiled code are laid out in `kickdrift.world.shapes.polyhedron`. Facets in one plane are one face.
 
     Attributes
     ----------
     points : (N, 3) array
-        Points of the body, m; those inside and those within a millionth of its extent of others do not matter.
+        Points of the body, m; points inside, or within a millionth of its extent of others, have no effect.
     vertices : (V, 3) array
         Its corners.
     faces : tuple of tuples of int
-        Corners of each face, counter-clockwise seen from outside.
+        Corners of each face, counter-clockwise as seen from outside.
 
     Raises
     ------
     ArgumentError
-        If the points are not finite, fewer than four, all in one plane, or make a body of more than 128 corners.
+        If the points are not finite, fewer than four, all in one plane, or have a hull of more than 128 corners.
     """
 
     points: Array
@@ -86,15 +86,15 @@ class Hull:
         try:
             array = reals(points)
         except TypeError as error:
-            raise ArgumentError(f"points={points!r} are no numbers: {error}; give three a row, in m.") from None
+            raise ArgumentError(f"points={points!r} must be numbers: {error}; give three per row, in m.") from None
         _check(array)
         centre = 0.5 * (array.min(axis=0) + array.max(axis=0))
         size = extent("the extent of points", float(np.ptp(array, axis=0).max()))
         corners, faces = _corners_and_faces((array - centre) / size)
         if len(corners) > MOST_VERTICES:
             raise ArgumentError(
-                f"points, {len(array)} of them, make a hull of {len(corners)} corners, and contacts know at most "
-                f"{MOST_VERTICES}; give fewer points on its surface, or several hulls."
+                f"points has {len(array)} rows, whose hull has {len(corners)} corners, but contacts support at most"
+                f" {MOST_VERTICES}; give fewer points on its surface, or several hulls."
             )
         object.__setattr__(self, "points", array)
         object.__setattr__(self, "vertices", centre + size * corners)
@@ -102,12 +102,12 @@ class Hull:
 
     @property
     def numbers(self) -> Array:
-        """What compiled code knows of it."""
+        """The data for compiled code."""
         return polyhedron_numbers(self.vertices, self.faces)
 
     @property
     def reach(self) -> float:
-        """Farthest that any point of it is from the origin of its frame, m."""
+        """Largest distance of any point of it from the origin of its frame, m."""
         return float(np.sqrt((self.vertices**2).sum(axis=1).max()))
 
     def mass_properties(self) -> MassProperties:
@@ -148,8 +148,8 @@ def _check(points: Array) -> None:
     extents = np.ptp(centred @ axes.T, axis=0)
     if not extents.min() > _FLAT * extents.max():
         raise ArgumentError(
-            f"points lie in one plane: their largest extent is {extents.max():.6g} m, and across it they are "
-            f"{extents.min():.3g} m thick; give a body at least a millionth of its extent in every direction."
+            f"points lie in one plane: their largest extent is {extents.max():.6g} m, but their smallest is"
+            f" {extents.min():.3g} m; a hull needs at least a millionth of its extent in every direction."
         )
 
 

@@ -20,7 +20,7 @@ SMALLEST, LARGEST = 1e-15, 1e15  # m
 
 
 class MassProperties(NamedTuple):
-    """What a shape of density 1 weighs.
+    """Mass properties of a shape of density 1.
 
     Attributes
     ----------
@@ -86,7 +86,7 @@ def placed(
     where = _finite("position", position, 3)
     rotation = rotation_matrix(orientation)
     if (density is None) == (mass is None):
-        raise ArgumentError(f"density={density!r} and mass={mass!r}: a shape is given one of the two, and not both.")
+        raise ArgumentError(f"density={density!r} and mass={mass!r}: give exactly one of them.")
     if mass is not None:
         total = positive("mass", mass, "kg")
     elif density is not None:
@@ -111,10 +111,10 @@ def combined(parts: Sequence[Mass]) -> Mass:
     Raises
     ------
     ArgumentError
-        If there are no parts, or if the inertia is none that a body can have.
+        If there are no parts, or if the inertia is physically impossible.
     """
     if not parts:
-        raise ArgumentError("A body of no shapes has no mass; give it a shape, or a mass and an inertia.")
+        raise ArgumentError("A body without shapes has no mass; give it a shape, or a mass and an inertia.")
     whole = summed(parts)
     return whole._replace(inertia=checked_inertia(whole.inertia))
 
@@ -150,7 +150,7 @@ def checked_inertia(inertia: ArrayLike, argument: str = "inertia") -> Array:
     try:
         matrix = reals(inertia)
     except TypeError:
-        raise ArgumentError(f"{argument}={inertia!r} has to be three numbers, or (3, 3), in kg m^2.") from None
+        raise ArgumentError(f"{argument}={inertia!r} must be three numbers, or (3, 3), in kg m^2.") from None
     if matrix.shape == (3,):
         matrix = np.diag(matrix)
     if matrix.shape != (3, 3):
@@ -165,13 +165,13 @@ def checked_inertia(inertia: ArrayLike, argument: str = "inertia") -> Array:
     moments = np.linalg.eigvalsh(matrix)
     if not moments[0] > 0.0:
         raise ArgumentError(
-            f"{argument} has the principal moments {_listed(moments)} kg m^2; all have to be positive, "
+            f"{argument} has the principal moments {_listed(moments)} kg m^2; all must be positive, "
             "or the body would turn without resistance; give it an extent in all directions."
         )
     if moments[2] > (moments[0] + moments[1]) * (1.0 + _TOLERANCE):
         raise ArgumentError(
-            f"{argument} has the principal moments {_listed(moments)} kg m^2; no body has one that is greater than the "
-            "sum of the other two; give the moments about the centre of mass."
+            f"{argument} has the principal moments {_listed(moments)} kg m^2; none can exceed the sum of the other"
+            " two; give the moments about the centre of mass."
         )
     return matrix
 
@@ -182,8 +182,8 @@ def rotation_matrix(orientation: ArrayLike) -> Array:
     size = np.sqrt(quaternion @ quaternion)
     if not 1e-100 < size < 1e100:
         raise ArgumentError(
-            f"orientation={quaternion.tolist()} has the length {size:g} and turns nothing; "
-            "give a quaternion (w, x, y, z) of length one."
+            f"orientation={quaternion.tolist()} has norm {size:g} and is not a rotation; give a quaternion (w, x, y,"
+            " z) of norm one."
         )
     w, x, y, z = quaternion / size
     return np.array(
@@ -199,9 +199,7 @@ def extent(argument: str, value: float) -> float:
     """Return a length in m if a shape can be as large: its fifth power goes into an inertia; ArgumentError if not."""
     number = positive(argument, value, "m")
     if not SMALLEST <= number <= LARGEST:
-        raise ArgumentError(
-            f"{argument}={number:g} m is beyond what can be reckoned with, {SMALLEST:g} to {LARGEST:g} m."
-        )
+        raise ArgumentError(f"{argument}={number:g} m is outside the supported range, {SMALLEST:g} to {LARGEST:g} m.")
     return number
 
 
@@ -210,9 +208,9 @@ def positive(argument: str, value: float, unit: str) -> float:
     try:
         number = real(value)
     except TypeError:
-        raise ArgumentError(f"{argument}={value!r} is no number; give a positive one, in {unit}.") from None
+        raise ArgumentError(f"{argument}={value!r} is not a number; give a positive one, in {unit}.") from None
     if not 0.0 < number < np.inf:
-        raise ArgumentError(f"{argument}={number:g} {unit} has to be positive and finite.")
+        raise ArgumentError(f"{argument}={number:g} {unit} must be positive and finite.")
     return number
 
 
@@ -220,7 +218,7 @@ def _finite(argument: str, value: ArrayLike, size: int) -> Array:
     try:
         array = reals(value)
     except TypeError as error:
-        raise ArgumentError(f"{argument}={value!r} are no numbers: {error}; give {size}.") from None
+        raise ArgumentError(f"{argument}={value!r} must be numbers: {error}; give {size}.") from None
     if array.shape != (size,):
         raise ArgumentError(f"{argument} has the shape {array.shape}; give {size} numbers.")
     if not np.isfinite(array).all():

@@ -1,4 +1,4 @@
-"""Surfaces of triangles: ground that does not move."""
+"""Triangle meshes: immovable ground."""
 
 from __future__ import annotations
 
@@ -25,22 +25,22 @@ _FLAT = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """A surface of triangles that is touched from one side: there, corners are seen counter-clockwise.
+    """A triangle mesh that collides on one side: the side from which corners are counter-clockwise.
 
-    It has no mass and belongs to bodies that do not move. What is behind a triangle does not touch it.
+    It has no mass and is for static bodies. Shapes behind a triangle do not touch it.
 
     Attributes
     ----------
     vertices : (V, 3) array
-        m. Vertices at the same place count as one where triangles meet.
+        m. Coincident vertices count as one where triangles meet.
     faces : (F, 3) array of int
         Vertices of each triangle, counted from 0.
 
     Raises
     ------
     ArgumentError
-        If vertices are not finite, faces name vertices that there are not, a triangle has no area, or two triangles
-        that share an edge look to opposite sides.
+        If vertices are not finite, faces have indices without a vertex, a triangle has no area, or two triangles that share
+        an edge face opposite sides.
     """
 
     vertices: Array
@@ -52,17 +52,17 @@ class Mesh:
         try:
             triangles = np.asarray(faces)
         except Exception as error:  # ragged, or what no array can be made of
-            raise ArgumentError(f"faces={faces!r} are no triangles: {error}; give three vertices of each.") from None
+            raise ArgumentError(f"faces={faces!r} must be triangles: {error}; give three vertices for each.") from None
         if triangles.ndim != 2 or triangles.shape[1:] != (3,) or not len(triangles):
             raise ArgumentError(f"faces has the shape {triangles.shape}; give (F, 3): three vertices of each triangle.")
         if not np.issubdtype(triangles.dtype, np.integer):
-            raise ArgumentError(f"faces has the type {triangles.dtype}; give integers, the numbers of vertices.")
+            raise ArgumentError(f"faces has the type {triangles.dtype}; give integers, the indices of vertices.")
         outside = (triangles < 0) | (triangles >= len(points))
         if outside.any():
             row = int(np.argmax(outside.any(axis=1)))
             raise ArgumentError(
-                f"faces[{row}]={triangles[row].tolist()} names a vertex that is not there; "
-                f"there are {len(points)}, counted from 0."
+                f"faces[{row}]={triangles[row].tolist()} has an index without a vertex; there are {len(points)}"
+                " vertices, counted from 0."
             )
         object.__setattr__(self, "vertices", points)
         object.__setattr__(self, "faces", triangles.astype(np.int64))
@@ -76,7 +76,7 @@ class Mesh:
 
     @property
     def numbers(self) -> Array:
-        """What compiled code knows of it: how many triangles, and of each nine coordinates and three flags of edges."""
+        """The data for compiled code: the number of triangles, and for each nine coordinates and three flags of edges."""
         count = len(self.faces)
         rows = np.concatenate((self.corners.reshape(count, 9), self.active_edges()), axis=1)
         return np.concatenate(([count], rows.ravel()))
@@ -101,9 +101,9 @@ class Mesh:
         if alike.any():
             k = int(np.argmax(alike))
             raise ArgumentError(
-                f"faces[{one[k] // 3}]={self.faces[one[k] // 3].tolist()} and faces[{two[k] // 3}]="
-                f"{self.faces[two[k] // 3].tolist()} share an edge and look to opposite sides, and a mesh is "
-                "touched from one side; reverse the order of the vertices of one of the two."
+                f"faces[{one[k] // 3}]={self.faces[one[k] // 3].tolist()} and"
+                f" faces[{two[k] // 3}]={self.faces[two[k] // 3].tolist()} share an edge and face opposite sides, but"
+                " a mesh collides on one side only; reverse the order of the vertices of one of the two."
             )
         corners = self.corners
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -121,7 +121,7 @@ class Mesh:
         return 0.0
 
     def mass_properties(self) -> MassProperties:
-        """Refuse to weigh it.
+        """Refuse, since it has no mass.
 
         Raises
         ------
@@ -140,7 +140,7 @@ def _vertices(vertices: ArrayLike) -> Array:
     try:
         points = reals(vertices)
     except TypeError as error:
-        raise ArgumentError(f"vertices={vertices!r} are no numbers: {error}; give three a row, in m.") from None
+        raise ArgumentError(f"vertices={vertices!r} must be numbers: {error}; give three per row, in m.") from None
     if points.ndim != 2 or points.shape[1:] != (3,):
         raise ArgumentError(f"vertices has the shape {points.shape}; give (V, 3).")
     near = (np.abs(points) <= LARGEST).all(axis=1)
@@ -160,7 +160,7 @@ def _check_areas(corners: Array) -> None:
     if thin.any():
         row = int(np.argmax(thin))
         raise ArgumentError(
-            f"faces[{row}] has its corners {corners[row].tolist()} on one line, so that it has no outside; drop it."
+            f"faces[{row}] has its corners {corners[row].tolist()} on one line, so it has no normal; leave it out."
         )
 
 

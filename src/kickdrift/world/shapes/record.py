@@ -32,7 +32,7 @@ RAY = types.UniTuple(types.float64, 4)(_ARRAY, _VECTOR, _VECTOR, types.float64)
 
 
 class Shape(Protocol):
-    """What a shape says of itself."""
+    """The interface of a shape."""
 
     kind: ClassVar[int]
 
@@ -104,9 +104,9 @@ class Kind:
         }
         for name, needs in needed.items():
             if needs != (getattr(self, name) is not None):
-                raise ArgumentError(f"The kind {self.name!r} {'has to have' if needs else 'cannot have'} {name}=.")
+                raise ArgumentError(f"The kind {self.name!r} {'must have' if needs else 'cannot have'} {name}=.")
         missing = [name for name in _OF_SHAPES if self.shape is not None and not hasattr(self.shape, name)]
         if missing:
             raise ArgumentError(f"The shape of the kind {self.name!r} has no {', '.join(missing)}; define it.")
         if self.shape is not None and self.shape.kind != self.number:
-            raise ArgumentError(f"The kind {self.name!r} is number {self.number}, its shape says {self.shape.kind}.")
+            raise ArgumentError(f"The kind {self.name!r} is number {self.number}, but its shape has {self.shape.kind}.")

@@ -18,10 +18,10 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import applied
 from kickdrift.world.columns import symmetric_at, vector_at
-from kickdrift.world.direct.closings import write_axis
 from kickdrift.world.direct.contacts import PRESS, REST
 from kickdrift.world.direct.equations import TRIALS
 from kickdrift.world.direct.joint_impulses import end_joint, give_joint, turn_on
+from kickdrift.world.direct.loop_closures import write_axis
 from kickdrift.world.joints.gearing import mobility_of_gear
 from kickdrift.world.joints.laws import update_law_states
 from kickdrift.world.joints.layout import (

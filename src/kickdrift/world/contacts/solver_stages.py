@@ -1,8 +1,8 @@
 """The constraints of contacts, solved by sequential impulses over the colours, in lanes within a colour.
 
 Soft steps after E. Catto, "Solver2D" (2024): every substep is a pass with a bias that pushes overlapping bodies apart like a
-damped spring, and, after the drift, one without that takes the velocity of the push away again and applies friction. Arms are
-taken anew before either where bodies have moved.
+damped spring, and, after the drift, one without that takes the velocity of the push away again and applies friction. Before
+the latter, arms are taken again where bodies have moved.
 """
 
 from collections.abc import Callable
@@ -16,7 +16,7 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import product
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.colouring import LINKED, OVERFLOW
-from kickdrift.world.contacts.contact_solver_simd import SWEEP
+from kickdrift.world.contacts.contact_solver_simd import KERNEL
 from kickdrift.world.contacts.effective_mass_simd import SLIP_STRICTNESS, TWIST_STRICTNESS
 from kickdrift.world.contacts.prepare_simd import (
     DELTA_POSE_A,
@@ -39,6 +39,7 @@ from kickdrift.world.tables import (
     DELTA_POSE,
     GROUPS,
     INVERSE_MASS,
+    KERNEL_ADDRESSES,
     LANES,
     MANIFOLD,
     MEMBER,
@@ -46,7 +47,6 @@ from kickdrift.world.tables import (
     POSE,
     SETTINGS,
     STARTED_POSE,
-    SWEEPS,
     flat,
     flat_integers,
     floats,
@@ -61,7 +61,7 @@ _TOUCHING = 1e-6  # of the slop: so deep are points that touch, whatever was rou
 _MANY = 3000  # bodies of a batch, whose velocities, displacements and inertia do not fit into half a megabyte
 _FEWEST = 16  # groups of a colour that are worth a parallel region of some 10 us
 
-sweep = caller(SWEEP)
+run_kernel = caller(KERNEL)
 group: Callable[..., None] = unbound
 LAST = OVERFLOW  # colour
 
@@ -84,10 +84,10 @@ def _forth(t: float, h: float, world: int) -> None:
 @compiled
 def _warm_start_group(h: float, world: int, g: int) -> None:
     motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
-    lanes, scratch, sweeps = (
+    lanes, scratch, kernels = (
         flat(world, LANES),
         carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)),
-        integers(world, SWEEPS),
+        integers(world, KERNEL_ADDRESSES),
     )
     _fetch(world, g)
     linked = _is_linked(world, g)
@@ -97,8 +97,8 @@ def _warm_start_group(h: float, world: int, g: int) -> None:
     else:
         _gather(world, g, motion, VELOCITY_A, scratch)
     _gather_inertia(world, g, inverse_mass, scratch)
-    own, n = lanes[g * _SIZE : (g + 1) * _SIZE], sweeps[0, c.LANE_COUNT]
-    sweep(sweeps[0, c.APPLY_IMPULSES], (own, scratch, 1.0 / h, 1.0, 0.0, n))
+    own, n = lanes[g * _SIZE : (g + 1) * _SIZE], kernels[0, c.LANE_COUNT]
+    run_kernel(kernels[0, c.APPLY_IMPULSES], (own, scratch, 1.0 / h, 1.0, 0.0, n))
     if linked:
         _add_changes(world, g, motion, scratch)
     else:
@@ -115,30 +115,30 @@ def _is_linked(world: int, g: int) -> bool:
 @compiled
 def _solve_group(h: float, world: int, g: int) -> None:
     motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
-    lanes, scratch, sweeps = (
+    lanes, scratch, kernels = (
         flat(world, LANES),
         carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)),
-        integers(world, SWEEPS),
+        integers(world, KERNEL_ADDRESSES),
     )
     _fetch(world, g)
-    delta_pose, push, n = floats(world, DELTA_POSE), floats(world, SETTINGS)[0, PUSH_SPEED], sweeps[0, c.LANE_COUNT]
+    delta_pose, push, n = floats(world, DELTA_POSE), floats(world, SETTINGS)[0, PUSH_SPEED], kernels[0, c.LANE_COUNT]
     _gather(world, g, motion, VELOCITY_A, scratch)
     _gather(world, g, delta_pose, DELTA_POSE_A, scratch)
     _gather_inertia(world, g, inverse_mass, scratch)
     own = lanes[g * _SIZE : (g + 1) * _SIZE]
-    sweep(sweeps[0, c.SOLVE_NORMALS], (own, scratch, 1.0 / h, 1.0, push, n))
+    run_kernel(kernels[0, c.SOLVE_NORMALS], (own, scratch, 1.0 / h, 1.0, push, n))
     _scatter(world, g, motion, scratch)
 
 
 @compiled
 def _relax_group(h: float, world: int, g: int) -> None:
     motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
-    lanes, scratch, sweeps = (
+    lanes, scratch, kernels = (
         flat(world, LANES),
         carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)),
-        integers(world, SWEEPS),
+        integers(world, KERNEL_ADDRESSES),
     )
-    delta_pose, n = floats(world, DELTA_POSE), sweeps[0, c.LANE_COUNT]
+    delta_pose, n = floats(world, DELTA_POSE), kernels[0, c.LANE_COUNT]
     _fetch(world, g)
     _gather(world, g, motion, VELOCITY_A, scratch)
     _gather(world, g, delta_pose, DELTA_POSE_A, scratch)
@@ -148,16 +148,16 @@ def _relax_group(h: float, world: int, g: int) -> None:
     if _is_linked(world, g):  # whose impulses the direct solver finds
         return
     least = _TOUCHING * floats(world, SETTINGS)[0, SLOP]
-    sweep(sweeps[0, c.SOLVE_FRICTION], (own, scratch, 1.0 / h, 0.0, 0.0, n))
-    sweep(sweeps[0, c.SOLVE_NORMALS], (own, scratch, 1.0 / h, 0.0, least, n))
+    run_kernel(kernels[0, c.SOLVE_FRICTION], (own, scratch, 1.0 / h, 0.0, 0.0, n))
+    run_kernel(kernels[0, c.SOLVE_NORMALS], (own, scratch, 1.0 / h, 0.0, least, n))
     _scatter(world, g, motion, scratch)
 
 
 @compiled
 def _take_anew(h: float, world: int, g: int, own: Any, scratch: Any, n: int) -> None:
-    """Take the arms of lanes anew whose bodies have turned or slid past each other."""
-    sweeps = integers(world, SWEEPS)
-    sweep(sweeps[0, c.FIND_STALE], (own, scratch, TWIST_STRICTNESS, SLIP_STRICTNESS, 0.0, n))
+    """Take the arms of lanes again whose bodies have turned or slid past each other."""
+    kernels = integers(world, KERNEL_ADDRESSES)
+    run_kernel(kernels[0, c.FIND_STALE], (own, scratch, TWIST_STRICTNESS, SLIP_STRICTNESS, 0.0, n))
     marked = 0.0
     for lane in range(n):
         marked += scratch[MARK * _W + lane]
@@ -170,8 +170,8 @@ def _take_anew(h: float, world: int, g: int, own: Any, scratch: Any, n: int) -> 
         _gather_turn(pose, started, b, scratch[TURNED_B * _W + lane :])
         for k in range(3):
             scratch[(FROM_A_TO_B + k) * _W + lane] = pose[b, k] - pose[a, k]
-    sweep(sweeps[0, c.REFRESH], (own, scratch, floats(world, SETTINGS)[0, SLOP], h, 0.0, n))
-    sweep(sweeps[0, c.REFRESH_FRICTION], (own, scratch, 0.0, 1.0, 0.0, n))
+    run_kernel(kernels[0, c.REFRESH], (own, scratch, floats(world, SETTINGS)[0, SLOP], h, 0.0, n))
+    run_kernel(kernels[0, c.REFRESH_FRICTION], (own, scratch, 0.0, 1.0, 0.0, n))
 
 
 @compiled(inline=True)
@@ -188,7 +188,7 @@ def _gather_turn(pose: Any, started: Any, body: int, scratch: Any) -> None:
 warm_start = compiled(specialise(_forth, "warm_start", group=_warm_start_group, LAST=LINKED))
 # Keep bodies apart, and push apart those that overlap.
 solve = compiled(specialise(_forth, "solve", group=_solve_group))
-# Friction, twist and rolling resistance; then take the velocity of the push away.
+# Arms again; friction, twist and rolling resistance; then take the velocity of the push away.
 relax = compiled(specialise(_forth, "relax", group=_relax_group, LAST=LINKED))
 
 # The same on Numba's threads, with the same bits: no two contacts of a colour move the same body.
@@ -217,7 +217,7 @@ def store(t: float, h: float, world: int) -> None:
                 manifold[row, c.NORMAL_IMPULSE + k] = impulse
             n = (own[c.N * _W], own[(c.N + 1) * _W], own[(c.N + 2) * _W])
             u = (own[c.T * _W], own[(c.T + 1) * _W], own[(c.T + 2) * _W])
-            d1, d2 = own[c.SLID * _W], own[(c.SLID + 1) * _W]
+            d1, d2 = own[c.TANGENT_IMPULSE * _W], own[(c.TANGENT_IMPULSE + 1) * _W]
             manifold[row, c.FRICTION_IMPULSE] = d1 * u[0] + d2 * (n[1] * u[2] - n[2] * u[1])
             manifold[row, c.FRICTION_IMPULSE + 1] = d1 * u[1] + d2 * (n[2] * u[0] - n[0] * u[2])
             manifold[row, c.FRICTION_IMPULSE + 2] = d1 * u[2] + d2 * (n[0] * u[1] - n[1] * u[0])

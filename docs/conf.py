@@ -1,0 +1,87 @@
+"""The site: Sphinx with the pydata theme, numpydoc for the API, myst-nb for pages that run, sphinx-gallery for examples.
+
+``python -m sphinx -W --keep-going docs docs/_build/html`` builds it: warnings are errors, and references to what is
+not there are warnings.
+"""
+
+import os
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE / "_extensions"))
+os.environ.setdefault("PYDEVD_DISABLE_FILE_VALIDATION", "1")  # kernels warn of it otherwise
+
+import kickdrift  # noqa: E402
+
+project = "kickdrift"
+author = "The kickdrift maintainers"
+copyright = "the kickdrift maintainers"  # noqa: A001 - Sphinx's name
+version = release = kickdrift.__version__
+
+extensions = [
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinx.ext.mathjax",
+    "numpydoc",
+    "myst_nb",
+    "sphinx_gallery.gen_gallery",
+    "catalogue_pages",
+    "docstrings",
+]
+exclude_patterns = ["_build", "gallery", "examples/**/*.ipynb", "**/sg_execution_times.rst", "sg_execution_times.rst"]
+nitpicky = True
+default_role = "name"  # a link where it is the name of an object with a page
+templates_path = ["_templates"]
+
+autosummary_generate = True
+autodoc_typehints = "none"
+autodoc_member_order = "groupwise"
+numpydoc_show_class_members = False
+numpydoc_xref_param_type = False
+
+myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence", "deflist", "attrs_inline"]
+myst_heading_anchors = 3
+nb_execution_mode = "cache"
+nb_execution_cache_path = str(HERE / "_build" / "notebooks")
+nb_execution_timeout = 300
+nb_execution_raise_on_error = True
+nb_merge_streams = True
+
+sphinx_gallery_conf = {
+    "examples_dirs": "gallery",
+    "gallery_dirs": "examples",
+    "filename_pattern": os.environ.get("KICKDRIFT_GALLERY", r"\.py$"),  # a part of a path builds that example alone
+    "ignore_pattern": r"__init__\.py",
+    "image_scrapers": ("figures.scrape",),
+    "within_subsection_order": "FileNameSortKey",
+    "subsection_order": ["gallery/" + name for name in (
+        "orbits", "oscillations", "fields", "heat", "chaos", "rigid", "contacts", "machines", "cloth", "methods",
+    )],
+    "download_all_examples": False,
+    "show_memory": False,
+    "show_signature": False,
+    "min_reported_time": 1e9,
+    "plot_gallery": "True",
+    "abort_on_example_error": True,
+    "doc_module": ("kickdrift",),
+    "backreferences_dir": "backreferences",
+    "reset_modules": ("matplotlib",),
+}  # fmt: skip
+suppress_warnings = ["config.cache"]  # functions in the gallery's configuration
+
+html_theme = "pydata_sphinx_theme"
+html_title = "kickdrift"
+html_static_path = ["_static"]
+html_css_files = ["kickdrift.css"]
+html_show_sourcelink = False
+html_theme_options = {
+    "navbar_align": "left",
+    "show_toc_level": 2,
+    "navigation_with_keys": False,
+    "secondary_sidebar_items": ["page-toc"],
+    "footer_start": ["copyright"],
+    "footer_end": [],
+    "header_links_before_dropdown": 8,
+}
+html_sidebars = {"index": []}

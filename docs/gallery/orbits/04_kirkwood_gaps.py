@@ -1,0 +1,40 @@
+"""
+Kirkwood's gaps
+===============
+
+Few asteroids are where their period would be 1/3, 2/5 or 1/2 of Jupiter's (Kirkwood 1866). Here are 400 asteroids without mass,
+the Sun and Jupiter, over 20,000 years, a hundred thousand steps. All began on circles. Between those places their
+eccentricity stays at 0.06 or 0.07, and there it has begun to grow: to 0.12 at 3:1, 0.21 at 5:2 and 0.34 at 2:1. In a million years
+some would cross the orbit of Mars, and that is how the gaps were emptied (Wisdom 1982).
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import kickdrift as kd
+
+GM, jupiter = 4 * np.pi**2, 5.2044
+axes, phase = np.linspace(2.1, 3.5, 400), np.random.default_rng(1).uniform(0, 2 * np.pi, 400)
+speed = np.sqrt(GM / axes)
+x0, v0 = np.zeros((2, 402, 3))
+x0[1, 0] = jupiter * (1 - 0.0489)  # at its perihelion
+v0[1, 1] = np.sqrt(GM / jupiter * (1 + 0.0489) / (1 - 0.0489))
+x0[2:, 0], x0[2:, 1] = axes * np.cos(phase), axes * np.sin(phase)
+v0[2:, 0], v0[2:, 1] = -speed * np.sin(phase), speed * np.cos(phase)
+masses = np.concatenate([[1.0, 1 / 1047.35], np.zeros(400)])
+belt = kd.systems.planetary(masses, x0, v0, G=GM, splitting="democratic-heliocentric")
+sol = kd.solve(belt, (0.0, 20_000.0), step=0.2, method="wisdom-holman", save_every=400)
+largest = kd.analysis.orbital_elements(sol, coordinates="heliocentric").e[:, 1:].max(axis=0)
+
+fig, ax = plt.subplots(figsize=(7.5, 3.8))
+ax.plot(axes, largest, ".-", linewidth=0.7, markersize=4)
+for p, q in ((3, 1), (5, 2), (7, 3), (2, 1)):
+    place = jupiter * (q / p) ** (2 / 3)
+    ax.axvline(place, color="grey", linewidth=0.6)
+    ax.text(place, 1.02 * largest.max(), f"{p}:{q}", ha="center")
+ax.set(xlabel="semi-major axis at the start (au)", ylabel="largest eccentricity", ylim=(0, 1.1 * largest.max()))
+near = abs(axes - jupiter / 3 ** (2 / 3)) < 0.03
+print(
+    f"at the 3:1 resonance up to {largest[near].max():.2f}, between 2.6 and 2.75 au at most "
+    f"{largest[(axes > 2.6) & (axes < 2.75)].max():.2f}"
+)

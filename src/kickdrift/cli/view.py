@@ -1,0 +1,75 @@
+"""``kickdrift view``: worlds that run in the browser, and what was kept of runs as pages that play."""
+
+from pathlib import Path
+
+from kickdrift.cli import DONE
+from kickdrift.cli.output import say
+from kickdrift.cli.times import parse_time
+from kickdrift.core import archive
+from kickdrift.core.errors import ArgumentError, unknown_name
+from kickdrift.io import load
+from kickdrift.io.world_file import load_world
+from kickdrift.scale.ensemble_solution import EnsembleSolution
+from kickdrift.scenes.worlds.catalogue import SCENES
+from kickdrift.systems import catalogue
+from kickdrift.world.settings import STEP
+from kickdrift.world.tables import SETTINGS
+from kickdrift.world.world import World
+
+_ROBOTS = (".xml", ".urdf", ".mjcf")
+_STEP, _ROBOTS_STEP = 1 / 60, 1 / 200  # s, where nothing says another
+
+
+def view(target: str, step: str | None, port: int) -> int:
+    """Show a scene, a robot or a world that was saved, until Ctrl-C, or write the page of a run that was; return the exit code.
+
+    Raises
+    ------
+    KickdriftError
+        For what cannot be shown, and for a port that is taken.
+    """
+    wanted = None if step is None else _step(step)
+    suffix = Path(target).suffix.lower()
+    if target in SCENES:
+        return _run(SCENES[target].make(), wanted or SCENES[target].step, port)
+    if suffix in _ROBOTS:
+        from kickdrift.io.robot_file import load_robot  # MuJoCo takes a moment that the others need not wait
+
+        robot = load_robot(target)
+        for note in robot.notes:
+            say(note)
+        return _run(robot.world, wanted or _ROBOTS_STEP, port)
+    if target in catalogue():
+        raise ArgumentError(
+            f"TARGET={target!r} is a system: kickdrift run {target}, and then kickdrift view kickdrift-output/{target}.npz."
+        )
+    if suffix != ".npz":
+        if Path(target).exists():
+            raise ArgumentError(f"TARGET={target!r} is no file to view; give a .npz, .xml or .urdf.")
+        raise unknown_name("TARGET", target, SCENES)
+    if archive.format_of(target) == archive.WORLD:
+        world = load_world(target)
+        return _run(world, wanted or float(world.tables.array(SETTINGS)[0, STEP]) or _STEP, port)
+    if step is not None:
+        raise ArgumentError(f"--step={step!r} is for worlds, and {target!r} is what was kept of a run; leave it out.")
+    kept = load(target)
+    if isinstance(kept, EnsembleSolution):
+        raise ArgumentError(
+            f"TARGET={target!r} is an ensemble; save one of its members, kd.load(path)[0].save(...), and view it."
+        )
+    print(f"open {kept.to_html(Path(target).with_suffix('.html'))}")
+    return DONE
+
+
+def _step(text: str) -> float:
+    step = parse_time("--step", text, "s")
+    if step <= 0.0:
+        raise ArgumentError(f"--step={text!r} must be positive: bodies that touch run forwards.")
+    return step
+
+
+def _run(world: World, step: float, port: int) -> int:
+    with world.view(step, port=port) as page:
+        say("Ctrl-C ends it.")
+        page.wait()
+    return DONE

@@ -1,0 +1,118 @@
+"""What is set on a live page: buttons, and sliders of the world and of its joints."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from kickdrift.viewer.live_world import LiveWorld
+from kickdrift.world.joints.handle import Joint
+from kickdrift.world.joints.layout import ANGULAR, JOINT_KIND, REMOVED, SWING_TWIST
+from kickdrift.world.tables import JOINT
+from kickdrift.world.world import World
+
+Do = Callable[[Callable[[], None]], None]
+_SPEEDS = (0.05, 4.0)
+_SUBSTEPS = 32  # at most, or those that the world has
+_MOST_SLIDERS = 40  # of joints
+_WIDE = (1.0, math.pi)  # m and rad on either side of the target, where a joint has no limits
+
+
+class Controls:
+    """Buttons and sliders of a live page.
+
+    Parameters
+    ----------
+    gui : viser.GuiApi
+    live : LiveWorld
+    do : callable
+        Takes what is to be done between two steps, and returns at once.
+    """
+
+    def __init__(self, gui: Any, live: LiveWorld, do: Do) -> None:
+        self._live, self._do = live, do
+        self._shown: list[tuple[Any, Callable[[], Any]]] = []  # what a handle shows, and how the world has it
+        self._line = gui.add_markdown(live.words())
+        self._play = gui.add_button("Play")
+        self._play.on_click(lambda _: do(self._play_or_pause))
+        gui.add_button("Step").on_click(lambda _: do(live.do_step))
+        gui.add_button("Reset").on_click(lambda _: do(self._reset))
+        speed = gui.add_slider("Speed", *_SPEEDS, _SPEEDS[0], live.speed, hint="Seconds of the world in a second")
+        self._follow(speed, lambda: live.speed, lambda value: setattr(live, "speed", value))
+        with gui.add_folder("World"):
+            self._add_settings(gui)
+        axes = driven_axes(live.world)
+        if axes:
+            with gui.add_folder("Targets of joints"):
+                for name, joint, axis in axes[:_MOST_SLIDERS]:
+                    self._add_target(gui, name, joint, axis)
+                if len(axes) > _MOST_SLIDERS:
+                    gui.add_markdown(f"and {len(axes) - _MOST_SLIDERS} more that have no slider here")
+
+    def show(self) -> None:
+        """Send what has changed in words and on the button."""
+        for handle, what, value in (
+            (self._line, "content", self._live.words()),
+            (self._play, "label", "Pause" if self._live.playing else "Play"),
+        ):
+            if getattr(handle, what) != value:
+                setattr(handle, what, value)
+
+    def _play_or_pause(self) -> None:
+        (self._live.pause if self._live.playing else self._live.play)()
+
+    def _reset(self) -> None:
+        self._live.reset()
+        for handle, value in self._shown:
+            handle.value = value()
+
+    def _follow(self, handle: Any, value: Callable[[], Any], change: Callable[[Any], None]) -> None:
+        """Have the world take what a page says, and the page what the world has after a reset."""
+        self._shown.append((handle, value))
+
+        def take(event: Any) -> None:
+            if event.client is not None:  # and not what was shown after a reset
+                self._do(lambda: change(handle.value))
+
+        handle.on_update(take)
+
+    def _add_settings(self, gui: Any) -> None:
+        world = self._live.world
+        gravity = gui.add_vector3("Gravity", tuple(world.gravity.tolist()), step=0.1, hint="m/s^2")
+        self._follow(gravity, lambda: tuple(world.gravity.tolist()), lambda value: setattr(world, "gravity", value))
+        most = max(_SUBSTEPS, world.substeps)
+        substeps = gui.add_slider("Substeps", 1, most, 1, world.substeps, hint="More make contacts stiffer")
+        self._follow(substeps, lambda: world.substeps, lambda value: setattr(world, "substeps", value))
+        sleeping = gui.add_checkbox("Sleeping", world.sleeping, hint="Whether what has rested is left alone")
+        self._follow(sleeping, lambda: world.sleeping, lambda value: setattr(world, "sleeping", value))
+
+    def _add_target(self, gui: Any, name: str, joint: Joint, axis: int) -> None:
+        def target() -> float:
+            drive = joint.drive(axis)
+            return 0.0 if drive is None else drive.target
+
+        def aim(value: float) -> None:
+            drive = joint.drive(axis)
+            if drive is not None:
+                joint.set_drive(replace(drive, target=value), axis)
+
+        now = target()
+        wide = _WIDE[axis >= 3]
+        low, high = joint.limits(axis) or (-math.inf, math.inf)
+        low, high = min(now, max(low, now - wide)), max(now, min(high, now + wide))
+        slider = gui.add_slider(name, low, high, wide / 200, now, hint="rad" if axis >= 3 else "m")
+        self._follow(slider, target, aim)
+
+
+def driven_axes(world: World) -> list[tuple[str, Joint, int]]:
+    """Return the axes that have a drive whose target can be changed: what to call them, their joints, and which they are."""
+    found = []
+    for row, columns in enumerate(world.tables.array(JOINT)):
+        if columns[JOINT_KIND] == REMOVED:
+            continue
+        joint = world.joints.handle(row)
+        last = 3 if columns[ANGULAR] == SWING_TWIST else 6
+        axes = [axis for axis in range(last) if joint.drive(axis) is not None]
+        name = joint.name or f"joint {row}"
+        found += [(name if len(axes) == 1 else f"{name}, axis {axis}", joint, axis) for axis in axes]
+    return found
