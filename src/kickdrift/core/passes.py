@@ -1,6 +1,6 @@
 """How Numba compiles a function: by its own passes, in worlds some of them only where they have something to do.
 
-Numba's passes each find out anew which variables live where, seven times a function, before they look whether there is
+Numba's passes each find out again which variables live where, seven times a function, before they look whether there is
 anything for them.
 """
 
@@ -66,7 +66,7 @@ class _InlineClosures(InlineClosureLikes):  # type: ignore[misc]
 
 @register_pass(mutates_CFG=True, analysis_only=False)
 class _Assignments(ReconstructSSA):  # type: ignore[misc]
-    """Gives each assignment its variable. Where what lives is kept for whoever resumes a function, all of it is found anew."""
+    """Gives each assignment its variable. Where what lives is kept for whoever resumes a function, all of it is found again."""
 
     _name = "kickdrift_reconstruct_ssa"
 

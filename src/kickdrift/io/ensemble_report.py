@@ -1,4 +1,4 @@
-"""The report of an ensemble: a fact a line."""
+"""The report of an ensemble: one fact per line."""
 
 from collections import Counter
 from typing import Any

@@ -1,4 +1,4 @@
-"""The report of a recording: a fact a line."""
+"""The report of a recording: one fact per line."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""The report of a run: a fact a line."""
+"""The report of a run: one fact per line."""
 
 from collections.abc import Sequence
 
@@ -22,7 +22,7 @@ def report(solution: Solution) -> str:
         ("method", f"{about.method}, order {about.order}: {about.word}"),
         ("span", f"{solution.t[0]:.10g} to {solution.t[-1]:.10g} {unit}".rstrip()),
         ("step", _step(solution, unit)),
-        ("steps", f"{solution.n_steps}" + f", {solution.n_rejected} more taken back" * (solution.n_rejected > 0)),
+        ("steps", f"{solution.n_steps}" + f", {solution.n_rejected} more rejected" * (solution.n_rejected > 0)),
         ("force evaluations", f"{solution.n_force_evaluations}"),
         ("wall time", f"{solution.wall_time:.3g} s, {per_step:.4g} ns a step"),
         ("sums", "compensated" if about.compensated else "plain"),
