@@ -144,4 +144,5 @@ class Tab:
         time.sleep(0.05)
 
     def screenshot(self):
+        self.call("Page.bringToFront")
         return base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"])

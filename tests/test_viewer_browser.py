@@ -15,10 +15,9 @@ from matplotlib.image import imread
 import kickdrift as kd
 from kickdrift.scenes import worlds
 
-pytestmark = [
-    pytest.mark.skipif(chromium.PATH is None, reason=f"there is no browser here: none of {', '.join(chromium.NAMES)}"),
-    pytest.mark.xdist_group("browser"),  # one at a time: each draws with all cores
-]
+pytestmark = pytest.mark.skipif(
+    chromium.PATH is None, reason=f"there is no browser here: none of {', '.join(chromium.NAMES)}"
+)
 PLAYING = "of real time"
 
 
@@ -140,7 +139,10 @@ def test_a_recording_plays_from_its_file(browser, tmp_path):
     world = worlds.pyramid(base=4)
     world.velocity[1] = (0.0, 0.0, 2.0)
     path = world.run(1.0, 1 / 60, progress=False).to_html(tmp_path / "pyramid.html")
-    with closing(browser.open("about:blank")) as tab:
+    blank = tmp_path / "blank.html"
+    blank.write_text("<!doctype html><p>blank")
+    with closing(browser.open(blank.as_uri())) as tab:
+        tab.until(lambda tab: tab.text == "blank", "a page")
         assert contrast(tab) == 0.0
         tab.call("Network.enable")
         nothing = {"offline": True, "latency": 0, "downloadThroughput": 0, "uploadThroughput": 0}
