@@ -1,6 +1,6 @@
 """The n-body program of the Benchmarks Game: Sun and four planets, a thousand steps of 0.01, energy before and after.
 
-Give another number of steps as the argument, as in the game: ``python benchmarks_game.py 5000000``.
+Pass another number of steps as the argument, as in the game: ``python benchmarks_game.py 5000000``.
 """
 
 import sys

@@ -1,7 +1,7 @@
-"""A force of one's own, with parameters: a mass on a spring that hardens, driven by a motor.
+"""A force of your own, with parameters: a mass on a hardening spring, driven periodically.
 
-x'' = -k x - c x^3 + f cos(w t). The names of the arguments say what the force depends on: t makes it forced, params
-are the numbers given as ``args``.
+x'' = -k x - c x^3 + f cos(w t). The argument names declare what the force depends on: t is the time, params
+are the numbers passed as ``args``.
 """
 
 import math

@@ -3,8 +3,8 @@
     v += h * a(t, x, v)        a kick
     x += h * v                 a drift
 
-That order is everything: with the old velocity in the second line it is the explicit Euler method, and the planet
-spirals away. kickdrift runs the same loop compiled, and to the same last bit (``compensated=False``).
+The order matters: with the old velocity in the second line this is the explicit Euler method, and the planet
+spirals away. kickdrift runs the same loop compiled, bit for bit (``compensated=False``).
 """
 
 import numpy as np

@@ -178,7 +178,7 @@ def test_steps_are_taken_back_where_they_are_wrong_and_nowhere_else():
     assert one_by_one[:5] == [1] * 5
     assert one_by_one[-3:] == [0] * 3
     assert sol.n_rejected == sum(one_by_one)
-    assert f"{sol.n_rejected} more taken back" in sol.report()
+    assert f"{sol.n_rejected} more rejected" in sol.report()
     unconcerned = replace(METHOD, parameters=(Fraction(1, 1000), 10**6, *METHOD.parameters[2:]))
     assert run(system, 0.3, 3.0, unconcerned).n_rejected < 5
     assert distance(run(system, 0.3, 3.0, unconcerned), sol) > 1e-5

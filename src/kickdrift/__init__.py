@@ -164,7 +164,7 @@ def __dir__() -> list[str]:
     return __all__
 
 
-# Solutions and worlds save, draw and report themselves with what lives on the floors above them.
+# Solutions and worlds save, draw and report themselves with what lives in the layers above them.
 Solution.presenters = Presenters(
     plot=plots.plot_solution,
     to_html=_later("kickdrift.viewer.solution", "solution_to_html"),

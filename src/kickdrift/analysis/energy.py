@@ -23,7 +23,7 @@ def energy_error(solution: Solution) -> Floats:
     Raises
     ------
     KickdriftError
-        If the system does not say its energy.
+        If the system has no energy.
     """
     return _relative(solution.energy)
 
@@ -34,7 +34,7 @@ def largest_energy_error(solution: Solution) -> float:
     Raises
     ------
     KickdriftError
-        If the system does not say its energy.
+        If the system has no energy.
     """
     return float(np.abs(energy_error(solution)).max())
 
@@ -50,7 +50,7 @@ def energy_drift(solution: Solution) -> float:
     ArgumentError
         If the solution has fewer than two times.
     KickdriftError
-        If the system does not say its energy.
+        If the system has no energy.
     """
     if solution.t.size < 2:
         raise ArgumentError(

@@ -1,4 +1,4 @@
-"""Short runs by which methods are judged: how long, against what, and what they say of the whole span."""
+"""Pilot runs by which methods are compared: their length, their reference, and extrapolation to the whole span."""
 
 import math
 import time
@@ -84,7 +84,7 @@ class Pilot:
 
 
 def fly(rates: Rates, t0: float, span: float) -> Pilot:
-    """Look how fast a problem moves, and solve as much of its span as may be had for little, to 1e-13.
+    """Measure the time scale of a problem, and solve as much of its span as is cheap, to 1e-13.
 
     Raises
     ------

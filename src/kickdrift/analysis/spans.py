@@ -13,7 +13,7 @@ def ends_of(t_span: Any) -> tuple[float, float]:
     Raises
     ------
     ArgumentError
-        For what is not two finite times that differ.
+        For anything but two different finite times.
     """
     try:
         begin, end = (real(time) for time in t_span)
@@ -30,7 +30,7 @@ def step_of(step: Any) -> float:
     Raises
     ------
     ArgumentError
-        For what is no finite number, or 0.
+        For anything but a finite number that is not 0.
     """
     try:
         value = real(step)

@@ -21,7 +21,7 @@ Location = tuple[str | int, ...]
 
 @dataclass(frozen=True)
 class OwnBodies:
-    """The system that a file describes, and how it wants it run."""
+    """The system that a file describes, and its settings for the run."""
 
     system: System
     run: Run

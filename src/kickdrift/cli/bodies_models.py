@@ -58,7 +58,7 @@ class Units(_Strict):
 
 
 class Run(_Strict):
-    """How to run where the command line does not say; times in the file's own unit."""
+    """Defaults for the run; times in the file's own unit."""
 
     duration: float | None = None
     step: Annotated[float, Field(gt=0)] | None = None

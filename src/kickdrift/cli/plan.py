@@ -50,7 +50,7 @@ class Plan:
 
 @dataclass(frozen=True)
 class _Wishes:
-    """What a system is run with where the command line does not say."""
+    """Defaults for options that the command line does not set."""
 
     duration: float | None
     step: float | None

@@ -16,7 +16,7 @@ from kickdrift.systems import ephemeris
 def run(plan: Plan, folder: Path, quiet: bool, checkpoint: Path | None = None, save_to: Path | None = None) -> int:
     """Do a run, write ``<system>.npz`` and ``<system>.png`` into a folder, and return the exit code.
 
-    A run that ends early is written and reported all the same. One with a folder for checkpoints goes on from the last, and one
+    A run that ends early is still written and reported. One with a folder for checkpoints resumes from the last, and one
     whose rows go to disk writes nothing else.
     """
     if save_to is not None:

@@ -61,8 +61,8 @@ def run_scene(
 ) -> int:
     """Run a scene, write ``<scene>.npz``, ``.png``, ``.gif`` and ``.html`` into a folder, and return the exit code.
 
-    A run that ends early is written and reported all the same. One with a folder for checkpoints goes on from the last,
-    and one whose rows go to disk writes nothing else.
+    A run that ends early is still written and reported. One with a folder for checkpoints resumes from the last, and one
+    whose rows go to disk writes nothing else.
     """
     if save_to is None:
         prepare_folder(folder)

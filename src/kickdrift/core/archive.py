@@ -46,7 +46,7 @@ def write(path: str | Path, header: Mapping[str, Any], arrays: Arrays, compresse
     path : path
         Where; ``.npz`` is appended where it is missing. The folder must exist.
     header : mapping
-        What JSON can say; under "format" the name of the format.
+        JSON data; under "format" the name of the format.
     arrays : mapping of str to array
     compressed : bool
         Whether to take less room and ten times as long.

@@ -20,7 +20,7 @@ def reals(value: Any) -> Floats:
     Raises
     ------
     TypeError
-        If it holds anything else, is ragged, or no array can be made of it; the text says why.
+        If it holds anything else, is ragged, or cannot be converted to an array; the message tells why.
     """
     if has_unit(value):
         raise TypeError("it has a unit, which would be lost")
@@ -42,7 +42,7 @@ def real(value: Any) -> float:
     Raises
     ------
     TypeError
-        If it is none, or is larger than floats are.
+        If it is not a number, or beyond the range of floats.
     """
     if type(value) is float:
         return value

@@ -23,7 +23,7 @@ Function = Callable[..., Any]
 
 
 class _Flags(Flags):  # type: ignore[misc]
-    """Flags of the compiler that are quickly compared: Numba looks up by them what it knows, for each operation anew."""
+    """Flags of the compiler that are quickly compared: Numba looks up by them what it knows, for each operation again."""
 
     def __eq__(self, other: object) -> Any:
         """Whether the same is set in both."""

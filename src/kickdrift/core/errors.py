@@ -1,4 +1,4 @@
-"""Errors are sentences: the argument, its value, why it cannot be, and what to do instead."""
+"""Errors are sentences: the argument, its value, why it cannot be used, and what to do instead."""
 
 import difflib
 import inspect
@@ -7,7 +7,7 @@ from itertools import takewhile
 
 
 class KickdriftError(Exception):
-    """Everything that kickdrift raises on purpose."""
+    """The base class of all errors that kickdrift raises on purpose."""
 
 
 class ArgumentError(KickdriftError, ValueError):
@@ -27,7 +27,7 @@ class MissingExtraError(KickdriftError, ImportError):
 
 
 class FileFormatError(KickdriftError):
-    """A file that is not what it should be."""
+    """A file that cannot be read or written, or has invalid contents."""
 
 
 class LostBodyError(KickdriftError):
@@ -35,15 +35,15 @@ class LostBodyError(KickdriftError):
 
 
 class InterpretedWarning(UserWarning):
-    """A user's function that Numba cannot compile, and so runs interpreted."""
+    """A user's function runs interpreted, because Numba cannot compile it."""
 
 
 class UnsolvedWarning(UserWarning):
-    """What the solver of a world has left undone for so long, or lost so much by, that its numbers are not to be relied on."""
+    """The solver of a world has left contacts unsolved for so long, or lost so much energy, that results are unreliable."""
 
 
 def unknown_name(argument: str, value: object, known: Iterable[str]) -> UnknownNameError:
-    """Build the error for a name that is not in a catalogue, with the nearest ones that are."""
+    """Build the error for a name that is not in a catalogue, with similar names."""
     known = sorted(known)
     near = difflib.get_close_matches(str(value), known, n=3, cutoff=0.4)
     hint = f"did you mean {' or '.join(repr(name) for name in near)}?" if near else f"known: {', '.join(known)}."
@@ -58,7 +58,7 @@ def missing_extra(feature: str, package: str, extra: str) -> MissingExtraError:
 
 
 def depth_of_caller() -> int:
-    """How far up the first frame outside kickdrift is, for a warning that points there."""
+    """Stack level of the first frame outside kickdrift, for a warning that points there."""
     package = __name__.split(".")[0] + "."
     frames = inspect.stack(context=0)[1:]
     inside = takewhile(lambda frame: f"{frame.frame.f_globals.get('__name__')}.".startswith(package), frames)

@@ -38,7 +38,7 @@ def written(target: Path) -> Iterator[Path]:
     Raises
     ------
     OSError
-        If there can be no file, or what is there is none.
+        If there can be no file, or the path is not a regular file.
     """
     mode = None
     with suppress(FileNotFoundError):

@@ -4,7 +4,7 @@ from enum import Enum
 
 
 class Kind(Enum):
-    """What moves, by the form of its equations. The value is the phrase for people.
+    """Kinds of problems, by the form of the equations. The value is the phrase shown to users.
 
     A kind includes the more special ones below it, and a method that has its order on a kind has it on those, too. ::
 

@@ -79,7 +79,7 @@ class Whole(JITCodeLibrary):  # type: ignore[misc]
     def _keep_to_itself(self) -> None:
         """Leave no function but the one that is run for the linker to find.
 
-        Numba numbers functions of one name anew in each process. Of two that come from different ones on disk and have
+        Numba numbers functions of one name again in each process. Of two that come from different ones on disk and have
         the same number, both would run the first. ("internal" functions are found, too, by their names, and crash those
         who find them, since their arguments may have been optimised away.)
         """

@@ -1,4 +1,4 @@
-"""Folders that one run at a time works on: a lock that the system takes back when its process ends, however that ends."""
+"""Folders that one run at a time works on: a lock that the system releases when its process ends, however that ends."""
 
 import errno
 import os
@@ -14,7 +14,7 @@ _FAR = 1 << 30  # the byte that is locked: beyond what others read, which Window
 
 
 class LockedError(Exception):
-    """The lock is held already; its text says by whom."""
+    """The lock is already held; the message tells by whom."""
 
 
 class FileLock:

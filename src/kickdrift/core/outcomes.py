@@ -4,7 +4,7 @@ from enum import Enum
 
 
 class Outcome(Enum):
-    """The ways in which a run ends; `Outcome.value` is the sentence for people."""
+    """The ways in which a run ends; `Outcome.value` is the sentence shown to users."""
 
     COMPLETED = "The end of t_span was reached."
     STOPPED = "A terminal event ended the run."

@@ -128,7 +128,7 @@ def _feed(process: Any, waiting: deque[list[Job]], places: dict[int, Place], don
 
 
 def work() -> None:
-    """Compile what is asked for on standard input, and say on standard output that one is done."""
+    """Compile the functions named on standard input, and report on standard output when one is done."""
     answers, sys.stdout = sys.stdout, sys.stderr
     with no_collector(), suppress(EOFError, KeyboardInterrupt):
         while True:

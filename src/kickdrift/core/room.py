@@ -44,7 +44,7 @@ def check_kept(save_every: int | None, n_steps: int, row: int, remedy: str = "")
 
 
 def free_bytes() -> float:
-    """Return the memory that this process may still take, or infinity where the system does not say."""
+    """Return the memory that this process may still take, or infinity if the system does not report it."""
     free = math.inf
     with suppress(OSError, ValueError, LookupError):
         lines = Path("/proc/meminfo").read_text().splitlines()

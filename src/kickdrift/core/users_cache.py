@@ -22,7 +22,7 @@ _DAY = 86400.0
 
 
 class UsersCache(Cache):
-    """What `kickdrift.core.cache.Cache` is to functions of kickdrift; the function's name tells what it is made of."""
+    """What `kickdrift.core.cache.Cache` is to functions of kickdrift; the key tells what the function is made of."""
 
     @cached_property
     def _method(self) -> Any:

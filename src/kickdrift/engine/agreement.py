@@ -1,4 +1,4 @@
-"""Whether a user's function says the same compiled as in Python: whole numbers beyond 64 bits overflow in compiled code."""
+"""Whether a user's function agrees compiled and in Python: integers beyond 64 bits overflow in compiled code."""
 
 import random
 import time

@@ -18,13 +18,13 @@ from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.core.locking import FileLock, LockedError
 from kickdrift.engine.identity import version
 
-_SECONDS = 60.0  # between checkpoints where nobody says how many steps there are
+_SECONDS = 60.0  # between checkpoints, if the number of steps is not given
 _FIRST = 1000  # steps to the first one there
 _NAME = re.compile(r"step-(\d{15})\.npz")
 
 
 class Found(NamedTuple):
-    """A checkpoint that was read: what it says, its arrays, and what is to be said of it."""
+    """A checkpoint that was read: its header, its arrays, and what to report about it."""
 
     header: dict[str, Any]
     arrays: dict[str, Any]
@@ -97,7 +97,7 @@ class Checkpoints:
         self._pace = max(1, min(10 * max(steps, _FIRST), int(steps * _SECONDS / max(seconds, 1e-9))))
 
     def write(self, step: int, header: Mapping[str, Any], arrays: archive.Arrays) -> None:
-        """Write a checkpoint, unless that is where the run went on from, and remove those that are not to be kept.
+        """Write a checkpoint, unless the run resumed from it, and remove those that are not to be kept.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Runs that go on from where they stand, with the bits of one that was never broken."""
+"""Runs that continue from their current state, with the bits of an uninterrupted run."""
 
 from contextlib import closing
 from dataclasses import dataclass, replace

@@ -117,7 +117,7 @@ def check_merging(density: object, system: System) -> None:
 
 
 def check_density(density: Quantity, named: str, system: System, t0: float) -> None:
-    """Refuse a density that is none at the start, or another one with the velocities turned around.
+    """Refuse a density that is invalid at the start, or that changes with the velocities reversed.
 
     Raises
     ------
@@ -132,7 +132,7 @@ def check_density(density: Quantity, named: str, system: System, t0: float) -> N
         )
     if abs(here - turned) > 1e-9 * here:
         raise ArgumentError(
-            f"density by {named} is {here!r} at the start, and {turned!r} with the velocities turned around; it must"
+            f"density by {named} is {here!r} at the start, and {turned!r} with the velocities reversed; it must"
             " be the same, or the steps are not reversible."
         )
 

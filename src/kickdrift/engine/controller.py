@@ -56,7 +56,7 @@ class Controller:
     between : Controller or None
         What controls parts of steps, for states between them.
     takes_back : bool
-        Whether steps are taken back.
+        Whether steps can be rejected.
     surfaces : Surfaces or None
         Of impacts, for events.
     function : Quantity or None
@@ -99,7 +99,7 @@ def control_of(wanted: Any, step: float | None, rtol: float | None, atol: ArrayL
     Raises
     ------
     ArgumentError
-        For what is no control, if two are given, or no step where there must be one.
+        For an invalid control, if two are given, or if a required step is missing.
     """
     by_error = rtol is not None or atol is not None
     if by_error and wanted is not None:

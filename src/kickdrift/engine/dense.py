@@ -74,7 +74,7 @@ class DenseOutput:
         end: float,
         compile: Callable[[], Processing],  # noqa: A002 - the name of the field
     ) -> DenseOutput:
-        """Make one of rows, their times, x, v and steps, before which there is the start, if it is none of them."""
+        """Create one from rows, their times, x, v and steps, preceded by the start if it is not a row."""
         t, xs, vs, steps = rows
         if not t.size or t[0] != grid.t0:
             t, steps = np.append(grid.t0, t), np.append(grid.step, steps)
@@ -106,7 +106,7 @@ class DenseOutput:
         Raises
         ------
         ArgumentError
-            For times outside, and for what is no list of times.
+            For times outside the run, and anything but a list of times.
         KickdriftError
             If the method finds no state at one of them.
         """

@@ -27,7 +27,7 @@ def events_of(events: Any, quantity: Callable[[str, Any], Quantity]) -> tuple[Ev
     Raises
     ------
     ArgumentError
-        For what is no function of the state, and attributes that cannot be.
+        For anything but functions of the state, and for invalid attributes.
     """
     if events is None:
         return ()

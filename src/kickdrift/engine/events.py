@@ -44,7 +44,7 @@ class Zero(NamedTuple):
 class Seen(NamedTuple):
     """What was found of events up to a step: zeros, the steps in which further ones are, and the evaluations that it took.
 
-    No zero up to the time `beyond` ends a run: it went on from there.
+    No zero up to the time `beyond` ends a run: it continued from there.
     """
 
     zeros: tuple[Zero, ...]

@@ -57,7 +57,7 @@ class Taken:
 
     @property
     def known(self) -> bool:
-        """Whether the key tells all, so that compiled code may be kept for other processes."""
+        """Whether the key is complete, so that compiled code may be kept for other processes."""
         return isinstance(self.key, tuple)
 
     def options(self, checked: bool) -> dict[str, Any]:
@@ -151,7 +151,7 @@ def _taken_apart(function: Any, callers: tuple[Any, ...], free: bool) -> Taken:
 
 
 def _is_of_doubles(function: Any) -> bool:
-    """Whether the signatures that a function was compiled for round nothing: it may be compiled anew for what it is given.
+    """Whether the signatures that a function was compiled for round nothing: it may be compiled again for what it is given.
 
     Only one that is called by no other compiled one, which might give it integers to convert.
     """

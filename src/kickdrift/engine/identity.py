@@ -1,4 +1,4 @@
-"""What determines a run, in words that are the same in every process: a run that goes on must be the same one.
+"""What determines a run, in words that are the same in every process: only the same run can be resumed.
 
 It guards against mistakes. Where one cannot tell what a function uses, its code alone is compared.
 """

@@ -139,7 +139,7 @@ def cut_steps(
     Raises
     ------
     ArgumentError
-        For what is none, does not go with the method or the system, and for a start beyond a surface.
+        For invalid impacts, ones that are incompatible with the method or the system, and a start beyond a surface.
     """
     if impacts is not None and not isinstance(impacts, Impacts):
         impacts = Impacts(impacts)
@@ -207,7 +207,7 @@ def sides_at(switches: Any, problem: Any, adapter: Adapter) -> Floats:
     Raises
     ------
     ArgumentError
-        For what is no function of the state.
+        For anything but functions of the state.
     """
     if switches is None or isinstance(problem, System):
         return np.zeros(0)

@@ -101,8 +101,8 @@ def evaluate_quantity(quantity: Quantity, system: System, t: Floats, x: Floats, 
 def energy_lost(system: System, t: Floats, x: Floats, v: Floats) -> str:
     """Return a sentence on an energy that is farther off at the end than it was large, kinetic and potential; or nothing.
 
-    Forces that change with time, friction and noise do work: there it says nothing. A function that raises does so when it is
-    asked for, and not for this.
+    Forces that change with time, friction and noise do work: there it is not meaningful. A function that raises does so when
+    it is asked for, and not for this.
     """
     conserved = Kind.HAMILTONIAN.includes(system.kind) or system.kind is Kind.CONSTRAINED
     times = 0.0

@@ -50,7 +50,7 @@ class _Kept(NamedTuple):
 def report(
     journey: Journey, ending: Ending, continuation: Callable[[Task, Standing, bool], Callable[[float], Solution]]
 ) -> Solution:
-    """Return what a run has kept, as people see it, and what goes on from there, which `continuation` makes."""
+    """Return what a run has kept, as people see it, and what continues from there, which `continuation` makes."""
     task, processing, between, watch = journey.task, journey.processing, journey.between, journey.watch
     once = cache(between)  # for the rows; the solution, which threads may ask, has a state for each
     system, grid, rows = task.system, task.grid, journey.run.rows
@@ -119,7 +119,7 @@ def _kept(rows: Rows, ending: Ending, early: bool, processing: Processing) -> _K
         return _Kept(*rows.ends(ending.n_steps))
     t = rows.times(ending.saved, ending.n_steps, early)
     xs, vs = rows.xs[: ending.saved], rows.vs[: ending.saved]
-    if processing.postprocessor is not None:  # which overwrites what the run goes on with
+    if processing.postprocessor is not None:  # which overwrites what the run continues with
         xs, vs = xs.copy(), vs.copy()
     return _Kept(t, *processing.leave(t, xs, vs, rows.grid.t0), rows.steps(t))
 

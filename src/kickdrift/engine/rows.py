@@ -87,7 +87,7 @@ class GridRows:
         return self.grid.t0 + step * self.grid.step
 
     def steps_of(self, step: int) -> str:
-        """Return how many steps are done, for people."""
+        """Return how many steps are done, for display."""
         return f"{step} of {self.grid.n_steps} steps"
 
     def advance(self, step: int, target: int, mark: Mark) -> tuple[int, Mark]:
@@ -181,7 +181,7 @@ class CourseRows:
         return float(self.stepper.state.work[CLOCK])
 
     def steps_of(self, step: int) -> str:
-        """Return how many steps are done, for people."""
+        """Return how many steps are done, for display."""
         return f"{step} steps"
 
     def advance(self, step: int, target: int, mark: Mark) -> tuple[int, Mark]:

@@ -139,7 +139,7 @@ class Run:
         rows.close(good.step, good.mark, good.state, self._stop, outcome.name)
 
     def go(self, bar: Bar, started: float, until: int = sys.maxsize) -> Failure | None:
-        """Go to the end of the grid or up to a step, or as far as it goes, and say what ended it before.
+        """Run to the end of the grid or up to a step, or as far as possible, and return what ended it earlier.
 
         What was done is kept in any case. The bar shows how far the run is that was `started` then.
         """

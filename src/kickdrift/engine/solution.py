@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Presenters:
-    """What a solution can do on the floors above: the package hands it down when it is imported."""
+    """What a solution can do in the layers above: the package hands it down when it is imported."""
 
     plot: Callable[..., Any]
     to_html: Callable[..., Path]

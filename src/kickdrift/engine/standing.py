@@ -1,4 +1,4 @@
-"""Where a run stands, so that it can go on from there."""
+"""The state of a run, from which it can continue."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

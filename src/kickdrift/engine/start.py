@@ -32,7 +32,7 @@ def start_of(problem: Any, x0: ArrayLike | None, v0: ArrayLike | None) -> Start:
     Raises
     ------
     ArgumentError
-        For what is no problem, or no start of it.
+        For an invalid problem, or an invalid initial state.
     """
     if not isinstance(problem, System | Problem) and not callable(problem):
         raise ArgumentError(
@@ -81,7 +81,7 @@ def parameters(args: Sequence[float] | None) -> Floats:
     Raises
     ------
     ArgumentError
-        For what is no flat list of finite numbers.
+        For anything but a flat list of finite numbers.
     """
     try:
         params = np.atleast_1d(reals(() if args is None else args))

@@ -89,7 +89,7 @@ class Steering:
         Raises
         ------
         ArgumentError
-            For what does not go with the method or the system.
+            For a control that is incompatible with the method or the system.
         """
         if self.control is not None:
             return controlled(self.control, system, method, grid.t0, adapter.number, step is not None)
@@ -107,7 +107,7 @@ def steering_of(
     Raises
     ------
     ArgumentError
-        For what is no control, and if two are given.
+        For an invalid control, and if two are given.
     """
     steering = Steering(control_of(step_control, step, rtol, atol), impacts, switches)
     if steering.control is not None and steering.cuts:

@@ -192,7 +192,7 @@ def store_of(path: Any, grid: Grid | Course, identity: Mapping[str, str], again:
     Raises
     ------
     ArgumentError
-        For what is no path, a folder that is there, and runs whose rows do not go to disk.
+        For an invalid path, an existing folder, and runs whose rows cannot go to disk.
     """
     if path is None:
         return None

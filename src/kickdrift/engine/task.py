@@ -65,13 +65,13 @@ class Task:
 
     @property
     def description(self) -> Description:
-        """What is run, for people."""
+        """What is run, for display."""
         about = description_of(self.system, self.chosen, self.compensated, self.controller)
         return replace(about, units={**about.units, **self.units})
 
 
 def description_of(system: System, chosen: Choice, compensated: bool, controller: Controller | None) -> Description:
-    """Describe what is run, for people."""
+    """Describe what is run, for display."""
     method = chosen.method
     units = dict(system.units) | {name: quantity.unit for name, quantity in system.quantities.items() if quantity.unit}
     scales = {name: quantity.scale for name, quantity in system.quantities.items() if quantity.scale is not None}
@@ -197,7 +197,7 @@ class Journey:
         return run.ending(*(failure or (Outcome.COMPLETED, "")))
 
     def _kept(self, failure: Failure | None, due: int) -> Failure | None:
-        """Keep where the run stands, while Ctrl-C waits, and say what ends it, if anything does."""
+        """Store the state of the run, while Ctrl-C waits, and return what ends it, if anything does."""
         run, checkpoints = self.run, self._checkpoints
         with InterruptionNoted(passed_on=False) as interruption:
             if isinstance(run.rows, StreamedRows):
@@ -209,7 +209,7 @@ class Journey:
         return failure
 
     def _written(self, failure: Failure | None, write: Callable[[], None]) -> Failure | None:
-        """Write something, and say what ends the run, if anything does."""
+        """Write something, and return what ends the run, if anything does."""
         try:
             write()
         except FileFormatError as error:

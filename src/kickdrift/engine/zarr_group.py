@@ -32,12 +32,12 @@ class ZarrGroup:
     path : path
         Of a folder.
     run : str
-        What tells the run apart, of which alone a group that is there is gone on with.
+        The identity of the run; an existing group is continued only if it is the same.
 
     Raises
     ------
     ArgumentError
-        For what is no path.
+        For an invalid path.
     MissingExtraError
         If zarr is not installed.
     """

@@ -159,7 +159,7 @@ def load_robot(
 
 
 def _world(model: Model, world: World | None, notes: list[str]) -> World:
-    """Make a world with the file's gravity, or say that the one given has another."""
+    """Create a world with the file's gravity, or note that the given one has another."""
     off = model.compiled.opt.disableflags & model.mujoco.mjtDisableBit.mjDSBL_GRAVITY
     gravity = np.zeros(3) if off else np.array(model.compiled.opt.gravity)
     if world is None:

@@ -20,7 +20,7 @@ class Catalogue:
         self._places: dict[Any, int] = {}
 
     def place(self, shape: Any) -> int:
-        """Return the index of a shape in the catalogue, to which it is added if there is none like it."""
+        """Return the index of a shape in the catalogue, to which it is added if it is new."""
         arguments = {f.name: np.asarray(getattr(shape, f.name)) for f in fields(shape) if f.init}
         key = (type(shape), *((name, value.shape, value.tobytes()) for name, value in arguments.items()))
         if key not in self._places:
@@ -38,12 +38,12 @@ class Catalogue:
 
 
 def shapes_of(words: Iterable[Mapping[str, Any]], numbers: NDArray[np.float64]) -> list[Shape]:
-    """Make the shapes of a catalogue anew.
+    """Make the shapes of a catalogue again.
 
     Raises
     ------
     LookupError, TypeError, ValueError
-        If it is none.
+        If it is invalid.
     """
     made: list[Shape] = []
     begin = 0

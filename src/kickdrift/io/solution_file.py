@@ -41,7 +41,7 @@ def save(solution: Solution, path: str | Path) -> Path:
 
 
 def header_of(solution: Solution) -> dict[str, Any]:
-    """Return what JSON says of a solution."""
+    """Return the JSON header of a solution."""
     return {
         "status": solution.status.name,
         "message": solution.message,
@@ -106,7 +106,7 @@ def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Solution:
 
 
 def description(given: dict[str, Any]) -> Description:
-    """Return what a file says of what was run."""
+    """Return the description of a run from a file."""
     about = {f.name: given[f.name] for f in fields(Description)}
     about["choice"], about["step_control"] = str(about["choice"]), str(about["step_control"])
     about["scales"] = {str(name): float(scale) for name, scale in about["scales"].items()}

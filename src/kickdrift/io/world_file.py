@@ -1,4 +1,4 @@
-"""Worlds on disk: all that their next steps depend on, so that they go on with the same bits."""
+"""Worlds on disk: all that their next steps depend on, so that they continue with the same bits."""
 
 import json
 import math
@@ -40,7 +40,7 @@ def save_world(world: World, path: str | Path) -> Path:
     Parameters
     ----------
     world : World
-        Forces that were added to it, functions of one's own, are counted and not written: a file holds no code.
+        Forces added by users are functions; they are counted but not written, since a file holds no code.
     path : path
         Where; ``.npz`` is appended where it is missing. The folder must exist.
 
@@ -96,26 +96,25 @@ def contents(world: World) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
 
 
 def load_world(path: str | Path, forces: Sequence[Function] = ()) -> World:
-    """Read a world that `World.save` wrote; it goes on with the bits of the one that was written.
+    """Read a world that `World.save` wrote; it continues with the bits of the one that was written.
 
     Parameters
     ----------
     path : path
     forces : sequence of callable
-        The functions that `World.add_force` was given, in their order: a file holds no code.
+        The functions passed to `World.add_force`, in the same order: a file holds no code.
 
     Returns
     -------
     World
-        Bodies have the rows and names that they had; ``world.body(name)`` and ``world.bodies.handle(row)`` give the handle
-        of one.
+        Bodies keep their rows and names; ``world.body(name)`` and ``world.bodies.handle(row)`` return handles.
 
     Raises
     ------
     FileFormatError
-        If there is no such file, it is not a world, or one of another version of kickdrift.
+        If there is no such file, or it is not a world, or one of another version of kickdrift.
     ArgumentError
-        If the forces are not as many as the world had.
+        If the number of forces differs from that of the world.
     """
 
     def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> tuple[Snapshot, int, bool]:

@@ -1,4 +1,4 @@
-"""Films of recordings."""
+"""Animations of recordings."""
 
 import math
 import os
@@ -25,7 +25,7 @@ Pixels = NDArray[np.uint8]
 _PIXELS = 310_000
 _DPI = 100
 _MOST_WORKERS = 4
-_LAST_SECONDS = 1.0  # that the last picture of a GIF stays, before it begins anew
+_LAST_SECONDS = 1.0  # that the last picture of a GIF stays, before it begins again
 _NEARLY_WHITE = 247
 _PACKING = np.array([256**2, 256, 1], dtype=np.int32)  # of red, green and blue in one number
 _SAMPLES = 8  # pictures that the colours of a GIF are chosen from
@@ -39,13 +39,13 @@ def animate_recording(
     Parameters
     ----------
     recording : Recording
-        Between the states kept, bodies are drawn on the straight way.
+        Between the states kept, poses are interpolated linearly.
     path : path
-        Ends in ``.gif``, or in ``.mp4`` where the program ffmpeg is installed.
+        Ends in ``.gif``, or in ``.mp4`` if the program ffmpeg is installed.
     speed : float
         Seconds of the recording per second of the animation.
     rate : int
-        Pictures a second, at most 50.
+        Frames per second, at most 50.
     progress : bool, optional
         Show a bar; by default on a terminal, where it takes more than two seconds.
 
@@ -57,7 +57,7 @@ def animate_recording(
     Raises
     ------
     ArgumentError
-        For a speed or rate that cannot be.
+        For an invalid speed or rate.
     FileFormatError
         If the file cannot be written, or ffmpeg is missing.
     MissingExtraError

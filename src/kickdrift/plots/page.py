@@ -54,7 +54,7 @@ def label(name: str, unit: str | None) -> str:
 
 
 def keep(figure: "Figure", path: str | Path | None) -> "Figure":
-    """Write a figure to a file, if there is a path; the ending says the format.
+    """Write a figure to a file, if there is a path; the file extension determines the format.
 
     Raises
     ------

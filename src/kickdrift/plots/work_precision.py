@@ -1,4 +1,4 @@
-"""Errors over work, a line a method."""
+"""Errors over work, one line per method."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING

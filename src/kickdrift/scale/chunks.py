@@ -17,12 +17,12 @@ _BYTES = 1 << 28  # of the rows of a chunk, where they go to disk
 
 @dataclass(frozen=True)
 class Chunk:
-    """A task: some members, the number of the first of them, and the first of all, which says what they have in common.
+    """A task: some members, the index of the first of them, and the first of all, which defines what they have in common.
 
     Attributes
     ----------
     store : MemberStore or None
-        Where the rows go, if not to whoever asked.
+        Where the rows go, if they are not returned.
     """
 
     first: int

@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class EnsemblePresenters:
-    """What the solution of an ensemble can do on the floors above: the package hands it down when it is imported."""
+    """What the solution of an ensemble can do in the layers above: the package hands it down when it is imported."""
 
     save: Callable[..., Path]
     keep: Callable[..., None]

@@ -161,7 +161,7 @@ def _next(done: "queue.SimpleQueue[T]", executor: Any) -> T:
     Raises
     ------
     NoWorkerError
-        Where the scheduler of Dask has no worker for as long as Dask waits for others: those that died are started anew, or
+        Where the scheduler of Dask has no worker for as long as Dask waits for others: those that died are started again, or
         not. A pool is broken then, and all is done.
     """
     client, since = getattr(executor, "_client", None), time.monotonic()

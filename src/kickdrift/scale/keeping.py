@@ -1,4 +1,4 @@
-"""Checkpoints of ensembles: the members that are done, from which the same call goes on with the others."""
+"""Checkpoints of ensembles: the finished members; the same call continues with the others."""
 
 import time
 from collections.abc import Mapping
@@ -14,7 +14,7 @@ from kickdrift.engine.identity import written
 from kickdrift.scale.prepared import Prepared
 from kickdrift.scale.results import Results
 
-_SECONDS = 60.0  # between checkpoints where nobody says how many members there are
+_SECONDS = 60.0  # between checkpoints, if the number of members is not given
 _ARRAYS = ("x", "v", "rows", "step", "step_range", "n_steps", "rejected", "evaluations")
 
 

@@ -1,4 +1,4 @@
-"""Members in a Zarr group on disk: whoever runs a chunk of them writes it, whole and once."""
+"""Members in a Zarr group on disk: the process that computes a chunk writes it, whole and once."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace

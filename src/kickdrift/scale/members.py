@@ -38,7 +38,7 @@ class Members:
     made : sequence of dict, optional
         The arguments from which `problem` makes the system of each member.
     parameters : mapping of str to array
-        What tells the members apart, for people: (M,) or (M, p).
+        What tells the members apart, for display: (M,) or (M, p).
     """
 
     problem: Any
@@ -99,7 +99,7 @@ def members_of(
     Raises
     ------
     ArgumentError
-        For numbers of members that do not fit together, or what is none of a member.
+        For inconsistent numbers of members, or invalid values of a member.
     """
     made, numbers = None, None
     parameters: dict[str, Any] = {}

@@ -40,7 +40,7 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Defaults:
-    """How long and in which steps a system is run where nobody says, in its own unit of time.
+    """How long and in which steps a system is run by default, in its own unit of time.
 
     Attributes
     ----------

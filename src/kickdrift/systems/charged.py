@@ -77,7 +77,7 @@ class ChargedParticle(Problem):
     invariants: Mapping[str, Function] = field(default_factory=dict)
 
     def system(self, adapter: Adapter) -> System:
-        """Make the system. Its last params are the charges to masses, one to each number of the state."""
+        """Make the system. Its last params are the charges to masses, one per number of the state."""
         names = ("t", "x", "params", "out")
         charges = _charges_of(self.charge_to_mass, adapter.x0.shape)
         for role, function in (("magnetic_field", self.magnetic_field), ("electric_field", self.electric_field)):
@@ -103,7 +103,7 @@ class ChargedParticle(Problem):
 
 
 def _check_vectors(adapter: Adapter, role: str, function: Function, names: tuple[str, ...]) -> None:
-    """Refuse what would broadcast to vectors and is none: a number, or the strength at each particle."""
+    """Refuse values that would broadcast to vectors but are not vectors: a number, or the strength at each particle."""
     if "out" in adapter.names_of(function, role, names):
         return
     shape = adapter.shape_of(function, role, names)

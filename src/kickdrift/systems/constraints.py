@@ -38,7 +38,7 @@ class Constraints:
 
     @property
     def has_jacobian(self) -> bool:
-        """Whether the system says its Jacobian."""
+        """Whether the system provides its Jacobian."""
         return "constraint_jacobian" in self.system.parts
 
     def length(self, x: Floats) -> float:

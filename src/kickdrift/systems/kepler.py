@@ -95,7 +95,7 @@ def eccentric_anomaly(mean_anomaly: Floats, eccentricity: float) -> Floats:
 
     Newton's method on (0, pi), where E - e sin E is convex, converges from beyond the zero for every eccentricity below 1.
     Begun at the least of pi, M + e and M / (1 - e), which all are beyond it. The correction c is followed by one of
-    e c^2 / 2 (1 - e) at most. Parts of the arrays that stay in the nearest cache take half the time.
+    e c^2 / 2 (1 - e) at most. Parts of the arrays that stay in the L1 cache take half the time.
     """
     solved = np.empty(mean_anomaly.size)
     for first in range(0, solved.size, _PART):

@@ -15,7 +15,7 @@ from kickdrift.systems import gravity
 
 Floats = NDArray[np.float64]
 FEW = 31  # bodies up to which a loop over the pairs is faster than tiles (measured: even at 28)
-_BLOCK = 256  # bodies without mass, whose positions and sums stay in the nearest cache
+_BLOCK = 256  # bodies without mass, whose positions and sums stay in the L1 cache
 _FIELDS = 6
 
 

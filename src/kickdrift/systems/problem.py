@@ -1,4 +1,4 @@
-"""Problems described by a user's Python functions, and what the engine lends them to become a system."""
+"""Problems described by a user's Python functions, and the adapter with which they become a system."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
@@ -34,7 +34,7 @@ class Adapted:
 
 
 class Adapter(Protocol):
-    """What the engine lends to a problem: a start, and hands that adapt functions to it."""
+    """What the engine provides to a problem: an initial state, and methods that adapt functions to it."""
 
     @property
     def t0(self) -> float:

@@ -145,7 +145,7 @@ def divided_by_mass(t: float, x: Floats, v: Floats, params: Floats, out: Floats)
 
 
 def to_each_number(values: ArrayLike, shape: tuple[int, ...]) -> Floats:
-    """Give a value to each number of a state; N values to a state of N bodies, (N, d), are one to each body."""
+    """Give a value to each number of a state; N values to a state of N bodies, (N, d), are one per body."""
     given = reals(values)
     if len(shape) == 2 and given.shape == shape[:1]:
         given = given[:, None]
@@ -153,12 +153,12 @@ def to_each_number(values: ArrayLike, shape: tuple[int, ...]) -> Floats:
 
 
 def fitted(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Floats:
-    """Give a value of this name to each number of a state of this shape, or say why it does not fit.
+    """Broadcast a value of this name to each number of a state of this shape, or refuse it with the reason.
 
     Raises
     ------
     ArgumentError
-        For what is no number, or a shape that does not broadcast.
+        For anything but numbers, or a shape that does not broadcast.
     """
     try:
         return to_each_number(value, shape)

@@ -230,7 +230,7 @@ class _Formulas:
         return f"({text})".replace(_OWN, "")
 
     def _defined(self, name: str, halves: str, formulas: list[Any], lines: list[str]) -> FunctionType:
-        """Define a function, whose arguments say what it depends on."""
+        """Define a function, whose arguments declare what it depends on."""
         used = set().union(*(formula.free_symbols for formula in formulas))
         arguments = [half for half in halves if half != "o" and (used & set(self.symbols[half]) or name == "energy")]
         arguments = arguments or [halves[0]]

@@ -1,4 +1,4 @@
-"""How forces change with the velocity, where a user says so: the matrix, checked against differences at the start."""
+"""Users' derivatives of forces with respect to velocity: the matrix, checked against differences at the start."""
 
 from typing import Any
 

@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 
 
 def vector(argument: str, value: ArrayLike, size: int) -> Floats:
-    """Return so many finite numbers as an array; ArgumentError if they are none."""
+    """Return a given number of finite numbers as an array; ArgumentError for anything else."""
     try:
         array = reals(value)
     except TypeError:

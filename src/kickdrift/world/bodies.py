@@ -210,14 +210,14 @@ class Bodies:
         )
         lighter = 1.0 if mass is None else min(1.0, mass / old.mass)
         scale_impulses(self.tables, row, lighter)  # those that held the old weight would throw a lighter body
-        # Which orientation the drift left is forgotten, so that the kick takes the angular momentum anew.
+        # Which orientation the drift left is forgotten, so that the kick takes the angular momentum again.
         self.tables.array(KICKED)[row, LEFT_POSE : LEFT_POSE + 4] = 0.0
         self._masses_changed()
         self.wake()
 
     @alone
     def place(self, body: Body, columns: slice, numbers: Floats) -> None:
-        """Write columns of a pose; what is static is sought anew in its new place, and wakes all."""
+        """Write columns of a pose; what is static is sought again in its new place, and wakes all."""
         row = self.row(body)
         if row == GROUND:
             raise ArgumentError("body is the ground of the world, which cannot move; move another body.")

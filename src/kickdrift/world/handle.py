@@ -1,4 +1,4 @@
-"""Handles: what users hold of the rows of a world, and what knows when theirs is gone."""
+"""Handles: users' references to rows of a world, which detect when their row is gone."""
 
 from typing import TYPE_CHECKING, Any, Protocol, Self
 from weakref import ReferenceType
@@ -25,9 +25,9 @@ class Registry(Protocol):
 
 
 class Handle:
-    """A row of a world, known by its number and its generation; equal handles are of the same body or joint.
+    """A row of a world, identified by its index and generation; equal handles refer to the same body or joint.
 
-    A handle that is pickled, or copied by `copy.deepcopy`, takes its world along: it is one of the copy.
+    A handle that is pickled, or copied by `copy.deepcopy`, takes its world along: it belongs to the copy.
     """
 
     __slots__ = ("_generation", "_index", "_last_name")
@@ -42,7 +42,7 @@ class Handle:
 
     @property
     def generation(self) -> int:
-        """How many the world had seen before it; a handle of one that is gone is known by it."""
+        """Number of rows that the world had before it; identifies handles of removed ones."""
         return self._generation
 
     @property
@@ -51,12 +51,12 @@ class Handle:
 
     @staticmethod
     def registry_of(world: "World") -> Registry:
-        """Return what knows the handles of this kind in a world."""
+        """Return the registry of handles of this kind in a world."""
         raise NotImplementedError
 
     @property
     def name(self) -> str | None:
-        """Its name, or None; no two have the same. May be given anew."""
+        """Its name, or None; unique in the world. Can be set."""
         return self._registry.names.of(self._registry.row(self))
 
     @name.setter

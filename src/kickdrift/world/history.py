@@ -35,7 +35,7 @@ class KeepsHistory:
         checkpoint_keep: int | None = 2,
         save_to: str | Path | None = None,
     ) -> Recording:
-        """Run for a while, and record it.
+        """Run the world for a duration, and record it.
 
         Parameters
         ----------
@@ -46,29 +46,30 @@ class KeepsHistory:
         save_every : int, optional
             Keep every n-th step, for n = `save_every`, and the last; every step by default.
         progress : bool, optional
-            Show a bar and say when something is compiled; by default on a terminal, for runs of more than two seconds.
+            Whether to show a progress bar and announce compilation; by default on a terminal, for runs of more than two
+            seconds.
         checkpoint : path, optional
-            A folder for checkpoints, made where it is missing. The same call of a world that was built in the same way goes on
-            from the newest one, with the bits of a run that was never broken; for a longer or shorter duration, too.
-            Functions of `add_force` may remember nothing.
+            A folder for checkpoints, created if missing. The same call for a world that was built in the same way resumes
+            from the newest one, with the bits of an uninterrupted run; also for a longer or shorter duration. Functions of
+            `add_force` must not keep state.
         checkpoint_every : int, optional
             Steps from one checkpoint to the next; by default they are about a minute apart. Each holds the rows so far.
         checkpoint_keep : int, optional
             How many of the last to keep, None for all.
         save_to : path, optional
-            A folder, such as ``"pile.zarr"``, to which the rows go while the world runs, in place of memory, as those of
-            `kickdrift.solve` do; with overlaps, gaps of joints and what the solver left unsolved.
+            A folder, such as ``"pile.zarr"``, to which the rows are written during the run, instead of memory, as by
+            `kickdrift.solve`; with overlaps, joint gaps and residuals.
 
         Returns
         -------
         Recording
-            Its `status` and `message` say how the run ended. An interruption (Ctrl-C) and a body that is lost to
-            infinity end it early; what was done is kept.
+            Its `status` and `message` tell how the run ended. An interruption (Ctrl-C) and a body that is lost to infinity
+            end it early; the states until then are kept.
 
         Raises
         ------
         ArgumentError
-            For a duration, step or save_every that cannot be, and for checkpoints of another run or version.
+            For an invalid duration, step or save_every, and for checkpoints of another run or version.
         FileFormatError
             If all checkpoints are damaged.
         """
@@ -76,7 +77,7 @@ class KeepsHistory:
         return run(self._world, duration, step, save_every, progress, kept)
 
     def record(self, save_every: int = 1, *, save_to: str | Path | None = None) -> AbstractContextManager[Recording]:
-        """Record the steps of a loop of one's own.
+        """Record the steps of a user's loop.
 
         >>> import kickdrift as kd
         >>> world = kd.World()
@@ -91,21 +92,21 @@ class KeepsHistory:
         Parameters
         ----------
         save_every : int
-            Keep the state at the beginning, after every n-th step, for n = `save_every`, and after the last one.
+            Keep the state at the start, after every n-th step, for n = `save_every`, and after the last one.
         save_to : path, optional
-            A folder to which the rows go in place of memory, as those of `run`. All bodies must be there at the start.
+            A folder to which the rows are written instead of memory, as by `run`. All bodies must exist at the start.
 
         Returns
         -------
         context manager
-            Of what becomes a `Recording`, as `run` returns, once the block has ended, be it by an error: its `status` says
-            how. Its `step` is the largest one. The rows of bodies that were added on the way are NaN before.
+            Its target becomes a `Recording`, as `run` returns, once the block has ended, even by an error: its `status`
+            tells how. Its `step` is the largest one. Bodies added during the recording have NaN before that.
 
         Raises
         ------
         ArgumentError
-            For a `save_every` or a `save_to` that cannot be, and for a world that is being recorded already; in the block, for
-            `restore`, and for bodies that are added where rows go to disk.
+            For an invalid `save_every` or `save_to`, and for a world that is already being recorded; in the block, for
+            `restore`, and for bodies that are added while rows go to disk.
         FileFormatError
             In the block, if rows cannot be written.
         """

@@ -6,7 +6,7 @@ w* = I^-1 (P + P') / 2 keep P . I^-1 P, because P' - P is at right angles to the
 before and after). Between the two letters the velocity of a body is w*, the one that it will move with, so that contacts and
 joints act on what moves.
 
-`KICKED` carries L on as it is: taken anew from the angular velocity after every drift, it would lose a rounding each time, and
+`KICKED` carries L on as it is: taken again from the angular velocity after every drift, it would lose a rounding each time, and
 they add up.
 """
 
@@ -147,7 +147,7 @@ def flatten(t: float, h: float, world: int) -> None:
 
 @compiled
 def kick(t: float, h: float, world: int) -> None:
-    """Add h times the acceleration to the velocities, and say with which velocities free bodies turn."""
+    """Add h times the acceleration to the velocities, and set the angular velocities of free bodies."""
     motion, kicked, force = floats(world, MOTION), floats(world, KICKED), floats(world, FORCE)
     inertia, inverse_mass, pose = floats(world, INERTIA), floats(world, INVERSE_MASS), floats(world, POSE)
     body_kind, settings, member = integers(world, BODY), floats(world, SETTINGS), integers(world, MEMBER)
@@ -181,7 +181,7 @@ def kick(t: float, h: float, world: int) -> None:
 
 @compiled
 def _follow_pose(body: int, pose: Any, motion: Any, inertia: Any, inverse_mass: Any, kicked: Any) -> None:
-    """Begin anew with a body whose orientation is not the one that the drift left: it is new, or was turned by hand."""
+    """Begin again with a body whose orientation is not the one that the drift left: it is new, or was turned by hand."""
     same = True
     for k in range(4):
         same = same and pose[body, 3 + k] == kicked[body, LEFT_POSE + k]

@@ -54,7 +54,7 @@ class Names:
         Raises
         ------
         UnknownNameError
-            If none has it; the sentence says which there are.
+            If there is none; the message lists the names.
         """
         if not isinstance(name, str) or name not in self._rows:
             raise unknown_name("name", name, self._rows)

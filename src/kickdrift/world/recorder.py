@@ -1,4 +1,4 @@
-"""What is kept of a world as it goes on: the rows of a recording."""
+"""What is kept of a running world: the rows of a recording."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
@@ -29,7 +29,7 @@ _OF_THE_WORLD = {"t": 1, "energy": 2, "constraint error": 2, "residual": 1, "mom
 
 
 class RecordingRows:
-    """The rows of a recording, filled as the world goes on; NaN for bodies that are not there yet.
+    """The rows of a recording, filled as the world runs; NaN for bodies that are not there yet.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ class RecordingRows:
         self._bodies, self._particles = bodies, particles
 
     def description(self) -> Description:
-        """Describe what is recorded, for people."""
+        """Describe what is recorded, for display."""
         return Description(
             system=_words(int(np.count_nonzero(appearance(self._world).kinds)) - 1, self._world.tables.count(CLOTH)),
             method="soft steps",
@@ -171,7 +171,7 @@ def _words(bodies: int, cloths: int) -> str:
 
 
 class Recorder:
-    """What a world tells of its steps while a loop of one's own is recorded.
+    """What a world reports of its steps while a user's loop is recorded.
 
     Parameters
     ----------

@@ -76,7 +76,7 @@ class Appearance(NamedTuple):
 
 @dataclass(frozen=True)
 class WorldPresenters(Presenters):
-    """What recordings can do on the floors above, and worlds: the package hands it down when it is imported."""
+    """What recordings can do in the layers above, and worlds: the package hands it down when it is imported."""
 
     animate: Callable[..., Path]
     view: Callable[..., Any]

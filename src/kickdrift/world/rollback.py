@@ -67,11 +67,13 @@ def find_lost_body(tables: Tables, step: float, found: int) -> int:
 
 
 def roll_back(tables: Tables) -> None:
-    """Bring a world back to where the step began; shapes that were nowhere are sought anew."""
+    """Bring a world back to where the step began; shapes that were nowhere are sought again."""
     tables.array(POSE)[:] = tables.array(STARTED_POSE)
     tables.array(MOTION)[:] = tables.array(STARTED_MOTION)
-    tables.array(KICKED)[:] = 0.0  # which orientations the drift left is forgotten, so that all of a body is found anew
-    # Those of unequal moments are found anew by the kick.
+    tables.array(KICKED)[:] = (
+        0.0  # which orientations the drift left is forgotten, so that all of a body is found again
+    )
+    # Those of unequal moments are found again by the kick.
     unknown = ~np.isfinite(tables.array(INVERSE_MASS)[:, :7]).all(axis=1)
     tables.array(INVERSE_MASS)[unknown, 1:7] = tables.array(INERTIA)[unknown, INVERSE_INERTIA : INVERSE_INERTIA + 6]
     tables.array(JOINT_NUMBERS)[:] = tables.array(STARTED_JOINTS)

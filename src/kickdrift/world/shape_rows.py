@@ -40,25 +40,25 @@ _FEW = 4096  # numbers of shapes that are gone, for which those that are there a
 
 @dataclass(frozen=True)
 class Surface:
-    """How the surface of a shape behaves, and which others it meets.
+    """The contact properties of a shape, and the layers it collides with.
 
     Attributes
     ----------
     friction : float
-        Coefficient; of two shapes the geometric mean counts.
+        Coefficient of friction; two shapes in contact use the geometric mean.
     restitution : float
-        From 0 (does not bounce) to 1 (keeps its energy); of two shapes the larger counts.
+        From 0 (no bounce) to 1 (elastic); two shapes in contact use the larger value.
     rolling_resistance : float
-        Length in m, as of the lever of the normal force against rolling; of two shapes the larger counts. Without any, balls
-        that nothing stops roll for ever, as in rigid mechanics; a thousandth of the radius brings a pen full of them to rest.
+        Length in m, the lever arm of the normal force against rolling; two shapes in contact use the larger value. Without
+        it, balls roll for ever, as in rigid-body mechanics; a thousandth of the radius brings a pen full of them to rest.
     surface_velocity : (3,) sequence
-        In m/s, in the axes of the body, at which the surface runs like that of a conveyor.
+        Velocity in m/s, in the axes of the body, of a surface that moves like a conveyor belt.
     layer : int
         From 0 to 61.
     collides_with : sequence of int, optional
-        Layers that it meets; all by default.
+        Layers that it collides with; all by default.
     sensor : bool
-        Reports what it meets, and lets it through.
+        Whether it reports contacts without colliding.
     """
 
     friction: float = 0.6
@@ -97,7 +97,7 @@ class Surface:
 
 
 class Placed(NamedTuple):
-    """A shape with its place in a body: origin (3,) and orientation (4,), and its surface."""
+    """A shape with its pose in a body, origin (3,) and orientation (4,), and its surface."""
 
     shape: Shape
     position: Floats

@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
 # Addresses of compiled functions mean nothing in another process; a world finds its own.
 _OF_THE_PROCESS = (tables.COLLIDERS, tables.SHAPE_KINDS, tables.KERNEL_ADDRESSES)
-# What a step makes anew, with a row a body each
+# What a step makes again, with a row a body each
 _OF_BODIES = (
     tables.DELTA_POSE, tables.FORCE, tables.NOTED, tables.COLOURED, tables.STARTED_POSE, tables.STARTED_MOTION,
     tables.MEMBER, tables.MEMBERSHIP,
 )  # fmt: skip
-# What a step makes anew, or the search for pairs where it begins anew
+# What a step makes again, or the search for pairs where it begins again
 _OF_A_STEP = (
     *_OF_BODIES, STARTED_JOINTS, tables.LANES, tables.GROUPS, tables.COLOURS, tables.SCRATCH, tables.TREE,
     tables.STATIC_TREE, tables.TRIANGLE_TREE, tables.SEARCH, tables.MOVERS, tables.FIXTURES, tables.PLANES, tables.SOUGHT,
@@ -57,13 +57,13 @@ class Snapshot:
     forces : tuple of Force
         Users' functions, and the stages of the step made of them.
     tables : mapping of str to array
-        Rows in use of each table of `kickdrift.world.tables` that no step makes anew, by its name; read-only.
+        Rows in use of each table of `kickdrift.world.tables` that no step makes again, by its name; read-only.
     free_bodies, free_shapes : tuple of int
         Rows to be used again, the next one last.
     n_bodies_made, n_joints_made : int
         How many there have been in the world, so that the handle of one is never that of another.
     joints_arranged : bool
-        Whether the tables say which joints make trees, and which close loops.
+        Whether the tables contain which joints form trees, and which close loops.
     shapes : mapping of int to Placed
         By row.
     geometry : mapping of bytes to int
@@ -196,7 +196,7 @@ def restore(world: "World", snapshot: Snapshot) -> None:
 
 
 def _begin_anew(of: Tables) -> None:
-    """Give the tables that a step makes anew their rows, and let trees and lists of shapes be built again."""
+    """Give the tables that a step makes again their rows, and let trees and lists of shapes be built again."""
     for table in _OF_BODIES:
         of.resize(table, of.count(POSE))
     of.resize(STARTED_JOINTS, of.count(JOINT))

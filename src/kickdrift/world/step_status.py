@@ -1,4 +1,4 @@
-"""What a stage says where it cannot go on: columns of the one row of `kickdrift.world.tables.STEP_STATUS`.
+"""The status of a stage that cannot proceed: columns of the one row of `kickdrift.world.tables.STEP_STATUS`.
 
 A stage that cannot go on returns, and is run again from its beginning once it was helped: what it has written until then must
 not change what it does. Whoever runs the stages looks here after each.

@@ -90,7 +90,7 @@ SEARCH = Table(38, 16, whole=True)  # one row: see `kickdrift.world.collision.se
 MOVERS = Table(39, 1, whole=True)  # shapes that may move
 FIXTURES = Table(44, 1, whole=True)  # shapes that may not
 PLANES = Table(40, 1, whole=True)  # shapes that are planes
-SOUGHT = Table(41, 1, whole=True)  # shapes whose pairs are to be found anew
+SOUGHT = Table(41, 1, whole=True)  # shapes whose pairs are to be found again
 TRIANGLE_TREE = Table(42, 8)  # over the triangles of each mesh, one tree after the other
 EXCLUDED = Table(43, 2, whole=True)  # pairs of bodies that never touch, sorted: see `kickdrift.world.collision.filters`
 ASKED_APART = Table(49, 2, whole=True)  # those of them that users ask for; the others are joined

@@ -10,7 +10,7 @@ M = TypeVar("M", bound=Callable[..., Any])  # a method of what has `tables`, tho
 
 
 def alone(method: M) -> M:
-    """Make a method wait until no other thread uses the world: for what is asked thousands of times a second."""
+    """Make a method wait until no other thread uses the world: for calls made thousands of times a second."""
 
     @functools.wraps(method)
     def done(self: Any, *args: Any, **kwargs: Any) -> Any:

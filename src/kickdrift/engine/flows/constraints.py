@@ -6,7 +6,7 @@ G v = 0 with G where they are. (Hairer, Lubich, Wanner, Geometric Numerical Inte
 
 Both solve for multipliers mu by increments -S^-1 r of what is left over, r = g(x + M^-1 G^T mu) or G (v + M^-1 G^T mu),
 until the increments stop shrinking: a looser end would make the energy drift. S is G M^-1 G^T for rows of G scaled to
-unit length. Where positions contract slowly, it is formed anew with the Jacobian of the positions reached on its left:
+unit length. Where positions contract slowly, it is formed again with the Jacobian of the positions reached on its left:
 Newton's iteration. Rows within 1e-6 of the span of others get no multiplier: redundant constraints are fulfilled with
 the others, and if they are not, the step fails. (Damping S by 1e-12 instead lets what redundant constraints disagree
 about on the way leak into the tangent space, up to 1e-5 in a second of a pendulum.) For a few numbers the product of all

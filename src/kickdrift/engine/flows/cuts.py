@@ -1,4 +1,4 @@
-"""Steps that are cut where a gap closes: they are taken back, and done again up to there.
+"""Steps that are cut where a gap closes: they are rejected, and repeated up to there.
 
 Templates, around the letters of a step: `begin_cut` keeps the state, and `end_cut` looks where the step has led. Where a gap is
 no longer positive the time at which it closes is searched by steps of other sizes from the same start, by the Illinois rule and
@@ -99,7 +99,7 @@ def narrow(size: float, gap: float, work: Floats) -> None:
 
 @compiled
 def note_closed(least: float, work: Floats) -> None:
-    """Note what has closed or turned around where a trial has led: what is nearer than that."""
+    """Note what has closed or reversed where a trial has led: what is nearer than that."""
     now, hit, resting = row_of(NOW, work), row_of(HIT, work), row_of(RESTING, work)
     slip, turned = row_of(SLIP, work), row_of(TURNED, work)
     for row in range(hit.size):
@@ -136,7 +136,7 @@ def choose_size(last: float, x: Floats, work: Floats) -> bool:
 
 @compiled
 def something_is_hit(work: Floats) -> bool:
-    """Whether a gap has closed, and not only a slip turned around."""
+    """Whether a gap has closed, and not only a slip reversed."""
     hit, some = row_of(HIT, work), False
     for row in range(hit.size):
         some = some or hit[row] != 0.0

@@ -8,7 +8,7 @@ A template, see `kickdrift.engine.flows.kick_drift`. The step is a word of Keple
 - their orbits come in the same order by size,
 - the energy is the same up to a share of what binds the bodies to body 0, shared out among the parts.
 
-Otherwise it is taken back, and done in three parts, or in nine, which are asked the same; or else all bodies are integrated to
+Otherwise it is rejected, and done in three parts, or in nine, which are asked the same; or else all bodies are integrated to
 an error far below that, see `nystrom`. What is asked of the start and of the end is the same, and so a step back asks the same
 as the step forth: the switch is symmetric, as in [1]_ and [2]_, but for steps whose two results lie on both sides of a limit.
 
@@ -64,7 +64,7 @@ def constants(coefficients: Floats, n: int, params: Floats, general: bool) -> di
 
 
 def encounters(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Advance x and v by h; where bodies touch, they merge, and the step goes on with one less."""
+    """Advance x and v by h; where bodies touch, they merge, and the step continues with one less."""
     n, left, other = x.size, h, 0
     bodies = part(memory(work), 0, VECTORS * n)
     while other >= 0:

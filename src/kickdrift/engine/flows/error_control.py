@@ -1,4 +1,4 @@
-"""Steps by their error, which says how long the next may be: the estimate of a tableau, or the difference of two halves.
+"""Steps by their error, which determines the size of the next: the estimate of a tableau, or the difference of two halves.
 
 Templates, the letters of a trial: `begin_trial`, the step, `judge_embedded`; or `begin_trial`, the step, `end_coarse`, the step
 in halves, which is what is kept, and `judge`. Errors are measured as in Hairer, Norsett, Wanner, Solving Ordinary Differential

@@ -14,7 +14,7 @@ For a state of n numbers::
 In front of it there are machine words: the addresses of the scratch and of the functions of the system.
 
 Beside it there is a *scratch* for matrices, which grows with the square of n and is not copied with the state: a flow
-forms a matrix anew wherever it needs one, or keeps it and counts at FORMED that it is another one now.
+forms a matrix again wherever it needs one, or keeps it and counts at FORMED that it is another one now.
 """
 
 from collections.abc import Mapping
@@ -70,15 +70,15 @@ START_DENSITY = -13  # what a function gives as the density of the first
 DENSITY_RATE = -14  # the rate of its logarithm at the end of the last step
 FIRST_STEP = -15  # with its sign
 END = -16  # the time to end at
-REJECTED = -17  # whether the last step was taken back
+REJECTED = -17  # whether the last step was rejected
 LAST_ERROR = -18  # of the last step accepted, over the tolerance
 BINDING = -19  # minus the energy at the start
 CONTROL, OWN_PARAMS = -20, -21  # where the memory of the control of steps starts, and the params of its function in it
 OWN_COUNT = -22  # how many params those are
 DEAR = -23  # force evaluations in one of the density
 DENSITY_ROUNDED_OFF = -26  # of the sum that the density is
-SHADOW = -28  # where the copy of the memory of the flows starts, of steps that may be taken back
-TAKEN_BACK = -29  # steps that a flow has taken back itself
+SHADOW = -28  # where the copy of the memory of the flows starts, of steps that may be rejected
+TAKEN_BACK = -29  # steps that a flow has rejected itself
 DENSITY_HERE = -27  # what the function gives as the density after the last step
 SMALLEST, LARGEST = -24, -25  # of the steps taken
 FAILED_CONTROL, JAMMED, NOT_HELD, CROWDED, UNSIGNED_GAP = -1.0, -2.0, -3.0, -4.0, -5.0

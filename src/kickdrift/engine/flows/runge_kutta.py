@@ -32,7 +32,7 @@ from kickdrift.engine.flows.layout import EVALUATIONS, FEW, TROUBLE, coefficient
 
 Floats = NDArray[np.float64]
 _RUNGE_KUTTA = 3
-BLOCK = 512  # numbers that stay in the nearest cache while the rates of the stages are added up
+BLOCK = 512  # numbers that stay in the L1 cache while the rates of the stages are added up
 
 STAGES, GENERAL = 0, False  # bound: how many stages, and whether x' is not v
 SIZE, SIZE_OF_V = 0, 0  # bound for a few numbers

@@ -70,7 +70,7 @@ def find_sliding(h: float, x: Floats, work: Floats) -> None:
 
 @compiled
 def least_slip(v: Floats, work: Floats) -> float:
-    """Leave how far each slides in a step as it ends, negative where it has turned around, and return the least."""
+    """Leave how far each slides in a step as it ends, negative where it has reversed, and return the least."""
     slides, row, slip = row_of(SLIDES, work), row_of(LIST, work), row_of(SLIP, work)
     start, least = saved(v.size, 1, v.size, work), math.inf
     for i in range(slip.size):

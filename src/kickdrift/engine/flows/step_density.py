@@ -52,7 +52,7 @@ rates_of_v: Callable[..., None] = unbound
 
 @compiled(inline=True)
 def take_density(density: float, work: Floats) -> None:
-    """Make this the density of the steps that come, and note the failure where it is none."""
+    """Set the density of the next steps, and note the failure if it is invalid."""
     if 0.0 < density < math.inf:
         work[DENSITY] = density
     else:
@@ -69,7 +69,7 @@ def move_density(work: Floats) -> None:
 
 
 def evaluate_density(t: float, x: Floats, v: Floats, work: Floats) -> float:
-    """Return the density, with the failure noted where it is none."""
+    """Return the density, with the failure noted if it is invalid."""
     n = x.size
     out = part(control_memory(n, work), 4 * n, 1)
     density_at(t, x, v, own_params(work), work, out)

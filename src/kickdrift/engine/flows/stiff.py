@@ -148,7 +148,7 @@ def first_rates(n: int, n_v: int, s: int, general: bool, work: Floats) -> tuple[
 
 @compiled
 def forget(n: int, n_v: int, s: int, general: bool, work: Floats) -> None:
-    """Clear the rates of the step before, which the next one, of another size, does not go on from."""
+    """Clear the rates of the step before, which the next one, of another size, does not continue from."""
     _, _, x_rates, v_rates = stages(n, n_v, s, general, work)
     clear(x_rates)
     clear(v_rates)

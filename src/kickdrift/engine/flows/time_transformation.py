@@ -1,4 +1,4 @@
-"""Kicks and drifts in a time of their own, each over as much of it as the other's variables say: for close encounters.
+"""Kicks and drifts in a transformed time, each over a time that the other's variables determine: for close encounters.
 
 Templates. The step counts a time s with a rate dt/ds that each letter takes from what it does not move:
 
@@ -59,7 +59,7 @@ def evaluate_potential(t: float, x: Floats, v: Floats, work: Floats) -> float:
 
 @compiled(inline=True)
 def time_of(h: float, density: float, work: Floats) -> float:
-    """Return the time that h takes at a density, zero with the failure noted where it is none."""
+    """Return the time that h takes at a density; zero, with the failure noted, for an invalid one."""
     share = density / work[START_DENSITY]
     if not 0.0 < share < math.inf:
         work[TROUBLE] = FAILED_CONTROL

@@ -48,7 +48,7 @@ def shape_of(model: Model, geom: int, notes: list[str]) -> tuple[Shape, Floats]:
     Raises
     ------
     ArgumentError
-        For what no shape is.
+        For geoms without a shape.
     """
     m, kinds = model.compiled, model.mujoco.mjtGeom
     kind, size = int(m.geom_type[geom]), m.geom_size[geom]

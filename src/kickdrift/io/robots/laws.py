@@ -57,7 +57,7 @@ class Actuator:
         Raises
         ------
         ArgumentError
-            For a motor: no drive has a force of its own; `effort` says how large it is.
+            For a motor, which is not a drive; `effort` returns its force.
         """
         if not self.servo:
             raise ArgumentError(
@@ -79,7 +79,7 @@ class Actuator:
         Raises
         ------
         ArgumentError
-            For a servo, whose force depends on where its joint is; `drive` says how.
+            For a servo, whose force depends on the position of its joint; see `drive`.
         """
         if self.servo:
             raise ArgumentError(

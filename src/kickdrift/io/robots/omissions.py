@@ -1,4 +1,4 @@
-"""What a file says and nothing here does."""
+"""Features of a file that are left out."""
 
 import re
 from collections.abc import Iterable

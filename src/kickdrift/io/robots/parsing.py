@@ -106,7 +106,7 @@ def parse(
     -------
     Model
     list of str
-        Notes on what is not as the file says.
+        Notes on what differs from the file.
 
     Raises
     ------
@@ -115,7 +115,7 @@ def parse(
     FileFormatError
         If there is no such file, or it is no MJCF or URDF that MuJoCo understands.
     ArgumentError
-        For ``floating=True`` with a file that says itself what floats.
+        For ``floating=True`` with a file that specifies floating bodies itself.
     """
     try:
         mujoco: Any = import_module("mujoco")

@@ -1,4 +1,4 @@
-"""The scenes by name, and how they are run where nobody says."""
+"""The scenes by name, and how they are run by default."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -108,7 +108,7 @@ def _look_through(world: int) -> bool:
 
 @compiled(inline=True)
 def _stays(world: int, a: int, b: int, part: int) -> bool:
-    """Whether shapes of which one is sought anew, or gone, still make a contact."""
+    """Whether shapes of which one is sought again, or gone, still make a contact."""
     shapes = integers(world, SHAPE)
     if shapes[a, SEARCH_STATE] == NEW or shapes[b, SEARCH_STATE] == NEW:
         return False
@@ -135,7 +135,7 @@ def _note_parting(world: int, row: int) -> bool:
 
 @compiled
 def _has_room(world: int) -> bool:
-    """Ask for room for what was found, where there is none."""
+    """Request room for what was found, if there is none."""
     search = integers(world, SEARCH)
     count = rows(world, CONTACT) + search[0, FOUND]
     if room(world, SCRATCH) < search[0, PAIRS_AT] + PAIR * search[0, FOUND]:

@@ -46,8 +46,8 @@ _BOX = 6  # numbers
 def update_trees(world: int) -> bool:
     """Update all trees; False on an error.
 
-    A tree whose boxes have been drawn anew still finds everything, but more slowly: once there have been as many
-    changes as shapes it is built anew. At 1000 shapes drawing takes 10 us, building 30 us.
+    A tree whose boxes have been drawn again still finds everything, but more slowly: once there have been as many
+    changes as shapes it is built again. At 1000 shapes drawing takes 10 us, building 30 us.
     """
     search = integers(world, SEARCH)
     if search[0, PARTS_CHANGED] != 0:

@@ -96,7 +96,7 @@ def put_candidates(
 
 @compiled
 def choose(candidates: Any, count: int, normal: Vector, tolerance: float, chosen: Any) -> int:
-    """Choose up to four candidates that bear what all of them do: write their numbers, return how many.
+    """Choose up to four candidates that support what all of them do: write their numbers, return how many.
 
     The deepest; the farthest from it; the one that makes the largest triangle with both; and the one that adds most
     to it.

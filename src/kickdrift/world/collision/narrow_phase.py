@@ -63,7 +63,7 @@ COLLIDE = types.int64(_ARRAY, _ARRAY, _ARRAY, types.float64, _ARRAY)
 
 collide = caller(COLLIDE)
 
-# Numbers of a manifold that are kept while its points are found anew
+# Numbers of a manifold that are kept while its points are found again
 _KEPT = Fields()
 _KEPT.field(4 * POINT_SIZE)  # points
 _OLD_IMPULSE = _KEPT.field(4, "N s")
@@ -103,7 +103,7 @@ def placed_pose(world: int, shape: int) -> tuple[Vector, Quaternion]:
 
 @compiled
 def look_again(world: int, row: int, at: Vector, turn: Quaternion, margin: float) -> None:
-    """Find the points of a contact anew, for a pose of the second shape in the first's frame."""
+    """Find the points of a contact again, for a pose of the second shape in the first's frame."""
     contact, manifold, numbers = integers(world, CONTACT), flat(world, MANIFOLD), flat(world, GEOMETRY)
     shape = integers(world, SHAPE)
     a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]

@@ -1,4 +1,4 @@
-"""Pairs of shapes whose fat bounds overlap: the trees are asked for every shape that is sought anew."""
+"""Pairs of shapes whose fat bounds overlap: the trees are asked for every shape that is sought again."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.aabb import box_in_frame, boxes_overlap, fat_bounds, reaches_under
@@ -43,7 +43,7 @@ PAIR = _PAIR.close()
 
 @compiled
 def seek(world: int, shape: int) -> None:
-    """Find the new pairs of a shape that is sought anew, in ascending order of the other shapes.
+    """Find the new pairs of a shape that is sought again, in ascending order of the other shapes.
 
     Of two shapes that are both sought the lower one finds the pair. Pairs that there is no room for are counted only.
     """

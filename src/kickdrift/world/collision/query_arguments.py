@@ -1,4 +1,4 @@
-"""Arguments of queries: checked, and laid out as compiled code wants them."""
+"""Arguments of queries, checked and laid out for compiled code."""
 
 from __future__ import annotations
 

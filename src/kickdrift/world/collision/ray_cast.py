@@ -1,4 +1,4 @@
-"""Rays cast into a world: trees say which shapes to ask, and `kickdrift.world.shapes.rays` where they are met."""
+"""Ray casts: trees find the candidate shapes, and `kickdrift.world.shapes.rays` where the rays hit them."""
 
 import math
 from typing import Any

@@ -1,4 +1,4 @@
-"""Lists of the shapes that may move, of those that may not, of planes, and of those whose pairs are sought anew."""
+"""Lists of the shapes that may move, of those that may not, of planes, and of those whose pairs are sought again."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.bounds import is_somewhere, may_move, settle
@@ -69,7 +69,7 @@ def update_bounds(world: int, h: float) -> bool:
 
 @compiled
 def enlist(world: int, h: float) -> bool:
-    """Make the lists anew, and give new shapes their boxes."""
+    """Make the lists again, and give new shapes their boxes."""
     shapes, bounds, search = integers(world, SHAPE), floats(world, BOUNDS), integers(world, SEARCH)
     count = rows(world, SHAPE)
     for table in (MOVERS, FIXTURES, PLANES, SOUGHT):

@@ -22,10 +22,10 @@ from kickdrift.world.tables import (
 )
 
 # Columns of SEARCH
-CHANGED = column(SEARCH)  # whether shapes have come, gone or changed, so that the lists of them are made anew
-STATIC_CHANGED = column(SEARCH)  # the tree over those that may not move is built anew
-PARTS_CHANGED = column(SEARCH)  # the trees over the triangles of meshes are built anew
-MOVERS_CHANGED = column(SEARCH)  # the tree over those that may move is built anew
+CHANGED = column(SEARCH)  # whether shapes have come, gone or changed, so that the lists of them are made again
+STATIC_CHANGED = column(SEARCH)  # the tree over those that may not move is built again
+PARTS_CHANGED = column(SEARCH)  # the trees over the triangles of meshes are built again
+MOVERS_CHANGED = column(SEARCH)  # the tree over those that may move is built again
 LEFT = column(SEARCH)  # how often a shape has left its fat bounds since that tree was built
 FITTED = column(SEARCH)  # of them, those that its boxes have been drawn around
 REVIEW = column(SEARCH)  # contacts are to be looked through although no shape has left its fat bounds

@@ -75,7 +75,7 @@ def find_stale(own: Any, s: Any, twist: float, slip: float, none: float, n: int)
 def _refresh_point(
     own: Any, s: Any, lane: int, i: int, at: int, k: float, slop: float, h: float, rounds: Any, sums: Any
 ) -> Any:
-    """Take arms and mass of point k anew, and the gap where bodies have moved; return the weighted sum of points so far."""
+    """Take arms and mass of point k again, and the gap where bodies have moved; return the weighted sum of points so far."""
     nx, ny, nz = vector(own, c.N * W + lane)
     weight, sx, sy, sz = sums
     there = 1.0 if own[c.COUNT * W + lane] > k else 0.0
@@ -130,7 +130,7 @@ def _lever(own: Any, i: int, nx: float, ny: float, nz: float, cx: float, cy: flo
 
 @compiled(fast=True)
 def refresh(own: Any, s: Any, slop: float, h: float, none: float, n: int) -> None:
-    """Take arms and effective masses of the marked lanes anew; gaps, too, unless h is 0.0."""
+    """Take arms and effective masses of the marked lanes again; gaps, too, unless h is 0.0."""
     for lane in range(n):
         sums = (0.0, 0.0, 0.0, 0.0)
         i, at = c.P * W + lane, _ANCHORS + lane

@@ -40,7 +40,7 @@ from kickdrift.world.tables import (
 
 # Of the spring, times the substep. A pyramid of twenty rows sways from 0.2 on, and one of 0.15 leaves it standing.
 STIFFEST = 0.15
-# Arms are taken anew where bodies turn or slide past each other faster than _STILL, in widths of the face on which they meet
+# Arms are taken again where bodies turn or slide past each other faster than _STILL, in widths of the face on which they meet
 # and 1/s. What creeps keeps those with which it came to rest, until they are wrong by more than _CREEP of it: the overlap of a
 # tall stack is soft, and with arms that follow every lean it would bend like a soft rod, and fall. Edges and points have no
 # width, and what is round rolls: their arms always follow.

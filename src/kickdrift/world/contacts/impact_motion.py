@@ -1,7 +1,7 @@
 """Bodies where they hit: moved to the moment of their impact within the substep, and set back afterwards.
 
 They fly there as the two letters `kick` and `drift` would have them: by the midpoint rule, and turning with their angular
-momentum. What they are left with begins the substep anew, from where it leads through the impact.
+momentum. What they are left with begins the substep again, from where it leads through the impact.
 """
 
 from typing import Any

@@ -27,7 +27,7 @@ TOUCHING = 1
 SENSOR = 2
 BOUNCED = 4  # bounced in this step
 FAST = 8  # its shapes may pass each other within the step
-MOVING = 16  # its arms were taken anew within the last step, or it is new
+MOVING = 16  # its arms were taken again within the last step, or it is new
 
 # Columns of COLOURS
 COLOUR_CONTACTS = column(COLOURS)  # how many
@@ -115,5 +115,5 @@ ANCHORS = _CONSTRAINT.field(4 * ANCHOR_SIZE)
 AXES = _CONSTRAINT.field(6)  # that radii are at right angles to, when the step began; zeros of balls and capsules
 SHARE = _CONSTRAINT.field()  # of the way from the point on a to that on b, at which both arms end
 COUNT = _CONSTRAINT.field()  # of points
-REFRESHED = _CONSTRAINT.field()  # 1.0 where arms were taken anew within the step
+REFRESHED = _CONSTRAINT.field()  # 1.0 where arms were taken again within the step
 FIELDS = _CONSTRAINT.close()

@@ -104,7 +104,7 @@ def bounce(t: float, h: float, world: int) -> None:
 
 @compiled(inline=True)
 def _let_be(own: Any, point: int) -> None:
-    """Keep the sweeps of this substep from a point that bounced in it or does not touch, until its arms are taken anew.
+    """Keep the sweeps of this substep from a point that bounced in it or does not touch, until its arms are taken again.
 
     Where bodies that bounced have been set back to they never were: turned by a radian, they would seem to overlap there. Of
     those that turn fast the sweeps, which take velocities to be constant, might stop what only passes by.

@@ -2,7 +2,7 @@
 
 Soft steps after E. Catto, "Solver2D" (2024): every substep is a pass with a bias that pushes overlapping bodies apart like a
 damped spring, and, after the drift, one without that takes the velocity of the push away again and applies friction. Before
-the latter, arms are taken anew where bodies have moved.
+the latter, arms are taken again where bodies have moved.
 """
 
 from collections.abc import Callable
@@ -155,7 +155,7 @@ def _relax_group(h: float, world: int, g: int) -> None:
 
 @compiled
 def _take_anew(h: float, world: int, g: int, own: Any, scratch: Any, n: int) -> None:
-    """Take the arms of lanes anew whose bodies have turned or slid past each other."""
+    """Take the arms of lanes again whose bodies have turned or slid past each other."""
     kernels = integers(world, KERNEL_ADDRESSES)
     run_kernel(kernels[0, c.FIND_STALE], (own, scratch, TWIST_STRICTNESS, SLIP_STRICTNESS, 0.0, n))
     marked = 0.0
@@ -188,7 +188,7 @@ def _gather_turn(pose: Any, started: Any, body: int, scratch: Any) -> None:
 warm_start = compiled(specialise(_forth, "warm_start", group=_warm_start_group, LAST=LINKED))
 # Keep bodies apart, and push apart those that overlap.
 solve = compiled(specialise(_forth, "solve", group=_solve_group))
-# Arms anew; friction, twist and rolling resistance; then take the velocity of the push away.
+# Arms again; friction, twist and rolling resistance; then take the velocity of the push away.
 relax = compiled(specialise(_forth, "relax", group=_relax_group, LAST=LINKED))
 
 # The same on Numba's threads, with the same bits: no two contacts of a colour move the same body.

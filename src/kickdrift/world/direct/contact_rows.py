@@ -134,7 +134,7 @@ def find_bounds(own: Any, rows: Any) -> None:
 
 @compiled(cached=False, fast=True)
 def update_point_states(rows: Any, first: bool) -> bool:
-    """Assume that points push or are open as the solution at hand says; return whether that is nothing new."""
+    """Assume that points push or are open as the current solution implies; return whether nothing changes."""
     settled = True
     for k in range(TANGENT):
         if rows[ACTIVE + k] == 0.0:

@@ -180,7 +180,7 @@ def note_impulses(island: int, back: bool, world: int) -> None:
 
 @compiled(cached=False, fast=True)
 def update_contact_states(island: int, task: int, first: bool, bounded: bool, world: int) -> bool:
-    """Assume pieces of the laws of contacts as the solution at hand says; return whether it was made with them."""
+    """Assume the pieces of the laws of contacts that the current solution implies; return whether it was made with them."""
     own, order, settled = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), True
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers = contact_row(order[k, 0], world)

@@ -156,7 +156,7 @@ def _hand_up(row: int, neighbour: int, parent: int, other: Vector, other_ahead: 
 
 @compiled(cached=False, fast=True)
 def _eliminate_axis(node: int, link: int, joint: int, k: int, begin: int, end: int, world: int) -> None:
-    """Take an open axis of a joint out of the inertia of what hangs on it, and out of its coupling to neighbours."""
+    """Eliminate an open axis of a joint from the inertia of what is attached to it, and from its coupling to neighbours."""
     work, numbers, blocks = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS), floats(world, BLOCK)
     axis, ahead = vector_at(numbers, joint, AXES + 3 * k), vector_at(work, link, AXES_AHEAD + 3 * k)
     half = 0 if k < 3 else 3

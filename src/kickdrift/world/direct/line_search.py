@@ -65,7 +65,7 @@ _ROUNDING, _AT_REST = 1e-12, 1e-7
 
 @compiled(cached=False, fast=True)
 def search_line(island: int, h: float, task: int, full: bool, touched: bool, world: int) -> bool:
-    """Accept the least on the way from the accepted solution to the one at hand; return whether that is the one at hand."""
+    """Accept the minimum between the accepted solution and the current one; return whether that is the current one."""
     whole = full or _is_down_to_the_end(island, h, task, touched, world)
     share = 1.0 if whole else _least(island, h, task, touched, world)
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)

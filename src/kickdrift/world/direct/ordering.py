@@ -134,7 +134,7 @@ def _count(bits: Any, i: int, words: int) -> int:
 
 @compiled(cached=False)
 def _couple(world: int, island: int, words: int) -> bool:
-    """Write which nodes contacts and closing joints couple, and say whether they do at all."""
+    """Write which nodes contacts and loop joints couple, and return whether there are any."""
     links, own = integers(world, LINK), integers(world, ISLAND)[island]
     bits, order = integers(world, ADJACENCY), integers(world, ISLAND_CONTACT)
     closings, joints = integers(world, ISLAND_JOINT), integers(world, JOINT)

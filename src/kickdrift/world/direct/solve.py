@@ -172,8 +172,13 @@ def _approach(island: int, h: float, off: float, most: int, world: int) -> float
 
 @compiled(cached=False)
 def _is_thrown(island: int, h: float, world: int) -> bool:
+<<<<<<< HEAD
     """Whether an island turns fast with far more energy than it had: at a solution far away, which no one wants."""
     most = WILD * (kinetic_energy(island, NOTED, world) + energy_given(island, world))
+=======
+    """Whether an island turns fast with far more energy than it had: at a distant, spurious solution."""
+    most = WILD * kinetic_energy(island, NOTED, world)
+>>>>>>> main
     thrown: bool = (
         h * fastest(island, MOTION, ANGULAR_PART, world) > LONG_TURN and kinetic_energy(island, MOTION, world) > most
     )
@@ -201,7 +206,7 @@ def _take_care(island: int, h: float, world: int) -> None:
 def _lawful(island: int, h: float, world: int) -> float:
     """Part of its energy that an island may have before the drift: turned by an angle a in the substep, it has a^2 / 2 more.
 
-    With a margin of a tenth: solutions far away, which no one wants, have more, that of a grid of 4 x 4 balls by a sixth.
+    With a margin of a tenth: distant, spurious solutions have more, that of a grid of 4 x 4 balls by a sixth.
     """
     turn = h * fastest(island, NOTED, ANGULAR_PART, world)
     return 1.1 + 0.6 * min(turn, 1.5) ** 2

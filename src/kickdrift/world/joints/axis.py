@@ -20,7 +20,7 @@ def is_number(value: Any) -> bool:
 
 
 def finite(argument: str, value: float) -> None:
-    """Refuse a number that is none.
+    """Refuse a number that is not finite.
 
     Raises
     ------

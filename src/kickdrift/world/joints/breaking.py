@@ -20,7 +20,7 @@ from kickdrift.world.tables import ARTICULATION, JOINT, JOINT_NUMBERS, LINK, flo
 
 @compiled
 def finish_joints(t: float, h: float, world: int) -> None:
-    """Compute the mean force and torque of the joints in the step, and break those that had to bear too much."""
+    """Compute the mean force and torque of the joints in the step, and break those that were overloaded."""
     articulations, links = integers(world, ARTICULATION), integers(world, LINK)
     joints, numbers = integers(world, JOINT), floats(world, JOINT_NUMBERS)
     for row in range(rows(world, ARTICULATION)):

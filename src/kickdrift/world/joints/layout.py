@@ -110,7 +110,7 @@ NODE_ROW = column(LINK)  # of the node in the order of elimination
 ISLAND_SIZE = column(LINK)  # of the island, where ROOT is the row itself
 NONE = -1
 
-# Columns of LINK_NUMBERS. Six numbers are three linear and three angular ones in the world's axes, or one to each axis.
+# Columns of LINK_NUMBERS. Six numbers are three linear and three angular ones in the world's axes, or one per axis.
 # 6x6, of what hangs on the joint, as its other side feels it, about the point where the joint acts
 ARTICULATED_INERTIA = column(LINK_NUMBERS, 36)
 START_WRENCHES = column(LINK_NUMBERS, 24, over=ARTICULATED_INERTIA)  # of gears: four wrenches, before the drift

@@ -1,4 +1,4 @@
-"""Joints at given angles and positions: the side of a joint that hangs on it is moved as if it were one body.
+"""Setting joints to angles and positions: the attached side of a joint is moved as one rigid body.
 
 Seen from the reference, the body at the joint that stays, all points and velocities of the other side are turned or shifted
 alike, so that the rates of all joints stay what they were, that of the one placed too.
@@ -107,7 +107,7 @@ def signs(tables: Tables, row: int) -> Floats:
 
 
 def place(joint: "Joint", k: int, what: str, value: float) -> None:
-    """Place a joint at a position along axis k, or an angle about it, as `Joint.place` says."""
+    """Move a joint to a position along axis k, or an angle about it, see `Joint.place`."""
     row, sign, side = _ready(joint, k, what, value)
     tables = joint.joints.tables
     _check_limits(tables, row, k, sign, what, value)
@@ -115,7 +115,7 @@ def place(joint: "Joint", k: int, what: str, value: float) -> None:
 
 
 def set_speed(joint: "Joint", k: int, speed: float) -> None:
-    """Give axis k of a joint another rate, as `Joint.speed` says."""
+    """Set the rate of axis k of a joint, see `Joint.speed`."""
     row, sign, side = _ready(joint, k, "speed", speed)
     tables = joint.joints.tables
     axis, pivot = _axis(tables, row, k)

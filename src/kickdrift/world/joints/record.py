@@ -1,4 +1,4 @@
-"""What a kind of joint says of itself: a frozen record that tells where its axes are and what each of them does."""
+"""The interface of a kind of joint: a frozen record of where its axes are and what each of them does."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class Record(ABC):
     Parameters
     ----------
     breaking_force, breaking_torque : float
-        A joint that has to bear more, as the mean of a step, breaks: N, N m.
+        A joint breaks if its load, averaged over a step, exceeds this: N, N m.
     name : str, optional
         By which `World.joint` finds it; no two joints have the same.
     """

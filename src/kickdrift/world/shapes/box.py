@@ -60,7 +60,7 @@ def _ray(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
 
 @dataclass(frozen=True)
 class Box:
-    """A box whose middle is the origin and whose edges lie along the axes.
+    """A box centred at the origin, with edges along the axes.
 
     Attributes
     ----------
@@ -89,12 +89,12 @@ class Box:
 
     @property
     def numbers(self) -> Array:
-        """What compiled code knows of it: half of each length."""
+        """The data for compiled code: half of each length."""
         return 0.5 * np.array(self.size)
 
     @property
     def reach(self) -> float:
-        """Farthest that any point of it is from the origin of its frame, m."""
+        """Largest distance of any point of it from the origin of its frame, m."""
         return float(np.linalg.norm(self.numbers))
 
     def mass_properties(self) -> MassProperties:

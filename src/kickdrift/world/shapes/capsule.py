@@ -1,4 +1,4 @@
-"""Cylinders with round ends."""
+"""Capsules: cylinders with hemispherical caps."""
 
 import math
 from dataclasses import dataclass
@@ -50,14 +50,14 @@ def _ray(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
 
 @dataclass(frozen=True)
 class Capsule:
-    """All points within a radius of a segment along the z axis, whose middle is the origin.
+    """All points within a radius of a segment along the z axis, centred at the origin.
 
     Attributes
     ----------
     radius : float
         m.
     length : float
-        Of the segment, and so of the cylinder between the two round ends, m.
+        Of the segment, and so of the cylinder between the caps, m.
 
     Raises
     ------
@@ -75,12 +75,12 @@ class Capsule:
 
     @property
     def numbers(self) -> Array:
-        """What compiled code knows of it: the radius and half of the length."""
+        """The data for compiled code: the radius and half of the length."""
         return np.array([self.radius, 0.5 * self.length])
 
     @property
     def reach(self) -> float:
-        """Farthest that any point of it is from the origin of its frame, m."""
+        """Largest distance of any point of it from the origin of its frame, m."""
         return self.radius + 0.5 * self.length
 
     def mass_properties(self) -> MassProperties:
@@ -88,8 +88,8 @@ class Capsule:
 
         Notes
         -----
-        A half ball has its centre of mass 3/8 of its radius away from its flat side, and 83/320 m r^2 about the axes
-        through that centre and parallel to the flat side.
+        A hemisphere has its centre of mass at 3/8 of its radius from its flat side, and a moment of inertia of 83/320 m r^2
+        about axes through that centre and parallel to the flat side.
         """
         r, half = self.radius, 0.5 * self.length
         cylinder = math.pi * r**2 * self.length

@@ -14,7 +14,7 @@ from kickdrift.world.shapes.record import CREASED, GLOSSY, SOLID, Kind
 
 @dataclass(frozen=True)
 class Cone:
-    """A cone about the z axis, its tip above; the origin is halfway between base and tip.
+    """A cone about the z axis, with its tip above; the origin is halfway between base and tip.
 
     Its centre of mass is at a quarter of its length above the base, z = -length / 4.
 
@@ -32,7 +32,7 @@ class Cone:
 
     Notes
     -----
-    What is said of contacts in `Cylinder` holds for cones, too.
+    The notes on contacts of `Cylinder` apply to cones, too.
     """
 
     radius: float
@@ -45,12 +45,12 @@ class Cone:
 
     @property
     def numbers(self) -> Array:
-        """What compiled code knows of it: the radii of both ends and half of the length."""
+        """The data for compiled code: the radii of both ends and half of the length."""
         return np.array([self.radius, 0.0, 0.5 * self.length])
 
     @property
     def reach(self) -> float:
-        """Farthest that any point of it is from the origin of its frame, m."""
+        """Largest distance of any point of it from the origin of its frame, m."""
         return math.hypot(self.radius, 0.5 * self.length)
 
     def mass_properties(self) -> MassProperties:

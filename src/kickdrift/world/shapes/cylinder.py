@@ -14,7 +14,7 @@ from kickdrift.world.shapes.record import CREASED, GLOSSY, SOLID, Kind
 
 @dataclass(frozen=True)
 class Cylinder:
-    """A cylinder about the z axis, whose middle is the origin.
+    """A cylinder about the z axis, centred at the origin.
 
     Attributes
     ----------
@@ -30,10 +30,10 @@ class Cylinder:
 
     Notes
     -----
-    It is round, not a prism: it rolls, and rays, boxes around it and contacts with planes, balls and capsules are exact.
-    So are contacts with boxes, hulls and triangles, at faces as well as at edges, but for how far points reach that hold
-    up an end that is partly over a face: the rim is a polygon of 24 corners there. Of two cylinders the one is such a
-    polygon of 24 corners, one of which lies where they touch.
+    It is round, not a prism: it rolls, and ray casts, bounding boxes and contacts with planes, spheres and capsules are
+    exact. So are contacts with boxes, hulls and triangles, at faces as well as at edges, except for the extent of contact
+    points where an end lies partly over a face: there the rim is a polygon of 24 corners. In contacts of two cylinders one
+    of them is such a polygon, with a corner at the point of contact.
     """
 
     radius: float
@@ -46,12 +46,12 @@ class Cylinder:
 
     @property
     def numbers(self) -> Array:
-        """What compiled code knows of it: the radii of both ends and half of the length."""
+        """The data for compiled code: the radii of both ends and half of the length."""
         return np.array([self.radius, self.radius, 0.5 * self.length])
 
     @property
     def reach(self) -> float:
-        """Farthest that any point of it is from the origin of its frame, m."""
+        """Largest distance of any point of it from the origin of its frame, m."""
         return math.hypot(self.radius, 0.5 * self.length)
 
     def mass_properties(self) -> MassProperties:

@@ -19,16 +19,16 @@ from kickdrift.world.shapes.triangle import surface_extent
 
 @dataclass(frozen=True, eq=False)
 class HeightField:
-    """A surface over a grid, touched from above: two triangles per cell.
+    """A surface over a grid that collides from above: two triangles per cell.
 
-    It has no mass and belongs to bodies that do not move.
+    It has no mass and is for static bodies.
 
     Attributes
     ----------
     heights : (M, N) array
         z at x = i dx, y = j dy in the shape's frame, m.
     spacing : (2,) tuple
-        dx and dy, m; one number is both.
+        dx and dy, m; one number sets both.
 
     Raises
     ------
@@ -81,7 +81,7 @@ class HeightField:
 
     @property
     def numbers(self) -> Array:
-        """What compiled code knows of it: the triangles."""
+        """The data for compiled code: the triangles."""
         return self.mesh.numbers
 
     @property
@@ -90,7 +90,7 @@ class HeightField:
         return 0.0
 
     def mass_properties(self) -> MassProperties:
-        """Refuse to weigh it.
+        """Refuse, since it has no mass.
 
         Raises
         ------

@@ -58,23 +58,23 @@ def _ray(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
 
 @dataclass(frozen=True, eq=False)
 class Hull:
-    """The smallest convex body that holds some points, of at most 128 corners.
+    """The convex hull of some points, with at most 128 corners.
 
     Its numbers for compiled code are laid out in `kickdrift.world.shapes.polyhedron`. Facets in one plane are one face.
 
     Attributes
     ----------
     points : (N, 3) array
-        Points of the body, m; those inside and those within a millionth of its extent of others do not matter.
+        Points of the body, m; points inside, or within a millionth of its extent of others, have no effect.
     vertices : (V, 3) array
         Its corners.
     faces : tuple of tuples of int
-        Corners of each face, counter-clockwise seen from outside.
+        Corners of each face, counter-clockwise as seen from outside.
 
     Raises
     ------
     ArgumentError
-        If the points are not finite, fewer than four, all in one plane, or make a body of more than 128 corners.
+        If the points are not finite, fewer than four, all in one plane, or have a hull of more than 128 corners.
     """
 
     points: Array
@@ -102,12 +102,12 @@ class Hull:
 
     @property
     def numbers(self) -> Array:
-        """What compiled code knows of it."""
+        """The data for compiled code."""
         return polyhedron_numbers(self.vertices, self.faces)
 
     @property
     def reach(self) -> float:
-        """Farthest that any point of it is from the origin of its frame, m."""
+        """Largest distance of any point of it from the origin of its frame, m."""
         return float(np.sqrt((self.vertices**2).sum(axis=1).max()))
 
     def mass_properties(self) -> MassProperties:

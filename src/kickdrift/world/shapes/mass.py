@@ -20,7 +20,7 @@ SMALLEST, LARGEST = 1e-15, 1e15  # m
 
 
 class MassProperties(NamedTuple):
-    """What a shape of density 1 weighs.
+    """Mass properties of a shape of density 1.
 
     Attributes
     ----------
@@ -111,7 +111,7 @@ def combined(parts: Sequence[Mass]) -> Mass:
     Raises
     ------
     ArgumentError
-        If there are no parts, or if the inertia is none that a body can have.
+        If there are no parts, or if the inertia is physically impossible.
     """
     if not parts:
         raise ArgumentError("A body without shapes has no mass; give it a shape, or a mass and an inertia.")

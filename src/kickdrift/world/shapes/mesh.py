@@ -1,4 +1,4 @@
-"""Surfaces of triangles: ground that does not move."""
+"""Triangle meshes: immovable ground."""
 
 from __future__ import annotations
 
@@ -25,22 +25,22 @@ _FLAT = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """A surface of triangles that is touched from one side: there, corners are seen counter-clockwise.
+    """A triangle mesh that collides on one side: the side from which corners are counter-clockwise.
 
-    It has no mass and belongs to bodies that do not move. What is behind a triangle does not touch it.
+    It has no mass and is for static bodies. Shapes behind a triangle do not touch it.
 
     Attributes
     ----------
     vertices : (V, 3) array
-        m. Vertices at the same place count as one where triangles meet.
+        m. Coincident vertices count as one where triangles meet.
     faces : (F, 3) array of int
         Vertices of each triangle, counted from 0.
 
     Raises
     ------
     ArgumentError
-        If vertices are not finite, faces name vertices that there are not, a triangle has no area, or two triangles
-        that share an edge look to opposite sides.
+        If vertices are not finite, faces have indices without a vertex, a triangle has no area, or two triangles that share
+        an edge face opposite sides.
     """
 
     vertices: Array
@@ -76,7 +76,7 @@ class Mesh:
 
     @property
     def numbers(self) -> Array:
-        """What compiled code knows of it: how many triangles, and of each nine coordinates and three flags of edges."""
+        """The data for compiled code: the number of triangles, and for each nine coordinates and three flags of edges."""
         count = len(self.faces)
         rows = np.concatenate((self.corners.reshape(count, 9), self.active_edges()), axis=1)
         return np.concatenate(([count], rows.ravel()))
@@ -121,7 +121,7 @@ class Mesh:
         return 0.0
 
     def mass_properties(self) -> MassProperties:
-        """Refuse to weigh it.
+        """Refuse, since it has no mass.
 
         Raises
         ------

@@ -33,13 +33,13 @@ def _ray(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
 
 @dataclass(frozen=True)
 class Plane:
-    """All points with z <= 0 in its own frame. It has no mass and belongs to bodies that do not move."""
+    """All points with z <= 0 in its own frame. It has no mass and is for static bodies."""
 
     kind: ClassVar[int] = PLANE
 
     @property
     def numbers(self) -> Array:
-        """What compiled code knows of it: nothing but where it is."""
+        """The data for compiled code: none but its pose."""
         return np.zeros(0)
 
     @property
@@ -48,7 +48,7 @@ class Plane:
         return 0.0
 
     def mass_properties(self) -> MassProperties:
-        """Refuse to weigh it.
+        """Refuse, since it has no finite mass.
 
         Raises
         ------

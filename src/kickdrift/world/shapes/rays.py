@@ -1,4 +1,4 @@
-"""Where rays meet shapes, and what the functions that say so share.
+"""Ray casts against shapes: what their functions share.
 
 ``ray(numbers, origin, direction, limit)`` works in the frame of the shape: `origin` is a point, `direction` a unit
 vector, and what is farther than `limit` is not met. It returns the distance and the outward unit normal there: four

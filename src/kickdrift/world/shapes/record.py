@@ -32,7 +32,7 @@ RAY = types.UniTuple(types.float64, 4)(_ARRAY, _VECTOR, _VECTOR, types.float64)
 
 
 class Shape(Protocol):
-    """What a shape says of itself."""
+    """The interface of a shape."""
 
     kind: ClassVar[int]
 

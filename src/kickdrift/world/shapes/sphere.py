@@ -1,4 +1,4 @@
-"""Balls."""
+"""Spheres."""
 
 import math
 from dataclasses import dataclass
@@ -36,7 +36,7 @@ def _ray(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
 
 @dataclass(frozen=True)
 class Sphere:
-    """Ball about the origin of its frame.
+    """A ball about the origin of its frame.
 
     Attributes
     ----------
@@ -57,12 +57,12 @@ class Sphere:
 
     @property
     def numbers(self) -> Array:
-        """What compiled code knows of it: the radius."""
+        """The data for compiled code: the radius."""
         return np.array([self.radius])
 
     @property
     def reach(self) -> float:
-        """Farthest that any point of it is from the origin of its frame, m."""
+        """Largest distance of any point of it from the origin of its frame, m."""
         return self.radius
 
     def mass_properties(self) -> MassProperties:

@@ -1,0 +1,38 @@
+"""
+Lorenz's butterfly
+==================
+
+Three numbers that stand for the air over a warm ground (Lorenz 1963). They have no kicks and drifts, and no energy to keep: an
+extrapolated semi-implicit sweep, or a Runge-Kutta method, is what one takes. Of two that begin a millionth apart, nothing is
+alike after 30 units of time. Differences grow as :math:`e^{0.9 t}` in the mean (Benettin and others 1980 tell how to measure it).
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import kickdrift as kd
+
+air = kd.FirstOrder(lambda y: np.array([10 * (y[1] - y[0]), y[0] * (28 - y[2]) - y[1], y[0] * y[1] - 8 / 3 * y[2]]))
+one, other = (
+    kd.solve(
+        air,
+        (0.0, 40.0),
+        x0=[1.0 + d, 1.0, 1.0],
+        rtol=1e-11,
+        atol=1e-11,
+        method="dop853",
+        t_eval=np.linspace(0, 40, 8001),
+    )
+    for d in (0.0, 1e-6)
+)
+fig = plt.figure(figsize=(8.5, 4), layout="constrained")
+ax = fig.add_subplot(1, 2, 1, projection="3d")
+ax.plot(*one.y.T, linewidth=0.4)
+ax.set(xticks=[], yticks=[], zticks=[])
+right = fig.add_subplot(1, 2, 2)
+right.plot(one.t, one.y[:, 0], linewidth=0.8)
+right.plot(other.t, other.y[:, 0], linewidth=0.8)
+right.set(xlabel="t", ylabel="$y_0$")
+apart = np.linalg.norm(one.y - other.y, axis=1)
+found = kd.analysis.lyapunov_exponent(air, (0.0, 500.0), [1.0, 1.0, 1.0], step=0.005, method="dop853")
+print(f"10 apart at t = {one.t[(apart > 10).argmax()]:.1f}; Lyapunov exponent {found.values[0]:.2f}")

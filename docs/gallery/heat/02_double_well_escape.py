@@ -1,0 +1,29 @@
+"""
+Escape over a barrier
+=====================
+
+A particle in one of two wells is knocked about by heat, and now and then over the barrier. Kramers (1940) computed how often:
+for strong friction :math:`k = \\frac{\\omega_0 \\omega_b}{2 \\pi \\gamma} e^{-\\Delta V / kT}`, corrected here for a moderate one. Four
+thousand particles start in the left well; the share that is still there falls as the rate says.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import kickdrift as kd
+
+friction, heat = 4.0, 0.2  # the wells of (x^2 - 1)^2 are 1 deep
+wells = kd.Langevin(lambda x: 4 * x * (1 - x * x), friction=friction, temperature=heat, seed=3)
+sol = kd.solve(wells, (0.0, 400.0), -np.ones(4000), np.zeros(4000), step=0.05, method="baoab", save_every=40)
+left = (sol.x < 0).mean(axis=1)
+
+omega_0, omega_b = np.sqrt(8.0), 2.0  # curvatures of the well and of the barrier
+rate = (np.sqrt(friction**2 / 4 + omega_b**2) - friction / 2) / omega_b * omega_0 / (2 * np.pi) * np.exp(-1 / heat)
+fig, ax = plt.subplots(figsize=(7, 3.8))
+ax.plot(sol.t, left, label="share in the left well")
+ax.plot(sol.t, 0.5 + 0.5 * np.exp(-2 * rate * sol.t), "--", label="by Kramers' rate")
+ax.set(xlabel="t", ylim=(0.4, 1.02))
+ax.legend()
+early = (sol.t > 5) & (sol.t < 200)
+measured = -0.5 * np.polyfit(sol.t[early], np.log(2 * left[early] - 1), 1)[0]
+print(f"rate {measured:.2e}, Kramers {rate:.2e}: ratio {measured / rate:.2f}")

@@ -1,0 +1,23 @@
+"""
+What is conserved instead of the energy
+=======================================
+
+Verlet's method swings in its energy, because what it conserves is another function near it: a series in the step, by Baker, Campbell and
+Hausdorff. With each term that is added, less is left of the swing.
+"""
+
+import matplotlib.pyplot as plt
+
+import kickdrift as kd
+
+pendulum = kd.systems.pendulum(2.5)
+sol = kd.solve(pendulum, (0.0, 30.0), step=0.2, method="velocity-verlet")
+fig, ax = plt.subplots(figsize=(7.5, 4))
+for order in (0, 2, 4):
+    values = kd.analysis.modified_hamiltonian(pendulum, "velocity-verlet", sol.step, sol.x, sol.v, order=order)
+    swing = abs(values - values.mean())
+    name = "energy" if order == 0 else f"with terms to h^{order}"
+    ax.semilogy(sol.t, swing, linewidth=0.9, label=name)
+    print(f"{name}: swings by {values.max() - values.min():.1e}")
+ax.set(xlabel="t", ylabel="distance from the mean", ylim=(1e-10, 1))
+ax.legend(loc="lower right")
