@@ -373,7 +373,7 @@ def _five_floors(x):
 def test_what_ends_a_run_with_impacts_is_said():
     def run(gap, v, e):
         hit = kd.Impacts(gap, restitution=e)
-        sol = kd.solve(lambda x: 0 * x - G, (0, 2.0), [0.5], [v], step=0.01, impacts=hit, compile=False, **VERLET)
+        sol = kd.solve(lambda x: 0 * x - G, (0, 2.0), [0.5], [v], step=0.01, impacts=hit, **VERLET)
         assert sol.status is Outcome.NO_STEP
         return sol.message
 
