@@ -172,13 +172,8 @@ def _approach(island: int, h: float, off: float, most: int, world: int) -> float
 
 @compiled(cached=False)
 def _is_thrown(island: int, h: float, world: int) -> bool:
-<<<<<<< HEAD
-    """Whether an island turns fast with far more energy than it had: at a solution far away, which no one wants."""
-    most = WILD * (kinetic_energy(island, NOTED, world) + energy_given(island, world))
-=======
     """Whether an island turns fast with far more energy than it had: at a distant, spurious solution."""
-    most = WILD * kinetic_energy(island, NOTED, world)
->>>>>>> main
+    most = WILD * (kinetic_energy(island, NOTED, world) + energy_given(island, world))
     thrown: bool = (
         h * fastest(island, MOTION, ANGULAR_PART, world) > LONG_TURN and kinetic_energy(island, MOTION, world) > most
     )
