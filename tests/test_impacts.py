@@ -283,7 +283,7 @@ def test_rows_events_and_dense_output_go_with_impacts():
     assert np.abs(sol.x_events[0] - heights).max() < 1e-12
     picked = kd.solve(lambda x: -9.81, (0, 3.0), 0.0, 5.0, t_eval=[0.5, 1.5, 2.5], **options)
     assert np.abs(picked.x - sol([0.5, 1.5, 2.5]).x).max() < 1e-12
-    assert "cut at 1 impacts" in sol.report()
+    assert "cut at 1 impact" in sol.report()
 
 
 @pytest.mark.parametrize(

@@ -268,4 +268,4 @@ def test_a_report_says_why_auto_took_a_method():
     solution = solve(Kind.NEWTONIAN, "auto")
     assert "fastest" in solution.about.choice
     assert solution.about.choice in solution.report()
-    assert "taken because" not in solve(Kind.NEWTONIAN, "velocity-verlet").report()
+    assert "chosen because" not in solve(Kind.NEWTONIAN, "velocity-verlet").report()

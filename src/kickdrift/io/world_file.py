@@ -23,6 +23,7 @@ from kickdrift.world.joints.layout import REMOVED as REMOVED_JOINT
 from kickdrift.world.joints.spanning_tree import arrange
 from kickdrift.world.layout import BODY_ROW, GONE, SEARCH_STATE, SHAPE_KIND
 from kickdrift.world.shape_rows import SHOWN, Placed, ShapeRows, Surface
+from kickdrift.world.shapes.kinds import SPHERE
 from kickdrift.world.snapshot import TABLES, Snapshot, kept
 from kickdrift.world.tables import BODY, CLOTH, JOINT, LINK_NUMBERS, PLACE, SHAPE, Table, Tables
 from kickdrift.world.world import World
@@ -176,7 +177,7 @@ def snapshot_of(head: dict[str, Any], arrays: dict[str, Any]) -> Snapshot:
         n_bodies_made=_whole(head["n_bodies_made"], 1 + int(bodies[:, BODY_GENERATION].max())),
         n_joints_made=_whole(head["n_joints_made"], 1 + int(joints[:, GENERATION].max(initial=-1))),
         joints_arranged=bool(head["joints_arranged"]),
-        kinds=tuple(sorted(shapes.kinds)),
+        kinds=tuple(sorted(shapes.kinds | ({SPHERE} if of.count(CLOTH) else set()))),  # which particles are to shapes
         bouncing=bool(head["bouncing"]) or shapes.bouncing,
         body_names=_names(head["body_names"], np.flatnonzero(bodies[:, BODY_KIND] != REMOVED)),
         joint_names=_names(head["joint_names"], np.flatnonzero(joints[:, JOINT_KIND] != REMOVED_JOINT)),

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world import settings, tables
+from kickdrift.world.cloth.particle_tables import OF_A_STEP
 from kickdrift.world.collision.search import shapes_new
 from kickdrift.world.force_stage import Force
 from kickdrift.world.shape_rows import Placed
@@ -31,7 +32,7 @@ _OF_A_STEP = (
     tables.CONTACT_ROW, tables.ISLAND, tables.ISLAND_CONTACT, tables.ISLAND_JOINT, tables.NODE, tables.NEIGHBOUR,
     tables.BLOCK, tables.ADJACENCY, tables.IMPACT, tables.BOUNCING, tables.FORCE_NUMBERS,
     tables.BATCH, tables.VIEW, tables.PARTICLE_FORCE, tables.STARTED_PARTICLE, tables.CLOTH_CONTACT,
-    tables.CLOTH_CONTACT_NUMBERS, tables.CLOTH_NEAR,
+    tables.CLOTH_CONTACT_NUMBERS, tables.CLOTH_NEAR, *OF_A_STEP,
 )  # fmt: skip
 TABLES: Mapping[str, Table] = MappingProxyType(
     {
@@ -200,7 +201,4 @@ def _begin_anew(of: Tables) -> None:
     for table in _OF_BODIES:
         of.resize(table, of.count(POSE))
     of.resize(STARTED_JOINTS, of.count(JOINT))
-    for table in (tables.PARTICLE_FORCE, tables.STARTED_PARTICLE):
-        of.resize(table, of.count(tables.PARTICLE))
-    of.array(tables.PARTICLE_FORCE)[:] = 0.0
     shapes_new(of)

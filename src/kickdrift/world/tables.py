@@ -102,10 +102,8 @@ BATCH = Table(64, 4, whole=True)
 MEMBERSHIP = Table(65, 2, whole=True)  # of each body
 
 # Cloths: see `kickdrift.world.cloth.layout`
-CLOTH = Table(66, 16, whole=True)
-CLOTH_NUMBERS = Table(67, 24)
-PARTICLE = Table(68, 8)
-PARTICLE_FORCE = Table(69, 8)
+CLOTH, CLOTH_NUMBERS = Table(66, 20, whole=True), Table(67, 24)
+PARTICLE, PARTICLE_FORCE = Table(68, 8), Table(69, 8)
 PARTICLE_COUPLINGS = Table(72, 2, whole=True)
 FACE = Table(70, 4, whole=True)  # a triangle of a cloth
 FACE_NUMBERS = Table(71, 8)
@@ -113,12 +111,20 @@ COUPLING = Table(73, 1, whole=True)  # of a particle with another one, by bendin
 COUPLING_NUMBERS = Table(81, 1)
 CURVED_FACE = Table(82, 8, whole=True)  # a triangle that is curved at rest
 CURVED_FACE_NUMBERS = Table(83, 8)
-PIN = Table(74, 2, whole=True)
-PIN_NUMBERS = Table(75, 4)
-CLOTH_CONTACT = Table(76, 4, whole=True)
-CLOTH_CONTACT_NUMBERS = Table(77, 16)
+PIN, PIN_NUMBERS = Table(74, 2, whole=True), Table(75, 4)
+CLOTH_CONTACT, CLOTH_CONTACT_NUMBERS = Table(76, 4, whole=True), Table(77, 16)
 STARTED_PARTICLE = Table(78, PARTICLE.width)
 PARTICLE_REST = Table(80, 4)
+PARTICLE_SHIFT, PARTICLE_BOUNDS = Table(84, 4), Table(85, 8)
+CLOTH_PAIR = Table(86, 6, whole=True)  # a vertex and a triangle, or two edges, that may touch
+CLOTH_PAIR_NUMBERS = Table(87, 4)
+CLOTH_TREE = Table(88, 8)  # over the triangles of each cloth: see `kickdrift.world.cloth.face_tree`
+NORMAL_TREE = Table(95, 8)  # as it, over their normals
+CLOTH_TREE_NODE = Table(89, 1, whole=True)
+FACE_BOUNDS, FACE_NORMALS = Table(90, 8), Table(91, 8)
+ZONE = Table(92, 2, whole=True)  # of each particle: see `kickdrift.world.cloth.zones`
+ZONE_NUMBERS = Table(93, 16)
+CLOTH_SEARCH = Table(94, 16)  # one row
 CLOTH_NEAR = Table(79, 1)  # shapes, and triangles of one, that are near a cloth
 
 _LAST = max(table.place for table in list(globals().values()) if isinstance(table, Table))
@@ -193,11 +199,9 @@ def flat_integers(world: int, table: Table) -> Any:
     return carray(integers_at(word(world, place + _ADDRESS)), (word(world, place + _ROOM) * table[1],))
 
 
-_COMPANIONS = {
-    CONTACT: (MANIFOLD,),
-    LINK: (LINK_NUMBERS,),
-    CLOTH_CONTACT: (CLOTH_CONTACT_NUMBERS,),
-}  # that have at least the room of a table
+# Tables that have at least the room of another one
+_COMPANIONS = {CONTACT: (MANIFOLD,), LINK: (LINK_NUMBERS,)}
+_COMPANIONS |= {CLOTH_CONTACT: (CLOTH_CONTACT_NUMBERS,), CLOTH_PAIR: (CLOTH_PAIR_NUMBERS,)}
 _TABLES = {table.place: table for table in list(globals().values()) if isinstance(table, Table)}
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.arguments import direction, unit_quaternion, vector
+from kickdrift.world.arguments import choice, direction, unit_quaternion, vector
 from kickdrift.world.cloth.fabric import fabric_of
 from kickdrift.world.cloth.handle import Cloth
 from kickdrift.world.cloth.mesh import cloth_mesh, grid
@@ -30,6 +30,7 @@ class AddsCloths:
         triangles: ArrayLike,
         *,
         warp: ArrayLike = (1.0, 0.0, 0.0),
+        self_collision: bool = False,
         name: str | None = None,
         **fabric: float,
     ) -> Cloth:
@@ -43,6 +44,8 @@ class AddsCloths:
             Vertices of each, all of them counter-clockwise seen from the same side.
         warp : (3,) array_like
             Direction of the threads along which it is stretched; the weft lies across.
+        self_collision : bool
+            Whether it collides with itself, which takes several times as long; with other cloths it does in any case.
         name : str, optional
         **fabric
             Those of `density`, `thickness`, `stretch_stiffness`, `shear_stiffness`, `bending_stiffness`, `damping`,
@@ -60,7 +63,8 @@ class AddsCloths:
             For a mesh that a cloth cannot be made of, and numbers that cannot be; the sentence names the vertex or triangle.
         """
         made_of, mesh = fabric_of(fabric), cloth_mesh(vertices, triangles)
-        cloth = self.cloths.add(mesh, made_of, direction("warp", warp), name)
+        meets_itself = choice("self_collision", self_collision)
+        cloth = self.cloths.add(mesh, made_of, direction("warp", warp), name, meets_itself)
         self.shape_rows.kinds |= {SPHERE}  # which particles are to other shapes
         self.tables.altered = True
         return cloth
@@ -72,6 +76,7 @@ class AddsCloths:
         *,
         position: ArrayLike = (0.0, 0.0, 0.0),
         orientation: ArrayLike = (1.0, 0.0, 0.0, 0.0),
+        self_collision: bool = False,
         name: str | None = None,
         **fabric: float,
     ) -> Cloth:
@@ -108,9 +113,8 @@ class AddsCloths:
         turn = rotation_matrix(unit_quaternion("orientation", orientation))
         points, triangles = grid(int(counts[0]), int(counts[1]), (float(sides[0]), float(sides[1])))
         centred = points - [0.5 * sides[0], 0.5 * sides[1], 0.0]
-        return self.add_cloth(
-            centred @ turn.T + vector("position", position, 3), triangles, warp=turn[:, 0], name=name, **fabric
-        )
+        at, warp = centred @ turn.T + vector("position", position, 3), turn[:, 0]
+        return self.add_cloth(at, triangles, warp=warp, self_collision=self_collision, name=name, **fabric)
 
     def cloth(self, name: str) -> Cloth:
         """Return the cloth of a name.

@@ -6,18 +6,28 @@ from kickdrift.world.tables import (
     CLOTH_CONTACT,
     CLOTH_CONTACT_NUMBERS,
     CLOTH_NUMBERS,
+    CLOTH_PAIR,
+    CLOTH_PAIR_NUMBERS,
+    CLOTH_SEARCH,
+    CLOTH_TREE_NODE,
     COUPLING,
     COUPLING_NUMBERS,
     CURVED_FACE,
     CURVED_FACE_NUMBERS,
     FACE,
+    FACE_BOUNDS,
+    FACE_NORMALS,
     FACE_NUMBERS,
     PARTICLE,
+    PARTICLE_BOUNDS,
     PARTICLE_COUPLINGS,
     PARTICLE_FORCE,
     PARTICLE_REST,
+    PARTICLE_SHIFT,
     PIN,
     PIN_NUMBERS,
+    ZONE,
+    ZONE_NUMBERS,
 )
 
 # CLOTH
@@ -29,6 +39,8 @@ FIRST_PIN, LAST_PIN = column(CLOTH), column(CLOTH)
 PARTS = column(CLOTH)  # of a substep
 FIRST_CONTACT, LAST_CONTACT = column(CLOTH), column(CLOTH)
 CLOTH_GENERATION = column(CLOTH)
+FIRST_NODE, LAST_NODE = column(CLOTH), column(CLOTH)
+MEETS_ITSELF = column(CLOTH)
 
 # CLOTH_NUMBERS
 STRETCH = column(CLOTH_NUMBERS, 1, "N/m")  # stiffness, as it is in use
@@ -46,6 +58,7 @@ WIND = column(CLOTH_NUMBERS, 3, "m/s")
 ASKED = column(CLOTH_NUMBERS, 5, "N/m, N/m, N m, s, s")  # the first five as they were asked for
 MEMBRANE_RATE = column(CLOTH_NUMBERS, 1, "1/s")  # highest angular frequency, with what was asked for
 BENDING_RATE = column(CLOTH_NUMBERS, 1, "1/s")
+SKIN = column(CLOTH_NUMBERS, 1, "m")  # by which particles may move otherwise than foreseen until pairs are sought anew
 
 # PARTICLE
 column(PARTICLE, 3, "m")  # position
@@ -71,6 +84,7 @@ WEIGHT = column(COUPLING_NUMBERS, 1, "1/m^2")
 
 # FACE
 CORNERS = column(FACE, 3)  # particles
+OWNED = column(FACE)  # set of its corners, then of the sides from them to the next, which no triangle before has
 
 # FACE_NUMBERS
 TO_REST = column(FACE_NUMBERS, 4, "1/m")  # inverse of the two edges from the first corner, in the axes of warp and weft
@@ -102,3 +116,51 @@ CLOTH_GAP = column(CLOTH_CONTACT_NUMBERS, 1, "m")
 CONTACT_FRICTION = column(CLOTH_CONTACT_NUMBERS)
 TOUCHED_POINT = column(CLOTH_CONTACT_NUMBERS, 3, "m")  # from the centre of the body
 GROUND_VELOCITY = column(CLOTH_CONTACT_NUMBERS, 3, "m/s")  # of a surface that runs, beside that of its body
+
+# PARTICLE_SHIFT
+column(PARTICLE_SHIFT, 3, "m")  # what it is moved by in the drift, without a velocity
+
+# PARTICLE_BOUNDS, in a frame that moves with the cloths
+column(PARTICLE_BOUNDS, 6, "m")  # corners of a box that it is in for as long as pairs are not sought anew
+REACH = column(PARTICLE_BOUNDS, 1, "m")  # how far it may get from where it was when they were
+
+# FACE_BOUNDS
+column(FACE_BOUNDS, 6, "m")  # around those of the corners
+
+# FACE_NORMALS
+column(FACE_NORMALS, 6)  # corners of a box around its normal, of length one
+
+# CLOTH_TREE_NODE
+IS_CONNECTED = column(CLOTH_TREE_NODE)
+
+# CLOTH_SEARCH
+SEARCH_VALID = column(CLOTH_SEARCH)  # 0: pairs are to be sought anew
+SEARCH_AGE = column(CLOTH_SEARCH, 1, "s")
+FRAME_VELOCITY = column(CLOTH_SEARCH, 3, "m/s")
+TURN = column(CLOTH_SEARCH)  # how far the substep is done
+SHARED_PARTS = column(CLOTH_SEARCH)
+TRAVELLED = column(
+    CLOTH_SEARCH, 1, "m"
+)  # how far particles have moved against each other at most, since pairs were sought
+CROSSINGS = column(CLOTH_SEARCH)  # pairs of triangles that cross
+
+# CLOTH_PAIR
+PAIR_PARTICLES = column(CLOTH_PAIR, 4)  # the vertex and the corners, or the ends of one edge and of the other
+PAIR_KIND = column(CLOTH_PAIR)
+
+# CLOTH_PAIR_NUMBERS
+PAIR_DISTANCE = column(CLOTH_PAIR_NUMBERS, 1, "m")  # that is kept
+PAIR_FRICTION = column(CLOTH_PAIR_NUMBERS)
+PAIR_APART = column(CLOTH_PAIR_NUMBERS, 1, "m")  # when it was last looked at
+PAIR_SEEN = column(CLOTH_PAIR_NUMBERS, 1, "m")  # TRAVELLED then
+
+# ZONE
+IN_ZONE = column(ZONE)  # leads to the first particle of its zone
+IS_TANGLED = column(ZONE)  # 1: a triangle of it crosses another one
+
+# ZONE_NUMBERS, of the first particle
+ZONE_MASS = column(ZONE_NUMBERS, 1, "kg")
+ZONE_CENTRE = column(ZONE_NUMBERS, 3, "kg m")
+ZONE_MOMENTUM = column(ZONE_NUMBERS, 3, "kg m/s")
+ZONE_SPIN = column(ZONE_NUMBERS, 3, "kg m^2/s")
+ZONE_INERTIA = column(ZONE_NUMBERS, 6, "kg m^2")

@@ -10,6 +10,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import times
 from kickdrift.world.cloth.bending import add_bending
 from kickdrift.world.cloth.contact_impulses import resolve_contacts
+from kickdrift.world.cloth.crossings import stop_crossings
 from kickdrift.world.cloth.layout import (
     FIRST_PARTICLE,
     LAST_PARTICLE,
@@ -17,10 +18,17 @@ from kickdrift.world.cloth.layout import (
     PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
     PARTS,
+    SEARCH_AGE,
+    SEARCH_VALID,
+    SHARED_PARTS,
     STRAIN,
+    TURN,
 )
 from kickdrift.world.cloth.membrane import add_membrane, largest_strain
+from kickdrift.world.cloth.pair_impulses import resolve_pairs
+from kickdrift.world.cloth.pairs import find_pairs, meets
 from kickdrift.world.cloth.pins import carry_pins, pull_bodies
+from kickdrift.world.cloth.swept import stays
 from kickdrift.world.cloth.wind import add_wind
 from kickdrift.world.columns import vector_at
 from kickdrift.world.settings import GRAVITY, PUSH_SPEED
@@ -28,38 +36,90 @@ from kickdrift.world.step_status import report_cloth
 from kickdrift.world.tables import (
     CLOTH,
     CLOTH_NUMBERS,
+    CLOTH_PAIR,
+    CLOTH_SEARCH,
     FACE_NUMBERS,
     PARTICLE,
     PARTICLE_FORCE,
+    PARTICLE_SHIFT,
     SETTINGS,
     STARTED_PARTICLE,
     Tables,
     floats,
     integers,
     rows,
+    set_rows,
 )
 
+_TURNS = 3  # of a part
+_SEARCHES = 3  # for pairs, at most, while impulses that stop crossings make particles leave their boxes
 _WIDE, _WIDEST = 0.1, 10.0  # strains, below and above which parts stay as many
 
 
 @compiled
 def move_cloths(t: float, h: float, world: int) -> None:
-    """Move all cloths through a substep, after the bodies have moved."""
-    cloths, push = integers(world, CLOTH), floats(world, SETTINGS)[0, PUSH_SPEED]
+    """Move all cloths through a substep, after the bodies have moved.
+
+    All of them take the same parts, as they touch each other. Where there is no room for pairs, the stage goes on from there.
+    """
+    search = floats(world, CLOTH_SEARCH)
+    if search[0, TURN] == 0.0:
+        search[0, SHARED_PARTS] = _begin(world, h)
+    parts, turn = int(search[0, SHARED_PARTS]), int(search[0, TURN])
+    part = h / parts
+    for at in range(turn, _TURNS * (parts + 1)):
+        k = at // _TURNS
+        if not _do(world, at % _TURNS, h, part, k == 0, k == parts, h - k * part):
+            return
+        search[0, TURN] = at + 1
+    search[0, TURN] = 0.0
     for cloth in range(rows(world, CLOTH)):
-        parts = cloths[cloth, PARTS] * _parts_of_strain(world, cloth)
-        part = h / parts
-        add_wind(world, cloth, h, part)
-        for k in range(parts + 1):
-            share = 0.5 if k in (0, parts) else 1.0
-            add_membrane(world, cloth, part, share, k == 0)
-            add_bending(world, cloth, share)
-            _kick(world, cloth, part, share, k == 0, h - k * part)
-            resolve_contacts(world, cloth, part, push if k < parts else 0.0, h - k * part)
-            if k < parts:
-                carry_pins(world, cloth, part, h - k * part)
-                _drift(world, cloth, part)
         _check(world, cloth)
+
+
+@compiled
+def _begin(world: int, h: float) -> int:
+    """Let the wind blow, and return in how many parts a substep is done."""
+    parts = 1
+    for cloth in range(rows(world, CLOTH)):
+        parts = max(parts, integers(world, CLOTH)[cloth, PARTS] * _parts_of_strain(world, cloth))
+    for cloth in range(rows(world, CLOTH)):
+        add_wind(world, cloth, h, h / parts)
+    return parts
+
+
+@compiled
+def _do(world: int, turn: int, h: float, part: float, begins: bool, ends: bool, left: float) -> bool:
+    """Do one of the turns of a part: forces, impulses, drift; False where there is no room for pairs."""
+    if turn == 0:
+        for cloth in range(rows(world, CLOTH)):
+            _push(world, cloth, part, begins, ends, left)
+    elif turn == 1:
+        if not find_pairs(world, h, part):
+            return False
+        resolve_pairs(world, part, 0.0 if ends else floats(world, SETTINGS)[0, PUSH_SPEED])
+    elif not ends:
+        for cloth in range(rows(world, CLOTH)):
+            carry_pins(world, cloth, part, left)
+        for _ in range(_SEARCHES):
+            if not find_pairs(world, h, part):
+                return False
+            stop_crossings(world, part)
+            if not meets(world) or stays(world, part):
+                break
+        _drift(world, part)
+        floats(world, CLOTH_SEARCH)[0, SEARCH_AGE] += part
+    return True
+
+
+@compiled
+def _push(world: int, cloth: int, part: float, begins: bool, ends: bool, left: float) -> None:
+    """Kick a cloth by its forces, and by the shapes that it touches."""
+    share = 0.5 if begins or ends else 1.0
+    add_membrane(world, cloth, part, share, begins)
+    add_bending(world, cloth, share)
+    _kick(world, cloth, part, share, begins, left)
+    resolve_contacts(world, cloth, part, 0.0 if ends else floats(world, SETTINGS)[0, PUSH_SPEED], left)
 
 
 @compiled
@@ -94,12 +154,13 @@ def _kick(world: int, cloth: int, part: float, share: float, begins: bool, left:
 
 
 @compiled
-def _drift(world: int, cloth: int, part: float) -> None:
-    """Move the particles of a cloth with their velocities through a part of a substep."""
-    own, particle = integers(world, CLOTH), floats(world, PARTICLE)
-    for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
+def _drift(world: int, part: float) -> None:
+    """Move all particles with their velocities through a part of a substep, and by what shifts them besides."""
+    particle, shift = floats(world, PARTICLE), floats(world, PARTICLE_SHIFT)
+    for i in range(rows(world, PARTICLE)):
         for k in range(3):
-            particle[i, k] += part * particle[i, PARTICLE_VELOCITY + k]
+            particle[i, k] += part * particle[i, PARTICLE_VELOCITY + k] + shift[i, k]
+            shift[i, k] = 0.0
 
 
 @compiled
@@ -115,7 +176,10 @@ def _check(world: int, cloth: int) -> None:
 
 @compiled
 def begin_cloths(t: float, h: float, world: int) -> None:
-    """Keep the cloths as they are, in case the step cannot be done."""
+    """Keep the cloths as they are, in case the step cannot be done, and let pairs be sought anew."""
+    search = floats(world, CLOTH_SEARCH)
+    search[0, SEARCH_VALID] = search[0, TURN] = 0.0
+    set_rows(world, CLOTH_PAIR, 0)
     now, before = floats(world, PARTICLE), floats(world, STARTED_PARTICLE)
     for i in range(rows(world, PARTICLE)):
         for k in range(PARTICLE.width):
@@ -125,6 +189,6 @@ def begin_cloths(t: float, h: float, world: int) -> None:
 def roll_back_cloths(tables: Tables) -> None:
     """Bring the cloths back to where the step began."""
     tables.array(PARTICLE)[:] = tables.array(STARTED_PARTICLE)
-    tables.array(PARTICLE_FORCE)[:] = 0.0
+    tables.array(PARTICLE_FORCE)[:] = tables.array(PARTICLE_SHIFT)[:] = 0.0
     # Where a substep begins they are only read to be multiplied by zero, which of infinity is none.
     tables.array(FACE_NUMBERS)[:, STRAIN : STRAIN + 3] = 0.0

@@ -31,6 +31,7 @@ from kickdrift.world.tables import (
     MOTION,
     PARTICLE,
     PARTICLE_FORCE,
+    PARTICLE_SHIFT,
     PIN,
     PIN_NUMBERS,
     POSE,
@@ -107,9 +108,9 @@ def _solved(a: Vector, b: Vector, c: Vector, right: Vector) -> Vector:
 
 @compiled
 def carry_pins(world: int, cloth: int, part: float, left: float) -> None:
-    """Move what is pinned to bodies so that it arrives with them at the end of the substep, which is `left` s away.
+    """Shift what is pinned to bodies so that it arrives with them at the end of the substep, which is `left` s away.
 
-    The drift that follows adds a part times the velocity, which is taken off here: a chord is no tangent.
+    The drift adds a part times the velocity, which is taken off here: a chord is no tangent.
     """
     own, pin, pose, particle = (
         integers(world, CLOTH),
@@ -117,12 +118,13 @@ def carry_pins(world: int, cloth: int, part: float, left: float) -> None:
         floats(world, POSE),
         floats(world, PARTICLE),
     )
+    shift = floats(world, PARTICLE_SHIFT)
     for k in range(own[cloth, FIRST_PIN], own[cloth, LAST_PIN]):
         i = pin[k, PINNED_PARTICLE]
         goal = plus(vector_at(pose, pin[k, PINNED_BODY], POSITION), _arm(world, k))
         way = minus(goal, vector_at(particle, i, 0))
         for j in range(3):
-            particle[i, j] += part * (way[j] / left - particle[i, PARTICLE_VELOCITY + j])
+            shift[i, j] = part * (way[j] / left - particle[i, PARTICLE_VELOCITY + j])
 
 
 @compiled(inline=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 from weakref import ReferenceType
 
@@ -14,9 +15,11 @@ from kickdrift.world.body import Body
 from kickdrift.world.cloth import layout as c
 from kickdrift.world.cloth.coupling_tables import put_couplings
 from kickdrift.world.cloth.fabric import Fabric
+from kickdrift.world.cloth.face_tree import owned
 from kickdrift.world.cloth.handle import Cloth
 from kickdrift.world.cloth.membrane import inverse_edges
 from kickdrift.world.cloth.mesh import ClothMesh, cloth_mesh, flattened
+from kickdrift.world.cloth.particle_tables import arrange
 from kickdrift.world.cloth.pinning import add_pins, remove_pins
 from kickdrift.world.cloth.tuning import softness, tune
 from kickdrift.world.cloth.vibration import membrane_rate
@@ -30,10 +33,8 @@ from kickdrift.world.tables import (
     FACE_NUMBERS,
     PARTICLE,
     PARTICLE_COUPLINGS,
-    PARTICLE_FORCE,
     PARTICLE_REST,
     PIN,
-    STARTED_PARTICLE,
     Tables,
 )
 from kickdrift.world.undivided import alone, undivided
@@ -60,10 +61,10 @@ class Cloths:
         self.names = Names("cloth")
         self.world: ReferenceType[World] | None = None
         self.n_made = 0  # never goes back, not even to a snapshot: two cloths would share a handle
-        self._substep = 0.0
+        self._substep, self._arranged = 0.0, -1
 
     @undivided
-    def add(self, mesh: ClothMesh, fabric: Fabric, warp: Floats, name: str | None) -> Cloth:
+    def add(self, mesh: ClothMesh, fabric: Fabric, warp: Floats, name: str | None, self_collision: bool) -> Cloth:
         """Take rows for a cloth that lies as its mesh does, without any tension."""
         tables, row = self.tables, self.tables.count(CLOTH)
         first = [tables.count(table) for table in (PARTICLE, FACE, COUPLING, CURVED_FACE)]
@@ -75,7 +76,7 @@ class Cloths:
         masses = np.asarray(np.bincount(mesh.triangles.ravel(), weights=thirds), dtype=np.float64)
         self._add_particles(mesh, masses)
         faces = tables.resize(FACE, first[1] + len(areas))[first[1] :]
-        faces[:, c.CORNERS : c.CORNERS + 3] = mesh.triangles + first[0]
+        faces[:, c.CORNERS : c.CORNERS + 3], faces[:, c.OWNED] = mesh.triangles + first[0], owned(mesh.triangles)
         rest = tables.resize(FACE_NUMBERS, first[1] + len(areas))[first[1] :]
         rest[:, c.TO_REST : c.TO_REST + 4], rest[:, c.FACE_AREA] = to_rest, areas
         numbers, own = tables.resize(CLOTH_NUMBERS, row + 1)[row], tables.resize(CLOTH, row + 1)[row]
@@ -83,7 +84,8 @@ class Cloths:
             own[[2 * k, 2 * k + 1]] = first[k], tables.count(table)
         own[[c.FIRST_PIN, c.LAST_PIN]] = tables.count(PIN)
         generation, self.n_made = self.n_made, self.n_made + 1
-        own[c.PARTS], own[c.CLOTH_GENERATION] = 1, generation
+        own[c.PARTS], own[c.CLOTH_GENERATION], own[c.MEETS_ITSELF] = 1, generation, int(self_collision)
+        self._arranged = -1
         asked = (
             fabric.stretch_stiffness,
             fabric.shear_stiffness,
@@ -93,6 +95,7 @@ class Cloths:
         )
         numbers[c.STRETCH : c.STRETCH + 5] = numbers[c.ASKED : c.ASKED + 5] = asked
         numbers[c.CLOTH_RADIUS], numbers[c.AREA_DENSITY] = 0.5 * fabric.thickness, fabric.density
+        numbers[c.SKIN] = min(0.5 * fabric.thickness, _SKIN * math.sqrt(float(np.median(areas))))
         numbers[c.CLOTH_FRICTION], numbers[c.LINEAR_DAMPING] = fabric.friction, fabric.linear_damping
         numbers[c.DRAG], numbers[c.LIFT] = fabric.air_density * fabric.drag, fabric.air_density * fabric.lift
         stiffness = areas[:, None] * np.array([fabric.stretch_stiffness, fabric.shear_stiffness])
@@ -103,7 +106,7 @@ class Cloths:
 
     def _add_particles(self, mesh: ClothMesh, masses: Floats) -> None:
         tables, first, last = self.tables, self.tables.count(PARTICLE), self.tables.count(PARTICLE) + len(masses)
-        for table in (PARTICLE, PARTICLE_REST, PARTICLE_FORCE, PARTICLE_COUPLINGS, STARTED_PARTICLE):
+        for table in (PARTICLE, PARTICLE_REST, PARTICLE_COUPLINGS):
             tables.resize(table, last)
         tables.array(PARTICLE_REST)[first:, :3] = mesh.vertices
         particles = tables.array(PARTICLE)[first:]
@@ -122,7 +125,10 @@ class Cloths:
         return cloth_mesh(tables.array(PARTICLE_REST)[first:last, :3].copy(), triangles)
 
     def tune(self, substep: float) -> None:
-        """Choose parts of a substep, s, for all cloths, and how stiff they can be in it."""
+        """Choose parts of a substep, s, for all cloths, and how stiff they can be in it; make ready what a step makes anew."""
+        if self._arranged != self.tables.count(FACE):
+            arrange(self.tables, [self.mesh(row) for row in range(self.tables.count(CLOTH))])
+            self._arranged = self.tables.count(FACE)
         if substep == self._substep:
             return
         for own, numbers in zip(self.tables.array(CLOTH), self.tables.array(CLOTH_NUMBERS), strict=True):
@@ -131,7 +137,7 @@ class Cloths:
 
     def restored(self) -> None:
         """Let `tune` choose anew, and new handles be others than all before, after the tables have become others."""
-        self._substep = 0.0
+        self._substep, self._arranged = 0.0, -1
         self.n_made = max(self.n_made, 1 + int(self.tables.array(CLOTH)[:, c.CLOTH_GENERATION].max(initial=-1)))
 
     def row(self, cloth: Cloth, argument: str = "cloth") -> int:
@@ -233,4 +239,5 @@ class Cloths:
         return np.unique(chosen).astype(np.int64) + int(self.tables.array(CLOTH)[self.row(cloth), c.FIRST_PARTICLE])
 
 
+_SKIN = 0.35  # of the size of triangles: normals do not turn far in it
 _COLUMNS = {"wind": (c.WIND, 3), "friction": (c.CLOTH_FRICTION, 1)}

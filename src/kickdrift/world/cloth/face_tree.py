@@ -1,0 +1,95 @@
+"""Trees over the triangles of cloths, halved as they lie without tension, so that nodes are patches.
+
+A patch that is one piece, and whose normals are near one direction, does not touch itself: where the tree is walked, nothing
+below it is (Volino and Magnenat Thalmann, Efficient self-collision detection on smoothly discretized surface animations
+using geometrical shape regularity, Eurographics 1994).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+
+from kickdrift.world.cloth.mesh import NONE, ClothMesh
+from kickdrift.world.collision.bvh import BRANCH, TWIG
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+_BUNCH = 4  # triangles of a twig, at most
+
+
+class FaceTree(NamedTuple):
+    """A tree as of `kickdrift.world.collision.bvh`.
+
+    Attributes
+    ----------
+    items, skips : (K,) array
+        Triangles, `TWIG` or `BRANCH`; nodes that come after all that is below.
+    connected : (K,) array
+        Whether its triangles are one piece.
+    """
+
+    items: Integers
+    skips: Integers
+    connected: Integers
+
+
+def face_tree(mesh: ClothMesh) -> FaceTree:
+    """Build a tree over the triangles of a mesh."""
+    centres = mesh.vertices[mesh.triangles].mean(axis=1)
+    items: list[int] = []
+    skips: list[int] = []
+    patches: list[tuple[int, Integers]] = []  # nodes of twigs and branches
+    levels: list[int] = []
+    waiting = [(np.arange(len(centres)), 0)]
+    while waiting:
+        faces, depth = waiting.pop()
+        node = len(items)
+        patches.append((node, faces))
+        levels.append(depth)
+        if len(faces) <= _BUNCH:
+            items += [int(TWIG), *faces.tolist()]
+            skips += [node + 1 + len(faces), *range(node + 2, node + 2 + len(faces))]
+            continue
+        items.append(int(BRANCH))
+        skips.append(0)  # which `fit` finds
+        axis = int(np.argmax(np.ptp(centres[faces], axis=0)))
+        order = faces[np.argsort(centres[faces, axis], kind="stable")]
+        waiting += [(order[len(order) // 2 :], depth + 1), (order[: len(order) // 2], depth + 1)]
+    connected = np.ones(len(items), dtype=np.int64)
+    _mark_pieces(mesh, patches, np.array(levels), connected)
+    return FaceTree(np.array(items), np.array(skips), connected)
+
+
+def _mark_pieces(mesh: ClothMesh, patches: list[tuple[int, Integers]], levels: Integers, connected: Integers) -> None:
+    """Mark nodes whose triangles are not one piece, a level at a time."""
+    count = len(mesh.triangles)
+    face, side = np.nonzero(mesh.sides != NONE)
+    order = np.argsort(mesh.sides[face, side], kind="stable")
+    pairs = face[order].reshape(-1, 2)
+    for level in range(int(levels.max()) + 1):
+        own = [patches[k] for k in np.flatnonzero(levels == level)]
+        of = np.full(count, -1)
+        for node, faces in own:
+            of[faces] = node
+        inside = pairs[(of[pairs[:, 0]] == of[pairs[:, 1]]) & (of[pairs[:, 0]] >= 0)]
+        graph = csr_array((np.ones(len(inside)), (inside[:, 0], inside[:, 1])), shape=(count, count))
+        pieces = connected_components(graph, directed=False)[1]
+        for node, faces in own:
+            connected[node] = int((pieces[faces] == pieces[faces[0]]).all())
+
+
+def owned(triangles: Integers) -> Integers:
+    """Return which of their corners and sides triangles have that none before has, as in the column `OWNED`."""
+    corners, count = triangles.ravel(), len(triangles)
+    sets = np.zeros(3 * count, dtype=np.int64)
+    sets[np.unique(corners, return_index=True)[1]] = 1
+    ends = np.sort(np.stack((triangles, np.roll(triangles, -1, axis=1)), axis=2).reshape(-1, 2), axis=1)
+    sides = np.zeros(3 * count, dtype=np.int64)
+    sides[np.unique(ends, axis=0, return_index=True)[1]] = 1
+    bits = np.array([1, 2, 4])
+    total: Integers = sets.reshape(-1, 3) @ bits + 8 * (sides.reshape(-1, 3) @ bits)
+    return total

@@ -1,0 +1,149 @@
+"""Impulses between the particles of cloths that touch each other."""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Vector, cross, dot, length, minus, times
+from kickdrift.world.cloth.layout import (
+    IS_TANGLED,
+    PAIR_APART,
+    PAIR_DISTANCE,
+    PAIR_FRICTION,
+    PAIR_KIND,
+    PAIR_PARTICLES,
+    PAIR_SEEN,
+    PARTICLE_INVERSE_MASS,
+    PARTICLE_VELOCITY,
+    TRAVELLED,
+)
+from kickdrift.world.cloth.proximity import EDGE_EDGE, Corners, Weights, mixed, nearest
+from kickdrift.world.cloth.swept import travels
+from kickdrift.world.cloth.tangles import CROSSING, untangle
+from kickdrift.world.columns import vector_at
+from kickdrift.world.tables import (
+    CLOTH_PAIR,
+    CLOTH_PAIR_NUMBERS,
+    CLOTH_SEARCH,
+    PARTICLE,
+    PARTICLE_SHIFT,
+    ZONE,
+    Table,
+    floats,
+    integers,
+    rows,
+)
+
+_ABOVE = 0.99**2  # square of the cosine of the angle at which a vertex is above a triangle
+_SOFT = 0.25  # of what is too close is moved apart in a part
+
+
+@compiled
+def resolve_pairs(world: int, part: float, push: float) -> None:
+    """Stop what of cloths approaches each other from getting closer than is kept in a part of a substep, s.
+
+    What is closer already is moved apart, with the speed `push` at most, m/s, and gets no velocity from it.
+    """
+    if rows(world, CLOTH_PAIR) == 0:
+        return
+    pair, numbers = integers(world, CLOTH_PAIR), floats(world, CLOTH_PAIR_NUMBERS)
+    travelled, ahead = floats(world, CLOTH_SEARCH)[0, TRAVELLED], travels(world, part)
+    for row in range(rows(world, CLOTH_PAIR)):
+        if pair[row, PAIR_KIND] == CROSSING:
+            untangle(world, row, part * push)
+            continue
+        least = numbers[row, PAIR_APART] - (travelled - numbers[row, PAIR_SEEN])
+        if least < numbers[row, PAIR_DISTANCE] + ahead and not is_free(world, row):
+            numbers[row, PAIR_APART] = _resolve(world, row, part, push)
+            numbers[row, PAIR_SEEN] = travelled
+
+
+@compiled(inline=True)
+def particles_of(world: int, row: int) -> Corners:
+    """Return the particles of a pair."""
+    pair = integers(world, CLOTH_PAIR)
+    return (
+        pair[row, PAIR_PARTICLES],
+        pair[row, PAIR_PARTICLES + 1],
+        pair[row, PAIR_PARTICLES + 2],
+        pair[row, PAIR_PARTICLES + 3],
+    )
+
+
+@compiled(inline=True)
+def is_free(world: int, row: int) -> bool:
+    """Whether a particle of a pair is tangled, so that it is let through."""
+    zone, (p, a, b, c) = integers(world, ZONE), particles_of(world, row)
+    tangled: bool = zone[p, IS_TANGLED] + zone[a, IS_TANGLED] + zone[b, IS_TANGLED] + zone[c, IS_TANGLED] > 0
+    return tangled
+
+
+@compiled
+def _resolve(world: int, row: int, part: float, push: float) -> float:
+    """Resolve a pair, and return how far apart it is."""
+    particle, numbers = floats(world, PARTICLE), floats(world, CLOTH_PAIR_NUMBERS)
+    at = particles_of(world, row)
+    p, a, b, c = at
+    weights, way = nearest(
+        integers(world, CLOTH_PAIR)[row, PAIR_KIND],
+        vector_at(particle, p, 0),
+        vector_at(particle, a, 0),
+        vector_at(particle, b, 0),
+        vector_at(particle, c, 0),
+    )
+    apart = length(way)
+    v = mixed(weights, particle, at, PARTICLE_VELOCITY)
+    gap = apart - numbers[row, PAIR_DISTANCE]
+    if not apart > 0.0 or _is_beside(world, row, weights, way) or (gap > 0.0 and gap * gap > part * part * dot(v, v)):
+        return apart
+    gives, n = mobility(world, at, weights), times(1.0 / apart, way)
+    if not gives > 0.0:
+        return apart
+    shift = floats(world, PARTICLE_SHIFT)
+    gap += dot(n, mixed(weights, shift, at, 0))
+    if gap < 0.0:
+        out = min(-_SOFT * gap, part * push)
+        add(world, PARTICLE_SHIFT, 0, at, weights, times(out / gives, n))
+    approach, wanted = dot(n, v), -max(gap, 0.0) / part
+    if approach >= wanted:
+        return apart
+    given = (wanted - approach) / gives
+    impulse = times(given, n)
+    slip = minus(v, times(approach, n))
+    speed = length(slip)
+    if speed > 0.0:
+        impulse = minus(impulse, times(min(numbers[row, PAIR_FRICTION] * given, speed / gives) / speed, slip))
+    add(world, PARTICLE, PARTICLE_VELOCITY, at, weights, impulse)
+    return apart
+
+
+@compiled
+def _is_beside(world: int, row: int, weights: Weights, way: Vector) -> bool:
+    """Whether a pair is nearest at the end of an edge, or beside a triangle and not above it.
+
+    A vertex and another triangle, or other edges, are as near there. Without it sheets that slide stumble over edges.
+    """
+    if weights[0] != 0.0 and weights[1] != 0.0 and weights[2] != 0.0 and weights[3] != 0.0:
+        return False
+    if integers(world, CLOTH_PAIR)[row, PAIR_KIND] == EDGE_EDGE:
+        return True
+    particle, (_, a, b, c) = floats(world, PARTICLE), particles_of(world, row)
+    origin = vector_at(particle, a, 0)
+    n = cross(minus(vector_at(particle, b, 0), origin), minus(vector_at(particle, c, 0), origin))
+    return dot(n, way) ** 2 < _ABOVE * dot(n, n) * dot(way, way)
+
+
+@compiled(inline=True)
+def mobility(world: int, at: Corners, weights: Weights) -> float:
+    """Return the velocity of the points of a pair against each other for an impulse between them, 1/kg."""
+    particle, total = floats(world, PARTICLE), 0.0
+    for k in range(4):
+        total += weights[k] * weights[k] * particle[at[k], PARTICLE_INVERSE_MASS]
+    return total
+
+
+@compiled(inline=True)
+def add(world: int, table: Table, first: int, at: Corners, weights: Weights, impulse: Vector) -> None:
+    """Add what an impulse between the points of a pair does to columns of particles."""
+    particle, values = floats(world, PARTICLE), floats(world, table)
+    for k in range(4):
+        share = weights[k] * particle[at[k], PARTICLE_INVERSE_MASS]
+        for axis in range(3):
+            values[at[k], first + axis] += share * impulse[axis]

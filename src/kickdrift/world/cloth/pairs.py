@@ -1,0 +1,238 @@
+"""Which vertices and triangles, and which edges, of cloths may touch.
+
+Pairs are found where the boxes of triangles overlap, each pair with the one triangle that owns the vertex or the edge. They
+serve for as long as no particle has left its box, at most to the end of the step: the bits of the next step are those after a
+snapshot.
+"""
+
+import math
+from typing import Any
+
+from numba import carray
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.memory import floats_on_stack
+from kickdrift.core.vectors import length
+from kickdrift.world.cloth.layout import (
+    CLOTH_FRICTION,
+    CLOTH_RADIUS,
+    CORNERS,
+    CROSSINGS,
+    FIRST_NODE,
+    IS_CONNECTED,
+    IS_TANGLED,
+    LAST_NODE,
+    MEETS_ITSELF,
+    OWNED,
+    PAIR_APART,
+    PAIR_DISTANCE,
+    PAIR_FRICTION,
+    PAIR_KIND,
+    PAIR_PARTICLES,
+    PAIR_SEEN,
+    REACH,
+    SEARCH_AGE,
+    SEARCH_VALID,
+    SKIN,
+)
+from kickdrift.world.cloth.proximity import EDGE_EDGE, VERTEX_FACE, Corners, nearest
+from kickdrift.world.cloth.swept import is_flat, set_frame, stays, sweep
+from kickdrift.world.cloth.tangles import note_crossing
+from kickdrift.world.collision.bvh import BRANCH, ITEM, SKIP
+from kickdrift.world.columns import vector_at
+from kickdrift.world.step_status import ask_for_room
+from kickdrift.world.tables import (
+    CLOTH,
+    CLOTH_NUMBERS,
+    CLOTH_PAIR,
+    CLOTH_PAIR_NUMBERS,
+    CLOTH_SEARCH,
+    CLOTH_TREE,
+    CLOTH_TREE_NODE,
+    FACE,
+    FACE_BOUNDS,
+    FACE_NORMALS,
+    NORMAL_TREE,
+    PARTICLE,
+    PARTICLE_BOUNDS,
+    PARTICLE_REST,
+    ZONE,
+    floats,
+    integers,
+    room,
+    rows,
+    set_rows,
+)
+
+_STACK = 512  # pairs of nodes: three for each level of two trees
+_NUMBERS = 2 * _STACK
+_CLOSE = 0.5  # of the distance at rest, that is kept between what is closer than the thickness by itself
+
+
+@compiled
+def find_pairs(world: int, h: float, part: float) -> bool:
+    """Find the pairs that may touch in a part of a substep, s; False where there is no room for them.
+
+    Those that are known serve for as long as particles stay in their boxes, at most for the time h, s.
+    """
+    search = floats(world, CLOTH_SEARCH)
+    if not meets(world) or (search[0, SEARCH_VALID] != 0.0 and stays(world, part)):
+        return True
+    sweep(world, _horizon(world, h, part, set_frame(world)))
+    set_rows(world, CLOTH_PAIR, 0)
+    search[0, CROSSINGS] = 0.0
+    zone, own = integers(world, ZONE), integers(world, CLOTH)
+    for i in range(rows(world, PARTICLE)):
+        zone[i, IS_TANGLED] = 0
+    for a in range(rows(world, CLOTH)):
+        for b in range(a, rows(world, CLOTH)):
+            if (a != b or own[a, MEETS_ITSELF] != 0) and not _walk(world, a, b):
+                return False
+    search[0, SEARCH_VALID], search[0, SEARCH_AGE] = 1.0, 0.0
+    return True
+
+
+@compiled
+def meets(world: int) -> bool:
+    """Whether there are several cloths, or one that collides with itself."""
+    count: int = rows(world, CLOTH)
+    return count > 1 or (count == 1 and integers(world, CLOTH)[0, MEETS_ITSELF] != 0)
+
+
+@compiled
+def _horizon(world: int, h: float, part: float, speed: float) -> float:
+    """Return for what time pairs are sought, s: long where little moves, as the fast ones of a boxful meet many."""
+    numbers, skin = floats(world, CLOTH_NUMBERS), math.inf
+    for cloth in range(rows(world, CLOTH)):
+        skin = min(skin, numbers[cloth, SKIN])
+    return max(min(h, skin / max(speed, 1e-12)), part)
+
+
+@compiled
+def _walk(world: int, a: int, b: int) -> bool:
+    """Find the pairs of two cloths, or of one with itself, by both trees at once; False where there is no room."""
+    own = integers(world, CLOTH)
+    tree, connected = floats(world, CLOTH_TREE), integers(world, CLOTH_TREE_NODE)
+    one, other = tree[own[a, FIRST_NODE] : own[a, LAST_NODE]], tree[own[b, FIRST_NODE] : own[b, LAST_NODE]]
+    normals, begin = floats(world, NORMAL_TREE), own[a, FIRST_NODE]
+    stack = carray(floats_on_stack(_NUMBERS), (_STACK, 2))
+    stack[0, 0] = stack[0, 1] = 0.0
+    top, fits = 1, True
+    while top > 0 and fits:
+        top -= 1
+        m, n = int(stack[top, 0]), int(stack[top, 1])
+        same = a == b and m == n
+        at = begin + m
+        if same and connected[at, IS_CONNECTED] != 0 and is_flat(normals, at, at):
+            continue
+        if not (same or _overlap(one, m, other, n)):
+            continue
+        left, right = one[m, ITEM] == BRANCH, other[n, ITEM] == BRANCH
+        if not left and not right:
+            fits = _compare(world, a, b, one, m, other, n)
+            continue
+        for i in range(2 if left else 1):
+            for j in range(2 if right else 1):
+                k = m if not left else m + 1 if i == 1 else int(one[m + 1, SKIP])
+                o = n if not right else n + 1 if j == 1 else int(other[n + 1, SKIP])
+                if not same or k <= o:
+                    stack[top, 0], stack[top, 1] = k, o
+                    top += 1
+    return fits
+
+
+@compiled
+def _compare(world: int, a: int, b: int, one: Any, m: int, other: Any, n: int) -> bool:
+    """Find the pairs of two twigs; False where there is no room."""
+    fits, same = True, a == b and m == n
+    for i in range(m + 1, int(one[m, SKIP])):
+        for j in range(i + 1 if same else n + 1, int(other[n, SKIP])):
+            if _overlap(one, i, other, j):
+                fits = fits and _pair_faces(world, a, b, int(one[i, ITEM]), int(other[j, ITEM]))
+    return fits
+
+
+@compiled(inline=True)
+def _overlap(a: Any, m: int, b: Any, n: int) -> bool:
+    apart = (a[m, 0] > b[n, 3]) | (a[m, 1] > b[n, 4]) | (a[m, 2] > b[n, 5])
+    return not (apart | (a[m, 3] < b[n, 0]) | (a[m, 4] < b[n, 1]) | (a[m, 5] < b[n, 2]))
+
+
+@compiled
+def _pair_faces(world: int, cloth: int, other: int, f: int, g: int) -> bool:
+    """Find the pairs of two triangles; False where there is no room for them.
+
+    Neighbours that lie flat do not touch.
+    """
+    face = integers(world, FACE)
+    shared = 0
+    for i in range(3):
+        for j in range(3):
+            shared += int(face[f, CORNERS + i] == face[g, CORNERS + j])
+    if shared > 0 and is_flat(floats(world, FACE_NORMALS), f, g):
+        return True
+    fits, bounds = shared == 2 or note_crossing(world, f, g), floats(world, PARTICLE_BOUNDS)
+    for i in range(3):
+        if face[f, OWNED] >> i & 1 and _overlap(bounds, face[f, CORNERS + i], floats(world, FACE_BOUNDS), g):
+            fits = fits and _add(world, cloth, other, VERTEX_FACE, _vertex_and(world, f, i, g))
+        if face[g, OWNED] >> i & 1 and _overlap(bounds, face[g, CORNERS + i], floats(world, FACE_BOUNDS), f):
+            fits = fits and _add(world, other, cloth, VERTEX_FACE, _vertex_and(world, g, i, f))
+        for j in range(3):
+            if face[f, OWNED] >> (3 + i) & 1 and face[g, OWNED] >> (3 + j) & 1:
+                fits = fits and _add(world, cloth, other, EDGE_EDGE, _edges(world, f, i, g, j))
+    return fits
+
+
+@compiled(inline=True)
+def _vertex_and(world: int, f: int, i: int, g: int) -> Corners:
+    face = integers(world, FACE)
+    return (face[f, CORNERS + i], face[g, CORNERS], face[g, CORNERS + 1], face[g, CORNERS + 2])
+
+
+@compiled(inline=True)
+def _edges(world: int, f: int, i: int, g: int, j: int) -> Corners:
+    face = integers(world, FACE)
+    return (face[f, CORNERS + i], face[f, CORNERS + (i + 1) % 3], face[g, CORNERS + j], face[g, CORNERS + (j + 1) % 3])
+
+
+@compiled
+def _add(world: int, cloth: int, other: int, kind: int, at: Corners) -> bool:
+    """Add a pair, unless it has a particle twice or stays farther apart than is kept; False where there is no room."""
+    p, a, b, c = at
+    if p in (b, c) or (p == a if kind == VERTEX_FACE else a in (b, c)):
+        return True
+    bounds, particle, numbers = floats(world, PARTICLE_BOUNDS), floats(world, PARTICLE), floats(world, CLOTH_NUMBERS)
+    if kind == VERTEX_FACE:
+        reach = bounds[p, REACH] + max(bounds[a, REACH], bounds[b, REACH], bounds[c, REACH])
+    else:
+        reach = max(bounds[p, REACH], bounds[a, REACH]) + max(bounds[b, REACH], bounds[c, REACH])
+    kept = numbers[cloth, CLOTH_RADIUS] + numbers[other, CLOTH_RADIUS]
+    apart = _distance(particle, kind, at)
+    if apart > kept + reach:
+        return True
+    if cloth == other:
+        kept = min(kept, _CLOSE * _distance(floats(world, PARTICLE_REST), kind, at))
+    row = rows(world, CLOTH_PAIR)
+    if row >= min(room(world, CLOTH_PAIR), room(world, CLOTH_PAIR_NUMBERS)):
+        ask_for_room(world, CLOTH_PAIR, 2 * row + 1024)
+        return False
+    set_rows(world, CLOTH_PAIR, row + 1)
+    pair, own = integers(world, CLOTH_PAIR), floats(world, CLOTH_PAIR_NUMBERS)
+    for k in range(4):
+        pair[row, PAIR_PARTICLES + k] = at[k]
+    pair[row, PAIR_KIND], own[row, PAIR_DISTANCE] = kind, kept
+    own[row, PAIR_APART], own[row, PAIR_SEEN] = apart, 0.0
+    own[row, PAIR_FRICTION] = math.sqrt(numbers[cloth, CLOTH_FRICTION] * numbers[other, CLOTH_FRICTION])
+    return True
+
+
+@compiled(inline=True)
+def _distance(table: Any, kind: int, at: Corners) -> float:
+    p, a, b, c = (
+        vector_at(table, at[0], 0),
+        vector_at(table, at[1], 0),
+        vector_at(table, at[2], 0),
+        vector_at(table, at[3], 0),
+    )
+    _, apart = nearest(kind, p, a, b, c)
+    return length(apart)

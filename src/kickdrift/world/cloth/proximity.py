@@ -1,0 +1,81 @@
+"""How far a vertex is from a triangle, and an edge from another one.
+
+Of both the distance is a vector from the second to the first, a sum over the four particles with weights that add up to zero:
+1 and minus the barycentric coordinates of the nearest point, or those of two points of edges.
+"""
+
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Vector, cross, dot, minus, plus, times
+from kickdrift.world.columns import vector_at
+from kickdrift.world.shapes.closest import segments
+
+VERTEX_FACE, EDGE_EDGE = 0, 1
+
+Weights = tuple[float, float, float, float]
+Corners = tuple[int, int, int, int]
+
+
+@compiled
+def nearest(kind: int, p: Vector, a: Vector, b: Vector, c: Vector) -> tuple[Weights, Vector]:
+    """Return weights and the distance as a vector: of a vertex p from a triangle a b c, or of the edges p a and b c."""
+    if kind == VERTEX_FACE:
+        u, v, w = barycentric(p, a, b, c)
+        weights = (1.0, -u, -v, -w)
+    else:
+        middle = times(0.5, minus(plus(b, c), plus(p, a)))
+        s, t = segments(middle, times(0.5, minus(a, p)), times(0.5, minus(c, b)))
+        weights = (0.5 - 0.5 * s, 0.5 + 0.5 * s, 0.5 * t - 0.5, -0.5 - 0.5 * t)
+    return weights, mix(weights, p, a, b, c)
+
+
+@compiled(inline=True)
+def mix(weights: Weights, p: Vector, a: Vector, b: Vector, c: Vector) -> Vector:
+    """Return a sum of vectors with weights."""
+    return plus(plus(times(weights[0], p), times(weights[1], a)), plus(times(weights[2], b), times(weights[3], c)))
+
+
+@compiled(inline=True)
+def mixed(weights: Weights, table: Any, at: Corners, first: int) -> Vector:
+    """Return a sum of vectors of rows of a table with weights."""
+    return mix(
+        weights,
+        vector_at(table, at[0], first),
+        vector_at(table, at[1], first),
+        vector_at(table, at[2], first),
+        vector_at(table, at[3], first),
+    )
+
+
+@compiled
+def barycentric(p: Vector, a: Vector, b: Vector, c: Vector) -> Vector:
+    """Return the barycentric coordinates of the point of a triangle that is nearest to p (Ericson 2005, section 5.1.5)."""
+    ab, ac, ap = minus(b, a), minus(c, a), minus(p, a)
+    d1, d2 = dot(ab, ap), dot(ac, ap)
+    if d1 <= 0.0 and d2 <= 0.0:
+        return (1.0, 0.0, 0.0)
+    bp = minus(p, b)
+    d3, d4 = dot(ab, bp), dot(ac, bp)
+    if d3 >= 0.0 and d4 <= d3:
+        return (0.0, 1.0, 0.0)
+    n = cross(ab, ac)
+    over_c = dot(n, cross(ab, ap))
+    if over_c <= 0.0 and d1 >= 0.0 and d3 <= 0.0:
+        v = d1 / (d1 - d3)
+        return (1.0 - v, v, 0.0)
+    cp = minus(p, c)
+    d5, d6 = dot(ab, cp), dot(ac, cp)
+    if d6 >= 0.0 and d5 <= d6:
+        return (0.0, 0.0, 1.0)
+    over_b = -dot(n, cross(ac, ap))
+    if over_b <= 0.0 and d2 >= 0.0 and d6 <= 0.0:
+        w = d2 / (d2 - d6)
+        return (1.0 - w, 0.0, w)
+    over_a = dot(n, cross(minus(c, b), bp))
+    if over_a <= 0.0 and d4 - d3 >= 0.0 and d5 - d6 >= 0.0:
+        w = (d4 - d3) / ((d4 - d3) + (d5 - d6))
+        return (0.0, 1.0 - w, w)
+    scale = 1.0 / (over_a + over_b + over_c)
+    v, w = over_b * scale, over_c * scale
+    return (1.0 - v - w, v, w)

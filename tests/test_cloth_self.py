@@ -1,0 +1,179 @@
+"""Cloths that touch themselves and each other: nothing passes through, and nothing is thrown about."""
+
+import copy
+
+import numpy as np
+import pytest
+
+import kickdrift as kd
+from kickdrift.world.cloth.proximity import EDGE_EDGE, VERTEX_FACE, nearest
+
+STEP = 1 / 60
+UPRIGHT = (np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0)  # warp hangs down
+
+
+def crossings(*cloths):
+    """How many pairs of an edge and a triangle cross, by brute force: of one cloth, or of several those of different ones."""
+    begins = np.cumsum([0, *(len(cloth.position) for cloth in cloths)])
+    x = np.concatenate([cloth.position for cloth in cloths])
+    faces = np.concatenate([cloth.triangles + begin for cloth, begin in zip(cloths, begins, strict=False)])
+    edges = np.unique(np.sort(np.concatenate((faces[:, :2], faces[:, 1:], faces[:, ::2])), axis=1), axis=0)
+    a, b, c = (x[faces[:, k]] for k in range(3))
+    normals, count = np.cross(b - a, c - a), 0
+    for i, j in edges:
+        p, way = x[i], x[j] - x[i]
+        start, end = ((p - a) * normals).sum(axis=1), ((x[j] - a) * normals).sum(axis=1)
+        u, v, w = a - p, b - p, c - p
+        sides = np.stack([np.cross(v, w) @ way, np.cross(w, u) @ way, np.cross(u, v) @ way])
+        inside = (sides > 0).all(axis=0) | (sides < 0).all(axis=0)
+        apart = ~((faces == i) | (faces == j)).any(axis=1)
+        if len(cloths) > 1:
+            apart = np.searchsorted(begins, faces[:, 0], side="right") != np.searchsorted(begins, i, side="right")
+        count += int((inside & apart & (start * end < 0.0)).sum())
+    return count
+
+
+def has_crossings(cloth):
+    """What the IPC toolkit says of a cloth."""
+    ipctk = pytest.importorskip("ipctk", reason="the IPC toolkit is not installed")
+    faces = cloth.triangles.astype(np.int32)
+    x = np.asfortranarray(cloth.position)
+    return ipctk.has_intersections(ipctk.CollisionMesh(x, ipctk.edges(faces), faces), x)
+
+
+def heap(self_collision):
+    """A strip that stands on its end, and falls into a heap."""
+    world = kd.World()
+    world.add_plane()
+    strip = world.add_cloth_grid(
+        (0.6, 0.25), (21, 9), position=(0, 0, 0.32), orientation=UPRIGHT, bending_stiffness=1e-6, damping=1e-3,
+        linear_damping=0.5, stretch_stiffness=60.0, shear_stiffness=10.0, thickness=0.008, self_collision=self_collision,
+    )  # fmt: skip
+    strip.velocity[:, 0] = 0.1 * np.sin(15.0 * strip.position[:, 2])
+    return world, strip
+
+
+def test_a_heap_of_cloth_does_not_cross_itself_and_comes_to_rest():
+    world, strip = heap(True)
+    fastest = 0.0
+    for _ in range(20):
+        world.advance(STEP, 6)
+        assert crossings(strip) == 0
+        fastest = max(fastest, np.abs(strip.velocity).max())
+    assert strip.position[:, 2].max() < 0.15
+    assert np.sqrt((strip.velocity**2).sum(axis=1).mean()) < 0.02 * fastest
+
+
+def test_a_heap_that_does_not_collide_with_itself_crosses():
+    world, strip = heap(False)
+    world.advance(STEP, 120)
+    assert crossings(strip) > 10
+
+
+@pytest.mark.parametrize("self_collision", [True, False])
+def test_the_toolkit_sees_the_crossings_too(self_collision):
+    world, strip = heap(self_collision)
+    world.advance(STEP, 60)
+    assert has_crossings(strip) != self_collision
+
+
+@pytest.mark.parametrize("speed", [1.0, 10.0, 50.0])
+def test_sheets_that_fly_into_each_other_keep_momentum_and_do_not_cross(speed):
+    world = kd.World(gravity=(0, 0, 0))
+    below = world.add_cloth_grid((0.5, 0.5), (11, 11), density=0.3)
+    above = world.add_cloth_grid((0.4, 0.4), (8, 8), position=(0.03, 0.02, 0.1), orientation=(0.98, 0.15, 0.1, 0.05))
+    above.velocity[:, 2] = -speed
+    momentum, spin, energy = world.momentum(), world.angular_momentum(), world.energy().total
+    for _ in range(12):
+        world.step(STEP)
+        assert crossings(below, above) == 0
+    assert world.momentum() == pytest.approx(momentum, abs=1e-11)
+    assert world.angular_momentum() == pytest.approx(spin, abs=1e-2 * np.abs(momentum).max() * 0.5)
+    assert world.energy().total <= energy * (1 + 1e-3)
+    assert below.velocity[:, 2].mean() < -0.1 * speed
+
+
+def test_a_sheet_lies_on_another_one_a_thickness_above_it():
+    world = kd.World()
+    world.add_plane()
+    below = world.add_cloth_grid((0.5, 0.5), (8, 8), position=(0, 0, 0.003), thickness=0.006, linear_damping=2.0)
+    above = world.add_cloth_grid((0.4, 0.4), (9, 9), position=(0, 0, 0.02), thickness=0.01, linear_damping=2.0)
+    world.advance(STEP, 90)
+    assert below.position[:, 2] == pytest.approx(0.003, abs=3e-4)
+    assert above.position[:, 2] == pytest.approx(0.003 + 0.008, abs=5e-4)
+
+
+@pytest.mark.parametrize(("friction", "slides"), [(0.0, True), (0.5, False)])
+def test_friction_stops_a_sheet_on_another_one(friction, slides):
+    world = kd.World()
+    below = world.add_cloth_grid((1.0, 0.6), (12, 8), friction=friction)
+    below.pin(np.arange(96))
+    above = world.add_cloth_grid((0.3, 0.3), (6, 6), position=(-0.3, 0, 0.0051), friction=friction)
+    above.velocity[:, 0] = 1.0
+    world.advance(STEP, 20)
+    wanted = 1.0 if slides else 0.0  # after 0.2 s of 0.5 g
+    assert above.velocity[:, 0].mean() == pytest.approx(wanted, abs=0.05)
+
+
+def test_sheets_that_cross_from_the_start_gain_no_energy():
+    world = kd.World(gravity=(0, 0, 0))
+    first = world.add_cloth_grid((0.6, 0.6), (13, 13), damping=1e-3, linear_damping=1.0)
+    second = world.add_cloth_grid(
+        (0.5, 0.5), (11, 11), position=(0.013, 0.017, 0.01), orientation=UPRIGHT, damping=1e-3, linear_damping=1.0
+    )
+    assert crossings(first, second) > 0
+    energies = []
+    for _ in range(12):
+        world.advance(STEP, 10)
+        energies.append(world.energy().total)
+    assert max(energies) < 1e-3  # of a joule that 10 m/s would be
+    assert np.abs(first.velocity).max() < 0.5
+    assert np.abs(second.velocity).max() < 0.5
+
+
+def test_a_corner_that_sticks_through_comes_out():
+    world = kd.World(gravity=(0, 0, 0))
+    sheet = world.add_cloth_grid((0.6, 0.6), (13, 13), damping=1e-3)
+    flap = world.add_cloth([[0.0, 0.02, -0.01], [0.3, 0.1, 0.3], [-0.3, 0.12, 0.3]], [[0, 1, 2]])
+    before = crossings(sheet, flap)
+    world.advance(STEP, 120)
+    assert before > 0
+    assert crossings(sheet, flap) == 0
+
+
+def test_snapshots_and_copies_of_a_heap_go_on_with_the_same_bits(tmp_path):
+    world, strip = heap(True)
+    world.advance(STEP, 50)
+    snapshot, other, path = world.snapshot(), copy.copy(world), world.save(tmp_path / "heap.npz")
+    world.advance(STEP, 8)
+    end = strip.position.copy()
+    world.restore(snapshot)
+    for again in (world, other, kd.load_world(path)):
+        again.advance(STEP, 4)
+        again.advance(STEP, 4)
+        assert np.array_equal(again.cloths.handle(0).position, end)
+
+
+def test_the_distance_of_pairs_is_the_least_of_many():
+    rng = np.random.default_rng(7)
+    grid = np.linspace(0.0, 1.0, 60)
+    u, v = (part.ravel() for part in np.meshgrid(grid, grid))
+    for _ in range(50):
+        p, a, b, c = points = rng.normal(size=(4, 3))
+        for kind in (VERTEX_FACE, EDGE_EDGE):
+            if kind == VERTEX_FACE:
+                inside = u + v <= 1.0
+                one, other = p, a + np.outer(u, b - a)[inside] + np.outer(v, c - a)[inside]
+            else:
+                one, other = p + np.outer(u, a - p), b + np.outer(v, c - b)
+            weights, way = nearest(kind, *map(tuple, points))
+            least = np.linalg.norm(one - other, axis=1).min()
+            assert np.array(weights) @ points == pytest.approx(way)
+            assert sum(weights) == pytest.approx(0.0, abs=1e-12)
+            assert np.linalg.norm(way) <= least + 1e-12
+            assert np.linalg.norm(way) > least - 0.1
+
+
+def test_self_collision_is_on_or_off():
+    with pytest.raises(kd.KickdriftError, match="self_collision"):
+        kd.World().add_cloth_grid(self_collision="yes")
