@@ -146,6 +146,15 @@ class KeepsHistory:
             If there is nothing to be seen.
         MissingExtraError
             If viser is not installed.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.1, mass=1.0)
+        >>> with world.view(1 / 60, port=0) as page:
+        ...     page.url.startswith("http://127.0.0.1:")
+        True
         """
         return cast("LivePage", Recording.presenters.view(self._world, step, port=port))
 
