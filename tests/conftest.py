@@ -5,7 +5,11 @@ a terminal, also where the tests were started with it ignored, as by ``nohup`` a
 """
 
 import gc
+import os
 import signal
+
+# Before NumPy is imported: each core has its worker of pytest, beside which threads of OpenBLAS only wait for each other.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import pytest
 from hypothesis import settings

@@ -134,8 +134,8 @@ def test_an_empty_cache_is_announced(folder, monkeypatch):
 
 
 def test_the_report_says_why_a_method_was_taken(folder):
-    assert "taken because" in call("run", "kepler", "--duration", 1, "--method", "auto").stdout
-    assert "taken because" not in call("run", "kepler", "--duration", 1, "--method", "kick-drift").stdout
+    assert "chosen because" in call("run", "kepler", "--duration", 1, "--method", "auto").stdout
+    assert "chosen because" not in call("run", "kepler", "--duration", 1, "--method", "kick-drift").stdout
 
 
 @pytest.mark.parametrize("name", ["harmonic-oscillator", "pendulum", "kepler", "benchmarks-game"])

@@ -24,6 +24,7 @@ from kickdrift.world.compiling import _jobs, all_jobs
 from kickdrift.world.contacts.contact_solver_simd import KERNELS
 from kickdrift.world.direct.restitution import bounce_islands
 from kickdrift.world.direct.solve import relax_islands, solve_islands
+from kickdrift.world.shapes.catalogue import RAYS
 from kickdrift.world.step import STAGE
 
 INNER = """
@@ -282,6 +283,7 @@ def test_what_compiles_ahead_is_all_that_the_scenes_need():
         needed = _jobs(world.word, world.shape_rows.kinds, world.shape_rows.pairs())
         assert {function.__name__ for function, _ in needed if id(function) not in ahead} == set()
     assert len(ahead) > len(needed)
+    assert {id(ray) for ray in RAYS.values()} <= ahead
 
 
 @compiled(cached=False)

@@ -116,7 +116,7 @@ def test_a_file_that_swells_is_not_read(read, tmp_path, monkeypatch):
     np.savez_compressed(path, x=np.zeros(1 << 20))
     with zipfile.ZipFile(path) as members:
         assert sum(member.file_size for member in members.infolist()) > 100 * path.stat().st_size
-    with pytest.raises(FileFormatError, match="more than 100 times what it takes on disk"):
+    with pytest.raises(FileFormatError, match="more than 100 times its size on disk"):
         read(path)
 
 

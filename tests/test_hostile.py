@@ -5,12 +5,12 @@ from hostile import tried
 
 SHORT = {
     "fuzz_checkpoints": 40,
-    "fuzz_world_files": 30,
+    "fuzz_world_files": 15,
     "fuzz_interruptions": 51,
     "fuzz_arguments": 600,
     "fuzz_cache": 2,
     "fuzz_operations": 20,
-    "fuzz_kills": 4,
+    "fuzz_kills": 2,
 }
 
 

@@ -7,10 +7,12 @@ import pytest
 
 from kickdrift.core.compilation import compiled
 
+WORLD = "kickdrift.world.written_so"
 
-def as_part(function):
-    """Have compiled code call a function, and the interpreter that code."""
-    function.__module__ = "kickdrift.world.written_so"  # as functions of worlds alone are
+
+def as_part(function, module=WORLD):
+    """Have compiled code call a function, and the interpreter that code; of worlds alone it is written in words of our own."""
+    function.__module__ = module
     part = compiled(cached=False)(function)
 
     def call(a, b):
@@ -92,10 +94,17 @@ def left_early(a, b):
 
 
 @pytest.mark.parametrize(
-    "function", [up_and_down, from_the_end, replaced, walked, swapped, least_and_most, comprehended, left_early]
+    ("function", "module"),
+    [
+        *(
+            (f, WORLD)
+            for f in (up_and_down, from_the_end, replaced, walked, swapped, least_and_most, comprehended, left_early)
+        ),
+        *((f, "kickdrift.engine.flows.written_so") for f in (from_the_end, replaced, walked)),
+    ],
 )
-def test_parts_do_what_python_does(function):
-    part = as_part(function)
+def test_parts_do_what_python_does(function, module):
+    part = as_part(function, module)
     for a, b in ((np.array([1.5, -2.0, 3.0, 0.25]), 2.0), (np.array([0.5, 4.0, -1.0, 8.0]), 1.0)):
         want_of, got_of = a.copy(), a.copy()
         want = function(want_of, b)

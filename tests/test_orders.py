@@ -210,7 +210,7 @@ def test_a_weight_cut_to_three_digits_is_caught(name):
     half = [outer / 2, outer, (1 - outer) / 2]
     word = alternating(D, [*half, 1 - 2 * outer, *reversed(half)])
     assert not has(4, measured(name, replace(CATALOGUE["forest-ruth-4"], word=word, order=2)))
-    with pytest.raises(ArgumentError, match="its word has order 2"):
+    with pytest.raises(ArgumentError, match="its word has only order 2"):
         replace(CATALOGUE["forest-ruth-4"], word=word)
 
 

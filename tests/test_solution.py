@@ -178,7 +178,7 @@ def test_the_report_says_what_was_asked_for(planets):
         "semi-implicit-euler, order 1",
         "K D",
         "100",
-        "ns a step",
+        "ns per step",
         "energy error",
         "energy drift",
     ):

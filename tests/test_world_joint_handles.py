@@ -315,7 +315,7 @@ def test_one_sided_limits_and_axes_of_no_joint():
     slider = world.add_slider(world.ground, box, anchor=(0, 0, 0), axis=(1, 0, 0), limits=(-INF, 2.0))
     assert slider.limits() == (-INF, 2.0)
     assert slider.limits(4) is None
-    with pytest.raises(ArgumentError, match=r"axis=6 has to be 0-2"):
+    with pytest.raises(ArgumentError, match=r"axis=6 must be 0-2"):
         slider.drive(6)
     world.remove_joint(slider)
     with pytest.raises(ArgumentError, match="was removed"):

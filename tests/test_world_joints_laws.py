@@ -262,3 +262,47 @@ def test_swing_and_twist_stay_within_their_limits():
     assert 0.55 < swing.max() < 0.6 + 2e-3
     assert -0.3 - 2e-3 < twist.min() < -0.25
     assert twist.max() < 0.5 + 2e-3
+
+
+def rod_on_hinge(offset, **options):
+    world = World(gravity=(0, 0, 0), **options)
+    rod = world.add_box((0.4, 0.08, 0.08), position=(offset, 0, 1), mass=1.0)
+    return world, world.add_hinge(world.ground, rod, anchor=(0, 0, 1), axis=(0, 1, 0))
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.2])
+@pytest.mark.parametrize("speed", [20.0, 200.0, 300.0])
+def test_a_motor_without_bound_has_its_speed_after_a_step_from_rest(offset, speed):
+    world, hinge = rod_on_hinge(offset)
+    hinge.set_motor(Motor(speed))
+    world.step(1 / 60)
+    assert hinge.speed == pytest.approx(speed, rel=1e-7)
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.2])
+@pytest.mark.parametrize("stiffness", [500.0, 3000.0, 20000.0])
+@pytest.mark.parametrize("target", [0.5, 2.0, 3.0])
+def test_a_stiff_drive_reaches_a_target_far_away(offset, stiffness, target):
+    world, hinge = rod_on_hinge(offset)
+    hinge.set_drive(
+        Drive(target=target, stiffness=stiffness, damping=2 * math.sqrt(stiffness * (0.014 + offset**2)))
+    )
+    angles = []
+    for _ in range(60):
+        world.step(1 / 60)
+        angles.append(hinge.angle)
+    assert max(angles) < 1.05 * target
+    assert angles[-1] == pytest.approx(target, rel=1e-3)
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.3])
+@pytest.mark.parametrize("rate", [20.0, 100.0, 300.0])
+def test_what_is_fixed_to_a_body_that_is_turned_by_hand_turns_with_it_at_once(offset, rate):
+    world = World(gravity=(0, 0, 0))
+    rotor = world.add_box((0.2, 0.2, 0.2), kinematic=True)
+    body = world.add_box((0.2, 0.1, 0.1), position=(offset, 0, 0.2), mass=1.0)
+    world.add_fixed_joint(rotor, body, anchor=(0, 0, 0))
+    rotor.angular_velocity = (0, 0, rate)
+    world.advance(1 / 60, 10)
+    assert body.angular_velocity == pytest.approx((0, 0, rate), abs=1e-6 * rate)
+    assert np.hypot(*body.position[:2]) == pytest.approx(offset, abs=1e-6)

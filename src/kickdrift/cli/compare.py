@@ -15,7 +15,7 @@ from kickdrift.scenes import FIRST_METHODS, first_methods_side_by_side, kept_tim
 from kickdrift.systems import System
 
 _COLUMNS = (
-    *("method", "energy error", "energy drift", "phase error", "force evaluations", "ns a step", "error at the end"),
+    *("method", "energy error", "energy drift", "phase error", "force evaluations", "ns per step", "error at the end"),
     "outcome",
 )
 

@@ -1,4 +1,4 @@
-"""How Numba compiles a function: by its own passes, in worlds some of them only where they have something to do.
+"""How Numba compiles a function: by its own passes, some of them only where they have something to do.
 
 Numba's passes each find out again which variables live where, seven times a function, before they look whether there is
 anything for them.
@@ -20,7 +20,8 @@ from kickdrift.core.lowering import Lower
 from kickdrift.core.references import counts_references, lowered_without_counting
 from kickdrift.core.returned_lists import TuplesForLists
 
-# Worlds have many functions, 400 with joints; steps of the engine would take a fifth longer, written so.
+# Whose code is written in words of our own: worlds have many functions, 400 with joints. Steps of the engine, which are small,
+# would take a fifth longer, written so.
 _WORLDS = ("kickdrift.world", "kickdrift.core.vectors", "kickdrift.core.rotations")
 
 
@@ -35,11 +36,10 @@ class Pipeline(CompilerBase):  # type: ignore[misc]
         passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
         passes.add_pass_after(TuplesForLists, FixupArgs)
         passes.add_pass_after(GlobalsAsArguments, FixupArgs)
-        if not str(self.state.func_id.func.__module__).startswith(_WORLDS):
-            passes.finalize()
-            return [passes]
+        is_of_worlds = str(self.state.func_id.func.__module__).startswith(_WORLDS)
+        ours = {**_OURS, NativeLowering: _WorldLowering if is_of_worlds else _Lowering}
         own = _Passes("nopython")
-        own.passes = [(_OURS.get(pass_, pass_), description) for pass_, description in passes.passes]
+        own.passes = [(ours.get(pass_, pass_), description) for pass_, description in passes.passes]
         own.finalize()
         return [own]
 
@@ -121,15 +121,22 @@ class _Lowering(NativeLowering):  # type: ignore[misc]
 
     _name = "kickdrift_native_lowering"
 
-    @property
-    def lowering_class(self) -> Any:
-        return Lower
-
     def run_pass(self, state: Any) -> Any:
         if not state.counts:
             state.library.counts = False
             state.targetctx = lowered_without_counting(state.targetctx)
         return super().run_pass(state)
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _WorldLowering(_Lowering):
+    """Writes LLVM's code in fewer words."""
+
+    _name = "kickdrift_world_lowering"
+
+    @property
+    def lowering_class(self) -> Any:
+        return Lower
 
 
 _OURS = {
@@ -138,7 +145,6 @@ _OURS = {
     PreLowerStripPhis: _StripPhis,
     NopythonRewrites: _Rewrites,
     IRLegalization: _Legalisation,
-    NativeLowering: _Lowering,
 }
 
 

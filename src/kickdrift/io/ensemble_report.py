@@ -26,13 +26,13 @@ def report(solution: EnsembleSolution) -> str:
         ("method", f"{about.method}, order {about.order}: {about.word}"),
         ("span", f"{solution.t[0]:.10g} to {solution.t[-1]:.10g} {unit}".rstrip()),
         ("step", f"{_range(np.abs(solution.step))} {unit}".rstrip()),
-        ("steps", f"{steps} of all members"),
+        ("steps", f"{steps} in total"),
         ("force evaluations", f"{int(solution.n_force_evaluations.sum())}"),
-        ("wall time", f"{solution.wall_time:.3g} s, {per_step:.4g} ns a step of a member"),
+        ("wall time", f"{solution.wall_time:.3g} s, {per_step:.4g} ns per member and step"),
         ("sums", "compensated" if about.compensated else "plain"),
     ]
     if about.choice:
-        rows.insert(3, ("taken because", about.choice))
+        rows.insert(3, ("chosen because", about.choice))
     if solution.saved_to:
         rows.append(("rows", f"in {solution.saved_to!r}"))
     rows += [(f"{name} error", _errors(values)) for name, values in solution.invariants.items()]

@@ -24,19 +24,19 @@ def report(solution: Solution) -> str:
         ("step", _step(solution, unit)),
         ("steps", f"{solution.n_steps}" + f", {solution.n_rejected} more rejected" * (solution.n_rejected > 0)),
         ("force evaluations", f"{solution.n_force_evaluations}"),
-        ("wall time", f"{solution.wall_time:.3g} s, {per_step:.4g} ns a step"),
+        ("wall time", f"{solution.wall_time:.3g} s, {per_step:.4g} ns per step"),
         ("sums", "compensated" if about.compensated else "plain"),
     ]
     if solution.error_estimate is not None:
-        rows.append(("estimated error", f"{solution.error_estimate.max():.3e} at most in a step"))
+        rows.append(("estimated error", f"{solution.error_estimate.max():.3e} at most per step"))
     if about.step_control:
         rows.insert(2, ("step control", about.step_control))
     if about.choice:
-        rows.insert(2, ("taken because", about.choice))
+        rows.insert(2, ("chosen because", about.choice))
     for name, values in solution.invariants.items():
         absolute, relative = largest_error(values, about.scales.get(name))
         size = f"{absolute:.3e} {about.units.get(name, '')}".rstrip()
-        rows.append((f"{name} error", f"{relative:.3e} relative, {size}" if relative is not None else size))
+        rows.append((f"{name} error", f"{relative:.3e} relative, {size} absolute" if relative is not None else size))
         if name == "energy" and solution.t.size > 1:
             per = f" per {unit}" if unit else " per unit of time"
             rows.append(("energy drift", f"{drift(solution.t, values):+.3e}{per}"))
@@ -52,8 +52,8 @@ def report(solution: Solution) -> str:
 
 def _phase(solution: Solution, unit: str) -> str:
     """Return the phase error in words: how far the run is ahead of the exact motion, and how fast that grows."""
-    largest = f"{largest_phase_error(solution):.3e} {unit}".rstrip() + " of time"
-    return largest + (f", {phase_drift(solution):+.3e} per time" if solution.t.size > 1 else "")
+    largest = f"{largest_phase_error(solution):.3e} {unit}".rstrip() + " in time"
+    return largest + (f", {phase_drift(solution):+.3e} per unit of time" if solution.t.size > 1 else "")
 
 
 def _step(solution: Solution, unit: str) -> str:

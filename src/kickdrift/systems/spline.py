@@ -7,7 +7,6 @@ from types import FunctionType
 from typing import Any
 from weakref import WeakKeyDictionary
 
-import numba
 import numpy as np
 from numba.core.registry import CPUDispatcher
 from numpy.typing import ArrayLike, NDArray
@@ -81,9 +80,20 @@ def spline(t: ArrayLike, values: ArrayLike, end: str = "not-a-knot") -> Callable
     pieces = np.zeros((size, 4, *table.shape[1:]))
     pieces[: times.size - 1] = np.moveaxis(found.c, 0, 1)[:, ::-1]
     first, last = float(times[0]), float(times[-1])
-    function = numba.njit(_function(knots, pieces, float(times.size), _ROUNDING * (last - first)))
+    function = _Written(_function(knots, pieces, float(times.size), _ROUNDING * (last - first)), {}, _OPTIONS)
     _ranges[function] = first, last
-    return function  # type: ignore[no-any-return]
+    return function
+
+
+class _Written(CPUDispatcher):  # type: ignore[misc]
+    """A function that other compiled ones call, and the interpreter runs as it is written: 0.3 s less to wait for."""
+
+    def __call__(self, t: float) -> Any:
+        """Call Python's function."""
+        return self.py_func(t)
+
+
+_OPTIONS = {"nopython": True}
 
 
 def _checked(t: ArrayLike, values: ArrayLike) -> tuple[Floats, Floats]:
@@ -112,8 +122,7 @@ def _function(knots: Floats, pieces: Floats, rows: float, rounding: float) -> Ca
     first, last = float(knots[0]), float(knots[int(rows) - 1])
     density = (rows - 1) / (last - first)
 
-    @numba.njit  # type: ignore[untyped-decorator]
-    def row_of(t: float) -> int:
+    def find_row(t: float) -> int:
         if not first - rounding <= t <= last + rounding:
             raise ValueError("a kd.spline is evaluated at a time outside its table")  # OUTSIDE, which is no number
         low, high = 0, int(rows) - 1
@@ -127,6 +136,8 @@ def _function(knots: Floats, pieces: Floats, rows: float, rounding: float) -> Ca
             else:
                 high = middle
         return low
+
+    row_of = _Written(find_row, {}, _OPTIONS)
 
     def number(t: float) -> float:
         row = row_of(t)

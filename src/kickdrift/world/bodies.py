@@ -1,4 +1,4 @@
-"""Bodies: rows of tables that come and go, and handles that know when theirs is gone."""
+"""Bodies: rows of tables, and handles that detect when their row is gone."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ class Bodies:
         self.ground = self.add(STATIC, np.zeros(3), np.array([1.0, 0, 0, 0]))
 
     def add(self, kind: int, position: Floats, orientation: Floats) -> Body:
-        """Take a row for a body at rest that nothing moves."""
+        """Allocate a row for a static body at rest."""
         tables = self.tables
         if self.free:
             row = self.free.pop()
@@ -109,7 +109,7 @@ class Bodies:
         return Body(row, generation, self)
 
     def remove(self, body: Body) -> None:
-        """Give the row of a body back."""
+        """Free the row of a body."""
         row = self.row(body)
         if row == GROUND:
             raise ArgumentError("body is the ground of the world, which cannot be removed; remove another body.")
@@ -122,12 +122,12 @@ class Bodies:
         self.tables.version += 1
 
     def row(self, body: Any, argument: str = "body") -> int:
-        """Return the row of a body that is there.
+        """Return the row of an existing body.
 
         Raises
         ------
         ArgumentError
-            If it is no handle, or one of a body that was removed or of another world.
+            If it is not a handle, or one of a removed body or of another world.
         """
         if isinstance(body, Body) and body.bodies is self and self.knows(body.index, body.generation):
             return body.index
@@ -143,7 +143,7 @@ class Bodies:
         raise ArgumentError(f"{argument}={body!r} was removed; use an existing body.")
 
     def knows(self, index: int, generation: int) -> bool:
-        """Whether there is a body of a generation in a row."""
+        """Whether a row holds a body of a generation."""
         if not 0 <= index < self.tables.count(BODY):
             return False
         row = self.tables.row(BODY, index)
@@ -157,7 +157,7 @@ class Bodies:
         return row
 
     def set_mass(self, row: int, mass: Mass, damping: Sequence[float], locked: bool = False) -> None:
-        """Give a body its mass, and its inertia about the centre of mass in the body's axes; a locked one never turns."""
+        """Set the mass of a body, and its inertia about the centre of mass in the body's axes; a locked one cannot rotate."""
         tables = self.tables
         inverse = np.zeros((3, 3)) if locked else np.asarray(np.linalg.inv(mass.inertia), dtype=np.float64)
         moments = np.linalg.eigvalsh(mass.inertia)
@@ -187,7 +187,7 @@ class Bodies:
         return bool(dynamic and not self.tables.array(INERTIA)[row, INVERSE_INERTIA])
 
     def mass(self, body: Body) -> Mass:
-        """Return what a body weighs, with its inertia about the origin of its axes; infinite where no force moves it."""
+        """Return mass and inertia about the origin of its axes; infinite for static and kinematic bodies."""
         row = self.row(body)
         if self.tables.array(BODY)[row, BODY_KIND] != DYNAMIC:
             return Mass(np.inf, np.zeros(3), np.diag(np.full(3, np.inf)))
@@ -217,7 +217,7 @@ class Bodies:
 
     @alone
     def place(self, body: Body, columns: slice, numbers: Floats) -> None:
-        """Write columns of a pose; what is static is sought again in its new place, and wakes all."""
+        """Write columns of a pose; a static body has its pairs updated, and wakes all."""
         row = self.row(body)
         if row == GROUND:
             raise ArgumentError("body is the ground of the world, which cannot move; move another body.")
@@ -240,7 +240,7 @@ class Bodies:
         self.tables.row(MOTION, row)[columns] = numbers
 
     def surface(self, body: Body, name: Literal["friction", "restitution"]) -> float:
-        """Return a number that the surfaces of all shapes of a body have.
+        """Return a surface property that all shapes of a body share.
 
         Raises
         ------

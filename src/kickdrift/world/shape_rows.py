@@ -231,7 +231,7 @@ class ShapeRows:
         return row
 
     def find_functions(self) -> None:
-        """Find the functions for the kinds that there are and their pairs; those of others are not compiled."""
+        """Find the functions for the kinds in use and their pairs; those of others are not compiled."""
         find_extents(self.tables, self.kinds)
         colliders = self.tables.array(COLLIDERS)
         for pair in self.pairs():
@@ -239,6 +239,6 @@ class ShapeRows:
                 colliders[pair] = address_of(PAIRS[pair], COLLIDE)
 
     def pairs(self) -> list[tuple[int, int]]:
-        """Pairs of the kinds that there are which can touch, the lower one first."""
+        """Pairs of the kinds in use that can touch, the lower one first."""
         met = sorted({met_as(kind) for kind in self.kinds})
         return [pair for pair in combinations_with_replacement(met, 2) if may_touch(*pair)]

@@ -12,7 +12,7 @@ from kickdrift.world.tables import BOUNDS, floats
 
 @compiled(inline=True)
 def fat_bounds(world: int, shape: int) -> Box:
-    """Return the box that a shape was last sought in."""
+    """Return the box of a shape's last pair search."""
     box: Any = floats(world, BOUNDS)
     return (box[shape, 0], box[shape, 1], box[shape, 2], box[shape, 3], box[shape, 4], box[shape, 5])
 

@@ -1,4 +1,4 @@
-"""The boxes of shapes: what one may touch in a step lies in its box, and it is sought again when it leaves its fat bounds.
+"""The boxes of shapes: what one may touch in a step lies in its box, and its pairs are updated when it leaves its fat bounds.
 
 The box of a shape holds its points, their way in the step, and a margin within which contacts are found before they
 touch. The fat bounds are larger by some slack on all sides and by some of the way ahead, so that resting bodies are never

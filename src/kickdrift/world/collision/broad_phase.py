@@ -41,8 +41,8 @@ from kickdrift.world.tables import (
 def find_pairs(t: float, h: float, world: int) -> None:
     """Update the contacts for a step of h: those whose shapes have parted go, new ones come without points.
 
-    New contacts are in the order of the shapes that were sought, which is that of their rows, and then of the others,
-    so that it does not depend on how the trees were built. Where a contact goes, the last one takes its row.
+    New contacts are in the order of the shapes that were searched, which is that of their rows, and then of the others, so
+    that it does not depend on how the trees were built. Where a contact goes, the last one takes its row.
     """
     search, sought, shapes = integers(world, SEARCH), integers(world, SOUGHT), integers(world, SHAPE)
     if not update_bounds(world, h) or (rows(world, SOUGHT) == 0 and search[0, REVIEW] == 0):
@@ -108,7 +108,7 @@ def _look_through(world: int) -> bool:
 
 @compiled(inline=True)
 def _stays(world: int, a: int, b: int, part: int) -> bool:
-    """Whether shapes of which one is sought again, or gone, still make a contact."""
+    """Whether shapes of which one is searched again, or removed, still form a contact."""
     shapes = integers(world, SHAPE)
     if shapes[a, SEARCH_STATE] == NEW or shapes[b, SEARCH_STATE] == NEW:
         return False

@@ -1,4 +1,4 @@
-"""Pairs of shapes whose fat bounds overlap: the trees are asked for every shape that is sought again."""
+"""Pairs of shapes whose fat bounds overlap: the trees are queried for every shape that left its fat bounds."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.aabb import box_in_frame, boxes_overlap, fat_bounds, reaches_under
@@ -43,9 +43,9 @@ PAIR = _PAIR.close()
 
 @compiled
 def seek(world: int, shape: int) -> None:
-    """Find the new pairs of a shape that is sought again, in ascending order of the other shapes.
+    """Find the new pairs of a shape that left its fat bounds, in ascending order of the other shapes.
 
-    Of two shapes that are both sought the lower one finds the pair. Pairs that there is no room for are counted only.
+    If both shapes are searched, the lower one finds the pair. Pairs without room are only counted.
     """
     planes, movers = integers(world, PLANES), integers(world, MOVERS)
     if sort_of(world, shape) == HALF_SPACE:

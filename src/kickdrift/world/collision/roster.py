@@ -1,4 +1,4 @@
-"""Lists of the shapes that may move, of those that may not, of planes, and of those whose pairs are sought again."""
+"""Lists of the shapes that may move, of those that may not, of planes, and of those whose pairs are searched again."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.bounds import is_somewhere, may_move, settle
@@ -41,7 +41,7 @@ from kickdrift.world.tables import (
 
 @compiled
 def update_bounds(world: int, h: float) -> bool:
-    """List the shapes that leave their fat bounds in a step of h, to be sought; False where there is something wrong."""
+    """List the shapes that leave their fat bounds in a step of h, for the pair search; False on an error."""
     search, shapes = integers(world, SEARCH), integers(world, SHAPE)
     if search[0, CONTACTS] != rows(world, CONTACT):  # someone else has removed some
         for shape in range(rows(world, SHAPE)):

@@ -31,7 +31,14 @@ from kickdrift.world.direct.loop_closures import begin_closings, stay_closings
 from kickdrift.world.direct.losses import LONG_TURN
 from kickdrift.world.direct.nodes import mass_of
 from kickdrift.world.direct.position_correction import repair
-from kickdrift.world.direct.velocities import begin_from_kick, fastest, kinetic_energy, note_velocities, take_back
+from kickdrift.world.direct.velocities import (
+    begin_from_kick,
+    energy_given,
+    fastest,
+    kinetic_energy,
+    note_velocities,
+    take_back,
+)
 from kickdrift.world.joints.free_fall import let_fall
 from kickdrift.world.joints.layout import ANGULAR_PART, LINEAR_PART
 from kickdrift.world.joints.right_hand_side import AHEAD, GENTLY, RELAX
@@ -166,7 +173,7 @@ def _approach(island: int, h: float, off: float, most: int, world: int) -> float
 @compiled(cached=False)
 def _is_thrown(island: int, h: float, world: int) -> bool:
     """Whether an island turns fast with far more energy than it had: at a distant, spurious solution."""
-    most = WILD * kinetic_energy(island, NOTED, world)
+    most = WILD * (kinetic_energy(island, NOTED, world) + energy_given(island, world))
     thrown: bool = (
         h * fastest(island, MOTION, ANGULAR_PART, world) > LONG_TURN and kinetic_energy(island, MOTION, world) > most
     )
@@ -183,7 +190,7 @@ def _take_care(island: int, h: float, world: int) -> None:
     off = _approach(island, h, off, ROUNDS, world)
     if not (
         off <= FAR * islands[island, RATIO]
-        and kinetic_energy(island, MOTION, world) <= _lawful(island, h, world) * energy
+        and kinetic_energy(island, MOTION, world) <= _lawful(island, h, world) * energy + energy_given(island, world)
     ):
         islands[island, LOST] = 1
         islands[island, GIVEN_UP] += 1
@@ -231,12 +238,12 @@ def _project(island: int, h: float, mode: int, task: int, world: int) -> None:
     take_back(island, world)
     energy = kinetic_energy(island, MOTION, world)
     solve_at_once(island, h, mode, task, world)
-    if kinetic_energy(island, MOTION, world) <= EXCESS * energy:
+    if kinetic_energy(island, MOTION, world) <= EXCESS * energy + energy_given(island, world):
         return
     take_back(island, world)
     aim_island(island, h, mode, world)
     stay_closings(island, world)
     begin_contacts(island, h, task, world)
     solve(island, h, 0.0, task, True, True, AS_ASSUMED, world)
-    if not kinetic_energy(island, MOTION, world) <= EXCESS * energy:
+    if not kinetic_energy(island, MOTION, world) <= EXCESS * energy + energy_given(island, world):
         take_back(island, world)

@@ -58,7 +58,8 @@ from kickdrift.world.tables import JOINT, JOINT_AXES, JOINT_NUMBERS, LINK_NUMBER
 # with its impulse.
 _RIGID = 1e6
 
-_OPEN = 5  # codes of pieces: upright ones 1-4, others _OPEN and three digits to the base 3
+# Codes of pieces: upright ones, and others, which are _OPEN and three digits to the base 3
+AT_LOWER, AT_UPPER, STICKS, AT_SPEED, _OPEN = 1, 2, 3, 4, 5
 
 
 @compiled(inline=True, cached=False)
@@ -111,18 +112,18 @@ def solution(
     if lower > -math.inf:
         pull = friction * _sign(-lower, 1) + motor * _sign(motor_speed - lower, 1)
         if (lower - free) / mobility >= pull + _drive(lower, constant, slope, maximum):
-            return 1, True, lower, 0.0
+            return AT_LOWER, True, lower, 0.0
     if upper < math.inf:
         pull = friction * _sign(-upper, -1) + motor * _sign(motor_speed - upper, -1)
         if (upper - free) / mobility <= pull + _drive(upper, constant, slope, maximum):
-            return 2, True, upper, 0.0
+            return AT_UPPER, True, upper, 0.0
     others, code = 0.0, _OPEN
     if friction > 0.0:
         wanted = -free / mobility - _drive(0.0, constant, slope, maximum)
         right = wanted < motor * _sign(motor_speed, 1) - friction
         left = wanted > motor * _sign(motor_speed, -1) + friction
         if not (left or right):
-            return 3, True, 0.0, 0.0
+            return STICKS, True, 0.0, 0.0
         others += -friction if right else friction
         code += 1 if right else 2
     if motor > 0.0:
@@ -130,7 +131,7 @@ def solution(
         right = wanted < friction * _sign(-motor_speed, 1) - motor
         left = wanted > friction * _sign(-motor_speed, -1) + motor
         if not (left or right):
-            return 4, True, motor_speed, 0.0
+            return AT_SPEED, True, motor_speed, 0.0
         others += -motor if right else motor
         code += 3 if right else 6
     if slope > 0.0 and maximum < math.inf:

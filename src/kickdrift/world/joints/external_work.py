@@ -1,0 +1,59 @@
+"""Bounds of the energy that joints bring into an island in a substep: by motors and drives, and from bodies moved by hand."""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import cross, dot, plus, times
+from kickdrift.world.columns import vector_at
+from kickdrift.world.integration import BODY_KIND, KINEMATIC
+from kickdrift.world.joints.laws import AT_UPPER
+from kickdrift.world.joints.layout import (
+    ANGULAR_PART,
+    ARM_A,
+    ARM_B,
+    AXES,
+    BODY_A,
+    JOINT_IMPULSE,
+    LAW_STATE,
+    LAWS,
+    LINEAR_PART,
+    START_SPEED,
+)
+from kickdrift.world.joints.measure import relative_velocity
+from kickdrift.world.tables import BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, LINK_NUMBERS, MOTION, floats, integers
+
+
+@compiled(cached=False)
+def external_work(joint: int, link: int, world: int) -> float:
+    """Bound the work of a joint in the substep that is not taken from what it joins, J."""
+    joints, bodies = integers(world, JOINT), integers(world, BODY)
+    work = _work_of_laws(joint, link, world) if joints[joint, LAWS] != 0 else 0.0
+    for side in range(2):
+        body = joints[joint, BODY_A + side]
+        if bodies[body, BODY_KIND] == KINEMATIC:
+            work += _work_by_hand(joint, body, ARM_A if side == 0 else ARM_B, world)
+    return work
+
+
+@compiled(cached=False)
+def _work_of_laws(joint: int, link: int, world: int) -> float:
+    """Bound the work of motors and drives; limits do none."""
+    axes, states = integers(world, JOINT)[joint, LAWS], floats(world, LINK_NUMBERS)
+    numbers, laws, most = floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES), 0.0
+    v, w = relative_velocity(joint, world)
+    for k in range(6):
+        if axes >> k & 1 and states[link, LAW_STATE + k] > AT_UPPER:
+            speed = dot(vector_at(numbers, joint, AXES + 3 * k), v if k < 3 else w)
+            most += abs(numbers[joint, JOINT_IMPULSE + k]) * (abs(laws[6 * joint + k, START_SPEED]) + abs(speed))
+    return most
+
+
+@compiled(cached=False)
+def _work_by_hand(joint: int, body: int, arm: int, world: int) -> float:
+    """Work that a joint does on a kinematic body: its impulse times the velocity of the point that it acts on."""
+    numbers, motion = floats(world, JOINT_NUMBERS), floats(world, MOTION)
+    v, w = vector_at(motion, body, LINEAR_PART), vector_at(motion, body, ANGULAR_PART)
+    v = plus(v, cross(w, vector_at(numbers, joint, arm)))
+    force, torque = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for k in range(3):
+        force = plus(force, times(numbers[joint, JOINT_IMPULSE + k], vector_at(numbers, joint, AXES + 3 * k)))
+        torque = plus(torque, times(numbers[joint, JOINT_IMPULSE + 3 + k], vector_at(numbers, joint, AXES + 9 + 3 * k)))
+    return abs(dot(force, v)) + abs(dot(torque, w))

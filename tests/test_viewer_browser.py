@@ -1,0 +1,156 @@
+"""Pages in a browser: Chromium plays, drags and reconnects, and is refused under other names and from other sites."""
+
+import io
+import threading
+from contextlib import closing
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+
+import chromium
+import numpy as np
+import pytest
+import viser
+from live_pages import until
+from matplotlib.image import imread
+
+import kickdrift as kd
+from kickdrift.scenes import worlds
+
+pytestmark = pytest.mark.skipif(
+    chromium.PATH is None, reason=f"there is no browser here: none of {', '.join(chromium.NAMES)}"
+)
+PLAYING = "of real time"
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    with chromium.Chromium(tmp_path_factory.mktemp("chromium")) as browser:
+        yield browser
+
+
+@pytest.fixture
+def floating():
+    """A world of a ball without weight in the middle of the picture, on a page."""
+    world = kd.World((0, 0, 0))
+    ball = world.add_sphere(0.5, mass=1.0)
+    with world.view(1 / 60, port=0) as page:
+        yield world, ball, page
+
+
+def contrast(tab):
+    """By how much colours differ in the middle of the picture, where no words are, from 0 to 255."""
+    pixels = imread(io.BytesIO(tab.screenshot()), format="png")[250:500, 320:600, :3]
+    return 255 * np.ptp(pixels.reshape(-1, 3), axis=0).max()
+
+
+def test_a_page_plays_pauses_steps_and_resets(browser, floating):
+    world, ball, page = floating
+    ball.velocity = (0.05, 0.0, 0.0)
+    with closing(browser.open(page.url)) as tab:
+        tab.until(lambda tab: PLAYING in tab.text, "the world to run")
+        tab.press("Pause")
+        tab.until(lambda tab: "paused" in tab.text, "the pause")
+        at, steps = world.time, world.n_steps
+        tab.press("Step")
+        until(lambda: world.n_steps == steps + 1, "a step")
+        assert world.time > at
+        tab.press("Reset")
+        until(lambda: world.time == 0.0, "the reset")
+        tab.until(lambda tab: "t = 0.00 s" in tab.text, "the time")
+        tab.until(lambda tab: contrast(tab) > 30, "the ball to be seen")
+        tab.press("Play")
+        tab.until(lambda tab: PLAYING in tab.text, "the world to run again")
+        assert tab.errors == []
+
+
+def test_the_mouse_drags_a_body(browser, floating):
+    _, ball, page = floating
+    with closing(browser.open(page.url)) as tab:
+        tab.until(lambda tab: PLAYING in tab.text, "the world to run")
+        assert np.all(ball.position == 0.0)
+        tab.drag((500, 350), (600, 350), release=False)
+        until(lambda: ball.position[0] > 0.04, "the ball to follow")  # it turns, too, as its surface is pulled
+        tab.release((600, 350))
+        until(lambda: not page._live.grips, "the spring to go")
+        # Where nothing is, the mouse turns the camera, and pulls at no body.
+        ball.velocity = (0, 0, 0)
+        at = ball.position.copy()
+        tab.drag((100, 600), (250, 600))
+        np.testing.assert_array_equal(ball.position, at)
+
+
+def test_ten_pages_at_once_and_a_reload(browser, floating):
+    world, _, page = floating
+    tabs = [browser.open(page.url) for _ in range(10)]
+    for tab in tabs:
+        tab.until(lambda tab: PLAYING in tab.text, "the world to run on each page")
+    tabs[7].press("Pause")
+    for tab in tabs:
+        tab.until(lambda tab: "paused" in tab.text, "the pause on each page")
+    tabs[2].call("Page.reload")
+    tabs[2].until(lambda tab: "paused" in tab.text and "Connected" in tab.text, "the page to be there again")
+    tabs[2].press("Play")
+    at = world.time
+    until(lambda: world.time > at, "the world to run")
+    for tab in tabs:
+        tab.close()
+
+
+SOCKET = """new Promise(done => {{
+    const socket = new WebSocket("ws://127.0.0.1:{port}", ["viser-v{version}"]);
+    socket.onopen = () => {{ socket.close(); done("open"); }};
+    socket.onerror = () => done("refused");
+}})"""
+
+
+class _OtherSite(BaseHTTPRequestHandler):
+    def do_GET(self):
+        self.send_response(200)
+        self.end_headers()
+        self.wfile.write(b"<!doctype html><p>another site")
+
+    def log_message(self, *_):
+        pass
+
+
+def test_other_names_and_other_sites_are_refused(browser, floating):
+    world, _, page = floating
+    port = int(page.url.rsplit(":", 1)[1])
+    script = SOCKET.format(port=port, version=viser.__version__)
+    with closing(browser.open(f"http://{chromium.EVIL}:{port}/")) as tab:
+        tab.until(lambda tab: "for this machine alone" in tab.text, "the refusal")
+        assert tab.run(script) == "refused"
+    with ThreadingHTTPServer(("127.0.0.1", 0), _OtherSite) as other:
+        thread = threading.Thread(target=other.serve_forever)
+        thread.start()
+        try:
+            with closing(browser.open(f"http://127.0.0.1:{other.server_port}/")) as tab:
+                tab.until(lambda tab: "another site" in tab.text, "the other site")
+                assert tab.run(script) == "refused"
+        finally:
+            other.shutdown()
+            thread.join()
+    assert world.time == 0.0, "nobody has come"
+    with closing(browser.open(page.url)) as tab:  # counter-check
+        tab.until(lambda tab: "Connected" in tab.text, "the page")
+        assert tab.run(script) == "open"
+
+
+def test_a_recording_plays_from_its_file(browser, tmp_path):
+    world = worlds.pyramid(base=4)
+    world.velocity[1] = (0.0, 0.0, 2.0)
+    path = world.run(1.0, 1 / 60, progress=False).to_html(tmp_path / "pyramid.html")
+    blank = tmp_path / "blank.html"
+    blank.write_text("<!doctype html><p>blank")
+    with closing(browser.open(blank.as_uri())) as tab:
+        tab.until(lambda tab: tab.text == "blank", "a page")
+        assert contrast(tab) == 0.0
+        tab.call("Network.enable")
+        nothing = {"offline": True, "latency": 0, "downloadThroughput": 0, "uploadThroughput": 0}
+        tab.call("Network.emulateNetworkConditions", **nothing)
+        tab.go(path.as_uri())
+        now = "document.querySelector('[role=slider]')?.getAttribute('aria-valuenow')"
+        tab.until(lambda tab: tab.run(now) is not None, "the time line")
+        first = tab.run(now)
+        tab.until(lambda tab: tab.run(now) != first, "the time line to move")
+        tab.until(lambda tab: contrast(tab) > 30, "a picture")
+        assert tab.errors == []
