@@ -167,6 +167,24 @@ def test_solves_cut_short_drift_and_leave_the_constraints(monkeypatch):
     assert abs((cut.x[:, 0] ** 2).sum(axis=1) - 1).max() > 1e-6
 
 
+def test_solves_end_once_their_increments_are_rounding():
+    asked = []
+
+    def rods(x):
+        asked.append(1)
+        return np.array([x[0] @ x[0] - 1, (x[1] - x[0]) @ (x[1] - x[0]) - 1])
+
+    falling = kd.Constrained(lambda x: np.array([[0.0, -9.81]] * 2), rods, jacobian=_of_rods)
+    start = {"x0": [[1.0, 0.0], [1.0, 1.0]], "v0": np.zeros((2, 2))}
+    kd.solve(falling, (0.0, 0.05), step=0.001, method="rattle", compile=False, **start)
+    assert len(asked) < 4.5 * 50  # 5.2 a step, were they to go on until they no longer shrink
+
+
+def _of_rods(x):
+    rod, nothing = 2 * (x[1] - x[0]), np.zeros(2)
+    return np.array([[2 * x[0], nothing], [-rod, rod]])
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_interpreted_runs_have_the_bits_of_compiled_ones(method, long_double):
     options = {"t_span": (0.0, 1.0), "method": method, "step": 0.02, "args": [0.0], **DOUBLE}

@@ -83,6 +83,17 @@ class Tunable:
         ------
         ArgumentError
             For a body with itself, and removed bodies.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> one = world.add_sphere(radius=0.1, mass=1.0)
+        >>> other = world.add_sphere(radius=0.1, position=(0.05, 0, 0), mass=1.0)
+        >>> world.exclude(one, other)
+        >>> world.step(1 / 60)
+        >>> world.touching
+        []
         """
         pair = (self.bodies.row(body_a, "body_a"), self.bodies.row(body_b, "body_b"))
         if pair[0] == pair[1]:

@@ -5,12 +5,12 @@ constraint force there, so that the step stays symplectic and, with its mirror i
 G v = 0 with G where they are. (Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed., section VII.1.)
 
 Both solve for multipliers mu by increments -S^-1 r of what is left over, r = g(x + M^-1 G^T mu) or G (v + M^-1 G^T mu),
-until the increments stop shrinking: a looser end would make the energy drift. S is G M^-1 G^T for rows of G scaled to
-unit length. Where positions contract slowly, it is formed again with the Jacobian of the positions reached on its left:
-Newton's iteration. Rows within 1e-6 of the span of others get no multiplier: redundant constraints are fulfilled with
-the others, and if they are not, the step fails. (Damping S by 1e-12 instead lets what redundant constraints disagree
-about on the way leak into the tangent space, up to 1e-5 in a second of a pendulum.) For a few numbers the product of all
-these matrices is formed once, and an iteration is a product with what is left over.
+until the increments stop shrinking, or are no larger than the rounding of the unknowns: a looser end would make the energy
+drift. S is G M^-1 G^T for rows of G scaled to unit length. Where positions contract slowly, it is formed again with the
+Jacobian of the positions reached on its left: Newton's iteration. Rows within 1e-6 of the span of others get no multiplier:
+redundant constraints are fulfilled with the others, and if they are not, the step fails. (Damping S by 1e-12 instead lets what
+redundant constraints disagree about on the way leak into the tangent space, up to 1e-5 in a second of a pendulum.) For a few
+numbers the product of all these matrices is formed once, and an iteration is a product with what is left over.
 
 Templates, see `kickdrift.engine.flows.kick_drift`; the layout of their memory is in `constraint_rows`.
 """
@@ -40,6 +40,7 @@ from kickdrift.engine.flows.layout import CONSTRAINT_JACOBIAN, TROUBLE, has_part
 
 Floats = NDArray[np.float64]
 _SLOW = 0.3  # a contraction slower than this is worth a new matrix
+_ROUNDED = 2.0**-53  # of the unknowns: what is left over is itself rounded by as much
 
 SIZE, COUNT = 0, 0  # bound for a few numbers: of the state, and of constraints
 
@@ -111,7 +112,7 @@ def project_state(size: float, t: float, h: float, x: Floats, v: Floats, params:
         if shrinking or moved > rounding:
             for j in range(n):
                 total[j] += increment[j]
-        if moved == 0.0 or (not shrinking and moved <= rounding):
+        if moved <= _ROUNDED * size or (not shrinking and moved <= rounding):
             break
         if iteration > 0 and moved > _SLOW * previous and moved > rounding:
             if renewed and not shrinking:
