@@ -22,9 +22,13 @@ from websockets.sync.client import connect
 
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError, KickdriftError, MissingExtraError
+from kickdrift.scenes import worlds
+from kickdrift.viewer.bodies import on_planes
+from kickdrift.viewer.controls import driven_axes
 from kickdrift.viewer.grip import Grip
 from kickdrift.viewer.live_world import LiveWorld
 from kickdrift.viewer.server import local_server
+from kickdrift.world.recording import appearance
 
 STEP = 1 / 128  # a power of two: sums of steps are exact
 
@@ -414,6 +418,32 @@ def test_sliders_set_targets_and_settings_and_go_back(page):
         until(lambda: elbow.drive().target == 0.3 and world.gravity[2] == -9.81, "the reset")
         shown = {"elbow": 0.3, "Substeps": 4, "Sleeping": False, "Speed": 0.5}
         until(lambda: all(browser.value(label) == value for label, value in shown.items()), "the sliders to go back")
+
+
+def test_sliders_are_there_for_drives_that_pull_to_a_target():
+    assert driven_axes(worlds.ragdolls()) == []
+    names = [name for name, _, _ in driven_axes(worlds.arm().world)]
+    assert names == [f"joint {k}" for k in range(7)]
+    world = kd.World()
+    box = world.add_box((1, 1, 1), mass=1.0)
+    spring = kd.Axis(drive=kd.Drive(10.0, 1.0))
+    joint = world.add_six_dof_joint(None, box, anchor=(0, 0, 0), linear=(spring, kd.Axis(), spring), name="table")
+    assert driven_axes(world) == [("table, axis 0", joint, 0), ("table, axis 2", joint, 2)]
+    for _, found, axis in driven_axes(world):
+        found.set_drive(None, axis)
+    assert driven_axes(world) == []
+
+
+def test_the_camera_sees_where_things_fall():
+    world, _ = falling()
+    looks, state = appearance(world), LiveWorld(world, STEP).state()
+    (floor,) = on_planes(looks, state, state.position)
+    np.testing.assert_allclose(floor[2], [0, 0, 0], atol=1e-12)
+    tilted = kd.World()
+    tilted.add_plane(normal=(0, 3, 4), point=(0, 0, 1))
+    ball = tilted.add_sphere(0.1, position=(2, 0, 6), mass=1.0)
+    (floor,) = on_planes(appearance(tilted), LiveWorld(tilted, STEP).state(), np.array([ball.position]))
+    np.testing.assert_allclose(floor, [[2.0, -2.4, 2.8]], atol=1e-12)
 
 
 def test_bodies_that_come_and_go_are_seen(page):

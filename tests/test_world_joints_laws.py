@@ -284,9 +284,7 @@ def test_a_motor_without_bound_has_its_speed_after_a_step_from_rest(offset, spee
 @pytest.mark.parametrize("target", [0.5, 2.0, 3.0])
 def test_a_stiff_drive_reaches_a_target_far_away(offset, stiffness, target):
     world, hinge = rod_on_hinge(offset)
-    hinge.set_drive(
-        Drive(target=target, stiffness=stiffness, damping=2 * math.sqrt(stiffness * (0.014 + offset**2)))
-    )
+    hinge.set_drive(Drive(target=target, stiffness=stiffness, damping=2 * math.sqrt(stiffness * (0.014 + offset**2))))
     angles = []
     for _ in range(60):
         world.step(1 / 60)

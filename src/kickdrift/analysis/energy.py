@@ -24,6 +24,13 @@ def energy_error(solution: Solution) -> Floats:
     ------
     KickdriftError
         If the system has no energy.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> sol = kd.solve(kd.systems.kepler(), (0.0, 20.0), step=0.01, method="leapfrog")
+    >>> kd.analysis.energy_error(sol).shape
+    (2001,)
     """
     return _relative(solution.energy)
 
@@ -35,6 +42,13 @@ def largest_energy_error(solution: Solution) -> float:
     ------
     KickdriftError
         If the system has no energy.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> sol = kd.solve(kd.systems.kepler(), (0.0, 20.0), step=0.01, method="leapfrog")
+    >>> kd.analysis.largest_energy_error(sol) < 1e-3
+    True
     """
     return float(np.abs(energy_error(solution)).max())
 
@@ -51,6 +65,13 @@ def energy_drift(solution: Solution) -> float:
         If the solution has fewer than two times.
     KickdriftError
         If the system has no energy.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> sol = kd.solve(kd.systems.harmonic_oscillator(), (0.0, 100.0), step=0.01, method="explicit-euler")
+    >>> kd.analysis.energy_drift(sol) > 0.005
+    True
     """
     if solution.t.size < 2:
         raise ArgumentError(
@@ -121,6 +142,14 @@ def modified_energy(
     With the velocity first, insert v' = v - step omega^2 x and x' = x + step v': the energy changes in a step by the same
     amount as step omega^2 x v / 2. Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed. (2006), section IX.1,
     has the general case, a series in the step.
+
+    Examples
+    --------
+    >>> import numpy as np, kickdrift as kd
+    >>> sol = kd.solve(kd.systems.harmonic_oscillator(), (0.0, 100.0), step=0.1, method="semi-implicit-euler")
+    >>> kept = kd.analysis.modified_energy("semi-implicit-euler", sol.step, 1.0, sol.x, sol.v)
+    >>> bool(np.ptp(sol.energy) > 0.01), bool(np.ptp(kept) < 1e-13)
+    (True, True)
     """
     chosen = methods.get(method)
     if chosen.word not in _CROSS_TERM:

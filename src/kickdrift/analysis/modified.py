@@ -135,6 +135,13 @@ def modified_order(
         For fewer than two different steps.
     KickdriftError
         If a run does not reach the end, or the deviation is zero.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> found = kd.analysis.modified_order(kd.systems.pendulum(), "leapfrog", (0.0, 10.0), [0.2, 0.1, 0.05])
+    >>> round(found.order)
+    4
     """
     chosen = methods.get(method)
     last = min(chosen.order, 4) if order is None else order

@@ -88,6 +88,13 @@ def observed_order(
     Notes
     -----
     DOP853: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, 2nd ed. (1993), section II.5.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> found = kd.analysis.observed_order(kd.systems.pendulum(), "leapfrog", (0.0, 5.0), steps=(0.1, 0.05, 0.025))
+    >>> round(found.order, 1)
+    2.0
     """
     runs = [
         solve(

@@ -68,7 +68,15 @@ def phase_error(solution: Solution, reference: Solution | None = None) -> Floats
 
 
 def largest_phase_error(solution: Solution, reference: Solution | None = None) -> float:
-    """Return the largest magnitude of `phase_error` at the times kept, in units of time."""
+    """Return the largest magnitude of `phase_error` at the times kept, in units of time.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> sol = kd.solve(kd.systems.kepler(), (0.0, 20.0), step=0.01, method="leapfrog")
+    >>> 0 < kd.analysis.largest_phase_error(sol) < 0.1
+    True
+    """
     return float(np.abs(phase_error(solution, reference)).max())
 
 
@@ -79,6 +87,13 @@ def phase_drift(solution: Solution, reference: Solution | None = None) -> float:
     ------
     ArgumentError
         If the solution has fewer than two times.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> sol = kd.solve(kd.systems.kepler(), (0.0, 20.0), step=0.01, method="leapfrog")
+    >>> abs(kd.analysis.phase_drift(sol)) < 0.01
+    True
     """
     if solution.t.size < 2:
         raise ArgumentError(

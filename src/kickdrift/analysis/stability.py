@@ -45,6 +45,13 @@ def one_step_matrix(method: str | methods.Method, h_omega: float, damping: float
         If `h_omega` is not positive and finite, or `damping` negative.
     MethodMismatchError
         For damping with a method that does not support velocity-dependent accelerations.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> kd.analysis.one_step_matrix("kick-drift", 0.5)
+    array([[ 0.75,  0.5 ],
+           [-0.5 ,  1.  ]])
     """
     if not (math.isfinite(h_omega) and h_omega > 0):
         raise ArgumentError(f"h_omega={h_omega!r} must be positive and finite; it is the step times omega.")
@@ -98,6 +105,12 @@ def stability_limit(method: str | methods.Method, damping: float = 0.0) -> float
     Both eigenvalues lie in the unit circle where |trace| <= 1 + det and det <= 1 (Jury, Theory and Application of the
     z-Transform Method, 1964). Unlike the spectral radius, trace and determinant are smooth functions of
     the step, so that a window of instability between two probes shows as a maximum of the trace there.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> round(kd.analysis.stability_limit("leapfrog"), 9)
+    2.0
     """
     from scipy.optimize import brentq, minimize_scalar
 
@@ -151,6 +164,12 @@ def amplification_factor(method: str | methods.Method, z: ArrayLike) -> NDArray[
     R(z) = det(I - z A + z 1 b') / det(I - z A): 1 + z, 1 / (1 - z) and (1 + z/2) / (1 - z/2) for the explicit and the
     implicit Euler method and the midpoint rule. Hairer, Wanner, Solving Ordinary Differential Equations II, 2nd ed.
     (1996), section IV.3.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> round(float(abs(kd.analysis.amplification_factor("implicit-midpoint", 10j))), 12)
+    1.0
     """
     chosen = methods.get(method)
     if chosen.tableau is None or chosen.tableau().a_of_v is not None:

@@ -7,11 +7,28 @@ from itertools import takewhile
 
 
 class KickdriftError(Exception):
-    """The base class of all errors that kickdrift raises on purpose."""
+    """The base class of all errors that kickdrift raises on purpose.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> issubclass(kd.ArgumentError, kd.KickdriftError)
+    True
+    """
 
 
 class ArgumentError(KickdriftError, ValueError):
-    """An argument that cannot be used, found before any work was done."""
+    """An argument that cannot be used, found before any work was done.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> try:
+    ...     kd.solve(kd.systems.kepler(), (0.0, 1.0), step=-0.1)
+    ... except kd.ArgumentError as error:
+    ...     print(error)
+    step=-0.1 must be positive and finite; give its size; t_span sets the direction.
+    """
 
 
 class UnknownNameError(ArgumentError):
@@ -19,7 +36,17 @@ class UnknownNameError(ArgumentError):
 
 
 class MethodMismatchError(ArgumentError):
-    """A method whose order would be lost on the structure of the system."""
+    """A method whose order would be lost on the structure of the system.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> try:
+    ...     kd.solve(lambda x, v: -v, (0.0, 1.0), 1.0, 0.0, step=0.1, method="leapfrog", compile=False)
+    ... except kd.MethodMismatchError as error:
+    ...     print("implicit-verlet" in str(error))
+    True
+    """
 
 
 class MissingExtraError(KickdriftError, ImportError):

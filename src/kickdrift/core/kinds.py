@@ -22,6 +22,12 @@ class Kind(Enum):
               CHARGED
         CONSTRAINED
         LANGEVIN
+
+    Examples
+    --------
+    >>> from kickdrift.methods import Kind
+    >>> Kind.HAMILTONIAN.includes(Kind.NEWTONIAN), Kind.NEWTONIAN.includes(Kind.HAMILTONIAN)
+    (True, False)
     """
 
     FIRST_ORDER = "first-order equations y' = f(t, y)"

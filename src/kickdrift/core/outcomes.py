@@ -4,7 +4,17 @@ from enum import Enum
 
 
 class Outcome(Enum):
-    """The ways in which a run ends; `Outcome.value` is the sentence shown to users."""
+    """The ways in which a run ends; `Outcome.value` is the sentence shown to users.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> sol = kd.solve(kd.systems.kepler(), (0.0, 20.0), step=0.01, method="leapfrog")
+    >>> sol.status
+    <Outcome.COMPLETED: 'The end of t_span was reached.'>
+    >>> sol.status.value
+    'The end of t_span was reached.'
+    """
 
     COMPLETED = "The end of t_span was reached."
     STOPPED = "A terminal event ended the run."

@@ -76,6 +76,18 @@ class Solution:
         The function behind `continue_to`; None for loaded solutions.
     saved_to : str
         Folder with the rows, of which this solution has only the first and the last; empty if it has all.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> sol = kd.solve(kd.systems.kepler(), (0.0, 20.0), step=0.01, method="leapfrog")
+    >>> sol.x.shape, sol.n_steps, sol.success
+    ((2001, 2), 2000, True)
+    >>> sol.invariants["angular momentum"].shape
+    (2001,)
+    >>> x, v = sol(1.2345)
+    >>> x.shape
+    (2,)
     """
 
     t: Floats

@@ -40,6 +40,14 @@ class HairerSoderlind:
     References
     ----------
     E. Hairer, G. Soederlind, Explicit, time reversible, adaptive step size control, SIAM J. Sci. Comput. 26, 1838 (2005).
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> comet = kd.systems.kepler(eccentricity=0.9)
+    >>> sol = kd.solve(comet, (0.0, 20.0), step=1e-3, step_control=kd.HairerSoderlind("distance"))
+    >>> bool(sol.step_range[1] > 20 * sol.step_range[0])
+    True
     """
 
     density: str | Callable[..., Any] | None = None
@@ -66,6 +74,14 @@ class HuangLeimkuhler:
     References
     ----------
     W. Huang, B. Leimkuhler, The adaptive Verlet method, SIAM J. Sci. Comput. 18, 239 (1997).
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> comet = kd.systems.kepler(eccentricity=0.9)
+    >>> sol = kd.solve(comet, (0.0, 20.0), step=1e-3, step_control=kd.HuangLeimkuhler("distance"))
+    >>> bool(abs(sol.energy + 0.5).max() < 0.01)
+    True
     """
 
     density: str | Callable[..., Any] | None = None
@@ -94,6 +110,14 @@ class LogarithmicHamiltonian:
     References
     ----------
     S. Mikkola, K. Tanikawa, Mon. Not. R. Astron. Soc. 310, 745 (1999); M. Preto, S. Tremaine, Astron. J. 118, 2532 (1999).
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> comet = kd.systems.kepler(eccentricity=0.9)
+    >>> sol = kd.solve(comet, (0.0, 20.0), step=2e-3, step_control=kd.LogarithmicHamiltonian())
+    >>> bool(abs(sol.energy + 0.5).max() < 1e-13)
+    True
     """
 
     method: ClassVar[str] = "position-verlet"  # where none is named
@@ -121,6 +145,14 @@ class TimeTransformed:
     References
     ----------
     S. Mikkola, S. Aarseth, A time-transformed leapfrog scheme, Celest. Mech. Dyn. Astron. 84, 343 (2002).
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> comet = kd.systems.kepler(eccentricity=0.9)
+    >>> sol = kd.solve(comet, (0.0, 20.0), step=2e-3, step_control=kd.TimeTransformed())
+    >>> bool(abs(sol.energy + 0.5).max() < 1e-2)
+    True
     """
 
     density: str | Callable[..., Any] | None = None
@@ -153,6 +185,13 @@ class LocalError:
     References
     ----------
     E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed. (1993), section II.4.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> sol = kd.solve(kd.systems.kepler(), (0.0, 20.0), step_control=kd.LocalError(1e-9, 1e-9), method="dop853")
+    >>> bool(abs(sol.energy + 0.5).max() < 1e-6)
+    True
     """
 
     rtol: float = 1e-3

@@ -19,6 +19,14 @@ def load(path: str | Path) -> Solution | EnsembleSolution:
     ------
     FileFormatError
         If there is no such file, or it is not a solution.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> sol = kd.solve(kd.systems.kepler(), (0.0, 20.0), step=0.01, method="leapfrog")
+    >>> path = sol.save("orbit.npz")
+    >>> bool((kd.load(path).x == sol.x).all())
+    True
     """
     if isinstance(path, str | Path) and "\0" not in str(path) and Path(path).is_dir():
         from kickdrift.io.stored import load_stored  # as ensembles are imported, which others need not wait for

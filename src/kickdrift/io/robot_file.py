@@ -115,6 +115,19 @@ def load_robot(
     Joints of one body that no single joint here represents get small intermediate bodies, whose mass is taken from it.
     Rotors (``armature``) add inertia about the axis to what their joint moves, which equals MuJoCo's model if the parent
     does not turn about it.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> import kickdrift as kd
+    >>> inertia = '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
+    >>> link = f'<link name="%s"><inertial><mass value="1"/>{inertia}</inertial></link>'
+    >>> ends = '<parent link="base"/><child link="arm"/><axis xyz="0 1 0"/>'
+    >>> joint = f'<joint name="elbow" type="continuous">{ends}</joint>'
+    >>> _ = Path("arm.urdf").write_text(f"<robot name='arm'>{link % 'base'}{link % 'arm'}{joint}</robot>")
+    >>> robot = kd.load_robot("arm.urdf")
+    >>> list(robot.joints)
+    ['elbow']
     """
     if world is not None and not isinstance(world, World):
         raise ArgumentError(f"world={world!r} is not a world; give a kickdrift.World, or None for a new one.")

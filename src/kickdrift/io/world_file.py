@@ -116,6 +116,15 @@ def load_world(path: str | Path, forces: Sequence[Function] = ()) -> World:
         If there is no such file, or it is not a world, or one of another version of kickdrift.
     ArgumentError
         If the number of forces differs from that of the world.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> world = kd.World()
+    >>> ball = world.add_sphere(radius=0.1, mass=1.0)
+    >>> path = world.save("world.npz")
+    >>> kd.load_world(path).position.shape
+    (2, 3)
     """
 
     def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> tuple[Snapshot, int, bool]:

@@ -105,6 +105,14 @@ def catalogue() -> dict[str, Method]:
     Returns
     -------
     dict of str to Method
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> len(kd.methods.catalogue()) > 90
+    True
+    >>> kd.methods.catalogue()["velocity-verlet"].spelling
+    'K/2 D K/2'
     """
     return dict(_CATALOGUE)
 
@@ -123,6 +131,13 @@ def preferred(kind: Kind, order: int | None = None) -> Method:
     ------
     MethodMismatchError
         If no method for the kind has so high an order.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> from kickdrift.methods import Kind
+    >>> kd.methods.preferred(Kind.NEWTONIAN, order=6).name
+    'blanes-moan-srkn11b'
     """
     return preference.preferred(kind, order, _CATALOGUE)
 
@@ -151,6 +166,12 @@ def get(name: str | Method) -> Method:
     ------
     UnknownNameError
         For a name that is not in the catalogue; the message suggests similar ones.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> kd.methods.get("leapfrog").name
+    'velocity-verlet'
     """
     if isinstance(name, Method):
         return name

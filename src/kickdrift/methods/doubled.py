@@ -46,6 +46,13 @@ def tao(order: int = 2, binding: float = _BINDING) -> Method:
     References
     ----------
     Tao, Phys. Rev. E 94, 043303 (2016), eq. 5; Suzuki, Phys. Lett. A 146, 319 (1990).
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> method = kd.methods.tao(order=4, binding=20)
+    >>> method.order, method.kind.name
+    (4, 'HAMILTONIAN')
     """
     if isinstance(order, bool) or not isinstance(order, int) or order < 2 or order % 2:
         raise ArgumentError(f"order={order!r} must be a positive even number, since the method is symmetric.")

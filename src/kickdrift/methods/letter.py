@@ -6,7 +6,14 @@ from kickdrift.core.kinds import Kind
 
 
 class Letter(Enum):
-    """A flow; the value is its name in the engine."""
+    """A flow; the value is its name in the engine.
+
+    Examples
+    --------
+    >>> from kickdrift.methods import Letter
+    >>> Letter.KICK.symbol, Letter.DRIFT.symbol
+    ('K', 'D')
+    """
 
     KICK = "kick"
     DRIFT = "drift"

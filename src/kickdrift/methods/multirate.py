@@ -37,6 +37,12 @@ def respa(substeps: int = _SUBSTEPS) -> Method:
     ----------
     Grubmueller, Heller, Windemuth, Schulten, Mol. Simul. 6, 121 (1991); Tuckerman, Berne, Martyna, J. Chem. Phys. 97,
     1990 (1992).
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> kd.methods.respa(substeps=20).name
+    'respa-2-substeps-20'
     """
     if isinstance(substeps, bool) or not isinstance(substeps, int | np.integer) or substeps < 1:
         raise ArgumentError(f"substeps={substeps!r} must be a positive whole number, of steps with the fast force.")

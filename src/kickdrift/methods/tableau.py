@@ -31,6 +31,13 @@ class Tableau:
         in Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, eq. (II.10.17).
     error_order : int
         The order of the estimated error: the error of a step scales as its size to this power plus one.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> tableau = kd.methods.get("implicit-midpoint").tableau()
+    >>> tableau.stages, tableau.explicit, tableau.symmetric
+    (1, False, True)
     """
 
     a: Sequence[Sequence[Fraction | float]]

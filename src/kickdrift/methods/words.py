@@ -8,12 +8,26 @@ from kickdrift.methods.record import D, K, Weight, Word
 
 
 def word(*letters: tuple[Letter, Weight]) -> Word:
-    """Spell a word with exact weights, given as fractions, decimals or their strings."""
+    """Spell a word with exact weights, given as fractions, decimals or their strings.
+
+    Examples
+    --------
+    >>> from kickdrift.methods import Letter, word
+    >>> word((Letter.KICK, "1/2"), (Letter.DRIFT, 1), (Letter.KICK, "1/2"))[0]
+    (<Letter.KICK: 'kick'>, Fraction(1, 2))
+    """
     return tuple((letter, Fraction(weight)) for letter, weight in letters)
 
 
 def alternating(first: Letter, weights: Sequence[Weight], second: Letter | None = None) -> Word:
-    """Spell a word of two letters in turns: kicks and drifts, unless `second` says otherwise."""
+    """Spell a word of two letters in turns: kicks and drifts, unless `second` says otherwise.
+
+    Examples
+    --------
+    >>> from kickdrift.methods import Letter, alternating
+    >>> [(letter.symbol, str(share)) for letter, share in alternating(Letter.DRIFT, ["1/2", 1, "1/2"])]
+    [('D', '1/2'), ('K', '1'), ('D', '1/2')]
+    """
     other = second or (D if first is K else K)
     return word(*((first if i % 2 == 0 else other, weight) for i, weight in enumerate(weights)))
 
@@ -23,6 +37,12 @@ def rows(first: Letter, own: Sequence[Weight], others: Sequence[Weight]) -> Word
 
     The two left out follow from the sums, so that time advances by exactly one step whatever the rounding of the printed
     digits.
+
+    Examples
+    --------
+    >>> from kickdrift.methods import Letter, rows
+    >>> [(letter.symbol, str(share)) for letter, share in rows(Letter.KICK, ["1/4"], ["2/3"])]
+    [('K', '1/4'), ('D', '2/3'), ('K', '3/4'), ('D', '1/3')]
     """
     weights = [Fraction(0)] * (len(own) + len(others) + 2)
     for start, given in enumerate((own, others)):
@@ -36,6 +56,12 @@ def palindrome(first: Letter, weights: Sequence[Weight], second: Letter | None =
 
     The two left out follow from the sums: half of 1 for the letter beside the middle, 1 for the letter in it. What
     printed digits leave over so goes to the middle, and the clock is exact.
+
+    Examples
+    --------
+    >>> from kickdrift.methods import Letter, palindrome
+    >>> [(letter.symbol, str(share)) for letter, share in palindrome(Letter.KICK, ["1/6"])]
+    [('K', '1/6'), ('D', '1/2'), ('K', '2/3'), ('D', '1/2'), ('K', '1/6')]
     """
     given = [Fraction(weight) for weight in weights]
     inner, middle = Fraction(1, 2) - sum(given[-2::-2], Fraction(0)), 1 - 2 * sum(given[-1::-2], Fraction(0))
@@ -44,7 +70,15 @@ def palindrome(first: Letter, weights: Sequence[Weight], second: Letter | None =
 
 
 def composition(base: Word, weights: Sequence[Weight]) -> Word:
-    """Spell a composition of steps: a step of `base` for each weight, neighbours of the same letter merged."""
+    """Spell a composition of steps: a step of `base` for each weight, neighbours of the same letter merged.
+
+    Examples
+    --------
+    >>> from kickdrift.methods import Letter, alternating, composition
+    >>> leapfrog = alternating(Letter.KICK, ["1/2", 1, "1/2"])
+    >>> [(letter.symbol, str(share)) for letter, share in composition(leapfrog, ["1/3", "2/3"])]
+    [('K', '1/6'), ('D', '1/3'), ('K', '1/2'), ('D', '2/3'), ('K', '1/3')]
+    """
     spelled: list[tuple[Letter, Fraction]] = []
     for share in [Fraction(weight) for weight in weights]:
         for letter, weight in base:

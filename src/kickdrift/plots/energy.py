@@ -93,6 +93,13 @@ def plot_energy_comparison(solutions: Mapping[str, Solution], path: str | Path |
         If the file cannot be written.
     MissingExtraError
         If matplotlib is not installed.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> orbit = kd.systems.kepler()
+    >>> runs = {name: kd.solve(orbit, (0.0, 20.0), step=0.01, method=name) for name in ("kick-drift", "leapfrog")}
+    >>> figure = kd.plots.plot_energy_comparison(runs)
     """
     if not solutions:
         raise ArgumentError("solutions is empty; give at least one, such as {'kick-drift': kd.solve(...)}.")

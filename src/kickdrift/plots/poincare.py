@@ -48,6 +48,12 @@ def plot_poincare_sections(
         If the file cannot be written.
     MissingExtraError
         If matplotlib is not installed.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> sol = kd.solve(lambda x: -x, (0.0, 20.0), [1.0, 0.0], [0.0, 0.5], step=0.05, compile=False, events=lambda x: x[0])
+    >>> figure = kd.plots.plot_poincare_sections(kd.analysis.poincare_section(sol))
     """
     many = [sections] if isinstance(sections, PoincareSection) else list(sections)
     if not many:

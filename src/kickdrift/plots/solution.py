@@ -36,6 +36,14 @@ def plot_solution(solution: Solution, path: str | Path | None = None) -> "Figure
         If the file cannot be written.
     MissingExtraError
         If matplotlib is not installed.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> sol = kd.solve(kd.systems.kepler(), (0.0, 20.0), step=0.01, method="leapfrog")
+    >>> figure = kd.plots.plot_solution(sol, "orbit.png")
+    >>> len(figure.axes)
+    2
     """
     solution = solution.plain
     about, parts = solution.about, trajectory.panels(solution)

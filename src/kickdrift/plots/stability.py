@@ -41,6 +41,11 @@ def plot_stability_region(method: str | methods.Method, path: str | Path | None 
         If the file cannot be written.
     MissingExtraError
         If matplotlib is not installed.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> figure = kd.plots.plot_stability_region("implicit-midpoint")
     """
     chosen = methods.get(method)
     figure = new_figure(4.8, 4.8, f"{chosen.name}: region of stability")

@@ -34,6 +34,12 @@ def plot_work_precision(measured: WorkPrecision, path: str | Path | None = None)
         If the file cannot be written.
     MissingExtraError
         If matplotlib is not installed.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> table = kd.analysis.work_precision(kd.systems.kepler(), (0.0, 10.0), ["leapfrog"], [0.05, 0.02], rounds=1)
+    >>> figure = kd.plots.plot_work_precision(table)
     """
     start, end = measured.t_span
     figure = new_figure(10, 4.4, f"{measured.system}, {start:g} to {end:g}: error at the end")

@@ -58,6 +58,14 @@ class EnsembleSolution:
         What distinguishes the members, (M,) or (M, p): swept parameters, steps, seeds.
     saved_to : str
         Where the rows are, if not in memory.
+
+    Examples
+    --------
+    >>> import numpy as np, kickdrift as kd
+    >>> orbit = kd.systems.kepler()
+    >>> runs = kd.solve_ensemble(orbit, (0.0, 1.0), x0=orbit.x0 + np.zeros((16, 2)), step=0.01)
+    >>> runs.x.shape, runs[3].n_steps
+    ((16, 101, 2), 100)
     """
 
     t: Floats

@@ -68,6 +68,12 @@ def catalogue() -> dict[str, Callable[[], System]]:
     Returns
     -------
     dict of str to callable
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> sorted(kd.systems.catalogue())
+    ['benchmarks-game', 'harmonic-oscillator', 'kepler', 'outer-solar-system', 'pendulum', 'solar-system']
     """
     return dict(_CATALOGUE)
 
@@ -79,6 +85,12 @@ def get(name: str) -> System:
     ------
     UnknownNameError
         For a name that is not in the catalogue; the message suggests similar ones.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> kd.systems.get("kepler").name
+    'kepler'
     """
     if not isinstance(name, str) or name not in _CATALOGUE:
         raise unknown_name("system", name, _CATALOGUE)

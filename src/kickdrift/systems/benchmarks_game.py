@@ -39,6 +39,13 @@ def benchmarks_game() -> System:
 
     The Sun moves so that the total momentum is zero. With the default method and a step of 0.01 the energy is
     -0.169075164 at the start and -0.169087605 after 1000 steps.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> sol = kd.solve(kd.systems.benchmarks_game(), (0.0, 10.0), step=0.01, method="kick-drift", compensated=False)
+    >>> print(f"{sol.energy[0]:.9f} {sol.energy[-1]:.9f}")
+    -0.169075164 -0.169087605
     """
     planets = list(_PLANETS.values())
     masses = np.array([1.0] + [mass for mass, _, _ in planets]) * 4 * math.pi**2

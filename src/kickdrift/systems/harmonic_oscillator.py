@@ -36,6 +36,12 @@ def harmonic_oscillator(omega: float = 1.0, x0: float = 1.0, v0: float = 0.0) ->
     ------
     ArgumentError
         If `omega` is not positive.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> kd.systems.harmonic_oscillator().exact(0.0)
+    (np.float64(1.0), np.float64(0.0))
     """
     if not (math.isfinite(omega) and omega > 0):
         raise ArgumentError(f"omega={omega!r} must be positive and finite.")

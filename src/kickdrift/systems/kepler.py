@@ -56,6 +56,13 @@ def kepler(eccentricity: float = 0.6, semi_major_axis: float = 1.0, mu: float = 
     ------
     ArgumentError
         For an eccentricity outside [0, 1), or an axis or `mu` that is not positive.
+
+    Examples
+    --------
+    >>> import numpy as np, kickdrift as kd
+    >>> sol = kd.solve(kd.systems.kepler(eccentricity=0.6), (0.0, 2 * np.pi), step=0.01, method="wisdom-holman")
+    >>> bool(abs(sol.x[-1] - sol.x[0]).max() < 1e-13)
+    True
     """
     if not 0 <= eccentricity < 1:
         raise ArgumentError(f"eccentricity={eccentricity!r} must be at least 0 and below 1; the orbit is an ellipse.")

@@ -137,6 +137,14 @@ def nbody(
     -----
     Masses, positions, velocities, G and softening may be quantities of astropy or pint, but then all of them: lengths are in
     the unit of x0, velocities in that of v0, and times in the unit that follows from these.
+
+    Examples
+    --------
+    >>> import numpy as np, kickdrift as kd
+    >>> three = kd.systems.nbody([3, 4, 5], x0=[[1, 3, 0], [-2, -1, 0], [1, -1, 0]], v0=np.zeros((3, 3)))
+    >>> sol = kd.solve(three, (0.0, 1.0), step=0.001, method="leapfrog", save_every=100)
+    >>> sol.x.shape, round(float(sol.energy[0]), 6)
+    ((11, 3, 3), -12.816667)
     """
     (masses, x0, v0, G, softening), units = of_bodies(masses, x0, v0, G, softening)
     gm, positions, velocities = _checked(masses, x0, v0, G, softening)

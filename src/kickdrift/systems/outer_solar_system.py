@@ -28,6 +28,13 @@ def outer_solar_system(splitting: str = "jacobi") -> System:
     ----------
     splitting : str
         As for `planetary`.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> sol = kd.solve(kd.systems.outer_solar_system(), (0.0, 20_000.0), step=200.0, method="wisdom-holman")
+    >>> sol.x.shape
+    (101, 6, 3)
     """
     masses, x, v = (np.array([body[i] for body in BODIES.values()]) for i in range(3))
     return replace(

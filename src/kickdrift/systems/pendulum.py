@@ -38,6 +38,14 @@ def pendulum(amplitude: float = 2.0, omega: float = 1.0) -> System:
     ------
     ArgumentError
         If the amplitude does not lie between 0 and pi, or `omega` is not positive.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> sol = kd.solve(kd.systems.pendulum(amplitude=3.0), (0.0, 10.0), step=0.01, method="kahan-li-8")
+    >>> x, v = kd.systems.pendulum(amplitude=3.0).exact(sol.t)
+    >>> bool(abs(sol.x - x).max() < 1e-11)
+    True
     """
     if not 0 < amplitude < math.pi:
         raise ArgumentError(f"amplitude={amplitude!r} must lie strictly between 0 and pi.")

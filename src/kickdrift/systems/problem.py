@@ -92,6 +92,12 @@ class Problem(ABC):
         Whether there are velocities, or momenta.
     start_in_params : bool
         Whether the params of its system depend on the numbers of the start.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> issubclass(kd.SecondOrder, kd.systems.Problem)
+    True
     """
 
     has_velocity: ClassVar[bool] = True

@@ -48,7 +48,14 @@ class Ephemeris:
 
 @cache
 def ephemeris() -> Ephemeris:
-    """Read the packaged states of JPL's DE421: J2000 and six epochs up to ten years later."""
+    """Read the packaged states of JPL's DE421: J2000 and six epochs up to ten years later.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> kd.systems.ephemeris().bodies[:4], kd.systems.ephemeris().x.shape
+    (('Sun', 'Mercury', 'Venus', 'Earth'), (7, 11, 3))
+    """
     data = json.loads(files("kickdrift.systems").joinpath("data/de421.json").read_text())
     epochs = sorted(data["states"], key=float)
     states = np.array([data["states"][epoch] for epoch in epochs])
@@ -84,6 +91,14 @@ def solar_system(bodies: Sequence[str] | None = None, splitting: str | None = No
         For an unknown body, one named twice, or an empty list.
     UnknownNameError
         For an unknown splitting.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> planets = kd.systems.solar_system(["Sun", "Earth", "Jupiter"])
+    >>> sol = kd.solve(planets, (0.0, 365.25), step=1.0, method="blanes-moan-srkn6b")
+    >>> bool(abs(sol.energy / sol.energy[0] - 1).max() < 1e-9)
+    True
     """
     sky = ephemeris()
     chosen = _choose(bodies, sky.bodies)

@@ -33,6 +33,12 @@ class Quantity:
         What the function gets as `params`, where they are not those of the system.
     scale : float, optional
         The size against which its error is judged, where it is a sum that may be zero; by default its own at the start.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> kd.systems.kepler().quantities["energy"].size
+    1
     """
 
     function: Function
@@ -112,6 +118,15 @@ class System:
         Of bodies that merge where they touch.
     quantity_units : Units, optional
         The units of its numbers, where it was made of quantities.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> system = kd.systems.kepler(eccentricity=0.6)
+    >>> system.x0, system.kind
+    (array([0.4, 0. ]), <Kind.NEARLY_KEPLERIAN: 'light bodies around a heavy one'>)
+    >>> list(system.quantities)
+    ['energy', 'angular momentum']
     """
 
     name: str

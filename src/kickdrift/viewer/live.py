@@ -13,7 +13,7 @@ from typing import Any, Self
 import numpy as np
 
 from kickdrift.engine.announcing import compiling_announced
-from kickdrift.viewer.bodies import DrawnBodies, check_can_be_seen, extent
+from kickdrift.viewer.bodies import DrawnBodies, check_can_be_seen, extent, on_planes
 from kickdrift.viewer.controls import Controls
 from kickdrift.viewer.live_world import LiveWorld
 from kickdrift.viewer.meshes import Drag, State
@@ -175,7 +175,11 @@ class _Picture:
         self._scene, self._live, self._hear = scene, live, hear
         with live.world.tables.lock:
             state, self._looks, self._made_of = live.state(), appearance(live.world), _made_of(live.world)
-        centre, self._radius = extent(self._looks, state.position[None], state.particles[None])
+        # What falls onto a plane is to be seen there, too.
+        bodies, vertices = (
+            [places, *on_planes(self._looks, state, places)] for places in (state.position, state.particles)
+        )
+        centre, self._radius = extent(self._looks, np.array(bodies), np.array(vertices))
         Stage(scene, camera, time.sleep).look(centre, self._radius)
         self._drawn = self._draw(state)
         self._springs = scene.add_line_segments(

@@ -48,7 +48,16 @@ class AddsBodies:
     shape_rows: ShapeRows
 
     def add_sphere(self, radius: float, **options: Any) -> Body:
-        """Add a ball of a radius in m; options as in `add_body`."""
+        """Add a ball of a radius in m; options as in `add_body`.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.1, position=(0, 0, 1), density=1000.0, restitution=0.8)
+        >>> round(ball.mass, 3)
+        4.189
+        """
         return self.add_body(Sphere(radius), **options)
 
     def add_capsule(self, radius: float, length: float, **options: Any) -> Body:
@@ -58,28 +67,70 @@ class AddsBodies:
         ----------
         radius, length : float
             In m; the length is that of the cylinder between the caps.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> rod = world.add_capsule(radius=0.1, length=1.0, position=(0, 0, 1), mass=2.0)
+        >>> rod.mass
+        2.0
         """
         return self.add_body(Capsule(radius, length), **options)
 
     def add_cylinder(self, radius: float, length: float, **options: Any) -> Body:
-        """Add a cylinder about z, centred at its origin, with a radius and a length in m; options as in `add_body`."""
+        """Add a cylinder about z, centred at its origin, with a radius and a length in m; options as in `add_body`.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> can = world.add_cylinder(radius=0.1, length=0.3, position=(0, 0, 0.15), mass=1.0)
+        >>> round(float(can.inertia[2, 2]), 6)
+        0.005
+        """
         return self.add_body(Cylinder(radius, length), **options)
 
     def add_cone(self, radius: float, length: float, **options: Any) -> Body:
         """Add a cone about z with a radius and a length in m; options as in `add_body`.
 
         The position passed in is halfway between base and tip; the position of the body is its centre of mass.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> cone = world.add_cone(radius=0.1, length=0.4, mass=1.0)
+        >>> cone.position.round(6)
+        array([ 0. ,  0. , -0.1])
         """
         return self.add_body(Cone(radius, length), **options)
 
     def add_box(self, size: ArrayLike, **options: Any) -> Body:
-        """Add a box with three full edge lengths in m; options as in `add_body`."""
+        """Add a box with three full edge lengths in m; options as in `add_body`.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> box = world.add_box(size=(1, 1, 1), position=(0, 0, 0.5), mass=50.0, friction=0.6)
+        >>> box.position
+        array([0. , 0. , 0.5])
+        """
         return self.add_body(Box(size), **options)
 
     def add_hull(self, points: ArrayLike, **options: Any) -> Body:
         """Add the convex hull of (N, 3) points in m; options as in `add_body`.
 
         The position passed in is that of the origin of the points; the position of the body is its centre of mass.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> wedge = world.add_hull([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], density=600.0)
+        >>> round(wedge.mass, 6)
+        100.0
         """
         return self.add_body(Hull(points), **options)
 
@@ -96,6 +147,16 @@ class AddsBodies:
             Any point of the plane, m.
         **options
             As in `add_body`.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> floor = world.add_plane(normal=(0, 0, 1), friction=0.6)
+        >>> ball = world.add_sphere(radius=0.1, position=(0, 0, 0.1), mass=1.0)
+        >>> world.advance(1 / 60, 60)
+        >>> bool(abs(ball.position[2] - 0.1) < 1e-3)
+        True
         """
         return self.add_body(Plane(), position=point, orientation=turn_to(normal), static=True, **options)
 
@@ -110,6 +171,14 @@ class AddsBodies:
             Indices of vertices, counter-clockwise as seen from outside.
         **options
             As in `add_body`.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> slab = world.add_mesh([(-9, -9, 0), (9, -9, 0), (0, 9, 0)], [(0, 1, 2)])
+        >>> world.ray_cast(origin=(0, 0, 5), direction=(0, 0, -1)).distance
+        5.0
         """
         return self.add_body(Mesh(vertices, faces), static=True, **options)
 
@@ -124,6 +193,14 @@ class AddsBodies:
             Distance between neighbouring heights, m.
         **options
             As in `add_body`.
+
+        Examples
+        --------
+        >>> import numpy as np, kickdrift as kd
+        >>> world = kd.World()
+        >>> hills = world.add_height_field(np.full((5, 5), 0.5), spacing=1.0)
+        >>> round(world.ray_cast(origin=(0.2, 0.1, 5), direction=(0, 0, -1)).distance, 6)
+        4.5
         """
         return self.add_body(HeightField(heights, spacing), static=True, **options)
 
@@ -192,6 +269,15 @@ class AddsBodies:
         ------
         ArgumentError
             For sizes, masses, inertias and poses that no body can have, and for the name of another body.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> parts = [kd.Part(kd.Sphere(0.1), position=(x, 0, 0)) for x in (-0.5, 0.5)]
+        >>> dumbbell = world.add_body(parts, position=(0, 0, 1), density=1000.0, name="dumbbell")
+        >>> round(dumbbell.mass, 3)
+        8.378
         """
         name = self.bodies.names.checked(name)
         parts = list(shapes) if isinstance(shapes, Sequence) else [Part(shapes)]
@@ -230,6 +316,14 @@ class AddsBodies:
         ------
         UnknownNameError
             If there is none; the message lists the names.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.1, name="ball")
+        >>> world.body("ball") == ball
+        True
         """
         return self.bodies.handle(self.bodies.names.row(name))
 
@@ -241,6 +335,13 @@ class AddsBodies:
         ------
         ArgumentError
             If it has been removed before.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.1)
+        >>> world.remove(ball)
         """
         row = self.bodies.row(body)
         self.joints.remove_of_body(row)

@@ -43,15 +43,42 @@ class ConservedQuantities:
     bodies: Bodies
 
     def energy(self) -> Energy:
-        """Measure kinetic and potential energy, J; ``energy().total`` is their sum."""
+        """Measure kinetic and potential energy, J; ``energy().total`` is their sum.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.1, mass=2.0, velocity=(3, 0, 0))
+        >>> world.energy().kinetic
+        9.0
+        """
         return energy(self.tables, self.bodies)
 
     def momentum(self) -> Floats:
-        """Measure the momentum, (3,), kg m/s."""
+        """Measure the momentum, (3,), kg m/s.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.1, mass=2.0, velocity=(3, 0, 0))
+        >>> world.momentum()
+        array([6., 0., 0.])
+        """
         return momentum(self.tables, self.bodies)
 
     def angular_momentum(self) -> Floats:
-        """Measure the angular momentum about the origin, (3,), kg m^2/s."""
+        """Measure the angular momentum about the origin, (3,), kg m^2/s.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.1, mass=2.0, position=(0, 1, 0), velocity=(3, 0, 0))
+        >>> world.angular_momentum()
+        array([ 0.,  0., -6.])
+        """
         return angular_momentum(self.tables, self.bodies)
 
 

@@ -34,6 +34,16 @@ class AppliesForces:
             N, in the world's axes.
         point : (3,) array_like, optional
             Point of application, in the world, m; the centre of mass by default.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.1, mass=2.0)
+        >>> world.apply_force(ball, (0, 0, 2 * 9.81))
+        >>> world.step(1 / 60)
+        >>> bool(abs(ball.velocity).max() < 1e-12)
+        True
         """
         row, f = self.bodies.moved_row(body), vector("force", force, 3)
         at = None if point is None else vector("point", point, 3)
@@ -44,7 +54,18 @@ class AppliesForces:
 
     @alone
     def apply_torque(self, body: Body, torque: ArrayLike) -> None:
-        """Apply a torque in N m, (3,) in the world's axes, to a body during the next step."""
+        """Apply a torque in N m, (3,) in the world's axes, to a body during the next step.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> disk = world.add_cylinder(radius=0.5, length=0.1, mass=8.0)
+        >>> world.apply_torque(disk, (0, 0, 6.0))
+        >>> world.step(1 / 60)
+        >>> disk.angular_velocity.round(6)
+        array([0. , 0. , 0.1])
+        """
         row, t = self.bodies.moved_row(body), vector("torque", torque, 3)
         self.tables.row(LOAD, row)[3:6] += t
 
@@ -64,6 +85,20 @@ class AppliesForces:
         ------
         ArgumentError
             If it is not a function, has an argument with an unknown name, has no output, or cannot be compiled.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> def drag(velocity, force):
+        ...     for body in range(len(force)):
+        ...         for k in range(3):
+        ...             force[body, k] -= 0.5 * velocity[body, k]
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.1, mass=1.0)
+        >>> drags = world.add_force(drag)
+        >>> world.advance(1 / 60, 1200)
+        >>> round(float(ball.velocity[2]), 1)
+        -19.6
         """
         self._keep_force(force_of(force))  # Ctrl-C need not wait for the compiler
 

@@ -72,6 +72,15 @@ class KeepsHistory:
             For an invalid duration, step or save_every, and for checkpoints of another run or version.
         FileFormatError
             If all checkpoints are damaged.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.1, mass=1.0)
+        >>> recording = world.run(duration=1.0, step=1 / 60, save_every=2)
+        >>> recording.x.shape
+        (31, 2, 3)
         """
         kept = Kept(checkpoint, checkpoint_every, checkpoint_keep, save_to)
         return run(self._world, duration, step, save_every, progress, kept)
@@ -137,12 +146,33 @@ class KeepsHistory:
             If there is nothing to be seen.
         MissingExtraError
             If viser is not installed.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.1, mass=1.0)
+        >>> with world.view(1 / 60, port=0) as page:
+        ...     pass  # in a script of your own: page.wait()
+        open http://127.0.0.1:...
         """
         return cast("LivePage", Recording.presenters.view(self._world, step, port=port))
 
     @alone
     def snapshot(self) -> Snapshot:
-        """Return the world as it is now, for `restore`: it does not change with the world."""
+        """Return the world as it is now, for `restore`: it does not change with the world.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.1, mass=1.0)
+        >>> before = world.snapshot()
+        >>> world.advance(1 / 60, 60)
+        >>> world.restore(before)
+        >>> world.time, ball.position
+        (0.0, array([0., 0., 0.]))
+        """
         return take(self._world)
 
     @undivided
@@ -160,6 +190,17 @@ class KeepsHistory:
         ------
         ArgumentError
             If it is no snapshot, and while the world is being recorded: a recording does not go back.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.1, mass=1.0)
+        >>> before = world.snapshot()
+        >>> world.advance(1 / 60, 60)
+        >>> world.restore(before)
+        >>> world.time
+        0.0
         """
         restore(self._world, snapshot)
 
@@ -170,6 +211,15 @@ class KeepsHistory:
         ------
         FileFormatError
             If the file cannot be written.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.1, mass=1.0)
+        >>> path = world.save("world.npz")
+        >>> kd.load_world(path).position.shape
+        (2, 3)
         """
         return Recording.presenters.save_world(self, path)
 

@@ -30,6 +30,16 @@ class Part:
         kg/m^3; the body's by default.
     **surface
         Those of `friction`, `restitution` and the other options in which it differs from the body.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> world = kd.World()
+    >>> handle = kd.Part(kd.Box((0.04, 0.04, 0.4)))
+    >>> head = kd.Part(kd.Box((0.2, 0.06, 0.06)), position=(0, 0, 0.2), density=7800.0)
+    >>> hammer = world.add_body([handle, head])
+    >>> round(hammer.mass, 3)
+    6.256
     """
 
     def __init__(

@@ -61,6 +61,15 @@ class SpatialQueries:
         ArgumentError
             If the origin is not finite, the direction has no length, or the limit or a layer cannot be; for bodies to
             ignore that are gone.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.5)
+        >>> hit = world.ray_cast(origin=(0, 0, 5), direction=(0, 0, -1))
+        >>> hit.body == ball, hit.distance
+        (True, 4.5)
         """
         ray = one_vector("origin", origin), one_vector("direction", direction)
         found = self._hits(queries.ray_cast_many(self.tables, *ray, limit, layers, self._ignored(ignore)))
@@ -75,7 +84,16 @@ class SpatialQueries:
         layers: Iterable[int] | None = None,
         ignore: _Ignored = (),
     ) -> list[RayHit]:
-        """Return the first hit of a ray on every shape along it, nearest first; arguments as in `ray_cast`."""
+        """Return the first hit of a ray on every shape along it, nearest first; arguments as in `ray_cast`.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> balls = [world.add_sphere(radius=0.5, position=(0, 0, z)) for z in (0, 2)]
+        >>> [hit.distance for hit in world.ray_cast_all(origin=(0, 0, 5), direction=(0, 0, -1))]
+        [2.5, 4.5]
+        """
         return self._hits(queries.ray_cast_all(self.tables, origin, direction, limit, layers, self._ignored(ignore)))
 
     @alone
@@ -87,7 +105,17 @@ class SpatialQueries:
         layers: Iterable[int] | None = None,
         ignore: _Ignored = (),
     ) -> RayHits:
-        """Return the nearest shape that each of many rays hits, as arrays; (N, 3) directions from (N, 3) or (3,) origins."""
+        """Return the nearest shape that each of many rays hits, as arrays; (N, 3) directions from (N, 3) or (3,) origins.
+
+        Examples
+        --------
+        >>> import numpy as np, kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.5)
+        >>> hits = world.ray_cast_many(np.array([[0, 0, 5], [1, 0, 5]]), np.array([[0, 0, -1], [0, 0, -1]]))
+        >>> hits.distance
+        array([4.5, inf])
+        """
         return queries.ray_cast_many(self.tables, origins, directions, limit, layers, self._ignored(ignore))
 
     @alone
@@ -118,6 +146,14 @@ class SpatialQueries:
         ------
         ArgumentError
             If the size is not positive, or the pose is not finite; for bodies to ignore that are gone.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.5)
+        >>> world.overlap_box(size=(1, 1, 1), position=(0.9, 0, 0)) == [ball]
+        True
         """
         ignored = self._ignored(ignore)
         return self._bodies_of(queries.overlap_box(self.tables, size, position, orientation, layers, ignored))
@@ -130,7 +166,16 @@ class SpatialQueries:
         layers: Iterable[int] | None = None,
         ignore: _Ignored = (),
     ) -> list[Body]:
-        """Return the bodies that overlap a sphere with a radius in m; other arguments as in `overlap_box`."""
+        """Return the bodies that overlap a sphere with a radius in m; other arguments as in `overlap_box`.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.5)
+        >>> world.overlap_sphere(radius=0.2, position=(0.6, 0, 0)) == [ball]
+        True
+        """
         return self._bodies_of(queries.overlap_sphere(self.tables, radius, position, layers, self._ignored(ignore)))
 
     def _ignored(self, ignore: Any) -> set[int]:

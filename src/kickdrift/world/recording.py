@@ -105,6 +105,17 @@ class Recording(Solution):
     `derived` has "kinetic energy" and "potential energy", J; "overlap", the largest penetration of bodies in contact, and
     "joint gap", the largest error of a joint's distance, m; and "residual", what the solver left unsolved, m/s, see
     `World.residual`.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> world = kd.World()
+    >>> ball = world.add_sphere(radius=0.1, mass=1.0, name="ball")
+    >>> recording = world.run(duration=1.0, step=1 / 60)
+    >>> recording.x[-1, recording.row("ball")].round(3)
+    array([ 0.   ,  0.   , -4.905])
+    >>> recording.moving
+    array([1])
     """
 
     orientation: Floats

@@ -9,6 +9,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import choice, vector
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
+from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.collision.filters import exclude
 from kickdrift.world.settings import GRAVITY, RESIDUAL, SUBSTEPS
 from kickdrift.world.tables import ASKED_APART, SETTINGS, Tables
@@ -22,6 +23,7 @@ class Tunable:
 
     tables: Tables
     bodies: Bodies
+    cloths: Cloths
     _sleeping: bool
 
     @property
@@ -35,6 +37,7 @@ class Tunable:
     def gravity(self, gravity: ArrayLike) -> None:
         self.tables.array(SETTINGS)[0, GRAVITY : GRAVITY + 3] = vector("gravity", gravity, 3)
         self.bodies.wake()
+        self.cloths.wake()
 
     @property
     def substeps(self) -> int:
@@ -64,6 +67,7 @@ class Tunable:
         self._sleeping = choice("sleeping", sleeping)
         self.tables.altered = True
         self.bodies.wake()
+        self.cloths.wake()
 
     @property
     def residual(self) -> float:
@@ -83,6 +87,17 @@ class Tunable:
         ------
         ArgumentError
             For a body with itself, and removed bodies.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> one = world.add_sphere(radius=0.1, mass=1.0)
+        >>> other = world.add_sphere(radius=0.1, position=(0.05, 0, 0), mass=1.0)
+        >>> world.exclude(one, other)
+        >>> world.step(1 / 60)
+        >>> world.touching
+        []
         """
         pair = (self.bodies.row(body_a, "body_a"), self.bodies.row(body_b, "body_b"))
         if pair[0] == pair[1]:

@@ -87,8 +87,8 @@ class World(
         Bodies that approach more slowly do not bounce, m/s; by default four times the speed that gravity adds in a substep.
     sleeping : bool
         Whether islands of bodies that nearly touch or are joined are skipped once they are at rest: once no point of them
-        has moved faster than `sleep_speed`, m/s, for `sleep_time`, s. Off by default, because it removes their remaining
-        kinetic energy.
+        has moved faster than `sleep_speed`, m/s, for `sleep_time`, s; and all cloths, once all of them are. Off by
+        default, because it removes their remaining kinetic energy.
     sleep_speed, sleep_time : float
     threads : bool
         Whether contacts are distributed over Numba's threads (``numba.set_num_threads``). The bits are the same for any
@@ -114,6 +114,18 @@ class World(
         s.
     broken : list of Joint
         Joints that broke in the last call of `step` or `advance`.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> world = kd.World(gravity=(0, 0, -9.81))
+    >>> floor = world.add_plane(friction=0.6)
+    >>> ball = world.add_sphere(radius=0.1, position=(0, 0, 1.1), density=1000.0, restitution=0.8)
+    >>> recording = world.run(duration=2.0, step=1 / 60)
+    >>> recording.x.shape
+    (121, 3, 3)
+    >>> bool(ball.position[2] < 0.8)
+    True
     """
 
     def __init__(
@@ -210,11 +222,30 @@ class World(
         UnsolvedWarning
             Once if joints lose energy because bodies turn too far in a substep, and once if a body has rested for seconds on
             contacts that the solver leaves unsolved; the message says what would help.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.1, mass=1.0)
+        >>> world.step(1 / 60)
+        >>> round(world.time, 6), ball.velocity.round(4)
+        (0.016667, array([ 0.    ,  0.    , -0.1635]))
         """
         self.advance(step, 1)
 
     def advance(self, step: float, count: int) -> None:
-        """Do a number of steps in compiled code, as by repeated calls of `step`."""
+        """Do a number of steps in compiled code, as by repeated calls of `step`.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.1, mass=1.0)
+        >>> world.advance(1 / 60, 60)
+        >>> round(world.time, 6)
+        1.0
+        """
         step = number("step", step, "s; 1/60 is usual", zero=False)
         if type(count) is bool or not (isinstance(count, int | np.integer) and count >= 0):
             raise ArgumentError(f"count={count!r} must be a whole number of steps, zero or more.")

@@ -61,6 +61,15 @@ class AddsCloths:
         ------
         ArgumentError
             For a mesh that a cloth cannot be made of, and numbers that cannot be; the sentence names the vertex or triangle.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> corners, triangles = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 3)]
+        >>> sheet = world.add_cloth(corners, triangles, density=0.2)
+        >>> round(float(sheet.mass.sum()), 6)
+        0.2
         """
         made_of, mesh = fabric_of(fabric), cloth_mesh(vertices, triangles)
         meets_itself = choice("self_collision", self_collision)
@@ -101,6 +110,15 @@ class AddsCloths:
         ------
         ArgumentError
             For numbers that cannot be.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> sheet = world.add_cloth_grid(size=(1.0, 1.0), vertices=(5, 5), position=(0, 0, 1))
+        >>> sheet.pin([0, 4])
+        >>> sheet.position.shape
+        (25, 3)
         """
         sides, counts = vector("size", size, 2), np.asarray(vertices)
         if not (sides > 0.0).all():
@@ -123,5 +141,13 @@ class AddsCloths:
         ------
         UnknownNameError
             If none has it; the sentence says which there are.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> sheet = world.add_cloth_grid(vertices=(3, 3), name="sheet")
+        >>> world.cloth("sheet") == sheet
+        True
         """
         return self.cloths.handle(self.cloths.names.row(name))

@@ -88,6 +88,16 @@ class AddsJoints:
         ------
         ArgumentError
             For a body with itself, removed bodies, and whatever the record refuses.
+
+        Examples
+        --------
+        >>> from kickdrift.world.joints.hinge import Hinge
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> door = world.add_box((1, 0.1, 2), position=(0.5, 0, 1), mass=20.0)
+        >>> hinge = world.add_joint(None, door, Hinge(anchor=(0, 0, 1), axis=(0, 0, 1)))
+        >>> hinge.angle
+        0.0
         """
         if not isinstance(record, Record):
             raise ArgumentError(
@@ -114,6 +124,15 @@ class AddsJoints:
         ------
         UnknownNameError
             If there is none; the message lists the names.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> rod = world.add_capsule(0.05, 1.0, mass=1.0)
+        >>> hinge = world.add_hinge(None, rod, anchor=(0, 0, 0.5), axis=(0, 1, 0), name="hinge")
+        >>> world.joint("hinge") == hinge
+        True
         """
         return self.joints.handle(self.joints.names.row(name))
 
@@ -124,6 +143,14 @@ class AddsJoints:
         ------
         ArgumentError
             If it was removed before.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> rod = world.add_capsule(0.05, 1.0, mass=1.0)
+        >>> hinge = world.add_hinge(None, rod, anchor=(0, 0, 0.5), axis=(0, 1, 0))
+        >>> world.remove_joint(hinge)
         """
         self.joints.remove(joint)
 

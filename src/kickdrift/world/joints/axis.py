@@ -83,6 +83,16 @@ class Motor:
     ------
     ArgumentError
         For a speed that is not finite or a negative maximum.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> world = kd.World()
+    >>> wheel = world.add_cylinder(0.3, 0.1, mass=2.0)
+    >>> axle = world.add_hinge(None, wheel, anchor=(0, 0, 0), axis=(0, 0, 1), motor=kd.Motor(speed=10.0, maximum=0.9))
+    >>> world.advance(1 / 60, 30)
+    >>> round(axle.speed, 6), round(axle.effort, 6)
+    (5.0, 0.9)
     """
 
     speed: float = 0.0
@@ -124,6 +134,17 @@ class Drive:
     -----
     Both are implicit in the position and speed, so any stiffness and damping is stable. Springs that are slow compared to
     the substep conserve their energy; see `kickdrift.world.joints.laws`.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> world = kd.World()
+    >>> rod = world.add_capsule(0.05, 0.9, position=(0, 0, -0.5), mass=1.0)
+    >>> spring = kd.Drive(stiffness=500.0, damping=50.0, target=0.5)
+    >>> hinge = world.add_hinge(None, rod, anchor=(0, 0, 0), axis=(0, 1, 0), drive=spring)
+    >>> world.advance(1 / 60, 300)
+    >>> round(hinge.angle, 2)
+    0.5
     """
 
     stiffness: float = 0.0
@@ -182,6 +203,19 @@ class Axis:
     ------
     ArgumentError
         For limits in the wrong order or not a number, negative friction, and a locked axis with any law.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> world = kd.World()
+    >>> block = world.add_box((1, 1, 1), mass=1.0)
+    >>> free, held = kd.Axis(), kd.Axis(locked=True)
+    >>> axes = {"linear": (free, held, held), "angular": (held, held, held)}
+    >>> joint = world.add_six_dof_joint(None, block, anchor=(0, 0, 0), **axes)
+    >>> world.apply_force(block, (6.0, 0, 0))
+    >>> world.step(1 / 60)
+    >>> world.velocity[block.index].round(6)
+    array([0.1, 0. , 0. ])
     """
 
     locked: bool = False

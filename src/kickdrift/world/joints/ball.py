@@ -39,6 +39,16 @@ class Ball(Record):
     Notes
     -----
     Swing and twist: Baerlocher, Boulic, Parametrization and range of motion of the ball-and-socket joint (2001).
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> world = kd.World()
+    >>> rod = world.add_capsule(radius=0.05, length=0.9, position=(0, 0, -0.5), mass=1.0)
+    >>> joint = world.add_ball_joint(None, rod, anchor=(0, 0, 0))
+    >>> world.advance(1 / 60, 60)
+    >>> bool(abs(rod.position[2] + 0.5) < 1e-6)
+    True
     """
 
     anchor: ArrayLike

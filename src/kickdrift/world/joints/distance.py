@@ -26,6 +26,16 @@ class Distance(Record):
     ------
     ArgumentError
         For points that coincide and lengths that are not positive.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> world = kd.World()
+    >>> rod = world.add_capsule(radius=0.05, length=0.9, position=(0, 0, -0.5), mass=1.0)
+    >>> joint = world.add_distance_joint(None, rod, anchor_a=(0, 0, 1), anchor_b=(0, 0, 0))
+    >>> world.advance(1 / 60, 60)
+    >>> round(float(rod.position[2]), 6)
+    -0.5
     """
 
     anchor_a: ArrayLike

@@ -19,6 +19,16 @@ class Fixed(Record):
     ----------
     anchor : (3,) array_like
         Where they are joined, in the world, m: the reference point of its torque.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> world = kd.World()
+    >>> rod = world.add_capsule(radius=0.05, length=0.9, position=(0, 0, -0.5), mass=1.0)
+    >>> joint = world.add_fixed_joint(None, rod, anchor=(0, 0, 0))
+    >>> world.advance(1 / 60, 60)
+    >>> joint.force.round(2)
+    array([0.  , 0.  , 9.81])
     """
 
     anchor: ArrayLike

@@ -56,6 +56,20 @@ class Gear(Record):
     as joint a, the gear breaks with ``breaking_torque``, with a slider with ``breaking_force``. A gear is removed with its
     joints, none of which can be placed while it exists. A joint that turns by more than half a turn in a substep slips by
     full turns.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> world = kd.World()
+    >>> small = world.add_cylinder(0.1, 0.05, mass=1.0)
+    >>> large = world.add_cylinder(0.3, 0.05, position=(0.4, 0, 0), mass=9.0)
+    >>> one = world.add_hinge(None, small, anchor=(0, 0, 0), axis=(0, 0, 1))
+    >>> other = world.add_hinge(None, large, anchor=(0.4, 0, 0), axis=(0, 0, 1))
+    >>> gear = world.add_gear(one, other, ratio=-3.0)
+    >>> one.apply_effort(0.1)
+    >>> world.step(1 / 60)
+    >>> round(one.speed / other.speed, 6)
+    -3.0
     """
 
     joint_a: Joint

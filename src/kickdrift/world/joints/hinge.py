@@ -32,6 +32,16 @@ class Hinge(Record):
     ------
     ArgumentError
         For an axis of length zero, limits in the wrong order, negative friction.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> world = kd.World()
+    >>> rod = world.add_capsule(radius=0.05, length=0.9, position=(0, 0, -0.5), mass=1.0)
+    >>> hinge = world.add_hinge(None, rod, anchor=(0, 0, 0), axis=(0, 1, 0))
+    >>> hinge.angle = 0.3
+    >>> rod.position.round(3)
+    array([-0.148,  0.   , -0.478])
     """
 
     anchor: ArrayLike

@@ -27,6 +27,16 @@ class Rope(Record):
     ------
     ArgumentError
         For points that coincide and lengths that are not positive.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> world = kd.World()
+    >>> rod = world.add_capsule(radius=0.05, length=0.9, position=(0, 0, -0.5), mass=1.0)
+    >>> rope = world.add_rope(None, rod, anchor_a=(0, 0, 1), anchor_b=(0, 0, 0), length=1.5)
+    >>> world.advance(1 / 60, 300)
+    >>> bool(rod.position[2] > -1.01)
+    True
     """
 
     anchor_a: ArrayLike

@@ -38,6 +38,17 @@ class SixDof(Record):
     ArgumentError
         For axes of length zero or not at right angles; for a swing limit, or limits about x or y, that do not go with the
         axes that are open; for motors or differing drives beside swing and twist.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> world = kd.World()
+    >>> rod = world.add_capsule(radius=0.05, length=0.9, position=(0, 0, -0.5), mass=1.0)
+    >>> free, held = kd.Axis(), kd.Axis(locked=True)
+    >>> joint = world.add_six_dof_joint(None, rod, anchor=(0, 0, 0), linear=(held, held, free), angular=(held, held, free))
+    >>> world.advance(1 / 60, 60)
+    >>> bool(joint.positions[2] < -4)
+    True
     """
 
     anchor: ArrayLike

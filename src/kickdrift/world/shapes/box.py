@@ -71,6 +71,14 @@ class Box:
     ------
     ArgumentError
         If there are not three lengths, or one is not positive and finite.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> world = kd.World()
+    >>> box = world.add_body(kd.Box((1.0, 2.0, 0.5)), density=1000.0)
+    >>> round(box.mass, 3)
+    1000.0
     """
 
     size: tuple[float, float, float]

@@ -63,6 +63,14 @@ class Capsule:
     ------
     ArgumentError
         If one of the two is not positive and finite.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> world = kd.World()
+    >>> rod = world.add_body(kd.Capsule(0.1, 1.0), density=1000.0)
+    >>> round(rod.mass, 3)
+    35.605
     """
 
     radius: float

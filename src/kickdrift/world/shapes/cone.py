@@ -33,6 +33,16 @@ class Cone:
     Notes
     -----
     The notes on contacts of `Cylinder` apply to cones, too.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> world = kd.World()
+    >>> cone = world.add_body(kd.Cone(0.1, 1.0), density=1000.0)
+    >>> round(cone.mass, 3)
+    10.472
+    >>> cone.position.round(6)
+    array([ 0.  ,  0.  , -0.25])
     """
 
     radius: float

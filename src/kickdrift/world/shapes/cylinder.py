@@ -34,6 +34,14 @@ class Cylinder:
     exact. So are contacts with boxes, hulls and triangles, at faces as well as at edges, except for the extent of contact
     points where an end lies partly over a face: there the rim is a polygon of 24 corners. In contacts of two cylinders one
     of them is such a polygon, with a corner at the point of contact.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> world = kd.World()
+    >>> can = world.add_body(kd.Cylinder(0.1, 1.0), density=1000.0)
+    >>> round(can.mass, 3)
+    31.416
     """
 
     radius: float

@@ -75,6 +75,15 @@ class Hull:
     ------
     ArgumentError
         If the points are not finite, fewer than four, all in one plane, or have a hull of more than 128 corners.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> world = kd.World()
+    >>> corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    >>> tetrahedron = world.add_body(kd.Hull(corners), density=600.0)
+    >>> round(tetrahedron.mass, 6)
+    100.0
     """
 
     points: Array

@@ -47,6 +47,14 @@ class Sphere:
     ------
     ArgumentError
         If the radius is not positive and finite.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> world = kd.World()
+    >>> ball = world.add_body(kd.Sphere(0.5), density=1000.0)
+    >>> round(ball.mass, 3)
+    523.599
     """
 
     radius: float
