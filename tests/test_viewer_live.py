@@ -54,7 +54,7 @@ def live(slow=0.0):
     """A world on a clock, whose steps take a while."""
     world, _ = falling()
     clock = Clock()
-    lives = LiveWorld(world, STEP, clock)
+    lives = LiveWorld(world, STEP, clock=clock)
     do, lives._do_step = lives._do_step, lambda: (do(), setattr(clock, "now", clock.now + slow))
     return lives, clock
 
@@ -117,6 +117,22 @@ def test_a_single_step_pauses():
     lives.play()
     lives.do_step()
     assert (lives.world.time, lives.playing) == (STEP, False)
+
+
+def test_a_controller_is_called_before_each_step():
+    world = kd.World((0, 0, 0))
+    ball = world.add_sphere(0.1, mass=2.0)
+    times = []
+
+    def control():
+        times.append(world.time)
+        world.apply_force(ball, (3.0, 0.0, 0.0))
+
+    lives = LiveWorld(world, STEP, control)
+    for _ in range(5):
+        lives.do_step()
+    assert times == [k * STEP for k in range(5)]
+    assert ball.velocity[0] == pytest.approx(1.5 * 5 * STEP, rel=1e-12)
 
 
 def test_reset_goes_back_to_the_same_bits_and_lets_go():
@@ -499,18 +515,19 @@ def test_what_cannot_be_seen_is_refused(monkeypatch):
     for step in (0.0, -1.0, np.nan, "fast"):
         with pytest.raises(ArgumentError, match="step="):
             world.view(step, port=0)
+    with pytest.raises(ArgumentError, match="control=3 has to be a function without arguments"):
+        world.view(STEP, control=3, port=0)
     monkeypatch.setitem(sys.modules, "viser", None)
     with pytest.raises(MissingExtraError, match=r"needs the package 'viser'.* pip install 'kickdrift\[viewer\]'"):
         world.view(STEP, port=0)
 
 
-def test_what_ends_the_loop_is_raised_where_one_waits(page):
-    world, _, page = page
-
-    def fail(step):
+def test_what_ends_the_loop_is_raised_where_one_waits():
+    def fail():
         raise ZeroDivisionError("on purpose")
 
-    world.step = fail
+    world, _ = falling()
+    page = world.view(STEP, control=fail, port=0)
     with Browser(page.url), pytest.raises(ZeroDivisionError, match="on purpose"):  # it plays for the first who comes
         page.wait()
 
