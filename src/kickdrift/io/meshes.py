@@ -47,6 +47,16 @@ def load_mesh(path: str | Path) -> Mesh:
         If there is no such file, or no triangles in it.
     MissingExtraError
         Without trimesh.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import mkdtemp
+    >>> import kickdrift as kd
+    >>> path = Path(mkdtemp()) / "triangle.obj"
+    >>> _ = path.write_text("v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n")
+    >>> kd.load_mesh(path).triangles
+    array([[0, 1, 2]])
     """
     trimesh = _trimesh("kickdrift.load_mesh")
     if not isinstance(path, str | os.PathLike):
