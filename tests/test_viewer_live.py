@@ -22,9 +22,13 @@ from websockets.sync.client import connect
 
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError, KickdriftError, MissingExtraError
+from kickdrift.scenes import worlds
+from kickdrift.viewer.bodies import on_planes
+from kickdrift.viewer.controls import driven_axes
 from kickdrift.viewer.grip import Grip
 from kickdrift.viewer.live_world import LiveWorld
 from kickdrift.viewer.server import local_server
+from kickdrift.world.recording import appearance
 
 STEP = 1 / 128  # a power of two: sums of steps are exact
 
@@ -50,7 +54,7 @@ def live(slow=0.0):
     """A world on a clock, whose steps take a while."""
     world, _ = falling()
     clock = Clock()
-    lives = LiveWorld(world, STEP, clock)
+    lives = LiveWorld(world, STEP, clock=clock)
     do, lives._do_step = lives._do_step, lambda: (do(), setattr(clock, "now", clock.now + slow))
     return lives, clock
 
@@ -113,6 +117,22 @@ def test_a_single_step_pauses():
     lives.play()
     lives.do_step()
     assert (lives.world.time, lives.playing) == (STEP, False)
+
+
+def test_a_controller_is_called_before_each_step():
+    world = kd.World((0, 0, 0))
+    ball = world.add_sphere(0.1, mass=2.0)
+    times = []
+
+    def control():
+        times.append(world.time)
+        world.apply_force(ball, (3.0, 0.0, 0.0))
+
+    lives = LiveWorld(world, STEP, control)
+    for _ in range(5):
+        lives.do_step()
+    assert times == [k * STEP for k in range(5)]
+    assert ball.velocity[0] == pytest.approx(1.5 * 5 * STEP, rel=1e-12)
 
 
 def test_reset_goes_back_to_the_same_bits_and_lets_go():
@@ -416,6 +436,32 @@ def test_sliders_set_targets_and_settings_and_go_back(page):
         until(lambda: all(browser.value(label) == value for label, value in shown.items()), "the sliders to go back")
 
 
+def test_sliders_are_there_for_drives_that_pull_to_a_target():
+    assert driven_axes(worlds.ragdolls()) == []
+    names = [name for name, _, _ in driven_axes(worlds.arm().world)]
+    assert names == [f"joint {k}" for k in range(7)]
+    world = kd.World()
+    box = world.add_box((1, 1, 1), mass=1.0)
+    spring = kd.Axis(drive=kd.Drive(10.0, 1.0))
+    joint = world.add_six_dof_joint(None, box, anchor=(0, 0, 0), linear=(spring, kd.Axis(), spring), name="table")
+    assert driven_axes(world) == [("table, axis 0", joint, 0), ("table, axis 2", joint, 2)]
+    for _, found, axis in driven_axes(world):
+        found.set_drive(None, axis)
+    assert driven_axes(world) == []
+
+
+def test_the_camera_sees_where_things_fall():
+    world, _ = falling()
+    looks, state = appearance(world), LiveWorld(world, STEP).state()
+    (floor,) = on_planes(looks, state, state.position)
+    np.testing.assert_allclose(floor[2], [0, 0, 0], atol=1e-12)
+    tilted = kd.World()
+    tilted.add_plane(normal=(0, 3, 4), point=(0, 0, 1))
+    ball = tilted.add_sphere(0.1, position=(2, 0, 6), mass=1.0)
+    (floor,) = on_planes(appearance(tilted), LiveWorld(tilted, STEP).state(), np.array([ball.position]))
+    np.testing.assert_allclose(floor, [[2.0, -2.4, 2.8]], atol=1e-12)
+
+
 def test_bodies_that_come_and_go_are_seen(page):
     world, ball, page = page
     with Browser(page.url) as browser:
@@ -469,18 +515,19 @@ def test_what_cannot_be_seen_is_refused(monkeypatch):
     for step in (0.0, -1.0, np.nan, "fast"):
         with pytest.raises(ArgumentError, match="step="):
             world.view(step, port=0)
+    with pytest.raises(ArgumentError, match="control=3 has to be a function without arguments"):
+        world.view(STEP, control=3, port=0)
     monkeypatch.setitem(sys.modules, "viser", None)
     with pytest.raises(MissingExtraError, match=r"needs the package 'viser'.* pip install 'kickdrift\[viewer\]'"):
         world.view(STEP, port=0)
 
 
-def test_what_ends_the_loop_is_raised_where_one_waits(page):
-    world, _, page = page
-
-    def fail(step):
+def test_what_ends_the_loop_is_raised_where_one_waits():
+    def fail():
         raise ZeroDivisionError("on purpose")
 
-    world.step = fail
+    world, _ = falling()
+    page = world.view(STEP, control=fail, port=0)
     with Browser(page.url), pytest.raises(ZeroDivisionError, match="on purpose"):  # it plays for the first who comes
         page.wait()
 

@@ -38,6 +38,8 @@ def view(target: str, step: str | None, port: int) -> int:
         robot = load_robot(target)
         for note in robot.notes:
             say(note)
+        for name, joint in robot.joints.items():  # by which its slider is known
+            joint.name = joint.name or name
         return _run(robot.world, wanted or _ROBOTS_STEP, port)
     if target in catalogue():
         raise ArgumentError(

@@ -109,6 +109,17 @@ def extent(appearance: Appearance, x: Floats, particles: Floats) -> tuple[Floats
     return 0.5 * (low + high), float(0.5 * np.linalg.norm(high - low) + np.quantile(sizes, 1.0 - _STRAYS))
 
 
+def on_planes(appearance: Appearance, state: State, places: Floats) -> list[Floats]:
+    """Return the nearest points on each plane to others, (N, 3) each, m."""
+    found = []
+    for plane in parts_of(appearance)[1]:
+        turn = state.orientation[plane.body]
+        point = state.position[plane.body] + turned(turn, plane.position)
+        normal = turned(product(turn, plane.orientation), [0.0, 0.0, 1.0])
+        found.append(places - ((places - point) @ normal)[:, None] * normal)
+    return found
+
+
 def _lay_planes(scene: Any, planes: list[DrawnShape], state: State, radius: float) -> list[Any]:
     """Show planes as grids that one can look through."""
     section = 10.0 ** np.floor(np.log10(radius))

@@ -15,7 +15,7 @@ Do = Callable[[Callable[[], None]], None]
 _SPEEDS = (0.05, 4.0)
 _SUBSTEPS = 32  # at most, or those that the world has
 _MOST_SLIDERS = 40  # of joints
-_WIDE = (1.0, math.pi)  # m and rad on either side of the target, where a joint has no limits
+_WIDE = (1.0, 3.14)  # m and rad on either side of the target, where a joint has no limits
 
 
 class Controls:
@@ -99,20 +99,21 @@ class Controls:
         now = target()
         wide = _WIDE[axis >= 3]
         low, high = joint.limits(axis) or (-math.inf, math.inf)
-        low, high = min(now, max(low, now - wide)), max(now, min(high, now + wide))
+        low, high = min(now, max(low, round(now - wide, 2))), max(now, min(high, round(now + wide, 2)))
         slider = gui.add_slider(name, low, high, wide / 200, now, hint="rad" if axis >= 3 else "m")
         self._follow(slider, target, aim)
 
 
 def driven_axes(world: World) -> list[tuple[str, Joint, int]]:
-    """Return the axes that have a drive whose target can be changed: what to call them, their joints, and which they are."""
+    """Return the axes whose drives pull to a target that can be changed: what to call each, its joint, and which it is."""
     found = []
     for row, columns in enumerate(world.tables.array(JOINT)):
         if columns[JOINT_KIND] == REMOVED:
             continue
         joint = world.joints.handle(row)
         last = 3 if columns[ANGULAR] == SWING_TWIST else 6
-        axes = [axis for axis in range(last) if joint.drive(axis) is not None]
+        drives = [joint.drive(axis) for axis in range(last)]
+        axes = [axis for axis, drive in enumerate(drives) if drive is not None and drive.stiffness > 0.0]
         name = joint.name or f"joint {row}"
         found += [(name if len(axes) == 1 else f"{name}, axis {axis}", joint, axis) for axis in axes]
     return found

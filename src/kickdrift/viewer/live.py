@@ -12,8 +12,9 @@ from typing import Any, Self
 
 import numpy as np
 
+from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.announcing import compiling_announced
-from kickdrift.viewer.bodies import DrawnBodies, check_can_be_seen, extent
+from kickdrift.viewer.bodies import DrawnBodies, check_can_be_seen, extent, on_planes
 from kickdrift.viewer.controls import Controls
 from kickdrift.viewer.live_world import LiveWorld
 from kickdrift.viewer.meshes import Drag, State
@@ -30,7 +31,9 @@ _WORDS = 0.2  # and between lines that are
 _SPRING = (230, 60, 40)
 
 
-def view_world(world: World, step: float, *, port: int = 8080) -> "LivePage":
+def view_world(
+    world: World, step: float, *, control: Callable[[], object] | None = None, port: int = 8080
+) -> "LivePage":
     """Show a world on a page of the browser, on which it plays, pauses, steps, and is pulled with the mouse.
 
     Parameters
@@ -39,6 +42,8 @@ def view_world(world: World, step: float, *, port: int = 8080) -> "LivePage":
         It runs in a thread of its own from when the page is first opened, in real time where steps are fast enough.
     step : float
         s.
+    control : callable, optional
+        Called without arguments before each step.
     port : int
         Of this machine, for itself alone; 0 takes any that is free.
 
@@ -50,7 +55,7 @@ def view_world(world: World, step: float, *, port: int = 8080) -> "LivePage":
     Raises
     ------
     ArgumentError
-        For a step that is not positive and finite, and for a port that is taken.
+        For a step that is not positive and finite, a control that cannot be called, and a port that is taken.
     KickdriftError
         If there is nothing to be seen.
     MissingExtraError
@@ -58,7 +63,11 @@ def view_world(world: World, step: float, *, port: int = 8080) -> "LivePage":
     """
     step = number("step", step, "s; 1/60 is usual", zero=False)
     check_can_be_seen(appearance(world), "the world")
-    page = LivePage(world, step, port)
+    if not (control is None or callable(control)):
+        raise ArgumentError(
+            f"control={control!r} has to be a function without arguments, which is called before each step."
+        )
+    page = LivePage(world, step, control, port)
     print(f"open {page.url}", flush=True)
     return page
 
@@ -72,14 +81,14 @@ class LivePage:
         Where it is.
     """
 
-    def __init__(self, world: World, step: float, port: int) -> None:
+    def __init__(self, world: World, step: float, control: Callable[[], object] | None, port: int) -> None:
         self._held = ExitStack()
         self._server = self._held.enter_context(local_server(port))
         self.url = f"http://{ADDRESS}:{self._server.get_port()}"
         try:
             with compiling_announced():
                 world.advance(step, 0)
-            self._live = LiveWorld(world, step)
+            self._live = LiveWorld(world, step, control)
             self._ended = threading.Event()
             self._asked: SimpleQueue[Callable[[], None]] = SimpleQueue()
             self._set_up()
@@ -175,7 +184,11 @@ class _Picture:
         self._scene, self._live, self._hear = scene, live, hear
         with live.world.tables.lock:
             state, self._looks, self._made_of = live.state(), appearance(live.world), _made_of(live.world)
-        centre, self._radius = extent(self._looks, state.position[None], state.particles[None])
+        # What falls onto a plane is to be seen there, too.
+        bodies, vertices = (
+            [places, *on_planes(self._looks, state, places)] for places in (state.position, state.particles)
+        )
+        centre, self._radius = extent(self._looks, np.array(bodies), np.array(vertices))
         Stage(scene, camera, time.sleep).look(centre, self._radius)
         self._drawn = self._draw(state)
         self._springs = scene.add_line_segments(

@@ -25,6 +25,8 @@ class LiveWorld:
     world : World
     step : float
         s.
+    control : callable, optional
+        Called before each step.
     clock : callable
         Returns seconds.
 
@@ -39,8 +41,14 @@ class LiveWorld:
         By the page that holds on.
     """
 
-    def __init__(self, world: World, step: float, clock: Callable[[], float] = time.perf_counter) -> None:
-        self.world, self.step = world, step
+    def __init__(
+        self,
+        world: World,
+        step: float,
+        control: Callable[[], object] | None = None,
+        clock: Callable[[], float] = time.perf_counter,
+    ) -> None:
+        self.world, self.step, self._control = world, step, control
         self.playing, self.trouble = False, ""
         self.reached: float | None = None
         self.grips: dict[int, Grip] = {}
@@ -135,6 +143,8 @@ class LiveWorld:
     def _do_step(self) -> None:
         for grip in self.grips.values():
             grip.pull()
+        if self._control is not None:
+            self._control()
         self.world.step(self.step)
 
     def _begin_anew(self) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
@@ -121,7 +122,7 @@ class KeepsHistory:
         """
         return record(self._world, save_every, save_to)
 
-    def view(self, step: float, *, port: int = 8080) -> LivePage:
+    def view(self, step: float, *, control: Callable[[], object] | None = None, port: int = 8080) -> LivePage:
         """Show the world on a page of the browser, where it plays, pauses, steps, resets, and is pulled with the mouse.
 
         In a script: ``world.view(1 / 60).wait()``.
@@ -129,7 +130,9 @@ class KeepsHistory:
         Parameters
         ----------
         step : float
-            s. A thread of their own does the steps from when the page is first opened, in real time where they are fast enough.
+            s. A thread of its own does the steps from when the page is first opened, in real time if they are fast enough.
+        control : callable, optional
+            Called without arguments before each step: a robot's controller, which applies efforts and sets drives.
         port : int
             Of this machine, for itself alone; 0 takes any that is free.
 
@@ -141,7 +144,7 @@ class KeepsHistory:
         Raises
         ------
         ArgumentError
-            For a step that is not positive and finite, and for a port that is taken.
+            For a step that is not positive and finite, a control that cannot be called, and a port that is taken.
         KickdriftError
             If there is nothing to be seen.
         MissingExtraError
@@ -156,7 +159,7 @@ class KeepsHistory:
         ...     pass  # in a script of your own: page.wait()
         open http://127.0.0.1:...
         """
-        return cast("LivePage", Recording.presenters.view(self._world, step, port=port))
+        return cast("LivePage", Recording.presenters.view(self._world, step, control=control, port=port))
 
     @alone
     def snapshot(self) -> Snapshot:

@@ -28,7 +28,7 @@ def wake_moved(t: float, h: float, world: int) -> None:
         for k in range(6):
             pushed = pushed or load[row, k] != 0.0
         if pushed and body[row, BODY_KIND] == DYNAMIC:
-            _wake_island(world, body[row, SLEEP_ISLAND])
+            wake_island(world, body[row, SLEEP_ISLAND])
         elif pushed:
             body[row, AWAKE] = 1
 
@@ -69,13 +69,14 @@ def _is_near(world: int, row: int) -> bool:
 def _wake_one_by_other(world: int, a: int, b: int) -> None:
     body = integers(world, BODY)
     if body[a, AWAKE] != 0 and body[b, AWAKE] == 0 and body[b, BODY_KIND] == DYNAMIC:
-        _wake_island(world, body[b, SLEEP_ISLAND])
+        wake_island(world, body[b, SLEEP_ISLAND])
     elif body[b, AWAKE] != 0 and body[a, AWAKE] == 0 and body[a, BODY_KIND] == DYNAMIC:
-        _wake_island(world, body[a, SLEEP_ISLAND])
+        wake_island(world, body[a, SLEEP_ISLAND])
 
 
 @compiled
-def _wake_island(world: int, island: int) -> None:
+def wake_island(world: int, island: int) -> None:
+    """Wake the bodies of an island."""
     body, rested = integers(world, BODY), floats(world, RESTED)
     for row in range(rows(world, BODY)):
         if body[row, BODY_KIND] == DYNAMIC and body[row, AWAKE] == 0 and body[row, SLEEP_ISLAND] == island:

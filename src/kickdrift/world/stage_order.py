@@ -9,6 +9,7 @@ from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function
 from kickdrift.world.cloth.contacts import find_cloth_contacts
 from kickdrift.world.cloth.motion import begin_cloths, move_cloths
+from kickdrift.world.cloth.sleeping import rest_cloths, wake_cloths
 from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.collision.narrow_phase import place_shapes
 from kickdrift.world.collision.recycling import find_points
@@ -103,6 +104,7 @@ def word(uses: Uses) -> Word:
         find_points,
         *when(uses.is_fast, find_impacts),
         *when(uses.sleeps, wake_touched),
+        *when(uses.sleeps and uses.cloths, wake_cloths),
         *when(uses.joints, wake_joints, measure_joints, begin_joints),
         find_heaps,
         *when(direct, find_nodes),
@@ -121,6 +123,7 @@ def word(uses: Uses) -> Word:
         count_unsolved,
         note_touching,
         *when(uses.sleeps, sleep),
+        *when(uses.sleeps and uses.cloths, rest_cloths),
         *when(uses.joints, finish_joints),
     )
     return Word(before, substep, after)

@@ -9,6 +9,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import choice, vector
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
+from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.collision.filters import exclude
 from kickdrift.world.settings import GRAVITY, RESIDUAL, SUBSTEPS
 from kickdrift.world.tables import ASKED_APART, SETTINGS, Tables
@@ -22,6 +23,7 @@ class Tunable:
 
     tables: Tables
     bodies: Bodies
+    cloths: Cloths
     _sleeping: bool
 
     @property
@@ -35,6 +37,7 @@ class Tunable:
     def gravity(self, gravity: ArrayLike) -> None:
         self.tables.array(SETTINGS)[0, GRAVITY : GRAVITY + 3] = vector("gravity", gravity, 3)
         self.bodies.wake()
+        self.cloths.wake()
 
     @property
     def substeps(self) -> int:
@@ -64,6 +67,7 @@ class Tunable:
         self._sleeping = choice("sleeping", sleeping)
         self.tables.altered = True
         self.bodies.wake()
+        self.cloths.wake()
 
     @property
     def residual(self) -> float:

@@ -87,8 +87,8 @@ class World(
         Bodies that approach more slowly do not bounce, m/s; by default four times the speed that gravity adds in a substep.
     sleeping : bool
         Whether islands of bodies that nearly touch or are joined are skipped once they are at rest: once no point of them
-        has moved faster than `sleep_speed`, m/s, for `sleep_time`, s. Off by default, because it removes their remaining
-        kinetic energy.
+        has moved faster than `sleep_speed`, m/s, for `sleep_time`, s; and all cloths, once all of them are. Off by
+        default, because it removes their remaining kinetic energy.
     sleep_speed, sleep_time : float
     threads : bool
         Whether contacts are distributed over Numba's threads (``numba.set_num_threads``). The bits are the same for any

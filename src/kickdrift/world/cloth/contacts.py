@@ -17,6 +17,7 @@ from kickdrift.world.cloth.layout import (
     FIRST_CONTACT,
     FIRST_PARTICLE,
     GROUND_VELOCITY,
+    IS_ASLEEP,
     LAST_CONTACT,
     LAST_PARTICLE,
     MOVES_BODY,
@@ -89,6 +90,13 @@ _LAYER = 1  # bit of layer 0, in which all cloths are
 @compiled
 def find_cloth_contacts(t: float, h: float, world: int) -> None:
     """Find the particles of all cloths that may touch a shape in this substep."""
+    if integers(world, CLOTH)[0, IS_ASLEEP] == 0:
+        find_contacts(world, h)
+
+
+@compiled
+def find_contacts(world: int, h: float) -> None:
+    """Find the particles of all cloths that may touch a shape within the time h, s."""
     cloths, own = integers(world, CLOTH), integers(world, SHAPE)
     set_rows(world, CLOTH_CONTACT, 0)
     near = rows(world, SHAPE) + rows(world, TRIANGLE_TREE) + 2

@@ -41,6 +41,8 @@ FIRST_CONTACT, LAST_CONTACT = column(CLOTH), column(CLOTH)
 CLOTH_GENERATION = column(CLOTH)
 FIRST_NODE, LAST_NODE = column(CLOTH), column(CLOTH)
 MEETS_ITSELF = column(CLOTH)
+IS_ASLEEP = column(CLOTH)  # of the first cloth, for all of them
+STIRRED = 2  # value of it: they sleep, and were moved
 
 # CLOTH_NUMBERS
 STRETCH = column(CLOTH_NUMBERS, 1, "N/m")  # stiffness, as it is in use
@@ -58,6 +60,7 @@ WIND = column(CLOTH_NUMBERS, 3, "m/s")
 ASKED = column(CLOTH_NUMBERS, 5, "N/m, N/m, N m, s, s")  # the first five as they were asked for
 MEMBRANE_RATE = column(CLOTH_NUMBERS, 1, "1/s")  # highest angular frequency, with what was asked for
 BENDING_RATE = column(CLOTH_NUMBERS, 1, "1/s")
+REST_TIME = column(CLOTH_NUMBERS, 1, "s")  # for how long all cloths have rested, of the first
 SKIN = column(CLOTH_NUMBERS, 1, "m")  # by which particles may move otherwise than foreseen until pairs are sought anew
 
 # PARTICLE

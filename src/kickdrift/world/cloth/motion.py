@@ -13,6 +13,7 @@ from kickdrift.world.cloth.contact_impulses import resolve_contacts
 from kickdrift.world.cloth.crossings import stop_crossings
 from kickdrift.world.cloth.layout import (
     FIRST_PARTICLE,
+    IS_ASLEEP,
     LAST_PARTICLE,
     LINEAR_DAMPING,
     PARTICLE_INVERSE_MASS,
@@ -21,6 +22,7 @@ from kickdrift.world.cloth.layout import (
     SEARCH_AGE,
     SEARCH_VALID,
     SHARED_PARTS,
+    STIRRED,
     STRAIN,
     TURN,
 )
@@ -63,6 +65,8 @@ def move_cloths(t: float, h: float, world: int) -> None:
     All of them take the same parts, as they touch each other. Where there is no room for pairs, the stage goes on from there.
     """
     search = floats(world, CLOTH_SEARCH)
+    if integers(world, CLOTH)[0, IS_ASLEEP] != 0:
+        return
     if search[0, TURN] == 0.0:
         search[0, SHARED_PARTS] = _begin(world, h)
     parts, turn = int(search[0, SHARED_PARTS]), int(search[0, TURN])
@@ -176,14 +180,17 @@ def _check(world: int, cloth: int) -> None:
 
 @compiled
 def begin_cloths(t: float, h: float, world: int) -> None:
-    """Keep the cloths as they are, in case the step cannot be done, and let pairs be sought anew."""
-    search = floats(world, CLOTH_SEARCH)
+    """Keep the cloths as they are, in case the step cannot be done, and note whether they were moved while they slept."""
+    search, own, moved = floats(world, CLOTH_SEARCH), integers(world, CLOTH), False
     search[0, SEARCH_VALID] = search[0, TURN] = 0.0
     set_rows(world, CLOTH_PAIR, 0)
     now, before = floats(world, PARTICLE), floats(world, STARTED_PARTICLE)
     for i in range(rows(world, PARTICLE)):
         for k in range(PARTICLE.width):
+            moved = moved or now[i, k] != before[i, k]
             before[i, k] = now[i, k]
+    if moved and own[0, IS_ASLEEP] != 0:
+        own[0, IS_ASLEEP] = STIRRED
 
 
 def roll_back_cloths(tables: Tables) -> None:

@@ -17,11 +17,12 @@ OF_A_STEP = (
 
 
 def arrange(tables: t.Tables, meshes: Sequence[ClothMesh]) -> None:
-    """Give the tables their rows, zeros, and build the trees over the triangles of all cloths, as they lie without tension."""
+    """Give the tables their rows, and build the trees over the triangles of all cloths, as they lie without tension."""
     for own, of in ((_OF_PARTICLES, t.PARTICLE), (_OF_FACES, t.FACE)):
         for table in own:
             tables.resize(table, 0)
             tables.resize(table, tables.count(of))
+    tables.array(t.STARTED_PARTICLE)[:] = tables.array(t.PARTICLE)  # where those that sleep are
     for table in (t.CLOTH_TREE, t.NORMAL_TREE, t.CLOTH_TREE_NODE):
         tables.resize(table, 0)
     tables.resize(t.CLOTH_SEARCH, 1)[:] = 0.0

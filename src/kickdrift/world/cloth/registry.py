@@ -102,6 +102,8 @@ class Cloths:
         numbers[c.MEMBRANE_RATE] = membrane_rate(mesh, axes, to_rest, stiffness, masses)
         self.names.give(row, name)
         self._couple(row)
+        self._bodies.wake()
+        self.wake()
         return Cloth(row, generation, self)
 
     def _add_particles(self, mesh: ClothMesh, masses: Floats) -> None:
@@ -178,6 +180,8 @@ class Cloths:
         """Give numbers of a name anew."""
         first, size = _COLUMNS[name]
         self.tables.array(CLOTH_NUMBERS)[self.row(cloth), first : first + size] = value
+        self._bodies.wake()
+        self.wake()
 
     @undivided
     def pin(self, cloth: Cloth, vertices: ArrayLike, body: Body | None) -> None:
@@ -191,6 +195,7 @@ class Cloths:
             add_pins(self.tables, rows, of)
         self._couple(self.row(cloth))
         self._bodies.wake()
+        self.wake()
         self.tables.altered = True
 
     @undivided
@@ -198,8 +203,14 @@ class Cloths:
         """Let vertices go; see `Cloth.unpin`."""
         self._free(self.row(cloth), self._rows_of(cloth, vertices))
 
+    def wake(self) -> None:
+        """Wake all cloths, as if they had not rested."""
+        self.tables.array(CLOTH)[:, c.IS_ASLEEP] = 0
+        self.tables.array(CLOTH_NUMBERS)[:, c.REST_TIME] = 0.0
+
     def release(self, body: int) -> None:
-        """Let go of a row of bodies."""
+        """Let go of a row of bodies, and wake, as cloths may have rested on it."""
+        self.wake()
         pins = self.tables.array(PIN)
         held = pins[pins[:, c.PINNED_BODY] == body, c.PINNED_PARTICLE]
         for row, (first, last) in enumerate(
@@ -216,6 +227,7 @@ class Cloths:
         table[particles, c.PARTICLE_INVERSE_MASS] = 1.0 / table[particles, c.PARTICLE_MASS]
         self._couple(row)
         self._bodies.wake()
+        self.wake()
         self.tables.altered = True
 
     def stiffness(self, cloth: Cloth) -> tuple[float, float, float]:

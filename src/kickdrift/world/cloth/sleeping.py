@@ -1,0 +1,121 @@
+"""Sleep of cloths: all of a world rest together, with the bodies that they touch, and are left alone until something moves."""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import dot
+from kickdrift.world.cloth.contacts import find_contacts
+from kickdrift.world.cloth.layout import (
+    CLOTH_GAP,
+    CLOTH_RADIUS,
+    IS_ASLEEP,
+    PARTICLE_VELOCITY,
+    PINNED_BODY,
+    REST_TIME,
+    STIRRED,
+    TOUCHED_BODY,
+)
+from kickdrift.world.columns import vector_at
+from kickdrift.world.integration import AWAKE, BODY_KIND, DYNAMIC, KINEMATIC, SLEEP_ISLAND
+from kickdrift.world.settings import SLEEP_SPEED, SLEEP_TIME
+from kickdrift.world.sleeping import TIME, wake_island
+from kickdrift.world.step_status import OK, STATUS
+from kickdrift.world.tables import (
+    BODY,
+    CLOTH,
+    CLOTH_CONTACT,
+    CLOTH_CONTACT_NUMBERS,
+    CLOTH_NUMBERS,
+    PARTICLE,
+    PIN,
+    RESTED,
+    SETTINGS,
+    STARTED_PARTICLE,
+    STEP_STATUS,
+    floats,
+    integers,
+    rows,
+)
+
+_TOUCHES = 0.1  # of half the thickness
+
+
+@compiled
+def wake_cloths(t: float, h: float, world: int) -> None:
+    """Wake cloths that sleep where one was moved, or a body that is awake touches or holds it; bodies on them wake, too."""
+    own, numbers = integers(world, CLOTH), floats(world, CLOTH_NUMBERS)
+    if own[0, IS_ASLEEP] == 0:
+        return
+    find_contacts(world, h)
+    if integers(world, STEP_STATUS)[0, STATUS] == OK and (own[0, IS_ASLEEP] == STIRRED or _is_held(world)):
+        own[0, IS_ASLEEP], numbers[0, REST_TIME] = 0, 0.0
+        _wake_touched(world, 1.0)
+
+
+@compiled
+def rest_cloths(t: float, h: float, world: int) -> None:
+    """Put all cloths to sleep that have rested long enough; what touches those that have not stays awake."""
+    particle, own, settings = floats(world, PARTICLE), integers(world, CLOTH), floats(world, SETTINGS)
+    if own[0, IS_ASLEEP] != 0:
+        return
+    fastest, numbers = 0.0, floats(world, CLOTH_NUMBERS)
+    for i in range(rows(world, PARTICLE)):
+        v = vector_at(particle, i, PARTICLE_VELOCITY)
+        fastest = max(fastest, dot(v, v))
+    rests = fastest < settings[0, SLEEP_SPEED] ** 2
+    numbers[0, REST_TIME] = numbers[0, REST_TIME] + h if rests else 0.0
+    if not rests:
+        _wake_touched(world, _TOUCHES)
+    if numbers[0, REST_TIME] < settings[0, SLEEP_TIME] or _is_held(world):
+        return
+    own[0, IS_ASLEEP] = 1
+    for i in range(rows(world, PARTICLE)):
+        for k in range(3):
+            particle[i, PARTICLE_VELOCITY + k] = 0.0
+    _note_place(world)
+
+
+@compiled
+def _note_place(world: int) -> None:
+    """Note where cloths sleep: nothing moves them from there but who writes into their tables."""
+    now, then = floats(world, PARTICLE), floats(world, STARTED_PARTICLE)
+    for i in range(rows(world, PARTICLE)):
+        for k in range(PARTICLE.width):
+            then[i, k] = now[i, k]
+
+
+@compiled
+def _is_held(world: int) -> bool:
+    """Whether a body that is awake is near a cloth, or carries it."""
+    contact, pin, held = integers(world, CLOTH_CONTACT), integers(world, PIN), False
+    for row in range(rows(world, CLOTH_CONTACT)):
+        held = held or _is_awake(world, contact[row, TOUCHED_BODY])
+    for k in range(rows(world, PIN)):
+        held = held or _is_awake(world, pin[k, PINNED_BODY])
+    return held
+
+
+@compiled(inline=True)
+def _is_awake(world: int, body: int) -> bool:
+    own = integers(world, BODY)
+    awake: bool = own[body, BODY_KIND] >= KINEMATIC and own[body, AWAKE] != 0
+    return awake
+
+
+@compiled
+def _wake_touched(world: int, within: float) -> None:
+    """Keep bodies awake that cloths carry, or touch to within a part of half the thickness, and wake them."""
+    contact, pin, numbers = integers(world, CLOTH_CONTACT), integers(world, PIN), floats(world, CLOTH_CONTACT_NUMBERS)
+    radius = floats(world, CLOTH_NUMBERS)[0, CLOTH_RADIUS]
+    for row in range(rows(world, CLOTH_CONTACT)):
+        if numbers[row, CLOTH_GAP] < within * radius:
+            _stir(world, contact[row, TOUCHED_BODY])
+    for k in range(rows(world, PIN)):
+        _stir(world, pin[k, PINNED_BODY])
+
+
+@compiled
+def _stir(world: int, body: int) -> None:
+    own, rested = integers(world, BODY), floats(world, RESTED)
+    if own[body, BODY_KIND] == DYNAMIC:
+        if own[body, AWAKE] == 0:
+            wake_island(world, own[body, SLEEP_ISLAND])
+        rested[body, TIME] = 0.0
