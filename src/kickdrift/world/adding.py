@@ -1,4 +1,4 @@
-"""Adding bodies to a world, and removing them."""
+"""Adding bodies to a world, finding them by name, and removing them."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 
 
 class AddsBodies:
-    """The methods of a world that add bodies."""
+    """The methods of a world that add and remove bodies."""
 
     tables: Tables
     bodies: Bodies

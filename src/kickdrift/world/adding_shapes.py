@@ -21,7 +21,7 @@ from kickdrift.world.shapes.sphere import Sphere
 
 
 class AddsShapes(AddsBodies):
-    """The methods of a world that add bodies of one shape."""
+    """The methods of a world that add a body of one shape."""
 
     def add_sphere(self, radius: float, **options: Any) -> Body:
         """Add a ball of a radius in m; options as in `add_body`.
