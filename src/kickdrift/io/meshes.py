@@ -54,7 +54,8 @@ def load_mesh(path: str | Path) -> Mesh:
     >>> from tempfile import mkdtemp
     >>> import kickdrift as kd
     >>> path = Path(mkdtemp()) / "triangle.obj"
-    >>> _ = path.write_text("v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n")
+    >>> lines = "v 0 0 0", "v 1 0 0", "v 0 1 0", "f 1 2 3"
+    >>> _ = path.write_text(chr(10).join(lines))
     >>> kd.load_mesh(path).triangles
     array([[0, 1, 2]])
     """
