@@ -28,7 +28,7 @@ class Mesh(NamedTuple):
 
 
 def load_mesh(path: str | Path) -> Mesh:
-    r"""Read the triangles of an OBJ, glTF, PLY or STL file, for a cloth: ``world.add_cloth(*kd.load_mesh("shirt.obj"))``.
+    """Read the triangles of an OBJ, glTF, PLY or STL file, for a cloth: ``world.add_cloth(*kd.load_mesh("shirt.obj"))``.
 
     Several meshes of a file become one. Vertices in one place are one, as files repeat those whose normals or textures differ;
     those that no triangle has are left out.
@@ -54,7 +54,8 @@ def load_mesh(path: str | Path) -> Mesh:
     >>> from tempfile import mkdtemp
     >>> import kickdrift as kd
     >>> path = Path(mkdtemp()) / "triangle.obj"
-    >>> _ = path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    >>> lines = "v 0 0 0", "v 1 0 0", "v 0 1 0", "f 1 2 3"
+    >>> _ = path.write_text(chr(10).join(lines))
     >>> kd.load_mesh(path).triangles
     array([[0, 1, 2]])
     """
