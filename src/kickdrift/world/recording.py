@@ -79,6 +79,7 @@ class WorldPresenters(Presenters):
     """What recordings can do in the layers above, and worlds: the package hands it down when it is imported."""
 
     animate: Callable[..., Path]
+    world_html: Callable[..., str]
     save_meshes: Callable[..., Path]
     view: Callable[..., Any]
     save_world: Callable[..., Path]
