@@ -158,8 +158,9 @@ def _compare(world: int, a: int, b: int, one: Any, m: int, other: Any, n: int) -
 
 @compiled(inline=True)
 def _overlap(a: Any, m: int, b: Any, n: int) -> bool:
-    meets = (a[m, 0] <= b[n, 3]) & (a[m, 1] <= b[n, 4]) & (a[m, 2] <= b[n, 5])  # NaN meets nothing
-    return meets & (a[m, 3] >= b[n, 0]) & (a[m, 4] >= b[n, 1]) & (a[m, 5] >= b[n, 2])
+    meets: bool = (a[m, 0] <= b[n, 3]) & (a[m, 1] <= b[n, 4]) & (a[m, 2] <= b[n, 5])  # NaN meets nothing
+    meets &= (a[m, 3] >= b[n, 0]) & (a[m, 4] >= b[n, 1]) & (a[m, 5] >= b[n, 2])
+    return meets
 
 
 @compiled
