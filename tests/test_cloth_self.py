@@ -174,6 +174,20 @@ def test_the_distance_of_pairs_is_the_least_of_many():
             assert np.linalg.norm(way) > least - 0.1
 
 
+@pytest.mark.parametrize("speed", [np.nan, np.inf, 1e200])
+def test_a_heap_that_is_lost_ends_the_step_and_leaves_the_world_as_it_was(speed):
+    world, strip = heap(True)
+    world.advance(STEP, 45)
+    strip.velocity[40] = speed
+    before = strip.position.copy()
+    with pytest.raises(kd.KickdriftError, match="cloth 0 was lost"):
+        world.step(STEP)
+    assert np.array_equal(strip.position, before)
+    strip.velocity[40] = 0.0
+    world.step(STEP)
+    assert crossings(strip) == 0
+
+
 def test_self_collision_is_on_or_off():
     with pytest.raises(kd.KickdriftError, match="self_collision"):
         kd.World().add_cloth_grid(self_collision="yes")

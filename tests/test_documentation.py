@@ -56,6 +56,21 @@ def module_of(path):
     return ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
 
 
+def test_each_example_of_the_gallery_has_a_title_a_text_and_a_number():
+    gallery = sorted((ROOT / "docs" / "gallery").glob("*/*.py"))
+    assert len(gallery) >= 40
+    for path in gallery:
+        tree = ast.parse(path.read_text())
+        title, underline, _, *text = (ast.get_docstring(tree) or "").splitlines()
+        assert set(underline) == {"="}, path
+        assert len(underline) == len(title), path
+        assert len(" ".join(text)) > 100, path
+        assert "print(" in path.read_text(), path
+    assert {path.parent.name for path in gallery} == {
+        path.parent.name for path in (ROOT / "docs" / "gallery").glob("*/GALLERY_HEADER.rst")
+    }
+
+
 # Returned or raised, not made or called.
 RESULTS = {"Advice", "LostBodyError", "LyapunovExponents", "Merger", "ObservedOrder", "OrbitalElements", "PoincareSection",
            "WorkPrecision", "InterpretedWarning", "UnsolvedWarning"}  # fmt: skip

@@ -304,3 +304,17 @@ def test_what_is_fixed_to_a_body_that_is_turned_by_hand_turns_with_it_at_once(of
     world.advance(1 / 60, 10)
     assert body.angular_velocity == pytest.approx((0, 0, rate), abs=1e-6 * rate)
     assert np.hypot(*body.position[:2]) == pytest.approx(offset, abs=1e-6)
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("joint", ["add_fixed_joint", "add_ball_joint"])
+@pytest.mark.parametrize("speed", [0.0, -20.0])
+def test_linked_balls_that_a_bat_strikes_leave_it_by_newtons_rule(joint, restitution, speed):
+    world = World(gravity=(0, 0, 0))
+    options = {"mass": 1.0, "restitution": restitution, "velocity": (0, 0, speed)}
+    balls = [world.add_sphere(0.1, position=(0, 0, z), **options) for z in (0.0, 0.3)]
+    getattr(world, joint)(*balls, anchor=(0, 0, 0.15))
+    bat = world.add_box((1, 1, 0.1), position=(0, 0, -0.5), kinematic=True, restitution=restitution)
+    bat.velocity = (0, 0, 10.0)
+    world.advance(STEP, 10)
+    assert balls[0].velocity[2] == pytest.approx(10 + restitution * (10 - speed), rel=1e-6)

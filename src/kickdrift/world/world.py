@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.threads import launch
 from kickdrift.world import settings
-from kickdrift.world.adding import AddsBodies
+from kickdrift.world.adding_shapes import AddsShapes
 from kickdrift.world.arguments import choice, direction, number, vector
 from kickdrift.world.batch import BATCH_COLOURS
 from kickdrift.world.bodies import Bodies
@@ -50,7 +50,7 @@ class World(
     DoesSteps,
     KeepsHistory,
     BodyViews,
-    AddsBodies,
+    AddsShapes,
     AddsJoints,
     AddsCloths,
     AppliesForces,

@@ -64,6 +64,7 @@ from kickdrift.world.tables import (
     set_rows,
 )
 
+_FASTEST = 1e6  # m/s, by the mean of squares: what is faster is about to be lost, and all of it would be pairs
 _STACK = 512  # pairs of nodes: three for each level of two trees
 _NUMBERS = 2 * _STACK
 _CLOSE = 0.5  # of the distance at rest, that is kept between what is closer than the thickness by itself
@@ -78,8 +79,11 @@ def find_pairs(world: int, h: float, part: float) -> bool:
     search = floats(world, CLOTH_SEARCH)
     if not meets(world) or (search[0, SEARCH_VALID] != 0.0 and stays(world, part)):
         return True
-    sweep(world, _horizon(world, h, part, set_frame(world)))
+    speed = set_frame(world)
     set_rows(world, CLOTH_PAIR, 0)
+    if not speed < _FASTEST:
+        return True
+    sweep(world, _horizon(world, h, part, speed))
     search[0, CROSSINGS] = 0.0
     zone, own = integers(world, ZONE), integers(world, CLOTH)
     for i in range(rows(world, PARTICLE)):
@@ -154,8 +158,9 @@ def _compare(world: int, a: int, b: int, one: Any, m: int, other: Any, n: int) -
 
 @compiled(inline=True)
 def _overlap(a: Any, m: int, b: Any, n: int) -> bool:
-    apart = (a[m, 0] > b[n, 3]) | (a[m, 1] > b[n, 4]) | (a[m, 2] > b[n, 5])
-    return not (apart | (a[m, 3] < b[n, 0]) | (a[m, 4] < b[n, 1]) | (a[m, 5] < b[n, 2]))
+    meets: bool = (a[m, 0] <= b[n, 3]) & (a[m, 1] <= b[n, 4]) & (a[m, 2] <= b[n, 5])  # NaN meets nothing
+    meets &= (a[m, 3] >= b[n, 0]) & (a[m, 4] >= b[n, 1]) & (a[m, 5] >= b[n, 2])
+    return meets
 
 
 @compiled
@@ -208,7 +213,7 @@ def _add(world: int, cloth: int, other: int, kind: int, at: Corners) -> bool:
         reach = max(bounds[p, REACH], bounds[a, REACH]) + max(bounds[b, REACH], bounds[c, REACH])
     kept = numbers[cloth, CLOTH_RADIUS] + numbers[other, CLOTH_RADIUS]
     apart = _distance(particle, kind, at)
-    if apart > kept + reach:
+    if not apart <= kept + reach:
         return True
     if cloth == other:
         kept = min(kept, _CLOSE * _distance(floats(world, PARTICLE_REST), kind, at))

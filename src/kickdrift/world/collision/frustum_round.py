@@ -46,14 +46,14 @@ def plane_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> in
     sideways = down[0] * x + down[1] * y
     lies = sideways * c + down[2] * s > FLAT
     put_normal(manifold, _UP)
-    tumbles = margin > max(lower, upper, half)
+    tumbles = sine >= STEEP and margin > max(lower, upper, half)
     lowest = 0 if sideways * lower - half * down[2] >= sideways * upper + half * down[2] else 1
     count = 0
     for end in (lowest, 1 - lowest):
         radius, z = (lower, -half) if end == 0 else (upper, half)
-        stands = ((end == lowest and sine < STEEP) or tumbles) and radius > 0.0
+        has_ring = ((end == lowest and sine < STEEP) or tumbles) and radius > 0.0
         for k in range(3 if tumbles else 4):
-            if k > 0 and not stands:
+            if k > 0 and not has_ring:
                 break
             u, v = (x, y) if k == 0 else (-y, x) if k == 1 else (y, -x) if k == 2 else (-x, -y)
             on_b = (radius * u, radius * v, z)

@@ -25,7 +25,6 @@ from kickdrift.world.direct.layout import (
     WRENCH,
 )
 from kickdrift.world.direct.linked_contacts import bodies_of, constraint, contact_row
-from kickdrift.world.direct.nodes import place_in
 from kickdrift.world.direct.wrenches import along, write_wrench
 from kickdrift.world.joints.impulses import push_body
 from kickdrift.world.joints.layout import GAIN
@@ -124,22 +123,6 @@ def clear_contacts(island: int, world: int) -> None:
         fields = constraint(order[k, 0], world)
         for i in range(CONTACT_ROWS):
             fields[impulse_field(i) * c.WIDTH] = 0.0
-
-
-@compiled(cached=False, fast=True)
-def driven(island: int, world: int) -> float:
-    """Greatest speed of what touches an island from without, and of surfaces, m/s."""
-    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    velocity, most = twelve(), 0.0
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        fields, bodies = constraint(order[k, 0], world), bodies_of(order[k, 0], world)
-        read_both(MOTION, bodies[0], bodies[1], velocity, world)
-        most = max(most, abs(fields[c.SLIDE * c.WIDTH]), abs(fields[(c.SLIDE + 1) * c.WIDTH]))
-        for side in range(2):
-            if place_in(island, bodies[1] if side == 1 else bodies[0], world) < 0:
-                for i in range(3):
-                    most = max(most, abs(velocity[6 * side + i]))
-    return most
 
 
 @compiled(cached=False, fast=True)

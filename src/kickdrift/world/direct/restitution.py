@@ -11,6 +11,7 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.restitution import slowest_bounce
 from kickdrift.world.direct.contact_rows import impulse_field
 from kickdrift.world.direct.contacts import BOUNCE, SMOOTH_BOUNCE, read_both, twelve
+from kickdrift.world.direct.external_energy import energy_after_impact
 from kickdrift.world.direct.layout import AFTER_CONTACT, CONTACT_ROWS, FIRST_CONTACT, HITS, TANGENT
 from kickdrift.world.direct.linked_contacts import bodies_of, constraint, contact_row, row_of
 from kickdrift.world.direct.solve import solve_at_once
@@ -34,12 +35,12 @@ def bounce_islands(t: float, h: float, world: int) -> None:
             if not _find_hits(island, h, world):
                 break
             note_velocities(island, world)
-            energy = kinetic_energy(island, MOTION, world)
+            most = NO_MORE * energy_after_impact(island, kinetic_energy(island, MOTION, world), world)
             solve_at_once(island, h, RELAX, BOUNCE, world)
-            if kinetic_energy(island, MOTION, world) > NO_MORE * energy:
+            if kinetic_energy(island, MOTION, world) > most:
                 take_back_velocities(island, world)
                 solve_at_once(island, h, RELAX, SMOOTH_BOUNCE, world)
-                if kinetic_energy(island, MOTION, world) > NO_MORE * energy:  # no solution: nothing bounces
+                if kinetic_energy(island, MOTION, world) > most:  # no solution: nothing bounces
                     take_back_velocities(island, world)
                     break
 

@@ -13,9 +13,10 @@ the drift too, and bodies are put back to where the joints hold them.
 import math
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.direct.contact_impulses import clear_contacts, driven, forget_contacts, left_of_contacts
+from kickdrift.world.direct.contact_impulses import clear_contacts, forget_contacts, left_of_contacts
 from kickdrift.world.direct.contacts import PRESS, REST, begin_contacts, is_cut, note_impulses
 from kickdrift.world.direct.equations import AS_ASSUMED, BY_LAWS, aim_island, solve
+from kickdrift.world.direct.external_energy import driving_speed, energy_given
 from kickdrift.world.direct.joint_impulses import end_relaxation, end_solution
 from kickdrift.world.direct.layout import (
     AFTER_CONTACT,
@@ -31,14 +32,7 @@ from kickdrift.world.direct.loop_closures import begin_closings, stay_closings
 from kickdrift.world.direct.losses import LONG_TURN
 from kickdrift.world.direct.nodes import mass_of
 from kickdrift.world.direct.position_correction import repair
-from kickdrift.world.direct.velocities import (
-    begin_from_kick,
-    energy_given,
-    fastest,
-    kinetic_energy,
-    note_velocities,
-    take_back,
-)
+from kickdrift.world.direct.velocities import begin_from_kick, fastest, kinetic_energy, note_velocities, take_back
 from kickdrift.world.joints.free_fall import let_fall
 from kickdrift.world.joints.layout import ANGULAR_PART, LINEAR_PART
 from kickdrift.world.joints.right_hand_side import AHEAD, GENTLY, RELAX
@@ -143,7 +137,7 @@ def _rest(island: int, h: float, world: int) -> None:
     is those after the kick that are projected, without impulses of the substep, or nothing touches.
     """
     for _ in range(2):
-        speed = driven(island, world)
+        speed = driving_speed(island, world)
         most = 1.001 * kinetic_energy(island, KICKED, world) + mass_of(island, world) * (speed * speed + _STILL)
         solve_at_once(island, h, RELAX, REST, world)
         if kinetic_energy(island, MOTION, world) <= most:
@@ -173,10 +167,10 @@ def _approach(island: int, h: float, off: float, most: int, world: int) -> float
 @compiled(cached=False)
 def _is_thrown(island: int, h: float, world: int) -> bool:
     """Whether an island turns fast with far more energy than it had: at a distant, spurious solution."""
+    if h * fastest(island, MOTION, ANGULAR_PART, world) <= LONG_TURN:
+        return False
     most = WILD * (kinetic_energy(island, NOTED, world) + energy_given(island, world))
-    thrown: bool = (
-        h * fastest(island, MOTION, ANGULAR_PART, world) > LONG_TURN and kinetic_energy(island, MOTION, world) > most
-    )
+    thrown: bool = kinetic_energy(island, MOTION, world) > most
     return thrown
 
 

@@ -13,7 +13,6 @@ from kickdrift.world.direct.contacts import note_impulses
 from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE
 from kickdrift.world.direct.nodes import body_of
 from kickdrift.world.integration import BODY_INERTIA, MASS
-from kickdrift.world.joints.external_work import external_work
 from kickdrift.world.joints.layout import ANGULAR_PART, JOINT_IMPULSE, LINEAR_PART, LINK_JOINT, SOLVED
 from kickdrift.world.tables import (
     INERTIA,
@@ -37,16 +36,6 @@ def kinetic_energy(island: int, velocities: Table, world: int) -> float:
     own, total = integers(world, ISLAND)[island], 0.0
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         total += energy_of(body_of(node, world), velocities, POSE, world)
-    return total
-
-
-@compiled(cached=False)
-def energy_given(island: int, world: int) -> float:
-    """Bound the energy that motors, drives and kinematic bodies have given an island through its joints in the substep."""
-    own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
-    total = 0.0
-    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        total += external_work(links[order[place, 0], LINK_JOINT], order[place, 0], world)
     return total
 
 

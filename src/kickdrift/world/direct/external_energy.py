@@ -1,0 +1,58 @@
+"""Energy that an island is given from without: by motors and drives, kinematic bodies and moving surfaces.
+
+What has more energy than that and what it had is no solution.
+"""
+
+import math
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import length, minus
+from kickdrift.world.columns import vector_at
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.impact_motion import vector_of
+from kickdrift.world.direct.layout import AFTER_CONTACT, AFTER_JOINT, FIRST_CONTACT, FIRST_JOINT
+from kickdrift.world.direct.linked_contacts import bodies_of, constraint
+from kickdrift.world.direct.nodes import mass_of, place_in
+from kickdrift.world.joints.external_work import external_work
+from kickdrift.world.joints.layout import ANGULAR_PART, LINEAR_PART, LINK_JOINT
+from kickdrift.world.tables import ISLAND, ISLAND_CONTACT, ISLAND_JOINT, LINK, MOTION, floats, integers
+
+
+@compiled(cached=False)
+def energy_given(island: int, world: int) -> float:
+    """Bound the energy that an island has been given in the substep by contacts and joints, J."""
+    own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
+    total = (2.0 * math.sqrt(0.5 * mass_of(island, world)) * driving_speed(island, world)) ** 2
+    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
+        total += external_work(links[order[place, 0], LINK_JOINT], order[place, 0], world)
+    return total
+
+
+@compiled(cached=False)
+def energy_after_impact(island: int, energy: float, world: int) -> float:
+    """Bound the energy that an island of an energy has after an impact, J.
+
+    What is struck by a heavy body of a speed u gains the speed (1 + e) u at most, beyond that with which it would bounce off a
+    body at rest.
+    """
+    gained = 2.0 * math.sqrt(0.5 * mass_of(island, world)) * driving_speed(island, world)
+    bound: float = (math.sqrt(energy) + gained) ** 2
+    return bound
+
+
+@compiled(cached=False)
+def driving_speed(island: int, world: int) -> float:
+    """Greatest speed of what touches an island from without, where it does, and of surfaces, m/s."""
+    own, order, motion = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), floats(world, MOTION)
+    most = 0.0
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        fields = constraint(order[k, 0], world)
+        most = max(most, abs(fields[c.SLIDE * c.WIDTH]), abs(fields[(c.SLIDE + 1) * c.WIDTH]))
+        bodies, arm = bodies_of(order[k, 0], world), vector_of(fields, c.CENTRE)
+        for side in range(2):
+            body = bodies[1] if side == 1 else bodies[0]
+            if place_in(island, body, world) < 0:
+                reach = length(minus(arm, vector_of(fields, c.BETWEEN)) if side == 1 else arm)
+                turn = length(vector_at(motion, body, ANGULAR_PART))
+                most = max(most, length(vector_at(motion, body, LINEAR_PART)) + reach * turn)
+    return most
