@@ -202,7 +202,7 @@ def test_where_the_way_is_not_known(tmp_path):
             other(0.33)
     noisy = {"t_span": (0.0, 1.0), "x0": 1.0, "v0": 0.0, "step": 0.1, "method": "baoab", "progress": False}
     langevin = kd.Langevin(lambda x: -x, 1.0, 0.3)
-    with pytest.raises(KickdriftError, match="a stochastic path"):
+    with pytest.raises(KickdriftError, match="the path is stochastic"):
         kd.solve(langevin, **noisy)(0.33)
     for wanted in ([0.33], [0.5, 0.2]):
         with pytest.raises(ArgumentError, match=f"t_eval={wanted[0]}.* the nearest is"):
