@@ -221,6 +221,31 @@ def test_first_order_equations_with_switches_have_states_between_rows():
     np.testing.assert_allclose(sol.x, [[-1.0, 0.0], [-0.45, 1.1], [0.55, 0.952], [1.0, 0.052]], atol=1e-12)
 
 
+@pytest.mark.parametrize(
+    "cut",
+    [
+        {"switches": lambda x: x},
+        {"impacts": lambda x: x + 0.5},
+        {"impacts": kd.Impacts(lambda x: x + 0.5, located=False)},
+        {"impacts": kd.Impacts(lambda x: x + 0.5, restitution=0.0)},
+    ],
+)
+def test_split_forces_are_those_of_the_law_and_the_place_after_a_cut(cut):
+    """With one substep, and with oscillations of the angular frequency 1e-9, both are the method of Verlet."""
+    switched = "switches" in cut
+
+    def fast(x, params):
+        return -100.0 * x - 30.0 + 5.0 * params[-1] if switched else -100.0 * x - 60.0
+
+    split = kd.Multirate(slow_force=lambda x: -x, fast_force=fast)
+    slow = kd.Oscillatory(lambda x, params: -x + fast(x, params), omega=1e-9)
+    options = {"t_span": (0.0, 2.0), "x0": 1.0, "v0": 0.0, "step": 0.01, "compile": False, **cut}
+    verlet = kd.solve(lambda x, params: -x + fast(x, params), method="velocity-verlet", **options)
+    for problem, method in ((split, kd.methods.respa(substeps=1)), (slow, "mollified-impulse")):
+        sol = kd.solve(problem, method=method, **options)
+        np.testing.assert_allclose(sol.x, verlet.x, atol=1e-11)
+
+
 def test_masses_are_those_of_the_problem():
     x0, v0 = [[0, 0, 0], [2, 0, 0]], [[0.5, 0, 0], [-1.5, 0, 0]]
     system = kd.systems.nbody([3.0, 1.0], x0, v0, G=1e-9)

@@ -18,6 +18,7 @@ from kickdrift.core.elementwise import assign
 from kickdrift.engine.flows.error_control import BEGIN, saved, take_back
 from kickdrift.engine.flows.impact import REST
 from kickdrift.engine.flows.layout import (
+    CHANGES,
     CLOCK,
     DENSITY,
     END,
@@ -153,6 +154,15 @@ def something_is_hit(work: Floats) -> bool:
 
 
 @compiled
+def something_rests(work: Floats) -> bool:
+    """Whether the step was led back to a surface."""
+    resting, some = row_of(RESTING, work), False
+    for row in range(resting.size):
+        some = some or resting[row] != FLIES
+    return some
+
+
+@compiled
 def closes_at_once(work: Floats) -> bool:
     """Whether something that is hit has touched at the start, and closed: then this alone is hit."""
     hit, opens, at_once = row_of(HIT, work), row_of(OPENS, work), False
@@ -205,12 +215,13 @@ def accept_cut(size: float, work: Floats) -> None:
 
 @compiled
 def show_sides(params: Floats, work: Floats) -> None:
-    """Write into the params of the force on which side of each switch the step is, to its end."""
+    """Write into the params of the force on which side of each switch the step is, to its end; count where one changes."""
     place = int(own_params(work)[PLACE_OF_SIDES])
     side, switch = row_of(SIDE, work), row_of(SWITCH, work)
     if place >= 0:
         for row in range(side.size):
             if switch[row] != 0.0:
+                work[CHANGES] += 1.0 if params[place] != side[row] else 0.0
                 params[place] = side[row]
                 place += 1
 
@@ -312,6 +323,8 @@ def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floa
         own[SHORT] = own[SHORT] + 1.0 if size < _SLIVER * abs(work[FIRST_STEP]) else 0.0
         if own[SHORT] > _MOST_SHORT:
             work[TROUBLE] = JAMMED
+    if cut or something_rests(work):
+        work[CHANGES] += 1.0
     let_go(work)
     accept_cut(size, work)
 
