@@ -56,6 +56,7 @@ from kickdrift.systems.spline import spline
 from kickdrift.world.recording import Recording, WorldPresenters
 
 if TYPE_CHECKING:
+    from kickdrift.io.meshes import load_mesh
     from kickdrift.io.robot_file import load_robot
     from kickdrift.io.world_file import load_world
     from kickdrift.scale.ensemble import solve_ensemble
@@ -116,6 +117,7 @@ __all__ = [
     "from_lagrangian",
     "from_sympy",
     "load",
+    "load_mesh",
     "load_robot",
     "load_world",
     "methods",
@@ -149,6 +151,7 @@ _LATER = {
         for name in ("Box", "Capsule", "Cone", "Cylinder", "Hull", "Sphere")
     },
     "solve_ensemble": "kickdrift.scale.ensemble",
+    "load_mesh": "kickdrift.io.meshes",
     "load_robot": "kickdrift.io.robot_file",
     "load_world": "kickdrift.io.world_file",
 }
@@ -173,6 +176,8 @@ Solution.presenters = Presenters(
     to_xarray=to_xarray,
     report=report,
     keep=_later("kickdrift.io.stored", "keep"),
+    show=_later("kickdrift.viewer.embedded", "show"),
+    html=_later("kickdrift.io.notebook", "solution_html"),
 )
 EnsembleSolution.presenters = EnsemblePresenters(
     save=_later("kickdrift.io.ensemble_file", "save"),
@@ -190,7 +195,11 @@ Recording.presenters = WorldPresenters(
     to_xarray=recording_to_xarray,
     report=_later("kickdrift.io.recording_report", "report"),
     keep=_later("kickdrift.io.stored", "keep"),
+    show=_later("kickdrift.viewer.embedded", "show"),
+    html=_later("kickdrift.io.notebook", "solution_html"),
+    world_html=_later("kickdrift.io.notebook", "world_html"),
     animate=_later("kickdrift.plots.animation", "animate_recording"),
+    save_meshes=_later("kickdrift.io.meshes", "save_meshes"),
     view=_later("kickdrift.viewer.live", "view_world"),
     save_world=_later("kickdrift.io.world_file", "save_world"),
     contents=_later("kickdrift.io.world_file", "contents"),

@@ -30,6 +30,8 @@ class Presenters:
     to_xarray: Callable[..., Any]
     report: Callable[..., str]
     keep: Callable[..., None]
+    show: Callable[..., Any]
+    html: Callable[..., str]
 
 
 @dataclass(frozen=True, eq=False)
@@ -261,6 +263,16 @@ class Solution:
         """
         return self.presenters.to_html(self, path)
 
+    def show(self, height: int = 480) -> Any:
+        """Return the page of `to_html` as a value that a notebook shows in its cell, without a server.
+
+        Parameters
+        ----------
+        height : int
+            Of the frame, in pixels.
+        """
+        return self.presenters.show(self, height)
+
     def save(self, path: str | Path) -> Path:
         """Write everything to one ``.npz`` file of plain arrays, for `kickdrift.load`; return its path."""
         return self.presenters.save(self, path)
@@ -272,6 +284,10 @@ class Solution:
     def to_xarray(self) -> Any:
         """Return an `xarray.Dataset` with named dimensions and units."""
         return self.presenters.to_xarray(self)
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: the report, and a small picture."""
+        return self.presenters.html(self)
 
     def __repr__(self) -> str:
         return (

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.core.html import facts
 from kickdrift.core.kinds import Kind
 from kickdrift.methods.letter import WHOLES, Letter
 from kickdrift.methods.oscillator import order_on_oscillator
@@ -158,6 +159,17 @@ class Method:
                 f"corrector of {self.name!r} has letters that are not in its word, or that cannot be inverted; use"
                 " others."
             )
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows."""
+        rows = {
+            "order": f"{self.order} {self.generalised_order or ''}".rstrip(),
+            "for": self.kind.value,
+            "word": self.spelling,
+            "symmetric": "yes" if self.symmetric else "no",
+            "source": self.source,
+        }
+        return facts(self.name, rows.items())
 
     def __hash__(self) -> int:
         """Return the same for equal methods; a word of fractions takes long."""

@@ -3,6 +3,8 @@
 Figures are made without pyplot: nothing global changes, no window opens, and threads may draw.
 """
 
+from functools import cache
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +16,21 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INK, FAINT = "#222222", "#888888"
-_DPI = 200
+_DPI, _DPI_IN_NOTEBOOKS = 200, 90
+
+
+@cache
+def _shown_figure() -> type["Figure"]:
+    """Return the class of figures that show themselves in notebooks, also where pyplot was never imported."""
+    from matplotlib.figure import Figure
+
+    class ShownFigure(Figure):
+        def _repr_png_(self) -> bytes:
+            content = BytesIO()
+            self.savefig(content, format="png", dpi=_DPI_IN_NOTEBOOKS)
+            return content.getvalue()
+
+    return ShownFigure
 
 
 def new_figure(width: float, height: float, title: str) -> "Figure":
@@ -26,10 +42,10 @@ def new_figure(width: float, height: float, title: str) -> "Figure":
         If matplotlib is not installed.
     """
     try:
-        from matplotlib.figure import Figure
+        kind = _shown_figure()
     except ImportError:
         raise missing_extra("Drawing", "matplotlib", "cli") from None
-    figure = Figure(figsize=(width, height), layout="constrained")
+    figure = kind(figsize=(width, height), layout="constrained")
     figure.get_layout_engine().set(w_pad=0.08, h_pad=0.08, wspace=0.04)  # type: ignore[union-attr, call-arg]
     figure.suptitle(title, x=0.015, ha="left", fontsize=11.5, color=INK)
     return figure

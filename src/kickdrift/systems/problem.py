@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.html import facts
 from kickdrift.systems.system import Quantity, System
 
 Floats = NDArray[np.float64]
@@ -103,9 +104,20 @@ class Problem(ABC):
     has_velocity: ClassVar[bool] = True
     start_in_params: ClassVar[bool] = False
 
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: what it was made of."""
+        given = [(name, value) for name, value in vars(self).items() if not name.startswith("_")]
+        empty = [value is None or (isinstance(value, Mapping) and not value) for _, value in given]
+        rows = [(name, _shown(value)) for (name, value), none in zip(given, empty, strict=True) if not none]
+        return facts(type(self).__name__, rows)
+
     @abstractmethod
     def system(self, adapter: Adapter) -> System:
         """Make the system."""
+
+
+def _shown(value: Any) -> str:
+    return name_of(value) if callable(value) else str(value)
 
 
 def name_of(function: Any) -> str:

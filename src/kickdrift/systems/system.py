@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.arguments import reals
 from kickdrift.core.errors import ArgumentError
+from kickdrift.core.html import facts
 from kickdrift.core.kinds import Kind
 
 Floats = NDArray[np.float64]
@@ -152,6 +153,18 @@ class System:
     gm: Floats | None = None
     radii: Floats | None = None
     quantity_units: Any = None
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows."""
+        rows = {
+            "for": self.kind.value,
+            "state": f"of shape {self.x0.shape}" if self.x0.shape else "a number",
+            "conserved": ", ".join(self.quantities) or "nothing that is known",
+            "exact motion": "known" if self.exact is not None else "not known",
+            "units": ", ".join(f"{name} in {unit}" for name, unit in self.units.items() if unit) or "none",
+            "source": self.source or "-",
+        }
+        return facts(self.name, rows.items())
 
     def __post_init__(self) -> None:
         for name in ("x0", "v0", "params"):

@@ -161,6 +161,10 @@ class KeepsHistory:
         """
         return cast("LivePage", Recording.presenters.view(self._world, step, control=control, port=port))
 
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: what is in the world, and what it looks like now."""
+        return Recording.presenters.world_html(self._world)
+
     @alone
     def snapshot(self) -> Snapshot:
         """Return the world as it is now, for `restore`: it does not change with the world.

@@ -79,6 +79,8 @@ class WorldPresenters(Presenters):
     """What recordings can do in the layers above, and worlds: the package hands it down when it is imported."""
 
     animate: Callable[..., Path]
+    world_html: Callable[..., str]
+    save_meshes: Callable[..., Path]
     view: Callable[..., Any]
     save_world: Callable[..., Path]
     contents: Callable[..., tuple[dict[str, Any], dict[str, NDArray[Any]]]]
@@ -176,11 +178,44 @@ class Recording(Solution):
         UnknownNameError
             If there is none; the message lists the names.
         """
+        cloth = self.drawn_cloth(which)
+        return self.particles[:, cloth.first : cloth.last]
+
+    def drawn_cloth(self, which: str | int) -> DrawnCloth:
+        """Return the triangles of a cloth, and which particles are its vertices; see `cloth`."""
         known: dict[Any, DrawnCloth] = dict(enumerate(self.appearance.cloths))
         known |= {cloth.name: cloth for cloth in self.appearance.cloths if cloth.name is not None}
         if which not in known:
             raise unknown_name("which", str(which), [str(name) for name in known])
-        return self.particles[:, known[which].first : known[which].last]
+        return known[which]
+
+    def save_meshes(self, folder: str | Path, which: str | int = 0, *, form: str = "obj") -> Path:
+        """Write a cloth as a sequence of meshes, a file a row, numbered from zero, for programs that render.
+
+        Parameters
+        ----------
+        folder : path
+            Where the files go; made if it is not there.
+        which : str or int
+            As of `cloth`.
+        form : {"obj", "glb"}
+            Wavefront OBJ, or binary glTF.
+
+        Returns
+        -------
+        Path
+            The folder.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such cloth.
+        FileFormatError
+            If the folder cannot be written.
+        MissingExtraError
+            Without trimesh.
+        """
+        return self.presenters.save_meshes(self, folder, which, form)
 
     def animate(self, path: str | Path, *, speed: float = 1.0, rate: int = 25, progress: bool | None = None) -> Path:
         """Write an animation of the recording, a GIF or an MP4; see `kickdrift.plots.animation.animate_recording`."""
