@@ -4,11 +4,14 @@ import numpy as np
 import pytest
 
 from kickdrift import World
+from kickdrift.world.joints.axis import Drive, Motor
+from kickdrift.world.part import Part
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
 from kickdrift.world.shapes.sphere import Sphere
 
 STEP = 1 / 60
+LYING = (0.5**0.5, 0, 0.5**0.5, 0)  # z to x
 
 
 def built(seed, changes):
@@ -66,3 +69,175 @@ def test_a_world_that_is_changed_does_what_one_does_that_is_built_anew_in_that_s
         anew.advance(STEP, 2)
         # A corner that strikes at 200 m/s ends a tenth of its way elsewhere if it is moved by 1e-6 m.
         assert np.abs(world.position - anew.position).max() < 0.01 + 0.2 * way
+
+
+def test_joints_solved_in_turn_hold_lighter_balls_as_those_of_a_net_built_anew():
+    def net(mass):
+        world = World()
+        balls = np.array(
+            [[world.add_sphere(0.05, mass=mass, position=(0.3 * i, 0.3 * j, 0)) for j in range(14)] for i in range(14)]
+        )
+        for i, j in np.ndindex(14, 14):
+            for other in (balls[i + 1, j] if i < 13 else None, balls[i, j + 1] if j < 13 else None):
+                if other is not None:
+                    ball = balls[i, j]
+                    world.add_ball_joint(ball, other, anchor=0.5 * (ball.position + other.position))
+            if i == 0:
+                world.add_ball_joint(None, balls[i, j], anchor=balls[i, j].position)
+        return world, balls.ravel()
+
+    world, balls = net(10.0)
+    world.advance(STEP, 60)
+    before = np.abs(world.velocity).max()
+    for ball in balls:
+        ball.mass = 0.3
+    world.advance(STEP, 10)
+    assert np.abs(world.velocity).max() < 2 * before + 2
+
+
+@pytest.mark.parametrize("count", [1, 120])
+def test_what_a_joint_has_held_apart_collides_once_it_has_broken(count):
+    world = World()
+    world.add_box((4, 4, 1), position=(0, 0, -0.5), static=True)
+    lower, upper = (world.add_box((1, 1, 1), position=(0, 0, z)) for z in (0.5, 3.0))
+    joint = world.add_fixed_joint(lower, upper, anchor=(0, 0, 1.5), breaking_force=100.0)
+    broken = []
+    for _ in range(120 // count):
+        world.advance(STEP, count)
+        broken += world.broken
+    assert broken == [joint]
+    assert (lower.position[2], upper.position[2]) == pytest.approx((0.5, 1.5), abs=0.01)
+
+
+@pytest.mark.parametrize("rate", [20.0, 60.0])
+def test_parts_far_from_the_centre_of_a_body_hit_what_is_in_their_way(rate):
+    world = World(gravity=(0, 0, 0))
+    world.add_box((0.02, 10, 10), position=(1, 2, 0), static=True, friction=0.0)
+    parts = [Part(Sphere(0.05), position=(0, y, 0)) for y in (2, -2)]
+    body = world.add_body(parts, mass=1.0, friction=0.0)
+    body.angular_velocity = (0, 0, -rate)
+    world.advance(STEP, 3)
+    assert abs(body.angular_velocity[2]) < 0.9 * rate
+
+
+def test_the_inertia_of_a_body_turned_by_hand_is_turned_at_once():
+    def rod(**options):
+        world = World(gravity=(0, 0, 0))
+        return world, world.add_box((0.1, 0.1, 2.0), mass=1.0, **options)
+
+    (turned, body), (anew, other) = rod(), rod(orientation=LYING)
+    body.orientation = LYING
+    stiffness = [
+        world.add_hinge(None, one, anchor=(0, 0, 0), axis=(0, 0, 1), drive=Drive(hertz=2.0)).drive().stiffness
+        for world, one in ((turned, body), (anew, other))
+    ]
+    assert stiffness[0] == pytest.approx(stiffness[1], rel=1e-12)
+
+
+def test_a_rod_turned_by_hand_lands_as_one_that_was_made_so():
+    speeds = []
+    for by_hand in (False, True):
+        world = World(gravity=(0, 0, 0))
+        world.add_plane(friction=0.0)
+        rod = world.add_box((0.1, 0.1, 2.0), mass=1.0, position=(0, 0, 5), friction=0.0)
+        world.step(STEP)
+        if by_hand:
+            world.orientation[rod.index] = LYING
+        else:
+            world.remove(rod)
+            rod = world.add_box((0.1, 0.1, 2.0), mass=1.0, orientation=LYING, friction=0.0)
+        rod.position, rod.velocity = (0, 0, 0.05), (0, 0, -1)
+        world.step(STEP)
+        speeds.append(rod.velocity[2])
+    assert speeds[0] == pytest.approx(speeds[1], abs=1e-9)
+
+
+def sleeper(position=(0, 0, 0.5), **options):
+    world = World(sleeping=True, **options)
+    return world, world.add_box((1, 1, 1), position=position)
+
+
+@pytest.mark.parametrize("way", ["moved", "excluded", "joint removed"])
+def test_sleepers_fall_when_what_holds_them_goes(way):
+    world, box = sleeper()
+    floor = world.add_box(
+        (4, 4, 1),
+        position=(0, 0, -0.5 if way != "joint removed" else -9),
+        kinematic=way == "moved",
+        static=way != "moved",
+    )
+    joint = world.add_hinge(None, box, anchor=(0, 0, 1.5), axis=(0, 1, 0)) if way == "joint removed" else None
+    world.advance(STEP, 90)
+    assert not world.velocity.any()
+    if way == "moved":
+        floor.position = (10, 0, -0.5)
+    elif way == "excluded":
+        world.exclude(floor, box)
+    else:
+        world.remove_joint(joint)
+    world.advance(STEP, 60)
+    assert box.position[2] < -3
+
+
+@pytest.mark.parametrize("late", ["motor", "drive", "joint", "static"])
+def test_sleepers_wake_for_motors_drives_joints_and_walls(late):
+    ends = []
+    for sleeping in (False, True):
+        world, box = sleeper(position=(0, 0, 0), gravity=(0, 0, 0))
+        world.sleeping = sleeping
+        slider = None if late in ("joint", "static") else world.add_slider(None, box, anchor=(0, 0, 0), axis=(1, 0, 0))
+        world.advance(STEP, 90)
+        if late == "motor":
+            slider.set_motor(Motor(1.0, 200.0))
+        elif late == "drive":
+            slider.set_drive(Drive(stiffness=1000.0, damping=1000.0, target=1.0))
+        elif late == "joint":
+            world.add_slider(None, box, anchor=(0, 0, 0), axis=(1, 0, 0), motor=Motor(1.0, 200.0))
+        else:
+            world.add_box((1, 1, 1), position=(0.9, 0, 0), static=True)
+        world.advance(STEP, 60)
+        ends.append(box.position[0])
+    assert abs(ends[0]) > 0.04
+    assert ends[1] == pytest.approx(ends[0], rel=1e-6)
+
+
+def test_a_sleeper_wakes_without_the_spin_that_it_had():
+    world = World(gravity=(0, 0, 0), sleeping=True)
+    box = world.add_box((1, 0.5, 0.2), mass=1.0)
+    box.angular_velocity = (0, 0, 0.075)
+    world.advance(STEP, 40)
+    assert not world.angular_velocity.any()
+    world.apply_force(box, (1, 0, 0))
+    world.step(STEP)
+    assert np.abs(box.angular_velocity).max() < 1e-15
+
+
+def test_a_ball_that_a_force_makes_fast_in_one_step_does_not_pass_a_thin_wall():
+    world = World(gravity=(0, 0, 0))
+    world.add_box((0.02, 4, 4), position=(0.5, 0, 0), static=True)
+    ball = world.add_sphere(0.1, mass=1.0)
+    world.apply_force(ball, (3600, 0, 0))
+    world.advance(STEP, 6)
+    assert ball.position[0] == pytest.approx(0.39, abs=2e-3)
+
+
+def test_a_body_in_the_row_of_one_that_was_removed_has_not_its_contacts():
+    world = World()
+    world.add_plane()
+    ball = world.add_sphere(0.1, position=(0, 0, 0.1))
+    world.step(STEP)
+    assert len(world.touching) == 1 == len(world.events)
+    world.remove(ball)
+    world.add_sphere(0.1, position=(50, 0, 50))
+    assert (world.touching, world.events) == ([], [])
+    world.step(STEP)
+    assert (world.touching, world.events) == ([], [])
+
+
+def test_a_drive_given_in_hertz_again_is_as_stiff_as_the_mass_is_now():
+    world = World(gravity=(0, 0, 0))
+    body = world.add_sphere(0.1, mass=1.0)
+    slider = world.add_slider(None, body, anchor=(0, 0, 0), axis=(1, 0, 0), drive=Drive(hertz=1.0))
+    body.mass = 100.0
+    slider.set_drive(Drive(hertz=1.0))
+    assert slider.drive().stiffness == pytest.approx(100 * (2 * np.pi) ** 2, rel=1e-12)

@@ -14,6 +14,7 @@ from kickdrift.world.bodies import Bodies, kind_of
 from kickdrift.world.body import Body
 from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.collision.filters import forget
+from kickdrift.world.events import forget_contacts
 from kickdrift.world.integration import DYNAMIC, STATIC
 from kickdrift.world.joints.registry import Joints
 from kickdrift.world.mass_properties import mass_properties_of
@@ -141,6 +142,8 @@ class AddsBodies:
             rested[REACH] = max(rested[REACH], float(np.linalg.norm(arm)) + part.shape.reach)
             self.shape_rows.add(body.index, Placed(part.shape, arm, part.orientation, face))
         self.bodies.names.give(body.index, name)
+        if kind != DYNAMIC:  # a dynamic one wakes what it touches
+            self.bodies.wake()
         return self.bodies.handle(body.index)
 
     def body(self, name: str) -> Body:
@@ -184,3 +187,4 @@ class AddsBodies:
         self.bodies.remove(body)
         self.shape_rows.remove_of(row)
         forget(self.tables, row)
+        forget_contacts(self.tables, row)

@@ -14,6 +14,7 @@ from kickdrift.world.arguments import choice
 from kickdrift.world.body import Body
 from kickdrift.world.collision.search import shapes_changed
 from kickdrift.world.contacts.kept_impulses import scale_impulses
+from kickdrift.world.inertia_rows import symmetric, turn_inertia
 from kickdrift.world.integration import (
     AWAKE,
     BODY_INERTIA,
@@ -77,14 +78,14 @@ class Bodies:
     tables : Tables
     shape_rows : ShapeRows
         Their shapes.
-    masses_changed : callable
+    mass_changed : callable
         Called after a body has got another mass or inertia.
     """
 
-    def __init__(self, tables: Tables, shape_rows: ShapeRows, masses_changed: Callable[[], None]) -> None:
+    def __init__(self, tables: Tables, shape_rows: ShapeRows, mass_changed: Callable[[int, float], None]) -> None:
         self.tables = tables
         self._shape_rows = shape_rows
-        self._masses_changed = masses_changed
+        self._mass_changed = mass_changed
         self.names = Names("body")
         self.world: ReferenceType[World] | None = None
         self.free: list[int] = []
@@ -163,8 +164,8 @@ class Bodies:
         moments = np.linalg.eigvalsh(mass.inertia)
         numbers = tables.array(INERTIA)[row]
         numbers[MASS] = mass.mass
-        numbers[BODY_INERTIA : BODY_INERTIA + 6] = _symmetric(mass.inertia)
-        numbers[INVERSE_INERTIA : INVERSE_INERTIA + 6] = _symmetric(inverse)
+        numbers[BODY_INERTIA : BODY_INERTIA + 6] = symmetric(mass.inertia)
+        numbers[INVERSE_INERTIA : INVERSE_INERTIA + 6] = symmetric(inverse)
         numbers[[DAMPING, TURN_DAMPING]] = damping
         numbers[SPHERICAL] = float(locked or moments[2] - moments[0] < 1e-13 * moments[2])
         if tables.array(BODY)[row, BODY_KIND] == DYNAMIC:
@@ -176,7 +177,7 @@ class Bodies:
                 response = np.outer(plane, plane) / (plane @ turn @ mass.inertia @ turn.T @ plane)
                 numbers[SPHERICAL] = 1.0
             tables.array(INVERSE_MASS)[row, INVERSE_LINEAR_MASS] = 1.0 / mass.mass
-            tables.array(INVERSE_MASS)[row, INVERSE_INERTIA_IN_WORLD : INVERSE_INERTIA_IN_WORLD + 6] = _symmetric(
+            tables.array(INVERSE_MASS)[row, INVERSE_INERTIA_IN_WORLD : INVERSE_INERTIA_IN_WORLD + 6] = symmetric(
                 response
             )
 
@@ -212,7 +213,7 @@ class Bodies:
         scale_impulses(self.tables, row, lighter)  # those that held the old weight would throw a lighter body
         # Which orientation the drift left is forgotten, so that the kick takes the angular momentum again.
         self.tables.array(KICKED)[row, LEFT_POSE : LEFT_POSE + 4] = 0.0
-        self._masses_changed()
+        self._mass_changed(row, lighter)
         self.wake()
 
     @alone
@@ -222,6 +223,8 @@ class Bodies:
         if row == GROUND:
             raise ArgumentError("body is the ground of the world, which cannot move; move another body.")
         self.tables.row(POSE, row)[columns] = numbers
+        if columns.stop > ORIENTATION and self.tables.array(INERTIA)[row, SPHERICAL] == 0.0:
+            turn_inertia(self.tables, row)
         if self.tables.array(BODY)[row, BODY_KIND] == STATIC:
             shapes_changed(self.tables, self._shape_rows.rows_of(row))
             self.wake()
@@ -288,7 +291,3 @@ def kind_of(static: bool, kinematic: bool) -> int:
             "static=True and kinematic=True are mutually exclusive: a kinematic body has a velocity; choose one."
         )
     return STATIC if static else KINEMATIC if kinematic else DYNAMIC
-
-
-def _symmetric(m: Floats) -> Floats:
-    return np.array([m[0, 0], m[1, 1], m[2, 2], m[0, 1], m[0, 2], m[1, 2]])

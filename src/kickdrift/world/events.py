@@ -104,6 +104,15 @@ def events(tables: Tables, bodies: Bodies) -> list[ContactEvent]:
     ]
 
 
+def forget_contacts(tables: Tables, body: int) -> None:
+    """Drop the events and contacts of a body that is removed, whose row another one may get."""
+    events_, contacts = tables.array(EVENTS), tables.array(CONTACT)
+    kept = events_[(events_[:, FIRST_BODY] != body) & (events_[:, SECOND_BODY] != body)].copy()
+    events_[: len(kept)] = kept
+    tables.resize(EVENTS, len(kept))
+    contacts[(contacts[:, c.BODY_A] == body) | (contacts[:, c.BODY_B] == body), c.CONTACT_STATE] &= ~c.TOUCHING
+
+
 def touching(tables: Tables, bodies: Bodies) -> list[Any]:
     """Return the pairs of bodies that touch."""
     rows_ = tables.array(CONTACT)

@@ -93,10 +93,14 @@ _SLOW = 1e-16  # square of the turn in a substep from which on its second order 
 
 @compiled
 def begin(t: float, h: float, world: int) -> None:
-    """Count displacements from here, and keep what there is in case the step cannot be done."""
+    """Count displacements from here, and keep what there is in case the step cannot be done.
+
+    The inertia of bodies that were turned by hand is turned with them, since contacts and joints ask for it before the kick.
+    """
     delta_pose, pose, motion = floats(world, DELTA_POSE), floats(world, POSE), floats(world, MOTION)
     old_pose, old_motion = floats(world, STARTED_POSE), floats(world, STARTED_MOTION)
-    member = integers(world, MEMBER)
+    member, kind = integers(world, MEMBER), integers(world, BODY)
+    inertia, inverse_mass, kicked = floats(world, INERTIA), floats(world, INVERSE_MASS), floats(world, KICKED)
     set_rows(world, BATCH, 0)
     floats(world, SETTINGS)[0, RESIDUAL] = 0.0
     for body in range(rows(world, DELTA_POSE)):
@@ -104,6 +108,8 @@ def begin(t: float, h: float, world: int) -> None:
         turn = quaternion_at(pose, body, 3)
         if is_scaled(turn):  # users have written into it; of what moves the drift does it, but later
             pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6] = unit(turn)
+        if kind[body, BODY_KIND] == DYNAMIC and kind[body, AWAKE] != 0 and inertia[body, SPHERICAL] == 0.0:
+            _follow_pose(body, pose, motion, inertia, inverse_mass, kicked)
         for k in range(8):
             delta_pose[body, k] = 0.0
             old_pose[body, k] = pose[body, k]
@@ -158,6 +164,8 @@ def kick(t: float, h: float, world: int) -> None:
                 kicked[body, k] = motion[body, k]
             for k in range(6, 13):
                 kicked[body, k] = 0.0
+            for k in range(4):  # so that what wakes begins with the spin that it has then
+                kicked[body, LEFT_POSE + k] = 0.0
             continue
         keep = 1.0 / (1.0 + h * inertia[body, DAMPING])
         for k in range(3):

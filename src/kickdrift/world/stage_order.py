@@ -97,7 +97,7 @@ def word(uses: Uses) -> Word:
         substep = tuple(THREADED.get(stage, stage) for stage in substep)
     before = (
         begin,
-        *when(uses.sleeps, wake_moved),
+        *when(uses.sleeps, wake_moved, wake_touched),
         *when(uses.cloths, begin_cloths),
         place_shapes,
         find_pairs,

@@ -20,6 +20,7 @@ from kickdrift.world.contacts.layout import LANE_COUNT, SOLVE_EQUATIONS, WIDTH
 from kickdrift.world.direct.equations import SOLVE_ISLAND, solve_island
 from kickdrift.world.direct.solve import solve_islands
 from kickdrift.world.force_stage import Force, put_numbers
+from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.registry import Joints
 from kickdrift.world.recorder import Recorder
 from kickdrift.world.rollback import find_lost_body, lost_body_error, lost_cloth_error, roll_back
@@ -48,6 +49,7 @@ class DoesSteps:
     _program: Program
     _program_step: float
     _breakable: bool
+    broken: list[Joint]
     _threaded: bool
     _addresses: NDArray[np.intp]
     _composition: tuple[object, ...] | None
@@ -64,6 +66,8 @@ class DoesSteps:
         try:
             while done < count:
                 before, until = done, min(count, done + chunk)
+                if self._breakable:  # what breaks in a step is gone before the next
+                    until = done + 1
                 if recorder is not None:
                     until = min(until, done + recorder.steps_to_row)
                 began = time.perf_counter()
@@ -85,6 +89,9 @@ class DoesSteps:
                     program = self._ready(step)
                 else:
                     found, at = found | at, 0
+                    if self._breakable and (broken := self.joints.take_broken()):
+                        self.broken += broken
+                        program = self._ready(step)
                     chunk = next_chunk(done - before, time.perf_counter() - began)
         except BaseException:  # Ctrl-C comes between any two lines; compiled code has noted what it has done
             self._go_back(step)

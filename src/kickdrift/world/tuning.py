@@ -103,3 +103,4 @@ class Tunable:
         if pair[0] == pair[1]:
             raise ArgumentError(f"body_b={body_b!r} is body_a, but parts of one body never touch; give another body.")
         exclude(self.tables, [*self.tables.array(ASKED_APART).tolist(), pair])
+        self.bodies.wake()

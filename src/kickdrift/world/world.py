@@ -152,7 +152,7 @@ class World(
         row = self.tables.resize(SETTINGS, 1)[0]
         self.shape_rows = ShapeRows(self.tables)
         self.joints = Joints(self.tables)
-        self.bodies = Bodies(self.tables, self.shape_rows, self.joints.changed)
+        self.bodies = Bodies(self.tables, self.shape_rows, self.joints.mass_changed)
         self.cloths = Cloths(self.tables, self.bodies)
         self.bodies.world = self.joints.world = self.cloths.world = weakref.ref(self)
         self.gravity, self.substeps, self.sleeping = vector("gravity", gravity, 3), substeps, sleeping
@@ -254,8 +254,8 @@ class World(
     def advance_from(self, t0: float, first: int, step: float, count: int) -> None:
         """Do a number of steps, the first with index `first` from t0, so that the times do not depend on where a run is cut."""
         with self.tables.lock:
+            self.broken = []
             found = self.do_steps(t0, first, step, count)
-            self.broken = self.joints.take_broken() if self._breakable else []
             if found:
                 said, self._said = self._said, self._said | found
                 say(found, said, self.tables, self.bodies)

@@ -18,6 +18,7 @@ from kickdrift.world.integration import BODY_KIND, DYNAMIC, STATIC
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
     BODY_ROW,
+    INVERSE_LINEAR_MASS,
     LOWER,
     ORIENTATION,
     PLACE_ORIENTATION,
@@ -29,7 +30,21 @@ from kickdrift.world.layout import (
 )
 from kickdrift.world.settings import GRAVITY, MARGIN
 from kickdrift.world.shapes.record import SOLID
-from kickdrift.world.tables import BODY, BOUNDS, MOTION, MOVERS, PLACE, POSE, SETTINGS, SHAPE, floats, integers, rows
+from kickdrift.world.tables import (
+    BODY,
+    BOUNDS,
+    INVERSE_MASS,
+    LOAD,
+    MOTION,
+    MOVERS,
+    PLACE,
+    POSE,
+    SETTINGS,
+    SHAPE,
+    floats,
+    integers,
+    rows,
+)
 
 _FRACTION = 0.125  # of the longest side: margin and slack of small shapes
 _SLACK = 0.05  # m, of large ones
@@ -114,9 +129,13 @@ def _box_in_step(world: int, shape: int, h: float) -> tuple[Box, float, Vector]:
     way = times(h, plus(vector_at(motion, body, VELOCITY), cross(spin, arm)))
     if integers(world, BODY)[body, BODY_KIND] == DYNAMIC:
         way = plus(way, times(h * h, vector_at(settings, 0, GRAVITY)))
-    sway = h * length(spin) * reach  # no point leaves the ball of radius `reach` by turning
+        push = times(floats(world, INVERSE_MASS)[body, INVERSE_LINEAR_MASS], vector_at(floats(world, LOAD), body, 0))
+        way = plus(way, times(h * h, push))
+    angle = h * length(spin)
+    sway = angle * reach  # no point leaves the ball of radius `reach` by turning
+    bulge = length(arm) * min(0.5 * angle * angle, 2.0)  # of the arc of its centre beyond the tangent
     size = _FRACTION * max(max(box[3] - box[0], box[4] - box[1]), box[5] - box[2])
-    margin = min(settings[0, MARGIN], size)
+    margin = min(settings[0, MARGIN], size) + bulge
     grown = (
         at[0] + max(box[0] - sway, -reach) + min(way[0], 0.0) - margin,
         at[1] + max(box[1] - sway, -reach) + min(way[1], 0.0) - margin,

@@ -23,6 +23,7 @@ from kickdrift.core.vectors import (
     turned_back,
 )
 from kickdrift.world.collision.narrow_phase import look_again, placed_pose, radius, smallest
+from kickdrift.world.collision.recycling import push_of_users
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts.layout import (
     BODY_A,
@@ -76,7 +77,8 @@ def _advance(world: int, row: int, way: float) -> None:
         if gap <= near or closing <= 0.0 or when >= settings[0, STEP]:
             break
         when = min(when + gap / closing, settings[0, STEP])
-    if gap > settings[0, MARGIN]:
+    # What users push gets its speed after the narrow phase.
+    if gap > settings[0, MARGIN] + settings[0, STEP] * settings[0, STEP] * push_of_users(world, row):
         contact[row, POINTS] = 0
     if when > 0.0:
         _bring_back(world, row, when)

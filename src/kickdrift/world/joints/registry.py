@@ -53,6 +53,7 @@ from kickdrift.world.joints.layout import (
     UNIVERSAL,
     VECTOR,
 )
+from kickdrift.world.joints.mass_changes import follow_mass
 from kickdrift.world.joints.placing import signs
 from kickdrift.world.joints.record import Placement, Record
 from kickdrift.world.joints.spanning_tree import arrange
@@ -135,7 +136,9 @@ class Joints:
                     write_law(tables, row, k, part, getattr(seen, part))
         self.arranged = False
         self.names.give(row, name)
-        return self.handle(row)
+        made = self.handle(row)
+        made.wake()
+        return made
 
     @alone
     def law(self, joint: Joint, axis: int | None, part: LawPart) -> Any:
@@ -196,8 +199,9 @@ class Joints:
             self._remove_row(row)
         return handles
 
-    def changed(self) -> None:
-        """Note that masses of bodies have changed."""
+    def mass_changed(self, body: int, lighter: float) -> None:
+        """Follow the mass of a body that was changed; see `follow_mass`."""
+        follow_mass(self.tables, body, lighter)
         self.arranged = False
 
     def arrange(self) -> None:
@@ -258,6 +262,7 @@ class Joints:
         return row
 
     def _remove_row(self, row: int) -> None:
+        self.handle(row).wake()
         joint = self.tables.array(JOINT)[row]
         joint[[JOINT_KIND, BROKEN, LOCKED, LAWS]] = REMOVED, 0, 0, 0
         self.names.give(row, None)
