@@ -166,6 +166,17 @@ def test_force_evaluations_between_steps_are_counted():
         assert abs(len(calls) - sol.n_force_evaluations) <= begun
 
 
+@pytest.mark.parametrize("events", [None, lambda x: x - 5.0])
+def test_the_first_step_is_as_long_as_it_was_where_it_was_cut(events):
+    """A ball flies to the wall in 0.05 of a step of 0.1, and returns."""
+    options = {"step": 0.1, "method": "velocity-verlet", "impacts": lambda x: x, "events": events, "compile": False}
+    sol = kd.solve(lambda x: 0.0 * x, (0.0, 2.0), 0.1, -2.0, t_eval=[1.0, 2.0], progress=False, **options)
+    np.testing.assert_allclose(sol.x, [1.9, 3.9], atol=1e-12)
+    np.testing.assert_allclose(sol([0.03, 0.05, 1.05]).x, [0.04, 0.0, 2.0], atol=1e-12)
+    with pytest.raises(ArgumentError, match="several steps after a row"):
+        sol(0.08)
+
+
 def test_a_run_that_ended_early_has_the_times_before_its_end():
     def until_one(t, x):
         return -x if t < 1.0 else np.inf
@@ -191,7 +202,7 @@ def test_where_the_way_is_not_known(tmp_path):
             other(0.33)
     noisy = {"t_span": (0.0, 1.0), "x0": 1.0, "v0": 0.0, "step": 0.1, "method": "baoab", "progress": False}
     langevin = kd.Langevin(lambda x: -x, 1.0, 0.3)
-    with pytest.raises(KickdriftError, match="a stochastic path"):
+    with pytest.raises(KickdriftError, match="the path is stochastic"):
         kd.solve(langevin, **noisy)(0.33)
     for wanted in ([0.33], [0.5, 0.2]):
         with pytest.raises(ArgumentError, match=f"t_eval={wanted[0]}.* the nearest is"):

@@ -101,6 +101,24 @@ def test_the_run_ends_at_the_zero_that_is_wanted(terminal):
     np.testing.assert_allclose(sol.t[:-1], 20.0 - 0.7 * sol.step / -0.1 * np.arange(sol.t.size - 1), atol=1e-12)
 
 
+def test_a_run_of_varying_steps_that_an_event_ends_has_the_times_before_it():
+    stop, wanted = with_attributes(lambda x: x, terminal=True), np.linspace(0.0, 3.0, 61)
+    options = {"method": "dop853", "rtol": 1e-9, "atol": 1e-9, "events": stop, **QUIET}
+    sol = kd.solve(lambda x: -x, (0.0, 10.0), 1.0, 0.0, t_eval=wanted, **options)
+    np.testing.assert_allclose(sol.t, np.append(wanted[wanted < np.pi / 2], np.pi / 2), atol=1e-9)
+    np.testing.assert_allclose(sol.x, np.cos(sol.t), atol=1e-9)
+    rows = kd.solve(lambda x: -x, (0.0, 10.0), 1.0, 0.0, **options)
+    between = np.linspace(rows.t[-2], rows.t[-1], 20)
+    np.testing.assert_allclose(rows(between).x, np.cos(between), atol=1e-9)
+
+
+def test_a_run_that_ends_before_the_first_time_wanted_has_states_up_to_there():
+    stop = with_attributes(lambda x: x, terminal=True)
+    sol = kd.solve(lambda x: -x, (0.0, 10.0), 1.0, 0.0, step=0.01, t_eval=[5.0], events=stop, method="rk4", **QUIET)
+    times = np.append(np.linspace(0.0, 1.5, 4), sol.t[-1])
+    np.testing.assert_allclose(sol(times).x, np.cos(times), atol=1e-8)
+
+
 def test_the_first_of_two_ends_in_a_step_counts():
     early = with_attributes(lambda t: t - 0.52, terminal=True)
     late = with_attributes(lambda t: t - 0.58, terminal=True)

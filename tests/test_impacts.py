@@ -186,6 +186,66 @@ def test_methods_keep_their_order_across_switches(method):
         assert plain[1] > 100 * cut[1]
 
 
+def test_a_run_backwards_is_the_mirror_image_of_one_forwards_across_switches():
+    """The force depends on x alone, so that a motion backwards is that of the opposite velocity forwards."""
+
+    def jump(x, params):
+        return -x - 2.0 * params[-1]
+
+    options = {"step": 0.1, "method": "blanes-moan-srkn6b", "switches": lambda x: x, "compile": False}
+    there = kd.solve(jump, (0.0, 4.0), 1.0, -0.3, **options)
+    back = kd.solve(jump, (4.0, 0.0), 1.0, 0.3, **options)
+    t = np.linspace(0.0, 4.0, 101)
+    assert np.abs(back(4.0 - t).x - there(t).x).max() < 1e-12
+
+
+@pytest.mark.parametrize("span", [(0.0, 2.0), (2.0, 0.0)])
+def test_switches_of_the_time_alone_are_seen_between_rows(span):
+    def side(t, x, params):
+        return -2.0 * params[-1] + 0.0 * x
+
+    def exact(t):
+        return np.where(t < 1.9, t**2, 3.8 * t - 2 * 1.9**2 + 1.9**2 - (t - 1.9) ** 2)
+
+    start = (0.0, 0.0) if span[0] == 0.0 else (exact(2.0), 3.6)
+    options = {"step": 0.1, "method": "velocity-verlet", "switches": lambda t: t - 1.9, "compile": False}
+    sol, t = kd.solve(side, span, *start, **options), np.linspace(0.0, 2.0, 201)
+    assert np.abs(sol.x - exact(sol.t)).max() < 1e-14
+    assert np.abs(sol(t).x - exact(t)).max() < 1e-14
+
+
+def test_first_order_equations_with_switches_have_states_between_rows():
+    law = kd.FirstOrder(lambda y, params: np.array([1.0 + 0.0 * y[0], -params[-1] * 2.0]))
+    options = {"step": 0.1, "method": "gauss-4", "switches": lambda y: y[0] - 0.013, "compile": False}
+    sol = kd.solve(law, (0.0, 2.0), [-1.0, 0.0], t_eval=[0.0, 0.55, 1.55, 2.0], **options)
+    np.testing.assert_allclose(sol.x, [[-1.0, 0.0], [-0.45, 1.1], [0.55, 0.952], [1.0, 0.052]], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "cut",
+    [
+        {"switches": lambda x: x},
+        {"impacts": lambda x: x + 0.5},
+        {"impacts": kd.Impacts(lambda x: x + 0.5, located=False)},
+        {"impacts": kd.Impacts(lambda x: x + 0.5, restitution=0.0)},
+    ],
+)
+def test_split_forces_are_those_of_the_law_and_the_place_after_a_cut(cut):
+    """With one substep, and with oscillations of the angular frequency 1e-9, both are the method of Verlet."""
+    switched = "switches" in cut
+
+    def fast(x, params):
+        return -100.0 * x - 30.0 + 5.0 * params[-1] if switched else -100.0 * x - 60.0
+
+    split = kd.Multirate(slow_force=lambda x: -x, fast_force=fast)
+    slow = kd.Oscillatory(lambda x, params: -x + fast(x, params), omega=1e-9)
+    options = {"t_span": (0.0, 2.0), "x0": 1.0, "v0": 0.0, "step": 0.01, "compile": False, **cut}
+    verlet = kd.solve(lambda x, params: -x + fast(x, params), method="velocity-verlet", **options)
+    for problem, method in ((split, kd.methods.respa(substeps=1)), (slow, "mollified-impulse")):
+        sol = kd.solve(problem, method=method, **options)
+        np.testing.assert_allclose(sol.x, verlet.x, atol=1e-11)
+
+
 def test_masses_are_those_of_the_problem():
     x0, v0 = [[0, 0, 0], [2, 0, 0]], [[0.5, 0, 0], [-1.5, 0, 0]]
     system = kd.systems.nbody([3.0, 1.0], x0, v0, G=1e-9)

@@ -99,7 +99,7 @@ def run_courses(
     processing: Processing, between: Callable[[], Processing], grid: Course, x: Floats, v: Floats, most: int
 ) -> Courses:
     """Run members from their starts, (M, *shape), to the end of a course with times that are wanted."""
-    kernel, count, rows = processing.kernel, x.shape[0], grid.marks.size + 1
+    kernel, count, rows = processing.kernel, x.shape[0], grid.marks.size + 2  # the first one and the last one, too
     starts, velocities = (np.ascontiguousarray(own.reshape(count, -1)) for own in (x, v))
     marks, facts = np.zeros((count, 4), dtype=np.int64), np.zeros((count, _FACTS))
     ts, sizes = np.empty((count, rows)), np.empty((count, rows))

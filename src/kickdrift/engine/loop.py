@@ -124,8 +124,8 @@ def advance_adaptively(
 ) -> int:
     """Run steps, whose sizes the letters themselves choose, until `last` are taken, or the end is passed.
 
-    The state before a step, its time, and the size of the step are kept in a row for every `stride` of them (none for 0), and
-    for each that passes one of the times that are `wanted`, of which the end is the last.
+    The state before a step, its time, and the size of the step are kept in a row for every `stride` of them (for the first
+    alone if it is 0), and for each that passes one of the times that are `wanted`, of which the end is the last.
 
     Returns
     -------
@@ -150,7 +150,7 @@ def advance_adaptively(
             break
         if work[REJECTED] != 0.0:
             continue
-        kept = stride > 0 and marks[ACCEPTED] % stride == 0
+        kept = marks[ACCEPTED] % stride == 0 if stride > 0 else marks[ACCEPTED] == 0
         marks[ACCEPTED] += 1
         sizes[row] = work[CLOCK] - ts[row]
         work[SMALLEST], work[LARGEST] = min(work[SMALLEST], abs(sizes[row])), max(work[LARGEST], abs(sizes[row]))

@@ -37,13 +37,13 @@ class _Kept(NamedTuple):
     v: Floats
     steps: Floats
 
-    def followed_by(self, t: float, x: Floats, v: Floats) -> "_Kept":
-        """Add a row."""
+    def followed_by(self, t: float, x: Floats, v: Floats, step: float) -> "_Kept":
+        """Add a row, at the end of a run: `step` is that of none, but has the sign and the size of the others."""
         return _Kept(
             np.append(self.t, t),
             np.concatenate((self.x, x[None])),
             np.concatenate((self.v, v[None])),
-            np.append(self.steps, self.steps[-1:]),
+            np.append(self.steps, step),
         )
 
 
@@ -66,12 +66,14 @@ def report(
     end = rows.time(ending.n_steps) if early else grid.t1
     if ending.stop is not None:
         end = ending.stop.t
-        kept = kept.followed_by(end, ending.stop.x, ending.stop.v)
+        if isinstance(grid, Course) and t.size and t[-1] != end:  # the state before that step is always a row
+            kept.steps[-1] = end - t[-1]
+        kept = kept.followed_by(end, ending.stop.x, ending.stop.v, grid.step)
     dense = None if journey.store else _dense(system, grid, once, end, kept)
     if isinstance(grid, Course) and dense is not None and ending.outcome is Outcome.COMPLETED and t[-1] != end:
         try:  # the last step leads beyond the end: a part of it to there
             x, v, own = dense.states_at(np.array([end]))
-            kept, evaluations = kept.followed_by(end, x[0], v[0]), evaluations + own
+            kept, evaluations = kept.followed_by(end, x[0], v[0], grid.step), evaluations + own
             dense = _dense(system, grid, once, end, kept)
         except (Exception, KeyboardInterrupt) as error:
             message += f" The rows end before it, since {type(error).__name__} was raised: {error}."

@@ -186,7 +186,7 @@ class CourseRows:
 
     def advance(self, step: int, target: int, mark: Mark) -> tuple[int, Mark]:
         """Do steps, and keep rows; return where it ended."""
-        most = target - step if self.grid.stride else min(target - step, self.grid.marks.size - mark.wanted)
+        most = target - step if self.grid.stride else min(target - step, self.grid.marks.size - mark.wanted + 1)
         self._make_room(mark.rows - self.first + most + 1)
         marks = np.array([step, mark.trials, mark.rows - self.first, mark.wanted])
         rows = self.ts, self.sizes, self.xs, self.vs
@@ -206,8 +206,8 @@ class CourseRows:
         sign = np.sign(self.grid.step)
         passed = np.searchsorted(sign * self.grid.marks, sign * t[1:], side="left")
         kept = np.diff(np.append(mark.wanted, passed)) > 0
-        if self.grid.stride:
-            kept |= np.arange(step, reached) % self.grid.stride == 0
+        of = np.arange(step, reached)
+        kept |= of % self.grid.stride == 0 if self.grid.stride else of == 0
         rows = np.flatnonzero(kept)
         first, end = mark.rows - self.first, mark.rows - self.first + rows.size
         self._make_room(end + 1)

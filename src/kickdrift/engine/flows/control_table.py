@@ -85,7 +85,12 @@ CONTROLS = {
     "judge": Flow(error_control.judge, moves_x=True, moves_v=True, timed=False),
     "begin-between": Flow(  # after which the accelerations of before are none
         cuts.begin_between,
-        parts={"keep_state": error_control.begin_trial, **_SURFACES, "find_sides": cuts.take_sides},
+        parts={
+            "keep_state": error_control.begin_trial,
+            **_SURFACES,
+            "take_ahead": cuts.take_sides_ahead,
+            "find_sides": cuts.take_sides,
+        },
         keeps_acceleration=False,
     ),
     "end-between": Flow(cuts.end_between, parts=_SURFACES, moves_x=True, moves_v=True, timed=False),

@@ -18,15 +18,19 @@ from kickdrift.core.elementwise import assign
 from kickdrift.engine.flows.error_control import BEGIN, saved, take_back
 from kickdrift.engine.flows.impact import REST
 from kickdrift.engine.flows.layout import (
+    CHANGES,
     CLOCK,
     DENSITY,
     END,
+    EVALUATIONS,
     FAILED_CONTROL,
     FIRST_STEP,
     JAMMED,
     REJECTED,
     TROUBLE,
+    VELOCITY,
     at_end,
+    has_part,
     own_params,
 )
 from kickdrift.engine.flows.resting import FREE_V, FREE_X, let_go
@@ -55,6 +59,8 @@ from kickdrift.engine.flows.surfaces import (
     TOUCHES,
     TURNED,
     WHOLE,
+    place,
+    room_of_accelerations,
     row_of,
     size_of,
 )
@@ -68,6 +74,9 @@ settle: Callable[..., None] = unbound
 hold_on: Callable[..., None] = unbound
 cross: Callable[..., None] = unbound
 stop: Callable[..., None] = unbound
+acceleration_at: Callable[..., None] = unbound
+velocity_at: Callable[..., None] = unbound
+take_ahead: Callable[..., None] = unbound
 look_for_passes: Callable[..., None] = unbound
 find_sides: Callable[..., None] = unbound
 
@@ -75,6 +84,7 @@ FREE, SEARCHING, LAST, SHORTENED = 0.0, 1.0, 2.0, 3.0  # modes
 _MOST_ROUNDS = 200
 _ROUNDING = 2.220446049250313e-16
 _MOST_SHORT = 100.0  # cuts in a row without time between: a switch that both laws lead back to
+_NEAR = 1e-6  # of the size of x: only switches that are as near are looked at a moment later
 _SLIVER = 1e-9  # of a step: a shorter one is none
 
 
@@ -144,6 +154,15 @@ def something_is_hit(work: Floats) -> bool:
 
 
 @compiled
+def something_rests(work: Floats) -> bool:
+    """Whether the step was led back to a surface."""
+    resting, some = row_of(RESTING, work), False
+    for row in range(resting.size):
+        some = some or resting[row] != FLIES
+    return some
+
+
+@compiled
 def closes_at_once(work: Floats) -> bool:
     """Whether something that is hit has touched at the start, and closed: then this alone is hit."""
     hit, opens, at_once = row_of(HIT, work), row_of(OPENS, work), False
@@ -196,26 +215,63 @@ def accept_cut(size: float, work: Floats) -> None:
 
 @compiled
 def show_sides(params: Floats, work: Floats) -> None:
-    """Write into the params of the force on which side of each switch the step is, to its end."""
+    """Write into the params of the force on which side of each switch the step is, to its end; count where one changes."""
     place = int(own_params(work)[PLACE_OF_SIDES])
     side, switch = row_of(SIDE, work), row_of(SWITCH, work)
     if place >= 0:
         for row in range(side.size):
             if switch[row] != 0.0:
+                work[CHANGES] += 1.0 if params[place] != side[row] else 0.0
                 params[place] = side[row]
                 place += 1
 
 
 def take_sides(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Find out on which side of each switch a state is."""
-    side, now, switch = row_of(SIDE, work), row_of(NOW, work), row_of(SWITCH, work)
+    """Find out on which side of each switch a state is, or will be a moment later where it is at a switch."""
+    side, now, switch, near = row_of(SIDE, work), row_of(NOW, work), row_of(SWITCH, work), False
     for row in range(side.size):
         side[row] = 1.0
     find_gaps(t, x, v, work)
     for row in range(side.size):
+        near = near or (switch[row] != 0.0 and abs(now[row]) <= _NEAR * size_of(x, work))
         side[row] = -1.0 if now[row] < 0.0 and switch[row] != 0.0 else 1.0
     show_sides(params, work)
+    if near:
+        take_ahead(t, x, v, params, work)
+        show_sides(params, work)
     work[TROUBLE] = 0.0
+
+
+def take_sides_ahead(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    """Take the sides on which a state will be after a moment that is rounding beside t, or when a switch is zero no more."""
+    n, side, now, before = x.size, row_of(SIDE, work), row_of(NOW, work), row_of(BEFORE, work)
+    there, v_there, rate = saved(n, FREE_X, n, work), saved(n, FREE_V, v.size, work), place(n, work)
+    a, switch = room_of_accelerations(n, work), row_of(SWITCH, work)
+    if has_part(VELOCITY, work):
+        velocity_at(t, x, v, params, work, rate)
+    else:
+        assign(rate, v)
+    if v.size > 0:
+        acceleration_at(t, x, v, params, work, a)
+    work[EVALUATIONS] += 1.0
+    moment, zero = 8.0 * _ROUNDING * (abs(t) + abs(work[FIRST_STEP])), 8.0 * _ROUNDING * size_of(x, work)
+    moment = moment if work[FIRST_STEP] > 0.0 else -moment
+    for row in range(now.size):
+        side[row], before[row] = 1.0, now[row]
+    first = True
+    while (first or abs(moment) < _SLIVER * abs(work[FIRST_STEP])) and (work[END] - t - moment) * moment >= 0.0:
+        for i in range(n):
+            there[i] = x[i] + moment * rate[i]
+        for i in range(v.size):
+            v_there[i] = v[i] + moment * a[i]
+        find_gaps(t + moment, there, v_there, work)
+        for row in range(now.size):
+            if first or abs(before[row]) <= zero:
+                before[row] = now[row]
+        first, moment = False, 4.0 * moment
+    for row in range(now.size):
+        side[row] = -1.0 if before[row] < 0.0 and switch[row] != 0.0 else 1.0
+    find_gaps(t, x, v, work)
 
 
 def begin_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
@@ -267,6 +323,8 @@ def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floa
         own[SHORT] = own[SHORT] + 1.0 if size < _SLIVER * abs(work[FIRST_STEP]) else 0.0
         if own[SHORT] > _MOST_SHORT:
             work[TROUBLE] = JAMMED
+    if cut or something_rests(work):
+        work[CHANGES] += 1.0
     let_go(work)
     accept_cut(size, work)
 
@@ -283,7 +341,7 @@ def end_between(t: float, h: float, x: Floats, v: Floats, params: Floats, work: 
     """End a part of a step as steps end between impacts: what has touched at its start, and closed, rests."""
     n, hit = x.size, row_of(HIT, work)
     assign(saved(n, FREE_X, n, work), x)
-    assign(saved(n, FREE_V, n, work), v)
+    assign(saved(n, FREE_V, v.size, work), v)
     for _ in range(hit.size + 1):
         hold_on(t, h, x, v, work)
         find_gaps(t, x, v, work)
@@ -295,4 +353,4 @@ def end_between(t: float, h: float, x: Floats, v: Floats, params: Floats, work: 
         if not more:
             break
         assign(x, saved(n, FREE_X, n, work))
-        assign(v, saved(n, FREE_V, n, work))
+        assign(v, saved(n, FREE_V, v.size, work))

@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled, unbound
 from kickdrift.core.elementwise import assign
+from kickdrift.engine.flows.error_control import saved
 from kickdrift.engine.flows.layout import END, EVALUATIONS, FIRST_STEP, VELOCITY, has_part, own_params
-from kickdrift.engine.flows.resting import speed_of
+from kickdrift.engine.flows.resting import FREE_V, FREE_X, speed_of
 from kickdrift.engine.flows.surfaces import (
     BODY_SIZE,
     FLIES,
@@ -156,7 +157,8 @@ def rub(row: int, square: float, speed: float, change: float, v: Floats, work: F
 def cross_switch(row: int, t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     """Bring a state that has come to a switch to its other side, by the shortest moment that floats know.
 
-    The step before has seen one law to its end, and the next one sees the other from its start.
+    The step before has seen one law to its end, and the next one sees the other from its start. A state that the motion does
+    not bring there stays as it is: the switch itself moves on, as one of the time alone does.
     """
     n, side, now = x.size, row_of(SIDE, work), row_of(NOW, work)
     rate, a = place(n, work), room_of_accelerations(n, work)
@@ -167,7 +169,10 @@ def cross_switch(row: int, t: float, x: Floats, v: Floats, params: Floats, work:
     if v.size > 0:
         acceleration_at(t, x, v, params, work, a)
     work[EVALUATIONS] += 1.0
-    moment = _MOMENT * abs(work[FIRST_STEP])
+    first_x, first_v = saved(n, FREE_X, n, work), saved(n, FREE_V, v.size, work)
+    assign(first_x, x)
+    assign(first_v, v)
+    moment = _MOMENT * work[FIRST_STEP]
     for _ in range(_DOUBLINGS):
         if now[row] < 0.0:
             break
@@ -176,6 +181,10 @@ def cross_switch(row: int, t: float, x: Floats, v: Floats, params: Floats, work:
         for i in range(v.size):
             v[i] += moment * a[i]
         moment *= 2.0
+        find_gaps(t, x, v, work)
+    if not now[row] < 0.0:
+        assign(x, first_x)
+        assign(v, first_v)
         find_gaps(t, x, v, work)
     side[row], now[row] = -side[row], -now[row]
 

@@ -11,6 +11,7 @@ ed., section XIII.2, where this psi is called psi_1.)
 Layout of memory::
 
     0     half of the step for which what follows is the filtered acceleration at x; 0 where x has moved since
+    1     CHANGES when it was evaluated
     8     that, or a change of x, or x filtered (n)
 """
 
@@ -23,7 +24,7 @@ from numpy.typing import NDArray
 from kickdrift.core.compilation import compiled, unbound
 from kickdrift.core.elementwise import assign
 from kickdrift.core.views import part
-from kickdrift.engine.flows.layout import EVALUATIONS, change_of_v, coefficients_at, memory
+from kickdrift.engine.flows.layout import CHANGES, EVALUATIONS, change_of_v, coefficients_at, memory
 
 Floats = NDArray[np.float64]
 _HEAD = 8
@@ -52,14 +53,14 @@ def filtered_kick(t: float, h: float, x: Floats, v: Floats, params: Floats, work
     """Advance v by h under the filtered acceleration, evaluated if x has moved."""
     n, own = x.size, memory(work)
     a, filtered = part(work, 0, n), part(own, _HEAD, n)
-    if own[0] != h:
+    if own[0] != h or own[1] != work[CHANGES]:
         powers, omega = part(work, coefficients_at(n), 3), part(params, params.size - n, n)
         inside(2.0 * h, omega, powers, x, filtered)
         acceleration_at(t, filtered, v, params, work, a)
         outside(2.0 * h, omega, powers, a)
         assign(filtered, a)  # a plain kick would overwrite it
         work[EVALUATIONS] += 1.0
-        own[0] = h
+        own[0], own[1] = h, work[CHANGES]
     add_to_v(v, h, filtered, work)
 
 

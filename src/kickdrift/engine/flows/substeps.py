@@ -5,7 +5,8 @@ A template, see `kickdrift.engine.flows.kick_drift`. How many there are is the c
 
 Layout of memory::
 
-    0     whether the fast acceleration is that at x
+    0     whether there is a fast acceleration that was that at x
+    1     CHANGES when it was
     8     the fast acceleration (n)
 """
 
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.compilation import unbound
 from kickdrift.core.views import part
-from kickdrift.engine.flows.layout import EVALUATIONS, coefficients_at, memory
+from kickdrift.engine.flows.layout import CHANGES, EVALUATIONS, coefficients_at, memory
 
 Floats = NDArray[np.float64]
 _HEAD = 8
@@ -35,10 +36,10 @@ def substeps(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Flo
     """Advance x and v by h. The kicks of the slow part between two calls leave x, and with it the fast acceleration."""
     n, own = x.size, memory(work)
     fast, many = part(own, _HEAD, n), int(work[coefficients_at(n)])
-    if own[0] == 0.0:
+    if own[0] == 0.0 or own[1] != work[CHANGES]:
         fast_at(t, x, v, params, work, fast)
         work[EVALUATIONS] += 1.0
-        own[0] = 1.0
+        own[0], own[1] = 1.0, work[CHANGES]
     share = h / many
     for i in range(many):
         add_to_v(v, 0.5 * share, fast, work)
