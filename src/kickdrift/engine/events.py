@@ -140,10 +140,13 @@ class Watch:
         zeros = tuple(zero for zero in self._zeros if sign * zero.t <= sign * t + near)
         return Seen(zeros, tuple(waiting), self.evaluations, self._beyond if beyond is None else beyond)
 
-    def go_on(self, seen: Seen, t: float, x: Floats, v: Floats) -> None:
-        """Go on from a time, from what was found up to there, and the state of the loop then, which is overwritten."""
+    def go_on(self, seen: Seen, step: float, t: float, x: Floats, v: Floats) -> None:
+        """Go on from a time, from what was found up to there, and the state of the loop then, which is overwritten.
+
+        The direction is that of `step`: the last one may have led beyond the end.
+        """
         self._zeros, self._waiting = list(seen.zeros), list(seen.waiting)
-        self.evaluations, self._beyond, self._sign = seen.evaluations, seen.beyond, math.copysign(1.0, self._end - t)
+        self.evaluations, self._beyond, self._sign = seen.evaluations, seen.beyond, math.copysign(1.0, step)
         self._x, self._v = self._processing.seen(np.array([t]), x[None], v[None])
 
     def look(self, t: Floats, xs: Floats, vs: Floats) -> Found:
