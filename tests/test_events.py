@@ -8,7 +8,7 @@ from scipy.special import ellipk
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.outcomes import Outcome
-from kickdrift.engine import quantities
+from kickdrift.engine import quantities, run
 
 QUIET = {"compile": False, "progress": False}
 
@@ -117,6 +117,18 @@ def test_a_run_that_ends_before_the_first_time_wanted_has_states_up_to_there():
     sol = kd.solve(lambda x: -x, (0.0, 10.0), 1.0, 0.0, step=0.01, t_eval=[5.0], events=stop, method="rk4", **QUIET)
     times = np.append(np.linspace(0.0, 1.5, 4), sol.t[-1])
     np.testing.assert_allclose(sol(times).x, np.cos(times), atol=1e-8)
+
+
+def test_the_force_evaluations_of_a_run_that_an_event_ends_depend_on_no_chunk(monkeypatch):
+    """Chunks of steps are as long as the clock lets them be: here of 10 steps and of all, with 12 zeros after the end."""
+    stop, other = with_attributes(lambda x: x, terminal=3), with_attributes(lambda v: v)
+    counts = []
+    for size in (10, 10_000):
+        monkeypatch.setattr(run, "next_chunk", lambda *_, size=size: size)
+        sol = kd.solve(lambda x: -x, (0.0, 45.0), 1.0, 0.0, step=0.05, method="rk4", events=[stop, other], **QUIET)
+        assert [zeros.size for zeros in sol.t_events] == [3, 2]
+        counts.append(sol.n_force_evaluations)
+    assert counts[0] == counts[1]
 
 
 def test_the_first_of_two_ends_in_a_step_counts():

@@ -125,6 +125,7 @@ class Watch:
         self._zeros: list[Zero] = []
         self._jumps: list[Zero] = []  # those of them at which a function is not zero
         self._waiting: list[tuple[int, Brackets]] = []  # zeros that end nothing: sought many at once
+        self._due: list[tuple[int, Brackets]] = []  # zeros that may end the run, of this look
         self._x, self._v = system.x0[None], system.v0[None]
         self._sign = 1.0  # of the steps
         self._beyond: float | None = None
@@ -133,15 +134,19 @@ class Watch:
         """Return what was found up to a time, and what is `near` to it; no zero up to `beyond`, if given, will end the run."""
         sign = self._sign
         waiting = [
-            (k, brackets.part(sign * (brackets.t + 0.5 * brackets.size) < sign * t)) for k, brackets in self._joined()
+            (k, brackets.part(sign * (brackets.t + 0.5 * brackets.size) < sign * t))
+            for k, brackets in _joined(self._waiting)
         ]
         zeros = tuple(zero for zero in self._zeros if sign * zero.t <= sign * t + near)
         return Seen(zeros, tuple(waiting), self.evaluations, self._beyond if beyond is None else beyond)
 
-    def go_on(self, seen: Seen, t: float, x: Floats, v: Floats) -> None:
-        """Go on from a time, from what was found up to there, and the state of the loop then, which is overwritten."""
+    def go_on(self, seen: Seen, step: float, t: float, x: Floats, v: Floats) -> None:
+        """Go on from a time, from what was found up to there, and the state of the loop then, which is overwritten.
+
+        The direction is that of `step`: the last one may have led beyond the end.
+        """
         self._zeros, self._waiting = list(seen.zeros), list(seen.waiting)
-        self.evaluations, self._beyond, self._sign = seen.evaluations, seen.beyond, math.copysign(1.0, self._end - t)
+        self.evaluations, self._beyond, self._sign = seen.evaluations, seen.beyond, math.copysign(1.0, step)
         self._x, self._v = self._processing.seen(np.array([t]), x[None], v[None])
 
     def look(self, t: Floats, xs: Floats, vs: Floats) -> Found:
@@ -166,6 +171,7 @@ class Watch:
                 brackets = brackets.part(strikes.others)
             if brackets.t.size:
                 self._note(k, self._bracketed(k, brackets))
+        self._search_due()
         stop, failure = self._stop(), ""
         if stop is not None:
             near = 1e-9 * np.diff(t, prepend=t[0] - (t[1] - t[0]))
@@ -181,11 +187,24 @@ class Watch:
         return evaluate_quantity(self.events[event].quantity, self._system, t, x, v)
 
     def _note(self, event: int, brackets: Brackets) -> None:
-        """Search for zeros that may end the run, and keep the others until later."""
-        if brackets.t.size and self.events[event].terminal:
-            self._zeros += self._search(event, brackets)
-        elif brackets.t.size:
-            self._waiting.append((event, brackets))
+        """Keep brackets: those of zeros that may end the run until the end of the look, and the others until later."""
+        if brackets.t.size:
+            (self._due if self.events[event].terminal else self._waiting).append((event, brackets))
+
+    def _search_due(self) -> None:
+        """Search for zeros that may end the run, up to the first that does: what it costs depends on no chunk."""
+        sign, due, self._due = self._sign, _joined(self._due), []
+        while due:
+            starts = []
+            for k, brackets in due:
+                missing = self.events[k].terminal - sum(zero.event == k for zero in self._zeros)
+                starts.append(np.sort(sign * brackets.t)[min(max(int(missing), 1), brackets.t.size) - 1])
+            for k, brackets in due:
+                self._zeros += self._search(k, brackets.part(sign * brackets.t <= min(starts)))
+            stop = self._stop()
+            last = math.inf if stop is None else sign * stop.t
+            rest = [(k, b.part((sign * b.t > min(starts)) & (sign * b.t <= last))) for k, b in due]
+            due = [(k, brackets) for k, brackets in rest if brackets.t.size]
 
     def _strikes(self, t: Floats, xs: Floats, vs: Floats, values: list[Floats]) -> Strikes | None:
         """Find the steps that end with impacts, if any do, and round values where something touches."""
@@ -226,15 +245,10 @@ class Watch:
         Ctrl-C may have come after zeros were found, and before the run had noted the steps in which they are.
         """
         sign, found = self._sign, list(self._zeros)
-        for k, brackets in self._joined():
-            found += self._search(k, brackets)
+        for k, brackets in _joined(self._waiting):
+            found += self._search(k, brackets.part(sign * brackets.t <= sign * end))
         found = sorted((zero for zero in found if sign * zero.t <= sign * end), key=lambda zero: sign * zero.t)
         return tuple(tuple(zero for zero in found if zero.event == k) for k in range(len(self.events)))
-
-    def _joined(self) -> list[tuple[int, Brackets]]:
-        """Return the steps with zeros that are still to be sought, those of an event together."""
-        events = sorted({event for event, _ in self._waiting})
-        return [(k, Brackets.joined(*(own for event, own in self._waiting if event == k))) for k in events]
 
     def _stop(self) -> Zero | None:
         """Return the first zero that ends the run."""
@@ -291,9 +305,17 @@ class Watch:
 
     def _search(self, event: int, brackets: Brackets) -> list[Zero]:
         """Find the zeros of an event, and the states there."""
+        if not brackets.t.size:
+            return []
         tolerance = 4.0 * np.spacing(np.abs(brackets.t) + np.abs(brackets.size)) / np.abs(brackets.size)
         share = search(
             *brackets[4:], lambda which, shares: self._ask(event, brackets.part(which), shares)[3], tolerance
         )
         t, x, v, _ = self._ask(event, brackets, share)
         return [Zero(float(t[k]), event, x[k], v[k]) for k in range(t.size)]
+
+
+def _joined(brackets: list[tuple[int, Brackets]]) -> list[tuple[int, Brackets]]:
+    """Return the steps with zeros that are still to be sought, those of an event together."""
+    events = sorted({event for event, _ in brackets})
+    return [(k, Brackets.joined(*(own for event, own in brackets if event == k))) for k in events]

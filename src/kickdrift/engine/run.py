@@ -117,7 +117,7 @@ class Run:
         self._begun, self._seconds = True, standing.wall_time
         if self._watch is not None and standing.seen is not None:
             t = self.rows.time(standing.step)
-            self._watch.go_on(standing.seen, t, self._state.x.copy(), self._state.v.copy())
+            self._watch.go_on(standing.seen, self.rows.grid.step, t, self._state.x.copy(), self._state.v.copy())
 
     def standing(self, beyond_the_stop: bool = False) -> Standing:
         """Return the state of the run, and whether the event that ended it, if one did, is not to end it again."""
