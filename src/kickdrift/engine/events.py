@@ -7,7 +7,6 @@ lies between is done again, shorter, until it ends at the zero: as exact as the 
 import math
 from collections.abc import Callable
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +18,7 @@ from kickdrift.engine.processing import Processing
 from kickdrift.engine.quantities import evaluate_quantity
 from kickdrift.engine.strikes import Strikes, strikes_at
 from kickdrift.engine.surface_events import Surfaces
-from kickdrift.engine.zeros import Brackets, changes, find_changes, search
+from kickdrift.engine.zeros import Brackets, Found, Seen, Zero, changes, find_changes, search
 from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
@@ -30,39 +29,6 @@ _MOST_ROWS = (
 )  # fewer cost more calls, and more do not stay in the cache: 12 ns a step more for 1 << 12, 7 for 1 << 15
 # Of a step in which a function may pass through zero and back. One that stays near zero has 256 parts asked in each step.
 _HALVINGS = 8
-
-
-class Zero(NamedTuple):
-    """A zero of an event, by its number, and the state there."""
-
-    t: float
-    event: int
-    x: Floats
-    v: Floats
-
-
-class Seen(NamedTuple):
-    """What was found of events up to a step: zeros, the steps in which further ones are, and the evaluations that it took.
-
-    No zero up to the time `beyond` ends a run: it continued from there.
-    """
-
-    zeros: tuple[Zero, ...]
-    waiting: tuple[tuple[int, Brackets], ...]
-    evaluations: int
-    beyond: float | None = None
-
-
-class Found(NamedTuple):
-    """What a look at a chunk has found: after how many of its steps it ends, the zero at which it does, and what went wrong.
-
-    And whether the function has no zero there, but jumps over it in an impact.
-    """
-
-    steps: int
-    stop: Zero | None = None
-    failure: str = ""
-    jumps: bool = False
 
 
 def watch_for(

@@ -9,12 +9,11 @@ from numpy.typing import NDArray
 
 from kickdrift.core.errors import FileFormatError
 from kickdrift.engine.checkpoints import Checkpoints
-from kickdrift.engine.events import Seen, Zero
 from kickdrift.engine.grid import Course, Grid, with_step
 from kickdrift.engine.rows import Mark
 from kickdrift.engine.standing import Standing
 from kickdrift.engine.stepper import State
-from kickdrift.engine.zeros import Brackets
+from kickdrift.engine.zeros import Brackets, Seen, Zero
 
 Arrays = Mapping[str, NDArray[Any]]
 _ROWS = "rows: "

@@ -13,7 +13,7 @@ from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import multipliers, quantities
 from kickdrift.engine.dense import DenseOutput, States
-from kickdrift.engine.events import Watch, Zero
+from kickdrift.engine.events import Watch
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.invariants import Invariants
 from kickdrift.engine.phase import time_shift
@@ -24,6 +24,7 @@ from kickdrift.engine.solution import Solution
 from kickdrift.engine.standing import Standing
 from kickdrift.engine.streaming import StreamedRows
 from kickdrift.engine.task import Journey, Task
+from kickdrift.engine.zeros import Zero
 from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]

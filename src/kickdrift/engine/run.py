@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.interruption import next_chunk
 from kickdrift.core.outcomes import Outcome
-from kickdrift.engine.events import Watch, Zero
+from kickdrift.engine.events import Watch
 from kickdrift.engine.flows.layout import (
     CROWDED,
     EVALUATIONS,
@@ -27,6 +27,7 @@ from kickdrift.engine.rows import Mark, Rows, Stretch
 from kickdrift.engine.standing import Standing
 from kickdrift.engine.stepper import State, Stepper
 from kickdrift.engine.streaming import StreamedRows
+from kickdrift.engine.zeros import Zero
 
 Floats = NDArray[np.float64]
 Failure = tuple[Outcome, str]  # and what there is to say about its cause

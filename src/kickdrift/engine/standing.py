@@ -6,9 +6,9 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from kickdrift.engine.events import Seen
 from kickdrift.engine.rows import Mark
 from kickdrift.engine.stepper import State
+from kickdrift.engine.zeros import Seen
 
 
 @dataclass(frozen=True, eq=False)

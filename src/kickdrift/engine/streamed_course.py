@@ -10,13 +10,13 @@ from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.dense import DenseOutput
 from kickdrift.engine.description import Description
-from kickdrift.engine.events import Zero
 from kickdrift.engine.grid import Course
 from kickdrift.engine.processing import Processing
 from kickdrift.engine.rows import CourseRows, Mark
 from kickdrift.engine.stepper import State
 from kickdrift.engine.streaming import StreamedRows
 from kickdrift.engine.zarr_store import ZarrStore
+from kickdrift.engine.zeros import Zero
 
 Floats = NDArray[np.float64]
 _ARRAYS = ("ts", "sizes", "xs", "vs")

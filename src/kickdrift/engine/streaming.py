@@ -11,13 +11,13 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.core.naming import digest
 from kickdrift.engine import quantities
 from kickdrift.engine.description import Description
-from kickdrift.engine.events import Zero
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.processing import Processing
 from kickdrift.engine.rows import GridRows, Mark
 from kickdrift.engine.stepper import State
 from kickdrift.engine.zarr_group import Array
 from kickdrift.engine.zarr_store import ZarrStore
+from kickdrift.engine.zeros import Zero
 
 Floats = NDArray[np.float64]
 

@@ -34,6 +34,39 @@ class Brackets(NamedTuple):
         return Brackets(*(np.concatenate(arrays) for arrays in zip(self, *others, strict=True)))
 
 
+class Zero(NamedTuple):
+    """A zero of an event, by its number, and the state there."""
+
+    t: float
+    event: int
+    x: Floats
+    v: Floats
+
+
+class Seen(NamedTuple):
+    """What was found of events up to a step: zeros, the steps in which further ones are, and the evaluations that it took.
+
+    No zero up to the time `beyond` ends a run: it continued from there.
+    """
+
+    zeros: tuple[Zero, ...]
+    waiting: tuple[tuple[int, Brackets], ...]
+    evaluations: int
+    beyond: float | None = None
+
+
+class Found(NamedTuple):
+    """What a look at a chunk has found: after how many of its steps it ends, the zero at which it does, and what went wrong.
+
+    And whether the function has no zero there, but jumps over it in an impact.
+    """
+
+    steps: int
+    stop: Zero | None = None
+    failure: str = ""
+    jumps: bool = False
+
+
 @compiled
 def find_changes(values: Floats, found: NDArray[np.int64]) -> int:
     """Note after which of its values a function passes through zero, or comes to it; return how often it does.

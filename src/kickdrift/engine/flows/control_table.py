@@ -7,6 +7,7 @@ from kickdrift.engine.flows import (
     impact,
     passing,
     resting,
+    sides,
     sliding,
     step_density,
     surfaces,
@@ -88,8 +89,8 @@ CONTROLS = {
         parts={
             "keep_state": error_control.begin_trial,
             **_SURFACES,
-            "take_ahead": cuts.take_sides_ahead,
-            "find_sides": cuts.take_sides,
+            "take_ahead": sides.take_sides_ahead,
+            "find_sides": sides.take_sides,
         },
         keeps_acceleration=False,
     ),

@@ -22,18 +22,16 @@ from kickdrift.engine.flows.layout import (
     CLOCK,
     DENSITY,
     END,
-    EVALUATIONS,
     FAILED_CONTROL,
     FIRST_STEP,
     JAMMED,
     REJECTED,
     TROUBLE,
-    VELOCITY,
     at_end,
-    has_part,
     own_params,
 )
 from kickdrift.engine.flows.resting import FREE_V, FREE_X, let_go
+from kickdrift.engine.flows.sides import show_sides
 from kickdrift.engine.flows.sliding import least_slip, least_slip_at_start
 from kickdrift.engine.flows.surfaces import (
     BEFORE,
@@ -48,7 +46,6 @@ from kickdrift.engine.flows.surfaces import (
     MOVED_LAST,
     NOW,
     OPENS,
-    PLACE_OF_SIDES,
     RESTING,
     RESTS,
     ROUNDS,
@@ -59,8 +56,6 @@ from kickdrift.engine.flows.surfaces import (
     TOUCHES,
     TURNED,
     WHOLE,
-    place,
-    room_of_accelerations,
     row_of,
     size_of,
 )
@@ -74,9 +69,6 @@ settle: Callable[..., None] = unbound
 hold_on: Callable[..., None] = unbound
 cross: Callable[..., None] = unbound
 stop: Callable[..., None] = unbound
-acceleration_at: Callable[..., None] = unbound
-velocity_at: Callable[..., None] = unbound
-take_ahead: Callable[..., None] = unbound
 look_for_passes: Callable[..., None] = unbound
 find_sides: Callable[..., None] = unbound
 
@@ -84,7 +76,6 @@ FREE, SEARCHING, LAST, SHORTENED = 0.0, 1.0, 2.0, 3.0  # modes
 _MOST_ROUNDS = 200
 _ROUNDING = 2.220446049250313e-16
 _MOST_SHORT = 100.0  # cuts in a row without time between: a switch that both laws lead back to
-_NEAR = 1e-6  # of the size of x: only switches that are as near are looked at a moment later
 _SLIVER = 1e-9  # of a step: a shorter one is none
 
 
@@ -211,67 +202,6 @@ def accept_cut(size: float, work: Floats) -> None:
     following = rest if rest > _SLIVER * first else first
     if not at_end(work):
         work[DENSITY] = first / (left if left - following < _SLIVER * first else following)
-
-
-@compiled
-def show_sides(params: Floats, work: Floats) -> None:
-    """Write into the params of the force on which side of each switch the step is, to its end; count where one changes."""
-    place = int(own_params(work)[PLACE_OF_SIDES])
-    side, switch = row_of(SIDE, work), row_of(SWITCH, work)
-    if place >= 0:
-        for row in range(side.size):
-            if switch[row] != 0.0:
-                work[CHANGES] += 1.0 if params[place] != side[row] else 0.0
-                params[place] = side[row]
-                place += 1
-
-
-def take_sides(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Find out on which side of each switch a state is, or will be a moment later where it is at a switch."""
-    side, now, switch, near = row_of(SIDE, work), row_of(NOW, work), row_of(SWITCH, work), False
-    for row in range(side.size):
-        side[row] = 1.0
-    find_gaps(t, x, v, work)
-    for row in range(side.size):
-        near = near or (switch[row] != 0.0 and abs(now[row]) <= _NEAR * size_of(x, work))
-        side[row] = -1.0 if now[row] < 0.0 and switch[row] != 0.0 else 1.0
-    show_sides(params, work)
-    if near:
-        take_ahead(t, x, v, params, work)
-        show_sides(params, work)
-    work[TROUBLE] = 0.0
-
-
-def take_sides_ahead(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Take the sides on which a state will be after a moment that is rounding beside t, or when a switch is zero no more."""
-    n, side, now, before = x.size, row_of(SIDE, work), row_of(NOW, work), row_of(BEFORE, work)
-    there, v_there, rate = saved(n, FREE_X, n, work), saved(n, FREE_V, v.size, work), place(n, work)
-    a, switch = room_of_accelerations(n, work), row_of(SWITCH, work)
-    if has_part(VELOCITY, work):
-        velocity_at(t, x, v, params, work, rate)
-    else:
-        assign(rate, v)
-    if v.size > 0:
-        acceleration_at(t, x, v, params, work, a)
-    work[EVALUATIONS] += 1.0
-    moment, zero = 8.0 * _ROUNDING * (abs(t) + abs(work[FIRST_STEP])), 8.0 * _ROUNDING * size_of(x, work)
-    moment = moment if work[FIRST_STEP] > 0.0 else -moment
-    for row in range(now.size):
-        side[row], before[row] = 1.0, now[row]
-    first = True
-    while (first or abs(moment) < _SLIVER * abs(work[FIRST_STEP])) and (work[END] - t - moment) * moment >= 0.0:
-        for i in range(n):
-            there[i] = x[i] + moment * rate[i]
-        for i in range(v.size):
-            v_there[i] = v[i] + moment * a[i]
-        find_gaps(t + moment, there, v_there, work)
-        for row in range(now.size):
-            if first or abs(before[row]) <= zero:
-                before[row] = now[row]
-        first, moment = False, 4.0 * moment
-    for row in range(now.size):
-        side[row] = -1.0 if before[row] < 0.0 and switch[row] != 0.0 else 1.0
-    find_gaps(t, x, v, work)
 
 
 def begin_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:

@@ -1,0 +1,99 @@
+"""The sides of switches: how the law of the force gets to know them, and how a state between two steps does.
+
+Templates. Where steps are cut at a switch, the next begins at it but for rounding, and knows its side: see `cuts`. Of a part
+of that step only the state is known; the side is that on which the motion, or the time alone, leads it a moment later.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.compilation import compiled, unbound
+from kickdrift.core.elementwise import assign
+from kickdrift.engine.flows.error_control import saved
+from kickdrift.engine.flows.layout import CHANGES, END, EVALUATIONS, FIRST_STEP, TROUBLE, VELOCITY, has_part, own_params
+from kickdrift.engine.flows.resting import FREE_V, FREE_X
+from kickdrift.engine.flows.surfaces import (
+    BEFORE,
+    NOW,
+    PLACE_OF_SIDES,
+    SIDE,
+    SWITCH,
+    place,
+    room_of_accelerations,
+    row_of,
+    size_of,
+)
+
+Floats = NDArray[np.float64]
+
+acceleration_at: Callable[..., None] = unbound
+velocity_at: Callable[..., None] = unbound
+find_gaps: Callable[..., float] = unbound
+take_ahead: Callable[..., None] = unbound
+
+_NEAR = 1e-6  # of the size of x: only switches that are as near are looked at a moment later
+_ROUNDING = 2.220446049250313e-16
+_LATEST = 1e-9  # of a step: how far ahead a state is followed that stays at a switch
+
+
+@compiled
+def show_sides(params: Floats, work: Floats) -> None:
+    """Write into the params of the force on which side of each switch the step is, to its end; count where one changes."""
+    place = int(own_params(work)[PLACE_OF_SIDES])
+    side, switch = row_of(SIDE, work), row_of(SWITCH, work)
+    if place >= 0:
+        for row in range(side.size):
+            if switch[row] != 0.0:
+                work[CHANGES] += 1.0 if params[place] != side[row] else 0.0
+                params[place] = side[row]
+                place += 1
+
+
+def take_sides(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    """Find out on which side of each switch a state is, or will be a moment later where it is at a switch."""
+    side, now, switch, near = row_of(SIDE, work), row_of(NOW, work), row_of(SWITCH, work), False
+    for row in range(side.size):
+        side[row] = 1.0
+    find_gaps(t, x, v, work)
+    for row in range(side.size):
+        near = near or (switch[row] != 0.0 and abs(now[row]) <= _NEAR * size_of(x, work))
+        side[row] = -1.0 if now[row] < 0.0 and switch[row] != 0.0 else 1.0
+    show_sides(params, work)
+    if near:
+        take_ahead(t, x, v, params, work)
+        show_sides(params, work)
+    work[TROUBLE] = 0.0
+
+
+def take_sides_ahead(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    """Take the sides on which a state will be after a moment that is rounding beside t, or when a switch is zero no more."""
+    n, side, now, before = x.size, row_of(SIDE, work), row_of(NOW, work), row_of(BEFORE, work)
+    there, v_there, rate = saved(n, FREE_X, n, work), saved(n, FREE_V, v.size, work), place(n, work)
+    a, switch = room_of_accelerations(n, work), row_of(SWITCH, work)
+    if has_part(VELOCITY, work):
+        velocity_at(t, x, v, params, work, rate)
+    else:
+        assign(rate, v)
+    if v.size > 0:
+        acceleration_at(t, x, v, params, work, a)
+    work[EVALUATIONS] += 1.0
+    moment, zero = 8.0 * _ROUNDING * (abs(t) + abs(work[FIRST_STEP])), 8.0 * _ROUNDING * size_of(x, work)
+    moment = moment if work[FIRST_STEP] > 0.0 else -moment
+    for row in range(now.size):
+        side[row], before[row] = 1.0, now[row]
+    first = True
+    while (first or abs(moment) < _LATEST * abs(work[FIRST_STEP])) and (work[END] - t - moment) * moment >= 0.0:
+        for i in range(n):
+            there[i] = x[i] + moment * rate[i]
+        for i in range(v.size):
+            v_there[i] = v[i] + moment * a[i]
+        find_gaps(t + moment, there, v_there, work)
+        for row in range(now.size):
+            if first or abs(before[row]) <= zero:
+                before[row] = now[row]
+        first, moment = False, 4.0 * moment
+    for row in range(now.size):
+        side[row] = -1.0 if before[row] < 0.0 and switch[row] != 0.0 else 1.0
+    find_gaps(t, x, v, work)
