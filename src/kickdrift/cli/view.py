@@ -33,6 +33,8 @@ def view(target: str, step: str | None, port: int) -> int:
     if target in SCENES:
         return _run(SCENES[target].make(), wanted or SCENES[target].step, port)
     if suffix in _ROBOTS:
+        if not Path(target).exists():  # said before a package is missing
+            raise ArgumentError(f"TARGET={target!r} cannot be opened: No such file or directory.")
         from kickdrift.io.robot_file import load_robot  # MuJoCo takes a moment that the others need not wait
 
         robot = load_robot(target)

@@ -20,11 +20,10 @@ _DPI, _DPI_IN_NOTEBOOKS = 200, 90
 
 
 @cache
-def _shown_figure() -> type["Figure"]:
+def _shown(figure: type["Figure"]) -> type["Figure"]:
     """Return the class of figures that show themselves in notebooks, also where pyplot was never imported."""
-    from matplotlib.figure import Figure
 
-    class ShownFigure(Figure):
+    class ShownFigure(figure):  # type: ignore[valid-type, misc]
         def _repr_png_(self) -> bytes:
             content = BytesIO()
             self.savefig(content, format="png", dpi=_DPI_IN_NOTEBOOKS)
@@ -42,10 +41,10 @@ def new_figure(width: float, height: float, title: str) -> "Figure":
         If matplotlib is not installed.
     """
     try:
-        kind = _shown_figure()
+        from matplotlib.figure import Figure
     except ImportError:
         raise missing_extra("Drawing", "matplotlib", "cli") from None
-    figure = kind(figsize=(width, height), layout="constrained")
+    figure = _shown(Figure)(figsize=(width, height), layout="constrained")
     figure.get_layout_engine().set(w_pad=0.08, h_pad=0.08, wspace=0.04)  # type: ignore[union-attr, call-arg]
     figure.suptitle(title, x=0.015, ha="left", fontsize=11.5, color=INK)
     return figure

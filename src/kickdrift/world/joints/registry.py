@@ -57,6 +57,7 @@ from kickdrift.world.joints.mass_changes import follow_mass
 from kickdrift.world.joints.placing import signs
 from kickdrift.world.joints.record import Placement, Record
 from kickdrift.world.joints.spanning_tree import arrange
+from kickdrift.world.joints.views import wake_bodies
 from kickdrift.world.names import Names
 from kickdrift.world.tables import ARTICULATION, JOINT, JOINT_AXES, JOINT_NUMBERS, POSE, STARTED_JOINTS, Tables
 from kickdrift.world.undivided import alone, undivided
@@ -136,9 +137,8 @@ class Joints:
                     write_law(tables, row, k, part, getattr(seen, part))
         self.arranged = False
         self.names.give(row, name)
-        made = self.handle(row)
-        made.wake()
-        return made
+        wake_bodies(tables, row)
+        return self.handle(row)
 
     @alone
     def law(self, joint: Joint, axis: int | None, part: LawPart) -> Any:
@@ -262,7 +262,7 @@ class Joints:
         return row
 
     def _remove_row(self, row: int) -> None:
-        self.handle(row).wake()
+        wake_bodies(self.tables, row)
         joint = self.tables.array(JOINT)[row]
         joint[[JOINT_KIND, BROKEN, LOCKED, LAWS]] = REMOVED, 0, 0, 0
         self.names.give(row, None)

@@ -5,9 +5,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.world.integration import BODY_KIND, DYNAMIC, STATIC
+from kickdrift.world.integration import AWAKE, BODY_KIND, DYNAMIC, STATIC
 from kickdrift.world.joints.layout import ARM_A, ARM_B, AXES, BODY_A, BODY_B, LOCKED, PRINCIPAL
 from kickdrift.world.joints.placing import signs
+from kickdrift.world.sleeping import TIME
 from kickdrift.world.tables import BODY, JOINT, JOINT_NUMBERS, LOAD, MOTION, RESTED, Tables
 
 Floats = NDArray[np.float64]
@@ -52,3 +53,10 @@ def look_up(tables: Tables, row: int) -> JointViews:
         tables.version, joint.item(PRINCIPAL), joint.item(LOCKED), 1.0 if ends[1].load is not None else -1.0,
         signs(tables, row).tolist(), numbers, axes, (ends[0], ends[1]),
     )  # fmt: skip
+
+
+def wake_bodies(tables: Tables, row: int) -> None:
+    """Wake the bodies of the joint of a row, as if they had not rested."""
+    for body in tables.row(JOINT, row)[[BODY_A, BODY_B]].tolist():
+        if tables.row(BODY, body).item(BODY_KIND) == DYNAMIC:
+            tables.row(BODY, body)[AWAKE], tables.row(RESTED, body)[TIME] = 1, 0.0
