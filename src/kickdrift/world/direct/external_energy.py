@@ -22,7 +22,7 @@ from kickdrift.world.tables import ISLAND, ISLAND_CONTACT, ISLAND_JOINT, LINK, M
 def energy_given(island: int, world: int) -> float:
     """Bound the energy that an island has been given in the substep by contacts and joints, J."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
-    total = (2.0 * math.sqrt(0.5 * mass_of(island, world)) * driving_speed(island, world)) ** 2
+    total = energy_after_impact(island, 0.0, world)
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         total += external_work(links[order[place, 0], LINK_JOINT], order[place, 0], world)
     return total
