@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.handle import Handle
+from kickdrift.world.integration import AWAKE
 from kickdrift.world.joints.axis import Axis, Drive, Motor, check_kind, finite
 from kickdrift.world.joints.layout import AXES, JOINT_POSITION, TOTAL
 from kickdrift.world.joints.placing import place, set_speed
-from kickdrift.world.joints.views import JointViews, look_up, wake_bodies
+from kickdrift.world.joints.views import JointViews, look_up
+from kickdrift.world.sleeping import TIME
 
 if TYPE_CHECKING:
     from kickdrift.world.joints.registry import Joints
@@ -107,7 +109,7 @@ class Joint(Handle):
         k = seen.principal if seen.principal >= 0 else self.axis()
         x, y, z = seen.axes[k].tolist()
         rate = 0.0
-        for arm, motion, _ in seen.ends:
+        for arm, motion, *_ in seen.ends:
             rate = -rate
             if motion is None:
                 continue
@@ -169,7 +171,7 @@ class Joint(Handle):
             raise ArgumentError(f"axis={k} is locked, so an effort along it moves nothing; give an open one.")
         x, y, z = seen.axes[k].tolist()
         size = seen.signs[k] * effort  # on a the opposite, and the opposite of that on b
-        for arm, _, load in seen.ends:
+        for arm, _, load, *_ in seen.ends:
             size = -size
             if load is None:
                 continue
@@ -268,8 +270,10 @@ class Joint(Handle):
         return self._look().signs[k]
 
     def wake(self) -> None:
-        """Wake its bodies, as if they had not rested."""
-        wake_bodies(self._joints.tables, self._joints.row(self))
+        """Wake its bodies, as `wake_bodies` does, by the views at hand: control loops call it in every step."""
+        for end in self._look().ends:
+            if end.load is not None:
+                end.body[AWAKE], end.rested[TIME] = 1, 0.0
 
     def _axis(self, what: str) -> int:
         """Return the open axis, if it has an angle, or a position."""

@@ -20,6 +20,8 @@ class EndViews(NamedTuple):
     arm: Floats  # from its centre of mass to where the joint acts, (3,)
     motion: Floats | None  # None where it never moves
     load: Floats | None  # None where forces do not move it
+    body: NDArray[np.int64]
+    rested: Floats
 
 
 class JointViews(NamedTuple):
@@ -46,7 +48,7 @@ def look_up(tables: Tables, row: int) -> JointViews:
         kind = body.item(BODY_KIND)
         motion = None if kind == STATIC else tables.row(MOTION, place)[:6]
         load = tables.row(LOAD, place)[:6] if kind == DYNAMIC else None
-        ends.append(EndViews(numbers[arm : arm + 3], motion, load))
+        ends.append(EndViews(numbers[arm : arm + 3], motion, load, body, tables.row(RESTED, place)))
     return JointViews(
         tables.version, joint.item(PRINCIPAL), joint.item(LOCKED), 1.0 if ends[1].load is not None else -1.0,
         signs(tables, row).tolist(), numbers, axes, (ends[0], ends[1]),
