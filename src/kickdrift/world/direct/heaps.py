@@ -48,8 +48,8 @@ from kickdrift.world.tables import (
 # comes to rest by itself; a card house of 40 falls if it waits for more than 20 steps.
 _PATIENCE, _MORE, _HASTE = 6, 4, 6
 
-# Of the reach of a body: if gravity moves it by more in a step, its heap does not wait. Sweeps let a tower of five cubes of 5 mm
-# sink by a quarter of an edge in the first step and by 0.7 in six, where cubes pass each other; one of 2 cm by a tenth.
+# Of the reach of a body: if gravity moves it by more in a step, its heap does not wait. Sweeps let a tower of five cubes of 5
+# mm sink by a quarter of an edge in the first step and by 0.7 in six, where cubes pass each other; one of 2 cm by a tenth.
 _FALL = 0.25
 
 # Bodies of a heap that a direct solution is worth, and free bodies of a world: a pile of 1000 boxes falls apart into small
