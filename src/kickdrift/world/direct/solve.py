@@ -135,22 +135,21 @@ def _rest(island: int, h: float, world: int) -> None:
     is those after the kick that are projected, without impulses of the substep, or nothing touches.
     """
     own = integers(world, ISLAND)[island]
-    solve_at_once(island, h, RELAX, REST, world)
-    if own[FIRST_CONTACT] < own[AFTER_CONTACT] and not kinetic_energy(island, MOTION, world) <= _most(island, world):
-        begin_from_kick(island, world)
+    for _ in range(2):
         solve_at_once(island, h, RELAX, REST, world)
-        if not kinetic_energy(island, MOTION, world) <= _most(island, world):
-            begin_from_kick(island, world)
+        if own[FIRST_CONTACT] == own[AFTER_CONTACT] or not _gains(island, world):
+            return
+        begin_from_kick(island, world)
 
 
 @compiled(cached=False)
-def _most(island: int, world: int) -> float:
-    """Bound the energy that contacts leave after the drift."""
-    energy, mass = kinetic_energy(island, KICKED, world), mass_of(island, world)
+def _gains(island: int, world: int) -> bool:
+    """Whether an island has more energy than after the kick, and than what drives it has given."""
+    before, after = kinetic_energy(island, KICKED, world), kinetic_energy(island, MOTION, world)
     if integers(world, ISLAND)[island, HAS_JOINTS] != 0:
-        return EXCESS * energy + energy_given(island, world) + mass * _STILL
+        return not (after <= EXCESS * before or after <= EXCESS * before + energy_given(island, world))
     speed = driving_speed(island, world)
-    return 1.001 * energy + mass * (speed * speed + _STILL)
+    return not after <= 1.001 * before + mass_of(island, world) * (speed * speed + _STILL)
 
 
 @compiled(cached=False)
