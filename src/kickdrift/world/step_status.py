@@ -28,6 +28,7 @@ FULL = 1  # a table needs more room: make it, clear the row and run the stage ag
 NOT_FINITE = 2  # a body has a pose or a velocity that is not finite
 NEEDS_TIME_OF_IMPACT = 3  # shapes are so fast that the step needs the stage `find_impacts`
 NEEDS_DIRECT_SOLVER = 4  # a heap is left unsolved by the sweeps
+MISSED_CONTACT = 6  # impacts made bodies so fast that they met what was not expected: do the step again
 LOST_CLOTH = 5  # a cloth has a particle whose position or velocity is not finite
 
 

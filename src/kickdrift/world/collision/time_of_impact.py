@@ -10,23 +10,12 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import (
-    Quaternion,
-    Vector,
-    conjugate,
-    dot,
-    exponential,
-    length,
-    minus,
-    plus,
-    product,
-    times,
-    turned,
-    turned_back,
-)
-from kickdrift.world.collision.acceleration import acceleration, closing_acceleration
+from kickdrift.core.vectors import Quaternion, Vector, conjugate, dot, minus, plus, product, times, turned, turned_back
+from kickdrift.world.collision.acceleration import closing_acceleration, reach
+from kickdrift.world.collision.foresight import fastest_turn, next_kink, path, velocity_then
 from kickdrift.world.collision.narrow_phase import look_again, placed_pose, radius, smallest
-from kickdrift.world.columns import vector_at
+from kickdrift.world.collision.search import TRIES
+from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
     BODY_A,
     BODY_B,
@@ -43,9 +32,9 @@ from kickdrift.world.contacts.layout import (
     SHAPE_A,
     SHAPE_B,
 )
-from kickdrift.world.layout import RADIUS
+from kickdrift.world.layout import PLACE_ORIENTATION, PLACE_POSITION, RADIUS
 from kickdrift.world.settings import MARGIN, STEP
-from kickdrift.world.tables import CONTACT, MANIFOLD, MOTION, PLACE, POSE, SETTINGS, floats, integers, rows
+from kickdrift.world.tables import CONTACT, MANIFOLD, PLACE, SEARCH, SETTINGS, floats, integers, rows
 
 _ROUNDS = 40
 
@@ -54,8 +43,9 @@ _ROUNDS = 40
 def find_impacts(t: float, h: float, world: int) -> None:
     """Find the points of the contacts that `find_points` has left because their shapes are too fast."""
     contact, manifold, settings = integers(world, CONTACT), floats(world, MANIFOLD), floats(world, SETTINGS)
+    tried = integers(world, SEARCH)[0, TRIES] > 0
     for row in range(rows(world, CONTACT)):
-        if contact[row, CONTACT_STATE] & FAST:
+        if contact[row, CONTACT_STATE] & FAST and not (tried and contact[row, POINTS] != 0):
             _advance(world, row, manifold[row, RECYCLED] - settings[0, MARGIN])
 
 
@@ -76,11 +66,14 @@ def _advance(world: int, row: int, way: float) -> None:
         if contact[row, POINTS] == 0:
             return
         gap, normal = _deepest(world, row, at, turn)
-        closing = spin - dot(turned(turn_a, normal), _approach(world, a, b, when))
+        closing = spin - dot(
+            turned(turn_a, normal), minus(velocity_then(world, b, when), velocity_then(world, a, when))
+        )
         left = _until(gap, closing, pushed)
-        if gap <= near or when >= step or (closing <= 0.0 and left >= step - when):
+        until = next_kink(world, b, when, next_kink(world, a, when, step))
+        if gap <= near or when >= step or (closing <= 0.0 and left >= until - when and until == step):
             break
-        when = min(when + left, step)
+        when = min(when + left, until)
     # What acts on them, other contacts too, may lead to where nothing is met that would be without.
     if gap > max(settings[0, MARGIN], step * step * pushed):
         contact[row, POINTS] = 0
@@ -95,32 +88,20 @@ def _until(gap: float, speed: float, pushed: float) -> float:
     return 2.0 * gap / (root + speed) if root + speed > 0.0 else math.inf
 
 
-@compiled(inline=True)
-def _approach(world: int, a: int, b: int, when: float) -> Vector:
-    """Velocity of the second body relative to the first a time after the start of the step."""
-    motion = floats(world, MOTION)
-    gained = times(when, minus(acceleration(world, b), acceleration(world, a)))
-    return plus(minus(vector_at(motion, b, 0), vector_at(motion, a, 0)), gained)
-
-
 @compiled
 def _spin(world: int, shape: int, body: int) -> float:
     """Bound how fast points of a shape move by the rotation of its body."""
-    place, w = floats(world, PLACE), vector_at(floats(world, MOTION), body, 3)
-    turn = length(w)
-    return turn * (place[shape, RADIUS] + length(vector_at(place, shape, 0))) if turn > 0.0 else 0.0
+    turn = fastest_turn(world, body)
+    return turn * reach(floats(world, PLACE), shape) if turn > 0.0 else 0.0
 
 
 @compiled
 def _placed_at(world: int, shape: int, body: int, when: float) -> tuple[Vector, Quaternion]:
     """Return where a shape will be a time after the start of the step if only gravity and forces act on it."""
-    at, turn = placed_pose(world, shape)
-    motion = floats(world, MOTION)
-    centre = vector_at(floats(world, POSE), body, 0)
-    q = exponential(times(when, vector_at(motion, body, 3)))
-    moved = plus(centre, times(when, vector_at(motion, body, 0)))
-    moved = plus(moved, times(0.5 * when * when, acceleration(world, body)))
-    return plus(moved, turned(q, minus(at, centre))), product(q, turn)
+    place = floats(world, PLACE)
+    at, q = path(world, body, when)
+    at = plus(at, turned(q, vector_at(place, shape, PLACE_POSITION)))
+    return at, product(q, quaternion_at(place, shape, PLACE_ORIENTATION))
 
 
 @compiled
@@ -149,8 +130,8 @@ def _deepest(world: int, row: int, at: Vector, turn: Quaternion) -> tuple[float,
 def _bring_back(world: int, row: int, when: float) -> None:
     """Write the normal that was found for a time in the step as one of its start, and round shapes' points with it."""
     contact, manifold = integers(world, CONTACT), floats(world, MANIFOLD)
-    _, frame_a = placed_pose(world, contact[row, SHAPE_A])
-    _, frame_b = placed_pose(world, contact[row, SHAPE_B])
+    at_a, frame_a = placed_pose(world, contact[row, SHAPE_A])
+    at_b, frame_b = placed_pose(world, contact[row, SHAPE_B])
     _, turn, turn_a = _relative(world, row, when)
     then = vector_at(manifold, row, NORMAL)
     along = turned(turn_a, then)
@@ -163,8 +144,8 @@ def _bring_back(world: int, row: int, when: float) -> None:
         _put(manifold, row, p + ON_A, plus(vector_at(manifold, row, p + ON_A), on_a))
         _put(manifold, row, p + ON_B, plus(vector_at(manifold, row, p + ON_B), on_b))
     _put(manifold, row, NORMAL, now)
-    at, turn, _ = _relative(world, row, 0.0)
-    _put(manifold, row, FOUND_POSE, at)
+    turn = product(conjugate(frame_a), frame_b)
+    _put(manifold, row, FOUND_POSE, turned_back(frame_a, minus(at_b, at_a)))
     for k in range(4):
         manifold[row, FOUND_POSE + 3 + k] = turn[k]
 
