@@ -74,13 +74,14 @@ def is_foreseen(world: int, body: int) -> bool:
 @compiled
 def way_foreseen(world: int, body: int) -> float:
     """Bound how far a body gets on its path from where it is."""
-    foreseen, settings = floats(world, FORESEEN), floats(world, SETTINGS)
-    start, kink = vector_at(floats(world, POSE), body, 0), foreseen[body, KINK]
+    foreseen, step = floats(world, FORESEEN), floats(world, SETTINGS)[0, STEP]
+    kink = foreseen[body, KINK]
     at, _ = path(world, body, kink)
-    before = length(times(kink, velocity_then(world, body, 0.5 * kink))) if kink > 0.0 else 0.0
+    before = kink * length(vector_at(floats(world, MOTION), body, 0))
+    jump = length(minus(at, vector_at(floats(world, POSE), body, 0)))
     after = length(minus(vector_at(foreseen, body, END_POSE), at))
-    gap = length(minus(at, start))
-    return max(before, gap) + after + settings[0, STEP] ** 2 * length(acceleration(world, body))
+    way: float = max(before, jump) + after + step * step * length(acceleration(world, body))
+    return way
 
 
 @compiled

@@ -10,8 +10,22 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Quaternion, Vector, conjugate, dot, minus, plus, product, times, turned, turned_back
+from kickdrift.core.vectors import (
+    Quaternion,
+    Vector,
+    conjugate,
+    cross,
+    dot,
+    length,
+    minus,
+    plus,
+    product,
+    times,
+    turned,
+    turned_back,
+)
 from kickdrift.world.collision.acceleration import closing_acceleration, reach
+from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.foresight import fastest_turn, next_kink, path, velocity_then
 from kickdrift.world.collision.narrow_phase import look_again, placed_pose, radius, smallest
 from kickdrift.world.collision.search import TRIES
@@ -31,12 +45,28 @@ from kickdrift.world.contacts.layout import (
     RECYCLED,
     SHAPE_A,
     SHAPE_B,
+    TRIANGLE_INDEX,
 )
-from kickdrift.world.layout import PLACE_ORIENTATION, PLACE_POSITION, RADIUS
+from kickdrift.world.layout import BEGIN, PLACE_ORIENTATION, PLACE_POSITION, RADIUS
 from kickdrift.world.settings import MARGIN, STEP
-from kickdrift.world.tables import CONTACT, MANIFOLD, PLACE, SEARCH, SETTINGS, floats, integers, rows
+from kickdrift.world.shapes.record import SURFACE
+from kickdrift.world.shapes.triangle import begin_of
+from kickdrift.world.tables import (
+    CONTACT,
+    GEOMETRY,
+    MANIFOLD,
+    PLACE,
+    SEARCH,
+    SETTINGS,
+    SHAPE,
+    flat,
+    floats,
+    integers,
+    rows,
+)
 
 _ROUNDS = 40
+_PART = 0.1  # of the radius of a shape, by which it goes on where a triangle leaves it to its neighbours
 
 
 @compiled
@@ -59,16 +89,24 @@ def _advance(world: int, row: int, way: float) -> None:
     # Nearer than this they touch; what passes at a greater distance is not hit.
     near = 1e-3 * smallest(place[contact[row, SHAPE_A], RADIUS], place[contact[row, SHAPE_B], RADIUS])
     step, pushed = settings[0, STEP], closing_acceleration(world, row)
-    when, gap = 0.0, 0.0
+    when, gap, on_surface = 0.0, 0.0, sort_of(world, contact[row, SHAPE_A]) == SURFACE
     for _ in range(_ROUNDS):
         at, turn, turn_a = _relative(world, row, when)
         look_again(world, row, at, turn, settings[0, MARGIN] + way)
         if contact[row, POINTS] == 0:
-            return
+            if not on_surface or when >= step:
+                return
+            # Off its face a triangle leaves contacts to its neighbours, however near they are: go on to its plane, and past.
+            gap, normal = _gap_of_plane(world, row, at)
+            closing = spin - dot(turned(turn_a, normal), _approach(world, a, b, when))
+            until = next_kink(world, b, when, next_kink(world, a, when, step))
+            if gap < -2.0 * place[contact[row, SHAPE_B], RADIUS]:
+                return
+            stride = _PART * place[contact[row, SHAPE_B], RADIUS] / max(abs(closing) + step * pushed, 1e-150)
+            when = min(when + max(_until(max(gap, 0.0), closing, pushed), stride), until)
+            continue
         gap, normal = _deepest(world, row, at, turn)
-        closing = spin - dot(
-            turned(turn_a, normal), minus(velocity_then(world, b, when), velocity_then(world, a, when))
-        )
+        closing = spin - dot(turned(turn_a, normal), _approach(world, a, b, when))
         left = _until(gap, closing, pushed)
         until = next_kink(world, b, when, next_kink(world, a, when, step))
         if gap <= near or when >= step or (closing <= 0.0 and left >= until - when and until == step):
@@ -86,6 +124,25 @@ def _until(gap: float, speed: float, pushed: float) -> float:
     """Return the time before which a gap does not close at a speed that grows at a rate; infinity if it never does."""
     root = math.sqrt(speed * speed + 2.0 * pushed * gap)
     return 2.0 * gap / (root + speed) if root + speed > 0.0 else math.inf
+
+
+@compiled(inline=True)
+def _approach(world: int, a: int, b: int, when: float) -> Vector:
+    """Velocity of the second body relative to the first on their paths."""
+    return minus(velocity_then(world, b, when), velocity_then(world, a, when))
+
+
+@compiled
+def _gap_of_plane(world: int, row: int, at: Vector) -> tuple[float, Vector]:
+    """Distance of the ball around a shape, whose origin is there, from the plane of a triangle, and the normal."""
+    contact, numbers = integers(world, CONTACT), flat(world, GEOMETRY)
+    begin = begin_of(integers(world, SHAPE)[contact[row, SHAPE_A], BEGIN], contact[row, TRIANGLE_INDEX])
+    u = (numbers[begin], numbers[begin + 1], numbers[begin + 2])
+    v = (numbers[begin + 3], numbers[begin + 4], numbers[begin + 5])
+    w = (numbers[begin + 6], numbers[begin + 7], numbers[begin + 8])
+    across = cross(minus(v, u), minus(w, u))
+    normal = times(1.0 / max(length(across), 1e-150), across)
+    return dot(normal, minus(at, u)) - floats(world, PLACE)[contact[row, SHAPE_B], RADIUS], normal
 
 
 @compiled
