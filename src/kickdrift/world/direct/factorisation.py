@@ -15,11 +15,9 @@ part is added, and then the same to each column's.
 
 from typing import Any
 
-from numba import carray
-
 from kickdrift.core.compilation import compiled
-from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import Vector, cross, dot, times
+from kickdrift.core.spatial import moved, plus_scaled, put_spatial, scaled, spatial_at
+from kickdrift.core.vectors import Vector, dot, times
 from kickdrift.world.columns import vector_at
 from kickdrift.world.direct.layout import (
     BLOCK_COUPLING,
@@ -60,22 +58,56 @@ def arms(table: Any, row: int, column_a: int, column_b: int, sign: int) -> tuple
 
 
 @compiled(inline=True, cached=False, fast=True)
-def _move_rows(m: Any, row: int, at: int, s: Vector) -> None:
-    """Move the point of reference of the impulses of a block."""
-    for j in range(6):
-        turn = cross(s, (m[row, at + j], m[row, at + 6 + j], m[row, at + 12 + j]))
-        m[row, at + 18 + j] += turn[0]
-        m[row, at + 24 + j] += turn[1]
-        m[row, at + 30 + j] += turn[2]
+def _rows(m: Any, row: int, at: int) -> tuple[Any, Any, Any, Any, Any, Any]:
+    """Rows of a block."""
+    return (
+        spatial_at(m, row, at),
+        spatial_at(m, row, at + 6),
+        spatial_at(m, row, at + 12),
+        spatial_at(m, row, at + 18),
+        spatial_at(m, row, at + 24),
+        spatial_at(m, row, at + 30),
+    )
 
 
 @compiled(inline=True, cached=False, fast=True)
-def _move_columns(m: Any, row: int, at: int, s: Vector) -> None:
+def _put_rows(m: Any, row: int, at: int, b: tuple[Any, Any, Any, Any, Any, Any]) -> None:
+    put_spatial(m, row, at, b[0])
+    put_spatial(m, row, at + 6, b[1])
+    put_spatial(m, row, at + 12, b[2])
+    put_spatial(m, row, at + 18, b[3])
+    put_spatial(m, row, at + 24, b[4])
+    put_spatial(m, row, at + 30, b[5])
+
+
+@compiled(inline=True, cached=False, fast=True)
+def _moved_rows(b: tuple[Any, Any, Any, Any, Any, Any], s: Vector) -> tuple[Any, Any, Any, Any, Any, Any]:
+    """Move the point of reference of the impulses of a block."""
+    return (
+        b[0],
+        b[1],
+        b[2],
+        plus_scaled(plus_scaled(b[3], s[1], b[2]), -s[2], b[1]),
+        plus_scaled(plus_scaled(b[4], s[2], b[0]), -s[0], b[2]),
+        plus_scaled(plus_scaled(b[5], s[0], b[1]), -s[1], b[0]),
+    )
+
+
+@compiled(inline=True, cached=False, fast=True)
+def _moved_columns(b: tuple[Any, Any, Any, Any, Any, Any], s: Vector) -> tuple[Any, Any, Any, Any, Any, Any]:
     """Move the point of reference of the velocities of a block."""
-    for i in range(6):
-        turn = cross(s, vector_at(m, row, at + 6 * i))
-        for k in range(3):
-            m[row, at + 6 * i + 3 + k] += turn[k]
+    return (moved(b[0], s), moved(b[1], s), moved(b[2], s), moved(b[3], s), moved(b[4], s), moved(b[5], s))
+
+
+@compiled(inline=True, cached=False, fast=True)
+def _add_rows(m: Any, row: int, at: int, b: tuple[Any, Any, Any, Any, Any, Any]) -> None:
+    """Add a block to another one."""
+    put_spatial(m, row, at, plus_scaled(spatial_at(m, row, at), 1.0, b[0]))
+    put_spatial(m, row, at + 6, plus_scaled(spatial_at(m, row, at + 6), 1.0, b[1]))
+    put_spatial(m, row, at + 12, plus_scaled(spatial_at(m, row, at + 12), 1.0, b[2]))
+    put_spatial(m, row, at + 18, plus_scaled(spatial_at(m, row, at + 18), 1.0, b[3]))
+    put_spatial(m, row, at + 24, plus_scaled(spatial_at(m, row, at + 24), 1.0, b[4]))
+    put_spatial(m, row, at + 30, plus_scaled(spatial_at(m, row, at + 30), 1.0, b[5]))
 
 
 @compiled(cached=False, fast=True)
@@ -99,11 +131,12 @@ def _eliminate_link(node: int, world: int) -> None:
     end = begin + nodes[node, NEIGHBOURS]
     own, other = arms(numbers, joint, ARM_A, ARM_B, links[link, SIGN])
     own_ahead, other_ahead = arms(work, link, ARM_A_AHEAD, ARM_B_AHEAD, links[link, SIGN])
-    _move_columns(work, link, ARTICULATED_INERTIA, times(-1.0, own_ahead))
-    _move_rows(work, link, ARTICULATED_INERTIA, times(-1.0, own))
+    own, own_ahead = times(-1.0, own), times(-1.0, own_ahead)
+    inertia = _moved_columns(_rows(work, link, ARTICULATED_INERTIA), own_ahead)
+    _put_rows(work, link, ARTICULATED_INERTIA, _moved_rows(inertia, own))
     for row in range(begin, end):
-        _move_rows(blocks, row, UPPER_BLOCK, times(-1.0, own))
-        _move_columns(blocks, row, LOWER_BLOCK, times(-1.0, own_ahead))
+        _put_rows(blocks, row, UPPER_BLOCK, _moved_rows(_rows(blocks, row, UPPER_BLOCK), own))
+        _put_rows(blocks, row, LOWER_BLOCK, _moved_columns(_rows(blocks, row, LOWER_BLOCK), own_ahead))
     for k in range(6):
         work[link, YIELD + k] = 0.0
         if not links[link, HELD_AXES] >> k & 1:
@@ -111,13 +144,8 @@ def _eliminate_link(node: int, world: int) -> None:
     if parent < 0:
         return
     above = nodes[parent, LINK_ROW]
-    moved = carray(floats_on_stack(36), (1, 36))
-    for k in range(36):
-        moved[0, k] = work[link, ARTICULATED_INERTIA + k]
-    _move_columns(moved, 0, 0, other_ahead)
-    _move_rows(moved, 0, 0, other)
-    for k in range(36):
-        work[above, ARTICULATED_INERTIA + k] += moved[0, k]
+    inertia = _moved_columns(_rows(work, link, ARTICULATED_INERTIA), other_ahead)
+    _add_rows(work, above, ARTICULATED_INERTIA, _moved_rows(inertia, other))
     for row in range(begin, end):
         _hand_up(row, neighbours[row, 0], parent, other, other_ahead, world)
 
@@ -132,26 +160,26 @@ def _hand_up(row: int, neighbour: int, parent: int, other: Vector, other_ahead: 
     else:
         target = block_of(min(parent, neighbour), max(parent, neighbour), world)
         to, back = (UPPER_BLOCK, LOWER_BLOCK) if parent < neighbour else (LOWER_BLOCK, UPPER_BLOCK)
-    for j in range(6):
-        top = (blocks[row, j], blocks[row, 6 + j], blocks[row, 12 + j])
-        turn = cross(other, top)
-        for i in range(3):
-            if neighbour == parent:
-                work[target, to + 6 * i + j] += top[i]
-                work[target, to + 18 + 6 * i + j] += blocks[row, 18 + 6 * i + j] + turn[i]
-            else:
-                blocks[target, to + 6 * i + j] += top[i]
-                blocks[target, to + 18 + 6 * i + j] += blocks[row, 18 + 6 * i + j] + turn[i]
-    for i in range(6):
-        left = vector_at(blocks, row, LOWER_BLOCK + 6 * i)
-        turn = cross(other_ahead, left)
-        for j in range(3):
-            if neighbour == parent:
-                work[target, back + 6 * i + j] += left[j]
-                work[target, back + 6 * i + 3 + j] += blocks[row, LOWER_BLOCK + 6 * i + 3 + j] + turn[j]
-            else:
-                blocks[target, back + 6 * i + j] += left[j]
-                blocks[target, back + 6 * i + 3 + j] += blocks[row, LOWER_BLOCK + 6 * i + 3 + j] + turn[j]
+    upper = _moved_rows(_rows(blocks, row, UPPER_BLOCK), other)
+    lower = _moved_columns(_rows(blocks, row, LOWER_BLOCK), other_ahead)
+    if neighbour == parent:
+        _add_rows(work, target, to, upper)
+        _add_rows(work, target, back, lower)
+    else:
+        _add_rows(blocks, target, to, upper)
+        _add_rows(blocks, target, back, lower)
+
+
+@compiled(inline=True, cached=False, fast=True)
+def _along(m: Any, row: int, at: int, axis: Vector) -> Any:
+    """Return the product of an axis with three rows of a block."""
+    first = scaled(axis[0], spatial_at(m, row, at))
+    return plus_scaled(plus_scaled(first, axis[1], spatial_at(m, row, at + 6)), axis[2], spatial_at(m, row, at + 12))
+
+
+@compiled(inline=True, cached=False, fast=True)
+def _subtract_scaled(m: Any, row: int, at: int, share: float, of: Any) -> None:
+    put_spatial(m, row, at, plus_scaled(spatial_at(m, row, at), -share, of))
 
 
 @compiled(cached=False, fast=True)
@@ -161,41 +189,40 @@ def _eliminate_axis(node: int, link: int, joint: int, k: int, begin: int, end: i
     axis, ahead = vector_at(numbers, joint, AXES + 3 * k), vector_at(work, link, AXES_AHEAD + 3 * k)
     half = 0 if k < 3 else 3
     row, column = PASSING + 6 * k, COUPLING + 6 * k
-    for j in range(6):
-        work[link, row + j] = (
-            axis[0] * work[link, ARTICULATED_INERTIA + 6 * half + j]
-            + axis[1] * work[link, ARTICULATED_INERTIA + 6 * half + 6 + j]
-            + axis[2] * work[link, ARTICULATED_INERTIA + 6 * half + 12 + j]
-        )
+    along = _along(work, link, ARTICULATED_INERTIA + 6 * half, axis)
+    put_spatial(work, link, row, along)
     for i in range(6):
         work[link, column + i] = dot(ahead, vector_at(work, link, ARTICULATED_INERTIA + 6 * i + half))
     stiff = dot(ahead, vector_at(work, link, row + half)) + work[link, SLOPE + k]
     give = 1.0 / stiff if stiff > 0.0 else 0.0
     work[link, YIELD + k] = give
     for i in range(6):
-        share = give * work[link, column + i]
-        for j in range(6):
-            work[link, ARTICULATED_INERTIA + 6 * i + j] -= share * work[link, row + j]
+        _subtract_scaled(work, link, ARTICULATED_INERTIA + 6 * i, give * work[link, column + i], along)
     if begin == end:
         return
     for block in range(begin, end):
-        for j in range(6):
-            blocks[block, BLOCK_PASSING + 6 * k + j] = (
-                axis[0] * blocks[block, UPPER_BLOCK + 6 * half + j]
-                + axis[1] * blocks[block, UPPER_BLOCK + 6 * half + 6 + j]
-                + axis[2] * blocks[block, UPPER_BLOCK + 6 * half + 12 + j]
-            )
+        put_spatial(blocks, block, BLOCK_PASSING + 6 * k, _along(blocks, block, UPPER_BLOCK + 6 * half, axis))
         for i in range(6):
             blocks[block, BLOCK_COUPLING + 6 * k + i] = dot(ahead, vector_at(blocks, block, LOWER_BLOCK + 6 * i + half))
     for block in range(begin, end):
+        passing = spatial_at(blocks, block, BLOCK_PASSING + 6 * k)
         for i in range(6):
-            share, other = give * work[link, column + i], give * blocks[block, BLOCK_COUPLING + 6 * k + i]
-            for j in range(6):
-                blocks[block, UPPER_BLOCK + 6 * i + j] -= share * blocks[block, BLOCK_PASSING + 6 * k + j]
-                blocks[block, LOWER_BLOCK + 6 * i + j] -= other * work[link, row + j]
+            _subtract_scaled(blocks, block, UPPER_BLOCK + 6 * i, give * work[link, column + i], passing)
+            _subtract_scaled(blocks, block, LOWER_BLOCK + 6 * i, give * blocks[block, BLOCK_COUPLING + 6 * k + i], along)
     for one in range(begin, end):
         for two in range(begin, end):
             _subtract(one, two, BLOCK_COUPLING + 6 * k, BLOCK_PASSING + 6 * k, give, 1, world)
+
+
+@compiled(inline=True, cached=False, fast=True)
+def _subtract_product(
+    m: Any, row: int, at: int, blocks: Any, one: int, two: int, left: int, right: int, factor_: float, inner: int
+) -> None:
+    for i in range(6):
+        total = spatial_at(m, row, at + 6 * i)
+        for k in range(inner):
+            total = plus_scaled(total, -factor_ * blocks[one, left + inner * i + k], spatial_at(blocks, two, right + 6 * k))
+        put_spatial(m, row, at + 6 * i, total)
 
 
 @compiled(cached=False, fast=True)
@@ -208,18 +235,10 @@ def _subtract(one: int, two: int, left: int, right: int, factor_: float, inner: 
     a, b = neighbours[one, 0], neighbours[two, 0]
     if a == b:
         work, link = floats(world, LINK_NUMBERS), nodes[a, LINK_ROW]
-        for i in range(6):
-            for m in range(inner):
-                share = factor_ * blocks[one, left + inner * i + m]
-                for j in range(6):
-                    work[link, ARTICULATED_INERTIA + 6 * i + j] -= share * blocks[two, right + 6 * m + j]
+        _subtract_product(work, link, ARTICULATED_INERTIA, blocks, one, two, left, right, factor_, inner)
         return
     target, to = block_of(min(a, b), max(a, b), world), UPPER_BLOCK if a < b else LOWER_BLOCK
-    for i in range(6):
-        for m in range(inner):
-            share = factor_ * blocks[one, left + inner * i + m]
-            for j in range(6):
-                blocks[target, to + 6 * i + j] -= share * blocks[two, right + 6 * m + j]
+    _subtract_product(blocks, target, to, blocks, one, two, left, right, factor_, inner)
 
 
 @compiled(cached=False, fast=True)
@@ -239,17 +258,15 @@ def _eliminate_free(node: int, world: int) -> None:
     for block in range(begin, end):
         for i in range(6):
             for k in range(i):
-                share = work[link, ARTICULATED_INERTIA + 6 * i + k]
-                for j in range(6):
-                    blocks[block, UPPER_BLOCK + 6 * i + j] -= share * blocks[block, UPPER_BLOCK + 6 * k + j]
+                share, upper = work[link, ARTICULATED_INERTIA + 6 * i + k], spatial_at(blocks, block, UPPER_BLOCK + 6 * k)
+                _subtract_scaled(blocks, block, UPPER_BLOCK + 6 * i, share, upper)
         for back in range(6):
             i = 5 - back
             for k in range(i + 1, 6):
-                share = work[link, ARTICULATED_INERTIA + 6 * i + k]
-                for j in range(6):
-                    blocks[block, UPPER_BLOCK + 6 * i + j] -= share * blocks[block, UPPER_BLOCK + 6 * k + j]
-            for j in range(6):
-                blocks[block, UPPER_BLOCK + 6 * i + j] *= work[link, ARTICULATED_INERTIA + 7 * i]
+                share, upper = work[link, ARTICULATED_INERTIA + 6 * i + k], spatial_at(blocks, block, UPPER_BLOCK + 6 * k)
+                _subtract_scaled(blocks, block, UPPER_BLOCK + 6 * i, share, upper)
+            upper = scaled(work[link, ARTICULATED_INERTIA + 7 * i], spatial_at(blocks, block, UPPER_BLOCK + 6 * i))
+            put_spatial(blocks, block, UPPER_BLOCK + 6 * i, upper)
     for one in range(begin, end):
         for two in range(begin, end):
             _subtract(one, two, LOWER_BLOCK, UPPER_BLOCK, 1.0, 6, world)
