@@ -92,7 +92,8 @@ class DoesSteps:
                     if self._breakable and (broken := self.joints.take_broken()):
                         self.broken += broken
                         program = self._ready(step)
-                    chunk = next_chunk(done - before, time.perf_counter() - began)
+                    if done < count:
+                        chunk = next_chunk(done - before, time.perf_counter() - began)
         except BaseException:  # Ctrl-C comes between any two lines; compiled code has noted what it has done
             self._go_back(step)
             raise
