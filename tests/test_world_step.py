@@ -26,7 +26,7 @@ def stack(**options):
 def test_the_word_says_what_a_step_does():
     word = stack().word
     assert str(word) == (
-        "begin place-shapes find-pairs find-points find-heaps colour prepare find-bouncing"
+        "begin place-shapes begin-forces find-pairs find-points find-heaps colour prepare find-bouncing"
         " (begin-forces kick bounce warm-start solve drift relax)*"
         " finish measure store count-unsolved note-touching"
     )

@@ -74,10 +74,10 @@ class Word(NamedTuple):
 def word(uses: Uses) -> Word:
     """Spell the step, to be read from top to bottom."""
     direct = uses.joints or uses.direct
+    forces = (begin_forces, *uses.forces)
     substep = (
         *when(direct and uses.bounces, bounce_islands),
-        begin_forces,
-        *uses.forces,
+        *forces,
         kick,
         *when(uses.bounces or uses.is_fast, bounce),
         warm_start,
@@ -100,6 +100,7 @@ def word(uses: Uses) -> Word:
         *when(uses.sleeps, wake_moved, wake_touched),
         *when(uses.cloths, begin_cloths),
         place_shapes,
+        *forces,  # the search has to know how fast bodies will be
         find_pairs,
         find_points,
         *when(uses.is_fast, find_impacts),

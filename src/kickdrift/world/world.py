@@ -84,7 +84,8 @@ class World(
         with 3 m/s four rows of boxes that overlap by a quarter throw the uppermost up at 7 m/s, with 1.5 m/s none exceeds 4
         m/s.
     bounce_speed : float, optional
-        Bodies that approach more slowly do not bounce, m/s; by default four times the speed that gravity adds in a substep.
+        Bodies that approach more slowly do not bounce, m/s; by default four times the speed that gravity or the forces
+        on them add in a substep.
     sleeping : bool
         Whether islands of bodies that nearly touch or are joined are skipped once they are at rest: once no point of them
         has moved faster than `sleep_speed`, m/s, for `sleep_time`, s; and all cloths, once all of them are. Off by

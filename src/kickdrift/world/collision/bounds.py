@@ -11,14 +11,14 @@ import numpy as np
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, plus, product, times, turned
+from kickdrift.world.collision.acceleration import acceleration, angular_acceleration
 from kickdrift.world.collision.bvh import Box
 from kickdrift.world.collision.dispatch import extent_of, sort_of
 from kickdrift.world.columns import quaternion_at, vector_at
-from kickdrift.world.integration import BODY_KIND, DYNAMIC, STATIC
+from kickdrift.world.integration import BODY_KIND, STATIC
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
     BODY_ROW,
-    INVERSE_LINEAR_MASS,
     LOWER,
     ORIENTATION,
     PLACE_ORIENTATION,
@@ -28,23 +28,9 @@ from kickdrift.world.layout import (
     UPPER,
     VELOCITY,
 )
-from kickdrift.world.settings import GRAVITY, MARGIN
+from kickdrift.world.settings import MARGIN
 from kickdrift.world.shapes.record import SOLID
-from kickdrift.world.tables import (
-    BODY,
-    BOUNDS,
-    INVERSE_MASS,
-    LOAD,
-    MOTION,
-    MOVERS,
-    PLACE,
-    POSE,
-    SETTINGS,
-    SHAPE,
-    floats,
-    integers,
-    rows,
-)
+from kickdrift.world.tables import BODY, BOUNDS, MOTION, MOVERS, PLACE, POSE, SETTINGS, SHAPE, floats, integers, rows
 
 _FRACTION = 0.125  # of the longest side: margin and slack of small shapes
 _SLACK = 0.05  # m, of large ones
@@ -127,13 +113,12 @@ def _box_in_step(world: int, shape: int, h: float) -> tuple[Box, float, Vector]:
     settings, motion = floats(world, SETTINGS), floats(world, MOTION)
     spin = vector_at(motion, body, ANGULAR_VELOCITY)
     way = times(h, plus(vector_at(motion, body, VELOCITY), cross(spin, arm)))
-    if integers(world, BODY)[body, BODY_KIND] == DYNAMIC:
-        way = plus(way, times(h * h, vector_at(settings, 0, GRAVITY)))
-        push = times(floats(world, INVERSE_MASS)[body, INVERSE_LINEAR_MASS], vector_at(floats(world, LOAD), body, 0))
-        way = plus(way, times(h * h, push))
-    angle = h * length(spin)
+    way = plus(way, times(h * h, acceleration(world, body)))
+    gained = h * h * angular_acceleration(world, body)
+    angle = h * length(spin) + gained
     sway = angle * reach  # no point leaves the ball of radius `reach` by turning
-    bulge = length(arm) * min(0.5 * angle * angle, 2.0)  # of the arc of its centre beyond the tangent
+    # Of the arc of its centre beyond the tangent, and of what torques add to that
+    bulge = length(arm) * min(0.5 * angle * angle + gained, 2.0)
     size = _FRACTION * max(max(box[3] - box[0], box[4] - box[1]), box[5] - box[2])
     margin = min(settings[0, MARGIN], size) + bulge
     grown = (

@@ -4,7 +4,8 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Quaternion, Vector, conjugate, dot, length, minus, product, turned_back
+from kickdrift.core.vectors import Quaternion, Vector, conjugate, dot, minus, product, turned_back
+from kickdrift.world.collision.acceleration import closing_acceleration, reach
 from kickdrift.world.collision.dispatch import is_round, sort_of
 from kickdrift.world.collision.narrow_phase import look_again, placed_pose, smallest
 from kickdrift.world.columns import quaternion_at, vector_at
@@ -20,24 +21,11 @@ from kickdrift.world.contacts.layout import (
     SHAPE_B,
 )
 from kickdrift.world.integration import AWAKE
-from kickdrift.world.layout import ANGULAR_VELOCITY, INVERSE_LINEAR_MASS, PLACE_POSITION, RADIUS, RESTITUTION, VELOCITY
+from kickdrift.world.layout import ANGULAR_VELOCITY, RADIUS, RESTITUTION, VELOCITY
 from kickdrift.world.settings import HAS_FAST, MARGIN, RECYCLE_DISTANCE, STEP
 from kickdrift.world.shapes.record import HALF_SPACE
 from kickdrift.world.step_status import NEEDS_TIME_OF_IMPACT, STATUS
-from kickdrift.world.tables import (
-    BODY,
-    CONTACT,
-    INVERSE_MASS,
-    LOAD,
-    MANIFOLD,
-    MOTION,
-    PLACE,
-    SETTINGS,
-    STEP_STATUS,
-    floats,
-    integers,
-    rows,
-)
+from kickdrift.world.tables import BODY, CONTACT, MANIFOLD, MOTION, PLACE, SETTINGS, STEP_STATUS, floats, integers, rows
 
 _STANDING = 1e-4  # of its reach, by which a round shape that stands on three points or more may move
 
@@ -59,7 +47,7 @@ def find_points(t: float, h: float, world: int) -> None:
         at_b, turn_b = placed_pose(world, b)
         at = turned_back(turn_a, minus(at_b, at_a))
         turn = product(conjugate(turn_a), turn_b)
-        way = settings[0, STEP] * (_closing_speed(world, row) + settings[0, STEP] * push_of_users(world, row))
+        way = _way(world, row)
         moved = _moved(manifold, row, at, turn, place[b, RADIUS])
         if moved + way < manifold[row, RECYCLED] and (
             contact[row, POINTS] == 0 or moved <= _tolerance(world, a, b, contact[row, POINTS])
@@ -91,6 +79,16 @@ def _far(world: int, a: int, b: int) -> float:
 
 
 @compiled(inline=True)
+def _way(world: int, row: int) -> float:
+    """Bound by how much shapes come nearer in the step, with what forces add to that beyond the margin."""
+    settings = floats(world, SETTINGS)
+    step = settings[0, STEP]
+    pushed = step * step * closing_acceleration(world, row)
+    way: float = step * _closing_speed(world, row) + max(pushed - settings[0, MARGIN], 0.0)
+    return way
+
+
+@compiled(inline=True)
 def _closing_speed(world: int, row: int) -> float:
     """Bound how fast the shapes of a contact can come nearer to each other."""
     contact, motion, place = integers(world, CONTACT), floats(world, MOTION), floats(world, PLACE)
@@ -104,29 +102,10 @@ def _closing_speed(world: int, row: int) -> float:
         turn_b += motion[b, ANGULAR_VELOCITY + k] ** 2
     speed = math.sqrt(relative)
     if turn_a > 0.0:
-        speed += math.sqrt(turn_a) * _reach(place, contact[row, SHAPE_A])
+        speed += math.sqrt(turn_a) * reach(place, contact[row, SHAPE_A])
     if turn_b > 0.0:
-        speed += math.sqrt(turn_b) * _reach(place, contact[row, SHAPE_B])
+        speed += math.sqrt(turn_b) * reach(place, contact[row, SHAPE_B])
     return speed
-
-
-@compiled(inline=True)
-def push_of_users(world: int, row: int) -> float:
-    """Bound the acceleration of the bodies of a contact by forces that users apply, m/s^2; not by those of functions."""
-    contact, load, inverse_mass = integers(world, CONTACT), floats(world, LOAD), floats(world, INVERSE_MASS)
-    total = 0.0
-    for side in range(2):
-        body = contact[row, BODY_A + side]
-        force = vector_at(load, body, 0)
-        total += inverse_mass[body, INVERSE_LINEAR_MASS] * math.sqrt(dot(force, force))
-    return total
-
-
-@compiled(inline=True)
-def _reach(place: Any, shape: int) -> float:
-    """How far a shape reaches from the centre of mass of its body."""
-    reach: float = place[shape, RADIUS] + length(vector_at(place, shape, PLACE_POSITION))
-    return reach
 
 
 @compiled(inline=True)

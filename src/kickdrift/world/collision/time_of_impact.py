@@ -1,10 +1,12 @@
 """Fast pairs: shapes that may pass through each other, or by each other, within a step are looked at where they are nearest.
 
-Conservative advancement (Mirtich 1996): from a gap s that closes at most at a speed u, nothing happens before the time s / u.
+Conservative advancement (Mirtich 1996): from a gap s that closes at most at a speed u that grows at most at a rate a, nothing
+happens before the time t with u t + a t^2 / 2 = s.
 The points of the pose in which shapes touch are those of the step: they turn with their bodies, and come together there. The
 normal is the one that shapes then have.
 """
 
+import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
@@ -22,8 +24,8 @@ from kickdrift.core.vectors import (
     turned,
     turned_back,
 )
+from kickdrift.world.collision.acceleration import acceleration, closing_acceleration
 from kickdrift.world.collision.narrow_phase import look_again, placed_pose, radius, smallest
-from kickdrift.world.collision.recycling import push_of_users
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts.layout import (
     BODY_A,
@@ -60,12 +62,13 @@ def find_impacts(t: float, h: float, world: int) -> None:
 @compiled
 def _advance(world: int, row: int, way: float) -> None:
     """Find the points of a contact for the pose in which its shapes touch within the step; none if they do not."""
-    contact, settings, motion = integers(world, CONTACT), floats(world, SETTINGS), floats(world, MOTION)
+    contact, settings = integers(world, CONTACT), floats(world, SETTINGS)
     a, b = contact[row, BODY_A], contact[row, BODY_B]
     spin = _spin(world, contact[row, SHAPE_A], a) + _spin(world, contact[row, SHAPE_B], b)
     place = floats(world, PLACE)
     # Nearer than this they touch; what passes at a greater distance is not hit.
     near = 1e-3 * smallest(place[contact[row, SHAPE_A], RADIUS], place[contact[row, SHAPE_B], RADIUS])
+    step, pushed = settings[0, STEP], closing_acceleration(world, row)
     when, gap = 0.0, 0.0
     for _ in range(_ROUNDS):
         at, turn, turn_a = _relative(world, row, when)
@@ -73,15 +76,31 @@ def _advance(world: int, row: int, way: float) -> None:
         if contact[row, POINTS] == 0:
             return
         gap, normal = _deepest(world, row, at, turn)
-        closing = spin - dot(turned(turn_a, normal), minus(vector_at(motion, b, 0), vector_at(motion, a, 0)))
-        if gap <= near or closing <= 0.0 or when >= settings[0, STEP]:
+        closing = spin - dot(turned(turn_a, normal), _approach(world, a, b, when))
+        left = _until(gap, closing, pushed)
+        if gap <= near or when >= step or (closing <= 0.0 and left >= step - when):
             break
-        when = min(when + gap / closing, settings[0, STEP])
-    # What users push gets its speed after the narrow phase.
-    if gap > settings[0, MARGIN] + settings[0, STEP] * settings[0, STEP] * push_of_users(world, row):
+        when = min(when + left, step)
+    # What acts on them, other contacts too, may lead to where nothing is met that would be without.
+    if gap > max(settings[0, MARGIN], step * step * pushed):
         contact[row, POINTS] = 0
     if when > 0.0:
         _bring_back(world, row, when)
+
+
+@compiled(inline=True)
+def _until(gap: float, speed: float, pushed: float) -> float:
+    """Return the time before which a gap does not close at a speed that grows at a rate; infinity if it never does."""
+    root = math.sqrt(speed * speed + 2.0 * pushed * gap)
+    return 2.0 * gap / (root + speed) if root + speed > 0.0 else math.inf
+
+
+@compiled(inline=True)
+def _approach(world: int, a: int, b: int, when: float) -> Vector:
+    """Velocity of the second body relative to the first a time after the start of the step."""
+    motion = floats(world, MOTION)
+    gained = times(when, minus(acceleration(world, b), acceleration(world, a)))
+    return plus(minus(vector_at(motion, b, 0), vector_at(motion, a, 0)), gained)
 
 
 @compiled
@@ -94,12 +113,13 @@ def _spin(world: int, shape: int, body: int) -> float:
 
 @compiled
 def _placed_at(world: int, shape: int, body: int, when: float) -> tuple[Vector, Quaternion]:
-    """Return where a shape will be a time after the start of the step if nothing acts on it."""
+    """Return where a shape will be a time after the start of the step if only gravity and forces act on it."""
     at, turn = placed_pose(world, shape)
     motion = floats(world, MOTION)
     centre = vector_at(floats(world, POSE), body, 0)
     q = exponential(times(when, vector_at(motion, body, 3)))
     moved = plus(centre, times(when, vector_at(motion, body, 0)))
+    moved = plus(moved, times(0.5 * when * when, acceleration(world, body)))
     return plus(moved, turned(q, minus(at, centre))), product(q, turn)
 
 

@@ -21,6 +21,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import length
+from kickdrift.world.collision.acceleration import closing_acceleration
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.colouring import LINKED
@@ -62,13 +63,13 @@ def find_bouncing(t: float, h: float, world: int) -> None:
     if rows(world, CONTACT) > room(world, IMPACT):
         ask_for_room(world, IMPACT, rows(world, CONTACT))
         return
-    bouncing, slowest = integers(world, BOUNCING), slowest_bounce(h / floats(world, SETTINGS)[0, SUBSTEPS], world)
+    bouncing, substep = integers(world, BOUNCING), h / floats(world, SETTINGS)[0, SUBSTEPS]
     for row in range(rows(world, CONTACT)):
         e = max(place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION])
         bounces = contact[row, c.PLACE_IN_GROUPS] >= 0 and (e > 0.0 or contact[row, c.CONTACT_STATE] & c.FAST)
         if bounces and not _is_linked(world, row):
             bouncing[count, 0] = row
-            constraint(world, row)[c.BOUNCE_THRESHOLD * c.WIDTH] = slowest
+            constraint(world, row)[c.BOUNCE_THRESHOLD * c.WIDTH] = slowest_bounce(substep, world, row)
             count += 1
     set_rows(world, BOUNCING, count)
 
@@ -127,11 +128,14 @@ def _is_linked(world: int, row: int) -> bool:
 
 
 @compiled
-def slowest_bounce(h: float, world: int) -> float:
-    """Return the speed from which on things bounce."""
+def slowest_bounce(h: float, world: int, row: int) -> float:
+    """Return the speed from which on the shapes of a contact bounce."""
     settings = floats(world, SETTINGS)
     slowest: float = settings[0, BOUNCE_SPEED]
-    return slowest if slowest >= 0.0 else 4.0 * h * length(vector_at(settings, 0, GRAVITY))
+    if slowest >= 0.0:
+        return slowest
+    # What lies is given no more than that in a few substeps, by forces as by gravity: without gravity it would bounce for ever.
+    return 4.0 * h * max(length(vector_at(settings, 0, GRAVITY)), closing_acceleration(world, row))
 
 
 @compiled
@@ -181,7 +185,7 @@ def _find_round(h: float, world: int) -> float:
 def _find_times(h: float, world: int, row: int, hit: Any) -> bool:
     """Find when and how fast each point of a contact hits; return whether any does within the substep."""
     contact, kicked = integers(world, CONTACT), floats(world, KICKED)
-    slowest, own = slowest_bounce(h, world), constraint(world, row)
+    slowest, own = slowest_bounce(h, world, row), constraint(world, row)
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
     since = max(kicked[a, IMPACT_TIME], kicked[b, IMPACT_TIME])
     hit[TIME] = math.inf

@@ -62,7 +62,8 @@ def _find_hits(island: int, h: float, world: int) -> bool:
 @compiled(cached=False)
 def _hits(index: int, e: float, h: float, world: int) -> bool:
     a, b = bodies_of(index, world)
-    own, numbers, slowest = constraint(index, world), contact_row(index, world), slowest_bounce(h, world)
+    own, numbers = constraint(index, world), contact_row(index, world)
+    slowest = slowest_bounce(h, world, row_of(index, world))
     velocity, change, wrench = twelve(), twelve(), twelve()
     read_both(MOTION, a, b, velocity, world)
     read_both(DELTA_POSE, a, b, change, world)

@@ -1,0 +1,97 @@
+"""What gets fast within a step, by gravity, forces and torques: the search for contacts sees it coming."""
+
+import numpy as np
+import pytest
+
+from kickdrift import World
+
+STEP = 1 / 60
+SHAPES = {
+    "box": lambda world, **options: world.add_box((0.1, 0.1, 0.1), **options),
+    "sphere": lambda world, **options: world.add_sphere(0.05, **options),
+    "capsule": lambda world, **options: world.add_capsule(0.05, 0.2, orientation=(1, 1, 0, 0), **options),
+    "cylinder": lambda world, **options: world.add_cylinder(0.05, 0.1, **options),
+}
+
+
+def pushes(acceleration):
+    """Gravity as a function of a user's."""
+    x, y, z = (float(a) for a in acceleration)
+
+    def push(mass, force):
+        for body in range(len(force)):
+            force[body, 0] += mass[body] * x
+            force[body, 1] += mass[body] * y
+            force[body, 2] += mass[body] * z
+
+    return push
+
+
+def falling(acceleration, way):
+    """A world in which that much acts on bodies: as gravity, or by a function; or both, half of it each."""
+    acceleration = np.array(acceleration)
+    part = {"gravity": 1.0, "function": 0.0, "both": 0.5}[way]
+    world = World(gravity=part * acceleration)
+    if part < 1.0:
+        world.add_force(pushes((1.0 - part) * acceleration))
+    return world
+
+
+@pytest.mark.parametrize("way", ["gravity", "function", "both"])
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("gap", [0.001, 0.06, 0.13])
+def test_a_body_that_is_pulled_hard_from_rest_does_not_pass_a_thin_floor(gap, shape, way):
+    world = falling((0, 0, -800.0), way)
+    world.add_box((2, 2, 0.02), position=(0, 0, -0.01), static=True)
+    body = SHAPES[shape](world, position=(0, 0, 0.05 + gap), mass=2.0)
+    world.advance(STEP, 60)
+    assert body.position[2] == pytest.approx(0.05, abs=0.006)
+
+
+def test_a_body_that_is_pulled_sideways_meets_the_wall_beside_it_and_not_the_post_before_it():
+    world = falling((0, 4000.0, 0), "function")
+    world.add_box((2, 0.02, 2), position=(0, 0.5, 0), static=True, friction=0.0)
+    world.add_box((0.02, 0.2, 2), position=(0.4, 0, 0), static=True)
+    body = world.add_sphere(0.05, velocity=(30, 0, 0), mass=1.0, friction=0.0)
+    world.step(STEP)  # at 30 m/s it is at the post after 0.35 / 30 s, but 0.27 m aside by then
+    assert body.position[:2] == pytest.approx((0.5, 0.44), abs=0.01)
+    assert body.velocity[0] == pytest.approx(30.0, abs=1e-6)
+
+
+def test_a_lever_that_a_torque_swings_does_not_pass_a_thin_wall():
+    world = World(gravity=(0, 0, 0))
+    world.add_box((0.5, 0.04, 1), position=(0.9, 0.09, 0), static=True)
+    lever = world.add_box((2, 0.04, 0.04), mass=1.0)
+    world.add_ball_joint(None, lever, anchor=(0, 0, 0))
+    for _ in range(20):
+        world.apply_torque(lever, (0, 0, 600.0))
+        world.step(STEP)
+    assert 0.0 < 2.0 * np.arctan2(lever.orientation[3], lever.orientation[0]) < 0.12
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.6, 1.0])
+def test_forces_of_a_function_do_what_gravity_does(restitution):
+    paths = []
+    for way in ("gravity", "function"):
+        world = falling((0, 0, -9.81), way)
+        world.add_plane(friction=0.3, restitution=restitution)
+        world.add_box((1, 1, 0.1), position=(0, 0, 0.4), static=True, friction=0.3, restitution=restitution)
+        bodies = [
+            world.add_sphere(0.1, position=(-0.4, 0, 0.7), velocity=(0.5, 0, 0), restitution=restitution),
+            world.add_box((0.2, 0.1, 0.1), position=(0.4, 0, 0.7), angular_velocity=(1, 2, 3), friction=0.3),
+        ]
+        path = []
+        for _ in range(90):
+            world.step(STEP)
+            path.append([body.position.copy() for body in bodies])
+        paths.append(np.array(path))
+    assert paths[0] == pytest.approx(paths[1], abs=1e-9)
+
+
+def test_a_ball_that_a_force_holds_against_a_wall_without_gravity_rests():
+    world = falling((1000.0, 0, 0), "function")
+    world.add_box((0.01, 4, 4), position=(0.2, 0, 0), static=True, restitution=0.5)
+    ball = world.add_sphere(0.05, position=(0.14, 0, 0), mass=1.0)
+    world.advance(STEP, 60)
+    assert ball.position[0] == pytest.approx(0.145, abs=0.006)
+    assert np.abs(ball.velocity).max() < 1e-9
