@@ -47,7 +47,7 @@ def _spread(builder: Any, number: Any) -> Any:
     return builder.shuffle_vector(one, nothing, ir.Constant(ir.VectorType(_INDEX, 6), [0] * 6))
 
 
-@intrinsic
+@intrinsic  # type: ignore[untyped-decorator]
 def _read(typing_context: Any, array: Any, index: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.load(_place(context, builder, signature.args[0], *arguments), align=8)
@@ -55,7 +55,7 @@ def _read(typing_context: Any, array: Any, index: Any) -> Any:
     return SPATIAL(array, types.intp), generate
 
 
-@intrinsic
+@intrinsic  # type: ignore[untyped-decorator]
 def _write(typing_context: Any, array: Any, index: Any, value: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         builder.store(arguments[2], _place(context, builder, signature.args[0], *arguments[:2]), align=8)
@@ -64,7 +64,7 @@ def _write(typing_context: Any, array: Any, index: Any, value: Any) -> Any:
     return types.none(array, types.intp, SPATIAL), generate
 
 
-@intrinsic
+@intrinsic  # type: ignore[untyped-decorator]
 def scaled(typing_context: Any, factor: Any, a: Any) -> Any:
     """Multiple of a spatial vector."""
 
@@ -74,7 +74,7 @@ def scaled(typing_context: Any, factor: Any, a: Any) -> Any:
     return SPATIAL(types.float64, SPATIAL), generate
 
 
-@intrinsic
+@intrinsic  # type: ignore[untyped-decorator]
 def plus_scaled(typing_context: Any, a: Any, factor: Any, b: Any) -> Any:
     """Sum of a spatial vector and a multiple of another."""
 
@@ -85,14 +85,17 @@ def plus_scaled(typing_context: Any, a: Any, factor: Any, b: Any) -> Any:
     return SPATIAL(SPATIAL, types.float64, SPATIAL), generate
 
 
-@intrinsic
+@intrinsic  # type: ignore[untyped-decorator]
 def _moved(typing_context: Any, a: Any, x: Any, y: Any, z: Any) -> Any:
     """With s = (x, y, z) and u the first three numbers of a, add s x u to the last three."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         a, *s = arguments
         total, nothing = a, ir.Constant(_SIX, None)
-        for ahead, sign in ((1, builder.fadd), (2, builder.fsub)):  # s x u = s' u'' - s'' u', each prime one place ahead
+        for ahead, sign in (
+            (1, builder.fadd),
+            (2, builder.fsub),
+        ):  # s x u = s' u'' - s'' u', each prime one place ahead
             factors = nothing
             for k in range(3):
                 factors = builder.insert_element(factors, s[(k + ahead) % 3], ir.Constant(_INDEX, 3 + k))
@@ -104,7 +107,7 @@ def _moved(typing_context: Any, a: Any, x: Any, y: Any, z: Any) -> Any:
     return SPATIAL(SPATIAL, types.float64, types.float64, types.float64), generate
 
 
-@intrinsic
+@intrinsic  # type: ignore[untyped-decorator]
 def inner(typing_context: Any, a: Any, b: Any) -> Any:
     """Inner product."""
 

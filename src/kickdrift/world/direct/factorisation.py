@@ -16,9 +16,18 @@ part is added, and then the same to each column's.
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.spatial import moved, plus_scaled, put_spatial, scaled, spatial_at
+from kickdrift.core.spatial import plus_scaled, put_spatial, scaled, spatial_at
 from kickdrift.core.vectors import Vector, dot, times
 from kickdrift.world.columns import vector_at
+from kickdrift.world.direct.blocks import (
+    add_block,
+    add_scaled,
+    block_at,
+    move_impulses,
+    move_velocities,
+    put_block,
+    rows_along,
+)
 from kickdrift.world.direct.layout import (
     BLOCK_COUPLING,
     BLOCK_PASSING,
@@ -57,59 +66,6 @@ def arms(table: Any, row: int, column_a: int, column_b: int, sign: int) -> tuple
     return vector_at(table, row, column_a), vector_at(table, row, column_b)
 
 
-@compiled(inline=True, cached=False, fast=True)
-def _rows(m: Any, row: int, at: int) -> tuple[Any, Any, Any, Any, Any, Any]:
-    """Rows of a block."""
-    return (
-        spatial_at(m, row, at),
-        spatial_at(m, row, at + 6),
-        spatial_at(m, row, at + 12),
-        spatial_at(m, row, at + 18),
-        spatial_at(m, row, at + 24),
-        spatial_at(m, row, at + 30),
-    )
-
-
-@compiled(inline=True, cached=False, fast=True)
-def _put_rows(m: Any, row: int, at: int, b: tuple[Any, Any, Any, Any, Any, Any]) -> None:
-    put_spatial(m, row, at, b[0])
-    put_spatial(m, row, at + 6, b[1])
-    put_spatial(m, row, at + 12, b[2])
-    put_spatial(m, row, at + 18, b[3])
-    put_spatial(m, row, at + 24, b[4])
-    put_spatial(m, row, at + 30, b[5])
-
-
-@compiled(inline=True, cached=False, fast=True)
-def _moved_rows(b: tuple[Any, Any, Any, Any, Any, Any], s: Vector) -> tuple[Any, Any, Any, Any, Any, Any]:
-    """Move the point of reference of the impulses of a block."""
-    return (
-        b[0],
-        b[1],
-        b[2],
-        plus_scaled(plus_scaled(b[3], s[1], b[2]), -s[2], b[1]),
-        plus_scaled(plus_scaled(b[4], s[2], b[0]), -s[0], b[2]),
-        plus_scaled(plus_scaled(b[5], s[0], b[1]), -s[1], b[0]),
-    )
-
-
-@compiled(inline=True, cached=False, fast=True)
-def _moved_columns(b: tuple[Any, Any, Any, Any, Any, Any], s: Vector) -> tuple[Any, Any, Any, Any, Any, Any]:
-    """Move the point of reference of the velocities of a block."""
-    return (moved(b[0], s), moved(b[1], s), moved(b[2], s), moved(b[3], s), moved(b[4], s), moved(b[5], s))
-
-
-@compiled(inline=True, cached=False, fast=True)
-def _add_rows(m: Any, row: int, at: int, b: tuple[Any, Any, Any, Any, Any, Any]) -> None:
-    """Add a block to another one."""
-    put_spatial(m, row, at, plus_scaled(spatial_at(m, row, at), 1.0, b[0]))
-    put_spatial(m, row, at + 6, plus_scaled(spatial_at(m, row, at + 6), 1.0, b[1]))
-    put_spatial(m, row, at + 12, plus_scaled(spatial_at(m, row, at + 12), 1.0, b[2]))
-    put_spatial(m, row, at + 18, plus_scaled(spatial_at(m, row, at + 18), 1.0, b[3]))
-    put_spatial(m, row, at + 24, plus_scaled(spatial_at(m, row, at + 24), 1.0, b[4]))
-    put_spatial(m, row, at + 30, plus_scaled(spatial_at(m, row, at + 30), 1.0, b[5]))
-
-
 @compiled(cached=False, fast=True)
 def factor(first: int, after: int, world: int) -> None:
     """Eliminate the nodes of an island in their order."""
@@ -132,11 +88,11 @@ def _eliminate_link(node: int, world: int) -> None:
     own, other = arms(numbers, joint, ARM_A, ARM_B, links[link, SIGN])
     own_ahead, other_ahead = arms(work, link, ARM_A_AHEAD, ARM_B_AHEAD, links[link, SIGN])
     own, own_ahead = times(-1.0, own), times(-1.0, own_ahead)
-    inertia = _moved_columns(_rows(work, link, ARTICULATED_INERTIA), own_ahead)
-    _put_rows(work, link, ARTICULATED_INERTIA, _moved_rows(inertia, own))
+    inertia = move_velocities(block_at(work, link, ARTICULATED_INERTIA), own_ahead)
+    put_block(work, link, ARTICULATED_INERTIA, move_impulses(inertia, own))
     for row in range(begin, end):
-        _put_rows(blocks, row, UPPER_BLOCK, _moved_rows(_rows(blocks, row, UPPER_BLOCK), own))
-        _put_rows(blocks, row, LOWER_BLOCK, _moved_columns(_rows(blocks, row, LOWER_BLOCK), own_ahead))
+        put_block(blocks, row, UPPER_BLOCK, move_impulses(block_at(blocks, row, UPPER_BLOCK), own))
+        put_block(blocks, row, LOWER_BLOCK, move_velocities(block_at(blocks, row, LOWER_BLOCK), own_ahead))
     for k in range(6):
         work[link, YIELD + k] = 0.0
         if not links[link, HELD_AXES] >> k & 1:
@@ -144,8 +100,8 @@ def _eliminate_link(node: int, world: int) -> None:
     if parent < 0:
         return
     above = nodes[parent, LINK_ROW]
-    inertia = _moved_columns(_rows(work, link, ARTICULATED_INERTIA), other_ahead)
-    _add_rows(work, above, ARTICULATED_INERTIA, _moved_rows(inertia, other))
+    inertia = move_velocities(block_at(work, link, ARTICULATED_INERTIA), other_ahead)
+    add_block(work, above, ARTICULATED_INERTIA, move_impulses(inertia, other))
     for row in range(begin, end):
         _hand_up(row, neighbours[row, 0], parent, other, other_ahead, world)
 
@@ -160,26 +116,14 @@ def _hand_up(row: int, neighbour: int, parent: int, other: Vector, other_ahead: 
     else:
         target = block_of(min(parent, neighbour), max(parent, neighbour), world)
         to, back = (UPPER_BLOCK, LOWER_BLOCK) if parent < neighbour else (LOWER_BLOCK, UPPER_BLOCK)
-    upper = _moved_rows(_rows(blocks, row, UPPER_BLOCK), other)
-    lower = _moved_columns(_rows(blocks, row, LOWER_BLOCK), other_ahead)
+    upper = move_impulses(block_at(blocks, row, UPPER_BLOCK), other)
+    lower = move_velocities(block_at(blocks, row, LOWER_BLOCK), other_ahead)
     if neighbour == parent:
-        _add_rows(work, target, to, upper)
-        _add_rows(work, target, back, lower)
+        add_block(work, target, to, upper)
+        add_block(work, target, back, lower)
     else:
-        _add_rows(blocks, target, to, upper)
-        _add_rows(blocks, target, back, lower)
-
-
-@compiled(inline=True, cached=False, fast=True)
-def _along(m: Any, row: int, at: int, axis: Vector) -> Any:
-    """Return the product of an axis with three rows of a block."""
-    first = scaled(axis[0], spatial_at(m, row, at))
-    return plus_scaled(plus_scaled(first, axis[1], spatial_at(m, row, at + 6)), axis[2], spatial_at(m, row, at + 12))
-
-
-@compiled(inline=True, cached=False, fast=True)
-def _subtract_scaled(m: Any, row: int, at: int, share: float, of: Any) -> None:
-    put_spatial(m, row, at, plus_scaled(spatial_at(m, row, at), -share, of))
+        add_block(blocks, target, to, upper)
+        add_block(blocks, target, back, lower)
 
 
 @compiled(cached=False, fast=True)
@@ -189,7 +133,7 @@ def _eliminate_axis(node: int, link: int, joint: int, k: int, begin: int, end: i
     axis, ahead = vector_at(numbers, joint, AXES + 3 * k), vector_at(work, link, AXES_AHEAD + 3 * k)
     half = 0 if k < 3 else 3
     row, column = PASSING + 6 * k, COUPLING + 6 * k
-    along = _along(work, link, ARTICULATED_INERTIA + 6 * half, axis)
+    along = rows_along(work, link, ARTICULATED_INERTIA + 6 * half, axis)
     put_spatial(work, link, row, along)
     for i in range(6):
         work[link, column + i] = dot(ahead, vector_at(work, link, ARTICULATED_INERTIA + 6 * i + half))
@@ -197,18 +141,19 @@ def _eliminate_axis(node: int, link: int, joint: int, k: int, begin: int, end: i
     give = 1.0 / stiff if stiff > 0.0 else 0.0
     work[link, YIELD + k] = give
     for i in range(6):
-        _subtract_scaled(work, link, ARTICULATED_INERTIA + 6 * i, give * work[link, column + i], along)
+        add_scaled(work, link, ARTICULATED_INERTIA + 6 * i, -give * work[link, column + i], along)
     if begin == end:
         return
     for block in range(begin, end):
-        put_spatial(blocks, block, BLOCK_PASSING + 6 * k, _along(blocks, block, UPPER_BLOCK + 6 * half, axis))
+        put_spatial(blocks, block, BLOCK_PASSING + 6 * k, rows_along(blocks, block, UPPER_BLOCK + 6 * half, axis))
         for i in range(6):
             blocks[block, BLOCK_COUPLING + 6 * k + i] = dot(ahead, vector_at(blocks, block, LOWER_BLOCK + 6 * i + half))
     for block in range(begin, end):
         passing = spatial_at(blocks, block, BLOCK_PASSING + 6 * k)
         for i in range(6):
-            _subtract_scaled(blocks, block, UPPER_BLOCK + 6 * i, give * work[link, column + i], passing)
-            _subtract_scaled(blocks, block, LOWER_BLOCK + 6 * i, give * blocks[block, BLOCK_COUPLING + 6 * k + i], along)
+            add_scaled(blocks, block, UPPER_BLOCK + 6 * i, -give * work[link, column + i], passing)
+            coupling = blocks[block, BLOCK_COUPLING + 6 * k + i]
+            add_scaled(blocks, block, LOWER_BLOCK + 6 * i, -give * coupling, along)
     for one in range(begin, end):
         for two in range(begin, end):
             _subtract(one, two, BLOCK_COUPLING + 6 * k, BLOCK_PASSING + 6 * k, give, 1, world)
@@ -221,7 +166,8 @@ def _subtract_product(
     for i in range(6):
         total = spatial_at(m, row, at + 6 * i)
         for k in range(inner):
-            total = plus_scaled(total, -factor_ * blocks[one, left + inner * i + k], spatial_at(blocks, two, right + 6 * k))
+            share = factor_ * blocks[one, left + inner * i + k]
+            total = plus_scaled(total, -share, spatial_at(blocks, two, right + 6 * k))
         put_spatial(m, row, at + 6 * i, total)
 
 
@@ -258,13 +204,13 @@ def _eliminate_free(node: int, world: int) -> None:
     for block in range(begin, end):
         for i in range(6):
             for k in range(i):
-                share, upper = work[link, ARTICULATED_INERTIA + 6 * i + k], spatial_at(blocks, block, UPPER_BLOCK + 6 * k)
-                _subtract_scaled(blocks, block, UPPER_BLOCK + 6 * i, share, upper)
+                share = work[link, ARTICULATED_INERTIA + 6 * i + k]
+                add_scaled(blocks, block, UPPER_BLOCK + 6 * i, -share, spatial_at(blocks, block, UPPER_BLOCK + 6 * k))
         for back in range(6):
             i = 5 - back
             for k in range(i + 1, 6):
-                share, upper = work[link, ARTICULATED_INERTIA + 6 * i + k], spatial_at(blocks, block, UPPER_BLOCK + 6 * k)
-                _subtract_scaled(blocks, block, UPPER_BLOCK + 6 * i, share, upper)
+                share = work[link, ARTICULATED_INERTIA + 6 * i + k]
+                add_scaled(blocks, block, UPPER_BLOCK + 6 * i, -share, spatial_at(blocks, block, UPPER_BLOCK + 6 * k))
             upper = scaled(work[link, ARTICULATED_INERTIA + 7 * i], spatial_at(blocks, block, UPPER_BLOCK + 6 * i))
             put_spatial(blocks, block, UPPER_BLOCK + 6 * i, upper)
     for one in range(begin, end):

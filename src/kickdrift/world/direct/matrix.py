@@ -3,9 +3,10 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.spatial import plus_scaled, put_spatial, spatial_at, spatial_of
+from kickdrift.core.spatial import spatial_of
 from kickdrift.core.vectors import Symmetric, cross, inverse_symmetric, plus, times
 from kickdrift.world.columns import symmetric_at, vector_at
+from kickdrift.world.direct.blocks import add_scaled
 from kickdrift.world.direct.layout import FIRST_NEIGHBOUR, LINK_ROW, LOWER_BLOCK, NEIGHBOURS, UPPER_BLOCK
 from kickdrift.world.joints.layout import ANGULAR_PART, ARTICULATED_INERTIA, LINK_BODY
 from kickdrift.world.joints.measure import put_vector
@@ -80,11 +81,6 @@ def block_of(a: int, b: int, world: int) -> int:
     return row
 
 
-@compiled(inline=True, cached=False, fast=True)
-def _add_scaled(m: Any, row: int, at: int, factor: float, of: Any) -> None:
-    put_spatial(m, row, at, plus_scaled(spatial_at(m, row, at), factor, of))
-
-
 @compiled(cached=False, fast=True)
 def add_row(a: int, b: int, stiffness: float, start: Any, ahead: Any, world: int) -> None:
     """Add to the matrix stiffness times the wrenches of a row, that of its impulse and that of its speed.
@@ -103,7 +99,7 @@ def add_row(a: int, b: int, stiffness: float, start: Any, ahead: Any, world: int
             link = nodes[node, LINK_ROW]
             speeds = spatial_of(ahead, 6 * side)
             for i in range(6):
-                _add_scaled(work, link, ARTICULATED_INERTIA + 6 * i, stiffness * start[6 * side + i], speeds)
+                add_scaled(work, link, ARTICULATED_INERTIA + 6 * i, stiffness * start[6 * side + i], speeds)
     if a >= 0 and b >= 0:
         blocks = floats(world, BLOCK)
         row, upper, lower = block_of(min(a, b), max(a, b), world), UPPER_BLOCK, LOWER_BLOCK
@@ -111,5 +107,5 @@ def add_row(a: int, b: int, stiffness: float, start: Any, ahead: Any, world: int
             upper, lower = LOWER_BLOCK, UPPER_BLOCK
         speeds_of_a, speeds_of_b = spatial_of(ahead, 0), spatial_of(ahead, 6)
         for i in range(6):
-            _add_scaled(blocks, row, upper + 6 * i, stiffness * start[i], speeds_of_b)
-            _add_scaled(blocks, row, lower + 6 * i, stiffness * start[6 + i], speeds_of_a)
+            add_scaled(blocks, row, upper + 6 * i, stiffness * start[i], speeds_of_b)
+            add_scaled(blocks, row, lower + 6 * i, stiffness * start[6 + i], speeds_of_a)

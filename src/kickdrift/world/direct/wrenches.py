@@ -46,7 +46,8 @@ def write_wrench(own: Any, k: int, wrench: Any) -> None:
 def along(wrench: Any, velocity: Any) -> float:
     """Speed along a row."""
     of_a: float = inner(spatial_of(wrench, 0), spatial_of(velocity, 0))
-    return of_a + inner(spatial_of(wrench, 6), spatial_of(velocity, 6))
+    of_b: float = inner(spatial_of(wrench, 6), spatial_of(velocity, 6))
+    return of_a + of_b
 
 
 @compiled(cached=False, fast=True)
