@@ -96,8 +96,9 @@ def word(uses: Uses) -> Word:
     if uses.threads:
         substep = tuple(THREADED.get(stage, stage) for stage in substep)
     before = (
+        *when(uses.sleeps, wake_moved),
         begin,
-        *when(uses.sleeps, wake_moved, wake_touched),
+        *when(uses.sleeps, wake_touched),
         *when(uses.cloths, begin_cloths),
         place_shapes,
         *forces,  # the search has to know how fast bodies will be
