@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import warnings
 
 import numpy as np
 import pytest
@@ -10,7 +11,8 @@ from scipy.optimize import nnls
 from scipy.spatial.transform import Rotation
 from test_world_joints_equations import KINDS, Rows, join, motion
 
-from kickdrift.world.joints.axis import Motor
+from kickdrift.core.errors import UnsolvedWarning
+from kickdrift.world.joints.axis import Drive, Motor
 from kickdrift.world.joints.layout import ANCHOR_A, ANCHOR_B, BODY_A, BODY_B
 from kickdrift.world.tables import JOINT, JOINT_NUMBERS, MOTION, POSE
 from kickdrift.world.world import World
@@ -368,3 +370,25 @@ def test_bits_are_the_same_run_to_run_and_after_restore():
     other.advance(STEP, 65)
     assert bits(other) == wanted
     assert np.abs(world.velocity).max() > 0.01 or world.position[2][2] < 0.3
+
+
+@pytest.mark.parametrize("seed", [1, 36, 95, 134])
+def test_a_jammed_arm_has_no_more_energy_than_its_drive_gives(seed):
+    """Boxes on hinges that overlap where they begin, driven hard: contacts that joints do not let go."""
+    rng = np.random.default_rng(seed)
+    world, anchor, before = World(), np.zeros(3), None
+    drive = Drive(stiffness=20.0, damping=0.7, target=35.0)
+    for _ in range(4):
+        way = rng.normal(size=3)
+        end = anchor + 0.3 * way / np.linalg.norm(way)
+        box = world.add_box(rng.uniform(0.05, 0.3, 3), position=(anchor + end) / 2, mass=10 ** rng.uniform(-1, 1))
+        laws = {"drive": drive} if before is None else {}
+        world.add_hinge(before, box, anchor=anchor, axis=rng.normal(size=3), **laws)
+        before, anchor = box, end
+    most = 0.0
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UnsolvedWarning)
+        for _ in range(120):
+            world.step(1 / 60)
+            most = max(most, world.energy().kinetic)
+    assert 1.0 < most < 0.5 * 20.0 * 35.0**2

@@ -46,6 +46,15 @@ def screw(pitch, gravity=(0, 0, -9.81)):
     return world, joint, world.add_gear(joint, joint, pitch / (2 * np.pi), axis_a=2, axis_b=5)
 
 
+def test_wheels_that_turn_by_turns_in_a_substep_stay_in_mesh():
+    world, first, second, gear = two_wheels(-2.0)
+    world.angular_velocity[1:, 2] = 8000.0, -4000.0
+    world.advance(STEP, 240)
+    assert first.angle == pytest.approx(8000.0, rel=1e-6)
+    assert second.angle == pytest.approx(-4000.0, rel=1e-6)
+    assert abs(gear.effort) < 1e-6
+
+
 @pytest.mark.parametrize("ratio", [-2.0, 0.5, 7.3, -1e-2])
 def test_a_torque_turns_both_wheels_by_their_moments(ratio):
     world, first, second, gear = two_wheels(ratio)

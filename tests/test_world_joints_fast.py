@@ -56,3 +56,20 @@ def test_a_base_that_starts_to_move_takes_along_what_hangs_on_it():
     world.advance(STEP, 60)
     assert world.velocity[rod.index] == pytest.approx([1, 0, 0], abs=1e-9)
     assert world.position[rod.index] - world.position[base.index] == pytest.approx([0, 0, -0.5], abs=1e-6)
+
+
+@pytest.mark.parametrize("rate", [100.0, -700.0, 1000.0, 5000.0])
+def test_turns_are_counted_where_a_substep_is_more_than_half_a_turn(rate):
+    world = World(gravity=(0, 0, 0))
+    wheel = world.add_cylinder(0.3, 0.1, mass=2.0, angular_velocity=(0, 0, rate))
+    hinge = world.add_hinge(None, wheel, anchor=(0, 0, 0), axis=(0, 0, 1))
+    world.advance(STEP, 60)
+    assert hinge.angle == pytest.approx(rate, rel=1e-9)
+
+
+def test_turns_of_a_universal_joint_are_counted_alike():
+    world = World(gravity=(0, 0, 0))
+    wheel = world.add_cylinder(0.3, 0.1, mass=2.0, angular_velocity=(0, 0, -1000.0))
+    joint = world.add_universal_joint(None, wheel, anchor=(0, 0, 0), axis_a=(1, 0, 0), axis_b=(0, 0, 1))
+    world.advance(STEP, 60)
+    assert joint.angles == pytest.approx([0, -1000.0, 0], abs=1e-6)

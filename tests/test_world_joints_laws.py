@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from kickdrift.core.errors import UnsolvedWarning
 from kickdrift.world.joints.axis import FREE, LOCKED, Axis, Drive, Motor
 from kickdrift.world.world import World
 
@@ -203,6 +204,16 @@ def test_laws_of_an_axis_add_up():
     assert hinge.speed == 0.0
 
 
+def test_a_stiff_drive_many_turns_from_its_target_gets_there():
+    world = World()
+    rod = world.add_capsule(0.05, 0.9, position=(0, 0, -0.5), mass=1.0)
+    drive = Drive(stiffness=500.0, damping=50.0, target=16 * math.pi)
+    hinge = world.add_hinge(None, rod, anchor=(0, 0, 0), axis=(0, 1, 0), drive=drive)
+    with pytest.warns(UnsolvedWarning, match="too far for its joints"):
+        world.advance(STEP, 180)
+    assert hinge.angle == pytest.approx(16 * math.pi, abs=0.01)
+
+
 # Limits
 
 
@@ -233,6 +244,40 @@ def test_what_falls_on_a_limit_rests_on_it(substeps):
     assert lowest >= -0.5 - 1e-8
     assert hinge.angle == pytest.approx(-0.5, abs=1e-9)
     assert hinge.effort == pytest.approx(G * math.cos(0.5), rel=1e-9)
+
+
+@pytest.mark.parametrize("gravity", [0.0, -G])
+@pytest.mark.parametrize("limits", [(0.1, 1.0), (0.5, 1.0), (1.5, 2.0), (-2.0, -1.5)])
+def test_a_joint_made_beyond_its_limits_returns_to_them(gravity, limits):
+    """As the knees of a robot whose straight legs its joints do not allow."""
+    world = World((0, 0, gravity))
+    rod = world.add_capsule(0.05, 0.9, position=(0, 0, -0.5), mass=1.0)
+    hinge = world.add_hinge(None, rod, anchor=(0, 0, 0), axis=(0, 1, 0), limits=limits)
+    speeds = []
+    for _ in range(60):
+        world.step(STEP)
+        speeds.append(abs(hinge.speed))
+    nearest = limits[0] if limits[0] > 0 else limits[1]
+    assert hinge.angle == pytest.approx(nearest, abs=1e-2)
+    assert limits[0] - 1e-9 <= hinge.angle <= limits[1] + 1e-9
+    assert max(speeds) < 0.02  # it was moved, not thrown
+    torque = -gravity * 0.5 * math.sin(nearest)
+    assert hinge.effort == pytest.approx(torque, abs=1e-6)
+
+
+def test_a_knee_made_beyond_its_limits_throws_nothing():
+    world = World()
+    rods = [world.add_capsule(0.05, 0.9, position=(0, 0, z), mass=1.0) for z in (-0.5, -1.5)]
+    world.add_hinge(None, rods[0], anchor=(0, 0, 0), axis=(0, 1, 0))
+    knee = world.add_hinge(*rods, anchor=(0, 0, -1), axis=(0, 1, 0), limits=(0.5, 1.0))
+    bent = -19.155  # J, at rest with a bend of 0.5: up from -19.62
+    energies = []
+    for _ in range(240):
+        world.step(STEP)
+        energies.append(world.energy().total)
+    assert 0.5 - 1e-9 <= knee.angle <= 1.0
+    assert max(energies) < bent + 0.3
+    assert energies[-1] == pytest.approx(bent, abs=0.01)
 
 
 def test_a_slider_stops_at_its_end():

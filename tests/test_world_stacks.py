@@ -33,6 +33,21 @@ def test_towers_stand(count, edge):
     assert (world.position[2:, 2] > start[2:, 2] - 0.35).all()
 
 
+@pytest.mark.parametrize("shape", ["box", "cylinder"])
+@pytest.mark.parametrize(("edge", "gravity"), [(0.001, 9.81), (0.005, 9.81), (0.1, 1000.0)])
+def test_towers_of_what_falls_by_its_own_size_in_a_step_stand(edge, gravity, shape):
+    world = World(gravity=(0, 0, -gravity))
+    world.add_plane(friction=0.6)
+    add, size = (world.add_box, (3 * (edge,),)) if shape == "box" else (world.add_cylinder, (edge / 2, edge))
+    for k in range(5):
+        add(*size, position=(0, 0, (0.5 + k) * edge), friction=0.6)
+    heights = edge * (0.5 + np.arange(5))
+    for _ in range(20):
+        world.advance(STEP, 3)
+        assert world.position[2:, 2] == pytest.approx(heights, abs=0.05 * edge)
+    assert np.abs(world.velocity).max() < 1e-9
+
+
 @pytest.mark.parametrize("masses", [[1, 10], [2.0**-k for k in range(10)]])
 def test_mass_ratios_come_to_rest(masses):
     world = stack([(1, 1, 1)] * len(masses), masses)

@@ -32,7 +32,7 @@ from kickdrift.world.force_stage import begin_forces
 from kickdrift.world.integration import begin, drift, finish, flatten, kick
 from kickdrift.world.joints.breaking import finish_joints
 from kickdrift.world.joints.impulses import warm_start_joints
-from kickdrift.world.joints.measure import measure_joints
+from kickdrift.world.joints.measure import follow_joints, measure_joints
 from kickdrift.world.joints.prepare import begin_joints, wake_joints
 from kickdrift.world.sleeping import sleep, wake_moved, wake_touched
 from kickdrift.world.step import STAGE
@@ -88,7 +88,7 @@ def word(uses: Uses) -> Word:
         *when(uses.planar, flatten),
         drift,
         relax,
-        *when(uses.joints, measure_joints),
+        *when(uses.joints, follow_joints),
         *when(uses.sequential, relax_in_turn),
         *when(direct, relax_islands),
         *when(uses.cloths, find_cloth_contacts, move_cloths),
@@ -96,8 +96,9 @@ def word(uses: Uses) -> Word:
     if uses.threads:
         substep = tuple(THREADED.get(stage, stage) for stage in substep)
     before = (
+        *when(uses.sleeps, wake_moved),
         begin,
-        *when(uses.sleeps, wake_moved, wake_touched),
+        *when(uses.sleeps, wake_touched),
         *when(uses.cloths, begin_cloths),
         place_shapes,
         *forces,  # the search has to know how fast bodies will be

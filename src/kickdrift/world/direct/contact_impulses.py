@@ -117,16 +117,6 @@ def forget_contacts(island: int, world: int) -> None:
 
 
 @compiled(cached=False, fast=True)
-def clear_contacts(island: int, world: int) -> None:
-    """Clear the impulses of contacts."""
-    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        fields = constraint(order[k, 0], world)
-        for i in range(CONTACT_ROWS):
-            fields[impulse_field(i) * c.WIDTH] = 0.0
-
-
-@compiled(cached=False, fast=True)
 def left_of_contacts(island: int, world: int) -> float:
     """Return how fast points that carry something part or approach, at most, m/s."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)

@@ -179,6 +179,16 @@ def note_impulses(island: int, back: bool, world: int) -> None:
 
 
 @compiled(cached=False, fast=True)
+def clear_contacts(island: int, world: int) -> None:
+    """Clear the impulses of contacts."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        fields = constraint(order[k, 0], world)
+        for i in range(CONTACT_ROWS):
+            fields[impulse_field(i) * c.WIDTH] = 0.0
+
+
+@compiled(cached=False, fast=True)
 def update_contact_states(island: int, task: int, first: bool, bounded: bool, world: int) -> bool:
     """Assume the pieces of the laws of contacts that the current solution implies; return whether it was made with them."""
     own, order, settled = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), True

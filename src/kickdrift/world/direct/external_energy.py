@@ -24,7 +24,7 @@ def energy_given(island: int, world: int) -> float:
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     total = energy_after_impact(island, 0.0, world)
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        total += external_work(links[order[place, 0], LINK_JOINT], order[place, 0], world)
+        total += external_work(links[order[place, 0], LINK_JOINT], world)
     return total
 
 

@@ -32,4 +32,4 @@ def repair(island: int, h: float, world: int) -> None:
             turn = times(1.0 / max(1.0, 2.0 * length(turn)), turn)
             shift_body(links[link, LINK_BODY], way, turn, world)
         for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-            measure(links[order[place, 0], LINK_JOINT], world)
+            measure(links[order[place, 0], LINK_JOINT], 0.0, world)

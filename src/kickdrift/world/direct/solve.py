@@ -13,7 +13,7 @@ the drift too, and bodies are put back to where the joints hold them.
 import math
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.direct.contact_impulses import clear_contacts, forget_contacts, left_of_contacts
+from kickdrift.world.direct.contact_impulses import forget_contacts, left_of_contacts
 from kickdrift.world.direct.contacts import PRESS, REST, begin_contacts, is_cut, note_impulses
 from kickdrift.world.direct.equations import AS_ASSUMED, BY_LAWS, aim_island, solve
 from kickdrift.world.direct.external_energy import driving_speed, energy_given
@@ -90,10 +90,8 @@ def relax_islands(t: float, h: float, world: int) -> None:
             note_velocities(island, world)
             note_impulses(island, False, world)
             _project(island, h, RELAX, REST, world)
-        elif islands[island, HAS_JOINTS] == 0:
-            _rest(island, h, world)
         else:
-            solve_at_once(island, h, RELAX, REST, world)
+            _rest(island, h, world)
     for island in range(rows(world, ISLAND)):
         if is_cut(island, world):
             aim_island(island, h, RELAX, world)
@@ -131,19 +129,27 @@ def _press(island: int, h: float, world: int) -> None:
 
 @compiled(cached=False)
 def _rest(island: int, h: float, world: int) -> None:
-    """Project velocities of an island without joints.
+    """Project velocities.
 
     Contacts give no more energy than there was after the kick, and than what drives the island from without. Where they do, it
     is those after the kick that are projected, without impulses of the substep, or nothing touches.
     """
+    own = integers(world, ISLAND)[island]
     for _ in range(2):
-        speed = driving_speed(island, world)
-        most = 1.001 * kinetic_energy(island, KICKED, world) + mass_of(island, world) * (speed * speed + _STILL)
         solve_at_once(island, h, RELAX, REST, world)
-        if kinetic_energy(island, MOTION, world) <= most:
+        if own[FIRST_CONTACT] == own[AFTER_CONTACT] or not _gains(island, world):
             return
         begin_from_kick(island, world)
-        clear_contacts(island, world)
+
+
+@compiled(cached=False)
+def _gains(island: int, world: int) -> bool:
+    """Whether an island has more energy than after the kick, and than what drives it has given."""
+    before, after = kinetic_energy(island, KICKED, world), kinetic_energy(island, MOTION, world)
+    if integers(world, ISLAND)[island, HAS_JOINTS] != 0:
+        return not (after <= EXCESS * before or after <= EXCESS * before + energy_given(island, world))
+    speed = driving_speed(island, world)
+    return not after <= 1.001 * before + mass_of(island, world) * (speed * speed + _STILL)
 
 
 @compiled(cached=False)
@@ -176,8 +182,15 @@ def _is_thrown(island: int, h: float, world: int) -> bool:
 
 @compiled(cached=False)
 def _take_care(island: int, h: float, world: int) -> None:
-    """Begin with velocities that joints allow, and stay with them if no solution is found near to them."""
+    """Begin with velocities that joints allow, and stay with them if no solution is found near to them.
+
+    Impulses of the substep before that throw the island are no guess: where a substep found no solution, they may be anything.
+    """
     islands = integers(world, ISLAND)
+    if kinetic_energy(island, NOTED, world) > WILD * kinetic_energy(island, KICKED, world):
+        begin_from_kick(island, world)
+        note_velocities(island, world)
+        note_impulses(island, False, world)
     _project(island, h, GENTLY, PRESS, world)
     energy = kinetic_energy(island, MOTION, world)
     off = islands[island, RATIO] * aim_island(island, h, AHEAD, world)

@@ -9,7 +9,7 @@ import math
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import applied, dot, plus, times, turned_back
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
-from kickdrift.world.direct.contacts import note_impulses
+from kickdrift.world.direct.contacts import clear_contacts, note_impulses
 from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE
 from kickdrift.world.direct.nodes import body_of
 from kickdrift.world.integration import BODY_INERTIA, MASS
@@ -87,8 +87,15 @@ def take_back_velocities(island: int, world: int) -> None:
 
 @compiled(cached=False)
 def begin_from_kick(island: int, world: int) -> None:
-    """Go back to the velocities after the kick."""
+    """Go back to the velocities after the kick, before joints and contacts gave anything."""
+    own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
+    numbers = floats(world, JOINT_NUMBERS)
     _copy(island, KICKED, MOTION, world)
+    clear_contacts(island, world)
+    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
+        joint = links[order[place, 0], LINK_JOINT]
+        for k in range(6):
+            numbers[joint, JOINT_IMPULSE + k], numbers[joint, SOLVED + k] = 0.0, 0.0
 
 
 @compiled(cached=False)

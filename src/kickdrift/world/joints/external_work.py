@@ -4,7 +4,6 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import cross, dot, plus, times
 from kickdrift.world.columns import vector_at
 from kickdrift.world.integration import BODY_KIND, KINEMATIC
-from kickdrift.world.joints.laws import AT_UPPER
 from kickdrift.world.joints.layout import (
     ANGULAR_PART,
     ARM_A,
@@ -12,20 +11,19 @@ from kickdrift.world.joints.layout import (
     AXES,
     BODY_A,
     JOINT_IMPULSE,
-    LAW_STATE,
     LAWS,
     LINEAR_PART,
     START_SPEED,
 )
 from kickdrift.world.joints.measure import relative_velocity
-from kickdrift.world.tables import BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, LINK_NUMBERS, MOTION, floats, integers
+from kickdrift.world.tables import BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, MOTION, floats, integers
 
 
 @compiled(cached=False)
-def external_work(joint: int, link: int, world: int) -> float:
+def external_work(joint: int, world: int) -> float:
     """Bound the work of a joint in the substep that is not taken from what it joins, J."""
     joints, bodies = integers(world, JOINT), integers(world, BODY)
-    work = _work_of_laws(joint, link, world) if joints[joint, LAWS] != 0 else 0.0
+    work = _work_of_laws(joint, world) if joints[joint, LAWS] != 0 else 0.0
     for side in range(2):
         body = joints[joint, BODY_A + side]
         if bodies[body, BODY_KIND] == KINEMATIC:
@@ -34,15 +32,18 @@ def external_work(joint: int, link: int, world: int) -> float:
 
 
 @compiled(cached=False)
-def _work_of_laws(joint: int, link: int, world: int) -> float:
-    """Bound the work of motors and drives; limits do none."""
-    axes, states = integers(world, JOINT)[joint, LAWS], floats(world, LINK_NUMBERS)
-    numbers, laws, most = floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES), 0.0
+def _work_of_laws(joint: int, world: int) -> float:
+    """Bound the work of motors, drives and limits: impulse times mean speed, where that gives energy."""
+    axes, numbers, laws = integers(world, JOINT)[joint, LAWS], floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     v, w = relative_velocity(joint, world)
+    most = 0.0
     for k in range(6):
-        if axes >> k & 1 and states[link, LAW_STATE + k] > AT_UPPER:
-            speed = dot(vector_at(numbers, joint, AXES + 3 * k), v if k < 3 else w)
-            most += abs(numbers[joint, JOINT_IMPULSE + k]) * (abs(laws[6 * joint + k, START_SPEED]) + abs(speed))
+        if axes >> k & 1:
+            impulse, speed = (
+                numbers[joint, JOINT_IMPULSE + k],
+                dot(vector_at(numbers, joint, AXES + 3 * k), v if k < 3 else w),
+            )
+            most += max(impulse * laws[6 * joint + k, START_SPEED], 0.0) + max(impulse * speed, 0.0)
     return most
 
 

@@ -32,13 +32,12 @@ from kickdrift.world.joints.layout import (
     FRAME_B,
     GEARED_AXES,
     GEARED_JOINTS,
-    JOINT_POSITION,
     LENGTH,
     LINEAR_PART,
     RATES,
     START_WRENCHES,
 )
-from kickdrift.world.joints.measure import axis_unit, put_vector, unwound
+from kickdrift.world.joints.measure import axis_unit, expected_angle, put_vector, unwound
 from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
 from kickdrift.world.tables import INVERSE_MASS, JOINT, JOINT_NUMBERS, LINK_NUMBERS, MOTION, POSE, floats, integers
 
@@ -90,7 +89,7 @@ def _axis_ahead(joint: int, k: int, h: float, world: int) -> tuple[float, Vector
     axis = turned(fa, axis_unit(k % 3))
     if k >= 3:
         relative = product(conjugate(fa), product(qb, quaternion_at(numbers, joint, FRAME_B)))
-        angle = unwound(2.0 * math.atan2(relative[k - 2], relative[0]), numbers[joint, JOINT_POSITION + k])
+        angle = unwound(2.0 * math.atan2(relative[k - 2], relative[0]), expected_angle(joint, k, h, world))
         return angle, axis, _NOTHING, _NOTHING
     arm_b = turned(qb, vector_at(numbers, joint, ANCHOR_B))
     moved = minus(vector_at(motion, b, LINEAR_PART), vector_at(motion, a, LINEAR_PART))

@@ -58,6 +58,10 @@ from kickdrift.world.tables import JOINT, JOINT_AXES, JOINT_NUMBERS, LINK_NUMBER
 # with its impulse.
 _RIGID = 1e6
 
+# How fast what is beyond a limit returns to it, m/s or rad/s: by a few hundredths of a radian in a substep, which joints can
+# follow. Limits are passed where they are set so, as by a robot whose knees are straight, which its joints do not allow.
+_RETURN = 5.0
+
 # Codes of pieces: upright ones, and others, which are _OPEN and three digits to the base 3
 AT_LOWER, AT_UPPER, STICKS, AT_SPEED, _OPEN = 1, 2, 3, 4, 5
 
@@ -169,6 +173,8 @@ def _piece(
     row = 6 * joint + k
     at = numbers[joint, JOINT_POSITION + k]
     lower, upper = laws[row, LOWER_LIMIT] - at, laws[row, UPPER_LIMIT] - at
+    back = h * _RETURN
+    lower, upper = min(lower, back), max(upper, -back)
     if relaxing:  # what has been passed is left as it is, and the drive is the one that it was before the drift
         lower, upper = min(lower, 0.0), max(upper, 0.0)
         constant, slope, maximum = laws[row, DRIVE_CONSTANT], laws[row, DRIVE_SLOPE], h * laws[row, DRIVE_MAXIMUM]

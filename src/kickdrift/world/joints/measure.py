@@ -111,19 +111,43 @@ def unwound(angle: float, before: float) -> float:
     return angle + 2.0 * math.pi * math.floor((before - angle) / (2.0 * math.pi) + 0.5)
 
 
+@compiled(inline=True, cached=False)
+def expected_angle(joint: int, k: int, h: float, world: int) -> float:
+    """Angle about an axis a time after it was measured, by the present angular velocities."""
+    joints, numbers, motion = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, MOTION)
+    wa = vector_at(motion, joints[joint, BODY_A], ANGULAR_PART)
+    wb = vector_at(motion, joints[joint, BODY_B], ANGULAR_PART)
+    angle: float = numbers[joint, JOINT_POSITION + k] + h * dot(minus(wb, wa), vector_at(numbers, joint, AXES + 3 * k))
+    return angle
+
+
 @compiled
 def measure_joints(t: float, h: float, world: int) -> None:
-    """Measure joints where they stand: before the substeps, and after each drift."""
+    """Measure joints where they stand, before the substeps."""
+    _measure_all(0.0, world)
+
+
+@compiled
+def follow_joints(t: float, h: float, world: int) -> None:
+    """Measure joints after a drift."""
+    _measure_all(h, world)
+
+
+@compiled(cached=False)
+def _measure_all(h: float, world: int) -> None:
     articulations, links = integers(world, ARTICULATION), integers(world, LINK)
     for row in range(rows(world, ARTICULATION)):
         for link in range(articulations[row, FIRST], articulations[row, END]):
             if links[link, LINK_JOINT] >= 0:
-                measure(links[link, LINK_JOINT], world)
+                measure(links[link, LINK_JOINT], h, world)
 
 
 @compiled(cached=False)
-def measure(joint: int, world: int) -> None:
-    """Fill in axes, arms, positions and angles of a joint as its bodies stand."""
+def measure(joint: int, h: float, world: int) -> None:
+    """Fill in axes, arms, positions and angles of a joint as its bodies stand, h after they were measured before.
+
+    Turns are counted by the speed in that time: wheels at 1000 rad/s turn by more than half a turn in a substep.
+    """
     pose, joints, numbers = floats(world, POSE), integers(world, JOINT), floats(world, JOINT_NUMBERS)
     if joints[joint, LINEAR] == GEARED:
         return  # once its joints are: as the right-hand side is written
@@ -149,16 +173,16 @@ def measure(joint: int, world: int) -> None:
         put_vector(numbers, joint, JOINT_POSITION, turned_back(fa, way))
     mode = joints[joint, ANGULAR]
     if mode == UNIVERSAL:
-        _measure_universal(joint, joints[joint, PIVOT], fa, relative, world)
+        _measure_universal(joint, joints[joint, PIVOT], fa, relative, h, world)
     elif mode == SWING_TWIST:
         _measure_cone(joint, fa, relative, world)
     else:
         for k in range(3):
             put_vector(numbers, joint, AXES + 9 + 3 * k, turned(fa, axis_unit(k)))
         if mode == HINGE:
-            p = JOINT_POSITION + 3 + joints[joint, PIVOT]
-            angle = 2.0 * math.atan2(relative[1 + joints[joint, PIVOT]], relative[0])
-            numbers[joint, p] = unwound(angle, numbers[joint, p])
+            k = 3 + joints[joint, PIVOT]
+            angle = 2.0 * math.atan2(relative[k - 2], relative[0])
+            numbers[joint, JOINT_POSITION + k] = unwound(angle, expected_angle(joint, k, h, world))
         elif mode == VECTOR:
             put_vector(numbers, joint, JOINT_POSITION + 3, rotation_vector(relative))
     for k in range(6):
@@ -192,7 +216,7 @@ def put_cross(table: Any, row: int, column: int, i: int, fa: Quaternion, second_
 
 
 @compiled(cached=False)
-def _measure_universal(joint: int, i: int, fa: Quaternion, relative: Quaternion, world: int) -> None:
+def _measure_universal(joint: int, i: int, fa: Quaternion, relative: Quaternion, h: float, world: int) -> None:
     """Axis i is fixed in a and axis j in b: b is turned by the angle about j, then by that about i."""
     numbers = floats(world, JOINT_NUMBERS)
     j, k = (i + 1) % 3, (i + 2) % 3
@@ -201,10 +225,11 @@ def _measure_universal(joint: int, i: int, fa: Quaternion, relative: Quaternion,
     first_in_b = turned_back(relative, axis_unit(i))
     p = JOINT_POSITION + 3
     numbers[joint, p + i] = unwound(
-        math.atan2(dot(second_in_a, axis_unit(k)), dot(second_in_a, axis_unit(j))), numbers[joint, p + i]
+        math.atan2(dot(second_in_a, axis_unit(k)), dot(second_in_a, axis_unit(j))),
+        expected_angle(joint, 3 + i, h, world),
     )
     numbers[joint, p + j] = unwound(
-        math.atan2(dot(first_in_b, axis_unit(k)), dot(first_in_b, axis_unit(i))), numbers[joint, p + j]
+        math.atan2(dot(first_in_b, axis_unit(k)), dot(first_in_b, axis_unit(i))), expected_angle(joint, 3 + j, h, world)
     )
 
 

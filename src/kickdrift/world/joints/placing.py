@@ -61,7 +61,7 @@ class Side(NamedTuple):
 def measure_again(joints: Any, world: int) -> None:
     """Measure some joints where they stand."""
     for k in range(len(joints)):
-        measure(joints[k], world)
+        measure(joints[k], 0.0, world)
 
 
 @compiled
