@@ -125,6 +125,7 @@ FACE_BOUNDS, FACE_NORMALS = Table(90, 8), Table(91, 8)
 ZONE = Table(92, 2, whole=True)  # of each particle: see `kickdrift.world.cloth.zones`
 ZONE_NUMBERS = Table(93, 16)
 CLOTH_SEARCH = Table(94, 16)  # one row
+INTERVAL_START, PARTICLE_PATH, FACE_TURN = Table(96, 4), Table(97, 6), Table(98, 6)
 CLOTH_NEAR = Table(79, 1)  # shapes, and triangles of one, that are near a cloth
 
 _LAST = max(table.place for table in list(globals().values()) if isinstance(table, Table))
