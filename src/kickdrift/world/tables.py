@@ -50,7 +50,7 @@ GEOMETRY = Table(11, 1)  # the numbers of all shapes, one shape after the other
 CONTACT = Table(12, 8, whole=True)
 MANIFOLD = Table(13, 72)
 SETTINGS = Table(14, 32)  # one row: see `kickdrift.world.settings`
-STEP_STATUS = Table(15, 8, whole=True)  # one row: see `kickdrift.world.step_status`
+STEP_STATUS = Table(15, 16, whole=True)  # one row: see `kickdrift.world.step_status`
 EVENTS = Table(16, 8, whole=True)
 # Joints: see `kickdrift.world.joints.layout`
 JOINT = Table(17, 16, whole=True)
