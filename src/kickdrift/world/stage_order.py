@@ -22,7 +22,7 @@ from kickdrift.world.contacts.residual import measure
 from kickdrift.world.contacts.restitution import bounce, find_bouncing
 from kickdrift.world.contacts.solver_stages import THREADED, relax, solve, store, warm_start
 from kickdrift.world.direct.gauss_seidel import relax_in_turn, solve_in_turn
-from kickdrift.world.direct.heaps import count_unsolved, find_heaps
+from kickdrift.world.direct.heaps import ask_again, count_unsolved, find_heaps
 from kickdrift.world.direct.islands import find_islands
 from kickdrift.world.direct.losses import note_losses
 from kickdrift.world.direct.nodes import find_nodes
@@ -119,8 +119,9 @@ def word(uses: Uses) -> Word:
     )
     after = (
         *when(uses.bounces or uses.is_fast, find_missed),
-        finish,
         measure,
+        *when(not uses.many, ask_again),
+        finish,
         store,
         *when(direct, measure_islands),
         *when(uses.joints, note_losses),

@@ -105,7 +105,8 @@ class DoesSteps:
                     if self._breakable and (broken := self.joints.take_broken()):
                         self.broken += broken
                         program = self._ready(step)
-                    chunk = next_chunk(done - before, time.perf_counter() - began)
+                    if done < count:
+                        chunk = next_chunk(done - before, time.perf_counter() - began)
         except BaseException:  # Ctrl-C comes between any two lines; compiled code has noted what it has done
             self._go_back(step)
             raise
@@ -164,8 +165,8 @@ class DoesSteps:
         self.tables.altered = False
         return self._program
 
-    def _help(self, step: float, at: int) -> int:
-        """Do what a stage has asked for; return the stage to go on from. Raise what cannot be helped."""
+    def _help(self, step: float, stage: int) -> int:
+        """Do what a stage has asked for, and return the stage to go on with; raise what cannot be helped."""
         status = self.tables.row(STEP_STATUS, 0)
         columns = step_status.STATUS, step_status.TABLE, step_status.ROWS_WANTED, step_status.LOST_BODY
         kind, table, wanted, body = status[list(columns)].tolist()
@@ -179,6 +180,10 @@ class DoesSteps:
         elif kind == step_status.MISSED_CONTACT:
             roll_back(self.tables)
             return 0
+        elif kind == step_status.LEFT_FAR_FROM_SOLVED:
+            roll_back(self.tables)
+            status[step_status.REPEATED] = 1
+            return 0
         elif kind == step_status.LOST_CLOTH:
             self._go_back(step, LOAD)
             raise lost_cloth_error(self.cloths.words(body), self.n_steps)
@@ -186,14 +191,14 @@ class DoesSteps:
             body = find_lost_body(self.tables, step, body)
             self._go_back(step, LOAD)
             raise lost_body_error(self.tables, body, self.bodies.words(body), self.n_steps)
-        return at
+        return stage
 
     def _go_back(self, step: float, *without: Table) -> None:
         """Bring the world back to where the step began after those that are done, with zeros in some tables."""
         status = self.tables.row(STEP_STATUS, 0)
         if status[step_status.MIDWAY]:
             roll_back(self.tables)
-            status[step_status.STATUS] = step_status.OK
+            status[[step_status.STATUS, step_status.REPEATED]] = step_status.OK, 0
             self.tables.array(FORESEEN)[:], self.tables.array(SEARCH)[:, TRIES] = 0.0, 0
         for table in without:
             self.tables.array(table)[:] = 0.0
