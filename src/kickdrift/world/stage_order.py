@@ -11,6 +11,7 @@ from kickdrift.world.cloth.contacts import find_cloth_contacts
 from kickdrift.world.cloth.motion import begin_cloths, move_cloths
 from kickdrift.world.cloth.sleeping import rest_cloths, wake_cloths
 from kickdrift.world.collision.broad_phase import find_pairs
+from kickdrift.world.collision.missed import find_missed
 from kickdrift.world.collision.narrow_phase import place_shapes
 from kickdrift.world.collision.recycling import find_points
 from kickdrift.world.collision.time_of_impact import find_impacts
@@ -117,6 +118,7 @@ def word(uses: Uses) -> Word:
         *when(uses.bounces or uses.is_fast, find_bouncing),
     )
     after = (
+        *when(uses.bounces or uses.is_fast, find_missed),
         measure,
         *when(not uses.many, ask_again),
         finish,

@@ -31,6 +31,7 @@ NEEDS_TIME_OF_IMPACT = 3  # shapes are so fast that the step needs the stage `fi
 NEEDS_DIRECT_SOLVER = 4  # a heap is left unsolved by the sweeps
 LOST_CLOTH = 5  # a cloth has a particle whose position or velocity is not finite
 LEFT_FAR_FROM_SOLVED = 6  # a heap was, and is now marked: go back to where the step began, and do it again
+MISSED_CONTACT = 7  # impacts made bodies so fast that they met what was not expected: do the step again
 
 
 @compiled(inline=True)

@@ -13,6 +13,7 @@ from kickdrift.world import settings, step_status
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.collision.filters import part_joined
+from kickdrift.world.collision.search import TRIES
 from kickdrift.world.compiling import compile_step
 from kickdrift.world.contacts import contact_solver_simd
 from kickdrift.world.contacts.batching import FEW
@@ -27,7 +28,19 @@ from kickdrift.world.rollback import find_lost_body, lost_body_error, lost_cloth
 from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.stage_order import Program, Uses, Word, addresses, compose, word
 from kickdrift.world.step import run
-from kickdrift.world.tables import BODY, CLOTH, EVENTS, KERNEL_ADDRESSES, LOAD, SETTINGS, STEP_STATUS, Table, Tables
+from kickdrift.world.tables import (
+    BODY,
+    CLOTH,
+    EVENTS,
+    FORESEEN,
+    KERNEL_ADDRESSES,
+    LOAD,
+    SEARCH,
+    SETTINGS,
+    STEP_STATUS,
+    Table,
+    Tables,
+)
 
 
 class DoesSteps:
@@ -164,6 +177,9 @@ class DoesSteps:
             self.tables.altered = True
         elif kind == step_status.FULL:
             self.tables.make_room(table, wanted)
+        elif kind == step_status.MISSED_CONTACT:
+            roll_back(self.tables)
+            return 0
         elif kind == step_status.LEFT_FAR_FROM_SOLVED:
             roll_back(self.tables)
             status[step_status.REPEATED] = 1
@@ -183,6 +199,7 @@ class DoesSteps:
         if status[step_status.MIDWAY]:
             roll_back(self.tables)
             status[[step_status.STATUS, step_status.REPEATED]] = step_status.OK, 0
+            self.tables.array(FORESEEN)[:], self.tables.array(SEARCH)[:, TRIES] = 0.0, 0
         for table in without:
             self.tables.array(table)[:] = 0.0
         t0, first = self._counted

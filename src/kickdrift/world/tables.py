@@ -86,6 +86,7 @@ BOUNCING = Table(60, 1, whole=True)  # contacts that may bounce in this step
 STARTED_POSE = Table(32, POSE.width)  # as POSE, MOTION and JOINT_NUMBERS were when the step began
 STARTED_MOTION = Table(33, MOTION.width)
 STARTED_JOINTS = Table(50, JOINT_NUMBERS.width)
+FORESEEN = Table(61, 20)  # see `kickdrift.world.collision.foresight`
 SEARCH = Table(38, 16, whole=True)  # one row: see `kickdrift.world.collision.search`
 MOVERS = Table(39, 1, whole=True)  # shapes that may move
 FIXTURES = Table(44, 1, whole=True)  # shapes that may not
