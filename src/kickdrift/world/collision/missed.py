@@ -23,8 +23,12 @@ from kickdrift.world.layout import (
     FIRST_TREE_NODE,
     IS_SENSOR,
     LAST_TREE_NODE,
+    ORIENTATION,
     PLACE_ORIENTATION,
     PLACE_POSITION,
+    PLACED_ORIENTATION,
+    PLACED_POSITION,
+    POSITION,
 )
 from kickdrift.world.settings import MARGIN
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
@@ -151,12 +155,15 @@ def _swept(world: int, shape: int) -> Box:
     """Return the box around where a shape was at the start of the step and where it is now."""
     place, placed = floats(world, PLACE), floats(world, PLACED)
     body = integers(world, SHAPE)[shape, BODY_ROW]
-    box = _moved(extent_of(world, shape, quaternion_at(placed, shape, 3)), vector_at(placed, shape, 0))
+    box = _moved(
+        extent_of(world, shape, quaternion_at(placed, shape, PLACED_ORIENTATION)),
+        vector_at(placed, shape, PLACED_POSITION),
+    )
     if integers(world, BODY)[body, BODY_KIND] != DYNAMIC:
         return box
     pose = floats(world, POSE)
-    q = quaternion_at(pose, body, 3)
-    at = plus(vector_at(pose, body, 0), turned(q, vector_at(place, shape, PLACE_POSITION)))
+    q = quaternion_at(pose, body, ORIENTATION)
+    at = plus(vector_at(pose, body, POSITION), turned(q, vector_at(place, shape, PLACE_POSITION)))
     own = extent_of(world, shape, product(q, quaternion_at(place, shape, PLACE_ORIENTATION)))
     return box_around(box, _moved(own, at))
 

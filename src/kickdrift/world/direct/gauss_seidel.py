@@ -51,7 +51,7 @@ from kickdrift.world.joints.layout import (
 )
 from kickdrift.world.joints.measure import put_vector
 from kickdrift.world.joints.right_hand_side import GENTLY, RELAX, write_right_hand_side
-from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
+from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
 from kickdrift.world.tables import (
     ARTICULATION,
     INVERSE_MASS,
@@ -157,7 +157,7 @@ def _find_answers(joint: int, at: int, active: int, answers: Any, world: int) ->
         for side in range(2):
             body, begin = joints[joint, BODY_A + side], 6 * side
             for i in range(begin, begin + 3):
-                moved[0, i] = response[body, 0] * wrenches[k, i]
+                moved[0, i] = response[body, INVERSE_LINEAR_MASS] * wrenches[k, i]
             turn = vector_at(wrenches, k, begin + 3)
             put_vector(moved, 0, begin + 3, applied(symmetric_at(response, body, INVERSE_INERTIA_IN_WORLD), turn))
         for other in range(k + 1):

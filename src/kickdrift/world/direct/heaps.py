@@ -14,6 +14,7 @@ from kickdrift.core.vectors import dot
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.residual import FAR_LEFT, LEFT, TOUCHES
+from kickdrift.world.direct.nodes import moves
 from kickdrift.world.disjoint_sets import first_of, unite
 from kickdrift.world.integration import (
     AWAKE,
@@ -43,7 +44,6 @@ from kickdrift.world.tables import (
     BODY,
     CONTACT,
     GRAPH,
-    INVERSE_MASS,
     MANIFOLD,
     MOTION,
     RESTED,
@@ -138,9 +138,8 @@ def _goes_back(world: int, row: int) -> bool:
 @compiled(inline=True)
 def _is_free(world: int, row: int) -> bool:
     """Whether a body moves, and no joint holds it."""
-    body = integers(world, BODY)
-    free: bool = body[row, BODY_KIND] == DYNAMIC and body[row, AWAKE] != 0 and floats(world, INVERSE_MASS)[row, 0] > 0.0
-    return free and (body[row, LINK_PLACE] == 0 or body[row, LINK_PLACE] > integers(world, GRAPH)[0, JOINED_ROWS])
+    place = integers(world, BODY)[row, LINK_PLACE]
+    return moves(world, row) and (place == 0 or place > integers(world, GRAPH)[0, JOINED_ROWS])
 
 
 @compiled

@@ -17,6 +17,7 @@ from kickdrift.world.joints.layout import (
     ROOT,
     SIGN,
 )
+from kickdrift.world.layout import INVERSE_LINEAR_MASS
 from kickdrift.world.step_status import ask_for_room
 from kickdrift.world.tables import (
     BODY,
@@ -102,7 +103,7 @@ def _add_node(world: int, row: int, joined: int, count: int) -> bool:
 def moves(world: int, row: int) -> bool:
     """Whether impulses move a body."""
     body, response = integers(world, BODY), floats(world, INVERSE_MASS)
-    does: bool = body[row, BODY_KIND] == DYNAMIC and body[row, AWAKE] != 0 and response[row, 0] > 0.0
+    does: bool = body[row, BODY_KIND] == DYNAMIC and body[row, AWAKE] != 0 and response[row, INVERSE_LINEAR_MASS] > 0.0
     return does
 
 

@@ -41,6 +41,7 @@ from kickdrift.world.joints.layout import (
     UPPER_LIMIT,
 )
 from kickdrift.world.joints.measure import measure
+from kickdrift.world.layout import POSITION, VELOCITY
 from kickdrift.world.tables import BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, MOTION, POSE, Tables, floats
 
 if TYPE_CHECKING:
@@ -79,11 +80,11 @@ def shift(moved: Any, reference: int, way: Vector, pivot: Vector, world: int) ->
 def turn(moved: Any, reference: int, way: Vector, pivot: Vector, world: int) -> None:
     """Turn bodies about a point, with their velocities as the reference sees them."""
     pose, motion = floats(world, POSE), floats(world, MOTION)
-    q, x, base = exponential(way), vector_at(pose, reference, 0), vector_at(motion, reference, 0)
+    q, x, base = exponential(way), vector_at(pose, reference, POSITION), vector_at(motion, reference, VELOCITY)
     spin = vector_at(motion, reference, ANGULAR_PART)
     for body in moved:
-        before = vector_at(pose, body, 0)
-        seen = minus(minus(vector_at(motion, body, 0), base), cross(spin, minus(before, x)))
+        before = vector_at(pose, body, POSITION)
+        seen = minus(minus(vector_at(motion, body, VELOCITY), base), cross(spin, minus(before, x)))
         at = plus(pivot, turned(q, minus(before, pivot)))
         v = plus(plus(base, cross(spin, minus(at, x))), turned(q, seen))
         w = plus(spin, turned(q, minus(vector_at(motion, body, ANGULAR_PART), spin)))
