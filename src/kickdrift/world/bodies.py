@@ -14,7 +14,6 @@ from kickdrift.world.arguments import choice
 from kickdrift.world.body import Body
 from kickdrift.world.collision.search import shapes_changed
 from kickdrift.world.contacts.kept_impulses import scale_impulses
-from kickdrift.world.inertia_rows import symmetric, turn_inertia
 from kickdrift.world.integration import (
     AWAKE,
     BODY_INERTIA,
@@ -23,24 +22,29 @@ from kickdrift.world.integration import (
     DYNAMIC,
     GENERATION,
     INVERSE_INERTIA,
+    ISOTROPIC,
     KINEMATIC,
     LEFT_POSE,
     MASS,
+    PLANAR,
     REMOVED,
     SPHERICAL,
     STATIC,
+    TUMBLES,
     TURN_DAMPING,
+    follow_pose,
 )
-from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS, ORIENTATION, POSITION
+from kickdrift.world.layout import INVERSE_LINEAR_MASS, ORIENTATION, POSITION
 from kickdrift.world.names import Names
 from kickdrift.world.settings import PLANE_NORMAL
 from kickdrift.world.shape_rows import ShapeRows
-from kickdrift.world.shapes.mass import Mass, checked_inertia, rotation_matrix
+from kickdrift.world.shapes.mass import Mass, checked_inertia
 from kickdrift.world.tables import (
     BODY,
     COLOURED,
     DELTA_POSE,
     FORCE,
+    FORESEEN,
     INERTIA,
     INVERSE_MASS,
     KICKED,
@@ -66,7 +70,7 @@ Floats = NDArray[np.float64]
 GROUND = 0
 _TABLES: tuple[Table, ...] = (
     POSE, MOTION, DELTA_POSE, INVERSE_MASS, INERTIA, LOAD, FORCE, KICKED, NOTED, RESTED, BODY, COLOURED, STARTED_POSE,
-    STARTED_MOTION, MEMBER, MEMBERSHIP,
+    STARTED_MOTION, MEMBER, MEMBERSHIP, FORESEEN,
 )  # fmt: skip
 
 
@@ -164,22 +168,17 @@ class Bodies:
         moments = np.linalg.eigvalsh(mass.inertia)
         numbers = tables.array(INERTIA)[row]
         numbers[MASS] = mass.mass
-        numbers[BODY_INERTIA : BODY_INERTIA + 6] = symmetric(mass.inertia)
-        numbers[INVERSE_INERTIA : INVERSE_INERTIA + 6] = symmetric(inverse)
+        numbers[BODY_INERTIA : BODY_INERTIA + 6] = _six_of(mass.inertia)
+        numbers[INVERSE_INERTIA : INVERSE_INERTIA + 6] = _six_of(inverse)
         numbers[[DAMPING, TURN_DAMPING]] = damping
-        numbers[SPHERICAL] = float(locked or moments[2] - moments[0] < 1e-13 * moments[2])
+        isotropic = locked or moments[2] - moments[0] < 1e-13 * moments[2]
+        planar = tables.array(SETTINGS)[0, PLANE_NORMAL : PLANE_NORMAL + 3].any()
+        numbers[SPHERICAL] = ISOTROPIC if isotropic else PLANAR if planar else TUMBLES
+        # Which orientation the drift left is forgotten, so that the angular momentum is taken again.
+        tables.array(KICKED)[row, LEFT_POSE : LEFT_POSE + 4] = 0.0
         if tables.array(BODY)[row, BODY_KIND] == DYNAMIC:
-            turn = rotation_matrix(tables.array(POSE)[row, ORIENTATION : ORIENTATION + 4])
-            response: Floats = turn @ inverse @ turn.T
-            plane = tables.array(SETTINGS)[0, PLANE_NORMAL : PLANE_NORMAL + 3]
-            if plane.any() and not locked:
-                # About the normal of the plane alone, where nothing tumbles and the inertia stays what it is.
-                response = np.outer(plane, plane) / (plane @ turn @ mass.inertia @ turn.T @ plane)
-                numbers[SPHERICAL] = 1.0
             tables.array(INVERSE_MASS)[row, INVERSE_LINEAR_MASS] = 1.0 / mass.mass
-            tables.array(INVERSE_MASS)[row, INVERSE_INERTIA_IN_WORLD : INVERSE_INERTIA_IN_WORLD + 6] = symmetric(
-                response
-            )
+            follow_pose(tables.address, row)
 
     def locked(self, body: Body) -> bool:
         """Whether a body never turns: forces move it, and it has no inverse inertia."""
@@ -211,8 +210,6 @@ class Bodies:
         )
         lighter = 1.0 if mass is None else min(1.0, mass / old.mass)
         scale_impulses(self.tables, row, lighter)  # those that held the old weight would throw a lighter body
-        # Which orientation the drift left is forgotten, so that the kick takes the angular momentum again.
-        self.tables.array(KICKED)[row, LEFT_POSE : LEFT_POSE + 4] = 0.0
         self._mass_changed(row, lighter)
         self.wake()
 
@@ -223,8 +220,6 @@ class Bodies:
         if row == GROUND:
             raise ArgumentError("body is the ground of the world, which cannot move; move another body.")
         self.tables.row(POSE, row)[columns] = numbers
-        if columns.stop > ORIENTATION and self.tables.array(INERTIA)[row, SPHERICAL] == 0.0:
-            turn_inertia(self.tables, row)
         if self.tables.array(BODY)[row, BODY_KIND] == STATIC:
             shapes_changed(self.tables, self._shape_rows.rows_of(row))
             self.wake()
@@ -281,6 +276,11 @@ class Bodies:
     def moving(self) -> NDArray[np.intp]:
         """Rows of the bodies that forces move."""
         return np.flatnonzero(self.tables.array(BODY)[:, BODY_KIND] == DYNAMIC)
+
+
+def _six_of(m: Floats) -> Floats:
+    """Return a symmetric (3, 3) matrix as tables hold it: xx, yy, zz, xy, xz, yz."""
+    return np.array([m[0, 0], m[1, 1], m[2, 2], m[0, 1], m[0, 2], m[1, 2]])
 
 
 def kind_of(static: bool, kinematic: bool) -> int:

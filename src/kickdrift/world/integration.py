@@ -71,7 +71,7 @@ BODY_INERTIA = column(INERTIA, 6, "kg m^2")  # in the body's axes: xx, yy, zz, x
 INVERSE_INERTIA = column(INERTIA, 6, "1/(kg m^2)")
 DAMPING = column(INERTIA, 1, "1/s")
 TURN_DAMPING = column(INERTIA, 1, "1/s")
-SPHERICAL = column(INERTIA)  # 1.0 where all moments of inertia are equal
+SPHERICAL = column(INERTIA)  # one of the three below
 
 # Columns and values of BODY
 BODY_KIND = column(BODY)
@@ -88,6 +88,9 @@ HEAP_UNSOLVED = column(BODY)  # and the most of their UNSOLVED
 LEFT_FOR = column(BODY)  # steps in which it was left unsolved, less those in which it was not
 REMOVED, STATIC, KINEMATIC, DYNAMIC = 0, 1, 2, 3
 
+# Values of SPHERICAL: moments differ; they are equal, or infinite; or they differ, but the body turns about one axis alone.
+TUMBLES, ISOTROPIC, PLANAR = 0.0, 1.0, 2.0
+
 _SLOW = 1e-16  # square of the turn in a substep from which on its second order counts
 
 
@@ -100,7 +103,7 @@ def begin(t: float, h: float, world: int) -> None:
     delta_pose, pose, motion = floats(world, DELTA_POSE), floats(world, POSE), floats(world, MOTION)
     old_pose, old_motion = floats(world, STARTED_POSE), floats(world, STARTED_MOTION)
     member, kind = integers(world, MEMBER), integers(world, BODY)
-    inertia, inverse_mass, kicked = floats(world, INERTIA), floats(world, INVERSE_MASS), floats(world, KICKED)
+    inertia = floats(world, INERTIA)
     set_rows(world, BATCH, 0)
     floats(world, SETTINGS)[0, RESIDUAL] = 0.0
     for body in range(rows(world, DELTA_POSE)):
@@ -108,8 +111,8 @@ def begin(t: float, h: float, world: int) -> None:
         turn = quaternion_at(pose, body, 3)
         if is_scaled(turn):  # users have written into it; of what moves the drift does it, but later
             pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6] = unit(turn)
-        if kind[body, BODY_KIND] == DYNAMIC and kind[body, AWAKE] != 0 and inertia[body, SPHERICAL] == 0.0:
-            _follow_pose(body, pose, motion, inertia, inverse_mass, kicked)
+        if kind[body, BODY_KIND] == DYNAMIC and kind[body, AWAKE] != 0 and inertia[body, SPHERICAL] != ISOTROPIC:
+            follow_pose(world, body)
         for k in range(8):
             delta_pose[body, k] = 0.0
             old_pose[body, k] = pose[body, k]
@@ -173,14 +176,14 @@ def kick(t: float, h: float, world: int) -> None:
             motion[body, k] = keep * (old + h * (settings[0, GRAVITY + k] + inverse_mass[body, 0] * force[body, k]))
             kicked[body, k] = motion[body, k]
             kicked[body, ADDED + k] = motion[body, k] - old
-        if inertia[body, SPHERICAL] == 0.0:
-            _follow_pose(body, pose, motion, inertia, inverse_mass, kicked)
+        if inertia[body, SPHERICAL] == TUMBLES:
+            follow_pose(world, body)
         torque = vector_at(force, body, 3)
         turn = applied(symmetric_at(inverse_mass, body, 1), torque)
         keep = 1.0 / (1.0 + h * inertia[body, TURN_DAMPING])
         for k in range(3):
             motion[body, 3 + k] = keep * (motion[body, 3 + k] + h * turn[k])
-        if inertia[body, SPHERICAL] == 0.0:
+        if inertia[body, SPHERICAL] == TUMBLES:
             _look_ahead(body, h, pose, motion, inertia, kicked)
         for k in range(3):
             kicked[body, 3 + k] = motion[body, 3 + k]
@@ -188,18 +191,29 @@ def kick(t: float, h: float, world: int) -> None:
 
 
 @compiled
-def _follow_pose(body: int, pose: Any, motion: Any, inertia: Any, inverse_mass: Any, kicked: Any) -> None:
-    """Begin again with a body whose orientation is not the one that the drift left: it is new, or was turned by hand."""
+def follow_pose(world: int, body: int) -> None:
+    """Turn the inertia of a body with it, and take its angular momentum anew, unless it is oriented as the drift left it.
+
+    It is new, or was turned by hand, or to where joints fit. In a planar world it turns about the normal of the plane alone.
+    """
+    pose, motion, kicked = floats(world, POSE), floats(world, MOTION), floats(world, KICKED)
+    inertia, inverse_mass = floats(world, INERTIA), floats(world, INVERSE_MASS)
     same = True
     for k in range(4):
         same = same and pose[body, 3 + k] == kicked[body, LEFT_POSE + k]
     if same:
         return
-    q = (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
-    turned_inverse = turned_symmetric(q, symmetric_at(inertia, body, INVERSE_INERTIA))
-    spin = turned_product(q, symmetric_at(inertia, body, BODY_INERTIA), vector_at(motion, body, 3))
+    q, moments = quaternion_at(pose, body, 3), symmetric_at(inertia, body, BODY_INERTIA)
+    inverse = turned_symmetric(q, symmetric_at(inertia, body, INVERSE_INERTIA))
+    normal = vector_at(floats(world, SETTINGS), 0, PLANE_NORMAL)
+    if dot(normal, normal) > 0.0 and inverse[0] + inverse[1] + inverse[2] > 0.0:
+        x, y, z = normal
+        per_moment = 1.0 / dot(normal, turned_product(q, moments, normal))
+        u, v, w = times(per_moment, normal)
+        inverse = (u * x, v * y, w * z, u * y, u * z, v * z)
+    spin = turned_product(q, moments, vector_at(motion, body, 3))
     for k in range(6):
-        inverse_mass[body, 1 + k] = turned_inverse[k]
+        inverse_mass[body, 1 + k] = inverse[k]
     for k in range(3):
         kicked[body, SPIN + k] = spin[k]
         kicked[body, LEFT_TURN + k] = motion[body, 3 + k]
@@ -248,7 +262,7 @@ def drift(t: float, h: float, world: int) -> None:
             delta_pose[body, k] += way
         before = (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
         w = (motion[body, 3], motion[body, 4], motion[body, 5])
-        turns, way, left = inertia[body, SPHERICAL] == 0.0 and kind == DYNAMIC, times(h, w), h
+        turns, way, left = inertia[body, SPHERICAL] == TUMBLES and kind == DYNAMIC, times(h, w), h
         spin, moments = (0.0, 0.0, 0.0), symmetric_at(inertia, body, BODY_INERTIA)
         if turns:
             won = minus(w, vector_at(kicked, body, 3))

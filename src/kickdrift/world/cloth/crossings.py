@@ -7,13 +7,11 @@ some rounds moves as rigid bodies do (Bridson, Fedkiw and Anderson, Robust treat
 cloth animation, SIGGRAPH 2002, section 7.3).
 """
 
-import math
-
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, dot, length, minus, plus, times
+from kickdrift.core.vectors import Vector, dot, length, plus, times
 from kickdrift.world.cloth.layout import PAIR_APART, PAIR_KIND, PAIR_SEEN, PARTICLE_VELOCITY, TRAVELLED
 from kickdrift.world.cloth.pair_impulses import add, is_free, mobility, particles_of
-from kickdrift.world.cloth.proximity import VERTEX_FACE, Weights, mix, mixed, nearest
+from kickdrift.world.cloth.proximity import Ways, Weights, closing, less_mean, mix, mixed, nearest
 from kickdrift.world.cloth.swept import travels
 from kickdrift.world.cloth.tangles import CROSSING
 from kickdrift.world.cloth.zones import begin_zones, join_zone, move_zones
@@ -33,8 +31,6 @@ _NEAR = 0.1  # of the distance where a part begins, that is left at least
 _LOOKS = 60  # at a pair, after which it counts as too near
 _ROUNDS, _ZONE_ROUNDS = 4, 40
 _NEVER = 2.0
-
-Ways = tuple[Vector, Vector, Vector, Vector]
 
 
 @compiled
@@ -65,7 +61,7 @@ def _stop(world: int, part: float, travelled: float, zones: bool) -> int:
             continue
         at = particles_of(world, row)
         ways = _ways(world, row, part)
-        bound = _bound(kind, ways)
+        bound = closing(kind, ways)
         time, weights, way = _time_of_hit(world, row, kind, ways, bound)
         if time == _NEVER or not mobility(world, at, weights) > 0.0:
             continue
@@ -110,24 +106,13 @@ def _correct(world: int, row: int, part: float, weights: Weights, way: Vector) -
 def _ways(world: int, row: int, part: float) -> Ways:
     """Return how the particles of a pair move in a part, less their mean."""
     p, a, b, c = particles_of(world, row)
-    one, two, three, four = _way(world, p, part), _way(world, a, part), _way(world, b, part), _way(world, c, part)
-    mean = times(0.25, plus(plus(one, two), plus(three, four)))
-    return (minus(one, mean), minus(two, mean), minus(three, mean), minus(four, mean))
+    return less_mean(_way(world, p, part), _way(world, a, part), _way(world, b, part), _way(world, c, part))
 
 
 @compiled(inline=True)
 def _way(world: int, i: int, part: float) -> Vector:
     drift = times(part, vector_at(floats(world, PARTICLE), i, PARTICLE_VELOCITY))
     return plus(drift, vector_at(floats(world, PARTICLE_SHIFT), i, 0))
-
-
-@compiled(inline=True)
-def _bound(kind: int, ways: Ways) -> float:
-    """Return how much nearer a pair may get at most."""
-    p, a, b, c = dot(ways[0], ways[0]), dot(ways[1], ways[1]), dot(ways[2], ways[2]), dot(ways[3], ways[3])
-    if kind == VERTEX_FACE:
-        return math.sqrt(p) + math.sqrt(max(a, b, c))
-    return math.sqrt(max(p, a)) + math.sqrt(max(b, c))
 
 
 @compiled

@@ -18,10 +18,13 @@ from kickdrift.world.tables import (
     FACE_BOUNDS,
     FACE_NORMALS,
     FACE_NUMBERS,
+    FACE_TURN,
+    INTERVAL_START,
     PARTICLE,
     PARTICLE_BOUNDS,
     PARTICLE_COUPLINGS,
     PARTICLE_FORCE,
+    PARTICLE_PATH,
     PARTICLE_REST,
     PARTICLE_SHIFT,
     PIN,
@@ -123,9 +126,15 @@ GROUND_VELOCITY = column(CLOTH_CONTACT_NUMBERS, 3, "m/s")  # of a surface that r
 # PARTICLE_SHIFT
 column(PARTICLE_SHIFT, 3, "m")  # what it is moved by in the drift, without a velocity
 
+# INTERVAL_START
+column(INTERVAL_START, 3, "m")  # where particles were when it began
+
 # PARTICLE_BOUNDS, in a frame that moves with the cloths
 column(PARTICLE_BOUNDS, 6, "m")  # corners of a box that it is in for as long as pairs are not sought anew
-REACH = column(PARTICLE_BOUNDS, 1, "m")  # how far it may get from where it was when they were
+
+# PARTICLE_PATH
+column(PARTICLE_PATH, 3, "m")  # where it was when pairs were sought
+FORESEEN = column(PARTICLE_PATH, 3, "m/s")  # how it was going to move
 
 # FACE_BOUNDS
 column(FACE_BOUNDS, 6, "m")  # around those of the corners
@@ -133,15 +142,20 @@ column(FACE_BOUNDS, 6, "m")  # around those of the corners
 # FACE_NORMALS
 column(FACE_NORMALS, 6)  # corners of a box around its normal, of length one
 
+# FACE_TURN
+column(FACE_TURN, 6)  # its normal as it is, and as it is foreseen; zeros where it is not known
+
 # CLOTH_TREE_NODE
 IS_CONNECTED = column(CLOTH_TREE_NODE)
 
 # CLOTH_SEARCH
 SEARCH_VALID = column(CLOTH_SEARCH)  # 0: pairs are to be sought anew
 SEARCH_AGE = column(CLOTH_SEARCH, 1, "s")
+SEARCH_HORIZON = column(CLOTH_SEARCH, 1, "s")  # age that the search was made for
 FRAME_VELOCITY = column(CLOTH_SEARCH, 3, "m/s")
 TURN = column(CLOTH_SEARCH)  # how far the substep is done
 SHARED_PARTS = column(CLOTH_SEARCH)
+INTERVAL = column(CLOTH_SEARCH)  # parts, after which cloths meet
 TRAVELLED = column(
     CLOTH_SEARCH, 1, "m"
 )  # how far particles have moved against each other at most, since pairs were sought

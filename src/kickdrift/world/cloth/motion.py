@@ -2,6 +2,10 @@
 
 The first and the last kick of a substep are halves, so that what hangs still has no velocity. Forces between particles
 keep momentum and angular momentum to the last digit; contacts keep angular momentum to first order.
+
+Cloth meets cloth less often: several parts make an interval, in which no more is moved than the thickness, and at its end
+what would cross on the straight line from where the interval began is stopped (Bridson, Fedkiw and Anderson, Robust treatment
+of collisions, contact and friction for cloth animation, SIGGRAPH 2002, section 4).
 """
 
 import math
@@ -12,7 +16,9 @@ from kickdrift.world.cloth.bending import add_bending
 from kickdrift.world.cloth.contact_impulses import resolve_contacts
 from kickdrift.world.cloth.crossings import stop_crossings
 from kickdrift.world.cloth.layout import (
+    CLOTH_RADIUS,
     FIRST_PARTICLE,
+    INTERVAL,
     IS_ASLEEP,
     LAST_PARTICLE,
     LINEAR_DAMPING,
@@ -30,7 +36,7 @@ from kickdrift.world.cloth.membrane import add_membrane, largest_strain
 from kickdrift.world.cloth.pair_impulses import resolve_pairs
 from kickdrift.world.cloth.pairs import find_pairs, meets
 from kickdrift.world.cloth.pins import carry_pins, pull_bodies
-from kickdrift.world.cloth.swept import stays
+from kickdrift.world.cloth.swept import set_frame, stays, travels
 from kickdrift.world.cloth.wind import add_wind
 from kickdrift.world.columns import vector_at
 from kickdrift.world.settings import GRAVITY, PUSH_SPEED
@@ -41,6 +47,7 @@ from kickdrift.world.tables import (
     CLOTH_PAIR,
     CLOTH_SEARCH,
     FACE_NUMBERS,
+    INTERVAL_START,
     PARTICLE,
     PARTICLE_FORCE,
     PARTICLE_SHIFT,
@@ -53,7 +60,8 @@ from kickdrift.world.tables import (
     set_rows,
 )
 
-_TURNS = 3  # of a part
+_TURNS = 4  # of a part
+_SWEEPS, _LAST_SWEEPS = 4, 12  # of impulses: with 1 and 4 of them, heaps of many layers tremble twice as much at rest
 _SEARCHES = 3  # for pairs, at most, while impulses that stop crossings make particles leave their boxes
 _WIDE, _WIDEST = 0.1, 10.0  # strains, below and above which parts stay as many
 
@@ -68,12 +76,19 @@ def move_cloths(t: float, h: float, world: int) -> None:
     if integers(world, CLOTH)[0, IS_ASLEEP] != 0:
         return
     if search[0, TURN] == 0.0:
-        search[0, SHARED_PARTS] = _begin(world, h)
-    parts, turn = int(search[0, SHARED_PARTS]), int(search[0, TURN])
+        _begin(world, h)
+    parts, each = int(search[0, SHARED_PARTS]), int(search[0, INTERVAL])
     part = h / parts
-    for at in range(turn, _TURNS * (parts + 1)):
+    for at in range(int(search[0, TURN]), _TURNS * (parts + 1)):
         k = at // _TURNS
-        if not _do(world, at % _TURNS, h, part, k == 0, k == parts, h - k * part):
+        if at % _TURNS == 0:
+            _move(world, part, k == 0, k == parts, h - k * part)
+        elif k == parts:
+            _stop(world, part, each * part)
+            break
+        elif (k + 1) % each > 0 and k + 1 < parts:
+            continue
+        elif meets(world) and not _meet(world, at % _TURNS, h, (k % each + 1) * part):
             return
         search[0, TURN] = at + 1
     search[0, TURN] = 0.0
@@ -82,38 +97,82 @@ def move_cloths(t: float, h: float, world: int) -> None:
 
 
 @compiled
-def _begin(world: int, h: float) -> int:
-    """Let the wind blow, and return in how many parts a substep is done."""
-    parts = 1
+def _begin(world: int, h: float) -> None:
+    """Let the wind blow, and choose in how many parts a substep is done, and how many of them make an interval."""
+    search, parts, least = floats(world, CLOTH_SEARCH), 1, math.inf
     for cloth in range(rows(world, CLOTH)):
         parts = max(parts, integers(world, CLOTH)[cloth, PARTS] * _parts_of_strain(world, cloth))
+        least = min(least, 2.0 * floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS])
     for cloth in range(rows(world, CLOTH)):
         add_wind(world, cloth, h, h / parts)
-    return parts
+    set_frame(world)
+    way = travels(world, h)
+    search[0, SHARED_PARTS] = parts
+    intervals = max(math.ceil(way / least), 1) if way < parts * least else parts  # which NaN is not
+    search[0, INTERVAL] = math.ceil(parts / intervals)
+    _note_start(world)
 
 
 @compiled
-def _do(world: int, turn: int, h: float, part: float, begins: bool, ends: bool, left: float) -> bool:
-    """Do one of the turns of a part: forces, impulses, drift; False where there is no room for pairs."""
-    if turn == 0:
-        for cloth in range(rows(world, CLOTH)):
-            _push(world, cloth, part, begins, ends, left)
-    elif turn == 1:
-        if not find_pairs(world, h, part):
-            return False
-        resolve_pairs(world, part, 0.0 if ends else floats(world, SETTINGS)[0, PUSH_SPEED])
-    elif not ends:
+def _note_start(world: int) -> None:
+    """Note where an interval begins."""
+    particle, start = floats(world, PARTICLE), floats(world, INTERVAL_START)
+    for i in range(rows(world, PARTICLE)):
+        for k in range(3):
+            start[i, k] = particle[i, k]
+
+
+@compiled
+def _move(world: int, part: float, begins: bool, ends: bool, left: float) -> None:
+    """Kick all cloths, and let them drift, but at the end."""
+    for cloth in range(rows(world, CLOTH)):
+        _push(world, cloth, part, begins, ends, left)
+    if not ends:
         for cloth in range(rows(world, CLOTH)):
             carry_pins(world, cloth, part, left)
-        for _ in range(_SEARCHES):
-            if not find_pairs(world, h, part):
-                return False
-            stop_crossings(world, part)
-            if not meets(world) or stays(world, part):
-                break
         _drift(world, part)
-        floats(world, CLOTH_SEARCH)[0, SEARCH_AGE] += part
+
+
+@compiled
+def _meet(world: int, turn: int, h: float, interval: float) -> bool:
+    """Do one of the turns in which cloths meet in an interval, s: to its start, impulses, to its end; False without room."""
+    if turn == 1:
+        _go_back(world, interval)
+    elif turn == 2:
+        if not find_pairs(world, h, interval):
+            return False
+        for sweep in range(_SWEEPS):
+            resolve_pairs(world, interval, floats(world, SETTINGS)[0, PUSH_SPEED] if sweep == 0 else 0.0)
+    else:
+        for _ in range(_SEARCHES):
+            if not find_pairs(world, h, interval):
+                return False
+            stop_crossings(world, interval)
+            if stays(world, interval):
+                break
+        _drift(world, interval)
+        floats(world, CLOTH_SEARCH)[0, SEARCH_AGE] += interval
+        _note_start(world)
     return True
+
+
+@compiled
+def _stop(world: int, part: float, interval: float) -> None:
+    """Stop what approaches when the substep ends: what impulses between cloths press against bodies, too."""
+    for _ in range(_LAST_SWEEPS if meets(world) else 0):
+        resolve_pairs(world, interval, 0.0)
+        for cloth in range(rows(world, CLOTH)):
+            resolve_contacts(world, cloth, part, 0.0, 0.0)
+
+
+@compiled
+def _go_back(world: int, interval: float) -> None:
+    """Bring particles back to where the interval began, with the shifts with which they would come to where they were."""
+    particle, start, shift = floats(world, PARTICLE), floats(world, INTERVAL_START), floats(world, PARTICLE_SHIFT)
+    for i in range(rows(world, PARTICLE)):
+        for k in range(3):
+            shift[i, k] = particle[i, k] - start[i, k] - interval * particle[i, PARTICLE_VELOCITY + k]
+            particle[i, k] = start[i, k]
 
 
 @compiled
@@ -182,7 +241,7 @@ def _check(world: int, cloth: int) -> None:
 def begin_cloths(t: float, h: float, world: int) -> None:
     """Keep the cloths as they are, in case the step cannot be done, and note whether they were moved while they slept."""
     search, own, moved = floats(world, CLOTH_SEARCH), integers(world, CLOTH), False
-    search[0, SEARCH_VALID] = search[0, TURN] = 0.0
+    search[0, SEARCH_VALID] = search[0, SEARCH_AGE] = search[0, TURN] = 0.0
     set_rows(world, CLOTH_PAIR, 0)
     now, before = floats(world, PARTICLE), floats(world, STARTED_PARTICLE)
     for i in range(rows(world, PARTICLE)):

@@ -1,7 +1,7 @@
 """Impulses between the particles of cloths that touch each other."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, cross, dot, length, minus, times
+from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times
 from kickdrift.world.cloth.layout import (
     IS_TANGLED,
     PAIR_APART,
@@ -89,15 +89,15 @@ def _resolve(world: int, row: int, part: float, push: float) -> float:
         vector_at(particle, c, 0),
     )
     apart = length(way)
-    v = mixed(weights, particle, at, PARTICLE_VELOCITY)
-    gap = apart - numbers[row, PAIR_DISTANCE]
-    if not apart > 0.0 or _is_beside(world, row, weights, way) or (gap > 0.0 and gap * gap > part * part * dot(v, v)):
+    v, shift = mixed(weights, particle, at, PARTICLE_VELOCITY), floats(world, PARTICLE_SHIFT)
+    shifted, gap = mixed(weights, shift, at, 0), apart - numbers[row, PAIR_DISTANCE]
+    moved = plus(times(part, v), shifted)
+    if not apart > 0.0 or _is_beside(world, row, weights, way) or (gap > 0.0 and gap * gap > dot(moved, moved)):
         return apart
     gives, n = mobility(world, at, weights), times(1.0 / apart, way)
     if not gives > 0.0:
         return apart
-    shift = floats(world, PARTICLE_SHIFT)
-    gap += dot(n, mixed(weights, shift, at, 0))
+    gap += dot(n, shifted)
     if gap < 0.0:
         out = min(-_SOFT * gap, part * push)
         add(world, PARTICLE_SHIFT, 0, at, weights, times(out / gives, n))

@@ -1,8 +1,8 @@
 """Which vertices and triangles, and which edges, of cloths may touch.
 
 Pairs are found where the boxes of triangles overlap, each pair with the one triangle that owns the vertex or the edge. They
-serve for as long as no particle has left its box, at most to the end of the step: the bits of the next step are those after a
-snapshot.
+serve for as long as particles move as it was foreseen, at most to the end of the step: the bits of the next step are those
+after a snapshot.
 """
 
 import math
@@ -30,13 +30,13 @@ from kickdrift.world.cloth.layout import (
     PAIR_KIND,
     PAIR_PARTICLES,
     PAIR_SEEN,
-    REACH,
     SEARCH_AGE,
     SEARCH_VALID,
     SKIN,
 )
 from kickdrift.world.cloth.proximity import EDGE_EDGE, VERTEX_FACE, Corners, nearest
-from kickdrift.world.cloth.swept import is_flat, set_frame, stays, sweep
+from kickdrift.world.cloth.separation import are_apart, nearing
+from kickdrift.world.cloth.swept import is_flat, least_cosine, set_frame, stays, sweep
 from kickdrift.world.cloth.tangles import note_crossing
 from kickdrift.world.collision.bvh import BRANCH, ITEM, SKIP
 from kickdrift.world.columns import vector_at
@@ -51,7 +51,6 @@ from kickdrift.world.tables import (
     CLOTH_TREE_NODE,
     FACE,
     FACE_BOUNDS,
-    FACE_NORMALS,
     NORMAL_TREE,
     PARTICLE,
     PARTICLE_BOUNDS,
@@ -67,6 +66,9 @@ from kickdrift.world.tables import (
 _FASTEST = 1e6  # m/s, by the mean of squares: what is faster is about to be lost, and all of it would be pairs
 _STACK = 512  # pairs of nodes: three for each level of two trees
 _NUMBERS = 2 * _STACK
+# Cosines of the angles between triangles below which they do not touch: of those that share an edge, and a vertex. Of six
+# around a vertex the first and the last may cross, while the sixth is folded away.
+_FOLDED, _BENT = 0.0, 0.62
 _CLOSE = 0.5  # of the distance at rest, that is kept between what is closer than the thickness by itself
 
 
@@ -74,7 +76,7 @@ _CLOSE = 0.5  # of the distance at rest, that is kept between what is closer tha
 def find_pairs(world: int, h: float, part: float) -> bool:
     """Find the pairs that may touch in a part of a substep, s; False where there is no room for them.
 
-    Those that are known serve for as long as particles stay in their boxes, at most for the time h, s.
+    Those that are known serve for as long as particles move as it was foreseen, at most for the time h, s.
     """
     search = floats(world, CLOTH_SEARCH)
     if not meets(world) or (search[0, SEARCH_VALID] != 0.0 and stays(world, part)):
@@ -83,7 +85,7 @@ def find_pairs(world: int, h: float, part: float) -> bool:
     set_rows(world, CLOTH_PAIR, 0)
     if not speed < _FASTEST:
         return True
-    sweep(world, _horizon(world, h, part, speed))
+    sweep(world, part, _horizon(world, h, part, speed))
     search[0, CROSSINGS] = 0.0
     zone, own = integers(world, ZONE), integers(world, CLOTH)
     for i in range(rows(world, PARTICLE)):
@@ -109,7 +111,7 @@ def _horizon(world: int, h: float, part: float, speed: float) -> float:
     numbers, skin = floats(world, CLOTH_NUMBERS), math.inf
     for cloth in range(rows(world, CLOTH)):
         skin = min(skin, numbers[cloth, SKIN])
-    return max(min(h, skin / max(speed, 1e-12)), part)
+    return max(min(4.0 * h, 2.0 * skin / max(speed, 1e-12)), part)
 
 
 @compiled
@@ -174,7 +176,9 @@ def _pair_faces(world: int, cloth: int, other: int, f: int, g: int) -> bool:
     for i in range(3):
         for j in range(3):
             shared += int(face[f, CORNERS + i] == face[g, CORNERS + j])
-    if shared > 0 and is_flat(floats(world, FACE_NORMALS), f, g):
+    if shared > 0 and least_cosine(world, f, g) > (_FOLDED if shared == 2 else _BENT):
+        return True
+    if shared == 0 and are_apart(world, cloth, other, f, g):
         return True
     fits, bounds = shared == 2 or note_crossing(world, f, g), floats(world, PARTICLE_BOUNDS)
     for i in range(3):
@@ -184,8 +188,20 @@ def _pair_faces(world: int, cloth: int, other: int, f: int, g: int) -> bool:
             fits = fits and _add(world, other, cloth, VERTEX_FACE, _vertex_and(world, g, i, f))
         for j in range(3):
             if face[f, OWNED] >> (3 + i) & 1 and face[g, OWNED] >> (3 + j) & 1:
-                fits = fits and _add(world, cloth, other, EDGE_EDGE, _edges(world, f, i, g, j))
+                edges = _edges(world, f, i, g, j)
+                if _edges_overlap(bounds, edges):
+                    fits = fits and _add(world, cloth, other, EDGE_EDGE, edges)
     return fits
+
+
+@compiled(inline=True)
+def _edges_overlap(bounds: Any, at: Corners) -> bool:
+    p, a, b, c = at
+    meets = True
+    for k in range(3):
+        meets &= min(bounds[p, k], bounds[a, k]) <= max(bounds[b, 3 + k], bounds[c, 3 + k])
+        meets &= max(bounds[p, 3 + k], bounds[a, 3 + k]) >= min(bounds[b, k], bounds[c, k])
+    return meets
 
 
 @compiled(inline=True)
@@ -206,17 +222,15 @@ def _add(world: int, cloth: int, other: int, kind: int, at: Corners) -> bool:
     p, a, b, c = at
     if p in (b, c) or (p == a if kind == VERTEX_FACE else a in (b, c)):
         return True
-    bounds, particle, numbers = floats(world, PARTICLE_BOUNDS), floats(world, PARTICLE), floats(world, CLOTH_NUMBERS)
-    if kind == VERTEX_FACE:
-        reach = bounds[p, REACH] + max(bounds[a, REACH], bounds[b, REACH], bounds[c, REACH])
-    else:
-        reach = max(bounds[p, REACH], bounds[a, REACH]) + max(bounds[b, REACH], bounds[c, REACH])
+    particle, numbers = floats(world, PARTICLE), floats(world, CLOTH_NUMBERS)
     kept = numbers[cloth, CLOTH_RADIUS] + numbers[other, CLOTH_RADIUS]
-    apart = _distance(particle, kind, at)
+    reach, apart = nearing(world, kind, at) + numbers[cloth, SKIN] + numbers[other, SKIN], _distance(particle, kind, at)
     if not apart <= kept + reach:
         return True
     if cloth == other:
         kept = min(kept, _CLOSE * _distance(floats(world, PARTICLE_REST), kind, at))
+        if apart > kept + reach:
+            return True
     row = rows(world, CLOTH_PAIR)
     if row >= min(room(world, CLOTH_PAIR), room(world, CLOTH_PAIR_NUMBERS)):
         ask_for_room(world, CLOTH_PAIR, 2 * row + 1024)

@@ -8,8 +8,11 @@ from kickdrift.world.cloth.face_tree import face_tree
 from kickdrift.world.cloth.mesh import ClothMesh
 from kickdrift.world.collision.bvh import ITEM, SKIP
 
-_OF_PARTICLES = t.PARTICLE_FORCE, t.STARTED_PARTICLE, t.PARTICLE_SHIFT, t.PARTICLE_BOUNDS, t.ZONE, t.ZONE_NUMBERS
-_OF_FACES = t.FACE_BOUNDS, t.FACE_NORMALS
+_OF_PARTICLES = (
+    t.PARTICLE_FORCE, t.STARTED_PARTICLE, t.PARTICLE_SHIFT, t.INTERVAL_START, t.PARTICLE_PATH, t.PARTICLE_BOUNDS,
+    t.ZONE, t.ZONE_NUMBERS,
+)  # fmt: skip
+_OF_FACES = t.FACE_BOUNDS, t.FACE_NORMALS, t.FACE_TURN
 OF_A_STEP = (
     *_OF_PARTICLES, *_OF_FACES, t.CLOTH_TREE, t.NORMAL_TREE, t.CLOTH_TREE_NODE, t.CLOTH_PAIR,
     t.CLOTH_PAIR_NUMBERS, t.CLOTH_SEARCH,

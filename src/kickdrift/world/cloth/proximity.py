@@ -4,6 +4,7 @@ Of both the distance is a vector from the second to the first, a sum over the fo
 1 and minus the barycentric coordinates of the nearest point, or those of two points of edges.
 """
 
+import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
@@ -15,6 +16,7 @@ VERTEX_FACE, EDGE_EDGE = 0, 1
 
 Weights = tuple[float, float, float, float]
 Corners = tuple[int, int, int, int]
+Ways = tuple[Vector, Vector, Vector, Vector]
 
 
 @compiled
@@ -46,6 +48,22 @@ def mixed(weights: Weights, table: Any, at: Corners, first: int) -> Vector:
         vector_at(table, at[2], first),
         vector_at(table, at[3], first),
     )
+
+
+@compiled(inline=True)
+def less_mean(p: Vector, a: Vector, b: Vector, c: Vector) -> Ways:
+    """Return ways of the particles of a pair less their mean."""
+    mean = times(0.25, plus(plus(p, a), plus(b, c)))
+    return (minus(p, mean), minus(a, mean), minus(b, mean), minus(c, mean))
+
+
+@compiled(inline=True)
+def closing(kind: int, ways: Ways) -> float:
+    """Return how much nearer a pair may get at most on such ways."""
+    p, a, b, c = dot(ways[0], ways[0]), dot(ways[1], ways[1]), dot(ways[2], ways[2]), dot(ways[3], ways[3])
+    if kind == VERTEX_FACE:
+        return math.sqrt(p) + math.sqrt(max(a, b, c))
+    return math.sqrt(max(p, a)) + math.sqrt(max(b, c))
 
 
 @compiled

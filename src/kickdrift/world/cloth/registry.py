@@ -95,7 +95,7 @@ class Cloths:
         )
         numbers[c.STRETCH : c.STRETCH + 5] = numbers[c.ASKED : c.ASKED + 5] = asked
         numbers[c.CLOTH_RADIUS], numbers[c.AREA_DENSITY] = 0.5 * fabric.thickness, fabric.density
-        numbers[c.SKIN] = min(0.5 * fabric.thickness, _SKIN * math.sqrt(float(np.median(areas))))
+        numbers[c.SKIN] = min(_OF_THICKNESS * fabric.thickness, _SKIN * math.sqrt(float(np.median(areas))))
         numbers[c.CLOTH_FRICTION], numbers[c.LINEAR_DAMPING] = fabric.friction, fabric.linear_damping
         numbers[c.DRAG], numbers[c.LIFT] = fabric.air_density * fabric.drag, fabric.air_density * fabric.lift
         stiffness = areas[:, None] * np.array([fabric.stretch_stiffness, fabric.shear_stiffness])
@@ -251,5 +251,6 @@ class Cloths:
         return np.unique(chosen).astype(np.int64) + int(self.tables.array(CLOTH)[self.row(cloth), c.FIRST_PARTICLE])
 
 
-_SKIN = 0.35  # of the size of triangles: normals do not turn far in it
+# The skin, of the thickness and of the size of triangles: with 0.2 of these, neighbours in a sheet would be pairs.
+_OF_THICKNESS, _SKIN = 0.5, 0.12
 _COLUMNS = {"wind": (c.WIND, 3), "friction": (c.CLOTH_FRICTION, 1)}

@@ -1,13 +1,14 @@
 """Where the particles and triangles of cloths may be for as long as pairs are not sought anew.
 
-All is in a frame that moves with the cloths, so that what flies as a whole stays in small boxes.
+Particles are foreseen to move on as they do now, and may stray from there by the skin. Boxes are in a frame that moves with the
+cloths, so that what flies as a whole stays in small ones.
 """
 
 import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import cross, dot, minus, plus, times
+from kickdrift.core.vectors import Vector, cross, dot, minus, plus, times
 from kickdrift.world.cloth.layout import (
     CLOTH_RADIUS,
     CORNERS,
@@ -15,13 +16,14 @@ from kickdrift.world.cloth.layout import (
     FIRST_FACE,
     FIRST_NODE,
     FIRST_PARTICLE,
+    FORESEEN,
     FRAME_VELOCITY,
     LAST_FACE,
     LAST_NODE,
     LAST_PARTICLE,
     PARTICLE_VELOCITY,
-    REACH,
     SEARCH_AGE,
+    SEARCH_HORIZON,
     SKIN,
     TRAVELLED,
 )
@@ -36,15 +38,18 @@ from kickdrift.world.tables import (
     FACE_BOUNDS,
     FACE_NORMALS,
     FACE_NUMBERS,
+    FACE_TURN,
     NORMAL_TREE,
     PARTICLE,
     PARTICLE_BOUNDS,
+    PARTICLE_PATH,
     PARTICLE_SHIFT,
     floats,
     integers,
     rows,
 )
 
+_LATE = 1.0 + 1e-9  # of the time for which motion was foreseen
 _SQUEEZED = 0.6  # of its area at rest
 _ANY = 9.0  # half a side of the box of a normal that is not known
 # Cosine of the angle between normals and a direction. Of six triangles around a vertex five may be in a patch, and where they
@@ -63,7 +68,7 @@ def set_frame(world: int) -> float:
     mean = times(1.0 / count, total)
     for k in range(3):
         search[0, FRAME_VELOCITY + k] = mean[k]
-    search[0, SEARCH_AGE] = search[0, TRAVELLED] = 0.0
+    search[0, TRAVELLED] = 0.0
     return math.sqrt(max(squares / count - dot(mean, mean), 0.0))
 
 
@@ -81,28 +86,37 @@ def travels(world: int, part: float) -> float:
 
 
 @compiled
-def stays(world: int, h: float) -> bool:
-    """Whether all particles are in their boxes, and still will be after they have drifted for the time h, s."""
-    search, particle, bounds = floats(world, CLOTH_SEARCH), floats(world, PARTICLE), floats(world, PARTICLE_BOUNDS)
+def stays(world: int, part: float) -> bool:
+    """Whether all particles are where they were foreseen, and still will be after the drift of a part, s."""
+    search, particle, path = floats(world, CLOTH_SEARCH), floats(world, PARTICLE), floats(world, PARTICLE_PATH)
     own, numbers, shift = integers(world, CLOTH), floats(world, CLOTH_NUMBERS), floats(world, PARTICLE_SHIFT)
-    frame, age = vector_at(search, 0, FRAME_VELOCITY), search[0, SEARCH_AGE]
+    age = search[0, SEARCH_AGE]
+    if age + part > _LATE * search[0, SEARCH_HORIZON]:
+        return False
     for cloth in range(rows(world, CLOTH)):
-        radius = numbers[cloth, CLOTH_RADIUS]
+        farthest = 0.0
         for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
+            now, then = 0.0, 0.0
             for k in range(3):
-                x = particle[i, k] - age * frame[k]
-                then = x + h * (particle[i, PARTICLE_VELOCITY + k] - frame[k]) + shift[i, k]
-                if min(x, then) < bounds[i, k] + radius or max(x, then) > bounds[i, 3 + k] - radius:
-                    return False
+                off = particle[i, k] - path[i, k] - age * path[i, FORESEEN + k]
+                strays = off + part * (particle[i, PARTICLE_VELOCITY + k] - path[i, FORESEEN + k]) + shift[i, k]
+                now, then = now + off * off, then + strays * strays
+            farthest = max(farthest, now, then)
+        if not farthest <= numbers[cloth, SKIN] ** 2:
+            return False
     return True
 
 
 @compiled
-def sweep(world: int, h: float) -> None:
-    """Draw the boxes of all particles, triangles and trees anew, around what they move through in the time h, s."""
-    own, numbers = integers(world, CLOTH), floats(world, CLOTH_NUMBERS)
+def sweep(world: int, part: float, h: float) -> None:
+    """Foresee how particles move in the time h, s, and draw the boxes of all that are around that anew.
+
+    They move as in this part, s: with their velocities and shifts.
+    """
+    own, numbers, search = integers(world, CLOTH), floats(world, CLOTH_NUMBERS), floats(world, CLOTH_SEARCH)
+    search[0, SEARCH_HORIZON] = h
     for cloth in range(rows(world, CLOTH)):
-        _sweep_particles(world, cloth, h, numbers[cloth, CLOTH_RADIUS], numbers[cloth, SKIN])
+        _sweep_particles(world, cloth, part, numbers[cloth, CLOTH_RADIUS] + numbers[cloth, SKIN])
         for f in range(own[cloth, FIRST_FACE], own[cloth, LAST_FACE]):
             _enclose(world, f)
             _look(world, f, h)
@@ -112,15 +126,18 @@ def sweep(world: int, h: float) -> None:
 
 
 @compiled
-def _sweep_particles(world: int, cloth: int, h: float, radius: float, skin: float) -> None:
+def _sweep_particles(world: int, cloth: int, part: float, around: float) -> None:
     own, particle, bounds = integers(world, CLOTH), floats(world, PARTICLE), floats(world, PARTICLE_BOUNDS)
-    frame = vector_at(floats(world, CLOTH_SEARCH), 0, FRAME_VELOCITY)
+    path, shift, search = floats(world, PARTICLE_PATH), floats(world, PARTICLE_SHIFT), floats(world, CLOTH_SEARCH)
+    h, age = search[0, SEARCH_HORIZON], search[0, SEARCH_AGE]
     for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
-        way = times(h, minus(vector_at(particle, i, PARTICLE_VELOCITY), frame))
         for k in range(3):
-            bounds[i, k] = particle[i, k] + min(way[k], 0.0) - radius - skin
-            bounds[i, 3 + k] = particle[i, k] + max(way[k], 0.0) + radius + skin
-        bounds[i, REACH] = math.sqrt(dot(way, way)) + skin
+            x = particle[i, k]
+            way = part * particle[i, PARTICLE_VELOCITY + k] + shift[i, k]
+            v = (way + x - path[i, k]) / (part + age) if age > 0.0 else way / part
+            path[i, k], path[i, FORESEEN + k] = x, v
+            way = h * (v - search[0, FRAME_VELOCITY + k])
+            bounds[i, k], bounds[i, 3 + k] = x + min(way, 0.0) - around, x + max(way, 0.0) + around
 
 
 @compiled(inline=True)
@@ -139,19 +156,24 @@ def _look(world: int, f: int, h: float) -> None:
     One of a triangle that is squeezed may turn over in its plane.
     """
     face, particle = integers(world, FACE), floats(world, PARTICLE)
-    origin, motion = vector_at(particle, face[f, CORNERS], 0), vector_at(particle, face[f, CORNERS], PARTICLE_VELOCITY)
-    b, c = face[f, CORNERS + 1], face[f, CORNERS + 2]
+    a, b, c = face[f, CORNERS], face[f, CORNERS + 1], face[f, CORNERS + 2]
+    origin, way = vector_at(particle, a, 0), _way(world, a, h)
     p, q = minus(vector_at(particle, b, 0), origin), minus(vector_at(particle, c, 0), origin)
-    u = minus(vector_at(particle, b, PARTICLE_VELOCITY), motion)
-    v = minus(vector_at(particle, c, PARTICLE_VELOCITY), motion)
-    now, then = cross(p, q), cross(plus(p, times(h, u)), plus(q, times(h, v)))
+    u, v = minus(_way(world, b, h), way), minus(_way(world, c, h), way)
+    now, then = cross(p, q), cross(plus(p, u), plus(q, v))
     now_size, then_size = math.sqrt(dot(now, now)), math.sqrt(dot(then, then))
     known = min(now_size, then_size) > _SQUEEZED * 2.0 * floats(world, FACE_NUMBERS)[f, FACE_AREA]
-    box = floats(world, FACE_NORMALS)
+    box, turn = floats(world, FACE_NORMALS), floats(world, FACE_TURN)
     for k in range(3):
         one, other = now[k] / now_size, then[k] / then_size
+        turn[f, k], turn[f, 3 + k] = (one, other) if known else (0.0, 0.0)
         box[f, k] = min(one, other) if known else -_ANY
         box[f, 3 + k] = max(one, other) if known else _ANY
+
+
+@compiled(inline=True)
+def _way(world: int, i: int, h: float) -> Vector:
+    return times(h, vector_at(floats(world, PARTICLE_PATH), i, FORESEEN))
 
 
 @compiled
@@ -164,3 +186,11 @@ def is_flat(boxes: Any, m: int, n: int) -> bool:
     size = math.sqrt(dot(middle, middle))
     across = abs(middle[0]) * half[0] + abs(middle[1]) * half[1] + abs(middle[2]) * half[2]
     return size * size - across >= _FLAT * size and size > 0.0
+
+
+@compiled(inline=True)
+def least_cosine(world: int, f: int, g: int) -> float:
+    """Return the cosine of the largest angle between the normals of two triangles, as they are and are foreseen."""
+    turn = floats(world, FACE_TURN)
+    a, b, c, d = vector_at(turn, f, 0), vector_at(turn, f, 3), vector_at(turn, g, 0), vector_at(turn, g, 3)
+    return min(dot(a, c), dot(a, d), dot(b, c), dot(b, d))

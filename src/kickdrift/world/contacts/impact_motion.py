@@ -28,7 +28,16 @@ from kickdrift.core.vectors import (
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.free_rotation import mean_turn
-from kickdrift.world.integration import ADDED, BODY_INERTIA, IMPACT_TIME, INVERSE_INERTIA, NEXT_IMPACT, SPHERICAL, SPIN
+from kickdrift.world.integration import (
+    ADDED,
+    BODY_INERTIA,
+    IMPACT_TIME,
+    INVERSE_INERTIA,
+    NEXT_IMPACT,
+    SPHERICAL,
+    SPIN,
+    TUMBLES,
+)
 from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
 from kickdrift.world.settings import MIDPOINT
 from kickdrift.world.tables import (
@@ -90,7 +99,7 @@ def flown(h: float, world: int, body: int, when: float) -> Flight:
         return plus(at, times(when, v)), product(exponential(times(when, w)), q), v, w, none, times(when, w)
     at = plus(at, _way(h, world, body, when))
     v = minus(v, times(_left_to_gain(h, world, when), vector_at(kicked, body, ADDED)))
-    if inertia[body, SPHERICAL] != 0.0:
+    if inertia[body, SPHERICAL] != TUMBLES:
         return at, product(exponential(times(when, w)), q), v, w, none, times(when, w)
     # From where its last impact left it: what lies before that is no flight.
     last, spin = kicked[body, IMPACT_TIME], vector_at(kicked, body, SPIN)
@@ -176,7 +185,7 @@ def leave_impact(h: float, world: int, body: int) -> None:
     kicked[body, NEXT_IMPACT] = -2.0
     when, inertia = kicked[body, IMPACT_TIME], floats(world, INERTIA)
     way, q, turn = _way(h, world, body, when), quaternion_at(pose, body, 3), vector_at(motion, body, 3)
-    if inertia[body, SPHERICAL] == 0.0:
+    if inertia[body, SPHERICAL] == TUMBLES:
         moments, spin = symmetric_at(inertia, body, BODY_INERTIA), vector_at(kicked, body, SPIN)
         before = applied(symmetric_at(floats(world, INVERSE_MASS), body, INVERSE_INERTIA_IN_WORLD), spin)
         spin = plus(spin, turned(q, applied(moments, turned_back(q, minus(turn, before)))))
@@ -216,7 +225,7 @@ def _turn_to(world: int, body: int, turn: Quaternion) -> None:
     q = unit(turn)
     for k in range(4):
         pose[body, 3 + k] = q[k]
-    if inertia[body, SPHERICAL] == 0.0:
+    if inertia[body, SPHERICAL] == TUMBLES:
         inverse = turned_symmetric(q, symmetric_at(inertia, body, INVERSE_INERTIA))
         for k in range(6):
             inverse_mass[body, 1 + k] = inverse[k]
@@ -232,4 +241,5 @@ def normal_at(world: int, row: int, own: Any, when: float) -> Vector:
         return normal
     _, _, between = arms_now(world, row, own, 0, when, normal)
     line = plus(between, times(radius_a + radius_b, normal))
-    return times(1.0 / length(line), line)
+    far = length(line)
+    return times(1.0 / far, line) if far > 1e-9 * (radius_a + radius_b) else normal

@@ -3,8 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.world.integration import BODY_KIND, DYNAMIC, follow_pose
 from kickdrift.world.joints.layout import ARM_A, ARM_B, AXES, BODY_A, BODY_B, LOCKED
-from kickdrift.world.tables import INVERSE_MASS, JOINT, JOINT_NUMBERS, Tables
+from kickdrift.world.tables import BODY, INVERSE_MASS, JOINT, JOINT_NUMBERS, Tables
 
 Floats = NDArray[np.float64]
 
@@ -15,10 +16,13 @@ def effective_mass(tables: Tables, joint: int, axis: int) -> float:
     Zero where neither of them can move along it.
     """
     row, numbers = tables.array(JOINT)[joint], tables.array(JOINT_NUMBERS)[joint]
+    bodies = tables.array(BODY)
     axes = numbers[AXES : AXES + 18].reshape(6, 3)
     locked = [k for k in range(6) if int(row[LOCKED]) >> k & 1]
     mobility = np.zeros((6, 6))
     for body, arm in ((row[BODY_A], ARM_A), (row[BODY_B], ARM_B)):
+        if bodies[body, BODY_KIND] == DYNAMIC:
+            follow_pose(tables.address, body)  # users may have turned it
         inverse_mass, xx, yy, zz, xy, xz, yz = tables.array(INVERSE_MASS)[body, :7]
         inverse_inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         turns = np.vstack((np.cross(numbers[arm : arm + 3], axes[:3]), axes[3:]))

@@ -1,0 +1,66 @@
+"""Which triangles stay apart for as long as pairs are not sought anew, and how much nearer pairs get at most."""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Vector, dot, minus, plus, times
+from kickdrift.world.cloth.layout import CLOTH_RADIUS, CORNERS, FORESEEN, SEARCH_HORIZON, SKIN
+from kickdrift.world.cloth.proximity import Corners, closing, less_mean
+from kickdrift.world.columns import vector_at
+from kickdrift.world.tables import CLOTH_NUMBERS, CLOTH_SEARCH, FACE, PARTICLE, PARTICLE_PATH, floats, integers
+
+Triangle = tuple[Vector, Vector, Vector]
+
+
+@compiled(inline=True)
+def are_apart(world: int, cloth: int, other: int, f: int, g: int) -> bool:
+    """Whether two triangles stay farther apart than is kept along a line between them: most neighbours do."""
+    numbers = floats(world, CLOTH_NUMBERS)
+    (a, b, c), (u, v, w) = _corners(world, f)
+    (p, q, r), (x, y, z) = _corners(world, g)
+    kept = numbers[cloth, CLOTH_RADIUS] + numbers[cloth, SKIN] + numbers[other, CLOTH_RADIUS] + numbers[other, SKIN]
+    way = minus(plus(plus(p, q), r), plus(plus(a, b), c))
+    least = min(_gap(way, a, b, c, p, q, r), _gap(way, u, v, w, x, y, z))
+    if least > 0.0 and least * least > kept * kept * dot(way, way):
+        return True
+    way = minus(_first(way, p, q, r), _first(times(-1.0, way), a, b, c))
+    least = min(_gap(way, a, b, c, p, q, r), _gap(way, u, v, w, x, y, z))
+    return least > 0.0 and least * least > kept * kept * dot(way, way)
+
+
+@compiled(inline=True)
+def _corners(world: int, f: int) -> tuple[Triangle, Triangle]:
+    """Return the corners of a triangle as they are, and as they are foreseen."""
+    face, particle, path = integers(world, FACE), floats(world, PARTICLE), floats(world, PARTICLE_PATH)
+    h, i, j, k = (
+        floats(world, CLOTH_SEARCH)[0, SEARCH_HORIZON],
+        face[f, CORNERS],
+        face[f, CORNERS + 1],
+        face[f, CORNERS + 2],
+    )
+    a, b, c = vector_at(particle, i, 0), vector_at(particle, j, 0), vector_at(particle, k, 0)
+    u, v, w = vector_at(path, i, FORESEEN), vector_at(path, j, FORESEEN), vector_at(path, k, FORESEEN)
+    return (a, b, c), (plus(a, times(h, u)), plus(b, times(h, v)), plus(c, times(h, w)))
+
+
+@compiled(inline=True)
+def _gap(way: Vector, a: Vector, b: Vector, c: Vector, p: Vector, q: Vector, r: Vector) -> float:
+    return min(dot(way, p), dot(way, q), dot(way, r)) - max(dot(way, a), dot(way, b), dot(way, c))
+
+
+@compiled(inline=True)
+def _first(way: Vector, p: Vector, q: Vector, r: Vector) -> Vector:
+    """Return the corner that comes first along a way."""
+    x, y, z = dot(way, p), dot(way, q), dot(way, r)
+    return (p if x <= z else r) if x <= y else (q if y <= z else r)
+
+
+@compiled(inline=True)
+def nearing(world: int, kind: int, at: Corners) -> float:
+    """Return how much nearer a pair gets at most, by how its particles are foreseen to move."""
+    path, h = floats(world, PARTICLE_PATH), floats(world, CLOTH_SEARCH)[0, SEARCH_HORIZON]
+    p, a, b, c = (
+        times(h, vector_at(path, at[0], FORESEEN)),
+        times(h, vector_at(path, at[1], FORESEEN)),
+        times(h, vector_at(path, at[2], FORESEEN)),
+        times(h, vector_at(path, at[3], FORESEEN)),
+    )
+    return closing(kind, less_mean(p, a, b, c))
