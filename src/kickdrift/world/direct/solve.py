@@ -49,8 +49,8 @@ QUICK, ROUNDS, CLOSE, CLOSE_TOUCHING, CLOSE_LOOPS, NEAR = 3, 6, 1e-7, 1e-6, 1e-9
 # energy that there was is done again without the laws of axes, which may add to it: they do in a substep that is too long.
 FAR, EXCESS = 1e-3, 1.5
 
-# Times the energy that heaps and what turns far may have after the drift. Of sixty chains of random rods that spin 46 gained more
-# than a tenth with 1.02, and six do with 1.001.
+# Times the energy that heaps and what turns far may have after the drift. Of sixty chains of random rods that spin 46 gained
+# more than a tenth with 1.02, and six do with 1.001.
 KEPT = 1.001
 
 # First guesses that are farther off than that are replaced by velocities that joints allow, from which no step leads astray.
