@@ -177,12 +177,8 @@ class DoesSteps:
             self.tables.altered = True
         elif kind == step_status.FULL:
             self.tables.make_room(table, wanted)
-        elif kind == step_status.MISSED_CONTACT:
+        elif kind == step_status.BEGIN_AGAIN:
             roll_back(self.tables)
-            return 0
-        elif kind == step_status.LEFT_FAR_FROM_SOLVED:
-            roll_back(self.tables)
-            status[step_status.REPEATED] = 1
             return 0
         elif kind == step_status.LOST_CLOTH:
             self._go_back(step, LOAD)

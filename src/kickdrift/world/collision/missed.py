@@ -33,7 +33,7 @@ from kickdrift.world.layout import (
 from kickdrift.world.settings import MARGIN
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.shapes.triangle import triangle_box
-from kickdrift.world.step_status import MISSED_CONTACT, OK, STATUS, ask_for_room
+from kickdrift.world.step_status import BEGIN_AGAIN, OK, STATUS, ask_for_room
 from kickdrift.world.tables import (
     BODY,
     BOUNDS,
@@ -80,7 +80,7 @@ def find_missed(t: float, h: float, world: int) -> None:
                     foresee(h, world, body)
             search[0, TRIES] += 1
             if status[0, STATUS] == OK:
-                status[0, STATUS] = MISSED_CONTACT
+                status[0, STATUS] = BEGIN_AGAIN
             return
     if search[0, TRIES] > 0:
         for body in range(rows(world, BODY)):

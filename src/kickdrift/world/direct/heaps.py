@@ -31,15 +31,7 @@ from kickdrift.world.integration import (
 from kickdrift.world.joints.layout import JOINED_ROWS
 from kickdrift.world.settings import GRAVITY, HAS_DIRECT, UNSOLVED_BODY, UNSOLVED_SINCE
 from kickdrift.world.sleeping import REACH
-from kickdrift.world.step_status import (
-    LEFT_FAR_FROM_SOLVED,
-    LEFT_UNSOLVED,
-    NEEDS_DIRECT_SOLVER,
-    OK,
-    REPEATED,
-    STATUS,
-    WARNING,
-)
+from kickdrift.world.step_status import BEGIN_AGAIN, LEFT_UNSOLVED, NEEDS_DIRECT_SOLVER, OK, REPEATED, STATUS, WARNING
 from kickdrift.world.tables import (
     BODY,
     CONTACT,
@@ -179,7 +171,7 @@ def ask_again(t: float, h: float, world: int) -> None:
         if _is_far_left(world, row) and _is_free(world, row) and 1 < size <= LARGEST:
             body[row, UNSOLVED], found = _PATIENCE + LARGEST // _MORE, True
     if found and status[0, STATUS] == OK:
-        status[0, STATUS] = LEFT_FAR_FROM_SOLVED
+        status[0, STATUS], status[0, REPEATED] = BEGIN_AGAIN, 1
         for row in range(rows(world, BODY)):
             body[row, UNSOLVED] &= LEFT - 1
 
