@@ -1,4 +1,4 @@
-"""What gets fast within a step, by gravity, forces and torques: the search for contacts sees it coming."""
+"""What gets fast within a step, by gravity, forces, torques and impacts, and what is fast: nothing passes thin walls."""
 
 import numpy as np
 import pytest
@@ -95,3 +95,66 @@ def test_a_ball_that_a_force_holds_against_a_wall_without_gravity_rests():
     world.advance(STEP, 60)
     assert ball.position[0] == pytest.approx(0.145, abs=0.006)
     assert np.abs(ball.velocity).max() < 1e-9
+
+
+def walls(world, kind, size=1.0, thickness=0.02):
+    """Add six smooth, elastic walls around a cube, of boxes or of one mesh with two triangles a side."""
+    surface = {"friction": 0.0, "restitution": 1.0}
+    if kind == "mesh":
+        corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * size
+        sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+        world.add_mesh(corners, [face for a, b, c, d in sides for face in ((a, c, b), (a, d, c))], **surface)
+        return
+    for axis in range(3):
+        for side in (-1, 1):
+            edges, at = [2.1 * size] * 3, [0.0] * 3
+            edges[axis], at[axis] = thickness, side * (size + thickness / 2)
+            world.add_box(edges, position=at, static=True, **surface)
+
+
+@pytest.mark.parametrize("kind", ["boxes", "mesh"])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_gas_of_light_and_heavy_balls_stays_between_thin_walls(seed, kind):
+    rng, world, balls = np.random.default_rng(seed), World(gravity=(0, 0, 0)), []
+    walls(world, kind)
+    while len(balls) < 30:
+        radius, at = rng.uniform(0.03, 0.1), rng.uniform(-0.88, 0.88, 3)
+        if all(np.linalg.norm(at - ball.position) > radius + 0.11 for ball in balls):
+            options = {"velocity": 5 * rng.normal(size=3), "mass": 100 ** rng.uniform(), "friction": 0.0}
+            balls.append(world.add_sphere(radius, position=at, restitution=1.0, **options))
+    before = world.energy().total
+    world.advance(STEP, 300)
+    assert max(np.abs(ball.position).max() for ball in balls) < 1.0
+    assert world.energy().total == pytest.approx(before, rel=1e-12)
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("gap", [0.005, 0.1, 0.3])
+@pytest.mark.parametrize("speed", [10.0, 100.0])
+def test_a_light_ball_that_is_struck_does_not_pass_the_thin_wall_behind_it(speed, gap, restitution):
+    for way in (0.05, 0.2, 0.5):
+        world = World(gravity=(0, 0, 0))
+        world.add_box((0.02, 4, 4), position=(0.01, 0, 0), static=True, restitution=restitution)
+        light = world.add_sphere(0.05, position=(-0.05 - gap, 0, 0), mass=0.1, restitution=restitution)
+        heavy = world.add_sphere(0.05, position=(-0.15 - gap - way, 0, 0), mass=1.0, restitution=restitution)
+        heavy.velocity = (speed, 0, 0)
+        world.advance(STEP, 20)
+        assert light.position[0] < -0.03
+        assert heavy.position[0] < -0.1
+        assert world.energy().total <= 0.5 * speed**2 * 1.001
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("surface", ["mesh", "height field"])
+def test_what_is_shot_at_a_surface_along_its_triangles_does_not_pass_it(surface, shape):
+    rng = np.random.default_rng(0)
+    for _ in range(15):
+        world = World(gravity=(0, 0, 0))
+        if surface == "mesh":
+            world.add_mesh([(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)], [(0, 1, 2), (0, 2, 3)], friction=0.0)
+        else:
+            world.add_height_field(np.zeros((19, 19)), 1.0, position=(-9, -9, 0), friction=0.0)
+        start, velocity = rng.uniform((-1, -1, 0.2), (1, 1, 2)), rng.uniform((-90, -90, -90), (90, 90, -20))
+        body = SHAPES[shape](world, position=start, velocity=velocity, friction=0.0, mass=1.0)
+        world.advance(STEP, 4)
+        assert body.position[2] > 0.0

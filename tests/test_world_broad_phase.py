@@ -54,11 +54,12 @@ class Scene:
 
     def body(self, kind=DYNAMIC, position=(0, 0, 0), turn=(1, 0, 0, 0), velocity=(0, 0, 0), spin=(0, 0, 0)):
         row = len(self[t.POSE])
-        for table in (t.POSE, t.MOTION, t.BODY, t.LOAD, t.INVERSE_MASS):
+        for table in (t.POSE, t.MOTION, t.BODY, t.FORCE, t.FORESEEN, t.INVERSE_MASS):
             self.tables.resize(table, row + 1)
         self[t.POSE][row, :3], self[t.POSE][row, 3:7] = position, np.divide(turn, np.linalg.norm(turn))
         self[t.MOTION][row, :3], self[t.MOTION][row, 3:6] = velocity, spin
         self[t.BODY][row, :2] = kind, kind != STATIC
+        self[t.INVERSE_MASS][row, 0] = kind == DYNAMIC
         return row
 
     def shape(self, body, kind, numbers, position=(0, 0, 0), turn=(1, 0, 0, 0), layer=1, mask=ALL, sensor=0, row=None):

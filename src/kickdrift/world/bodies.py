@@ -44,6 +44,7 @@ from kickdrift.world.tables import (
     COLOURED,
     DELTA_POSE,
     FORCE,
+    FORESEEN,
     INERTIA,
     INVERSE_MASS,
     KICKED,
@@ -69,7 +70,7 @@ Floats = NDArray[np.float64]
 GROUND = 0
 _TABLES: tuple[Table, ...] = (
     POSE, MOTION, DELTA_POSE, INVERSE_MASS, INERTIA, LOAD, FORCE, KICKED, NOTED, RESTED, BODY, COLOURED, STARTED_POSE,
-    STARTED_MOTION, MEMBER, MEMBERSHIP,
+    STARTED_MOTION, MEMBER, MEMBERSHIP, FORESEEN,
 )  # fmt: skip
 
 

@@ -11,6 +11,7 @@ from kickdrift.world.cloth.contacts import find_cloth_contacts
 from kickdrift.world.cloth.motion import begin_cloths, move_cloths
 from kickdrift.world.cloth.sleeping import rest_cloths, wake_cloths
 from kickdrift.world.collision.broad_phase import find_pairs
+from kickdrift.world.collision.missed import find_missed
 from kickdrift.world.collision.narrow_phase import place_shapes
 from kickdrift.world.collision.recycling import find_points
 from kickdrift.world.collision.time_of_impact import find_impacts
@@ -21,7 +22,7 @@ from kickdrift.world.contacts.residual import measure
 from kickdrift.world.contacts.restitution import bounce, find_bouncing
 from kickdrift.world.contacts.solver_stages import THREADED, relax, solve, store, warm_start
 from kickdrift.world.direct.gauss_seidel import relax_in_turn, solve_in_turn
-from kickdrift.world.direct.heaps import count_unsolved, find_heaps
+from kickdrift.world.direct.heaps import ask_again, count_unsolved, find_heaps
 from kickdrift.world.direct.islands import find_islands
 from kickdrift.world.direct.losses import note_losses
 from kickdrift.world.direct.nodes import find_nodes
@@ -117,8 +118,10 @@ def word(uses: Uses) -> Word:
         *when(uses.bounces or uses.is_fast, find_bouncing),
     )
     after = (
-        finish,
+        *when(uses.bounces or uses.is_fast, find_missed),
         measure,
+        *when(not uses.many, ask_again),
+        finish,
         store,
         *when(direct, measure_islands),
         *when(uses.joints, note_losses),

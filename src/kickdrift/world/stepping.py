@@ -13,6 +13,7 @@ from kickdrift.world import settings, step_status
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.collision.filters import part_joined
+from kickdrift.world.collision.search import TRIES
 from kickdrift.world.compiling import compile_step
 from kickdrift.world.contacts import contact_solver_simd
 from kickdrift.world.contacts.batching import FEW
@@ -27,7 +28,19 @@ from kickdrift.world.rollback import find_lost_body, lost_body_error, lost_cloth
 from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.stage_order import Program, Uses, Word, addresses, compose, word
 from kickdrift.world.step import run
-from kickdrift.world.tables import BODY, CLOTH, EVENTS, KERNEL_ADDRESSES, LOAD, SETTINGS, STEP_STATUS, Table, Tables
+from kickdrift.world.tables import (
+    BODY,
+    CLOTH,
+    EVENTS,
+    FORESEEN,
+    KERNEL_ADDRESSES,
+    LOAD,
+    SEARCH,
+    SETTINGS,
+    STEP_STATUS,
+    Table,
+    Tables,
+)
 
 
 class DoesSteps:
@@ -85,14 +98,15 @@ class DoesSteps:
                         reached = int(status[step_status.REACHED])
                         recorder.note(reached - first - before, step, t0 + reached * step, time.perf_counter() - began)
                 if done < until:
-                    self._help(step)
+                    at = self._help(step, at)
                     program = self._ready(step)
                 else:
                     found, at = found | at, 0
                     if self._breakable and (broken := self.joints.take_broken()):
                         self.broken += broken
                         program = self._ready(step)
-                    chunk = next_chunk(done - before, time.perf_counter() - began)
+                    if done < count:
+                        chunk = next_chunk(done - before, time.perf_counter() - began)
         except BaseException:  # Ctrl-C comes between any two lines; compiled code has noted what it has done
             self._go_back(step)
             raise
@@ -151,8 +165,8 @@ class DoesSteps:
         self.tables.altered = False
         return self._program
 
-    def _help(self, step: float) -> None:
-        """Do what a stage has asked for; raise what cannot be helped."""
+    def _help(self, step: float, stage: int) -> int:
+        """Do what a stage has asked for, and return the stage to go on with; raise what cannot be helped."""
         status = self.tables.row(STEP_STATUS, 0)
         columns = step_status.STATUS, step_status.TABLE, step_status.ROWS_WANTED, step_status.LOST_BODY
         kind, table, wanted, body = status[list(columns)].tolist()
@@ -163,6 +177,13 @@ class DoesSteps:
             self.tables.altered = True
         elif kind == step_status.FULL:
             self.tables.make_room(table, wanted)
+        elif kind == step_status.MISSED_CONTACT:
+            roll_back(self.tables)
+            return 0
+        elif kind == step_status.LEFT_FAR_FROM_SOLVED:
+            roll_back(self.tables)
+            status[step_status.REPEATED] = 1
+            return 0
         elif kind == step_status.LOST_CLOTH:
             self._go_back(step, LOAD)
             raise lost_cloth_error(self.cloths.words(body), self.n_steps)
@@ -170,13 +191,15 @@ class DoesSteps:
             body = find_lost_body(self.tables, step, body)
             self._go_back(step, LOAD)
             raise lost_body_error(self.tables, body, self.bodies.words(body), self.n_steps)
+        return stage
 
     def _go_back(self, step: float, *without: Table) -> None:
         """Bring the world back to where the step began after those that are done, with zeros in some tables."""
         status = self.tables.row(STEP_STATUS, 0)
         if status[step_status.MIDWAY]:
             roll_back(self.tables)
-            status[step_status.STATUS] = step_status.OK
+            status[[step_status.STATUS, step_status.REPEATED]] = step_status.OK, 0
+            self.tables.array(FORESEEN)[:], self.tables.array(SEARCH)[:, TRIES] = 0.0, 0
         for table in without:
             self.tables.array(table)[:] = 0.0
         t0, first = self._counted

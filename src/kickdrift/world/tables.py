@@ -50,7 +50,7 @@ GEOMETRY = Table(11, 1)  # the numbers of all shapes, one shape after the other
 CONTACT = Table(12, 8, whole=True)
 MANIFOLD = Table(13, 72)
 SETTINGS = Table(14, 32)  # one row: see `kickdrift.world.settings`
-STEP_STATUS = Table(15, 8, whole=True)  # one row: see `kickdrift.world.step_status`
+STEP_STATUS = Table(15, 16, whole=True)  # one row: see `kickdrift.world.step_status`
 EVENTS = Table(16, 8, whole=True)
 # Joints: see `kickdrift.world.joints.layout`
 JOINT = Table(17, 16, whole=True)
@@ -86,6 +86,7 @@ BOUNCING = Table(60, 1, whole=True)  # contacts that may bounce in this step
 STARTED_POSE = Table(32, POSE.width)  # as POSE, MOTION and JOINT_NUMBERS were when the step began
 STARTED_MOTION = Table(33, MOTION.width)
 STARTED_JOINTS = Table(50, JOINT_NUMBERS.width)
+FORESEEN = Table(61, 20)  # see `kickdrift.world.collision.foresight`
 SEARCH = Table(38, 16, whole=True)  # one row: see `kickdrift.world.collision.search`
 MOVERS = Table(39, 1, whole=True)  # shapes that may move
 FIXTURES = Table(44, 1, whole=True)  # shapes that may not

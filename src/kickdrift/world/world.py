@@ -248,7 +248,7 @@ class World(
         1.0
         """
         step = number("step", step, "s; 1/60 is usual", zero=False)
-        if type(count) is bool or not (isinstance(count, int | np.integer) and count >= 0):
+        if not (type(count) is int or isinstance(count, np.integer)) or count < 0:
             raise ArgumentError(f"count={count!r} must be a whole number of steps, zero or more.")
         self.advance_from(self.time, 0, step, int(count))
 

@@ -24,6 +24,12 @@ def boxes_overlap(a: Box, b: Box) -> bool:
     return first and b[0] <= a[3] and b[1] <= a[4] and b[2] <= a[5]
 
 
+@compiled(inline=True)
+def box_around(a: Box, b: Box) -> Box:
+    """Return the least box around two boxes."""
+    return (min(a[0], b[0]), min(a[1], b[1]), min(a[2], b[2]), max(a[3], b[3]), max(a[4], b[4]), max(a[5], b[5]))
+
+
 @compiled
 def reaches_under(world: int, plane: int, box: Box) -> bool:
     """Whether a box reaches under a plane."""

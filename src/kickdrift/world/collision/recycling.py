@@ -7,7 +7,9 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, conjugate, dot, minus, product, turned_back
 from kickdrift.world.collision.acceleration import closing_acceleration, reach
 from kickdrift.world.collision.dispatch import is_round, sort_of
+from kickdrift.world.collision.foresight import fastest_turn, is_foreseen, way_foreseen
 from kickdrift.world.collision.narrow_phase import look_again, placed_pose, smallest
+from kickdrift.world.collision.search import TRIES
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
     BODY_A,
@@ -25,7 +27,19 @@ from kickdrift.world.layout import ANGULAR_VELOCITY, RADIUS, RESTITUTION, VELOCI
 from kickdrift.world.settings import HAS_FAST, MARGIN, RECYCLE_DISTANCE, STEP
 from kickdrift.world.shapes.record import HALF_SPACE
 from kickdrift.world.step_status import NEEDS_TIME_OF_IMPACT, STATUS
-from kickdrift.world.tables import BODY, CONTACT, MANIFOLD, MOTION, PLACE, SETTINGS, STEP_STATUS, floats, integers, rows
+from kickdrift.world.tables import (
+    BODY,
+    CONTACT,
+    MANIFOLD,
+    MOTION,
+    PLACE,
+    SEARCH,
+    SETTINGS,
+    STEP_STATUS,
+    floats,
+    integers,
+    rows,
+)
 
 _STANDING = 1e-4  # of its reach, by which a round shape that stands on three points or more may move
 
@@ -35,9 +49,11 @@ def find_points(t: float, h: float, world: int) -> None:
     """Find the points of all contacts whose shapes have moved against each other."""
     contact, manifold = integers(world, CONTACT), floats(world, MANIFOLD)
     place, settings = floats(world, PLACE), floats(world, SETTINGS)
-    awake = integers(world, BODY)
+    awake, tried = integers(world, BODY), integers(world, SEARCH)[0, TRIES] > 0
     for row in range(rows(world, CONTACT)):
         a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
+        if tried and contact[row, POINTS] != 0:  # what was found once stays found
+            continue
         if contact[row, CONTACT_STATE] & FAST:  # found, if at all, for another time than the start of a step
             contact[row, CONTACT_STATE] &= ~FAST
             manifold[row, RECYCLED] = 0.0
@@ -47,14 +63,17 @@ def find_points(t: float, h: float, world: int) -> None:
         at_b, turn_b = placed_pose(world, b)
         at = turned_back(turn_a, minus(at_b, at_a))
         turn = product(conjugate(turn_a), turn_b)
-        way = _way(world, row)
+        way, foreseen = (
+            _way(world, row),
+            is_foreseen(world, contact[row, BODY_A]) or is_foreseen(world, contact[row, BODY_B]),
+        )
         moved = _moved(manifold, row, at, turn, place[b, RADIUS])
         if moved + way < manifold[row, RECYCLED] and (
             contact[row, POINTS] == 0 or moved <= _tolerance(world, a, b, contact[row, POINTS])
         ):
             continue
         manifold[row, RECYCLED] = settings[0, MARGIN] + way
-        if way > _far(world, a, b):
+        if foreseen or way > _far(world, a, b):
             contact[row, CONTACT_STATE] |= FAST
             if settings[0, HAS_FAST] == 0.0:
                 integers(world, STEP_STATUS)[0, STATUS] = NEEDS_TIME_OF_IMPACT
@@ -85,6 +104,11 @@ def _way(world: int, row: int) -> float:
     step = settings[0, STEP]
     pushed = step * step * closing_acceleration(world, row)
     way: float = step * _closing_speed(world, row) + max(pushed - settings[0, MARGIN], 0.0)
+    for side in range(2):
+        body = integers(world, CONTACT)[row, BODY_A + side]
+        if is_foreseen(world, body):
+            far = reach(floats(world, PLACE), integers(world, CONTACT)[row, SHAPE_A + side])
+            way += way_foreseen(world, body) + step * fastest_turn(world, body) * far
     return way
 
 

@@ -35,6 +35,7 @@ SHAPES_AT = column(SEARCH)  # where in SCRATCH there is room for the shapes that
 PARTS_AT = column(SEARCH)  # for the parts of a mesh
 PAIRS_AT = column(SEARCH)  # for the pairs that are new
 FOUND = column(SEARCH)  # how many of them there are
+TRIES = column(SEARCH)  # how often this step has been begun again: see `missed`
 CONTACTS = column(SEARCH)  # how many contacts there were at the end of the last search
 
 # Values of CHANGED besides 0

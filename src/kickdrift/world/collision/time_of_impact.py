@@ -14,8 +14,8 @@ from kickdrift.core.vectors import (
     Quaternion,
     Vector,
     conjugate,
+    cross,
     dot,
-    exponential,
     length,
     minus,
     plus,
@@ -24,9 +24,12 @@ from kickdrift.core.vectors import (
     turned,
     turned_back,
 )
-from kickdrift.world.collision.acceleration import acceleration, closing_acceleration
+from kickdrift.world.collision.acceleration import closing_acceleration, reach
+from kickdrift.world.collision.dispatch import sort_of
+from kickdrift.world.collision.foresight import fastest_turn, next_kink, path, velocity_then
 from kickdrift.world.collision.narrow_phase import look_again, placed_pose, radius, smallest
-from kickdrift.world.columns import vector_at
+from kickdrift.world.collision.search import TRIES
+from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
     BODY_A,
     BODY_B,
@@ -42,20 +45,37 @@ from kickdrift.world.contacts.layout import (
     RECYCLED,
     SHAPE_A,
     SHAPE_B,
+    TRIANGLE_INDEX,
 )
-from kickdrift.world.layout import RADIUS
+from kickdrift.world.layout import BEGIN, PLACE_ORIENTATION, PLACE_POSITION, RADIUS
 from kickdrift.world.settings import MARGIN, STEP
-from kickdrift.world.tables import CONTACT, MANIFOLD, MOTION, PLACE, POSE, SETTINGS, floats, integers, rows
+from kickdrift.world.shapes.record import SURFACE
+from kickdrift.world.shapes.triangle import begin_of
+from kickdrift.world.tables import (
+    CONTACT,
+    GEOMETRY,
+    MANIFOLD,
+    PLACE,
+    SEARCH,
+    SETTINGS,
+    SHAPE,
+    flat,
+    floats,
+    integers,
+    rows,
+)
 
 _ROUNDS = 40
+_PART = 0.1  # of the radius of a shape, by which it goes on where a triangle leaves it to its neighbours
 
 
 @compiled
 def find_impacts(t: float, h: float, world: int) -> None:
     """Find the points of the contacts that `find_points` has left because their shapes are too fast."""
     contact, manifold, settings = integers(world, CONTACT), floats(world, MANIFOLD), floats(world, SETTINGS)
+    tried = integers(world, SEARCH)[0, TRIES] > 0
     for row in range(rows(world, CONTACT)):
-        if contact[row, CONTACT_STATE] & FAST:
+        if contact[row, CONTACT_STATE] & FAST and not (tried and contact[row, POINTS] != 0):
             _advance(world, row, manifold[row, RECYCLED] - settings[0, MARGIN])
 
 
@@ -69,18 +89,29 @@ def _advance(world: int, row: int, way: float) -> None:
     # Nearer than this they touch; what passes at a greater distance is not hit.
     near = 1e-3 * smallest(place[contact[row, SHAPE_A], RADIUS], place[contact[row, SHAPE_B], RADIUS])
     step, pushed = settings[0, STEP], closing_acceleration(world, row)
-    when, gap = 0.0, 0.0
+    when, gap, on_surface = 0.0, 0.0, sort_of(world, contact[row, SHAPE_A]) == SURFACE
     for _ in range(_ROUNDS):
         at, turn, turn_a = _relative(world, row, when)
         look_again(world, row, at, turn, settings[0, MARGIN] + way)
         if contact[row, POINTS] == 0:
-            return
+            if not on_surface or when >= step:
+                return
+            # Off its face a triangle leaves contacts to its neighbours, however near they are: go on to its plane, and past.
+            gap, normal = _gap_of_plane(world, row, at)
+            closing = spin - dot(turned(turn_a, normal), _approach(world, a, b, when))
+            until = next_kink(world, b, when, next_kink(world, a, when, step))
+            if gap < -2.0 * place[contact[row, SHAPE_B], RADIUS]:
+                return
+            stride = _PART * place[contact[row, SHAPE_B], RADIUS] / max(abs(closing) + step * pushed, 1e-150)
+            when = min(when + max(_until(max(gap, 0.0), closing, pushed), stride), until)
+            continue
         gap, normal = _deepest(world, row, at, turn)
         closing = spin - dot(turned(turn_a, normal), _approach(world, a, b, when))
         left = _until(gap, closing, pushed)
-        if gap <= near or when >= step or (closing <= 0.0 and left >= step - when):
+        until = next_kink(world, b, when, next_kink(world, a, when, step))
+        if gap <= near or when >= step or (closing <= 0.0 and left >= until - when and until == step):
             break
-        when = min(when + left, step)
+        when = min(when + left, until)
     # What acts on them, other contacts too, may lead to where nothing is met that would be without.
     if gap > max(settings[0, MARGIN], step * step * pushed):
         contact[row, POINTS] = 0
@@ -97,30 +128,37 @@ def _until(gap: float, speed: float, pushed: float) -> float:
 
 @compiled(inline=True)
 def _approach(world: int, a: int, b: int, when: float) -> Vector:
-    """Velocity of the second body relative to the first a time after the start of the step."""
-    motion = floats(world, MOTION)
-    gained = times(when, minus(acceleration(world, b), acceleration(world, a)))
-    return plus(minus(vector_at(motion, b, 0), vector_at(motion, a, 0)), gained)
+    """Velocity of the second body relative to the first on their paths."""
+    return minus(velocity_then(world, b, when), velocity_then(world, a, when))
+
+
+@compiled
+def _gap_of_plane(world: int, row: int, at: Vector) -> tuple[float, Vector]:
+    """Distance of the ball around a shape, whose origin is there, from the plane of a triangle, and the normal."""
+    contact, numbers = integers(world, CONTACT), flat(world, GEOMETRY)
+    begin = begin_of(integers(world, SHAPE)[contact[row, SHAPE_A], BEGIN], contact[row, TRIANGLE_INDEX])
+    u = (numbers[begin], numbers[begin + 1], numbers[begin + 2])
+    v = (numbers[begin + 3], numbers[begin + 4], numbers[begin + 5])
+    w = (numbers[begin + 6], numbers[begin + 7], numbers[begin + 8])
+    across = cross(minus(v, u), minus(w, u))
+    normal = times(1.0 / max(length(across), 1e-150), across)
+    return dot(normal, minus(at, u)) - floats(world, PLACE)[contact[row, SHAPE_B], RADIUS], normal
 
 
 @compiled
 def _spin(world: int, shape: int, body: int) -> float:
     """Bound how fast points of a shape move by the rotation of its body."""
-    place, w = floats(world, PLACE), vector_at(floats(world, MOTION), body, 3)
-    turn = length(w)
-    return turn * (place[shape, RADIUS] + length(vector_at(place, shape, 0))) if turn > 0.0 else 0.0
+    turn = fastest_turn(world, body)
+    return turn * reach(floats(world, PLACE), shape) if turn > 0.0 else 0.0
 
 
 @compiled
 def _placed_at(world: int, shape: int, body: int, when: float) -> tuple[Vector, Quaternion]:
     """Return where a shape will be a time after the start of the step if only gravity and forces act on it."""
-    at, turn = placed_pose(world, shape)
-    motion = floats(world, MOTION)
-    centre = vector_at(floats(world, POSE), body, 0)
-    q = exponential(times(when, vector_at(motion, body, 3)))
-    moved = plus(centre, times(when, vector_at(motion, body, 0)))
-    moved = plus(moved, times(0.5 * when * when, acceleration(world, body)))
-    return plus(moved, turned(q, minus(at, centre))), product(q, turn)
+    place = floats(world, PLACE)
+    at, q = path(world, body, when)
+    at = plus(at, turned(q, vector_at(place, shape, PLACE_POSITION)))
+    return at, product(q, quaternion_at(place, shape, PLACE_ORIENTATION))
 
 
 @compiled
@@ -149,8 +187,8 @@ def _deepest(world: int, row: int, at: Vector, turn: Quaternion) -> tuple[float,
 def _bring_back(world: int, row: int, when: float) -> None:
     """Write the normal that was found for a time in the step as one of its start, and round shapes' points with it."""
     contact, manifold = integers(world, CONTACT), floats(world, MANIFOLD)
-    _, frame_a = placed_pose(world, contact[row, SHAPE_A])
-    _, frame_b = placed_pose(world, contact[row, SHAPE_B])
+    at_a, frame_a = placed_pose(world, contact[row, SHAPE_A])
+    at_b, frame_b = placed_pose(world, contact[row, SHAPE_B])
     _, turn, turn_a = _relative(world, row, when)
     then = vector_at(manifold, row, NORMAL)
     along = turned(turn_a, then)
@@ -163,8 +201,8 @@ def _bring_back(world: int, row: int, when: float) -> None:
         _put(manifold, row, p + ON_A, plus(vector_at(manifold, row, p + ON_A), on_a))
         _put(manifold, row, p + ON_B, plus(vector_at(manifold, row, p + ON_B), on_b))
     _put(manifold, row, NORMAL, now)
-    at, turn, _ = _relative(world, row, 0.0)
-    _put(manifold, row, FOUND_POSE, at)
+    turn = product(conjugate(frame_a), frame_b)
+    _put(manifold, row, FOUND_POSE, turned_back(frame_a, minus(at_b, at_a)))
     for k in range(4):
         manifold[row, FOUND_POSE + 3 + k] = turn[k]
 

@@ -241,4 +241,5 @@ def normal_at(world: int, row: int, own: Any, when: float) -> Vector:
         return normal
     _, _, between = arms_now(world, row, own, 0, when, normal)
     line = plus(between, times(radius_a + radius_b, normal))
-    return times(1.0 / length(line), line)
+    far = length(line)
+    return times(1.0 / far, line) if far > 1e-9 * (radius_a + radius_b) else normal

@@ -22,6 +22,7 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import length
 from kickdrift.world.collision.acceleration import closing_acceleration
+from kickdrift.world.collision.foresight import STRUCK
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.colouring import LINKED
@@ -36,6 +37,7 @@ from kickdrift.world.tables import (
     BOUNCING,
     COLOURS,
     CONTACT,
+    FORESEEN,
     IMPACT,
     KICKED,
     PLACE,
@@ -63,15 +65,42 @@ def find_bouncing(t: float, h: float, world: int) -> None:
     if rows(world, CONTACT) > room(world, IMPACT):
         ask_for_room(world, IMPACT, rows(world, CONTACT))
         return
+    struck = _mark_struck(world)
     bouncing, substep = integers(world, BOUNCING), h / floats(world, SETTINGS)[0, SUBSTEPS]
     for row in range(rows(world, CONTACT)):
         e = max(place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION])
-        bounces = contact[row, c.PLACE_IN_GROUPS] >= 0 and (e > 0.0 or contact[row, c.CONTACT_STATE] & c.FAST)
-        if bounces and not _is_linked(world, row):
+        bounces = e > 0.0 or contact[row, c.CONTACT_STATE] & c.FAST or (struck and _is_struck(world, row))
+        if bounces and contact[row, c.PLACE_IN_GROUPS] >= 0 and not _is_linked(world, row):
             bouncing[count, 0] = row
             constraint(world, row)[c.BOUNCE_THRESHOLD * c.WIDTH] = slowest_bounce(substep, world, row)
             count += 1
     set_rows(world, BOUNCING, count)
+
+
+@compiled
+def _mark_struck(world: int) -> bool:
+    """Mark the bodies that fast contacts may strike: what they are thrown against is to stop them in the same substep."""
+    contact, foreseen, found = integers(world, CONTACT), floats(world, FORESEEN), False
+    for row in range(rows(world, CONTACT)):
+        found = found or contact[row, c.CONTACT_STATE] & c.FAST != 0
+    if not found:
+        return False
+    for body in range(rows(world, FORESEEN)):
+        foreseen[body, STRUCK] = 0.0
+    for row in range(rows(world, CONTACT)):
+        if contact[row, c.CONTACT_STATE] & c.FAST and contact[row, c.PLACE_IN_GROUPS] >= 0:
+            foreseen[contact[row, c.BODY_A], STRUCK] = foreseen[contact[row, c.BODY_B], STRUCK] = 1.0
+    return True
+
+
+@compiled(inline=True)
+def _is_struck(world: int, row: int) -> bool:
+    contact, foreseen = integers(world, CONTACT), floats(world, FORESEEN)
+    a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
+    struck: bool = (is_moved(world, a) and foreseen[a, STRUCK] != 0.0) or (
+        is_moved(world, b) and foreseen[b, STRUCK] != 0.0
+    )
+    return struck
 
 
 @compiled

@@ -3,6 +3,7 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
+from kickdrift.core.spatial import plus_scaled, put_spatial, put_spatial_of, spatial_at, spatial_of
 from kickdrift.world.direct.contact_rows import bound_rows, first_row
 from kickdrift.world.direct.contacts import twelve
 from kickdrift.world.direct.layout import (
@@ -48,13 +49,14 @@ def add_contacts(island: int, world: int) -> None:
             end = begin + bound_rows(bound)
             for i in range(begin, end):
                 row = numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12]
-                for m in range(12):
-                    wrench[m] = row[m]
+                for at in range(0, 12, 6):
+                    put_spatial_of(wrench, at, spatial_of(row, at))
                 if not held:
                     for j in range(begin, end):
                         share = numbers[DIRECTION + i] * numbers[DIRECTION + j]
-                        for m in range(12):
-                            wrench[m] -= share * numbers[WRENCH + 12 * j + m]
+                        for at in range(0, 12, 6):
+                            other = spatial_of(numbers, WRENCH + 12 * j + at)
+                            put_spatial_of(wrench, at, plus_scaled(spatial_of(wrench, at), -share, other))
                 add_row(a, b, stiffness, row, wrench, world)
 
 
@@ -67,16 +69,16 @@ def load_contacts(island: int, world: int) -> None:
         a, b = int(numbers[NODES]), int(numbers[NODES + 1])
         for i in range(CONTACT_ROWS):
             if numbers[ACTIVE + i] != 0.0:
-                _load(a, b, numbers[CONSTANT + i], numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12], world)
+                _load(a, b, numbers[CONSTANT + i], numbers, WRENCH + 12 * i, world)
 
 
-@compiled(cached=False, fast=True)
-def _load(a: int, b: int, impulse: float, wrench: Any, world: int) -> None:
+@compiled(inline=True, cached=False, fast=True)
+def _load(a: int, b: int, impulse: float, numbers: Any, wrench: int, world: int) -> None:
     """Apply an impulse along a row to the nodes of a contact."""
     nodes, work = integers(world, NODE), floats(world, LINK_NUMBERS)
     for side in range(2):
         node = b if side == 1 else a
         if node >= 0:
             link = nodes[node, LINK_ROW]
-            for i in range(6):
-                work[link, CLOSING_IMPULSE + i] += impulse * wrench[6 * side + i]
+            load = plus_scaled(spatial_at(work, link, CLOSING_IMPULSE), impulse, spatial_of(numbers, wrench + 6 * side))
+            put_spatial(work, link, CLOSING_IMPULSE, load)

@@ -1,6 +1,7 @@
 """What a solution of the equations of an island gives its contacts."""
 
 from kickdrift.core.compilation import compiled
+from kickdrift.core.spatial import inner, plus_scaled, put_spatial_of, spatial_at, spatial_of
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.direct.contact_rows import bind, bind_points, first_row, give_of, impulse_field
 from kickdrift.world.direct.contacts import BOUNCE, PRESS, REST, SMOOTH_BOUNCE, read_both, twelve
@@ -63,9 +64,8 @@ def predict_contacts(island: int, world: int) -> None:
             for side in range(2):
                 node = int(numbers[NODES + side])
                 if node >= 0:
-                    link = nodes[node, LINK_ROW]
-                    for m in range(6):
-                        total += numbers[WRENCH + 12 * i + 6 * side + m] * work[link, GAIN + m]
+                    wrench = spatial_of(numbers, WRENCH + 12 * i + 6 * side)
+                    total += inner(wrench, spatial_at(work, nodes[node, LINK_ROW], GAIN))
             numbers[MOVED + i] = total
         for i in range(CONTACT_ROWS):
             if numbers[ACTIVE + i] != 0.0:
@@ -93,8 +93,9 @@ def give_contacts(island: int, task: int, world: int) -> None:
             impulse = numbers[GIVEN + i]
             if task < BOUNCE:
                 own_fields[impulse_field(i) * c.WIDTH] = numbers[IMPULSE + i] + impulse
-            for m in range(12):
-                given[m] += impulse * numbers[WRENCH + 12 * i + m]
+            for at in range(0, 12, 6):
+                wrench = spatial_of(numbers, WRENCH + 12 * i + at)
+                put_spatial_of(given, at, plus_scaled(spatial_of(given, at), impulse, wrench))
         for side in range(2):
             if numbers[NODES + side] >= 0.0 or numbers[CUT] == 1.0 + side:
                 body, at = bodies[1] if side == 1 else bodies[0], 6 * side

@@ -15,12 +15,19 @@ part is added, and then the same to each column's.
 
 from typing import Any
 
-from numba import carray
-
 from kickdrift.core.compilation import compiled
-from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import Vector, cross, dot, times
+from kickdrift.core.spatial import plus_scaled, put_spatial, scaled, spatial_at
+from kickdrift.core.vectors import Vector, dot, times
 from kickdrift.world.columns import vector_at
+from kickdrift.world.direct.blocks import (
+    add_block,
+    add_scaled,
+    block_at,
+    move_impulses,
+    move_velocities,
+    put_block,
+    rows_along,
+)
 from kickdrift.world.direct.layout import (
     BLOCK_COUPLING,
     BLOCK_PASSING,
@@ -59,25 +66,6 @@ def arms(table: Any, row: int, column_a: int, column_b: int, sign: int) -> tuple
     return vector_at(table, row, column_a), vector_at(table, row, column_b)
 
 
-@compiled(inline=True, cached=False, fast=True)
-def _move_rows(m: Any, row: int, at: int, s: Vector) -> None:
-    """Move the point of reference of the impulses of a block."""
-    for j in range(6):
-        turn = cross(s, (m[row, at + j], m[row, at + 6 + j], m[row, at + 12 + j]))
-        m[row, at + 18 + j] += turn[0]
-        m[row, at + 24 + j] += turn[1]
-        m[row, at + 30 + j] += turn[2]
-
-
-@compiled(inline=True, cached=False, fast=True)
-def _move_columns(m: Any, row: int, at: int, s: Vector) -> None:
-    """Move the point of reference of the velocities of a block."""
-    for i in range(6):
-        turn = cross(s, vector_at(m, row, at + 6 * i))
-        for k in range(3):
-            m[row, at + 6 * i + 3 + k] += turn[k]
-
-
 @compiled(cached=False, fast=True)
 def factor(first: int, after: int, world: int) -> None:
     """Eliminate the nodes of an island in their order."""
@@ -99,11 +87,12 @@ def _eliminate_link(node: int, world: int) -> None:
     end = begin + nodes[node, NEIGHBOURS]
     own, other = arms(numbers, joint, ARM_A, ARM_B, links[link, SIGN])
     own_ahead, other_ahead = arms(work, link, ARM_A_AHEAD, ARM_B_AHEAD, links[link, SIGN])
-    _move_columns(work, link, ARTICULATED_INERTIA, times(-1.0, own_ahead))
-    _move_rows(work, link, ARTICULATED_INERTIA, times(-1.0, own))
+    own, own_ahead = times(-1.0, own), times(-1.0, own_ahead)
+    inertia = move_velocities(block_at(work, link, ARTICULATED_INERTIA), own_ahead)
+    put_block(work, link, ARTICULATED_INERTIA, move_impulses(inertia, own))
     for row in range(begin, end):
-        _move_rows(blocks, row, UPPER_BLOCK, times(-1.0, own))
-        _move_columns(blocks, row, LOWER_BLOCK, times(-1.0, own_ahead))
+        put_block(blocks, row, UPPER_BLOCK, move_impulses(block_at(blocks, row, UPPER_BLOCK), own))
+        put_block(blocks, row, LOWER_BLOCK, move_velocities(block_at(blocks, row, LOWER_BLOCK), own_ahead))
     for k in range(6):
         work[link, YIELD + k] = 0.0
         if not links[link, HELD_AXES] >> k & 1:
@@ -111,13 +100,8 @@ def _eliminate_link(node: int, world: int) -> None:
     if parent < 0:
         return
     above = nodes[parent, LINK_ROW]
-    moved = carray(floats_on_stack(36), (1, 36))
-    for k in range(36):
-        moved[0, k] = work[link, ARTICULATED_INERTIA + k]
-    _move_columns(moved, 0, 0, other_ahead)
-    _move_rows(moved, 0, 0, other)
-    for k in range(36):
-        work[above, ARTICULATED_INERTIA + k] += moved[0, k]
+    inertia = move_velocities(block_at(work, link, ARTICULATED_INERTIA), other_ahead)
+    add_block(work, above, ARTICULATED_INERTIA, move_impulses(inertia, other))
     for row in range(begin, end):
         _hand_up(row, neighbours[row, 0], parent, other, other_ahead, world)
 
@@ -132,26 +116,14 @@ def _hand_up(row: int, neighbour: int, parent: int, other: Vector, other_ahead: 
     else:
         target = block_of(min(parent, neighbour), max(parent, neighbour), world)
         to, back = (UPPER_BLOCK, LOWER_BLOCK) if parent < neighbour else (LOWER_BLOCK, UPPER_BLOCK)
-    for j in range(6):
-        top = (blocks[row, j], blocks[row, 6 + j], blocks[row, 12 + j])
-        turn = cross(other, top)
-        for i in range(3):
-            if neighbour == parent:
-                work[target, to + 6 * i + j] += top[i]
-                work[target, to + 18 + 6 * i + j] += blocks[row, 18 + 6 * i + j] + turn[i]
-            else:
-                blocks[target, to + 6 * i + j] += top[i]
-                blocks[target, to + 18 + 6 * i + j] += blocks[row, 18 + 6 * i + j] + turn[i]
-    for i in range(6):
-        left = vector_at(blocks, row, LOWER_BLOCK + 6 * i)
-        turn = cross(other_ahead, left)
-        for j in range(3):
-            if neighbour == parent:
-                work[target, back + 6 * i + j] += left[j]
-                work[target, back + 6 * i + 3 + j] += blocks[row, LOWER_BLOCK + 6 * i + 3 + j] + turn[j]
-            else:
-                blocks[target, back + 6 * i + j] += left[j]
-                blocks[target, back + 6 * i + 3 + j] += blocks[row, LOWER_BLOCK + 6 * i + 3 + j] + turn[j]
+    upper = move_impulses(block_at(blocks, row, UPPER_BLOCK), other)
+    lower = move_velocities(block_at(blocks, row, LOWER_BLOCK), other_ahead)
+    if neighbour == parent:
+        add_block(work, target, to, upper)
+        add_block(work, target, back, lower)
+    else:
+        add_block(blocks, target, to, upper)
+        add_block(blocks, target, back, lower)
 
 
 @compiled(cached=False, fast=True)
@@ -161,41 +133,42 @@ def _eliminate_axis(node: int, link: int, joint: int, k: int, begin: int, end: i
     axis, ahead = vector_at(numbers, joint, AXES + 3 * k), vector_at(work, link, AXES_AHEAD + 3 * k)
     half = 0 if k < 3 else 3
     row, column = PASSING + 6 * k, COUPLING + 6 * k
-    for j in range(6):
-        work[link, row + j] = (
-            axis[0] * work[link, ARTICULATED_INERTIA + 6 * half + j]
-            + axis[1] * work[link, ARTICULATED_INERTIA + 6 * half + 6 + j]
-            + axis[2] * work[link, ARTICULATED_INERTIA + 6 * half + 12 + j]
-        )
+    along = rows_along(work, link, ARTICULATED_INERTIA + 6 * half, axis)
+    put_spatial(work, link, row, along)
     for i in range(6):
         work[link, column + i] = dot(ahead, vector_at(work, link, ARTICULATED_INERTIA + 6 * i + half))
     stiff = dot(ahead, vector_at(work, link, row + half)) + work[link, SLOPE + k]
     give = 1.0 / stiff if stiff > 0.0 else 0.0
     work[link, YIELD + k] = give
     for i in range(6):
-        share = give * work[link, column + i]
-        for j in range(6):
-            work[link, ARTICULATED_INERTIA + 6 * i + j] -= share * work[link, row + j]
+        add_scaled(work, link, ARTICULATED_INERTIA + 6 * i, -give * work[link, column + i], along)
     if begin == end:
         return
     for block in range(begin, end):
-        for j in range(6):
-            blocks[block, BLOCK_PASSING + 6 * k + j] = (
-                axis[0] * blocks[block, UPPER_BLOCK + 6 * half + j]
-                + axis[1] * blocks[block, UPPER_BLOCK + 6 * half + 6 + j]
-                + axis[2] * blocks[block, UPPER_BLOCK + 6 * half + 12 + j]
-            )
+        put_spatial(blocks, block, BLOCK_PASSING + 6 * k, rows_along(blocks, block, UPPER_BLOCK + 6 * half, axis))
         for i in range(6):
             blocks[block, BLOCK_COUPLING + 6 * k + i] = dot(ahead, vector_at(blocks, block, LOWER_BLOCK + 6 * i + half))
     for block in range(begin, end):
+        passing = spatial_at(blocks, block, BLOCK_PASSING + 6 * k)
         for i in range(6):
-            share, other = give * work[link, column + i], give * blocks[block, BLOCK_COUPLING + 6 * k + i]
-            for j in range(6):
-                blocks[block, UPPER_BLOCK + 6 * i + j] -= share * blocks[block, BLOCK_PASSING + 6 * k + j]
-                blocks[block, LOWER_BLOCK + 6 * i + j] -= other * work[link, row + j]
+            add_scaled(blocks, block, UPPER_BLOCK + 6 * i, -give * work[link, column + i], passing)
+            coupling = blocks[block, BLOCK_COUPLING + 6 * k + i]
+            add_scaled(blocks, block, LOWER_BLOCK + 6 * i, -give * coupling, along)
     for one in range(begin, end):
         for two in range(begin, end):
             _subtract(one, two, BLOCK_COUPLING + 6 * k, BLOCK_PASSING + 6 * k, give, 1, world)
+
+
+@compiled(inline=True, cached=False, fast=True)
+def _subtract_product(
+    m: Any, row: int, at: int, blocks: Any, one: int, two: int, left: int, right: int, factor_: float, inner: int
+) -> None:
+    for i in range(6):
+        total = spatial_at(m, row, at + 6 * i)
+        for k in range(inner):
+            share = factor_ * blocks[one, left + inner * i + k]
+            total = plus_scaled(total, -share, spatial_at(blocks, two, right + 6 * k))
+        put_spatial(m, row, at + 6 * i, total)
 
 
 @compiled(cached=False, fast=True)
@@ -208,18 +181,10 @@ def _subtract(one: int, two: int, left: int, right: int, factor_: float, inner: 
     a, b = neighbours[one, 0], neighbours[two, 0]
     if a == b:
         work, link = floats(world, LINK_NUMBERS), nodes[a, LINK_ROW]
-        for i in range(6):
-            for m in range(inner):
-                share = factor_ * blocks[one, left + inner * i + m]
-                for j in range(6):
-                    work[link, ARTICULATED_INERTIA + 6 * i + j] -= share * blocks[two, right + 6 * m + j]
+        _subtract_product(work, link, ARTICULATED_INERTIA, blocks, one, two, left, right, factor_, inner)
         return
     target, to = block_of(min(a, b), max(a, b), world), UPPER_BLOCK if a < b else LOWER_BLOCK
-    for i in range(6):
-        for m in range(inner):
-            share = factor_ * blocks[one, left + inner * i + m]
-            for j in range(6):
-                blocks[target, to + 6 * i + j] -= share * blocks[two, right + 6 * m + j]
+    _subtract_product(blocks, target, to, blocks, one, two, left, right, factor_, inner)
 
 
 @compiled(cached=False, fast=True)
@@ -240,16 +205,14 @@ def _eliminate_free(node: int, world: int) -> None:
         for i in range(6):
             for k in range(i):
                 share = work[link, ARTICULATED_INERTIA + 6 * i + k]
-                for j in range(6):
-                    blocks[block, UPPER_BLOCK + 6 * i + j] -= share * blocks[block, UPPER_BLOCK + 6 * k + j]
+                add_scaled(blocks, block, UPPER_BLOCK + 6 * i, -share, spatial_at(blocks, block, UPPER_BLOCK + 6 * k))
         for back in range(6):
             i = 5 - back
             for k in range(i + 1, 6):
                 share = work[link, ARTICULATED_INERTIA + 6 * i + k]
-                for j in range(6):
-                    blocks[block, UPPER_BLOCK + 6 * i + j] -= share * blocks[block, UPPER_BLOCK + 6 * k + j]
-            for j in range(6):
-                blocks[block, UPPER_BLOCK + 6 * i + j] *= work[link, ARTICULATED_INERTIA + 7 * i]
+                add_scaled(blocks, block, UPPER_BLOCK + 6 * i, -share, spatial_at(blocks, block, UPPER_BLOCK + 6 * k))
+            upper = scaled(work[link, ARTICULATED_INERTIA + 7 * i], spatial_at(blocks, block, UPPER_BLOCK + 6 * i))
+            put_spatial(blocks, block, UPPER_BLOCK + 6 * i, upper)
     for one in range(begin, end):
         for two in range(begin, end):
             _subtract(one, two, LOWER_BLOCK, UPPER_BLOCK, 1.0, 6, world)

