@@ -31,8 +31,8 @@ from kickdrift.world.tables import INERTIA, JOINT, JOINT_NUMBERS, LINK, LINK_NUM
 
 _RESOLVED, _BRAKING = 0.11, 0.5
 
-# Over which the square of hw of a body that swings alone counts as h^2 K / D. In chains of equal rods it is 18 times that: with 18
-# light tips of falling chains swing on for as long, with as little energy, and cost half as many solutions again as with 5.
+# The square of hw of a body that swings alone is taken for this many times h^2 K / D, not for 18 times, as in chains of equal
+# rods. With 18, tips of falling chains swing on, with energy kept no better, and cost half as many solutions again.
 _ALONE = 5.0
 
 
