@@ -48,11 +48,12 @@ def _too_fast(tables: Tables, bodies: Bodies) -> str:
     why = f"{body} turns by {turn:.2g} rad in a substep, too far for its joints"
     if turn <= LONG_TURN:
         why = (
-            f"no impulses were found that satisfy the joints of {body} and the bodies joined to it at the end of a"
-            " substep"
+            f"the joints of {body} and of the bodies joined to it move too far in a substep for impulses that satisfy them at"
+            " its end"
         )
-    loss, end = 100 * row[FAST_LOSS], row[FAST_TIME]
+    part, end = 100 * row[FAST_LOSS], row[FAST_TIME]
+    change = f"{'lost' if part > 0.0 else 'gained'} {abs(part):.2g} %"
     return (
-        f"{why}: they lost {loss:.2g} % of the energy of their bodies in the step to t={end:.4g} s. Set world.substeps"
+        f"{why}: they {change} of the energy of their bodies in the step to t={end:.4g} s. Set world.substeps"
         f" = {math.ceil(row[SUBSTEPS] * times)}, or use a step of {row[STEP] / times:.2g} s."
     )

@@ -49,6 +49,10 @@ QUICK, ROUNDS, CLOSE, CLOSE_TOUCHING, CLOSE_LOOPS, NEAR = 3, 6, 1e-7, 1e-6, 1e-9
 # energy that there was is done again without the laws of axes, which may add to it: they do in a substep that is too long.
 FAR, EXCESS = 1e-3, 1.5
 
+# Times the energy that heaps and what turns far may have after the drift. Of sixty chains of random rods that spin 46 gained
+# more than a tenth with 1.02, and six do with 1.001.
+KEPT = 1.001
+
 # First guesses that are farther off than that are replaced by velocities that joints allow, from which no step leads astray.
 POOR = 0.1
 
@@ -131,25 +135,30 @@ def _press(island: int, h: float, world: int) -> None:
 def _rest(island: int, h: float, world: int) -> None:
     """Project velocities.
 
-    Contacts give no more energy than there was after the kick, and than what drives the island from without. Where they do, it
-    is those after the kick that are projected, without impulses of the substep, or nothing touches.
+    Contacts, and joints of what turns far in a substep, give no more energy than there was after the kick, and than what drives
+    the island from without. Where they do, it is those after the kick that are projected, without impulses of the substep, or
+    nothing touches.
     """
-    own = integers(world, ISLAND)[island]
     for _ in range(2):
         solve_at_once(island, h, RELAX, REST, world)
-        if own[FIRST_CONTACT] == own[AFTER_CONTACT] or not _gains(island, world):
+        if not _gains(island, h, world):
             return
         begin_from_kick(island, world)
 
 
 @compiled(cached=False)
-def _gains(island: int, world: int) -> bool:
-    """Whether an island has more energy than after the kick, and than what drives it has given."""
+def _gains(island: int, h: float, world: int) -> bool:
+    """Whether an island has more energy than after the kick, and than what drives it has given: if it may have at all."""
+    own = integers(world, ISLAND)[island]
+    touches, joined = own[FIRST_CONTACT] < own[AFTER_CONTACT], own[HAS_JOINTS] != 0
+    if not (touches or h * fastest(island, MOTION, ANGULAR_PART, world) > LONG_TURN):
+        return False
     before, after = kinetic_energy(island, KICKED, world), kinetic_energy(island, MOTION, world)
-    if integers(world, ISLAND)[island, HAS_JOINTS] != 0:
-        return not (after <= EXCESS * before or after <= EXCESS * before + energy_given(island, world))
+    if joined:
+        most = (EXCESS if touches else KEPT) * before
+        return not (after <= most or after <= most + energy_given(island, world))
     speed = driving_speed(island, world)
-    return not after <= 1.001 * before + mass_of(island, world) * (speed * speed + _STILL)
+    return not after <= KEPT * before + mass_of(island, world) * (speed * speed + _STILL)
 
 
 @compiled(cached=False)

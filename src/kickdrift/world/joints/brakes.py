@@ -10,12 +10,29 @@ for a second.
 """
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import dot, plus, times
-from kickdrift.world.columns import vector_at
-from kickdrift.world.joints.layout import ARM_A, ARM_B, AXES, BRAKE, JOINT_IMPULSE, LOCKED, PARENT, PULL, SIGN, YIELD
-from kickdrift.world.tables import JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, floats, integers
+from kickdrift.core.vectors import Vector, applied, dot, plus, times, turned_back
+from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
+from kickdrift.world.integration import BODY_INERTIA
+from kickdrift.world.joints.layout import (
+    ANGULAR_PART,
+    ARM_A,
+    ARM_B,
+    AXES,
+    BODY_A,
+    BRAKE,
+    JOINT_IMPULSE,
+    LOCKED,
+    PARENT,
+    PULL,
+    SIGN,
+    YIELD,
+)
+from kickdrift.world.tables import INERTIA, JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, POSE, floats, integers
 
 _RESOLVED, _BRAKING = 0.11, 0.5
+
+# Rate^2 of chains of equal rods, over K / D.
+_CHAIN = 18.0
 
 
 @compiled(cached=False)
@@ -34,4 +51,28 @@ def set_brakes(link: int, joint: int, h: float, world: int) -> None:
         stiffness = dot(arm, force) - dot(axis, arm) * dot(axis, force)
         turned = work[link, YIELD + k] * stiffness
         unresolved = turned > _RESOLVED and links[link, PARENT] >= 0 and not held >> k & 1
-        work[link, BRAKE + k - 3] = _BRAKING * stiffness * (1.0 - _RESOLVED / turned) if unresolved else 0.0
+        if unresolved:
+            turned = min(turned, _most(joint, axis, times(links[link, SIGN], force), world) / _CHAIN)
+        work[link, BRAKE + k - 3] = (
+            _BRAKING * stiffness * (1.0 - _RESOLVED / turned) if unresolved and turned > _RESOLVED else 0.0
+        )
+
+
+@compiled(cached=False)
+def _most(joint: int, axis: Vector, force: Vector, world: int) -> float:
+    """Bound the square of the turn hw of the bodies of a joint that swing about an axis: each about its centre of mass.
+
+    No mode is faster than that of one body that swings for itself, as the energy of a turn is that of its own body alone, and
+    others only add to what moves. Its other joints are taken to pull as this one does.
+    """
+    joints, numbers, inertia, most = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, INERTIA), 0.0
+    for side in range(2):
+        body = joints[joint, BODY_A + side]
+        arm, pull = vector_at(numbers, joint, ARM_A), times(-1.0, force)
+        if side == 1:
+            arm, pull = vector_at(numbers, joint, ARM_B), force
+        seen = turned_back(quaternion_at(floats(world, POSE), body, ANGULAR_PART), axis)
+        moment = dot(seen, applied(symmetric_at(inertia, body, BODY_INERTIA), seen))
+        stiffness = 2.0 * (dot(arm, pull) - dot(axis, arm) * dot(axis, pull))
+        most = max(most, stiffness / moment if moment > 0.0 else 0.0)
+    return most
