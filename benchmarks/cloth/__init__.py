@@ -43,12 +43,11 @@ def _on_a_ball(side: int, meets: bool, rounds: int) -> list[Row]:
     rows.insert(
         0, measured(f"{title}: a frame", costs["kickdrift"], wanted, f"{part:.3g} ns a particle and part", "ms")
     )
-    for name in contestants:
-        if name != "kickdrift":
-            rows.append(
-                measured(f"{title}: {name} / kickdrift", ratio(costs, name, "kickdrift"), _bound(name), _said(costs))
-            )
-    return rows
+    others = [name for name in contestants if name != "kickdrift"]
+    return rows + [
+        measured(f"{title}: {name} / kickdrift", ratio(costs, name, "kickdrift"), _bound(name), _said(costs))
+        for name in others
+    ]
 
 
 def _bound(name: str) -> Bound | None:
