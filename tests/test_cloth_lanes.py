@@ -57,7 +57,7 @@ def test_forces_do_not_depend_on_how_vertices_and_triangles_are_numbered():
 
 
 def test_every_triangle_is_in_one_group():
-    _vertices, triangles = grid(N, M, (1.0, 0.9))
+    _, triangles = grid(N, M, (1.0, 0.9))
     rest = np.tile([1.0, 0.0, 0.0, 1.0, 0.5], (len(triangles), 1))
     groups = face_groups(triangles, rest)
     areas = groups.rests[groups.of, 4]  # (G, 8)
