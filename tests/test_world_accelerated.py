@@ -166,7 +166,7 @@ def test_a_capsule_bounces_alike_whichever_way_the_world_is_turned():
     for seed in (166, 206, 278):  # their second end hits in the substep in which the first one has left
         rng = np.random.default_rng(seed)
         position, velocity, spin = (
-            rng.uniform((-0.1, -0.1, 0.4), (0.1, 0.1, 0.6)),
+            rng.uniform((-0.1, -0.1, 0.4), (0.1, 0.1, 0.8)),
             rng.normal(size=3),
             rng.normal(size=3),
         )
