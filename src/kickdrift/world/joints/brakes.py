@@ -10,7 +10,7 @@ for a second.
 """
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, applied, dot, plus, times, turned_back
+from kickdrift.core.vectors import Vector, applied, dot, minus, plus, times, turned_back
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.integration import BODY_INERTIA
 from kickdrift.world.joints.layout import (
@@ -21,6 +21,10 @@ from kickdrift.world.joints.layout import (
     BODY_A,
     BRAKE,
     JOINT_IMPULSE,
+    JOINT_POSITION,
+    LENGTH,
+    LINE,
+    LINEAR,
     LOCKED,
     PARENT,
     PULL,
@@ -46,7 +50,7 @@ def set_brakes(link: int, joint: int, h: float, world: int) -> None:
         force = plus(
             force, times(h * links[link, SIGN] * numbers[joint, PULL + k], vector_at(numbers, joint, AXES + 3 * k))
         )
-    arm = vector_at(numbers, joint, ARM_B if links[link, SIGN] > 0 else ARM_A)
+    arm = _arm(joint, 1 if links[link, SIGN] > 0 else 0, world)
     for k in range(3, 6):
         axis = vector_at(numbers, joint, AXES + 3 * k)
         stiffness = dot(arm, force) - dot(axis, arm) * dot(axis, force)
@@ -60,18 +64,29 @@ def set_brakes(link: int, joint: int, h: float, world: int) -> None:
 
 
 @compiled(cached=False)
+def _arm(joint: int, side: int, world: int) -> Vector:
+    """From the centre of a body to its own end of a joint: the line of a rope is no part of its arm."""
+    numbers = floats(world, JOINT_NUMBERS)
+    if side == 1:
+        return vector_at(numbers, joint, ARM_B)
+    arm = vector_at(numbers, joint, ARM_A)
+    if integers(world, JOINT)[joint, LINEAR] == LINE:
+        line = numbers[joint, JOINT_POSITION + 2] + numbers[joint, LENGTH]
+        arm = minus(arm, times(line, vector_at(numbers, joint, AXES + 6)))
+    return arm
+
+
+@compiled(cached=False)
 def _most(joint: int, axis: Vector, force: Vector, world: int) -> float:
     """Bound the square of the turn hw of the bodies of a joint that swing about an axis: each about its centre of mass.
 
     No mode is faster than that of one body that swings for itself, as the energy of a turn is that of its own body alone, and
     others only add to what moves. Its other joints are taken to pull as this one does.
     """
-    joints, numbers, inertia, most = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, INERTIA), 0.0
+    joints, inertia, most = integers(world, JOINT), floats(world, INERTIA), 0.0
     for side in range(2):
         body = joints[joint, BODY_A + side]
-        arm, pull = vector_at(numbers, joint, ARM_A), times(-1.0, force)
-        if side == 1:
-            arm, pull = vector_at(numbers, joint, ARM_B), force
+        arm, pull = _arm(joint, side, world), times(1.0 if side == 1 else -1.0, force)
         seen = turned_back(quaternion_at(floats(world, POSE), body, ANGULAR_PART), axis)
         moment = dot(seen, applied(symmetric_at(inertia, body, BODY_INERTIA), seen))
         stiffness = 2.0 * (dot(arm, pull) - dot(axis, arm) * dot(axis, pull))
