@@ -15,6 +15,7 @@ from benchmarks import (
     advice,
     against_c,
     auto,
+    cloth,
     encounters,
     ensemble,
     events,
@@ -48,6 +49,7 @@ COMPARISONS: dict[str, tuple[str, Callable[[int], list[Row]]]] = {
     "startup": ("Before the first step", startup.compare),
     "readme": ("The README's statements in order, in a fresh environment", readme.compare),
     "scale": ("Boxes at rest: a body's part of a step", world_scale.compare),
+    "cloth": ("Cloth on a ball: a frame of 1/60 s", cloth.compare),
     "rl": ("Reading, acting, stepping: a cart with a pole", rl.compare),
 }
 _WORLD = "world"
@@ -70,6 +72,7 @@ _PACKAGES = (
     "robox3d",
     "mujoco",
     "pybullet",
+    "pypbd",
 )
 
 

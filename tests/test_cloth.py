@@ -10,7 +10,9 @@ from scipy.optimize import brentq
 import kickdrift as kd
 from kickdrift.world.cloth import bending, membrane
 from kickdrift.world.cloth.curvature import curvature_of
+from kickdrift.world.cloth.layout import FORCES, LANE_FIELDS
 from kickdrift.world.cloth.mesh import cloth_mesh, flattened, grid
+from kickdrift.world.cloth.particle_lanes import fill_lanes
 
 STEP = 1 / 60
 UPRIGHT = (np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0)  # warp hangs down
@@ -577,13 +579,14 @@ def test_a_cloth_that_is_folded_on_itself_unfolds():
 
 def forces(world, room):
     """What membrane or bending do to the vertices of the only cloth of a world."""
-    force = world.tables.array(kd.world.tables.PARTICLE_FORCE)
-    force[:] = 0.0
+    lanes = world.tables.array(kd.world.tables.PARTICLE_LANES)
+    lanes[:] = 0.0
+    fill_lanes(world.tables.address, 0)
     if room is membrane:
         membrane.add_membrane(world.tables.address, 0, 1.0, 1.0, True)
     else:
         bending.add_bending(world.tables.address, 0, 1.0)
-    return force[:, :3].copy()
+    return lanes.reshape(LANE_FIELDS, -1)[FORCES : FORCES + 3].T.copy()
 
 
 @pytest.mark.parametrize("curved", [False, True])

@@ -439,3 +439,22 @@ def test_chains_are_not_braked_where_the_substep_follows_them(seed):
         world.step(STEP)
         worst = max(worst, abs(world.energy().total - start))
     assert worst < 0.03 * start
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2, 5])
+def test_rods_on_lines_swing_alike_whichever_body_was_named_first(seed):
+    places = []
+    for swapped in (False, True):
+        rng, world, before, x = np.random.default_rng(seed), World(), None, 0.0
+        for _ in range(4):
+            length, mass = rng.uniform(0.2, 0.5), 10 ** rng.uniform(-1, 1)
+            rod = world.add_box(
+                (length, 0.05, 0.05), position=(x + 0.3 + length / 2, 0, 0), mass=mass, collides_with=()
+            )
+            ends = [(before, (x, 0, 0)), (rod, (x + 0.3, 0, 0))]
+            (a, at_a), (b, at_b) = reversed(ends) if swapped else ends
+            world.add_distance_joint(a, b, anchor_a=at_a, anchor_b=at_b)
+            before, x = rod, x + 0.3 + length
+        world.advance(STEP, 60)
+        places.append(world.position[1:].copy())
+    assert places[1] == pytest.approx(places[0], abs=1e-3)

@@ -104,29 +104,29 @@ MEMBERSHIP = Table(65, 2, whole=True)  # of each body
 
 # Cloths: see `kickdrift.world.cloth.layout`
 CLOTH, CLOTH_NUMBERS = Table(66, 20, whole=True), Table(67, 24)
-PARTICLE, PARTICLE_FORCE = Table(68, 8), Table(69, 8)
+PARTICLE, PARTICLE_LANES = (
+    Table(68, 8),
+    Table(69, 1),
+)  # and fields of particles: see `kickdrift.world.cloth.particle_lanes`
 PARTICLE_COUPLINGS = Table(72, 2, whole=True)
 FACE = Table(70, 4, whole=True)  # a triangle of a cloth
 FACE_NUMBERS = Table(71, 8)
-COUPLING = Table(73, 1, whole=True)  # of a particle with another one, by bending
-COUPLING_NUMBERS = Table(81, 1)
-CURVED_FACE = Table(82, 8, whole=True)  # a triangle that is curved at rest
-CURVED_FACE_NUMBERS = Table(83, 8)
+COUPLING, COUPLING_NUMBERS = Table(73, 1, whole=True), Table(81, 1)  # of a particle with another one, by bending
+CURVED_FACE, CURVED_FACE_NUMBERS = Table(82, 8, whole=True), Table(83, 8)  # a triangle that is curved at rest
 PIN, PIN_NUMBERS = Table(74, 2, whole=True), Table(75, 4)
 CLOTH_CONTACT, CLOTH_CONTACT_NUMBERS = Table(76, 4, whole=True), Table(77, 16)
 STARTED_PARTICLE = Table(78, PARTICLE.width)
 PARTICLE_REST = Table(80, 4)
 PARTICLE_SHIFT, PARTICLE_BOUNDS = Table(84, 4), Table(85, 8)
-CLOTH_PAIR = Table(86, 6, whole=True)  # a vertex and a triangle, or two edges, that may touch
-CLOTH_PAIR_NUMBERS = Table(87, 4)
+CLOTH_PAIR, CLOTH_PAIR_NUMBERS = Table(86, 6, whole=True), Table(87, 4)  # vertex and triangle, or edges, that may touch
 CLOTH_TREE = Table(88, 8)  # over the triangles of each cloth: see `kickdrift.world.cloth.face_tree`
 NORMAL_TREE = Table(95, 8)  # as it, over their normals
 CLOTH_TREE_NODE = Table(89, 1, whole=True)
 FACE_BOUNDS, FACE_NORMALS = Table(90, 8), Table(91, 8)
-ZONE = Table(92, 2, whole=True)  # of each particle: see `kickdrift.world.cloth.zones`
-ZONE_NUMBERS = Table(93, 16)
+ZONE, ZONE_NUMBERS = Table(92, 2, whole=True), Table(93, 16)  # of each particle: see `kickdrift.world.cloth.zones`
 CLOTH_SEARCH = Table(94, 16)  # one row
 INTERVAL_START, PARTICLE_PATH, FACE_TURN = Table(96, 4), Table(97, 6), Table(98, 6)
+FACE_GROUP, GROUP_REST, GROUP_STRAIN = Table(99, 26, whole=True), Table(100, 40), Table(101, 24)  # eight triangles each
 CLOTH_NEAR = Table(79, 1)  # shapes, and triangles of one, that are near a cloth
 
 _LAST = max(table.place for table in list(globals().values()) if isinstance(table, Table))

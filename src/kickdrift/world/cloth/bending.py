@@ -17,26 +17,31 @@ which it follows that angular momentum stays. What turns against the rest of its
 from typing import Any
 
 import numpy as np
+from numba import carray
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled
+from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, applied, cross, dot, inverse_symmetric, length, minus, plus, times
+from kickdrift.world.cloth.bending_lanes import couple_damped_lanes, couple_lanes, turn_lanes
+from kickdrift.world.cloth.lanes import WIDTH
 from kickdrift.world.cloth.layout import (
     BENDING,
     BENDING_DAMPING,
     COUPLINGS,
-    CURVE,
+    CURVES,
     FIRST_COUPLING,
     FIRST_CURVED,
     FIRST_PARTICLE,
+    FORCES,
     LAST_CURVED,
     LAST_PARTICLE,
-    OFFSET,
-    PARTICLE_VELOCITY,
+    PLACES,
     PULLS,
+    SPEEDS,
     STENCIL,
-    WEIGHT,
 )
+from kickdrift.world.cloth.particle_lanes import add_force, field_size
 from kickdrift.world.columns import vector_at
 from kickdrift.world.tables import (
     CLOTH,
@@ -47,13 +52,16 @@ from kickdrift.world.tables import (
     CURVED_FACE_NUMBERS,
     PARTICLE,
     PARTICLE_COUPLINGS,
-    PARTICLE_FORCE,
+    PARTICLE_LANES,
+    flat,
+    flat_integers,
     floats,
     integers,
 )
 
 Floats = NDArray[np.float64]
 
+_SUMS = 9 * WIDTH
 _TURNS = 1e-12  # rad^2: cloths that are bent by less, all in all, have no frame that turns with them
 
 
@@ -64,81 +72,108 @@ def add_bending(world: int, cloth: int, share: float) -> None:
     stiffness, damping = share * numbers[cloth, BENDING], numbers[cloth, BENDING_DAMPING]
     if stiffness == 0.0:
         return
+    fields, size = flat(world, PARTICLE_LANES), field_size(world)
+    begin, end = own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]
+    sums = carray(floats_on_stack(_SUMS), (_SUMS,))
+    sums[:] = 0.0
+    _couple(world, cloth, stiffness, damping, sums)
     if damping > 0.0:
-        _add_damped_pulls(world, cloth, stiffness, damping)
-    else:
-        _add_pulls(world, cloth, stiffness)
+        x, y, z = _spin(sums, stiffness * damping)
+        for i in range(begin, end - WIDTH + 1, WIDTH):
+            turn_lanes(fields, size, i, x, y, z)
+        for i in range(end - (end - begin) % WIDTH, end):
+            curve = _vector(fields, size, CURVES, i)
+            back = cross((x, y, z), curve)
+            for k in range(3):
+                add_force(world, i, k, -back[k])
     if own[cloth, FIRST_CURVED] < own[cloth, LAST_CURVED]:
         _add_rest(world, cloth, stiffness)
 
 
-@compiled(fast=True)
-def _add_pulls(world: int, cloth: int, stiffness: float) -> None:
-    """Add what particles get from each other as they lie."""
-    own, particle, force = integers(world, CLOTH), floats(world, PARTICLE), floats(world, PARTICLE_FORCE)
-    ranges, other, weight = (
-        integers(world, PARTICLE_COUPLINGS),
-        integers(world, COUPLING),
-        floats(world, COUPLING_NUMBERS),
-    )
-    first = own[cloth, FIRST_COUPLING]
-    for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
-        x, pull = vector_at(particle, i, 0), (0.0, 0.0, 0.0)
-        for row in range(first + ranges[i, COUPLINGS], first + ranges[i, COUPLINGS + 1]):
-            way = minus(vector_at(particle, i + other[row, OFFSET], 0), x)
-            pull = plus(pull, times(weight[row, WEIGHT], way))
-        for k in range(3):
-            force[i, k] += stiffness * pull[k]
+@compiled
+def _couple(world: int, cloth: int, stiffness: float, damping: float, sums: Any) -> None:
+    """Add what particles get from each other by where they are, and how they move, to the forces on them.
 
-
-@compiled(fast=True)
-def _add_damped_pulls(world: int, cloth: int, stiffness: float, damping: float) -> None:
-    """Add what particles get from each other as they lie and as they move, seen by who turns with the cloth.
-
-    With the curves p = -H^T H x and their rates q = -H^T H v the force is D (p + damping (q - w x p)); its torque is zero for
-    the angular velocity w of sum x x q = sum (x . p) w - p (x . w), which also makes |H v - w x H x| least.
+    Particles that follow each other and have the same couplings are done eight at a time; those of the last eight that have
+    been done already are skipped. `sums` are those of `_spin`, in lanes.
     """
-    own, particle, force = integers(world, CLOTH), floats(world, PARTICLE), floats(world, PARTICLE_FORCE)
-    ranges, other, weight = (
-        integers(world, PARTICLE_COUPLINGS),
-        integers(world, COUPLING),
-        floats(world, COUPLING_NUMBERS),
-    )
-    first, begin, end = own[cloth, FIRST_COUPLING], own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]
-    origin, torque = vector_at(particle, begin, 0), (0.0, 0.0, 0.0)
-    xx, yy, zz, xy, xz, yz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for i in range(begin, end):
-        x, v = vector_at(particle, i, 0), vector_at(particle, i, PARTICLE_VELOCITY)
-        p, q = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        for row in range(first + ranges[i, COUPLINGS], first + ranges[i, COUPLINGS + 1]):
-            j, w = i + other[row, OFFSET], weight[row, WEIGHT]
-            p = plus(p, times(w, minus(vector_at(particle, j, 0), x)))
-            q = plus(q, times(w, minus(vector_at(particle, j, PARTICLE_VELOCITY), v)))
-        for k in range(3):
-            force[i, CURVE + k] = p[k]
-            force[i, k] += stiffness * (p[k] + damping * q[k])
-        arm = minus(x, origin)
-        torque = plus(torque, cross(arm, q))
-        xx, yy, zz = xx + arm[0] * p[0], yy + arm[1] * p[1], zz + arm[2] * p[2]
-        xy, xz, yz = xy + arm[0] * p[1], xz + arm[0] * p[2], yz + arm[1] * p[2]
-    spin = times(stiffness * damping, _spin((xx, yy, zz, xy, xz, yz), torque))
-    for i in range(begin, end):
-        back = cross(spin, vector_at(force, i, CURVE))
-        for k in range(3):
-            force[i, k] -= back[k]
+    own, ranges = integers(world, CLOTH), integers(world, PARTICLE_COUPLINGS)
+    fields, size = flat(world, PARTICLE_LANES), field_size(world)
+    offsets, weights = flat_integers(world, COUPLING), flat(world, COUPLING_NUMBERS)
+    start, begin, end = own[cloth, FIRST_COUPLING], own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]
+    i = begin
+    while i < end:
+        first, last, after = ranges[i, COUPLINGS], ranges[i, COUPLINGS + 1], i + 1
+        while after < end and ranges[after, COUPLINGS] == first and ranges[after, COUPLINGS + 1] == last:
+            after += 1
+        first, last = start + first, start + last
+        if after - i < WIDTH:
+            for j in range(i, after):
+                _couple_one(world, j, first, last, stiffness, damping, begin, sums)
+        elif damping > 0.0:
+            for k in range(i, after, WIDTH):
+                at = min(k, after - WIDTH)
+                couple_damped_lanes(
+                    fields, size, at, k - at, offsets, weights, first, last, stiffness, damping, begin, sums
+                )
+        else:
+            for k in range(i, after, WIDTH):
+                at = min(k, after - WIDTH)
+                couple_lanes(fields, size, at, k - at, offsets, weights, first, last, stiffness)
+        i = after
 
 
 @compiled
-def _spin(curved: Any, torque: Vector) -> Vector:
-    """Solve (tr S - S) w = torque, for S that is negative."""
-    xx, yy, zz, xy, xz, yz = curved
+def _couple_one(
+    world: int, i: int, first: int, last: int, stiffness: float, damping: float, begin: int, sums: Any
+) -> None:
+    offsets, weights = flat_integers(world, COUPLING), flat(world, COUPLING_NUMBERS)
+    fields, size = flat(world, PARTICLE_LANES), field_size(world)
+    x, v = _vector(fields, size, PLACES, i), _vector(fields, size, SPEEDS, i)
+    p, q = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for row in range(first, last):
+        j, w = i + offsets[row], weights[row]
+        p = plus(p, times(w, minus(_vector(fields, size, PLACES, j), x)))
+        if damping > 0.0:
+            q = plus(q, times(w, minus(_vector(fields, size, SPEEDS, j), v)))
+    for k in range(3):
+        fields[(CURVES + k) * size + i] = p[k]
+        fields[(FORCES + k) * size + i] += stiffness * (p[k] + damping * q[k])
+    u = minus(x, _vector(fields, size, PLACES, begin))
+    torque = cross(u, q)
+    for k in range(3):
+        sums[k * WIDTH] += torque[k]
+        sums[(3 + k) * WIDTH] += u[k] * p[k]
+    sums[6 * WIDTH] += u[0] * p[1]
+    sums[7 * WIDTH] += u[0] * p[2]
+    sums[8 * WIDTH] += u[1] * p[2]
+
+
+@compiled(inline=True)
+def _vector(fields: Any, size: int, field: int, i: int) -> Vector:
+    return (fields[field * size + i], fields[(field + 1) * size + i], fields[(field + 2) * size + i])
+
+
+@compiled
+def _spin(sums: Any, factor: float) -> Vector:
+    """Return the angular velocity w of who turns with the cloth, times a factor.
+
+    With the curves p = -H^T H x and their rates q = -H^T H v the force is D (p + damping (q - w x p)); its torque is zero for
+    that of sum x x q = sum (x . p) w - p (x . w), which also makes |H v - w x H x| least: (tr S - S) w = torque, for S that is
+    negative. `sums` are the torque, and S as xx, yy, zz, xy, xz, yz, in lanes.
+    """
+    totals = carray(floats_on_stack(9), (9,))
+    for k in range(9):
+        totals[k] = 0.0
+        for lane in range(WIDTH):
+            totals[k] += sums[k * WIDTH + lane]
+    torque, (xx, yy, zz) = (totals[0], totals[1], totals[2]), (totals[3], totals[4], totals[5])
     trace = xx + yy + zz - _TURNS * (1.0 - (xx + yy + zz))
-    matrix = (trace - xx, trace - yy, trace - zz, -xy, -xz, -yz)
+    matrix = (trace - xx, trace - yy, trace - zz, -totals[6], -totals[7], -totals[8])
     inverse = inverse_symmetric(matrix)
     w = applied(inverse, torque)
-    return plus(
-        w, applied(inverse, minus(torque, applied(matrix, w)))
-    )  # once more: nearly flat cloths leave few digits
+    again = applied(inverse, minus(torque, applied(matrix, w)))  # nearly flat cloths leave few digits
+    return times(factor, plus(w, again))
 
 
 @compiled
@@ -147,7 +182,7 @@ def _add_rest(world: int, cloth: int, stiffness: float) -> None:
 
     The normal n = p x q / |p x q| of the sides p and q turns by what is across it of (dp x q + p x dq) / |p x q|.
     """
-    own, particle, force = integers(world, CLOTH), floats(world, PARTICLE), floats(world, PARTICLE_FORCE)
+    own, particle = integers(world, CLOTH), floats(world, PARTICLE)
     stencil, numbers = integers(world, CURVED_FACE), floats(world, CURVED_FACE_NUMBERS)
     for f in range(own[cloth, FIRST_CURVED], own[cloth, LAST_CURVED]):
         a, b, c = stencil[f, STENCIL], stencil[f, STENCIL + 1], stencil[f, STENCIL + 2]
@@ -161,10 +196,10 @@ def _add_rest(world: int, cloth: int, stiffness: float) -> None:
             pull = numbers[f, PULLS + k]
             curved = plus(curved, times(pull, minus(vector_at(particle, i, 0), origin)))
             for axis in range(3):
-                force[i, axis] += stiffness * pull * n[axis]
+                add_force(world, i, axis, stiffness * pull * n[axis])
         turn = times(stiffness / doubled, minus(curved, times(dot(curved, n), n)))
         on_b, on_c = cross(q, turn), cross(turn, p)
         for axis in range(3):
-            force[b, axis] += on_b[axis]
-            force[c, axis] += on_c[axis]
-            force[a, axis] -= on_b[axis] + on_c[axis]
+            add_force(world, b, axis, on_b[axis])
+            add_force(world, c, axis, on_c[axis])
+            add_force(world, a, axis, -on_b[axis] - on_c[axis])

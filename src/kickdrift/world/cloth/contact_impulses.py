@@ -35,7 +35,6 @@ from kickdrift.world.tables import (
     INVERSE_MASS,
     MOTION,
     PARTICLE,
-    PARTICLE_SHIFT,
     POSE,
     floats,
     integers,
@@ -54,7 +53,7 @@ def resolve_contacts(world: int, cloth: int, part: float, push: float, left: flo
         integers(world, CLOTH_CONTACT),
         floats(world, CLOTH_CONTACT_NUMBERS),
     )
-    particle, shift, motion = floats(world, PARTICLE), floats(world, PARTICLE_SHIFT), floats(world, MOTION)
+    particle, motion = floats(world, PARTICLE), floats(world, MOTION)
     for row in range(cloths[cloth, FIRST_CONTACT], cloths[cloth, LAST_CONTACT]):
         i, body = contact[row, TOUCHING_PARTICLE], contact[row, TOUCHED_BODY]
         n, arm = vector_at(numbers, row, CLOTH_NORMAL), vector_at(numbers, row, TOUCHED_POINT)
@@ -66,7 +65,7 @@ def resolve_contacts(world: int, cloth: int, part: float, push: float, left: flo
             out = min(-gap, part * push)
             gap += out
             for k in range(3):
-                shift[i, k] += out * n[k]
+                particle[i, k] += out * n[k]
         wanted = -max(gap, 0.0) / part
         numbers[row, CLOTH_GAP] = gap + part * max(approach, wanted)
         if approach >= wanted:

@@ -1,6 +1,6 @@
 """Columns of the tables of cloths."""
 
-from kickdrift.world.columns import column
+from kickdrift.world.columns import Fields, column
 from kickdrift.world.tables import (
     CLOTH,
     CLOTH_CONTACT,
@@ -16,14 +16,16 @@ from kickdrift.world.tables import (
     CURVED_FACE_NUMBERS,
     FACE,
     FACE_BOUNDS,
+    FACE_GROUP,
     FACE_NORMALS,
     FACE_NUMBERS,
     FACE_TURN,
+    GROUP_REST,
+    GROUP_STRAIN,
     INTERVAL_START,
     PARTICLE,
     PARTICLE_BOUNDS,
     PARTICLE_COUPLINGS,
-    PARTICLE_FORCE,
     PARTICLE_PATH,
     PARTICLE_REST,
     PARTICLE_SHIFT,
@@ -44,6 +46,7 @@ FIRST_CONTACT, LAST_CONTACT = column(CLOTH), column(CLOTH)
 CLOTH_GENERATION = column(CLOTH)
 FIRST_NODE, LAST_NODE = column(CLOTH), column(CLOTH)
 MEETS_ITSELF = column(CLOTH)
+FIRST_GROUP, LAST_GROUP = column(CLOTH), column(CLOTH)
 IS_ASLEEP = column(CLOTH)  # of the first cloth, for all of them
 STIRRED = 2  # value of it: they sleep, and were moved
 
@@ -75,9 +78,13 @@ PARTICLE_MASS = column(PARTICLE, 1, "kg")
 # PARTICLE_REST
 column(PARTICLE_REST, 3, "m")  # where it is in the cloth without tension
 
-# PARTICLE_FORCE
-column(PARTICLE_FORCE, 3, "N")
-CURVE = column(PARTICLE_FORCE, 3, "1/m")  # force of bending over the stiffness, where it is damped
+# Fields of PARTICLE_LANES
+_LANES = Fields()
+PLACES = _LANES.field(3, "m")
+SPEEDS = _LANES.field(3, "m/s")
+FORCES = _LANES.field(3, "N")
+CURVES = _LANES.field(3, "1/m")  # force of bending over the stiffness
+LANE_FIELDS = _LANES.close()
 
 # PARTICLE_COUPLINGS
 COUPLINGS = column(PARTICLE_COUPLINGS, 2)  # the first and one after the last, of those of the cloth
@@ -95,7 +102,13 @@ OWNED = column(FACE)  # set of its corners, then of the sides from them to the n
 # FACE_NUMBERS
 TO_REST = column(FACE_NUMBERS, 4, "1/m")  # inverse of the two edges from the first corner, in the axes of warp and weft
 FACE_AREA = column(FACE_NUMBERS, 1, "m^2")
-STRAIN = column(FACE_NUMBERS, 3)  # along warp and weft, and shear, at the last kick
+
+# FACE_GROUP, GROUP_REST and GROUP_STRAIN, eight numbers of each
+GROUP_CORNERS = column(FACE_GROUP, 24)  # particles: the first corners, the second and the third ones
+RESTS = column(FACE_GROUP)  # row of GROUP_REST
+IN_ROWS = column(FACE_GROUP)  # 1: corners follow each other
+column(GROUP_REST, 40, "1/m, m^2")  # TO_REST and FACE_AREA
+column(GROUP_STRAIN, 24)  # along warp and weft, and shear, at the last kick
 
 # CURVED_FACE
 STENCIL = column(CURVED_FACE, 6)  # particles: its corners and those across its sides

@@ -19,17 +19,35 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, minus
 from kickdrift.world.cloth.layout import (
     CORNERS,
-    FACE_AREA,
     FIRST_FACE,
+    FIRST_GROUP,
+    IN_ROWS,
     LAST_FACE,
+    LAST_GROUP,
     MEMBRANE_DAMPING,
+    RESTS,
     SHEAR,
-    STRAIN,
     STRETCH,
     TO_REST,
 )
+from kickdrift.world.cloth.membrane_lanes import add_membrane_of_any, add_membrane_of_rows
+from kickdrift.world.cloth.particle_lanes import field_size
 from kickdrift.world.columns import vector_at
-from kickdrift.world.tables import CLOTH, CLOTH_NUMBERS, FACE, FACE_NUMBERS, PARTICLE, PARTICLE_FORCE, floats, integers
+from kickdrift.world.tables import (
+    CLOTH,
+    CLOTH_NUMBERS,
+    FACE,
+    FACE_GROUP,
+    FACE_NUMBERS,
+    GROUP_REST,
+    GROUP_STRAIN,
+    PARTICLE,
+    PARTICLE_LANES,
+    flat,
+    flat_integers,
+    floats,
+    integers,
+)
 
 Floats = NDArray[np.float64]
 
@@ -40,30 +58,17 @@ def add_membrane(world: int, cloth: int, part: float, share: float, begins: bool
 
     Damping is by the change of the strains in a part of a substep, s, of which none is known where the substep begins.
     """
-    numbers, face, rest = floats(world, CLOTH_NUMBERS), integers(world, FACE), floats(world, FACE_NUMBERS)
-    particle, force = floats(world, PARTICLE), floats(world, PARTICLE_FORCE)
+    numbers, own, group = floats(world, CLOTH_NUMBERS), integers(world, CLOTH), integers(world, FACE_GROUP)
+    fields, size = flat(world, PARTICLE_LANES), field_size(world)
+    corners, rest, strain = flat_integers(world, FACE_GROUP), flat(world, GROUP_REST), flat(world, GROUP_STRAIN)
     stretch, shear = numbers[cloth, STRETCH], numbers[cloth, SHEAR]
     ahead = 0.0 if begins else numbers[cloth, MEMBRANE_DAMPING] / part
-    own = integers(world, CLOTH)
-    for f in range(own[cloth, FIRST_FACE], own[cloth, LAST_FACE]):
-        a, b, c = face[f, CORNERS], face[f, CORNERS + 1], face[f, CORNERS + 2]
-        origin = vector_at(particle, a, 0)
-        p, q = minus(vector_at(particle, b, 0), origin), minus(vector_at(particle, c, 0), origin)
-        u1, u2, v1, v2 = rest[f, TO_REST], rest[f, TO_REST + 1], rest[f, TO_REST + 2], rest[f, TO_REST + 3]
-        u, v = _sum(u1, p, u2, q), _sum(v1, p, v2, q)
-        length_u, length_v = math.sqrt(dot(u, u)), math.sqrt(dot(v, v))
-        along_u, along_v, across = length_u - 1.0, length_v - 1.0, dot(u, v)
-        area = rest[f, FACE_AREA]
-        push_u = area * stretch * (share * along_u + ahead * (along_u - rest[f, STRAIN])) / length_u
-        push_v = area * stretch * (share * along_v + ahead * (along_v - rest[f, STRAIN + 1])) / length_v
-        turn = area * shear * (share * across + ahead * (across - rest[f, STRAIN + 2]))
-        rest[f, STRAIN], rest[f, STRAIN + 1], rest[f, STRAIN + 2] = along_u, along_v, across
-        on_u, on_v = _sum(push_u, u, turn, v), _sum(push_v, v, turn, u)
-        for k in range(3):
-            on_b, on_c = u1 * on_u[k] + v1 * on_v[k], u2 * on_u[k] + v2 * on_v[k]
-            force[b, k] -= on_b
-            force[c, k] -= on_c
-            force[a, k] += on_b + on_c
+    for g in range(own[cloth, FIRST_GROUP], own[cloth, LAST_GROUP]):
+        begin, of, at = g * FACE_GROUP.width, group[g, RESTS] * GROUP_REST.width, g * GROUP_STRAIN.width
+        if group[g, IN_ROWS] != 0:
+            add_membrane_of_rows(fields, size, corners, begin, rest, of, strain, at, stretch, shear, share, ahead)
+        else:
+            add_membrane_of_any(fields, size, corners, begin, rest, of, strain, at, stretch, shear, share, ahead)
 
 
 @compiled

@@ -15,9 +15,11 @@ from kickdrift.core.vectors import times
 from kickdrift.world.cloth.bending import add_bending
 from kickdrift.world.cloth.contact_impulses import resolve_contacts
 from kickdrift.world.cloth.crossings import stop_crossings
+from kickdrift.world.cloth.lanes import drift_row
 from kickdrift.world.cloth.layout import (
     CLOTH_RADIUS,
     FIRST_PARTICLE,
+    FORCES,
     INTERVAL,
     IS_ASLEEP,
     LAST_PARTICLE,
@@ -29,12 +31,12 @@ from kickdrift.world.cloth.layout import (
     SEARCH_VALID,
     SHARED_PARTS,
     STIRRED,
-    STRAIN,
     TURN,
 )
 from kickdrift.world.cloth.membrane import add_membrane, largest_strain
 from kickdrift.world.cloth.pair_impulses import resolve_pairs
 from kickdrift.world.cloth.pairs import find_pairs, meets
+from kickdrift.world.cloth.particle_lanes import field_size, fill_lanes
 from kickdrift.world.cloth.pins import carry_pins, pull_bodies
 from kickdrift.world.cloth.swept import set_frame, stays, travels
 from kickdrift.world.cloth.wind import add_wind
@@ -46,14 +48,15 @@ from kickdrift.world.tables import (
     CLOTH_NUMBERS,
     CLOTH_PAIR,
     CLOTH_SEARCH,
-    FACE_NUMBERS,
+    GROUP_STRAIN,
     INTERVAL_START,
     PARTICLE,
-    PARTICLE_FORCE,
+    PARTICLE_LANES,
     PARTICLE_SHIFT,
     SETTINGS,
     STARTED_PARTICLE,
     Tables,
+    flat,
     floats,
     integers,
     rows,
@@ -134,6 +137,14 @@ def _move(world: int, part: float, begins: bool, ends: bool, left: float) -> Non
 
 
 @compiled
+def _drift(world: int, part: float) -> None:
+    """Move all particles with their velocities through a part of a substep."""
+    particle = floats(world, PARTICLE)
+    for i in range(rows(world, PARTICLE)):
+        drift_row(particle, i, part)
+
+
+@compiled
 def _meet(world: int, turn: int, h: float, interval: float) -> bool:
     """Do one of the turns in which cloths meet in an interval, s: to its start, impulses, to its end; False without room."""
     if turn == 1:
@@ -150,7 +161,7 @@ def _meet(world: int, turn: int, h: float, interval: float) -> bool:
             stop_crossings(world, interval)
             if stays(world, interval):
                 break
-        _drift(world, interval)
+        _arrive(world, interval)
         floats(world, CLOTH_SEARCH)[0, SEARCH_AGE] += interval
         _note_start(world)
     return True
@@ -179,6 +190,7 @@ def _go_back(world: int, interval: float) -> None:
 def _push(world: int, cloth: int, part: float, begins: bool, ends: bool, left: float) -> None:
     """Kick a cloth by its forces, and by the shapes that it touches."""
     share = 0.5 if begins or ends else 1.0
+    fill_lanes(world, cloth)
     add_membrane(world, cloth, part, share, begins)
     add_bending(world, cloth, share)
     _kick(world, cloth, part, share, begins, left)
@@ -201,7 +213,8 @@ def _kick(world: int, cloth: int, part: float, share: float, begins: bool, left:
 
     Bodies are pulled by the particles that are pinned to them, and move on with it for the time `left` in the substep, s.
     """
-    own, particle, force = integers(world, CLOTH), floats(world, PARTICLE), floats(world, PARTICLE_FORCE)
+    own, particle = integers(world, CLOTH), floats(world, PARTICLE)
+    fields, size = flat(world, PARTICLE_LANES), field_size(world)
     gravity = vector_at(floats(world, SETTINGS), 0, GRAVITY)
     fall = times(share * part, gravity)
     # Bodies have fallen for the whole substep where it begins, and what is pinned to them does so with them.
@@ -211,14 +224,14 @@ def _kick(world: int, cloth: int, part: float, share: float, begins: bool, left:
         inverse_mass = particle[i, PARTICLE_INVERSE_MASS]
         for k in range(3):
             if inverse_mass > 0.0:
-                kicked = particle[i, PARTICLE_VELOCITY + k] + part * inverse_mass * force[i, k] + fall[k]
-                particle[i, PARTICLE_VELOCITY + k] = keep * kicked
-            force[i, k] = 0.0
+                kick = part * inverse_mass * fields[(FORCES + k) * size + i] + fall[k]
+                particle[i, PARTICLE_VELOCITY + k] = keep * (particle[i, PARTICLE_VELOCITY + k] + kick)
+            fields[(FORCES + k) * size + i] = 0.0
 
 
 @compiled
-def _drift(world: int, part: float) -> None:
-    """Move all particles with their velocities through a part of a substep, and by what shifts them besides."""
+def _arrive(world: int, part: float) -> None:
+    """Move all particles with their velocities to the end of an interval, and by what shifts them besides."""
     particle, shift = floats(world, PARTICLE), floats(world, PARTICLE_SHIFT)
     for i in range(rows(world, PARTICLE)):
         for k in range(3):
@@ -255,6 +268,6 @@ def begin_cloths(t: float, h: float, world: int) -> None:
 def roll_back_cloths(tables: Tables) -> None:
     """Bring the cloths back to where the step began."""
     tables.array(PARTICLE)[:] = tables.array(STARTED_PARTICLE)
-    tables.array(PARTICLE_FORCE)[:] = tables.array(PARTICLE_SHIFT)[:] = 0.0
+    tables.array(PARTICLE_LANES)[:] = tables.array(PARTICLE_SHIFT)[:] = 0.0
     # Where a substep begins they are only read to be multiplied by zero, which of infinity is none.
-    tables.array(FACE_NUMBERS)[:, STRAIN : STRAIN + 3] = 0.0
+    tables.array(GROUP_STRAIN)[:] = 0.0

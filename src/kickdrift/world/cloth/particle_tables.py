@@ -2,20 +2,26 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from kickdrift.world import tables as t
 from kickdrift.world.cloth import layout as c
+from kickdrift.world.cloth.face_groups import face_groups
 from kickdrift.world.cloth.face_tree import face_tree
 from kickdrift.world.cloth.mesh import ClothMesh
 from kickdrift.world.collision.bvh import ITEM, SKIP
 
+Integers = NDArray[np.int64]
+
 _OF_PARTICLES = (
-    t.PARTICLE_FORCE, t.STARTED_PARTICLE, t.PARTICLE_SHIFT, t.INTERVAL_START, t.PARTICLE_PATH, t.PARTICLE_BOUNDS,
+    t.STARTED_PARTICLE, t.PARTICLE_SHIFT, t.INTERVAL_START, t.PARTICLE_PATH, t.PARTICLE_BOUNDS,
     t.ZONE, t.ZONE_NUMBERS,
 )  # fmt: skip
 _OF_FACES = t.FACE_BOUNDS, t.FACE_NORMALS, t.FACE_TURN
 OF_A_STEP = (
     *_OF_PARTICLES, *_OF_FACES, t.CLOTH_TREE, t.NORMAL_TREE, t.CLOTH_TREE_NODE, t.CLOTH_PAIR,
-    t.CLOTH_PAIR_NUMBERS, t.CLOTH_SEARCH,
+    t.CLOTH_PAIR_NUMBERS, t.CLOTH_SEARCH, t.PARTICLE_LANES, t.FACE_GROUP, t.GROUP_REST, t.GROUP_STRAIN,
 )  # fmt: skip
 
 
@@ -25,6 +31,9 @@ def arrange(tables: t.Tables, meshes: Sequence[ClothMesh]) -> None:
         for table in own:
             tables.resize(table, 0)
             tables.resize(table, tables.count(of))
+    for table in (t.FACE_GROUP, t.GROUP_REST, t.GROUP_STRAIN, t.PARTICLE_LANES):
+        tables.resize(table, 0)
+    tables.resize(t.PARTICLE_LANES, c.LANE_FIELDS * tables.count(t.PARTICLE))[:] = 0.0
     tables.array(t.STARTED_PARTICLE)[:] = tables.array(t.PARTICLE)  # where those that sleep are
     for table in (t.CLOTH_TREE, t.NORMAL_TREE, t.CLOTH_TREE_NODE):
         tables.resize(table, 0)
@@ -38,3 +47,19 @@ def arrange(tables: t.Tables, meshes: Sequence[ClothMesh]) -> None:
             nodes[:, SKIP], nodes[:, ITEM] = tree.skips, tree.items
             nodes[tree.items >= 0, ITEM] += cloth[c.FIRST_FACE]
         tables.resize(t.CLOTH_TREE_NODE, last)[first:, c.IS_CONNECTED] = tree.connected
+        _group(tables, cloth)
+
+
+def _group(tables: t.Tables, cloth: Integers) -> None:
+    """Put the triangles of a cloth into groups."""
+    faces = slice(cloth[c.FIRST_FACE], cloth[c.LAST_FACE])
+    numbers = tables.array(t.FACE_NUMBERS)[faces, c.TO_REST : c.FACE_AREA + 1]
+    groups = face_groups(tables.array(t.FACE)[faces, c.CORNERS : c.CORNERS + 3], numbers)
+    first, rest = tables.count(t.FACE_GROUP), tables.count(t.GROUP_REST)
+    last = first + len(groups.corners)
+    cloth[[c.FIRST_GROUP, c.LAST_GROUP]] = first, last
+    rows = tables.resize(t.FACE_GROUP, last)[first:]
+    rows[:, c.GROUP_CORNERS : c.GROUP_CORNERS + 24] = groups.corners.reshape(-1, 24)
+    rows[:, c.RESTS], rows[:, c.IN_ROWS] = rest + groups.of, groups.in_rows
+    tables.resize(t.GROUP_REST, rest + len(groups.rests))[rest:] = groups.rests.reshape(-1, 40)
+    tables.resize(t.GROUP_STRAIN, last)[first:] = 0.0

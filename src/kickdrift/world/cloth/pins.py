@@ -16,6 +16,7 @@ from kickdrift.world.cloth.layout import (
     PINNED_BODY,
     PINNED_PARTICLE,
 )
+from kickdrift.world.cloth.particle_lanes import force_on
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
@@ -25,19 +26,7 @@ from kickdrift.world.layout import (
     POSITION,
     VELOCITY,
 )
-from kickdrift.world.tables import (
-    CLOTH,
-    INVERSE_MASS,
-    MOTION,
-    PARTICLE,
-    PARTICLE_FORCE,
-    PARTICLE_SHIFT,
-    PIN,
-    PIN_NUMBERS,
-    POSE,
-    floats,
-    integers,
-)
+from kickdrift.world.tables import CLOTH, INVERSE_MASS, MOTION, PARTICLE, PIN, PIN_NUMBERS, POSE, floats, integers
 
 
 @compiled
@@ -61,7 +50,7 @@ def _pull_body(world: int, first: int, last: int, part: float, fall: Vector, lef
     With masses m at arms r, of velocities v, what moves as one is found from u (m_b + sum m) + w x c = m_b u_b + sum m v and
     w + S (I w + c x u) = w_b + S sum m r x v, where c = sum m r, I = sum m (r^2 - r r^T), and S is the body's inverse inertia.
     """
-    pin, particle, force = integers(world, PIN), floats(world, PARTICLE), floats(world, PARTICLE_FORCE)
+    pin, particle = integers(world, PIN), floats(world, PARTICLE)
     motion, inverse, body = floats(world, MOTION), floats(world, INVERSE_MASS), integers(world, PIN)[first, PINNED_BODY]
     u, w = vector_at(motion, body, VELOCITY), vector_at(motion, body, ANGULAR_VELOCITY)
     mass, lever, momentum, spin = 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
@@ -69,7 +58,7 @@ def _pull_body(world: int, first: int, last: int, part: float, fall: Vector, lef
     for k in range(first, last):
         i, r = pin[k, PINNED_PARTICLE], _arm(world, k)
         m = particle[i, PARTICLE_MASS]
-        v = plus(plus(vector_at(particle, i, PARTICLE_VELOCITY), fall), times(part / m, vector_at(force, i, 0)))
+        v = plus(plus(vector_at(particle, i, PARTICLE_VELOCITY), fall), times(part / m, force_on(world, i)))
         momentum, spin = plus(momentum, times(m, v)), plus(spin, times(m, cross(r, v)))
         mass, lever = mass + m, plus(lever, times(m, r))
         xx, yy, zz = xx + m * r[0] * r[0], yy + m * r[1] * r[1], zz + m * r[2] * r[2]
@@ -118,13 +107,12 @@ def carry_pins(world: int, cloth: int, part: float, left: float) -> None:
         floats(world, POSE),
         floats(world, PARTICLE),
     )
-    shift = floats(world, PARTICLE_SHIFT)
     for k in range(own[cloth, FIRST_PIN], own[cloth, LAST_PIN]):
         i = pin[k, PINNED_PARTICLE]
         goal = plus(vector_at(pose, pin[k, PINNED_BODY], POSITION), _arm(world, k))
         way = minus(goal, vector_at(particle, i, 0))
         for j in range(3):
-            shift[i, j] = part * (way[j] / left - particle[i, PARTICLE_VELOCITY + j])
+            particle[i, j] += part * (way[j] / left - particle[i, PARTICLE_VELOCITY + j])
 
 
 @compiled(inline=True)

@@ -16,8 +16,9 @@ from kickdrift.world.cloth.layout import (
     PARTICLE_VELOCITY,
     WIND,
 )
+from kickdrift.world.cloth.particle_lanes import add_force
 from kickdrift.world.columns import vector_at
-from kickdrift.world.tables import CLOTH, CLOTH_NUMBERS, FACE, FACE_NUMBERS, PARTICLE, PARTICLE_FORCE, floats, integers
+from kickdrift.world.tables import CLOTH, CLOTH_NUMBERS, FACE, FACE_NUMBERS, PARTICLE, floats, integers
 
 
 @compiled
@@ -29,7 +30,7 @@ def add_wind(world: int, cloth: int, h: float, part: float) -> None:
     in a substep than the momentum of the wind that it feels, so that drag never turns it round.
     """
     numbers, face, own = floats(world, CLOTH_NUMBERS), integers(world, FACE), integers(world, CLOTH)
-    particle, force, rest = floats(world, PARTICLE), floats(world, PARTICLE_FORCE), floats(world, FACE_NUMBERS)
+    particle, rest = floats(world, PARTICLE), floats(world, FACE_NUMBERS)
     drag, lift, wind = numbers[cloth, DRAG], numbers[cloth, LIFT], vector_at(numbers, cloth, WIND)
     if drag == 0.0 and lift == 0.0:
         return
@@ -56,4 +57,5 @@ def add_wind(world: int, cloth: int, h: float, part: float) -> None:
             inverse_mass = particle[i, PARTICLE_INVERSE_MASS]
             for k in range(3):
                 particle[i, PARTICLE_VELOCITY + k] += inverse_mass * impulse[k] / 3.0
-                force[i, k] += 0.0 if inverse_mass > 0.0 else impulse[k] / (3.0 * part)
+                if inverse_mass == 0.0:
+                    add_force(world, i, k, impulse[k] / (3.0 * part))

@@ -15,7 +15,7 @@ from kickdrift.world.collision.aabb import box_around
 from kickdrift.world.collision.acceleration import acceleration, angular_acceleration, reach
 from kickdrift.world.collision.bvh import Box
 from kickdrift.world.collision.dispatch import extent_of, sort_of
-from kickdrift.world.collision.foresight import KINK, is_foreseen, path
+from kickdrift.world.collision.foresight import IS_FORESEEN, KINK, WIDE, is_foreseen, path
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.integration import BODY_KIND, STATIC
 from kickdrift.world.layout import (
@@ -65,7 +65,8 @@ def settle(world: int, shape: int, h: float) -> bool:
     """Give a shape that leaves its fat bounds in a step of h new ones; return whether it does."""
     box, slack, way = _box_in_step(world, shape, h)
     bounds = floats(world, BOUNDS)
-    if _holds(bounds, shape, box):
+    wide = floats(world, FORESEEN)[integers(world, SHAPE)[shape, BODY_ROW], IS_FORESEEN] == WIDE
+    if _holds(bounds, shape, box) and not wide:
         return False
     for k in range(3):
         bounds[shape, LOWER + k] = box[k] - slack + _AHEAD * min(way[k], 0.0)

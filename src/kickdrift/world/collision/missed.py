@@ -13,6 +13,7 @@ from kickdrift.world.collision.bvh import Box, gather
 from kickdrift.world.collision.dispatch import extent_of, sort_of
 from kickdrift.world.collision.filters import may_touch
 from kickdrift.world.collision.foresight import OFF, TURNED_FARTHER, foresee, forget, surprise
+from kickdrift.world.collision.narrow_phase import smallest
 from kickdrift.world.collision.search import TRIES
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import CONTACT_STATE, POINTS, SENSOR, SHAPE_A, SHAPE_B, TRIANGLE_INDEX
@@ -29,6 +30,7 @@ from kickdrift.world.layout import (
     PLACED_ORIENTATION,
     PLACED_POSITION,
     POSITION,
+    RADIUS,
 )
 from kickdrift.world.settings import MARGIN
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
@@ -82,10 +84,9 @@ def find_missed(t: float, h: float, world: int) -> None:
             if status[0, STATUS] == OK:
                 status[0, STATUS] = BEGIN_AGAIN
             return
-    if search[0, TRIES] > 0:
-        for body in range(rows(world, BODY)):
-            forget(world, body)
-        search[0, TRIES] = 0
+    for body in range(rows(world, BODY)):
+        forget(world, body)
+    search[0, TRIES] = 0
 
 
 @compiled
@@ -108,17 +109,21 @@ def _find_surprised(h: float, world: int) -> bool:
 @compiled
 def _misses(world: int) -> bool:
     """Whether a shape that was not where it was expected has come to one with which the step had no points."""
-    contact, margin = integers(world, CONTACT), floats(world, SETTINGS)[0, MARGIN]
+    contact, place, margin = integers(world, CONTACT), floats(world, PLACE), floats(world, SETTINGS)[0, MARGIN]
     for row in range(rows(world, CONTACT)):
         if contact[row, POINTS] != 0 or contact[row, CONTACT_STATE] & SENSOR != 0:
             continue
         a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
-        if _off(world, a) + _off(world, b) > margin and _may_meet(world, a, contact[row, TRIANGLE_INDEX], b):
+        # Who has come less deep into another shape than half of its size is pushed out again.
+        far = max(margin, 0.5 * smallest(place[a, RADIUS], place[b, RADIUS]))
+        if _off(world, a) + _off(world, b) > far and _may_meet(world, a, contact[row, TRIANGLE_INDEX], b):
             return True
     movers, bounds = integers(world, MOVERS), floats(world, BOUNDS)
     for k in range(rows(world, MOVERS)):
         shape = movers[k, 0]
-        if integers(world, SHAPE)[shape, IS_SENSOR] != 0 or _off(world, shape) <= margin:
+        if integers(world, SHAPE)[shape, IS_SENSOR] != 0 or _off(world, shape) <= max(
+            margin, 0.5 * place[shape, RADIUS]
+        ):
             continue
         box, known = _swept(world, shape), True
         for j in range(3):

@@ -23,6 +23,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import length
 from kickdrift.world.collision.acceleration import closing_acceleration
 from kickdrift.world.collision.foresight import STRUCK
+from kickdrift.world.collision.narrow_phase import smallest
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.colouring import LINKED
@@ -30,8 +31,8 @@ from kickdrift.world.contacts.impact_motion import constraint, flown, is_moved, 
 from kickdrift.world.contacts.impact_time import find_time, rests
 from kickdrift.world.contacts.simultaneous_impact import BOUNCE, ROW, SPEED, TIME, TIMES, find_impulses, meet, pushed
 from kickdrift.world.integration import IMPACT_TIME, NEXT_IMPACT
-from kickdrift.world.layout import RESTITUTION
-from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, SLOP, SUBSTEPS
+from kickdrift.world.layout import RADIUS, RESTITUTION
+from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, MARGIN, SLOP, SUBSTEPS
 from kickdrift.world.step_status import ask_for_room
 from kickdrift.world.tables import (
     BOUNCING,
@@ -40,6 +41,7 @@ from kickdrift.world.tables import (
     FORESEEN,
     IMPACT,
     KICKED,
+    MANIFOLD,
     PLACE,
     SETTINGS,
     floats,
@@ -79,18 +81,33 @@ def find_bouncing(t: float, h: float, world: int) -> None:
 
 @compiled
 def _mark_struck(world: int) -> bool:
-    """Mark the bodies that fast contacts may strike: what they are thrown against is to stop them in the same substep."""
+    """Mark bodies that may be struck so fast that they pass others in a substep; return whether there are any.
+
+    What they are thrown against is to stop them at once: the sweeps would stop what has passed.
+    """
     contact, foreseen, found = integers(world, CONTACT), floats(world, FORESEEN), False
     for row in range(rows(world, CONTACT)):
-        found = found or contact[row, c.CONTACT_STATE] & c.FAST != 0
+        found = found or _strikes(world, row)
     if not found:
         return False
     for body in range(rows(world, FORESEEN)):
         foreseen[body, STRUCK] = 0.0
     for row in range(rows(world, CONTACT)):
-        if contact[row, c.CONTACT_STATE] & c.FAST and contact[row, c.PLACE_IN_GROUPS] >= 0:
+        if _strikes(world, row):
             foreseen[contact[row, c.BODY_A], STRUCK] = foreseen[contact[row, c.BODY_B], STRUCK] = 1.0
     return True
+
+
+@compiled(inline=True)
+def _strikes(world: int, row: int) -> bool:
+    """Whether the shapes of a fast contact come nearer by half of the smaller one's size in a substep."""
+    contact, place, settings = integers(world, CONTACT), floats(world, PLACE), floats(world, SETTINGS)
+    if contact[row, c.CONTACT_STATE] & c.FAST == 0 or contact[row, c.PLACE_IN_GROUPS] < 0:
+        return False
+    way = floats(world, MANIFOLD)[row, c.RECYCLED] - settings[0, MARGIN]
+    size = smallest(place[contact[row, c.SHAPE_A], RADIUS], place[contact[row, c.SHAPE_B], RADIUS])
+    strikes: bool = way > 0.5 * settings[0, SUBSTEPS] * size
+    return strikes
 
 
 @compiled(inline=True)

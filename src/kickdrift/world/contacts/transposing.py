@@ -34,7 +34,7 @@ def gather_rows(
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         table, column, _, _, rows, begin, lanes, field = values
         places = _places(context, builder, signature.args, table, column, rows, begin, 4)
-        vectors = _transposed(builder, [builder.load(place, align=8) for place in places])[chosen]
+        vectors = transposed(builder, [builder.load(place, align=8) for place in places])[chosen]
         for k, vector in enumerate(vectors):
             builder.store(vector, _field(context, builder, signature.args[6], lanes, field, k), align=8)
         return context.get_dummy_value()
@@ -54,7 +54,7 @@ def scatter_rows(context: Any, table: Any, rows: Any, begin: Any, lanes: Any, fi
         fields = [_field(context, builder, signature.args[3], lanes, field, k) for k in range(6)]
         vectors = [builder.load(place, align=8) for place in fields] + 2 * [ir.Constant(_VECTOR, None)]
         places = _places(context, builder, signature.args, table, _WORD(0), rows, begin, 1)
-        for place, vector in zip(places, _transposed(builder, vectors), strict=True):
+        for place, vector in zip(places, transposed(builder, vectors), strict=True):
             builder.store(vector, place, align=8)
         return context.get_dummy_value()
 
@@ -101,7 +101,7 @@ def _item(context: Any, builder: Any, type_: Any, array: Any, indices: list[Any]
     return cgutils.get_item_pointer(context, builder, type_, made, indices, wraparound=False)
 
 
-def _transposed(builder: Any, vectors: list[Any]) -> list[Any]:
+def transposed(builder: Any, vectors: list[Any]) -> list[Any]:
     """Return vectors whose number k of vector l is number l of vector k."""
     found: list[Any] = [None] * WIDTH
     for odd, way in enumerate((_EVEN, _ODD)):

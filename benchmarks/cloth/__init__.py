@@ -1,0 +1,76 @@
+"""Cloth on a ball: a square metre that falls, drapes and swings, in the hands of the peers; and cloths of many sizes."""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from benchmarks.cloth.ours import Kickdrift, hanging
+from benchmarks.cloth.peers import MuJoCo, PyPBD, Rapier
+from benchmarks.cloth.scene import FRAME, Draped
+from benchmarks.table import Bound, Missing, Row, at_least, at_most, measured, skipped
+from benchmarks.turns import Costs, in_turns, ratio
+
+_SETTLING, _FRAMES = 60, 6  # before, and in a measurement
+_SIDES = (40, 100)
+_SCALE = {1000: 32, 10_000: 100, 100_000: 316}  # particles, to those on a side
+_PEERS: Mapping[str, Callable[[int, bool], Draped]] = {"rapier3d": Rapier, "MuJoCo flex": MuJoCo, "pyPBD": PyPBD}
+_FIVE_TIMES = 5.0
+
+
+def compare(rounds: int) -> list[Row]:
+    """Milliseconds of a frame of 1/60 s, one thread: over those of kickdrift; and nanoseconds of a particle and part."""
+    rows = []
+    for meets in (False, True):
+        for side in _SIDES:
+            rows += _on_a_ball(side, meets, rounds)
+    return [*rows, *_many_sizes(rounds)]
+
+
+def _on_a_ball(side: int, meets: bool, rounds: int) -> list[Row]:
+    title = f"{side} x {side}, {'with' if meets else 'without'} self-collision"
+    ours, rows = Kickdrift(side, meets), []
+    contestants: dict[str, Draped] = {"kickdrift": ours}
+    for name, make in _PEERS.items():
+        try:
+            contestants[name] = make(side, meets)
+        except Missing as missing:
+            rows.append(skipped(f"{title}: {name} / kickdrift", str(missing)))
+    for one in contestants.values():
+        one.advance(_SETTLING)
+    costs = in_turns({name: lambda one=one: one.cost(_FRAMES) for name, one in contestants.items()}, rounds)  # type: ignore[misc]
+    wanted = at_most(1e3 * FRAME, "ms") if side == max(_SIDES) else None
+    part = np.median(costs["kickdrift"]) * 1e6 / (side * side * ours.parts)
+    rows.insert(
+        0, measured(f"{title}: a frame", costs["kickdrift"], wanted, f"{part:.3g} ns a particle and part", "ms")
+    )
+    others = [name for name in contestants if name != "kickdrift"]
+    return rows + [
+        measured(f"{title}: {name} / kickdrift", ratio(costs, name, "kickdrift"), _bound(name), _said(costs))
+        for name in others
+    ]
+
+
+def _bound(name: str) -> Bound | None:
+    return at_least(_FIVE_TIMES) if name == "rapier3d" else None
+
+
+def _said(costs: Costs) -> str:
+    return ", ".join(f"{name} {np.median(own):.3g} ms" for name, own in costs.items())
+
+
+def _many_sizes(rounds: int) -> list[Row]:
+    """Nanoseconds of a particle and part of cloths that hang, with triangles of one size, each over those of the smallest."""
+    worlds = {str(count): hanging(side) for count, side in _SCALE.items()}
+    costs = in_turns(
+        {name: lambda own=own: own.part_cost(max(20_000 // own.count, 1)) for name, own in worlds.items()}, rounds
+    )  # type: ignore[misc]
+    first, *others = worlds
+    return [
+        measured(
+            f"a particle's part of a part of a substep among {name} / among {first}",
+            ratio(costs, name, first),
+            at_most(1.5),
+            ", ".join(f"{size} {np.median(costs[size]):.3g} ns" for size in (name, first)),
+        )
+        for name in others
+    ]

@@ -1,0 +1,58 @@
+"""Groups of eight triangles of a cloth, so that as many as can be have corners that follow each other in the tables."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.world.cloth.lanes import WIDTH
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+_ROUNDING = 2.0**-40  # of the largest number at rest: triangles of a grid are the same but for rounding
+
+
+class FaceGroups(NamedTuple):
+    """Triangles in groups of eight.
+
+    Attributes
+    ----------
+    corners : (G, 3, 8) array
+    rests : (R, 5, 8) array
+        `TO_REST` and `FACE_AREA`, of groups that differ; zero areas of triangles that fill a group up.
+    of : (G,) array
+        Rows of `rests`.
+    in_rows : (G,) array of bool
+        Whether all corners follow each other.
+    """
+
+    corners: Integers
+    rests: Floats
+    of: Integers
+    in_rows: NDArray[np.bool_]
+
+
+def face_groups(triangles: Integers, rest: Floats) -> FaceGroups:
+    """Put triangles, (M, 3), with these numbers at rest, (M, 5), into groups."""
+    largest = np.abs(rest).max(axis=0)
+    steps = np.where(largest > 0.0, largest, 1.0) * _ROUNDING
+    rounded = np.rint(rest / steps)
+    shapes = np.concatenate((triangles[:, 1:] - triangles[:, :1], rounded), axis=1)
+    kinds = np.unique(shapes, axis=0, return_inverse=True)[1].ravel()
+    order = np.lexsort((triangles[:, 0], kinds))
+    follows = (np.diff(kinds[order]) == 0) & (np.diff(triangles[order, 0]) == 1)
+    begins = np.flatnonzero(np.concatenate(([True], ~follows)))
+    counts = np.diff(np.append(begins, len(order)))
+    within = np.arange(len(order)) - np.repeat(begins, counts)
+    full = within < np.repeat(counts // WIDTH * WIDTH, counts)
+    rows, others = order[full], order[~full]
+    filled = np.concatenate((others, np.repeat(others[-1:], -len(others) % WIDTH)))
+    members = np.concatenate((rows, filled)).reshape(-1, WIDTH)
+    numbers = rounded[members] * steps
+    numbers.reshape(-1, 5)[len(order) :, 4] = 0.0
+    rests, of = np.unique(numbers.transpose(0, 2, 1).reshape(len(members), -1), axis=0, return_inverse=True)
+    in_rows = np.arange(len(members)) < len(rows) // WIDTH
+    near = np.argsort(triangles[members[:, 0], 0], kind="stable")  # what is beside each other one after the other
+    corners = triangles[members].transpose(0, 2, 1)
+    return FaceGroups(corners[near], rests.reshape(-1, 5, WIDTH), of.ravel()[near], in_rows[near])

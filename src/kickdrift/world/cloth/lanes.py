@@ -1,0 +1,114 @@
+"""Eight triangles or particles at once: LLVM's vectors, with the arithmetic of Python."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+from kickdrift.world.contacts.transposing import transposed
+
+WIDTH = 8
+NUMBER, WORD = ir.DoubleType(), ir.IntType(64)
+VECTOR = ir.VectorType(NUMBER, WIDTH)
+_FLAGS = ("contract", "nsz", "reassoc", "arcp")
+
+
+class Lanes:
+    """A number in each of eight lanes, while code is being generated."""
+
+    def __init__(self, builder: Any, value: Any) -> None:
+        self.builder, self.value = builder, value
+
+    def __add__(self, other: "Lanes") -> "Lanes":
+        return Lanes(self.builder, self.builder.fadd(self.value, other.value, flags=_FLAGS))
+
+    def __sub__(self, other: "Lanes") -> "Lanes":
+        return Lanes(self.builder, self.builder.fsub(self.value, other.value, flags=_FLAGS))
+
+    def __mul__(self, other: "Lanes") -> "Lanes":
+        return Lanes(self.builder, self.builder.fmul(self.value, other.value, flags=_FLAGS))
+
+    def __truediv__(self, other: "Lanes") -> "Lanes":
+        return Lanes(self.builder, self.builder.fdiv(self.value, other.value, flags=_FLAGS))
+
+    def root(self) -> "Lanes":
+        """Square root."""
+        function = cgutils.get_or_insert_function(
+            self.builder.module, ir.FunctionType(VECTOR, [VECTOR]), "llvm.sqrt.v8f64"
+        )
+        return Lanes(self.builder, self.builder.call(function, [self.value]))
+
+
+def dot(a: Sequence[Lanes], b: Sequence[Lanes]) -> Lanes:
+    """Inner product."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def same(builder: Any, number: Any) -> Lanes:
+    """Return the same number in all lanes."""
+    one = builder.insert_element(ir.Constant(VECTOR, ir.Undefined), number, ir.IntType(32)(0))
+    zeros = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), None)
+    return Lanes(builder, builder.shuffle_vector(one, ir.Constant(VECTOR, ir.Undefined), zeros))
+
+
+def begin_of(context: Any, builder: Any, kind: Any, array: Any) -> Any:
+    """Pointer to the first number of an array."""
+    return context.make_array(kind)(context, builder, array).data
+
+
+def vector_pointer(builder: Any, begin: Any, index: Any) -> Any:
+    """Pointer to eight numbers of an array, which need not be aligned."""
+    return builder.bitcast(builder.gep(begin, [index]), VECTOR.as_pointer())
+
+
+def loaded(builder: Any, begin: Any, index: Any) -> Lanes:
+    """Return eight numbers of an array."""
+    return Lanes(builder, builder.load(vector_pointer(builder, begin, index), align=8))
+
+
+def plus(builder: Any, index: Any, more: int) -> Any:
+    """Return an index that is larger by a constant."""
+    return builder.add(index, WORD(more))
+
+
+@intrinsic(prefer_literal=True)
+def rows_to_fields(context: Any, table: Any, i: Any, column: Any, fields: Any, at: Any, size: Any) -> Any:
+    """Copy three columns of eight rows of a table that is eight wide, from row i and a constant column on, to three fields."""
+    first = column.literal_value
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        table, fields = (begin_of(context, builder, signature.args[k], values[k]) for k in (0, 3))
+        i, at, size = values[1], values[4], values[5]
+        begin = builder.mul(i, WORD(WIDTH))
+        rows = [
+            builder.load(vector_pointer(builder, table, plus(builder, begin, WIDTH * k)), align=8) for k in range(WIDTH)
+        ]
+        for k, vector in enumerate(transposed(builder, rows)[first : first + 3]):
+            place = builder.add(at, builder.mul(size, WORD(k)))
+            builder.store(vector, vector_pointer(builder, fields, place), align=8)
+        return context.get_dummy_value()
+
+    word = types.int64
+    return types.none(table, word, column, fields, word, word), generate
+
+
+@intrinsic
+def drift_row(context: Any, table: Any, i: Any, time: Any) -> Any:
+    """Add to the first three numbers of a row of eight the fifth to the seventh times a time."""
+    moved = ir.Constant(VECTOR, [1.0, 1.0, 1.0, *[0.0] * 5])
+    order = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [4, 5, 6, *[8] * 5])
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        place = vector_pointer(
+            builder, begin_of(context, builder, signature.args[0], values[0]), builder.mul(values[1], WORD(WIDTH))
+        )
+        row = Lanes(builder, builder.load(place, align=8))
+        speed = Lanes(builder, builder.shuffle_vector(row.value, ir.Constant(VECTOR, None), order))
+        row += same(builder, values[2]) * Lanes(builder, moved) * speed
+        builder.store(row.value, place, align=8)
+        return context.get_dummy_value()
+
+    return types.none(table, types.int64, types.float64), generate

@@ -1,0 +1,84 @@
+"""Forces on eight triangles and particles at once are those on each, however vertices and triangles are numbered."""
+
+import re
+
+import numba
+import numpy as np
+import pytest
+from test_gravity_kernels import has_wide_vectors
+
+import kickdrift as kd
+from kickdrift.world import tables
+from kickdrift.world.cloth import bending, layout, membrane
+from kickdrift.world.cloth.face_groups import face_groups
+from kickdrift.world.cloth.mesh import grid
+from kickdrift.world.cloth.particle_lanes import fill_lanes
+
+N, M = 21, 19
+PART = 1e-4  # s
+
+
+def forces(world):
+    """Forces of the membrane and of bending on the vertices of the only cloth of a world, damped and twice in a row."""
+    lanes = world.tables.array(tables.PARTICLE_LANES)
+    lanes[:] = 0.0
+    for begins in (True, False):
+        fill_lanes(world.tables.address, 0)
+        membrane.add_membrane(world.tables.address, 0, PART, 1.0, begins)
+        bending.add_bending(world.tables.address, 0, 0.5)
+    return lanes.reshape(layout.LANE_FIELDS, -1)[layout.FORCES : layout.FORCES + 3].T.copy()
+
+
+def sheet(vertices, triangles, moved, speeds):
+    world = kd.World(gravity=(0, 0, 0))
+    cloth = world.add_cloth(vertices, triangles, bending_stiffness=1e-3, damping=1e-3)
+    world.cloths.tune(1 / 240)
+    cloth.position[:], cloth.velocity[:] = moved, speeds
+    return world
+
+
+def in_rows(world):
+    return world.tables.array(tables.FACE_GROUP)[:, layout.IN_ROWS].astype(bool)
+
+
+def test_forces_do_not_depend_on_how_vertices_and_triangles_are_numbered():
+    vertices, triangles = grid(N, M, (1.0, 0.9))
+    rng = np.random.default_rng(4)
+    moved, speeds = vertices + 0.01 * rng.normal(size=vertices.shape), rng.normal(size=vertices.shape)
+    regular = sheet(vertices, triangles, moved, speeds)
+    order = rng.permutation(len(vertices))  # new number of each vertex
+    back = np.argsort(order)
+    shuffled = sheet(vertices[back], rng.permutation(order[triangles]), moved[back], speeds[back])
+    assert in_rows(regular).mean() > 0.7
+    assert not in_rows(shuffled).any()
+    wanted, found = forces(regular), forces(shuffled)[order]
+    assert found == pytest.approx(wanted, abs=1e-9 * np.abs(wanted).max())
+    assert np.abs(wanted.sum(axis=0)).max() < 1e-11 * np.abs(wanted).max()
+
+
+def test_every_triangle_is_in_one_group():
+    _, triangles = grid(N, M, (1.0, 0.9))
+    rest = np.tile([1.0, 0.0, 0.0, 1.0, 0.5], (len(triangles), 1))
+    groups = face_groups(triangles, rest)
+    areas = groups.rests[groups.of, 4]  # (G, 8)
+    kept = groups.corners.transpose(0, 2, 1)[areas > 0.0]
+    assert np.array_equal(np.unique(kept, axis=0), np.unique(triangles, axis=0))
+    assert len(kept) == len(triangles)
+    steps = np.diff(groups.corners, axis=2)
+    assert (steps[groups.in_rows] == 1).all()
+    assert not (steps[~groups.in_rows] == 1).all(axis=(1, 2)).any()
+
+
+@pytest.mark.skipif(not has_wide_vectors(), reason="counts the vector instructions of x86 with AVX2")
+def test_forces_are_in_vectors():
+    # Losing the vectors changes no result, only the speed.
+    word, number = numba.int64, numba.float64
+    for function, types, roots, products in (
+        (membrane.add_membrane, (word, word, number, number, numba.boolean), 2, 40),
+        (bending.add_bending, (word, word, number), 0, 9),
+    ):
+        fresh = numba.jit(**function.targetoptions)(function.py_func)
+        fresh.compile(types)
+        (assembly,) = fresh.inspect_asm().values()
+        assert len(re.findall(r"\svsqrtpd\s.*%[yz]mm", assembly)) >= roots
+        assert len(re.findall(r"\svf[n]?m(?:add|sub)\d+pd\s.*%[yz]mm", assembly)) >= products
