@@ -11,8 +11,8 @@ from kickdrift.world import layout
 from kickdrift.world import tables as t
 from kickdrift.world.columns import DECLARED, Columns, Fields, column
 from kickdrift.world.contacts import layout as contacts
-from kickdrift.world.integration import KICKED_ANGULAR_VELOCITY, KICKED_VELOCITY
 from kickdrift.world.joints.layout import ANGULAR_PART, LINEAR_PART
+from kickdrift.world.layout import KICKED_ANGULAR_VELOCITY, KICKED_VELOCITY
 
 
 @pytest.mark.parametrize("count", [1, 100, 1023, 1024, 20_000])

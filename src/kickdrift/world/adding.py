@@ -15,8 +15,8 @@ from kickdrift.world.body import Body
 from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.collision.filters import forget
 from kickdrift.world.events import forget_contacts
-from kickdrift.world.integration import DYNAMIC, STATIC
 from kickdrift.world.joints.registry import Joints
+from kickdrift.world.layout import DYNAMIC, STATIC
 from kickdrift.world.mass_properties import mass_properties_of
 from kickdrift.world.part import Part, surface_of
 from kickdrift.world.shape_rows import Placed, ShapeRows

@@ -14,7 +14,8 @@ from kickdrift.world.arguments import choice
 from kickdrift.world.body import Body
 from kickdrift.world.collision.search import shapes_changed
 from kickdrift.world.contacts.kept_impulses import scale_impulses
-from kickdrift.world.integration import (
+from kickdrift.world.integration import follow_pose
+from kickdrift.world.layout import (
     AWAKE,
     BODY_INERTIA,
     BODY_KIND,
@@ -22,19 +23,20 @@ from kickdrift.world.integration import (
     DYNAMIC,
     GENERATION,
     INVERSE_INERTIA,
+    INVERSE_LINEAR_MASS,
     ISOTROPIC,
     KINEMATIC,
     LEFT_POSE,
     MASS,
+    ORIENTATION,
     PLANAR,
+    POSITION,
     REMOVED,
     SPHERICAL,
     STATIC,
     TUMBLES,
     TURN_DAMPING,
-    follow_pose,
 )
-from kickdrift.world.layout import INVERSE_LINEAR_MASS, ORIENTATION, POSITION
 from kickdrift.world.names import Names
 from kickdrift.world.settings import PLANE_NORMAL
 from kickdrift.world.shape_rows import ShapeRows

@@ -28,18 +28,39 @@ from kickdrift.core.vectors import (
     turned_symmetric,
     unit,
 )
-from kickdrift.world.columns import column, quaternion_at, symmetric_at, vector_at
+from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.free_rotation import mean_turn, turned_product
 from kickdrift.world.layout import (
+    ADDED,
     ANGULAR_VELOCITY,
+    AWAKE,
+    BODY_INERTIA,
+    BODY_KIND,
+    DAMPING,
     DISPLACEMENT,
+    DYNAMIC,
+    FALLS,
+    IMPACT_TIME,
+    INVERSE_INERTIA,
     INVERSE_INERTIA_IN_WORLD,
     INVERSE_LINEAR_MASS,
+    ISOTROPIC,
+    KICKED_ANGULAR_VELOCITY,
+    KICKED_VELOCITY,
+    KINEMATIC,
+    LEFT_POSE,
+    LEFT_TURN,
+    LINK_COUNT,
     ORIENTATION,
     POSITION,
+    REMOVED,
     ROTATION,
+    SPHERICAL,
+    SPIN,
     SUBSTEP_FORCE,
     SUBSTEP_TORQUE,
+    TUMBLES,
+    TURN_DAMPING,
     VELOCITY,
 )
 from kickdrift.world.settings import GRAVITY, MIDPOINT, PLANE_NORMAL, RESIDUAL
@@ -66,43 +87,6 @@ from kickdrift.world.tables import (
     rows,
     set_rows,
 )
-
-# Columns of KICKED
-KICKED_VELOCITY = column(KICKED, 3, "m/s")  # after the kick
-KICKED_ANGULAR_VELOCITY = column(KICKED, 3, "rad/s")
-ADDED = column(KICKED, 3, "m/s")  # by the kick
-SPIN = column(KICKED, 3, "kg m^2/s")  # L
-IMPACT_TIME = column(KICKED, 1, "s")  # of the last impact in the substep
-LEFT_TURN = column(KICKED, 3, "rad/s")  # angular velocity that the drift left
-LEFT_POSE = column(KICKED, 4)  # and orientation
-FALLS = column(KICKED)  # 1.0 where joints say that the body falls freely
-NEXT_IMPACT = column(KICKED, 1, "s")  # in the substep
-
-# Columns of INERTIA
-MASS = column(INERTIA, 1, "kg")
-BODY_INERTIA = column(INERTIA, 6, "kg m^2")  # in the body's axes: xx, yy, zz, xy, xz, yz
-INVERSE_INERTIA = column(INERTIA, 6, "1/(kg m^2)")
-DAMPING = column(INERTIA, 1, "1/s")
-TURN_DAMPING = column(INERTIA, 1, "1/s")
-SPHERICAL = column(INERTIA)  # one of the three below
-
-# Columns and values of BODY
-BODY_KIND = column(BODY)
-AWAKE = column(BODY)
-SLEEP_ISLAND = column(BODY)
-GENERATION = column(BODY)
-LINK_PLACE = column(BODY)  # of its link + 1, where its joints are solved directly; -1 where one after the other
-LINK_COUNT = column(BODY)
-UNSOLVED = column(BODY)  # for how many steps sweeps have left its contacts unsolved: see `kickdrift.world.direct.heaps`
-IN_HEAP = column(BODY)  # 1: of a heap that is solved directly
-HEAP = column(BODY)  # first body of its heap
-HEAP_SIZE = column(BODY)  # of a first body: how many there are
-HEAP_UNSOLVED = column(BODY)  # and the most of their UNSOLVED
-LEFT_FOR = column(BODY)  # steps in which it was left unsolved, less those in which it was not
-REMOVED, STATIC, KINEMATIC, DYNAMIC = 0, 1, 2, 3
-
-# Values of SPHERICAL: moments differ; they are equal, or infinite; or they differ, but the body turns about one axis alone.
-TUMBLES, ISOTROPIC, PLANAR = 0.0, 1.0, 2.0
 
 _SLOW = 1e-16  # square of the turn in a substep from which on its second order counts
 

@@ -17,10 +17,12 @@ from kickdrift.world.collision.narrow_phase import smallest
 from kickdrift.world.collision.search import TRIES
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import CONTACT_STATE, POINTS, SENSOR, SHAPE_A, SHAPE_B, TRIANGLE_INDEX
-from kickdrift.world.integration import AWAKE, BODY_KIND, DYNAMIC
 from kickdrift.world.layout import (
+    AWAKE,
     BEGIN,
+    BODY_KIND,
     BODY_ROW,
+    DYNAMIC,
     FIRST_TREE_NODE,
     IS_SENSOR,
     LAST_TREE_NODE,

@@ -22,8 +22,7 @@ from kickdrift.world.contacts.layout import (
     SHAPE_A,
     SHAPE_B,
 )
-from kickdrift.world.integration import AWAKE
-from kickdrift.world.layout import ANGULAR_VELOCITY, RADIUS, RESTITUTION, VELOCITY
+from kickdrift.world.layout import ANGULAR_VELOCITY, AWAKE, RADIUS, RESTITUTION, VELOCITY
 from kickdrift.world.settings import HAS_FAST, MARGIN, RECYCLE_DISTANCE, STEP
 from kickdrift.world.shapes.record import HALF_SPACE
 from kickdrift.world.step_status import NEEDS_TIME_OF_IMPACT, STATUS

@@ -16,8 +16,7 @@ from kickdrift.world.collision.search import (
     STATIC_CHANGED,
     UNSEEN,
 )
-from kickdrift.world.integration import AWAKE
-from kickdrift.world.layout import BODY_ROW, SEARCH_STATE, SHAPE_KIND, UPPER
+from kickdrift.world.layout import AWAKE, BODY_ROW, SEARCH_STATE, SHAPE_KIND, UPPER
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.step_status import ask_for_room, report_body
 from kickdrift.world.tables import (

@@ -28,26 +28,24 @@ from kickdrift.core.vectors import (
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.free_rotation import mean_turn
-from kickdrift.world.integration import (
+from kickdrift.world.layout import (
     ADDED,
+    ANGULAR_VELOCITY,
     BODY_INERTIA,
+    DISPLACEMENT,
     IMPACT_TIME,
     INVERSE_INERTIA,
+    INVERSE_INERTIA_IN_WORLD,
+    INVERSE_LINEAR_MASS,
     KICKED_ANGULAR_VELOCITY,
     KICKED_VELOCITY,
     NEXT_IMPACT,
-    SPHERICAL,
-    SPIN,
-    TUMBLES,
-)
-from kickdrift.world.layout import (
-    ANGULAR_VELOCITY,
-    DISPLACEMENT,
-    INVERSE_INERTIA_IN_WORLD,
-    INVERSE_LINEAR_MASS,
     ORIENTATION,
     POSITION,
     ROTATION,
+    SPHERICAL,
+    SPIN,
+    TUMBLES,
     VELOCITY,
 )
 from kickdrift.world.settings import MIDPOINT

@@ -13,8 +13,7 @@ from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, turn
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.impact_motion import Flight, Place, arms_between, flown, place_of, vector_of
-from kickdrift.world.integration import ADDED
-from kickdrift.world.layout import ANGULAR_VELOCITY, VELOCITY
+from kickdrift.world.layout import ADDED, ANGULAR_VELOCITY, VELOCITY
 from kickdrift.world.settings import MIDPOINT
 from kickdrift.world.tables import CONTACT, KICKED, MOTION, SETTINGS, floats, integers
 

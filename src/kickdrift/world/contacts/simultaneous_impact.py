@@ -15,8 +15,13 @@ from kickdrift.core.vectors import Vector, applied, cross, dot, length, minus, p
 from kickdrift.world.columns import Fields, column, symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.impact_motion import arms_now, constraint, normal_at, vector_of
-from kickdrift.world.integration import IMPACT_TIME
-from kickdrift.world.layout import ANGULAR_VELOCITY, INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS, VELOCITY
+from kickdrift.world.layout import (
+    ANGULAR_VELOCITY,
+    IMPACT_TIME,
+    INVERSE_INERTIA_IN_WORLD,
+    INVERSE_LINEAR_MASS,
+    VELOCITY,
+)
 from kickdrift.world.settings import SLOP
 from kickdrift.world.tables import CONTACT, IMPACT, INVERSE_MASS, KICKED, MOTION, SETTINGS, floats, integers, rows
 

@@ -16,7 +16,8 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.residual import FAR_LEFT, LEFT, TOUCHES
 from kickdrift.world.direct.nodes import moves
 from kickdrift.world.disjoint_sets import first_of, unite
-from kickdrift.world.integration import (
+from kickdrift.world.joints.layout import JOINED_ROWS
+from kickdrift.world.layout import (
     AWAKE,
     BODY_KIND,
     DYNAMIC,
@@ -28,7 +29,6 @@ from kickdrift.world.integration import (
     LINK_PLACE,
     UNSOLVED,
 )
-from kickdrift.world.joints.layout import JOINED_ROWS
 from kickdrift.world.settings import GRAVITY, HAS_DIRECT, UNSOLVED_BODY, UNSOLVED_SINCE
 from kickdrift.world.sleeping import REACH
 from kickdrift.world.step_status import BEGIN_AGAIN, LEFT_UNSOLVED, NEEDS_DIRECT_SOLVER, OK, REPEATED, STATUS, WARNING

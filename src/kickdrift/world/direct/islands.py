@@ -22,7 +22,6 @@ from kickdrift.world.direct.linked_contacts import linked_contacts
 from kickdrift.world.direct.nodes import body_of, has_room, nodes_of_contact
 from kickdrift.world.direct.ordering import order_nodes
 from kickdrift.world.disjoint_sets import first_of
-from kickdrift.world.integration import MASS
 from kickdrift.world.joints.layout import (
     CLOSINGS,
     END,
@@ -35,6 +34,7 @@ from kickdrift.world.joints.layout import (
     ROOT,
     SEQUENTIAL,
 )
+from kickdrift.world.layout import MASS
 from kickdrift.world.tables import (
     ARTICULATION,
     BLOCK,

@@ -4,7 +4,6 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.direct.layout import AFTER_NODE, FIRST_NODE, LINK_ROW, NODE_ISLAND
 from kickdrift.world.direct.linked_contacts import bodies_of
-from kickdrift.world.integration import AWAKE, BODY_KIND, DYNAMIC, IN_HEAP, LINK_COUNT, LINK_PLACE, MASS
 from kickdrift.world.joints.layout import (
     JOINED_ROWS,
     LINK_A,
@@ -17,7 +16,7 @@ from kickdrift.world.joints.layout import (
     ROOT,
     SIGN,
 )
-from kickdrift.world.layout import INVERSE_LINEAR_MASS
+from kickdrift.world.layout import AWAKE, BODY_KIND, DYNAMIC, IN_HEAP, INVERSE_LINEAR_MASS, LINK_COUNT, LINK_PLACE, MASS
 from kickdrift.world.step_status import ask_for_room
 from kickdrift.world.tables import (
     BODY,

@@ -3,7 +3,6 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import cross, dot, plus, times
 from kickdrift.world.columns import vector_at
-from kickdrift.world.integration import BODY_KIND, KINEMATIC
 from kickdrift.world.joints.layout import (
     ANGULAR_PART,
     ARM_A,
@@ -16,6 +15,7 @@ from kickdrift.world.joints.layout import (
     START_SPEED,
 )
 from kickdrift.world.joints.measure import relative_velocity
+from kickdrift.world.layout import BODY_KIND, KINEMATIC
 from kickdrift.world.tables import BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, MOTION, floats, integers
 
 

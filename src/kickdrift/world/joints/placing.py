@@ -15,7 +15,6 @@ from kickdrift.core.rotations import product as rotated_by
 from kickdrift.core.rotations import turned as rotated
 from kickdrift.core.vectors import Vector, cross, exponential, minus, plus, product, turned, unit
 from kickdrift.world.columns import quaternion_at, vector_at
-from kickdrift.world.integration import BODY_KIND, DYNAMIC
 from kickdrift.world.joints.axis import finite
 from kickdrift.world.joints.layout import (
     ANGULAR,
@@ -41,7 +40,7 @@ from kickdrift.world.joints.layout import (
     UPPER_LIMIT,
 )
 from kickdrift.world.joints.measure import measure
-from kickdrift.world.layout import POSITION, VELOCITY
+from kickdrift.world.layout import BODY_KIND, DYNAMIC, POSITION, VELOCITY
 from kickdrift.world.tables import BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, MOTION, POSE, Tables, floats
 
 if TYPE_CHECKING:
