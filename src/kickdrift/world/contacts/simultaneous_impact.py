@@ -70,12 +70,12 @@ def meet(world: int, hit: Any, least: float) -> None:
         if dot(normal, between) > near:  # it has hit before, and has left
             continue
         arm_a, arm_b = plus(arm_a, times(share, between)), minus(arm_b, times(1.0 - share, between))
-        centre_a, centre_b, found = plus(centre_a, arm_a), plus(centre_b, arm_b), found + 1.0
         _put(point, TURN_A, cross(arm_a, normal))
         _put(point, TURN_B, cross(arm_b, normal))
         speed = _speed(world, a, b, normal, point)
         if speed < -least:
             point[WANTED], point[IMPULSE], point[PLASTIC] = -hit[BOUNCE] * speed, 0.0, 0.0
+            centre_a, centre_b, found = plus(centre_a, arm_a), plus(centre_b, arm_b), found + 1.0
     _put(hit, ARM_A, times(1.0 / max(found, 1.0), centre_a))
     _put(hit, ARM_B, times(1.0 / max(found, 1.0), centre_b))
     second = cross(normal, first)
