@@ -12,7 +12,7 @@ from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.collision.bvh import ITEM, build, fit, gather
 from kickdrift.world.collision.dispatch import describe_kinds, find_extents
 from kickdrift.world.collision.filters import exclude
-from kickdrift.world.collision.search import FITTED, LEFT, MOVERS_CHANGED, VISITS, filters_changed, shapes_changed
+from kickdrift.world.collision.search_state import FITTED, LEFT, MOVERS_CHANGED, VISITS, filters_changed, shapes_changed
 from kickdrift.world.contacts.layout import SENSOR, TOUCHING
 from kickdrift.world.layout import (
     AWAKE,

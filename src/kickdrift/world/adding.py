@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import choice, number, unit_quaternion, vector
+from kickdrift.world.atomic import undivided
 from kickdrift.world.bodies import Bodies, kind_of
 from kickdrift.world.body import Body
 from kickdrift.world.cloth.registry import Cloths
@@ -24,7 +25,6 @@ from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.shapes.record import Shape
 from kickdrift.world.sleeping import REACH
 from kickdrift.world.tables import MOTION, RESTED, Tables
-from kickdrift.world.undivided import undivided
 
 Floats = NDArray[np.float64]
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)

@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import choice
+from kickdrift.world.atomic import alone, undivided
 from kickdrift.world.body import Body
-from kickdrift.world.collision.search import shapes_changed
+from kickdrift.world.collision.search_state import shapes_changed
 from kickdrift.world.contacts.kept_impulses import scale_impulses
 from kickdrift.world.integration import follow_pose
 from kickdrift.world.layout import (
@@ -63,7 +64,6 @@ from kickdrift.world.tables import (
     Table,
     Tables,
 )
-from kickdrift.world.undivided import alone, undivided
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World

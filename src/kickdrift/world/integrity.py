@@ -10,7 +10,7 @@ from kickdrift.world import settings as s
 from kickdrift.world.cloth.integrity import check_cloths
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.filters import HIGH_BODY, LOW_BODY
-from kickdrift.world.collision.search import NEW, SOUGHT_ANEW
+from kickdrift.world.collision.search_state import NEW, SOUGHT_ANEW
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.catalogue import KINDS as JOINT_KINDS

@@ -48,7 +48,7 @@ SIZE = column(SHAPE)  # how many they are
 LAYER = column(SHAPE)  # a bit
 MASK = column(SHAPE)  # bits of the layers that it meets
 IS_SENSOR = column(SHAPE)
-SEARCH_STATE = column(SHAPE)  # see `kickdrift.world.collision.search`
+SEARCH_STATE = column(SHAPE)  # see `kickdrift.world.collision.search_state`
 GONE = -1
 
 # PLACE of a shape in its body, and its surface
@@ -102,7 +102,9 @@ SLEEP_ISLAND = column(BODY)
 GENERATION = column(BODY)
 LINK_PLACE = column(BODY)  # of its link + 1, where its joints are solved directly; -1 where one after the other
 LINK_COUNT = column(BODY)
-UNSOLVED = column(BODY)  # for how many steps sweeps have left its contacts unsolved: see `kickdrift.world.direct.heaps`
+UNSOLVED = column(
+    BODY
+)  # for how many steps sweeps have left its contacts unsolved: see `kickdrift.world.direct.unconverged_heaps`
 IN_HEAP = column(BODY)  # 1: of a heap that is solved directly
 HEAP = column(BODY)  # first body of its heap
 HEAP_SIZE = column(BODY)  # of a first body: how many there are

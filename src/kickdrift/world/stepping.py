@@ -13,12 +13,12 @@ from kickdrift.world import settings, step_status
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.collision.filters import part_joined
-from kickdrift.world.collision.search import TRIES
+from kickdrift.world.collision.search_state import TRIES
 from kickdrift.world.compiling import compile_step
 from kickdrift.world.contacts import contact_solver_simd
 from kickdrift.world.contacts.batching import FEW
 from kickdrift.world.contacts.layout import LANE_COUNT, SOLVE_EQUATIONS, WIDTH
-from kickdrift.world.direct.equations import SOLVE_ISLAND, solve_island
+from kickdrift.world.direct.active_set import SOLVE_ISLAND, solve_island
 from kickdrift.world.direct.solve import solve_islands
 from kickdrift.world.force_stage import Force, put_numbers
 from kickdrift.world.joints.handle import Joint

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.collision.search import filters_changed
+from kickdrift.world.collision.search_state import filters_changed
 from kickdrift.world.columns import column
 from kickdrift.world.joints import layout
 from kickdrift.world.layout import BODY_KIND, BODY_ROW, DYNAMIC, IS_SENSOR, LAYER, MASK

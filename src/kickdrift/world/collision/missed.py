@@ -14,7 +14,7 @@ from kickdrift.world.collision.dispatch import extent_of, sort_of
 from kickdrift.world.collision.filters import may_touch
 from kickdrift.world.collision.foresight import OFF, TURNED_FARTHER, foresee, forget, surprise
 from kickdrift.world.collision.narrow_phase import smallest
-from kickdrift.world.collision.search import TRIES
+from kickdrift.world.collision.search_state import TRIES
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import CONTACT_STATE, POINTS, SENSOR, SHAPE_A, SHAPE_B, TRIANGLE_INDEX
 from kickdrift.world.layout import (

@@ -22,7 +22,7 @@ from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts import prepare_simd as r
 from kickdrift.world.contacts.effective_mass_simd import SLIP_STRICTNESS, TWIST_STRICTNESS
-from kickdrift.world.contacts.rolling_core import radius_at, rolling_core, rolls
+from kickdrift.world.contacts.rolling_shape import radius_at, rolling_core, rolls
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
     BODY_ROW,

@@ -31,7 +31,7 @@ from kickdrift.world.contacts.prepare_simd import (
     VELOCITY_A,
     VELOCITY_B,
 )
-from kickdrift.world.contacts.transposing import fetch_rows, gather_rows, scatter_rows
+from kickdrift.world.contacts.transpose import fetch_rows, gather_rows, scatter_rows
 from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, ORIENTATION, POSITION, VELOCITY
 from kickdrift.world.settings import PUSH_SPEED, SLOP
 from kickdrift.world.tables import (

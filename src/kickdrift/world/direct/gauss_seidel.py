@@ -18,12 +18,13 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import applied
 from kickdrift.world.columns import symmetric_at, vector_at
+from kickdrift.world.direct.active_set import TRIALS
 from kickdrift.world.direct.contacts import PRESS, REST
-from kickdrift.world.direct.equations import TRIALS
 from kickdrift.world.direct.joint_impulses import end_joint, give_joint, turn_on
 from kickdrift.world.direct.loop_closures import write_axis
-from kickdrift.world.joints.gearing import mobility_of_gear
-from kickdrift.world.joints.laws import update_law_states
+from kickdrift.world.joints.axis_laws import update_law_states
+from kickdrift.world.joints.gear_rows import mobility_of_gear
+from kickdrift.world.joints.kinematics import put_vector
 from kickdrift.world.joints.layout import (
     ACCEPTED_DELTA_SPEED,
     ARM_A,
@@ -49,7 +50,6 @@ from kickdrift.world.joints.layout import (
     SEQUENTIAL,
     SLOPE,
 )
-from kickdrift.world.joints.measure import put_vector
 from kickdrift.world.joints.right_hand_side import GENTLY, RELAX, write_right_hand_side
 from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
 from kickdrift.world.tables import (

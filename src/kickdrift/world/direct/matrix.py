@@ -8,8 +8,8 @@ from kickdrift.core.vectors import Symmetric, cross, inverse_symmetric, plus, ti
 from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.direct.blocks import add_scaled
 from kickdrift.world.direct.layout import FIRST_NEIGHBOUR, LINK_ROW, LOWER_BLOCK, NEIGHBOURS, UPPER_BLOCK
+from kickdrift.world.joints.kinematics import put_vector
 from kickdrift.world.joints.layout import ANGULAR_PART, ARTICULATED_INERTIA, LINK_BODY
-from kickdrift.world.joints.measure import put_vector
 from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
 from kickdrift.world.tables import BLOCK, INVERSE_MASS, LINK, LINK_NUMBERS, MOTION, NEIGHBOUR, NODE, floats, integers
 

@@ -8,7 +8,7 @@ from kickdrift.core.vectors import Vector, cross, dot, minus
 from kickdrift.world.columns import symmetric_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.direct.layout import ROLL, TANGENT, TWIST
-from kickdrift.world.joints.measure import turning
+from kickdrift.world.joints.kinematics import turning
 from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
 from kickdrift.world.tables import INVERSE_MASS, floats
 

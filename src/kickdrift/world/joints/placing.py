@@ -16,6 +16,7 @@ from kickdrift.core.rotations import turned as rotated
 from kickdrift.core.vectors import Vector, cross, exponential, minus, plus, product, turned, unit
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.joints.axis import finite
+from kickdrift.world.joints.kinematics import measure
 from kickdrift.world.joints.layout import (
     ANGULAR,
     ANGULAR_PART,
@@ -39,7 +40,6 @@ from kickdrift.world.joints.layout import (
     UNIVERSAL,
     UPPER_LIMIT,
 )
-from kickdrift.world.joints.measure import measure
 from kickdrift.world.layout import BODY_KIND, DYNAMIC, POSITION, VELOCITY
 from kickdrift.world.tables import BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, MOTION, POSE, Tables, floats
 

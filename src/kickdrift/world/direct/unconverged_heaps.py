@@ -14,7 +14,7 @@ from kickdrift.core.vectors import dot
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.residual import FAR_LEFT, LEFT, TOUCHES
-from kickdrift.world.direct.nodes import moves
+from kickdrift.world.direct.node_selection import moves
 from kickdrift.world.disjoint_sets import first_of, unite
 from kickdrift.world.joints.layout import JOINED_ROWS
 from kickdrift.world.layout import (

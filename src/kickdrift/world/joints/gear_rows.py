@@ -22,6 +22,7 @@ from kickdrift.core.vectors import (
     turned,
 )
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
+from kickdrift.world.joints.kinematics import axis_unit, expected_angle, put_vector, unwound
 from kickdrift.world.joints.layout import (
     ANCHOR_A,
     ANCHOR_B,
@@ -37,7 +38,6 @@ from kickdrift.world.joints.layout import (
     RATES,
     START_WRENCHES,
 )
-from kickdrift.world.joints.measure import axis_unit, expected_angle, put_vector, unwound
 from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
 from kickdrift.world.tables import INVERSE_MASS, JOINT, JOINT_NUMBERS, LINK_NUMBERS, MOTION, POSE, floats, integers
 

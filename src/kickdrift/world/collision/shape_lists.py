@@ -1,9 +1,9 @@
 """Lists of the shapes that may move, of those that may not, of planes, and of those whose pairs are searched again."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.collision.bounds import is_somewhere, may_move, settle
 from kickdrift.world.collision.dispatch import sort_of
-from kickdrift.world.collision.search import (
+from kickdrift.world.collision.fat_bounds import is_somewhere, may_move, settle
+from kickdrift.world.collision.search_state import (
     AT_HOME,
     CHANGED,
     CONTACTS,
