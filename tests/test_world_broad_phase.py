@@ -12,10 +12,19 @@ from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.collision.bvh import ITEM, build, fit, gather
 from kickdrift.world.collision.dispatch import describe_kinds, find_extents
 from kickdrift.world.collision.filters import exclude
-from kickdrift.world.collision.search import FITTED, LEFT, MOVERS_CHANGED, VISITS, filters_changed, shapes_changed
+from kickdrift.world.collision.search_state import FITTED, LEFT, MOVERS_CHANGED, VISITS, filters_changed, shapes_changed
 from kickdrift.world.contacts.layout import SENSOR, TOUCHING
-from kickdrift.world.integration import AWAKE, DYNAMIC, KINEMATIC, STATIC
-from kickdrift.world.layout import BEGINS, FIRST_BODY, RADIUS, SEARCH_STATE, SECOND_BODY
+from kickdrift.world.layout import (
+    AWAKE,
+    BEGINS,
+    DYNAMIC,
+    FIRST_BODY,
+    KINEMATIC,
+    RADIUS,
+    SEARCH_STATE,
+    SECOND_BODY,
+    STATIC,
+)
 from kickdrift.world.settings import GRAVITY, MARGIN
 from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.kinds import BOX, CAPSULE, HULL, MESH, PLANE, SPHERE, TRIANGLE

@@ -10,7 +10,7 @@ from kickdrift.scenes import worlds
 from kickdrift.world.constraint_error import deepest_overlap
 from kickdrift.world.contacts import layout
 from kickdrift.world.contacts.colouring import OVERFLOW
-from kickdrift.world.integration import AWAKE
+from kickdrift.world.layout import AWAKE
 from kickdrift.world.tables import BODY, COLOURS, CONTACT, MANIFOLD
 from kickdrift.world.world import World
 

@@ -6,8 +6,8 @@ import pytest
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError
 from kickdrift.scenes import worlds
-from kickdrift.world.integration import AWAKE
 from kickdrift.world.joints.gear import Gear
+from kickdrift.world.layout import AWAKE
 from kickdrift.world.tables import BODY
 
 NAN, INF = float("nan"), float("inf")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from kickdrift import World
-from kickdrift.world.integration import IN_HEAP, UNSOLVED
+from kickdrift.world.layout import IN_HEAP, UNSOLVED
 from kickdrift.world.tables import BODY, MOTION, POSE
 
 STEP = 1 / 60

@@ -15,9 +15,8 @@ from kickdrift.world.collision.bvh import build, fit
 from kickdrift.world.collision.bvh_walk import NOTHING, WALK, advance, reciprocal, start
 from kickdrift.world.collision.dispatch import describe_kinds, find_extents
 from kickdrift.world.collision.queries import overlap_box, overlap_sphere, ray_cast_many
-from kickdrift.world.collision.search import CHANGED, shapes_changed
-from kickdrift.world.integration import DYNAMIC, STATIC
-from kickdrift.world.layout import RADIUS
+from kickdrift.world.collision.search_state import CHANGED, shapes_changed
+from kickdrift.world.layout import DYNAMIC, RADIUS, STATIC
 from kickdrift.world.part import Part
 from kickdrift.world.queries import SpatialQueries
 from kickdrift.world.settings import GRAVITY, MARGIN

@@ -24,9 +24,8 @@ from kickdrift.io.world_file import MADE
 from kickdrift.scenes.worlds import newtons_cradle, pyramid
 from kickdrift.world import settings as settings_
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.integration import BODY_KIND, DYNAMIC
 from kickdrift.world.joints import layout as j
-from kickdrift.world.layout import BODY_ROW, SHAPE_KIND
+from kickdrift.world.layout import BODY_KIND, BODY_ROW, DYNAMIC, SHAPE_KIND
 from kickdrift.world.part import Part
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule

@@ -11,8 +11,8 @@ from kickdrift.world import layout
 from kickdrift.world import tables as t
 from kickdrift.world.columns import DECLARED, Columns, Fields, column
 from kickdrift.world.contacts import layout as contacts
-from kickdrift.world.integration import KICKED_VELOCITY
 from kickdrift.world.joints.layout import ANGULAR_PART, LINEAR_PART
+from kickdrift.world.layout import KICKED_ANGULAR_VELOCITY, KICKED_VELOCITY
 
 
 @pytest.mark.parametrize("count", [1, 100, 1023, 1024, 20_000])
@@ -153,6 +153,13 @@ def test_what_has_a_linear_and_an_angular_part_has_both_where_all_others_have_th
         layout.SUBSTEP_FORCE,
         KICKED_VELOCITY,
     ]
-    angular = [layout.ORIENTATION, layout.ANGULAR_VELOCITY, layout.ROTATION, layout.LOAD_TORQUE, layout.SUBSTEP_TORQUE]
+    angular = [
+        layout.ORIENTATION,
+        layout.ANGULAR_VELOCITY,
+        layout.ROTATION,
+        layout.LOAD_TORQUE,
+        layout.SUBSTEP_TORQUE,
+        KICKED_ANGULAR_VELOCITY,
+    ]
     assert set(linear) == {LINEAR_PART}
     assert set(angular) == {ANGULAR_PART}

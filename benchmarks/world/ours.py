@@ -3,7 +3,6 @@
 import numpy as np
 
 from benchmarks.world.described import Body, Floats, Joint, Scene, rotation
-from kickdrift.world.integration import BODY_INERTIA, MASS
 from kickdrift.world.joints.ball import Ball
 from kickdrift.world.joints.catalogue import KINDS
 from kickdrift.world.joints.hinge import Hinge
@@ -19,7 +18,7 @@ from kickdrift.world.joints.layout import (
     TARGET,
     UPPER_LIMIT,
 )
-from kickdrift.world.layout import BODY_ROW, LAYER, MASK
+from kickdrift.world.layout import BODY_INERTIA, BODY_ROW, LAYER, MASK, MASS
 from kickdrift.world.settings import GRAVITY
 from kickdrift.world.shapes.kinds import BOX, CAPSULE, PLANE, SPHERE
 from kickdrift.world.tables import INERTIA, JOINT, JOINT_AXES, JOINT_NUMBERS, SETTINGS, SHAPE

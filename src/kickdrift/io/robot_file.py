@@ -22,9 +22,8 @@ from kickdrift.io.robots.parsing import Model, parse
 from kickdrift.world.arguments import unit_quaternion, vector
 from kickdrift.world.body import Body
 from kickdrift.world.collision.filters import exclude
-from kickdrift.world.integration import STATIC
 from kickdrift.world.joints.handle import Joint
-from kickdrift.world.layout import LAYER
+from kickdrift.world.layout import LAYER, STATIC
 from kickdrift.world.settings import GRAVITY
 from kickdrift.world.tables import ASKED_APART, SETTINGS, SHAPE
 from kickdrift.world.world import World

@@ -15,13 +15,12 @@ from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.io.shapes import Catalogue, shapes_of
 from kickdrift.world.arguments import vector
-from kickdrift.world.integration import BODY_KIND, REMOVED
-from kickdrift.world.integration import GENERATION as BODY_GENERATION
 from kickdrift.world.integrity import check
 from kickdrift.world.joints.layout import GENERATION, JOINT_KIND
 from kickdrift.world.joints.layout import REMOVED as REMOVED_JOINT
 from kickdrift.world.joints.spanning_tree import arrange
-from kickdrift.world.layout import BODY_ROW, GONE, SEARCH_STATE, SHAPE_KIND
+from kickdrift.world.layout import BODY_KIND, BODY_ROW, GONE, REMOVED, SEARCH_STATE, SHAPE_KIND
+from kickdrift.world.layout import GENERATION as BODY_GENERATION
 from kickdrift.world.shape_rows import SHOWN, Placed, ShapeRows, Surface
 from kickdrift.world.shapes.kinds import SPHERE
 from kickdrift.world.snapshot import TABLES, Snapshot, kept

@@ -12,7 +12,7 @@ from kickdrift.plots.camera import Camera, axes_of, showing
 from kickdrift.plots.lighting import BACKGROUND, FADE, GRID, LAMP, SETTING, light, paint
 from kickdrift.plots.rendering import MIDDLE, REACH, cast, clear, ray_addresses
 from kickdrift.plots.scenery import Pose, Scenery, Sight, is_plane, outline
-from kickdrift.world.integration import DYNAMIC
+from kickdrift.world.layout import DYNAMIC
 from kickdrift.world.recording import DrawnShape, Recording
 
 Floats = NDArray[np.float64]

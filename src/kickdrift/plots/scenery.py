@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from kickdrift.core.colours import FIXED, RODS, colour_of
 from kickdrift.core.rotations import product, turn_to, turned
 from kickdrift.plots.rendering import MIDDLE, REACH
-from kickdrift.world.integration import DYNAMIC, REMOVED
+from kickdrift.world.layout import DYNAMIC, REMOVED
 from kickdrift.world.recording import Appearance, DrawnShape
 from kickdrift.world.shapes.catalogue import KINDS, kind_of, met_as
 from kickdrift.world.shapes.kinds import BOX, CAPSULE, PLANE, TRIANGLE

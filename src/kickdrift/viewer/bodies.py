@@ -10,7 +10,7 @@ from kickdrift.core.errors import KickdriftError
 from kickdrift.core.rotations import product, turned
 from kickdrift.viewer.meshes import ClothMesh, Drag, Drawn, JointLines, State, batches_of
 from kickdrift.viewer.surfaces import surface_of
-from kickdrift.world.integration import DYNAMIC, REMOVED
+from kickdrift.world.layout import DYNAMIC, REMOVED
 from kickdrift.world.recording import Appearance, DrawnShape
 from kickdrift.world.shapes.catalogue import kind_of
 from kickdrift.world.shapes.record import HALF_SPACE

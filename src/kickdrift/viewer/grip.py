@@ -9,8 +9,8 @@ from scipy.sparse.csgraph import connected_components
 
 from kickdrift.core.rotations import turned
 from kickdrift.world.body import Body
-from kickdrift.world.integration import BODY_KIND, DYNAMIC, MASS
 from kickdrift.world.joints.layout import BODY_A, BODY_B, JOINT_KIND, REMOVED
+from kickdrift.world.layout import BODY_KIND, DYNAMIC, MASS
 from kickdrift.world.tables import BODY, INERTIA, JOINT
 from kickdrift.world.world import World
 

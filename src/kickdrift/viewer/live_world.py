@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from kickdrift.core.errors import KickdriftError
 from kickdrift.viewer.grip import Grip
 from kickdrift.viewer.meshes import State
-from kickdrift.world.integration import BODY_KIND, DYNAMIC
+from kickdrift.world.layout import BODY_KIND, DYNAMIC
 from kickdrift.world.tables import BODY, PARTICLE
 from kickdrift.world.world import World
 

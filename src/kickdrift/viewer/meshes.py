@@ -10,7 +10,7 @@ from kickdrift.core.colours import FIXED, RODS, colour_of
 from kickdrift.core.rotations import product, turned
 from kickdrift.viewer.page import Singles, rounded
 from kickdrift.viewer.surfaces import Surface, halves_of_ball, surface_of
-from kickdrift.world.integration import DYNAMIC
+from kickdrift.world.layout import DYNAMIC
 from kickdrift.world.recording import Appearance, DrawnCloth, DrawnShape, Rod
 from kickdrift.world.shapes.catalogue import kind_of
 from kickdrift.world.shapes.record import BALL

@@ -12,7 +12,7 @@ from kickdrift.viewer.bodies import DrawnBodies, check_can_be_seen, extent, part
 from kickdrift.viewer.curves import Curve, panel
 from kickdrift.viewer.meshes import FINE, TURN, State
 from kickdrift.viewer.page import Stage, check_in_memory, write_page
-from kickdrift.world.integration import DYNAMIC
+from kickdrift.world.layout import DYNAMIC
 from kickdrift.world.recording import DrawnShape, Recording
 
 Floats = NDArray[np.float64]

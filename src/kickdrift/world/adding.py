@@ -10,13 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import choice, number, unit_quaternion, vector
+from kickdrift.world.atomic import undivided
 from kickdrift.world.bodies import Bodies, kind_of
 from kickdrift.world.body import Body
 from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.collision.filters import forget
 from kickdrift.world.events import forget_contacts
-from kickdrift.world.integration import DYNAMIC, STATIC
 from kickdrift.world.joints.registry import Joints
+from kickdrift.world.layout import DYNAMIC, STATIC
 from kickdrift.world.mass_properties import mass_properties_of
 from kickdrift.world.part import Part, surface_of
 from kickdrift.world.shape_rows import Placed, ShapeRows
@@ -24,7 +25,6 @@ from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.shapes.record import Shape
 from kickdrift.world.sleeping import REACH
 from kickdrift.world.tables import MOTION, RESTED, Tables
-from kickdrift.world.undivided import undivided
 
 Floats = NDArray[np.float64]
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)

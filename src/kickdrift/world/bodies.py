@@ -11,10 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import choice
+from kickdrift.world.atomic import alone, undivided
 from kickdrift.world.body import Body
-from kickdrift.world.collision.search import shapes_changed
+from kickdrift.world.collision.search_state import shapes_changed
 from kickdrift.world.contacts.kept_impulses import scale_impulses
-from kickdrift.world.integration import (
+from kickdrift.world.integration import follow_pose
+from kickdrift.world.layout import (
     AWAKE,
     BODY_INERTIA,
     BODY_KIND,
@@ -22,19 +24,20 @@ from kickdrift.world.integration import (
     DYNAMIC,
     GENERATION,
     INVERSE_INERTIA,
+    INVERSE_LINEAR_MASS,
     ISOTROPIC,
     KINEMATIC,
     LEFT_POSE,
     MASS,
+    ORIENTATION,
     PLANAR,
+    POSITION,
     REMOVED,
     SPHERICAL,
     STATIC,
     TUMBLES,
     TURN_DAMPING,
-    follow_pose,
 )
-from kickdrift.world.layout import INVERSE_LINEAR_MASS, ORIENTATION, POSITION
 from kickdrift.world.names import Names
 from kickdrift.world.settings import PLANE_NORMAL
 from kickdrift.world.shape_rows import ShapeRows
@@ -61,7 +64,6 @@ from kickdrift.world.tables import (
     Table,
     Tables,
 )
-from kickdrift.world.undivided import alone, undivided
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World

@@ -8,7 +8,7 @@ from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.dispatch import extents_of
 from kickdrift.world.collision.narrow_phase import COLLIDE
 from kickdrift.world.contacts.contact_solver_simd import KERNEL, KERNELS
-from kickdrift.world.direct.equations import SOLVE_ISLAND, solve_island
+from kickdrift.world.direct.active_set import SOLVE_ISLAND, solve_island
 from kickdrift.world.direct.solve import solve_islands
 from kickdrift.world.shapes.catalogue import KINDS, RAYS
 from kickdrift.world.shapes.record import EXTENT, RAY

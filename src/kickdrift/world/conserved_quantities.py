@@ -9,8 +9,7 @@ from kickdrift.core.rotations import cross
 from kickdrift.world import settings
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.cloth.energy import cloth_angular_momentum, cloth_energy, cloth_momentum
-from kickdrift.world.integration import BODY_INERTIA, MASS
-from kickdrift.world.layout import ANGULAR_VELOCITY, ORIENTATION, POSITION, VELOCITY
+from kickdrift.world.layout import ANGULAR_VELOCITY, BODY_INERTIA, MASS, ORIENTATION, POSITION, VELOCITY
 from kickdrift.world.tables import INERTIA, MOTION, POSE, SETTINGS, Tables
 
 Floats = NDArray[np.float64]

@@ -7,11 +7,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.compilation import Function
 from kickdrift.world.arguments import vector
+from kickdrift.world.atomic import alone, undivided
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
 from kickdrift.world.force_stage import Force, force_of
 from kickdrift.world.tables import LOAD, POSE, Tables
-from kickdrift.world.undivided import alone, undivided
 
 Floats = NDArray[np.float64]
 

@@ -7,12 +7,12 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from kickdrift.world.keeping import Kept
+from kickdrift.world.atomic import alone, undivided
+from kickdrift.world.checkpoints import Kept
 from kickdrift.world.recording import Recording
 from kickdrift.world.running import record, run
 from kickdrift.world.snapshot import Snapshot, restore, take
 from kickdrift.world.tables import Tables
-from kickdrift.world.undivided import alone, undivided
 
 if TYPE_CHECKING:
     from kickdrift.viewer.live import LivePage

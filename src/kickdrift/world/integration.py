@@ -28,8 +28,41 @@ from kickdrift.core.vectors import (
     turned_symmetric,
     unit,
 )
-from kickdrift.world.columns import column, quaternion_at, symmetric_at, vector_at
+from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.free_rotation import mean_turn, turned_product
+from kickdrift.world.layout import (
+    ADDED,
+    ANGULAR_VELOCITY,
+    AWAKE,
+    BODY_INERTIA,
+    BODY_KIND,
+    DAMPING,
+    DISPLACEMENT,
+    DYNAMIC,
+    FALLS,
+    IMPACT_TIME,
+    INVERSE_INERTIA,
+    INVERSE_INERTIA_IN_WORLD,
+    INVERSE_LINEAR_MASS,
+    ISOTROPIC,
+    KICKED_ANGULAR_VELOCITY,
+    KICKED_VELOCITY,
+    KINEMATIC,
+    LEFT_POSE,
+    LEFT_TURN,
+    LINK_COUNT,
+    ORIENTATION,
+    POSITION,
+    REMOVED,
+    ROTATION,
+    SPHERICAL,
+    SPIN,
+    SUBSTEP_FORCE,
+    SUBSTEP_TORQUE,
+    TUMBLES,
+    TURN_DAMPING,
+    VELOCITY,
+)
 from kickdrift.world.settings import GRAVITY, MIDPOINT, PLANE_NORMAL, RESIDUAL
 from kickdrift.world.step_status import report_body
 from kickdrift.world.tables import (
@@ -55,42 +88,6 @@ from kickdrift.world.tables import (
     set_rows,
 )
 
-# Columns of KICKED
-KICKED_VELOCITY = column(KICKED, 6, "m/s, rad/s")  # after the kick
-ADDED = column(KICKED, 3, "m/s")  # by the kick
-SPIN = column(KICKED, 3, "kg m^2/s")  # L
-IMPACT_TIME = column(KICKED, 1, "s")  # of the last impact in the substep
-LEFT_TURN = column(KICKED, 3, "rad/s")  # angular velocity that the drift left
-LEFT_POSE = column(KICKED, 4)  # and orientation
-FALLS = column(KICKED)  # 1.0 where joints say that the body falls freely
-NEXT_IMPACT = column(KICKED, 1, "s")  # in the substep
-
-# Columns of INERTIA
-MASS = column(INERTIA, 1, "kg")
-BODY_INERTIA = column(INERTIA, 6, "kg m^2")  # in the body's axes: xx, yy, zz, xy, xz, yz
-INVERSE_INERTIA = column(INERTIA, 6, "1/(kg m^2)")
-DAMPING = column(INERTIA, 1, "1/s")
-TURN_DAMPING = column(INERTIA, 1, "1/s")
-SPHERICAL = column(INERTIA)  # one of the three below
-
-# Columns and values of BODY
-BODY_KIND = column(BODY)
-AWAKE = column(BODY)
-SLEEP_ISLAND = column(BODY)
-GENERATION = column(BODY)
-LINK_PLACE = column(BODY)  # of its link + 1, where its joints are solved directly; -1 where one after the other
-LINK_COUNT = column(BODY)
-UNSOLVED = column(BODY)  # for how many steps sweeps have left its contacts unsolved: see `kickdrift.world.direct.heaps`
-IN_HEAP = column(BODY)  # 1: of a heap that is solved directly
-HEAP = column(BODY)  # first body of its heap
-HEAP_SIZE = column(BODY)  # of a first body: how many there are
-HEAP_UNSOLVED = column(BODY)  # and the most of their UNSOLVED
-LEFT_FOR = column(BODY)  # steps in which it was left unsolved, less those in which it was not
-REMOVED, STATIC, KINEMATIC, DYNAMIC = 0, 1, 2, 3
-
-# Values of SPHERICAL: moments differ; they are equal, or infinite; or they differ, but the body turns about one axis alone.
-TUMBLES, ISOTROPIC, PLANAR = 0.0, 1.0, 2.0
-
 _SLOW = 1e-16  # square of the turn in a substep from which on its second order counts
 
 
@@ -108,9 +105,11 @@ def begin(t: float, h: float, world: int) -> None:
     floats(world, SETTINGS)[0, RESIDUAL] = 0.0
     for body in range(rows(world, DELTA_POSE)):
         member[body, 0] = body
-        turn = quaternion_at(pose, body, 3)
+        turn = quaternion_at(pose, body, ORIENTATION)
         if is_scaled(turn):  # users have written into it; of what moves the drift does it, but later
-            pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6] = unit(turn)
+            turn = unit(turn)
+            for k in range(4):
+                pose[body, ORIENTATION + k] = turn[k]
         if kind[body, BODY_KIND] == DYNAMIC and kind[body, AWAKE] != 0 and inertia[body, SPHERICAL] != ISOTROPIC:
             follow_pose(world, body)
         for k in range(8):
@@ -148,10 +147,10 @@ def flatten(t: float, h: float, world: int) -> None:
     member = integers(world, MEMBER)
     for place in range(rows(world, MEMBER)):
         body = member[place, 0]
-        v, w = vector_at(motion, body, 0), vector_at(motion, body, 3)
+        v, w = vector_at(motion, body, VELOCITY), vector_at(motion, body, ANGULAR_VELOCITY)
         v, w = minus(v, times(dot(plane, v), plane)), times(dot(plane, w), plane)
         for k in range(3):
-            motion[body, k], motion[body, 3 + k] = v[k], w[k]
+            motion[body, VELOCITY + k], motion[body, ANGULAR_VELOCITY + k] = v[k], w[k]
 
 
 @compiled
@@ -172,21 +171,22 @@ def kick(t: float, h: float, world: int) -> None:
             continue
         keep = 1.0 / (1.0 + h * inertia[body, DAMPING])
         for k in range(3):
-            old = motion[body, k]
-            motion[body, k] = keep * (old + h * (settings[0, GRAVITY + k] + inverse_mass[body, 0] * force[body, k]))
-            kicked[body, k] = motion[body, k]
-            kicked[body, ADDED + k] = motion[body, k] - old
+            old = motion[body, VELOCITY + k]
+            pushed = inverse_mass[body, INVERSE_LINEAR_MASS] * force[body, SUBSTEP_FORCE + k]
+            motion[body, VELOCITY + k] = keep * (old + h * (settings[0, GRAVITY + k] + pushed))
+            kicked[body, KICKED_VELOCITY + k] = motion[body, VELOCITY + k]
+            kicked[body, ADDED + k] = motion[body, VELOCITY + k] - old
         if inertia[body, SPHERICAL] == TUMBLES:
             follow_pose(world, body)
-        torque = vector_at(force, body, 3)
-        turn = applied(symmetric_at(inverse_mass, body, 1), torque)
+        torque = vector_at(force, body, SUBSTEP_TORQUE)
+        turn = applied(symmetric_at(inverse_mass, body, INVERSE_INERTIA_IN_WORLD), torque)
         keep = 1.0 / (1.0 + h * inertia[body, TURN_DAMPING])
         for k in range(3):
-            motion[body, 3 + k] = keep * (motion[body, 3 + k] + h * turn[k])
+            motion[body, ANGULAR_VELOCITY + k] = keep * (motion[body, ANGULAR_VELOCITY + k] + h * turn[k])
         if inertia[body, SPHERICAL] == TUMBLES:
             _look_ahead(body, h, pose, motion, inertia, kicked)
         for k in range(3):
-            kicked[body, 3 + k] = motion[body, 3 + k]
+            kicked[body, KICKED_ANGULAR_VELOCITY + k] = motion[body, ANGULAR_VELOCITY + k]
         kicked[body, IMPACT_TIME], kicked[body, FALLS] = 0.0, 0.0
 
 
@@ -200,10 +200,10 @@ def follow_pose(world: int, body: int) -> None:
     inertia, inverse_mass = floats(world, INERTIA), floats(world, INVERSE_MASS)
     same = True
     for k in range(4):
-        same = same and pose[body, 3 + k] == kicked[body, LEFT_POSE + k]
+        same = same and pose[body, ORIENTATION + k] == kicked[body, LEFT_POSE + k]
     if same:
         return
-    q, moments = quaternion_at(pose, body, 3), symmetric_at(inertia, body, BODY_INERTIA)
+    q, moments = quaternion_at(pose, body, ORIENTATION), symmetric_at(inertia, body, BODY_INERTIA)
     inverse = turned_symmetric(q, symmetric_at(inertia, body, INVERSE_INERTIA))
     normal = vector_at(floats(world, SETTINGS), 0, PLANE_NORMAL)
     if dot(normal, normal) > 0.0 and inverse[0] + inverse[1] + inverse[2] > 0.0:
@@ -211,25 +211,25 @@ def follow_pose(world: int, body: int) -> None:
         per_moment = 1.0 / dot(normal, turned_product(q, moments, normal))
         u, v, w = times(per_moment, normal)
         inverse = (u * x, v * y, w * z, u * y, u * z, v * z)
-    spin = turned_product(q, moments, vector_at(motion, body, 3))
+    spin = turned_product(q, moments, vector_at(motion, body, ANGULAR_VELOCITY))
     for k in range(6):
-        inverse_mass[body, 1 + k] = inverse[k]
+        inverse_mass[body, INVERSE_INERTIA_IN_WORLD + k] = inverse[k]
     for k in range(3):
         kicked[body, SPIN + k] = spin[k]
-        kicked[body, LEFT_TURN + k] = motion[body, 3 + k]
+        kicked[body, LEFT_TURN + k] = motion[body, ANGULAR_VELOCITY + k]
 
 
 @compiled
 def _look_ahead(body: int, h: float, pose: Any, motion: Any, inertia: Any, kicked: Any) -> None:
     """Replace the angular velocity of a body by that of its turn in free flight, w* = I^-1 (P + P') / 2."""
-    q = (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
+    q = quaternion_at(pose, body, ORIENTATION)
     moments = symmetric_at(inertia, body, BODY_INERTIA)
-    won = minus(vector_at(motion, body, 3), vector_at(kicked, body, LEFT_TURN))
+    won = minus(vector_at(motion, body, ANGULAR_VELOCITY), vector_at(kicked, body, LEFT_TURN))
     spin = plus(vector_at(kicked, body, SPIN), turned_product(q, moments, won))
-    turn = mean_turn(h, q, moments, spin, vector_at(motion, body, 3))
+    turn = mean_turn(h, q, moments, spin, vector_at(motion, body, ANGULAR_VELOCITY))
     for k in range(3):
         kicked[body, SPIN + k] = spin[k]
-        motion[body, 3 + k] = turn[k]
+        motion[body, ANGULAR_VELOCITY + k] = turn[k]
 
 
 @compiled
@@ -252,40 +252,44 @@ def drift(t: float, h: float, world: int) -> None:
         # Contacts that carry nothing change a velocity by its rounding.
         added = abs(kicked[body, ADDED]) + abs(kicked[body, ADDED + 1]) + abs(kicked[body, ADDED + 2])
         for k in range(3):
-            alone = abs(motion[body, k] - kicked[body, k]) <= 1e-9 * added
+            alone = abs(motion[body, VELOCITY + k] - kicked[body, KICKED_VELOCITY + k]) <= 1e-9 * added
             free = free and (alone or kicked[body, FALLS] != 0.0)
         # In free flight x moves with the mean of the velocities before and after the kick, which is exact for gravity.
         back = 0.5 if free else 0.0
         for k in range(3):
-            way = h * (motion[body, k] - back * kicked[body, ADDED + k])
-            pose[body, k] += way
-            delta_pose[body, k] += way
-        before = (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
-        w = (motion[body, 3], motion[body, 4], motion[body, 5])
+            way = h * (motion[body, VELOCITY + k] - back * kicked[body, ADDED + k])
+            pose[body, POSITION + k] += way
+            delta_pose[body, DISPLACEMENT + k] += way
+        before = quaternion_at(pose, body, ORIENTATION)
+        w = vector_at(motion, body, ANGULAR_VELOCITY)
         turns, way, left = inertia[body, SPHERICAL] == TUMBLES and kind == DYNAMIC, times(h, w), h
         spin, moments = (0.0, 0.0, 0.0), symmetric_at(inertia, body, BODY_INERTIA)
         if turns:
-            won = minus(w, vector_at(kicked, body, 3))
+            won = minus(w, vector_at(kicked, body, KICKED_ANGULAR_VELOCITY))
             spin = plus(vector_at(kicked, body, SPIN), turned_product(before, moments, won))
             if body_kind[body, LINK_COUNT] == 0 and dot(won, won) > 0.0 and h * h * dot(w, w) > _SLOW:
                 # From where an impact within the substep has left it
                 last = kicked[body, IMPACT_TIME]
-                way, left = times(last, vector_at(kicked, body, 3)), h - last
+                way, left = times(last, vector_at(kicked, body, KICKED_ANGULAR_VELOCITY)), h - last
                 before = product(exponential(way), before)
                 w = mean_turn(left, before, moments, spin, w)
                 way = plus(way, times(left, w))
         for k in range(3):
-            delta_pose[body, 3 + k] += way[k]
+            delta_pose[body, ROTATION + k] += way[k]
         q = unit(product(exponential(times(left, w)), before))
         for k in range(4):
-            pose[body, 3 + k] = q[k]
+            pose[body, ORIENTATION + k] = q[k]
         if turns:
             inverse = symmetric_at(inertia, body, INVERSE_INERTIA)
             w = turned(q, applied(inverse, turned_back(q, spin)))
             turned_inverse = turned_symmetric(q, inverse)
             for k in range(3):
-                motion[body, 3 + k], kicked[body, LEFT_TURN + k], kicked[body, SPIN + k] = w[k], w[k], spin[k]
+                motion[body, ANGULAR_VELOCITY + k], kicked[body, LEFT_TURN + k], kicked[body, SPIN + k] = (
+                    w[k],
+                    w[k],
+                    spin[k],
+                )
             for k in range(4):
                 kicked[body, LEFT_POSE + k] = q[k]
             for k in range(6):
-                inverse_mass[body, 1 + k] = turned_inverse[k]
+                inverse_mass[body, INVERSE_INERTIA_IN_WORLD + k] = turned_inverse[k]

@@ -10,22 +10,29 @@ from kickdrift.world import settings as s
 from kickdrift.world.cloth.integrity import check_cloths
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.filters import HIGH_BODY, LOW_BODY
-from kickdrift.world.collision.search import NEW, SOUGHT_ANEW
+from kickdrift.world.collision.search_state import NEW, SOUGHT_ANEW
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.integration import AWAKE, BODY_KIND, DYNAMIC, HEAP, HEAP_SIZE, IN_HEAP, SLEEP_ISLAND, STATIC
-from kickdrift.world.integration import REMOVED as BODY_REMOVED
 from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.catalogue import KINDS as JOINT_KINDS
 from kickdrift.world.layout import (
+    AWAKE,
     BEGINS,
+    BODY_KIND,
     BODY_ROW,
+    DYNAMIC,
     FIRST_BODY,
     FROM_SENSOR,
+    HEAP,
+    HEAP_SIZE,
+    IN_HEAP,
     SEARCH_STATE,
     SECOND_BODY,
     SHAPE_KIND,
     SIZE,
+    SLEEP_ISLAND,
+    STATIC,
 )
+from kickdrift.world.layout import REMOVED as BODY_REMOVED
 from kickdrift.world.shapes.catalogue import KINDS, met_as
 from kickdrift.world.shapes.record import SOLID, SURFACE
 from kickdrift.world.shapes.triangle import triangles_of

@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from kickdrift.core.errors import KickdriftError, unknown_name
 from kickdrift.engine.solution import Presenters, Solution
 from kickdrift.world.cloth.layout import CORNERS, FIRST_PARTICLE
-from kickdrift.world.integration import BODY_KIND, DYNAMIC
 from kickdrift.world.joints import layout
-from kickdrift.world.layout import BODY_ROW
+from kickdrift.world.layout import BODY_KIND, BODY_ROW, DYNAMIC
 from kickdrift.world.tables import BODY, CLOTH, FACE, JOINT, JOINT_NUMBERS, SHAPE
 
 if TYPE_CHECKING:

@@ -4,10 +4,9 @@ import numpy as np
 
 from kickdrift.core.errors import LostBodyError
 from kickdrift.world.cloth.motion import roll_back_cloths
-from kickdrift.world.collision.search import shapes_changed
+from kickdrift.world.collision.search_state import shapes_changed
 from kickdrift.world.contacts.layout import BOUNCED, CONTACT_STATE
-from kickdrift.world.integration import BODY_KIND, INVERSE_INERTIA, KINEMATIC, MASS
-from kickdrift.world.layout import LOWER, UPPER
+from kickdrift.world.layout import BODY_KIND, INVERSE_INERTIA, KINEMATIC, LOWER, MASS, UPPER
 from kickdrift.world.sleeping import REACH
 from kickdrift.world.tables import (
     BODY,

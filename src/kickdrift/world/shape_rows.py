@@ -15,7 +15,7 @@ from kickdrift.world.arguments import choice
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.dispatch import describe_kinds, find_extents
 from kickdrift.world.collision.narrow_phase import COLLIDE
-from kickdrift.world.collision.search import NEW, shapes_changed
+from kickdrift.world.collision.search_state import NEW, shapes_changed
 from kickdrift.world.layout import (
     BEGIN,
     BODY_ROW,

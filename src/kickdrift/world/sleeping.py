@@ -4,9 +4,8 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.columns import column
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.disjoint_sets import first_of, unite
-from kickdrift.world.integration import AWAKE, BODY_KIND, DYNAMIC, KINEMATIC, SLEEP_ISLAND
 from kickdrift.world.joints import layout as j
-from kickdrift.world.layout import ANGULAR_VELOCITY
+from kickdrift.world.layout import ANGULAR_VELOCITY, AWAKE, BODY_KIND, DYNAMIC, KINEMATIC, SLEEP_ISLAND
 from kickdrift.world.settings import SLEEP_SPEED, SLEEP_TIME
 from kickdrift.world.tables import BODY, CONTACT, JOINT, LOAD, MOTION, POSE, RESTED, SETTINGS, floats, integers, rows
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world import settings, tables
 from kickdrift.world.cloth.particle_tables import OF_A_STEP
-from kickdrift.world.collision.search import shapes_new
+from kickdrift.world.collision.search_state import shapes_new
 from kickdrift.world.force_stage import Force
 from kickdrift.world.shape_rows import Placed
 from kickdrift.world.tables import JOINT, POSE, SETTINGS, STARTED_JOINTS, Table, Tables

@@ -11,9 +11,9 @@ from kickdrift.world.cloth.contacts import find_cloth_contacts
 from kickdrift.world.cloth.motion import begin_cloths, move_cloths
 from kickdrift.world.cloth.sleeping import rest_cloths, wake_cloths
 from kickdrift.world.collision.broad_phase import find_pairs
+from kickdrift.world.collision.contact_recycling import find_points
 from kickdrift.world.collision.missed import find_missed
 from kickdrift.world.collision.narrow_phase import place_shapes
-from kickdrift.world.collision.recycling import find_points
 from kickdrift.world.collision.time_of_impact import find_impacts
 from kickdrift.world.contacts.batching import find_batches
 from kickdrift.world.contacts.colouring import colour
@@ -21,19 +21,19 @@ from kickdrift.world.contacts.prepare import prepare
 from kickdrift.world.contacts.residual import measure
 from kickdrift.world.contacts.restitution import bounce, find_bouncing
 from kickdrift.world.contacts.solver_stages import THREADED, relax, solve, store, warm_start
+from kickdrift.world.direct.energy_losses import note_losses
 from kickdrift.world.direct.gauss_seidel import relax_in_turn, solve_in_turn
-from kickdrift.world.direct.heaps import ask_again, count_unsolved, find_heaps
 from kickdrift.world.direct.islands import find_islands
-from kickdrift.world.direct.losses import note_losses
-from kickdrift.world.direct.nodes import find_nodes
+from kickdrift.world.direct.node_selection import find_nodes
 from kickdrift.world.direct.restitution import bounce_islands
 from kickdrift.world.direct.solve import measure_islands, relax_islands, solve_islands
+from kickdrift.world.direct.unconverged_heaps import ask_again, count_unsolved, find_heaps
 from kickdrift.world.events import note_touching
 from kickdrift.world.force_stage import begin_forces
 from kickdrift.world.integration import begin, drift, finish, flatten, kick
 from kickdrift.world.joints.breaking import finish_joints
 from kickdrift.world.joints.impulses import warm_start_joints
-from kickdrift.world.joints.measure import follow_joints, measure_joints
+from kickdrift.world.joints.kinematics import follow_joints, measure_joints
 from kickdrift.world.joints.prepare import begin_joints, wake_joints
 from kickdrift.world.sleeping import sleep, wake_moved, wake_touched
 from kickdrift.world.step import STAGE

@@ -17,7 +17,7 @@ REACHED = column(STEP_STATUS)  # number of the step that is being done, counted 
 WARNING = column(STEP_STATUS)  # set of what is to be said; no reason to stop
 SAID = column(STEP_STATUS)  # those of them that were said
 MIDWAY = column(STEP_STATUS)  # 1: a step was begun and is not done
-REPEATED = column(STEP_STATUS)  # 1: and it is done for the second time
+REPEATED = column(STEP_STATUS)  # 1: and it is done again, since sweeps had left a heap far from solved
 
 # Bits of WARNING
 LEFT_UNSOLVED = 1  # a body has rested for long on contacts that the sweeps leave unsolved
@@ -30,8 +30,7 @@ NOT_FINITE = 2  # a body has a pose or a velocity that is not finite
 NEEDS_TIME_OF_IMPACT = 3  # shapes are so fast that the step needs the stage `find_impacts`
 NEEDS_DIRECT_SOLVER = 4  # a heap is left unsolved by the sweeps
 LOST_CLOTH = 5  # a cloth has a particle whose position or velocity is not finite
-LEFT_FAR_FROM_SOLVED = 6  # a heap was, and is now marked: go back to where the step began, and do it again
-MISSED_CONTACT = 7  # impacts made bodies so fast that they met what was not expected: do the step again
+BEGIN_AGAIN = 6  # what the step has done showed what it should have known: go back to where it began, and do it again
 
 
 @compiled(inline=True)

@@ -13,12 +13,12 @@ from kickdrift.world import settings, step_status
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.collision.filters import part_joined
-from kickdrift.world.collision.search import TRIES
+from kickdrift.world.collision.search_state import TRIES
 from kickdrift.world.compiling import compile_step
 from kickdrift.world.contacts import contact_solver_simd
 from kickdrift.world.contacts.batching import FEW
 from kickdrift.world.contacts.layout import LANE_COUNT, SOLVE_EQUATIONS, WIDTH
-from kickdrift.world.direct.equations import SOLVE_ISLAND, solve_island
+from kickdrift.world.direct.active_set import SOLVE_ISLAND, solve_island
 from kickdrift.world.direct.solve import solve_islands
 from kickdrift.world.force_stage import Force, put_numbers
 from kickdrift.world.joints.handle import Joint
@@ -177,12 +177,8 @@ class DoesSteps:
             self.tables.altered = True
         elif kind == step_status.FULL:
             self.tables.make_room(table, wanted)
-        elif kind == step_status.MISSED_CONTACT:
+        elif kind == step_status.BEGIN_AGAIN:
             roll_back(self.tables)
-            return 0
-        elif kind == step_status.LEFT_FAR_FROM_SOLVED:
-            roll_back(self.tables)
-            status[step_status.REPEATED] = 1
             return 0
         elif kind == step_status.LOST_CLOTH:
             self._go_back(step, LOAD)

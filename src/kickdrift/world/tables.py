@@ -87,7 +87,7 @@ STARTED_POSE = Table(32, POSE.width)  # as POSE, MOTION and JOINT_NUMBERS were w
 STARTED_MOTION = Table(33, MOTION.width)
 STARTED_JOINTS = Table(50, JOINT_NUMBERS.width)
 FORESEEN = Table(61, 20)  # see `kickdrift.world.collision.foresight`
-SEARCH = Table(38, 16, whole=True)  # one row: see `kickdrift.world.collision.search`
+SEARCH = Table(38, 16, whole=True)  # one row: see `kickdrift.world.collision.search_state`
 MOVERS = Table(39, 1, whole=True)  # shapes that may move
 FIXTURES = Table(44, 1, whole=True)  # shapes that may not
 PLANES = Table(40, 1, whole=True)  # shapes that are planes

@@ -7,13 +7,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import choice, vector
+from kickdrift.world.atomic import undivided
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
 from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.collision.filters import exclude
 from kickdrift.world.settings import GRAVITY, RESIDUAL, SUBSTEPS
 from kickdrift.world.tables import ASKED_APART, SETTINGS, Tables
-from kickdrift.world.undivided import undivided
 
 MOST_SUBSTEPS = 10_000
 

@@ -16,6 +16,7 @@ from kickdrift.world.arguments import choice, direction, number, vector
 from kickdrift.world.batch import BATCH_COLOURS
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
+from kickdrift.world.body_views import BodyViews
 from kickdrift.world.cloth.adding import AddsCloths
 from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.conserved_quantities import ConservedQuantities
@@ -30,12 +31,11 @@ from kickdrift.world.queries import SpatialQueries
 from kickdrift.world.recorder import Recorder
 from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.snapshot import Snapshot
+from kickdrift.world.solver_warnings import say
 from kickdrift.world.stage_order import Program
 from kickdrift.world.stepping import DoesSteps
 from kickdrift.world.tables import COLOURS, KERNEL_ADDRESSES, SETTINGS, STEP_STATUS, VIEW, Tables
 from kickdrift.world.tuning import Tunable
-from kickdrift.world.unsolved import say
-from kickdrift.world.views import BodyViews
 
 
 def _revived(kind: type[World], snapshot: Snapshot, threads: bool) -> World:

@@ -9,7 +9,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.io.robots.geoms import Layers, is_shown, placed, touches
 from kickdrift.io.robots.parsing import Model
 from kickdrift.world.body import Body
-from kickdrift.world.integration import DYNAMIC, KINEMATIC, STATIC
+from kickdrift.world.layout import DYNAMIC, KINEMATIC, STATIC
 from kickdrift.world.shape_rows import Placed
 from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.mass import Mass, summed

@@ -10,9 +10,9 @@ from kickdrift.io.robots.laws import Actuator, axis_of
 from kickdrift.io.robots.parsing import Model
 from kickdrift.io.robots.records import Found, record_of
 from kickdrift.io.robots.rotors import add_rotor
-from kickdrift.world.integration import DYNAMIC
 from kickdrift.world.joints.axis import Axis
 from kickdrift.world.joints.record import Record
+from kickdrift.world.layout import DYNAMIC
 from kickdrift.world.shapes.mass import Mass
 
 Floats = NDArray[np.float64]

@@ -31,14 +31,16 @@ from kickdrift.world.collision.aabb import box_in_frame
 from kickdrift.world.collision.bvh import Box, gather
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.narrow_phase import collide, shape_pose
-from kickdrift.world.collision.nearby import find_near
+from kickdrift.world.collision.overlap_query import find_near
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import NORMAL, ON_A, ON_B, POINT
-from kickdrift.world.integration import AWAKE, BODY_KIND, DYNAMIC
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
+    AWAKE,
     BEGIN,
+    BODY_KIND,
     BODY_ROW,
+    DYNAMIC,
     FIRST_TREE_NODE,
     FRICTION,
     IS_SENSOR,

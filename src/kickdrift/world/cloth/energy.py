@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.rotations import cross
 from kickdrift.world.cloth import layout as c
-from kickdrift.world.integration import BODY_KIND, DYNAMIC
+from kickdrift.world.layout import BODY_KIND, DYNAMIC
 from kickdrift.world.settings import GRAVITY
 from kickdrift.world.tables import (
     BODY,

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kickdrift.world.cloth import layout as c
-from kickdrift.world.integration import BODY_KIND, REMOVED
+from kickdrift.world.layout import BODY_KIND, REMOVED
 
 if TYPE_CHECKING:
     from kickdrift.world.integrity import Rows

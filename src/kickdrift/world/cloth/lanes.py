@@ -8,7 +8,7 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from kickdrift.world.contacts.transposing import transposed
+from kickdrift.world.contacts.transpose import transposed
 
 WIDTH = 8
 NUMBER, WORD = ir.DoubleType(), ir.IntType(64)

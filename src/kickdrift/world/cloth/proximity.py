@@ -10,7 +10,7 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, minus, plus, times
 from kickdrift.world.columns import vector_at
-from kickdrift.world.shapes.closest import segments
+from kickdrift.world.shapes.closest_points import segments
 
 VERTEX_FACE, EDGE_EDGE = 0, 1
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.world.atomic import alone, undivided
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
 from kickdrift.world.cloth import layout as c
@@ -37,7 +38,6 @@ from kickdrift.world.tables import (
     PIN,
     Tables,
 )
-from kickdrift.world.undivided import alone, undivided
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World

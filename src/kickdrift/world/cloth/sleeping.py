@@ -14,7 +14,7 @@ from kickdrift.world.cloth.layout import (
     TOUCHED_BODY,
 )
 from kickdrift.world.columns import vector_at
-from kickdrift.world.integration import AWAKE, BODY_KIND, DYNAMIC, KINEMATIC, SLEEP_ISLAND
+from kickdrift.world.layout import AWAKE, BODY_KIND, DYNAMIC, KINEMATIC, SLEEP_ISLAND
 from kickdrift.world.settings import SLEEP_SPEED, SLEEP_TIME
 from kickdrift.world.sleeping import TIME, wake_island
 from kickdrift.world.step_status import OK, STATUS

@@ -21,11 +21,11 @@ from kickdrift.world.collision.box_polyhedron import (
     normal_of,
     put_face,
 )
-from kickdrift.world.collision.candidates import CANDIDATE, choose, put_candidates, put_manifold
 from kickdrift.world.collision.clipping import CORNER, clip
-from kickdrift.world.collision.edges import EDGE, put_closest, put_edges, put_row
-from kickdrift.world.collision.frames import set_at_rest, set_frame
-from kickdrift.world.collision.preference import PARALLEL, SHARE_OFF, SLACK, tolerance_of
+from kickdrift.world.collision.feature_preference import PARALLEL, SHARE_OFF, SLACK, tolerance_of
+from kickdrift.world.collision.manifold_reduction import CANDIDATE, choose, put_candidates, put_manifold
+from kickdrift.world.collision.polyhedra_edges import EDGE, put_closest, put_edges, put_row
+from kickdrift.world.collision.shape_frames import set_at_rest, set_frame
 from kickdrift.world.shapes.polyhedron import EDGES, edge, loop_edge
 
 # Room for a face clipped by another, and for all edges
@@ -138,7 +138,7 @@ def _clipped(
 
 @compiled
 def _put_all_edges(half: Any, frame: Any, edges: Any) -> int:
-    """Write all edges of a box as rows for `kickdrift.world.collision.edges`, without normals; return how many."""
+    """Write all edges of a box as rows for `kickdrift.world.collision.polyhedra_edges`, without normals; return how many."""
     count = int(UNIT_BOX[EDGES])
     for k in range(count):
         begin, end, _, _ = edge(UNIT_BOX, k)

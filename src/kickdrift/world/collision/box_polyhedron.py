@@ -7,7 +7,7 @@ import numpy as np
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, times
 from kickdrift.world.collision.clipping import CORNER, LABEL
-from kickdrift.world.collision.frames import placed
+from kickdrift.world.collision.shape_frames import placed
 from kickdrift.world.shapes.polyhedron import (
     EDGES_AT,
     HEADER,

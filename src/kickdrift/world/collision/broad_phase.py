@@ -5,8 +5,18 @@ from kickdrift.world.collision.bvh_update import update_trees
 from kickdrift.world.collision.filters import may_touch
 from kickdrift.world.collision.new_pairs import FIRST_SHAPE, PAIR, PART, SECOND_SHAPE, overlap, seek
 from kickdrift.world.collision.pair_hash import clear, insert, key_of, slots_for
-from kickdrift.world.collision.roster import update_bounds
-from kickdrift.world.collision.search import AT_HOME, CONTACTS, FOUND, NEW, PAIRS_AT, PARTS_AT, REVIEW, SHAPES_AT, SLOTS
+from kickdrift.world.collision.search_state import (
+    AT_HOME,
+    CONTACTS,
+    FOUND,
+    NEW,
+    PAIRS_AT,
+    PARTS_AT,
+    REVIEW,
+    SHAPES_AT,
+    SLOTS,
+)
+from kickdrift.world.collision.shape_lists import update_bounds
 from kickdrift.world.contacts.layout import (
     BODY_A,
     BODY_B,

@@ -4,8 +4,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import shaped
 from kickdrift.world.collision.bvh import NODES_PER_ITEM, SEED, SEED_ITEM, build, fit
 from kickdrift.world.collision.dispatch import sort_of
-from kickdrift.world.collision.roster import enlist
-from kickdrift.world.collision.search import (
+from kickdrift.world.collision.search_state import (
     CHANGED,
     FITTED,
     LEFT,
@@ -15,6 +14,7 @@ from kickdrift.world.collision.search import (
     STATIC_CHANGED,
     UNSEEN,
 )
+from kickdrift.world.collision.shape_lists import enlist
 from kickdrift.world.layout import BEGIN, FIRST_TREE_NODE, LAST_TREE_NODE, LOWER, SHAPE_KIND, SIZE, UPPER
 from kickdrift.world.shapes.record import SURFACE
 from kickdrift.world.shapes.triangle import triangle_box, triangles_of

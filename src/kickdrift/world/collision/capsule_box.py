@@ -5,9 +5,19 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, length, minus, times, turned_back
-from kickdrift.world.collision.lying import ASTRAY, CROSSED, FLAT, SHORT, STEEP, Range, beside, ends, put_capsule_first
-from kickdrift.world.collision.points import place, turn
-from kickdrift.world.shapes.closest import along, clamped, outside_box, segment_box, segments
+from kickdrift.world.collision.lying_capsules import (
+    ASTRAY,
+    CROSSED,
+    FLAT,
+    SHORT,
+    STEEP,
+    Range,
+    beside,
+    ends,
+    put_capsule_first,
+)
+from kickdrift.world.collision.manifold_points import place, turn
+from kickdrift.world.shapes.closest_points import along, clamped, outside_box, segment_box, segments
 
 _UP: Vector = (0.0, 0.0, 1.0)
 

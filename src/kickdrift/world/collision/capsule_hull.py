@@ -5,7 +5,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times, turned_back
-from kickdrift.world.collision.lying import (
+from kickdrift.world.collision.lying_capsules import (
     ASTRAY,
     CROSSED,
     FLAT,
@@ -18,9 +18,9 @@ from kickdrift.world.collision.lying import (
     nearer,
     put_capsule_first,
 )
-from kickdrift.world.collision.points import place, turn
+from kickdrift.world.collision.manifold_points import place, turn
 from kickdrift.world.collision.sphere_hull import NONE, nearest_face
-from kickdrift.world.shapes.closest import along, segments
+from kickdrift.world.shapes.closest_points import along, segments
 from kickdrift.world.shapes.polyhedron import EDGES, FACES, edge, loop, loop_vertex, plane, vertex
 
 _UP: Vector = (0.0, 0.0, 1.0)

@@ -6,11 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.collision.search import filters_changed
+from kickdrift.world.collision.search_state import filters_changed
 from kickdrift.world.columns import column
-from kickdrift.world.integration import BODY_KIND, DYNAMIC
 from kickdrift.world.joints import layout
-from kickdrift.world.layout import BODY_ROW, IS_SENSOR, LAYER, MASK
+from kickdrift.world.layout import BODY_KIND, BODY_ROW, DYNAMIC, IS_SENSOR, LAYER, MASK
 from kickdrift.world.tables import ASKED_APART, BODY, EXCLUDED, JOINT, SHAPE, Tables, integers, rows
 
 # Columns of EXCLUDED and ASKED_APART: pairs of bodies

@@ -1,7 +1,7 @@
 """Where a frustum lies on a face, or a polyhedron on an end of it, or an edge against it: the points of the contact.
 
 All is given in the frame of the frustum, which is the second shape; the polyhedron is given twice, as its numbers and as
-what the frustum sees of it (`kickdrift.world.collision.faces`).
+what the frustum sees of it (`kickdrift.world.collision.polyhedra_faces`).
 """
 
 import math
@@ -12,15 +12,15 @@ import numpy as np
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times
-from kickdrift.world.collision.candidates import CANDIDATE, FEATURES, SEPARATION, choose, put_candidate
 from kickdrift.world.collision.clipping import CORNER, LABEL, clip
-from kickdrift.world.collision.faces import incident_face
-from kickdrift.world.collision.frames import directed_back, placed_back
+from kickdrift.world.collision.feature_preference import SLACK
 from kickdrift.world.collision.frustum_round import FLAT_ON, line_of, lowest_direction, over_end
-from kickdrift.world.collision.lying import ASTRAY, FLAT, SHORT, STEEP, beside
-from kickdrift.world.collision.points import put_normal, put_point
-from kickdrift.world.collision.preference import SLACK
-from kickdrift.world.shapes.closest import along
+from kickdrift.world.collision.lying_capsules import ASTRAY, FLAT, SHORT, STEEP, beside
+from kickdrift.world.collision.manifold_points import put_normal, put_point
+from kickdrift.world.collision.manifold_reduction import CANDIDATE, FEATURES, SEPARATION, choose, put_candidate
+from kickdrift.world.collision.polyhedra_faces import incident_face
+from kickdrift.world.collision.shape_frames import directed_back, placed_back
+from kickdrift.world.shapes.closest_points import along
 from kickdrift.world.shapes.frustum import Frustum, highest, side_normal
 from kickdrift.world.shapes.polyhedron import MOST_VERTICES, loop, loop_vertex, plane, vertex
 

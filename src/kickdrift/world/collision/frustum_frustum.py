@@ -9,12 +9,12 @@ from numba import carray
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, dot, length, times
-from kickdrift.world.collision.frames import directed, set_frame, set_frame_back
+from kickdrift.world.collision.feature_preference import SHARE_OFF
 from kickdrift.world.collision.frustum_faces import COS_BETWEEN, SIDES, SIN_BETWEEN
 from kickdrift.world.collision.frustum_polyhedra import polyhedron_frustum
 from kickdrift.world.collision.frustum_round import FLAT_ON, lowest_direction
-from kickdrift.world.collision.points import put_normal, put_point
-from kickdrift.world.collision.preference import SHARE_OFF
+from kickdrift.world.collision.manifold_points import put_normal, put_point
+from kickdrift.world.collision.shape_frames import directed, set_frame, set_frame_back
 from kickdrift.world.contacts.layout import FEATURE, NORMAL, ON_A, ON_B, POINT, POINT_SIZE
 from kickdrift.world.shapes.frustum import Frustum, frustum_of, highest, radial
 from kickdrift.world.shapes.polyhedron import HEADER, PLANES_AT, THICKNESS, VERTICES, polyhedron_numbers, vertex

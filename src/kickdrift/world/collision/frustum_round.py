@@ -5,9 +5,18 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, minus, plus, times, turned, turned_back
-from kickdrift.world.collision.lying import ASTRAY, FLAT, SHORT, STEEP, beside, ends, foot_on_edge, put_capsule_first
-from kickdrift.world.collision.points import place, put_normal, put_point, turn
-from kickdrift.world.shapes.closest import along
+from kickdrift.world.collision.lying_capsules import (
+    ASTRAY,
+    FLAT,
+    SHORT,
+    STEEP,
+    beside,
+    ends,
+    foot_on_edge,
+    put_capsule_first,
+)
+from kickdrift.world.collision.manifold_points import place, put_normal, put_point, turn
+from kickdrift.world.shapes.closest_points import along
 from kickdrift.world.shapes.frustum import Frustum, deepest, frustum_of, highest, radial, side_normal, signed_distance
 
 _UP: Vector = (0.0, 0.0, 1.0)

@@ -14,24 +14,30 @@ from kickdrift.world.collision.dispatch import extent_of, sort_of
 from kickdrift.world.collision.filters import may_touch
 from kickdrift.world.collision.foresight import OFF, TURNED_FARTHER, foresee, forget, surprise
 from kickdrift.world.collision.narrow_phase import smallest
-from kickdrift.world.collision.search import TRIES
+from kickdrift.world.collision.search_state import TRIES
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import CONTACT_STATE, POINTS, SENSOR, SHAPE_A, SHAPE_B, TRIANGLE_INDEX
-from kickdrift.world.integration import AWAKE, BODY_KIND, DYNAMIC
 from kickdrift.world.layout import (
+    AWAKE,
     BEGIN,
+    BODY_KIND,
     BODY_ROW,
+    DYNAMIC,
     FIRST_TREE_NODE,
     IS_SENSOR,
     LAST_TREE_NODE,
+    ORIENTATION,
     PLACE_ORIENTATION,
     PLACE_POSITION,
+    PLACED_ORIENTATION,
+    PLACED_POSITION,
+    POSITION,
     RADIUS,
 )
 from kickdrift.world.settings import MARGIN
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.shapes.triangle import triangle_box
-from kickdrift.world.step_status import MISSED_CONTACT, OK, STATUS, ask_for_room
+from kickdrift.world.step_status import BEGIN_AGAIN, OK, STATUS, ask_for_room
 from kickdrift.world.tables import (
     BODY,
     BOUNDS,
@@ -78,7 +84,7 @@ def find_missed(t: float, h: float, world: int) -> None:
                     foresee(h, world, body)
             search[0, TRIES] += 1
             if status[0, STATUS] == OK:
-                status[0, STATUS] = MISSED_CONTACT
+                status[0, STATUS] = BEGIN_AGAIN
             return
     for body in range(rows(world, BODY)):
         forget(world, body)
@@ -156,12 +162,15 @@ def _swept(world: int, shape: int) -> Box:
     """Return the box around where a shape was at the start of the step and where it is now."""
     place, placed = floats(world, PLACE), floats(world, PLACED)
     body = integers(world, SHAPE)[shape, BODY_ROW]
-    box = _moved(extent_of(world, shape, quaternion_at(placed, shape, 3)), vector_at(placed, shape, 0))
+    box = _moved(
+        extent_of(world, shape, quaternion_at(placed, shape, PLACED_ORIENTATION)),
+        vector_at(placed, shape, PLACED_POSITION),
+    )
     if integers(world, BODY)[body, BODY_KIND] != DYNAMIC:
         return box
     pose = floats(world, POSE)
-    q = quaternion_at(pose, body, 3)
-    at = plus(vector_at(pose, body, 0), turned(q, vector_at(place, shape, PLACE_POSITION)))
+    q = quaternion_at(pose, body, ORIENTATION)
+    at = plus(vector_at(pose, body, POSITION), turned(q, vector_at(place, shape, PLACE_POSITION)))
     own = extent_of(world, shape, product(q, quaternion_at(place, shape, PLACE_ORIENTATION)))
     return box_around(box, _moved(own, at))
 

@@ -2,12 +2,12 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.aabb import box_in_frame, boxes_overlap, fat_bounds, reaches_under
-from kickdrift.world.collision.bounds import may_move
 from kickdrift.world.collision.bvh import gather
 from kickdrift.world.collision.dispatch import sort_of
+from kickdrift.world.collision.fat_bounds import may_move
 from kickdrift.world.collision.filters import may_touch
 from kickdrift.world.collision.pair_hash import is_known, key_of
-from kickdrift.world.collision.search import AT_HOME, FOUND, PAIRS_AT, PARTS_AT, SHAPES_AT, VISITS
+from kickdrift.world.collision.search_state import AT_HOME, FOUND, PAIRS_AT, PARTS_AT, SHAPES_AT, VISITS
 from kickdrift.world.collision.sorting import sort
 from kickdrift.world.columns import Fields
 from kickdrift.world.layout import BEGIN, FIRST_TREE_NODE, LAST_TREE_NODE, SEARCH_STATE, SHAPE_KIND

@@ -2,7 +2,7 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.dispatch import sort_of
-from kickdrift.world.collision.search import SLOTS
+from kickdrift.world.collision.search_state import SLOTS
 from kickdrift.world.layout import FIRST_TREE_NODE
 from kickdrift.world.shapes.record import SURFACE
 from kickdrift.world.tables import BOUNDS, SCRATCH, SEARCH, SHAPE, floats, integers, rows

@@ -9,9 +9,17 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import times
 from kickdrift.world.collision.box_polyhedron import SIZE_OF_BOX, set_box
-from kickdrift.world.collision.candidates import choose, put_manifold
-from kickdrift.world.collision.edges import EDGE, count_below, edges_beyond, put_closest, put_edges, separation_of_edges
-from kickdrift.world.collision.faces import (
+from kickdrift.world.collision.feature_preference import SHARE_OFF, SLACK, tolerance_of
+from kickdrift.world.collision.manifold_reduction import choose, put_manifold
+from kickdrift.world.collision.polyhedra_edges import (
+    EDGE,
+    count_below,
+    edges_beyond,
+    put_closest,
+    put_edges,
+    separation_of_edges,
+)
+from kickdrift.world.collision.polyhedra_faces import (
     CANDIDATES,
     PLACED,
     clipped_face,
@@ -19,8 +27,7 @@ from kickdrift.world.collision.faces import (
     place_polyhedron,
     separation_of_faces,
 )
-from kickdrift.world.collision.frames import set_frame
-from kickdrift.world.collision.preference import SHARE_OFF, SLACK, tolerance_of
+from kickdrift.world.collision.shape_frames import set_frame
 from kickdrift.world.shapes.polyhedron import MOST_EDGES, PUSHING, THICKNESS, plane, pointer_to
 
 _EDGES = EDGE * MOST_EDGES

@@ -16,11 +16,11 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.calls import address_of
 from kickdrift.core.errors import KickdriftError
 from kickdrift.world.collision import PAIRS
-from kickdrift.world.collision.bounds import find_strays
 from kickdrift.world.collision.bvh_update import update_for_queries
 from kickdrift.world.collision.dispatch import find_extents
+from kickdrift.world.collision.fat_bounds import find_strays
 from kickdrift.world.collision.narrow_phase import COLLIDE
-from kickdrift.world.collision.nearby import find_near, overlaps
+from kickdrift.world.collision.overlap_query import find_near, overlaps
 from kickdrift.world.collision.query_arguments import layer_bits, one_vector, rays_of
 from kickdrift.world.collision.ray_cast import DISTANCE, HIT, NORMAL, SHAPE_HIT, cast, cast_many
 from kickdrift.world.layout import BODY_ROW, IS_SENSOR, LAYER, SHAPE_KIND

@@ -5,8 +5,8 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, times, turned, turned_back
-from kickdrift.world.collision.points import place, put_normal, put_point, turn
-from kickdrift.world.shapes.closest import COINCIDENT, along, clamped
+from kickdrift.world.collision.manifold_points import place, put_normal, put_point, turn
+from kickdrift.world.shapes.closest_points import COINCIDENT, along, clamped
 from kickdrift.world.shapes.polyhedron import EDGES, FACES, edge, loop, loop_vertex, plane, vertex
 
 NONE = -1

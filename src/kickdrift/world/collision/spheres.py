@@ -5,8 +5,8 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, length, minus, times, turned, turned_back
-from kickdrift.world.collision.points import place, put_normal, put_point, turn
-from kickdrift.world.shapes.closest import clamped, outside_box
+from kickdrift.world.collision.manifold_points import place, put_normal, put_point, turn
+from kickdrift.world.shapes.closest_points import clamped, outside_box
 
 _UP: Vector = (0.0, 0.0, 1.0)
 _TINY = 1e-140  # m, below which squares underflow: two points are one

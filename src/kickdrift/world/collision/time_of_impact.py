@@ -28,7 +28,7 @@ from kickdrift.world.collision.acceleration import closing_acceleration, reach
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.foresight import fastest_turn, next_kink, path, velocity_then
 from kickdrift.world.collision.narrow_phase import look_again, placed_pose, radius, smallest
-from kickdrift.world.collision.search import TRIES
+from kickdrift.world.collision.search_state import TRIES
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
     BODY_A,

@@ -7,10 +7,10 @@ import numpy as np
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import dot, times
-from kickdrift.world.collision.faces import PLACED, lowest, place_polyhedron
-from kickdrift.world.collision.frames import set_frame_back
+from kickdrift.world.collision.feature_preference import SHARE_OFF, tolerance_of
 from kickdrift.world.collision.frustum_faces import lie_on_face, touch_edge
-from kickdrift.world.collision.preference import SHARE_OFF, tolerance_of
+from kickdrift.world.collision.polyhedra_faces import PLACED, lowest, place_polyhedron
+from kickdrift.world.collision.shape_frames import set_frame_back
 from kickdrift.world.collision.triangle_polyhedra import BEHIND, SIZE_OF_TRIANGLE, set_triangle
 from kickdrift.world.shapes.frustum import deepest, frustum_of, highest
 from kickdrift.world.shapes.polyhedron import plane, vertex

@@ -14,9 +14,9 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, times
 from kickdrift.world.collision.box_polyhedron import SIZE_OF_BOX, set_box
-from kickdrift.world.collision.faces import PLACED, lowest, place_polyhedron
-from kickdrift.world.collision.frames import placed, set_frame
 from kickdrift.world.collision.polyhedra import touching
+from kickdrift.world.collision.polyhedra_faces import PLACED, lowest, place_polyhedron
+from kickdrift.world.collision.shape_frames import placed, set_frame
 from kickdrift.world.shapes.polyhedron import (
     CENTRE,
     EDGES,

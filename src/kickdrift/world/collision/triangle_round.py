@@ -10,7 +10,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times, turned, turned_back
-from kickdrift.world.collision.lying import (
+from kickdrift.world.collision.lying_capsules import (
     ASTRAY,
     CROSSED,
     FLAT,
@@ -24,8 +24,8 @@ from kickdrift.world.collision.lying import (
     nearer,
     put_capsule_second,
 )
-from kickdrift.world.collision.points import place, put_normal, put_point, turn
-from kickdrift.world.shapes.closest import COINCIDENT, along, clamped, segments
+from kickdrift.world.collision.manifold_points import place, put_normal, put_point, turn
+from kickdrift.world.shapes.closest_points import COINCIDENT, along, clamped, segments
 from kickdrift.world.shapes.triangle import ACTIVE_EDGES
 
 _UP: Vector = (0.0, 0.0, 1.0)

@@ -7,7 +7,7 @@ from kickdrift.world.batch import AFTER_MEMBER, FIRST_MEMBER, WEIGHT
 from kickdrift.world.columns import column
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.disjoint_sets import first_of, unite
-from kickdrift.world.integration import BODY_KIND, STATIC
+from kickdrift.world.layout import BODY_KIND, STATIC
 from kickdrift.world.step_status import ask_for_room
 from kickdrift.world.tables import BATCH, BODY, CONTACT, MEMBER, MEMBERSHIP, integers, room, rows, set_rows
 

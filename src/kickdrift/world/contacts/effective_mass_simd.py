@@ -1,7 +1,7 @@
 """Arms, effective masses and gaps of constraints, in lanes, for the poses that bodies have now.
 
 `refresh` is the one source of arms, effective masses and gaps. Points turn with their bodies; of round shapes it is the core
-that does (`kickdrift.world.contacts.rolling_core`), and the radius lies along the normal, so that what spins about the core
+that does (`kickdrift.world.contacts.rolling_shape`), and the radius lies along the normal, so that what spins about the core
 feels no turn and what rolls no gap. Both arms end at one point, which keeps momentum and angular momentum.
 """
 

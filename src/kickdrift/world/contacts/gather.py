@@ -22,8 +22,19 @@ from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts import prepare_simd as r
 from kickdrift.world.contacts.effective_mass_simd import SLIP_STRICTNESS, TWIST_STRICTNESS
-from kickdrift.world.contacts.rolling_core import radius_at, rolling_core, rolls
-from kickdrift.world.layout import BODY_ROW, FRICTION, INVERSE_INERTIA_IN_WORLD, RADIUS, ROLLING, SURFACE_VELOCITY
+from kickdrift.world.contacts.rolling_shape import radius_at, rolling_core, rolls
+from kickdrift.world.layout import (
+    ANGULAR_VELOCITY,
+    BODY_ROW,
+    FRICTION,
+    INVERSE_INERTIA_IN_WORLD,
+    INVERSE_LINEAR_MASS,
+    ORIENTATION,
+    POSITION,
+    RADIUS,
+    ROLLING,
+    SURFACE_VELOCITY,
+)
 from kickdrift.world.settings import CONTACT_DAMPING, CONTACT_HERTZ, STEP, SUBSTEPS
 from kickdrift.world.tables import (
     CONTACT,
@@ -62,14 +73,15 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
     at_a, turn_a = placed_pose(world, shape_a)
     at_b, turn_b = placed_pose(world, shape_b)
-    arm_a, arm_b = minus(at_a, vector_at(pose, a, 0)), minus(at_b, vector_at(pose, b, 0))
-    apart = minus(vector_at(pose, b, 0), vector_at(pose, a, 0))
+    arm_a, arm_b = minus(at_a, vector_at(pose, a, POSITION)), minus(at_b, vector_at(pose, b, POSITION))
+    apart = minus(vector_at(pose, b, POSITION), vector_at(pose, a, POSITION))
     normal = vector_at(manifold, row, c.NORMAL)
     along, width = turned(turn_a, normal), manifold[row, c.WIDTH_OF_FACE]
     # Of the contact, along its normal, from the farther of both centres
     arm = plus(arm_a, turned(turn_a, vector_at(manifold, row, c.POINT)))
     height = max(abs(dot(along, arm)), abs(dot(along, minus(arm, apart))))
-    step, turning_a, turning_b = floats(world, SETTINGS)[0, STEP], vector_at(motion, a, 3), vector_at(motion, b, 3)
+    step = floats(world, SETTINGS)[0, STEP]
+    turning_a, turning_b = vector_at(motion, a, ANGULAR_VELOCITY), vector_at(motion, b, ANGULAR_VELOCITY)
     back = turned_back(quaternion_at(manifold, row, c.FOUND_POSE + 3), normal)
     round_a = rolling_core(world, shape_a, radius(world, shape_a), turn_a, normal, along, times(step, turning_a))
     round_b = rolling_core(
@@ -118,19 +130,20 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
         raw[(r.RADII + at) * c.WIDTH], raw[(r.RADII + at + 1) * c.WIDTH] = radius_a, radius_b
         raw[(r.IMPULSE + k) * c.WIDTH] = manifold[row, c.NORMAL_IMPULSE + k] if k < points else 0.0
     raw[r.COUNT * c.WIDTH] = points
-    raw[r.MASS_A * c.WIDTH], raw[r.MASS_B * c.WIDTH] = inverse_mass[a, 0], inverse_mass[b, 0]
+    inverse_a, inverse_b = inverse_mass[a, INVERSE_LINEAR_MASS], inverse_mass[b, INVERSE_LINEAR_MASS]
+    raw[r.MASS_A * c.WIDTH], raw[r.MASS_B * c.WIDTH] = inverse_a, inverse_b
     for k in range(6):
         scratch[(r.INERTIA_A + k) * c.WIDTH] = inverse_mass[a, INVERSE_INERTIA_IN_WORLD + k]
         scratch[(r.INERTIA_B + k) * c.WIDTH] = inverse_mass[b, INVERSE_INERTIA_IN_WORLD + k]
     raw[r.FRICTION * c.WIDTH] = math.sqrt(place[shape_a, FRICTION] * place[shape_b, FRICTION])
     raw[r.RESISTANCE * c.WIDTH] = max(place[shape_a, ROLLING], place[shape_b, ROLLING])
     raw[r.TWISTED * c.WIDTH] = manifold[row, c.TWIST_IMPULSE]
-    fixed = inverse_mass[a, 0] == 0.0 or inverse_mass[b, 0] == 0.0
+    fixed = inverse_a == 0.0 or inverse_b == 0.0
     slide_a, slide_b = _surface_velocity(world, shape_a), _surface_velocity(world, shape_b)
     for k in range(3):
         raw[(r.SLIDE + k) * c.WIDTH] = slide_a[k] - slide_b[k]
         raw[(r.SOFTNESS + k) * c.WIDTH] = soft[k] if fixed else softer[k]
-    raw[r.SHARE * c.WIDTH] = _share(rolls(round_a), rolls(round_b), inverse_mass[a, 0], inverse_mass[b, 0])
+    raw[r.SHARE * c.WIDTH] = _share(rolls(round_a), rolls(round_b), inverse_a, inverse_b)
     least = _ROUNDING * smallest(place[shape_a, RADIUS], place[shape_b, RADIUS])
     still = max(_STILL * floats(world, SETTINGS)[0, STEP] * width, least)
     raw[(r.STALE + 1) * c.WIDTH] = still
@@ -189,4 +202,4 @@ def _surface_velocity(world: int, shape: int) -> Vector:
     if velocity[0] == 0.0 and velocity[1] == 0.0 and velocity[2] == 0.0:
         return velocity
     body = integers(world, SHAPE)[shape, BODY_ROW]
-    return turned((pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6]), velocity)
+    return turned(quaternion_at(pose, body, ORIENTATION), velocity)

@@ -28,17 +28,26 @@ from kickdrift.core.vectors import (
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.free_rotation import mean_turn
-from kickdrift.world.integration import (
+from kickdrift.world.layout import (
     ADDED,
+    ANGULAR_VELOCITY,
     BODY_INERTIA,
+    DISPLACEMENT,
     IMPACT_TIME,
     INVERSE_INERTIA,
+    INVERSE_INERTIA_IN_WORLD,
+    INVERSE_LINEAR_MASS,
+    KICKED_ANGULAR_VELOCITY,
+    KICKED_VELOCITY,
     NEXT_IMPACT,
+    ORIENTATION,
+    POSITION,
+    ROTATION,
     SPHERICAL,
     SPIN,
     TUMBLES,
+    VELOCITY,
 )
-from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
 from kickdrift.world.settings import MIDPOINT
 from kickdrift.world.tables import (
     CONTACT,
@@ -80,7 +89,7 @@ def vector_of(own: Any, field: int) -> Vector:
 @compiled(inline=True)
 def is_moved(world: int, body: int) -> bool:
     """Whether impulses move a body."""
-    moved: bool = floats(world, INVERSE_MASS)[body, 0] > 0.0
+    moved: bool = floats(world, INVERSE_MASS)[body, INVERSE_LINEAR_MASS] > 0.0
     return moved
 
 
@@ -93,8 +102,8 @@ def flown(h: float, world: int, body: int, when: float) -> Flight:
         floats(world, KICKED),
         floats(world, INERTIA),
     )
-    at, q = vector_at(pose, body, 0), quaternion_at(pose, body, 3)
-    v, w, none = vector_at(motion, body, 0), vector_at(motion, body, 3), (0.0, 0.0, 0.0)
+    at, q = vector_at(pose, body, POSITION), quaternion_at(pose, body, ORIENTATION)
+    v, w, none = vector_at(motion, body, VELOCITY), vector_at(motion, body, ANGULAR_VELOCITY), (0.0, 0.0, 0.0)
     if not is_moved(world, body):
         return plus(at, times(when, v)), product(exponential(times(when, w)), q), v, w, none, times(when, w)
     at = plus(at, _way(h, world, body, when))
@@ -117,7 +126,7 @@ def flown(h: float, world: int, body: int, when: float) -> Flight:
 @compiled(inline=True)
 def place_of(world: int, body: int, at: Vector, q: Quaternion) -> Place:
     """Return where a body is, and how it has turned since the step began."""
-    return at, product(q, conjugate(quaternion_at(floats(world, STARTED_POSE), body, 3)))
+    return at, product(q, conjugate(quaternion_at(floats(world, STARTED_POSE), body, ORIENTATION)))
 
 
 @compiled
@@ -142,10 +151,10 @@ def arms_now(world: int, row: int, own: Any, point: int, when: float, normal: Ve
 @compiled(inline=True)
 def _place_now(world: int, body: int, when: float) -> Place:
     pose, motion = floats(world, POSE), floats(world, MOTION)
-    at, q = vector_at(pose, body, 0), quaternion_at(pose, body, 3)
+    at, q = vector_at(pose, body, POSITION), quaternion_at(pose, body, ORIENTATION)
     if not is_moved(world, body):
-        at = plus(at, times(when, vector_at(motion, body, 0)))
-        q = product(exponential(times(when, vector_at(motion, body, 3))), q)
+        at = plus(at, times(when, vector_at(motion, body, VELOCITY)))
+        q = product(exponential(times(when, vector_at(motion, body, ANGULAR_VELOCITY))), q)
     return place_of(world, body, at, q)
 
 
@@ -165,8 +174,8 @@ def move_to_impact(h: float, world: int, body: int) -> None:
         return
     at, q, v, w, _, way = flown(h, world, body, when)
     for k in range(3):
-        pose[body, k], motion[body, k], motion[body, 3 + k] = at[k], v[k], w[k]
-        floats(world, DELTA_POSE)[body, 3 + k] += way[k]
+        pose[body, POSITION + k], motion[body, VELOCITY + k], motion[body, ANGULAR_VELOCITY + k] = at[k], v[k], w[k]
+        floats(world, DELTA_POSE)[body, ROTATION + k] += way[k]
     kicked[body, IMPACT_TIME], kicked[body, NEXT_IMPACT] = when, -1.0
     _turn_to(world, body, q)
 
@@ -184,7 +193,11 @@ def leave_impact(h: float, world: int, body: int) -> None:
         return
     kicked[body, NEXT_IMPACT] = -2.0
     when, inertia = kicked[body, IMPACT_TIME], floats(world, INERTIA)
-    way, q, turn = _way(h, world, body, when), quaternion_at(pose, body, 3), vector_at(motion, body, 3)
+    way, q, turn = (
+        _way(h, world, body, when),
+        quaternion_at(pose, body, ORIENTATION),
+        vector_at(motion, body, ANGULAR_VELOCITY),
+    )
     if inertia[body, SPHERICAL] == TUMBLES:
         moments, spin = symmetric_at(inertia, body, BODY_INERTIA), vector_at(kicked, body, SPIN)
         before = applied(symmetric_at(floats(world, INVERSE_MASS), body, INVERSE_INERTIA_IN_WORLD), spin)
@@ -194,12 +207,13 @@ def leave_impact(h: float, world: int, body: int) -> None:
             kicked[body, SPIN + k] = spin[k]
     faster = _left_to_gain(h, world, when)
     for k in range(3):
-        motion[body, k] += faster * kicked[body, ADDED + k]
-        back = when * (motion[body, k] - kicked[body, k])
-        pose[body, k] -= way[k] + back
-        delta_pose[body, k] -= back
-        delta_pose[body, 3 + k] -= when * turn[k]
-        kicked[body, k], kicked[body, 3 + k], motion[body, 3 + k] = motion[body, k], turn[k], turn[k]
+        motion[body, VELOCITY + k] += faster * kicked[body, ADDED + k]
+        back = when * (motion[body, VELOCITY + k] - kicked[body, KICKED_VELOCITY + k])
+        pose[body, POSITION + k] -= way[k] + back
+        delta_pose[body, DISPLACEMENT + k] -= back
+        delta_pose[body, ROTATION + k] -= when * turn[k]
+        kicked[body, KICKED_VELOCITY + k] = motion[body, VELOCITY + k]
+        kicked[body, KICKED_ANGULAR_VELOCITY + k], motion[body, ANGULAR_VELOCITY + k] = turn[k], turn[k]
     _turn_to(world, body, product(exponential(times(-when, turn)), q))
 
 
@@ -208,7 +222,7 @@ def _way(h: float, world: int, body: int, when: float) -> Vector:
     """How far a body flies from the start of the substep until a time, by the midpoint rule if that is asked for."""
     kicked, midpoint = floats(world, KICKED), floats(world, SETTINGS)[0, MIDPOINT]
     late = midpoint * when * (0.5 * when / h - 1.0)
-    return plus(times(when, vector_at(kicked, body, 0)), times(late, vector_at(kicked, body, ADDED)))
+    return plus(times(when, vector_at(kicked, body, KICKED_VELOCITY)), times(late, vector_at(kicked, body, ADDED)))
 
 
 @compiled(inline=True)
@@ -224,11 +238,11 @@ def _turn_to(world: int, body: int, turn: Quaternion) -> None:
     pose, inverse_mass, inertia = floats(world, POSE), floats(world, INVERSE_MASS), floats(world, INERTIA)
     q = unit(turn)
     for k in range(4):
-        pose[body, 3 + k] = q[k]
+        pose[body, ORIENTATION + k] = q[k]
     if inertia[body, SPHERICAL] == TUMBLES:
         inverse = turned_symmetric(q, symmetric_at(inertia, body, INVERSE_INERTIA))
         for k in range(6):
-            inverse_mass[body, 1 + k] = inverse[k]
+            inverse_mass[body, INVERSE_INERTIA_IN_WORLD + k] = inverse[k]
 
 
 @compiled

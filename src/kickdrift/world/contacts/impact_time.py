@@ -13,7 +13,7 @@ from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, turn
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.impact_motion import Flight, Place, arms_between, flown, place_of, vector_of
-from kickdrift.world.integration import ADDED
+from kickdrift.world.layout import ADDED, ANGULAR_VELOCITY, VELOCITY
 from kickdrift.world.settings import MIDPOINT
 from kickdrift.world.tables import CONTACT, KICKED, MOTION, SETTINGS, floats, integers
 
@@ -29,8 +29,8 @@ def rests(h: float, world: int, row: int, own: Any, slowest: float) -> bool:
     """Whether no point of a contact can become as fast as what bounces within the substep, as of most things that lie."""
     contact, motion = integers(world, CONTACT), floats(world, MOTION)
     a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], vector_of(own, c.N)
-    across = dot(normal, minus(vector_at(motion, b, 0), vector_at(motion, a, 0)))
-    turn_a, turn_b = length(vector_at(motion, a, 3)), length(vector_at(motion, b, 3))
+    across = dot(normal, minus(vector_at(motion, b, VELOCITY), vector_at(motion, a, VELOCITY)))
+    turn_a, turn_b = length(vector_at(motion, a, ANGULAR_VELOCITY)), length(vector_at(motion, b, ANGULAR_VELOCITY))
     reach_a, reach_b = 0.0, 0.0
     for k in range(contact[row, c.POINTS]):
         anchor = c.ANCHORS + c.ANCHOR_SIZE * k

@@ -51,7 +51,7 @@ MEASURE = column(KERNEL_ADDRESSES)
 LANE_COUNT = column(KERNEL_ADDRESSES)
 SOLVE_EQUATIONS = column(
     KERNEL_ADDRESSES
-)  # address of the direct solver, see `kickdrift.world.direct.equations.solve_island`
+)  # address of the direct solver, see `kickdrift.world.direct.active_set.solve_island`
 
 # Numbers of a point of a manifold
 _POINT = Fields()
@@ -85,7 +85,7 @@ IMPULSE = _CONSTRAINT_POINT.field(1, "N s")
 LEVER = _CONSTRAINT_POINT.field(1, "m")  # distance from the centre
 POINT_FIELDS = _CONSTRAINT_POINT.close()
 
-# Of a point, when the step began. What is round has its core there, see `kickdrift.world.contacts.rolling_core`.
+# Of a point, when the step began. What is round has its core there, see `kickdrift.world.contacts.rolling_shape`.
 _ANCHOR = Fields()
 ANCHOR_A = _ANCHOR.field(3, "m")  # from both bodies
 ANCHOR_B = _ANCHOR.field(3, "m")

@@ -11,8 +11,8 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.contacts.contact_solver_simd import KERNEL
 from kickdrift.world.contacts.prepare_simd import MARK, SCRATCH_SIZE, VELOCITY_A, VELOCITY_B
-from kickdrift.world.contacts.transposing import gather_rows
-from kickdrift.world.integration import UNSOLVED
+from kickdrift.world.contacts.transpose import gather_rows
+from kickdrift.world.layout import UNSOLVED
 from kickdrift.world.settings import GRAVITY, RESIDUAL
 from kickdrift.world.tables import (
     BODY,

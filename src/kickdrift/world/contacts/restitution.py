@@ -30,8 +30,7 @@ from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.contacts.impact_motion import constraint, flown, is_moved, leave_impact, move_to_impact
 from kickdrift.world.contacts.impact_time import find_time, rests
 from kickdrift.world.contacts.simultaneous_impact import BOUNCE, ROW, SPEED, TIME, TIMES, find_impulses, meet, pushed
-from kickdrift.world.integration import IMPACT_TIME, NEXT_IMPACT
-from kickdrift.world.layout import RADIUS, RESTITUTION
+from kickdrift.world.layout import IMPACT_TIME, NEXT_IMPACT, RADIUS, RESTITUTION
 from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, MARGIN, SLOP, SUBSTEPS
 from kickdrift.world.step_status import ask_for_room
 from kickdrift.world.tables import (

@@ -15,8 +15,13 @@ from kickdrift.core.vectors import Vector, applied, cross, dot, length, minus, p
 from kickdrift.world.columns import Fields, column, symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.impact_motion import arms_now, constraint, normal_at, vector_of
-from kickdrift.world.integration import IMPACT_TIME
-from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
+from kickdrift.world.layout import (
+    ANGULAR_VELOCITY,
+    IMPACT_TIME,
+    INVERSE_INERTIA_IN_WORLD,
+    INVERSE_LINEAR_MASS,
+    VELOCITY,
+)
 from kickdrift.world.settings import SLOP
 from kickdrift.world.tables import CONTACT, IMPACT, INVERSE_MASS, KICKED, MOTION, SETTINGS, floats, integers, rows
 
@@ -103,7 +108,7 @@ def _yielding(world: int, a: int, b: int, hit: Any, along: Vector, other: Vector
     arm_a, arm_b = _at(hit, ARM_A), _at(hit, ARM_B)
     inverse_a = symmetric_at(inverse_mass, a, INVERSE_INERTIA_IN_WORLD)
     inverse_b = symmetric_at(inverse_mass, b, INVERSE_INERTIA_IN_WORLD)
-    linear: float = (inverse_mass[a, 0] + inverse_mass[b, 0]) * dot(along, other)
+    linear: float = (inverse_mass[a, INVERSE_LINEAR_MASS] + inverse_mass[b, INVERSE_LINEAR_MASS]) * dot(along, other)
     turned_a: float = dot(cross(arm_a, along), applied(inverse_a, cross(arm_a, other)))
     turned_b: float = dot(cross(arm_b, along), applied(inverse_b, cross(arm_b, other)))
     return linear + turned_a + turned_b
@@ -113,9 +118,9 @@ def _yielding(world: int, a: int, b: int, hit: Any, along: Vector, other: Vector
 def _speed(world: int, a: int, b: int, normal: Vector, point: Any) -> float:
     """Velocity at which a point of b moves away from a."""
     motion = floats(world, MOTION)
-    linear = dot(normal, minus(vector_at(motion, b, 0), vector_at(motion, a, 0)))
-    speed: float = linear + dot(_at(point, TURN_B), vector_at(motion, b, 3))
-    return speed - dot(_at(point, TURN_A), vector_at(motion, a, 3))
+    linear = dot(normal, minus(vector_at(motion, b, VELOCITY), vector_at(motion, a, VELOCITY)))
+    speed: float = linear + dot(_at(point, TURN_B), vector_at(motion, b, ANGULAR_VELOCITY))
+    return speed - dot(_at(point, TURN_A), vector_at(motion, a, ANGULAR_VELOCITY))
 
 
 @compiled(inline=True)
@@ -125,10 +130,10 @@ def _push(world: int, a: int, b: int, push: Vector, turn_a: Vector, turn_b: Vect
     change_a = applied(symmetric_at(inverse_mass, a, INVERSE_INERTIA_IN_WORLD), turn_a)
     change_b = applied(symmetric_at(inverse_mass, b, INVERSE_INERTIA_IN_WORLD), turn_b)
     for k in range(3):
-        motion[a, k] -= inverse_mass[a, 0] * push[k]
-        motion[b, k] += inverse_mass[b, 0] * push[k]
-        motion[a, 3 + k] -= change_a[k]
-        motion[b, 3 + k] += change_b[k]
+        motion[a, VELOCITY + k] -= inverse_mass[a, INVERSE_LINEAR_MASS] * push[k]
+        motion[b, VELOCITY + k] += inverse_mass[b, INVERSE_LINEAR_MASS] * push[k]
+        motion[a, ANGULAR_VELOCITY + k] -= change_a[k]
+        motion[b, ANGULAR_VELOCITY + k] += change_b[k]
 
 
 @compiled
@@ -149,7 +154,7 @@ def _sweep_points(world: int, hit: Any, stopping: bool, least: float, thrown: bo
         if point[PLASTIC] < 0.0 or (not stopping and point[PLASTIC] == 0.0 and not thrown):
             continue
         turn_a, turn_b = _at(point, TURN_A), _at(point, TURN_B)
-        yielding = inverse_mass[a, 0] + inverse_mass[b, 0]
+        yielding = inverse_mass[a, INVERSE_LINEAR_MASS] + inverse_mass[b, INVERSE_LINEAR_MASS]
         yielding += dot(turn_a, applied(inverse_a, turn_a)) + dot(turn_b, applied(inverse_b, turn_b))
         missing = (point[WANTED] if thrown else 0.0) - _speed(world, a, b, normal, point)
         d = max(point[IMPULSE] + missing / yielding, -least * point[PLASTIC]) - point[IMPULSE]
@@ -167,8 +172,8 @@ def _sweep_friction(world: int, hit: Any) -> float:
     first, arm_a, arm_b = _at(hit, TANGENT), _at(hit, ARM_A), _at(hit, ARM_B)
     second = cross(_at(hit, NORMAL), first)
     slip = minus(
-        plus(vector_at(motion, b, 0), cross(vector_at(motion, b, 3), arm_b)),
-        plus(vector_at(motion, a, 0), cross(vector_at(motion, a, 3), arm_a)),
+        plus(vector_at(motion, b, VELOCITY), cross(vector_at(motion, b, ANGULAR_VELOCITY), arm_b)),
+        plus(vector_at(motion, a, VELOCITY), cross(vector_at(motion, a, ANGULAR_VELOCITY), arm_a)),
     )
     s1, s2 = dot(slip, first) - own[c.SLIDE * c.WIDTH], dot(slip, second) - own[(c.SLIDE + 1) * c.WIDTH]
     k11, k22, k12 = _at(hit, GRIP)

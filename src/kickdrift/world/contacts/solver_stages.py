@@ -13,7 +13,8 @@ from numba import carray, prange
 from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled, specialise, unbound
 from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import product
+from kickdrift.core.vectors import conjugate, product
+from kickdrift.world.columns import quaternion_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.colouring import LINKED, OVERFLOW
 from kickdrift.world.contacts.contact_solver_simd import KERNEL
@@ -30,8 +31,8 @@ from kickdrift.world.contacts.prepare_simd import (
     VELOCITY_A,
     VELOCITY_B,
 )
-from kickdrift.world.contacts.transposing import fetch_rows, gather_rows, scatter_rows
-from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
+from kickdrift.world.contacts.transpose import fetch_rows, gather_rows, scatter_rows
+from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, ORIENTATION, POSITION, VELOCITY
 from kickdrift.world.settings import PUSH_SPEED, SLOP
 from kickdrift.world.tables import (
     COLOURS,
@@ -169,7 +170,7 @@ def _take_anew(h: float, world: int, g: int, own: Any, scratch: Any, n: int) -> 
         _gather_turn(pose, started, a, scratch[TURNED_A * _W + lane :])
         _gather_turn(pose, started, b, scratch[TURNED_B * _W + lane :])
         for k in range(3):
-            scratch[(FROM_A_TO_B + k) * _W + lane] = pose[b, k] - pose[a, k]
+            scratch[(FROM_A_TO_B + k) * _W + lane] = pose[b, POSITION + k] - pose[a, POSITION + k]
     run_kernel(kernels[0, c.REFRESH], (own, scratch, floats(world, SETTINGS)[0, SLOP], h, 0.0, n))
     run_kernel(kernels[0, c.REFRESH_FRICTION], (own, scratch, 0.0, 1.0, 0.0, n))
 
@@ -177,9 +178,7 @@ def _take_anew(h: float, world: int, g: int, own: Any, scratch: Any, n: int) -> 
 @compiled(inline=True)
 def _gather_turn(pose: Any, started: Any, body: int, scratch: Any) -> None:
     """Store how a body has turned since the step began."""
-    q = (pose[body, 3], pose[body, 4], pose[body, 5], pose[body, 6])
-    before = (started[body, 3], -started[body, 4], -started[body, 5], -started[body, 6])
-    turn = product(q, before)
+    turn = product(quaternion_at(pose, body, ORIENTATION), conjugate(quaternion_at(started, body, ORIENTATION)))
     for k in range(4):
         scratch[k * _W] = turn[k]
 
@@ -273,5 +272,5 @@ def _add_changes(world: int, g: int, motion: Any, scratch: Any) -> None:
             continue
         a, b = groups[g, c.BODIES_A + lane], groups[g, c.BODIES_B + lane]
         for k in range(6):
-            motion[a, k] += scratch[(VELOCITY_A + k) * _W + lane]
-            motion[b, k] += scratch[(VELOCITY_B + k) * _W + lane]
+            motion[a, VELOCITY + k] += scratch[(VELOCITY_A + k) * _W + lane]
+            motion[b, VELOCITY + k] += scratch[(VELOCITY_B + k) * _W + lane]

@@ -42,7 +42,7 @@ from kickdrift.world.direct.layout import (
     WRENCH,
 )
 from kickdrift.world.direct.linked_contacts import bodies_of, constraint, contact_row
-from kickdrift.world.direct.nodes import mass_of, node_of, place_in
+from kickdrift.world.direct.node_selection import mass_of, node_of, place_in
 from kickdrift.world.direct.wrenches import along
 from kickdrift.world.settings import GRAVITY, PUSH_SPEED
 from kickdrift.world.tables import DELTA_POSE, ISLAND, ISLAND_CONTACT, MOTION, SETTINGS, Table, floats, integers

@@ -12,7 +12,7 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.impact_motion import vector_of
 from kickdrift.world.direct.layout import AFTER_CONTACT, AFTER_JOINT, FIRST_CONTACT, FIRST_JOINT
 from kickdrift.world.direct.linked_contacts import bodies_of, constraint
-from kickdrift.world.direct.nodes import mass_of, place_in
+from kickdrift.world.direct.node_selection import mass_of, place_in
 from kickdrift.world.joints.external_work import external_work
 from kickdrift.world.joints.layout import ANGULAR_PART, LINEAR_PART, LINK_JOINT
 from kickdrift.world.tables import ISLAND, ISLAND_CONTACT, ISLAND_JOINT, LINK, MOTION, floats, integers

@@ -18,12 +18,13 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import applied
 from kickdrift.world.columns import symmetric_at, vector_at
+from kickdrift.world.direct.active_set import TRIALS
 from kickdrift.world.direct.contacts import PRESS, REST
-from kickdrift.world.direct.equations import TRIALS
 from kickdrift.world.direct.joint_impulses import end_joint, give_joint, turn_on
 from kickdrift.world.direct.loop_closures import write_axis
-from kickdrift.world.joints.gearing import mobility_of_gear
-from kickdrift.world.joints.laws import update_law_states
+from kickdrift.world.joints.axis_laws import update_law_states
+from kickdrift.world.joints.gear_rows import mobility_of_gear
+from kickdrift.world.joints.kinematics import put_vector
 from kickdrift.world.joints.layout import (
     ACCEPTED_DELTA_SPEED,
     ARM_A,
@@ -49,9 +50,8 @@ from kickdrift.world.joints.layout import (
     SEQUENTIAL,
     SLOPE,
 )
-from kickdrift.world.joints.measure import put_vector
 from kickdrift.world.joints.right_hand_side import GENTLY, RELAX, write_right_hand_side
-from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
+from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
 from kickdrift.world.tables import (
     ARTICULATION,
     INVERSE_MASS,
@@ -157,7 +157,7 @@ def _find_answers(joint: int, at: int, active: int, answers: Any, world: int) ->
         for side in range(2):
             body, begin = joints[joint, BODY_A + side], 6 * side
             for i in range(begin, begin + 3):
-                moved[0, i] = response[body, 0] * wrenches[k, i]
+                moved[0, i] = response[body, INVERSE_LINEAR_MASS] * wrenches[k, i]
             turn = vector_at(wrenches, k, begin + 3)
             put_vector(moved, 0, begin + 3, applied(symmetric_at(response, body, INVERSE_INERTIA_IN_WORLD), turn))
         for other in range(k + 1):

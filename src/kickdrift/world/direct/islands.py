@@ -3,7 +3,6 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.direct.heaps import LARGEST as HEAP_LARGEST
 from kickdrift.world.direct.layout import (
     AFTER_CONTACT,
     AFTER_JOINT,
@@ -19,10 +18,10 @@ from kickdrift.world.direct.layout import (
     RATIO,
 )
 from kickdrift.world.direct.linked_contacts import linked_contacts
-from kickdrift.world.direct.nodes import body_of, has_room, nodes_of_contact
+from kickdrift.world.direct.node_selection import body_of, has_room, nodes_of_contact
 from kickdrift.world.direct.ordering import order_nodes
+from kickdrift.world.direct.unconverged_heaps import LARGEST as HEAP_LARGEST
 from kickdrift.world.disjoint_sets import first_of
-from kickdrift.world.integration import MASS
 from kickdrift.world.joints.layout import (
     CLOSINGS,
     END,
@@ -35,6 +34,7 @@ from kickdrift.world.joints.layout import (
     ROOT,
     SEQUENTIAL,
 )
+from kickdrift.world.layout import MASS
 from kickdrift.world.tables import (
     ARTICULATION,
     BLOCK,

@@ -2,9 +2,9 @@
 
 An *island* is what joints and contacts hold together of the bodies that are solved directly: links of articulations, free
 bodies that touch them, up to some contacts away, and small heaps that the sweeps have left unsolved (see
-`kickdrift.world.direct.heaps`). Each of its bodies is a *node*, with a row of `LINK` and of `LINK_NUMBERS` (a free body has no
-joint), and a place in the order in which nodes are eliminated. Nodes that contacts, closing joints or fill couple are
-*neighbours*: of two of them, the one eliminated first has a row of `NEIGHBOUR` and of `BLOCK` for the other.
+`kickdrift.world.direct.unconverged_heaps`). Each of its bodies is a *node*, with a row of `LINK` and of `LINK_NUMBERS` (a
+free body has no joint), and a place in the order in which nodes are eliminated. Nodes that contacts, closing joints or fill
+couple are *neighbours*: of two of them, the one eliminated first has a row of `NEIGHBOUR` and of `BLOCK` for the other.
 """
 
 from kickdrift.world.columns import Fields, column

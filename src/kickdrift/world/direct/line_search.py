@@ -32,9 +32,9 @@ from kickdrift.world.direct.layout import (
     WANTED,
 )
 from kickdrift.world.direct.linked_contacts import contact_row
-from kickdrift.world.direct.nodes import mass_of
+from kickdrift.world.direct.node_selection import mass_of
 from kickdrift.world.direct.velocities import kinetic_energy
-from kickdrift.world.joints.laws import law_impulse
+from kickdrift.world.joints.axis_laws import law_impulse
 from kickdrift.world.joints.layout import (
     ACCEPTED_DELTA_SPEED,
     ACCEPTED_IMPULSE,

@@ -6,10 +6,11 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross
 from kickdrift.world.columns import vector_at
 from kickdrift.world.direct.contacts import twelve
-from kickdrift.world.direct.gears import add_gear, load_gear, moved_gear
+from kickdrift.world.direct.gear_assembly import add_gear, load_gear, moved_gear
 from kickdrift.world.direct.layout import AFTER_JOINT, FIRST_CLOSING
 from kickdrift.world.direct.matrix import add_row
-from kickdrift.world.joints.gearing import mobility_of_gear
+from kickdrift.world.joints.gear_rows import mobility_of_gear
+from kickdrift.world.joints.kinematics import mobility
 from kickdrift.world.joints.layout import (
     ARM_A,
     ARM_A_AHEAD,
@@ -34,7 +35,6 @@ from kickdrift.world.joints.layout import (
     SLOPE,
     SOLVED,
 )
-from kickdrift.world.joints.measure import mobility
 from kickdrift.world.tables import ISLAND, ISLAND_JOINT, JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, floats, integers
 
 # Impulse along a held axis per speed missing, over the mass that it moves. What is left of a solution is put right by the next

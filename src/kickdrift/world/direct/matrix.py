@@ -8,9 +8,9 @@ from kickdrift.core.vectors import Symmetric, cross, inverse_symmetric, plus, ti
 from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.direct.blocks import add_scaled
 from kickdrift.world.direct.layout import FIRST_NEIGHBOUR, LINK_ROW, LOWER_BLOCK, NEIGHBOURS, UPPER_BLOCK
+from kickdrift.world.joints.kinematics import put_vector
 from kickdrift.world.joints.layout import ANGULAR_PART, ARTICULATED_INERTIA, LINK_BODY
-from kickdrift.world.joints.measure import put_vector
-from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
+from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
 from kickdrift.world.tables import BLOCK, INVERSE_MASS, LINK, LINK_NUMBERS, MOTION, NEIGHBOUR, NODE, floats, integers
 
 # Of bodies that cannot turn, or turn about some axes only, as if they were heavier than they are: with 1e8, what they
@@ -38,7 +38,9 @@ def put_inertia(link: int, ahead: float, world: int) -> None:
         work[link, ARTICULATED_INERTIA + k] = 0.0
     w = symmetric_at(response, body, INVERSE_INERTIA_IN_WORLD)
     trace = w[0] + w[1] + w[2]
-    mass = 1.0 / response[body, 0] if response[body, 0] > 0.0 else _IMMOVABLE / trace
+    mass = (
+        1.0 / response[body, INVERSE_LINEAR_MASS] if response[body, INVERSE_LINEAR_MASS] > 0.0 else _IMMOVABLE / trace
+    )
     if trace > 0.0:
         c = cross((w[3], w[1], w[5]), (w[4], w[5], w[2]))
         if w[0] * c[0] + w[3] * c[1] + w[4] * c[2] < 1e-14 * trace * trace * trace:

@@ -3,13 +3,13 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import length, times
 from kickdrift.world.columns import vector_at
+from kickdrift.world.direct.active_set import FOR_VELOCITIES, aim_island, solve
 from kickdrift.world.direct.contacts import REST
-from kickdrift.world.direct.equations import FOR_VELOCITIES, aim_island, solve
 from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE, LINK_ROW
 from kickdrift.world.direct.loop_closures import stay_closings
 from kickdrift.world.joints.body_shift import shift_body
+from kickdrift.world.joints.kinematics import measure
 from kickdrift.world.joints.layout import GAIN, LINK_BODY, LINK_JOINT
-from kickdrift.world.joints.measure import measure
 from kickdrift.world.joints.right_hand_side import REPAIR
 from kickdrift.world.tables import ISLAND, ISLAND_JOINT, LINK, LINK_NUMBERS, NODE, floats, integers
 

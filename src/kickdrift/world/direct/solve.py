@@ -13,9 +13,10 @@ the drift too, and bodies are put back to where the joints hold them.
 import math
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.direct.active_set import AS_ASSUMED, BY_LAWS, aim_island, solve
 from kickdrift.world.direct.contact_impulses import forget_contacts, left_of_contacts
 from kickdrift.world.direct.contacts import PRESS, REST, begin_contacts, is_cut, note_impulses
-from kickdrift.world.direct.equations import AS_ASSUMED, BY_LAWS, aim_island, solve
+from kickdrift.world.direct.energy_losses import LONG_TURN
 from kickdrift.world.direct.external_energy import driving_speed, energy_given
 from kickdrift.world.direct.joint_impulses import end_relaxation, end_solution
 from kickdrift.world.direct.layout import (
@@ -29,8 +30,7 @@ from kickdrift.world.direct.layout import (
     RATIO,
 )
 from kickdrift.world.direct.loop_closures import begin_closings, stay_closings
-from kickdrift.world.direct.losses import LONG_TURN
-from kickdrift.world.direct.nodes import mass_of
+from kickdrift.world.direct.node_selection import mass_of
 from kickdrift.world.direct.position_correction import repair
 from kickdrift.world.direct.velocities import begin_from_kick, fastest, kinetic_energy, note_velocities, take_back
 from kickdrift.world.joints.free_fall import let_fall

@@ -17,6 +17,7 @@ from kickdrift.world.direct.layout import (
     PARENT_NODE,
     UPPER_BLOCK,
 )
+from kickdrift.world.joints.kinematics import put_vector
 from kickdrift.world.joints.layout import (
     ARM_A,
     ARM_A_AHEAD,
@@ -39,7 +40,6 @@ from kickdrift.world.joints.layout import (
     SIGN,
     YIELD,
 )
-from kickdrift.world.joints.measure import put_vector
 from kickdrift.world.tables import BLOCK, JOINT_NUMBERS, LINK, LINK_NUMBERS, NEIGHBOUR, NODE, floats, integers
 
 _NOTHING: Vector = (0.0, 0.0, 0.0)

@@ -11,9 +11,9 @@ from kickdrift.core.vectors import applied, dot, plus, times, turned_back
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.direct.contacts import clear_contacts, note_impulses
 from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE
-from kickdrift.world.direct.nodes import body_of
-from kickdrift.world.integration import BODY_INERTIA, MASS
+from kickdrift.world.direct.node_selection import body_of
 from kickdrift.world.joints.layout import ANGULAR_PART, JOINT_IMPULSE, LINEAR_PART, LINK_JOINT, SOLVED
+from kickdrift.world.layout import BODY_INERTIA, MASS
 from kickdrift.world.tables import (
     INERTIA,
     ISLAND,

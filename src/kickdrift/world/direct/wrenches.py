@@ -8,8 +8,8 @@ from kickdrift.core.vectors import Vector, cross, dot, minus
 from kickdrift.world.columns import symmetric_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.direct.layout import ROLL, TANGENT, TWIST
-from kickdrift.world.joints.measure import turning
-from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
+from kickdrift.world.joints.kinematics import turning
+from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
 from kickdrift.world.tables import INVERSE_MASS, floats
 
 _W = c.WIDTH
@@ -55,5 +55,5 @@ def mobility(wrench: Any, body: int, side: int, world: int) -> float:
     """Speed along a row per impulse along it, of one of its bodies alone."""
     response, at = floats(world, INVERSE_MASS), 6 * side
     push, turn = (wrench[at], wrench[at + 1], wrench[at + 2]), (wrench[at + 3], wrench[at + 4], wrench[at + 5])
-    total: float = response[body, 0] * dot(push, push)
+    total: float = response[body, INVERSE_LINEAR_MASS] * dot(push, push)
     return total + turning(symmetric_at(response, body, INVERSE_INERTIA_IN_WORLD), turn)

@@ -8,7 +8,6 @@ from typing import Concatenate, ParamSpec, cast
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
-from kickdrift.world.integration import BODY_KIND, DYNAMIC
 from kickdrift.world.joints.ball import Ball
 from kickdrift.world.joints.distance import Distance
 from kickdrift.world.joints.fixed import Fixed
@@ -22,6 +21,7 @@ from kickdrift.world.joints.six_dof import SixDof
 from kickdrift.world.joints.slider import Slider
 from kickdrift.world.joints.spring import Spring
 from kickdrift.world.joints.universal import Universal
+from kickdrift.world.layout import BODY_KIND, DYNAMIC
 from kickdrift.world.tables import BODY, Tables
 
 P = ParamSpec("P")

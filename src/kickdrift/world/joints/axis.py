@@ -133,7 +133,7 @@ class Drive:
     Notes
     -----
     Both are implicit in the position and speed, so any stiffness and damping is stable. Springs that are slow compared to
-    the substep conserve their energy; see `kickdrift.world.joints.laws`.
+    the substep conserve their energy; see `kickdrift.world.joints.axis_laws`.
 
     Examples
     --------

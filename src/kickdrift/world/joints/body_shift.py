@@ -4,7 +4,14 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, exponential, product, turned, turned_symmetric, unit
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.joints.layout import ANGULAR_PART
-from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
+from kickdrift.world.layout import (
+    ANGULAR_VELOCITY,
+    DISPLACEMENT,
+    INVERSE_INERTIA_IN_WORLD,
+    ORIENTATION,
+    POSITION,
+    ROTATION,
+)
 from kickdrift.world.tables import DELTA_POSE, INVERSE_MASS, MOTION, POSE, floats
 
 
@@ -22,11 +29,11 @@ def shift_body(body: int, way: Vector, turn: Vector, world: int) -> None:
     w = turned(by, vector_at(motion, body, ANGULAR_PART))
     inverse = turned_symmetric(by, symmetric_at(inverse_mass, body, INVERSE_INERTIA_IN_WORLD))
     for k in range(3):
-        pose[body, k] += way[k]
-        delta_pose[body, k] += way[k]
-        delta_pose[body, 3 + k] += turn[k]
-        motion[body, 3 + k] = w[k]
+        pose[body, POSITION + k] += way[k]
+        delta_pose[body, DISPLACEMENT + k] += way[k]
+        delta_pose[body, ROTATION + k] += turn[k]
+        motion[body, ANGULAR_VELOCITY + k] = w[k]
     for k in range(4):
-        pose[body, 3 + k] = q[k]
+        pose[body, ORIENTATION + k] = q[k]
     for k in range(6):
-        inverse_mass[body, 1 + k] = inverse[k]
+        inverse_mass[body, INVERSE_INERTIA_IN_WORLD + k] = inverse[k]

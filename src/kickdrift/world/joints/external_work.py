@@ -3,7 +3,7 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import cross, dot, plus, times
 from kickdrift.world.columns import vector_at
-from kickdrift.world.integration import BODY_KIND, KINEMATIC
+from kickdrift.world.joints.kinematics import relative_velocity
 from kickdrift.world.joints.layout import (
     ANGULAR_PART,
     ARM_A,
@@ -15,7 +15,7 @@ from kickdrift.world.joints.layout import (
     LINEAR_PART,
     START_SPEED,
 )
-from kickdrift.world.joints.measure import relative_velocity
+from kickdrift.world.layout import BODY_KIND, KINEMATIC
 from kickdrift.world.tables import BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, MOTION, floats, integers
 
 

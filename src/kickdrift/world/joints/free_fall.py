@@ -7,8 +7,8 @@ common, so no joint notices.
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.integration import ADDED, FALLS, MASS
 from kickdrift.world.joints.layout import END, FIRST, LINK_BODY, LINK_JOINT, LINKS
+from kickdrift.world.layout import ADDED, FALLS, MASS
 from kickdrift.world.tables import ARTICULATION, INERTIA, KICKED, LINK, MOTION, floats, integers, rows
 
 # Of what the kick added, and of the momenta, which joints leave as they are but for that.

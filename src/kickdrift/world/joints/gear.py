@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.integration import BODY_KIND, DYNAMIC
 from kickdrift.world.joints import axis as axes_of
 from kickdrift.world.joints.axis import FREE, finite
 from kickdrift.world.joints.handle import Joint
@@ -22,6 +21,7 @@ from kickdrift.world.joints.layout import (
 )
 from kickdrift.world.joints.placing import measure_again
 from kickdrift.world.joints.record import Geared, Placement, Record
+from kickdrift.world.layout import BODY_KIND, DYNAMIC
 from kickdrift.world.tables import BODY, JOINT, JOINT_NUMBERS
 
 

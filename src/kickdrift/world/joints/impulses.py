@@ -8,7 +8,8 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, applied, cross, dot, plus, times
 from kickdrift.world.columns import symmetric_at, vector_at
-from kickdrift.world.joints.gearing import geared_body, put_wrenches
+from kickdrift.world.joints.gear_rows import geared_body, put_wrenches
+from kickdrift.world.joints.kinematics import relative_velocity
 from kickdrift.world.joints.layout import (
     ARM_A,
     ARM_B,
@@ -24,7 +25,6 @@ from kickdrift.world.joints.layout import (
     PRINCIPAL,
     START_SPEED,
 )
-from kickdrift.world.joints.measure import relative_velocity
 from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
 from kickdrift.world.tables import (
     ARTICULATION,

@@ -9,7 +9,7 @@ Joints arrange bodies in articulations: a tree of bodies, each of which hangs on
 close loops in it. A body that nothing moves ends a tree. `LINK` holds of each articulation first its links, parents before
 children, then its closing joints, and after all of them, for one step, bodies without joints that are solved with them: those
 that touch a link, up to some contacts away, and those of small heaps that the sweeps have left unsolved (see
-`kickdrift.world.direct.heaps`). All of them are solved in `kickdrift.world.direct`.
+`kickdrift.world.direct.unconverged_heaps`). All of them are solved in `kickdrift.world.direct`.
 """
 
 from kickdrift.world.columns import Fields, column
@@ -134,7 +134,7 @@ PASSING = column(LINK_NUMBERS, 36)  # of open axis k, six numbers: impulse along
 AXES_AHEAD = column(LINK_NUMBERS, 18)  # AXES and arms as they will be at the end of the substep
 ARM_A_AHEAD = column(LINK_NUMBERS, 3, "m")
 ARM_B_AHEAD = column(LINK_NUMBERS, 3, "m")
-BRAKE = column(LINK_NUMBERS, 3, "N m s")  # of angular axes: damping, see `kickdrift.world.joints.brakes`
+BRAKE = column(LINK_NUMBERS, 3, "N m s")  # of angular axes: damping, see `kickdrift.world.joints.swing_damping`
 # Of laws: impulse, less the one before the solution, that upright pieces begin with
 LAW_BASE = column(LINK_NUMBERS, 6, "N s, N m s")
 # Of laws, for the solution that was accepted last: change of speed, and the impulse that bodies bear there

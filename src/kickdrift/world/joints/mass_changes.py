@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from kickdrift.world.joints.effective import effective_mass
+from kickdrift.world.joints.effective_mass import effective_mass
 from kickdrift.world.joints.layout import BODY_A, BODY_B, DRIVEN_MASS, JOINT_IMPULSE, JOINT_KIND, PULL, REMOVED, SOLVED
 from kickdrift.world.tables import JOINT, JOINT_AXES, JOINT_NUMBERS, Tables
 

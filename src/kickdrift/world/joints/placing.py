@@ -15,8 +15,8 @@ from kickdrift.core.rotations import product as rotated_by
 from kickdrift.core.rotations import turned as rotated
 from kickdrift.core.vectors import Vector, cross, exponential, minus, plus, product, turned, unit
 from kickdrift.world.columns import quaternion_at, vector_at
-from kickdrift.world.integration import BODY_KIND, DYNAMIC
 from kickdrift.world.joints.axis import finite
+from kickdrift.world.joints.kinematics import measure
 from kickdrift.world.joints.layout import (
     ANGULAR,
     ANGULAR_PART,
@@ -40,7 +40,7 @@ from kickdrift.world.joints.layout import (
     UNIVERSAL,
     UPPER_LIMIT,
 )
-from kickdrift.world.joints.measure import measure
+from kickdrift.world.layout import BODY_KIND, DYNAMIC, POSITION, VELOCITY
 from kickdrift.world.tables import BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, MOTION, POSE, Tables, floats
 
 if TYPE_CHECKING:
@@ -79,11 +79,11 @@ def shift(moved: Any, reference: int, way: Vector, pivot: Vector, world: int) ->
 def turn(moved: Any, reference: int, way: Vector, pivot: Vector, world: int) -> None:
     """Turn bodies about a point, with their velocities as the reference sees them."""
     pose, motion = floats(world, POSE), floats(world, MOTION)
-    q, x, base = exponential(way), vector_at(pose, reference, 0), vector_at(motion, reference, 0)
+    q, x, base = exponential(way), vector_at(pose, reference, POSITION), vector_at(motion, reference, VELOCITY)
     spin = vector_at(motion, reference, ANGULAR_PART)
     for body in moved:
-        before = vector_at(pose, body, 0)
-        seen = minus(minus(vector_at(motion, body, 0), base), cross(spin, minus(before, x)))
+        before = vector_at(pose, body, POSITION)
+        seen = minus(minus(vector_at(motion, body, VELOCITY), base), cross(spin, minus(before, x)))
         at = plus(pivot, turned(q, minus(before, pivot)))
         v = plus(plus(base, cross(spin, minus(at, x))), turned(q, seen))
         w = plus(spin, turned(q, minus(vector_at(motion, body, ANGULAR_PART), spin)))

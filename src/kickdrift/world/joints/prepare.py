@@ -1,9 +1,9 @@
 """What happens to joints before the substeps of a step."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.integration import AWAKE, BODY_KIND, DYNAMIC
 from kickdrift.world.joints.impulses import note_speeds
 from kickdrift.world.joints.layout import BODY_A, CLOSINGS, END, FIRST, LINK_BODY, LINK_JOINT, LINKS, TOTAL
+from kickdrift.world.layout import AWAKE, BODY_KIND, DYNAMIC
 from kickdrift.world.tables import ARTICULATION, BODY, JOINT, JOINT_NUMBERS, LINK, floats, integers, rows
 
 

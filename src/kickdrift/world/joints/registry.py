@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.rotations import of_matrix, product, turned
+from kickdrift.world.atomic import alone, undivided
 from kickdrift.world.joints.axis import Axis
+from kickdrift.world.joints.axis_law_rows import LAW_PARTS, LawPart, check_changeable, clear_laws, read_law, write_law
 from kickdrift.world.joints.catalogue import KINDS
 from kickdrift.world.joints.handle import Joint
-from kickdrift.world.joints.law_rows import LAW_PARTS, LawPart, check_changeable, clear_laws, read_law, write_law
 from kickdrift.world.joints.layout import (
     ANCHOR_A,
     ANCHOR_B,
@@ -60,7 +61,6 @@ from kickdrift.world.joints.spanning_tree import arrange
 from kickdrift.world.joints.views import wake_bodies
 from kickdrift.world.names import Names
 from kickdrift.world.tables import ARTICULATION, JOINT, JOINT_AXES, JOINT_NUMBERS, POSE, STARTED_JOINTS, Tables
-from kickdrift.world.undivided import alone, undivided
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World

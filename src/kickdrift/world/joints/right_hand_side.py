@@ -18,7 +18,8 @@ from kickdrift.core.vectors import (
     turned_back,
 )
 from kickdrift.world.columns import quaternion_at, vector_at
-from kickdrift.world.joints.gearing import geared_body, put_wrenches, speed_of_gear
+from kickdrift.world.joints.gear_rows import geared_body, put_wrenches, speed_of_gear
+from kickdrift.world.joints.kinematics import axis_unit, put_cross, put_line, put_vector, relative_velocity
 from kickdrift.world.joints.layout import (
     AHEAD_WRENCHES,
     ANCHOR_A,
@@ -61,7 +62,6 @@ from kickdrift.world.joints.layout import (
     SLOPE,
     START_WRENCHES,
 )
-from kickdrift.world.joints.measure import axis_unit, put_cross, put_line, put_vector, relative_velocity
 from kickdrift.world.sleeping import REACH
 from kickdrift.world.tables import JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, MOTION, POSE, RESTED, floats, integers
 

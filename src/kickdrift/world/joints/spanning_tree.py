@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.world.integration import LINK_COUNT, LINK_PLACE, MASS
 from kickdrift.world.joints.layout import (
     BODY_A,
     BODY_B,
@@ -33,6 +32,7 @@ from kickdrift.world.joints.layout import (
     SEQUENTIAL,
     SIGN,
 )
+from kickdrift.world.layout import LINK_COUNT, LINK_PLACE, MASS
 from kickdrift.world.tables import ARTICULATION, BODY, GRAPH, INERTIA, INVERSE_MASS, JOINT, LINK, LINK_NUMBERS, Tables
 
 # Pairs of neighbours that elimination may meet, per node, and of how many nodes at least; with more of them, the joints of an

@@ -8,7 +8,7 @@ import numpy as np
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, length, minus, times, turned
-from kickdrift.world.shapes.closest import along, clamped
+from kickdrift.world.shapes.closest_points import along, clamped
 from kickdrift.world.shapes.extents import Extent, symmetric
 from kickdrift.world.shapes.kinds import CAPSULE
 from kickdrift.world.shapes.mass import Array, MassProperties, extent

@@ -10,7 +10,7 @@ import numpy as np
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, dot, minus, turned_back
-from kickdrift.world.shapes.closest import along
+from kickdrift.world.shapes.closest_points import along
 from kickdrift.world.shapes.extents import Extent
 from kickdrift.world.shapes.mass import Array
 from kickdrift.world.shapes.rays import MISS, NO_CHORD, Chord, Hit, ahead

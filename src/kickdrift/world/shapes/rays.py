@@ -10,7 +10,7 @@ import math
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, length
-from kickdrift.world.shapes.closest import along
+from kickdrift.world.shapes.closest_points import along
 
 Hit = tuple[float, float, float, float]
 Chord = tuple[float, float]  # where a line enters a convex set and where it leaves; empty if the first is the greater

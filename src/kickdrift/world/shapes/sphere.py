@@ -8,7 +8,7 @@ import numpy as np
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, times
-from kickdrift.world.shapes.closest import along
+from kickdrift.world.shapes.closest_points import along
 from kickdrift.world.shapes.extents import Extent
 from kickdrift.world.shapes.kinds import SPHERE
 from kickdrift.world.shapes.mass import Array, MassProperties, extent

@@ -14,8 +14,10 @@ from kickdrift.core.vectors import dot
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.residual import FAR_LEFT, LEFT, TOUCHES
+from kickdrift.world.direct.node_selection import moves
 from kickdrift.world.disjoint_sets import first_of, unite
-from kickdrift.world.integration import (
+from kickdrift.world.joints.layout import JOINED_ROWS
+from kickdrift.world.layout import (
     AWAKE,
     BODY_KIND,
     DYNAMIC,
@@ -27,23 +29,13 @@ from kickdrift.world.integration import (
     LINK_PLACE,
     UNSOLVED,
 )
-from kickdrift.world.joints.layout import JOINED_ROWS
 from kickdrift.world.settings import GRAVITY, HAS_DIRECT, UNSOLVED_BODY, UNSOLVED_SINCE
 from kickdrift.world.sleeping import REACH
-from kickdrift.world.step_status import (
-    LEFT_FAR_FROM_SOLVED,
-    LEFT_UNSOLVED,
-    NEEDS_DIRECT_SOLVER,
-    OK,
-    REPEATED,
-    STATUS,
-    WARNING,
-)
+from kickdrift.world.step_status import BEGIN_AGAIN, LEFT_UNSOLVED, NEEDS_DIRECT_SOLVER, OK, REPEATED, STATUS, WARNING
 from kickdrift.world.tables import (
     BODY,
     CONTACT,
     GRAPH,
-    INVERSE_MASS,
     MANIFOLD,
     MOTION,
     RESTED,
@@ -138,9 +130,8 @@ def _goes_back(world: int, row: int) -> bool:
 @compiled(inline=True)
 def _is_free(world: int, row: int) -> bool:
     """Whether a body moves, and no joint holds it."""
-    body = integers(world, BODY)
-    free: bool = body[row, BODY_KIND] == DYNAMIC and body[row, AWAKE] != 0 and floats(world, INVERSE_MASS)[row, 0] > 0.0
-    return free and (body[row, LINK_PLACE] == 0 or body[row, LINK_PLACE] > integers(world, GRAPH)[0, JOINED_ROWS])
+    place = integers(world, BODY)[row, LINK_PLACE]
+    return moves(world, row) and (place == 0 or place > integers(world, GRAPH)[0, JOINED_ROWS])
 
 
 @compiled
@@ -180,7 +171,7 @@ def ask_again(t: float, h: float, world: int) -> None:
         if _is_far_left(world, row) and _is_free(world, row) and 1 < size <= LARGEST:
             body[row, UNSOLVED], found = _PATIENCE + LARGEST // _MORE, True
     if found and status[0, STATUS] == OK:
-        status[0, STATUS] = LEFT_FAR_FROM_SOLVED
+        status[0, STATUS], status[0, REPEATED] = BEGIN_AGAIN, 1
         for row in range(rows(world, BODY)):
             body[row, UNSOLVED] &= LEFT - 1
 

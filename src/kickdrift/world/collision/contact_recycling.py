@@ -9,7 +9,7 @@ from kickdrift.world.collision.acceleration import closing_acceleration, reach
 from kickdrift.world.collision.dispatch import is_round, sort_of
 from kickdrift.world.collision.foresight import fastest_turn, is_foreseen, way_foreseen
 from kickdrift.world.collision.narrow_phase import look_again, placed_pose, smallest
-from kickdrift.world.collision.search import TRIES
+from kickdrift.world.collision.search_state import TRIES
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
     BODY_A,
@@ -22,8 +22,7 @@ from kickdrift.world.contacts.layout import (
     SHAPE_A,
     SHAPE_B,
 )
-from kickdrift.world.integration import AWAKE
-from kickdrift.world.layout import ANGULAR_VELOCITY, RADIUS, RESTITUTION, VELOCITY
+from kickdrift.world.layout import ANGULAR_VELOCITY, AWAKE, RADIUS, RESTITUTION, VELOCITY
 from kickdrift.world.settings import HAS_FAST, MARGIN, RECYCLE_DISTANCE, STEP
 from kickdrift.world.shapes.record import HALF_SPACE
 from kickdrift.world.step_status import NEEDS_TIME_OF_IMPACT, STATUS

@@ -17,9 +17,9 @@ from kickdrift.world.collision.bvh import Box
 from kickdrift.world.collision.dispatch import extent_of, sort_of
 from kickdrift.world.collision.foresight import IS_FORESEEN, KINK, WIDE, is_foreseen, path
 from kickdrift.world.columns import quaternion_at, vector_at
-from kickdrift.world.integration import BODY_KIND, STATIC
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
+    BODY_KIND,
     BODY_ROW,
     LOWER,
     ORIENTATION,
@@ -27,6 +27,7 @@ from kickdrift.world.layout import (
     PLACE_POSITION,
     POSITION,
     RADIUS,
+    STATIC,
     UPPER,
     VELOCITY,
 )

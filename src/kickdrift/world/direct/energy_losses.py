@@ -22,9 +22,9 @@ from kickdrift.world.direct.layout import (
     FIRST_NODE,
     GIVEN_UP,
 )
-from kickdrift.world.direct.nodes import body_of
+from kickdrift.world.direct.node_selection import body_of
 from kickdrift.world.direct.velocities import energy_of
-from kickdrift.world.integration import BODY_KIND, DAMPING, KINEMATIC, MASS, TURN_DAMPING
+from kickdrift.world.joints.kinematics import axis_unit
 from kickdrift.world.joints.layout import (
     ANCHOR_B,
     ANGULAR,
@@ -44,7 +44,7 @@ from kickdrift.world.joints.layout import (
     TOTAL,
     UPPER_LIMIT,
 )
-from kickdrift.world.joints.measure import axis_unit
+from kickdrift.world.layout import BODY_KIND, DAMPING, KINEMATIC, MASS, TURN_DAMPING
 from kickdrift.world.settings import FAST_BODY, FAST_LOSS, FAST_TIME, FAST_TURN, GRAVITY, SUBSTEPS
 from kickdrift.world.step_status import TURNS_TOO_FAST, WARNING
 from kickdrift.world.tables import (

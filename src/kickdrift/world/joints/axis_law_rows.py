@@ -7,7 +7,7 @@ import numpy as np
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.joints.axis import Drive, Motor
-from kickdrift.world.joints.effective import effective_mass
+from kickdrift.world.joints.effective_mass import effective_mass
 from kickdrift.world.joints.layout import (
     ANGULAR,
     DRIVE_DAMPING,

@@ -10,12 +10,12 @@ import numpy as np
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, times
-from kickdrift.world.collision.candidates import crossing
-from kickdrift.world.collision.frames import placed_back
-from kickdrift.world.collision.points import put_normal, put_point
-from kickdrift.world.collision.preference import PARALLEL
+from kickdrift.world.collision.feature_preference import PARALLEL
+from kickdrift.world.collision.manifold_points import put_normal, put_point
+from kickdrift.world.collision.manifold_reduction import crossing
+from kickdrift.world.collision.shape_frames import placed_back
 from kickdrift.world.columns import Fields
-from kickdrift.world.shapes.closest import along, segments
+from kickdrift.world.shapes.closest_points import along, segments
 from kickdrift.world.shapes.polyhedron import EDGES, edge, plane, vertex
 
 # Numbers of an edge

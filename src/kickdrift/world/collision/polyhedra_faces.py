@@ -11,9 +11,9 @@ import numpy as np
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, times
-from kickdrift.world.collision.candidates import CANDIDATE, put_candidates
 from kickdrift.world.collision.clipping import CORNER, LABEL, clip
-from kickdrift.world.collision.frames import directed, placed
+from kickdrift.world.collision.manifold_reduction import CANDIDATE, put_candidates
+from kickdrift.world.collision.shape_frames import directed, placed
 from kickdrift.world.shapes.polyhedron import (
     EDGES,
     FACES,

@@ -9,8 +9,8 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, cross, dot, length, minus, normal_to, times, turned, turned_back
-from kickdrift.world.collision.points import put_normal, put_point
-from kickdrift.world.shapes.closest import along, clamped
+from kickdrift.world.collision.manifold_points import put_normal, put_point
+from kickdrift.world.shapes.closest_points import along, clamped
 
 LOWER, UPPER, BETWEEN = 0, 1, 2  # features of a capsule: the end at -z, the end at +z, the side
 

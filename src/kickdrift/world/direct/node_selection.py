@@ -4,7 +4,6 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.direct.layout import AFTER_NODE, FIRST_NODE, LINK_ROW, NODE_ISLAND
 from kickdrift.world.direct.linked_contacts import bodies_of
-from kickdrift.world.integration import AWAKE, BODY_KIND, DYNAMIC, IN_HEAP, LINK_COUNT, LINK_PLACE, MASS
 from kickdrift.world.joints.layout import (
     JOINED_ROWS,
     LINK_A,
@@ -17,6 +16,7 @@ from kickdrift.world.joints.layout import (
     ROOT,
     SIGN,
 )
+from kickdrift.world.layout import AWAKE, BODY_KIND, DYNAMIC, IN_HEAP, INVERSE_LINEAR_MASS, LINK_COUNT, LINK_PLACE, MASS
 from kickdrift.world.step_status import ask_for_room
 from kickdrift.world.tables import (
     BODY,
@@ -102,7 +102,7 @@ def _add_node(world: int, row: int, joined: int, count: int) -> bool:
 def moves(world: int, row: int) -> bool:
     """Whether impulses move a body."""
     body, response = integers(world, BODY), floats(world, INVERSE_MASS)
-    does: bool = body[row, BODY_KIND] == DYNAMIC and body[row, AWAKE] != 0 and response[row, 0] > 0.0
+    does: bool = body[row, BODY_KIND] == DYNAMIC and body[row, AWAKE] != 0 and response[row, INVERSE_LINEAR_MASS] > 0.0
     return does
 
 

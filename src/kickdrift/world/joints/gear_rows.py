@@ -22,6 +22,7 @@ from kickdrift.core.vectors import (
     turned,
 )
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
+from kickdrift.world.joints.kinematics import axis_unit, expected_angle, put_vector, unwound
 from kickdrift.world.joints.layout import (
     ANCHOR_A,
     ANCHOR_B,
@@ -37,8 +38,7 @@ from kickdrift.world.joints.layout import (
     RATES,
     START_WRENCHES,
 )
-from kickdrift.world.joints.measure import axis_unit, expected_angle, put_vector, unwound
-from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
+from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
 from kickdrift.world.tables import INVERSE_MASS, JOINT, JOINT_NUMBERS, LINK_NUMBERS, MOTION, POSE, floats, integers
 
 _NOTHING: Vector = (0.0, 0.0, 0.0)
@@ -119,6 +119,6 @@ def mobility_of_gear(joint: int, link: int, world: int) -> float:
         turn = applied(inverse, vector_at(work, link, START_WRENCHES + 6 * i + 3))
         for j in range(4):
             if geared_body(joint, j, world) == body:
-                total += response[body, 0] * dot(push, vector_at(work, link, START_WRENCHES + 6 * j))
+                total += response[body, INVERSE_LINEAR_MASS] * dot(push, vector_at(work, link, START_WRENCHES + 6 * j))
                 total += dot(turn, vector_at(work, link, START_WRENCHES + 6 * j + 3))
     return total

@@ -12,7 +12,6 @@ for a second.
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, applied, dot, minus, plus, times, turned_back
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
-from kickdrift.world.integration import BODY_INERTIA
 from kickdrift.world.joints.layout import (
     ANGULAR_PART,
     ARM_A,
@@ -31,6 +30,7 @@ from kickdrift.world.joints.layout import (
     SIGN,
     YIELD,
 )
+from kickdrift.world.layout import BODY_INERTIA
 from kickdrift.world.tables import INERTIA, JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, POSE, floats, integers
 
 _RESOLVED, _BRAKING = 0.11, 0.5

@@ -16,7 +16,7 @@ from kickdrift.world.direct.loop_closures import add_closings, load_closings, pr
 from kickdrift.world.direct.matrix import clear_blocks, put_inertia
 from kickdrift.world.direct.substitution import substitute
 from kickdrift.world.direct.velocities import inner_speed
-from kickdrift.world.joints.laws import refine_laws, update_law_states
+from kickdrift.world.joints.axis_laws import refine_laws, update_law_states
 from kickdrift.world.joints.layout import CLOSING_IMPULSE, LAWS, LINK_JOINT
 from kickdrift.world.joints.right_hand_side import write_right_hand_side
 from kickdrift.world.tables import (

@@ -1,9 +1,9 @@
 """Lists of the shapes that may move, of those that may not, of planes, and of those whose pairs are searched again."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.collision.bounds import is_somewhere, may_move, settle
 from kickdrift.world.collision.dispatch import sort_of
-from kickdrift.world.collision.search import (
+from kickdrift.world.collision.fat_bounds import is_somewhere, may_move, settle
+from kickdrift.world.collision.search_state import (
     AT_HOME,
     CHANGED,
     CONTACTS,
@@ -16,8 +16,7 @@ from kickdrift.world.collision.search import (
     STATIC_CHANGED,
     UNSEEN,
 )
-from kickdrift.world.integration import AWAKE
-from kickdrift.world.layout import BODY_ROW, SEARCH_STATE, SHAPE_KIND, UPPER
+from kickdrift.world.layout import AWAKE, BODY_ROW, SEARCH_STATE, SHAPE_KIND, UPPER
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.step_status import ask_for_room, report_body
 from kickdrift.world.tables import (

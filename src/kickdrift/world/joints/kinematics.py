@@ -56,7 +56,7 @@ from kickdrift.world.joints.layout import (
     UNIVERSAL,
     VECTOR,
 )
-from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
+from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
 from kickdrift.world.tables import (
     ARTICULATION,
     INVERSE_MASS,
@@ -280,6 +280,6 @@ def mobility(joint: int, k: int, world: int) -> float:
         turn = axis
         if k < 3:
             turn = cross(vector_at(numbers, joint, ARM_B if side == 1 else ARM_A), axis)
-            total += response[body, 0]
+            total += response[body, INVERSE_LINEAR_MASS]
         total += turning(symmetric_at(response, body, INVERSE_INERTIA_IN_WORLD), turn)
     return total

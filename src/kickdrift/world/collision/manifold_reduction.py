@@ -8,8 +8,8 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, minus, times
 from kickdrift.world.collision.clipping import CORNER, LABEL, between
-from kickdrift.world.collision.frames import placed_back
-from kickdrift.world.collision.points import put_normal, put_point
+from kickdrift.world.collision.manifold_points import put_normal, put_point
+from kickdrift.world.collision.shape_frames import placed_back
 from kickdrift.world.columns import Fields
 from kickdrift.world.shapes.polyhedron import MOST_VERTICES, loop, loop_edge, loop_vertex
 

@@ -3,8 +3,8 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.world.direct.layout import LOWER_BLOCK, UPPER_BLOCK
 from kickdrift.world.direct.matrix import block_of
-from kickdrift.world.direct.nodes import node_of
-from kickdrift.world.joints.gearing import geared_body
+from kickdrift.world.direct.node_selection import node_of
+from kickdrift.world.joints.gear_rows import geared_body
 from kickdrift.world.joints.layout import (
     AHEAD_WRENCHES,
     ARTICULATED_INERTIA,

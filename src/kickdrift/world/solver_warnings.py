@@ -5,7 +5,7 @@ import warnings
 
 from kickdrift.core.errors import UnsolvedWarning, depth_of_caller
 from kickdrift.world.bodies import Bodies
-from kickdrift.world.direct.losses import LONG_TURN
+from kickdrift.world.direct.energy_losses import LONG_TURN
 from kickdrift.world.settings import (
     FAST_BODY,
     FAST_LOSS,
