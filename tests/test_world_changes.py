@@ -89,8 +89,8 @@ def test_a_world_that_is_changed_does_what_one_does_that_is_built_anew_in_that_s
         world.advance(STEP, 2)
         anew.advance(STEP, 2)
         off = np.abs(world.position - anew.position).max()
-        # A ball of 240 m/s that strikes two walls and a sleeper in a step ends a fourth of its way from where it does if that is
-        # awake; a corner that strikes at 200 m/s ends far elsewhere if it is moved by 1e-6 m.
+        # A ball of 240 m/s that strikes two walls and a sleeper in a step ends a fourth of its way from where it does if that
+        # is awake; a corner that strikes at 200 m/s ends far elsewhere if it is moved by 1e-6 m.
         assert off < 0.01 + 0.3 * way or off < 2.0 * spread(seed, changes, state)
 
 

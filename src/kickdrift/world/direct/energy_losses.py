@@ -177,13 +177,15 @@ def _work(body: int, h: float, world: int) -> tuple[float, float]:
     """
     mass, gravity = floats(world, INERTIA)[body, MASS], vector_at(floats(world, SETTINGS), 0, GRAVITY)
     before, after, force = floats(world, STARTED_MOTION), floats(world, MOTION), floats(world, FORCE)
-    moved = floats(world, DELTA_POSE)
-    least = mass * dot(gravity, vector_at(moved, body, LINEAR_PART))
+    pose, started = floats(world, POSE), floats(world, STARTED_POSE)
+    way = minus(vector_at(pose, body, LINEAR_PART), vector_at(started, body, LINEAR_PART))
+    turn = vector_at(floats(world, DELTA_POSE), body, ANGULAR_PART)
+    least = mass * dot(gravity, way)
     most = least
     for part in (LINEAR_PART, ANGULAR_PART):
         push = vector_at(force, body, part)
         old, new = h * dot(push, vector_at(before, body, part)), h * dot(push, vector_at(after, body, part))
-        along = dot(push, vector_at(moved, body, part))
+        along = dot(push, way if part == LINEAR_PART else turn)
         least, most = least + min(min(old, new), along), most + max(max(old, new), along)
     return least, most
 
