@@ -31,7 +31,7 @@ def all_jobs() -> list[Job]:
     everything = dict.fromkeys(nothing, True)
     words = (
         word(Uses((), **nothing | {"many": True})),  # in batches, which much else rules out
-        word(Uses((), **everything | {"threads": False})),
+        word(Uses((), **everything | {"threads": False, "many": False})),
         word(Uses((), **everything)),
     )
     rays = [(ray, RAY) for ray in RAYS.values()]

@@ -49,6 +49,7 @@ from kickdrift.world.settings import FAST_BODY, FAST_LOSS, FAST_TIME, FAST_TURN,
 from kickdrift.world.step_status import TURNS_TOO_FAST, WARNING
 from kickdrift.world.tables import (
     BODY,
+    DELTA_POSE,
     FORCE,
     INERTIA,
     ISLAND,
@@ -171,18 +172,21 @@ def _began_as_joints_allow(island: int, rate: float, world: int) -> bool:
 def _work(body: int, h: float, world: int) -> tuple[float, float]:
     """Work that gravity has done on a body in the step, with the least and the most that other forces may have done.
 
-    Those are taken to be as in the last substep, and the speed that they act on to be between those before and after the step.
+    Those are taken to be as in the last substep, and to act along the way of the body, or all the time at the speed that it had
+    before or after the step: between the three lies what a substep makes of it, and what swings around in a step has its way.
     """
     mass, gravity = floats(world, INERTIA)[body, MASS], vector_at(floats(world, SETTINGS), 0, GRAVITY)
     before, after, force = floats(world, STARTED_MOTION), floats(world, MOTION), floats(world, FORCE)
     pose, started = floats(world, POSE), floats(world, STARTED_POSE)
     way = minus(vector_at(pose, body, LINEAR_PART), vector_at(started, body, LINEAR_PART))
+    turn = vector_at(floats(world, DELTA_POSE), body, ANGULAR_PART)
     least = mass * dot(gravity, way)
     most = least
     for part in (LINEAR_PART, ANGULAR_PART):
         push = vector_at(force, body, part)
-        old, new = dot(push, vector_at(before, body, part)), dot(push, vector_at(after, body, part))
-        least, most = least + h * min(old, new), most + h * max(old, new)
+        old, new = h * dot(push, vector_at(before, body, part)), h * dot(push, vector_at(after, body, part))
+        along = dot(push, way if part == LINEAR_PART else turn)
+        least, most = least + min(min(old, new), along), most + max(max(old, new), along)
     return least, most
 
 
