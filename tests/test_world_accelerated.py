@@ -188,3 +188,42 @@ def test_a_capsule_bounces_alike_whichever_way_the_world_is_turned():
             world.advance(STEP, 40)
             ends.append(turn.inv().apply([body.velocity, body.angular_velocity]))
         assert ends[0] == pytest.approx(ends[1], abs=1e-8), seed
+
+
+@pytest.mark.parametrize("held", ["on blocks", "fixed"])
+@pytest.mark.parametrize(("gravity", "step"), [(800.0, 1 / 60), (9.81, 0.1), (2000.0, 1 / 60)])
+def test_what_gravity_pulls_onto_a_thin_plate_that_others_hold_does_not_pass_it(held, gravity, step):
+    world = World(gravity=(0, 0, -gravity))
+    world.add_plane()
+    plate = world.add_box((4, 4, 0.02), position=(0, 0, 1.01), mass=5.0)
+    if held == "fixed":
+        world.add_fixed_joint(world.ground, plate, anchor=(0, 0, 1.01))
+    else:
+        for x in (-1.5, 1.5):
+            world.add_box((0.5, 4, 1), position=(x, 0, 0.5), static=True)
+    world.advance(step, 3)
+    ball = world.add_sphere(0.01, position=(0, 0, 1.08), mass=0.01)
+    world.advance(step, 5)
+    assert ball.position[2] > 1.02
+
+
+@pytest.mark.parametrize("force", [(1000.0, 0, 0), (0, 0, 1000.0)], ids=["along the wall", "away from it"])
+def test_forces_that_do_not_press_leave_restitution_as_it_is(force):
+    world = World(gravity=(0, 0, 0))
+    world.add_box((50, 50, 1), position=(0, 0, -0.5), static=True, friction=0.0)
+    ball = world.add_sphere(0.1, position=(0, 0, 0.1 + 1.5 / 60), velocity=(0, 0, -3.0), mass=1.0, restitution=0.5)
+    ball.friction = 0.0
+    for _ in range(2):
+        world.apply_force(ball, force)
+        world.step(1 / 60)
+    assert ball.velocity[2] > 1.4
+
+
+def test_forces_that_press_slower_than_they_add_in_a_few_substeps_do_not_bounce():
+    world = World(gravity=(0, 0, 0))
+    world.add_box((50, 50, 1), position=(0, 0, -0.5), static=True)
+    ball = world.add_sphere(0.1, position=(0, 0, 0.1 + 1.5 / 60), velocity=(0, 0, -3.0), mass=1.0, restitution=0.5)
+    for _ in range(60):
+        world.apply_force(ball, (0, 0, -1000.0))
+        world.step(1 / 60)
+    assert abs(ball.velocity[2]) < 1e-6

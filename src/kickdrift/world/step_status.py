@@ -21,7 +21,7 @@ REPEATED = column(STEP_STATUS)  # 1: and it is done again, since sweeps had left
 
 # Bits of WARNING
 LEFT_UNSOLVED = 1  # a body has rested for long on contacts that the sweeps leave unsolved
-TURNS_TOO_FAST = 2  # joints have lost energy of what turns too far in a substep
+TURNS_TOO_FAST = 2  # joints have lost or gained energy, as bodies turn too far in a substep
 
 # Values of STATUS
 OK = 0

@@ -29,21 +29,22 @@ def acceleration(world: int, body: int) -> Vector:
 
 
 @compiled(inline=True)
-def angular_acceleration(world: int, body: int) -> float:
+def angular_acceleration(world: int, body: int) -> Vector:
     """Angular acceleration of a body by torques, rad/s^2."""
     torque = vector_at(floats(world, FORCE), body, SUBSTEP_TORQUE)
     if torque[0] == 0.0 and torque[1] == 0.0 and torque[2] == 0.0:
-        return 0.0
-    return length(applied(symmetric_at(floats(world, INVERSE_MASS), body, INVERSE_INERTIA_IN_WORLD), torque))
+        return torque
+    return applied(symmetric_at(floats(world, INVERSE_MASS), body, INVERSE_INERTIA_IN_WORLD), torque)
 
 
 @compiled(inline=True)
 def closing_acceleration(world: int, row: int) -> float:
-    """Bound how forces accelerate the shapes of a contact towards each other, m/s^2."""
+    """Bound how forces accelerate the shapes of a contact towards each other, m/s^2, one of which others may hold."""
     contact, place = integers(world, CONTACT), floats(world, PLACE)
     a, b = contact[row, BODY_A], contact[row, BODY_B]
-    total = length(minus(acceleration(world, b), acceleration(world, a)))
-    turn_a, turn_b = angular_acceleration(world, a), angular_acceleration(world, b)
+    of_a, of_b = acceleration(world, a), acceleration(world, b)
+    total = max(length(minus(of_b, of_a)), max(length(of_a), length(of_b)))
+    turn_a, turn_b = length(angular_acceleration(world, a)), length(angular_acceleration(world, b))
     if turn_a > 0.0:
         total += turn_a * reach(place, contact[row, SHAPE_A])
     if turn_b > 0.0:

@@ -145,7 +145,7 @@ def _box_in_step(world: int, shape: int, h: float) -> tuple[Box, float, Vector]:
     spin = vector_at(motion, body, ANGULAR_VELOCITY)
     way = times(h, plus(vector_at(motion, body, VELOCITY), cross(spin, arm)))
     way = plus(way, times(h * h, acceleration(world, body)))
-    gained = h * h * angular_acceleration(world, body)
+    gained = h * h * length(angular_acceleration(world, body))
     angle = h * length(spin) + gained
     sway = angle * size_about  # no point leaves the ball of that radius by turning
     # Of the arc of its centre beyond the tangent, and of what torques add to that

@@ -20,14 +20,14 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import length
-from kickdrift.world.collision.acceleration import closing_acceleration
+from kickdrift.core.vectors import cross, dot, length, minus
+from kickdrift.world.collision.acceleration import acceleration, angular_acceleration
 from kickdrift.world.collision.foresight import STRUCK
 from kickdrift.world.collision.narrow_phase import smallest
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.colouring import LINKED
-from kickdrift.world.contacts.impact_motion import constraint, flown, is_moved, leave_impact, move_to_impact
+from kickdrift.world.contacts.impact_motion import constraint, flown, is_moved, leave_impact, move_to_impact, vector_of
 from kickdrift.world.contacts.impact_time import find_time, rests
 from kickdrift.world.contacts.simultaneous_impact import BOUNCE, ROW, SPEED, TIME, TIMES, find_impulses, meet, pushed
 from kickdrift.world.layout import IMPACT_TIME, NEXT_IMPACT, RADIUS, RESTITUTION
@@ -174,13 +174,27 @@ def _is_linked(world: int, row: int) -> bool:
 
 @compiled
 def slowest_bounce(h: float, world: int, row: int) -> float:
-    """Return the speed from which on the shapes of a contact bounce."""
+    """Return the speed from which on the shapes of a contact bounce, m/s."""
     settings = floats(world, SETTINGS)
     slowest: float = settings[0, BOUNCE_SPEED]
     if slowest >= 0.0:
         return slowest
     # What lies is given no more than that in a few substeps, by forces as by gravity: without gravity it would bounce for ever.
-    return 4.0 * h * max(length(vector_at(settings, 0, GRAVITY)), closing_acceleration(world, row))
+    return 4.0 * h * max(length(vector_at(settings, 0, GRAVITY)), _pressing_acceleration(world, row))
+
+
+@compiled(inline=True)
+def _pressing_acceleration(world: int, row: int) -> float:
+    """How forces accelerate the points of a contact towards each other, along its normal, m/s^2."""
+    contact, own = integers(world, CONTACT), constraint(world, row)
+    a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], vector_of(own, c.N)
+    turn_a, turn_b = angular_acceleration(world, a), angular_acceleration(world, b)
+    fastest = 0.0
+    for k in range(contact[row, c.POINTS]):
+        arm_a = vector_of(own, c.P + c.POINT_FIELDS * k + c.ARM)
+        arm_b = minus(arm_a, cross(vector_of(own, c.BETWEEN), normal))
+        fastest = max(fastest, dot(turn_a, arm_a) - dot(turn_b, arm_b))
+    return dot(normal, minus(acceleration(world, a), acceleration(world, b))) + fastest
 
 
 @compiled
