@@ -1,7 +1,8 @@
 """The status of a stage that cannot proceed: columns of the one row of `kickdrift.world.tables.STEP_STATUS`.
 
 A stage that cannot go on returns, and is run again from its beginning once it was helped: what it has written until then must
-not change what it does. Whoever runs the stages looks here after each.
+not change what it does. One that asks to begin again has the whole step done again, from where it began. Whoever runs the
+stages looks here after each.
 """
 
 from kickdrift.core.compilation import compiled

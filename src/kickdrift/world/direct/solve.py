@@ -136,8 +136,8 @@ def _rest(island: int, h: float, world: int) -> None:
     """Project velocities.
 
     Contacts, and joints of what turns far in a substep, give no more energy than there was after the kick, and than what drives
-    the island from without. Where they do, it is those after the kick that are projected, without impulses of the substep, or
-    nothing touches.
+    the island from without; on joints, not much more: see `_gains`. Where they do, it is the velocities after the kick that are
+    projected, without impulses of the substep.
     """
     for _ in range(2):
         solve_at_once(island, h, RELAX, REST, world)
