@@ -22,12 +22,12 @@ version = release = kickdrift.__version__
 extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
-    "sphinx.ext.mathjax",
     "numpydoc",
     "myst_nb",
     "sphinx_gallery.gen_gallery",
     "catalogue_pages",
     "docstrings",
+    "mathml",
 ]
 exclude_patterns = ["_build", "gallery", "examples/**/*.ipynb", "**/sg_execution_times.rst", "sg_execution_times.rst"]
 nitpicky = True
@@ -70,6 +70,7 @@ sphinx_gallery_conf = {
 }  # fmt: skip
 suppress_warnings = ["config.cache"]  # functions in the gallery's configuration
 
+html_math_renderer = "mathml"
 html_theme = "pydata_sphinx_theme"
 html_title = "kickdrift"
 html_static_path = ["_static"]
