@@ -6,6 +6,7 @@ not there are warnings.
 
 import os
 import sys
+from importlib.resources import files
 from pathlib import Path
 
 HERE = Path(__file__).parent
@@ -73,7 +74,8 @@ suppress_warnings = ["config.cache"]  # functions in the gallery's configuration
 html_math_renderer = "mathml"
 html_theme = "pydata_sphinx_theme"
 html_title = "kickdrift"
-html_static_path = ["_static"]
+# The font of formulas, for machines without one: without, brackets do not grow, and indices are too large.
+html_static_path = ["_static", str(files("ziamath") / "fonts" / "STIXTwoMath-Regular.ttf")]
 html_css_files = ["kickdrift.css"]
 html_show_sourcelink = False
 html_theme_options = {
