@@ -10,7 +10,6 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, length, minus, plus, times, turned, turned_back
-from kickdrift.world.columns import quaternion_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts import prepare_simd as r
 
@@ -102,8 +101,8 @@ def _flatten_point(raw: Any, k: int, plane: Vector, flat: Vector, cosine: float,
     """Make radii and gap of a point those in the plane, and return the cosine where it touches.
 
     Of balls and capsules only the part c of the radius lies in the plane. Where one touches what has a face or an edge, that
-    one's point is moved along it to the depth at which they touch; two touch where their cores are at that distance in the plane
-    which their depths leave.
+    one's point is moved along it to the depth at which they touch. Two touch where their cores are as far apart in the plane
+    as their depths leave it.
     """
     at = c.ANCHOR_SIZE * k
     radii = (r.RADII + at) * _W
