@@ -24,3 +24,4 @@ figure = recording.plot()
 edge = recording.cloth("flag")[60:, -9, 1]  # the middle of the free edge, from 1 s on
 beats = ((edge[1:] > edge.mean()) & (edge[:-1] <= edge.mean())).sum() / 3.0
 print(f"the free edge swings over {np.ptp(edge):.2f} m, {beats:.1f} times a second")
+recording.show()

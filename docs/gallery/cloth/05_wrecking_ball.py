@@ -34,3 +34,4 @@ figure = recording.plot()
 height = recording.x[:, ball.index, 2]
 print(f"joints open by {1e3 * recording.derived['joint gap'].max():.2f} mm at most")
 print(f"the ball began at {height[0]:.2f} m and comes up to {height[240:].max():.2f} m behind the wall")
+recording.show()

@@ -30,3 +30,4 @@ moving = np.linalg.norm(recording.v[:, recording.moving], axis=2)
 print(
     f"{(moving.max(axis=0) > 0.5).sum()} balls have moved faster than 0.5 m/s; after 6 s {(moving[-1] > 0.01).sum()} still roll"
 )
+recording.show()
