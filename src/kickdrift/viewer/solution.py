@@ -47,8 +47,8 @@ def solution_to_html(solution: Solution, path: str | Path) -> Path:
     solution : Solution
         Of bodies in the plane or in space: x0 of shape (2,), (3,), (N, 2) or (N, 3). It plays in at most 20 s, in 30 states
         a second of those kept. Orbits are drawn through the states; where these are so far apart that no curve can be seen
-        in them, as points. More than 30 bodies have no names, more than 50 no tails, and more than 200 no orbits, which the page
-        says; these are dots of one size.
+        in them, as points. More than 30 bodies have no names, more than 50 no tails, and more than 200 no orbits, which the
+        page says; these are dots of one size.
     path : path
         Ends in ``.html``.
 
