@@ -144,8 +144,8 @@ class Keeper:
         taken = (after % every == 0) | (
             after == same.n_steps
         )  # the end of a run is a row of it, and not of a longer one
-        rows.fill({name: values[taken] for name, values in kept.items()}, remembered)
         self._world.restore(snapshot.with_forces(self._world.forces))
+        rows.fill({name: values[taken] for name, values in kept.items()}, remembered)
         return done, same, seconds, said
 
 
