@@ -21,6 +21,7 @@ from kickdrift.core import archive
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError, FileFormatError, MethodMismatchError
+from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import lane_letters
 from kickdrift.engine.loop import LETTER
 from kickdrift.engine.problem_adapter import describe
@@ -523,3 +524,77 @@ def test_members_begin_on_sides_of_their_own():
     assert sol.x[:, -1] == pytest.approx([-2.1, 2.1], abs=1e-3)  # friction of 0.2 takes 0.4 each half period
     with pytest.raises(ArgumentError, match="t_eval"):
         kd.solve_ensemble(rubbed, (0.0, np.pi), [2.5, -2.5], 0.0, step=0.05, switches=moving)
+
+
+def is_member_with_events(sol, i, alone):
+    """Whether a member has the bits of a run of it alone, and its zeros."""
+    reached = (sol.t <= alone.t[-1]) | (alone.status is Outcome.COMPLETED)
+    assert sol.x[i, reached].tobytes() == alone.x[: reached.sum()].tobytes()
+    assert np.isnan(sol.x[i, ~reached]).all()
+    assert (sol.status[i], sol.messages[i]) == (alone.status, alone.status.value if alone.success else alone.message)
+    assert (sol.n_steps[i], sol.n_force_evaluations[i]) == (alone.n_steps, alone.n_force_evaluations)
+    for name in ("t_events", "x_events", "v_events"):
+        for own, others in zip(getattr(sol, name)[i], getattr(alone, name), strict=True):
+            assert own.tobytes() == others.tobytes()
+            assert own.shape == others.shape
+    return True
+
+
+def thrown(x, params):
+    return np.array([0.0, -params[0]])
+
+
+def ground(x):
+    return x[1]
+
+
+def turn(x, v, params):
+    return v[1] - 0.1 * params[0]
+
+
+ground.terminal, ground.direction = True, -1
+THROWS = (np.zeros((9, 2)), np.column_stack((np.ones(9), np.linspace(5.0, 20.0, 9))))
+
+
+@pytest.mark.parametrize("others", [{}, {"t_eval": [0.3, 2.9, 1.0]}, {"rtol": 1e-6, "t_eval": [0.3, 1.0, 2.9]}])
+def test_each_member_has_its_events_and_ends_with_its_own(others):
+    options = {"step": 0.1, "method": "velocity-verlet", "events": [ground, turn], **others}
+    sol = kd.solve_ensemble(thrown, SPAN, *THROWS, args=[9.81], **options)
+    for i in range(9):
+        assert is_member_with_events(sol, i, kd.solve(thrown, SPAN, THROWS[0][i], THROWS[1][i], args=[9.81], **options))
+        landing = 2 * THROWS[1][i, 1] / 9.81
+        assert np.allclose(sol.t_events[i][0], [landing] if landing < 3.0 else [], rtol=1e-12)
+        assert sol[i].t_events[1].size == (THROWS[1][i, 1] - 0.981 < 9.81 * 3.0)
+    assert sol.success.all()
+    assert Outcome.COMPLETED in sol.status
+    assert Outcome.STOPPED in sol.status
+
+
+def test_events_of_members_are_kept_on_disk(tmp_path):
+    options = {"args": [9.81], "step": 0.1, "method": "velocity-verlet", "events": [ground, turn]}
+    sol = kd.solve_ensemble(thrown, SPAN, *THROWS, **options)
+    kept = {"checkpoint": tmp_path / "kept"}, {"checkpoint": tmp_path / "kept"}
+    stored = {"save_to": tmp_path / "run.zarr"}, {"save_to": tmp_path / "run.zarr"}
+    others = [kd.solve_ensemble(thrown, SPAN, *THROWS, **options, **where) for where in kept + stored]
+    for other in (*others, kd.load(sol.save(tmp_path / "throws")), kd.load(tmp_path / "run.zarr")):
+        for name in ("t_events", "x_events", "v_events"):
+            for own, whole in zip(getattr(other, name), getattr(sol, name), strict=True):
+                assert [(a.shape, a.tobytes()) for a in own] == [(a.shape, a.tobytes()) for a in whole]
+        assert other.status == sol.status
+    with pytest.raises(ArgumentError, match="another events"):
+        kd.solve_ensemble(thrown, SPAN, *THROWS, **options | {"events": turn, "checkpoint": tmp_path / "kept"})
+
+
+def test_events_of_members_that_cannot_be_are_refused_before_the_run():
+    with pytest.raises(ArgumentError, match="path is stochastic"):
+        kd.solve_ensemble(
+            kd.Langevin(lambda x: -x, friction=1.0, temperature=1.0),
+            SPAN,
+            [[1.0]],
+            [[0.0]],
+            step=0.1,
+            seeds=[1, 2],
+            events=lambda x: x[0],
+        )
+    with pytest.raises(ArgumentError, match="events"):
+        kd.solve_ensemble(thrown, SPAN, *THROWS, args=[1.0], step=0.1, events=[3.0])
