@@ -22,6 +22,7 @@ from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts import prepare_simd as r
 from kickdrift.world.contacts.effective_mass_simd import SLIP_STRICTNESS, TWIST_STRICTNESS
+from kickdrift.world.contacts.planar import flatten_contact
 from kickdrift.world.contacts.rolling_shape import radius_at, rolling_core, rolls
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
@@ -35,7 +36,7 @@ from kickdrift.world.layout import (
     ROLLING,
     SURFACE_VELOCITY,
 )
-from kickdrift.world.settings import CONTACT_DAMPING, CONTACT_HERTZ, STEP, SUBSTEPS
+from kickdrift.world.settings import CONTACT_DAMPING, CONTACT_HERTZ, PLANE_NORMAL, STEP, SUBSTEPS
 from kickdrift.world.tables import (
     CONTACT,
     INVERSE_MASS,
@@ -148,6 +149,9 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
     still = max(_STILL * floats(world, SETTINGS)[0, STEP] * width, least)
     raw[(r.STALE + 1) * c.WIDTH] = still
     raw[r.STALE * c.WIDTH] = still / max(height, width + least)
+    plane = vector_at(floats(world, SETTINGS), 0, PLANE_NORMAL)
+    if dot(plane, plane) > 0.0:
+        flatten_contact(raw, plane)
 
 
 @compiled(inline=True)
