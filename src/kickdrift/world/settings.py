@@ -21,8 +21,9 @@ HAS_FAST = column(SETTINGS)  # 1.0 once the step has the stage for fast pairs
 HAS_DIRECT = column(SETTINGS)  # 1.0 once the step has the stages of the direct solver
 # No settings, but what the last step has left unsolved, and what warnings tell of: a body that is left unsolved, and since
 # when; one that turns too fast, the end of the first step in which it did, its turn in a substep, and the part of the energy
-# that was lost.
+# that was lost; one that may have passed what it met, and the end of that step.
 RESIDUAL = column(SETTINGS, 1, "m/s")
 UNSOLVED_BODY, UNSOLVED_SINCE = column(SETTINGS), column(SETTINGS, 1, "s")
 FAST_BODY, FAST_TIME = column(SETTINGS), column(SETTINGS, 1, "s")
 FAST_TURN, FAST_LOSS = column(SETTINGS, 1, "rad"), column(SETTINGS)
+MISSED_BODY, MISSED_TIME = column(SETTINGS), column(SETTINGS, 1, "s")

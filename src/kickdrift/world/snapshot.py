@@ -23,7 +23,7 @@ _OF_THE_PROCESS = (tables.COLLIDERS, tables.SHAPE_KINDS, tables.KERNEL_ADDRESSES
 # What a step makes again, with a row a body each
 _OF_BODIES = (
     tables.DELTA_POSE, tables.FORCE, tables.NOTED, tables.COLOURED, tables.STARTED_POSE, tables.STARTED_MOTION,
-    tables.MEMBER, tables.MEMBERSHIP,
+    tables.STARTED_ROTATION, tables.MEMBER, tables.MEMBERSHIP,
 )  # fmt: skip
 # What a step makes again, or the search for pairs where it begins again
 _OF_A_STEP = (
