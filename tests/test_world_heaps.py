@@ -74,6 +74,36 @@ def test_towers_of_growing_cubes_stand_from_the_first_step(factor, edge):
     assert np.abs(world.velocity).max() < 1e-12
 
 
+def weight(mass, force):
+    for body in range(len(force)):
+        force[body, 2] -= 9.81 * mass[body]
+
+
+@pytest.mark.parametrize("masses", [[1, 1000], [1] * 20])
+def test_heaps_that_forces_of_users_press_come_to_rest_as_those_that_gravity_does(masses):
+    world = tower(masses)
+    world.gravity = (0, 0, 0)
+    world.add_force(weight)
+    start = world.position.copy()
+    world.advance(STEP, 300)
+    assert np.abs(world.position - start).max() < 1e-9
+
+
+def test_a_step_that_leaves_a_heap_unsolved_is_done_again_among_many_bodies_that_do_not_move():
+    world, height = World(), 0.0
+    world.add_plane(friction=0.6)
+    for k in range(1000):
+        world.add_box((0.1, 0.1, 0.1), position=(10 + k % 50, k // 50, 0.05), static=True)
+    for k in range(10):
+        size = 0.05 * 1.5**k
+        world.add_box((size,) * 3, position=(0, 0, height + size / 2), friction=0.6)
+        height += size
+    start = world.position.copy()
+    world.step(STEP)
+    assert np.abs(world.position - start).max() < 1e-4
+    assert in_heaps(world) == 10
+
+
 def test_forces_of_a_step_that_is_done_again_act_once():
     world = World()
     world.add_plane(friction=0.6)

@@ -11,7 +11,7 @@ of ten cubes, each 1.5 times as large as the one below, leans so far that it fal
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot
-from kickdrift.world.collision.acceleration import acceleration
+from kickdrift.world.collision.acceleration import acceleration, weight_per_mass
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.residual import FAR_LEFT, LEFT, TOUCHES
@@ -30,7 +30,7 @@ from kickdrift.world.layout import (
     LINK_PLACE,
     UNSOLVED,
 )
-from kickdrift.world.settings import GRAVITY, HAS_DIRECT, UNSOLVED_BODY, UNSOLVED_SINCE
+from kickdrift.world.settings import HAS_DIRECT, UNSOLVED_BODY, UNSOLVED_SINCE
 from kickdrift.world.sleeping import REACH
 from kickdrift.world.step_status import BEGIN_AGAIN, LEFT_UNSOLVED, NEEDS_DIRECT_SOLVER, OK, REPEATED, STATUS, WARNING
 from kickdrift.world.tables import (
@@ -216,10 +216,10 @@ def count_unsolved(t: float, h: float, world: int) -> None:
 
 @compiled(inline=True)
 def _count_left(row: int, t: float, h: float, world: int) -> None:
-    """Count how long a resting body, slower than gravity makes it in a step, is left unsolved, and report it after too long."""
+    """Count how long a resting body, slower than its weight makes it in a step, is left unsolved; report it after too long."""
     body = integers(world, BODY)
-    v, gravity = vector_at(floats(world, MOTION), row, 0), vector_at(floats(world, SETTINGS), 0, GRAVITY)
-    rests = body[row, BODY_KIND] == DYNAMIC and dot(v, v) < h * h * dot(gravity, gravity)
+    v, gained = vector_at(floats(world, MOTION), row, 0), h * weight_per_mass(world, row)
+    rests = body[row, BODY_KIND] == DYNAMIC and dot(v, v) < gained * gained
     if body[row, UNSOLVED] & LEFT == 0 or not rests:
         body[row, LEFT_FOR] = max(body[row, LEFT_FOR] - 1, 0)
         return
