@@ -3,7 +3,6 @@
 import dataclasses
 import math
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -14,13 +13,14 @@ from contextlib import nullcontext
 
 import numpy as np
 import pytest
-from numba.core.registry import cpu_target
+from vector_instructions import needs_wide_vectors, packed
 
 import kickdrift as kd
 from kickdrift.core import archive
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError, FileFormatError, MethodMismatchError
+from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import lane_letters
 from kickdrift.engine.loop import LETTER
 from kickdrift.engine.problem_adapter import describe
@@ -454,8 +454,8 @@ def test_a_method_that_does_not_fit_is_refused():
         kd.solve_ensemble(kd.FirstOrder(lambda y: -y), SPAN, np.ones((3, 1)), step=0.1, method="leapfrog")
 
 
-def packed(problem):
-    """Count packed instructions in registers of 256 or 512 bits, letter by letter."""
+def packed_arithmetic(problem):
+    """Count packed instructions, letter by letter."""
     start = Start(np.array([1.0, 0.5]), np.zeros(2))
     system = problem if isinstance(problem, kd.System) else describe(problem, 0.0, start, np.zeros(0), True)
     program = kernel_alone(system, kd.methods.get("semi-implicit-euler"))
@@ -465,16 +465,11 @@ def packed(problem):
         letter = compiled(cached=False)(lane_letters.build(name, system, program, True, fields).py_func)
         address_of(letter, LETTER)
         assembly = letter.get_compile_result(LETTER).library.get_asm_str()
-        counts[name] = len(re.findall(r"^\s+v(?:mul|div|sqrt|sub|add)pd\s.*%[yz]mm", assembly, re.MULTILINE))
+        counts[name] = packed(assembly, "v(?:mul|div|sqrt|sub|add)")
     return counts
 
 
-def has_wide_vectors():
-    triple, _, features = cpu_target.target_context.codegen().magic_tuple()
-    return triple.startswith("x86_64") and "+avx2" in features
-
-
-@pytest.mark.skipif(not has_wide_vectors(), reason="counts the vector instructions of x86 with AVX2")
+@needs_wide_vectors
 def test_lanes_are_vectorised():
     def written(x, out):
         out[0], out[1] = -x[0] * math.sqrt(x[1]), x[1]
@@ -482,9 +477,9 @@ def test_lanes_are_vectorised():
     def looked_up(x):  # which looks for what may not be there, and is not vectorised
         return np.array([(1.0, 2.0, 3.0)[int(x[0])], 1.0])
 
-    for counts in (packed(kd.systems.kepler()), packed(written)):
+    for counts in (packed_arithmetic(kd.systems.kepler()), packed_arithmetic(written)):
         assert min(counts.values()) >= 4
-    assert packed(looked_up)["kick"] == 0
+    assert packed_arithmetic(looked_up)["kick"] == 0
 
 
 def floor(x):
@@ -523,3 +518,77 @@ def test_members_begin_on_sides_of_their_own():
     assert sol.x[:, -1] == pytest.approx([-2.1, 2.1], abs=1e-3)  # friction of 0.2 takes 0.4 each half period
     with pytest.raises(ArgumentError, match="t_eval"):
         kd.solve_ensemble(rubbed, (0.0, np.pi), [2.5, -2.5], 0.0, step=0.05, switches=moving)
+
+
+def is_member_with_events(sol, i, alone):
+    """Whether a member has the bits of a run of it alone, and its zeros."""
+    reached = (sol.t <= alone.t[-1]) | (alone.status is Outcome.COMPLETED)
+    assert sol.x[i, reached].tobytes() == alone.x[: reached.sum()].tobytes()
+    assert np.isnan(sol.x[i, ~reached]).all()
+    assert (sol.status[i], sol.messages[i]) == (alone.status, alone.status.value if alone.success else alone.message)
+    assert (sol.n_steps[i], sol.n_force_evaluations[i]) == (alone.n_steps, alone.n_force_evaluations)
+    for name in ("t_events", "x_events", "v_events"):
+        for own, others in zip(getattr(sol, name)[i], getattr(alone, name), strict=True):
+            assert own.tobytes() == others.tobytes()
+            assert own.shape == others.shape
+    return True
+
+
+def thrown(x, params):
+    return np.array([0.0, -params[0]])
+
+
+def ground(x):
+    return x[1]
+
+
+def turn(x, v, params):
+    return v[1] - 0.1 * params[0]
+
+
+ground.terminal, ground.direction = True, -1
+THROWS = (np.zeros((9, 2)), np.column_stack((np.ones(9), np.linspace(5.0, 20.0, 9))))
+
+
+@pytest.mark.parametrize("others", [{}, {"t_eval": [0.3, 2.9, 1.0]}, {"rtol": 1e-6, "t_eval": [0.3, 1.0, 2.9]}])
+def test_each_member_has_its_events_and_ends_with_its_own(others):
+    options = {"step": 0.1, "method": "velocity-verlet", "events": [ground, turn], **others}
+    sol = kd.solve_ensemble(thrown, SPAN, *THROWS, args=[9.81], **options)
+    for i in range(9):
+        assert is_member_with_events(sol, i, kd.solve(thrown, SPAN, THROWS[0][i], THROWS[1][i], args=[9.81], **options))
+        landing = 2 * THROWS[1][i, 1] / 9.81
+        assert np.allclose(sol.t_events[i][0], [landing] if landing < 3.0 else [], rtol=1e-12)
+        assert sol[i].t_events[1].size == (THROWS[1][i, 1] - 0.981 < 9.81 * 3.0)
+    assert sol.success.all()
+    assert Outcome.COMPLETED in sol.status
+    assert Outcome.STOPPED in sol.status
+
+
+def test_events_of_members_are_kept_on_disk(tmp_path):
+    options = {"args": [9.81], "step": 0.1, "method": "velocity-verlet", "events": [ground, turn]}
+    sol = kd.solve_ensemble(thrown, SPAN, *THROWS, **options)
+    kept = {"checkpoint": tmp_path / "kept"}, {"checkpoint": tmp_path / "kept"}
+    stored = {"save_to": tmp_path / "run.zarr"}, {"save_to": tmp_path / "run.zarr"}
+    others = [kd.solve_ensemble(thrown, SPAN, *THROWS, **options, **where) for where in kept + stored]
+    for other in (*others, kd.load(sol.save(tmp_path / "throws")), kd.load(tmp_path / "run.zarr")):
+        for name in ("t_events", "x_events", "v_events"):
+            for own, whole in zip(getattr(other, name), getattr(sol, name), strict=True):
+                assert [(a.shape, a.tobytes()) for a in own] == [(a.shape, a.tobytes()) for a in whole]
+        assert other.status == sol.status
+    with pytest.raises(ArgumentError, match="another events"):
+        kd.solve_ensemble(thrown, SPAN, *THROWS, **options | {"events": turn, "checkpoint": tmp_path / "kept"})
+
+
+def test_events_of_members_that_cannot_be_are_refused_before_the_run():
+    with pytest.raises(ArgumentError, match="path is stochastic"):
+        kd.solve_ensemble(
+            kd.Langevin(lambda x: -x, friction=1.0, temperature=1.0),
+            SPAN,
+            [[1.0]],
+            [[0.0]],
+            step=0.1,
+            seeds=[1, 2],
+            events=lambda x: x[0],
+        )
+    with pytest.raises(ArgumentError, match="events"):
+        kd.solve_ensemble(thrown, SPAN, *THROWS, args=[1.0], step=0.1, events=[3.0])

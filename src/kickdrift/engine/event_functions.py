@@ -29,10 +29,14 @@ def events_of(events: Any, quantity: Callable[[str, Any], Quantity]) -> tuple[Ev
     ArgumentError
         For anything but functions of the state, and for invalid attributes.
     """
+    return tuple(_event(f"events[{k}]", function, quantity) for k, function in enumerate(functions_of(events)))
+
+
+def functions_of(events: Any) -> tuple[Any, ...]:
+    """Return the functions of one, of several, or of none."""
     if events is None:
         return ()
-    functions = list(events) if isinstance(events, Sequence) else [events]
-    return tuple(_event(f"events[{k}]", function, quantity) for k, function in enumerate(functions))
+    return tuple(events) if isinstance(events, Sequence) else (events,)
 
 
 def _event(name: str, function: Any, quantity: Callable[[str, Any], Quantity]) -> Event:

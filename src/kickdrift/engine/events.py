@@ -43,15 +43,26 @@ def watch_for(
     Raises
     ------
     ArgumentError
-        For Langevin dynamics, whose path is not known between two steps.
+        As `check_path`.
     """
     if not events:
         return None
-    if system.kind is Kind.LANGEVIN:
+    check_path(events, system)
+    return Watch(events, system, processing(), end, surfaces)
+
+
+def check_path(events: tuple[Event, ...], system: System) -> None:
+    """Refuse events where the path is not known between two steps.
+
+    Raises
+    ------
+    ArgumentError
+        For Langevin dynamics.
+    """
+    if events and system.kind is Kind.LANGEVIN:
         raise ArgumentError(
             "events are given, but the path is stochastic, and not known between steps; leave them out."
         )
-    return Watch(events, system, processing(), end, surfaces)
 
 
 class Watch:

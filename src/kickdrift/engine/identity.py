@@ -14,6 +14,7 @@ import numpy as np
 
 from kickdrift.core.naming import digest, source_digest
 from kickdrift.core.version import VERSION
+from kickdrift.engine.event_functions import functions_of
 from kickdrift.engine.function_key import taken_apart
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.start import Start
@@ -48,8 +49,6 @@ def identity_of(
     rows: list[Any] = [grid.stride, grid.wanted, grid.streamed] if isinstance(grid, Course) else []
     if isinstance(grid, Grid) and grid.streamed:
         rows = [grid.every]
-    functions = [] if events is None else list(events) if isinstance(events, Sequence) else [events]
-    flags = [[getattr(function, flag, None) for flag in _FLAGS] for function in functions]
     return {
         "problem": digest(written(problem)),
         "t_span": repr((grid.t0, grid.t1) if varies else grid.t0),
@@ -59,10 +58,16 @@ def identity_of(
         "method": f"{method.name} {digest(written(method))}",
         "compensated": repr(compensated),
         "compile": repr(compiles),
-        "events": digest(written([functions, flags])),
+        "events": digest(written(marked(events))),
         "step_control, impacts or switches": digest(written(steps)),
         "save_every, t_eval or save_to": digest(written(rows)),
     }
+
+
+def marked(events: Any) -> list[Any]:
+    """Return functions that are events, and the attributes by which users mark them."""
+    functions = list(functions_of(events))
+    return [functions, [[getattr(function, flag, None) for flag in _FLAGS] for function in functions]]
 
 
 def written(value: Any) -> Hashable:

@@ -11,7 +11,8 @@ from kickdrift.core import archive
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.invariants import Invariants
 from kickdrift.io.solution_file import INVARIANT, description
-from kickdrift.scale.ensemble_solution import EnsembleSolution
+from kickdrift.scale.ensemble_solution import EVENTS, EnsembleSolution
+from kickdrift.scale.zeros import Zeros, flattened, separated
 
 _PARAMETER = "parameter: "
 _OF_MEMBERS = ("step", "step_range", "n_steps", "n_rejected", "n_force_evaluations")
@@ -48,6 +49,7 @@ def contents(solution: EnsembleSolution) -> tuple[dict[str, Any], dict[str, NDAr
     arrays: dict[str, NDArray[Any]] = {"t": solution.t}
     arrays["outcome"] = np.array([places[outcome] for outcome in zip(solution.status, solution.messages, strict=True)])
     arrays |= {name: getattr(solution, name) for name in _OF_MEMBERS}
+    arrays |= flattened([Zeros(*zeros) for zeros in zip(*(getattr(solution, name) for name in EVENTS), strict=True)])
     return header, arrays | {_PARAMETER + name: values for name, values in solution.parameters.items()}
 
 
@@ -86,5 +88,19 @@ def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> EnsembleSolution:
         **{name: arrays[name] for name in _OF_MEMBERS},
         wall_time=float(head["wall_time"]),
         about=description(head["about"]),
+        **_events(arrays, rows[0], x.shape[2:], v.shape[2:]),
         parameters=labels,
     )
+
+
+def _events(
+    arrays: dict[str, Any], members: int, shape: tuple[int, ...], shape_of_v: tuple[int, ...]
+) -> dict[str, Any]:
+    """Return the zeros of events that a file holds; earlier files have none."""
+    if "n_events" not in arrays:
+        return {}
+    zeros = separated(arrays, members)
+    for own in zeros:
+        if any(x.shape[1:] != shape or v.shape[1:] != shape_of_v for x, v in zip(own.x, own.v, strict=True)):
+            raise ValueError("the zeros of events have other shapes than the states")
+    return {name: tuple(own[k] for own in zeros) for k, name in enumerate(EVENTS)}

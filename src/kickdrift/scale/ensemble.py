@@ -18,6 +18,7 @@ from kickdrift.core.arguments import choice
 from kickdrift.core.errors import ArgumentError, FileFormatError, depth_of_caller
 from kickdrift.core.naming import digest
 from kickdrift.engine.description import Description
+from kickdrift.engine.event_functions import functions_of
 from kickdrift.engine.identity import version
 from kickdrift.engine.impacts import Impacts
 from kickdrift.engine.invariants import Invariants
@@ -52,6 +53,7 @@ def solve_ensemble(
     order: int | None = None,
     t_eval: ArrayLike | None = None,
     save_every: int | None = None,
+    events: Callable[..., Any] | Sequence[Callable[..., Any]] | None = None,
     impacts: Impacts | Callable[..., Any] | None = None,
     switches: Callable[..., Any] | None = None,
     step_control: StepControl | Callable[..., Any] | str | None = None,
@@ -90,6 +92,10 @@ def solve_ensemble(
         As for `kickdrift.solve`. ``"auto"`` selects for all members the method that it selects for the first.
     t_eval, save_every
         As for `kickdrift.solve`: the times kept for all members.
+    events : callable or list of callable, optional
+        As for `kickdrift.solve`, separately for each member: ``solution.t_events[i][k]`` are the times of the zeros of event
+        k in member i. A member that a terminal event ends has its last state in ``solution.x_events``, and NaN at later
+        times; the others go on.
     impacts, switches, step_control, rtol, atol
         As for `kickdrift.solve`: variable steps, separately for each member, with `t_eval` for the times to keep.
     args : array_like or mapping, optional
@@ -164,7 +170,9 @@ def solve_ensemble(
     threads = _threads(threads)
     members = members_of(problem, x0, v0, args, step, seeds)
     steering = steering_of(step_control, members.step_of(0), rtol, atol, impacts, switches)
-    settings = Settings(t_span, method, order, t_eval, save_every, steering, compensated, compiles, check_bounds)
+    settings = Settings(
+        t_span, method, order, t_eval, save_every, steering, compensated, compiles, check_bounds, functions_of(events)
+    )
     prepared = prepare(members, settings, progress, to_disk=save_to is not None)
     results = prepared.room(save_to is not None)
     store = (
@@ -246,6 +254,7 @@ def _solution(prepared: Prepared, results: Results, store: MemberStore | None, s
     if store is not None:
         x, evaluated = store.array("x"), store.array
         v = store.array("v") if system.v0.shape == system.x0.shape else np.empty((*x.shape[:2], *system.v0.shape))
+    zeros: dict[str, Any] = {f"{name}_events": tuple(getattr(own, name) for own in results.zeros) for name in "txv"}
     return EnsembleSolution(
         t=prepared.t,
         x=x,
@@ -262,4 +271,5 @@ def _solution(prepared: Prepared, results: Results, store: MemberStore | None, s
         about=_description(prepared),
         parameters=prepared.members.parameters,
         saved_to="" if store is None else str(store.path),
+        **(zeros if prepared.events else {}),
     )

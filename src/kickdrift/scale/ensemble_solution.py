@@ -15,6 +15,7 @@ from kickdrift.engine.invariants import Invariants
 from kickdrift.engine.solution import Solution
 
 Floats = NDArray[np.float64]
+EVENTS = "t_events", "x_events", "v_events"
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,8 @@ class EnsembleSolution:
     t : (T,) array
         Times kept.
     x, v : (M, T, *shape) array
-        Positions and velocities, NaN after the last good row of a failed member. For rows on disk they, and the invariants,
+        Positions and velocities, NaN after the last good row of a failed member, and after a
+        terminal event. For rows on disk they, and the invariants,
         are arrays on disk: ``x[3]`` reads a member, ``x[:]`` all.
     invariants : mapping of str to array
         Conserved quantities at those times, (M, T) or (M, T, size), each evaluated on first access.
@@ -58,6 +60,8 @@ class EnsembleSolution:
         What distinguishes the members, (M,) or (M, p): swept parameters, steps, seeds.
     saved_to : str
         Where the rows are, if not in memory.
+    t_events, x_events, v_events : tuple of tuple of array
+        Of each member, for each event, the times of its zeros, (K,), and the states there, (K, *shape); empty without events.
 
     Examples
     --------
@@ -83,12 +87,15 @@ class EnsembleSolution:
     about: Description
     parameters: Mapping[str, NDArray[Any]]
     saved_to: str = ""
+    t_events: tuple[tuple[Floats, ...], ...] = ()
+    x_events: tuple[tuple[Floats, ...], ...] = ()
+    v_events: tuple[tuple[Floats, ...], ...] = ()
 
     presenters: ClassVar[EnsemblePresenters]
 
     @property
     def success(self) -> NDArray[np.bool_]:
-        """Which members reached the end of t_span, shape (M,)."""
+        """Which members reached the end of t_span or a terminal event, shape (M,)."""
         return np.array([status.success for status in self.status])
 
     @property
@@ -147,6 +154,7 @@ class EnsembleSolution:
             n_force_evaluations=int(self.n_force_evaluations[i]),
             wall_time=self.wall_time / len(self),
             about=self.about,
+            **({name: getattr(self, name)[i] for name in EVENTS} if self.t_events else {}),
         )
 
     def report(self) -> str:

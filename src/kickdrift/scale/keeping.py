@@ -10,9 +10,10 @@ from kickdrift.core.errors import FileFormatError
 from kickdrift.core.naming import digest
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.checkpoints import Checkpoints
-from kickdrift.engine.identity import written
+from kickdrift.engine.identity import marked, written
 from kickdrift.scale.prepared import Prepared
 from kickdrift.scale.results import Results
+from kickdrift.scale.zeros import flattened, separated
 
 _SECONDS = 60.0  # between checkpoints, if the number of members is not given
 _ARRAYS = ("x", "v", "rows", "step", "step_range", "n_steps", "rejected", "evaluations")
@@ -69,6 +70,7 @@ class Kept:
         kinds = list(dict.fromkeys(outcomes))
         places = {outcome: k for k, outcome in enumerate(kinds)}
         arrays = {name: getattr(results, name)[done] for name in _ARRAYS}
+        arrays |= flattened([results.zeros[i] for i in done])
         arrays |= {"members": done, "outcome": np.array([places[each] for each in outcomes], dtype=np.int64)}
         self._checkpoints.write(done.size, {"outcomes": kinds}, arrays)
         self._count, self._written = done.size, time.perf_counter()
@@ -78,6 +80,8 @@ class Kept:
         try:
             for name in _ARRAYS:
                 getattr(results, name)[members] = arrays[name]
+            for i, zeros in zip(members, separated(arrays, members.size), strict=True):
+                results.zeros[i] = zeros
             kinds = [(Outcome[name], str(message)) for name, message in header["outcomes"]]
             for i, kind in zip(members, arrays["outcome"], strict=True):
                 results.status[i], results.messages[i] = kinds[kind]
@@ -105,4 +109,5 @@ def identity_of(prepared: Prepared) -> dict[str, str]:
         "compile": repr(settings.compile),
         "step_control, impacts or switches": digest(written(settings.steering)),
         "save_every or t_eval": digest(written(prepared.t)),
+        "events": digest(written(marked(settings.events))),
     }

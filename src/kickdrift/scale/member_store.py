@@ -15,6 +15,7 @@ from kickdrift.engine.zarr_group import Array, ZarrGroup
 from kickdrift.scale.prepared import Prepared
 from kickdrift.scale.results import Results
 from kickdrift.scale.stored_array import StoredArray
+from kickdrift.scale.zeros import read, spelled
 
 _CHUNK = 1 << 24  # bytes of an array, at most, where a member has not more
 _TEXT = f"<U{max(len(outcome.name) for outcome in Outcome)}"
@@ -62,7 +63,7 @@ class MemberStore(ZarrGroup):
             except FileFormatError:  # its process was killed while it was made
                 there = False
         if there:
-            self._take_over(results)
+            self._take_over(prepared, results)
         else:
             self._create(prepared, about, size)
 
@@ -103,6 +104,8 @@ class MemberStore(ZarrGroup):
             del rows["v"]
         known = {name: getattr(results, field) for name, (field, *_) in _OF_MEMBERS.items()}
         known["message"] = np.array(results.messages, dtype=object)
+        if prepared.events:
+            known["events"] = np.array([spelled(own) for own in results.zeros], dtype=object)
         known["status"] = np.array([status.name for status in results.status], dtype=_TEXT)
         with self._writing():
             for name, values in {**rows, **known}.items():
@@ -130,13 +133,14 @@ class MemberStore(ZarrGroup):
         for name, quantity in system.quantities.items():
             key, vector = _key(name), quantity.size > 1
             arrays[key] = Array((f"{key}_component",) * vector, (quantity.size,) * vector, quantity.unit)
-        taken = {*arrays, *_OF_MEMBERS, *about.coordinates, "message", "parameter", "range"} - {"step"}
+        taken = {*arrays, *_OF_MEMBERS, *about.coordinates, "events", "message", "parameter", "range"} - {"step"}
         if known := sorted(taken & members.parameters.keys()):
             raise ArgumentError(
                 f"args has the name {known[0]!r}, which save_to={str(self.path)!r} uses for something else; give"
                 " another."
             )
-        coordinates = [*members.parameters, *_OF_MEMBERS, "message", "status"]
+        events = ["events"] if prepared.events else []
+        coordinates = [*members.parameters, *_OF_MEMBERS, *events, "message", "status"]
         words = {"system": about.system, "method": about.method, "source": about.source}
         with self._writing():
             self._begin({**words, "coordinates": " ".join(dict.fromkeys(coordinates))}, about.coordinates)
@@ -158,6 +162,8 @@ class MemberStore(ZarrGroup):
                 )
             for name, (_, kind, shape) in _OF_MEMBERS.items():
                 self._add(name, kind, (members.count, *shape), (size, *shape), ("member", "range")[: 1 + len(shape)])
+            if prepared.events:
+                self._add("events", str, (members.count,), (size,), ("member",))
             self._add("message", str, (members.count,), (size,), ("member",))
             self._add("status", _TEXT, (members.count,), (size,), ("member",))
             self._commit()
@@ -186,14 +192,17 @@ class MemberStore(ZarrGroup):
             compressors=None,
         )
 
-    def _take_over(self, results: Results) -> None:
+    def _take_over(self, prepared: Prepared, results: Results) -> None:
         with self._writing():
             status, messages = self._group["status"][:], self._group["message"][:]
+            events = self._group["events"][:] if prepared.events else ()
             done = np.flatnonzero(status != "")
             for name, (field, *_) in _OF_MEMBERS.items():
                 getattr(results, field)[done] = self._group[name][:][done]
         for i in done:
             results.status[i], results.messages[i] = Outcome[str(status[i])], str(messages[i])
+            if prepared.events:
+                results.zeros[i] = read(str(events[i]), results.x.shape[2:], results.v.shape[2:])
         results.done[done] = True
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +15,8 @@ from kickdrift.engine import quantities
 from kickdrift.engine.announcing import compiling_announced
 from kickdrift.engine.controller import Controller
 from kickdrift.engine.dense import check_between
+from kickdrift.engine.event_functions import Event, events_of
+from kickdrift.engine.events import check_path
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.method_selection import Choice, check_direction, choose
 from kickdrift.engine.problem_adapter import Adapter
@@ -43,6 +46,7 @@ class Settings:
     compensated: bool
     compile: bool
     check_bounds: bool
+    events: tuple[Callable[..., Any], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -77,6 +81,8 @@ class Prepared:
         What chooses the steps of the first member, where they vary.
     driven : System
         That of the first member, with the functions of the controller.
+    events : tuple of Event
+        The events of the first member.
     """
 
     members: Members
@@ -87,6 +93,7 @@ class Prepared:
     t: Floats
     controller: Controller | None
     driven: System
+    events: tuple[Event, ...] = ()
 
     def room(self, to_disk: bool = False) -> Results:
         """Make room for what the members will leave, but for the rows where these go to disk.
@@ -98,7 +105,7 @@ class Prepared:
         """
         count, times, system = self.members.count, 0 if to_disk else self.t.size, self.system
         _check_room(count, times, system.x0.size + system.v0.size)
-        return Results.empty(count, times, system.x0.shape, system.v0.shape)
+        return Results.empty(count, times, system.x0.shape, system.v0.shape, len(self.events))
 
     def system_of(self, i: int) -> System:
         """Describe the system of a member."""
@@ -192,14 +199,16 @@ def prepare(
         chosen = choose(settings.method, settings.order, system, first.t0, first.step, span, **defaults)
         check_direction(chosen.method, first.step)
         driven, controller = steering.ready(lead.problem_of(0), system, chosen.method, first, adapter, lead.step_of(0))
-        functions = lead.problem_of(0), steering.control, steering.impacts, steering.switches
-        tables = tables_of(functions, driven, chosen.method, controller, ())
+        events = events_of(settings.events or None, adapter.number)
+        check_path(events, system)
+        functions = lead.problem_of(0), steering.control, steering.impacts, steering.switches, settings.events
+        tables = tables_of(functions, driven, chosen.method, controller, events)
     for cohort in cohorts:
         if isinstance(cohort.grid, Grid):
             check_between(system, cohort.grid)
         if tables is not None:
             tables.check(cohort.grid)
-    return Prepared(members, settings, system, chosen, cohorts, t, controller, driven)
+    return Prepared(members, settings, system, chosen, cohorts, t, controller, driven, events)
 
 
 def _times(grid: Grid | Course) -> Floats:

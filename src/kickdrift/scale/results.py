@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.grid import Course, Grid
+from kickdrift.scale.zeros import Zeros, none_of
 
 Floats = NDArray[np.float64]
 
@@ -15,7 +16,7 @@ Floats = NDArray[np.float64]
 class Results:
     """What the members have left: of each its rows, (M, T, *shape), how many are filled, how it ended, and what it took.
 
-    Of members that are `done` nothing changes any more.
+    And the zeros of events. Of members that are `done` nothing changes any more.
     """
 
     x: Floats
@@ -29,9 +30,12 @@ class Results:
     rejected: NDArray[np.int64]
     evaluations: NDArray[np.int64]
     done: NDArray[np.bool_]
+    zeros: list[Zeros]
 
     @classmethod
-    def empty(cls, count: int, times: int, shape: tuple[int, ...], shape_of_v: tuple[int, ...]) -> "Results":
+    def empty(
+        cls, count: int, times: int, shape: tuple[int, ...], shape_of_v: tuple[int, ...], events: int = 0
+    ) -> "Results":
         """Make room for members, none of which has begun."""
         return cls(
             np.empty((count, times, *shape)),
@@ -45,6 +49,7 @@ class Results:
             np.zeros(count, dtype=np.int64),
             np.zeros(count, dtype=np.int64),
             np.zeros(count, dtype=bool),
+            [none_of(events, shape, shape_of_v)] * count,
         )
 
     def fill(self) -> None:
@@ -82,3 +87,4 @@ class Results:
         self.n_steps[first:last], self.rejected[first:last] = other.n_steps, other.rejected
         self.evaluations[first:last] = other.evaluations
         self.done[first:last] = other.done
+        self.zeros[first:last] = other.zeros

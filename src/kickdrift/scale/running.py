@@ -25,6 +25,7 @@ from kickdrift.engine.solve import solve
 from kickdrift.scale.prepared import Cohort, Prepared
 from kickdrift.scale.results import Results
 from kickdrift.scale.turns import Numbers, numbers_in_turn, run_in_turn
+from kickdrift.scale.zeros import Zeros
 
 Floats = NDArray[np.float64]
 Task = partial[Any]
@@ -137,7 +138,7 @@ class Runs:
         prepared = self._prepared
         program = kernel_alone(prepared.system, prepared.chosen.method)
         compensated = prepared.settings.compensated
-        if program is None or isinstance(grid, Course) or grid.wanted is not None:
+        if program is None or isinstance(grid, Course) or grid.wanted is not None or prepared.events:
             return None
         if fields_of(prepared.system, program, compensated) is None:
             return None
@@ -208,6 +209,7 @@ class Runs:
                     step_control=settings.steering.control,
                     impacts=settings.steering.impacts,
                     switches=settings.steering.switches,
+                    events=settings.events or None,
                     args=args,
                     compensated=settings.compensated,
                     compile=settings.compile and prepared.system.native,
@@ -227,7 +229,7 @@ class Runs:
     def _keep(self, i: int, solution: Solution, t0: float) -> None:
         results, t = self.results, self._prepared.t
         reached = np.ones(t.size, dtype=bool)
-        if not solution.success:
+        if solution.status is not Outcome.COMPLETED:
             low, high = sorted((t0, float(solution.t[-1])))
             reached = (t >= low) & (t <= high)
             results.x[i] = results.v[i] = np.nan
@@ -238,6 +240,7 @@ class Runs:
         results.step[i], results.n_steps[i] = solution.step, solution.n_steps
         results.step_range[i], results.rejected[i] = solution.step_range, solution.n_rejected
         results.evaluations[i] = solution.n_force_evaluations
+        results.zeros[i] = Zeros(solution.t_events, solution.x_events, solution.v_events)
         results.done[i] = solution.status is not Outcome.INTERRUPTED
 
 

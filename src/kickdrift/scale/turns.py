@@ -18,7 +18,7 @@ Numbers = tuple[Floats, Floats, Floats]
 
 def numbers_in_turn(prepared: Prepared, grid: Grid | Course) -> Numbers | None:
     """Return x, v and params of all members, if they may run in turn: what is compiled, and knows params, is one for all."""
-    if not prepared.system.native or prepared.settings.steering.cuts:
+    if not prepared.system.native or prepared.settings.steering.cuts or prepared.events:
         return None
     if isinstance(grid, Course):
         return prepared.numbers() if prepared.one_system() and not _driven(prepared, grid).is_processed else None

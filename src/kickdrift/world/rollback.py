@@ -70,9 +70,9 @@ _FAR = 1e100  # m or m/s: as good as infinite
 
 @compiled
 def begin(t: float, h: float, world: int) -> None:
-    """Count displacements from here, and keep what there is in case the step cannot be done.
+    """Reset the displacements of the step, and save the state that a rollback restores.
 
-    The inertia of bodies that were turned by hand is turned with them, since contacts and joints ask for it before the kick.
+    Inertias are updated to orientations that the user has set, since contacts and joints need them before the kick.
     """
     delta_pose, pose, motion = floats(world, DELTA_POSE), floats(world, POSE), floats(world, MOTION)
     old_pose, old_motion = floats(world, STARTED_POSE), floats(world, STARTED_MOTION)
@@ -83,7 +83,7 @@ def begin(t: float, h: float, world: int) -> None:
     for body in range(rows(world, DELTA_POSE)):
         member[body, 0] = body
         turn = quaternion_at(pose, body, ORIENTATION)
-        if is_scaled(turn):  # users have written into it; of what moves the drift does it, but later
+        if is_scaled(turn):  # users have written into it; the drift would normalise it too late, and only if it moves
             turn = unit(turn)
             for k in range(4):
                 pose[body, ORIENTATION + k] = turn[k]
