@@ -105,7 +105,10 @@ def note_path(h: float, world: int, body: int) -> None:
 
 @compiled
 def prediction_error(h: float, world: int, body: int) -> tuple[float, float]:
-    """Return how far a body is from its path, and by how much it has turned farther than on it; what is stopped is on it."""
+    """Return how far a body is from its path, and by how much it has turned farther than on it; what is stopped is on it.
+
+    One that ends where the attempt before has ended has shown what there is to know of it.
+    """
     started, motion = floats(world, STARTED_POSE), floats(world, STARTED_MOTION)
     predicted, start = floats(world, PREDICTED), vector_at(started, body, 0)
     way = minus(vector_at(floats(world, POSE), body, 0), start)
@@ -113,6 +116,8 @@ def prediction_error(h: float, world: int, body: int) -> tuple[float, float]:
     most = length(vector_at(motion, body, 3)) + h * length(angular_acceleration(world, body))
     v, gained = vector_at(motion, body, 0), acceleration(world, body)
     if has_change(world, body):
+        if _ends_as_before(world, body):
+            return 0.0, 0.0
         change, end = predicted[body, CHANGE_TIME], minus(vector_at(predicted, body, END_POSE), start)
         corner = plus(times(change, v), times(0.5 * change * change, gained))
         off = min(_distance(way, (0.0, 0.0, 0.0), corner), _distance(way, corner, end))
@@ -120,6 +125,14 @@ def prediction_error(h: float, world: int, body: int) -> tuple[float, float]:
     else:
         off = _distance(way, (0.0, 0.0, 0.0), plus(times(h, v), times(0.5 * h * h, gained)))
     return off, max(turn - h * most, 0.0)
+
+
+@compiled(inline=True)
+def _ends_as_before(world: int, body: int) -> bool:
+    pose, predicted, same = floats(world, POSE), floats(world, PREDICTED), True
+    for k in range(7):
+        same = same and pose[body, k] == predicted[body, END_POSE + k]
+    return same
 
 
 @compiled(inline=True)
