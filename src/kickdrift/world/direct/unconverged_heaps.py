@@ -14,6 +14,7 @@ from kickdrift.core.vectors import dot
 from kickdrift.world.collision.acceleration import acceleration, weight_per_mass
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.batching import CROWD
 from kickdrift.world.contacts.residual import FAR_LEFT, LEFT, TOUCHES
 from kickdrift.world.direct.node_selection import moves
 from kickdrift.world.disjoint_sets import first_of, unite
@@ -58,9 +59,9 @@ _PATIENCE, _MORE, _HASTE = 6, 4, 6
 # tenth.
 _FALL = 0.25
 
-# Bodies of a heap that a direct solution is worth, and free bodies of a world: a pile of 1000 boxes falls apart into small
-# heaps, which would take thirty times as long. And the count of those that are solved directly.
-LARGEST, _CROWD, _FOUND = 64, 256, 1 << 16
+# Bodies of a heap that a direct solution is worth, in worlds of up to CROWD free bodies: a pile of 1000 boxes falls apart into
+# small heaps, which would take thirty times as long. And the count of those that are solved directly.
+LARGEST, _FOUND = 64, 1 << 16
 
 # Seconds after which it is said that a body is left unsolved: of one in a heap that is too large for a direct solution. 1024
 # cubes that fall into a heap are for 5 s before they come to rest.
@@ -78,7 +79,7 @@ def find_heaps(t: float, h: float, world: int) -> None:
         any_unsolved = any_unsolved or (unsolved and body[row, AWAKE] != 0)
     if not any_unsolved:
         return
-    found, small = False, _count_free(world) <= _CROWD
+    found, small = False, _count_free(world) <= CROWD
     if small:
         _join_heaps(h, world)
     for row in range(rows(world, BODY)):
@@ -174,7 +175,7 @@ def ask_again(t: float, h: float, world: int) -> None:
     any_far = False
     for row in range(rows(world, BODY)):
         any_far = any_far or _is_far_left(world, row)
-    if not any_far or status[0, REPEATED] != 0 or rows(world, BATCH) > 0 or _count_free(world) > _CROWD:
+    if not any_far or status[0, REPEATED] != 0 or rows(world, BATCH) > 0 or _count_free(world) > CROWD:
         return  # of a crowd in batches, some are done already
     _join_heaps(h, world)
     found = False
