@@ -27,7 +27,9 @@ _FEWEST_JOBS = 4  # to start a process takes as long as compiling one or two fun
 _SECONDS = 1.0e-4  # for a byte of Python's bytecode: a world of joints and bounces has 220,000 and takes one core 22 s
 
 Job = tuple[Function, Any]  # a function and a signature
-Place = tuple[Callable[..., Function], tuple[Any, ...]]  # a function and arguments that find or make one in another process
+Place = tuple[
+    Callable[..., Function], tuple[Any, ...]
+]  # a function and arguments that find or make one in another process
 
 _WORKER = (
     "import sys, pickle; sys.path[:] = pickle.load(sys.stdin.buffer);"
@@ -53,7 +55,9 @@ def compile_together(jobs: list[Job], done: Callable[[], object] = lambda: None)
     """
     places = _places(jobs)
     waiting = deque(_families([job for job in jobs if id(job[0]) in places]))
-    own = [job for job in jobs if id(job[0]) not in places]  # no other process finds them, or they are not stored on disk
+    own = [
+        job for job in jobs if id(job[0]) not in places
+    ]  # no other process finds them, or they are not stored on disk
     with no_collector(), _workers(processes_for(len(waiting)) - 1, waiting, places, done), suppress(IndexError):
         while True:
             for function, signature in own or waiting.popleft():

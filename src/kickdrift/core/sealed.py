@@ -18,8 +18,8 @@ def read(path: Path) -> bytes:
     Raises
     ------
     OSError
-        If it cannot be read; if its owner, or that of its folder, is not this user, root or the owner of kickdrift's sources; or
-        if others can write to them.
+        If it cannot be read; if its owner, or that of its folder, is not this user, root or the owner of kickdrift's sources;
+        or if others can write to them.
     ValueError
         If it is damaged.
     """
