@@ -1,4 +1,4 @@
-"""Members of an ensemble whose steps vary, one after the other, without the interpreter in between."""
+"""Members of an ensemble with variable steps, integrated one after the other in compiled code."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -57,9 +57,9 @@ def _run(
     vs: Any,
     facts: Any,
 ) -> None:
-    """Run each member from its start on blank work, as `kickdrift.engine.run` does one, for so many steps at most.
+    """Run each member from its start on a blank work array, as `kickdrift.engine.run` does, for at most `most` steps.
 
-    The row after the last one that is filled gets the state that is reached.
+    The row after the last one filled gets the final state.
     """
     for m in range(starts.shape[0]):
         assign(x, starts[m])
@@ -84,7 +84,7 @@ def _run(
 
 @dataclass(frozen=True)
 class Courses:
-    """What members have left: states at the times wanted, (G, T, *shape), of those that are `good`, and what all took."""
+    """Results of the members: states at the times wanted, (G, T, *shape), of those that are `good`, and the costs of all."""
 
     x: Floats
     v: Floats
@@ -98,8 +98,8 @@ class Courses:
 def run_courses(
     processing: Processing, between: Callable[[], Processing], grid: Course, x: Floats, v: Floats, most: int
 ) -> Courses:
-    """Run members from their starts, (M, *shape), to the end of a course with times that are wanted."""
-    kernel, count, rows = processing.kernel, x.shape[0], grid.marks.size + 2  # the first one and the last one, too
+    """Run members from their starts, (M, *shape), to the end of a course with given times."""
+    kernel, count, rows = processing.kernel, x.shape[0], grid.marks.size + 2  # with the first and the last
     starts, velocities = (np.ascontiguousarray(own.reshape(count, -1)) for own in (x, v))
     marks, facts = np.zeros((count, 4), dtype=np.int64), np.zeros((count, _FACTS))
     ts, sizes = np.empty((count, rows)), np.empty((count, rows))
@@ -132,11 +132,11 @@ def run_courses(
 def _at_wanted(
     grid: Course, outputs: list[DenseOutput], members: NDArray[np.intp], evaluations: Integers
 ) -> tuple[Floats, Floats]:
-    """Return the states of members that are at the end at the times wanted, as `kickdrift.engine.report` does of one."""
+    """Return the states of the members that reached the end at the times wanted, as `kickdrift.engine.report` does."""
     assert grid.wanted is not None
     end = np.array([grid.t1])
     short = [k for k, output in enumerate(outputs) if output.t[-1] != grid.t1]
-    if short:  # whose last step leads beyond the end: a part of it to there
+    if short:  # the last step leads beyond the end, so take a part of it
         for k, (x, v, own) in zip(short, states_of([outputs[k] for k in short], [end] * len(short)), strict=True):
             outputs[k] = outputs[k].followed_by(grid.t1, x[0], v[0])
             evaluations[members[k]] += own
