@@ -77,6 +77,7 @@ PARTICLE_MASS = column(PARTICLE, 1, "kg")
 
 # PARTICLE_REST
 column(PARTICLE_REST, 3, "m")  # where it is in the cloth without tension
+SPLIT_FROM = column(PARTICLE_REST)  # vertex of the cloth that it was one with; of those from the start, nothing
 
 # Fields of PARTICLE_LANES
 _LANES = Fields()
