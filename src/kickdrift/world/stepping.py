@@ -103,8 +103,7 @@ class DoesSteps:
                     program = self._ready(step)
                 else:
                     found, at = found | at, 0
-                    if self._breakable and (broken := self.joints.take_broken()):
-                        self.broken += broken
+                    if self._breakable and self._breaks():
                         program = self._ready(step)
                     if done < count:
                         chunk = next_chunk(done - before, time.perf_counter() - began)
@@ -163,9 +162,19 @@ class DoesSteps:
         self.cloths.tune(step / self.substeps)
         self.tables.array(SETTINGS)[0, settings.STEP] = step
         self._program = compose(spelt, self._addresses, step, self.substeps)
-        self._program_step, self._threaded, self._breakable = step, threaded, self.joints.breakable
+        self._program_step, self._threaded, self._breakable = (
+            step,
+            threaded,
+            self.joints.breakable or self.cloths.tearable,
+        )
         self.tables.altered = False
         return self._program
+
+    def _breaks(self) -> bool:
+        """Take what a step has broken or torn out of the world; whether there was anything."""
+        broken = self.joints.take_broken()
+        self.broken += broken
+        return self.cloths.tear() or bool(broken)
 
     def _help(self, step: float, stage: int) -> int:
         """Do what a stage has asked for, and return the stage to go on with; raise what cannot be helped."""

@@ -70,6 +70,8 @@ BENDING_RATE = column(CLOTH_NUMBERS, 1, "1/s")
 REST_TIME = column(CLOTH_NUMBERS, 1, "s")  # for how long all cloths have rested, of the first
 SKIN = column(CLOTH_NUMBERS, 1, "m")  # by which particles may move otherwise than foreseen until pairs are sought anew
 
+TEAR_STRAIN = column(CLOTH_NUMBERS)  # 0.0: it does not tear
+
 # PARTICLE
 column(PARTICLE, 3, "m")  # position
 PARTICLE_INVERSE_MASS = column(PARTICLE, 1, "1/kg")  # 0.0 of those that are pinned
