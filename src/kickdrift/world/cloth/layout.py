@@ -29,6 +29,7 @@ from kickdrift.world.tables import (
     PARTICLE_PATH,
     PARTICLE_REST,
     PARTICLE_SHIFT,
+    PARTICLE_WIND,
     PIN,
     PIN_NUMBERS,
     ZONE,
@@ -142,6 +143,9 @@ column(PARTICLE_SHIFT, 3, "m")  # what it is moved by in the drift, without a ve
 
 # INTERVAL_START
 column(INTERVAL_START, 3, "m")  # where particles were when it began
+
+# PARTICLE_WIND
+column(PARTICLE_WIND, 3, "m/s")
 
 # PARTICLE_BOUNDS, in a frame that moves with the cloths
 column(PARTICLE_BOUNDS, 6, "m")  # corners of a box that it is in for as long as pairs are not sought anew
