@@ -1,11 +1,9 @@
 """Forces on eight triangles and particles at once are those on each, however vertices and triangles are numbered."""
 
-import re
-
 import numba
 import numpy as np
 import pytest
-from test_gravity_kernels import has_wide_vectors
+from vector_instructions import needs_wide_vectors, packed
 
 import kickdrift as kd
 from kickdrift.world import tables
@@ -69,7 +67,7 @@ def test_every_triangle_is_in_one_group():
     assert not (steps[~groups.in_rows] == 1).all(axis=(1, 2)).any()
 
 
-@pytest.mark.skipif(not has_wide_vectors(), reason="counts the vector instructions of x86 with AVX2")
+@needs_wide_vectors
 def test_forces_are_in_vectors():
     # Losing the vectors changes no result, only the speed.
     word, number = numba.int64, numba.float64
@@ -80,5 +78,5 @@ def test_forces_are_in_vectors():
         fresh = numba.jit(**function.targetoptions)(function.py_func)
         fresh.compile(types)
         (assembly,) = fresh.inspect_asm().values()
-        assert len(re.findall(r"\svsqrtpd\s.*%[yz]mm", assembly)) >= roots
-        assert len(re.findall(r"\svf[n]?m(?:add|sub)\d+pd\s.*%[yz]mm", assembly)) >= products
+        assert packed(assembly, "vsqrt") >= roots
+        assert packed(assembly, r"vfn?m(?:add|sub)\d+") >= products

@@ -3,7 +3,6 @@
 import dataclasses
 import math
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -14,7 +13,7 @@ from contextlib import nullcontext
 
 import numpy as np
 import pytest
-from numba.core.registry import cpu_target
+from vector_instructions import needs_wide_vectors, packed
 
 import kickdrift as kd
 from kickdrift.core import archive
@@ -455,8 +454,8 @@ def test_a_method_that_does_not_fit_is_refused():
         kd.solve_ensemble(kd.FirstOrder(lambda y: -y), SPAN, np.ones((3, 1)), step=0.1, method="leapfrog")
 
 
-def packed(problem):
-    """Count packed instructions in registers of 256 or 512 bits, letter by letter."""
+def packed_arithmetic(problem):
+    """Count packed instructions, letter by letter."""
     start = Start(np.array([1.0, 0.5]), np.zeros(2))
     system = problem if isinstance(problem, kd.System) else describe(problem, 0.0, start, np.zeros(0), True)
     program = kernel_alone(system, kd.methods.get("semi-implicit-euler"))
@@ -466,16 +465,11 @@ def packed(problem):
         letter = compiled(cached=False)(lane_letters.build(name, system, program, True, fields).py_func)
         address_of(letter, LETTER)
         assembly = letter.get_compile_result(LETTER).library.get_asm_str()
-        counts[name] = len(re.findall(r"^\s+v(?:mul|div|sqrt|sub|add)pd\s.*%[yz]mm", assembly, re.MULTILINE))
+        counts[name] = packed(assembly, "v(?:mul|div|sqrt|sub|add)")
     return counts
 
 
-def has_wide_vectors():
-    triple, _, features = cpu_target.target_context.codegen().magic_tuple()
-    return triple.startswith("x86_64") and "+avx2" in features
-
-
-@pytest.mark.skipif(not has_wide_vectors(), reason="counts the vector instructions of x86 with AVX2")
+@needs_wide_vectors
 def test_lanes_are_vectorised():
     def written(x, out):
         out[0], out[1] = -x[0] * math.sqrt(x[1]), x[1]
@@ -483,9 +477,9 @@ def test_lanes_are_vectorised():
     def looked_up(x):  # which looks for what may not be there, and is not vectorised
         return np.array([(1.0, 2.0, 3.0)[int(x[0])], 1.0])
 
-    for counts in (packed(kd.systems.kepler()), packed(written)):
+    for counts in (packed_arithmetic(kd.systems.kepler()), packed_arithmetic(written)):
         assert min(counts.values()) >= 4
-    assert packed(looked_up)["kick"] == 0
+    assert packed_arithmetic(looked_up)["kick"] == 0
 
 
 def floor(x):
@@ -526,11 +520,11 @@ def test_members_begin_on_sides_of_their_own():
         kd.solve_ensemble(rubbed, (0.0, np.pi), [2.5, -2.5], 0.0, step=0.05, switches=moving)
 
 
-def is_member_with_events(sol, i, alone):
+def is_member_with_events(sol, i, alone, rows=True):
     """Whether a member has the bits of a run of it alone, and its zeros."""
     reached = (sol.t <= alone.t[-1]) | (alone.status is Outcome.COMPLETED)
-    assert sol.x[i, reached].tobytes() == alone.x[: reached.sum()].tobytes()
-    assert np.isnan(sol.x[i, ~reached]).all()
+    assert not rows or sol.x[i, reached].tobytes() == alone.x[: reached.sum()].tobytes()
+    assert not rows or np.isnan(sol.x[i, ~reached]).all()
     assert (sol.status[i], sol.messages[i]) == (alone.status, alone.status.value if alone.success else alone.message)
     assert (sol.n_steps[i], sol.n_force_evaluations[i]) == (alone.n_steps, alone.n_force_evaluations)
     for name in ("t_events", "x_events", "v_events"):
@@ -538,6 +532,10 @@ def is_member_with_events(sol, i, alone):
             assert own.tobytes() == others.tobytes()
             assert own.shape == others.shape
     return True
+
+
+def spring_alone(x, params):
+    return -params[0] * x
 
 
 def thrown(x, params):
@@ -568,6 +566,41 @@ def test_each_member_has_its_events_and_ends_with_its_own(others):
     assert sol.success.all()
     assert Outcome.COMPLETED in sol.status
     assert Outcome.STOPPED in sol.status
+
+
+@pytest.mark.parametrize("method", ["velocity-verlet", "gauss-4"])
+@pytest.mark.parametrize("span", [(0.0, 8.0), (2.0, -6.0)])
+def test_members_with_events_run_in_turn_with_the_bits_of_runs_alone(method, span, in_lanes):
+    def apex(v, params):
+        return v[0] - 0.1 * params[0]
+
+    def clock(t, x):
+        return np.sin(3 * t) - 0.2 * x[0]
+
+    apex.terminal, clock.terminal, clock.direction = 4, 6, 1
+    x, v = np.random.default_rng(5).normal(size=(2, 20, 1))
+    rates = np.linspace(0.5, 4.0, 20)[:, None]
+    options = {"step": 0.1, "method": method, "events": [apex, clock, lambda x: x[0]], "t_eval": [0.33, 1.01, -0.7]}
+    options["t_eval"] = [t for t in options["t_eval"] if min(span) <= t <= max(span)]
+    sol = kd.solve_ensemble(spring_alone, span, x, v, args=rates, **options)
+    assert in_lanes["alone"] == 2
+    assert len(set(sol.n_steps)) > 5
+    for i in range(20):
+        alone = kd.solve(spring_alone, span, x[i], v[i], args=rates[i], **options)
+        reached = ~np.isnan(sol.x[i, :, 0])
+        assert reached.sum() == alone.t.size - (alone.status is Outcome.STOPPED)
+        for name in ("x", "v"):
+            assert getattr(sol, name)[i, reached].tobytes() == getattr(alone, name)[: reached.sum()].tobytes()
+        assert is_member_with_events(sol, i, alone, rows=False)
+
+
+def test_times_between_steps_are_kept_in_turn(in_lanes):
+    x, v = np.ones((9, 1)), np.zeros((9, 1))
+    rates = np.linspace(0.5, 4.0, 9)[:, None]
+    options = {"step": 0.1, "method": "leapfrog", "t_eval": [2.22, 0.33, 0.34]}
+    sol = kd.solve_ensemble(spring_alone, SPAN, x, v, args=rates, **options)
+    assert in_lanes == {"lanes": 0, "alone": 1}
+    assert all(is_member(sol, i, spring_alone, x[i], v[i], args=rates[i], **options) for i in range(9))
 
 
 def test_events_of_members_are_kept_on_disk(tmp_path):

@@ -1,6 +1,5 @@
 """Spatial vectors: six numbers in a vector register do what NumPy does with them."""
 
-import re
 from typing import Any
 
 import numpy as np
@@ -8,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba import types
-from numba.core.registry import cpu_target
+from vector_instructions import needs_wide_vectors, packed
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.spatial import (
@@ -67,16 +66,10 @@ def test_what_is_read_and_written_is_six_numbers():
     assert numbers.tolist() == [*range(6, 12), *range(6)]
 
 
-def has_wide_vectors() -> bool:
-    triple, _, features = cpu_target.target_context.codegen().magic_tuple()
-    return bool(triple.startswith("x86_64") and "+avx2" in features)
-
-
 def packed_multiplications(function: Any, *arguments: Any) -> int:
-    """Count those in registers of 256 or 512 bits."""
     fresh = compiled(cached=False, fast=True)(function.py_func)
     assembly = fresh.get_compile_result(types.none(*arguments)).library.get_asm_str()
-    return len(re.findall(r"^\s+v(?:mul|fn?m(?:add|sub)\d+)pd\s.*%[yz]mm", assembly, re.MULTILINE))
+    return packed(assembly, r"v(?:mul|fn?m(?:add|sub)\d+)")
 
 
 @compiled(fast=True)
@@ -86,7 +79,7 @@ def add_scaled_number_by_number(table: Any, factor: float) -> None:
         table[1, k] += factor * table[0, k]
 
 
-@pytest.mark.skipif(not has_wide_vectors(), reason="counts the vector instructions of x86 with AVX2")
+@needs_wide_vectors
 def test_blocks_are_eliminated_in_vector_registers():
     assert packed_multiplications(factor, types.int64, types.int64, types.int64) >= 100
     table = types.Array(types.float64, 2, "C")

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import viser
-from live_pages import Browser, until
+from live_pages import WAIT, Browser, until
 from packaging.requirements import Requirement
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
@@ -262,7 +262,7 @@ def server():
 
 
 def answer(port, **headers):
-    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=10)
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=WAIT)
     try:
         connection.request("GET", "/", headers=headers)
         response = connection.getresponse()
@@ -542,15 +542,28 @@ page = world.view(1 / 60, port=0)
 print("after", world.time)
 """
 
+WAITING = """
+wait = page._ended.wait
+
+def waiting(seconds):
+    page._ended.wait = wait
+    print("waiting", flush=True)
+    return wait(seconds)
+
+page._ended.wait = waiting
+page.wait()
+"""
+
 
 @pytest.mark.parametrize("interrupted", [True, False])
 def test_the_server_ends_with_the_script(interrupted):
-    source = SCRIPT.format(end="page.wait()" if interrupted else "")
+    source = SCRIPT.format(end=WAITING if interrupted else "")
     piped = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
     with subprocess.Popen([sys.executable, "-c", source], **piped) as process:
         try:
             url = next(line for line in process.stdout if line.startswith("open ")).removeprefix("open ").strip()
             if interrupted:
+                assert process.stdout.readline() == "waiting\n"  # before, Ctrl-C would end the script
                 assert answer(int(url.rsplit(":", 1)[1]))[0] == 200
                 process.send_signal(signal.SIGINT)
             rest = process.stdout.read()

@@ -92,10 +92,8 @@ def _moved(typing_context: Any, a: Any, x: Any, y: Any, z: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         a, *s = arguments
         total, nothing = a, ir.Constant(_SIX, None)
-        for ahead, sign in (
-            (1, builder.fadd),
-            (2, builder.fsub),
-        ):  # s x u = s' u'' - s'' u', each prime one place ahead
+        # s x u = s' u'' - s'' u', each prime one place ahead
+        for ahead, sign in ((1, builder.fadd), (2, builder.fsub)):
             factors = nothing
             for k in range(3):
                 factors = builder.insert_element(factors, s[(k + ahead) % 3], ir.Constant(_INDEX, 3 + k))

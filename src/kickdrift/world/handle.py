@@ -1,4 +1,4 @@
-"""Handles: users' references to rows of a world, which detect when their row is gone."""
+"""Handles: users' references to rows of a world, which detect that their row has been removed or reused."""
 
 from typing import TYPE_CHECKING, Any, Protocol, Self
 from weakref import ReferenceType
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 class Registry(Protocol):
-    """Rows that come and go: the bodies, joints or cloths of a world."""
+    """The rows of one kind in a world: its bodies, joints or cloths."""
 
     names: Names
     world: "ReferenceType[World] | None"  # weak: handles do not keep the memory of a world that is gone
@@ -20,7 +20,7 @@ class Registry(Protocol):
         ...
 
     def knows(self, index: int, generation: int) -> bool:
-        """Whether a row is that of a generation, and there."""
+        """Whether a row is in use and has this generation."""
         ...
 
 
@@ -33,7 +33,7 @@ class Handle:
     __slots__ = ("_generation", "_index", "_last_name")
     _index: int
     _generation: int
-    _last_name: str | None  # that it is known to have had: errors call by it what is gone
+    _last_name: str | None  # the last name seen, for messages about removed rows
 
     @property
     def index(self) -> int:
@@ -92,6 +92,6 @@ class Handle:
 
 
 def _handle_in(world: "World", kind: Any, index: int, generation: int) -> Handle:
-    """Make the handle of what has the same row in a copy of its world."""
+    """Return the handle of the same row in a copy of the world."""
     handle: Handle = kind(index, generation, kind.registry_of(world))
     return handle

@@ -1,4 +1,4 @@
-"""What is kept of a running world: the rows of a recording."""
+"""The rows of a recording, and the recording of a user's loop."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
@@ -35,12 +35,14 @@ class RecordingRows:
     ----------
     world : World
     room : int
-        Rows to expect; there may be more.
+        Expected number of rows; there may be more.
 
     Attributes
     ----------
-    first, count : int
-        How many rows are no longer here, as they are on disk, and how many there are in all.
+    first : int
+        Number of rows that are on disk, and no longer in memory.
+    count : int
+        Number of all rows.
     """
 
     saved_to = ""
@@ -55,7 +57,7 @@ class RecordingRows:
         self._rows: dict[str, Floats] = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
 
     def keep(self, t: float) -> None:
-        """Add a row for a time."""
+        """Add a row with the state of the world, at the time t."""
         world, rows, row = self._world, self._rows, self.count - self.first
         bodies, columns = len(world.position), self._cloths.changed()
         if row == len(rows["t"]) or bodies > self._bodies:
@@ -75,20 +77,20 @@ class RecordingRows:
         self.count += 1
 
     def kept(self) -> dict[str, Floats]:
-        """Return what is here, for `fill`."""
+        """Return the rows in memory, for `fill`."""
         return {name: values[: self.count - self.first] for name, values in self._rows.items()}
 
     def remembered(self) -> dict[str, Floats]:
-        """Return what else is to be known, for `fill`."""
+        """Return what `fill` needs besides the rows in memory."""
         return {}
 
     def fill(self, kept: Mapping[str, Floats], remembered: Mapping[str, Floats]) -> None:
-        """Begin with rows that were kept before.
+        """Begin with the rows of a checkpoint.
 
         Raises
         ------
         LookupError, ValueError
-            If they are not those of this world.
+            If they do not fit this world.
         """
         columns = self._cloths.changed()
         if columns is not None:
@@ -98,20 +100,20 @@ class RecordingRows:
         self.count = self.first + len(kept["t"])
 
     def begin(self) -> None:
-        """Make ready for the first row."""
+        """Prepare for the first row."""
 
     def drain(self) -> None:
-        """Write what is as much as is written at a time."""
+        """Write the rows in memory to disk once they fill a chunk; here they stay in memory."""
 
     def close(self, outcome: Outcome) -> None:
-        """Write what is left, and how it ended."""
+        """Write the remaining rows and the outcome to disk; here they stay in memory."""
 
     def ends(self) -> dict[str, Floats]:
-        """Return the rows that the recording has."""
+        """Return the rows that the `Recording` holds: here all of them."""
         return self.kept()
 
     def _grow(self, bodies: int) -> None:
-        """Make room for half as many rows again where all are taken, and for so many bodies."""
+        """Widen the rows to so many bodies, and if all are in use, make room for half as many again."""
         before = len(self._rows["t"])
         room = before + (before // 2 + 16 if self.count - self.first == before else 0)
         for name, old in self._rows.items():
@@ -131,7 +133,7 @@ class RecordingRows:
             self._rows[name] = new
 
     def description(self) -> Description:
-        """Describe what is recorded, for display."""
+        """Return a description of the recording, for display."""
         return Description(
             system=_words(int(np.count_nonzero(appearance(self._world).kinds)) - 1, len(self._cloths.drawn)),
             method="soft steps",
@@ -147,7 +149,7 @@ class RecordingRows:
     def recording(
         self, outcome: Outcome, message: str, step: float, n_steps: int, n_force_evaluations: int, seconds: float
     ) -> Recording:
-        """Return what was kept."""
+        """Return the recording."""
         world, rows = self._world, self.ends()
         (kinetic, potential), (overlap, gap) = rows["energy"].T.copy(), rows["constraint error"].T.copy()
         kept = {"energy": kinetic + potential, **{name: rows[name] for name in ("momentum", "angular momentum")}}
@@ -180,13 +182,13 @@ class RecordingRows:
 
 
 def _words(bodies: int, cloths: int) -> str:
-    """Return a description of the bodies and joints of a world."""
+    """Return how many bodies and cloths a world has, in words."""
     with_cloths = f" and {cloths} cloth{'s' * (cloths != 1)}" if cloths else ""
     return f"world of {bodies} bod{'ies' if bodies != 1 else 'y'}{with_cloths}"
 
 
 class Recorder:
-    """What a world reports of its steps while a user's loop is recorded.
+    """Records the steps of a user's loop, as the world reports them.
 
     Parameters
     ----------
@@ -205,11 +207,11 @@ class Recorder:
 
     @property
     def steps_to_row(self) -> int:
-        """Steps until the next row is to be kept."""
+        """Number of steps until the next row is due."""
         return self._every - self.n_steps % self._every
 
     def note(self, count: int, step: float, time: float, seconds: float) -> None:
-        """Note how many steps were done up to a time, and what they took."""
+        """Note that `count` steps up to a time, s, were done in so many seconds, and add a row if one is due."""
         self.n_steps += count
         self._evaluations += count * self._world.substeps
         self._seconds += seconds
@@ -220,7 +222,7 @@ class Recorder:
                 self._rows.drain()
 
     def recording(self, outcome: Outcome, message: str) -> Recording:
-        """Keep the last state too, and return what was kept."""
+        """Add a row for the last state, if it has none, and return the recording."""
         try:
             if self.n_steps % self._every:
                 self._rows.keep(self._world.time)

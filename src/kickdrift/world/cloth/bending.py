@@ -24,7 +24,6 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, applied, cross, dot, inverse_symmetric, length, minus, plus, times
 from kickdrift.world.cloth.bending_lanes import couple_damped_lanes, couple_lanes, turn_lanes
-from kickdrift.world.cloth.lanes import WIDTH
 from kickdrift.world.cloth.layout import (
     BENDING,
     BENDING_DAMPING,
@@ -43,6 +42,7 @@ from kickdrift.world.cloth.layout import (
 )
 from kickdrift.world.cloth.particle_lanes import add_force, field_size
 from kickdrift.world.columns import vector_at
+from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.tables import (
     CLOTH,
     CLOTH_NUMBERS,

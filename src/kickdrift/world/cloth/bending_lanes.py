@@ -7,7 +7,8 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from kickdrift.world.cloth.lanes import VECTOR, WIDTH, WORD, Lanes, begin_of, loaded, same, vector_pointer
+from kickdrift.world.cloth.lanes import VECTOR, WORD, Lanes, begin_of, loaded, same, vector_pointer
+from kickdrift.world.contacts.layout import WIDTH
 
 
 def _couple(damped: bool) -> Any:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.world.cloth.lanes import WIDTH
+from kickdrift.world.contacts.layout import WIDTH
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -8,9 +8,9 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
+from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.contacts.transpose import transposed
 
-WIDTH = 8
 NUMBER, WORD = ir.DoubleType(), ir.IntType(64)
 VECTOR = ir.VectorType(NUMBER, WIDTH)
 _FLAGS = ("contract", "nsz", "reassoc", "arcp")

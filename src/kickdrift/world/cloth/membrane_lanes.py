@@ -10,19 +10,8 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from kickdrift.world.cloth.lanes import (
-    NUMBER,
-    VECTOR,
-    WIDTH,
-    WORD,
-    Lanes,
-    begin_of,
-    dot,
-    loaded,
-    plus,
-    same,
-    vector_pointer,
-)
+from kickdrift.world.cloth.lanes import NUMBER, VECTOR, WORD, Lanes, begin_of, dot, loaded, plus, same, vector_pointer
+from kickdrift.world.contacts.layout import WIDTH
 
 Load = Callable[[int], Lanes]
 

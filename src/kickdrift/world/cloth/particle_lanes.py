@@ -2,7 +2,7 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector
-from kickdrift.world.cloth.lanes import WIDTH, rows_to_fields
+from kickdrift.world.cloth.lanes import rows_to_fields
 from kickdrift.world.cloth.layout import (
     BENDING_DAMPING,
     FIRST_PARTICLE,
@@ -13,6 +13,7 @@ from kickdrift.world.cloth.layout import (
     PLACES,
     SPEEDS,
 )
+from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.tables import CLOTH, CLOTH_NUMBERS, PARTICLE, PARTICLE_LANES, flat, floats, integers, rows
 
 

@@ -122,16 +122,9 @@ def put_capsule_first(
     manifold: Any,
 ) -> int:
     """Write the points of a capsule (centre, axis, half, radius) on the second shape, in whose frame all is given."""
-    centre, axis, half, radius = capsule
     inward = turned(q, times(-1.0, normal))
     put_normal(manifold, inward)
-    count = 0
-    for k in range(contact[0]):
-        t, y = (contact[1], contact[2]) if k == 0 else (contact[3], contact[4])
-        if dot(normal, minus(along(centre, t, axis), y)) - radius <= margin:
-            put_point(manifold, count, along((0.0, 0.0, t), radius, inward), y, part(contact[0], k, t, half))
-            count += 1
-    return count
+    return _put_points(contact, capsule, normal, inward, True, margin, manifold)
 
 
 @compiled
@@ -144,14 +137,29 @@ def put_capsule_second(
     manifold: Any,
 ) -> int:
     """Write the points of a capsule (centre, axis, half, radius) on the first shape, in whose frame all is given."""
-    centre, axis, half, radius = capsule
-    outward = turned_back(q, normal)
     put_normal(manifold, normal)
+    return _put_points(contact, capsule, normal, turned_back(q, times(-1.0, normal)), False, margin, manifold)
+
+
+@compiled(inline=True)
+def _put_points(
+    contact: Contact,
+    capsule: tuple[Vector, Vector, float, float],
+    normal: Vector,
+    inward: Vector,
+    first: bool,
+    margin: float,
+    manifold: Any,
+) -> int:
+    """Write the points within the margin; `inward` is the normal in the frame of the capsule, to what it lies on."""
+    centre, axis, half, radius = capsule
     count = 0
     for k in range(contact[0]):
         t, y = (contact[1], contact[2]) if k == 0 else (contact[3], contact[4])
         if dot(normal, minus(along(centre, t, axis), y)) - radius <= margin:
-            put_point(manifold, count, y, along((0.0, 0.0, t), -radius, outward), part(contact[0], k, t, half))
+            own = along((0.0, 0.0, t), radius, inward)
+            a, b = (own, y) if first else (y, own)
+            put_point(manifold, count, a, b, part(contact[0], k, t, half))
             count += 1
     return count
 

@@ -193,11 +193,8 @@ def leave_impact(h: float, world: int, body: int) -> None:
         return
     kicked[body, NEXT_IMPACT] = -2.0
     when, inertia = kicked[body, IMPACT_TIME], floats(world, INERTIA)
-    way, q, turn = (
-        _way(h, world, body, when),
-        quaternion_at(pose, body, ORIENTATION),
-        vector_at(motion, body, ANGULAR_VELOCITY),
-    )
+    way = _way(h, world, body, when)
+    q, turn = quaternion_at(pose, body, ORIENTATION), vector_at(motion, body, ANGULAR_VELOCITY)
     if inertia[body, SPHERICAL] == TUMBLES:
         moments, spin = symmetric_at(inertia, body, BODY_INERTIA), vector_at(kicked, body, SPIN)
         before = applied(symmetric_at(floats(world, INVERSE_MASS), body, INVERSE_INERTIA_IN_WORLD), spin)

@@ -109,21 +109,15 @@ def _eliminate_link(node: int, world: int) -> None:
 @compiled(cached=False, fast=True)
 def _hand_up(row: int, neighbour: int, parent: int, other: Vector, other_ahead: Vector, world: int) -> None:
     """Couple the parent of a link to a neighbour as the link was."""
-    work, blocks = floats(world, LINK_NUMBERS), floats(world, BLOCK)
-    target, to, back = parent, ARTICULATED_INERTIA, ARTICULATED_INERTIA
+    blocks = floats(world, BLOCK)
     if neighbour == parent:
-        target = integers(world, NODE)[parent, LINK_ROW]
+        table, target = floats(world, LINK_NUMBERS), integers(world, NODE)[parent, LINK_ROW]
+        to, back = ARTICULATED_INERTIA, ARTICULATED_INERTIA
     else:
-        target = block_of(min(parent, neighbour), max(parent, neighbour), world)
+        table, target = blocks, block_of(min(parent, neighbour), max(parent, neighbour), world)
         to, back = (UPPER_BLOCK, LOWER_BLOCK) if parent < neighbour else (LOWER_BLOCK, UPPER_BLOCK)
-    upper = move_impulses(block_at(blocks, row, UPPER_BLOCK), other)
-    lower = move_velocities(block_at(blocks, row, LOWER_BLOCK), other_ahead)
-    if neighbour == parent:
-        add_block(work, target, to, upper)
-        add_block(work, target, back, lower)
-    else:
-        add_block(blocks, target, to, upper)
-        add_block(blocks, target, back, lower)
+    add_block(table, target, to, move_impulses(block_at(blocks, row, UPPER_BLOCK), other))
+    add_block(table, target, back, move_velocities(block_at(blocks, row, LOWER_BLOCK), other_ahead))
 
 
 @compiled(cached=False, fast=True)
