@@ -29,6 +29,7 @@ from kickdrift.world.tables import (
     PARTICLE_PATH,
     PARTICLE_REST,
     PARTICLE_SHIFT,
+    PARTICLE_WIND,
     PIN,
     PIN_NUMBERS,
     ZONE,
@@ -68,6 +69,8 @@ MEMBRANE_RATE = column(CLOTH_NUMBERS, 1, "1/s")  # highest angular frequency, wi
 BENDING_RATE = column(CLOTH_NUMBERS, 1, "1/s")
 REST_TIME = column(CLOTH_NUMBERS, 1, "s")  # for how long all cloths have rested, of the first
 SKIN = column(CLOTH_NUMBERS, 1, "m")  # by which particles may move otherwise than foreseen until pairs are sought anew
+
+TEAR_STRAIN = column(CLOTH_NUMBERS)  # 0.0: it does not tear
 
 # PARTICLE
 column(PARTICLE, 3, "m")  # position
@@ -142,6 +145,9 @@ column(PARTICLE_SHIFT, 3, "m")  # what it is moved by in the drift, without a ve
 
 # INTERVAL_START
 column(INTERVAL_START, 3, "m")  # where particles were when it began
+
+# PARTICLE_WIND
+column(PARTICLE_WIND, 3, "m/s")
 
 # PARTICLE_BOUNDS, in a frame that moves with the cloths
 column(PARTICLE_BOUNDS, 6, "m")  # corners of a box that it is in for as long as pairs are not sought anew
