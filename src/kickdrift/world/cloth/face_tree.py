@@ -30,11 +30,14 @@ class FaceTree(NamedTuple):
         Triangles, `TWIG` or `BRANCH`; nodes that come after all that is below.
     connected : (K,) array
         Whether its triangles are one piece.
+    neighbours : (P, 2) array
+        Pairs of nodes of one level that share a side, both of them one piece; the earlier ones come first, sorted.
     """
 
     items: Integers
     skips: Integers
     connected: Integers
+    neighbours: Integers
 
 
 def face_tree(mesh: ClothMesh) -> FaceTree:
@@ -60,13 +63,13 @@ def face_tree(mesh: ClothMesh) -> FaceTree:
         order = faces[np.argsort(centres[faces, axis], kind="stable")]
         waiting += [(order[len(order) // 2 :], depth + 1), (order[: len(order) // 2], depth + 1)]
     connected = np.ones(len(items), dtype=np.int64)
-    _mark_pieces(mesh, patches, np.array(levels), connected)
-    return FaceTree(np.array(items), np.array(skips), connected)
+    neighbours = _mark_pieces(mesh, patches, np.array(levels), connected)
+    return FaceTree(np.array(items), np.array(skips), connected, neighbours)
 
 
-def _mark_pieces(mesh: ClothMesh, patches: list[tuple[int, Integers]], levels: Integers, connected: Integers) -> None:
-    """Mark nodes whose triangles are not one piece, a level at a time."""
-    count = len(mesh.triangles)
+def _mark_pieces(mesh: ClothMesh, patches: list[tuple[int, Integers]], levels: Integers, connected: Integers) -> Integers:
+    """Mark nodes whose triangles are not one piece, a level at a time, and return which of the others share a side."""
+    count, neighbours = len(mesh.triangles), [np.empty((0, 2), dtype=np.int64)]
     face, side = np.nonzero(mesh.sides != NONE)
     order = np.argsort(mesh.sides[face, side], kind="stable")
     pairs = face[order].reshape(-1, 2)
@@ -80,6 +83,9 @@ def _mark_pieces(mesh: ClothMesh, patches: list[tuple[int, Integers]], levels: I
         pieces = connected_components(graph, directed=False)[1]
         for node, faces in own:
             connected[node] = int((pieces[faces] == pieces[faces[0]]).all())
+        beside = np.sort(of[pairs[(of[pairs] >= 0).all(axis=1)]], axis=1)
+        neighbours.append(beside[(beside[:, 0] != beside[:, 1]) & connected[beside].all(axis=1)])
+    return np.unique(np.concatenate(neighbours), axis=0)
 
 
 def owned(triangles: Integers) -> Integers:

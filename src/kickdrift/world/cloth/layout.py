@@ -31,6 +31,7 @@ from kickdrift.world.tables import (
     PARTICLE_SHIFT,
     PIN,
     PIN_NUMBERS,
+    TREE_NEIGHBOUR,
     ZONE,
     ZONE_NUMBERS,
 )
@@ -160,6 +161,10 @@ column(FACE_TURN, 6)  # its normal as it is, and as it is foreseen; zeros where 
 
 # CLOTH_TREE_NODE
 IS_CONNECTED = column(CLOTH_TREE_NODE)
+NEIGHBOURS = column(CLOTH_TREE_NODE, 2)  # the first and one after the last, of those in TREE_NEIGHBOUR
+
+# TREE_NEIGHBOUR: later nodes of the same level that share a side with one, so that both are one piece
+column(TREE_NEIGHBOUR)
 
 # CLOTH_SEARCH
 SEARCH_VALID = column(CLOTH_SEARCH)  # 0: pairs are to be sought anew
@@ -183,6 +188,11 @@ PAIR_DISTANCE = column(CLOTH_PAIR_NUMBERS, 1, "m")  # that is kept
 PAIR_FRICTION = column(CLOTH_PAIR_NUMBERS)
 PAIR_APART = column(CLOTH_PAIR_NUMBERS, 1, "m")  # when it was last looked at
 PAIR_SEEN = column(CLOTH_PAIR_NUMBERS, 1, "m")  # TRAVELLED then
+PAIR_LAID = column(CLOTH_PAIR_NUMBERS, 1, "m")  # TRAVELLED when what follows was found; `NOT_LAID`
+PAIR_GIVES = column(CLOTH_PAIR_NUMBERS, 1, "1/kg")  # velocity over impulse; zero where it takes none
+PAIR_WEIGHTS = column(CLOTH_PAIR_NUMBERS, 4)
+PAIR_NORMAL = column(CLOTH_PAIR_NUMBERS, 3)  # from the second to the first
+NOT_LAID = -1.0
 
 # ZONE
 IN_ZONE = column(ZONE)  # leads to the first particle of its zone

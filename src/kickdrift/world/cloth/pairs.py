@@ -23,16 +23,20 @@ from kickdrift.world.cloth.layout import (
     IS_TANGLED,
     LAST_NODE,
     MEETS_ITSELF,
+    NEIGHBOURS,
+    NOT_LAID,
     OWNED,
     PAIR_APART,
     PAIR_DISTANCE,
     PAIR_FRICTION,
     PAIR_KIND,
+    PAIR_LAID,
     PAIR_PARTICLES,
     PAIR_SEEN,
     SEARCH_AGE,
     SEARCH_VALID,
     SKIN,
+    TRAVELLED,
 )
 from kickdrift.world.cloth.proximity import EDGE_EDGE, VERTEX_FACE, Corners, nearest
 from kickdrift.world.cloth.separation import are_apart, nearing
@@ -55,7 +59,9 @@ from kickdrift.world.tables import (
     PARTICLE,
     PARTICLE_BOUNDS,
     PARTICLE_REST,
+    TREE_NEIGHBOUR,
     ZONE,
+    flat_integers,
     floats,
     integers,
     room,
@@ -86,7 +92,7 @@ def find_pairs(world: int, h: float, part: float) -> bool:
     if not speed < _FASTEST:
         return True
     sweep(world, part, _horizon(world, h, part, speed))
-    search[0, CROSSINGS] = 0.0
+    search[0, CROSSINGS] = search[0, TRAVELLED] = 0.0
     zone, own = integers(world, ZONE), integers(world, CLOTH)
     for i in range(rows(world, PARTICLE)):
         zone[i, IS_TANGLED] = 0
@@ -133,6 +139,8 @@ def _walk(world: int, a: int, b: int) -> bool:
             continue
         if not (same or _overlap(one, m, other, n)):
             continue
+        if a == b and _are_neighbours(world, at, n) and is_flat(normals, at, begin + n):
+            continue
         left, right = one[m, ITEM] == BRANCH, other[n, ITEM] == BRANCH
         if not left and not right:
             fits = _compare(world, a, b, one, m, other, n)
@@ -145,6 +153,15 @@ def _walk(world: int, a: int, b: int) -> bool:
                     stack[top, 0], stack[top, 1] = k, o
                     top += 1
     return fits
+
+
+@compiled(inline=True)
+def _are_neighbours(world: int, at: int, n: int) -> bool:
+    """Whether a node, by its row, shares a side with a later one of its tree, and is one piece as that is."""
+    node, neighbour, found = integers(world, CLOTH_TREE_NODE), flat_integers(world, TREE_NEIGHBOUR), False
+    for k in range(node[at, NEIGHBOURS], node[at, NEIGHBOURS + 1]):
+        found |= neighbour[k] == n
+    return found
 
 
 @compiled
@@ -240,7 +257,7 @@ def _add(world: int, cloth: int, other: int, kind: int, at: Corners) -> bool:
     for k in range(4):
         pair[row, PAIR_PARTICLES + k] = at[k]
     pair[row, PAIR_KIND], own[row, PAIR_DISTANCE] = kind, kept
-    own[row, PAIR_APART], own[row, PAIR_SEEN] = apart, 0.0
+    own[row, PAIR_APART], own[row, PAIR_SEEN], own[row, PAIR_LAID] = apart, 0.0, NOT_LAID
     own[row, PAIR_FRICTION] = math.sqrt(numbers[cloth, CLOTH_FRICTION] * numbers[other, CLOTH_FRICTION])
     return True
 

@@ -25,7 +25,6 @@ from kickdrift.world.cloth.layout import (
     SEARCH_AGE,
     SEARCH_HORIZON,
     SKIN,
-    TRAVELLED,
 )
 from kickdrift.world.collision.bvh import fit
 from kickdrift.world.columns import vector_at
@@ -68,7 +67,6 @@ def set_frame(world: int) -> float:
     mean = times(1.0 / count, total)
     for k in range(3):
         search[0, FRAME_VELOCITY + k] = mean[k]
-    search[0, TRAVELLED] = 0.0
     return math.sqrt(max(squares / count - dot(mean, mean), 0.0))
 
 
