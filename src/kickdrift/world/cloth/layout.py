@@ -82,9 +82,8 @@ column(PARTICLE_REST, 3, "m")  # where it is in the cloth without tension
 # Fields of PARTICLE_LANES
 _LANES = Fields()
 PLACES = _LANES.field(3, "m")
-SPEEDS = _LANES.field(3, "m/s")
 FORCES = _LANES.field(3, "N")
-CURVES = _LANES.field(3, "1/m")  # force of bending over the stiffness
+CURVES = _LANES.field(3, "1/m")  # force of bending over the stiffness; where a part begins, as it was before
 LANE_FIELDS = _LANES.close()
 
 # PARTICLE_COUPLINGS
