@@ -128,13 +128,14 @@ PIN_POSITION = column(PIN_NUMBERS, 3, "m")  # in the body
 TOUCHING_PARTICLE = column(CLOTH_CONTACT)
 TOUCHED_BODY = column(CLOTH_CONTACT)
 MOVES_BODY = column(CLOTH_CONTACT)  # 1: the body takes the reaction
+IN_LANES = column(CLOTH_CONTACT)  # 1: it and the next seven are of different particles, and move no body
 
 # CLOTH_CONTACT_NUMBERS
 CLOTH_NORMAL = column(CLOTH_CONTACT_NUMBERS, 3)  # from the shape to the particle
 CLOTH_GAP = column(CLOTH_CONTACT_NUMBERS, 1, "m")
 CONTACT_FRICTION = column(CLOTH_CONTACT_NUMBERS)
 TOUCHED_POINT = column(CLOTH_CONTACT_NUMBERS, 3, "m")  # from the centre of the body
-GROUND_VELOCITY = column(CLOTH_CONTACT_NUMBERS, 3, "m/s")  # of a surface that runs, beside that of its body
+GROUND_VELOCITY = column(CLOTH_CONTACT_NUMBERS, 3, "m/s")  # of the shape there; of a body that it moves, besides its own
 
 # PARTICLE_SHIFT
 column(PARTICLE_SHIFT, 3, "m")  # what it is moved by in the drift, without a velocity
