@@ -201,9 +201,6 @@ class Bead:
     def mass_properties(self):
         return self._ball.mass_properties()
 
-    def wireframe(self):
-        return self._ball.wireframe()
-
 
 RECORD = Kind(
     number=BEAD, name="bead", sort=SOLID, shape=Bead, extent=sphere.RECORD.extent, ray=sphere.RECORD.ray, is_round=True

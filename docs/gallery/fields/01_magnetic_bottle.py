@@ -33,7 +33,7 @@ along = (sol.v * field).sum(axis=1) / size
 moment = ((sol.v**2).sum(axis=1) - along**2) / (2 * size)
 right = fig.add_subplot(1, 2, 2)
 right.plot(sol.t, sol.x[:, 2], label="z")
-right.plot(sol.t, moment / moment[0], label="magnetic moment, of its start", linewidth=0.8)
+right.plot(sol.t, moment / moment[0], label="magnetic moment / initial one", linewidth=0.8)
 right.set(xlabel="t", ylim=(-0.9, 1.8))
 right.legend()
 print(f"turns around at z = {sol.x[:, 2].max():.3f}; moment within {100 * abs(moment / moment[0] - 1).max():.1f} %")

@@ -40,7 +40,7 @@ fig, (top, bottom) = plt.subplots(2, 1, sharex=True, figsize=(7, 4.4))
 top.plot(t, angle)
 bottom.plot(t, place, color="C1")
 top.set(ylabel="angle (degrees)")
-bottom.set(xlabel="s", ylabel="cart (m)")
+bottom.set(xlabel="time (s)", ylabel="cart (m)")
 print(
     f"largest angle after the push {abs(angle[t > 4]).max():.1f} degrees; at the end {abs(angle[-1]):.4f} degrees, {place[-1]:.4f} m"
 )

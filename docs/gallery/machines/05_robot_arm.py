@@ -39,5 +39,5 @@ for stiffness in (200, 1000, 5000):
     ax.plot(*way[400:].T, label=f"{stiffness} N m/rad")
     print(f"{stiffness} N m/rad: {1e3 * np.linalg.norm(way - wanted, axis=1)[400:].max():.1f} mm off at most")
 ax.plot(*wanted[400:].T, "k:", label="wanted")
-ax.set(aspect="equal", xlabel="m", ylabel="m")
+ax.set(aspect="equal", xlabel="x (m)", ylabel="z (m)")
 ax.legend(fontsize=8)

@@ -33,7 +33,7 @@ own = np.einsum("ijt,tj->ti", axis, spin)
 fig, ax = plt.subplots(figsize=(7.5, 3.6))
 for k, name in enumerate("xyz"):
     ax.plot(recording.t, own[:, k], label=f"about {name}")
-ax.set(xlabel="s", ylabel="spin in the body's axes (rad/s)")
+ax.set(xlabel="time (s)", ylabel="spin in the body's axes (rad/s)")
 ax.legend(loc="upper right")
 print("moments of inertia, g m^2:", np.round(1e3 * np.diag(moments), 4))
 about = own @ middle

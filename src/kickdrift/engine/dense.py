@@ -19,6 +19,7 @@ from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.core.kinds import Kind
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.processing import Processing
+from kickdrift.engine.stepper import NO_NUMBERS, rows_of
 from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
@@ -144,8 +145,13 @@ class DenseOutput:
         return row, counts, rest
 
 
-def states_of(outputs: Sequence[DenseOutput], wanted: Sequence[Floats]) -> list[tuple[Floats, Floats, int]]:
-    """Return of each of some outputs of one method what `DenseOutput.states_at` returns, at its times, all at once."""
+def states_of(
+    outputs: Sequence[DenseOutput], wanted: Sequence[Floats], params: Floats = NO_NUMBERS
+) -> list[tuple[Floats, Floats, int]]:
+    """Return of each of some outputs of one method what `DenseOutput.states_at` returns, at its times, all at once.
+
+    Each may have params of its own, (O, p).
+    """
     places = [output._places(times) for output, times in zip(outputs, wanted, strict=True)]
     row = [own for own, _, _ in places]
     counts, rest = (np.concatenate([own[k] for own in places]) for k in (1, 2))
@@ -156,11 +162,12 @@ def states_of(outputs: Sequence[DenseOutput], wanted: Sequence[Floats]) -> list[
     evaluations = np.zeros(counts.size, dtype=np.int64)
     if counts.any() or rest.any():
         processing = outputs[0].compile()
+        numbers = np.repeat(params, [times.size for times in wanted], axis=0) if len(params) else params
         for sizes, repeats in ((whole, counts), (rest, (rest != 0.0).astype(np.int64))):
             moved = np.flatnonzero(repeats)
             if moved.size:
                 xs[moved], vs[moved], own = processing.go_on(
-                    here[moved], sizes[moved], repeats[moved], xs[moved], vs[moved]
+                    here[moved], sizes[moved], repeats[moved], xs[moved], vs[moved], rows_of(numbers, moved)
                 )
                 evaluations[moved] += own
             here = here + sizes * repeats

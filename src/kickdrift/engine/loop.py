@@ -48,6 +48,8 @@ CHANGE = types.none(
     _INTEGERS,
     *_STATE,
     _FLOATS,
+    _ROWS,
+    _FLOATS,
     _FLOATS,
     _FLOATS,
     _ROWS,
@@ -175,6 +177,8 @@ def change(
     x: Floats,
     v: Floats,
     work: Floats,
+    params: Floats,
+    numbers: Floats,
     blank: Floats,
     clocks: Floats,
     counted: Floats,
@@ -183,12 +187,15 @@ def change(
 ) -> None:
     """Overwrite each row of xs and vs by what steps of one size from its time give, begun with blank work; NaN if a flow fails.
 
-    Letters that move the clock themselves leave it in `clocks`, and flows the force evaluations that they count in `counted`.
+    Each row has `numbers` of its own as params, if there are any. Letters that move the clock themselves leave it in `clocks`,
+    and flows the force evaluations that they count in `counted`.
     """
     for row in range(times.size):
         assign(x, xs[row])
         assign(v, vs[row])
         assign(work, blank)
+        if numbers.shape[0]:
+            assign(params, numbers[row])
         work[CLOCK] = times[row]
         h = sizes[row]
         for k in range(primers.size):

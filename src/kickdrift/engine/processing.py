@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from kickdrift.engine.controller import Controller
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.program import Control, Program, Structure, compose
-from kickdrift.engine.stepper import Stepper, compile_program
+from kickdrift.engine.stepper import NO_NUMBERS, Stepper, compile_program
 from kickdrift.engine.transformed_steps import change_in_time
 from kickdrift.methods import Method
 from kickdrift.methods.record import Word
@@ -74,9 +74,17 @@ class Processing:
         return (xs, vs) if self.frame is None else self.frame.leave(xs, vs)
 
     def go_on(
-        self, times: Floats, sizes: Floats, counts: NDArray[np.int64], xs: Floats, vs: Floats
+        self,
+        times: Floats,
+        sizes: Floats,
+        counts: NDArray[np.int64],
+        xs: Floats,
+        vs: Floats,
+        numbers: Floats = NO_NUMBERS,
     ) -> tuple[Floats, Floats, NDArray[np.int64]]:
         """Do so many steps of a size from each row as people see it, of shape (T, *shape), at its time.
+
+        Rows may have `numbers` of their own as params, (T, p), where there is no frame.
 
         Returns
         -------
@@ -95,9 +103,9 @@ class Processing:
             (self.postprocessor, times + counts * sizes, once),
         ):
             if stepper is not None and stepper.program.transformed:
-                evaluations += change_in_time(stepper, at, sizes, repeats, x, v)
+                evaluations += change_in_time(stepper, at, sizes, repeats, x, v, numbers)
             elif stepper is not None:
-                evaluations += stepper.change(at, sizes, repeats, x, v)[0]
+                evaluations += stepper.change(at, sizes, repeats, x, v, numbers)[0]
         xs, vs = x.reshape(xs.shape), v.reshape(vs.shape)
         return (*((xs, vs) if self.frame is None else self.frame.leave(xs, vs)), evaluations)
 

@@ -21,7 +21,12 @@ from kickdrift.systems.system import System
 Floats = NDArray[np.float64]
 _LARGE = 100  # numbers of a state whose pairs fill what the C library thinks large
 _NEVER = np.zeros(0, dtype=np.int64)  # the steps after which rows are kept: none
-_NO_ROWS = np.zeros((0, 0))
+NO_NUMBERS = _NO_ROWS = np.zeros((0, 0))
+
+
+def rows_of(numbers: Floats, rows: Any) -> Floats:
+    """Return those of some rows, of numbers that each row has, or none has."""
+    return np.ascontiguousarray(numbers[rows]) if len(numbers) else numbers
 
 
 @dataclass
@@ -158,9 +163,17 @@ class Stepper:
             )
 
     def change(
-        self, times: Floats, sizes: Floats, counts: NDArray[np.int64], xs: Floats, vs: Floats
+        self,
+        times: Floats,
+        sizes: Floats,
+        counts: NDArray[np.int64],
+        xs: Floats,
+        vs: Floats,
+        numbers: Floats = NO_NUMBERS,
     ) -> tuple[NDArray[np.int64], Floats]:
         """Do so many steps of a size from each of the rows, at its time, and overwrite it; nothing is carried over.
+
+        Rows may have `numbers` of their own as params, (T, p).
 
         Returns
         -------
@@ -170,15 +183,25 @@ class Stepper:
             The times at the ends, of letters that move the clock themselves.
         """
         program, state, blank = self.program, self.state, self.state.work.copy()
+        params = self.params
+        own = params.copy()
         word = (program.letters, program.weights, program.offsets, self._primers)
         members = (self._members, state.x, state.v, state.work)
         load(self._loops.change, loop.CHANGE)
         clocks, counted = np.zeros(times.size), np.zeros(times.size)
         with np.errstate(all="ignore"):
-            self._loops.change(self._flows, *word, times, sizes, counts, *members, blank, clocks, counted, xs, vs)
-        state.work[:] = blank
+            self._loops.change(
+                self._flows, *word, times, sizes, counts, *members, params, numbers, blank, clocks, counted, xs, vs
+            )
+        state.work[:], params[:] = blank, own
         primed = sum(FLOWS[name].evaluations for name in program.primers)
         return counted.astype(np.int64) + primed + program.evaluations * counts, clocks
+
+    @property
+    def params(self) -> Floats:
+        """The numbers that functions get as params, which the flows read."""
+        arrays = self._alive[-1] if self._alive else self._members
+        return arrays[2]  # type: ignore[no-any-return]
 
     @property
     def compiled(self) -> tuple[Any, NDArray[np.int64], tuple[Any, ...]]:

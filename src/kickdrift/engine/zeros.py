@@ -88,6 +88,11 @@ def changes(parts: Brackets) -> NDArray[np.bool_]:
     return np.asarray(((first < 0.0) & (last >= 0.0)) | ((first > 0.0) & (last <= 0.0)))
 
 
+def tolerance_of(brackets: Brackets) -> Floats:
+    """Return how well the zeros in parts of steps can be known, in steps."""
+    return np.asarray(4.0 * np.spacing(np.abs(brackets.t) + np.abs(brackets.size)) / np.abs(brackets.size))
+
+
 def search(
     begin: Floats,
     end: Floats,

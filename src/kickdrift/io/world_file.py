@@ -15,6 +15,7 @@ from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.io.shapes import Catalogue, shapes_of
 from kickdrift.world.arguments import vector
+from kickdrift.world.cloth.layout import CLOTH_GENERATION
 from kickdrift.world.integrity import check
 from kickdrift.world.joints.layout import GENERATION, JOINT_KIND
 from kickdrift.world.joints.layout import REMOVED as REMOVED_JOINT
@@ -76,6 +77,7 @@ def contents(world: World) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         "n_forces": len(snapshot.forces),
         "n_bodies_made": snapshot.n_bodies_made,
         "n_joints_made": snapshot.n_joints_made,
+        "n_cloths_made": snapshot.n_cloths_made,
         "joints_arranged": snapshot.joints_arranged,
         "free_bodies": snapshot.free_bodies,
         "free_shapes": snapshot.free_shapes,
@@ -184,6 +186,7 @@ def snapshot_of(head: dict[str, Any], arrays: dict[str, Any]) -> Snapshot:
         free_shapes=tuple(shapes.free),
         n_bodies_made=_whole(head["n_bodies_made"], 1 + int(bodies[:, BODY_GENERATION].max())),
         n_joints_made=_whole(head["n_joints_made"], 1 + int(joints[:, GENERATION].max(initial=-1))),
+        n_cloths_made=_whole(head["n_cloths_made"], 1 + int(of.array(CLOTH)[:, CLOTH_GENERATION].max(initial=-1))),
         joints_arranged=bool(head["joints_arranged"]),
         kinds=tuple(sorted(shapes.kinds | ({SPHERE} if of.count(CLOTH) else set()))),  # which particles are to shapes
         bouncing=bool(head["bouncing"]) or shapes.bouncing,

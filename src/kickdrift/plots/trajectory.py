@@ -50,7 +50,7 @@ class Bodies:
         return Bodies(names, self.t, self.paths[:, which], self.velocities[:, which], self.radius[which])
 
 
-def panels(solution: Solution) -> list[Bodies | None]:
+def panels(solution: Solution, *, split: bool = True) -> list[Bodies | None]:
     """Return what to draw: a panel of bodies, two of them where some orbits are tiny, or None for a graph over time."""
     shape = solution.x.shape[1:]
     if not shape or shape[-1] not in (2, 3) or len(shape) > 2:
@@ -71,7 +71,7 @@ def panels(solution: Solution) -> list[Bodies | None]:
     names = solution.about.coordinates.get("body", ())
     names = tuple(names) if 1 < len(names) <= _MOST_NAMES else ()
     everyone = Bodies(names, solution.t[rows], paths, velocities, radius)
-    inner = _inner(radius) if everyone.names else None
+    inner = _inner(radius) if everyone.names and split else None
     if inner is None:
         return [everyone]
     outer = np.setdiff1d(np.arange(radius.size), inner)

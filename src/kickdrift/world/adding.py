@@ -81,8 +81,8 @@ class AddsBodies:
         inertia : (3,) or (3, 3) array_like, optional
             About the centre of mass in the body's axes, kg m^2; from the shapes by default.
         centre : (3,) array_like, optional
-            Centre of mass, relative to the origin of the shapes in the body's axes, m, if it is not that of the shapes;
-            requires the inertia.
+            Centre of mass, relative to the origin of the shapes in the body's axes, m; requires the inertia. From the
+            shapes by default.
         static, kinematic : bool
             A static body never moves; a kinematic one moves with the given velocity, unaffected by forces.
         damping, angular_damping : float
@@ -103,7 +103,7 @@ class AddsBodies:
         Raises
         ------
         ArgumentError
-            For sizes, masses, inertias and poses that no body can have, and for the name of another body.
+            For invalid sizes, masses, inertias and poses, and for a name that another body has.
 
         Examples
         --------
@@ -166,7 +166,7 @@ class AddsBodies:
 
     @undivided
     def remove(self, body: Body) -> None:
-        """Remove a body with its shapes and joints, and release what is pinned to it; its row is reused.
+        """Remove a body with its shapes and joints, and release cloth pinned to it; its row is reused.
 
         Raises
         ------

@@ -24,7 +24,7 @@ class AddsShapes(AddsBodies):
     """The methods of a world that add a body of one shape."""
 
     def add_sphere(self, radius: float, **options: Any) -> Body:
-        """Add a ball of a radius in m; options as in `add_body`.
+        """Add a ball with a radius in m; options as in `add_body`.
 
         Examples
         --------
@@ -113,7 +113,7 @@ class AddsShapes(AddsBodies):
     def add_plane(
         self, normal: ArrayLike = (0.0, 0.0, 1.0), point: ArrayLike = (0.0, 0.0, 0.0), **options: Any
     ) -> Body:
-        """Add the half-space under a plane, which never moves.
+        """Add the half-space below a plane, which never moves.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""What users give to worlds: numbers, vectors and orientations, checked."""
+"""Validation of the numbers, vectors and orientations that users pass to worlds."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 
 
 def vector(argument: str, value: ArrayLike, size: int) -> Floats:
-    """Return a given number of finite numbers as an array; ArgumentError for anything else."""
+    """Return `size` finite numbers as an array, (size,); ArgumentError for anything else."""
     try:
         array = reals(value)
     except TypeError:
@@ -27,7 +27,7 @@ def vector(argument: str, value: ArrayLike, size: int) -> Floats:
 
 
 def unit_quaternion(argument: str, value: ArrayLike) -> Floats:
-    """Return a quaternion divided by its length; ArgumentError for a length of zero."""
+    """Return a quaternion divided by its norm, (4,); ArgumentError for a norm of zero."""
     q = vector(argument, value, 4)
     size = float(np.linalg.norm(q))
     if size < 1e-9:
@@ -36,7 +36,7 @@ def unit_quaternion(argument: str, value: ArrayLike) -> Floats:
 
 
 def direction(argument: str, value: ArrayLike) -> Floats:
-    """Return a vector divided by its length; ArgumentError for a length of zero."""
+    """Return a vector divided by its length, (3,); ArgumentError for a length of zero."""
     v = vector(argument, value, 3)
     size = float(np.linalg.norm(v))
     if size == 0.0:
@@ -45,7 +45,7 @@ def direction(argument: str, value: ArrayLike) -> Floats:
 
 
 def turn_to(normal: ArrayLike) -> Floats:
-    """Return a quaternion that turns the z axis into a direction."""
+    """Return the quaternion of the shortest rotation from the z axis to a direction, (4,)."""
     x, y, z = direction("normal", normal)
     if z < -0.999999999:
         return np.array([0.0, 1.0, 0.0, 0.0])
@@ -53,7 +53,7 @@ def turn_to(normal: ArrayLike) -> Floats:
 
 
 def number(argument: str, value: Any, unit: str, *, zero: bool = True) -> float:
-    """Return a finite number that is positive, or zero where that is allowed; ArgumentError for others."""
+    """Return a finite number that is positive, or zero if `zero` allows it; ArgumentError for others."""
     if type(value) is float and 0.0 < value < np.inf:
         return value
     what = f"zero or positive and finite, in {unit}" if zero else f"positive and finite, in {unit}"

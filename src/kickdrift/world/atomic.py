@@ -1,4 +1,4 @@
-"""What is done to a world as a whole: by one thread at a time, and not left half done by Ctrl-C."""
+"""Atomic operations on a world: in one thread at a time, and never left half done by Ctrl-C."""
 
 import functools
 from collections.abc import Callable
@@ -6,11 +6,11 @@ from typing import Any, TypeVar, cast
 
 from kickdrift.core.interruption import InterruptionNoted
 
-M = TypeVar("M", bound=Callable[..., Any])  # a method of what has `tables`, those of its world
+M = TypeVar("M", bound=Callable[..., Any])  # a method of a class whose `tables` are those of its world
 
 
 def alone(method: M) -> M:
-    """Make a method wait until no other thread uses the world: for calls made thousands of times a second."""
+    """Make a method hold the world's lock; cheap enough for calls made thousands of times a second."""
 
     @functools.wraps(method)
     def done(self: Any, *args: Any, **kwargs: Any) -> Any:
@@ -21,7 +21,7 @@ def alone(method: M) -> M:
 
 
 def undivided(method: M) -> M:
-    """Make a method, besides, end before Ctrl-C counts, which takes some microseconds."""
+    """Make a method hold the world's lock and defer Ctrl-C until it has returned, which costs some microseconds."""
 
     @functools.wraps(method)
     def done(self: Any, *args: Any, **kwargs: Any) -> Any:

@@ -1,8 +1,8 @@
-"""Batches: parts of a world that nothing connects within a step, small enough for a processor's cache.
+"""Batches: sets of islands that do not interact within a step, small enough to stay in a processor's cache.
 
-The constraints of one batch are made, solved in all substeps and stored before those of the next, with the same bits as if each
-stage did it for all. Stages do not know: they get a block of tables in which `MEMBER` and `COLOURS` are the batch's own, and
-`LANES` is where the constraints of all batches lie, one after the other.
+The constraints of one batch are prepared, solved in all substeps and stored before those of the next, with the same bits as if
+each stage processed the whole world. Stages are unaware of batches: they get a block of tables in which `MEMBER` and `COLOURS`
+are those of the batch, and `LANES` is where the constraints of all batches lie, one after the other.
 """
 
 from kickdrift.core.compilation import compiled
@@ -16,12 +16,12 @@ BATCH_COLOURS = 64  # rows of COLOURS
 FIRST_MEMBER = column(BATCH)
 AFTER_MEMBER = column(BATCH)
 WEIGHT = column(BATCH)  # bodies and contacts
-LANES_BEFORE = column(BATCH)  # numbers that the constraints of batches before would take
+LANES_BEFORE = column(BATCH)  # size of the constraints of all earlier batches, in rows of LANES
 
 
 @compiled
 def enter(world: int, batch: int) -> int:
-    """Return the address of the block in which the world is a batch; another batch takes its place."""
+    """Return the address of a block of tables restricted to a batch; the next call overwrites it."""
     view, batches = integers(world, VIEW), integers(world, BATCH)
     for k in range(VIEW.width):
         view[0, k] = word(world, k)

@@ -1,4 +1,4 @@
-"""Bodies: rows of tables, and handles that detect when their row is gone."""
+"""Bodies: their rows in the tables of a world, and the checks of their handles."""
 
 from __future__ import annotations
 
@@ -83,9 +83,9 @@ class Bodies:
     ----------
     tables : Tables
     shape_rows : ShapeRows
-        Their shapes.
+        The shapes of the bodies.
     mass_changed : callable
-        Called after a body has got another mass or inertia.
+        Called after the mass or inertia of a body has changed, with its row and the ratio of new mass to old, 1 at most.
     """
 
     def __init__(self, tables: Tables, shape_rows: ShapeRows, mass_changed: Callable[[int, float], None]) -> None:
@@ -95,11 +95,11 @@ class Bodies:
         self.names = Names("body")
         self.world: ReferenceType[World] | None = None
         self.free: list[int] = []
-        self.n_made = 0  # never goes back, not even to a snapshot: two bodies would share a handle
+        self.n_made = 0  # never decreases, not even on restoring a snapshot: two bodies would share a handle
         self.ground = self.add(STATIC, np.zeros(3), np.array([1.0, 0, 0, 0]))
 
     def add(self, kind: int, position: Floats, orientation: Floats) -> Body:
-        """Allocate a row for a static body at rest."""
+        """Allocate a row for a body of a kind, at rest and without mass."""
         tables = self.tables
         if self.free:
             row = self.free.pop()
@@ -134,7 +134,7 @@ class Bodies:
         Raises
         ------
         ArgumentError
-            If it is not a handle, or one of a removed body or of another world.
+            If it is not a handle, or is one of a removed body or of another world.
         """
         if isinstance(body, Body) and body.bodies is self and self.knows(body.index, body.generation):
             return body.index
@@ -150,7 +150,7 @@ class Bodies:
         raise ArgumentError(f"{argument}={body!r} was removed; use an existing body.")
 
     def knows(self, index: int, generation: int) -> bool:
-        """Whether a row holds a body of a generation."""
+        """Whether a row holds the body of a generation."""
         if not 0 <= index < self.tables.count(BODY):
             return False
         row = self.tables.row(BODY, index)
@@ -164,7 +164,7 @@ class Bodies:
         return row
 
     def set_mass(self, row: int, mass: Mass, damping: Sequence[float], locked: bool = False) -> None:
-        """Set the mass of a body, and its inertia about the centre of mass in the body's axes; a locked one cannot rotate."""
+        """Set mass, inertia about the centre of mass in the body's axes, and damping rates, 1/s; a locked one cannot turn."""
         tables = self.tables
         inverse = np.zeros((3, 3)) if locked else np.asarray(np.linalg.inv(mass.inertia), dtype=np.float64)
         moments = np.linalg.eigvalsh(mass.inertia)
@@ -176,20 +176,20 @@ class Bodies:
         isotropic = locked or moments[2] - moments[0] < 1e-13 * moments[2]
         planar = tables.array(SETTINGS)[0, PLANE_NORMAL : PLANE_NORMAL + 3].any()
         numbers[SPHERICAL] = ISOTROPIC if isotropic else PLANAR if planar else TUMBLES
-        # Which orientation the drift left is forgotten, so that the angular momentum is taken again.
+        # No orientation equals this one, so the angular momentum is recomputed before the next kick.
         tables.array(KICKED)[row, LEFT_POSE : LEFT_POSE + 4] = 0.0
         if tables.array(BODY)[row, BODY_KIND] == DYNAMIC:
             tables.array(INVERSE_MASS)[row, INVERSE_LINEAR_MASS] = 1.0 / mass.mass
             follow_pose(tables.address, row)
 
     def locked(self, body: Body) -> bool:
-        """Whether a body never turns: forces move it, and it has no inverse inertia."""
+        """Whether the rotation of a body is locked: it is dynamic, and its inverse inertia is zero."""
         row = self.row(body)
         dynamic = self.tables.array(BODY)[row, BODY_KIND] == DYNAMIC
         return bool(dynamic and not self.tables.array(INERTIA)[row, INVERSE_INERTIA])
 
     def mass(self, body: Body) -> Mass:
-        """Return mass and inertia about the origin of its axes; infinite for static and kinematic bodies."""
+        """Return mass, and inertia about the centre of mass in the body's axes; infinite for static and kinematic bodies."""
         row = self.row(body)
         if self.tables.array(BODY)[row, BODY_KIND] != DYNAMIC:
             return Mass(np.inf, np.zeros(3), np.diag(np.full(3, np.inf)))
@@ -201,7 +201,7 @@ class Bodies:
     def change_mass(
         self, body: Body, mass: float | None = None, inertia: ArrayLike | None = None, locked: bool | None = None
     ) -> None:
-        """Give a body another mass, which scales its inertia, or another inertia, or lock it; its velocities stay."""
+        """Change the mass of a body, which scales its inertia, or its inertia, or lock its rotation; velocities are kept."""
         row = self.moved_row(body)
         old = self.mass(body)
         locked = self.locked(body) if locked is None else locked
@@ -211,13 +211,15 @@ class Bodies:
             row, Mass(old.mass if mass is None else mass, old.centre, new), numbers[[DAMPING, TURN_DAMPING]], locked
         )
         lighter = 1.0 if mass is None else min(1.0, mass / old.mass)
-        scale_impulses(self.tables, row, lighter)  # those that held the old weight would throw a lighter body
+        scale_impulses(
+            self.tables, row, lighter
+        )  # warm starting with those of the old weight would throw a lighter body
         self._mass_changed(row, lighter)
         self.wake()
 
     @alone
     def place(self, body: Body, columns: slice, numbers: Floats) -> None:
-        """Write columns of a pose; a static body has its pairs updated, and wakes all."""
+        """Write columns of a pose; for a static body, also have its pairs found again and wake all bodies."""
         row = self.row(body)
         if row == GROUND:
             raise ArgumentError("body is the ground of the world, which cannot move; move another body.")
@@ -260,12 +262,12 @@ class Bodies:
         self.wake()
 
     def words(self, row: int) -> str:
-        """Return the name of the body in a row, for sentences."""
+        """Return the row of a body and its name, if any, for messages."""
         name = self.names.of(row)
         return f"body {row}" if name is None else f"body {row}, {name!r},"
 
     def wake(self) -> None:
-        """Wake all bodies, as if none had rested: what they rest on may be gone."""
+        """Wake all bodies and reset their times of rest, for changes that may remove what they rest on."""
         bodies = self.tables.array(BODY)
         sleeping = (bodies[:, BODY_KIND] >= KINEMATIC) & (bodies[:, AWAKE] == 0)
         bodies[sleeping, AWAKE] = 1
@@ -281,12 +283,12 @@ class Bodies:
 
 
 def _six_of(m: Floats) -> Floats:
-    """Return a symmetric (3, 3) matrix as tables hold it: xx, yy, zz, xy, xz, yz."""
+    """Return the elements of a symmetric (3, 3) matrix in the order of the tables: xx, yy, zz, xy, xz, yz."""
     return np.array([m[0, 0], m[1, 1], m[2, 2], m[0, 1], m[0, 2], m[1, 2]])
 
 
 def kind_of(static: bool, kinematic: bool) -> int:
-    """Return the kind of body that is asked for."""
+    """Return STATIC, KINEMATIC or DYNAMIC; ArgumentError if both flags are set."""
     static, kinematic = choice("static", static), choice("kinematic", kinematic)
     if static and kinematic:
         raise ArgumentError(

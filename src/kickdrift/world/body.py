@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 
-class _Seen(NamedTuple):
-    """Where a body lies in the tables, for as long as these have a version."""
+class _Views(NamedTuple):
+    """Views of a body's columns in the tables, valid for one version of these."""
 
     version: int
     position: Floats
@@ -42,16 +42,15 @@ class Body(Handle):
     -----
     Poses and velocities are live views of the rows of `World.position` and the like: writing into them moves the body; copy
     values that are to be kept. Assign the pose of a static body as a whole (``wall.position = ...``), so that collision
-    detection is updated. Every access raises `ArgumentError` once the body is removed, and for values that a body cannot
-    have.
+    detection is updated. Every access raises `ArgumentError` once the body is removed, as does assigning an invalid value.
     """
 
-    __slots__ = ("_bodies", "_seen")
+    __slots__ = ("_bodies", "_views")
 
     def __init__(self, index: int, generation: int, bodies: Bodies) -> None:
         self._index, self._generation, self._bodies = index, generation, bodies
         self._last_name = bodies.names.of(index)
-        self._seen: _Seen | None = None
+        self._views: _Views | None = None
 
     @property
     def bodies(self) -> Bodies:
@@ -70,7 +69,7 @@ class Body(Handle):
     @property
     def position(self) -> Floats:
         """Centre of mass, (3,), m; can be set."""
-        return self._look().position
+        return self._current_views().position
 
     @position.setter
     def position(self, position: ArrayLike) -> None:
@@ -79,7 +78,7 @@ class Body(Handle):
     @property
     def orientation(self) -> Floats:
         """Quaternion (w, x, y, z) that turns the body's axes into the world's, (4,); can be set."""
-        return self._look().orientation
+        return self._current_views().orientation
 
     @orientation.setter
     def orientation(self, orientation: ArrayLike) -> None:
@@ -88,7 +87,7 @@ class Body(Handle):
     @property
     def velocity(self) -> Floats:
         """Velocity of the centre of mass, (3,), m/s; can be set, except for static bodies."""
-        return self._look().velocity
+        return self._current_views().velocity
 
     @velocity.setter
     def velocity(self, velocity: ArrayLike) -> None:
@@ -97,7 +96,7 @@ class Body(Handle):
     @property
     def angular_velocity(self) -> Floats:
         """Angular velocity in the world's axes, (3,), rad/s; can be set, except for static bodies."""
-        return self._look().angular_velocity
+        return self._current_views().angular_velocity
 
     @angular_velocity.setter
     def angular_velocity(self, angular_velocity: ArrayLike) -> None:
@@ -130,7 +129,7 @@ class Body(Handle):
     def locked_rotation(self, locked: bool) -> None:
         self._bodies.change_mass(self, locked=choice("locked_rotation", locked))
         if locked:
-            self._look().angular_velocity[:] = 0.0
+            self._current_views().angular_velocity[:] = 0.0
 
     @property
     def friction(self) -> float:
@@ -150,11 +149,11 @@ class Body(Handle):
     def restitution(self, restitution: float) -> None:
         self._bodies.change_surface(self, "restitution", restitution)
 
-    def _look(self) -> _Seen:
-        """Return where the body lies; it is looked up again only after something has gone or was moved."""
-        seen, tables = self._seen, self._bodies.tables
-        if seen is None or seen.version != tables.version:
+    def _current_views(self) -> _Views:
+        """Return views of the row; they are made again only after rows have been removed or tables have moved in memory."""
+        views, tables = self._views, self._bodies.tables
+        if views is None or views.version != tables.version:
             row = self._bodies.row(self)
             pose, motion = tables.row(POSE, row), tables.row(MOTION, row)
-            seen = self._seen = _Seen(tables.version, pose[:3], pose[3:7], motion[:3], motion[3:6])
-        return seen
+            views = self._views = _Views(tables.version, pose[:3], pose[3:7], motion[:3], motion[3:6])
+        return views

@@ -1,4 +1,4 @@
-"""Runs of worlds that are kept as they go on, in checkpoints."""
+"""Checkpoints of the runs of a world."""
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -20,7 +20,7 @@ _WORLD, _ROWS, _REMEMBERED = "world ", "rows ", "remembered "
 
 
 class Kept(NamedTuple):
-    """How a run is to be kept: the arguments of `World.run`."""
+    """Where the checkpoints and rows of a run go: arguments of `World.run`."""
 
     folder: Any = None
     every: Any = None
@@ -28,12 +28,12 @@ class Kept(NamedTuple):
     save_to: Any = None
 
     def keeper(self, world: "World") -> "Keeper | None":
-        """Make what keeps a run that begins now, if it is to be kept.
+        """Return the writer of checkpoints of a run that begins now, or None if it has none.
 
         Raises
         ------
         ArgumentError
-            For arguments that cannot be.
+            For invalid arguments.
         """
         if self.folder is not None:
             return Keeper(world, self.folder, self.every, self.keep)
@@ -44,12 +44,12 @@ class Kept(NamedTuple):
         return None
 
     def store(self, world: "World", grid: Grid) -> ZarrStore | None:
-        """Make what rows go to, if they go to disk.
+        """Return the store that rows are written to, or None if they stay in memory.
 
         Raises
         ------
         ArgumentError
-            For a folder that cannot be.
+            For a folder that cannot be used.
         """
         if self.save_to is None:
             return None
@@ -63,14 +63,14 @@ NOT_KEPT = Kept()
 
 
 class Keeper:
-    """Keeps a run of a world, and finds where it stands.
+    """Writes the checkpoints of a run of a world, and resumes from the newest.
 
     Parameters
     ----------
     world : World
-        Where the run begins.
+        In the state in which the run begins.
     folder, every, keep
-        As of `World.run`.
+        `checkpoint`, `checkpoint_every` and `checkpoint_keep` of `World.run`.
     """
 
     def __init__(self, world: "World", folder: Any, every: Any, keep: Any) -> None:
@@ -85,7 +85,7 @@ class Keeper:
         return self._checkpoints.until(done, last)
 
     def keep(self, done: int, grid: Grid, rows: RecordingRows, seconds: float) -> None:
-        """Write a checkpoint after so many steps, which took so long, with the rows up to there.
+        """Write a checkpoint after `done` steps, which took `seconds`, with the rows up to there.
 
         Raises
         ------
@@ -102,23 +102,23 @@ class Keeper:
         self._checkpoints.write(done, known, kept)
 
     def find(self, grid: Grid, rows: RecordingRows) -> tuple[int, Grid, float, str] | None:
-        """Bring the world to the newest checkpoint, if there is one, and fill the rows.
+        """Restore the world from the newest checkpoint, if there is one, and fill the rows.
 
         Returns
         -------
         done : int
             Steps done.
         grid : Grid
-            With the step of the first part.
+            With the step of the interrupted run.
         seconds : float
-            That they took.
+            Time that these steps took.
         said : str
-            What is to be said of it.
+            A note for the message of the recording.
 
         Raises
         ------
         ArgumentError
-            If the checkpoint is one of another run.
+            If the checkpoint belongs to another run.
         FileFormatError
             If it is damaged.
         """
@@ -128,9 +128,13 @@ class Keeper:
         header, arrays, said = found
         try:
             done, h, seconds = int(header["step"]), float(header["h"]), float(header["seconds"])
-            after, kept, remembered = arrays["rows after"], _part(arrays, _ROWS), _part(arrays, _REMEMBERED)
+            after, kept, remembered = (
+                arrays["rows after"],
+                _with_prefix(arrays, _ROWS),
+                _with_prefix(arrays, _REMEMBERED),
+            )
             every, streamed = header["every"], header["streamed"]
-            snapshot = Recording.presenters.snapshot_of(header["world"], _part(arrays, _WORLD))
+            snapshot = Recording.presenters.snapshot_of(header["world"], _with_prefix(arrays, _WORLD))
         except (LookupError, TypeError, ValueError) as error:
             raise FileFormatError(
                 f"checkpoint={str(self._checkpoints.folder)!r} has invalid contents ({type(error).__name__}: {error});"
@@ -141,25 +145,25 @@ class Keeper:
             raise self._checkpoints.refuse(f"step ({h!r} there, {grid.step!r} here)")
         if (every, streamed) != (same.every, same.streamed):
             raise self._checkpoints.refuse("save_every" if streamed == same.streamed else "save_to")
-        taken = (after % every == 0) | (
-            after == same.n_steps
-        )  # the end of a run is a row of it, and not of a longer one
-        rows.fill({name: values[taken] for name, values in kept.items()}, remembered)
+        # The last row of a run is not one of a longer run that continues it.
+        taken = (after % every == 0) | (after == same.n_steps)
         self._world.restore(snapshot.with_forces(self._world.forces))
+        rows.fill({name: values[taken] for name, values in kept.items()}, remembered)
         return done, same, seconds, said
 
 
 def step_of_row(grid: Grid, row: int) -> int:
-    """Return the step after which a row is kept."""
+    """Return the number of steps after which a row is recorded."""
     return min(row * (grid.every or 1), grid.n_steps)
 
 
 def _identity_of(world: "World") -> dict[str, str]:
-    """Return what determines the run of a world."""
+    """Return digests of everything that determines the run of a world."""
     header, arrays = Recording.presenters.contents(world)
     forces = [force.function for force in world.forces]
     return {"world": digest((written(header), written(arrays))), "forces": digest(written(forces))}
 
 
-def _part(arrays: dict[str, Any], kind: str) -> dict[str, Any]:
+def _with_prefix(arrays: dict[str, Any], kind: str) -> dict[str, Any]:
+    """Return the arrays whose names begin with a prefix, without it."""
     return {name.removeprefix(kind): values for name, values in arrays.items() if name.startswith(kind)}

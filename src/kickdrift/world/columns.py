@@ -1,7 +1,7 @@
 """Columns of tables: declared once, and read as numbers, vectors, quaternions and symmetric matrices.
 
-`column` declares those of a table, `Fields` what is no row of a table but numbered in the same way. Both give out the first
-number of what is declared, an integer that compiled code takes for a constant.
+`column` declares columns of a table, `Fields` those of other records: a point in a row, a lane, a buffer. Both return the index
+of the first column, an integer that compiled code treats as a constant.
 """
 
 import sys
@@ -14,18 +14,18 @@ from kickdrift.world.tables import Table
 
 
 class Columns(NamedTuple):
-    """Neighbouring columns of a table that are one thing.
+    """Adjacent columns of a table that hold one quantity.
 
     Attributes
     ----------
     first, size : int
-        The first of them, and how many.
+        The first column, and their number.
     unit : str
-        Of what is in them.
+        Unit of the quantity.
     module : str
-        That declares them.
+        The module that declares them.
     over : bool
-        Whether they are those of another thing, too.
+        Whether they share the columns of another quantity, like a union in C.
     """
 
     first: int
@@ -35,7 +35,7 @@ class Columns(NamedTuple):
     over: bool = False
 
 
-DECLARED: dict[int, list[Columns]] = {}  # by the places of tables
+DECLARED: dict[int, list[Columns]] = {}  # by `Table.place`
 
 
 def column(table: Table, size: int = 1, unit: str = "", over: int | None = None) -> int:
@@ -45,22 +45,21 @@ def column(table: Table, size: int = 1, unit: str = "", over: int | None = None)
     ----------
     table : Table
     size : int
-        How many.
+        Number of columns.
     unit : str
-        Of what is in them.
+        Unit of the quantity that they hold.
     over : int, optional
-        First column of another thing that no row has at the same time: they are its columns, and no next ones.
+        First column of another quantity, whose columns these share instead of taking new ones; no row may have both.
 
     Returns
     -------
     int
-        The first of them, a constant for compiled code: columns of one table follow each other, none is in two things but
-        for those that are declared over another.
+        Index of the first column, a constant for compiled code.
 
     Raises
     ------
     ArgumentError
-        If the table is not as wide, if they are more than those that they are declared over, or if columns of the table are
+        If the table is not wide enough, if `size` exceeds that of the columns to share, or if columns of the table are
         declared in another module, so that their order would depend on which of the two is imported first.
     """
     module = str(sys._getframe(1).f_globals["__name__"])
@@ -92,14 +91,14 @@ def _check_over(table: Table, size: int, over: int) -> None:
 
 
 class Fields:
-    """Numbers that follow each other and are no row of a table: of a point in a row, of a lane, of a buffer."""
+    """Columns of a record that is not a row of a table: a point in a row, a lane, a buffer."""
 
     def __init__(self) -> None:
         self.declared: list[Columns] = []
         self._closed = False
 
     def field(self, size: int = 1, unit: str = "") -> int:
-        """Declare the next of them, and return the first, as `column` does."""
+        """Declare the next columns, and return the index of the first, as `column` does."""
         if self._closed:
             raise ArgumentError(
                 "A field is declared after `close`, which has fixed the number of columns; declare it before."
@@ -109,7 +108,7 @@ class Fields:
         return first
 
     def close(self) -> int:
-        """Close the declaration, and return how many numbers the columns are."""
+        """End the declarations, and return the total number of columns."""
         self._closed = True
         return self._end()
 
@@ -119,19 +118,19 @@ class Fields:
 
 @compiled(inline=True, cached=False)
 def vector_at(table: Any, row: int, column: int) -> Vector:
-    """Three numbers of a row."""
+    """Return the vector that begins at a column of a row."""
     return (table[row, column], table[row, column + 1], table[row, column + 2])
 
 
 @compiled(inline=True, cached=False)
 def quaternion_at(table: Any, row: int, column: int) -> Quaternion:
-    """Four numbers of a row."""
+    """Return the quaternion that begins at a column of a row."""
     return (table[row, column], table[row, column + 1], table[row, column + 2], table[row, column + 3])
 
 
 @compiled(inline=True, cached=False)
 def symmetric_at(table: Any, row: int, column: int) -> Symmetric:
-    """Six numbers of a row."""
+    """Return the symmetric matrix that begins at a column of a row: xx, yy, zz, xy, xz, yz."""
     return (
         table[row, column],
         table[row, column + 1],

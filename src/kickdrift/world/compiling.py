@@ -1,4 +1,4 @@
-"""Compiling what a step is made of, before the first one."""
+"""Compilation of the functions of a step, in parallel, before the first step."""
 
 from collections.abc import Iterable
 
@@ -17,7 +17,7 @@ from kickdrift.world.step import STAGE
 
 
 def compile_step(spelt: Word, kinds: Iterable[int], pairs: Iterable[tuple[int, int]]) -> None:
-    """Compile the stages of a step and the functions for kinds of shapes and pairs of them, unless they are on disk."""
+    """Compile the stages of a step and the functions for kinds of shapes and their pairs, unless they are on disk."""
     jobs = missing(_jobs(spelt, kinds, pairs))
     if jobs:
         largest = max(jobs, key=lambda job: seconds_for([job]))[0].__name__
@@ -26,11 +26,11 @@ def compile_step(spelt: Word, kinds: Iterable[int], pairs: Iterable[tuple[int, i
 
 
 def all_jobs() -> list[Job]:
-    """Return what any world may have to compile, but for forces in Python."""
+    """Return everything that any world may have to compile, except for users' forces."""
     nothing = dict.fromkeys(Uses._fields[1:], False)
     everything = dict.fromkeys(nothing, True)
     words = (
-        word(Uses((), **nothing | {"many": True})),  # in batches, which much else rules out
+        word(Uses((), **nothing | {"many": True})),  # in batches, which most other features rule out
         word(Uses((), **everything | {"threads": False, "many": False})),
         word(Uses((), **everything)),
     )

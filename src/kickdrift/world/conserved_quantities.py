@@ -16,14 +16,14 @@ Floats = NDArray[np.float64]
 
 
 class Energy(NamedTuple):
-    """Energy of the bodies that forces move, and of cloths, J.
+    """Energy of dynamic bodies and of cloths, J.
 
     Attributes
     ----------
     kinetic : float
         Translational and rotational.
     potential : float
-        In the gravity of the world, zero at the origin; and the elastic energy of cloths.
+        Of gravity, zero at the origin, plus the elastic energy of cloths.
     """
 
     kinetic: float
@@ -82,7 +82,7 @@ class ConservedQuantities:
 
 
 def energy(tables: Tables, bodies: Bodies) -> Energy:
-    """Measure the energy of all bodies that forces move."""
+    """Measure the energy of dynamic bodies and of cloths, J."""
     rows = bodies.moving()
     mass, velocity = tables.array(INERTIA)[rows, MASS], tables.array(MOTION)[rows, VELOCITY : VELOCITY + 3]
     turn = tables.array(MOTION)[rows, ANGULAR_VELOCITY : ANGULAR_VELOCITY + 3]
@@ -109,7 +109,7 @@ def angular_momentum(tables: Tables, bodies: Bodies) -> Floats:
 
 
 def _spin(tables: Tables, rows: NDArray[np.intp]) -> Floats:
-    """Angular momentum of each body about its own centre, (N, 3)."""
+    """Return the angular momentum of each body about its centre of mass, (N, 3), kg m^2/s."""
     xx, yy, zz, xy, xz, yz = tables.array(INERTIA)[rows, BODY_INERTIA : BODY_INERTIA + 6].T
     moments = np.stack((xx, xy, xz, xy, yy, yz, xz, yz, zz), axis=-1).reshape(-1, 3, 3)
     turn = _matrices(tables.array(POSE)[rows, ORIENTATION : ORIENTATION + 4])
@@ -120,6 +120,7 @@ def _spin(tables: Tables, rows: NDArray[np.intp]) -> Floats:
 
 
 def _matrices(q: Floats) -> Floats:
+    """Return rotation matrices, (N, 3, 3), of unit quaternions, (N, 4)."""
     w, x, y, z = q.T
     rows = (
         1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),

@@ -1,4 +1,4 @@
-"""Constraint errors: the overlaps of contacts and the gaps of joints."""
+"""Constraint errors: penetration of contacts, and gaps of joints."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ Floats = NDArray[np.float64]
 
 
 def deepest_overlap(tables: Tables) -> float:
-    """Measure how deep bodies that touch have sunk into each other, at most, m; 0.0 where none has."""
+    """Measure the largest penetration of any contact, m; 0.0 if there is none."""
     rows, manifolds = tables.array(CONTACT), tables.array(MANIFOLD)
     solid = (rows[:, contacts.CONTACT_STATE] & contacts.SENSOR) == 0
     rows, manifolds = rows[solid], manifolds[solid]
@@ -34,7 +34,7 @@ def deepest_overlap(tables: Tables) -> float:
 
 
 def widest_gap(tables: Tables) -> float:
-    """Measure how far points are from the distance at which joints hold them, 0 or another, at most, m."""
+    """Measure the largest error of the distance that a joint prescribes for its points, zero or its length, m."""
     rows, numbers, pose = tables.array(JOINT), tables.array(JOINT_NUMBERS), tables.array(POSE)
     locked = rows[:, joints.LOCKED]
     on_line = (rows[:, joints.LINEAR] == joints.LINE) & (locked & 0b100 != 0)
@@ -49,7 +49,7 @@ def widest_gap(tables: Tables) -> float:
 
 
 def _place(tables: Tables, shapes: NDArray[np.int64]) -> tuple[Floats, Floats]:
-    """Return where shapes are in the world: origins and orientations."""
+    """Return the poses of shapes in the world: origins, (N, 3), m, and orientations, (N, 4)."""
     body = tables.array(POSE)[tables.array(SHAPE)[shapes, BODY_ROW]]
     place = tables.array(PLACE)[shapes]
     at, turn = body[:, POSITION : POSITION + 3], body[:, ORIENTATION : ORIENTATION + 4]

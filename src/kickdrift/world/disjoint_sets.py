@@ -1,4 +1,4 @@
-"""Disjoint sets of rows: a column leads from every row to one with a lower number, and from the first of a set to itself."""
+"""Disjoint sets of rows (union-find): a column holds the parent of each row, a lower one, or itself for the first of a set."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ from kickdrift.core.compilation import compiled
 
 @compiled(cached=False)
 def first_of(table: Any, column: int, row: int) -> int:
-    """Return the first row of the set of one, and halve the way to it."""
+    """Return the first row of the set of a row, halving the path to it."""
     while table[row, column] != row:
         table[row, column] = table[table[row, column], column]
         row = table[row, column]
@@ -16,6 +16,6 @@ def first_of(table: Any, column: int, row: int) -> int:
 
 @compiled(cached=False)
 def unite(table: Any, column: int, a: int, b: int) -> None:
-    """Make one of the sets of two rows."""
+    """Unite the sets of two rows."""
     first, second = first_of(table, column, a), first_of(table, column, b)
     table[max(first, second), column] = min(first, second)

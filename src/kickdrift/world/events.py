@@ -17,7 +17,7 @@ from kickdrift.world.tables import CONTACT, EVENTS, MANIFOLD, Tables, floats, in
 
 
 class ContactEvent(NamedTuple):
-    """A contact between two bodies that begins or ends; each pair of shapes of compound bodies has its own events.
+    """The beginning or end of a contact between two bodies; each pair of shapes of compound bodies has its own events.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class ContactEvent(NamedTuple):
 
 @compiled
 def note_touching(t: float, h: float, world: int) -> None:
-    """Note which contacts have begun and ended to touch in the step."""
+    """Append to EVENTS the contacts that began or stopped touching in the step."""
     contact, events = integers(world, CONTACT), integers(world, EVENTS)
     count = rows(world, EVENTS)
     changed = 0
@@ -61,7 +61,7 @@ def note_touching(t: float, h: float, world: int) -> None:
 
 @compiled
 def _touches(world: int, row: int) -> int:
-    """Whether a contact carries an impulse, or, of a sensor, whether shapes overlap."""
+    """Return TOUCHING if a contact carries an impulse or has bounced or, for a sensor, if its shapes overlap; 0 otherwise."""
     contact, manifold = integers(world, CONTACT), floats(world, MANIFOLD)
     points = contact[row, c.POINTS]
     if contact[row, c.CONTACT_STATE] & c.SENSOR:
@@ -78,6 +78,7 @@ def _touches(world: int, row: int) -> int:
 
 @compiled
 def _overlap(world: int, row: int) -> int:
+    """Return TOUCHING if the shapes of a contact overlap at one of its points, or 0."""
     contact, manifold = integers(world, CONTACT), floats(world, MANIFOLD)
     at_a, turn_a = shape_pose(world, contact[row, c.SHAPE_A])
     at_b, turn_b = shape_pose(world, contact[row, c.SHAPE_B])
@@ -92,7 +93,7 @@ def _overlap(world: int, row: int) -> int:
 
 
 def events(tables: Tables, bodies: Bodies) -> list[ContactEvent]:
-    """Return what has begun and ended to touch, in order."""
+    """Return the contacts that have begun or ended, in order."""
     return [
         ContactEvent(
             bool(row[BEGINS]),
@@ -105,7 +106,7 @@ def events(tables: Tables, bodies: Bodies) -> list[ContactEvent]:
 
 
 def forget_contacts(tables: Tables, body: int) -> None:
-    """Drop the events and contacts of a body that is removed, whose row another one may get."""
+    """Drop the events of a body that is removed and mark its contacts as not touching, since its row may be reused."""
     events_, contacts = tables.array(EVENTS), tables.array(CONTACT)
     kept = events_[(events_[:, FIRST_BODY] != body) & (events_[:, SECOND_BODY] != body)].copy()
     events_[: len(kept)] = kept

@@ -7,9 +7,9 @@ A force names what it needs, and adds in place to the arrays `force` and `torque
 ...         for k in range(3):
 ...             force[body, k] -= 0.1 * velocity[body, k]
 
-Floats and arrays of floats around the function are no part of the compiled code: they lie in a table of the world, those of
-one force after those of the other, and each stage moves on to those of the next. So functions of the same code, such as
-closures over different numbers, are compiled once, and kept on disk as those that `kickdrift.solve` gets.
+Floats and arrays of floats that the function captures are no part of the compiled code: they lie in a table of the world, those
+of one force after those of the other, and each stage advances the offset to those of the next. So functions of the same code,
+such as closures over different numbers, are compiled once, and cached on disk as those that `kickdrift.solve` gets.
 """
 
 import inspect
@@ -44,7 +44,7 @@ from kickdrift.world.tables import (
     rows,
 )
 
-# What a force may name, and the view of the tables that it is given.
+# The arguments that a force may have, and the view of the tables that each is.
 _ARGUMENTS = {
     "t": "t",
     "position": "floats(world, POSE)[:count, 0:3]",
@@ -57,7 +57,12 @@ _ARGUMENTS = {
 }
 
 _LAZY = inspect.CO_GENERATOR | inspect.CO_COROUTINE | inspect.CO_ASYNC_GENERATOR
-_AROUND = ("Failed in", "During:", "File ", "Raised from")  # where Numba was, and not what is wrong
+_AROUND = (
+    "Failed in",
+    "During:",
+    "File ",
+    "Raised from",
+)  # lines of Numba's messages that say where, not what is wrong
 
 _TEMPLATE = """
 def stage(t, h, world):
@@ -69,7 +74,7 @@ def stage(t, h, world):
 
 
 class Force(NamedTuple):
-    """A force of a user's: the function, the stage of the step that calls it, and the numbers that it finds there."""
+    """A user's force: the function, the stage of the step that calls it, and the numbers that the function captures."""
 
     function: Function
     stage: Function
@@ -81,7 +86,7 @@ class Force(NamedTuple):
 
 @compiled
 def begin_forces(t: float, h: float, world: int) -> None:
-    """Begin with what `World.apply_force` asks for, in every substep."""
+    """Set the forces of a substep to those of `World.apply_force`."""
     force, load, member = floats(world, FORCE), floats(world, LOAD), integers(world, MEMBER)
     for place in range(rows(world, MEMBER)):
         body = member[place, 0]
@@ -92,18 +97,18 @@ def begin_forces(t: float, h: float, world: int) -> None:
 
 
 def put_numbers(tables: Tables, forces: Sequence[Force]) -> None:
-    """Write down the numbers of all forces, after a row that says where those of the next stage are."""
+    """Write the captured numbers of all forces, after a row that holds the offset to those of the next stage."""
     numbers = np.concatenate([np.ones(1), *(force.numbers for force in forces)])
     tables.put(FORCE_NUMBERS, numbers[:, None])
 
 
 def force_of(function: Function) -> Force:
-    """Make a force of a user's function.
+    """Make a force from a user's function.
 
     Raises
     ------
     ArgumentError
-        If it is no function, has an argument with an unknown name, adds to nothing, or cannot be compiled.
+        If it is not a function, has an argument with an unknown name, has no output, or cannot be compiled.
     """
     names = argument_names(function, "force", tuple(_ARGUMENTS), "capture numbers from the enclosing scope")
     if "force" not in names and "torque" not in names:
@@ -127,20 +132,20 @@ def force_of(function: Function) -> Force:
 
 @lru_cache(maxsize=128)
 def _stage(taken: Taken, source: str) -> Function:
-    """Compile the stage, once for all functions of the same code: memory for code is never given back."""
+    """Compile the stage, once for all functions of the same code: memory for compiled code is never freed."""
     function = taken.function
     native = taken.snapshot(checked=True) if taken.known else function
     if not hasattr(native, "py_func"):
         native = compiled(cached=False, options=taken.options(checked=True))(native)
     python = _spelt(source)
-    around = fingerprint(python)  # what the stage is made of beside the function
+    around = fingerprint(python)  # of the stage without the function
     python.__globals__["function"] = native
     if taken.known:
         python.__qualname__ = f"force_{taken.digest(around)}"
     stage: Any = compiled(cached=taken.known, users=True)(python)
     try:
         stage.compile(STAGE)
-    except Exception as error:  # Numba's own, and what it stumbles over
+    except Exception as error:  # Numba raises its own errors, and any that its passes run into
         lines = [line.strip() for line in str(error).splitlines() if line.strip()]
         reason = next((line for line in lines if not line.startswith(_AROUND)), type(error).__name__)
         raise ArgumentError(
@@ -151,7 +156,7 @@ def _stage(taken: Taken, source: str) -> Function:
 
 
 def _spelt(source: str) -> FunctionType:
-    """Define the stage of a source, whose function is not bound yet."""
+    """Define a stage from its source; its `function` is bound later."""
     names = (flat, floats, rows, read_only, shaped)
     scope: dict[str, Any] = {getattr(name, "__name__", ""): name for name in names} | {
         "__name__": __name__,

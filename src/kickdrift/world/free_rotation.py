@@ -1,4 +1,4 @@
-"""How a free rigid body turns in a substep: with w* = I^-1 (P + P') / 2, which keeps its energy, see `integration`."""
+"""Rotation of a free rigid body in a substep, with w* = I^-1 (P + P') / 2, which conserves its energy: see `integration`."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import (
@@ -18,18 +18,21 @@ from kickdrift.core.vectors import (
 
 _ROUNDS = 20
 _ROUNDING = 1e-34  # square of half a unit in the last place, nearly
-_MOMENTS = 1e4  # the greatest moment of inertia over the least, of a rod a hundred times as long as it is thick
+_MOMENTS = 1e4  # largest ratio of moments of inertia allowed for: that of a rod a hundred times as long as it is thick
 
 
 @compiled(inline=True)
 def turned_product(q: Quaternion, moments: Symmetric, w: Vector) -> Vector:
-    """R I R^T w."""
+    """Return R I R^T w: the angular momentum in the world's axes, kg m^2/s."""
     return turned(q, applied(moments, turned_back(q, w)))
 
 
 @compiled
 def mean_turn(h: float, q: Quaternion, moments: Symmetric, spin: Vector, turn: Vector) -> Vector:
-    """Return w* of a body that flies freely for a time h from the orientation q with an angular momentum; `turn` is a guess."""
+    """Return the angular velocity w* of a body in free flight for a time h, rad/s, by Newton's method.
+
+    It has the orientation q and the angular momentum `spin`, in the world's axes; `turn` is the initial guess.
+    """
     momentum, w = turned_back(q, spin), turned_back(q, turn)
     error = 0.0
     for _ in range(_ROUNDS):
@@ -37,11 +40,11 @@ def mean_turn(h: float, q: Quaternion, moments: Symmetric, spin: Vector, turn: V
         step = _solved(moments, times(0.5 * h, middle), minus(middle, applied(moments, w)))
         w = plus(w, step)
         change = dot(step, step)
-        # Iterated until this increment, or the next one if they go on to shrink as they do, is lost in rounding, or they
-        # shrink no more: a greater tolerance would let the energy drift. Where turns of a radian a substep leave no
-        # solution, the last one keeps the momentum all the same.
+        # Iterated until this increment, or the next one as estimated, is below rounding, or until increments no longer
+        # shrink: a larger tolerance would let the energy drift. Where there is no solution, at turns of a radian per
+        # substep, the last iterate still conserves the momentum.
         size = dot(w, w)
-        # Newton's matrix is right to first order, so that the next increment is this part of it at most, or about that.
+        # The Jacobian is right to first order in h, so the next increment is about this fraction of the present one, at most.
         part = min(_MOMENTS * h * h * max(size, change), 1.0)
         if change * part * part <= _ROUNDING * size or change * change <= _ROUNDING * size * error:
             break

@@ -1,4 +1,4 @@
-"""Handles: users' references to rows of a world, which detect when their row is gone."""
+"""Handles: users' references to rows of a world, which detect that their row has been removed or reused."""
 
 from typing import TYPE_CHECKING, Any, Protocol, Self
 from weakref import ReferenceType
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 class Registry(Protocol):
-    """Rows that come and go: the bodies or the joints of a world."""
+    """The rows of one kind in a world: its bodies, joints or cloths."""
 
     names: Names
     world: "ReferenceType[World] | None"  # weak: handles do not keep the memory of a world that is gone
@@ -20,12 +20,12 @@ class Registry(Protocol):
         ...
 
     def knows(self, index: int, generation: int) -> bool:
-        """Whether a row is that of a generation, and there."""
+        """Whether a row is in use and has this generation."""
         ...
 
 
 class Handle:
-    """A row of a world, identified by its index and generation; equal handles refer to the same body or joint.
+    """A row of a world, identified by its generation; equal handles refer to the same body, joint or cloth.
 
     A handle that is pickled, or copied by `copy.deepcopy`, takes its world along: it belongs to the copy.
     """
@@ -33,7 +33,7 @@ class Handle:
     __slots__ = ("_generation", "_index", "_last_name")
     _index: int
     _generation: int
-    _last_name: str | None  # that it is known to have had: errors call by it what is gone
+    _last_name: str | None  # the last name seen, for messages about removed rows
 
     @property
     def index(self) -> int:
@@ -67,17 +67,17 @@ class Handle:
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
             return NotImplemented
-        same = self._index == other._index and self._generation == other._generation
-        return same and self._registry is other._registry
+        return self._generation == other._generation and self._registry is other._registry
 
     def __hash__(self) -> int:
-        return hash((self._index, self._generation))
+        return hash(self._generation)
 
     def __repr__(self) -> str:
-        if self._registry.knows(self._index, self._generation):
-            self._last_name = self._registry.names.of(self._index)
+        index = self.index
+        if self._registry.knows(index, self._generation):
+            self._last_name = self._registry.names.of(index)
         named = "" if self._last_name is None else f", name={self._last_name!r}"
-        return f"{type(self).__name__}(index={self._index}, generation={self._generation}{named})"
+        return f"{type(self).__name__}(index={index}, generation={self._generation}{named})"
 
     def __copy__(self) -> Self:
         return self
@@ -88,10 +88,10 @@ class Handle:
             raise TypeError(
                 f"{self!r} belongs to a world that no longer exists, without which it cannot be copied or pickled."
             )
-        return _handle_in, (world, type(self), self._index, self._generation)
+        return _handle_in, (world, type(self), self.index, self._generation)
 
 
 def _handle_in(world: "World", kind: Any, index: int, generation: int) -> Handle:
-    """Make the handle of what has the same row in a copy of its world."""
+    """Return the handle of the same row in a copy of the world."""
     handle: Handle = kind(index, generation, kind.registry_of(world))
     return handle

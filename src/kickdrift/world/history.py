@@ -1,4 +1,4 @@
-"""How worlds are recorded, shown, kept and restored."""
+"""Recording, viewing, saving and restoring a world."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class KeepsHistory:
-    """The methods of a world that record, show, keep and restore it."""
+    """The methods of a world that record, show, save and restore it."""
 
     tables: Tables
 
@@ -45,7 +45,7 @@ class KeepsHistory:
         step : float
             The largest step allowed, s: a whole number of equal steps covers the duration.
         save_every : int, optional
-            Keep every n-th step, for n = `save_every`, and the last; every step by default.
+            Record every n-th step, for n = `save_every`, and the last; every step by default.
         progress : bool, optional
             Whether to show a progress bar and announce compilation; by default on a terminal, for runs of more than two
             seconds.
@@ -56,7 +56,7 @@ class KeepsHistory:
         checkpoint_every : int, optional
             Steps from one checkpoint to the next; by default they are about a minute apart. Each holds the rows so far.
         checkpoint_keep : int, optional
-            How many of the last to keep, None for all.
+            How many of the newest to keep; None keeps all.
         save_to : path, optional
             A folder, such as ``"pile.zarr"``, to which the rows are written during the run, instead of memory, as by
             `kickdrift.solve`; with overlaps, joint gaps and residuals.
@@ -64,8 +64,8 @@ class KeepsHistory:
         Returns
         -------
         Recording
-            Its `status` and `message` tell how the run ended. An interruption (Ctrl-C) and a body that is lost to infinity
-            end it early; the states until then are kept.
+            Its `status` and `message` tell how the run ended. Ctrl-C and a body that is lost to infinity end it early; the
+            states until then are recorded.
 
         Raises
         ------
@@ -89,20 +89,10 @@ class KeepsHistory:
     def record(self, save_every: int = 1, *, save_to: str | Path | None = None) -> AbstractContextManager[Recording]:
         """Record the steps of a user's loop.
 
-        >>> import kickdrift as kd
-        >>> world = kd.World()
-        >>> ball = world.add_sphere(radius=0.1, mass=1.0)
-        >>> with world.record(save_every=2) as recording:
-        ...     for _ in range(100):
-        ...         world.apply_force(ball, (0, 0, 9.81))
-        ...         world.step(1 / 60)
-        >>> recording.x.shape
-        (51, 2, 3)
-
         Parameters
         ----------
         save_every : int
-            Keep the state at the start, after every n-th step, for n = `save_every`, and after the last one.
+            Record the state at the start, after every n-th step, for n = `save_every`, and after the last one.
         save_to : path, optional
             A folder to which the rows are written instead of memory, as by `run`. All bodies must exist at the start.
 
@@ -119,34 +109,46 @@ class KeepsHistory:
             `restore`, and for bodies that are added while rows go to disk.
         FileFormatError
             In the block, if rows cannot be written.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.1, mass=1.0)
+        >>> with world.record(save_every=2) as recording:
+        ...     for _ in range(100):
+        ...         world.apply_force(ball, (0, 0, 9.81))
+        ...         world.step(1 / 60)
+        >>> recording.x.shape
+        (51, 2, 3)
         """
         return record(self._world, save_every, save_to)
 
     def view(self, step: float, *, control: Callable[[], object] | None = None, port: int = 8080) -> LivePage:
-        """Show the world on a page of the browser, where it plays, pauses, steps, resets, and is pulled with the mouse.
+        """Show the world on a page in the browser, with controls to play, pause, step and reset it and to pull bodies.
 
         In a script: ``world.view(1 / 60).wait()``.
 
         Parameters
         ----------
         step : float
-            s. A thread of its own does the steps from when the page is first opened, in real time if they are fast enough.
+            s. A background thread does the steps, once the page is first opened, in real time if they are fast enough.
         control : callable, optional
             Called without arguments before each step: a robot's controller, which applies efforts and sets drives.
         port : int
-            Of this machine, for itself alone; 0 takes any that is free.
+            Port on this machine, accessible only from it; 0 chooses a free one.
 
         Returns
         -------
         LivePage
-            Its `wait` returns after Ctrl-C; `close`, and the end of a ``with`` block, end the page, as the end of Python does.
+            Its `wait` returns after Ctrl-C; `close`, the end of a ``with`` block, and the end of Python close the page.
 
         Raises
         ------
         ArgumentError
-            For a step that is not positive and finite, a control that cannot be called, and a port that is taken.
+            For a step that is not positive and finite, a control that cannot be called, and a port that is in use.
         KickdriftError
-            If there is nothing to be seen.
+            If there is nothing to show.
         MissingExtraError
             If viser is not installed.
 
@@ -162,12 +164,12 @@ class KeepsHistory:
         return cast("LivePage", Recording.presenters.view(self._world, step, control=control, port=port))
 
     def _repr_html_(self) -> str:
-        """Return what a notebook shows: what is in the world, and what it looks like now."""
+        """Return the HTML that a notebook shows: a summary of the world, and a picture of its present state."""
         return Recording.presenters.world_html(self._world)
 
     @alone
     def snapshot(self) -> Snapshot:
-        """Return the world as it is now, for `restore`: it does not change with the world.
+        """Return a copy of the state of the world, for `restore`.
 
         Examples
         --------
@@ -184,19 +186,19 @@ class KeepsHistory:
 
     @undivided
     def restore(self, snapshot: Snapshot) -> None:
-        """Go back to a snapshot, as often as one likes; the steps after it give the same bits.
+        """Go back to a snapshot, any number of times; the steps after it give the same bits.
 
-        Handles of bodies and joints that were there are good again, and those of later ones are not.
+        Handles of bodies and joints that existed then are valid again; those of later ones are not.
 
         Parameters
         ----------
         snapshot : Snapshot
-            Of this world, or of another one, which this one then continues.
+            Of this world, or of another one, whose state this one then takes over.
 
         Raises
         ------
         ArgumentError
-            If it is no snapshot, and while the world is being recorded: a recording does not go back.
+            If it is not a snapshot, and while the world is being recorded, since time cannot go back in a recording.
 
         Examples
         --------

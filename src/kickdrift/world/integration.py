@@ -1,13 +1,13 @@
 """The two letters of a world that are flows: the kick by forces, and the drift of free rigid bodies.
 
-A free rigid body keeps its angular momentum L = R I R^T w, while its angular velocity w changes. The drift turns by
-exp(h w*), where w* is such that the energy is kept too: of all rotations that keep L in space those about
-w* = I^-1 (P + P') / 2 keep P . I^-1 P, because P' - P is at right angles to the axis (P, P': momentum in the body's axes
-before and after). Between the two letters the velocity of a body is w*, the one that it will move with, so that contacts and
-joints act on what moves.
+A free rigid body conserves its angular momentum L = R I R^T w, while its angular velocity w changes. The drift turns it by
+exp(h w*), where w* is chosen to conserve energy too: of all rotations that keep L fixed in space, those about
+w* = I^-1 (P + P') / 2 conserve P . I^-1 P, because P' - P is perpendicular to the axis (P, P': angular momentum in the body's
+axes before and after). Between the two letters the angular velocity of a body is w*, with which it will drift, so that contacts
+and joints act on the actual motion.
 
-`KICKED` carries L on as it is: taken again from the angular velocity after every drift, it would lose a rounding each time, and
-they add up.
+`KICKED` carries L from step to step: computed anew from the angular velocity after every drift, it would accumulate rounding
+errors.
 """
 
 import math
@@ -88,14 +88,14 @@ from kickdrift.world.tables import (
     set_rows,
 )
 
-_SLOW = 1e-16  # square of the turn in a substep from which on its second order counts
+_SLOW = 1e-16  # square of the turn in a substep, rad^2, above which terms of second order exceed rounding
 
 
 @compiled
 def begin(t: float, h: float, world: int) -> None:
-    """Count displacements from here, and keep what there is in case the step cannot be done.
+    """Reset the displacements of the step, and save the state that a rollback restores.
 
-    The inertia of bodies that were turned by hand is turned with them, since contacts and joints ask for it before the kick.
+    Inertias are updated to orientations that the user has set, since contacts and joints need them before the kick.
     """
     delta_pose, pose, motion = floats(world, DELTA_POSE), floats(world, POSE), floats(world, MOTION)
     old_pose, old_motion = floats(world, STARTED_POSE), floats(world, STARTED_MOTION)
@@ -106,7 +106,7 @@ def begin(t: float, h: float, world: int) -> None:
     for body in range(rows(world, DELTA_POSE)):
         member[body, 0] = body
         turn = quaternion_at(pose, body, ORIENTATION)
-        if is_scaled(turn):  # users have written into it; of what moves the drift does it, but later
+        if is_scaled(turn):  # users have written into it; the drift would normalise it too late, and only if it moves
             turn = unit(turn)
             for k in range(4):
                 pose[body, ORIENTATION + k] = turn[k]
@@ -124,7 +124,7 @@ def begin(t: float, h: float, world: int) -> None:
 
 @compiled
 def finish(t: float, h: float, world: int) -> None:
-    """Check that all bodies of a batch have finite positions, before anything of its step is kept, and clear their forces."""
+    """Check that the poses and velocities of a batch are finite, before impulses are stored, and clear its loads."""
     pose, motion, load = floats(world, POSE), floats(world, MOTION), floats(world, LOAD)
     kind, member = integers(world, BODY), integers(world, MEMBER)
     for place in range(rows(world, MEMBER)):
@@ -142,7 +142,7 @@ def finish(t: float, h: float, world: int) -> None:
 
 @compiled
 def flatten(t: float, h: float, world: int) -> None:
-    """Take from the velocities what leads out of the plane that a planar world moves in."""
+    """Project velocities and angular velocities onto the motions of a planar world."""
     motion, plane = floats(world, MOTION), vector_at(floats(world, SETTINGS), 0, PLANE_NORMAL)
     member = integers(world, MEMBER)
     for place in range(rows(world, MEMBER)):
@@ -155,7 +155,7 @@ def flatten(t: float, h: float, world: int) -> None:
 
 @compiled
 def kick(t: float, h: float, world: int) -> None:
-    """Add h times the acceleration to the velocities, and set the angular velocities of free bodies."""
+    """Add h times the accelerations to the velocities, and replace angular velocities by those of the drift, w*."""
     motion, kicked, force = floats(world, MOTION), floats(world, KICKED), floats(world, FORCE)
     inertia, inverse_mass, pose = floats(world, INERTIA), floats(world, INVERSE_MASS), floats(world, POSE)
     body_kind, settings, member = integers(world, BODY), floats(world, SETTINGS), integers(world, MEMBER)
@@ -166,7 +166,7 @@ def kick(t: float, h: float, world: int) -> None:
                 kicked[body, k] = motion[body, k]
             for k in range(6, 13):
                 kicked[body, k] = 0.0
-            for k in range(4):  # so that what wakes begins with the spin that it has then
+            for k in range(4):  # so that the angular momentum of a body that wakes is computed anew
                 kicked[body, LEFT_POSE + k] = 0.0
             continue
         keep = 1.0 / (1.0 + h * inertia[body, DAMPING])
@@ -184,7 +184,7 @@ def kick(t: float, h: float, world: int) -> None:
         for k in range(3):
             motion[body, ANGULAR_VELOCITY + k] = keep * (motion[body, ANGULAR_VELOCITY + k] + h * turn[k])
         if inertia[body, SPHERICAL] == TUMBLES:
-            _look_ahead(body, h, pose, motion, inertia, kicked)
+            _set_mean_turn(body, h, pose, motion, inertia, kicked)
         for k in range(3):
             kicked[body, KICKED_ANGULAR_VELOCITY + k] = motion[body, ANGULAR_VELOCITY + k]
         kicked[body, IMPACT_TIME], kicked[body, FALLS] = 0.0, 0.0
@@ -192,9 +192,10 @@ def kick(t: float, h: float, world: int) -> None:
 
 @compiled
 def follow_pose(world: int, body: int) -> None:
-    """Turn the inertia of a body with it, and take its angular momentum anew, unless it is oriented as the drift left it.
+    """Update a body's inverse inertia in the world's axes and its angular momentum, unless it is oriented as the drift left it.
 
-    It is new, or was turned by hand, or to where joints fit. In a planar world it turns about the normal of the plane alone.
+    Bodies that are new, and those that users or joints have turned, need it. In a planar world the inverse inertia is that of a
+    rotation about the normal of the plane alone.
     """
     pose, motion, kicked = floats(world, POSE), floats(world, MOTION), floats(world, KICKED)
     inertia, inverse_mass = floats(world, INERTIA), floats(world, INVERSE_MASS)
@@ -220,8 +221,8 @@ def follow_pose(world: int, body: int) -> None:
 
 
 @compiled
-def _look_ahead(body: int, h: float, pose: Any, motion: Any, inertia: Any, kicked: Any) -> None:
-    """Replace the angular velocity of a body by that of its turn in free flight, w* = I^-1 (P + P') / 2."""
+def _set_mean_turn(body: int, h: float, pose: Any, motion: Any, inertia: Any, kicked: Any) -> None:
+    """Replace the angular velocity of a body by that of its rotation in free flight, w* = I^-1 (P + P') / 2."""
     q = quaternion_at(pose, body, ORIENTATION)
     moments = symmetric_at(inertia, body, BODY_INERTIA)
     won = minus(vector_at(motion, body, ANGULAR_VELOCITY), vector_at(kicked, body, LEFT_TURN))
@@ -234,10 +235,10 @@ def _look_ahead(body: int, h: float, pose: Any, motion: Any, inertia: Any, kicke
 
 @compiled
 def drift(t: float, h: float, world: int) -> None:
-    """Move bodies with their velocities, and turn them by the exponential of their angular velocities.
+    """Move bodies with their velocities, and rotate them by the exponential of h times their angular velocities.
 
-    Free bodies that were pushed turn as they do in free flight with the angular momentum that they have now: about an axis
-    that is right to first order only, a capsule without friction would win or lose spin.
+    For free bodies on which contacts have acted since the kick, w* is computed again from their present angular momentum: about
+    an axis that is right to first order only, a capsule without friction would gain or lose spin.
     """
     motion, kicked, delta_pose = floats(world, MOTION), floats(world, KICKED), floats(world, DELTA_POSE)
     inertia, inverse_mass, pose = floats(world, INERTIA), floats(world, INVERSE_MASS), floats(world, POSE)
@@ -249,12 +250,12 @@ def drift(t: float, h: float, world: int) -> None:
         if kind < KINEMATIC or body_kind[body, AWAKE] == 0:
             continue
         free = midpoint != 0.0
-        # Contacts that carry nothing change a velocity by its rounding.
+        # Contacts without impulses change a velocity by rounding errors.
         added = abs(kicked[body, ADDED]) + abs(kicked[body, ADDED + 1]) + abs(kicked[body, ADDED + 2])
         for k in range(3):
             alone = abs(motion[body, VELOCITY + k] - kicked[body, KICKED_VELOCITY + k]) <= 1e-9 * added
             free = free and (alone or kicked[body, FALLS] != 0.0)
-        # In free flight x moves with the mean of the velocities before and after the kick, which is exact for gravity.
+        # In free flight the position moves with the mean of the velocities before and after the kick: exact for gravity.
         back = 0.5 if free else 0.0
         for k in range(3):
             way = h * (motion[body, VELOCITY + k] - back * kicked[body, ADDED + k])
@@ -268,7 +269,7 @@ def drift(t: float, h: float, world: int) -> None:
             won = minus(w, vector_at(kicked, body, KICKED_ANGULAR_VELOCITY))
             spin = plus(vector_at(kicked, body, SPIN), turned_product(before, moments, won))
             if body_kind[body, LINK_COUNT] == 0 and dot(won, won) > 0.0 and h * h * dot(w, w) > _SLOW:
-                # From where an impact within the substep has left it
+                # From the orientation that it had at its last impact within the substep
                 last = kicked[body, IMPACT_TIME]
                 way, left = times(last, vector_at(kicked, body, KICKED_ANGULAR_VELOCITY)), h - last
                 before = product(exponential(way), before)

@@ -1,4 +1,4 @@
-"""What has to hold of tables that come from a file: compiled code trusts every index in them."""
+"""Checks of the tables read from a file, since compiled code trusts every index in them."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -45,12 +45,12 @@ _SETTINGS = s.RESIDUAL  # columns before this one are settings
 
 
 class Rows:
-    """The rows of tables by their names, as a file has them, and what is asked of their numbers.
+    """The tables of a file by their names, and checks of their numbers.
 
     Raises
     ------
     ValueError
-        From every method, if it does not hold.
+        By every method that checks, if the condition does not hold.
     """
 
     def __init__(self, tables: Mapping[str, NDArray[Any]]) -> None:
@@ -60,12 +60,12 @@ class Rows:
         return self._tables[name]
 
     def count(self, name: str, wanted: int) -> None:
-        """Ask for so many rows."""
+        """Check that a table has a number of rows."""
         if len(self[name]) != wanted:
             raise ValueError(f"table {name} has {len(self[name])} rows, but other tables require {wanted}")
 
     def within(self, name: str, first: int, least: int, most: int, size: int = 1, of: Any = slice(None)) -> None:
-        """Ask that columns from one on, in all rows or some, lie between two numbers."""
+        """Check that `size` columns from `first` on are between two numbers, in all rows or in those of a selection."""
         values = self[name][of, first : first + size]
         wrong = ~((values >= least) & (values <= most))  # NaN is wrong, too
         if wrong.any():
@@ -74,23 +74,24 @@ class Rows:
             )
 
     def holds(self, name: str, column: int, true: Any) -> None:
-        """Ask that something is true of all rows."""
+        """Check that a condition on a column, which `true` holds for each row, is met."""
         if not np.all(true):
             raise ValueError(f"table {name} has a number in column {column} that is inconsistent with the others")
 
 
 def check(tables: Mapping[str, NDArray[Any]]) -> None:
-    """Check the tables of a world whose shapes have been written from their records.
+    """Check the tables of a world.
 
     Parameters
     ----------
     tables : mapping of str to array
-        As in `kickdrift.world.snapshot.Snapshot`, but for joints, which are not arranged yet.
+        As in `kickdrift.world.snapshot.Snapshot`: those of shapes are already made from the records of the file, those of
+        articulations are not made yet.
 
     Raises
     ------
     ValueError
-        If a number in them could lead a step astray.
+        If an index in them is out of range, or a number is invalid or inconsistent with others.
     """
     rows = Rows(tables)
     _check_bodies(rows)
@@ -148,7 +149,7 @@ def _check_contacts(rows: Rows) -> None:
     rows.within("ASKED_APART", LOW_BODY, 0, n_bodies - 1, size=2)
     rows.within("EVENTS", BEGINS, 0, 1)
     rows.within("EVENTS", FROM_SENSOR, 0, 1)
-    # Of the others a shape is new or gone: the next step takes them away before it looks at them.
+    # Contacts with a shape that is new or gone are removed by the next step before it uses them.
     one, two = shapes[contacts[:, c.SHAPE_A]], shapes[contacts[:, c.SHAPE_B]]
     stays = (one[:, [SHAPE_KIND, SEARCH_STATE]] >= (0, SOUGHT_ANEW - 1)).all(axis=1)
     stays &= (two[:, [SHAPE_KIND, SEARCH_STATE]] >= (0, SOUGHT_ANEW - 1)).all(axis=1)
@@ -192,7 +193,7 @@ def _check_joints(rows: Rows) -> None:
 
 
 def _angles_fit(joints: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Whether as many angular axes are open as the way in which angles are measured asks for."""
+    """Whether each joint has as many free angular axes as its measure of angles requires."""
     n_open = sum(1 - (joints[:, j.LOCKED] >> k & 1) for k in range(3, 6))
     wanted = np.array([0, 1, 2, 3, 3, 3])[joints[:, j.ANGULAR]]
     fit: NDArray[np.bool_] = (n_open == wanted) | (joints[:, j.LINEAR] == j.GEARED) | (joints[:, j.BROKEN] != 0)

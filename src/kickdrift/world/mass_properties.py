@@ -1,4 +1,4 @@
-"""Mass properties of bodies: from their parts, or as given."""
+"""Mass properties of bodies: from their parts, or as the user gives them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def mass_properties_of(
     inertia: ArrayLike | None,
     centre: ArrayLike | None,
 ) -> Mass:
-    """Return the mass properties of a body, from its parts or from what is given instead; see `World.add_body`."""
+    """Return mass, centre of mass and inertia of a body, from its parts and the arguments of `World.add_body`."""
     if density is not None and mass is not None:
         raise ArgumentError(f"density={density!r} and mass={mass!r} both determine the mass; give one of them.")
     for part in parts:

@@ -1,4 +1,4 @@
-"""Names that users give to bodies and joints, each once in a world."""
+"""Names that users give to bodies, joints and cloths, unique among those of one kind."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -12,7 +12,7 @@ class Names:
     Parameters
     ----------
     what : str
-        What the rows are, for sentences: "body", "joint".
+        The kind of the rows, for messages: "body", "joint".
     """
 
     def __init__(self, what: str) -> None:
@@ -21,12 +21,12 @@ class Names:
         self._rows: dict[str, int] = {}
 
     def checked(self, name: Any, row: int | None = None) -> str | None:
-        """Return a name that a row can have, or None.
+        """Return a name if a row can have it, or None for none.
 
         Raises
         ------
         ArgumentError
-            If it is no text, empty, or the name of another row.
+            If it is not a string, is empty, or is the name of another row.
         """
         if name is None:
             return None
@@ -39,7 +39,7 @@ class Names:
         return name
 
     def give(self, row: int, name: str | None) -> None:
-        """Set the name of a row, which was checked, or none."""
+        """Set the name of a row, already checked, or remove it."""
         self._rows.pop(self._names.pop(row, ""), None)
         if name is not None:
             self._names[row], self._rows[name] = name, row
@@ -65,6 +65,6 @@ class Names:
         return dict(self._names)
 
     def replace(self, names: Mapping[int, str]) -> None:
-        """Forget all names, and take others, by row."""
+        """Replace all names by others, by row."""
         self._names = dict(names)
         self._rows = {name: row for row, name in names.items()}

@@ -29,7 +29,7 @@ class Part:
     density : float, optional
         kg/m^3; the body's by default.
     **surface
-        Those of `friction`, `restitution` and the other options in which it differs from the body.
+        The surface options of `World.add_body` in which it differs from the body, such as `friction`.
 
     Examples
     --------
@@ -54,7 +54,7 @@ class Part:
         self.shape = shape
         self.position = vector("position", position, 3)
         self.orientation = unit_quaternion("orientation", orientation)
-        self.position.flags.writeable = self.orientation.flags.writeable = False  # worlds keep them
+        self.position.flags.writeable = self.orientation.flags.writeable = False  # worlds share them
         self.density = None if density is None else number("density", density, "kg/m^3", zero=False)
         surface_of(surface)
         self.surface = surface

@@ -1,4 +1,4 @@
-"""Spatial queries: what rays hit, and what overlaps a box or a sphere."""
+"""Spatial queries: ray casts, and overlaps with boxes and spheres."""
 
 from __future__ import annotations
 
@@ -59,8 +59,8 @@ class SpatialQueries:
         Raises
         ------
         ArgumentError
-            If the origin is not finite, the direction has no length, or the limit or a layer cannot be; for bodies to
-            ignore that are gone.
+            If the origin is not finite, the direction has no length, or the limit or a layer is invalid; and for bodies to
+            ignore that have been removed.
 
         Examples
         --------
@@ -145,7 +145,7 @@ class SpatialQueries:
         Raises
         ------
         ArgumentError
-            If the size is not positive, or the pose is not finite; for bodies to ignore that are gone.
+            If the size is not positive, or the pose is not finite; and for bodies to ignore that have been removed.
 
         Examples
         --------
@@ -186,7 +186,7 @@ class SpatialQueries:
         return {self.bodies.row(body, "ignore") for body in ignore}
 
     def _hits(self, hits: RayHits) -> list[RayHit]:
-        """Hits of shapes one by one, each with a handle of its body."""
+        """Return the hits of many rays one by one, each with the handle of its body."""
         return [
             RayHit(int(shape), self.bodies.handle(int(body)), float(distance), point, normal)
             for shape, body, distance, point, normal in zip(*hits, strict=True)

@@ -1,4 +1,4 @@
-"""What is kept of a running world: the rows of a recording."""
+"""The rows of a recording, and the recording of a user's loop."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
@@ -12,8 +12,8 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.description import Description
 from kickdrift.engine.invariants import Invariants
 from kickdrift.world.constraint_error import deepest_overlap, widest_gap
+from kickdrift.world.recorded_cloths import RecordedCloths
 from kickdrift.world.recording import Recording, appearance
-from kickdrift.world.tables import CLOTH, PARTICLE
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World
@@ -35,35 +35,40 @@ class RecordingRows:
     ----------
     world : World
     room : int
-        Rows to expect; there may be more.
+        Expected number of rows; there may be more.
 
     Attributes
     ----------
-    first, count : int
-        How many rows are no longer here, as they are on disk, and how many there are in all.
+    first : int
+        Number of rows that are on disk, and no longer in memory.
+    count : int
+        Number of all rows.
     """
 
     saved_to = ""
 
     def __init__(self, world: "World", room: int) -> None:
-        self._world, self._bodies, self._particles = world, len(world.position), world.tables.count(PARTICLE)
+        self._world, self._bodies, self._cloths = world, len(world.position), RecordedCloths(world)
+        self._cloths.changed()
         self.count = self.first = 0
         shapes: dict[str, tuple[int, ...]] = {name: (room, size) for name, size in _OF_THE_WORLD.items()}
         shapes |= {name: (room, self._bodies, size) for name, size in _OF_BODIES.items()}
-        shapes |= {name: (room, self._particles, size) for name, size in _OF_PARTICLES.items()}
+        shapes |= {name: (room, self._cloths.size, size) for name, size in _OF_PARTICLES.items()}
         self._rows: dict[str, Floats] = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
 
     def keep(self, t: float) -> None:
-        """Add a row for a time."""
+        """Add a row with the state of the world, at the time t."""
         world, rows, row = self._world, self._rows, self.count - self.first
-        bodies, particles = len(world.position), world.tables.count(PARTICLE)
-        if row == len(rows["t"]) or bodies > self._bodies or particles > self._particles:
-            self._grow(max(bodies, self._bodies), max(particles, self._particles))
+        bodies, columns = len(world.position), self._cloths.changed()
+        if row == len(rows["t"]) or bodies > self._bodies:
+            self._grow(max(bodies, self._bodies))
+        if columns is not None:
+            self._rearrange(columns)
         rows["t"][row] = t
         rows["x"][row, :bodies], rows["v"][row, :bodies] = world.position, world.velocity
         rows["orientation"][row, :bodies] = world.orientation
         rows["angular velocity"][row, :bodies] = world.angular_velocity
-        rows["particles"][row, :particles] = world.tables.array(PARTICLE)[:, :3]
+        self._cloths.put(rows["particles"][row])
         energy = world.energy()
         rows["energy"][row] = energy.kinetic, energy.potential
         rows["constraint error"][row] = deepest_overlap(world.tables), widest_gap(world.tables)
@@ -72,53 +77,65 @@ class RecordingRows:
         self.count += 1
 
     def kept(self) -> dict[str, Floats]:
-        """Return what is here, for `fill`."""
+        """Return the rows in memory, for `fill`."""
         return {name: values[: self.count - self.first] for name, values in self._rows.items()}
 
     def remembered(self) -> dict[str, Floats]:
-        """Return what else is to be known, for `fill`."""
+        """Return what `fill` needs besides the rows in memory."""
         return {}
 
     def fill(self, kept: Mapping[str, Floats], remembered: Mapping[str, Floats]) -> None:
-        """Begin with rows that were kept before.
+        """Begin with the rows of a checkpoint.
 
         Raises
         ------
         LookupError, ValueError
-            If they are not those of this world.
+            If they do not fit this world.
         """
+        columns = self._cloths.changed()
+        if columns is not None:
+            self._rearrange(columns)
         for name, values in self._rows.items():
             values[: len(kept["t"])] = kept[name]
         self.count = self.first + len(kept["t"])
 
     def begin(self) -> None:
-        """Make ready for the first row."""
+        """Prepare for the first row."""
 
     def drain(self) -> None:
-        """Write what is as much as is written at a time."""
+        """Write the rows in memory to disk once they fill a chunk; here they stay in memory."""
 
     def close(self, outcome: Outcome) -> None:
-        """Write what is left, and how it ended."""
+        """Write the remaining rows and the outcome to disk; here they stay in memory."""
 
     def ends(self) -> dict[str, Floats]:
-        """Return the rows that the recording has."""
+        """Return the rows that the `Recording` holds: here all of them."""
         return self.kept()
 
-    def _grow(self, bodies: int, particles: int) -> None:
-        """Make room for half as many rows again where all are taken, and for so many bodies and particles."""
+    def _grow(self, bodies: int) -> None:
+        """Widen the rows to so many bodies, and if all are in use, make room for half as many again."""
         before = len(self._rows["t"])
         room = before + (before // 2 + 16 if self.count - self.first == before else 0)
         for name, old in self._rows.items():
-            wide = (bodies,) if name in _OF_BODIES else (particles,) if name in _OF_PARTICLES else ()
+            wide = (bodies,) if name in _OF_BODIES else old.shape[1:-1]
             new = np.full((room, *wide, old.shape[-1]), np.nan)
             new[tuple(map(slice, old.shape))] = old
             self._rows[name] = new
-        self._bodies, self._particles = bodies, particles
+        self._bodies = bodies
+
+    def _rearrange(self, columns: NDArray[np.int64]) -> None:
+        """Let the vertices of cloths take over other columns."""
+        taken = columns >= 0
+        for name in _OF_PARTICLES:
+            old = self._rows[name]
+            new = np.full((len(old), len(columns), old.shape[-1]), np.nan)
+            new[:, taken] = old[:, columns[taken]]
+            self._rows[name] = new
 
     def description(self) -> Description:
-        """Describe what is recorded, for display."""
+        """Return a description of the recording, for display."""
         return Description(
-            system=_words(int(np.count_nonzero(appearance(self._world).kinds)) - 1, self._world.tables.count(CLOTH)),
+            system=_words(int(np.count_nonzero(appearance(self._world).kinds)) - 1, len(self._cloths.drawn)),
             method="soft steps",
             kind=Kind.VELOCITY_DEPENDENT.name,
             order=1,
@@ -132,11 +149,11 @@ class RecordingRows:
     def recording(
         self, outcome: Outcome, message: str, step: float, n_steps: int, n_force_evaluations: int, seconds: float
     ) -> Recording:
-        """Return what was kept."""
+        """Return the recording."""
         world, rows = self._world, self.ends()
         (kinetic, potential), (overlap, gap) = rows["energy"].T.copy(), rows["constraint error"].T.copy()
         kept = {"energy": kinetic + potential, **{name: rows[name] for name in ("momentum", "angular momentum")}}
-        looks = appearance(world)
+        looks = appearance(world)._replace(cloths=tuple(self._cloths.drawn))
         return Recording(
             t=rows["t"][:, 0],
             x=rows["x"],
@@ -165,13 +182,13 @@ class RecordingRows:
 
 
 def _words(bodies: int, cloths: int) -> str:
-    """Return a description of the bodies and joints of a world."""
+    """Return how many bodies and cloths a world has, in words."""
     with_cloths = f" and {cloths} cloth{'s' * (cloths != 1)}" if cloths else ""
     return f"world of {bodies} bod{'ies' if bodies != 1 else 'y'}{with_cloths}"
 
 
 class Recorder:
-    """What a world reports of its steps while a user's loop is recorded.
+    """Records the steps of a user's loop, as the world reports them.
 
     Parameters
     ----------
@@ -190,11 +207,11 @@ class Recorder:
 
     @property
     def steps_to_row(self) -> int:
-        """Steps until the next row is to be kept."""
+        """Number of steps until the next row is due."""
         return self._every - self.n_steps % self._every
 
     def note(self, count: int, step: float, time: float, seconds: float) -> None:
-        """Note how many steps were done up to a time, and what they took."""
+        """Note that `count` steps up to a time, s, were done in so many seconds, and add a row if one is due."""
         self.n_steps += count
         self._evaluations += count * self._world.substeps
         self._seconds += seconds
@@ -205,7 +222,7 @@ class Recorder:
                 self._rows.drain()
 
     def recording(self, outcome: Outcome, message: str) -> Recording:
-        """Keep the last state too, and return what was kept."""
+        """Add a row for the last state, if it has none, and return the recording."""
         try:
             if self.n_steps % self._every:
                 self._rows.keep(self._world.time)

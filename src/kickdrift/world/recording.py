@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 
 
 class DrawnShape(NamedTuple):
-    """A shape of a body: the row of the body, the shape, and its place in the body."""
+    """A shape of a body: the row of the body, the shape, and its pose in the body."""
 
     body: int
     shape: "Shape"
@@ -41,9 +41,9 @@ class Rod(NamedTuple):
 
 
 class DrawnCloth(NamedTuple):
-    """A cloth: its name, the first of its vertices among those of all cloths, one after the last, and its triangles.
+    """A cloth: its name, its range of vertices among those of all cloths, and its triangles.
 
-    The triangles are rows of vertices of the cloth.
+    `last` is one after the last vertex; `triangles`, (M, 3), are indices of the cloth's own vertices.
     """
 
     name: str | None
@@ -58,11 +58,11 @@ class Appearance(NamedTuple):
     Attributes
     ----------
     kinds : (N,) array of int
-        Of the bodies, as in `kickdrift.world.integration`: removed, static, kinematic or dynamic.
-    parts : tuple of Part
+        Kinds of the bodies, as in `kickdrift.world.layout`: removed, static, kinematic or dynamic.
+    parts : tuple of DrawnShape
     rods : tuple of Rod
     names : mapping of int to str
-        Of the bodies that have one, by row.
+        Names of bodies, by row.
     cloths : tuple of DrawnCloth
     """
 
@@ -75,7 +75,7 @@ class Appearance(NamedTuple):
 
 @dataclass(frozen=True)
 class WorldPresenters(Presenters):
-    """What recordings can do in the layers above, and worlds: the package hands it down when it is imported."""
+    """Functions of higher layers that recordings and worlds call; the package sets them when it is imported."""
 
     animate: Callable[..., Path]
     world_html: Callable[..., str]
@@ -157,7 +157,7 @@ class Recording(Solution):
         Raises
         ------
         UnknownNameError
-            If none had it at the end; the message lists the names.
+            If no body had it at the end; the message lists the names.
         """
         rows = {known: row for row, known in self.appearance.names.items()}
         if name not in rows:
@@ -189,14 +189,14 @@ class Recording(Solution):
         return known[which]
 
     def save_meshes(self, folder: str | Path, which: str | int = 0, *, form: str = "obj") -> Path:
-        """Write a cloth as a sequence of meshes, a file a row, numbered from zero, for programs that render.
+        """Write a cloth as a sequence of meshes for rendering: one file per row, numbered from zero.
 
         Parameters
         ----------
         folder : path
-            Where the files go; made if it is not there.
+            Folder for the files; created if missing.
         which : str or int
-            As of `cloth`.
+            As in `cloth`.
         form : {"obj", "glb"}
             Wavefront OBJ, or binary glTF.
 
@@ -212,7 +212,7 @@ class Recording(Solution):
         FileFormatError
             If the folder cannot be written.
         MissingExtraError
-            Without trimesh.
+            If trimesh is not installed.
         """
         return self.presenters.save_meshes(self, folder, which, form)
 
@@ -222,7 +222,7 @@ class Recording(Solution):
 
 
 def appearance(world: "World") -> Appearance:
-    """Return the shapes of a world and their colours."""
+    """Return the shapes, joints and cloths of a world, for drawing."""
     rows = world.tables.array(SHAPE)
     parts = tuple(
         DrawnShape(int(rows[row, BODY_ROW]), placed.shape, placed.position, placed.orientation)
@@ -241,7 +241,7 @@ def _cloths(world: "World") -> list[DrawnCloth]:
 
 
 def _rods(world: "World", kinds: NDArray[np.int64]) -> list[Rod]:
-    """Lines from the centres of bodies that move to their joints, and between the ends of joints of a length."""
+    """Return lines from the centres of dynamic bodies to their joints, and between the ends of joints with a length."""
     rods: list[Rod] = []
     for joint, numbers in zip(world.tables.array(JOINT), world.tables.array(JOINT_NUMBERS), strict=True):
         if joint[layout.JOINT_KIND] == layout.REMOVED:

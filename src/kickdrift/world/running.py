@@ -1,4 +1,4 @@
-"""Runs of a world that are recorded, and loops of one's own that are."""
+"""Recorded runs of a world, and recordings of users' loops."""
 
 import math
 import time
@@ -53,7 +53,7 @@ def run(
 def _run(
     world: "World", grid: Grid, progress: bool | None, keeper: Keeper | None, store: ZarrStore | None
 ) -> Recording:
-    """Do the steps of a grid, and keep rows."""
+    """Do the steps of a grid, and record rows."""
     with compiling_announced(progress):
         world.advance(grid.step, 0)
     rows, t0 = RecordingRows(world, len(grid.save_steps) + 1), world.time  # one row more for a run that ends early
@@ -97,7 +97,7 @@ def _run(
 
 @contextmanager
 def record(world: "World", save_every: int, save_to: Any) -> Iterator[Recording]:
-    """Record the steps that are done in a block; see `World.record`."""
+    """Record the steps done in a block; see `World.record`."""
     if isinstance(save_every, bool) or not (isinstance(save_every, int | np.integer) and save_every >= 1):
         raise ArgumentError(f"save_every={save_every!r} must be a whole number of steps, one or more.")
     if world.recorder is not None:
@@ -127,7 +127,7 @@ def _recorded(world: "World", recorder: Recorder) -> Iterator[Recording]:
 
 
 def _written(write: Callable[[], None], outcome: Outcome, cause: str) -> tuple[Outcome, str]:
-    """Write something, and return how the run ends, and why."""
+    """Call `write`, and return outcome and cause of the run, which change if it fails."""
     try:
         write()
     except FileFormatError as error:
@@ -145,9 +145,8 @@ def _lay(duration: float, step: float, save_every: int | None, per_row: int, str
         raise ArgumentError(
             f"step={step!r} cuts duration={duration!r} into more steps than float64 can count; give a larger step."
         )
-    if not streamed and (
-        save_every is None or (is_number(save_every) and save_every >= 1)
-    ):  # what else it is, the grid says
+    # `lay_grid` refuses other values of save_every.
+    if not streamed and (save_every is None or (is_number(save_every) and save_every >= 1)):
         check_kept(save_every, math.ceil(duration / step), per_row)
     return lay_grid((0.0, duration), step, None, 1 if save_every is None else save_every, 0, streamed)
 

@@ -1,4 +1,4 @@
-"""Shapes in a world: rows of tables, and the numbers of equal shapes kept once."""
+"""Shapes of a world: their rows in the tables, and their geometry, which equal shapes share."""
 
 from collections.abc import Collection
 from dataclasses import dataclass, field, replace
@@ -33,9 +33,9 @@ from kickdrift.world.tables import BOUNDS, COLLIDERS, GEOMETRY, PLACE, PLACED, S
 
 Floats = NDArray[np.float64]
 
-SHOWN = -2  # in place of a kind; what is only shown, the compiled code does not see
+SHOWN = -2  # kind of shapes that are only drawn, which compiled code ignores
 _ALL_LAYERS = (1 << 62) - 1
-_FEW = 4096  # numbers of shapes that are gone, for which those that are there are not moved
+_FEW = 4096  # size of removed geometry up to which the rest is not compacted
 
 
 @dataclass(frozen=True)
@@ -49,10 +49,10 @@ class Surface:
     restitution : float
         From 0 (no bounce) to 1 (elastic); two shapes in contact use the larger value.
     rolling_resistance : float
-        Length in m, the lever arm of the normal force against rolling; two shapes in contact use the larger value. Without
-        it, balls roll for ever, as in rigid-body mechanics; a thousandth of the radius brings a pen full of them to rest.
+        Lever arm of the normal force against rolling, m; two shapes in contact use the larger value. Without it, balls roll
+        for ever, as in rigid-body mechanics; a thousandth of the radius brings a pen full of them to rest.
     surface_velocity : (3,) sequence
-        Velocity in m/s, in the axes of the body, of a surface that moves like a conveyor belt.
+        Velocity of a surface that moves like a conveyor belt, in the body's axes, m/s.
     layer : int
         From 0 to 61.
     collides_with : sequence of int, optional
@@ -86,7 +86,7 @@ class Surface:
             velocity = np.zeros(0)
         if velocity.shape != (3,) or not np.isfinite(velocity).all():
             raise ArgumentError(f"surface_velocity={self.surface_velocity!r} must be three finite numbers, in m/s.")
-        object.__setattr__(self, "surface_velocity", tuple(velocity.tolist()))  # which nobody changes
+        object.__setattr__(self, "surface_velocity", tuple(velocity.tolist()))  # immutable, unlike the user's array
         layers = () if self.collides_with is None else self.collides_with
         if not isinstance(layers, Collection) or (isinstance(layers, np.ndarray) and layers.ndim == 0):
             raise ArgumentError(f"collides_with={layers!r} must be a sequence of layers, whole numbers from 0 to 61.")
@@ -112,11 +112,11 @@ class ShapeRows:
     tables: Tables
     free: list[int] = field(default_factory=list)
     begins: dict[bytes, int] = field(default_factory=dict)
-    kinds: frozenset[int] = frozenset()  # that there have been
+    kinds: frozenset[int] = frozenset()  # of all shapes so far, removed ones included
     shapes: dict[int, Placed] = field(default_factory=dict)
     bouncing: bool = False  # whether any shape has had a restitution
 
-    _gone: int = 0  # numbers of shapes that were removed, some of which others may share
+    _gone: int = 0  # size of the geometry of removed shapes, some of which others may share
 
     def __post_init__(self) -> None:
         self.tables.resize(COLLIDERS, COLLIDERS.width)
@@ -124,14 +124,14 @@ class ShapeRows:
         shapes_changed(self.tables)
 
     def add(self, body: int, placed: Placed) -> int:
-        """Take a row for a shape of a body."""
+        """Add a shape of a body, and return its row."""
         row = self._take_row()
         self.write(row, body, placed)
         shapes_changed(self.tables)
         return row
 
     def write(self, row: int, body: int, placed: Placed) -> None:
-        """Fill in a row for a shape of a body, that is new to the search for pairs."""
+        """Fill in the row of a shape of a body, as new to the search for pairs."""
         tables, (shape, position, orientation, surface) = self.tables, placed
         begin = self._keep(shape)
         mask = _ALL_LAYERS
@@ -156,16 +156,16 @@ class ShapeRows:
         tables.altered = True
 
     def rows_of(self, body: int) -> NDArray[np.intp]:
-        """Rows of the shapes of a body."""
+        """Return the rows of the shapes of a body."""
         table = self.tables.array(SHAPE)
         return np.flatnonzero((table[:, BODY_ROW] == body) & (table[:, SHAPE_KIND] != GONE))
 
     def surface_numbers(self, body: int, name: str) -> set[float]:
-        """Return the numbers of a name that the surfaces of a body's shapes have."""
+        """Return the values of a surface property that the shapes of a body have."""
         return {float(getattr(self.shapes[row].surface, name)) for row in self.rows_of(body).tolist()}
 
     def change_surface(self, body: int, name: str, value: float) -> None:
-        """Give the surfaces of all shapes of a body another number of a name; ArgumentError for one that cannot be."""
+        """Set a surface property of all shapes of a body; ArgumentError for an invalid value, or if there are no shapes."""
         rows = self.rows_of(body).tolist()
         if not rows:
             raise ArgumentError(f"{name}={value!r} is for bodies with shapes; this one has none.")
@@ -179,7 +179,7 @@ class ShapeRows:
         self.tables.altered = True
 
     def remove_of(self, body: int) -> None:
-        """Give the rows of a body's shapes back."""
+        """Remove the shapes of a body, and free their rows."""
         tables = self.tables
         table = tables.array(SHAPE)
         for row in self.rows_of(body):
@@ -189,10 +189,10 @@ class ShapeRows:
             self.free.append(int(row))
         shapes_changed(tables)
         if self._gone > max(_FEW, tables.count(GEOMETRY) // 2):
-            self._keep_anew()
+            self._compact()
 
     def _keep(self, shape: Shape) -> int:
-        """Return where the numbers of a shape begin; those of equal shapes are kept once."""
+        """Return where the numbers of a shape begin in GEOMETRY, adding them unless an equal shape has."""
         key = bytes([shape.kind]) + shape.numbers.tobytes()
         if key not in self.begins:
             geometry = self.tables.array(GEOMETRY)
@@ -201,8 +201,8 @@ class ShapeRows:
             self.begins[key] = begin
         return self.begins[key]
 
-    def _keep_anew(self) -> None:
-        """Keep the numbers of the shapes that there are, and no others."""
+    def _compact(self) -> None:
+        """Drop the numbers of removed shapes from GEOMETRY."""
         self.begins, self._gone = {}, 0
         self.tables.resize(GEOMETRY, 0)
         table = self.tables.array(SHAPE)
@@ -211,12 +211,12 @@ class ShapeRows:
                 table[row, BEGIN] = self._keep(placed.shape)
 
     def show(self, body: int, placed: Placed) -> None:
-        """Add a shape of a body to pictures only: nothing touches it, and rays do not meet it."""
+        """Add a shape of a body that is only drawn: nothing collides with it, and rays pass through it."""
         self.write_shown(self._take_row(), body, placed)
         shapes_changed(self.tables)
 
     def write_shown(self, row: int, body: int, placed: Placed) -> None:
-        """Fill in a row for a shape that is only shown."""
+        """Fill in the row of a shape that is only drawn."""
         self.tables.array(SHAPE)[row] = 0
         self.tables.array(SHAPE)[row, [SHAPE_KIND, BODY_ROW]] = SHOWN, body
         self.tables.altered = True
@@ -231,7 +231,7 @@ class ShapeRows:
         return row
 
     def find_functions(self) -> None:
-        """Find the functions for the kinds in use and their pairs; those of others are not compiled."""
+        """Write the addresses of the functions for the kinds in use and their pairs; those of others are not compiled."""
         find_extents(self.tables, self.kinds)
         colliders = self.tables.array(COLLIDERS)
         for pair in self.pairs():
@@ -239,6 +239,6 @@ class ShapeRows:
                 colliders[pair] = address_of(PAIRS[pair], COLLIDE)
 
     def pairs(self) -> list[tuple[int, int]]:
-        """Pairs of the kinds in use that can touch, the lower one first."""
+        """Return the pairs of kinds in use that can touch, the lower one first."""
         met = sorted({met_as(kind) for kind in self.kinds})
         return [pair for pair in combinations_with_replacement(met, 2) if may_touch(*pair)]

@@ -1,4 +1,4 @@
-"""Sleep: islands of bodies that nearly touch or are joined rest together, and wake together."""
+"""Sleep: islands of bodies that touch, nearly touch or are joined fall asleep and wake together."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.columns import column
@@ -10,15 +10,15 @@ from kickdrift.world.settings import SLEEP_SPEED, SLEEP_TIME
 from kickdrift.world.tables import BODY, CONTACT, JOINT, LOAD, MOTION, POSE, RESTED, SETTINGS, floats, integers, rows
 
 # Columns of RESTED
-TIME = column(RESTED, 1, "s")  # for how long a body has rested
-ISLAND_TIME = column(RESTED, 1, "s")  # for how long its island has
-REACH = column(RESTED, 1, "m")  # how far it reaches from its centre of mass
-SLEPT_POSE = column(RESTED, 7)  # where it sleeps
+TIME = column(RESTED, 1, "s")  # for which a body has been at rest
+ISLAND_TIME = column(RESTED, 1, "s")  # for which its island has
+REACH = column(RESTED, 1, "m")  # radius of its bounding sphere about the centre of mass
+SLEPT_POSE = column(RESTED, 7)  # pose in which it sleeps
 
 
 @compiled
 def wake_moved(t: float, h: float, world: int) -> None:
-    """Wake islands in which a body was moved, or given a velocity or a force: before anyone looks where it will be."""
+    """Wake islands in which the user has moved a body, or given it a velocity or a force, before contacts are sought."""
     body, load = integers(world, BODY), floats(world, LOAD)
     for row in range(rows(world, BODY)):
         if body[row, BODY_KIND] < KINEMATIC or body[row, AWAKE] != 0:
@@ -34,7 +34,7 @@ def wake_moved(t: float, h: float, world: int) -> None:
 
 @compiled
 def wake_touched(t: float, h: float, world: int) -> None:
-    """Wake islands that something awake touches or holds."""
+    """Wake islands that a body that is awake touches, or is joined to."""
     contact, joint = integers(world, CONTACT), integers(world, JOINT)
     for row in range(rows(world, CONTACT)):
         if _is_near(world, row):
@@ -46,7 +46,7 @@ def wake_touched(t: float, h: float, world: int) -> None:
 
 @compiled
 def _moves(world: int, row: int) -> bool:
-    """Whether a body has a velocity, or is elsewhere than where it slept."""
+    """Whether a body has a velocity, or another pose than when it fell asleep."""
     motion, pose, rested = floats(world, MOTION), floats(world, POSE), floats(world, RESTED)
     moves = False
     for k in range(6):
@@ -58,7 +58,7 @@ def _moves(world: int, row: int) -> bool:
 
 @compiled(inline=True)
 def _is_near(world: int, row: int) -> bool:
-    """Whether two bodies touch or nearly do: one wakes the other, so that they also have to sleep together."""
+    """Whether a contact has points, so that its bodies wake each other and must sleep together; sensors do not count."""
     contact = integers(world, CONTACT)
     near: bool = contact[row, c.POINTS] != 0 and contact[row, c.CONTACT_STATE] & c.SENSOR == 0
     return near
@@ -66,6 +66,7 @@ def _is_near(world: int, row: int) -> bool:
 
 @compiled
 def _wake_one_by_other(world: int, a: int, b: int) -> None:
+    """Wake the island of a body if it sleeps and the other body does not."""
     body = integers(world, BODY)
     if body[a, AWAKE] != 0 and body[b, AWAKE] == 0 and body[b, BODY_KIND] == DYNAMIC:
         wake_island(world, body[b, SLEEP_ISLAND])
@@ -85,9 +86,9 @@ def wake_island(world: int, island: int) -> None:
 
 @compiled
 def sleep(t: float, h: float, world: int) -> None:
-    """Put islands to sleep that have rested long enough; what sleeps has no velocity.
+    """Put islands to sleep that have rested long enough, and set their velocities to zero.
 
-    Kinematic bodies are awake while they move, each by itself.
+    Kinematic bodies are not part of islands: each is awake while it moves.
     """
     body, motion, contact = integers(world, BODY), floats(world, MOTION), integers(world, CONTACT)
     joint, rested, settings = integers(world, JOINT), floats(world, RESTED), floats(world, SETTINGS)
@@ -104,7 +105,7 @@ def sleep(t: float, h: float, world: int) -> None:
     for row in range(rows(world, JOINT)):
         if joint[row, j.JOINT_KIND] != j.REMOVED:
             _unite(world, joint[row, j.BODY_A], joint[row, j.BODY_B])
-    # Of each island, the least that any body has rested, kept with its first body.
+    # The time of rest of an island is the shortest of its bodies, stored with the first.
     for row in range(rows(world, BODY)):
         if body[row, BODY_KIND] == DYNAMIC and body[row, AWAKE] != 0:
             first = first_of(body, SLEEP_ISLAND, row)
@@ -125,6 +126,7 @@ def sleep(t: float, h: float, world: int) -> None:
 
 @compiled
 def _keep_pose(world: int, row: int) -> None:
+    """Store the pose of a body as the one in which it sleeps."""
     pose, rested = floats(world, POSE), floats(world, RESTED)
     for k in range(7):
         rested[row, SLEPT_POSE + k] = pose[row, k]
@@ -147,6 +149,7 @@ def _rests(world: int, row: int) -> bool:
 
 @compiled
 def _unite(world: int, a: int, b: int) -> None:
+    """Unite the islands of two bodies, if both are dynamic and awake."""
     body = integers(world, BODY)
     if body[a, BODY_KIND] != DYNAMIC or body[b, BODY_KIND] != DYNAMIC or body[a, AWAKE] == 0 or body[b, AWAKE] == 0:
         return

@@ -18,14 +18,14 @@ from kickdrift.world.tables import JOINT, POSE, SETTINGS, STARTED_JOINTS, Table,
 if TYPE_CHECKING:
     from kickdrift.world.world import World
 
-# Addresses of compiled functions mean nothing in another process; a world finds its own.
+# Addresses of compiled functions are meaningless in another process; each world finds its own.
 _OF_THE_PROCESS = (tables.COLLIDERS, tables.SHAPE_KINDS, tables.KERNEL_ADDRESSES)
-# What a step makes again, with a row a body each
+# Tables that a step fills anew, with one row per body
 _OF_BODIES = (
     tables.DELTA_POSE, tables.FORCE, tables.NOTED, tables.COLOURED, tables.STARTED_POSE, tables.STARTED_MOTION,
     tables.MEMBER, tables.MEMBERSHIP,
 )  # fmt: skip
-# What a step makes again, or the search for pairs where it begins again
+# Tables that a step fills anew, or the search for pairs when it is restarted
 _OF_A_STEP = (
     *_OF_BODIES, STARTED_JOINTS, tables.LANES, tables.GROUPS, tables.COLOURS, tables.SCRATCH, tables.TREE,
     tables.STATIC_TREE, tables.TRIANGLE_TREE, tables.SEARCH, tables.MOVERS, tables.FIXTURES, tables.PLANES, tables.SOUGHT,
@@ -56,23 +56,23 @@ class Snapshot:
     sleeping : bool
         Whether resting bodies may sleep.
     forces : tuple of Force
-        Users' functions, and the stages of the step made of them.
+        Users' functions, and the stages compiled from them.
     tables : mapping of str to array
-        Rows in use of each table of `kickdrift.world.tables` that no step makes again, by its name; read-only.
+        Rows in use of each table of `kickdrift.world.tables` that no step fills anew, by its name; read-only.
     free_bodies, free_shapes : tuple of int
-        Rows to be used again, the next one last.
-    n_bodies_made, n_joints_made : int
-        How many there have been in the world, so that the handle of one is never that of another.
+        Rows to be reused, the next one last.
+    n_bodies_made, n_joints_made, n_cloths_made : int
+        Number of bodies, joints and cloths ever added, from which handles get their generations.
     joints_arranged : bool
-        Whether the tables contain which joints form trees, and which close loops.
+        Whether the tables of articulations are up to date with the joints.
     shapes : mapping of int to Placed
         By row.
     geometry : mapping of bytes to int
-        Where the numbers of a shape begin, by its kind and numbers.
+        Row of GEOMETRY where the numbers of a shape begin, by its kind and numbers.
     kinds : tuple of int
-        Kinds of shapes that there have been.
+        Kinds of all shapes so far.
     bouncing : bool
-        Whether a shape has bounced.
+        Whether any shape has had a restitution.
     body_names, joint_names, cloth_names : mapping of int to str
         By row.
     """
@@ -86,6 +86,7 @@ class Snapshot:
     free_shapes: tuple[int, ...]
     n_bodies_made: int
     n_joints_made: int
+    n_cloths_made: int
     joints_arranged: bool
     shapes: Mapping[int, Placed]
     geometry: Mapping[bytes, int]
@@ -96,7 +97,7 @@ class Snapshot:
     cloth_names: Mapping[int, str]
 
     def with_forces(self, forces: Iterable[Force]) -> "Snapshot":
-        """Return the same with other forces."""
+        """Return a copy with other forces."""
         return replace(self, forces=tuple(forces))
 
     def __copy__(self) -> "Snapshot":
@@ -113,16 +114,17 @@ class Snapshot:
 
 
 def _pack(members: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the members of a snapshot with dictionaries in place of read-only mappings, which cannot be pickled."""
     return {name: dict(value) if isinstance(value, Mapping) else value for name, value in members.items()}
 
 
 def _unpacked(members: dict[str, Any]) -> Snapshot:
-    """Make the snapshot of what `_pack` has made of one.
+    """Return the snapshot that `_pack` was applied to.
 
     Raises
     ------
     ArgumentError
-        If another version of kickdrift has made it, whose tables are others.
+        If it was pickled by a version of kickdrift that has other tables.
     """
     widths = {name: rows.shape[1] for name, rows in members["tables"].items()}
     if widths != {name: table.width for name, table in TABLES.items()}:
@@ -153,6 +155,7 @@ def take(world: "World") -> Snapshot:
         free_shapes=tuple(world.shape_rows.free),
         n_bodies_made=world.bodies.n_made,
         n_joints_made=world.joints.n_made,
+        n_cloths_made=world.cloths.n_made,
         joints_arranged=world.joints.arranged,
         shapes=MappingProxyType(dict(world.shape_rows.shapes)),
         geometry=MappingProxyType(dict(world.shape_rows.begins)),
@@ -165,14 +168,14 @@ def take(world: "World") -> Snapshot:
 
 
 def restore(world: "World", snapshot: Snapshot) -> None:
-    """Make a world what it was, or what another one was, when a snapshot was taken."""
+    """Bring a world into the state of a snapshot, of itself or of another world."""
     if not isinstance(snapshot, Snapshot):
         raise ArgumentError(f"snapshot={snapshot!r} is not a snapshot; give one returned by World.snapshot.")
     if world.recorder is not None:
         raise ArgumentError(
             "the world is being recorded, and a recording cannot go back in time; end it before restoring."
         )
-    world.sleeping = snapshot.sleeping  # which wakes all; who sleeps is in the tables
+    world.sleeping = snapshot.sleeping  # which wakes all bodies; the tables below tell which sleep
     for name, table in TABLES.items():
         world.tables.put(table, snapshot.tables[name])
     _begin_anew(world.tables)
@@ -191,13 +194,14 @@ def restore(world: "World", snapshot: Snapshot) -> None:
     bodies.names.replace(snapshot.body_names)
     joints.names.replace(snapshot.joint_names)
     world.cloths.names.replace(snapshot.cloth_names)
+    world.cloths.n_made = max(world.cloths.n_made, snapshot.n_cloths_made)
     world.cloths.restored()
     world.tables.altered = True
     world.tables.version += 1
 
 
 def _begin_anew(of: Tables) -> None:
-    """Give the tables that a step makes again their rows, and let trees and lists of shapes be built again."""
+    """Resize the tables that a step fills anew, and have the trees and lists of shapes rebuilt."""
     for table in _OF_BODIES:
         of.resize(table, of.count(POSE))
     of.resize(STARTED_JOINTS, of.count(JOINT))

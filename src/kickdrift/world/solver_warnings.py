@@ -1,4 +1,4 @@
-"""Warnings of what the solver could not do: once a world, with what would help."""
+"""Warnings of the solver: each once per world, with what would help."""
 
 import math
 import warnings
@@ -21,10 +21,10 @@ from kickdrift.world.tables import SETTINGS, STEP_STATUS, Tables
 
 
 def say(found: int, said: int, tables: Tables, bodies: Bodies) -> None:
-    """Warn of what stages have found and was not said before.
+    """Issue the warnings that stages have found, unless they were issued before.
 
-    Both are sets of bits of `kickdrift.world.step_status.WARNING`. What was said is noted in the tables, so that steps do not
-    come back with it, and kept by the world, as tables go back to their past.
+    `found` and `said` are sets of bits of `kickdrift.world.step_status.WARNING`. Their union is written to the tables, so that
+    compiled code does not return for it again; the world keeps it as well, since restoring a snapshot resets the tables.
     """
     tables.array(STEP_STATUS)[0, SAID] = found | said
     for bit, sentence in ((LEFT_UNSOLVED, _unsolved), (TURNS_TOO_FAST, _too_fast)):
@@ -33,6 +33,7 @@ def say(found: int, said: int, tables: Tables, bodies: Bodies) -> None:
 
 
 def _unsolved(tables: Tables, bodies: Bodies) -> str:
+    """Return the message of LEFT_UNSOLVED."""
     row = tables.array(SETTINGS)[0]
     return (
         f"{bodies.words(int(row[UNSOLVED_BODY]))} rests on contacts that the solver has left unsolved since"
@@ -42,6 +43,7 @@ def _unsolved(tables: Tables, bodies: Bodies) -> str:
 
 
 def _too_fast(tables: Tables, bodies: Bodies) -> str:
+    """Return the message of TURNS_TOO_FAST."""
     row = tables.array(SETTINGS)[0]
     turn, body = float(row[FAST_TURN]), bodies.words(int(row[FAST_BODY]))
     times = max(turn / LONG_TURN, 2.0)

@@ -1,4 +1,4 @@
-"""The step of a world as a word over stages, with what this world has a use for."""
+"""The step of a world as a word over stages, of which each world has only those that it needs."""
 
 from typing import NamedTuple
 
@@ -40,12 +40,16 @@ from kickdrift.world.step import STAGE
 
 Stages = tuple[Function, ...]
 
-# Stages of substeps that a batch does for itself: nothing in them looks beyond its bodies and contacts.
+# Stages of substeps that can be run on a single batch, since they only access its bodies and contacts.
 _BY_BATCH = frozenset((begin_forces, kick, warm_start, solve, flatten, drift, relax))
 
 
 class Uses(NamedTuple):
-    """What a world needs besides contacts; stages that it does not need are not compiled."""
+    """Features that a world uses besides contacts; stages that it does not need are not compiled.
+
+    `forces` are the stages of users' forces, `is_fast` asks for continuous collision, `direct` for the direct solver of heaps,
+    `sequential` for nets of joints that are solved one after the other; `many` says that there are bodies enough for batches.
+    """
 
     forces: Stages
     bounces: bool
@@ -73,7 +77,7 @@ class Word(NamedTuple):
 
 
 def word(uses: Uses) -> Word:
-    """Spell the step, to be read from top to bottom."""
+    """Return the word of a step, in the order in which its stages run."""
     direct = uses.joints or uses.direct
     forces = (begin_forces, *uses.forces)
     substep = (
@@ -102,7 +106,7 @@ def word(uses: Uses) -> Word:
         *when(uses.sleeps, wake_touched),
         *when(uses.cloths, begin_cloths),
         place_shapes,
-        *forces,  # the search has to know how fast bodies will be
+        *forces,  # for the velocities that bodies will have, by which the search enlarges bounds
         find_pairs,
         find_points,
         *when(uses.is_fast, find_impacts),
@@ -140,9 +144,9 @@ def when(wanted: bool, *stages: Function) -> Stages:
 
 
 class Program(NamedTuple):
-    """A word as the loop runs it: addresses of its stages, the time that each covers, and when in the step it begins.
+    """A word as the loop runs it: addresses of its stages, the time that each covers, and when in the step it begins, s.
 
-    Batches do those from number `begin` up to `end`, from `prepare` to `store`, one after the other.
+    Stages with indices from `begin` to `end` - 1, from `prepare` to `store`, are run on one batch after the other.
     """
 
     addresses: NDArray[np.intp]
@@ -153,14 +157,14 @@ class Program(NamedTuple):
 
 
 def addresses(spelt: Word, substeps: int) -> NDArray[np.intp]:
-    """Compile the stages of a word, and return their addresses, the substeps one after the other."""
+    """Compile the stages of a word, and return their addresses, with those of the substeps repeated."""
     before, substep, after = spelt
     at = {stage: address_of(stage, STAGE) for part in spelt for stage in part}
     return np.array([at[stage] for stage in (*before, *substep * substeps, *after)], dtype=np.intp)
 
 
 def compose(spelt: Word, at: NDArray[np.intp], step: float, substeps: int) -> Program:
-    """Return what times the stages of a word at these addresses cover."""
+    """Return the program of a word with the times of its stages, for a step in s."""
     before, substep, after = spelt
     h = step / substeps
     lengths = [step] * len(before) + [h] * len(substep) * substeps + [step] * len(after)

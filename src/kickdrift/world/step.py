@@ -1,7 +1,7 @@
 """The step of a world: a word over stages, run by one loop.
 
-`kickdrift.world.stage_order.word` spells it. Two of its letters, `kick` and `drift`, are flows as those of the engine are;
-between them stand projections onto what contacts and joints allow.
+`kickdrift.world.stage_order.word` returns the word. Two of its letters, `kick` and `drift`, are flows like those of the engine;
+between them are projections onto the velocities that contacts and joints allow.
 """
 
 from typing import Any
@@ -35,15 +35,15 @@ def run(
     at: int,
     world: int,
 ) -> tuple[int, int]:
-    """Run the steps from `first` to `last`, counted from t0, the first of them from stage `at` on.
+    """Run the steps from `first` to `last` - 1, counted from t0, beginning at stage `at` of the first.
 
-    Batches do the stages from number `begin` up to `end` one after the other. Where there are any, none of these stages asks
-    for anything, so that a step never goes on in their midst.
+    Stages from `begin` to `end` - 1 are run on one batch after the other, if there are batches. Then none of these stages sets
+    a status that resumes the step at itself, so a step is never resumed in the middle of the batches.
 
     Returns
     -------
     step, stage : int
-        Where it ended: the stage that wrote a status into `STEP_STATUS`; after `last`, the set of warnings that are to be said.
+        The step and the stage that set a status in `STEP_STATUS`; or `last`, and the set of warnings still to be issued.
     """
     status: Any = integers(world, STEP_STATUS)
     for n in range(first, last):

@@ -1,8 +1,8 @@
 """The status of a stage that cannot proceed: columns of the one row of `kickdrift.world.tables.STEP_STATUS`.
 
-A stage that cannot go on returns, and is run again from its beginning once it was helped: what it has written until then must
-not change what it does. One that asks to begin again has the whole step done again, from where it began. Whoever runs the
-stages looks here after each.
+A stage that cannot proceed sets a status and returns. Once the cause is removed it is run again from its beginning, so what it
+has written until then must not change its result. One that sets `BEGIN_AGAIN` has the whole step rolled back and repeated. The
+loop that runs the stages checks the status after each.
 """
 
 from kickdrift.core.compilation import compiled
@@ -13,12 +13,12 @@ from kickdrift.world.tables import STEP_STATUS, Table, integers
 STATUS = column(STEP_STATUS)
 TABLE = column(STEP_STATUS)  # place of the table that is full
 ROWS_WANTED = column(STEP_STATUS)  # rows that it needs
-LOST_BODY = column(STEP_STATUS)  # that is nowhere, or a cloth
-REACHED = column(STEP_STATUS)  # number of the step that is being done, counted from the start time
-WARNING = column(STEP_STATUS)  # set of what is to be said; no reason to stop
-SAID = column(STEP_STATUS)  # those of them that were said
-MIDWAY = column(STEP_STATUS)  # 1: a step was begun and is not done
-REPEATED = column(STEP_STATUS)  # 1: and it is done again, since sweeps had left a heap far from solved
+LOST_BODY = column(STEP_STATUS)  # row of a body or a cloth that is not finite
+REACHED = column(STEP_STATUS)  # number of the step in progress, counted from the start time
+WARNING = column(STEP_STATUS)  # set of warnings found; no reason to stop
+SAID = column(STEP_STATUS)  # those of them that were issued
+MIDWAY = column(STEP_STATUS)  # 1 while a step is in progress
+REPEATED = column(STEP_STATUS)  # 1 if it is repeated because the sweeps had left a heap far from solved
 
 # Bits of WARNING
 LEFT_UNSOLVED = 1  # a body has rested for long on contacts that the sweeps leave unsolved
@@ -31,7 +31,7 @@ NOT_FINITE = 2  # a body has a pose or a velocity that is not finite
 NEEDS_TIME_OF_IMPACT = 3  # shapes are so fast that the step needs the stage `find_impacts`
 NEEDS_DIRECT_SOLVER = 4  # a heap is left unsolved by the sweeps
 LOST_CLOTH = 5  # a cloth has a particle whose position or velocity is not finite
-BEGIN_AGAIN = 6  # what the step has done showed what it should have known: go back to where it began, and do it again
+BEGIN_AGAIN = 6  # the step has found out what it needed to know at its start: roll it back, and repeat it
 
 
 @compiled(inline=True)
@@ -44,7 +44,7 @@ def ask_for_room(world: int, table: Table, count: int) -> None:
 
 @compiled(inline=True)
 def report_body(world: int, body: int) -> None:
-    """Report a body without a finite position, unless another error is set already."""
+    """Report a body whose pose or velocity is not finite, unless another error is set already."""
     row = integers(world, STEP_STATUS)
     if row[0, STATUS] == OK:
         row[0, STATUS], row[0, LOST_BODY] = NOT_FINITE, body
@@ -52,7 +52,7 @@ def report_body(world: int, body: int) -> None:
 
 @compiled(inline=True)
 def report_cloth(world: int, cloth: int) -> None:
-    """Report a cloth without finite positions, unless another error is set already."""
+    """Report a cloth whose particles are not finite, unless another error is set already."""
     row = integers(world, STEP_STATUS)
     if row[0, STATUS] == OK:
         row[0, STATUS], row[0, LOST_BODY] = LOST_CLOTH, cloth

@@ -1,4 +1,4 @@
-"""How a world does steps: it compiles what is needed, runs compiled code, and helps where that cannot go on."""
+"""Steps of a world: it compiles what is needed, runs the compiled loop, and serves the requests of its stages."""
 
 import time
 
@@ -66,10 +66,10 @@ class DoesSteps:
     _threaded: bool
     _addresses: NDArray[np.intp]
     _composition: tuple[object, ...] | None
-    _counted: tuple[float, int]  # the time that steps are counted from, and the number of the first
+    _counted: tuple[float, int]  # the time from which steps are counted, s, and the number of the next one
 
     def do_steps(self, t0: float, first: int, step: float, count: int) -> int:
-        """Do so many steps, the first of them number `first` from t0; return the set of warnings that are to be said."""
+        """Do `count` steps, the first of them number `first` from t0; return the set of warnings to be issued."""
         if self.tables.count(EVENTS):
             self.tables.resize(EVENTS, 0)
         program, recorder = self._ready(step), self.recorder
@@ -79,7 +79,7 @@ class DoesSteps:
         try:
             while done < count:
                 before, until = done, min(count, done + chunk)
-                if self._breakable:  # what breaks in a step is gone before the next
+                if self._breakable:  # joints that break in a step are removed before the next
                     until = done + 1
                 if recorder is not None:
                     until = min(until, done + recorder.steps_to_row)
@@ -107,7 +107,7 @@ class DoesSteps:
                         program = self._ready(step)
                     if done < count:
                         chunk = next_chunk(done - before, time.perf_counter() - began)
-        except BaseException:  # Ctrl-C comes between any two lines; compiled code has noted what it has done
+        except BaseException:  # Ctrl-C may come between any two lines; compiled code has stored how far it is
             self._go_back(step)
             raise
         self.time = t0 + (first + count) * step
@@ -136,9 +136,9 @@ class DoesSteps:
         )
 
     def _ready(self, step: float) -> Program:
-        """Compile what is needed, and keep the program for as long as nothing that it depends on changes.
+        """Return the program of a step, compiling what is missing; it is reused until something that it depends on changes.
 
-        That nothing has is seen without looking at it all, which would take as long as a step of a small world.
+        The flag `altered` tells: comparing everything would take as long as a step of a small world.
         """
         threaded = self.threads and present()
         same = step == self._program_step and threaded == self._threaded
@@ -166,7 +166,7 @@ class DoesSteps:
         return self._program
 
     def _help(self, step: float, stage: int) -> int:
-        """Do what a stage has asked for, and return the stage to go on with; raise what cannot be helped."""
+        """Serve the request of a stage, and return the index of the stage to resume at; raise an error if it reports one."""
         status = self.tables.row(STEP_STATUS, 0)
         columns = step_status.STATUS, step_status.TABLE, step_status.ROWS_WANTED, step_status.LOST_BODY
         kind, table, wanted, body = status[list(columns)].tolist()
@@ -190,7 +190,7 @@ class DoesSteps:
         return stage
 
     def _go_back(self, step: float, *without: Table) -> None:
-        """Bring the world back to where the step began after those that are done, with zeros in some tables."""
+        """Roll back a step in progress, set the time to the end of the last complete one, and zero the given tables."""
         status = self.tables.row(STEP_STATUS, 0)
         if status[step_status.MIDWAY]:
             roll_back(self.tables)

@@ -1,4 +1,4 @@
-"""Rows of a recording that go to disk as the world goes on: memory holds some of them at a time."""
+"""Rows of a recording that are streamed to disk in chunks."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
@@ -11,7 +11,6 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.zarr_group import Array
 from kickdrift.engine.zarr_store import ZarrStore
 from kickdrift.world.recorder import RecordingRows
-from kickdrift.world.tables import PARTICLE
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World
@@ -20,7 +19,7 @@ Floats = NDArray[np.float64]
 
 
 class StreamedRecordingRows(RecordingRows):
-    """The rows of a recording that go to a store; the recording has the first and the last.
+    """The rows of a recording that are written to a store; the `Recording` holds only the first and the last.
 
     Parameters
     ----------
@@ -35,7 +34,7 @@ class StreamedRecordingRows(RecordingRows):
         self._last: dict[str, Floats] = {}
 
     def begin(self) -> None:
-        """Make the store, empty."""
+        """Create the store, empty."""
         about = self.description()
         units = about.units
 
@@ -52,7 +51,7 @@ class StreamedRecordingRows(RecordingRows):
             "v": of_bodies("v"),
             "orientation": of_bodies("orientation", "quaternion"),
             "angular_velocity": of_bodies("angular velocity"),
-            "particles": Array(("particle", "space"), (self._particles, 3), units["particles"]),
+            "particles": Array(("particle", "space"), (self._cloths.size, 3), units["particles"]),
             **{name: Array(unit=units["energy"]) for name in ("energy", "kinetic_energy", "potential_energy")},
             **vectors,
             **{name: Array(unit=units["x"]) for name in ("overlap", "joint_gap")},
@@ -62,14 +61,14 @@ class StreamedRecordingRows(RecordingRows):
         self._store.create(words, arrays, {**about.coordinates, "quaternion": list("wxyz")})
 
     def keep(self, t: float) -> None:
-        """Add a row for a time.
+        """Add a row with the state of the world, at the time t.
 
         Raises
         ------
         ArgumentError
-            If there are more bodies than at the start.
+            If there are more bodies or particles than at the start.
         """
-        if len(self._world.position) > self._bodies or self._world.tables.count(PARTICLE) > self._particles:
+        if len(self._world.position) > self._bodies or self._cloths.changed() is not None:
             raise ArgumentError(
                 f"a body or a cloth was added while rows of {self._bodies} bodies are written to"
                 f" save_to={self.saved_to!r}; add it before the recording, or record into memory."
@@ -80,7 +79,7 @@ class StreamedRecordingRows(RecordingRows):
         self._start = self._start or self._last
 
     def drain(self) -> None:
-        """Write a chunk if there is one.
+        """Write the rows in memory once they fill a chunk.
 
         Raises
         ------
@@ -91,7 +90,7 @@ class StreamedRecordingRows(RecordingRows):
             self._write({})
 
     def close(self, outcome: Outcome) -> None:
-        """Write what is left, and how it ended.
+        """Write the remaining rows and the outcome.
 
         Raises
         ------
@@ -101,18 +100,18 @@ class StreamedRecordingRows(RecordingRows):
         self._write({"status": outcome.name})
 
     def remembered(self) -> dict[str, Floats]:
-        """Return how many rows are in the store, and the first of them."""
+        """Return the first row, and how many rows are in the store."""
         return {**self._start, "stored": np.array([float(self.first)])}
 
     def fill(self, kept: Mapping[str, Floats], remembered: Mapping[str, Floats]) -> None:
-        """Begin with rows that were kept before, behind those in the store.
+        """Begin with the rows of a checkpoint, which follow those in the store.
 
         Raises
         ------
         LookupError, ValueError
-            If they are not those of this world.
+            If they do not fit this world.
         FileFormatError
-            If those before them are not in the store.
+            If the store lacks rows before them.
         """
         self.first = int(remembered["stored"][0])
         self._start = {name: remembered[name] for name in self._rows}
@@ -123,12 +122,13 @@ class StreamedRecordingRows(RecordingRows):
         self._last = {name: values[rows - 1 : rows].copy() for name, values in kept.items()} if rows else self._start
 
     def ends(self) -> dict[str, Floats]:
-        """Return the first and the last row, which may be one."""
+        """Return the first and the last row, or one if they are the same."""
         if self.count == 1:
             return self._start
         return {name: np.concatenate((self._start[name], self._last[name])) for name in self._rows}
 
     def _write(self, attributes: Mapping[str, str]) -> None:
+        """Append the rows in memory to the store, and set its attributes."""
         rows = super().kept()
         (kinetic, potential), (overlap, gap) = rows["energy"].T, rows["constraint error"].T
         values = {

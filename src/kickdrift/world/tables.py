@@ -1,9 +1,9 @@
-"""What a world is made of: tables of numbers, one row a body, a shape or a contact, which compiled code finds by address.
+"""The data of a world: tables with one row per body, shape or contact, which compiled code finds by address.
 
-A stage of the step is a compiled function ``stage(t, h, world)``, where ``world`` is the address of a block that says of
-every table where it lies, how many rows are in use and how many there is room for. Views of a table (`floats`,
-`integers`) cost nothing. Tables grow between stages, never inside of one: a stage that finds one full says so (`FULL`),
-leaves everything as it was, and is run again once the table has grown.
+A stage of the step is a compiled function ``stage(t, h, world)``, where ``world`` is the address of a block that holds for
+every table its address, the number of rows in use and the number of rows allocated. Views of a table (`floats`, `integers`)
+cost nothing. Tables grow between stages, never within one: a stage that finds one full sets the status `FULL`, leaves
+everything as it was, and is run again once the table has grown.
 """
 
 import mmap
@@ -20,7 +20,7 @@ from kickdrift.core.memory import floats_at, integers_at, put_word, word
 
 
 class Table(NamedTuple):
-    """Where a table is described in the block, the numbers in a row, and whether they are integers."""
+    """The index of a table in the block, the numbers per row, and whether they are integers."""
 
     place: int
     width: int
@@ -28,23 +28,23 @@ class Table(NamedTuple):
 
 
 # Bodies; row 0 is the ground, which never moves. Rows of eight floats are one cache line.
-# Columns are declared in `kickdrift.world.layout`, or where it is said here.
+# Columns are declared in `kickdrift.world.layout`, or in the module named here.
 POSE = Table(0, 8)
 MOTION = Table(1, 8)  # of the centre of mass
 DELTA_POSE = Table(2, 8)  # since the start of the step
 INVERSE_MASS = Table(3, 8)
-INERTIA = Table(4, 16)  # see `kickdrift.world.integration`
-LOAD = Table(5, 8)  # asked for during the next step
+INERTIA = Table(4, 16)
+LOAD = Table(5, 8)  # forces that users apply during the next step
 RESTED = Table(36, 12)  # see `kickdrift.world.sleeping`
 FORCE = Table(35, 8)  # in this substep
-KICKED = Table(6, 24)  # see `kickdrift.world.integration`
-NOTED = Table(19, MOTION.width)  # as MOTION was before a solution of the direct solver, to go back to
-BODY = Table(7, 12, whole=True)  # see `kickdrift.world.integration`
+KICKED = Table(6, 24)  # what `kickdrift.world.integration` carries from kick to drift
+NOTED = Table(19, MOTION.width)  # MOTION before a solution of the direct solver, to go back to
+BODY = Table(7, 12, whole=True)
 # Shapes
 SHAPE = Table(8, 8, whole=True)
 PLACE = Table(9, 16)  # in the body, and its surface
 PLACED = Table(37, 8)  # in the world when the step began
-BOUNDS = Table(10, 8)  # fat ones that a shape was last sought in
+BOUNDS = Table(10, 8)  # fat bounds with which a shape was last sought
 GEOMETRY = Table(11, 1)  # the numbers of all shapes, one shape after the other
 # Contacts: pairs of shapes whose fat bounds overlap; see `kickdrift.world.contacts.layout`
 CONTACT = Table(12, 8, whole=True)
@@ -57,15 +57,15 @@ JOINT = Table(17, 16, whole=True)
 JOINT_NUMBERS = Table(18, 80)
 JOINT_AXES = Table(45, 16)  # six rows a joint
 LANES = Table(20, 1)  # constraints in groups of lanes, whose fields are in `kickdrift.world.contacts.layout`
-GROUPS = Table(21, 24, whole=True)  # what is in these lanes: see there
+GROUPS = Table(21, 24, whole=True)  # contents of these groups: see there
 SCRATCH = Table(22, 1)
 TREE = Table(23, 8)  # over the fat bounds of shapes that may move: see `kickdrift.world.collision.bvh`
-STATIC_TREE = Table(24, 8)  # over those that may not
+STATIC_TREE = Table(24, 8)  # over those of shapes that may not
 SHAPE_KINDS = Table(28, 4, whole=True)  # of shapes: see `kickdrift.world.collision.dispatch`
 COLLIDERS = Table(25, 16, whole=True)  # address of the function for each pair of kinds of shapes
 # Trees of joints: see `kickdrift.world.joints.layout`
 ARTICULATION = Table(26, 8, whole=True)
-LINK = Table(46, 10, whole=True)  # a body of an articulation and the joint that it hangs on, parents first
+LINK = Table(46, 10, whole=True)  # a body of an articulation and its joint to the parent, parents first
 LINK_NUMBERS = Table(47, 232)
 GRAPH = Table(51, 4, whole=True)  # one row
 # The direct solver: see `kickdrift.world.direct.layout`
@@ -79,11 +79,11 @@ BLOCK = Table(57, 144)
 ADJACENCY = Table(58, 1, whole=True)  # bits: which nodes are coupled
 # The sweeps
 COLOURS = Table(30, 4, whole=True)  # of contacts: see `kickdrift.world.contacts.layout`
-COLOURED = Table(31, 1, whole=True)  # of each body the set of colours that its contacts have
+COLOURED = Table(31, 1, whole=True)  # for each body the set of colours of its contacts
 KERNEL_ADDRESSES = Table(34, 10, whole=True)  # one row: see `kickdrift.world.contacts.layout`
 IMPACT = Table(59, 64)  # hits of a round of impacts: see `kickdrift.world.contacts.simultaneous_impact`
 BOUNCING = Table(60, 1, whole=True)  # contacts that may bounce in this step
-STARTED_POSE = Table(32, POSE.width)  # as POSE, MOTION and JOINT_NUMBERS were when the step began
+STARTED_POSE = Table(32, POSE.width)  # POSE, MOTION and JOINT_NUMBERS at the start of the step
 STARTED_MOTION = Table(33, MOTION.width)
 STARTED_JOINTS = Table(50, JOINT_NUMBERS.width)
 FORESEEN = Table(61, 20)  # see `kickdrift.world.collision.foresight`
@@ -94,8 +94,8 @@ PLANES = Table(40, 1, whole=True)  # shapes that are planes
 SOUGHT = Table(41, 1, whole=True)  # shapes whose pairs are to be found again
 TRIANGLE_TREE = Table(42, 8)  # over the triangles of each mesh, one tree after the other
 EXCLUDED = Table(43, 2, whole=True)  # pairs of bodies that never touch, sorted: see `kickdrift.world.collision.filters`
-ASKED_APART = Table(49, 2, whole=True)  # those of them that users ask for; the others are joined
-FORCE_NUMBERS = Table(62, 1)  # those of users' forces: see `kickdrift.world.force_stage`
+ASKED_APART = Table(49, 2, whole=True)  # those of them that users have excluded; the others are joined
+FORCE_NUMBERS = Table(62, 1)  # numbers captured by users' forces: see `kickdrift.world.force_stage`
 
 # The substeps: see `kickdrift.world.batch`
 MEMBER = Table(63, 1, whole=True)  # bodies that a substep moves, one batch after the other
@@ -120,8 +120,8 @@ PARTICLE_REST = Table(80, 4)
 PARTICLE_SHIFT, PARTICLE_BOUNDS = Table(84, 4), Table(85, 8)
 CLOTH_PAIR, CLOTH_PAIR_NUMBERS = Table(86, 6, whole=True), Table(87, 14)  # vertex and triangle, or edges, that may touch
 CLOTH_TREE = Table(88, 8)  # over the triangles of each cloth: see `kickdrift.world.cloth.face_tree`
-NORMAL_TREE = Table(95, 8)  # as it, over their normals
-CLOTH_TREE_NODE, TREE_NEIGHBOUR = Table(89, 3, whole=True), Table(103, 1, whole=True)  # nodes
+NORMAL_TREE = Table(95, 8)  # likewise, over their normals
+CLOTH_TREE_NODE, TREE_NEIGHBOUR = Table(89, 3, whole=True), Table(103, 2, whole=True)  # nodes
 FACE_BOUNDS, FACE_NORMALS = Table(90, 8), Table(91, 8)
 ZONE, ZONE_NUMBERS = Table(92, 2, whole=True), Table(93, 16)  # of each particle: see `kickdrift.world.cloth.zones`
 CLOTH_SEARCH = Table(94, 16)  # one row
@@ -133,20 +133,20 @@ _LAST = max(table.place for table in list(globals().values()) if isinstance(tabl
 VIEW = Table(_LAST + 1, 3 * (_LAST + 2), whole=True)  # one row: the block as it is for a batch
 _COUNT = _LAST + 2
 _HUGE_PAGES = getattr(mmap, "MADV_HUGEPAGE", None)  # Linux
-_HUGE_PAGE, _LARGE = 1 << 21, 1 << 19  # bytes: of such a page, and of tables that go there
+_HUGE_PAGE, _LARGE = 1 << 21, 1 << 19  # size of such a page, and of the smallest table that is placed there, bytes
 _ADDRESS, _ROWS, _ROOM = 0, 1, 2  # the words that describe a table
 
 
 @compiled(inline=True)
 def rows(world: int, table: Table) -> int:
-    """Rows in use."""
+    """Return the number of rows in use."""
     count: int = word(world, 3 * table[0] + _ROWS)
     return count
 
 
 @compiled(inline=True)
 def room(world: int, table: Table) -> int:
-    """Rows that there is room for."""
+    """Return the number of rows that there is room for."""
     count: int = word(world, 3 * table[0] + _ROOM)
     return count
 
@@ -159,14 +159,14 @@ def set_rows(world: int, table: Table, count: int) -> None:
 
 @compiled(inline=True)
 def address(world: int, table: Table) -> int:
-    """Where a table begins."""
+    """Return the address of the first row."""
     begins: int = word(world, 3 * table[0] + _ADDRESS)
     return begins
 
 
 @compiled(inline=True)
 def narrow(world: int, table: Table, first: int, count: int) -> None:
-    """Restrict a table to so many of its rows, from one on."""
+    """Restrict a table to `count` of its rows, from `first` on."""
     place = 3 * table[0]
     put_word(world, place + _ADDRESS, word(world, place + _ADDRESS) + 8 * table[1] * first)
     put_word(world, place + _ROWS, count)
@@ -189,19 +189,19 @@ def integers(world: int, table: Table) -> Any:
 
 @compiled(inline=True)
 def flat(world: int, table: Table) -> Any:
-    """Return the numbers of a table as one row: loops over it vectorise."""
+    """Return the numbers of a table as one array, over which loops vectorise."""
     place = 3 * table[0]
     return carray(floats_at(word(world, place + _ADDRESS)), (word(world, place + _ROOM) * table[1],))
 
 
 @compiled(inline=True)
 def flat_integers(world: int, table: Table) -> Any:
-    """Return the integers of a table as one row."""
+    """Return the integers of a table as one array."""
     place = 3 * table[0]
     return carray(integers_at(word(world, place + _ADDRESS)), (word(world, place + _ROOM) * table[1],))
 
 
-# Tables that have at least the room of another one
+# Tables that are given at least as much room as another one
 _COMPANIONS = {CONTACT: (MANIFOLD,), LINK: (LINK_NUMBERS,)}
 _COMPANIONS |= {CLOTH_CONTACT: (CLOTH_CONTACT_NUMBERS,), CLOTH_PAIR: (CLOTH_PAIR_NUMBERS,)}
 _TABLES = {table.place: table for table in list(globals().values()) if isinstance(table, Table)}
@@ -212,15 +212,13 @@ class Tables:
 
     def __init__(self) -> None:
         self.block: NDArray[np.intp] = np.zeros(3 * _COUNT, dtype=np.intp)
-        self.address = int(
-            self.block.ctypes.data
-        )  # what compiled code is given; the same for as long as the world lives
+        self.address = int(self.block.ctypes.data)  # for compiled code; the same for the lifetime of the world
         self._arrays: dict[int, NDArray[Any]] = {}
-        # Whether something has changed that the stages of the step or their order may depend on.
+        # Whether anything has changed that the stages of the step or their order may depend on.
         self.altered = True
-        # Held by the thread that works on them: a step that runs in another one would lose the ground under its feet.
+        # Held by the thread that uses the tables: they must not move in memory during a step in another thread.
         self.lock = threading.RLock()
-        # Grows where bodies or joints go, or tables lie elsewhere, so that handles look again where theirs is.
+        # Incremented when bodies or joints are removed or tables move in memory, which invalidates the views of handles.
         self.version = 0
 
     def count(self, table: Table) -> int:
@@ -228,7 +226,7 @@ class Tables:
         return int(self.block.item(3 * table.place + _ROWS))
 
     def row(self, table: Table, row: int) -> NDArray[Any]:
-        """Return a row that is in use, as a live view; what `array` takes longer for."""
+        """Return a row that is in use, as a live view; faster than a row of `array`."""
         found: NDArray[Any] = self._arrays[table.place][row]
         return found
 
@@ -255,7 +253,7 @@ class Tables:
         new = _aligned(max(count, len(old) + len(old) // 2, 16), table.width, np.int64 if table.whole else np.float64)
         new[: len(old)] = old
         words = new.ctypes.data, self.block[place + _ROWS], len(new)
-        # At once, which Ctrl-C does not divide: compiled code would have the address of memory that is gone.
+        # In one statement, which Ctrl-C does not interrupt: otherwise compiled code could get the address of freed memory.
         self._arrays[table.place], self.block[place : place + 3] = new, words
         self.version += 1
         for companion in _COMPANIONS.get(table, ()):
@@ -266,7 +264,7 @@ class Tables:
         self.resize(table, len(values))[:] = values
 
     def make_room(self, place: int, count: int) -> None:
-        """Make room in the table at a place of the block, as a stage has asked."""
+        """Make room in the table with this place in the block, for a stage that has set `FULL`."""
         self.reserve(_TABLES[place], count)
 
     def _room(self, table: Table) -> NDArray[Any]:
@@ -277,10 +275,10 @@ class Tables:
 
 
 def _aligned(count: int, width: int, dtype: Any) -> NDArray[Any]:
-    """Zeros that begin where a cache line does; large tables lie on huge pages, where the system has them.
+    """Return zeros, (count, width), aligned to a cache line; large tables lie on huge pages, if the system has them.
 
-    Their rows are read out of order: among 10,000 bodies, whose tables have thousands of usual pages, a step takes a tenth
-    longer without.
+    Rows are read in random order: with 10,000 bodies, whose tables span thousands of normal pages, a step takes a tenth longer
+    without them.
     """
     size = count * width
     if _HUGE_PAGES is not None and 8 * size >= _LARGE:
@@ -293,8 +291,8 @@ def _aligned(count: int, width: int, dtype: Any) -> NDArray[Any]:
 
 
 def _huge_pages(size: int, advice: int) -> mmap.mmap:
-    """Return a map of memory of so many bytes, zeros, that lives for as long as the arrays in it."""
+    """Return zeroed memory of so many bytes, which lives for as long as the arrays in it."""
     pages = mmap.mmap(-1, size, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
-    with suppress(OSError):  # of a system that does not care
+    with suppress(OSError):  # on systems without huge pages
         pages.madvise(advice)
     return pages

@@ -1,4 +1,4 @@
-"""Settings of a world that can change between steps, and the residual that indicates whether they should."""
+"""Settings of a world that can be changed between steps, and the residual that shows whether they should be."""
 
 from __future__ import annotations
 

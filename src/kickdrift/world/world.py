@@ -39,7 +39,7 @@ from kickdrift.world.tuning import Tunable
 
 
 def _revived(kind: type[World], snapshot: Snapshot, threads: bool) -> World:
-    """Make a world of a snapshot, whatever its class takes to make one."""
+    """Make a world from a snapshot, without calling the constructor of a subclass."""
     world = kind.__new__(kind)
     World.__init__(world, threads=threads)
     world.restore(snapshot)
@@ -96,7 +96,10 @@ class World(
         number of threads. Worthwhile from some thousand bodies on, on otherwise idle cores. Processes forked from one that
         has used threads run on one thread.
     plane_normal : (3,) array_like, optional
-        Makes the world planar: bodies move only perpendicular to this direction, and turn only about it.
+        Makes the world planar: bodies move only perpendicular to this direction, and turn only about it. They feel of
+        walls that are oblique to the plane the normal within it, and the friction of a wedge in its groove; what is nearly
+        parallel to the plane is a floor, on which they slide with friction. Ropes, rods and springs keep the depths of
+        their ends.
 
     Attributes
     ----------
@@ -188,7 +191,7 @@ class World(
         self.forces: list[Force] = []
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Copy and pickle by a snapshot, as a world of its own; what a subclass or a user has added goes with it."""
+        """Copy and pickle by a snapshot, with the attributes that a subclass or a user has added."""
         known = vars(World())
         added = {name: value for name, value in vars(self).items() if name not in known}
         return _revived, (type(self), self.snapshot(), self.threads), added or None
@@ -253,7 +256,7 @@ class World(
         self.advance_from(self.time, 0, step, int(count))
 
     def advance_from(self, t0: float, first: int, step: float, count: int) -> None:
-        """Do a number of steps, the first with index `first` from t0, so that the times do not depend on where a run is cut."""
+        """Do `count` steps, the first with number `first` from t0, so that times do not depend on how a run is divided."""
         with self.tables.lock:
             self.broken = []
             found = self.do_steps(t0, first, step, count)

@@ -24,7 +24,7 @@ class Cloth(Handle):
     Attributes
     ----------
     index : int
-        How many cloths there were in the world before it.
+        How many cloths of the world come before it: one less where one of those is removed.
 
     Notes
     -----
@@ -51,6 +51,12 @@ class Cloth(Handle):
     def registry_of(world: World) -> Cloths:
         """Return the cloths of a world."""
         return world.cloths
+
+    @property
+    def index(self) -> int:
+        """How many cloths of the world come before it; of one that was removed, how many came."""
+        self._index = self._cloths.index_of(self._generation, self._index)
+        return self._index
 
     @property
     def position(self) -> Floats:

@@ -36,6 +36,8 @@ def check_cloths(rows: "Rows") -> None:
         rows.count(name, len(rows[of]))
     cloths = rows["CLOTH"]
     rows.holds("CLOTH", c.PARTS, cloths[:, c.PARTS] >= 1)
+    generations = cloths[:, c.CLOTH_GENERATION]
+    rows.holds("CLOTH", c.CLOTH_GENERATION, (generations >= 0) & (np.diff(generations, prepend=-1) > 0))
     for name, column in _RANGES:  # one cloth after the other
         least = 1 if name in ("PARTICLE", "FACE") else 0
         rows.holds("CLOTH", column, cloths[:, column + 1] >= cloths[:, column] + least)

@@ -78,6 +78,7 @@ PARTICLE_MASS = column(PARTICLE, 1, "kg")
 
 # PARTICLE_REST
 column(PARTICLE_REST, 3, "m")  # where it is in the cloth without tension
+SPLIT_FROM = column(PARTICLE_REST)  # vertex of the cloth that it was one with; of those from the start, nothing
 
 # Fields of PARTICLE_LANES
 _LANES = Fields()
@@ -163,8 +164,9 @@ column(FACE_TURN, 6)  # its normal as it is, and as it is foreseen; zeros where 
 IS_CONNECTED = column(CLOTH_TREE_NODE)
 NEIGHBOURS = column(CLOTH_TREE_NODE, 2)  # the first and one after the last, of those in TREE_NEIGHBOUR
 
-# TREE_NEIGHBOUR: later nodes of the same level that share a side with one, so that both are one piece
-column(TREE_NEIGHBOUR)
+# TREE_NEIGHBOUR, of a node
+NEIGHBOUR = column(TREE_NEIGHBOUR)  # a later node of its level that is near it at rest
+BETWEEN = column(TREE_NEIGHBOUR)  # one that joins both to one piece; the neighbour itself where they share a side
 
 # CLOTH_SEARCH
 SEARCH_VALID = column(CLOTH_SEARCH)  # 0: pairs are to be sought anew

@@ -14,6 +14,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import length
 from kickdrift.world.cloth.layout import (
+    BETWEEN,
     CLOTH_FRICTION,
     CLOTH_RADIUS,
     CORNERS,
@@ -23,6 +24,7 @@ from kickdrift.world.cloth.layout import (
     IS_TANGLED,
     LAST_NODE,
     MEETS_ITSELF,
+    NEIGHBOUR,
     NEIGHBOURS,
     NOT_LAID,
     OWNED,
@@ -61,7 +63,6 @@ from kickdrift.world.tables import (
     PARTICLE_REST,
     TREE_NEIGHBOUR,
     ZONE,
-    flat_integers,
     floats,
     integers,
     room,
@@ -135,11 +136,11 @@ def _walk(world: int, a: int, b: int) -> bool:
         m, n = int(stack[top, 0]), int(stack[top, 1])
         same = a == b and m == n
         at = begin + m
-        if same and connected[at, IS_CONNECTED] != 0 and is_flat(normals, at, at):
+        if same and connected[at, IS_CONNECTED] != 0 and is_flat(normals, at, at, at):
             continue
         if not (same or _overlap(one, m, other, n)):
             continue
-        if a == b and _are_neighbours(world, at, n) and is_flat(normals, at, begin + n):
+        if a == b and is_flat(normals, at, begin + n, at) and _are_one_piece(world, begin, m, n):
             continue
         left, right = one[m, ITEM] == BRANCH, other[n, ITEM] == BRANCH
         if not left and not right:
@@ -155,13 +156,15 @@ def _walk(world: int, a: int, b: int) -> bool:
     return fits
 
 
-@compiled(inline=True)
-def _are_neighbours(world: int, at: int, n: int) -> bool:
-    """Whether a node, by its row, shares a side with a later one of its tree, and is one piece as that is."""
-    node, neighbour, found = integers(world, CLOTH_TREE_NODE), flat_integers(world, TREE_NEIGHBOUR), False
-    for k in range(node[at, NEIGHBOURS], node[at, NEIGHBOURS + 1]):
-        found |= neighbour[k] == n
-    return found
+@compiled
+def _are_one_piece(world: int, begin: int, m: int, n: int) -> bool:
+    """Whether two nodes of a tree that begins in that row are one flat piece, with what joins them, as each of them is flat."""
+    node, near, normals = integers(world, CLOTH_TREE_NODE), integers(world, TREE_NEIGHBOUR), floats(world, NORMAL_TREE)
+    for k in range(node[begin + m, NEIGHBOURS], node[begin + m, NEIGHBOURS + 1]):
+        if near[k, NEIGHBOUR] == n:
+            flat: bool = is_flat(normals, begin + m, begin + n, begin + near[k, BETWEEN])
+            return flat
+    return False
 
 
 @compiled

@@ -50,7 +50,7 @@ def arrange(tables: t.Tables, meshes: Sequence[ClothMesh]) -> None:
         marks[:, c.IS_CONNECTED] = tree.connected
         ends = np.searchsorted(tree.neighbours[:, 0], np.arange(len(tree.items) + 1))
         marks[:, c.NEIGHBOURS], marks[:, c.NEIGHBOURS + 1] = count + ends[:-1], count + ends[1:]
-        tables.resize(t.TREE_NEIGHBOUR, count + len(tree.neighbours))[count:, 0] = tree.neighbours[:, 1]
+        tables.resize(t.TREE_NEIGHBOUR, count + len(tree.neighbours))[count:] = tree.neighbours[:, 1:]
         _group(tables, cloth)
 
 

@@ -16,28 +16,17 @@ from kickdrift.world.body import Body
 from kickdrift.world.cloth import layout as c
 from kickdrift.world.cloth.coupling_tables import put_couplings
 from kickdrift.world.cloth.fabric import Fabric
-from kickdrift.world.cloth.face_tree import owned
 from kickdrift.world.cloth.handle import Cloth
 from kickdrift.world.cloth.membrane import inverse_edges
-from kickdrift.world.cloth.mesh import ClothMesh, cloth_mesh, flattened
+from kickdrift.world.cloth.mesh import ClothMesh, flattened, masses_of
+from kickdrift.world.cloth.mesh_tables import mesh_in, put_mesh
 from kickdrift.world.cloth.particle_tables import arrange
 from kickdrift.world.cloth.pinning import add_pins, remove_pins
+from kickdrift.world.cloth.ranges import add_range, remove_range, rows_of
 from kickdrift.world.cloth.tuning import softness, tune
 from kickdrift.world.cloth.vibration import membrane_rate
 from kickdrift.world.names import Names
-from kickdrift.world.tables import (
-    CLOTH,
-    CLOTH_NUMBERS,
-    COUPLING,
-    CURVED_FACE,
-    FACE,
-    FACE_NUMBERS,
-    PARTICLE,
-    PARTICLE_COUPLINGS,
-    PARTICLE_REST,
-    PIN,
-    Tables,
-)
+from kickdrift.world.tables import CLOTH, CLOTH_NUMBERS, FACE, PARTICLE, PIN, Tables
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World
@@ -66,23 +55,14 @@ class Cloths:
     @undivided
     def add(self, mesh: ClothMesh, fabric: Fabric, warp: Floats, name: str | None, self_collision: bool) -> Cloth:
         """Take rows for a cloth that lies as its mesh does, without any tension."""
-        tables, row = self.tables, self.tables.count(CLOTH)
-        first = [tables.count(table) for table in (PARTICLE, FACE, COUPLING, CURVED_FACE)]
-        name = self.names.checked(name, row)
+        tables, name = self.tables, self.names.checked(name)
         flat, axes = flattened(mesh, warp)
         to_rest = inverse_edges(flat)
         areas = 0.5 / np.abs(to_rest[:, 0] * to_rest[:, 3] - to_rest[:, 1] * to_rest[:, 2])
-        thirds = np.repeat(fabric.density * areas / 3.0, 3)
-        masses = np.asarray(np.bincount(mesh.triangles.ravel(), weights=thirds), dtype=np.float64)
-        self._add_particles(mesh, masses)
-        faces = tables.resize(FACE, first[1] + len(areas))[first[1] :]
-        faces[:, c.CORNERS : c.CORNERS + 3], faces[:, c.OWNED] = mesh.triangles + first[0], owned(mesh.triangles)
-        rest = tables.resize(FACE_NUMBERS, first[1] + len(areas))[first[1] :]
-        rest[:, c.TO_REST : c.TO_REST + 4], rest[:, c.FACE_AREA] = to_rest, areas
-        numbers, own = tables.resize(CLOTH_NUMBERS, row + 1)[row], tables.resize(CLOTH, row + 1)[row]
-        for k, table in enumerate((PARTICLE, FACE, COUPLING, CURVED_FACE)):
-            own[[2 * k, 2 * k + 1]] = first[k], tables.count(table)
-        own[[c.FIRST_PIN, c.LAST_PIN]] = tables.count(PIN)
+        masses = masses_of(mesh, fabric.density * areas)
+        row = add_range(tables)
+        put_mesh(tables, row, mesh, masses, np.column_stack((to_rest, areas)))
+        own, numbers = tables.array(CLOTH)[row], tables.array(CLOTH_NUMBERS)[row]
         generation, self.n_made = self.n_made, self.n_made + 1
         own[c.PARTS], own[c.CLOTH_GENERATION], own[c.MEETS_ITSELF] = 1, generation, int(self_collision)
         self._arranged = -1
@@ -106,14 +86,19 @@ class Cloths:
         self.wake()
         return Cloth(row, generation, self)
 
-    def _add_particles(self, mesh: ClothMesh, masses: Floats) -> None:
-        tables, first, last = self.tables, self.tables.count(PARTICLE), self.tables.count(PARTICLE) + len(masses)
-        for table in (PARTICLE, PARTICLE_REST, PARTICLE_COUPLINGS):
-            tables.resize(table, last)
-        tables.array(PARTICLE_REST)[first:, :3] = mesh.vertices
-        particles = tables.array(PARTICLE)[first:]
-        particles[:, :3], particles[:, c.PARTICLE_MASS] = mesh.vertices, masses
-        particles[:, c.PARTICLE_INVERSE_MASS] = 1.0 / masses
+    @undivided
+    def remove(self, cloth: Cloth) -> None:
+        """Remove a cloth; see `World.remove_cloth`."""
+        row = self.row(cloth)
+        repr(cloth)  # errors call by its name what is gone
+        remove_range(self.tables, row)
+        names = self.names.all()
+        self.names.replace({k - (k > row): name for k, name in names.items() if k != row})
+        self._arranged = -1
+        self._bodies.wake()
+        self.wake()
+        self.tables.altered = True
+        self.tables.version += 1
 
     def _couple(self, row: int) -> None:
         put_couplings(self.tables, row, self.mesh(row))
@@ -121,10 +106,7 @@ class Cloths:
 
     def mesh(self, row: int) -> ClothMesh:
         """Return the mesh of a cloth as it is without tension."""
-        tables, own = self.tables, self.tables.array(CLOTH)[row]
-        first, last = own[c.FIRST_PARTICLE], own[c.LAST_PARTICLE]
-        triangles = tables.array(FACE)[own[c.FIRST_FACE] : own[c.LAST_FACE], c.CORNERS : c.CORNERS + 3] - first
-        return cloth_mesh(tables.array(PARTICLE_REST)[first:last, :3].copy(), triangles)
+        return mesh_in(self.tables, row)
 
     def tune(self, substep: float) -> None:
         """Choose parts of a substep, s, for all cloths, and how stiff they can be in it; make ready what a step makes anew."""
@@ -138,15 +120,24 @@ class Cloths:
         self._substep = substep
 
     def restored(self) -> None:
-        """Let `tune` choose anew, and new handles be others than all before, after the tables have become others."""
+        """Let `tune` choose anew, after the tables have become others."""
         self._substep, self._arranged = 0.0, -1
-        self.n_made = max(self.n_made, 1 + int(self.tables.array(CLOTH)[:, c.CLOTH_GENERATION].max(initial=-1)))
 
     def row(self, cloth: Cloth, argument: str = "cloth") -> int:
         """Return the row of a cloth; ArgumentError if it is none of this world."""
-        if not isinstance(cloth, Cloth) or not self.knows(cloth.index, cloth.generation) or cloth.registry is not self:
+        if not isinstance(cloth, Cloth) or cloth.registry is not self:
             raise ArgumentError(f"{argument}={cloth!r} is no cloth of this world; give what World.add_cloth returned.")
-        return cloth.index
+        index = cloth.index
+        if not self.knows(index, cloth.generation):
+            raise ArgumentError(f"{argument}={cloth!r} was removed; use an existing cloth.")
+        return index
+
+    def index_of(self, generation: int, last: int) -> int:
+        """Return the row of the cloth of a generation, which had a row last; that one, too, if it is gone."""
+        if self.knows(last, generation):
+            return last
+        found = np.flatnonzero(self.tables.array(CLOTH)[:, c.CLOTH_GENERATION] == generation)
+        return int(found[0]) if found.size else last
 
     def words(self, row: int) -> str:
         """Name a cloth in a sentence."""
@@ -155,7 +146,7 @@ class Cloths:
     def knows(self, index: int, generation: int) -> bool:
         """Whether a row is that of a cloth of a generation, and there."""
         cloths = self.tables.array(CLOTH)
-        return index < len(cloths) and bool(cloths[index, c.CLOTH_GENERATION] == generation)
+        return 0 <= index < len(cloths) and bool(cloths[index, c.CLOTH_GENERATION] == generation)
 
     def handle(self, row: int) -> Cloth:
         """Return the handle of a row."""
@@ -163,8 +154,7 @@ class Cloths:
 
     def particles(self, cloth: Cloth) -> Floats:
         """Rows of the vertices, a live view."""
-        own = self.tables.array(CLOTH)[self.row(cloth)]
-        return self.tables.array(PARTICLE)[own[c.FIRST_PARTICLE] : own[c.LAST_PARTICLE]]
+        return rows_of(self.tables, self.row(cloth), c.FIRST_PARTICLE, PARTICLE)
 
     def triangles(self, cloth: Cloth) -> Integers:
         """Vertices of the triangles, a copy."""

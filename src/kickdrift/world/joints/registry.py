@@ -56,6 +56,7 @@ from kickdrift.world.joints.layout import (
 )
 from kickdrift.world.joints.mass_changes import follow_mass
 from kickdrift.world.joints.placing import signs
+from kickdrift.world.joints.planar import within_plane
 from kickdrift.world.joints.record import Placement, Record
 from kickdrift.world.joints.spanning_tree import arrange
 from kickdrift.world.joints.views import wake_bodies
@@ -95,8 +96,8 @@ class Joints:
                 f"body_b is body_a, row {body_a}, but a joint connects two bodies; give another one, or None for the"
                 " ground."
             )
-        placement, name = record.placement(), self.names.checked(record.name)
         tables = self.tables
+        placement, name = within_plane(record.placement(), tables), self.names.checked(record.name)
         row = self._free_row()
         joint, numbers = tables.array(JOINT)[row], tables.array(JOINT_NUMBERS)[row]
         generation, self.n_made = self.n_made, self.n_made + 1

@@ -19,16 +19,6 @@ from kickdrift.world.shapes.mass import Array, MassProperties, extent
 from kickdrift.world.shapes.rays import MISS, Hit, ahead
 from kickdrift.world.shapes.record import SOLID, Kind
 
-# One line along the four lower edges, a side, the four upper edges; then the other three sides.
-_LINES = (
-    ((-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1), (-1, -1, -1)),
-    ((-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1), (-1, -1, 1)),
-    ((-1, -1, -1), (-1, -1, 1)),
-    ((1, -1, -1), (1, -1, 1)),
-    ((1, 1, -1), (1, 1, 1)),
-    ((-1, 1, -1), (-1, 1, 1)),
-)
-
 
 @compiled
 def _extent(numbers: Any, q: Quaternion) -> Extent:
@@ -110,10 +100,6 @@ class Box:
         squares = np.square(self.size)
         volume = float(np.prod(self.size))
         return MassProperties(volume, np.zeros(3), np.diag(volume / 12.0 * (squares.sum() - squares)))
-
-    def wireframe(self) -> list[Array]:
-        """Return the edges as lines, in the shape's frame."""
-        return [self.numbers * np.array(line, dtype=np.float64) for line in _LINES]
 
 
 RECORD = Kind(number=BOX, name="box", sort=SOLID, shape=Box, extent=_extent, ray=_ray)

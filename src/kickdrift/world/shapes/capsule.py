@@ -15,9 +15,6 @@ from kickdrift.world.shapes.mass import Array, MassProperties, extent
 from kickdrift.world.shapes.rays import MISS, Hit, ahead, through_ball, through_cylinder
 from kickdrift.world.shapes.record import GLOSSY, SOLID, Kind
 
-_QUARTER = np.linspace(0.0, 0.5 * math.pi, 9)
-_CIRCLE = np.linspace(0.0, 2.0 * math.pi, 33)
-
 
 @compiled
 def _extent(numbers: Any, q: Quaternion) -> Extent:
@@ -106,18 +103,6 @@ class Capsule:
         arm = half + 0.375 * r
         across = cylinder * (r**2 / 4.0 + self.length**2 / 12.0) + ball * (83.0 / 320.0 * r**2 + arm**2)
         return MassProperties(cylinder + ball, np.zeros(3), np.diag([across, across, along]))
-
-    def wireframe(self) -> list[Array]:
-        """Return the outlines in the xz and the yz plane and both rims of the cylinder, in the shape's frame."""
-        half = 0.5 * self.length
-        x, z = self.radius * np.cos(_QUARTER), self.radius * np.sin(_QUARTER) + half
-        x, z = np.concatenate((x, -x[::-1])), np.concatenate((z, z[::-1]))
-        x, z = np.concatenate((x, -x, x[:1])), np.concatenate((z, -z, z[:1]))
-        rim = self.radius * np.column_stack((np.cos(_CIRCLE), np.sin(_CIRCLE), np.zeros(_CIRCLE.size)))
-        up = np.array([0.0, 0.0, half])
-        nothing = np.zeros(x.size)
-        outlines = [np.column_stack((x, nothing, z)), np.column_stack((nothing, x, z))]
-        return [*outlines, rim - up, rim + up]
 
 
 RECORD = Kind(

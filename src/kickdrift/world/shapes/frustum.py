@@ -6,18 +6,13 @@ Their numbers are the radii of the lower and the upper disc, at z = -half and z 
 import math
 from typing import Any
 
-import numpy as np
-
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, dot, minus, turned_back
 from kickdrift.world.shapes.closest_points import along
 from kickdrift.world.shapes.extents import Extent
-from kickdrift.world.shapes.mass import Array
 from kickdrift.world.shapes.rays import MISS, NO_CHORD, Chord, Hit, ahead
 
 Frustum = tuple[float, float, float]
-
-_CIRCLE = np.linspace(0.0, 2.0 * math.pi, 33)
 
 
 @compiled(inline=True)
@@ -202,8 +197,3 @@ def _through_side(frustum: Frustum, o: Vector, d: Vector, first: float, last: fl
         return max(first, low), min(last, high)
     # Steeper than the side: inside before the one root or after the other, of which one is on this side of the tip.
     return (first, min(last, low)) if min(last, low) - first >= last - max(first, high) else (max(first, high), last)
-
-
-def rim(radius: float, z: float) -> Array:
-    """Return a circle about the z axis, (33, 3)."""
-    return np.column_stack((radius * np.cos(_CIRCLE), radius * np.sin(_CIRCLE), np.full(_CIRCLE.size, z)))

@@ -99,9 +99,5 @@ class HeightField:
         """
         raise ArgumentError("A height field is a surface and has no mass; add it to a static body.")
 
-    def wireframe(self) -> list[Array]:
-        """Return the lines of the grid, in the shape's frame."""
-        return [*self.points, *self.points.transpose(1, 0, 2)]
-
 
 RECORD = Kind(number=HEIGHT_FIELD, name="height field", sort=SURFACE, shape=HeightField, extent=surface_extent)

@@ -139,10 +139,6 @@ class Hull:
         moments = np.einsum("n,nij->ij", volumes, outer) / 20.0 - volume * np.outer(centre, centre)
         return MassProperties(float(volume), middle + centre, np.trace(moments) * np.eye(3) - moments)
 
-    def wireframe(self) -> list[Array]:
-        """Return the outline of each face, in the shape's frame."""
-        return [self.vertices[[*face, face[0]]] for face in self.faces]
-
 
 def _check(points: Array) -> None:
     if points.ndim != 2 or points.shape[1:] != (3,):

@@ -130,11 +130,6 @@ class Mesh:
         """
         raise ArgumentError("A mesh is a surface and has no mass; add it to a static body, or give a moving one hulls.")
 
-    def wireframe(self) -> list[Array]:
-        """Return the edges, in the shape's frame."""
-        steps = np.stack((self.faces, np.roll(self.faces, -1, axis=1)), axis=2).reshape(-1, 2)
-        return list(self.vertices[np.unique(np.sort(steps, axis=1), axis=0)])
-
 
 def _vertices(vertices: ArrayLike) -> Array:
     try:

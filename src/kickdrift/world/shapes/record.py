@@ -50,12 +50,8 @@ class Shape(Protocol):
         """Return the mass properties at unit density."""
         ...
 
-    def wireframe(self) -> list[Floats]:
-        """Lines that show it."""
-        ...
 
-
-_OF_SHAPES = ("kind", "numbers", "reach", "mass_properties", "wireframe")
+_OF_SHAPES = ("kind", "numbers", "reach", "mass_properties")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -1,0 +1,91 @@
+"""Planar worlds: billiards between walls that are oblique to the plane, floors across it, joints between different depths."""
+
+import math
+
+import numpy as np
+import pytest
+
+from kickdrift.core.errors import ArgumentError
+from kickdrift.world.world import World
+
+G = 9.81
+STEP = 1 / 60
+TILTED = np.array([[0.48, 0.6, -0.64], [-0.8, 0.6, 0.0], [0.384, 0.512, 0.768]]).T
+TILTED = np.linalg.qr(TILTED)[0]  # axes of a plane that is none of the world's
+
+
+@pytest.mark.parametrize("axes", [np.eye(3), TILTED])
+def test_walls_oblique_to_the_plane_throw_back_as_their_traces_in_it(axes):
+    radius, slopes = 0.1, (0.5, -0.9)
+    world = World(gravity=(0, 0, 0), plane_normal=axes[:, 2])
+    for side, slope in zip((-1, 1), slopes, strict=True):
+        normal = axes @ (-side * math.cos(slope), 0.0, math.sin(slope))
+        world.add_plane(normal=normal, point=axes @ (side, 0.0, 0.0), restitution=1.0, friction=0.5)
+    ball = world.add_sphere(radius, mass=1.0, velocity=axes @ (3.7, 0.2, 0.0), restitution=1.0, friction=0.0)
+    world.advance(STEP, 120)
+    # A ball touches a wall with the part cos(slope) of its radius, at a distance of radius / cos(slope).
+    left, right = -1 + radius / math.cos(slopes[0]), 1 - radius / math.cos(slopes[1])
+    way = (7.4 - left) % (2 * (right - left))
+    x = left + min(way, 2 * (right - left) - way)
+    assert axes.T @ ball.position == pytest.approx([x, 0.4, 0.0], abs=1e-12)
+    assert np.linalg.norm(ball.velocity) == pytest.approx(math.hypot(3.7, 0.2), rel=1e-12)
+
+
+def test_balls_at_different_depths_touch_where_their_circles_in_the_plane_do():
+    world = World(gravity=(0, 0, 0), plane_normal=(0, 0, 1))
+    options = {"mass": 1.0, "restitution": 1.0, "friction": 0.0}
+    one = world.add_sphere(0.5, position=(-1, 0, 0.6), velocity=(2, 0, 0), **options)
+    other = world.add_sphere(0.5, **options)
+    world.advance(STEP, 60)
+    assert one.position == pytest.approx([-0.8, 0, 0.6], abs=1e-9)  # they are 0.8 m apart, and it stops there
+    assert other.position == pytest.approx([2 * (1 - 0.1), 0, 0], abs=1e-9)
+
+
+def test_oblique_walls_rub_as_a_wedge_does_in_its_groove():
+    slope, friction = 0.8, 0.3
+    world = World(gravity=(0, -G, 0), plane_normal=(0, 0, 1))
+    world.add_plane(normal=(0, math.cos(slope), math.sin(slope)), friction=friction)
+    turn = (math.cos(slope / 2), math.sin(slope / 2), 0, 0)
+    at = (0, 0.1 / math.cos(slope), 0)
+    box = world.add_box((1, 0.2, 0.5), position=at, orientation=turn, mass=1.0, friction=friction, velocity=(5, 0, 0))
+    world.advance(STEP, 10)
+    before = box.velocity[0]
+    world.advance(STEP, 10)
+    assert (before - box.velocity[0]) / (10 * STEP) == pytest.approx(friction * G / math.cos(slope), rel=1e-3)
+
+
+def test_things_slide_over_a_floor_that_is_the_plane():
+    world = World(plane_normal=(0, 0, 1))
+    world.add_plane(friction=0.3)
+    options = {"mass": 1.0, "friction": 0.3, "velocity": (3, 0, 0)}
+    things = [world.add_box((0.4, 0.4, 0.1), position=(0, 0, 0.05), **options)]
+    things.append(world.add_sphere(0.1, position=(0, 2, 0.09), **options))  # held below the floor's surface
+    world.advance(STEP, 30)
+    for thing in things:
+        assert thing.velocity == pytest.approx([3 - 0.3 * G / 2, 0, 0], rel=1e-3, abs=1e-12)
+
+
+@pytest.mark.parametrize("joint", ["add_distance_joint", "add_rope"])
+def test_lines_between_different_depths_hold_their_length_in_the_plane(joint):
+    paths = []
+    for depth in (0.0, 0.5):
+        world = World(plane_normal=(0, 1, 0))
+        ball = world.add_sphere(0.1, position=(1, depth, 0), mass=1.0)
+        getattr(world, joint)(None, ball, anchor_a=(0, 0, 0), anchor_b=(1, depth, 0), length=math.hypot(1, depth))
+        world.advance(STEP, 90)
+        paths.append(ball.position * (1, 0, 1))
+        assert np.linalg.norm(paths[-1]) == pytest.approx(1.0, abs=1e-4)
+        assert ball.position[1] == depth
+    assert paths[1] == pytest.approx(paths[0], abs=1e-9)
+
+
+def test_joints_along_which_nothing_moves_in_the_plane_are_refused():
+    world = World(plane_normal=(0, 1, 0))
+    ball = world.add_sphere(0.1, mass=1.0)
+    with pytest.raises(ArgumentError, match="oblique to the plane"):
+        world.add_slider(None, ball, anchor=(0, 0, 0), axis=(1, 1, 0))
+    with pytest.raises(ArgumentError, match="one above the other"):
+        world.add_rope(None, ball, anchor_a=(0, 1, 0), anchor_b=(0, 0, 0))
+    with pytest.raises(ArgumentError, match=r"length=0\.5 is too short"):
+        world.add_rope(None, ball, anchor_a=(1, 1, 0), anchor_b=(0, 0, 0), length=0.5)
+    world.add_slider(None, ball, anchor=(0, 0, 0), axis=(1, 0, 1))
