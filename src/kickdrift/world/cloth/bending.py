@@ -10,8 +10,9 @@ Grinspun, A quadratic bending model for inextensible surfaces, SGP 2006): at a f
 curvature c at rest and the normal n of the triangle. Where c is zero, force is linear in x, the same for all time: that of
 each vertex is a sum over some 18 others (`kickdrift.world.cloth.couplings`). Elsewhere -A D c H x . n is added, as |n| is one.
 
-Damping is by the change of H x in a part of a substep, seen by who turns with the cloth: at the angular velocity for which least is damped, from
-which it follows that angular momentum stays. What turns against the rest of its cloth while it is bent is damped for that.
+Damping is by the change of H x in a part of a substep, seen by who turns with the cloth: at the angular velocity for which
+least is damped, from which it follows that angular momentum stays. What turns against the rest of its cloth while it is bent
+is damped for that.
 """
 
 from typing import Any

@@ -68,7 +68,9 @@ def face_tree(mesh: ClothMesh) -> FaceTree:
     return FaceTree(np.array(items), np.array(skips), connected, neighbours)
 
 
-def _mark_pieces(mesh: ClothMesh, patches: list[tuple[int, Integers]], levels: Integers, connected: Integers) -> Integers:
+def _mark_pieces(
+    mesh: ClothMesh, patches: list[tuple[int, Integers]], levels: Integers, connected: Integers
+) -> Integers:
     """Mark nodes whose triangles are not one piece, a level at a time, and return which of the others share sides."""
     count, neighbours = len(mesh.triangles), [np.empty((0, 2), dtype=np.int64)]
     face, side = np.nonzero(mesh.sides != NONE)

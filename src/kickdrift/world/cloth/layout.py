@@ -136,7 +136,9 @@ CLOTH_NORMAL = column(CLOTH_CONTACT_NUMBERS, 3)  # from the shape to the particl
 CLOTH_GAP = column(CLOTH_CONTACT_NUMBERS, 1, "m")
 CONTACT_FRICTION = column(CLOTH_CONTACT_NUMBERS)
 TOUCHED_POINT = column(CLOTH_CONTACT_NUMBERS, 3, "m")  # from the centre of the body
-GROUND_VELOCITY = column(CLOTH_CONTACT_NUMBERS, 3, "m/s")  # of the shape there; of a body that it moves, besides its own
+GROUND_VELOCITY = column(
+    CLOTH_CONTACT_NUMBERS, 3, "m/s"
+)  # of the shape there; of a body that it moves, besides its own
 
 # PARTICLE_SHIFT
 column(PARTICLE_SHIFT, 3, "m")  # what it is moved by in the drift, without a velocity

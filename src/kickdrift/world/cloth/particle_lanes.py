@@ -3,13 +3,7 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector
 from kickdrift.world.cloth.lanes import rows_to_fields
-from kickdrift.world.cloth.layout import (
-    FIRST_PARTICLE,
-    FORCES,
-    LANE_FIELDS,
-    LAST_PARTICLE,
-    PLACES,
-)
+from kickdrift.world.cloth.layout import FIRST_PARTICLE, FORCES, LANE_FIELDS, LAST_PARTICLE, PLACES
 from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.tables import CLOTH, PARTICLE, PARTICLE_LANES, flat, floats, integers, rows
 
@@ -23,7 +17,12 @@ def field_size(world: int) -> int:
 @compiled
 def fill_lanes(world: int, cloth: int) -> None:
     """Copy the positions of the particles of a cloth."""
-    own, particle, fields, size = integers(world, CLOTH), floats(world, PARTICLE), flat(world, PARTICLE_LANES), field_size(world)
+    own, particle, fields, size = (
+        integers(world, CLOTH),
+        floats(world, PARTICLE),
+        flat(world, PARTICLE_LANES),
+        field_size(world),
+    )
     first, last = own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]
     for i in range(first, last - WIDTH + 1, WIDTH):
         rows_to_fields(particle, i, 0, fields, PLACES * size + i, size)
