@@ -42,7 +42,7 @@ def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
 
 
 def scratch_size(n: int, coefficients: Floats, params: Floats) -> int:
-    """Numbers of scratch for a state of n numbers; MethodMismatchError if the matrix would be too large."""
+    """Numbers of scratch for a state of n numbers; ArgumentError if the matrix would be too large."""
     if n > MOST_WITH_MATRIX:
         raise ArgumentError(
             f"x0 has {n} numbers, and kicks that are implicit in the velocity need a matrix of that size squared,"
