@@ -85,7 +85,7 @@ IMPACT = Table(59, 64)  # hits of a round of impacts: see `kickdrift.world.conta
 BOUNCING = Table(60, 1, whole=True)  # contacts that may bounce in this step
 STARTED_POSE = Table(32, POSE.width)  # POSE, MOTION and JOINT_NUMBERS at the start of the step
 STARTED_MOTION = Table(33, MOTION.width)
-STARTED_ROTATION = Table(102, 16)  # see `kickdrift.world.rollback`
+STARTED_ROTATION = Table(27, 16)  # see `kickdrift.world.rollback`
 STARTED_JOINTS = Table(50, JOINT_NUMBERS.width)
 PREDICTED = Table(61, 20)  # paths in a step: see `kickdrift.world.collision.predicted_path`
 SEARCH = Table(38, 16, whole=True)  # one row: see `kickdrift.world.collision.search_state`
