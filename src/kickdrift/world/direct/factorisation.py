@@ -132,7 +132,7 @@ def _eliminate_axis(node: int, link: int, joint: int, k: int, begin: int, end: i
     for i in range(6):
         work[link, column + i] = dot(ahead, vector_at(work, link, ARTICULATED_INERTIA + 6 * i + half))
     stiff = dot(ahead, vector_at(work, link, row + half)) + work[link, SLOPE + k]
-    give = 1.0 / stiff if stiff > 0.0 else 0.0
+    give = 1.0 / stiff if stiff != 0.0 else 0.0
     work[link, YIELD + k] = give
     for i in range(6):
         add_scaled(work, link, ARTICULATED_INERTIA + 6 * i, -give * work[link, column + i], along)
