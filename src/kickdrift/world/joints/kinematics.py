@@ -40,6 +40,7 @@ from kickdrift.world.joints.layout import (
     FRAME_B,
     GEARED,
     HINGE,
+    JOINT_FRICTION,
     JOINT_POSITION,
     LAWS,
     LENGTH,
@@ -191,6 +192,21 @@ def measure(joint: int, h: float, world: int) -> None:
             laws[6 * joint + k, MOBILITY] = mobility(joint, k, world)
             if k >= 3 and mode != SWING_TWIST:
                 numbers[joint, DRIVEN + k - 3] = numbers[joint, JOINT_POSITION + k] - laws[6 * joint + k, TARGET]
+    if shares_friction(joint, world):
+        laws = floats(world, JOINT_AXES)
+        most = max(max(laws[6 * joint + 3, MOBILITY], laws[6 * joint + 4, MOBILITY]), laws[6 * joint + 5, MOBILITY])
+        for k in range(3, 6):
+            laws[6 * joint + k, MOBILITY] = most
+
+
+@compiled(inline=True, cached=False)
+def shares_friction(joint: int, world: int) -> bool:
+    """Whether a joint has dry friction as strong about any axis, of which the size is bounded, as in a ball joint."""
+    joints, laws = integers(world, JOINT), floats(world, JOINT_AXES)
+    friction = laws[6 * joint + 3, JOINT_FRICTION]
+    if joints[joint, ANGULAR] < VECTOR or not friction > 0.0:
+        return False
+    return bool(laws[6 * joint + 4, JOINT_FRICTION] == friction and laws[6 * joint + 5, JOINT_FRICTION] == friction)
 
 
 @compiled(cached=False)
