@@ -6,6 +6,7 @@ not there are warnings.
 
 import os
 import sys
+from importlib.resources import files
 from pathlib import Path
 
 HERE = Path(__file__).parent
@@ -22,12 +23,13 @@ version = release = kickdrift.__version__
 extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
-    "sphinx.ext.mathjax",
     "numpydoc",
     "myst_nb",
     "sphinx_gallery.gen_gallery",
     "catalogue_pages",
     "docstrings",
+    "figures",
+    "mathml",
 ]
 exclude_patterns = ["_build", "gallery", "examples/**/*.ipynb", "**/sg_execution_times.rst", "sg_execution_times.rst"]
 nitpicky = True
@@ -54,6 +56,7 @@ sphinx_gallery_conf = {
     "filename_pattern": os.environ.get("KICKDRIFT_GALLERY", r"\.py$"),  # a part of a path builds that example alone
     "ignore_pattern": r"__init__\.py",
     "image_scrapers": ("figures.scrape",),
+    "ignore_repr_types": "Embedded",
     "within_subsection_order": "FileNameSortKey",
     "subsection_order": ["gallery/" + name for name in (
         "orbits", "oscillations", "fields", "heat", "chaos", "rigid", "contacts", "machines", "cloth", "methods",
@@ -70,9 +73,11 @@ sphinx_gallery_conf = {
 }  # fmt: skip
 suppress_warnings = ["config.cache"]  # functions in the gallery's configuration
 
+html_math_renderer = "mathml"
 html_theme = "pydata_sphinx_theme"
 html_title = "kickdrift"
-html_static_path = ["_static"]
+# The font of formulas, for machines without one: without, brackets do not grow, and indices are too large.
+html_static_path = ["_static", str(files("ziamath") / "fonts" / "STIXTwoMath-Regular.ttf")]
 html_css_files = ["kickdrift.css"]
 html_show_sourcelink = False
 html_theme_options = {

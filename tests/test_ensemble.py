@@ -259,12 +259,21 @@ def test_members_whose_steps_vary_run_in_turn_with_the_bits_of_runs_alone(contro
     assert back.n_force_evaluations[1] == alone.n_force_evaluations
 
 
-def test_members_with_numbers_of_their_own_choose_their_steps_alone():
+@pytest.mark.parametrize(
+    "control",
+    [
+        {"step_control": kd.HairerSoderlind(lambda x, params: params[0] + x[0] ** 2)},
+        {"step_control": "acceleration", "method": "stormer-verlet"},
+        {"rtol": 1e-6, "method": "dop853"},
+    ],
+)
+def test_members_with_numbers_of_their_own_choose_their_steps_in_turn(control, in_lanes, monkeypatch):
+    monkeypatch.setattr(running, "_TASK_SECONDS", 10.0)
     x, v = starts(3)
-    args, options = np.array([[1.0, 0.1], [2.0, 0.2], [0.5, 0.3]]), {"step": 0.05, "t_eval": [3.0]}
-    density = kd.HairerSoderlind(lambda x, params: params[0] + x[0] ** 2)
-    sol = kd.solve_ensemble(spring, SPAN, x, v, args=args, step_control=density, **options)
-    assert all(is_member(sol, i, spring, x[i], v[i], args=args[i], step_control=density, **options) for i in range(3))
+    args, options = np.array([[1.0, 0.1], [2.0, 0.2], [0.5, 0.3]]), {"step": 0.05, "t_eval": [3.0, 0.7], **control}
+    sol = kd.solve_ensemble(spring, SPAN, x, v, args=args, **options)
+    assert in_lanes == {"lanes": 0, "alone": 1}
+    assert all(is_member(sol, i, spring, x[i], v[i], args=args[i], **options) for i in range(3))
 
 
 def test_times_between_steps_are_kept():
@@ -520,11 +529,11 @@ def test_members_begin_on_sides_of_their_own():
         kd.solve_ensemble(rubbed, (0.0, np.pi), [2.5, -2.5], 0.0, step=0.05, switches=moving)
 
 
-def is_member_with_events(sol, i, alone):
+def is_member_with_events(sol, i, alone, rows=True):
     """Whether a member has the bits of a run of it alone, and its zeros."""
     reached = (sol.t <= alone.t[-1]) | (alone.status is Outcome.COMPLETED)
-    assert sol.x[i, reached].tobytes() == alone.x[: reached.sum()].tobytes()
-    assert np.isnan(sol.x[i, ~reached]).all()
+    assert not rows or sol.x[i, reached].tobytes() == alone.x[: reached.sum()].tobytes()
+    assert not rows or np.isnan(sol.x[i, ~reached]).all()
     assert (sol.status[i], sol.messages[i]) == (alone.status, alone.status.value if alone.success else alone.message)
     assert (sol.n_steps[i], sol.n_force_evaluations[i]) == (alone.n_steps, alone.n_force_evaluations)
     for name in ("t_events", "x_events", "v_events"):
@@ -532,6 +541,10 @@ def is_member_with_events(sol, i, alone):
             assert own.tobytes() == others.tobytes()
             assert own.shape == others.shape
     return True
+
+
+def spring_alone(x, params):
+    return -params[0] * x
 
 
 def thrown(x, params):
@@ -562,6 +575,41 @@ def test_each_member_has_its_events_and_ends_with_its_own(others):
     assert sol.success.all()
     assert Outcome.COMPLETED in sol.status
     assert Outcome.STOPPED in sol.status
+
+
+@pytest.mark.parametrize("method", ["velocity-verlet", "gauss-4"])
+@pytest.mark.parametrize("span", [(0.0, 8.0), (2.0, -6.0)])
+def test_members_with_events_run_in_turn_with_the_bits_of_runs_alone(method, span, in_lanes):
+    def apex(v, params):
+        return v[0] - 0.1 * params[0]
+
+    def clock(t, x):
+        return np.sin(3 * t) - 0.2 * x[0]
+
+    apex.terminal, clock.terminal, clock.direction = 4, 6, 1
+    x, v = np.random.default_rng(5).normal(size=(2, 20, 1))
+    rates = np.linspace(0.5, 4.0, 20)[:, None]
+    options = {"step": 0.1, "method": method, "events": [apex, clock, lambda x: x[0]], "t_eval": [0.33, 1.01, -0.7]}
+    options["t_eval"] = [t for t in options["t_eval"] if min(span) <= t <= max(span)]
+    sol = kd.solve_ensemble(spring_alone, span, x, v, args=rates, **options)
+    assert in_lanes["alone"] == 2
+    assert len(set(sol.n_steps)) > 5
+    for i in range(20):
+        alone = kd.solve(spring_alone, span, x[i], v[i], args=rates[i], **options)
+        reached = ~np.isnan(sol.x[i, :, 0])
+        assert reached.sum() == alone.t.size - (alone.status is Outcome.STOPPED)
+        for name in ("x", "v"):
+            assert getattr(sol, name)[i, reached].tobytes() == getattr(alone, name)[: reached.sum()].tobytes()
+        assert is_member_with_events(sol, i, alone, rows=False)
+
+
+def test_times_between_steps_are_kept_in_turn(in_lanes):
+    x, v = np.ones((9, 1)), np.zeros((9, 1))
+    rates = np.linspace(0.5, 4.0, 9)[:, None]
+    options = {"step": 0.1, "method": "leapfrog", "t_eval": [2.22, 0.33, 0.34]}
+    sol = kd.solve_ensemble(spring_alone, SPAN, x, v, args=rates, **options)
+    assert in_lanes == {"lanes": 0, "alone": 1}
+    assert all(is_member(sol, i, spring_alone, x[i], v[i], args=rates[i], **options) for i in range(9))
 
 
 def test_events_of_members_are_kept_on_disk(tmp_path):

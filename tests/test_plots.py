@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import kickdrift as kd
 from kickdrift import plots
@@ -203,6 +204,24 @@ def test_a_folder_that_is_not_there_is_an_error(pendulum, tmp_path):
 def test_an_ending_that_is_no_picture_is_an_error(pendulum, tmp_path):
     with pytest.raises(FileFormatError, match=r"Format 'mp3' is not supported.*use a name that ends in \.png"):
         pendulum.plot(tmp_path / "p.mp3")
+
+
+def test_plots_go_into_axes_of_ones_own(pendulum, tmp_path):
+    figure = Figure()
+    left, right, low, last = figure.subplots(1, 4)
+    assert pendulum.plot(ax=left) is figure
+    assert titles(figure) == ["trajectory", "", "", ""]
+    assert solved(kd.systems.solar_system(), end=20.0, step=1.0).plot(ax=low) is figure
+    assert len(texts(low)) > 5  # all bodies in one panel
+    plots.plot_energy_comparison({"run": pendulum}, ax=right)
+    plots.plot_stability_region("leapfrog", tmp_path / "all.png", ax=last)
+    assert right.get_yscale() == "symlog"
+    assert len(last.lines) == 3
+    assert len(figure.axes) == 4
+    assert (tmp_path / "all.png").exists()
+    for draw in (pendulum.plot, lambda ax: plots.plot_stability_region("leapfrog", ax=ax)):
+        with pytest.raises(ArgumentError, match=r"ax=.* is no Axes of matplotlib"):
+            draw(ax=figure)
 
 
 def test_matplotlib_missing_names_the_extra(pendulum, monkeypatch):

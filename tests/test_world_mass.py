@@ -68,20 +68,6 @@ def test_shapes_say_what_compiled_code_needs():
         Sphere(1.0).radius = 2.0
 
 
-def test_wireframes_lie_on_the_surface():
-    for line in Sphere(2.0).wireframe():
-        assert np.allclose(np.linalg.norm(line, axis=1), 2.0)
-    lines = Capsule(0.5, 3.0).wireframe()
-    for line in lines:
-        z = np.clip(line[:, 2], -1.5, 1.5)
-        assert np.allclose(np.linalg.norm(line - z[:, None] * (0.0, 0.0, 1.0), axis=1), 0.5)
-    assert np.concatenate(lines)[:, 2].max() == 2.0
-    assert all((line[:, 2] == 0.0).all() for line in Plane().wireframe())
-    for line in (*lines, *Sphere(2.0).wireframe(), *Plane().wireframe()):
-        assert line.ndim == 2
-        assert line.shape[1] == 3
-
-
 @pytest.mark.parametrize("bad", [0.0, -1.0, float("nan"), float("inf"), "wide", None])
 def test_sizes_that_are_none(bad):
     with pytest.raises(ArgumentError, match="radius"):

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from matplotlib.figure import Figure
 from PIL import Image
 
 import kickdrift as kd
@@ -297,7 +298,7 @@ def test_what_stands_still_has_its_energy_in_a_unit_that_fits(falling, small_pic
     """The last bits of a potential, microjoules of a person, would have a factor of 1e-5 on the title of the axes otherwise."""
     still = {"kinetic energy": np.zeros(6), "potential energy": 500.0 + 9.3e-5 * np.array([0, 1, 1, 1, 1, 1])}
     energy = replace(falling, derived=still).plot().axes[1]
-    assert energy.get_ylabel().startswith("µJ")
+    assert energy.get_ylabel().startswith("energy (µJ)")
     assert energy.lines[2].get_ydata().max() == pytest.approx(93.0, rel=1e-6)
 
 
@@ -308,7 +309,7 @@ def test_a_plot_shows_the_last_state_with_trails_and_the_energy(falling, tmp_pat
     assert scene.get_title("left") == "t = 0.5 s"
     assert len(scene.collections) == 3
     assert [line.get_label() for line in energy.lines] == ["kinetic", "potential", "sum"]
-    assert energy.get_ylabel().startswith("mJ")
+    assert energy.get_ylabel().startswith("energy (mJ)")
     assert np.allclose(1e-3 * energy.lines[0].get_ydata(), falling.derived["kinetic energy"])
     assert energy.lines[1].get_ydata().min() == 0.0
     with Image.open(tmp_path / "falling.png") as image:
@@ -318,6 +319,12 @@ def test_a_plot_shows_the_last_state_with_trails_and_the_energy(falling, tmp_pat
         wanted = colour_of(body)
         cosines = picture @ wanted / np.maximum(np.linalg.norm(picture, axis=2), 1) / np.linalg.norm(wanted)
         assert np.count_nonzero((cosines > 0.995) & (np.ptp(picture, axis=2) > 40)) > 2000
+
+
+def test_a_scene_goes_into_axes_of_ones_own(falling, small_pictures):
+    ax = Figure().add_subplot()
+    assert falling.plot(ax=ax) is ax.figure
+    assert (len(ax.images), len(ax.collections), len(ax.figure.axes)) == (1, 3, 1)
 
 
 def test_trails_are_hidden_behind_bodies(small_pictures):

@@ -158,7 +158,6 @@ def test_hulls_are_laid_out_as_closed_convex_polyhedra(count, seed, scale, round
             assert (begin, end, face) in ((p, q, left), (q, p, right))
             side = np.cross(layout.vertices[end] - layout.vertices[begin], layout.planes[face, :3])
             assert ((layout.vertices[loop] - layout.vertices[begin]) @ side <= rounding * np.linalg.norm(side)).all()
-    assert all(len(lines) == len(face) + 1 for lines, face in zip(hull.wireframe(), hull.faces, strict=True))
 
 
 def test_a_mesh_lists_its_triangles_and_where_it_is_sharp():
@@ -174,7 +173,6 @@ def test_a_mesh_lists_its_triangles_and_where_it_is_sharp():
     assert not inside_out.active_edges().any()
     soup = Mesh(corners.reshape(-1, 3), np.arange(36).reshape(-1, 3))
     assert (soup.active_edges() == cube.active_edges()).all()
-    assert len(cube.wireframe()) == 18
 
 
 @pytest.mark.parametrize(("degrees", "sharp"), [(-20.0, False), (0.0, False), (4.0, False), (6.0, True), (90.0, True)])
@@ -195,18 +193,7 @@ def test_a_height_field_is_two_triangles_a_cell_seen_from_above():
     assert {tuple(point) for point in corners.reshape(-1, 3)} == {
         (0.5 * i, 2.0 * j, field.heights[i, j]) for i in range(2) for j in range(3)
     }
-    assert [line.shape for line in field.wireframe()] == [(3, 3), (3, 3), (2, 3), (2, 3), (2, 3)]
     assert HeightField(np.zeros((2, 2)), 0.5).spacing == (0.5, 0.5)
-
-
-def test_wireframes_of_boxes_show_all_edges_once():
-    drawn = {
-        tuple(sorted(map(tuple, step)))
-        for line in Box((2.0, 2.0, 2.0)).wireframe()
-        for step in itertools.pairwise(line.tolist())
-    }
-    assert len(drawn) == 12
-    assert all(np.abs(np.subtract(p, q)).sum() == 2.0 for p, q in drawn)
 
 
 @pytest.mark.parametrize(

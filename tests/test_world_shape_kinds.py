@@ -21,7 +21,7 @@ class Torus:
     """What knows all that shapes do, but has no record."""
 
     kind, reach, numbers = 99, 1.0, np.ones(2)
-    mass_properties, wireframe = Sphere.mass_properties, Sphere.wireframe
+    mass_properties = Sphere.mass_properties
 
 
 class LooksLikeASphere(Torus):
@@ -46,9 +46,9 @@ def test_a_record_without_what_its_kind_needs_is_refused(missing):
         replace(sphere.RECORD, **{missing: None})
 
 
-@pytest.mark.parametrize("missing", ["numbers", "reach", "mass_properties", "wireframe"])
+@pytest.mark.parametrize("missing", ["numbers", "reach", "mass_properties"])
 def test_a_record_of_a_shape_that_lacks_something_is_refused(missing):
-    names = {name: None for name in ("numbers", "reach", "mass_properties", "wireframe") if name != missing}
+    names = {name: None for name in ("numbers", "reach", "mass_properties") if name != missing}
     shape = type("Half", (), {"kind": Sphere.kind, **names})
     with pytest.raises(ArgumentError, match=f"has no {missing}"):
         replace(sphere.RECORD, shape=shape)

@@ -2,8 +2,8 @@
 Double pendulums part
 =====================
 
-Ten double pendulums begin with angles that differ by a hundred-thousandth of a degree. For nine seconds one sees one of them, then
-all ten. The equations come from the Lagrangian, by SymPy.
+Ten double pendulums begin with angles that differ by a hundred-thousandth of a degree. For nine seconds they look like one,
+then they part. The equations come from the Lagrangian, by SymPy.
 """
 
 import matplotlib.pyplot as plt
@@ -25,8 +25,8 @@ for number, angle in enumerate(starts):
     left.plot(x[-60:], y[-60:], linewidth=1, color=plt.cm.viridis(number / 10))
     right.plot(sol.t, y, linewidth=0.9, color=plt.cm.viridis(number / 10))
     ends.append(np.array([x, y]).T)
-left.set(aspect="equal", title="the last 0.3 s", xlabel="m", ylabel="m")
-right.set(xlabel="s", ylabel="height of the lower mass (m)")
+left.set(aspect="equal", title="the last 0.3 s", xlabel="x (m)", ylabel="z (m)")
+right.set(xlabel="time (s)", ylabel="height of the lower mass (m)")
 apart = np.ptp(np.array(ends), axis=0).max(axis=1)
 print(f"1 cm apart after {sol.t[(apart > 0.01).argmax()]:.1f} s, 1 m after {sol.t[(apart > 1).argmax()]:.1f} s")
 print(f"energy of the last within {abs(sol.energy - sol.energy[0]).max():.0e} J")

@@ -41,7 +41,7 @@ line = np.linspace(0, span, 200)
 curve = a * (np.cosh((line - span / 2) / a) - np.cosh(span / (2 * a)))
 ax.plot(line, curve, label="catenary")
 ax.plot(line, -curve.min() * ((2 * line / span - 1) ** 2 - 1), "--", linewidth=0.8, label="parabola of the same sag")
-ax.set(aspect="equal", xlabel="m", ylabel="m")
+ax.set(aspect="equal", xlabel="x (m)", ylabel="z (m)")
 ax.legend()
 off = np.interp(x, line, curve) - z
 print(f"links are within {1e3 * abs(off).max():.1f} mm of the catenary, whose sag is {-curve.min():.3f} m")

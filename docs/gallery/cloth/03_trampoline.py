@@ -25,7 +25,7 @@ fig, ax = plt.subplots(figsize=(7, 3))
 for ball, name in ((large, "4 kg"), (small, "1 kg")):
     ax.plot(recording.t, recording.x[:, ball.index, 2], label=name)
 ax.axhline(1.0, color="grey", linewidth=0.8)
-ax.set(xlabel="s", ylabel="height (m)")
+ax.set(xlabel="time (s)", ylabel="height (m)")
 ax.legend()
 print(
     f"deepest point of the mat {recording.cloth('mat')[:, :, 2].min():.2f} m; "

@@ -26,8 +26,8 @@ fig, ax = plt.subplots(figsize=(7.5, 3.8))
 for number, ball in enumerate(balls):
     x, y, z = recording.x[:, ball.index].T
     ax.plot(recording.t, np.degrees(np.arctan2(x - 0.1 * (number - 2), 1 - z)), label=f"ball {number + 1}")
-ax.set(xlabel="s", ylabel="degrees")
-ax.legend(loc="upper right", ncols=5, fontsize=8)
+ax.set(xlabel="time (s)", ylabel="angle (degrees)")
+ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=5, fontsize=8)
 last = recording.x[:, balls[-1].index, 0] - 0.2
 print(f"the fifth ball swings out to {np.degrees(np.arcsin(last[recording.t < 1.6].max())):.2f} degrees")
 energy = recording.derived["kinetic energy"] + recording.derived["potential energy"]

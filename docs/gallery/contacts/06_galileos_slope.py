@@ -35,5 +35,5 @@ for name, ratio in (("block", 0.0), ("ball", 0.4), ("cylinder", 0.5), ("ring", 1
     ax.plot(recording.t, way, label=name)
     expected = 0.5 * g * np.sin(alpha) / (1 + ratio) * 2.0**2
     print(f"{name:9} {way[-1]:.4f} m in 2 s; Galileo and Newton {expected:.4f} m")
-ax.set(xlabel="s", ylabel="way (m)")
+ax.set(xlabel="time (s)", ylabel="distance (m)")
 ax.legend()

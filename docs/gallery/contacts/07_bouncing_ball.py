@@ -27,7 +27,7 @@ point = kd.solve(
 fig, ax = plt.subplots(figsize=(7.5, 3.4))
 ax.plot(recording.t, z - 0.05, ".-", markersize=3, linewidth=0.8, label="a world, 60 steps a second")
 ax.plot(point.t, point.x[:, 1], linewidth=0.8, label="a point, by solve and impacts")
-ax.set(xlabel="s", ylabel="height (m)")
+ax.set(xlabel="time (s)", ylabel="height (m)")
 ax.legend()
 total = np.sqrt(2 / 9.81) * (1 + 0.8) / (1 - 0.8)
 print(

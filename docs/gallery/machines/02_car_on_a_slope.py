@@ -31,6 +31,6 @@ for name, friction in (("dry", 0.9), ("wet leaves", 0.35)):
     recording = world.run(duration=5.0, step=1 / 200)
     ax.plot(recording.t, recording.x[:, body.index, 0], label=f"{name}, friction {friction}")
     print(f"{name}: {recording.x[-1, body.index, 0]:.1f} m in 5 s, front wheels at {wheels[0].speed:.1f} rad/s")
-ax.set(xlabel="s", ylabel="way up (m)")
+ax.set(xlabel="time (s)", ylabel="distance uphill (m)")
 ax.legend()
 figure = recording.plot()

@@ -2,8 +2,9 @@
 A pole on a cart
 ================
 
-A pole stands on a cart, and a controller that knows angle, place and their rates pushes the cart so that it stays up. The gains
-are the linear-quadratic regulator's, from SciPy's solution of Riccati's equation for the linearised cart. Pushed hard after 4 s, it recovers.
+A pole stands on a cart, and a controller that knows its angle, the cart's position and their rates pushes the cart so that it
+stays up. The gains are the linear-quadratic regulator's, from SciPy's solution of Riccati's equation for the linearised cart.
+Pushed hard after 4 s, it recovers.
 """
 
 import matplotlib.pyplot as plt
@@ -40,7 +41,7 @@ fig, (top, bottom) = plt.subplots(2, 1, sharex=True, figsize=(7, 4.4))
 top.plot(t, angle)
 bottom.plot(t, place, color="C1")
 top.set(ylabel="angle (degrees)")
-bottom.set(xlabel="s", ylabel="cart (m)")
+bottom.set(xlabel="time (s)", ylabel="cart (m)")
 print(
     f"largest angle after the push {abs(angle[t > 4]).max():.1f} degrees; at the end {abs(angle[-1]):.4f} degrees, {place[-1]:.4f} m"
 )

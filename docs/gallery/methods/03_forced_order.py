@@ -2,9 +2,9 @@
 Order on a forced problem
 =========================
 
-A force that depends on time has to be asked at the right time: after each part of a drift, the clock has moved by that part. A word
-whose clock moves with the kicks instead has the same order without a force, and order one with it. Here is Forest and Ruth's method of order
-four, with both clocks.
+A force that depends on time has to be evaluated at the right time: after each part of a drift, the clock has moved by that
+part. A word whose clock moves with the kicks instead has the same order without a force, and order one with it. Here is Forest
+and Ruth's method of order four, with both clocks.
 """
 
 import matplotlib.pyplot as plt
@@ -42,5 +42,6 @@ fig, ax = plt.subplots(figsize=(6.5, 4))
 for name, errors in (("clock with the kicks", wrong_error), ("clock with the drifts", right_error)):
     ax.loglog(5 / counts, errors, "o-", label=name)
     print(f"{name}: order {np.polyfit(np.log(5 / counts), np.log(errors), 1)[0]:.2f}")
-ax.set(xlabel="step", ylabel="error at t = 5")
+ax.set(xlabel="step", ylabel="error at t = 5", xticks=5 / counts, xticklabels=[f"5/{n}" for n in counts])
+ax.minorticks_off()
 ax.legend()

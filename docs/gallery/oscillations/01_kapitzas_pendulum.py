@@ -26,5 +26,5 @@ for amplitude in (0.007, 0.010):
     angle = np.degrees(sol.x[:, 0])
     ax.plot(sol.t, angle, label=f"{1e3 * amplitude:.0f} mm, up to {amplitude * rate:.1f} m/s")
     print(f"{1e3 * amplitude:.0f} mm: farthest from upright {abs(angle).max():.0f} degrees")
-ax.set(xlabel="s", ylabel="degrees from upright", ylim=(-30, 370))
+ax.set(xlabel="time (s)", ylabel="degrees from upright", ylim=(-30, 370))
 ax.legend()

@@ -30,7 +30,7 @@ left.set(aspect="equal", xlabel="mm", ylabel="mm", title="centre of mass from ab
 around = np.unwrap(np.arctan2(centre[:, 1], centre[:, 0]))
 tilt = np.degrees(np.arccos(centre[:, 2] / np.linalg.norm(centre, axis=1)))
 right.plot(recording.t, tilt)
-right.set(xlabel="s", ylabel="lean (degrees)")
+right.set(xlabel="time (s)", ylabel="lean (degrees)")
 length, along, across = 0.75 * height, 0.3 * 0.2 * radius**2, 0.6 * 0.2 * (radius**2 / 4 + height**2)
 roots = np.roots([across * np.cos(lean), -along * spin, 0.2 * 9.81 * length])
 rate = np.polyfit(recording.t, around, 1)[0]

@@ -2,8 +2,9 @@
 Dzhanibekov's wing nut
 ======================
 
-A wing nut that spins free of weight turns over, back, and over again, as the cosmonaut Dzhanibekov saw in 1985: rotation about the axis
-of the middle moment of inertia is not stable. About the other two axes it is. Energy and angular momentum stay all the while.
+A wing nut that spins free of weight turns over, back, and over again, as the cosmonaut Dzhanibekov saw in 1985: rotation about
+the axis of the middle moment of inertia is not stable. About the other two axes it is. Energy and angular momentum are
+conserved all the while.
 """
 
 import matplotlib.pyplot as plt
@@ -33,7 +34,7 @@ own = np.einsum("ijt,tj->ti", axis, spin)
 fig, ax = plt.subplots(figsize=(7.5, 3.6))
 for k, name in enumerate("xyz"):
     ax.plot(recording.t, own[:, k], label=f"about {name}")
-ax.set(xlabel="s", ylabel="spin in the body's axes (rad/s)")
+ax.set(xlabel="time (s)", ylabel="spin in the body's axes (rad/s)")
 ax.legend(loc="upper right")
 print("moments of inertia, g m^2:", np.round(1e3 * np.diag(moments), 4))
 about = own @ middle

@@ -41,9 +41,9 @@ class PoincareSection:
 
     presenter: ClassVar[Callable[..., Any]]
 
-    def plot(self, path: Any = None, *, axes: tuple[str, str] | None = None) -> Any:
+    def plot(self, path: Any = None, *, axes: tuple[str, str] | None = None, ax: Any = None) -> Any:
         """Plot the crossings, see `kickdrift.plots.plot_poincare_sections`; return the matplotlib figure."""
-        return type(self).presenter(self, path, axes=axes)
+        return type(self).presenter(self, path, axes=axes, ax=ax)
 
 
 def poincare_section(

@@ -64,9 +64,9 @@ class WorkPrecision:
         """
         return frame(self.columns, "WorkPrecision.to_pandas")
 
-    def plot(self, path: Any = None) -> Any:
-        """Plot errors against force evaluations and seconds; return the matplotlib figure, and write it to `path` if given."""
-        return type(self).presenter(self, path)
+    def plot(self, path: Any = None, *, ax: Any = None) -> Any:
+        """Plot errors against force evaluations and seconds; see `kickdrift.plots.plot_work_precision`."""
+        return type(self).presenter(self, path, ax=ax)
 
     def __repr__(self) -> str:
         return markdown(self.columns)

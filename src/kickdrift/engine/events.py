@@ -18,7 +18,7 @@ from kickdrift.engine.processing import Processing
 from kickdrift.engine.quantities import evaluate_quantity
 from kickdrift.engine.strikes import Strikes, strikes_at
 from kickdrift.engine.surface_events import Surfaces
-from kickdrift.engine.zeros import Brackets, Found, Seen, Zero, changes, find_changes, search
+from kickdrift.engine.zeros import Brackets, Found, Seen, Zero, changes, find_changes, search, tolerance_of
 from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
@@ -284,15 +284,16 @@ class Watch:
         """Find the zeros of an event, and the states there."""
         if not brackets.t.size:
             return []
-        tolerance = 4.0 * np.spacing(np.abs(brackets.t) + np.abs(brackets.size)) / np.abs(brackets.size)
         share = search(
-            *brackets[4:], lambda which, shares: self._ask(event, brackets.part(which), shares)[3], tolerance
+            *brackets[4:],
+            lambda which, shares: self._ask(event, brackets.part(which), shares)[3],
+            tolerance_of(brackets),
         )
         t, x, v, _ = self._ask(event, brackets, share)
         return [Zero(float(t[k]), event, x[k], v[k]) for k in range(t.size)]
 
 
 def _joined(brackets: list[tuple[int, Brackets]]) -> list[tuple[int, Brackets]]:
-    """Return the steps with zeros that are still to be sought, those of an event together."""
+    """Return the brackets of zeros that are not yet located, joined for each event."""
     events = sorted({event for event, _ in brackets})
     return [(k, Brackets.joined(*(own for event, own in brackets if event == k))) for k in events]

@@ -25,13 +25,18 @@ _MANY = 1 << 13  # rows from which on a user's function is compiled into the loo
 
 
 @compiled
-def _evaluate(quantity: Any, t: Floats, xs: Any, vs: Any, params: Floats, out: Any, sizes: Any) -> None:
-    """Evaluate a quantity at states that lie one after the other at addresses: slices of arrays would cost 100 ns each time."""
-    size, size_of_v, size_of_out = sizes
-    for row in range(t.size):
-        x = carray(floats_at(xs + 8 * size * row), (size,))
-        v = carray(floats_at(vs + 8 * size_of_v * row), (size_of_v,))
-        call(quantity, (t[row], x, v, params, carray(floats_at(out + 8 * size_of_out * row), (size_of_out,))))
+def _evaluate(quantity: Any, t: Floats, xs: Any, vs: Any, numbers: Any, out: Any, sizes: Any) -> None:
+    """Evaluate a quantity at states that lie one after the other at addresses: slices of arrays would cost 100 ns each time.
+
+    Each of the `numbers` are the params of as many states.
+    """
+    size, size_of_v, size_of_out, members, size_of_params = sizes
+    for member in range(members):
+        params = carray(floats_at(numbers + 8 * size_of_params * member), (size_of_params,))
+        for row in range(member * t.size // members, (member + 1) * t.size // members):
+            x = carray(floats_at(xs + 8 * size * row), (size,))
+            v = carray(floats_at(vs + 8 * size_of_v * row), (size_of_v,))
+            call(quantity, (t[row], x, v, params, carray(floats_at(out + 8 * size_of_out * row), (size_of_out,))))
 
 
 def _call_inside(quantity: Any, arguments: Any) -> None:
@@ -40,14 +45,14 @@ def _call_inside(quantity: Any, arguments: Any) -> None:
 
 @lru_cache(maxsize=256)
 def _evaluate_inside(quantity: Any) -> Function:
-    """Return `_evaluate` with a user's function compiled into it, which does not ask for its address."""
+    """Return `_evaluate` with a user's function inlined, which needs no address."""
     name = f"{_evaluate.__name__}_{quantity.__qualname__}"
     inside = compiled(cached=False, inline=True)(specialise(_call_inside, f"call_of_{name}", function=quantity))
     return compiled(users=True)(specialise(_evaluate.py_func, name, call=inside))  # type: ignore[attr-defined]
 
 
 def _call_or_nan(quantity: Function, arguments: tuple[Any, ...]) -> None:
-    """Call a quantity; where it raises it has no value, and the run before is not lost for that."""
+    """Call a quantity; if it raises, its value is NaN, so that the run is not lost."""
     try:
         call_interpreted(quantity, arguments)
     except Exception:
@@ -76,25 +81,31 @@ def evaluate(system: System, name: str, t: Floats, x: Floats, v: Floats) -> Floa
     return evaluate_quantity(system.quantities[name], system, t, x, v)
 
 
-def evaluate_quantity(quantity: Quantity, system: System, t: Floats, x: Floats, v: Floats) -> Floats:
-    """Evaluate any function of the state in the same way."""
+def evaluate_quantity(
+    quantity: Quantity, system: System, t: Floats, x: Floats, v: Floats, numbers: Floats | None = None
+) -> Floats:
+    """Evaluate any function of the state in the same way; each row of `numbers`, if given, as params of as many states."""
     xs, vs = x.reshape(t.size, system.x0.size), v.reshape(t.size, system.v0.size)
     out = np.zeros((t.size, quantity.size))
-    params = system.params if quantity.params is None else quantity.params
+    params = (system.params if quantity.params is None else quantity.params)[None] if numbers is None else numbers
+    params = np.ascontiguousarray(params)
     if not hasattr(quantity.function, "py_func"):
         with np.errstate(all="ignore"):
             for row in range(t.size):
-                _call_or_nan(quantity.function, (t[row], xs[row], vs[row], params, out[row]))
+                own = params[row * len(params) // t.size]
+                _call_or_nan(quantity.function, (t[row], xs[row], vs[row], own, out[row]))
     else:
         users = is_users(quantity.function)
         native = quantity.function if users else _native(quantity.function, system.packaged)
         xs, vs = np.ascontiguousarray(xs), np.ascontiguousarray(vs)
-        sizes, addresses = (xs.shape[1], vs.shape[1], quantity.size), [array.ctypes.data for array in (xs, vs, out)]
+        sizes = xs.shape[1], vs.shape[1], quantity.size, *params.shape
+        addresses = [array.ctypes.data for array in (xs, vs, params, out)]
         inside = (
             users and t.size >= _MANY and not reorders(native)
         )  # or else its bits would depend on how many rows there are
-        run, address = (_evaluate_inside(native), 0) if inside else (_evaluate, address_of(native, FLAT))
-        run(address, t, addresses[0], addresses[1], params, addresses[2], sizes)
+        address = 0 if inside else address_of(native, FLAT)
+        run: Any = _evaluate_inside(native) if inside else _evaluate
+        run(address, t, *addresses, sizes)
     return out[:, 0] if quantity.size == 1 else out
 
 

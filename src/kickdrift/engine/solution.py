@@ -252,9 +252,12 @@ class Solution:
         """Return a report on the run, as text with one fact per line."""
         return self.presenters.report(self)
 
-    def plot(self, path: str | Path | None = None) -> Any:
-        """Plot trajectory and energy error; return the matplotlib figure, and write it to `path` if given."""
-        return self.presenters.plot(self, path)
+    def plot(self, path: str | Path | None = None, *, ax: Any = None) -> Any:
+        """Plot trajectory and energy error; return the matplotlib figure, and write it to `path` if given.
+
+        Into `ax`, axes of matplotlib, only the trajectory is drawn.
+        """
+        return self.presenters.plot(self, path, ax=ax)
 
     def to_html(self, path: str | Path) -> Path:
         """Write a page that plays in the browser, without a server; returns its path.

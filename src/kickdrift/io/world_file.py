@@ -15,6 +15,8 @@ from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.io.shapes import Catalogue, shapes_of
 from kickdrift.world.arguments import vector
+from kickdrift.world.cloth.layout import CLOTH_GENERATION
+from kickdrift.world.cloth.winds import force_or_wind_of
 from kickdrift.world.integrity import check
 from kickdrift.world.joints.layout import GENERATION, JOINT_KIND
 from kickdrift.world.joints.layout import REMOVED as REMOVED_JOINT
@@ -28,7 +30,7 @@ from kickdrift.world.tables import BODY, CLOTH, JOINT, LINK_NUMBERS, PLACE, SHAP
 from kickdrift.world.world import World
 
 _KIND, _TABLE = "kickdrift world ", "table "
-# What is made of the records of shapes and of the joints, and not of what a file says of it
+# Tables that are made from the records of shapes and joints, not read from the file
 MADE = ("SHAPE", "PLACE", "GEOMETRY", "ARTICULATION", "LINK", "GRAPH")
 _STORED: Mapping[str, Table] = {name: table for name, table in TABLES.items() if name not in MADE}
 _PART = 6  # row, shape, surface, body, whether it is only shown, state of the search
@@ -42,7 +44,7 @@ def save_world(world: World, path: str | Path) -> Path:
     world : World
         Forces added by users are functions; they are counted but not written, since a file holds no code.
     path : path
-        Where; ``.npz`` is appended where it is missing. The folder must exist.
+        ``.npz`` is appended if it is missing. The folder must exist.
 
     Returns
     -------
@@ -76,6 +78,7 @@ def contents(world: World) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         "n_forces": len(snapshot.forces),
         "n_bodies_made": snapshot.n_bodies_made,
         "n_joints_made": snapshot.n_joints_made,
+        "n_cloths_made": snapshot.n_cloths_made,
         "joints_arranged": snapshot.joints_arranged,
         "free_bodies": snapshot.free_bodies,
         "free_shapes": snapshot.free_shapes,
@@ -102,7 +105,7 @@ def load_world(path: str | Path, forces: Sequence[Function] = ()) -> World:
     ----------
     path : path
     forces : sequence of callable
-        The functions passed to `World.add_force`, in the same order: a file holds no code.
+        The functions passed to `World.add_force` and `World.add_wind`, in the same order: a file holds no code.
 
     Returns
     -------
@@ -134,12 +137,10 @@ def load_world(path: str | Path, forces: Sequence[Function] = ()) -> World:
     if len(forces) != count:
         raise ArgumentError(
             f"forces has {len(forces)} functions, but the world in path={str(path)!r} had {count}; give the functions"
-            " passed to add_force, in the same order."
+            " passed to add_force and add_wind, in the same order."
         )
     world = World(threads=threads)
-    for force in forces:
-        world.add_force(force)
-    world.restore(snapshot.with_forces(world.forces))
+    world.restore(snapshot.with_forces(force_or_wind_of(force) for force in forces))
     return world
 
 
@@ -184,6 +185,7 @@ def snapshot_of(head: dict[str, Any], arrays: dict[str, Any]) -> Snapshot:
         free_shapes=tuple(shapes.free),
         n_bodies_made=_whole(head["n_bodies_made"], 1 + int(bodies[:, BODY_GENERATION].max())),
         n_joints_made=_whole(head["n_joints_made"], 1 + int(joints[:, GENERATION].max(initial=-1))),
+        n_cloths_made=_whole(head["n_cloths_made"], 1 + int(of.array(CLOTH)[:, CLOTH_GENERATION].max(initial=-1))),
         joints_arranged=bool(head["joints_arranged"]),
         kinds=tuple(sorted(shapes.kinds | ({SPHERE} if of.count(CLOTH) else set()))),  # which particles are to shapes
         bouncing=bool(head["bouncing"]) or shapes.bouncing,

@@ -12,7 +12,7 @@ from kickdrift.analysis import energy_drift, energy_error, largest_energy_error
 from kickdrift.core.colours import COLOURS
 from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.solution import Solution
-from kickdrift.plots.page import INK, dress, keep, label, new_figure
+from kickdrift.plots.page import INK, dress, keep, label, one_panel
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -54,7 +54,7 @@ def _name_of_error(solution: Solution) -> str:
 
 
 def _draw_band(axes: "Axes", t: Floats, error: Floats, colour: str) -> None:
-    """Draw a line, or where it has more points than can be seen, the band between its extremes."""
+    """Draw a line, or, if it has more points than can be resolved, the band between its extremes."""
     finite = np.isfinite(error)
     t, error = t[finite], error[finite]
     if t.size <= 2 * _BINS:
@@ -66,7 +66,9 @@ def _draw_band(axes: "Axes", t: Floats, error: Floats, colour: str) -> None:
     axes.fill_between(times, low, high, color=colour, linewidth=0.9, alpha=0.85)
 
 
-def plot_energy_comparison(solutions: Mapping[str, Solution], path: str | Path | None = None) -> "Figure":
+def plot_energy_comparison(
+    solutions: Mapping[str, Solution], path: str | Path | None = None, *, ax: "Axes | None" = None
+) -> "Figure":
     """Plot the energy errors of several runs in one figure.
 
     The scale is linear around zero, as far as the smallest of the largest errors goes, and logarithmic beyond: growth,
@@ -78,6 +80,8 @@ def plot_energy_comparison(solutions: Mapping[str, Solution], path: str | Path |
         Runs by the names that the legend shows, such as the methods.
     path : path, optional
         Where to write the figure; the file extension determines the format.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw, instead of on a figure of its own.
 
     Returns
     -------
@@ -86,7 +90,7 @@ def plot_energy_comparison(solutions: Mapping[str, Solution], path: str | Path |
     Raises
     ------
     ArgumentError
-        If there are no solutions.
+        If there are no solutions, or ax is no Axes.
     KickdriftError
         If a system has no energy.
     FileFormatError
@@ -106,8 +110,7 @@ def plot_energy_comparison(solutions: Mapping[str, Solution], path: str | Path |
     solutions = {name: solution.plain for name, solution in solutions.items()}
     first = next(iter(solutions.values()))
     systems = dict.fromkeys(s.about.system for s in solutions.values())
-    figure = new_figure(8, 4.4, f"{', '.join(systems)}: energy error by method")
-    axes = figure.add_subplot()
+    figure, axes = one_panel(8, 4.4, f"{', '.join(systems)}: energy error by method", ax)
     largest = [largest_energy_error(s) for s in solutions.values()]
     for i, (name, solution) in enumerate(solutions.items()):
         colour = COLOURS[i % len(COLOURS)]

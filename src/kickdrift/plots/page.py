@@ -8,7 +8,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from kickdrift.core.errors import FileFormatError, missing_extra
+from kickdrift.core.errors import ArgumentError, FileFormatError, missing_extra
 from kickdrift.core.files import written
 
 if TYPE_CHECKING:
@@ -50,8 +50,38 @@ def new_figure(width: float, height: float, title: str) -> "Figure":
     return figure
 
 
+def one_panel(width: float, height: float, title: str, ax: "Axes | None") -> tuple["Figure", "Axes"]:
+    """Return the axes given, with their figure, or make a page with one panel.
+
+    Raises
+    ------
+    ArgumentError
+        If ax is no Axes.
+    MissingExtraError
+        If matplotlib is not installed.
+    """
+    if ax is None:
+        figure = new_figure(width, height, title)
+        return figure, figure.add_subplot()
+    check_axes(ax)
+    return ax.figure, ax  # type: ignore[return-value]  # or a part of a figure, as far as drawing goes
+
+
+def check_axes(ax: Any) -> None:
+    """Refuse what is no Axes of matplotlib, such as the array that ``pyplot.subplots`` returns for several.
+
+    Raises
+    ------
+    ArgumentError
+    """
+    if not callable(getattr(ax, "plot", None)) or not hasattr(ax, "figure"):
+        raise ArgumentError(
+            f"ax={ax!r} is no Axes of matplotlib; give one, such as that of figure, ax = plt.subplots()."
+        )
+
+
 def dress(axes: "Axes", x: str, y: str, title: str = "") -> None:
-    """Label a panel, and leave out of its frame what carries nothing."""
+    """Label a panel, and remove the empty sides of its frame."""
     axes.set_xlabel(x, color=INK)
     axes.set_ylabel(y, color=INK)
     axes.set_title(title, loc="left", fontsize=10, color=INK)

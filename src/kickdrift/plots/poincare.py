@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from kickdrift.analysis import PoincareSection
 from kickdrift.core.colours import COLOURS
 from kickdrift.core.errors import ArgumentError
-from kickdrift.plots.page import dress, keep, new_figure
+from kickdrift.plots.page import dress, keep, one_panel
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 Floats = NDArray[np.float64]
@@ -23,6 +24,7 @@ def plot_poincare_sections(
     path: str | Path | None = None,
     *,
     axes: tuple[str, str] | None = None,
+    ax: "Axes | None" = None,
 ) -> "Figure":
     """Plot the crossings of a surface, with one colour per section.
 
@@ -35,6 +37,8 @@ def plot_poincare_sections(
     axes : (str, str), optional
         Two components of the state, such as ``("x[1]", "v[1]")``. By default the position that varies most between
         crossings, and its velocity.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw, instead of on a figure of its own.
 
     Returns
     -------
@@ -43,7 +47,7 @@ def plot_poincare_sections(
     Raises
     ------
     ArgumentError
-        For no sections, or axes that the state does not have.
+        For no sections, axes that the state does not have, or an ax that is no Axes.
     FileFormatError
         If the file cannot be written.
     MissingExtraError
@@ -63,8 +67,8 @@ def plot_poincare_sections(
     for name in chosen:
         if name not in numbers[0]:
             raise ArgumentError(f"axes={axes!r} has {name!r}, but the state has {', '.join(numbers[0])}.")
-    figure = new_figure(5.6, 5.2, f"{many[0].system}: {sum(section.t.size for section in many)} passages")
-    panel = figure.add_subplot()
+    title = f"{many[0].system}: {sum(section.t.size for section in many)} passages"
+    figure, panel = one_panel(5.6, 5.2, title, ax)
     for i, own in enumerate(numbers):
         panel.plot(
             own[chosen[0]], own[chosen[1]], ".", color=COLOURS[i % len(COLOURS)], markersize=2.5, markeredgewidth=0

@@ -5,21 +5,23 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.calls import address_of, caller
 from kickdrift.core.colours import FIXED, RODS, colour_of
+from kickdrift.core.compilation import compiled
 from kickdrift.core.rotations import product, turn_to, turned
 from kickdrift.plots.rendering import MIDDLE, REACH
 from kickdrift.world.layout import DYNAMIC, REMOVED
 from kickdrift.world.recording import Appearance, DrawnShape
 from kickdrift.world.shapes.catalogue import KINDS, kind_of, met_as
 from kickdrift.world.shapes.kinds import BOX, CAPSULE, PLANE, TRIANGLE
-from kickdrift.world.shapes.record import BALL, HALF_SPACE, PLAIN
+from kickdrift.world.shapes.record import BALL, EXTENT, HALF_SPACE, PLAIN
 from kickdrift.world.shapes.triangle import FIRST_TRIANGLE, TRIANGLE_SIZE
 
 Floats = NDArray[np.float64]
+_enclose = caller(EXTENT)
 _ROD = 0.002  # thickness of a rod, of the extent of the scene
 _GROUND = (0.93, 0.94, 0.95)
 _CORNERS = np.array([[k >> axis & 1 for axis in range(3)] for k in range(8)], dtype=np.bool_)
-_LARGER = 1.02  # than the ball around the lines of a shape: round shapes lie outside of their lines
 _SLAB = 20.0  # half the width of what stands for a plane that is seen from the side, of the extent of the scene
 
 
@@ -164,10 +166,9 @@ def is_plane(part: DrawnShape) -> bool:
 def outline(part: DrawnShape) -> tuple[Floats, float]:
     """Return points of a shape that is no plane, in the axes of its body, and how far it reaches beyond them.
 
-    They are the corners of the box around the lines that show it; of a ball its centre.
+    They are the corners of the box around it; of a ball its centre.
     """
-    points = np.concatenate(part.shape.wireframe())
-    low, high = points.min(axis=0), points.max(axis=0)
+    low, high = _box(part)
     if kind_of(part.shape).look & BALL:
         return part.position[None] + turned(part.orientation, 0.5 * (low + high)[None]), 0.5 * float((high - low).max())
     corners = np.where(_CORNERS, high, low)
@@ -184,11 +185,25 @@ def _pieces(part: DrawnShape) -> list[_Piece]:
         reaches = np.linalg.norm(corners - middles[:, None], axis=2).max(axis=1)
         return [_Piece(TRIANGLE, *row) for row in zip(triangles, middles, reaches.tolist(), strict=True)]
     middle, reach = _ball(part)
-    return [_Piece(shape.kind, shape.numbers, middle, _LARGER * reach)]
+    return [_Piece(shape.kind, shape.numbers, middle, reach)]
 
 
 def _ball(part: DrawnShape) -> tuple[Floats, float]:
-    """Return a ball around the lines of a shape in its own frame."""
-    points = np.concatenate(part.shape.wireframe())
-    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
-    return middle, float(np.linalg.norm(points - middle, axis=1).max())
+    """Return a ball around a shape in its own frame: around its origin, or around its box if that is smaller."""
+    low, high = _box(part)
+    around_box = 0.5 * float(np.linalg.norm(high - low))
+    reach = part.shape.reach
+    return (np.zeros(3), reach) if 0.0 < reach <= around_box else (0.5 * (low + high), around_box)
+
+
+def _box(part: DrawnShape) -> tuple[Floats, Floats]:
+    """Return the lower and the upper corner of the box around a shape in its own frame."""
+    extent = kind_of(part.shape).extent
+    assert extent is not None, "planes have none"
+    box = np.array(_extent(address_of(extent, EXTENT), part.shape.numbers))
+    return box[:3], box[3:]
+
+
+@compiled
+def _extent(address: Any, numbers: Any) -> Any:
+    return _enclose(address, (numbers, (1.0, 0.0, 0.0, 0.0)))

@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING
 from kickdrift.engine.solution import Solution
 from kickdrift.plots import trajectory
 from kickdrift.plots.energy import draw_energy_error
-from kickdrift.plots.page import keep, new_figure
+from kickdrift.plots.page import check_axes, keep, new_figure
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
-def plot_solution(solution: Solution, path: str | Path | None = None) -> "Figure":
+def plot_solution(solution: Solution, path: str | Path | None = None, *, ax: "Axes | None" = None) -> "Figure":
     """Plot the trajectory and, for a system with an energy, the energy error.
 
     A state of one number is plotted over time, and as a phase portrait; one of two or three as an orbit in the plane;
@@ -25,6 +26,8 @@ def plot_solution(solution: Solution, path: str | Path | None = None) -> "Figure
         At least one time.
     path : path, optional
         Where to write the figure; the file extension determines the format.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw the trajectory alone, instead of on a figure of its own.
 
     Returns
     -------
@@ -32,6 +35,8 @@ def plot_solution(solution: Solution, path: str | Path | None = None) -> "Figure
 
     Raises
     ------
+    ArgumentError
+        If ax is no Axes.
     FileFormatError
         If the file cannot be written.
     MissingExtraError
@@ -46,6 +51,10 @@ def plot_solution(solution: Solution, path: str | Path | None = None) -> "Figure
     2
     """
     solution = solution.plain
+    if ax is not None:
+        check_axes(ax)
+        _draw_trajectory(ax, trajectory.panels(solution, split=False)[0], solution, "trajectory")
+        return keep(ax.figure, path)  # type: ignore[arg-type]  # or a part of a figure
     about, parts = solution.about, trajectory.panels(solution)
     has_energy, has_phases = "energy" in solution.invariants, solution.x[0].size == solution.v[0].size == 1
     columns = len(parts) + has_phases + has_energy
@@ -55,10 +64,7 @@ def plot_solution(solution: Solution, path: str | Path | None = None) -> "Figure
     )
     grid = figure.subplots(1, columns, squeeze=False)[0]
     for i, bodies in enumerate(parts):
-        if bodies is None:
-            trajectory.draw_coordinates(grid[i], solution)
-        else:
-            trajectory.draw_bodies(grid[i], bodies, solution, trajectory.title_of(i, parts))
+        _draw_trajectory(grid[i], bodies, solution, trajectory.title_of(i, parts))
     if has_phases:
         trajectory.draw_phase_portrait(grid[1], solution)
     if has_energy:
@@ -67,3 +73,10 @@ def plot_solution(solution: Solution, path: str | Path | None = None) -> "Figure
         figure.draw_without_rendering()
         trajectory.mark_inner(grid[1], grid[0])
     return keep(figure, path)
+
+
+def _draw_trajectory(ax: "Axes", bodies: trajectory.Bodies | None, solution: Solution, title: str) -> None:
+    if bodies is None:
+        trajectory.draw_coordinates(ax, solution)
+    else:
+        trajectory.draw_bodies(ax, bodies, solution, title)

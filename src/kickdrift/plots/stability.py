@@ -1,4 +1,4 @@
-"""Where a method is stable."""
+"""Plots of stability regions."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -9,7 +9,7 @@ from kickdrift import methods
 from kickdrift.analysis import amplification_factor, one_step_matrix, stability_limit
 from kickdrift.core.colours import COLOURS
 from kickdrift.methods import Letter
-from kickdrift.plots.page import INK, dress, keep, new_figure
+from kickdrift.plots.page import INK, dress, keep, one_panel
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 _LIMITS = (0.2, 5.0)
 
 
-def plot_stability_region(method: str | methods.Method, path: str | Path | None = None) -> "Figure":
+def plot_stability_region(
+    method: str | methods.Method, path: str | Path | None = None, *, ax: "Axes | None" = None
+) -> "Figure":
     """Plot the stability region of a method.
 
     For a method with an amplification factor R(z), z = h lambda, this is the region |R(z)| <= 1 of the complex plane. For a
@@ -30,6 +32,8 @@ def plot_stability_region(method: str | methods.Method, path: str | Path | None 
         Name of a method.
     path : path, optional
         Where to write the figure; the file extension determines the format.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw, instead of on a figure of its own.
 
     Returns
     -------
@@ -37,6 +41,8 @@ def plot_stability_region(method: str | methods.Method, path: str | Path | None 
 
     Raises
     ------
+    ArgumentError
+        If ax is no Axes.
     FileFormatError
         If the file cannot be written.
     MissingExtraError
@@ -48,8 +54,7 @@ def plot_stability_region(method: str | methods.Method, path: str | Path | None 
     >>> figure = kd.plots.plot_stability_region("implicit-midpoint")
     """
     chosen = methods.get(method)
-    figure = new_figure(4.8, 4.8, f"{chosen.name}: region of stability")
-    axes = figure.add_subplot()
+    figure, axes = one_panel(4.8, 4.8, f"{chosen.name}: region of stability", ax)
     if chosen.word[0][0] in (Letter.KICK, Letter.DRIFT):
         _draw_eigenvalues(axes, chosen)
     else:

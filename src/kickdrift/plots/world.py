@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.colours import COLOURS, SUM, colour_of
-from kickdrift.plots.page import INK, dress, keep, new_figure
+from kickdrift.plots.page import INK, check_axes, dress, keep, new_figure
 from kickdrift.plots.painter import Painter
 from kickdrift.plots.scenery import Pose
 from kickdrift.world.recording import Recording
@@ -25,7 +25,7 @@ _SHORTEST_TRAIL = 0.03  # of the width of the picture
 _MOST_POINTS = 1000  # of a trail
 
 
-def plot_recording(recording: Recording, path: str | Path | None = None) -> "Figure":
+def plot_recording(recording: Recording, path: str | Path | None = None, *, ax: "Axes | None" = None) -> "Figure":
     """Plot the last state of a recording with the paths of its bodies, and the kinetic and potential energy.
 
     Motion in a vertical plane along x is seen from the side; other scenes are seen from above the front left, with shadows.
@@ -35,6 +35,8 @@ def plot_recording(recording: Recording, path: str | Path | None = None) -> "Fig
     recording : Recording
     path : path, optional
         Where to write the figure; the file extension determines the format.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw the state and the paths alone, instead of on a figure of its own.
 
     Returns
     -------
@@ -42,11 +44,17 @@ def plot_recording(recording: Recording, path: str | Path | None = None) -> "Fig
 
     Raises
     ------
+    ArgumentError
+        If ax is no Axes.
     FileFormatError
         If the file cannot be written.
     MissingExtraError
         If matplotlib is not installed.
     """
+    if ax is not None:
+        check_axes(ax)
+        _draw_scene(ax, Painter(recording, _PIXELS), recording)
+        return keep(ax.figure, path)  # type: ignore[arg-type]  # or a part of a figure
     about = recording.about
     simulated = recording.t[-1] - recording.t[0]
     title = f"{about.system}: {simulated:.4g} s in {recording.n_steps} steps of {1e3 * recording.step:.4g} ms"
@@ -121,7 +129,7 @@ def _draw_energy(axes: "Axes", recording: Recording) -> None:
         ("sum", total, SUM, 4.0),
     ):
         axes.plot(recording.t, values / size, color=colour, linewidth=width, label=name, zorder=3.0 - 0.1 * width)
-    dress(axes, "t (s)", f"{unit}, from the lowest potential on", "energy")
+    dress(axes, "t (s)", f"energy ({unit}), potential from its minimum")
     axes.margins(x=0)
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, fontsize=8.5, borderaxespad=0.2)
 

@@ -1,4 +1,4 @@
-"""Members run on threads: many at once in lanes where their steps allow, else one after the other by `kickdrift.solve`."""
+"""Members run on threads: many at once in lanes if their steps allow that, otherwise one after the other."""
 
 import threading
 import time
@@ -36,6 +36,7 @@ _MOST_STEPS = (
     10  # times those of the first member: one that takes more, as in a close encounter, does not keep others waiting
 )
 _TASK_SECONDS = 0.05  # of members one after the other, which nothing interrupts
+_LOOKS_AT_ONCE = 10  # times as fast are events found of many members as of one
 _LOOK_SECONDS = 0.1  # between two looks at the progress
 _VECTOR = 8  # members in a register
 
@@ -114,8 +115,11 @@ class Runs:
 
     def _begin(self, cohort: Cohort) -> None:
         """Run the first member alone, which compiles what all need, and make tasks of the others by the time that it took."""
-        first, rest = cohort.indices[0], Cohort(cohort.indices[1:], cohort.grid)
+        first, alone = cohort.indices[0], 1
         seconds = self._run_alone(int(first), cohort)
+        if self._prepared.events and cohort.indices.size > 1:  # looking for which has compiled functions meanwhile
+            seconds, alone = self._run_alone(int(cohort.indices[1]), cohort) / _LOOKS_AT_ONCE, 2
+        rest = Cohort(cohort.indices[alone:], cohort.grid)
         size = int(_TASK_SECONDS / max(seconds, 1e-6))
         if size > 1 and rest.indices.size and (numbers := numbers_in_turn(self._prepared, cohort.grid)) is not None:
             most = _MOST_STEPS * int(self.results.n_steps[first])

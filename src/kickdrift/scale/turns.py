@@ -1,16 +1,21 @@
 """Members one after the other without the interpreter in between, of steps that are equal or vary."""
 
+from collections.abc import Callable
 from functools import cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import in_turn
 from kickdrift.engine.courses_in_turn import run_courses
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.processing import Processing, compile_method
+from kickdrift.engine.step_control import LocalError
+from kickdrift.engine.watched_in_turn import WatchedMembers
 from kickdrift.scale.prepared import Cohort, Prepared
 from kickdrift.scale.results import Results
+from kickdrift.scale.zeros import Zeros
 
 Floats = NDArray[np.float64]
 Numbers = tuple[Floats, Floats, Floats]
@@ -18,13 +23,19 @@ Numbers = tuple[Floats, Floats, Floats]
 
 def numbers_in_turn(prepared: Prepared, grid: Grid | Course) -> Numbers | None:
     """Return x, v and params of all members, if they may run in turn: what is compiled, and knows params, is one for all."""
-    if not prepared.system.native or prepared.settings.steering.cuts or prepared.events:
+    if not prepared.system.native or prepared.settings.steering.cuts:
+        return None
+    if any(event.rate_bound is not None for event in prepared.events):
         return None
     if isinstance(grid, Course):
-        return prepared.numbers() if prepared.one_system() and not _driven(prepared, grid).is_processed else None
-    numbers = prepared.numbers() if grid.wanted is None else None
-    if numbers is not None and not prepared.one_system() and _processing(prepared, grid).is_processed:
-        return None
+        if prepared.events:
+            return None
+        between = None if prepared.controller is None else prepared.controller.between
+        alike = prepared.one_system() or between is None
+        return prepared.numbers() if alike and not _driven(prepared, grid).is_processed else None
+    numbers = prepared.numbers()
+    if numbers is not None and (prepared.events or not prepared.one_system()):
+        return None if _processing(prepared, grid).is_processed else numbers
     return numbers
 
 
@@ -36,7 +47,8 @@ def run_in_turn(prepared: Prepared, cohort: Cohort, numbers: Numbers, most: int,
     v = v.reshape(indices.size, *results.v.shape[2:])
     if isinstance(grid, Course):
         between = cache(partial(_driven, prepared, grid, True))
-        courses = run_courses(_driven(prepared, grid), between, grid, x, v, most)
+        of_control = _numbers_of_control(prepared, params, indices)
+        courses = run_courses(_driven(prepared, grid), between, grid, x, v, params, of_control, most)
         good = courses.good
         results.x[indices[good]], results.v[indices[good]] = courses.x, courses.v
         results.note(indices[good], grid, courses.n_steps[good], results.x.shape[1], courses.evaluations[good])
@@ -45,15 +57,70 @@ def run_in_turn(prepared: Prepared, cohort: Cohort, numbers: Numbers, most: int,
             courses.step_range[good],
         )
         return good
-    turns = in_turn.run_in_turn(_processing(prepared, grid), grid, x, v, params)
+    between = cache(partial(_processing, prepared, grid, True))
+    if prepared.events:
+        return _watched(prepared, cohort, between, numbers_of_events(prepared, indices), (x, v, params), results)
+    turns = in_turn.run_in_turn(_processing(prepared, grid), between, grid, x, v, params)
     good = turns.good
     results.x[indices[good]], results.v[indices[good]] = turns.x[good], turns.v[good]
     results.note(indices[good], grid, grid.n_steps, turns.x.shape[1], turns.evaluations[good])
     return good
 
 
-def _processing(prepared: Prepared, grid: Grid) -> Processing:
-    return compile_method(prepared.system, prepared.chosen.method, grid, prepared.settings.compensated)
+def _watched(
+    prepared: Prepared,
+    cohort: Cohort,
+    between: Callable[[], Processing],
+    of_events: list[Floats],
+    own: Numbers,
+    results: Results,
+) -> NDArray[np.bool_]:
+    """Run members with events, and return of which all is known."""
+    grid, indices = cohort.grid, cohort.indices
+    assert isinstance(grid, Grid)
+    made = partial(_processing, prepared, grid)
+    watched = WatchedMembers(made, between, prepared.events, of_events, grid, *own).run()
+    good, zeros = watched.good, [found.of_members(indices.size) for found in watched.zeros]
+    results.x[indices[good]], results.v[indices[good]] = watched.x[good], watched.v[good]
+    evaluations, rows = watched.evaluations, results.x.shape[1]
+    results.note(indices[good], grid, grid.n_steps, rows, evaluations[good])
+    results.n_steps[indices[good]] = watched.n_steps[good]
+    for i in np.flatnonzero(good):
+        if watched.stopped[i]:
+            results.status[indices[i]], results.messages[indices[i]] = Outcome.STOPPED, Outcome.STOPPED.value
+        results.zeros[indices[i]] = Zeros(*zip(*(own[i] for own in zeros), strict=True))
+    return good
+
+
+def numbers_of_events(prepared: Prepared, indices: NDArray[np.intp]) -> list[Floats]:
+    """Return what each event gets as params, of some members: numbers of users, and of the functions themselves."""
+    params = [event.quantity.params for event in prepared.events]
+    return [_with_args(prepared, prepared.system.params if own is None else own, indices) for own in params]
+
+
+def _numbers_of_control(prepared: Prepared, params: Floats, indices: NDArray[np.intp]) -> Floats:
+    """Return what the control of steps has as params, of each member: its tolerances, or what a density gets."""
+    controller = prepared.controller
+    assert controller is not None
+    if isinstance(prepared.settings.steering.control, LocalError):
+        return np.tile(controller.params, (indices.size, 1))
+    if np.array_equal(controller.params, prepared.system.params):
+        return np.ascontiguousarray(params)
+    return _with_args(prepared, controller.params, indices)
+
+
+def _with_args(prepared: Prepared, params: Floats, indices: NDArray[np.intp]) -> Floats:
+    """Return params that begin with the numbers of users, with those of each member."""
+    args, numbers = prepared.members.args, np.tile(params, (indices.size, 1))
+    if args is not None:
+        numbers[:, : args.shape[1]] = args[indices] if len(args) > 1 else args
+    return numbers
+
+
+def _processing(prepared: Prepared, grid: Grid, between: bool = False) -> Processing:
+    """Compile the method; where every step is looked at, as it is spelled, but for what leads between steps."""
+    turns = between or not prepared.events
+    return compile_method(prepared.system, prepared.chosen.method, grid, prepared.settings.compensated, turns)
 
 
 def _driven(prepared: Prepared, grid: Course, between: bool = False) -> Processing:

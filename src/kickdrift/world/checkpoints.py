@@ -147,8 +147,8 @@ class Keeper:
             raise self._checkpoints.refuse("save_every" if streamed == same.streamed else "save_to")
         # The last row of a run is not one of a longer run that continues it.
         taken = (after % every == 0) | (after == same.n_steps)
-        rows.fill({name: values[taken] for name, values in kept.items()}, remembered)
         self._world.restore(snapshot.with_forces(self._world.forces))
+        rows.fill({name: values[taken] for name, values in kept.items()}, remembered)
         return done, same, seconds, said
 
 

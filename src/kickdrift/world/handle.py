@@ -25,7 +25,7 @@ class Registry(Protocol):
 
 
 class Handle:
-    """A row of a world, identified by its index and generation; equal handles refer to the same body or joint.
+    """A row of a world, identified by its generation; equal handles refer to the same body, joint or cloth.
 
     A handle that is pickled, or copied by `copy.deepcopy`, takes its world along: it belongs to the copy.
     """
@@ -67,17 +67,17 @@ class Handle:
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
             return NotImplemented
-        same = self._index == other._index and self._generation == other._generation
-        return same and self._registry is other._registry
+        return self._generation == other._generation and self._registry is other._registry
 
     def __hash__(self) -> int:
-        return hash((self._index, self._generation))
+        return hash(self._generation)
 
     def __repr__(self) -> str:
-        if self._registry.knows(self._index, self._generation):
-            self._last_name = self._registry.names.of(self._index)
+        index = self.index
+        if self._registry.knows(index, self._generation):
+            self._last_name = self._registry.names.of(index)
         named = "" if self._last_name is None else f", name={self._last_name!r}"
-        return f"{type(self).__name__}(index={self._index}, generation={self._generation}{named})"
+        return f"{type(self).__name__}(index={index}, generation={self._generation}{named})"
 
     def __copy__(self) -> Self:
         return self
@@ -88,7 +88,7 @@ class Handle:
             raise TypeError(
                 f"{self!r} belongs to a world that no longer exists, without which it cannot be copied or pickled."
             )
-        return _handle_in, (world, type(self), self._index, self._generation)
+        return _handle_in, (world, type(self), self.index, self._generation)
 
 
 def _handle_in(world: "World", kind: Any, index: int, generation: int) -> Handle:

@@ -12,8 +12,8 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.description import Description
 from kickdrift.engine.invariants import Invariants
 from kickdrift.world.constraint_error import deepest_overlap, widest_gap
+from kickdrift.world.recorded_cloths import RecordedCloths
 from kickdrift.world.recording import Recording, appearance
-from kickdrift.world.tables import CLOTH, PARTICLE
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World
@@ -48,24 +48,27 @@ class RecordingRows:
     saved_to = ""
 
     def __init__(self, world: "World", room: int) -> None:
-        self._world, self._bodies, self._particles = world, len(world.position), world.tables.count(PARTICLE)
+        self._world, self._bodies, self._cloths = world, len(world.position), RecordedCloths(world)
+        self._cloths.changed()
         self.count = self.first = 0
         shapes: dict[str, tuple[int, ...]] = {name: (room, size) for name, size in _OF_THE_WORLD.items()}
         shapes |= {name: (room, self._bodies, size) for name, size in _OF_BODIES.items()}
-        shapes |= {name: (room, self._particles, size) for name, size in _OF_PARTICLES.items()}
+        shapes |= {name: (room, self._cloths.size, size) for name, size in _OF_PARTICLES.items()}
         self._rows: dict[str, Floats] = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
 
     def keep(self, t: float) -> None:
         """Add a row with the state of the world, at the time t."""
         world, rows, row = self._world, self._rows, self.count - self.first
-        bodies, particles = len(world.position), world.tables.count(PARTICLE)
-        if row == len(rows["t"]) or bodies > self._bodies or particles > self._particles:
-            self._grow(max(bodies, self._bodies), max(particles, self._particles))
+        bodies, columns = len(world.position), self._cloths.changed()
+        if row == len(rows["t"]) or bodies > self._bodies:
+            self._grow(max(bodies, self._bodies))
+        if columns is not None:
+            self._rearrange(columns)
         rows["t"][row] = t
         rows["x"][row, :bodies], rows["v"][row, :bodies] = world.position, world.velocity
         rows["orientation"][row, :bodies] = world.orientation
         rows["angular velocity"][row, :bodies] = world.angular_velocity
-        rows["particles"][row, :particles] = world.tables.array(PARTICLE)[:, :3]
+        self._cloths.put(rows["particles"][row])
         energy = world.energy()
         rows["energy"][row] = energy.kinetic, energy.potential
         rows["constraint error"][row] = deepest_overlap(world.tables), widest_gap(world.tables)
@@ -89,6 +92,9 @@ class RecordingRows:
         LookupError, ValueError
             If they do not fit this world.
         """
+        columns = self._cloths.changed()
+        if columns is not None:
+            self._rearrange(columns)
         for name, values in self._rows.items():
             values[: len(kept["t"])] = kept[name]
         self.count = self.first + len(kept["t"])
@@ -106,21 +112,30 @@ class RecordingRows:
         """Return the rows that the `Recording` holds: here all of them."""
         return self.kept()
 
-    def _grow(self, bodies: int, particles: int) -> None:
-        """Widen the rows to so many bodies and particles, and if all are in use, make room for half as many again."""
+    def _grow(self, bodies: int) -> None:
+        """Widen the rows to so many bodies, and if all are in use, make room for half as many again."""
         before = len(self._rows["t"])
         room = before + (before // 2 + 16 if self.count - self.first == before else 0)
         for name, old in self._rows.items():
-            wide = (bodies,) if name in _OF_BODIES else (particles,) if name in _OF_PARTICLES else ()
+            wide = (bodies,) if name in _OF_BODIES else old.shape[1:-1]
             new = np.full((room, *wide, old.shape[-1]), np.nan)
             new[tuple(map(slice, old.shape))] = old
             self._rows[name] = new
-        self._bodies, self._particles = bodies, particles
+        self._bodies = bodies
+
+    def _rearrange(self, columns: NDArray[np.int64]) -> None:
+        """Let the vertices of cloths take over other columns."""
+        taken = columns >= 0
+        for name in _OF_PARTICLES:
+            old = self._rows[name]
+            new = np.full((len(old), len(columns), old.shape[-1]), np.nan)
+            new[:, taken] = old[:, columns[taken]]
+            self._rows[name] = new
 
     def description(self) -> Description:
         """Return a description of the recording, for display."""
         return Description(
-            system=_words(int(np.count_nonzero(appearance(self._world).kinds)) - 1, self._world.tables.count(CLOTH)),
+            system=_words(int(np.count_nonzero(appearance(self._world).kinds)) - 1, len(self._cloths.drawn)),
             method="soft steps",
             kind=Kind.VELOCITY_DEPENDENT.name,
             order=1,
@@ -138,7 +153,7 @@ class RecordingRows:
         world, rows = self._world, self.ends()
         (kinetic, potential), (overlap, gap) = rows["energy"].T.copy(), rows["constraint error"].T.copy()
         kept = {"energy": kinetic + potential, **{name: rows[name] for name in ("momentum", "angular momentum")}}
-        looks = appearance(world)
+        looks = appearance(world)._replace(cloths=tuple(self._cloths.drawn))
         return Recording(
             t=rows["t"][:, 0],
             x=rows["x"],

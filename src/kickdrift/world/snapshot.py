@@ -61,8 +61,8 @@ class Snapshot:
         Rows in use of each table of `kickdrift.world.tables` that no step fills anew, by its name; read-only.
     free_bodies, free_shapes : tuple of int
         Rows to be reused, the next one last.
-    n_bodies_made, n_joints_made : int
-        Number of bodies and joints ever added, from which handles get their generations.
+    n_bodies_made, n_joints_made, n_cloths_made : int
+        Number of bodies, joints and cloths ever added, from which handles get their generations.
     joints_arranged : bool
         Whether the tables of articulations are up to date with the joints.
     shapes : mapping of int to Placed
@@ -86,6 +86,7 @@ class Snapshot:
     free_shapes: tuple[int, ...]
     n_bodies_made: int
     n_joints_made: int
+    n_cloths_made: int
     joints_arranged: bool
     shapes: Mapping[int, Placed]
     geometry: Mapping[bytes, int]
@@ -154,6 +155,7 @@ def take(world: "World") -> Snapshot:
         free_shapes=tuple(world.shape_rows.free),
         n_bodies_made=world.bodies.n_made,
         n_joints_made=world.joints.n_made,
+        n_cloths_made=world.cloths.n_made,
         joints_arranged=world.joints.arranged,
         shapes=MappingProxyType(dict(world.shape_rows.shapes)),
         geometry=MappingProxyType(dict(world.shape_rows.begins)),
@@ -192,6 +194,7 @@ def restore(world: "World", snapshot: Snapshot) -> None:
     bodies.names.replace(snapshot.body_names)
     joints.names.replace(snapshot.joint_names)
     world.cloths.names.replace(snapshot.cloth_names)
+    world.cloths.n_made = max(world.cloths.n_made, snapshot.n_cloths_made)
     world.cloths.restored()
     world.tables.altered = True
     world.tables.version += 1

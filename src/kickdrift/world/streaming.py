@@ -11,7 +11,6 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.zarr_group import Array
 from kickdrift.engine.zarr_store import ZarrStore
 from kickdrift.world.recorder import RecordingRows
-from kickdrift.world.tables import PARTICLE
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World
@@ -29,6 +28,11 @@ class StreamedRecordingRows(RecordingRows):
     """
 
     def __init__(self, world: "World", store: ZarrStore) -> None:
+        if world.cloths.tearable:
+            raise ArgumentError(
+                f"a cloth can tear, and then has more vertices than save_to={str(store.path)!r} has room for; record into"
+                " memory, or set its tear_strain to 0."
+            )
         super().__init__(world, 1)
         self._store, self.saved_to = store, str(store.path)
         self._start: dict[str, Floats] = {}
@@ -52,7 +56,7 @@ class StreamedRecordingRows(RecordingRows):
             "v": of_bodies("v"),
             "orientation": of_bodies("orientation", "quaternion"),
             "angular_velocity": of_bodies("angular velocity"),
-            "particles": Array(("particle", "space"), (self._particles, 3), units["particles"]),
+            "particles": Array(("particle", "space"), (self._cloths.size, 3), units["particles"]),
             **{name: Array(unit=units["energy"]) for name in ("energy", "kinetic_energy", "potential_energy")},
             **vectors,
             **{name: Array(unit=units["x"]) for name in ("overlap", "joint_gap")},
@@ -69,7 +73,7 @@ class StreamedRecordingRows(RecordingRows):
         ArgumentError
             If there are more bodies or particles than at the start.
         """
-        if len(self._world.position) > self._bodies or self._world.tables.count(PARTICLE) > self._particles:
+        if len(self._world.position) > self._bodies or self._cloths.changed() is not None:
             raise ArgumentError(
                 f"a body or a cloth was added while rows of {self._bodies} bodies are written to"
                 f" save_to={self.saved_to!r}; add it before the recording, or record into memory."

@@ -1,4 +1,4 @@
-"""How cloths come into a world."""
+"""How cloths come into a world, and leave it."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,7 +18,7 @@ _MOST_VERTICES = 10_000_000
 
 
 class AddsCloths:
-    """The methods of a world that add cloths."""
+    """The methods of a world that add cloths, find them by name, and remove them."""
 
     tables: Tables
     cloths: Cloths
@@ -49,7 +49,7 @@ class AddsCloths:
         name : str, optional
         **fabric
             Those of `density`, `thickness`, `stretch_stiffness`, `shear_stiffness`, `bending_stiffness`, `damping`,
-            `linear_damping`, `friction`, `drag`, `lift` and `air_density` in which it differs from
+            `linear_damping`, `friction`, `drag`, `lift`, `air_density` and `tear_strain` in which it differs from
             `kickdrift.world.cloth.fabric.Fabric`, which says what they are.
 
         Returns
@@ -151,3 +151,22 @@ class AddsCloths:
         True
         """
         return self.cloths.handle(self.cloths.names.row(name))
+
+    def remove_cloth(self, cloth: Cloth) -> None:
+        """Remove a cloth; what lay or hung on it falls. Indices of cloths that were added later become less by one.
+
+        Raises
+        ------
+        ArgumentError
+            If it has been removed before.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> sheet, towel = (world.add_cloth_grid(vertices=(3, 3), name=name) for name in ("sheet", "towel"))
+        >>> world.remove_cloth(sheet)
+        >>> towel.index, sheet
+        (0, Cloth(index=0, generation=0, name='sheet'))
+        """
+        self.cloths.remove(cloth)

@@ -11,6 +11,7 @@ from kickdrift.world.cloth import layout as c
 from kickdrift.world.cloth.couplings import Bending, bending_of, couplings_of
 from kickdrift.world.cloth.curvature import curvature_of
 from kickdrift.world.cloth.mesh import ClothMesh, flattened
+from kickdrift.world.cloth.ranges import replace_rows
 from kickdrift.world.cloth.vibration import bending_rate
 from kickdrift.world.tables import (
     CLOTH,
@@ -48,8 +49,8 @@ def put_couplings(tables: Tables, row: int, mesh: ClothMesh) -> None:
     couplings = couplings_of(bending, areas, len(particles))
     tables.array(PARTICLE_COUPLINGS)[vertices] = couplings.ranges
     rows = {COUPLING: couplings.offsets[:, None], COUPLING_NUMBERS: couplings.weights[:, None]}
-    _replace(tables, row, c.FIRST_COUPLING, rows)
-    _replace(tables, row, c.FIRST_CURVED, _curved(bending, areas, int(own[c.FIRST_PARTICLE])))
+    replace_rows(tables, row, c.FIRST_COUPLING, rows)
+    replace_rows(tables, row, c.FIRST_CURVED, _curved(bending, areas, int(own[c.FIRST_PARTICLE])))
     rate = bending_rate(mesh, bending, areas, particles[:, c.PARTICLE_MASS])
     numbers[c.BENDING_RATE] = math.sqrt(numbers[c.ASKED + 2]) * rate
 
@@ -64,15 +65,3 @@ def _curved(bending: Bending, areas: Floats, first: int) -> Mapping[Table, NDArr
     numbers[:, c.PULLS : c.PULLS + 6] = size * np.einsum("ms,msk->mk", rest, bending.rows[curved])
     numbers[:, [c.REST_ENERGY]] = 0.5 * size * (rest * rest).sum(axis=1, keepdims=True)
     return {CURVED_FACE: stencils, CURVED_FACE_NUMBERS: numbers}
-
-
-def _replace(tables: Tables, row: int, first: int, anew: Mapping[Table, NDArray[Any]]) -> None:
-    """Give a cloth other rows of tables, those from the one in column `first` to that in the next; others move."""
-    cloths = tables.array(CLOTH)
-    begin, end = cloths[row, [first, first + 1]].tolist()
-    for table, values in anew.items():
-        now = tables.array(table)
-        tables.put(table, np.concatenate((now[:begin], values, now[end:])))
-        growth = len(values) - (end - begin)
-    cloths[row, first + 1] += growth
-    cloths[row + 1 :, [first, first + 1]] += growth

@@ -99,6 +99,12 @@ def flattened(mesh: ClothMesh, warp: Floats) -> tuple[Floats, Floats]:
     return flat, np.stack((u, v), axis=1)
 
 
+def masses_of(mesh: ClothMesh, weights: Floats) -> Floats:
+    """Return the masses of vertices: a third of that of each triangle, of which these are, kg."""
+    thirds = np.repeat(weights / 3.0, 3)
+    return np.asarray(np.bincount(mesh.triangles.ravel(), weights=thirds), dtype=np.float64)
+
+
 def _vertices(vertices: ArrayLike) -> Floats:
     try:
         points = reals(vertices)

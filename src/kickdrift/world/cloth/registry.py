@@ -16,28 +16,19 @@ from kickdrift.world.body import Body
 from kickdrift.world.cloth import layout as c
 from kickdrift.world.cloth.coupling_tables import put_couplings
 from kickdrift.world.cloth.fabric import Fabric
-from kickdrift.world.cloth.face_tree import owned
 from kickdrift.world.cloth.handle import Cloth
 from kickdrift.world.cloth.membrane import inverse_edges
-from kickdrift.world.cloth.mesh import ClothMesh, cloth_mesh, flattened
+from kickdrift.world.cloth.mesh import ClothMesh, flattened, masses_of
+from kickdrift.world.cloth.mesh_tables import mesh_in, put_mesh
 from kickdrift.world.cloth.particle_tables import arrange
 from kickdrift.world.cloth.pinning import add_pins, remove_pins
+from kickdrift.world.cloth.ranges import add_range, remove_range, rows_of
+from kickdrift.world.cloth.splitting import Split, cut_by_plane, put_split
+from kickdrift.world.cloth.tearing import find_tears
 from kickdrift.world.cloth.tuning import softness, tune
-from kickdrift.world.cloth.vibration import membrane_rate
+from kickdrift.world.cloth.vibration import put_membrane_rate
 from kickdrift.world.names import Names
-from kickdrift.world.tables import (
-    CLOTH,
-    CLOTH_NUMBERS,
-    COUPLING,
-    CURVED_FACE,
-    FACE,
-    FACE_NUMBERS,
-    PARTICLE,
-    PARTICLE_COUPLINGS,
-    PARTICLE_REST,
-    PIN,
-    Tables,
-)
+from kickdrift.world.tables import CLOTH, CLOTH_NUMBERS, FACE, PARTICLE, PIN, Tables
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World
@@ -66,23 +57,13 @@ class Cloths:
     @undivided
     def add(self, mesh: ClothMesh, fabric: Fabric, warp: Floats, name: str | None, self_collision: bool) -> Cloth:
         """Take rows for a cloth that lies as its mesh does, without any tension."""
-        tables, row = self.tables, self.tables.count(CLOTH)
-        first = [tables.count(table) for table in (PARTICLE, FACE, COUPLING, CURVED_FACE)]
-        name = self.names.checked(name, row)
-        flat, axes = flattened(mesh, warp)
-        to_rest = inverse_edges(flat)
+        tables, name = self.tables, self.names.checked(name)
+        to_rest = inverse_edges(flattened(mesh, warp)[0])
         areas = 0.5 / np.abs(to_rest[:, 0] * to_rest[:, 3] - to_rest[:, 1] * to_rest[:, 2])
-        thirds = np.repeat(fabric.density * areas / 3.0, 3)
-        masses = np.asarray(np.bincount(mesh.triangles.ravel(), weights=thirds), dtype=np.float64)
-        self._add_particles(mesh, masses)
-        faces = tables.resize(FACE, first[1] + len(areas))[first[1] :]
-        faces[:, c.CORNERS : c.CORNERS + 3], faces[:, c.OWNED] = mesh.triangles + first[0], owned(mesh.triangles)
-        rest = tables.resize(FACE_NUMBERS, first[1] + len(areas))[first[1] :]
-        rest[:, c.TO_REST : c.TO_REST + 4], rest[:, c.FACE_AREA] = to_rest, areas
-        numbers, own = tables.resize(CLOTH_NUMBERS, row + 1)[row], tables.resize(CLOTH, row + 1)[row]
-        for k, table in enumerate((PARTICLE, FACE, COUPLING, CURVED_FACE)):
-            own[[2 * k, 2 * k + 1]] = first[k], tables.count(table)
-        own[[c.FIRST_PIN, c.LAST_PIN]] = tables.count(PIN)
+        masses = masses_of(mesh, fabric.density * areas)
+        row = add_range(tables)
+        put_mesh(tables, row, mesh, masses, np.column_stack((to_rest, areas)))
+        own, numbers = tables.array(CLOTH)[row], tables.array(CLOTH_NUMBERS)[row]
         generation, self.n_made = self.n_made, self.n_made + 1
         own[c.PARTS], own[c.CLOTH_GENERATION], own[c.MEETS_ITSELF] = 1, generation, int(self_collision)
         self._arranged = -1
@@ -98,22 +79,59 @@ class Cloths:
         numbers[c.SKIN] = min(_OF_THICKNESS * fabric.thickness, _SKIN * math.sqrt(float(np.median(areas))))
         numbers[c.CLOTH_FRICTION], numbers[c.LINEAR_DAMPING] = fabric.friction, fabric.linear_damping
         numbers[c.DRAG], numbers[c.LIFT] = fabric.air_density * fabric.drag, fabric.air_density * fabric.lift
-        stiffness = areas[:, None] * np.array([fabric.stretch_stiffness, fabric.shear_stiffness])
-        numbers[c.MEMBRANE_RATE] = membrane_rate(mesh, axes, to_rest, stiffness, masses)
+        numbers[c.TEAR_STRAIN] = fabric.tear_strain
+        put_membrane_rate(tables, row, mesh)
         self.names.give(row, name)
         self._couple(row)
         self._bodies.wake()
         self.wake()
         return Cloth(row, generation, self)
 
-    def _add_particles(self, mesh: ClothMesh, masses: Floats) -> None:
-        tables, first, last = self.tables, self.tables.count(PARTICLE), self.tables.count(PARTICLE) + len(masses)
-        for table in (PARTICLE, PARTICLE_REST, PARTICLE_COUPLINGS):
-            tables.resize(table, last)
-        tables.array(PARTICLE_REST)[first:, :3] = mesh.vertices
-        particles = tables.array(PARTICLE)[first:]
-        particles[:, :3], particles[:, c.PARTICLE_MASS] = mesh.vertices, masses
-        particles[:, c.PARTICLE_INVERSE_MASS] = 1.0 / masses
+    @undivided
+    def remove(self, cloth: Cloth) -> None:
+        """Remove a cloth; see `World.remove_cloth`."""
+        row = self.row(cloth)
+        repr(cloth)  # errors call by its name what is gone
+        remove_range(self.tables, row)
+        names = self.names.all()
+        self.names.replace({k - (k > row): name for k, name in names.items() if k != row})
+        self._changed()
+
+    @undivided
+    def cut(self, cloth: Cloth, point: Floats, normal: Floats) -> int:
+        """Cut a cloth; see `Cloth.cut`."""
+        row = self.row(cloth)
+        return self._put_split(row, cut_by_plane(self.tables, row, point, normal))
+
+    @property
+    def tearable(self) -> bool:
+        """Whether a cloth can tear."""
+        return bool((self.tables.array(CLOTH_NUMBERS)[:, c.TEAR_STRAIN] > 0.0).any())
+
+    @undivided
+    def tear(self) -> bool:
+        """Tear the cloths that are stretched too far; whether there were any."""
+        torn = False
+        for row, own in enumerate(self.tables.array(CLOTH)[:, c.IS_ASLEEP].tolist()):
+            split = find_tears(self.tables, row) if own == 0 else None
+            torn = torn or split is not None
+            if split is not None:
+                self._put_split(row, split)
+        return torn
+
+    def _put_split(self, row: int, split: Split) -> int:
+        if split.parents.size:
+            put_split(self.tables, row, split)
+            self._changed()
+        return int(split.parents.size)
+
+    def _changed(self) -> None:
+        """Let all be made ready anew that depends on which vertices there are, and wake."""
+        self._arranged, self._substep = -1, 0.0
+        self._bodies.wake()
+        self.wake()
+        self.tables.altered = True
+        self.tables.version += 1
 
     def _couple(self, row: int) -> None:
         put_couplings(self.tables, row, self.mesh(row))
@@ -121,10 +139,7 @@ class Cloths:
 
     def mesh(self, row: int) -> ClothMesh:
         """Return the mesh of a cloth as it is without tension."""
-        tables, own = self.tables, self.tables.array(CLOTH)[row]
-        first, last = own[c.FIRST_PARTICLE], own[c.LAST_PARTICLE]
-        triangles = tables.array(FACE)[own[c.FIRST_FACE] : own[c.LAST_FACE], c.CORNERS : c.CORNERS + 3] - first
-        return cloth_mesh(tables.array(PARTICLE_REST)[first:last, :3].copy(), triangles)
+        return mesh_in(self.tables, row)
 
     def tune(self, substep: float) -> None:
         """Choose parts of a substep, s, for all cloths, and how stiff they can be in it; make ready what a step makes anew."""
@@ -138,15 +153,24 @@ class Cloths:
         self._substep = substep
 
     def restored(self) -> None:
-        """Let `tune` choose anew, and new handles be others than all before, after the tables have become others."""
+        """Let `tune` choose anew, after the tables have become others."""
         self._substep, self._arranged = 0.0, -1
-        self.n_made = max(self.n_made, 1 + int(self.tables.array(CLOTH)[:, c.CLOTH_GENERATION].max(initial=-1)))
 
     def row(self, cloth: Cloth, argument: str = "cloth") -> int:
         """Return the row of a cloth; ArgumentError if it is none of this world."""
-        if not isinstance(cloth, Cloth) or not self.knows(cloth.index, cloth.generation) or cloth.registry is not self:
+        if not isinstance(cloth, Cloth) or cloth.registry is not self:
             raise ArgumentError(f"{argument}={cloth!r} is no cloth of this world; give what World.add_cloth returned.")
-        return cloth.index
+        index = cloth.index
+        if not self.knows(index, cloth.generation):
+            raise ArgumentError(f"{argument}={cloth!r} was removed; use an existing cloth.")
+        return index
+
+    def index_of(self, generation: int, last: int) -> int:
+        """Return the row of the cloth of a generation, which had a row last; that one, too, if it is gone."""
+        if self.knows(last, generation):
+            return last
+        found = np.flatnonzero(self.tables.array(CLOTH)[:, c.CLOTH_GENERATION] == generation)
+        return int(found[0]) if found.size else last
 
     def words(self, row: int) -> str:
         """Name a cloth in a sentence."""
@@ -155,7 +179,7 @@ class Cloths:
     def knows(self, index: int, generation: int) -> bool:
         """Whether a row is that of a cloth of a generation, and there."""
         cloths = self.tables.array(CLOTH)
-        return index < len(cloths) and bool(cloths[index, c.CLOTH_GENERATION] == generation)
+        return 0 <= index < len(cloths) and bool(cloths[index, c.CLOTH_GENERATION] == generation)
 
     def handle(self, row: int) -> Cloth:
         """Return the handle of a row."""
@@ -163,8 +187,7 @@ class Cloths:
 
     def particles(self, cloth: Cloth) -> Floats:
         """Rows of the vertices, a live view."""
-        own = self.tables.array(CLOTH)[self.row(cloth)]
-        return self.tables.array(PARTICLE)[own[c.FIRST_PARTICLE] : own[c.LAST_PARTICLE]]
+        return rows_of(self.tables, self.row(cloth), c.FIRST_PARTICLE, PARTICLE)
 
     def triangles(self, cloth: Cloth) -> Integers:
         """Vertices of the triangles, a copy."""
@@ -180,6 +203,7 @@ class Cloths:
         """Give numbers of a name anew."""
         first, size = _COLUMNS[name]
         self.tables.array(CLOTH_NUMBERS)[self.row(cloth), first : first + size] = value
+        self.tables.altered = True  # of whether it can tear the loop of the steps depends
         self._bodies.wake()
         self.wake()
 
@@ -253,4 +277,4 @@ class Cloths:
 
 # The skin, of the thickness and of the size of triangles: with 0.2 of these, neighbours in a sheet would be pairs.
 _OF_THICKNESS, _SKIN = 0.5, 0.12
-_COLUMNS = {"wind": (c.WIND, 3), "friction": (c.CLOTH_FRICTION, 1)}
+_COLUMNS = {"wind": (c.WIND, 3), "friction": (c.CLOTH_FRICTION, 1), "tear_strain": (c.TEAR_STRAIN, 1)}

@@ -1,1 +1,1 @@
-"""Contacts: what keeps bodies apart."""
+"""Contacts: constraints that keep bodies apart, with friction and restitution."""

@@ -1,4 +1,4 @@
-"""Which bodies a step has nothing between, so that their substeps can be done one batch after the other."""
+"""Division of a world into batches of islands, whose substeps can be done one batch after the other."""
 
 from typing import Any
 
@@ -12,17 +12,17 @@ from kickdrift.world.step_status import ask_for_room
 from kickdrift.world.tables import BATCH, BODY, CONTACT, MEMBER, MEMBERSHIP, integers, room, rows, set_rows
 
 # Columns of MEMBERSHIP
-OWN_BATCH = column(MEMBERSHIP)  # before: a body of its island with a lower row, or itself
-ISLAND_WEIGHT = column(MEMBERSHIP)  # of the island of which it is the first body
+OWN_BATCH = column(MEMBERSHIP)  # while islands are found: its parent in the disjoint sets
+ISLAND_WEIGHT = column(MEMBERSHIP)  # for the first body of an island: the number of its bodies and contacts
 
 # Bodies and contacts, of some 900 bytes each: what a substep reads of them fits into half a megabyte.
 _MOST = 512
-FEW = 1000  # bodies, of which all substeps fit into the cache
+FEW = 1000  # bodies, up to which a whole world fits into the cache
 
 
 @compiled
 def find_batches(t: float, h: float, world: int) -> None:
-    """Find islands of bodies that contacts connect, and fill batches with whole ones, in the order of their first bodies."""
+    """Find islands of bodies connected by contacts, and fill batches with whole islands, in the order of their first bodies."""
     if rows(world, BODY) > room(world, BATCH):
         ask_for_room(world, BATCH, rows(world, BODY))
         return
@@ -46,12 +46,12 @@ def find_batches(t: float, h: float, world: int) -> None:
 
 @compiled
 def _fill(world: int, own: Any) -> None:
-    """Fill the batches, and list their members."""
+    """Assign islands to batches, and list the members of each batch."""
     batches, member, last = integers(world, BATCH), integers(world, MEMBER), 0
     batches[0, WEIGHT], batches[0, AFTER_MEMBER] = 0, 0
     for row in range(rows(world, BODY)):
         before, weight = own[row, OWN_BATCH], own[row, ISLAND_WEIGHT]
-        if before != row:  # a body with a lower row, whose batch is known by now
+        if before != row:  # a lower row, whose batch is known by now
             own[row, OWN_BATCH] = own[before, OWN_BATCH]
         else:
             if batches[last, WEIGHT] > 0 and batches[last, WEIGHT] + weight > _MOST:

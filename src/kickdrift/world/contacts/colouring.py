@@ -25,16 +25,17 @@ from kickdrift.world.tables import (
 )
 
 _COLOURS = 62
-OVERFLOW = _COLOURS  # contacts that found no colour: one by one, in groups of their own
-LINKED = OVERFLOW + 1  # and those that are solved directly: see `kickdrift.world.direct`
+OVERFLOW = _COLOURS  # of contacts for which no colour was left: solved one by one, each in a group of its own
+LINKED = OVERFLOW + 1  # of contacts that are solved directly: see `kickdrift.world.direct`
 
 
 @compiled
 def colour(t: float, h: float, world: int) -> None:
     """Give every contact that has points a colour, and every colour its groups of lanes.
 
-    Greedy, in the order of the contacts: the first colour that neither body has yet. Bodies that do not move have none. Every
-    batch has its own colours, which take each other's place in `LANES`; contacts that are solved directly stand last.
+    Greedy, in the order of the contacts: the first colour that neither body has yet; bodies that impulses do not move do not
+    count. Every batch has its own colours, whose constraints share the same space in `LANES`. Contacts that are solved directly
+    come last.
     """
     batches = max(rows(world, BATCH), 1)
     if batches * BATCH_COLOURS > room(world, COLOURS):
@@ -99,7 +100,7 @@ def colour(t: float, h: float, world: int) -> None:
 
 @compiled
 def _place(world: int) -> None:
-    """Give every contact that has a colour its lane."""
+    """Assign a group and a lane to every contact that has a colour."""
     contact, colours, groups = integers(world, CONTACT), integers(world, COLOURS), integers(world, GROUPS)
     for g in range(rows(world, GROUPS)):
         for lane in range(c.WIDTH):

@@ -1,9 +1,9 @@
-"""What the solver does to a group of constraints: loops over lanes that the compiler turns into vector instructions.
+"""Kernels of the contact solver: loops over the lanes of a group of constraints that the compiler vectorises.
 
-`own` are the fields of a group, `s` its scratch; both lie flat, field k of lane l at k WIDTH + l, so that the compiler sees
-that lanes do not touch each other. The number of lanes comes as an argument: a constant one of eight or less is unrolled
-before the vectoriser sees the loop. All kernels have one signature and are called by address: linked into the stages that
-use them, they would be compiled as many times.
+`own` are the fields of a group, `s` its scratch; both are flat, with field k of lane l at k WIDTH + l, so that the compiler
+can prove that lanes do not overlap. The number of lanes n is an argument: a loop of eight or fewer iterations, known in
+advance, would be unrolled before the vectoriser sees it. All kernels have one signature and are called by address: linked into
+the stages that use them, each would be compiled several times.
 """
 
 import math
@@ -26,7 +26,7 @@ from kickdrift.world.contacts.prepare_simd import (
 )
 
 W = c.WIDTH
-_NEXT = c.POINT_FIELDS * W  # from a field of a point to the same of the next
+_NEXT = c.POINT_FIELDS * W  # distance from a field of a point to the same field of the next
 _LEVER = (c.P + c.LEVER) * W
 
 _ARRAY = types.Array(types.float64, 1, "C")
@@ -35,7 +35,7 @@ KERNEL = types.none(_ARRAY, _ARRAY, types.float64, types.float64, types.float64,
 
 @compiled(fast=True, inline=True)
 def _turn(s: Any, inertia: int, lane: int, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """Change of angular velocity by an angular impulse."""
+    """Return the change of angular velocity by an angular impulse; `inertia` is the field of the inverse inertia."""
     i = inertia * W + lane
     return (
         s[i] * x + s[i + 3 * W] * y + s[i + 4 * W] * z,
@@ -52,7 +52,7 @@ def _vector(array: Any, field: int, lane: int) -> tuple[float, float, float]:
 
 @compiled(fast=True, inline=True)
 def _impulses(own: Any, lane: int) -> tuple[float, float, float, float]:
-    """Return the normal impulses of the four points; a loop here would keep the loop over lanes from vectorising."""
+    """Return the normal impulses of the four points; a loop here would prevent vectorisation of the loop over lanes."""
     i = (c.P + c.IMPULSE) * W + lane
     return own[i], own[i + _NEXT], own[i + 2 * _NEXT], own[i + 3 * _NEXT]
 
@@ -67,7 +67,7 @@ def _put(array: Any, field: int, lane: int, x: float, y: float, z: float) -> Non
 
 @compiled(fast=True, inline=True)
 def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, arms: Any, spring: Any, state: Any) -> Any:
-    """Solve one point, whose fields begin at i; `state` is the impulse of those before it and the velocities they left."""
+    """Solve one point, whose fields begin at i; return the state: sum of impulses, normal and both angular velocities."""
     rate, soft_mass, soft_impulse, per_h, push, closed, bounces, sum_mass = spring
     tx, ty, tz, ex, ey, ez = arms
     total, v, wax, way, waz, wbx, wby, wbz = state
@@ -75,7 +75,7 @@ def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, arms: Any, 
     impulse = own[i + c.IMPULSE * W]
     gap = own[i + c.GAP * W] + opened + (ax * tx + ay * ty + az * tz)
     bx, by, bz = ax - ex, ay - ey, az - ez
-    # Without branches, which would keep the loop from vectorising: points apart are rigid, and their bias is gap / h.
+    # Without branches, which would prevent vectorisation: separated points are rigid, and their bias is gap / h.
     apart = 1.0 if gap > 0.0 else 0.0
     bias = max(gap, 0.0) * per_h + soft_mass * rate * min(gap, 0.0)
     scale = soft_mass + apart * (1.0 - soft_mass)
@@ -83,13 +83,13 @@ def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, arms: Any, 
     speed = v + (bx * wbx + by * wby + bz * wbz) - (ax * wax + ay * way + az * waz)
     mass = own[i + c.POINT_MASS * W]
     rounding = 1e-9 * mass * abs(speed)
-    # A bound on the speed: one on the bias would make deep overlaps springs of one force, whatever their depth, between which
-    # balls wander for ever.
+    # Bounds the speed of separation. A bound on the bias would turn deep overlaps into springs whose force does not depend on
+    # depth, between which balls wander for ever.
     change = min(-mass * (scale * speed + bias) - leak * impulse, mass * (push - speed))
     new = max(impulse + change, 0.0)
-    # The second sweep adds nothing to points that are apart, but for rounding, and carry nothing: what meets in the next
-    # substep may bounce there. Of those that carry something, rounding says whether they are apart. Neither sweep adds
-    # anything to points that approach fast enough to bounce, and have not yet.
+    # The relaxing sweep adds nothing to points that are separated by more than rounding and carry no impulse, since they may
+    # bounce when they meet in the next substep; of loaded points, rounding decides whether they are separated. Neither sweep
+    # adds anything to points that approach fast enough to bounce, and have not bounced yet.
     idle = ((gap > closed) | (speed < bounces)) & (impulse <= rounding)
     d = min(new - impulse, 0.0 if idle else 1e300)
     own[i + c.IMPULSE * W] = impulse + d
@@ -109,10 +109,10 @@ def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, arms: Any, 
 
 @compiled(fast=True)
 def solve_normals(own: Any, s: Any, per_h: float, soft: float, push: float, n: int) -> None:
-    """One sweep over the points: softly where `soft` is 1.0, rigid and without bias where it is 0.0.
+    """Do one sweep over the points: soft and with bias if `soft` is 1.0, rigid and without bias if it is 0.0.
 
-    `push` is the speed at which they are pushed apart at most, and without bias how deep points are that begin to carry: then
-    nothing pushes, and no speed of parting is bounded.
+    With bias, `push` is the largest speed at which overlapping points are pushed apart, m/s. Without bias, it is the depth from
+    which points begin to carry impulses, m, and bounds no speed.
     """
     closed = 1e300 if soft > 0.0 else -push
     for lane in range(n):
@@ -129,7 +129,7 @@ def solve_normals(own: Any, s: Any, per_h: float, soft: float, push: float, n: i
         tax, tay, taz = _vector(s, DELTA_POSE_A + 3, lane)
         dbx, dby, dbz = _vector(s, DELTA_POSE_B, lane)
         tbx, tby, tbz = _vector(s, DELTA_POSE_B + 3, lane)
-        # Arms of b are those of a less what is between the bodies, times the normal.
+        # The arm of b is that of a less the vector between the bodies, times the normal.
         dx, dy, dz = _vector(own, c.BETWEEN, lane)
         ex, ey, ez = dy * nz - dz * ny, dz * nx - dx * nz, dx * ny - dy * nx
         dx, dy, dz = dbx - dax, dby - day, dbz - daz
@@ -139,7 +139,7 @@ def solve_normals(own: Any, s: Any, per_h: float, soft: float, push: float, n: i
         state = (0.0, v, wax, way, waz, wbx, wby, wbz)
         bounces = -own[c.BOUNCE_THRESHOLD * W + lane]
         spring = (rate, soft_mass, soft_impulse, per_h, push, closed, bounces, mass_a + mass_b)
-        # Indices of constants and the lane alone: others might be negative to the compiler, and would not be vectors.
+        # Indices are sums of constants and the lane: others might be negative to the compiler, and prevent vectorisation.
         i = c.P * W + lane
         state = _solve_point(own, s, lane, i, opened, arms, spring, state)
         state = _solve_point(own, s, lane, i + _NEXT, opened, arms, spring, state)
@@ -155,7 +155,7 @@ def solve_normals(own: Any, s: Any, per_h: float, soft: float, push: float, n: i
 
 @compiled(fast=True)
 def solve_friction(own: Any, s: Any, per_h: float, soft: float, push: float, n: int) -> None:
-    """Solve rolling resistance, twist, and friction at the centre, each bounded by what the normal impulses carry."""
+    """Do one sweep over rolling resistance, torsional friction and friction at the centre, bounded by the normal impulses."""
     for lane in range(n):
         nx, ny, nz = _vector(own, c.N, lane)
         mass_a, mass_b = own[c.MASS_A * W + lane], own[c.MASS_B * W + lane]
@@ -202,8 +202,8 @@ def solve_friction(own: Any, s: Any, per_h: float, soft: float, push: float, n: 
         old1, old2 = own[c.TANGENT_IMPULSE * W + lane], own[(c.TANGENT_IMPULSE + 1) * W + lane]
         new1 = old1 - (k11 * s1 + k12 * s2)
         new2 = old2 - (k12 * s1 + k22 * s2)
-        # What sticks takes the impulse that stops it. What slides has friction against the way it slides, which is another
-        # direction where the contact lies aside of the centres: a step of one mass, the least, for all directions.
+        # A sticking contact gets the impulse that stops it. Off the line of centres that impulse does not oppose the sliding,
+        # as friction on a sliding contact is: hence one mass, the smallest, for all directions.
         most = friction * normal
         sticks = new1 * new1 + new2 * new2 <= most * most
         half, between = 0.5 * (k11 + k22), 0.5 * (k11 - k22)
@@ -225,7 +225,7 @@ def solve_friction(own: Any, s: Any, per_h: float, soft: float, push: float, n: 
 
 @compiled(fast=True)
 def apply_impulses(own: Any, s: Any, per_h: float, soft: float, push: float, n: int) -> None:
-    """Apply all impulses once more."""
+    """Apply the accumulated impulses to the velocities (warm start)."""
     for lane in range(n):
         nx, ny, nz = _vector(own, c.N, lane)
         ux, uy, uz = _vector(own, c.T, lane)
@@ -267,7 +267,7 @@ def apply_impulses(own: Any, s: Any, per_h: float, soft: float, push: float, n: 
 
 @compiled(fast=True, inline=True)
 def _point_speed(own: Any, lane: int, i: int, v: float, turning: Any, between: Any) -> float:
-    """Speed of a point that carries something, whose fields begin at i, along the normal; 0.0 of one that carries nothing."""
+    """Return the normal speed of a point whose fields begin at i; 0.0 if it carries no impulse."""
     wax, way, waz, wbx, wby, wbz = turning
     ex, ey, ez = between
     ax, ay, az = _vector(own, c.ARM, i)
@@ -277,7 +277,7 @@ def _point_speed(own: Any, lane: int, i: int, v: float, turning: Any, between: A
 
 @compiled(fast=True)
 def measure_normals(own: Any, s: Any, unused: float, none: float, nothing: float, n: int) -> None:
-    """Write into MARK of each lane how fast points that carry something part or approach, at most."""
+    """Write into MARK of each lane the largest normal speed of points that carry an impulse, m/s."""
     for lane in range(n):
         nx, ny, nz = _vector(own, c.N, lane)
         ax, ay, az = _vector(s, VELOCITY_A, lane)

@@ -1,8 +1,8 @@
-"""Arms, effective masses and gaps of constraints, in lanes, for the poses that bodies have now.
+"""Arms, effective masses and gaps of constraints, in lanes, for the present poses of bodies.
 
-`refresh` is the one source of arms, effective masses and gaps. Points turn with their bodies; of round shapes it is the core
-that does (`kickdrift.world.contacts.rolling_shape`), and the radius lies along the normal, so that what spins about the core
-feels no turn and what rolls no gap. Both arms end at one point, which keeps momentum and angular momentum.
+`refresh` is the only place that computes arms and effective masses. Points turn with their bodies; for round shapes the core
+does (`kickdrift.world.contacts.rolling_shape`), and the radius stays along the normal, so that spinning about the core does not
+turn the contact, and rolling does not open it. Both arms end at one point, which conserves momentum and angular momentum.
 """
 
 import math
@@ -30,7 +30,7 @@ from kickdrift.world.contacts.prepare_simd import (
 )
 
 W = c.WIDTH
-# How many times smaller than tilts have twists and slides to be, if arms are to stay as they are.
+# Factors by which turns about the normal and slides count more than tilts in deciding whether arms are kept
 TWIST_STRICTNESS, SLIP_STRICTNESS = 50.0, 2.0
 _NEXT = c.POINT_FIELDS * W  # from a field of a point to the same of the next
 _ANCHORS, _ANCHOR = c.ANCHORS * W, c.ANCHOR_SIZE * W
@@ -38,9 +38,9 @@ _ANCHORS, _ANCHOR = c.ANCHORS * W, c.ANCHOR_SIZE * W
 
 @compiled(fast=True)
 def find_stale(own: Any, s: Any, twist: float, slip: float, none: float, n: int) -> None:
-    """Mark lanes whose bodies have turned, or slid past each other, since their arms were taken.
+    """Mark lanes whose bodies have turned, or slid past each other, since their arms were computed.
 
-    Against twisting and sliding it is as many times stricter than against tilting as `twist` and `slip` say.
+    Turns about the normal count `twist` times as much as tilts, and slides count `slip` times.
     """
     for lane in range(n):
         nx, ny, nz = vector(own, c.N * W + lane)
@@ -75,7 +75,7 @@ def find_stale(own: Any, s: Any, twist: float, slip: float, none: float, n: int)
 def _refresh_point(
     own: Any, s: Any, lane: int, i: int, at: int, k: float, slop: float, h: float, rounds: Any, sums: Any
 ) -> Any:
-    """Take arms and mass of point k again, and the gap where bodies have moved; return the weighted sum of points so far."""
+    """Recompute arm, effective mass and, if h > 0, the gap of a point; return the weighted sum of positions so far."""
     nx, ny, nz = vector(own, c.N * W + lane)
     weight, sx, sy, sz = sums
     there = 1.0 if own[c.COUNT * W + lane] > k else 0.0
@@ -115,14 +115,14 @@ def _refresh_point(
     put(own, i, x, y, z)
     old = own[i + c.POINT_MASS * W]
     own[i + c.POINT_MASS * W] = there / (response + 1e-300) if anew else old
-    # Points that touch carry the friction: the centre must not jump where a distant one comes or goes.
+    # Touching points carry the friction, and the centre must not jump when a distant one appears or disappears.
     part = there * min(max(2.0 - gap / (4.0 * slop), 1e-10), 1.0)
     return weight + part, sx + part * px, sy + part * py, sz + part * pz
 
 
 @compiled(fast=True, inline=True)
 def _lever(own: Any, i: int, nx: float, ny: float, nz: float, cx: float, cy: float, cz: float) -> float:
-    """Distance of a point from the centre of the contact in its plane: arms are at right angles to the normal."""
+    """Return the distance of a point from the centre of the contact in its plane; arms are products with the normal."""
     ax, ay, az = vector(own, i + c.ARM * W)
     bx, by, bz = cy * nz - cz * ny, cz * nx - cx * nz, cx * ny - cy * nx
     return math.sqrt((ax - bx) * (ax - bx) + (ay - by) * (ay - by) + (az - bz) * (az - bz))
@@ -130,7 +130,7 @@ def _lever(own: Any, i: int, nx: float, ny: float, nz: float, cx: float, cy: flo
 
 @compiled(fast=True)
 def refresh(own: Any, s: Any, slop: float, h: float, none: float, n: int) -> None:
-    """Take arms and effective masses of the marked lanes again; gaps, too, unless h is 0.0."""
+    """Recompute arms, effective masses and centres of the marked lanes, and gaps unless h is 0.0."""
     for lane in range(n):
         sums = (0.0, 0.0, 0.0, 0.0)
         i, at = c.P * W + lane, _ANCHORS + lane
@@ -160,7 +160,7 @@ def refresh(own: Any, s: Any, slop: float, h: float, none: float, n: int) -> Non
 
 @compiled(fast=True)
 def refresh_friction(own: Any, s: Any, unused: float, moved: float, none: float, n: int) -> None:
-    """Do the same for friction, twist and rolling resistance, after `refresh`."""
+    """Recompute effective masses of friction, torsion and rolling resistance in the marked lanes, after `refresh`."""
     for lane in range(n):
         nx, ny, nz = vector(own, c.N * W + lane)
         ux, uy, uz = vector(own, c.T * W + lane)
@@ -189,7 +189,7 @@ def refresh_friction(own: Any, s: Any, unused: float, moved: float, none: float,
         k12 += response_to(s, j, px, py, pz, qx, qy, qz)
         scale = 1.0 / (k11 * k22 - k12 * k12 + 1e-300)
         spin = response_to(s, i, nx, ny, nz, nx, ny, nz) + response_to(s, j, nx, ny, nz, nx, ny, nz)
-        # The mean of the three moments of inertia: one number serves every axis of rolling.
+        # The mean of the three inverse moments of inertia: one number for every axis of rolling.
         trace = s[i] + s[i + W] + s[i + 2 * W] + s[j] + s[j + W] + s[j + 2 * W]
         anew = s[MARK * W + lane] > 0.0
         x, y, z = vector(own, c.GRIP * W + lane)

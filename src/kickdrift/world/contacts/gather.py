@@ -1,4 +1,4 @@
-"""What the constraint of one contact is made of, gathered from the tables for `kickdrift.world.contacts.prepare_simd`."""
+"""Gathers the data of the constraint of one contact from the tables, for `kickdrift.world.contacts.prepare_simd`."""
 
 import math
 from typing import Any
@@ -50,19 +50,22 @@ from kickdrift.world.tables import (
     integers,
 )
 
-# Of the spring, times the substep. A pyramid of twenty rows sways from 0.2 on, and one of 0.15 leaves it standing.
+# Largest frequency of the contact spring times the substep. A pyramid of twenty rows sways from 0.2 on, and stands with 0.15.
 STIFFEST = 0.15
-# Arms are taken again where bodies turn or slide past each other faster than _STILL, in widths of the face on which they meet
-# and 1/s. What creeps keeps those with which it came to rest, until they are wrong by more than _CREEP of it: the overlap of a
-# tall stack is soft, and with arms that follow every lean it would bend like a soft rod, and fall. Edges and points have no
-# width, and what is round rolls: their arms always follow.
+# Arms are recomputed if bodies turn or slide past each other faster than _STILL, in widths of their common face per second.
+# Bodies that creep keep the arms with which they came to rest, until these are wrong by more than _CREEP widths: contacts of
+# a tall stack are soft, and with arms that follow every lean it would bend like a soft rod, and fall. Contacts at edges and
+# points have no width, and round shapes roll: their arms always follow.
 _STILL, _CREEP = 1.2, 0.2
-_ROUNDING = 1e-9  # of the smaller shape, by which everything may move
+_ROUNDING = 1e-9  # of the size of the smaller shape: motion below this is rounding
 
 
 @compiled
 def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch: Any) -> None:
-    """Gather what the constraint of one contact is made of; field k is raw[k WIDTH]."""
+    """Gather the data of the constraint of one contact: field k goes to raw[k WIDTH], or scratch[k WIDTH].
+
+    `soft` and `softer` are the softness of contacts with immovable and with movable bodies.
+    """
     contact, manifold = integers(world, CONTACT), floats(world, MANIFOLD)
     pose, motion, inverse_mass, place = (
         floats(world, POSE),
@@ -78,7 +81,7 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
     apart = minus(vector_at(pose, b, POSITION), vector_at(pose, a, POSITION))
     normal = vector_at(manifold, row, c.NORMAL)
     along, width = turned(turn_a, normal), manifold[row, c.WIDTH_OF_FACE]
-    # Of the contact, along its normal, from the farther of both centres
+    # Height of the contact above the farther of both centres, along the normal
     arm = plus(arm_a, turned(turn_a, vector_at(manifold, row, c.POINT)))
     height = max(abs(dot(along, arm)), abs(dot(along, minus(arm, apart))))
     step = floats(world, SETTINGS)[0, STEP]
@@ -94,8 +97,8 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
         lay = vector_at(manifold, row, c.REST_APART)
         turned_a = product(quaternion_at(manifold, row, c.REST_A), conjugate(turn_a))
         turned_b = product(quaternion_at(manifold, row, c.REST_B), conjugate(turn_b))
-        wrong = _wrong(turned_a, turned_b, minus(lay, apart), arm, apart, along, max(height, width))
-        if wrong > (_CREEP * width) ** 2:
+        error = _arm_error(turned_a, turned_b, minus(lay, apart), arm, apart, along, max(height, width))
+        if error > (_CREEP * width) ** 2:
             moves, turned_a, turned_b, lay = True, (1.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), apart
         along = turned(turned_a, along)
     if moves:
@@ -103,7 +106,7 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
             manifold[row, c.REST_A + k], manifold[row, c.REST_B + k] = turn_a[k], turn_b[k]
         for k in range(3):
             manifold[row, c.REST_APART + k] = apart[k]
-    if rolls(round_a) and not rolls(round_b):  # a normal turns with the shape that is not round
+    if rolls(round_a) and not rolls(round_b):  # the normal turns with the shape that is not round
         along = turned(turn_b, back)
     for k in range(4):
         scratch[(r.TURNED_A + k) * c.WIDTH], scratch[(r.TURNED_B + k) * c.WIDTH] = turned_a[k], turned_b[k]
@@ -155,10 +158,13 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
 
 
 @compiled(inline=True)
-def _wrong(
+def _arm_error(
     turned_a: Quaternion, turned_b: Quaternion, slid: Vector, arm: Vector, apart: Vector, normal: Vector, reach: float
 ) -> float:
-    """Square of how much arms differ where bodies were turned and slid past each other; `arm` is one of the first body."""
+    """Return the square of the error of arms, m^2, after the given turns of the bodies and the slide between them.
+
+    `arm` is that of the first body, `apart` the vector from its centre to that of the second.
+    """
     tilt_a = times(math.copysign(2.0, turned_a[0]), (turned_a[1], turned_a[2], turned_a[3]))
     tilt_b = times(math.copysign(2.0, turned_b[0]), (turned_b[1], turned_b[2], turned_b[3]))
     slid = minus(plus(slid, cross(tilt_b, minus(arm, apart))), cross(tilt_a, arm))
@@ -171,9 +177,10 @@ def _wrong(
 
 @compiled(inline=True)
 def _share(rolls_a: bool, rolls_b: bool, lightness_a: float, lightness_b: float) -> float:
-    """Return how far from the first body's point to the second's the contact lies, where they have slid past each other.
+    """Return where the contact is between the first body's point, 0, and the second's, 1, if they have slid past each other.
 
-    Round shapes take it with them, whatever they roll on. Else the lighter body does, on which a wrong arm would tell more.
+    It moves with a round shape, whatever that rolls on; otherwise with the lighter body, on which an error of the arm has more
+    effect.
     """
     if rolls_a != rolls_b:
         return 0.0 if rolls_a else 1.0
@@ -182,9 +189,9 @@ def _share(rolls_a: bool, rolls_b: bool, lightness_a: float, lightness_b: float)
 
 @compiled
 def softness(world: int, fixed: bool) -> Vector:
-    """Rate of the bias, scale of the mass and of the impulse of a damped spring, implicit and whatever the masses.
+    """Return bias rate, 1/s, mass scale and impulse scale of a damped spring, integrated implicitly, for any masses.
 
-    Against what cannot move it has twice the frequency, thus four times the stiffness, and half the damping ratio.
+    Against immovable bodies it has twice the frequency, thus four times the stiffness, and half the damping ratio.
     """
     settings = floats(world, SETTINGS)
     h, damping = settings[0, STEP] / settings[0, SUBSTEPS], settings[0, CONTACT_DAMPING]
@@ -200,6 +207,7 @@ def softness(world: int, fixed: bool) -> Vector:
 
 @compiled(inline=True)
 def _surface_velocity(world: int, shape: int) -> Vector:
+    """Return the surface velocity of a shape in the world's axes, m/s."""
     place, pose = floats(world, PLACE), floats(world, POSE)
     s = SURFACE_VELOCITY
     velocity = (place[shape, s], place[shape, s + 1], place[shape, s + 2])

@@ -1,7 +1,7 @@
-"""When the points of a contact hit: the first zero of each gap, as both bodies fly.
+"""Times of impact of the points of a contact: the first zero of each gap along the free flight of both bodies.
 
-With normal n and arms r, the gap closes at the speed n . (v + w x r) and bends by n . (w x (w x r) + w' x r). Newton's method
-of second order marches along it, by no more than a part of a turn at a time, so that a corner that comes down and goes up
+With normal n and arms r, the gap has the derivatives n . (v + w x r) and n . (w x (w x r) + w' x r). Newton's method of second
+order, with parabolas, marches along it by at most a fraction of a turn at a time, so that a corner that comes down and goes up
 again within a substep is not missed.
 """
 
@@ -17,16 +17,16 @@ from kickdrift.world.layout import ADDED, ANGULAR_VELOCITY, VELOCITY
 from kickdrift.world.settings import MIDPOINT
 from kickdrift.world.tables import CONTACT, KICKED, MOTION, SETTINGS, floats, integers
 
-_STILL = 0.1  # rad a substep
-_TURN = 0.25  # rad, of which a gap bends by a percent less than a parabola
-_MARCHES = 64  # through a substep at most; faster corners may be missed, and then hit late
+_STILL = 0.1  # rad per substep
+_TURN = 0.25  # rad, over which a gap deviates from a parabola by a percent
+_MARCHES = 64  # windows per substep, at most; faster corners may be missed, and then hit late
 _ROUNDS = 8  # of Newton's method
-_ENOUGH = 1e-12  # of the substep
+_TOLERANCE = 1e-12  # of the substep
 
 
 @compiled
 def rests(h: float, world: int, row: int, own: Any, slowest: float) -> bool:
-    """Whether no point of a contact can become as fast as what bounces within the substep, as of most things that lie."""
+    """Whether no point of a contact can reach the bounce speed `slowest` within the substep: true of most resting contacts."""
     contact, motion = integers(world, CONTACT), floats(world, MOTION)
     a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], vector_of(own, c.N)
     across = dot(normal, minus(vector_at(motion, b, VELOCITY), vector_at(motion, a, VELOCITY)))
@@ -36,7 +36,7 @@ def rests(h: float, world: int, row: int, own: Any, slowest: float) -> bool:
         anchor = c.ANCHORS + c.ANCHOR_SIZE * k
         reach_a = max(reach_a, length(vector_of(own, anchor)) + own[(anchor + c.RADII) * c.WIDTH])
         reach_b = max(reach_b, length(vector_of(own, anchor + c.ANCHOR_B)) + own[(anchor + c.RADII + 1) * c.WIDTH])
-    # Twice, as the angular velocity of what is not round grows in its flight
+    # Twice, as the angular velocity of bodies with unequal moments may grow in flight
     fastest = abs(across) + abs(_added(world, a, b, normal)) + 2.0 * (turn_a * reach_a + turn_b * reach_b)
     return fastest < slowest and max(turn_a, turn_b) * h < _STILL
 
@@ -53,17 +53,17 @@ def find_time(
     flight_a: Flight,
     flight_b: Flight,
 ) -> Any:
-    """Find when a point hits faster than the slowest that bounce; its bodies fly so when the last impact has left them.
+    """Find when a point hits faster than `slowest`, m/s; `flight_a` and `flight_b` are the motions at the time `since`.
 
     Returns
     -------
     when : float
-        Where it does not within the substep, when it touches; infinity if never.
+        Time of impact in the substep, s; if it does not hit, the time at which it touches, or infinity.
     speed : float
-        0.0 where it does not hit.
+        Speed of approach then, m/s; 0.0 if it does not hit.
     free : bool
-        Whether the sweeps, which take velocities to be constant, are not to touch it: it does not touch, but may become as
-        fast as that within the substep, or shapes that overlap there come to part as fast.
+        Whether the sweeps, which assume constant velocities, must ignore the point: it does not touch but may reach that speed
+        within the substep, or it overlaps and comes to separate as fast.
     """
     normal = vector_of(own, c.N)
     gap, speed, bend = _gap(h, world, row, own, point, normal, flight_a, flight_b)
@@ -81,11 +81,11 @@ def find_time(
         if when >= h:
             break
         first, above = when, gap > 0.0
-        when = min(when + min(window, _until(gap, speed, bend) if above else window), h)
+        when = min(when + min(window, _time_to_zero(gap, speed, bend) if above else window), h)
         gap, speed, bend = _gap_at(h, world, row, own, point, normal, when)
         for _ in range(_ROUNDS if above else 0):
-            step = _until(gap, speed, bend)
-            if abs(step) <= _ENOUGH * h:
+            step = _time_to_zero(gap, speed, bend)
+            if abs(step) <= _TOLERANCE * h:
                 gap = 0.0
             if gap == 0.0 or not first <= when + step <= min(first + window, h):
                 break
@@ -96,8 +96,8 @@ def find_time(
 
 
 @compiled(inline=True)
-def _until(gap: float, speed: float, bend: float) -> float:
-    """Return when a parabola comes down to zero, before now if the gap is below it; infinity if never."""
+def _time_to_zero(gap: float, speed: float, bend: float) -> float:
+    """Return the time until a parabola falls to zero, negative if the gap is negative; infinity if it never does."""
     root = speed * speed - 2.0 * bend * gap
     if root < 0.0 or math.sqrt(root) <= speed:
         return math.inf
@@ -108,6 +108,7 @@ def _until(gap: float, speed: float, bend: float) -> float:
 def _gap_at(
     h: float, world: int, row: int, own: Any, point: int, normal: Vector, when: float
 ) -> tuple[float, float, float]:
+    """Return `_gap` at a time in the substep."""
     contact = integers(world, CONTACT)
     flight_a, flight_b = flown(h, world, contact[row, c.BODY_A], when), flown(h, world, contact[row, c.BODY_B], when)
     return _gap(h, world, row, own, point, normal, flight_a, flight_b)
@@ -117,7 +118,7 @@ def _gap_at(
 def _gap(
     h: float, world: int, row: int, own: Any, point: int, normal: Vector, flight_a: Flight, flight_b: Flight
 ) -> tuple[float, float, float]:
-    """Return the gap of a point where its bodies fly, and its first and second derivative."""
+    """Return the gap of a point and its first and second derivative in time, for the given motions of its bodies."""
     contact = integers(world, CONTACT)
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
     place_a, place_b = place_of(world, a, flight_a[0], flight_a[1]), place_of(world, b, flight_b[0], flight_b[1])
@@ -127,26 +128,27 @@ def _gap(
     )
     anchor = c.ANCHORS + c.ANCHOR_SIZE * point
     bend = _added(world, a, b, normal) / h
-    bend -= _bend(own, anchor, anchor + c.RADII, c.AXES, normal, place_a, flight_a, -1.0)
-    bend += _bend(own, anchor + c.ANCHOR_B, anchor + c.RADII + 1, c.AXES + 3, normal, place_b, flight_b, 1.0)
+    bend -= _normal_acceleration(own, anchor, anchor + c.RADII, c.AXES, normal, place_a, flight_a, -1.0)
+    anchor_b, radius_b = anchor + c.ANCHOR_B, anchor + c.RADII + 1
+    bend += _normal_acceleration(own, anchor_b, radius_b, c.AXES + 3, normal, place_b, flight_b, 1.0)
     return dot(normal, between), speed, bend
 
 
 @compiled(inline=True)
 def _added(world: int, a: int, b: int, normal: Vector) -> float:
-    """How much faster a gap opens after the substep than before, by the kick."""
+    """Return the change of a gap's speed in the substep by the kick, m/s; zero unless free flight uses the midpoint rule."""
     kicked, midpoint = floats(world, KICKED), floats(world, SETTINGS)[0, MIDPOINT]
     added: float = midpoint * dot(normal, minus(vector_at(kicked, b, ADDED), vector_at(kicked, a, ADDED)))
     return added
 
 
 @compiled(inline=True)
-def _bend(
+def _normal_acceleration(
     own: Any, anchor: int, radius: int, axis: int, normal: Vector, place: Place, flight: Flight, side: float
 ) -> float:
-    """Acceleration along the normal of a point of a body that goes round, on the side of a that is -1.0, or of b that is 1.0.
+    """Return the acceleration along the normal of a point of a rotating body, m/s^2; `side` is -1.0 for a, 1.0 for b.
 
-    The surface of a round shape is farther than its core by the radius times sqrt(1 - m^2), m = n . axis.
+    The surface of a round shape is farther along the normal than its core by the radius times sqrt(1 - m^2), m = n . axis.
     """
     arm, along = turned(place[1], vector_of(own, anchor)), turned(place[1], vector_of(own, axis))
     bend: float = dot(normal, _acceleration(flight, arm))
@@ -164,6 +166,7 @@ def _bend(
 
 @compiled(inline=True)
 def _acceleration(flight: Flight, arm: Vector) -> Vector:
+    """Return the acceleration of a point relative to the centre of its body, w x (w x r) + w' x r."""
     return plus(cross(flight[3], cross(flight[3], arm)), cross(flight[4], arm))
 
 
@@ -171,7 +174,10 @@ def _acceleration(flight: Flight, arm: Vector) -> Vector:
 def _fastest_turn(
     h: float, world: int, row: int, own: Any, point: int, normal: Vector, flight_a: Flight, flight_b: Flight
 ) -> tuple[float, float]:
-    """Bound how fast a point goes round, rad/s, and how its gap bends, m/s^2; what is round may spin about its core."""
+    """Bound the rate at which a point turns, rad/s, and the second derivative of its gap, m/s^2.
+
+    Rotation of a round shape about its core does not count.
+    """
     contact = integers(world, CONTACT)
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
     anchor = c.ANCHORS + c.ANCHOR_SIZE * point
@@ -185,12 +191,13 @@ def _fastest_turn(
 def _turn_of(
     own: Any, anchor: int, radius: int, axis: int, normal: Vector, place: Place, flight: Flight
 ) -> tuple[float, float]:
+    """Return the part of one body in the bounds of `_fastest_turn`."""
     arm, along = turned(place[1], vector_of(own, anchor)), turned(place[1], vector_of(own, axis))
     turn, reach = flight[3], own[radius * c.WIDTH]
     rate, size = length(turn), length(arm)
     round_core, tilting = length(cross(turn, arm)), length(cross(turn, along))
     if reach > 0.0:
         rate = min(rate, round_core / max(size, 1e-150) + tilting)
-    # A point that goes round an axis has at most |w x r| |w x n| along n; twice that, as the axis moves, too.
+    # The acceleration along n of a point that rotates is at most |w x r| |w x n|; twice that, as the axis moves, too.
     most = 2.0 * length(cross(turn, normal)) * (round_core + reach * tilting)
     return rate, most + 2.0 * length(flight[4]) * (size + reach * length(along))

@@ -1,4 +1,4 @@
-"""Impulses that contacts keep from one step for the next, with which it begins."""
+"""Impulses that contacts keep for warm starting the next step."""
 
 import numpy as np
 

@@ -1,10 +1,10 @@
-"""Columns of the tables that contacts live in, and fields of the constraints that are made of them for the solver.
+"""Columns of the tables of contacts, and fields of the constraints that are made from them for the solver.
 
 A manifold is up to four points with one normal.
 
-Constraints stand in groups of WIDTH: field k of lane l of group g is number (g FIELDS + k) WIDTH + l of the table `LANES`,
-so that the loops over lanes vectorise. Fields that the sweeps read come first; from ANCHORS on stand those of which
-`kickdrift.world.contacts.prepare_simd` makes them.
+Constraints are stored in groups of WIDTH: field k of lane l of group g is number (g FIELDS + k) WIDTH + l of the table `LANES`,
+so that the loops over lanes vectorise. Fields that the sweeps read come first; those from ANCHORS on are the data from which
+`kickdrift.world.contacts.effective_mass_simd` computes them.
 """
 
 from kickdrift.world.columns import Fields, column
@@ -15,31 +15,31 @@ WIDTH = 8  # lanes: two vectors of AVX2 or one of AVX-512
 # Columns of CONTACT
 SHAPE_A = column(CONTACT)
 SHAPE_B = column(CONTACT)
-TRIANGLE_INDEX = column(CONTACT)  # of the first shape, where it is a surface
+TRIANGLE_INDEX = column(CONTACT)  # of the first shape, if it is a surface
 BODY_A = column(CONTACT)
 BODY_B = column(CONTACT)
 POINTS = column(CONTACT)
 CONTACT_STATE = column(CONTACT)
-PLACE_IN_GROUPS = column(CONTACT)  # WIDTH times its group, and its lane; -1 where it has none
+PLACE_IN_GROUPS = column(CONTACT)  # WIDTH times its group, plus its lane; -1 if it has none
 
 # Bits of CONTACT_STATE
 TOUCHING = 1
 SENSOR = 2
 BOUNCED = 4  # bounced in this step
 FAST = 8  # its shapes may pass each other within the step
-MOVING = 16  # its arms were taken again within the last step, or it is new
+MOVING = 16  # its arms were recomputed within the last step, or it is new
 
 # Columns of COLOURS
 COLOUR_CONTACTS = column(COLOURS)  # how many
 FIRST_GROUP = column(COLOURS)
 AFTER_GROUP = column(COLOURS)
 
-# Columns of GROUPS, one a lane
+# Columns of GROUPS, one per lane
 BODIES_A = column(GROUPS, WIDTH)
 BODIES_B = column(GROUPS, WIDTH)
 GROUP_CONTACTS = column(GROUPS, WIDTH)  # -1 in lanes that have none
 
-# Columns of KERNEL_ADDRESSES: of loops over lanes (see `kickdrift.world.contacts.contact_solver_simd`), and how many lanes
+# Columns of KERNEL_ADDRESSES: kernels of `kickdrift.world.contacts.contact_solver_simd`, and the number of lanes
 APPLY_IMPULSES = column(KERNEL_ADDRESSES)
 SOLVE_NORMALS = column(KERNEL_ADDRESSES)
 SOLVE_FRICTION = column(KERNEL_ADDRESSES)
@@ -49,9 +49,7 @@ REFRESH = column(KERNEL_ADDRESSES)
 REFRESH_FRICTION = column(KERNEL_ADDRESSES)
 MEASURE = column(KERNEL_ADDRESSES)
 LANE_COUNT = column(KERNEL_ADDRESSES)
-SOLVE_EQUATIONS = column(
-    KERNEL_ADDRESSES
-)  # address of the direct solver, see `kickdrift.world.direct.active_set.solve_island`
+SOLVE_EQUATIONS = column(KERNEL_ADDRESSES)  # `kickdrift.world.direct.active_set.solve_island`
 
 # Numbers of a point of a manifold
 _POINT = Fields()
@@ -67,27 +65,29 @@ ROLLING_IMPULSE = column(MANIFOLD, 3, "N m s")  # in the world's axes
 column(MANIFOLD, 2)  # spare
 POINT = column(MANIFOLD, 4 * POINT_SIZE)
 FOUND_POSE = column(MANIFOLD, 7)  # of the second shape in the first's frame, when the points were found
-RECYCLED = column(MANIFOLD, 1, "m")  # by how much it may have moved since
+RECYCLED = column(MANIFOLD, 1, "m")  # distance by which it may have moved since
 NORMAL_IMPULSE = column(MANIFOLD, 4, "N s")  # of the points
 FRICTION_IMPULSE = column(MANIFOLD, 3, "N s")  # in the world's axes
 TWIST_IMPULSE = column(MANIFOLD, 1, "N m s")
-REST_A = column(MANIFOLD, 4)  # how the contact lay when it came to rest: orientations of both shapes
+REST_A = column(MANIFOLD, 4)  # orientations of both shapes when the contact came to rest
 REST_B = column(MANIFOLD, 4)
-REST_APART = column(MANIFOLD, 3, "m")  # and the way from the first body to the second
-WIDTH_OF_FACE = column(MANIFOLD, 1, "m")  # half the least one of the face that the points span
+REST_APART = column(MANIFOLD, 3, "m")  # and the vector from the first body to the second
+WIDTH_OF_FACE = column(MANIFOLD, 1, "m")  # half the smallest width of the face that the points span
 
 # Fields of a point of a constraint
 _CONSTRAINT_POINT = Fields()
-ARM = _CONSTRAINT_POINT.field(3, "m")  # of a x normal
-GAP = _CONSTRAINT_POINT.field(1, "m")  # when the step began, as far as it is linear in what bodies have moved since
+ARM = _CONSTRAINT_POINT.field(3, "m")  # arm of a x normal
+GAP = _CONSTRAINT_POINT.field(
+    1, "m"
+)  # the present one less its linear change by the displacements since the step began
 POINT_MASS = _CONSTRAINT_POINT.field(1, "kg")
 IMPULSE = _CONSTRAINT_POINT.field(1, "N s")
 LEVER = _CONSTRAINT_POINT.field(1, "m")  # distance from the centre
 POINT_FIELDS = _CONSTRAINT_POINT.close()
 
-# Of a point, when the step began. What is round has its core there, see `kickdrift.world.contacts.rolling_shape`.
+# Of a point, when the step began; of a round shape its core, see `kickdrift.world.contacts.rolling_shape`
 _ANCHOR = Fields()
-ANCHOR_A = _ANCHOR.field(3, "m")  # from both bodies
+ANCHOR_A = _ANCHOR.field(3, "m")  # from the centres of mass of both bodies
 ANCHOR_B = _ANCHOR.field(3, "m")
 RADII = _ANCHOR.field(2, "m")  # of both shapes about it
 ANCHOR_SIZE = _ANCHOR.close()
@@ -99,21 +99,27 @@ T = _CONSTRAINT.field(3)  # first tangent; the second is normal x first
 SOFTNESS = _CONSTRAINT.field(3)  # rate of the bias, scale of the mass, scale of the impulse
 FRICTION = _CONSTRAINT.field()  # coefficient
 CENTRE = _CONSTRAINT.field(3, "m")  # of the contact, from body a
-BETWEEN = _CONSTRAINT.field(3, "m")  # from body a to body b: by so much arms of a are longer than those of b
+BETWEEN = _CONSTRAINT.field(3, "m")  # from body a to body b: the difference of their arms
 GRIP = _CONSTRAINT.field(3, "kg")  # inverse of the 2x2 response to friction: 11, 22, 12
-SLIDE = _CONSTRAINT.field(2, "m/s")  # velocity of the surfaces wanted along both tangents
+SLIDE = _CONSTRAINT.field(2, "m/s")  # surface velocity along both tangents
 TANGENT_IMPULSE = _CONSTRAINT.field(2, "N s")  # friction impulse along both tangents
 TWIST = _CONSTRAINT.field(2, "kg m^2, N m s")  # effective mass, impulse
 ROLL = _CONSTRAINT.field(5, "m, kg m^2, N m s")  # resistance, effective mass, impulse (3)
 MASS_A = _CONSTRAINT.field(1, "1/kg")  # inverse masses
 MASS_B = _CONSTRAINT.field(1, "1/kg")
-REFERENCE = _CONSTRAINT.field(9, "rad, m")  # turns of both bodies, and what they had slid, when the arms were taken
-STALE = _CONSTRAINT.field(2, "rad, m")  # by how much they may differ from now: turns, slide
-BOUNCE_THRESHOLD = _CONSTRAINT.field(1, "m/s")  # what approaches faster bounces, and sweeps wait until it has
+REFERENCE = _CONSTRAINT.field(
+    9, "rad, m"
+)  # turns of both bodies and their relative displacement when arms were computed
+STALE = _CONSTRAINT.field(2, "rad, m")  # changes of these, turns and slide, up to which arms are kept
+BOUNCE_THRESHOLD = _CONSTRAINT.field(
+    1, "m/s"
+)  # speed of approach above which points bounce; sweeps ignore them until then
 P = _CONSTRAINT.field(4 * POINT_FIELDS)
 ANCHORS = _CONSTRAINT.field(4 * ANCHOR_SIZE)
-AXES = _CONSTRAINT.field(6)  # that radii are at right angles to, when the step began; zeros of balls and capsules
-SHARE = _CONSTRAINT.field()  # of the way from the point on a to that on b, at which both arms end
+AXES = _CONSTRAINT.field(
+    6
+)  # axes perpendicular to the radii of both shapes, when the step began; zeros of balls and capsules
+SHARE = _CONSTRAINT.field()  # where both arms end between the point on a, 0, and that on b, 1
 COUNT = _CONSTRAINT.field()  # of points
-REFRESHED = _CONSTRAINT.field()  # 1.0 where arms were taken again within the step
+REFRESHED = _CONSTRAINT.field()  # 1.0 if arms were recomputed within the step
 FIELDS = _CONSTRAINT.close()

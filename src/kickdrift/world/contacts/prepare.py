@@ -1,4 +1,4 @@
-"""From manifolds to constraints, which are laid out in lanes."""
+"""Preparation of the constraints of contacts, in lanes, from their manifolds."""
 
 from numba import carray
 
@@ -26,7 +26,7 @@ from kickdrift.world.tables import (
     rows,
 )
 
-_MANY = 250  # groups, whose manifolds do not fit into a megabyte
+_MANY = 250  # groups, above which manifolds do not fit into a megabyte
 _RAW, _SCRATCH = r.RAW * c.WIDTH, r.SCRATCH_SIZE
 
 run_kernel = caller(KERNEL)
@@ -51,7 +51,7 @@ def prepare(t: float, h: float, world: int) -> None:
     numbers, many, n = flat_integers(world, GROUPS), rows(world, GROUPS) > _MANY, kernels[0, c.LANE_COUNT]
     for g in range(first, after):
         if many and g + 1 < after:
-            for k in range(0, MANIFOLD.width, 8):  # a cache line each
+            for k in range(0, MANIFOLD.width, 8):  # one cache line each
                 fetch_rows(floats(world, MANIFOLD), k, numbers, GROUPS.width * (g + 1) + c.GROUP_CONTACTS)
         for lane in range(n):
             scratch[r.MARK * c.WIDTH + lane] = 1.0

@@ -1,8 +1,8 @@
-"""Constraints from manifolds, in lanes: what `kickdrift.world.contacts.prepare` gathers of eight contacts, made into a group.
+"""Constraints from manifolds, in lanes: makes a group from the data of eight contacts.
 
-`raw` are the fields gathered, `own` those of the group, `s` the scratch, whose fields are declared here too.
-`kickdrift.world.contacts.contact_solver_simd` tells how loops over lanes are written. Everything is seen from the centre of
-mass of the first body, where little is rounded off.
+`raw` are the fields that `kickdrift.world.contacts.gather` gathers, `own` those of the group, `s` the scratch, whose fields are
+declared here too. `kickdrift.world.contacts.contact_solver_simd` tells how loops over lanes are written. Positions are relative
+to the centre of mass of the first body, where rounding errors are small.
 """
 
 import math
@@ -50,18 +50,18 @@ DELTA_POSE_A = _SCRATCH.field(6, "m, rad")
 DELTA_POSE_B = _SCRATCH.field(6, "m, rad")
 INERTIA_A = _SCRATCH.field(6, "1/(kg m^2)")  # inverse
 INERTIA_B = _SCRATCH.field(6, "1/(kg m^2)")
-TURNED_A = _SCRATCH.field(4)  # how they have turned since the anchors lay as they do
+TURNED_A = _SCRATCH.field(4)  # rotations of the bodies since the step began, or from the present to the pose at rest
 TURNED_B = _SCRATCH.field(4)
 FROM_A_TO_B = _SCRATCH.field(3, "m")
-MARK = _SCRATCH.field()  # 1.0 where arms are to be taken again
+MARK = _SCRATCH.field()  # 1.0 where arms are to be recomputed
 SCRATCH_SIZE = _SCRATCH.close() * W
-_NEXT = c.POINT_FIELDS * W  # from a field of a point to the same of the next
+_NEXT = c.POINT_FIELDS * W  # distance from a field of a point to the same field of the next
 _ANCHORS, _ANCHOR = c.ANCHORS * W, c.ANCHOR_SIZE * W
 
 
 @compiled(fast=True, inline=True)
 def vector(array: Any, i: int) -> tuple[float, float, float]:
-    """Three fields, the first at i."""
+    """Return three fields, the first at i."""
     return array[i], array[i + W], array[i + 2 * W]
 
 
@@ -73,7 +73,7 @@ def put(array: Any, i: int, x: float, y: float, z: float) -> None:
 
 @compiled(fast=True, inline=True)
 def turned(array: Any, i: int, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """Turn a vector by the quaternion that begins at i."""
+    """Return a vector rotated by the quaternion that begins at i."""
     w, u, v, t = array[i], array[i + W], array[i + 2 * W], array[i + 3 * W]
     p, q, r = 2.0 * (v * z - t * y), 2.0 * (t * x - u * z), 2.0 * (u * y - v * x)
     return x + w * p + v * r - t * q, y + w * q + t * p - u * r, z + w * r + u * q - v * p
@@ -81,7 +81,7 @@ def turned(array: Any, i: int, x: float, y: float, z: float) -> tuple[float, flo
 
 @compiled(fast=True, inline=True)
 def response_to(array: Any, i: int, x: float, y: float, z: float, p: float, q: float, r: float) -> float:
-    """Product of two vectors with the symmetric matrix that begins at i between them."""
+    """Return (p, q, r) . M (x, y, z) for the symmetric matrix M that begins at i."""
     product: float = (
         p * (array[i] * x + array[i + 3 * W] * y + array[i + 4 * W] * z)
         + q * (array[i + 3 * W] * x + array[i + W] * y + array[i + 5 * W] * z)
@@ -92,7 +92,7 @@ def response_to(array: Any, i: int, x: float, y: float, z: float, p: float, q: f
 
 @compiled(fast=True, inline=True)
 def bend_of(array: Any, i: int, n: Any, x: float, y: float, z: float) -> float:
-    """Acceleration along n of a point with an arm that goes round with the angular velocity that begins at i."""
+    """Return the centripetal acceleration along n of a point at (x, y, z), with the angular velocity that begins at i."""
     nx, ny, nz = n
     p, q, r = array[i], array[i + W], array[i + 2 * W]
     along = (nx * p + ny * q + nz * r) * (p * x + q * y + r * z)
@@ -102,16 +102,16 @@ def bend_of(array: Any, i: int, n: Any, x: float, y: float, z: float) -> float:
 
 @compiled(fast=True, inline=True)
 def away(array: Any, i: int, n: Any, x: float, y: float, z: float) -> Any:
-    """Return where radii about an axis point that goes round with the angular velocity that begins at i.
+    """Return the direction of radii about the axis (x, y, z), which rotates with the angular velocity that begins at i.
 
     Returns
     -------
     direction : (3,) tuple
-        Unit vector: the part of n at right angles to the axis; n if there is none.
+        Unit vector: the part of n perpendicular to the axis; n if the axis is zero.
     rise : float
-        How much of a radius is along n.
+        Its component along n, sqrt(1 - m^2) with m = n . axis.
     bend : float
-        How fast that changes, 1/s^2: with m = n . axis it is sqrt(1 - m^2), and m' and m'' are those of a point with that arm.
+        The second derivative of this component, 1/s^2.
     """
     nx, ny, nz = n
     along = nx * x + ny * y + nz * z
@@ -126,9 +126,9 @@ def away(array: Any, i: int, n: Any, x: float, y: float, z: float) -> Any:
 
 @compiled(fast=True, inline=True)
 def _fill_point(own: Any, raw: Any, lane: int, j: int, i: int, at: int, h: float, round_a: Any, round_b: Any) -> None:
-    """Put the anchors of a point, whose raw fields begin at j, at `at`, and its gap to its fields, which begin at i.
+    """Write the anchors of a point at `at`, and its gap into its fields, which begin at i; its raw fields begin at j.
 
-    Sweeps take it that gaps close at a speed that stays. What goes round comes nearer or farther within the substep besides.
+    Sweeps assume that the speed of a gap is constant within the substep h; the gap includes the second-order term of rotation.
     """
     nx, ny, nz = vector(raw, NORMAL * W + lane)
     ox, oy, oz = vector(raw, ARM_A * W + lane)
@@ -154,7 +154,7 @@ def _fill_point(own: Any, raw: Any, lane: int, j: int, i: int, at: int, h: float
 
 @compiled(fast=True)
 def fill(own: Any, raw: Any, h: float, unused: float, none: float, count: int) -> None:
-    """Make all of the constraints of a group but what `refresh` does."""
+    """Write all fields of the constraints of a group except those that `refresh` computes; h is the substep, s."""
     for lane in range(count):
         i, j, at = c.P * W + lane, ON_A * W + lane, _ANCHORS + lane
         n = vector(raw, NORMAL * W + lane)
@@ -179,7 +179,7 @@ def fill(own: Any, raw: Any, h: float, unused: float, none: float, count: int) -
         put(own, c.SOFTNESS * W + lane, x, y, z)
         nx, ny, nz = vector(raw, NORMAL * W + lane)
         put(own, c.N * W + lane, nx, ny, nz)
-        # A tangent at right angles to the normal, and to z unless the normal is near it.
+        # A tangent perpendicular to the normal, and to z unless the normal is close to it.
         low = 1.0 if abs(nz) < 0.7 else 0.0
         ux, uy, uz = -low * ny, low * nx - (1.0 - low) * nz, (1.0 - low) * ny
         scale = 1.0 / math.sqrt(ux * ux + uy * uy + uz * uz + 1e-300)

@@ -1,4 +1,4 @@
-"""What the sweeps leave unsolved: how fast points that press on each other part or approach after a step."""
+"""The residual of the sweeps: the normal speed of loaded points after a step."""
 
 import math
 
@@ -31,12 +31,12 @@ from kickdrift.world.tables import (
 _W = c.WIDTH
 _SIZE = c.FIELDS * _W
 
-# Of the velocity that gravity gives in a step: what sweeps may leave of contacts; times that, what is far too much; and times
-# what is left, the speed of bodies that have not come to rest yet anyway.
+# Residuals above _NOTED times the velocity that gravity adds in a step are noted, and above _FAR times that they are far too
+# large. Bodies faster than _CALM times the residual are not at rest anyway, and are not marked.
 _NOTED, _FAR, _CALM = 0.01, 30.0, 10.0
 
-# Bits of UNSOLVED above its count: a body was left with more in this step, with far more; it touches something and is solved
-# directly.
+# Bits of UNSOLVED above its count: in this step the residual of a body was noted; was far too large; or the body has contacts
+# that are solved directly.
 LEFT, FAR_LEFT, TOUCHES = 1 << 20, 1 << 21, 1 << 22
 
 run_kernel = caller(KERNEL)
@@ -44,7 +44,7 @@ run_kernel = caller(KERNEL)
 
 @compiled
 def measure(t: float, h: float, world: int) -> None:
-    """Measure the residual, and mark the bodies that are left with too much of it, and those that are solved directly."""
+    """Measure the residual, and mark bodies with a large one, and those with contacts that are solved directly."""
     groups, colours, body = integers(world, GROUPS), integers(world, COLOURS), integers(world, BODY)
     lanes, kernels, bodies = flat(world, LANES), integers(world, KERNEL_ADDRESSES), flat_integers(world, GROUPS)
     scratch, motion = carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)), floats(world, MOTION)
@@ -71,7 +71,7 @@ def measure(t: float, h: float, world: int) -> None:
 
 @compiled(inline=True)
 def _noted(h: float, world: int) -> float:
-    """Residual from which on it is noted: infinite where nothing presses."""
+    """Return the residual above which it is noted, m/s; infinite without gravity."""
     settings = floats(world, SETTINGS)
     x, y, z = settings[0, GRAVITY], settings[0, GRAVITY + 1], settings[0, GRAVITY + 2]
     gravity = math.sqrt(x * x + y * y + z * z)
@@ -80,6 +80,7 @@ def _noted(h: float, world: int) -> float:
 
 @compiled(inline=True)
 def _is_slow(world: int, row: int, speed: float) -> bool:
+    """Whether the centre of mass of a body is slower than a speed, m/s."""
     motion = floats(world, MOTION)
     square = motion[row, 0] ** 2 + motion[row, 1] ** 2 + motion[row, 2] ** 2
     slow: bool = square < speed * speed

@@ -1,19 +1,18 @@
 """Bounces: impacts between the kick and the drift, at the moment in the substep in which they happen.
 
-A point whose gap closes within the substep faster than the bounce speed hits at the time s with the speed u that it then has.
-Newton's rule asks for -e u afterwards. Bodies are moved to the time of their impact, their velocities change there, and they
-are set back by what they would move with the new ones up to s. So a ball that falls on a floor has the height e^2 h, whatever
-the step.
+A point whose gap closes within the substep faster than the bounce speed hits at a time s with a speed u. By Newton's rule it
+leaves with -e u. Bodies are moved to the time of their impact, their velocities change there, and they are moved back by s
+times the new velocities. So a ball that falls from a height h onto a floor rises to e^2 h, whatever the step.
 
-Impacts happen in rounds, after B. Smith, D. M. Kaufman, E. Vouga, R. Tamstorf and E. Grinspun, "Reflections on Simultaneous
-Impact" (2012): in each, all that hit first on their bodies, at once, until nothing hits any more. So momentum goes through a
-row of balls that touch, and what is symmetric stays so.
+Impacts are resolved in rounds, after B. Smith, D. M. Kaufman, E. Vouga, R. Tamstorf and E. Grinspun, "Reflections on
+Simultaneous Impact" (2012): in each round all contacts that are the first to hit on their bodies, simultaneously, until nothing
+hits any more. So momentum passes through a row of touching balls, and symmetry is preserved.
 
-Of shapes so fast that they may pass each other within the step, impacts with e = 0 are among them: one sweep over the points
+Contacts of shapes so fast that they may pass each other within the step are included even with e = 0: one sweep over the points
 of a manifold does not stop them.
 
-A row of `IMPACT` is a contact that hits. Here it is found when, how fast and with which coefficient; the rest of its columns,
-see `kickdrift.world.contacts.simultaneous_impact`, is made of that.
+A row of `IMPACT` is a contact that hits. This module finds its time, speed and coefficient;
+`kickdrift.world.contacts.simultaneous_impact` computes the other columns.
 """
 
 import math
@@ -51,9 +50,9 @@ from kickdrift.world.tables import (
 )
 
 _ROUNDS = 100
-_FAR = 1e10  # m, and rad
-_MISSED = 2e10  # in place of a turn: what looked like a hit in this substep was none
-_NOISE = 1e-9  # of the fastest hit, below which others may be rounding: they wait until they are the fastest
+_FAR = 1e10  # m, as a gap, and rad, as a turn in REFERENCE: it has the arms of a contact recomputed
+_MISSED = 2e10  # rad, as a turn in REFERENCE: an apparent hit of this substep turned out to be none
+_NOISE = 1e-9  # of the fastest hit: slower ones may be rounding, and wait until they are the fastest
 
 
 @compiled
@@ -82,7 +81,7 @@ def find_bouncing(t: float, h: float, world: int) -> None:
 def _mark_struck(world: int) -> bool:
     """Mark bodies that may be struck so fast that they pass others in a substep; return whether there are any.
 
-    What they are thrown against is to stop them at once: the sweeps would stop what has passed.
+    Their other contacts must stop them at the time of impact, before they have passed: the sweeps act too late.
     """
     contact, foreseen, found = integers(world, CONTACT), floats(world, FORESEEN), False
     for row in range(rows(world, CONTACT)):
@@ -99,7 +98,7 @@ def _mark_struck(world: int) -> bool:
 
 @compiled(inline=True)
 def _strikes(world: int, row: int) -> bool:
-    """Whether the shapes of a fast contact come nearer by half of the smaller one's size in a substep."""
+    """Whether the shapes of a fast contact approach by more than half the size of the smaller one in a substep."""
     contact, place, settings = integers(world, CONTACT), floats(world, PLACE), floats(world, SETTINGS)
     if contact[row, c.CONTACT_STATE] & c.FAST == 0 or contact[row, c.PLACE_IN_GROUPS] < 0:
         return False
@@ -111,6 +110,7 @@ def _strikes(world: int, row: int) -> bool:
 
 @compiled(inline=True)
 def _is_struck(world: int, row: int) -> bool:
+    """Whether a body of a contact is movable and marked by `_mark_struck`."""
     contact, foreseen = integers(world, CONTACT), floats(world, FORESEEN)
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
     struck: bool = (is_moved(world, a) and foreseen[a, STRUCK] != 0.0) or (
@@ -143,23 +143,24 @@ def bounce(t: float, h: float, world: int) -> None:
             own, was_hit = constraint(world, int(impact[hit, ROW])), pushed(impact[hit]) > 0.0
             own[c.REFERENCE * c.WIDTH] = _FAR if was_hit else _MISSED
             for k in range(4 if impact[hit, BOUNCE] > 0.0 else 0):
-                _let_be(own, k)
+                _hide_from_sweeps(own, k)
             if was_hit:
                 integers(world, CONTACT)[int(impact[hit, ROW]), c.CONTACT_STATE] |= c.BOUNCED
 
 
 @compiled(inline=True)
-def _let_be(own: Any, point: int) -> None:
-    """Keep the sweeps of this substep from a point that bounced in it or does not touch, until its arms are taken again.
+def _hide_from_sweeps(own: Any, point: int) -> None:
+    """Make the gap of a point so large that the sweeps ignore it until its arms are recomputed.
 
-    Where bodies that bounced have been set back to they never were: turned by a radian, they would seem to overlap there. Of
-    those that turn fast the sweeps, which take velocities to be constant, might stop what only passes by.
+    Bodies that have bounced are moved back to poses that they never had, in which they may seem to overlap if they turn fast.
+    The sweeps assume constant velocities, and might also stop the corner of a fast body that only passes by.
     """
     own[(c.P + c.POINT_FIELDS * point + c.GAP) * c.WIDTH] = _FAR
 
 
 @compiled(inline=True)
 def _bodies(world: int, hit: int) -> tuple[int, int]:
+    """Return the rows of the bodies of an impact."""
     contact, row = integers(world, CONTACT), int(floats(world, IMPACT)[hit, ROW])
     return contact[row, c.BODY_A], contact[row, c.BODY_B]
 
@@ -174,18 +175,18 @@ def _is_linked(world: int, row: int) -> bool:
 
 @compiled
 def slowest_bounce(h: float, world: int, row: int) -> float:
-    """Return the speed from which on the shapes of a contact bounce, m/s."""
+    """Return the speed of approach above which the shapes of a contact bounce, m/s."""
     settings = floats(world, SETTINGS)
     slowest: float = settings[0, BOUNCE_SPEED]
     if slowest >= 0.0:
         return slowest
-    # What lies is given no more than that in a few substeps, by forces as by gravity: without gravity it would bounce for ever.
+    # Resting bodies gain less than that in a few substeps. Forces count as gravity does: what they press would bounce for ever.
     return 4.0 * h * max(length(vector_at(settings, 0, GRAVITY)), _pressing_acceleration(world, row))
 
 
 @compiled(inline=True)
 def _pressing_acceleration(world: int, row: int) -> float:
-    """How forces accelerate the points of a contact towards each other, along its normal, m/s^2."""
+    """Return the acceleration by which forces press the points of a contact together, along its normal, m/s^2."""
     contact, own = integers(world, CONTACT), constraint(world, row)
     a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], vector_of(own, c.N)
     turn_a, turn_b = angular_acceleration(world, a), angular_acceleration(world, b)
@@ -199,7 +200,7 @@ def _pressing_acceleration(world: int, row: int) -> float:
 
 @compiled
 def _find_round(h: float, world: int) -> float:
-    """Find the hits of a round, of which no body has an earlier one; return the speed of the fastest, 0.0 if there is none."""
+    """Find the hits that are the first on both of their bodies; return the speed of the fastest, m/s, or 0.0 without any."""
     impact, kicked, contact = floats(world, IMPACT), floats(world, KICKED), integers(world, CONTACT)
     found, fastest = 0, 0.0
     bouncing, place = integers(world, BOUNCING), floats(world, PLACE)
@@ -242,7 +243,7 @@ def _find_round(h: float, world: int) -> float:
 
 @compiled
 def _find_times(h: float, world: int, row: int, hit: Any) -> bool:
-    """Find when and how fast each point of a contact hits; return whether any does within the substep."""
+    """Write times and speed of impact of the points of a contact into `hit`; return whether any hits within the substep."""
     contact, kicked = integers(world, CONTACT), floats(world, KICKED)
     slowest, own = slowest_bounce(h, world, row), constraint(world, row)
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
@@ -259,7 +260,7 @@ def _find_times(h: float, world: int, row: int, hit: Any) -> bool:
         if speed > 0.0 and when < hit[TIME]:
             hit[TIME], hit[SPEED] = when, speed
         if free:
-            _let_be(own, k)
+            _hide_from_sweeps(own, k)
             own[c.REFERENCE * c.WIDTH] = _FAR
     hits: bool = hit[TIME] < math.inf
     return hits

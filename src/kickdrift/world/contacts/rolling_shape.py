@@ -1,9 +1,9 @@
-"""Of what is round, the core: what of a shape turns with its body while the rest rolls off.
+"""Cores of round shapes: the part to which contact points are attached while the surface rolls.
 
-The core of a ball is its centre, that of a capsule a segment, and both touch at a radius from it along the normal. That of a
-cylinder or a cone is its axis: its side and its rims touch at a radius from it along the part of the normal at right angles to
-it. That is exact for rims and cylinders, and for cones, too: they touch planes along a line from the tip to the rim, each of
-its points at its own radius. Points of ends that stand are fixed in the body.
+The core of a ball is its centre, that of a capsule a segment; both touch at a radius from it along the normal. The core of a
+cylinder or a cone is its axis: side and rims touch at a radius from it along the part of the normal perpendicular to it. This
+is exact for rims and cylinders, and for cones, too: they touch planes along a line from the tip to the rim, and each of its
+points has its own radius. Points of a flat end on which a shape stands are fixed in the body.
 """
 
 import math
@@ -15,23 +15,23 @@ from kickdrift.world.shapes.frustum import radial
 from kickdrift.world.shapes.kinds import CONE, CYLINDER
 from kickdrift.world.tables import SHAPE, integers
 
-# Radius of all points, or 0.0; the axis in the world's axes, or zeros; where the radius points, in the frame of the shape
+# Radius of all points, or 0.0; the axis in the world's axes, or zeros; the direction of the radius, in the shape's frame
 RollingCore = tuple[float, Vector, Vector]
 
 _NONE: Vector = (0.0, 0.0, 0.0)
-# Sine of the angle between an end and what it stands on, below which its points are fixed in the body: where the rim is lowest
-# is rounding then. What is that near to standing at the end of the step is fixed as well.
+# Sine of the angle between a flat end and the surface below it, now or at the end of the step, below which its points are fixed
+# in the body: the lowest point of the rim is determined by rounding then.
 _STANDS = 0.05
-_ASTRAY = 0.01  # of the radius, by which points of the side may be beside the normal
+_ASTRAY = 0.01  # of the radius: distance by which points of the side may be off the plane of axis and normal
 
 
 @compiled
 def rolling_core(
     world: int, shape: int, radius: float, turn: Quaternion, way: Vector, normal: Vector, tilt: Vector
 ) -> RollingCore:
-    """Return how a shape rolls on a contact that has a direction in its frame, and a normal in the world's axes.
+    """Return the core of a shape at a contact, whose direction is `way` in its frame and `normal` in the world's axes.
 
-    `tilt` is by how much its body is about to turn in a step.
+    `tilt` is the rotation vector of its body in the coming step, rad.
     """
     if integers(world, SHAPE)[shape, SHAPE_KIND] not in (CYLINDER, CONE):
         return radius, _NONE, way
@@ -50,7 +50,7 @@ def rolls(shape: RollingCore) -> bool:
 
 @compiled
 def radius_at(shape: RollingCore, point: Vector) -> float:
-    """Return how far a point of a shape is from the core that it rolls about; 0.0 if it is fixed in the body."""
+    """Return the distance of a point of a shape from its core, m; 0.0 if the point is fixed in the body."""
     radius, axis, way = shape
     if dot(axis, axis) == 0.0:
         return radius

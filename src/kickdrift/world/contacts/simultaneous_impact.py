@@ -1,10 +1,10 @@
-"""The impulses of a round of impacts: found for all of its points at once.
+"""The impulses of a round of impacts, found for all of its points simultaneously.
 
-First those with which nothing approaches any more; then friction, which makes the energy as small as Coulomb's bound lets it,
-with as much more or less on the points as keeps them at rest along the normal; then what throws them back. In this order no
-impact adds energy, whatever e and friction, while Newton's rule holds exactly: friction acts on what e does not. After
-A. Chatterjee and A. Ruina, "A New Algebraic Rigid-Body Collision Law Based on Impulse Space Considerations" (1998). Newton's
-rule with friction of its own can add energy (Kane's paradox).
+First the plastic impulses, with which no point approaches any more; then friction, which minimises the energy within Coulomb's
+bound, with corrections of the normal impulses that keep the points at rest along the normal; then the impulses of restitution.
+In this order no impact adds energy, whatever e and friction, while Newton's rule holds exactly: friction acts on the part of
+the motion that restitution leaves alone. After A. Chatterjee and A. Ruina, "A New Algebraic Rigid-Body Collision Law Based on
+Impulse Space Considerations" (1998). Newton's rule with independent friction can add energy (Kane's paradox).
 """
 
 import math
@@ -27,19 +27,19 @@ from kickdrift.world.tables import CONTACT, IMPACT, INVERSE_MASS, KICKED, MOTION
 
 # Numbers of a point that hits
 _POINT = Fields()
-TURN_A = _POINT.field(3, "m")  # arms times the normal
+TURN_A = _POINT.field(3, "m")  # arm x normal
 TURN_B = _POINT.field(3, "m")
-WANTED = _POINT.field(1, "m/s")  # velocity
+WANTED = _POINT.field(1, "m/s")  # normal velocity after the impact
 IMPULSE = _POINT.field(1, "N s")
-PLASTIC = _POINT.field(1, "N s")  # impulse that stops it, below zero where it does not hit
+PLASTIC = _POINT.field(1, "N s")  # impulse that stops it; negative if it does not hit
 POINT_SIZE = _POINT.close()
 
 # Columns of IMPACT
 ROW = column(IMPACT)  # of the contact
-TIME = column(IMPACT, 1, "s")  # the first at which one of its points hits
+TIME = column(IMPACT, 1, "s")  # when the first of its points hits
 SPEED = column(IMPACT, 1, "m/s")  # of that point
-BOUNCE = column(IMPACT)  # coefficient e
-ARM_A = column(IMPACT, 3, "m")  # of both bodies to the contact
+BOUNCE = column(IMPACT)  # coefficient of restitution e
+ARM_A = column(IMPACT, 3, "m")  # from the centres of both bodies to the centre of the contact
 ARM_B = column(IMPACT, 3, "m")
 GRIP = column(IMPACT, 3, "kg")  # inverse of the response to friction
 FRICTION = column(IMPACT, 2, "N s")
@@ -49,13 +49,13 @@ TIMES = column(IMPACT, 4, "s")  # when the points hit
 NORMAL = column(IMPACT, 3)
 TANGENT = column(IMPACT, 3)  # the first
 _SWEEPS = 400
-_BOUNDS = 4  # times that friction is found, each with what the last one has made of the normal impulses
-_ENOUGH = 1e-15  # of the largest impulse
+_BOUNDS = 4  # iterations of friction, each bounded by the normal impulses that the last one has left
+_TOLERANCE = 1e-15  # of the largest impulse
 
 
 @compiled
 def meet(world: int, hit: Any, least: float) -> None:
-    """Write arms and velocities wanted of a contact whose bodies are where they hit; points slower than the least do not."""
+    """Write arms and target velocities of a contact whose bodies are at their impact; points slower than `least` do not hit."""
     row, kicked, contact = int(hit[ROW]), floats(world, KICKED), integers(world, CONTACT)
     a, b, own = contact[row, c.BODY_A], contact[row, c.BODY_B], constraint(world, row)
     when = max(kicked[a, IMPACT_TIME], kicked[b, IMPACT_TIME])
@@ -72,7 +72,7 @@ def meet(world: int, hit: Any, least: float) -> None:
             continue
         point = hit[POINTS + POINT_SIZE * k : POINTS + POINT_SIZE * (k + 1)]
         arm_a, arm_b, between = arms_now(world, row, own, k, when, normal)
-        if dot(normal, between) > near:  # it has hit before, and has left
+        if dot(normal, between) > near:  # it has hit before, and has separated
             continue
         arm_a, arm_b = plus(arm_a, times(share, between)), minus(arm_b, times(1.0 - share, between))
         _put(point, TURN_A, cross(arm_a, normal))
@@ -84,8 +84,8 @@ def meet(world: int, hit: Any, least: float) -> None:
     _put(hit, ARM_A, times(1.0 / max(found, 1.0), centre_a))
     _put(hit, ARM_B, times(1.0 / max(found, 1.0), centre_b))
     second = cross(normal, first)
-    k11, k22 = _yielding(world, a, b, hit, first, first), _yielding(world, a, b, hit, second, second)
-    k12 = _yielding(world, a, b, hit, first, second)
+    k11, k22 = _response(world, a, b, hit, first, first), _response(world, a, b, hit, second, second)
+    k12 = _response(world, a, b, hit, first, second)
     scale = 1.0 / (k11 * k22 - k12 * k12)
     _put(hit, GRIP, (scale * k22, scale * k11, -scale * k12))
     hit[FRICTION], hit[FRICTION + 1] = 0.0, 0.0
@@ -102,8 +102,8 @@ def _at(array: Any, at: int) -> Vector:
 
 
 @compiled
-def _yielding(world: int, a: int, b: int, hit: Any, along: Vector, other: Vector) -> float:
-    """Velocity along one direction at the centre by a unit impulse along another."""
+def _response(world: int, a: int, b: int, hit: Any, along: Vector, other: Vector) -> float:
+    """Return the change of relative velocity along a direction at the centre by a unit impulse along another, 1/kg."""
     inverse_mass = floats(world, INVERSE_MASS)
     arm_a, arm_b = _at(hit, ARM_A), _at(hit, ARM_B)
     inverse_a = symmetric_at(inverse_mass, a, INVERSE_INERTIA_IN_WORLD)
@@ -116,7 +116,7 @@ def _yielding(world: int, a: int, b: int, hit: Any, along: Vector, other: Vector
 
 @compiled(inline=True)
 def _speed(world: int, a: int, b: int, normal: Vector, point: Any) -> float:
-    """Velocity at which a point of b moves away from a."""
+    """Return the normal velocity at which a point of b separates from a, m/s."""
     motion = floats(world, MOTION)
     linear = dot(normal, minus(vector_at(motion, b, VELOCITY), vector_at(motion, a, VELOCITY)))
     speed: float = linear + dot(_at(point, TURN_B), vector_at(motion, b, ANGULAR_VELOCITY))
@@ -125,7 +125,7 @@ def _speed(world: int, a: int, b: int, normal: Vector, point: Any) -> float:
 
 @compiled(inline=True)
 def _push(world: int, a: int, b: int, push: Vector, turn_a: Vector, turn_b: Vector) -> None:
-    """Apply an impulse to b and its reverse to a, with angular impulses."""
+    """Apply an impulse to b and its opposite to a, with the angular impulses `turn_b` and -`turn_a`."""
     motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
     change_a = applied(symmetric_at(inverse_mass, a, INVERSE_INERTIA_IN_WORLD), turn_a)
     change_b = applied(symmetric_at(inverse_mass, b, INVERSE_INERTIA_IN_WORLD), turn_b)
@@ -138,10 +138,10 @@ def _push(world: int, a: int, b: int, push: Vector, turn_a: Vector, turn_b: Vect
 
 @compiled
 def _sweep_points(world: int, hit: Any, stopping: bool, least: float, thrown: bool) -> float:
-    """Sweep over the points of a contact that hit, or those that were stopped, and return the largest change of an impulse.
+    """Sweep over the points of a contact that hit, and return the largest change of an impulse, N s.
 
-    They are asked for no velocity, or, `thrown`, for the one that they want; impulses stay above `least` times the ones that
-    stopped them.
+    Their target velocity is zero, or, if `thrown`, that after restitution. Impulses stay above -`least` times the plastic ones.
+    Points with a plastic impulse of zero are included only if `stopping` or `thrown`.
     """
     row, contact, inverse_mass = int(hit[ROW]), integers(world, CONTACT), floats(world, INVERSE_MASS)
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
@@ -154,10 +154,10 @@ def _sweep_points(world: int, hit: Any, stopping: bool, least: float, thrown: bo
         if point[PLASTIC] < 0.0 or (not stopping and point[PLASTIC] == 0.0 and not thrown):
             continue
         turn_a, turn_b = _at(point, TURN_A), _at(point, TURN_B)
-        yielding = inverse_mass[a, INVERSE_LINEAR_MASS] + inverse_mass[b, INVERSE_LINEAR_MASS]
-        yielding += dot(turn_a, applied(inverse_a, turn_a)) + dot(turn_b, applied(inverse_b, turn_b))
+        response = inverse_mass[a, INVERSE_LINEAR_MASS] + inverse_mass[b, INVERSE_LINEAR_MASS]
+        response += dot(turn_a, applied(inverse_a, turn_a)) + dot(turn_b, applied(inverse_b, turn_b))
         missing = (point[WANTED] if thrown else 0.0) - _speed(world, a, b, normal, point)
-        d = max(point[IMPULSE] + missing / yielding, -least * point[PLASTIC]) - point[IMPULSE]
+        d = max(point[IMPULSE] + missing / response, -least * point[PLASTIC]) - point[IMPULSE]
         point[IMPULSE] += d
         _push(world, a, b, times(d, normal), times(d, turn_a), times(d, turn_b))
         largest = max(largest, abs(d))
@@ -166,7 +166,7 @@ def _sweep_points(world: int, hit: Any, stopping: bool, least: float, thrown: bo
 
 @compiled
 def _sweep_friction(world: int, hit: Any) -> float:
-    """Sweep over the friction of a contact, and return the change of its impulse."""
+    """Do one sweep over the friction of a contact, and return the change of its impulse, N s."""
     row, contact, motion = int(hit[ROW]), integers(world, CONTACT), floats(world, MOTION)
     a, b, own = contact[row, c.BODY_A], contact[row, c.BODY_B], constraint(world, row)
     first, arm_a, arm_b = _at(hit, TANGENT), _at(hit, ARM_A), _at(hit, ARM_B)
@@ -178,9 +178,7 @@ def _sweep_friction(world: int, hit: Any) -> float:
     s1, s2 = dot(slip, first) - own[c.SLIDE * c.WIDTH], dot(slip, second) - own[(c.SLIDE + 1) * c.WIDTH]
     k11, k22, k12 = _at(hit, GRIP)
     f1, f2 = hit[FRICTION] - (k11 * s1 + k12 * s2), hit[FRICTION + 1] - (k12 * s1 + k22 * s2)
-    if (
-        f1 * f1 + f2 * f2 > hit[BOUND] ** 2
-    ):  # against the way it slides, as in `kickdrift.world.contacts.contact_solver_simd`
+    if f1 * f1 + f2 * f2 > hit[BOUND] ** 2:  # friction opposes the sliding, as in `contact_solver_simd.solve_friction`
         mass = 0.5 * (k11 + k22) - math.sqrt(0.25 * (k11 - k22) ** 2 + k12 * k12)
         f1, f2 = hit[FRICTION] - mass * s1, hit[FRICTION + 1] - mass * s2
         scale = min(1.0, hit[BOUND] / (math.sqrt(f1 * f1 + f2 * f2) + 1e-300))
@@ -194,7 +192,7 @@ def _sweep_friction(world: int, hit: Any) -> float:
 
 @compiled
 def pushed(hit: Any) -> float:
-    """Sum of the normal impulses of a contact."""
+    """Return the sum of the normal impulses of a contact, N s."""
     total = 0.0
     for k in range(4):
         point = hit[POINTS + POINT_SIZE * k : POINTS + POINT_SIZE * (k + 1)]
@@ -212,7 +210,7 @@ def find_impulses(world: int) -> None:
         for hit in range(count):
             largest = max(largest, _sweep_points(world, impact[hit], True, 0.0, False))
             scale = max(scale, pushed(impact[hit]))
-        if largest <= _ENOUGH * scale:
+        if largest <= _TOLERANCE * scale:
             break
     rough = False
     for hit in range(count):
@@ -224,18 +222,18 @@ def find_impulses(world: int) -> None:
         for _ in range(_BOUNDS):
             _find_friction(world, scale)
     for hit in range(count):
-        _throw_back(world, impact[hit])
+        _apply_restitution(world, impact[hit])
     for _ in range(_SWEEPS):
         largest = 0.0
         for hit in range(count):
             largest = max(largest, _sweep_points(world, impact[hit], False, 0.0, True))
-        if largest <= _ENOUGH * scale:
+        if largest <= _TOLERANCE * scale:
             return
 
 
 @compiled
 def _find_friction(world: int, scale: float) -> None:
-    """Find friction within what the normal impulses allow, and what they must be for nothing to part or approach."""
+    """Find friction within Coulomb's bound, and the normal impulses that keep normal velocities at zero."""
     impact, count = floats(world, IMPACT), rows(world, IMPACT)
     for hit in range(count):
         total = pushed(impact[hit])
@@ -247,13 +245,13 @@ def _find_friction(world: int, scale: float) -> None:
         for hit in range(count):
             largest = max(largest, _sweep_friction(world, impact[hit]))
             largest = max(largest, _sweep_points(world, impact[hit], False, impact[hit, BOUNCE], False))
-        if largest <= _ENOUGH * scale:
+        if largest <= _TOLERANCE * scale:
             return
 
 
 @compiled
-def _throw_back(world: int, hit: Any) -> None:
-    """Apply e times the impulses that stopped the points of a contact."""
+def _apply_restitution(world: int, hit: Any) -> None:
+    """Apply e times the plastic impulses of the points of a contact."""
     row, contact = int(hit[ROW]), integers(world, CONTACT)
     normal = _at(hit, NORMAL)
     for k in range(4):

@@ -1,8 +1,8 @@
-"""The constraints of contacts, solved by sequential impulses over the colours, in lanes within a colour.
+"""Sequential impulses for contacts: sweeps over the colours, in lanes within a colour.
 
-Soft steps after E. Catto, "Solver2D" (2024): every substep is a pass with a bias that pushes overlapping bodies apart like a
-damped spring, and, after the drift, one without that takes the velocity of the push away again and applies friction. Before
-the latter, arms are taken again where bodies have moved.
+Soft steps after E. Catto, "Solver2D" (2024): every substep has a pass with a bias that pushes overlapping bodies apart like a
+damped spring, and, after the drift, a relaxing pass without bias that removes the velocity of the push and applies friction.
+Before the latter, arms are recomputed where bodies have moved.
 """
 
 from collections.abc import Callable
@@ -58,16 +58,17 @@ from kickdrift.world.tables import (
 _W = c.WIDTH
 _SIZE = c.FIELDS * _W
 
-_TOUCHING = 1e-6  # of the slop: so deep are points that touch, whatever was rounded off
-_MANY = 3000  # bodies of a batch, whose velocities, displacements and inertia do not fit into half a megabyte
-_FEWEST = 16  # groups of a colour that are worth a parallel region of some 10 us
+_TOUCHING = 1e-6  # of the slop: depth from which points count as touching, above rounding
+_MANY = 3000  # bodies of a batch, above which velocities, displacements and inertia do not fit into half a megabyte
+_FEWEST = 16  # groups of a colour from which on a parallel region, of some 10 us, pays off
 
 run_kernel = caller(KERNEL)
 group: Callable[..., None] = unbound
 LAST = OVERFLOW  # colour
 
 
-def _forth(t: float, h: float, world: int) -> None:
+def _sweep(t: float, h: float, world: int) -> None:
+    """Call `group` on the groups of all colours up to LAST, in parallel for large colours; `specialise` binds both."""
     colours = integers(world, COLOURS)
     for k in range(OVERFLOW):
         first, last = colours[k, c.FIRST_GROUP], colours[k, c.AFTER_GROUP]
@@ -84,6 +85,7 @@ def _forth(t: float, h: float, world: int) -> None:
 
 @compiled
 def _warm_start_group(h: float, world: int, g: int) -> None:
+    """Apply the accumulated impulses of a group."""
     motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
     lanes, scratch, kernels = (
         flat(world, LANES),
@@ -108,13 +110,14 @@ def _warm_start_group(h: float, world: int, g: int) -> None:
 
 @compiled(inline=True)
 def _is_linked(world: int, g: int) -> bool:
-    """Whether a group is of contacts that are solved directly, of which several may move one body."""
+    """Whether the contacts of a group are solved directly; several of them may share a movable body."""
     linked: bool = g >= integers(world, COLOURS)[LINKED, c.FIRST_GROUP]
     return linked
 
 
 @compiled
 def _solve_group(h: float, world: int, g: int) -> None:
+    """Do the soft sweep over the normals of a group."""
     motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
     lanes, scratch, kernels = (
         flat(world, LANES),
@@ -133,6 +136,7 @@ def _solve_group(h: float, world: int, g: int) -> None:
 
 @compiled
 def _relax_group(h: float, world: int, g: int) -> None:
+    """Recompute stale arms of a group, and do the rigid sweep over its friction and normals."""
     motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
     lanes, scratch, kernels = (
         flat(world, LANES),
@@ -145,8 +149,8 @@ def _relax_group(h: float, world: int, g: int) -> None:
     _gather(world, g, delta_pose, DELTA_POSE_A, scratch)
     _gather_inertia(world, g, inverse_mass, scratch)
     own = lanes[g * _SIZE : (g + 1) * _SIZE]
-    _take_anew(h, world, g, own, scratch, n)
-    if _is_linked(world, g):  # whose impulses the direct solver finds
+    _refresh_stale(h, world, g, own, scratch, n)
+    if _is_linked(world, g):  # the direct solver finds its impulses
         return
     least = _TOUCHING * floats(world, SETTINGS)[0, SLOP]
     run_kernel(kernels[0, c.SOLVE_FRICTION], (own, scratch, 1.0 / h, 0.0, 0.0, n))
@@ -155,8 +159,8 @@ def _relax_group(h: float, world: int, g: int) -> None:
 
 
 @compiled
-def _take_anew(h: float, world: int, g: int, own: Any, scratch: Any, n: int) -> None:
-    """Take the arms of lanes again whose bodies have turned or slid past each other."""
+def _refresh_stale(h: float, world: int, g: int, own: Any, scratch: Any, n: int) -> None:
+    """Recompute the arms of lanes whose bodies have turned or slid past each other."""
     kernels = integers(world, KERNEL_ADDRESSES)
     run_kernel(kernels[0, c.FIND_STALE], (own, scratch, TWIST_STRICTNESS, SLIP_STRICTNESS, 0.0, n))
     marked = 0.0
@@ -177,32 +181,32 @@ def _take_anew(h: float, world: int, g: int, own: Any, scratch: Any, n: int) -> 
 
 @compiled(inline=True)
 def _gather_turn(pose: Any, started: Any, body: int, scratch: Any) -> None:
-    """Store how a body has turned since the step began."""
+    """Store the rotation of a body since the step began, a quaternion."""
     turn = product(quaternion_at(pose, body, ORIENTATION), conjugate(quaternion_at(started, body, ORIENTATION)))
     for k in range(4):
         scratch[k * _W] = turn[k]
 
 
 # Apply the impulses of the last substep.
-warm_start = compiled(specialise(_forth, "warm_start", group=_warm_start_group, LAST=LINKED))
+warm_start = compiled(specialise(_sweep, "warm_start", group=_warm_start_group, LAST=LINKED))
 # Keep bodies apart, and push apart those that overlap.
-solve = compiled(specialise(_forth, "solve", group=_solve_group))
-# Arms again; friction, twist and rolling resistance; then take the velocity of the push away.
-relax = compiled(specialise(_forth, "relax", group=_relax_group, LAST=LINKED))
+solve = compiled(specialise(_sweep, "solve", group=_solve_group))
+# Recompute arms; solve friction, torsion and rolling resistance; then remove the velocity of the push.
+relax = compiled(specialise(_sweep, "relax", group=_relax_group, LAST=LINKED))
 
 # The same on Numba's threads, with the same bits: no two contacts of a colour move the same body.
 THREADED = {
     warm_start: compiled(parallel=True)(
-        specialise(_forth, "warm_start_threaded", group=_warm_start_group, LAST=LINKED)
+        specialise(_sweep, "warm_start_threaded", group=_warm_start_group, LAST=LINKED)
     ),
-    solve: compiled(parallel=True)(specialise(_forth, "solve_threaded", group=_solve_group)),
-    relax: compiled(parallel=True)(specialise(_forth, "relax_threaded", group=_relax_group, LAST=LINKED)),
+    solve: compiled(parallel=True)(specialise(_sweep, "solve_threaded", group=_solve_group)),
+    relax: compiled(parallel=True)(specialise(_sweep, "relax_threaded", group=_relax_group, LAST=LINKED)),
 }
 
 
 @compiled
 def store(t: float, h: float, world: int) -> None:
-    """Keep the impulses for the next step."""
+    """Store the impulses in the manifolds, for warm starting the next step."""
     groups, lanes, manifold = integers(world, GROUPS), flat(world, LANES), floats(world, MANIFOLD)
     contact, colours = integers(world, CONTACT), integers(world, COLOURS)
     for g in range(colours[0, c.FIRST_GROUP], colours[LINKED, c.AFTER_GROUP]):
@@ -231,7 +235,7 @@ def store(t: float, h: float, world: int) -> None:
 
 @compiled
 def _fetch(world: int, g: int) -> None:
-    """Ask for the bodies of the group after the next: of many bodies, they are too far for a processor to see them coming."""
+    """Prefetch the bodies of the group after the next, if there are many; their rows are too scattered for the hardware."""
     if rows(world, MEMBER) < _MANY or g + 2 >= rows(world, GROUPS):
         return
     bodies, begin = flat_integers(world, GROUPS), GROUPS.width * (g + 2)
@@ -243,7 +247,7 @@ def _fetch(world: int, g: int) -> None:
 
 @compiled(inline=True)
 def _gather(world: int, g: int, table: Any, field: int, scratch: Any) -> None:
-    """Copy six numbers of both bodies of every lane, those of the second six fields further."""
+    """Copy the first six columns of both bodies of every lane to `field`, those of the second body to `field` + 6."""
     bodies = flat_integers(world, GROUPS)
     gather_rows(table, 0, 0, 6, bodies, GROUPS.width * g + c.BODIES_A, scratch, field)
     gather_rows(table, 0, 0, 6, bodies, GROUPS.width * g + c.BODIES_B, scratch, field + 6)
@@ -251,6 +255,7 @@ def _gather(world: int, g: int, table: Any, field: int, scratch: Any) -> None:
 
 @compiled(inline=True)
 def _gather_inertia(world: int, g: int, inverse_mass: Any, scratch: Any) -> None:
+    """Copy the inverse inertias of both bodies of every lane."""
     bodies = flat_integers(world, GROUPS)
     gather_rows(inverse_mass, 0, INVERSE_INERTIA_IN_WORLD, 6, bodies, GROUPS.width * g + c.BODIES_A, scratch, INERTIA_A)
     gather_rows(inverse_mass, 0, INVERSE_INERTIA_IN_WORLD, 6, bodies, GROUPS.width * g + c.BODIES_B, scratch, INERTIA_B)
@@ -258,6 +263,7 @@ def _gather_inertia(world: int, g: int, inverse_mass: Any, scratch: Any) -> None
 
 @compiled(inline=True)
 def _scatter(world: int, g: int, motion: Any, scratch: Any) -> None:
+    """Write the velocities of both bodies of every lane back."""
     bodies = flat_integers(world, GROUPS)
     scatter_rows(motion, bodies, GROUPS.width * g + c.BODIES_A, scratch, VELOCITY_A)
     scatter_rows(motion, bodies, GROUPS.width * g + c.BODIES_B, scratch, VELOCITY_B)
@@ -265,7 +271,7 @@ def _scatter(world: int, g: int, motion: Any, scratch: Any) -> None:
 
 @compiled(inline=True)
 def _add_changes(world: int, g: int, motion: Any, scratch: Any) -> None:
-    """Add changes of velocity to the bodies of every lane, one lane after the other."""
+    """Add the changes of velocity in scratch to the bodies of every lane, one lane after the other."""
     groups = integers(world, GROUPS)
     for lane in range(_W):
         if groups[g, c.GROUP_CONTACTS + lane] < 0:

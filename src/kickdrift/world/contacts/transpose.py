@@ -1,7 +1,7 @@
-"""Rows of tables as fields of lanes, and back: eight rows of eight numbers, transposed in registers.
+"""Transposition of table rows to fields of lanes, and back: eight rows of eight numbers, in registers.
 
-Numbers that are written one by one and read as vectors at once are not forwarded by processors, which wait until they are in
-the cache: half of the time of a sweep went into that.
+Processors do not forward scalar stores to a vector load of the same memory, but wait until the data are in the cache: that took
+half of the time of a sweep.
 """
 
 from typing import Any
@@ -15,7 +15,7 @@ from kickdrift.world.contacts.layout import WIDTH
 
 _VECTOR = ir.VectorType(ir.DoubleType(), WIDTH)
 _WORD = ir.IntType(64)
-# Of two vectors, one after the other, what stands at even and at odd places, in turn; and of pairs of numbers the same.
+# Shuffles of two vectors: interleave their elements at even and at odd places; and their pairs at even and at odd places.
 _EVEN, _ODD = (0, 8, 2, 10, 4, 12, 6, 14), (1, 9, 3, 11, 5, 13, 7, 15)
 _EVEN_PAIRS, _ODD_PAIRS = (0, 1, 4, 5, 8, 9, 12, 13), (2, 3, 6, 7, 10, 11, 14, 15)
 
@@ -24,10 +24,10 @@ _EVEN_PAIRS, _ODD_PAIRS = (0, 1, 4, 5, 8, 9, 12, 13), (2, 3, 6, 7, 10, 11, 14, 1
 def gather_rows(
     context: Any, table: Any, column: Any, first: Any, count: Any, rows: Any, begin: Any, lanes: Any, field: Any
 ) -> Any:
-    """Copy numbers of eight rows of a table to fields of lanes.
+    """Copy columns of eight rows of a table to fields of lanes, the first of which is `field`.
 
-    They are the `count` numbers from column + first on, of the eight that begin at `column`; both are constants.
-    `rows` from `begin` on says which rows.
+    Loads eight columns from `column` on, and stores `count` of them from the one with index `first` on; both are constants. The
+    indices of the rows are in `rows`, from `begin` on.
     """
     chosen = slice(first.literal_value, first.literal_value + count.literal_value)
 
@@ -44,9 +44,9 @@ def gather_rows(
 
 @intrinsic
 def scatter_rows(context: Any, table: Any, rows: Any, begin: Any, lanes: Any, field: Any) -> Any:
-    """Write six fields into eight rows of a table that is eight wide, whole ones: the last two numbers become zeros.
+    """Write six fields of lanes into eight rows of a table of width eight, and zeros into the last two columns.
 
-    Rows that are there several times have to have the same numbers.
+    If a row occurs several times, all of its lanes must hold the same numbers.
     """
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
@@ -63,7 +63,7 @@ def scatter_rows(context: Any, table: Any, rows: Any, begin: Any, lanes: Any, fi
 
 @intrinsic
 def fetch_rows(context: Any, table: Any, column: Any, rows: Any, begin: Any) -> Any:
-    """Ask for the cache lines in which a column of eight rows of a table lies, without waiting for them."""
+    """Prefetch the cache lines that contain a column of eight rows of a table."""
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         table, column, rows, begin = values
@@ -71,7 +71,7 @@ def fetch_rows(context: Any, table: Any, column: Any, rows: Any, begin: Any) -> 
         kind = ir.FunctionType(ir.VoidType(), [byte, number, number, number])
         prefetch = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0i8")
         for place in _places(context, builder, signature.args, table, column, rows, begin, 2):
-            # To be read, into the nearest cache, as data
+            # For reading, into the nearest cache, as data
             builder.call(prefetch, [builder.bitcast(place, byte), number(0), number(3), number(1)])
         return context.get_dummy_value()
 
@@ -81,7 +81,7 @@ def fetch_rows(context: Any, table: Any, column: Any, rows: Any, begin: Any) -> 
 def _places(
     context: Any, builder: Any, types_: Any, table: Any, column: Any, rows: Any, begin: Any, of_rows: int
 ) -> list[Any]:
-    """Pointers to eight numbers from a column on, of each row."""
+    """Return pointers to eight numbers of each row, from a column on."""
     found = []
     for lane in range(WIDTH):
         at = builder.add(begin, _WORD(lane))
@@ -91,7 +91,7 @@ def _places(
 
 
 def _field(context: Any, builder: Any, type_: Any, lanes: Any, field: Any, k: int) -> Any:
-    """Pointer to a field of all lanes."""
+    """Return a pointer to field + k of all lanes."""
     begin = builder.mul(builder.add(field, _WORD(k)), _WORD(WIDTH))
     return builder.bitcast(_item(context, builder, type_, lanes, [begin]), _VECTOR.as_pointer())
 
@@ -102,7 +102,7 @@ def _item(context: Any, builder: Any, type_: Any, array: Any, indices: list[Any]
 
 
 def transposed(builder: Any, vectors: list[Any]) -> list[Any]:
-    """Return vectors whose number k of vector l is number l of vector k."""
+    """Return the transpose of eight vectors of eight numbers."""
     found: list[Any] = [None] * WIDTH
     for odd, way in enumerate((_EVEN, _ODD)):
         a, b, c, d = (_joined(builder, vectors[k], vectors[k + 1], way) for k in range(0, WIDTH, 2))

@@ -1,1 +1,1 @@
-"""The direct solver: all rows of an island at once, those of joints and those of contacts, by a sparse factorisation."""
+"""The direct solver: all rows of an island, of joints and contacts, solved simultaneously by sparse factorisation."""

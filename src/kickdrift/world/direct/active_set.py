@@ -1,4 +1,4 @@
-"""The equations of an island, solved until the pieces of laws fit that were assumed: an active-set method."""
+"""Active-set method: the equations of an island are solved until the solution lies on the assumed pieces of all laws."""
 
 from numba import types
 
@@ -37,35 +37,35 @@ SOLVE_ISLAND = types.boolean(_WHOLE, _FLOAT, _FLOAT, _WHOLE, _TRUTH, _TRUTH, _WH
 
 call = caller(SOLVE_ISLAND)
 
-# How equations are solved
+# How equations are solved: until the laws are satisfied; once, with the assumed pieces; once, and the solution is not applied
 BY_LAWS, AS_ASSUMED, FOR_VELOCITIES = 0, 1, 2
 
-# Solutions with other pieces of laws assumed.
+# Largest number of solutions with different pieces of laws assumed.
 TRIALS = 20
 
-# After so many of them bounds of friction stay as they are, as those of convex laws do.
+# After so many of them the bounds of friction are frozen, which makes the laws convex.
 BOUNDED = 8
 
-# Times that a solution is put right by its own matrix, if it leaves more than REFINED, m/s, of a held row: where joints hold
-# any of the bodies, and in heaps, which stand at the worst ratios of masses and come to rest the further the better.
+# Largest number of iterative refinements with the same matrix, if held rows have a residual above REFINED, m/s: for islands
+# with joints, and for heaps, whose mass ratios are the worst, and which come to rest the better the smaller the residual is.
 REFINEMENTS, REFINED = 3, 1e-9
 _HEAP_REFINEMENTS, _NOTICED_POINT, _NOTICED_HEAP_POINT = 5, 1e-6, 1e-7
 
-# But for bounces, contacts of bodies on joints may be missed by this part of the speed at which the bodies move against each
-# other and turn, the root of its mean square. In heaps of ragdolls that have just fallen a projection takes 9.1 solutions
-# without, 8.2 with 7e-4, and 6.7 with 7e-3, by which feet would slip visibly.
+# Except in bounces, contacts of islands with joints may have a residual of this fraction of `inner_speed`, the root mean square
+# speed of internal motion. In heaps of ragdolls that have just fallen, a projection takes 9.1 solutions without, 8.2 with 7e-4,
+# and 6.7 with 7e-3, with which feet would slip visibly.
 _NOTICED_PART = 1e-3
 
 
 @compiled(cached=False)
 def aim_island(island: int, h: float, mode: int, world: int) -> float:
-    """Set the right-hand sides of the joints of an island, and return the largest error that any of them will have."""
+    """Set the right-hand sides of the joints of an island, and return the largest of their errors, NaN if one is NaN."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     worst = 0.0
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         link = order[place, 0]
         off = write_right_hand_side(links[link, LINK_JOINT], link, h, mode, world)
-        worst = worst if off <= worst else off  # which is no number where it is none
+        worst = worst if off <= worst else off  # keeps NaN
     return worst
 
 
@@ -73,7 +73,28 @@ def aim_island(island: int, h: float, mode: int, world: int) -> float:
 def solve_island(
     island: int, h: float, ahead: float, task: int, first: bool, touched: bool, how: int, world: int
 ) -> bool:
-    """Solve the equations of an island: what stages call by its address, so that it is compiled once for all of them."""
+    """Solve the equations of an island; stages call it by its address, so that it is compiled once for all of them.
+
+    Parameters
+    ----------
+    island : int
+    h, ahead : float
+        Substep, and the time for which the new velocities act: h, 0 for a projection, -1 for position changes; s.
+    task : int
+        What contacts do: `PRESS`, `REST`, `BOUNCE` or `SMOOTH_BOUNCE`.
+    first : bool
+        Whether the pieces of laws are assumed afresh.
+    touched : bool
+        Whether contacts take part; otherwise their impulses do not change.
+    how : int
+        `BY_LAWS`, `AS_ASSUMED` or `FOR_VELOCITIES`.
+    world : int
+
+    Returns
+    -------
+    bool
+        Whether the laws are satisfied; True unless `how` is `BY_LAWS`.
+    """
     if how == BY_LAWS:
         return solve_once(island, h, ahead, task, first, touched, world)
     if how == AS_ASSUMED:
@@ -87,7 +108,7 @@ def solve_island(
 
 @compiled(inline=True)
 def solve(island: int, h: float, ahead: float, task: int, first: bool, touched: bool, how: int, world: int) -> bool:
-    """Call `solve_island`: until the laws fit, with those at hand, or to find velocities alone, which nothing is given."""
+    """Call `solve_island` by its address."""
     found: bool = call(
         integers(world, KERNEL_ADDRESSES)[0, SOLVE_EQUATIONS], (island, h, ahead, task, first, touched, how, world)
     )
@@ -96,9 +117,9 @@ def solve(island: int, h: float, ahead: float, task: int, first: bool, touched: 
 
 @compiled(cached=False)
 def solve_once(island: int, h: float, ahead: float, task: int, first: bool, touched: bool, world: int) -> bool:
-    """Solve the equations until all pieces of laws fit that were assumed, and give the impulses; return whether they do.
+    """Solve the equations until all assumed pieces of laws fit, and apply the impulses; return whether they fit.
 
-    Without ``touched`` contacts give what they have given: joints alone take it up.
+    Without ``touched`` the impulses of contacts do not change.
     """
     heap = integers(world, ISLAND)[island, HAS_JOINTS] == 0
     left, whole, found = _HEAP_REFINEMENTS if heap else REFINEMENTS, True, False
@@ -126,14 +147,14 @@ def solve_once(island: int, h: float, ahead: float, task: int, first: bool, touc
 
 @compiled(cached=False)
 def solve_assumed(island: int, ahead: float, touched: bool, world: int) -> None:
-    """Solve the equations with the pieces of laws that are assumed."""
+    """Solve the equations once, with the assumed pieces of laws."""
     factor_island(island, ahead, touched, world)
     predict(island, touched, world)
 
 
 @compiled(cached=False)
 def factor_island(island: int, ahead: float, touched: bool, world: int) -> None:
-    """Factor the matrix of an island with the pieces of laws that are assumed."""
+    """Assemble and factor the matrix of an island, with the assumed pieces of laws."""
     assemble(island, ahead, world)
     if touched:
         add_contacts(island, world)
@@ -142,7 +163,10 @@ def factor_island(island: int, ahead: float, touched: bool, world: int) -> None:
 
 @compiled(cached=False)
 def refine(island: int, task: int, touched: bool, world: int) -> float:
-    """Let the next solution begin with the impulses of the one at hand, and return what that leaves where rows hold, m/s."""
+    """Begin the next solution with the impulses of the current one, and return the residual of its held rows, m/s.
+
+    Tolerances of contacts and laws other than `REFINED` are expressed by scaling their residuals.
+    """
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     joints, worst = integers(world, JOINT), refine_closings(island, world)
     if touched:
@@ -161,7 +185,7 @@ def refine(island: int, task: int, touched: bool, world: int) -> float:
 
 @compiled(cached=False)
 def predict(island: int, touched: bool, world: int) -> None:
-    """Find what the matrix at hand answers to the rows of an island."""
+    """Find changes of velocity and impulses of an island with the factored matrix."""
     own, nodes = integers(world, ISLAND)[island], integers(world, NODE)
     work = floats(world, LINK_NUMBERS)
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
@@ -190,7 +214,7 @@ def assemble(island: int, ahead: float, world: int) -> None:
 def review(
     island: int, h: float, task: int, begun: bool, first: bool, bounded: bool, touched: bool, world: int
 ) -> bool:
-    """Assume the pieces of laws that the solution at hand points to, and return whether it was made with them."""
+    """Assume the pieces of laws that the current solution implies, and return whether it was found with them."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     joints, settled = integers(world, JOINT), True
     if touched:

@@ -35,7 +35,7 @@ def put_block(m: Any, row: int, at: int, b: Block) -> None:
 
 @compiled(inline=True, cached=False, fast=True)
 def add_scaled(m: Any, row: int, at: int, factor: float, of: Any) -> None:
-    """Add to six numbers in a row of a table a multiple of others."""
+    """Add a multiple of six numbers to six numbers in a row of a table."""
     put_spatial(m, row, at, plus_scaled(spatial_at(m, row, at), factor, of))
 
 
@@ -52,7 +52,7 @@ def add_block(m: Any, row: int, at: int, b: Block) -> None:
 
 @compiled(inline=True, cached=False, fast=True)
 def move_impulses(b: Block, s: Vector) -> Block:
-    """Move the point of reference of the impulses, which the rows stand for, from O to P, with s = O - P."""
+    """Move the reference point of impulses, the rows of a block, from O to P, with s = O - P."""
     return (
         b[0],
         b[1],
@@ -65,7 +65,7 @@ def move_impulses(b: Block, s: Vector) -> Block:
 
 @compiled(inline=True, cached=False, fast=True)
 def move_velocities(b: Block, s: Vector) -> Block:
-    """Move the point of reference of the velocities, which the columns stand for."""
+    """Move the reference point of velocities, the columns of a block, from O to P, with s = O - P."""
     return (moved(b[0], s), moved(b[1], s), moved(b[2], s), moved(b[3], s), moved(b[4], s), moved(b[5], s))
 
 

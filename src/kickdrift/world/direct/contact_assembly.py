@@ -1,4 +1,4 @@
-"""What contacts add to the matrix of an island, and to the loads on its nodes."""
+"""Assembly of contacts: their terms in the matrix of an island, and in the loads on its nodes."""
 
 from typing import Any
 
@@ -62,7 +62,7 @@ def add_contacts(island: int, world: int) -> None:
 
 @compiled(cached=False, fast=True)
 def load_contacts(island: int, world: int) -> None:
-    """Add to the loads on the nodes of an island what its contacts give if no speed changes."""
+    """Add to the loads on the nodes of an island the impulses of its contacts at no change of speed (CONSTANT)."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers = contact_row(order[k, 0], world)

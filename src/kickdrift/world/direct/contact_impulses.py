@@ -1,4 +1,4 @@
-"""What a solution of the equations of an island gives its contacts."""
+"""Impulses of the contacts of an island from a solution of its equations."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.spatial import inner, plus_scaled, put_spatial_of, spatial_at, spatial_of
@@ -34,7 +34,7 @@ from kickdrift.world.tables import ISLAND, ISLAND_CONTACT, LINK_NUMBERS, MOTION,
 
 @compiled(cached=False, fast=True)
 def refine_contacts(island: int, world: int) -> float:
-    """Begin with the impulses of the solution at hand, and return the greatest speed that it leaves where rows hold, m/s."""
+    """Begin the next solution with the impulses of the current one; return the largest residual speed of held rows, m/s."""
     own, order, worst = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), 0.0
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers = contact_row(order[k, 0], world)
@@ -52,7 +52,7 @@ def refine_contacts(island: int, world: int) -> float:
 
 @compiled(cached=False, fast=True)
 def predict_contacts(island: int, world: int) -> None:
-    """Find the changes of speed and the impulses along the rows, for the solution at hand."""
+    """Find the changes of speed and the impulses along the rows of contacts, for the current solution."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     nodes, work = integers(world, NODE), floats(world, LINK_NUMBERS)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
@@ -75,7 +75,7 @@ def predict_contacts(island: int, world: int) -> None:
 
 @compiled(cached=False, fast=True)
 def give_contacts(island: int, task: int, world: int) -> None:
-    """Give bodies the impulses that were found, none of which pulls."""
+    """Apply the impulses of contacts to the bodies, within their bounds."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     given = twelve()
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
@@ -105,7 +105,7 @@ def give_contacts(island: int, task: int, world: int) -> None:
 
 @compiled(cached=False, fast=True)
 def forget_contacts(island: int, world: int) -> None:
-    """Take from bodies the impulses that contacts began with."""
+    """Undo the impulses with which contacts were warm started."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers, fields = contact_row(order[k, 0], world), constraint(order[k, 0], world)
@@ -118,7 +118,7 @@ def forget_contacts(island: int, world: int) -> None:
 
 @compiled(cached=False, fast=True)
 def left_of_contacts(island: int, world: int) -> float:
-    """Return how fast points that carry something part or approach, at most, m/s."""
+    """Return the largest normal speed of points that carry an impulse, m/s."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     velocity, most = twelve(), 0.0
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):

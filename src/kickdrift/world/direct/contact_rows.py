@@ -1,8 +1,8 @@
-"""The rows of a contact as the direct solver takes them: wrenches, the speed wanted, and the piece of its law that is assumed.
+"""The rows of a contact in the direct solver: wrenches, target speeds, and the assumed pieces of their laws.
 
-A point pushes or is open. Friction, twist and rolling resistance each hold what touches at its speed, or slide at their
-greatest impulse, mu times what the points carry: the projection of lambda - D (s - wanted) onto a disk, of which a trial of
-Newton's method takes the derivative.
+A point pushes or is open. Friction, torsion and rolling resistance each hold the target speed, or slide with their largest
+impulse, mu times the normal impulses. The law is the projection of the trial impulse lambda - D (s - wanted) onto a disk;
+Newton's method uses its derivative.
 """
 
 import math
@@ -42,29 +42,29 @@ from kickdrift.world.direct.wrenches import along, mobility, write_wrench
 
 _W = c.WIDTH
 
-# Impulse per speed missing, over the mass that a row moves: of points that are pushed apart, of points that rest, of friction,
-# and of all in a bounce, which has no impulses of a substep before to begin with. The stiffer, the more often solutions lie on
-# other pieces: with friction of 1e3 a heap of ragdolls takes six trials, with 100 and 30 one or two; overlaps of a planar
-# pyramid pushed with 1e3 do not settle in twenty; points at rest with 100 leave a tower of twenty swaying at 2 mm/s, with 1e3
-# at 5e-6 m/s.
+# Stiffness: impulse per speed error, over the effective mass of a row. For points that are pushed apart, for points at rest,
+# for friction, and for all rows in a bounce, which has no earlier impulses to begin with. The stiffer, the more often solutions
+# lie on other pieces: with friction of 1e3 a heap of ragdolls takes six trials, with 100 and 30 one or two; overlaps of
+# a planar pyramid pushed with 1e3 do not settle in twenty; points at rest with 100 leave a tower of twenty swaying at 2 mm/s,
+# with 1e3 at 5e-6 m/s.
 PRESSING, RIGID, GRIP, RIGID_BOUNCE = 100.0, 1e3, 30.0, 1e5
 
-# A row that bears the weight of far more than it moves is as stiff as if it moved these parts of it: of points, and of friction
-# under them. Without, the multipliers of a light body under a heavy one hardly come nearer from one solution to the next: a
-# tower of 40 boxes stays at 5e-5 m/s, with them it is at 1e-8 after 15 s and at 1e-14 after 60 s. Friction that is five times
-# as stiff lets a row of dominoes fall in half the time.
+# A row that bears far more than its effective mass is as stiff as if its effective mass were this fraction of the mass borne:
+# for points, and for friction below them. Otherwise the impulses on a light body under a heavy one hardly converge from one
+# solution to the next: a tower of 40 boxes stays at 5e-5 m/s; with these it is at 1e-8 after 15 s and at 1e-14 after 60 s. With
+# friction five times as stiff, a row of dominoes falls in half the time.
 BEARING, BEARING_GRIP = 2.0, 0.05
 
-# Speeds by which points may be missed or pulled, m/s: no other solution is sought for them.
+# Tolerance of the inequalities of points, m/s: smaller violations do not change the assumed pieces.
 MISSED = 1e-5
 
-# What friction may be off by in direction and size, over the mass that it moves, m/s.
+# Tolerance of the impulse of friction in direction and size, over its effective mass, m/s.
 SLIPPED = 1e-4
 
 
 @compiled(inline=True, cached=False, fast=True)
 def impulse_field(k: int) -> int:
-    """Field of a constraint that holds the impulse of a row."""
+    """Return the field of a constraint that holds the impulse of a row."""
     if k < TANGENT:
         return c.P + c.POINT_FIELDS * k + c.IMPULSE
     if k < TWIST:
@@ -74,9 +74,10 @@ def impulse_field(k: int) -> int:
 
 @compiled(cached=False, fast=True)
 def weigh(own: Any, rows: Any, fallen: float, most: float) -> None:
-    """Find the mass as which points and tangents are as stiff: parts of what bears on them, a point on no more than there is.
+    """Find the mass borne by points and tangents, scaled by BEARING and BEARING_GRIP, which sets their stiffness.
 
-    Weights gain the speed ``fallen`` in a substep, none in an instant. Where nothing falls, forces alone are no weight.
+    It is the impulse over ``fallen``, the speed that gravity adds in a substep, but at most ``most``, the mass of the island;
+    zero in a bounce and without gravity.
     """
     total = 0.0
     for k in range(TANGENT):
@@ -89,10 +90,10 @@ def weigh(own: Any, rows: Any, fallen: float, most: float) -> None:
 
 @compiled(cached=False, fast=True)
 def begin_row(own: Any, rows: Any, k: int, velocity: Any, a: int, b: int, rigid: float, world: int) -> None:
-    """Write the wrench of a row, its speed and its stiffness; it takes part if it can be moved.
+    """Write wrench, speed and stiffness of a row, which is active if impulses along it move anything.
 
-    It is as stiff as if it moved the mass that bears on it, or more. Where the bodies are of two islands, the other one (`CUT`:
-    1: a, 2: b) answers as if it were alone.
+    The stiffness is that of the effective mass, or of the mass borne if that is larger. If the bodies are of two islands, the
+    body of the other island (`CUT`: 1: a, 2: b) responds as if it were free.
     """
     wrench = rows[WRENCH + 12 * k : WRENCH + 12 * k + 12]
     write_wrench(own, k, wrench)
@@ -109,19 +110,19 @@ def begin_row(own: Any, rows: Any, k: int, velocity: Any, a: int, b: int, rigid:
 
 @compiled(inline=True, cached=False, fast=True)
 def first_row(bound: int) -> int:
-    """First row of a bound: tangents, twist, rolling."""
+    """Return the first row of a bound: tangents, twist, rolling."""
     return TANGENT if bound == 0 else TWIST if bound == 1 else ROLL
 
 
 @compiled(inline=True, cached=False, fast=True)
 def bound_rows(bound: int) -> int:
-    """Rows that have a bound in common."""
+    """Return the number of rows that share a bound."""
     return 2 if bound == 0 else 1 if bound == 1 else 3
 
 
 @compiled(cached=False, fast=True)
 def find_bounds(own: Any, rows: Any) -> None:
-    """Bound friction, twist and rolling resistance by what the points carry with the solution at hand."""
+    """Bound friction, torsion and rolling resistance by the normal impulses of the current solution."""
     normal, lever = 0.0, 0.0
     for k in range(TANGENT):
         if rows[ACTIVE + k] != 0.0:
@@ -141,10 +142,10 @@ def update_point_states(rows: Any, first: bool) -> bool:
             continue
         missing, stiffness = rows[WANTED + k] - rows[SPEED + k], rows[STIFFNESS + k]
         pull = rows[ROW_MASS + k] if first else stiffness
-        wish = rows[IMPULSE + k] + rows[BASE + k] + pull * (missing - rows[MOVED + k])
+        trial = rows[IMPULSE + k] + rows[BASE + k] + pull * (missing - rows[MOVED + k])
         if not first:
-            wish += -MISSED * stiffness if rows[STATE + k] == OPEN else MISSED * rows[ROW_MASS + k]
-        state = HELD if wish > 0.0 else OPEN
+            trial += -MISSED * stiffness if rows[STATE + k] == OPEN else MISSED * rows[ROW_MASS + k]
+        state = HELD if trial > 0.0 else OPEN
         settled = settled and state == rows[STATE + k]
         rows[STATE + k] = state
         rows[CONSTANT + k] = rows[BASE + k] + stiffness * missing if state == HELD else -rows[IMPULSE + k]
@@ -153,7 +154,7 @@ def update_point_states(rows: Any, first: bool) -> bool:
 
 @compiled(cached=False, fast=True)
 def update_bound_states(rows: Any, bound: int, first: bool) -> bool:
-    """Assume that friction, twist or rolling resistance holds or slides; return whether that is nothing new."""
+    """Assume that friction, torsion or rolling resistance holds or slides; return whether that changes nothing."""
     begin, count = first_row(bound), bound_rows(bound)
     end, most = begin + count, rows[BOUND + bound]
     stiffness, was = rows[STIFFNESS + begin], rows[STATE + begin]
@@ -162,10 +163,10 @@ def update_bound_states(rows: Any, bound: int, first: bool) -> bool:
             rows[CONSTANT + k], rows[DIRECTION + k] = -rows[IMPULSE + k], 0.0
         rows[STATE + begin], rows[SLIDE + bound] = SLIDING, 0.0
         return True
-    size = _wish(rows, begin, end, rows[ROW_MASS + begin] if first else stiffness)
+    size = _trial_impulse(rows, begin, end, rows[ROW_MASS + begin] if first else stiffness)
     state = HELD if size <= most else SLIDING
     if first and state == SLIDING:
-        size = _wish(rows, begin, end, stiffness)
+        size = _trial_impulse(rows, begin, end, stiffness)
     off = 0.0
     for k in range(begin, end):
         within = rows[CONSTANT + k] * min(1.0, most / (size + 1e-300))
@@ -184,19 +185,19 @@ def update_bound_states(rows: Any, bound: int, first: bool) -> bool:
 
 
 @compiled(cached=False, fast=True)
-def _wish(rows: Any, begin: int, end: int, stiffness: float) -> float:
-    """Find the impulse that would hold, as a constant of the rows, and return its size."""
+def _trial_impulse(rows: Any, begin: int, end: int, stiffness: float) -> float:
+    """Write the trial impulse of a bound, before projection, into CONSTANT of its rows, and return its size."""
     square = 0.0
     for k in range(begin, end):
-        wish = rows[IMPULSE + k] + rows[BASE + k] - stiffness * (rows[SPEED + k] + rows[MOVED + k] - rows[WANTED + k])
-        rows[CONSTANT + k] = wish
-        square += wish * wish
+        trial = rows[IMPULSE + k] + rows[BASE + k] - stiffness * (rows[SPEED + k] + rows[MOVED + k] - rows[WANTED + k])
+        rows[CONSTANT + k] = trial
+        square += trial * trial
     return math.sqrt(square)
 
 
 @compiled(cached=False, fast=True)
 def _slide(rows: Any, bound: int, most: float, share: float) -> None:
-    """Let rows slide with their greatest impulse, of which a share of the stiffness turns the direction."""
+    """Let rows slide with their largest impulse; `share` of the stiffness is left against changes of its direction."""
     begin, count = first_row(bound), bound_rows(bound)
     rows[SLIDE + bound] = share
     for k in range(begin, begin + count):
@@ -217,7 +218,7 @@ def bind_points(rows: Any) -> None:
 
 @compiled(cached=False, fast=True)
 def bind(rows: Any) -> None:
-    """Keep the impulses of the solution at hand within their bounds."""
+    """Keep the impulses of the current solution within their bounds."""
     bind_points(rows)
     for bound in range(3):
         begin, end = first_row(bound), first_row(bound) + bound_rows(bound)
@@ -233,9 +234,9 @@ def bind(rows: Any) -> None:
 
 @compiled(cached=False, fast=True)
 def fix(rows: Any) -> None:
-    """Let all rows give what the bodies bear at the solution that was accepted, within their bounds, whatever moves.
+    """Fix the impulses of all rows to those that act on the bodies in the accepted solution, within their bounds.
 
-    What laws would give there is far from it where rows are stiff.
+    The impulses of the laws at these velocities may be far from them if rows are stiff.
     """
     for k in range(CONTACT_ROWS):
         rows[GIVEN + k] = rows[BORNE + k]
@@ -250,7 +251,7 @@ def fix(rows: Any) -> None:
 
 @compiled(cached=False, fast=True)
 def give_of(rows: Any, k: int, bound: int) -> float:
-    """Impulse along a row with the solution at hand."""
+    """Return the change of impulse along a row in the current solution; `bound` is -1 for points."""
     impulse: float = rows[CONSTANT + k]
     stiffness, moved = 0.0, 0.0
     if bound < 0:

@@ -1,4 +1,4 @@
-"""The contacts of an island in its equations: what is wanted of them, what they add, and what the solution gives them."""
+"""The contacts of an island in its equations: their right-hand sides, and the assumed pieces of their laws."""
 
 from typing import Any
 
@@ -47,12 +47,11 @@ from kickdrift.world.direct.wrenches import along
 from kickdrift.world.settings import GRAVITY, PUSH_SPEED
 from kickdrift.world.tables import DELTA_POSE, ISLAND, ISLAND_CONTACT, MOTION, SETTINGS, Table, floats, integers
 
-# What the contacts of a solution are to do
-PRESS = (
-    0  # bodies that overlap are pushed apart, and those apart may come as near as they are by the end of the substep
-)
-REST = 1  # nothing moves on
-BOUNCE = 2  # points that hit leave with the speed that restitution gives them
+# Tasks of the contacts in a solution. PRESS: overlapping bodies are pushed apart, and separated ones may close their gap by the
+# end of the substep.
+PRESS = 0
+REST = 1  # touching points do not approach
+BOUNCE = 2  # points that hit leave with the speed of restitution
 SMOOTH_BOUNCE = 3  # the same without friction
 
 
@@ -66,13 +65,13 @@ def read_both(table: Table, a: int, b: int, numbers: Any, world: int) -> None:
 
 @compiled(inline=True, cached=False, fast=True)
 def twelve() -> Any:
-    """Return room for the velocities of two bodies, or for what acts on them."""
+    """Return an array on the stack for the velocities of two bodies, or a wrench on both, (12,)."""
     return carray(floats_on_stack(12), (12,))
 
 
 @compiled(cached=False, fast=True)
 def begin_contacts(island: int, h: float, task: int, world: int) -> None:
-    """Set the right-hand sides of all contacts of an island, as bodies move now."""
+    """Set the right-hand sides of all contacts of an island from the present velocities."""
     own = integers(world, ISLAND)[island]
     order = integers(world, ISLAND_CONTACT)
     fallen, mass = h * length(vector_at(floats(world, SETTINGS), 0, GRAVITY)), mass_of(island, world)
@@ -103,7 +102,7 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
 def _begin_points(
     own: Any, numbers: Any, velocity: Any, change: Any, a: int, b: int, h: float, task: int, world: int
 ) -> tuple[bool, float]:
-    """Set the target velocities of the points; return whether any may press, and the greatest distance from the centre."""
+    """Set the target speeds of the points; return whether any is active, and their largest distance from the centre, m."""
     rigid = PRESSING if task == PRESS else RIGID if task == REST else RIGID_BOUNCE
     push, presses, lever = floats(world, SETTINGS)[0, PUSH_SPEED], False, 0.0
     for k in range(TANGENT):
@@ -128,11 +127,11 @@ def _begin_points(
 def _begin_friction(
     own: Any, numbers: Any, velocity: Any, a: int, b: int, task: int, presses: bool, lever: float, world: int
 ) -> None:
-    """Set the right-hand sides of friction, twist and rolling resistance, where there are any."""
+    """Set the right-hand sides of friction, torsion and rolling resistance, if they can act."""
     grip = RIGID_BOUNCE if task >= BOUNCE else GRIP
     for bound in range(3):
         reach = own[c.ROLL * c.WIDTH] if bound == 2 else own[c.FRICTION * c.WIDTH] * (lever if bound == 1 else 1.0)
-        # Friction of a substep is as it was in the end of the one before until bodies have moved.
+        # Before the drift friction keeps the impulses of the substep before.
         if task in (PRESS, SMOOTH_BOUNCE) or _is_idle(own, bound, reach if presses else 0.0):
             for k in range(first_row(bound), first_row(bound) + bound_rows(bound)):
                 numbers[ACTIVE + k], numbers[GIVEN + k], numbers[STATE + k] = 0.0, 0.0, 0.0
@@ -148,7 +147,7 @@ def _begin_friction(
 
 @compiled(inline=True, cached=False, fast=True)
 def _is_idle(own: Any, bound: int, reach: float) -> bool:
-    """Whether friction, twist or rolling resistance can give nothing, and has given nothing that is to be taken back."""
+    """Whether friction, torsion or rolling resistance has neither a bound above zero nor an impulse to be removed."""
     idle = reach == 0.0
     for k in range(first_row(bound), first_row(bound) + bound_rows(bound)):
         idle = idle and own[impulse_field(k) * c.WIDTH] == 0.0
@@ -157,7 +156,7 @@ def _is_idle(own: Any, bound: int, reach: float) -> bool:
 
 @compiled(cached=False, fast=True)
 def is_cut(island: int, world: int) -> bool:
-    """Whether an island touches another one."""
+    """Whether an island touches another one that is solved directly."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     cut = False
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
@@ -167,7 +166,7 @@ def is_cut(island: int, world: int) -> bool:
 
 @compiled(cached=False, fast=True)
 def note_impulses(island: int, back: bool, world: int) -> None:
-    """Keep the impulses that a substep begins with, or go back to them."""
+    """Store the impulses with which the substep begins, or, with `back`, restore them."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers, fields = contact_row(order[k, 0], world), constraint(order[k, 0], world)
@@ -180,7 +179,7 @@ def note_impulses(island: int, back: bool, world: int) -> None:
 
 @compiled(cached=False, fast=True)
 def clear_contacts(island: int, world: int) -> None:
-    """Clear the impulses of contacts."""
+    """Set the impulses of the contacts of an island to zero."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         fields = constraint(order[k, 0], world)
@@ -190,7 +189,7 @@ def clear_contacts(island: int, world: int) -> None:
 
 @compiled(cached=False, fast=True)
 def update_contact_states(island: int, task: int, first: bool, bounded: bool, world: int) -> bool:
-    """Assume the pieces of the laws of contacts that the current solution implies; return whether it was made with them."""
+    """Assume the pieces of the laws of contacts that the current solution implies; return whether it was found with them."""
     own, order, settled = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), True
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers = contact_row(order[k, 0], world)
@@ -205,7 +204,7 @@ def update_contact_states(island: int, task: int, first: bool, bounded: bool, wo
 
 @compiled(cached=False, fast=True)
 def fix_contacts(island: int, world: int) -> None:
-    """Let the contacts of an island give what they do by the solution at hand, within their bounds."""
+    """Fix the impulses of the contacts of an island to those of the accepted solution, within their bounds."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         fix(contact_row(order[k, 0], world))

@@ -1,11 +1,11 @@
-"""Energy that joints lose or give where their bodies move too far in a substep: it is said, once.
+"""Detection of energy errors of joints whose bodies move too far in a substep, for a warning that is issued once.
 
-An island that turns by half a radian in a substep, or more, may have its solution far away, or none: the velocities that
-joints then allow are far from those that it had. So may one whose loops come to be stretched taut or pass through a pose in
-which they have a choice, however slowly, and a chain whose light end cracks like a whip. What it loses or gains in a step to or
-from neither gravity, forces, damping, motors nor friction is due to the length of the substep. Islands that touch something are
-not judged, nor those with limits at work, which take what they like, nor those that turn slowly and that were set in motion as
-their joints do not allow.
+The equations of an island that turns by half a radian or more in a substep may have a distant solution, or none: the velocities
+that joints then allow are far from the present ones. The same happens, at any speed, to loops that are pulled taut or pass
+through a singular pose, and to a chain whose light end cracks like a whip. Energy that an island loses or gains in a step and
+that gravity, forces, damping, motors and friction do not account for is an error due to the length of the substep. Islands with
+contacts are not judged, nor those with active limits, whose losses are arbitrary, nor slow ones whose initial velocities
+violate their joints.
 """
 
 import math
@@ -70,21 +70,21 @@ from kickdrift.world.tables import (
     rows,
 )
 
-# Turn of a substep that is too far, rad, and those from which on islands are judged at all: those with loops sooner. And the
-# parts of its energy that an island may lose or gain in a step, in the one case and in the other: chains of six random rods
-# leap by up to 2 % and keep 1 % in 5 s.
+# Turn in a substep that is too far, and those from which on islands without and with loops are judged, rad; and the fractions of
+# its energy that an island may lose or gain in a step in either case. Chains of six random rods jump by up to 2 %, and are
+# within 1 % after 5 s.
 LONG_TURN, JUDGED_TURN, JUDGED_TURN_OF_LOOPS = 0.5, 0.1, 0.01
 MOST, LEAP = 0.01, 0.03
 
 TINY = 1e-300  # J
 
-# Part of the rate of its fastest body by which an island may begin otherwise than its joints allow.
+# Fraction of the rate of its fastest body by which initial velocities of an island may violate its joints.
 _ALLOWED = 1e-3
 
 
 @compiled
 def note_losses(t: float, h: float, world: int) -> None:
-    """Note which islands turn too fast for the energy that they should keep."""
+    """Note the first island whose energy changes in the step by more than it should, for a warning."""
     islands, settings, status = integers(world, ISLAND), floats(world, SETTINGS), integers(world, STEP_STATUS)
     substep = h / settings[0, SUBSTEPS]
     if status[0, WARNING] & TURNS_TOO_FAST:
@@ -105,6 +105,7 @@ def note_losses(t: float, h: float, world: int) -> None:
 
 @compiled(cached=False)
 def _is_alone(island: int, world: int) -> bool:
+    """Whether an island has no contacts."""
     own = integers(world, ISLAND)[island]
     alone: bool = own[FIRST_CONTACT] == own[AFTER_CONTACT]
     return alone
@@ -112,7 +113,7 @@ def _is_alone(island: int, world: int) -> bool:
 
 @compiled(cached=False)
 def _fastest(island: int, world: int) -> tuple[int, float]:
-    """Return the body of an island that turned the fastest before or after the step, and how fast."""
+    """Return the body of an island that turns the fastest before or after the step, and its rate, rad/s."""
     own = integers(world, ISLAND)[island]
     before, after, most, fastest = floats(world, STARTED_MOTION), floats(world, MOTION), -1.0, 0
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
@@ -126,9 +127,9 @@ def _fastest(island: int, world: int) -> tuple[int, float]:
 
 @compiled(cached=False)
 def _loss(island: int, h: float, world: int) -> float:
-    """Part of its energy that an island has lost in a step to nothing that takes it; not a number where that cannot be said.
+    """Return the fraction of its energy that an island has lost in a step without a cause, negative for a gain.
 
-    Below zero where it has gained energy from nothing that gives it.
+    NaN if it cannot be determined.
     """
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     inertia, start, end, least, most = floats(world, INERTIA), 0.0, 0.0, 0.0, 0.0
@@ -150,7 +151,7 @@ def _loss(island: int, h: float, world: int) -> float:
 
 @compiled(cached=False)
 def _began_as_joints_allow(island: int, rate: float, world: int) -> bool:
-    """Whether velocities before the step were such as joints allow of points and axes, up to a part of a rate."""
+    """Whether the velocities before the step satisfied points and hinge axes of joints, up to `_ALLOWED` times a rate."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     joints, numbers, worst = integers(world, JOINT), floats(world, JOINT_NUMBERS), 0.0
     motion, pose = floats(world, STARTED_MOTION), floats(world, STARTED_POSE)
@@ -173,10 +174,10 @@ def _began_as_joints_allow(island: int, rate: float, world: int) -> bool:
 
 @compiled(cached=False)
 def _work(body: int, h: float, world: int) -> tuple[float, float]:
-    """Work that gravity has done on a body in the step, with the least and the most that other forces may have done.
+    """Return bounds of the work of gravity and other forces on a body in the step, J.
 
-    Those are taken to be as in the last substep, and to act along the way of the body, or all the time at the speed that it had
-    before or after the step: between the three lies what a substep makes of it, and what swings around in a step has its way.
+    Other forces are taken to be constant, as in the last substep, and to act along the displacement of the body, or at its
+    velocity before or after the step: the three estimates bracket the work in the substeps.
     """
     mass, gravity = floats(world, INERTIA)[body, MASS], vector_at(floats(world, SETTINGS), 0, GRAVITY)
     before, after, force = floats(world, STARTED_MOTION), floats(world, MOTION), floats(world, FORCE)
@@ -195,9 +196,9 @@ def _work(body: int, h: float, world: int) -> tuple[float, float]:
 
 @compiled(cached=False)
 def _work_of_joint(joint: int, world: int) -> tuple[float, float]:
-    """Least and most work of motors, drives and friction of a hinge in the step; not a number where none can be told.
+    """Return bounds of the work of motors, drives and friction of a hinge in the step, J, or NaN if there are none.
 
-    That is of limits, which stop their axis within the step, of laws of other axes, and of joints to what is moved by hand.
+    There are none for limits, which stop their axis within the step, laws of other axes, and joints to kinematic bodies.
     """
     joints, numbers, laws = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     a, b = joints[joint, BODY_A], joints[joint, BODY_B]

@@ -1,6 +1,6 @@
-"""Energy that an island is given from without: by motors and drives, kinematic bodies and moving surfaces.
+"""Bounds of the energy that motors and drives, kinematic bodies and moving surfaces add to an island.
 
-What has more energy than that and what it had is no solution.
+A solution with more energy than that and the initial one is spurious.
 """
 
 import math
@@ -20,7 +20,7 @@ from kickdrift.world.tables import ISLAND, ISLAND_CONTACT, ISLAND_JOINT, LINK, M
 
 @compiled(cached=False)
 def energy_given(island: int, world: int) -> float:
-    """Bound the energy that an island has been given in the substep by contacts and joints, J."""
+    """Bound the energy that contacts and joints have added to an island in the substep, J."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     total = energy_after_impact(island, 0.0, world)
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
@@ -30,10 +30,9 @@ def energy_given(island: int, world: int) -> float:
 
 @compiled(cached=False)
 def energy_after_impact(island: int, energy: float, world: int) -> float:
-    """Bound the energy that an island of an energy has after an impact, J.
+    """Bound the energy of an island after an impact, J, from its energy before.
 
-    What is struck by a heavy body of a speed u gains the speed (1 + e) u at most, beyond that with which it would bounce off a
-    body at rest.
+    A body that is struck by a heavy one of speed u is faster by at most (1 + e) u than if it had bounced off a body at rest.
     """
     gained = 2.0 * math.sqrt(0.5 * mass_of(island, world)) * driving_speed(island, world)
     bound: float = (math.sqrt(energy) + gained) ** 2
@@ -42,7 +41,7 @@ def energy_after_impact(island: int, energy: float, world: int) -> float:
 
 @compiled(cached=False)
 def driving_speed(island: int, world: int) -> float:
-    """Greatest speed of what touches an island from without, where it does, and of surfaces, m/s."""
+    """Return the largest speed of other bodies at their contacts with an island, and of moving surfaces, m/s."""
     own, order, motion = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), floats(world, MOTION)
     most = 0.0
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):

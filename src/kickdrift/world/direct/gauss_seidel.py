@@ -1,12 +1,12 @@
-"""Joints with too many loops for a direct solution, one after the other: each exact, all of them approached.
+"""Block Gauss-Seidel for articulations with too many loops for a direct solution: each joint is solved exactly, in turn.
 
-This is block Gauss-Seidel, as the solvers of games have it: what a joint gives is taken up by its neighbours in the next
-substep, helped on by warm starting. Chains in it stretch under loads far heavier than themselves.
+As in the solvers of games, the effect of a joint reaches its neighbours in the next substeps, accelerated by warm starting.
+Chains stretch under loads far heavier than themselves.
 
 Locked axes are damped springs here, of frequency f and damping ratio z, written so that the mass drops out: with w = 2 pi f,
-a = 2 z + h w and r = h w a, they take off w / a of the error in a second, r / (1 + r) of the impulse that a rigid joint would
-give, and 1 / (1 + r) of the impulse so far. A grid of 20 x 20 that is rigid instead gains energy until it tears. Nordby,
-Lacoursiere and Catto's soft constraints: E. Catto, Soft Constraints, Game Developers Conference (2011).
+a = 2 z + h w and r = h w a, the error decays at the rate w / a, the impulse of a rigid joint is scaled by r / (1 + r), and
+1 / (1 + r) of the accumulated impulse is removed. A rigid grid of 20 x 20 gains energy until it tears. Soft constraints after
+E. Catto, Soft Constraints, Game Developers Conference (2011), Nordby and Lacoursiere.
 """
 
 import math
@@ -64,16 +64,16 @@ from kickdrift.world.tables import (
     rows,
 )
 
-# Of the springs: 1/s, but a quarter of the frequency of substeps at most, and ratio.
+# Frequency of the springs, Hz, at most a quarter of that of substeps, and damping ratio.
 _HERTZ, _DAMPING = 60.0, 2.0
 
-# An axis of which less than this part is left, once others are held, is one that they hold already.
+# An axis whose pivot is less than this fraction of its diagonal element is held by the other axes already.
 _IMPLIED = 1e-10
 
 
 @compiled
 def solve_in_turn(t: float, h: float, world: int) -> None:
-    """Give the impulses with which joints hold, one joint after the other, before the drift."""
+    """Solve and apply the impulses of joints, one joint after the other, before the drift."""
     links, joints = integers(world, LINK), integers(world, JOINT)
     articulations, work, numbers = (
         integers(world, ARTICULATION),
@@ -84,7 +84,7 @@ def solve_in_turn(t: float, h: float, world: int) -> None:
     rate = speed / (2.0 * _DAMPING + h * speed)
     share = 1.0 / (1.0 + h * speed * (2.0 * _DAMPING + h * speed))
     for row in range(rows(world, ARTICULATION)):
-        at = articulations[row, FIRST]  # all its joints work in one row of numbers, which stays in the cache
+        at = articulations[row, FIRST]  # all its joints use one row of LINK_NUMBERS, which stays in the cache
         for link in range(at, articulations[row, END] if articulations[row, SEQUENTIAL] != 0 else at):
             joint = links[link, LINK_JOINT]
             if joint < 0:
@@ -104,7 +104,7 @@ def solve_in_turn(t: float, h: float, world: int) -> None:
 
 @compiled
 def relax_in_turn(t: float, h: float, world: int) -> None:
-    """Take from the velocities what joints do not allow where bodies are now, one joint after the other, after the drift."""
+    """Project the velocities onto what joints allow at the new poses, one joint after the other, after the drift."""
     articulations, links, joints = integers(world, ARTICULATION), integers(world, LINK), integers(world, JOINT)
     for row in range(rows(world, ARTICULATION)):
         if articulations[row, SEQUENTIAL] == 0:
@@ -123,32 +123,32 @@ def relax_in_turn(t: float, h: float, world: int) -> None:
 
 @compiled(cached=False)
 def _solve(joint: int, at: int, h: float, relaxing: bool, world: int) -> None:
-    """Find the impulses of one joint for itself."""
+    """Find the impulses of one joint as if it were the only one."""
     laws, work = integers(world, JOINT)[joint, LAWS], floats(world, LINK_NUMBERS)
     active = integers(world, JOINT)[joint, LOCKED] | laws
-    answers = carray(floats_on_stack(36), (6, 6))
-    _find_answers(joint, at, active, answers, world)
+    responses = carray(floats_on_stack(36), (6, 6))
+    _find_responses(joint, at, active, responses, world)
     for trial in range(TRIALS):
         settled = laws == 0 or update_law_states(joint, at, h, relaxing, trial == 0, trial > BOUNDED, world)
         if trial > 0 and settled:
             break
-        _solve_axes(at, active, answers, world)
+        _solve_axes(at, active, responses, world)
         for k in range(6):
             work[at, DELTA_SPEED + k] = 0.0
             for other in range(6):
                 if active >> k & 1 and active >> other & 1:
-                    work[at, DELTA_SPEED + k] += answers[k, other] * work[at, AXIS_IMPULSE + other]
+                    work[at, DELTA_SPEED + k] += responses[k, other] * work[at, AXIS_IMPULSE + other]
             work[at, ACCEPTED_DELTA_SPEED + k] = work[at, DELTA_SPEED + k]
 
 
 @compiled(cached=False)
-def _find_answers(joint: int, at: int, active: int, answers: Any, world: int) -> None:
-    """Find the speed along each axis by a unit impulse along each other one."""
+def _find_responses(joint: int, at: int, active: int, responses: Any, world: int) -> None:
+    """Find the changes of speed along each active axis by unit impulses along each, (6, 6)."""
     joints, response, numbers = integers(world, JOINT), floats(world, INVERSE_MASS), floats(world, JOINT_NUMBERS)
     wrenches, moved = carray(floats_on_stack(72), (6, 12)), carray(floats_on_stack(12), (1, 12))
     if joints[joint, LINEAR] == GEARED:
         k = joints[joint, PRINCIPAL]
-        answers[k, k] = mobility_of_gear(joint, at, world)
+        responses[k, k] = mobility_of_gear(joint, at, world)
         return
     for k in range(6):
         if not active >> k & 1:
@@ -165,15 +165,15 @@ def _find_answers(joint: int, at: int, active: int, answers: Any, world: int) ->
                 total = 0.0
                 for i in range(12):
                     total += wrenches[other, i] * moved[0, i]
-                answers[k, other], answers[other, k] = total, total
+                responses[k, other], responses[other, k] = total, total
 
 
 @compiled(cached=False)
-def _solve_axes(at: int, active: int, answers: Any, world: int) -> None:
-    """Find the impulses along the axes for the pieces of laws that are assumed.
+def _solve_axes(at: int, active: int, responses: Any, world: int) -> None:
+    """Find the impulses along the axes for the assumed pieces of laws.
 
-    An equation of a held axis says which change of speed it wants, one of an open axis its impulse: row by row they are those
-    of a positive matrix, which needs no pivots.
+    The equation of a held axis prescribes its change of speed, that of an open axis its impulse. Up to the scaling of rows the
+    matrix is positive semidefinite, and needs no pivoting.
     """
     held, work = integers(world, LINK)[at, HELD_AXES], floats(world, LINK_NUMBERS)
     matrix = carray(floats_on_stack(42), (6, 7))
@@ -184,7 +184,7 @@ def _solve_axes(at: int, active: int, answers: Any, world: int) -> None:
         is_held = held >> k & 1 != 0
         for j in range(6):
             if active >> j & 1:
-                matrix[k, j] = answers[k, j] if is_held else work[at, SLOPE + k] * answers[k, j]
+                matrix[k, j] = responses[k, j] if is_held else work[at, SLOPE + k] * responses[k, j]
         matrix[k, 6] = work[at, RIGHT_HAND_SIDE + k] if is_held else work[at, PUSH + k]
         matrix[k, k] += 0.0 if is_held else 1.0
     for k in range(6):

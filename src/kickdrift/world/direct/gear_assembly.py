@@ -19,7 +19,7 @@ from kickdrift.world.tables import BLOCK, LINK, LINK_NUMBERS, floats, integers
 
 @compiled(cached=False)
 def geared_link(link: int, i: int, world: int) -> int:
-    """Row of `LINK` of the body that the i-th wrench of a gear acts on; -1 for one that nothing moves."""
+    """Return the row of `LINK` of the body on which the i-th wrench of a gear acts; -1 for an immovable one."""
     row: int = node_of(world, geared_body(integers(world, LINK)[link, LINK_JOINT], i, world))
     return row
 
@@ -59,7 +59,7 @@ def load_gear(link: int, impulse: float, world: int) -> None:
 
 @compiled(cached=False)
 def moved_gear(link: int, world: int) -> float:
-    """Change of the speed of a gear by the solution at hand."""
+    """Return the change of the speed of a gear in the current solution."""
     work, total = floats(world, LINK_NUMBERS), 0.0
     for i in range(4):
         to = geared_link(link, i, world)

@@ -1,4 +1,4 @@
-"""Islands of nodes, and the order in which their nodes are eliminated, with the fill that this makes."""
+"""Islands of nodes, their contacts and joints, and the elimination order of their nodes."""
 
 from typing import Any
 
@@ -51,16 +51,16 @@ from kickdrift.world.tables import (
     set_rows,
 )
 
-# Nodes that contacts unite to an island where joints hold any of them: fill grows fast. Contacts between larger ones are solved
-# by each of them in turn. Sixteen ragdolls take 3.2 ms a step with 12 to 40 nodes, and 4.7 ms with 64.
+# Largest number of nodes that contacts unite to an island with joints, since fill grows fast. Contacts between larger islands
+# are solved by each of them in turn. Sixteen ragdolls take 3.2 ms a step with 12 to 40 nodes, and 4.7 ms with 64.
 LARGEST = 32
 
 
 @compiled
 def find_islands(t: float, h: float, world: int) -> None:
-    """Sort nodes, contacts and joints into islands, and find in which order nodes are eliminated."""
+    """Sort nodes, contacts and joints into islands, and find the elimination order of nodes."""
     links, contacts = integers(world, LINK), linked_contacts(world)
-    n = _join(world)
+    n = _unite_nodes(world)
     if not (
         has_room(world, NODE, n)
         and has_room(world, ISLAND, n)
@@ -89,8 +89,8 @@ def find_islands(t: float, h: float, world: int) -> None:
 
 
 @compiled(cached=False)
-def _join(world: int) -> int:
-    """Unite the nodes that joints and contacts hold together, and count the nodes."""
+def _unite_nodes(world: int) -> int:
+    """Unite nodes that are connected by joints or contacts, and return the number of nodes."""
     links, articulations = integers(world, LINK), integers(world, ARTICULATION)
     joined, n = 0, 0
     for row in range(rows(world, LINK)):
@@ -122,7 +122,7 @@ def _join(world: int) -> int:
 
 @compiled(cached=False)
 def islands_of_contact(world: int, index: int) -> tuple[int, int]:
-    """Islands of a contact that is solved directly; -1 for the second where there is but one."""
+    """Return the islands of a contact that is solved directly; -1 for the second if there is only one."""
     links = integers(world, LINK)
     a, b = nodes_of_contact(world, index)
     one = links[links[a, ROOT], NODE_ROW] if a >= 0 else -1
@@ -133,8 +133,8 @@ def islands_of_contact(world: int, index: int) -> tuple[int, int]:
 
 
 @compiled(cached=False)
-def _begin(islands: Any, count: int, first: int, after: int) -> None:
-    """From how many each island has, counted in its second column, to where they begin."""
+def _begin_ranges(islands: Any, count: int, first: int, after: int) -> None:
+    """Replace the number of items of each island, in the column `after`, by where its items begin, in both columns."""
     total = 0
     for island in range(count):
         size = islands[island, after]
@@ -144,12 +144,13 @@ def _begin(islands: Any, count: int, first: int, after: int) -> None:
 
 @compiled(cached=False)
 def _sort_contacts(world: int) -> None:
+    """Write the contacts of each island; one between two islands belongs to both."""
     islands, order, count = integers(world, ISLAND), integers(world, ISLAND_CONTACT), linked_contacts(world)
     for index in range(count):
         for island in islands_of_contact(world, index):
             if island >= 0:
                 islands[island, AFTER_CONTACT] += 1
-    _begin(islands, rows(world, ISLAND), FIRST_CONTACT, AFTER_CONTACT)
+    _begin_ranges(islands, rows(world, ISLAND), FIRST_CONTACT, AFTER_CONTACT)
     for index in range(count):
         for island in islands_of_contact(world, index):
             if island >= 0:
@@ -160,7 +161,7 @@ def _sort_contacts(world: int) -> None:
 
 @compiled(cached=False)
 def _sort_joints(world: int) -> None:
-    """Write the joints of each island: first those of its trees, then those that close loops."""
+    """Write the joints of each island: first those of its trees, then those that close loops, and gears."""
     islands, order, links = integers(world, ISLAND), integers(world, ISLAND_JOINT), integers(world, LINK)
     articulations, count = integers(world, ARTICULATION), 0
     for row in range(rows(world, ARTICULATION)):
@@ -168,7 +169,7 @@ def _sort_joints(world: int) -> None:
         if island >= 0:
             islands[island, AFTER_JOINT] += articulations[row, END] - articulations[row, FIRST]
             count += articulations[row, END] - articulations[row, FIRST]
-    _begin(islands, rows(world, ISLAND), FIRST_JOINT, AFTER_JOINT)
+    _begin_ranges(islands, rows(world, ISLAND), FIRST_JOINT, AFTER_JOINT)
     for closing in range(2):
         for island in range(rows(world, ISLAND)):
             islands[island, FIRST_CLOSING] = islands[island, AFTER_JOINT]
@@ -186,7 +187,7 @@ def _sort_joints(world: int) -> None:
 
 @compiled(inline=True)
 def _island_of_articulation(world: int, row: int) -> int:
-    """Island of an articulation; -1 where it sleeps, or its joints are solved in turn."""
+    """Return the island of an articulation; -1 if it sleeps, or its joints are solved in turn."""
     links = integers(world, LINK)
     root = links[integers(world, ARTICULATION)[row, FIRST], ROOT]
     island: int = links[root, NODE_ROW] if root >= 0 else -1
@@ -195,13 +196,13 @@ def _island_of_articulation(world: int, row: int) -> int:
 
 @compiled(cached=False)
 def _sort_nodes(world: int) -> None:
-    """Write nodes by island, the last link first: children before their parents."""
+    """Write the nodes of each island, children before their parents, and the mass ratio of each island."""
     links, islands, nodes = integers(world, LINK), integers(world, ISLAND), integers(world, NODE)
     inertia = floats(world, INERTIA)
     for row in range(rows(world, LINK)):
         if links[row, ROOT] >= 0:
             islands[links[links[row, ROOT], NODE_ROW], AFTER_NODE] += 1
-    _begin(islands, rows(world, ISLAND), FIRST_NODE, AFTER_NODE)
+    _begin_ranges(islands, rows(world, ISLAND), FIRST_NODE, AFTER_NODE)
     for back in range(rows(world, LINK)):
         row = rows(world, LINK) - 1 - back
         if links[row, ROOT] >= 0:

@@ -1,4 +1,4 @@
-"""What a solution of the equations of an island gives its joints, and what the next substep begins with."""
+"""Impulses of the joints of an island from a solution of its equations, and those that warm start the next substep."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot, exponential, times, turned
@@ -40,7 +40,7 @@ from kickdrift.world.tables import (
 
 @compiled(cached=False)
 def split_impulse(link: int, joint: int, world: int) -> None:
-    """Split the impulse at a joint of a tree among its axes."""
+    """Resolve the impulse at a joint of a tree into components along its axes."""
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     force, torque = vector_at(work, link, JOINT_WRENCH), vector_at(work, link, JOINT_WRENCH + 3)
     for k in range(6):
@@ -50,7 +50,7 @@ def split_impulse(link: int, joint: int, world: int) -> None:
 
 @compiled(cached=False)
 def give_joints(island: int, task: int, world: int) -> None:
-    """Give bodies the impulses of joints that were found."""
+    """Apply the impulses of the joints of an island to the bodies."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         link = order[place, 0]
@@ -61,7 +61,7 @@ def give_joints(island: int, task: int, world: int) -> None:
 
 @compiled(cached=False)
 def give_joint(joint: int, link: int, task: int, world: int) -> None:
-    """Give bodies the impulses at a joint; those of a bounce are no guess for the next substep."""
+    """Apply the impulses of a joint to its bodies; those of a bounce do not warm start the next substep."""
     work, numbers = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     column = TOTAL if task >= BOUNCE else JOINT_IMPULSE
     for k in range(6):
@@ -71,7 +71,7 @@ def give_joint(joint: int, link: int, task: int, world: int) -> None:
 
 @compiled(cached=False)
 def end_solution(island: int, h: float, world: int) -> None:
-    """Keep what was given before the drift."""
+    """Store the joint impulses of an island before the drift."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         end_joint(links[order[place, 0], LINK_JOINT], order[place, 0], h, world)
@@ -79,7 +79,7 @@ def end_solution(island: int, h: float, world: int) -> None:
 
 @compiled(cached=False)
 def end_joint(joint: int, link: int, h: float, world: int) -> None:
-    """Keep what a joint has given before the drift."""
+    """Store the impulses of a joint before the drift."""
     numbers = floats(world, JOINT_NUMBERS)
     for k in range(6):
         numbers[joint, SOLVED + k] = numbers[joint, JOINT_IMPULSE + k]
@@ -89,7 +89,7 @@ def end_joint(joint: int, link: int, h: float, world: int) -> None:
 
 @compiled(cached=False)
 def end_relaxation(island: int, h: float, world: int) -> None:
-    """Add up the impulses of the substep, and make ready for the next one."""
+    """Add up the joint impulses of the substep, and prepare those that warm start the next one."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     joints, lost = integers(world, JOINT), own[LOST] != 0
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
@@ -102,10 +102,10 @@ def end_relaxation(island: int, h: float, world: int) -> None:
 
 @compiled(cached=False)
 def turn_on(joint: int, body: int, h: float, lost: bool, world: int) -> None:
-    """Let the next substep begin as this one did, turned as the body was.
+    """Warm start the next substep of a joint with the impulses of this one before the drift, turned with the body.
 
-    With the impulse of the relaxation, which bends the paths of what turns, the first guess of Newton's method would be farther
-    away. Impulses of no solution are no guess.
+    Those of the relaxation, which bend the paths of rotating bodies, are left out: with them the initial guess of Newton's
+    method is worse. If no solution was found, `lost`, it starts from zero.
     """
     numbers = floats(world, JOINT_NUMBERS)
     note_speeds(joint, world)

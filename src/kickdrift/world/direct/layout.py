@@ -1,10 +1,10 @@
-"""Columns of the tables that the direct solver works in.
+"""Columns of the tables of the direct solver.
 
-An *island* is what joints and contacts hold together of the bodies that are solved directly: links of articulations, free
-bodies that touch them, up to some contacts away, and small heaps that the sweeps have left unsolved (see
+An *island* is a set of bodies that are connected by joints and contacts and solved directly: links of articulations, free
+bodies within some contacts of them, and small heaps that the sweeps have left unsolved (see
 `kickdrift.world.direct.unconverged_heaps`). Each of its bodies is a *node*, with a row of `LINK` and of `LINK_NUMBERS` (a
-free body has no joint), and a place in the order in which nodes are eliminated. Nodes that contacts, closing joints or fill
-couple are *neighbours*: of two of them, the one eliminated first has a row of `NEIGHBOUR` and of `BLOCK` for the other.
+free body has no joint), and a place in the order of elimination. Nodes that are coupled by contacts, closing joints or fill are
+*neighbours*: of two neighbours, the one eliminated first has a row of `NEIGHBOUR` and of `BLOCK` for the other.
 """
 
 from kickdrift.world.columns import Fields, column
@@ -18,12 +18,12 @@ AFTER_CONTACT = column(ISLAND)
 FIRST_JOINT = column(ISLAND)  # rows of ISLAND_JOINT: of trees first, then those that close loops
 FIRST_CLOSING = column(ISLAND)
 AFTER_JOINT = column(ISLAND)
-LOST = column(ISLAND)  # 1: Newton's method found no impulses with which nothing will be off
-RATIO = column(ISLAND)  # of the greatest mass to the least
-HAS_JOINTS = column(ISLAND)  # 1 where joints hold any of its nodes
+LOST = column(ISLAND)  # 1 if Newton's method has not found impulses that satisfy the joints at the end of the substep
+RATIO = column(ISLAND)  # of the largest mass to the smallest
+HAS_JOINTS = column(ISLAND)  # 1 if any of its nodes has a joint
 GIVEN_UP = column(ISLAND)  # substeps of this step in which it was lost
 
-# Columns of NODE, a row for each place in the order
+# Columns of NODE, one row for each place in the order of elimination
 LINK_ROW = column(NODE)
 PARENT_NODE = column(NODE)
 FIRST_NEIGHBOUR = column(NODE)
@@ -33,11 +33,11 @@ NODE_ISLAND = column(NODE)
 # Columns of BLOCK: 6x6 blocks of the matrix
 UPPER_BLOCK = column(BLOCK, 36)  # of the node's row and the neighbour's column
 LOWER_BLOCK = column(BLOCK, 36)  # and the other way round
-BLOCK_PASSING = column(BLOCK, 36)  # of open axis k, six numbers: its row
+BLOCK_PASSING = column(BLOCK, 36)  # of open axis k, six numbers each: its row
 BLOCK_COUPLING = column(BLOCK, 36)  # and its column
 
-# Rows of a contact: a wrench of twelve numbers each, impulse and angular impulse of its unit on the first body, the same on the
-# second
+# Rows of a contact. The wrench of a row is twelve numbers: impulse and angular impulse on the first body by a unit impulse
+# along the row, and the same on the second.
 _OF_A_CONTACT = Fields()
 _OF_A_CONTACT.field(4)  # points
 TANGENT = _OF_A_CONTACT.field(2)
@@ -45,30 +45,31 @@ TWIST = _OF_A_CONTACT.field()
 ROLL = _OF_A_CONTACT.field(3)
 CONTACT_ROWS = _OF_A_CONTACT.close()
 
-# Columns of CONTACT_ROW, a number a row of the contact
+# Columns of CONTACT_ROW, most of them with one number per row of the contact
 WRENCH = column(CONTACT_ROW, 12 * CONTACT_ROWS)
 SPEED = column(CONTACT_ROW, CONTACT_ROWS)  # before the solution
-WANTED = column(CONTACT_ROW, CONTACT_ROWS)  # speed
-STIFFNESS = column(CONTACT_ROW, CONTACT_ROWS)  # impulse per speed missing
-MOVED = column(CONTACT_ROW, CONTACT_ROWS)  # change of speed by the solution at hand
-GIVEN = column(CONTACT_ROW, CONTACT_ROWS)  # impulse by it
+WANTED = column(CONTACT_ROW, CONTACT_ROWS)  # target speed
+STIFFNESS = column(CONTACT_ROW, CONTACT_ROWS)  # impulse per error of speed
+MOVED = column(CONTACT_ROW, CONTACT_ROWS)  # change of speed in the current solution
+GIVEN = column(CONTACT_ROW, CONTACT_ROWS)  # change of impulse in the current solution
 STATE = column(CONTACT_ROW, CONTACT_ROWS)  # OPEN, HELD or SLIDING
-BOUND = column(CONTACT_ROW, 3)  # greatest impulse along the tangents, of twist, of rolling
-# Of a bound that is reached: the part of the stiffness that is left at right angles to the impulse
-SLIDE = column(CONTACT_ROW, 3)
+BOUND = column(CONTACT_ROW, 3)  # largest impulse along the tangents, of twist, of rolling
+SLIDE = column(
+    CONTACT_ROW, 3
+)  # of a bound that is reached: the fraction of the stiffness left perpendicular to the impulse
 DIRECTION = (
     column(CONTACT_ROW, CONTACT_ROWS - TANGENT) - TANGENT
-)  # of the impulse at its bound, of rows from TANGENT on
-CONSTANT = column(CONTACT_ROW, CONTACT_ROWS)  # impulse at no change of speed
-ACTIVE = column(CONTACT_ROW, CONTACT_ROWS)  # 1.0 where the row takes part
+)  # of the impulse at its bound, for rows from TANGENT on
+CONSTANT = column(CONTACT_ROW, CONTACT_ROWS)  # change of impulse at no change of speed
+ACTIVE = column(CONTACT_ROW, CONTACT_ROWS)  # 1.0 if the row takes part
 IMPULSE = column(CONTACT_ROW, CONTACT_ROWS)  # before the solution
-NODES = column(CONTACT_ROW, 2)  # places in the order of both bodies; -1 where none is moved
-HITS = column(CONTACT_ROW, 4, "m/s")  # of each point, the speed wanted after an impact; -1.0 where it has none
+NODES = column(CONTACT_ROW, 2)  # places of both bodies in the order of elimination; -1 if not in the island
+HITS = column(CONTACT_ROW, 4, "m/s")  # target speed of each point after an impact; -1.0 if it does not hit
 START = column(CONTACT_ROW, CONTACT_ROWS)  # impulse when the substep began
 CUT = column(CONTACT_ROW)  # 1.0 or 2.0: this one of the bodies belongs to another island
-ROW_MASS = column(CONTACT_ROW, CONTACT_ROWS)  # that a row moves, of both bodies alone
-ACCEPTED = column(CONTACT_ROW, CONTACT_ROWS)  # MOVED of the solution that was accepted last
-BORNE = column(CONTACT_ROW, CONTACT_ROWS)  # impulse that the bodies bear there
-BASE = column(CONTACT_ROW, CONTACT_ROWS)  # impulse, less the one before the solution, that rows begin with which hold
-WEIGHT = column(CONTACT_ROW, TWIST, "kg")  # mass as if moved by which a row is stiff, of points and tangents
+ROW_MASS = column(CONTACT_ROW, CONTACT_ROWS)  # effective mass of the row for both bodies, free of joints
+ACCEPTED = column(CONTACT_ROW, CONTACT_ROWS)  # MOVED of the solution accepted last
+BORNE = column(CONTACT_ROW, CONTACT_ROWS)  # change of impulse of the solution accepted last
+BASE = column(CONTACT_ROW, CONTACT_ROWS)  # change of impulse with which held rows begin the next refinement
+WEIGHT = column(CONTACT_ROW, TWIST, "kg")  # mass borne, by which the stiffness of points and tangents is scaled
 OPEN, HELD, SLIDING = 0.0, 1.0, 2.0

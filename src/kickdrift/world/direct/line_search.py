@@ -1,9 +1,9 @@
-"""How far to go towards a solution with the pieces of laws that were assumed, which may not be those that it lies on.
+"""Line search between the accepted solution and the current one, whose assumed pieces of laws may not be those it lies on.
 
-With bounds of friction as they are, the laws of contacts are gradients of convex functions of the velocities, and so is the
-inertia: what is solved is where their sum is least. A step of Newton's method leads down, but may lead too far; then the least
-along the way is taken, which makes the method come to an end from anywhere. Castro, Permenter, Han, IEEE Trans. Robotics 39
-(2023) 1301, section IV.
+With fixed bounds of friction, the laws of contacts are gradients of convex functions of the velocities, and so is the inertia:
+the solution is the minimum of their sum. A step of Newton's method is a descent direction, but may lead too far; then the
+minimum along it is taken, which makes the method converge from any initial guess. Castro, Permenter, Han, IEEE Trans. Robotics
+39 (2023) 1301, section IV.
 """
 
 import math
@@ -56,17 +56,17 @@ from kickdrift.world.tables import (
     integers,
 )
 
-# Of the slope that a step begins with, what may be left at the end of a whole one, and of one that is cut; and slopes of one.
+# Fractions of the initial slope that may be left at the end of a full step and of a shortened one; evaluations of the slope.
 _FLAT, _LEVEL, _TRIALS = 1e-3, 1e-6, 20
 
-# Of the energy, by which slopes may be rounded off, and the speed of all bodies at which that is not worth while, m/s.
+# Rounding errors of slopes: a fraction of the kinetic energy, and that of an island in which all bodies have this speed, m/s.
 _ROUNDING, _AT_REST = 1e-12, 1e-7
 
 
 @compiled(cached=False, fast=True)
 def search_line(island: int, h: float, task: int, full: bool, touched: bool, world: int) -> bool:
     """Accept the minimum between the accepted solution and the current one; return whether that is the current one."""
-    share = 1.0 if full else _least(island, h, task, touched, world)
+    share = 1.0 if full else _minimum(island, h, task, touched, world)
     whole = share == 1.0
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     if touched:
@@ -79,11 +79,11 @@ def search_line(island: int, h: float, task: int, full: bool, touched: bool, wor
 
 
 @compiled(cached=False, fast=True)
-def _least(island: int, h: float, task: int, touched: bool, world: int) -> float:
-    """Return the part of the way at which the slope, which rises, is zero; 1.0 where it leads down to the end.
+def _minimum(island: int, h: float, task: int, touched: bool, world: int) -> float:
+    """Return the fraction of the step at which the slope, which increases, is zero; 1.0 if it is negative to the end.
 
-    By false positions, of which an end that stays is given half of its slope: the Illinois method (Dowell, Jarratt, BIT 11
-    (1971) 168). By halving, a step of sixteen ragdolls in a heap takes 1.09 times as long.
+    By the Illinois variant of false position, which halves the slope at an end that is retained (Dowell, Jarratt, BIT 11 (1971)
+    168). With bisection, a step of sixteen ragdolls in a heap takes 1.09 times as long.
     """
     above = _slope(island, 1.0, h, task, touched, world)
     if above <= 0.0:
@@ -109,7 +109,7 @@ def _least(island: int, h: float, task: int, touched: bool, world: int) -> float
 
 @compiled(cached=False, fast=True)
 def _slope(island: int, share: float, h: float, task: int, touched: bool, world: int) -> float:
-    """Slope of what is to be least, along the way and at a part of it."""
+    """Return the derivative of the convex function along the step, at a fraction `share` of it."""
     own, order, total = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), 0.0
     if touched:
         for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
@@ -124,13 +124,14 @@ def _slope(island: int, share: float, h: float, task: int, touched: bool, world:
 
 @compiled(cached=False, fast=True)
 def _slope_of_contact(rows: Any, share: float) -> float:
+    """Return the part of a contact in `_slope`."""
     total = 0.0
     for i in range(TANGENT):
         if rows[ACTIVE + i] != 0.0:
             way = rows[MOVED + i] - rows[ACCEPTED + i]
-            wish = _wish(rows, i, i, rows[ACCEPTED + i] + share * way)
+            trial = _trial_impulse(rows, i, i, rows[ACCEPTED + i] + share * way)
             borne = rows[BORNE + i] + share * (rows[GIVEN + i] - rows[BORNE + i])
-            total += way * (borne + rows[IMPULSE + i] - max(wish, 0.0))
+            total += way * (borne + rows[IMPULSE + i] - max(trial, 0.0))
     for bound in range(3):
         begin, end = first_row(bound), first_row(bound) + bound_rows(bound)
         if rows[ACTIVE + begin] == 0.0:
@@ -138,9 +139,9 @@ def _slope_of_contact(rows: Any, share: float) -> float:
         square, uphill = 1e-300, 0.0
         for i in range(begin, end):
             way = rows[MOVED + i] - rows[ACCEPTED + i]
-            wish = _wish(rows, i, begin, rows[ACCEPTED + i] + share * way)
-            square += wish * wish
-            uphill += way * wish
+            trial = _trial_impulse(rows, i, begin, rows[ACCEPTED + i] + share * way)
+            square += trial * trial
+            uphill += way * trial
             total += way * (rows[BORNE + i] + share * (rows[GIVEN + i] - rows[BORNE + i]) + rows[IMPULSE + i])
         total -= uphill * min(1.0, rows[BOUND + bound] / math.sqrt(square))
     return total
@@ -148,6 +149,7 @@ def _slope_of_contact(rows: Any, share: float) -> float:
 
 @compiled(cached=False, fast=True)
 def _slope_of_laws(link: int, share: float, h: float, relaxing: bool, world: int) -> float:
+    """Return the part of the laws of a joint in `_slope`."""
     joint, work, total = integers(world, LINK)[link, LINK_JOINT], floats(world, LINK_NUMBERS), 0.0
     laws = integers(world, JOINT)[joint, LAWS]
     for k in range(6):
@@ -161,26 +163,28 @@ def _slope_of_laws(link: int, share: float, h: float, relaxing: bool, world: int
 
 
 @compiled(inline=True, cached=False, fast=True)
-def _wish(rows: Any, i: int, begin: int, moved: float) -> float:
-    """Impulse that a row would have if it held."""
-    wish: float = (
+def _trial_impulse(rows: Any, i: int, begin: int, moved: float) -> float:
+    """Return the impulse of a row before it is bounded, for a change of its speed."""
+    trial: float = (
         rows[IMPULSE + i] + rows[BASE + i] - rows[STIFFNESS + begin] * (rows[SPEED + i] + moved - rows[WANTED + i])
     )
-    return wish
+    return trial
 
 
 @compiled(cached=False, fast=True)
 def _accept(rows: Any, share: float) -> None:
+    """Move the accepted solution of a contact towards the current one by a fraction of the step."""
     for i in range(CONTACT_ROWS):
         rows[BORNE + i] += share * (rows[GIVEN + i] - rows[BORNE + i])
         rows[ACCEPTED + i] += share * (rows[MOVED + i] - rows[ACCEPTED + i])
         rows[MOVED + i] = rows[ACCEPTED + i]
         if i < TANGENT and share < 1.0:
-            rows[GIVEN + i] = max(_wish(rows, i, i, rows[MOVED + i]), 0.0) - rows[IMPULSE + i]
+            rows[GIVEN + i] = max(_trial_impulse(rows, i, i, rows[MOVED + i]), 0.0) - rows[IMPULSE + i]
 
 
 @compiled(cached=False, fast=True)
 def _accept_laws(link: int, share: float, world: int) -> None:
+    """Move the accepted solution of the laws of a joint towards the current one by a fraction of the step."""
     joint, work = integers(world, LINK)[link, LINK_JOINT], floats(world, LINK_NUMBERS)
     laws = integers(world, JOINT)[joint, LAWS]
     for k in range(6):

@@ -1,4 +1,4 @@
-"""The contacts that are solved directly, counted from the first of the linked colour: eight stand in the lanes of a group."""
+"""Access to the contacts that are solved directly, by their index in the linked colour: each group holds eight in its lanes."""
 
 from typing import Any
 
@@ -20,7 +20,7 @@ def linked_contacts(world: int) -> int:
 
 @compiled(inline=True, cached=False, fast=True)
 def contact_row(index: int, world: int) -> Any:
-    """Return the numbers of a contact in the direct solver."""
+    """Return the row of a contact in CONTACT_ROW, as a view."""
     return flat(world, CONTACT_ROW)[_COLUMNS * index : _COLUMNS * (index + 1)]
 
 
@@ -33,14 +33,14 @@ def constraint(index: int, world: int) -> Any:
 
 @compiled(inline=True, cached=False, fast=True)
 def bodies_of(index: int, world: int) -> tuple[int, int]:
-    """Bodies of a contact."""
+    """Return the bodies of a contact."""
     groups, g = integers(world, GROUPS), integers(world, COLOURS)[LINKED, c.FIRST_GROUP] + index // c.WIDTH
     return groups[g, c.BODIES_A + index % c.WIDTH], groups[g, c.BODIES_B + index % c.WIDTH]
 
 
 @compiled(inline=True, cached=False, fast=True)
 def row_of(index: int, world: int) -> int:
-    """Row of a contact in the table of all contacts."""
+    """Return the row of a contact in CONTACT."""
     g = integers(world, COLOURS)[LINKED, c.FIRST_GROUP] + index // c.WIDTH
     row: int = integers(world, GROUPS)[g, c.GROUP_CONTACTS + index % c.WIDTH]
     return row

@@ -1,4 +1,4 @@
-"""Joints that close loops, in the equations of an island: rows as contacts have them, with two wrenches each."""
+"""Joints that close loops, in the equations of an island: stiff rows, as those of contacts, with two wrenches each."""
 
 from typing import Any
 
@@ -37,15 +37,15 @@ from kickdrift.world.joints.layout import (
 )
 from kickdrift.world.tables import ISLAND, ISLAND_JOINT, JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, floats, integers
 
-# Impulse along a held axis per speed missing, over the mass that it moves. What is left of a solution is put right by the next
-# one, which begins with its impulses; so that those of joints that say the same twice do not grow against each other, each step
-# of Newton's method begins with those of the substep before, of which FORGOTTEN is left out.
+# Stiffness of a held axis: impulse per error of speed, over its effective mass. The residual of a solution is removed by the
+# next one, which begins with its impulses. So that opposite impulses of redundant joints do not grow, each step of Newton's
+# method begins with those of the substep before, reduced by the fraction FORGOTTEN.
 _RIGID, FORGOTTEN = 1e6, 1e-3
 
 
 @compiled(cached=False, fast=True)
 def write_axis(table: Any, row: int, axes: int, arm_a: int, arm_b: int, k: int, wrench: Any) -> None:
-    """Write the wrench of a unit impulse along an axis."""
+    """Write the wrench of a unit impulse along axis k of a joint, (12,)."""
     axis = vector_at(table, row, axes + 3 * k)
     nothing: Vector = (0.0, 0.0, 0.0)
     push = axis if k < 3 else nothing
@@ -57,6 +57,7 @@ def write_axis(table: Any, row: int, axes: int, arm_a: int, arm_b: int, k: int, 
 
 @compiled(inline=True, cached=False, fast=True)
 def _is_gear(link: int, world: int) -> bool:
+    """Whether a closing joint is a gear."""
     joints, links = integers(world, JOINT), integers(world, LINK)
     is_gear: bool = joints[links[link, LINK_JOINT], LINEAR] == GEARED
     return is_gear
@@ -64,7 +65,7 @@ def _is_gear(link: int, world: int) -> bool:
 
 @compiled(inline=True, cached=False, fast=True)
 def _stiffness(link: int, k: int, world: int) -> float:
-    """Impulse along an axis of a closing joint per change of speed; 0.0 along one that nothing moves."""
+    """Return the impulse along an axis of a closing joint per change of speed; 0.0 along an immovable one."""
     links, work = integers(world, LINK), floats(world, LINK_NUMBERS)
     if links[link, HELD_AXES] >> k & 1:
         joint = links[link, LINK_JOINT]
@@ -76,7 +77,7 @@ def _stiffness(link: int, k: int, world: int) -> float:
 
 @compiled(cached=False, fast=True)
 def begin_closings(island: int, world: int) -> None:
-    """Begin with the impulses of the substep before."""
+    """Begin the solution of closing joints with the impulses of the substep before."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT)
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     for place in range(own[FIRST_CLOSING], own[AFTER_JOINT]):
@@ -88,7 +89,7 @@ def begin_closings(island: int, world: int) -> None:
 
 @compiled(cached=False, fast=True)
 def stay_closings(island: int, world: int) -> None:
-    """Begin with the impulses that there are."""
+    """Begin the solution of closing joints with their present impulses."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT)
     work = floats(world, LINK_NUMBERS)
     for place in range(own[FIRST_CLOSING], own[AFTER_JOINT]):
@@ -98,7 +99,7 @@ def stay_closings(island: int, world: int) -> None:
 
 @compiled(cached=False, fast=True)
 def refine_closings(island: int, world: int) -> float:
-    """Begin with the impulses of the solution at hand, and return the greatest speed that it leaves, m/s or rad/s."""
+    """Begin the next solution with the impulses of the current one; return its largest residual speed, m/s or rad/s."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT)
     links, work, worst = integers(world, LINK), floats(world, LINK_NUMBERS), 0.0
     for place in range(own[FIRST_CLOSING], own[AFTER_JOINT]):
@@ -131,7 +132,7 @@ def add_closings(island: int, world: int) -> None:
 
 @compiled(cached=False, fast=True)
 def load_closings(island: int, world: int) -> None:
-    """Add to the loads on the nodes of an island what its closing joints give if no speed changes."""
+    """Add to the loads on the nodes of an island the impulses of its closing joints at no change of speed."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT)
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     start = twelve()
@@ -156,6 +157,7 @@ def load_closings(island: int, world: int) -> None:
 
 @compiled(inline=True, cached=False, fast=True)
 def _node(links: Any, link: int, side: int) -> int:
+    """Return the node of a body of a closing joint; -1 if it is immovable."""
     to = links[link, LINK_A + side]
     node: int = links[to, NODE_ROW] if to >= 0 else -1
     return node

@@ -1,4 +1,4 @@
-"""The matrix of an island before it is factored: inertias of bodies, and rows times their stiffness."""
+"""Assembly of the matrix of an island: inertias of bodies, and rows times their stiffness."""
 
 from typing import Any
 
@@ -13,8 +13,8 @@ from kickdrift.world.joints.layout import ANGULAR_PART, ARTICULATED_INERTIA, LIN
 from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
 from kickdrift.world.tables import BLOCK, INVERSE_MASS, LINK, LINK_NUMBERS, MOTION, NEIGHBOUR, NODE, floats, integers
 
-# Of bodies that cannot turn, or turn about some axes only, as if they were heavier than they are: with 1e8, what they
-# then turn and what is lost to rounding are both parts in 1e8, which the next substep corrects.
+# Ratio by which the inertia about locked axes exceeds the mass or the other moments. With 1e8, both the rotation about these
+# axes and the rounding errors are parts in 1e8, which the next substep corrects.
 _IMMOVABLE = 1e8
 
 
@@ -26,11 +26,11 @@ def _divided(s: Symmetric, divisor: float) -> Symmetric:
 
 @compiled(cached=False, fast=True)
 def put_inertia(link: int, ahead: float, world: int) -> None:
-    """Fill in the inertia of the body alone, about its centre of mass.
+    """Write the 6 x 6 inertia of the body of a link about its centre of mass, for velocities that act for a time `ahead`, s.
 
     A change dw of its angular velocity w turns it, after a time h, by h T dw with T = 1 + h w x / 2 + ...: velocities
     ahead are T dw, and the inertia is I T^-1, where T^-1 = 1 - h w x / 2 + (h w x)^2 / 12 up to h^4. A negative time is for
-    changes of position alone: then all bodies weigh the same, so that light ones are not thrown about for heavy ones.
+    changes of position alone: then all bodies have unit mass, so that light ones are not moved far on behalf of heavy ones.
     """
     work, response = floats(world, LINK_NUMBERS), floats(world, INVERSE_MASS)
     body = integers(world, LINK)[link, LINK_BODY]
@@ -64,7 +64,7 @@ def put_inertia(link: int, ahead: float, world: int) -> None:
 
 @compiled(cached=False, fast=True)
 def clear_blocks(first: int, after: int, world: int) -> None:
-    """Begin with nodes that are not coupled."""
+    """Set the blocks that couple the nodes of an island to zero."""
     nodes, blocks = integers(world, NODE), floats(world, BLOCK)
     for node in range(first, after):
         begin = nodes[node, FIRST_NEIGHBOUR]
@@ -75,7 +75,7 @@ def clear_blocks(first: int, after: int, world: int) -> None:
 
 @compiled(cached=False, fast=True)
 def block_of(a: int, b: int, world: int) -> int:
-    """Row of the block of two nodes, of which a is eliminated first."""
+    """Return the row of the block of two neighbours, of which a is eliminated first."""
     nodes, neighbours = integers(world, NODE), integers(world, NEIGHBOUR)
     row: int = nodes[a, FIRST_NEIGHBOUR]
     while neighbours[row, 0] != b:
@@ -85,14 +85,16 @@ def block_of(a: int, b: int, world: int) -> int:
 
 @compiled(cached=False, fast=True)
 def add_row(a: int, b: int, stiffness: float, start: Any, ahead: Any, world: int) -> None:
-    """Add to the matrix stiffness times the wrenches of a row, that of its impulse and that of its speed.
+    """Add the product of the stiffness and both wrenches of a row to the matrix.
 
     Parameters
     ----------
     a, b : int
-        Nodes of both bodies; -1 for one that nothing moves.
+        Nodes of both bodies; -1 for an immovable one.
+    stiffness : float
+        Impulse per change of speed.
     start, ahead : (12,) array
-        What a unit impulse does at the start of the substep, and the speed per velocity at its end.
+        Wrench of a unit impulse at the start of the substep, and derivative of the speed by the velocities at its end.
     """
     nodes, work = integers(world, NODE), floats(world, LINK_NUMBERS)
     for side in range(2):

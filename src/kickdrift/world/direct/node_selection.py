@@ -1,4 +1,4 @@
-"""Which bodies are solved directly: links of articulations, free bodies near them, and unsolved heaps."""
+"""Selection of the bodies that are solved directly: links of articulations, free bodies near them, and unsolved heaps."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
@@ -36,13 +36,13 @@ from kickdrift.world.tables import (
     set_rows,
 )
 
-# Contacts that a free body may be away from the nearest link: what is farther is left to the sweeps.
+# Largest number of contacts between a free body and the nearest link; bodies farther away are left to the sweeps.
 FARTHEST = 6
 
 
 @compiled
 def find_nodes(t: float, h: float, world: int) -> None:
-    """Give free bodies that touch what is solved directly a row of `LINK`, for this step."""
+    """Give bodies of unsolved heaps, and free bodies near links, a row of `LINK` for this step."""
     body, links, contact = integers(world, BODY), integers(world, LINK), integers(world, CONTACT)
     joined = integers(world, GRAPH)[0, JOINED_ROWS]
     for row in range(joined, rows(world, LINK)):
@@ -74,7 +74,7 @@ def find_nodes(t: float, h: float, world: int) -> None:
 
 @compiled(cached=False)
 def _add_heaps(world: int, joined: int) -> int:
-    """Give bodies of heaps that the sweeps have left unsolved a row; return how many rows there are, or -1 without room."""
+    """Give bodies of unsolved heaps a row of `LINK`; return the number of rows, or -1 if there is no room."""
     body, count = integers(world, BODY), joined
     for row in range(rows(world, BODY)):
         if body[row, IN_HEAP] != 0 and body[row, LINK_PLACE] == 0 and moves(world, row):
@@ -89,7 +89,7 @@ def _add_node(world: int, row: int, joined: int, count: int) -> bool:
     """Give a body a row of `LINK`; return whether there was room."""
     body, links = integers(world, BODY), integers(world, LINK)
     if count >= min(room(world, LINK), room(world, LINK_NUMBERS)):
-        _forget(world, joined, count)
+        _remove_nodes(world, joined, count)
         ask_for_room(world, LINK, count + 64)
         return False
     body[row, LINK_PLACE], body[row, LINK_COUNT] = count + 1, 1
@@ -115,8 +115,8 @@ def _is_node(world: int, row: int, begun: int) -> bool:
 
 
 @compiled(cached=False)
-def _forget(world: int, joined: int, count: int) -> None:
-    """Leave everything as it was."""
+def _remove_nodes(world: int, joined: int, count: int) -> None:
+    """Remove the rows of `LINK` from `joined` on, since the stage is run again."""
     body, links = integers(world, BODY), integers(world, LINK)
     for row in range(joined, count):
         body[links[row, LINK_BODY], LINK_PLACE], body[links[row, LINK_BODY], LINK_COUNT] = 0, 0
@@ -125,21 +125,21 @@ def _forget(world: int, joined: int, count: int) -> None:
 
 @compiled(cached=False)
 def node_of(world: int, body: int) -> int:
-    """Row of LINK of a body that is solved directly; -1 of others, and of what sleeps."""
+    """Return the row of LINK of a body that is solved directly; -1 for others, and for sleeping ones."""
     row: int = integers(world, BODY)[body, LINK_PLACE] - 1
     return row if row >= 0 and integers(world, LINK)[row, ROOT] >= 0 else -1
 
 
 @compiled(cached=False)
 def nodes_of_contact(world: int, index: int) -> tuple[int, int]:
-    """Rows of LINK of the bodies of a contact that is solved directly; -1 of those that nothing moves there."""
+    """Return the rows of LINK of the bodies of a contact that is solved directly, -1 as in `node_of`."""
     a, b = bodies_of(index, world)
     return node_of(world, a), node_of(world, b)
 
 
 @compiled(cached=False)
 def place_in(island: int, body: int, world: int) -> int:
-    """Place of a body in the order of elimination; -1 where it is not of an island."""
+    """Return the place of a body in the order of elimination; -1 if it does not belong to the island."""
     link = node_of(world, body)
     place: int = integers(world, LINK)[link, NODE_ROW] if link >= 0 else -1
     return place if place >= 0 and integers(world, NODE)[place, NODE_ISLAND] == island else -1
@@ -147,14 +147,14 @@ def place_in(island: int, body: int, world: int) -> int:
 
 @compiled(inline=True)
 def body_of(node: int, world: int) -> int:
-    """Body of a node of an island."""
+    """Return the body of a node."""
     body: int = integers(world, LINK)[integers(world, NODE)[node, LINK_ROW], LINK_BODY]
     return body
 
 
 @compiled(cached=False)
 def mass_of(island: int, world: int) -> float:
-    """Mass of an island."""
+    """Return the mass of an island, kg."""
     own, total = integers(world, ISLAND)[island], 0.0
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         total += floats(world, INERTIA)[body_of(node, world), MASS]

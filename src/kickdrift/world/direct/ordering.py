@@ -1,4 +1,4 @@
-"""The order in which the nodes of an island are eliminated, and who is coupled to whom by then: minimum degree, by bits."""
+"""Elimination order of the nodes of an island by minimum degree, and symbolic factorisation, with sets of nodes as bits."""
 
 from typing import Any
 
@@ -33,12 +33,12 @@ from kickdrift.world.tables import (
     set_rows,
 )
 
-_BITS = 62  # of a word that tell nodes
+_BITS = 62  # nodes per word of a bit set
 
 
 @compiled(cached=False)
 def order_nodes(world: int, island: int) -> bool:
-    """Find the order of elimination of an island, the least coupled node first, and who is coupled to whom by then."""
+    """Find the elimination order of an island, children before parents, and its fill; return whether there was room."""
     links, nodes, own = integers(world, LINK), integers(world, NODE), integers(world, ISLAND)[island]
     first, after = own[FIRST_NODE], own[AFTER_NODE]
     n = after - first
@@ -53,7 +53,7 @@ def order_nodes(world: int, island: int) -> bool:
             nodes[place, PARENT_NODE] = links[parent, NODE_ROW] if parent >= 0 else NONE
             nodes[place, FIRST_NEIGHBOUR], nodes[place, NEIGHBOURS] = rows(world, NEIGHBOUR), 0
         return True
-    # After the bits: of each node how many of its children are left (-1: it is gone), and which it was in the list.
+    # After the bits: for each node the number of children left, -1 once it is eliminated, and its row of LINK.
     children, member = n * words, n * (words + 1)
     for i in range(n):
         bits[children + i, 0], bits[member + i, 0] = 0, nodes[first + i, LINK_ROW]
@@ -82,7 +82,7 @@ def order_nodes(world: int, island: int) -> bool:
 
 @compiled(cached=False)
 def _place_neighbours(world: int, first: int, after: int, member: int) -> None:
-    """Replace parents and neighbours by their places in the order, now that it is known."""
+    """Replace parents and neighbours by their places in the order of elimination."""
     links, nodes = integers(world, LINK), integers(world, NODE)
     neighbours, bits = integers(world, NEIGHBOUR), integers(world, ADJACENCY)
     for place in range(first, after):
@@ -113,7 +113,7 @@ def _unite(bits: Any, i: int, j: int, words: int) -> None:
 
 @compiled(inline=True, cached=False)
 def _lowest(word: int) -> int:
-    """Place of the lowest bit of a word that is set."""
+    """Return the index of the lowest bit that is set in a word."""
     lowest, place = word & -word, 0
     while lowest > 1:
         lowest >>= 1
@@ -123,6 +123,7 @@ def _lowest(word: int) -> int:
 
 @compiled(cached=False)
 def _count(bits: Any, i: int, words: int) -> int:
+    """Return the number of neighbours of a node."""
     total = 0
     for w in range(words):
         word = bits[i * words + w, 0]
@@ -134,7 +135,7 @@ def _count(bits: Any, i: int, words: int) -> int:
 
 @compiled(cached=False)
 def _couple(world: int, island: int, words: int) -> bool:
-    """Write which nodes contacts and loop joints couple, and return whether there are any."""
+    """Write the adjacency of nodes by contacts and closing joints, and return whether there is any."""
     links, own = integers(world, LINK), integers(world, ISLAND)[island]
     bits, order = integers(world, ADJACENCY), integers(world, ISLAND_CONTACT)
     closings, joints = integers(world, ISLAND_JOINT), integers(world, JOINT)
@@ -164,7 +165,7 @@ def _couple(world: int, island: int, words: int) -> bool:
 
 @compiled(cached=False)
 def _eliminate(world: int, first: int, i: int, parent: int, words: int, place: int) -> bool:
-    """Couple what a node is coupled to, its parent among it, and write its neighbours (by their place in the list so far)."""
+    """Eliminate a node: write its neighbours, as indices in the list so far, and couple them and its parent to each other."""
     nodes, neighbours, bits = integers(world, NODE), integers(world, NEIGHBOUR), integers(world, ADJACENCY)
     count = _count(bits, i, words)
     row = rows(world, NEIGHBOUR)

@@ -1,4 +1,4 @@
-"""Bodies of an island put back to where joints hold them."""
+"""Position correction of the bodies of an island whose joints are off."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import length, times
@@ -18,7 +18,7 @@ REPAIRS = 8
 
 @compiled(cached=False)
 def repair(island: int, h: float, world: int) -> None:
-    """Put bodies where joints hold them, by changes of position that have no velocity."""
+    """Correct the poses of bodies so that joints are satisfied, without changing velocities."""
     own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
     order, work = integers(world, ISLAND_JOINT), floats(world, LINK_NUMBERS)
     first, after = own[FIRST_NODE], own[AFTER_NODE]

@@ -1,9 +1,9 @@
-"""Bounces in islands: what hits leaves with the speed that restitution gives it, and joints take their part at once.
+"""Restitution in islands: bounces of points, solved simultaneously with the joints.
 
-At the start of a substep, where joints hold, in rounds: all points that will hit within the substep faster than the bounce
-speed get the speed -e times their own, those of one manifold that would in the next one too, which keeps what lands flat from
-turning; then what these push onto others, until none hits. Smith, Kaufman, Vouga, Tamstorf, Grinspun, Reflections on
-Simultaneous Impact, ACM Trans. Graph. 31 (2012) 106.
+At the start of a substep, when joints are satisfied, in rounds: all points that will hit within the substep faster than the
+bounce speed get -e times their speed, together with points of the same manifold that would hit in the next substep, so that
+bodies that land flat do not turn; then the points that these push onto others, until none hits. Smith, Kaufman, Vouga,
+Tamstorf, Grinspun, Reflections on Simultaneous Impact, ACM Trans. Graph. 31 (2012) 106.
 """
 
 from kickdrift.core.compilation import compiled
@@ -23,7 +23,7 @@ from kickdrift.world.tables import CONTACT, DELTA_POSE, ISLAND, ISLAND_CONTACT, 
 
 _ROUNDS = 30
 
-# Restitution by Newton's rule and friction together may add energy (Kane and Levinson 1985); then what hits is smooth.
+# Newton's rule and friction together may add energy (Kane and Levinson 1985): above this ratio friction is left out.
 NO_MORE = 1.001
 
 
@@ -47,7 +47,7 @@ def bounce_islands(t: float, h: float, world: int) -> None:
 
 @compiled(cached=False)
 def _find_hits(island: int, h: float, world: int) -> bool:
-    """Find the points of an island that hit, and the speed with which they are to leave; return whether any does."""
+    """Find the points of an island that hit, and their speeds after the impact; return whether any does."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     contact, place, found = integers(world, CONTACT), floats(world, PLACE), False
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
@@ -61,6 +61,7 @@ def _find_hits(island: int, h: float, world: int) -> bool:
 
 @compiled(cached=False)
 def _hits(index: int, e: float, h: float, world: int) -> bool:
+    """Write the speeds after an impact (HITS) of the points of a contact; return whether any hits within the substep."""
     a, b = bodies_of(index, world)
     own, numbers = constraint(index, world), contact_row(index, world)
     slowest = slowest_bounce(h, world, row_of(index, world))

@@ -1,13 +1,13 @@
 """The direct solver: RATTLE for an island. Newton's method before the drift, a projection after it.
 
-A substep is symplectic, as the kick and the drift between are: impulses along the joints' directions at its start, such that
-nothing is off at its end, and then the velocities' projection onto what the joints allow there. Hairer, Lubich, Wanner,
-Geometric Numerical Integration, 2nd ed. (2006), section VII.1.4. Contacts are rows of the same equations. Which pieces of the
-laws of axes and of contacts hold is assumed, and solved again as long as a solution lies on other ones: an active-set, or
-semi-smooth Newton, method.
+A substep is symplectic, as are its kick and its drift: impulses along the joint axes at its start, such that the joints are
+satisfied at its end, and then a projection of the velocities onto those that the joints allow there. Hairer, Lubich, Wanner,
+Geometric Numerical Integration, 2nd ed. (2006), section VII.1.4. Contacts are rows of the same equations. The pieces of the
+laws of axes and contacts are assumed, and the equations are solved again until the solution lies on the assumed ones: an
+active-set, or semi-smooth Newton, method.
 
-Where the substep is too long for that, as where a chain with a heavy end cracks like a whip, velocities are projected before
-the drift too, and bodies are put back to where the joints hold them.
+If the substep is too long for that, as for a chain with a heavy end that cracks like a whip, velocities are projected before
+the drift too, and the poses of bodies are corrected.
 """
 
 import math
@@ -39,33 +39,33 @@ from kickdrift.world.joints.right_hand_side import AHEAD, GENTLY, RELAX
 from kickdrift.world.settings import PUSH_SPEED, RESIDUAL
 from kickdrift.world.tables import ISLAND, KICKED, MOTION, NOTED, SETTINGS, floats, integers, rows
 
-# Newton's method stops where the parts of their arms that joints are off by, times the ratio of masses, are below CLOSE. The
-# usual island takes two steps; one that is not NEAR after QUICK of them begins again from velocities that joints allow.
-# Each step squares what trees are off by: where that will do, no one looks whether the step has done so. Rotors that fly freely
-# lose 4e-6 of their energy in 5 s with 1e-7, and 4e-4 with 1e-6, which is enough for what touches something.
+# Newton's method stops when the joint errors, relative to the arms and times the mass ratio, are below CLOSE, with contacts
+# CLOSE_TOUCHING, with loops CLOSE_LOOPS. Most islands take two steps; one that is not NEAR after QUICK steps starts again from
+# velocities that joints allow, with ROUNDS steps. Each step squares the error of trees, so the last error is not evaluated.
+# Rotors that fly freely lose 4e-6 of their energy in 5 s with 1e-7, and 4e-4 with 1e-6, which is enough with contacts.
 QUICK, ROUNDS, CLOSE, CLOSE_TOUCHING, CLOSE_LOOPS, NEAR = 3, 6, 1e-7, 1e-6, 1e-9, 1e-5
 
-# Given up is what is farther off than FAR at the end, in parts of the arms. A projection that leaves more than EXCESS times the
-# energy that there was is done again without the laws of axes, which may add to it: they do in a substep that is too long.
+# An island is given up if its error is above FAR at the end, relative to the arms. A projection that leaves more than EXCESS
+# times the initial energy is repeated without the laws of axes, which may add energy if the substep is too long.
 FAR, EXCESS = 1e-3, 1.5
 
-# Times the energy that heaps and what turns far may have after the drift. Of sixty chains of random rods that spin 46 gained
-# more than a tenth with 1.02, and six do with 1.001.
+# Ratio to which heaps and fast rotating islands may increase their energy after the drift. Of sixty spinning chains of random
+# rods 46 gain more than a tenth with 1.02, and six with 1.001.
 KEPT = 1.001
 
-# First guesses that are farther off than that are replaced by velocities that joints allow, from which no step leads astray.
+# Initial guesses with a larger error are replaced by velocities that joints allow, from which Newton's method is safe.
 POOR = 0.1
 
-# Times the energy that is too much.
+# Ratio of energies, or of speeds in `_press`, above which a solution is spurious.
 WILD = 4.0
 
-# Square of a speed that no one notices, m^2/s^2.
+# Square of a negligible speed, m^2/s^2.
 _STILL = 1e-12
 
 
 @compiled
 def solve_islands(t: float, h: float, world: int) -> None:
-    """Find the impulses with which nothing is off at the end of the substep, before the drift."""
+    """Find and apply the impulses that satisfy joints and contacts at the end of the substep, before the drift."""
     islands = integers(world, ISLAND)
     for island in range(rows(world, ISLAND)):
         note_velocities(island, world)
@@ -75,18 +75,18 @@ def solve_islands(t: float, h: float, world: int) -> None:
             _press(island, h, world)
             continue
         off = islands[island, RATIO] * aim_island(island, h, AHEAD, world)
-        if not (off <= POOR and _approach(island, h, off, QUICK, world) <= NEAR) or _is_thrown(island, h, world):
-            _take_care(island, h, world)
+        if not (off <= POOR and _approach(island, h, off, QUICK, world) <= NEAR) or _is_spurious(island, h, world):
+            _solve_carefully(island, h, world)
     for island in range(rows(world, ISLAND)):
         if is_cut(island, world):
-            _hold(island, h, world)
+            _solve_joints(island, h, world)
         end_solution(island, h, world)
     let_fall(world)
 
 
 @compiled
 def relax_islands(t: float, h: float, world: int) -> None:
-    """Take from the velocities what joints and contacts do not allow where bodies are now, after the drift."""
+    """Project the velocities onto those that joints and contacts allow at the new poses, after the drift."""
     islands = integers(world, ISLAND)
     for island in range(rows(world, ISLAND)):
         if islands[island, LOST] != 0:
@@ -95,7 +95,7 @@ def relax_islands(t: float, h: float, world: int) -> None:
             note_impulses(island, False, world)
             _project(island, h, RELAX, REST, world)
         else:
-            _rest(island, h, world)
+            _relax(island, h, world)
     for island in range(rows(world, ISLAND)):
         if is_cut(island, world):
             aim_island(island, h, RELAX, world)
@@ -106,7 +106,7 @@ def relax_islands(t: float, h: float, world: int) -> None:
 
 @compiled
 def measure_islands(t: float, h: float, world: int) -> None:
-    """Measure what is left unsolved of the contacts of islands: how fast points that press part or approach, at most."""
+    """Include the contacts of islands in the residual: the largest normal speed of their loaded points."""
     settings = floats(world, SETTINGS)
     for island in range(rows(world, ISLAND)):
         settings[0, RESIDUAL] = max(settings[0, RESIDUAL], left_of_contacts(island, world))
@@ -114,9 +114,9 @@ def measure_islands(t: float, h: float, world: int) -> None:
 
 @compiled(cached=False)
 def _press(island: int, h: float, world: int) -> None:
-    """Solve an island without joints: from impulses of the substep before, from none if those lead astray, or not at all.
+    """Solve an island without joints, warm started; if bodies become too fast, from zero impulses; if that fails, not at all.
 
-    Impulses of a solution that was none may be far too large, and would throw the lightest body.
+    The impulses of a spurious solution may be far too large, and would throw the lightest body.
     """
     most = WILD * (fastest(island, KICKED, LINEAR_PART, world) + floats(world, SETTINGS)[0, PUSH_SPEED])
     for trial in range(2):
@@ -132,23 +132,25 @@ def _press(island: int, h: float, world: int) -> None:
 
 
 @compiled(cached=False)
-def _rest(island: int, h: float, world: int) -> None:
-    """Project velocities.
+def _relax(island: int, h: float, world: int) -> None:
+    """Project the velocities of an island after the drift.
 
-    Contacts, and joints of what turns far in a substep, give no more energy than there was after the kick, and than what drives
-    the island from without; on joints, not much more: see `_gains`. Where they do, it is the velocities after the kick that are
-    projected, without impulses of the substep.
+    If that leaves too much energy (`_gains_energy`), the velocities after the kick are projected instead, without the impulses
+    of the substep.
     """
     for _ in range(2):
         solve_at_once(island, h, RELAX, REST, world)
-        if not _gains(island, h, world):
+        if not _gains_energy(island, h, world):
             return
         begin_from_kick(island, world)
 
 
 @compiled(cached=False)
-def _gains(island: int, h: float, world: int) -> bool:
-    """Whether an island has more energy than after the kick, and than what drives it has given: if it may have at all."""
+def _gains_energy(island: int, h: float, world: int) -> bool:
+    """Whether an island has more energy than after the kick, beyond a tolerance and the energy given from outside.
+
+    Only islands with contacts or with large rotations in a substep are checked.
+    """
     own = integers(world, ISLAND)[island]
     touches, joined = own[FIRST_CONTACT] < own[AFTER_CONTACT], own[HAS_JOINTS] != 0
     if not (touches or h * fastest(island, MOTION, ANGULAR_PART, world) > LONG_TURN):
@@ -163,7 +165,7 @@ def _gains(island: int, h: float, world: int) -> bool:
 
 @compiled(cached=False)
 def _approach(island: int, h: float, off: float, most: int, world: int) -> float:
-    """Take steps of Newton's method, and return how far joints will be off, times the ratio of masses."""
+    """Do up to `most` steps of Newton's method, and return the error of joints times the mass ratio; infinity on failure."""
     own = integers(world, ISLAND)[island]
     ratio, closed = own[RATIO], own[AFTER_JOINT] > own[FIRST_CLOSING]
     touches = own[AFTER_CONTACT] > own[FIRST_CONTACT]
@@ -180,7 +182,7 @@ def _approach(island: int, h: float, off: float, most: int, world: int) -> float
 
 
 @compiled(cached=False)
-def _is_thrown(island: int, h: float, world: int) -> bool:
+def _is_spurious(island: int, h: float, world: int) -> bool:
     """Whether an island turns fast with far more energy than it had: at a distant, spurious solution."""
     if h * fastest(island, MOTION, ANGULAR_PART, world) <= LONG_TURN:
         return False
@@ -190,10 +192,10 @@ def _is_thrown(island: int, h: float, world: int) -> bool:
 
 
 @compiled(cached=False)
-def _take_care(island: int, h: float, world: int) -> None:
-    """Begin with velocities that joints allow, and stay with them if no solution is found near to them.
+def _solve_carefully(island: int, h: float, world: int) -> None:
+    """Solve from velocities that joints allow, and keep these if no solution is found near them.
 
-    Impulses of the substep before that throw the island are no guess: where a substep found no solution, they may be anything.
+    Warm starting impulses that add far too much energy are dropped: after a substep without a solution they may be arbitrary.
     """
     islands = integers(world, ISLAND)
     if kinetic_energy(island, NOTED, world) > WILD * kinetic_energy(island, KICKED, world):
@@ -206,7 +208,7 @@ def _take_care(island: int, h: float, world: int) -> None:
     off = _approach(island, h, off, ROUNDS, world)
     if not (
         off <= FAR * islands[island, RATIO]
-        and kinetic_energy(island, MOTION, world) <= _lawful(island, h, world) * energy + energy_given(island, world)
+        and kinetic_energy(island, MOTION, world) <= _allowance(island, h, world) * energy + energy_given(island, world)
     ):
         islands[island, LOST] = 1
         islands[island, GIVEN_UP] += 1
@@ -214,18 +216,19 @@ def _take_care(island: int, h: float, world: int) -> None:
 
 
 @compiled(cached=False)
-def _lawful(island: int, h: float, world: int) -> float:
-    """Part of its energy that an island may have before the drift: turned by an angle a in the substep, it has a^2 / 2 more.
+def _allowance(island: int, h: float, world: int) -> float:
+    """Return the ratio to which the energy of an island may increase before the drift.
 
-    With a margin of a tenth: distant, spurious solutions have more, that of a grid of 4 x 4 balls by a sixth.
+    Turning by an angle a in the substep adds the fraction a^2 / 2. With a margin of a tenth: distant, spurious solutions have
+    more, that of a grid of 4 x 4 balls by a sixth.
     """
     turn = h * fastest(island, NOTED, ANGULAR_PART, world)
     return 1.1 + 0.6 * min(turn, 1.5) ** 2
 
 
 @compiled(cached=False)
-def _hold(island: int, h: float, world: int) -> None:
-    """Solve joints for what contacts with other islands have given: for the end of the substep where that is near."""
+def _solve_joints(island: int, h: float, world: int) -> None:
+    """Solve the joints of an island after its contacts with other islands: for the end of the substep if the error is small."""
     islands = integers(world, ISLAND)
     near = islands[island, RATIO] * aim_island(island, h, AHEAD, world) <= POOR and islands[island, LOST] == 0
     if near:
@@ -238,7 +241,7 @@ def _hold(island: int, h: float, world: int) -> None:
 
 @compiled(cached=False)
 def solve_at_once(island: int, h: float, mode: int, task: int, world: int) -> None:
-    """Project velocities onto what joints and contacts allow where bodies are."""
+    """Project velocities onto those that joints and contacts allow at the present poses."""
     aim_island(island, h, mode, world)
     stay_closings(island, world)
     begin_contacts(island, h, task, world)
@@ -247,9 +250,9 @@ def solve_at_once(island: int, h: float, mode: int, task: int, world: int) -> No
 
 @compiled(cached=False)
 def _project(island: int, h: float, mode: int, task: int, world: int) -> None:
-    """Go back to the velocities that were noted, and project them.
+    """Go back to the noted velocities, and project them.
 
-    Where that adds energy, a limit that has been passed by far throws what it holds: then without laws of axes, or not at all.
+    If that adds energy, as a limit does that has been exceeded by far, it is done without updating the laws, or not at all.
     """
     take_back(island, world)
     energy = kinetic_energy(island, MOTION, world)

@@ -1,4 +1,4 @@
-"""The solution for a factored island: forwards through its nodes, and back."""
+"""Forward and back substitution with the factored matrix of an island."""
 
 from typing import Any
 
@@ -47,7 +47,7 @@ _NOTHING: Vector = (0.0, 0.0, 0.0)
 
 @compiled(cached=False, fast=True)
 def substitute(first: int, after: int, world: int) -> None:
-    """Find the changes of velocity (`GAIN`) for the loads on the nodes, and what joints pass on (`JOINT_WRENCH`)."""
+    """Find the changes of velocity (`GAIN`) for the loads on the nodes, and the impulses at joints (`JOINT_WRENCH`)."""
     nodes, links, work = integers(world, NODE), integers(world, LINK), floats(world, LINK_NUMBERS)
     for node in range(first, after):
         link = nodes[node, LINK_ROW]
@@ -55,20 +55,20 @@ def substitute(first: int, after: int, world: int) -> None:
             work[link, BIAS_IMPULSE + k] = -work[link, CLOSING_IMPULSE + k]
     for node in range(first, after):
         if links[nodes[node, LINK_ROW], LINK_JOINT] >= 0:
-            _gather(node, world)
+            _forward_link(node, world)
         else:
-            _solve_free(node, world)
+            _forward_free(node, world)
     for back in range(after - first):
         node = after - 1 - back
         if links[nodes[node, LINK_ROW], LINK_JOINT] >= 0:
-            _spread(node, world)
+            _back_link(node, world)
         else:
-            _complete_free(node, world)
+            _back_free(node, world)
 
 
 @compiled(cached=False, fast=True)
-def _gather(node: int, world: int) -> None:
-    """Impulse that a joint passes on if its parent and its neighbours stay as they are, about the point where it acts."""
+def _forward_link(node: int, world: int) -> None:
+    """Find the impulse at a link's joint if its parent and its neighbours do not move, and pass it on to these."""
     nodes, links, neighbours = integers(world, NODE), integers(world, LINK), integers(world, NEIGHBOUR)
     work, numbers, blocks = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS), floats(world, BLOCK)
     link, parent = nodes[node, LINK_ROW], nodes[node, PARENT_NODE]
@@ -76,7 +76,7 @@ def _gather(node: int, world: int) -> None:
     end = begin + nodes[node, NEIGHBOURS]
     held, sign = links[link, HELD_AXES], links[link, SIGN]
     own, other = arms(numbers, joint, ARM_A, ARM_B, sign)
-    # In registers, not in the table: the compiler does not know that what is written there is not what is read next.
+    # In registers, not in the table: the compiler cannot know that writes to it do not alias the next reads.
     push = vector_at(work, link, BIAS_IMPULSE)
     turn = minus(vector_at(work, link, BIAS_IMPULSE + 3), cross(own, push))
     gain: tuple[Vector, Vector] = (_NOTHING, _NOTHING)
@@ -113,7 +113,7 @@ def _gather(node: int, world: int) -> None:
 
 @compiled(inline=True, cached=False, fast=True)
 def _product(m: Any, row: int, at: int, x: tuple[Vector, Vector]) -> Vector:
-    """Three rows of a block times six numbers."""
+    """Return three rows of a block times six numbers."""
     return (
         dot(vector_at(m, row, at), x[0]) + dot(vector_at(m, row, at + 3), x[1]),
         dot(vector_at(m, row, at + 6), x[0]) + dot(vector_at(m, row, at + 9), x[1]),
@@ -123,7 +123,7 @@ def _product(m: Any, row: int, at: int, x: tuple[Vector, Vector]) -> Vector:
 
 @compiled(inline=True, cached=False, fast=True)
 def _add_product(m: Any, row: int, at: int, x: Any, of: int, source: int, y: Any, to: int, target: int) -> None:
-    """Add to six numbers a block times six others."""
+    """Add the product of a block and six numbers to six others."""
     for i in range(6):
         total = 0.0
         for j in range(6):
@@ -132,8 +132,8 @@ def _add_product(m: Any, row: int, at: int, x: Any, of: int, source: int, y: Any
 
 
 @compiled(cached=False, fast=True)
-def _spread(node: int, world: int) -> None:
-    """Change of velocity of a link, from that of its parent and its neighbours, and the impulse at its joint."""
+def _back_link(node: int, world: int) -> None:
+    """Find the change of velocity of a link, from those of its parent and its neighbours, and the impulse at its joint."""
     nodes, links, neighbours = integers(world, NODE), integers(world, LINK), integers(world, NEIGHBOUR)
     work, blocks = floats(world, LINK_NUMBERS), floats(world, BLOCK)
     link, parent = nodes[node, LINK_ROW], nodes[node, PARENT_NODE]
@@ -175,8 +175,8 @@ def _spread(node: int, world: int) -> None:
 
 
 @compiled(cached=False, fast=True)
-def _solve_free(node: int, world: int) -> None:
-    """Change of velocity of a free node if its neighbours stay as they are, and what that does to them."""
+def _forward_free(node: int, world: int) -> None:
+    """Find the change of velocity of a free node if its neighbours do not move, and the loads that it passes on to them."""
     nodes, neighbours = integers(world, NODE), integers(world, NEIGHBOUR)
     work, blocks = floats(world, LINK_NUMBERS), floats(world, BLOCK)
     link, begin = nodes[node, LINK_ROW], nodes[node, FIRST_NEIGHBOUR]
@@ -196,8 +196,8 @@ def _solve_free(node: int, world: int) -> None:
 
 
 @compiled(cached=False, fast=True)
-def _complete_free(node: int, world: int) -> None:
-    """Take off what the changes of its neighbours make of the change of a free node."""
+def _back_free(node: int, world: int) -> None:
+    """Correct the change of velocity of a free node for those of its neighbours."""
     nodes, neighbours = integers(world, NODE), integers(world, NEIGHBOUR)
     work, blocks = floats(world, LINK_NUMBERS), floats(world, BLOCK)
     link, begin = nodes[node, LINK_ROW], nodes[node, FIRST_NEIGHBOUR]

@@ -1,7 +1,7 @@
-"""Velocities of an island: how fast it is, its energy, and going back to those that were kept.
+"""Velocities of an island: largest speed, kinetic energy, and restoring of velocities stored before.
 
-What is asked of velocities is asked of a table: ``MOTION``, those of now, ``KICKED``, those after the kick, and ``NOTED``,
-those that a solution began with.
+Functions take the table of the velocities: ``MOTION``, the present ones; ``KICKED``, those after the kick; ``NOTED``, those
+before a solution.
 """
 
 import math
@@ -32,7 +32,7 @@ from kickdrift.world.tables import (
 
 @compiled(cached=False)
 def kinetic_energy(island: int, velocities: Table, world: int) -> float:
-    """Kinetic energy of an island, by the velocities in a table."""
+    """Return the kinetic energy of an island with the velocities of a table, J."""
     own, total = integers(world, ISLAND)[island], 0.0
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         total += energy_of(body_of(node, world), velocities, POSE, world)
@@ -41,7 +41,7 @@ def kinetic_energy(island: int, velocities: Table, world: int) -> float:
 
 @compiled(cached=False)
 def inner_speed(island: int, velocities: Table, world: int) -> float:
-    """Speed at which bodies of an island move against its centre of mass and turn: the root of its mean square, by mass."""
+    """Return the speed of an island whose kinetic energy in its centre-of-mass frame is m v^2 / 2, m/s."""
     own, mass, momentum = integers(world, ISLAND)[island], 0.0, (0.0, 0.0, 0.0)
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         body = body_of(node, world)
@@ -54,7 +54,7 @@ def inner_speed(island: int, velocities: Table, world: int) -> float:
 
 @compiled(cached=False)
 def energy_of(body: int, velocities: Table, poses: Table, world: int) -> float:
-    """Kinetic energy of a body, by its velocity and its pose in two tables."""
+    """Return the kinetic energy of a body with the velocity and the pose of two tables, J."""
     speeds, inertia = floats(world, velocities), floats(world, INERTIA)
     v = vector_at(speeds, body, LINEAR_PART)
     turn = turned_back(quaternion_at(floats(world, poses), body, ANGULAR_PART), vector_at(speeds, body, ANGULAR_PART))
@@ -65,7 +65,7 @@ def energy_of(body: int, velocities: Table, poses: Table, world: int) -> float:
 
 @compiled(cached=False)
 def fastest(island: int, velocities: Table, part: int, world: int) -> float:
-    """Greatest speed, m/s, or rate of turning, rad/s, of a body of an island, by the velocities in a table."""
+    """Return the largest speed, m/s, or angular speed, rad/s, of a body of an island, with the velocities of a table."""
     own, speeds, most = integers(world, ISLAND)[island], floats(world, velocities), 0.0
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         v = vector_at(speeds, body_of(node, world), part)
@@ -75,19 +75,19 @@ def fastest(island: int, velocities: Table, part: int, world: int) -> float:
 
 @compiled(cached=False)
 def note_velocities(island: int, world: int) -> None:
-    """Keep the velocities of an island."""
+    """Store the velocities of an island in NOTED."""
     _copy(island, MOTION, NOTED, world)
 
 
 @compiled(cached=False)
 def take_back_velocities(island: int, world: int) -> None:
-    """Go back to the velocities that were noted; taking impulses back would leave their rounding."""
+    """Restore the velocities stored in NOTED; subtracting impulses would leave rounding errors."""
     _copy(island, NOTED, MOTION, world)
 
 
 @compiled(cached=False)
 def begin_from_kick(island: int, world: int) -> None:
-    """Go back to the velocities after the kick, before joints and contacts gave anything."""
+    """Restore the velocities after the kick, and set the impulses of joints and contacts to zero."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     numbers = floats(world, JOINT_NUMBERS)
     _copy(island, KICKED, MOTION, world)
@@ -100,6 +100,7 @@ def begin_from_kick(island: int, world: int) -> None:
 
 @compiled(cached=False)
 def _copy(island: int, source: Table, target: Table, world: int) -> None:
+    """Copy the velocities of an island from one table to another."""
     own, old, new = integers(world, ISLAND)[island], floats(world, source), floats(world, target)
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         body = body_of(node, world)
@@ -109,7 +110,7 @@ def _copy(island: int, source: Table, target: Table, world: int) -> None:
 
 @compiled(cached=False)
 def take_back(island: int, world: int) -> None:
-    """Go back to the velocities that were noted, and to the impulses that they had."""
+    """Restore the noted velocities, and the impulses that belong to them."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     take_back_velocities(island, world)
     note_impulses(island, True, world)
@@ -119,7 +120,7 @@ def take_back(island: int, world: int) -> None:
 
 @compiled(cached=False)
 def begin_anew(joint: int, world: int) -> None:
-    """Let a joint have given what it had in the end of the substep before."""
+    """Reset the impulses of a joint to those with which the substep began."""
     numbers = floats(world, JOINT_NUMBERS)
     for k in range(6):
         numbers[joint, JOINT_IMPULSE + k] = numbers[joint, SOLVED + k]

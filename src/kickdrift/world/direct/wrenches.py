@@ -1,4 +1,4 @@
-"""Wrenches of the rows of a contact: what a unit impulse along a row does to both bodies, and how fast they move along it."""
+"""Wrenches of the rows of a contact: a unit impulse along a row, on both bodies."""
 
 from typing import Any
 
@@ -22,7 +22,7 @@ def _vector(own: Any, field: int) -> Vector:
 
 @compiled(cached=False, fast=True)
 def write_wrench(own: Any, k: int, wrench: Any) -> None:
-    """Write the wrench of a row's unit impulse."""
+    """Write the wrench of a unit impulse along row k, (12,)."""
     n, u = _vector(own, c.N), _vector(own, c.T)
     push: Vector = (0.0, 0.0, 0.0)
     turn_a, turn_b = n, n
@@ -44,7 +44,7 @@ def write_wrench(own: Any, k: int, wrench: Any) -> None:
 
 @compiled(cached=False, fast=True)
 def along(wrench: Any, velocity: Any) -> float:
-    """Speed along a row."""
+    """Return the relative speed of both bodies along a row, from their velocities, (12,)."""
     of_a: float = inner(spatial_of(wrench, 0), spatial_of(velocity, 0))
     of_b: float = inner(spatial_of(wrench, 6), spatial_of(velocity, 6))
     return of_a + of_b
@@ -52,7 +52,7 @@ def along(wrench: Any, velocity: Any) -> float:
 
 @compiled(cached=False, fast=True)
 def mobility(wrench: Any, body: int, side: int, world: int) -> float:
-    """Speed along a row per impulse along it, of one of its bodies alone."""
+    """Return the change of speed along a row per unit impulse along it, by one of its bodies alone."""
     response, at = floats(world, INVERSE_MASS), 6 * side
     push, turn = (wrench[at], wrench[at + 1], wrench[at + 2]), (wrench[at + 3], wrench[at + 4], wrench[at + 5])
     total: float = response[body, INVERSE_LINEAR_MASS] * dot(push, push)

@@ -19,25 +19,16 @@ from kickdrift.world.shapes.mass import Array, MassProperties, extent
 from kickdrift.world.shapes.rays import MISS, Hit, ahead
 from kickdrift.world.shapes.record import SOLID, Kind
 
-# One line along the four lower edges, a side, the four upper edges; then the other three sides.
-_LINES = (
-    ((-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1), (-1, -1, -1)),
-    ((-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1), (-1, -1, 1)),
-    ((-1, -1, -1), (-1, -1, 1)),
-    ((1, -1, -1), (1, -1, 1)),
-    ((1, 1, -1), (1, 1, 1)),
-    ((-1, 1, -1), (-1, 1, 1)),
-)
-
 
 @compiled
 def _extent(numbers: Any, q: Quaternion) -> Extent:
+    """Return the bounds of a box; see `kickdrift.world.shapes.record`."""
     return symmetric(turned_extents(q, (numbers[0], numbers[1], numbers[2])))
 
 
 @compiled
 def _ray(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
-    """Meet a box; see `kickdrift.world.shapes.rays`."""
+    """Cast a ray at a box; see `kickdrift.world.shapes.rays`."""
     enters, leaves, face_in, face_out = -math.inf, math.inf, 0, 0
     for i in range(3):
         if direction[i] != 0.0:
@@ -102,7 +93,7 @@ class Box:
 
     @property
     def reach(self) -> float:
-        """Largest distance of any point of it from the origin of its frame, m."""
+        """Radius of its bounding sphere about the origin of its frame, m."""
         return float(np.linalg.norm(self.numbers))
 
     def mass_properties(self) -> MassProperties:
@@ -110,10 +101,6 @@ class Box:
         squares = np.square(self.size)
         volume = float(np.prod(self.size))
         return MassProperties(volume, np.zeros(3), np.diag(volume / 12.0 * (squares.sum() - squares)))
-
-    def wireframe(self) -> list[Array]:
-        """Return the edges as lines, in the shape's frame."""
-        return [self.numbers * np.array(line, dtype=np.float64) for line in _LINES]
 
 
 RECORD = Kind(number=BOX, name="box", sort=SOLID, shape=Box, extent=_extent, ray=_ray)

@@ -15,23 +15,21 @@ from kickdrift.world.shapes.mass import Array, MassProperties, extent
 from kickdrift.world.shapes.rays import MISS, Hit, ahead, through_ball, through_cylinder
 from kickdrift.world.shapes.record import GLOSSY, SOLID, Kind
 
-_QUARTER = np.linspace(0.0, 0.5 * math.pi, 9)
-_CIRCLE = np.linspace(0.0, 2.0 * math.pi, 33)
-
 
 @compiled
 def _extent(numbers: Any, q: Quaternion) -> Extent:
+    """Return the bounds of a capsule; see `kickdrift.world.shapes.record`."""
     r, axis = numbers[0], turned(q, (0.0, 0.0, numbers[1]))
     return symmetric((abs(axis[0]) + r, abs(axis[1]) + r, abs(axis[2]) + r))
 
 
 @compiled
 def _ray(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
-    """Meet a capsule; see `kickdrift.world.shapes.rays`.
+    """Cast a ray at a capsule; see `kickdrift.world.shapes.rays`.
 
     Notes
     -----
-    It is the union of a cylinder and two balls, and convex: a line enters it where it first enters one of these.
+    It is convex, and the union of a cylinder and two balls: a line enters it where it first enters one of these.
     """
     radius, half = numbers[0], numbers[1]
     enters, leaves = through_cylinder(origin, direction, radius, half)
@@ -57,7 +55,7 @@ class Capsule:
     radius : float
         m.
     length : float
-        Of the segment, and so of the cylinder between the caps, m.
+        Length of the segment, which is that of the cylinder between the caps, m.
 
     Raises
     ------
@@ -88,7 +86,7 @@ class Capsule:
 
     @property
     def reach(self) -> float:
-        """Largest distance of any point of it from the origin of its frame, m."""
+        """Radius of its bounding sphere about the origin of its frame, m."""
         return self.radius + 0.5 * self.length
 
     def mass_properties(self) -> MassProperties:
@@ -106,18 +104,6 @@ class Capsule:
         arm = half + 0.375 * r
         across = cylinder * (r**2 / 4.0 + self.length**2 / 12.0) + ball * (83.0 / 320.0 * r**2 + arm**2)
         return MassProperties(cylinder + ball, np.zeros(3), np.diag([across, across, along]))
-
-    def wireframe(self) -> list[Array]:
-        """Return the outlines in the xz and the yz plane and both rims of the cylinder, in the shape's frame."""
-        half = 0.5 * self.length
-        x, z = self.radius * np.cos(_QUARTER), self.radius * np.sin(_QUARTER) + half
-        x, z = np.concatenate((x, -x[::-1])), np.concatenate((z, z[::-1]))
-        x, z = np.concatenate((x, -x, x[:1])), np.concatenate((z, -z, z[:1]))
-        rim = self.radius * np.column_stack((np.cos(_CIRCLE), np.sin(_CIRCLE), np.zeros(_CIRCLE.size)))
-        up = np.array([0.0, 0.0, half])
-        nothing = np.zeros(x.size)
-        outlines = [np.column_stack((x, nothing, z)), np.column_stack((nothing, x, z))]
-        return [*outlines, rim - up, rim + up]
 
 
 RECORD = Kind(

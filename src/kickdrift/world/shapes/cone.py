@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from kickdrift.world.shapes.frustum import frustum_extent, ray_frustum, rim
+from kickdrift.world.shapes.frustum import frustum_extent, ray_frustum
 from kickdrift.world.shapes.kinds import CONE
 from kickdrift.world.shapes.mass import Array, MassProperties, extent
 from kickdrift.world.shapes.record import CREASED, GLOSSY, SOLID, Kind
@@ -60,7 +60,7 @@ class Cone:
 
     @property
     def reach(self) -> float:
-        """Largest distance of any point of it from the origin of its frame, m."""
+        """Radius of its bounding sphere about the origin of its frame, m."""
         return math.hypot(self.radius, 0.5 * self.length)
 
     def mass_properties(self) -> MassProperties:
@@ -71,11 +71,6 @@ class Cone:
         return MassProperties(
             volume, np.array([0.0, 0.0, -0.25 * self.length]), np.diag([across, across, 0.3 * volume * square])
         )
-
-    def wireframe(self) -> list[Array]:
-        """Return the rim and eight lines from there to the tip, in the shape's frame."""
-        base, tip = rim(self.radius, -0.5 * self.length), rim(0.0, 0.5 * self.length)
-        return [base, *np.stack((base, tip), axis=1)[:-1:4]]
 
 
 RECORD = Kind(

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from kickdrift.world.shapes.frustum import frustum_extent, ray_frustum, rim
+from kickdrift.world.shapes.frustum import frustum_extent, ray_frustum
 from kickdrift.world.shapes.kinds import CYLINDER
 from kickdrift.world.shapes.mass import Array, MassProperties, extent
 from kickdrift.world.shapes.record import CREASED, GLOSSY, SOLID, Kind
@@ -59,7 +59,7 @@ class Cylinder:
 
     @property
     def reach(self) -> float:
-        """Largest distance of any point of it from the origin of its frame, m."""
+        """Radius of its bounding sphere about the origin of its frame, m."""
         return math.hypot(self.radius, 0.5 * self.length)
 
     def mass_properties(self) -> MassProperties:
@@ -68,11 +68,6 @@ class Cylinder:
         volume = math.pi * square * self.length
         across = volume * (3.0 * square + self.length**2) / 12.0
         return MassProperties(volume, np.zeros(3), np.diag([across, across, 0.5 * volume * square]))
-
-    def wireframe(self) -> list[Array]:
-        """Return both rims and eight lines between them, in the shape's frame."""
-        lower, upper = (rim(self.radius, side * 0.5 * self.length) for side in (-1.0, 1.0))
-        return [lower, upper, *np.stack((lower, upper), axis=1)[:-1:4]]
 
 
 RECORD = Kind(

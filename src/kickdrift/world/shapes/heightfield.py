@@ -86,7 +86,7 @@ class HeightField:
 
     @property
     def reach(self) -> float:
-        """0.0: it never moves."""
+        """0.0, as for all shapes that never move."""
         return 0.0
 
     def mass_properties(self) -> MassProperties:
@@ -98,10 +98,6 @@ class HeightField:
             Always: a surface has no volume.
         """
         raise ArgumentError("A height field is a surface and has no mass; add it to a static body.")
-
-    def wireframe(self) -> list[Array]:
-        """Return the lines of the grid, in the shape's frame."""
-        return [*self.points, *self.points.transpose(1, 0, 2)]
 
 
 RECORD = Kind(number=HEIGHT_FIELD, name="height field", sort=SURFACE, shape=HeightField, extent=surface_extent)

@@ -1,4 +1,4 @@
-"""The half-space under a plane."""
+"""The half-space below a plane."""
 
 import math
 from dataclasses import dataclass
@@ -14,13 +14,10 @@ from kickdrift.world.shapes.mass import Array, MassProperties
 from kickdrift.world.shapes.rays import MISS, Hit, ahead
 from kickdrift.world.shapes.record import GROUND, HALF_SPACE, Kind
 
-_HALF_WIDTH = 10.0  # m, of the part that pictures show
-_LINES = 11
-
 
 @compiled
 def _ray(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
-    """Meet a half-space; see `kickdrift.world.shapes.rays`."""
+    """Cast a ray at a half-space; see `kickdrift.world.shapes.rays`."""
     height, rise = origin[2], direction[2]
     if rise < 0.0:
         distance = ahead((-height / rise, math.inf), limit) if height >= 0.0 else math.inf
@@ -39,12 +36,12 @@ class Plane:
 
     @property
     def numbers(self) -> Array:
-        """The data for compiled code: none but its pose."""
+        """The data for compiled code: none besides its pose."""
         return np.zeros(0)
 
     @property
     def reach(self) -> float:
-        """0.0: it never moves."""
+        """0.0, as for all shapes that never move."""
         return 0.0
 
     def mass_properties(self) -> MassProperties:
@@ -56,14 +53,6 @@ class Plane:
             Always: a half-space has no finite mass.
         """
         raise ArgumentError("A plane is half of space and has no finite mass; add it to a static body.")
-
-    def wireframe(self) -> list[Array]:
-        """Return a grid of 20 m by 20 m about the origin of its frame."""
-        ends = np.array([-_HALF_WIDTH, _HALF_WIDTH])
-        across = [
-            np.column_stack((np.full(2, x), ends, np.zeros(2))) for x in np.linspace(-_HALF_WIDTH, _HALF_WIDTH, _LINES)
-        ]
-        return across + [line[:, [1, 0, 2]] for line in across]
 
 
 RECORD = Kind(number=PLANE, name="plane", sort=HALF_SPACE, shape=Plane, ray=_ray, look=GROUND)

@@ -15,18 +15,17 @@ from kickdrift.world.shapes.mass import Array, MassProperties, extent
 from kickdrift.world.shapes.rays import MISS, Hit, ahead, through_ball
 from kickdrift.world.shapes.record import BALL, GLOSSY, SOLID, Kind
 
-_CIRCLE = np.linspace(0.0, 2.0 * math.pi, 33)
-
 
 @compiled
 def _extent(numbers: Any, q: Quaternion) -> Extent:
+    """Return the bounds of a ball; see `kickdrift.world.shapes.record`."""
     r = numbers[0]
     return (-r, -r, -r, r, r, r)
 
 
 @compiled
 def _ray(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
-    """Meet a ball; see `kickdrift.world.shapes.rays`."""
+    """Cast a ray at a ball; see `kickdrift.world.shapes.rays`."""
     distance = ahead(through_ball(origin, direction, numbers[0]), limit)
     if distance == math.inf:
         return MISS
@@ -70,18 +69,13 @@ class Sphere:
 
     @property
     def reach(self) -> float:
-        """Largest distance of any point of it from the origin of its frame, m."""
+        """Radius of its bounding sphere about the origin of its frame, m."""
         return self.radius
 
     def mass_properties(self) -> MassProperties:
         """Return the mass properties at unit density."""
         volume = 4.0 / 3.0 * math.pi * self.radius**3
         return MassProperties(volume, np.zeros(3), 0.4 * volume * self.radius**2 * np.eye(3))
-
-    def wireframe(self) -> list[Array]:
-        """Return great circles about the three axes, (33, 3) each, in the shape's frame."""
-        circle = self.radius * np.column_stack((np.cos(_CIRCLE), np.sin(_CIRCLE), np.zeros(_CIRCLE.size)))
-        return [np.roll(circle, shift, axis=1) for shift in range(3)]
 
 
 RECORD = Kind(

@@ -1,0 +1,87 @@
+"""Which columns of a recording are of which cloths."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.world.cloth import layout as c
+from kickdrift.world.cloth.ranges import rows_of
+from kickdrift.world.recording import DrawnCloth, appearance
+from kickdrift.world.tables import CLOTH, PARTICLE, PARTICLE_REST
+
+if TYPE_CHECKING:
+    from kickdrift.world.world import World
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+_NONE = -1
+
+
+class RecordedCloths:
+    """The columns of the cloths of a world that come and go, and that are cut: those of one follow each other.
+
+    Attributes
+    ----------
+    drawn : list of DrawnCloth
+        In the order in which they came; those that are gone, too.
+    """
+
+    def __init__(self, world: "World") -> None:
+        self._world = world
+        self._drawn: dict[int, DrawnCloth] = {}  # by generation
+
+    @property
+    def size(self) -> int:
+        """How many columns there are."""
+        return self.drawn[-1].last if self._drawn else 0
+
+    @property
+    def drawn(self) -> list[DrawnCloth]:
+        """The cloths, whose names are those that they have now, or had when they were looked at last."""
+        names = self._world.cloths.names
+        for row, generation in enumerate(self._generations()):
+            if generation in self._drawn:
+                self._drawn[generation] = self._drawn[generation]._replace(name=names.of(row))
+        return list(self._drawn.values())
+
+    def changed(self) -> Integers | None:
+        """Return the columns from which those of the world as it is take over; -1 of what is new; None if they are the same.
+
+        What was split off a vertex was where this was.
+        """
+        counts = np.diff(self._world.tables.array(CLOTH)[:, [c.FIRST_PARTICLE, c.LAST_PARTICLE]])[:, 0].tolist()
+        known = [self._drawn.get(generation) for generation in self._generations()]
+        if all(cloth is not None and cloth.last - cloth.first == n for cloth, n in zip(known, counts, strict=True)):
+            return None
+        before, looks = dict(self._drawn), appearance(self._world).cloths
+        now = {**before, **dict(zip(self._generations(), looks, strict=True))}
+        rows = {generation: row for row, generation in enumerate(self._generations())}
+        sources, end = [], 0
+        for generation, cloth in now.items():
+            begin, count = end, cloth.last - cloth.first
+            end += count
+            self._drawn[generation] = cloth._replace(first=begin, last=end)
+            sources.append(self._source(before.get(generation), rows.get(generation), count))
+        return np.concatenate(sources)
+
+    def put(self, columns: Floats) -> None:
+        """Write where the vertices are that there are."""
+        for row, generation in enumerate(self._generations()):
+            cloth = self._drawn[generation]
+            columns[cloth.first : cloth.last] = rows_of(self._world.tables, row, c.FIRST_PARTICLE, PARTICLE)[:, :3]
+
+    def _generations(self) -> list[int]:
+        return [int(number) for number in self._world.tables.array(CLOTH)[:, c.CLOTH_GENERATION]]
+
+    def _source(self, before: DrawnCloth | None, row: int | None, count: int) -> Integers:
+        """Return the columns that vertices of a cloth had, or those had that they were split off."""
+        if before is None:
+            return np.full(count, _NONE)
+        known = before.last - before.first
+        found = np.arange(before.first, before.first + count)
+        if row is not None:
+            parents = rows_of(self._world.tables, row, c.FIRST_PARTICLE, PARTICLE_REST)[known:, c.SPLIT_FROM]
+            for vertex, parent in enumerate(parents.astype(np.int64).tolist(), start=known):
+                found[vertex] = found[parent]
+        return found
