@@ -70,7 +70,7 @@ from kickdrift.world.tables import (
     rows,
 )
 
-# Turn in a substep that is too far, and those from which on islands without and with loops are judged, rad; and the fractions of
+# Turn in a substep that is too far, and those from which on islands without and with loops are judged, rad; and the parts of
 # its energy that an island may lose or gain in a step in either case. Chains of six random rods jump by up to 2 %, and are
 # within 1 % after 5 s.
 LONG_TURN, JUDGED_TURN, JUDGED_TURN_OF_LOOPS = 0.5, 0.1, 0.01

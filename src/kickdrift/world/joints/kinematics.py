@@ -187,14 +187,13 @@ def measure(joint: int, h: float, world: int) -> None:
             numbers[joint, JOINT_POSITION + k] = unwound(angle, expected_angle(joint, k, h, world))
         elif mode == VECTOR:
             put_vector(numbers, joint, JOINT_POSITION + 3, rotation_vector(relative))
+    laws = floats(world, JOINT_AXES)
     for k in range(6):
         if joints[joint, LAWS] >> k & 1:
-            laws = floats(world, JOINT_AXES)
             laws[6 * joint + k, MOBILITY] = mobility(joint, k, world)
             if k >= 3 and mode != SWING_TWIST:
                 numbers[joint, DRIVEN + k - 3] = numbers[joint, JOINT_POSITION + k] - laws[6 * joint + k, TARGET]
     if shares_friction(joint, world):
-        laws = floats(world, JOINT_AXES)
         most = max(max(laws[6 * joint + 3, MOBILITY], laws[6 * joint + 4, MOBILITY]), laws[6 * joint + 5, MOBILITY])
         for k in range(3, 6):
             laws[6 * joint + k, MOBILITY] = most
@@ -204,10 +203,12 @@ def measure(joint: int, h: float, world: int) -> None:
 def shares_friction(joint: int, world: int) -> bool:
     """Whether a joint has dry friction as strong about any axis, of which the size is bounded, as in a ball joint."""
     joints, laws = integers(world, JOINT), floats(world, JOINT_AXES)
-    friction = laws[6 * joint + 3, JOINT_FRICTION]
-    if joints[joint, ANGULAR] < VECTOR or not friction > 0.0:
-        return False
-    return bool(laws[6 * joint + 4, JOINT_FRICTION] == friction and laws[6 * joint + 5, JOINT_FRICTION] == friction)
+    x, y, z = (
+        laws[6 * joint + 3, JOINT_FRICTION],
+        laws[6 * joint + 4, JOINT_FRICTION],
+        laws[6 * joint + 5, JOINT_FRICTION],
+    )
+    return bool(joints[joint, ANGULAR] >= VECTOR and x > 0.0 and y == x and z == x)
 
 
 @compiled(cached=False)
