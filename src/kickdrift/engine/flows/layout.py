@@ -82,7 +82,7 @@ TAKEN_BACK = -29  # steps that a flow has rejected itself
 DENSITY_HERE = -27  # what the function gives as the density after the last step
 SMALLEST, LARGEST = -24, -25  # of the steps taken
 CHANGES = -30  # of the state or the force between steps, after which forces that flows keep are those of before
-FAILED_CONTROL, JAMMED, NOT_HELD, CROWDED, UNSIGNED_GAP = -1.0, -2.0, -3.0, -4.0, -5.0
+FAILED_CONTROL, JAMMED, NOT_HELD, CROWDED, UNSIGNED_GAP, CHATTERING = -1.0, -2.0, -3.0, -4.0, -5.0, -6.0
 """Residuals where no size of the step will do: in general; and of impacts, see `kickdrift.core.outcomes`."""
 _SCRATCH = -1  # of the words in front of work
 _LINE = 8  # numbers in a cache line
