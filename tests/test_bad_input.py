@@ -79,6 +79,10 @@ def _changes_x(x):
         ({"args": (1.0, np.nan)}, "must be finite"),
         ({"args": "k"}, "args='k' must be numbers"),
         ({"args": [[1.0]]}, "flat list"),
+        ({"x0": np.ma.masked_array([1.0], mask=[True])}, "it has masked entries"),
+        ({"v0": np.ma.masked_array([1.0], mask=[True])}, "it has masked entries"),
+        ({"args": np.ma.masked_array([1.0, 2.0], mask=[True, False])}, "it has masked entries"),
+        ({"t_eval": np.ma.masked_array([0.1, 0.2], mask=[True, False])}, "it has masked entries"),
     ],
 )
 def test_bad_arguments(change, says):

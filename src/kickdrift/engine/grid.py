@@ -266,8 +266,8 @@ def _stride(save_every: int | None) -> int:
 def _wanted_times(t_eval: ArrayLike, t0: float, t1: float) -> NDArray[np.float64]:
     try:
         times = reals(t_eval)
-    except TypeError:
-        raise ArgumentError(f"t_eval={t_eval!r} must be a list of times.") from None
+    except TypeError as error:
+        raise ArgumentError(f"t_eval={t_eval!r} must be a list of times: {error}.") from None
     if times.ndim != 1 or times.size == 0:
         raise ArgumentError(f"t_eval of shape {times.shape} must be a list of at least one time.")
     rounding = 1e-12 * abs(t1 - t0) + 4 * np.spacing(max(abs(t0), abs(t1)))

@@ -203,11 +203,8 @@ def measure(joint: int, h: float, world: int) -> None:
 def shares_friction(joint: int, world: int) -> bool:
     """Whether a joint has dry friction as strong about any axis, of which the size is bounded, as in a ball joint."""
     joints, laws = integers(world, JOINT), floats(world, JOINT_AXES)
-    x, y, z = (
-        laws[6 * joint + 3, JOINT_FRICTION],
-        laws[6 * joint + 4, JOINT_FRICTION],
-        laws[6 * joint + 5, JOINT_FRICTION],
-    )
+    row = 6 * joint + 3
+    x, y, z = laws[row, JOINT_FRICTION], laws[row + 1, JOINT_FRICTION], laws[row + 2, JOINT_FRICTION]
     return bool(joints[joint, ANGULAR] >= VECTOR and x > 0.0 and y == x and z == x)
 
 
