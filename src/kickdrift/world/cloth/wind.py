@@ -1,4 +1,4 @@
-"""What the air does to a cloth: drag along the relative wind, and lift across it, on every triangle."""
+"""Aerodynamic forces on cloth: drag along the relative wind, and lift perpendicular to it, on every triangle."""
 
 import math
 
@@ -23,11 +23,11 @@ from kickdrift.world.tables import CLOTH, CLOTH_NUMBERS, FACE, FACE_NUMBERS, PAR
 
 @compiled
 def add_wind(world: int, cloth: int, h: float, part: float) -> None:
-    """Kick the particles of a cloth by the air; what is pinned gets a force that does as much in the first part, s.
+    """Apply the impulses of the air in a substep h to the particles of a cloth.
 
-    With the area A, the normal n and the wind w = s d, of speed s, that a triangle feels, drag is
-    rho C_d A s^2 |n . d| d / 2 and lift rho C_l A s^2 (n . d) (n - (n . d) d) / 2. Neither gives a triangle more
-    in a substep than the momentum of the wind that it feels, so that drag never turns it round.
+    Pinned particles get a force instead, with the same impulse in the first part, s. With the area A, the normal n and the
+    relative wind s d, of speed s, of a triangle, drag is rho C_d A s^2 |n . d| d / 2 and lift rho C_l A s^2 (n . d) (n - (n .
+    d) d) / 2. Both impulses are limited to the mass of the triangle times s, so that drag never reverses the relative wind.
     """
     numbers, face, own = floats(world, CLOTH_NUMBERS), integers(world, FACE), integers(world, CLOTH)
     particle, rest = floats(world, PARTICLE), floats(world, FACE_NUMBERS)
