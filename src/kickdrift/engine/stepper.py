@@ -1,6 +1,7 @@
 """A program made ready: its flows compiled, and bound to the state that they work on."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -214,6 +215,7 @@ class Stepper:
         return np.arange(len(self.program.flows), len(self._flows))
 
 
+@lru_cache(maxsize=256)
 def _kept(names: tuple[str, ...], n: int, compensated: bool) -> tuple[slice, ...]:
     """Return the parts of work in which steps of these flows leave what the next finds there, see `layout`."""
     if not all(FLOWS[name].plain for name in names):

@@ -67,7 +67,7 @@ class Task:
     def description(self) -> Description:
         """What is run, for display."""
         about = description_of(self.system, self.chosen, self.compensated, self.controller)
-        return replace(about, units={**about.units, **self.units})
+        return replace(about, units={**about.units, **self.units}) if self.units else about
 
 
 def description_of(system: System, chosen: Choice, compensated: bool, controller: Controller | None) -> Description:

@@ -26,6 +26,19 @@ from kickdrift.systems.problem import name_of
 Floats = NDArray[np.float64]
 
 
+def _plain_names(python: Any) -> list[str]:
+    """Return the names of arguments that a look at the code tells, 15 us sooner than a signature; none if it does not."""
+    if (
+        type(python) is not FunctionType
+        or python.__defaults__
+        or not {"__wrapped__", "__signature__"}.isdisjoint(vars(python))
+    ):
+        return []
+    code = python.__code__
+    others = code.co_kwonlyargcount or code.co_flags & (inspect.CO_VARARGS | inspect.CO_VARKEYWORDS)
+    return [] if others else list(code.co_varnames[: code.co_argcount])
+
+
 def argument_names(
     function: Any, role: str, allowed: Sequence[str], numbers: str = "pass numbers as args=(...)"
 ) -> list[str]:
@@ -41,6 +54,8 @@ def argument_names(
             f"{role} is {function!r}, which is not a function; give a function of {', '.join(allowed)}."
         )
     python = getattr(function, "py_func", function)
+    if (plain := _plain_names(python)) and set(plain) <= set(allowed):
+        return plain
     try:
         parameters = inspect.signature(python).parameters.values()
     except (TypeError, ValueError):
