@@ -52,7 +52,7 @@ def _run(
     vs: Any,
     trouble: Floats,
 ) -> None:
-    """Run each member from one step to another with its params and its work, as `kickdrift.engine.run` does one."""
+    """Run each member from one step to another with its params and its work array, as `kickdrift.engine.run` does."""
     for m in range(starts.shape[0]):
         assign(x, starts[m])
         assign(v, velocities[m])

@@ -185,10 +185,10 @@ def change(
     xs: Floats,
     vs: Floats,
 ) -> None:
-    """Overwrite each row of xs and vs by what steps of one size from its time give, begun with blank work; NaN if a flow fails.
+    """Advance each row of xs and vs by steps of one size from its time, with a blank work array; NaN if a flow fails.
 
-    Each row has `numbers` of its own as params, if there are any. Letters that move the clock themselves leave it in `clocks`,
-    and flows the force evaluations that they count in `counted`.
+    Each row of `numbers`, if there are any, is the params of one row. `clocks` get the final times of letters that move the
+    clock, and `counted` the evaluations that flows count themselves.
     """
     for row in range(times.size):
         assign(x, xs[row])

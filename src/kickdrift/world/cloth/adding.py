@@ -49,7 +49,7 @@ class AddsCloths:
         name : str, optional
         **fabric
             `density`, `thickness`, `stretch_stiffness`, `shear_stiffness`, `bending_stiffness`, `damping`, `linear_damping`,
-            `friction`, `drag`, `lift` and `air_density`, as in `kickdrift.world.cloth.fabric.Fabric`.
+            `friction`, `drag`, `lift`, `air_density` and `tear_strain`, as in `kickdrift.world.cloth.fabric.Fabric`.
 
         Returns
         -------

@@ -29,6 +29,7 @@ from kickdrift.world.tables import (
     PARTICLE_PATH,
     PARTICLE_REST,
     PARTICLE_SHIFT,
+    PARTICLE_WIND,
     PIN,
     PIN_NUMBERS,
     ZONE,
@@ -68,6 +69,8 @@ MEMBRANE_RATE = column(CLOTH_NUMBERS, 1, "1/s")  # highest angular frequency, wi
 BENDING_RATE = column(CLOTH_NUMBERS, 1, "1/s")
 REST_TIME = column(CLOTH_NUMBERS, 1, "s")  # of the first cloth: for how long all cloths have been at rest
 SKIN = column(CLOTH_NUMBERS, 1, "m")  # deviation of particles from their predicted paths up to which pairs remain valid
+
+TEAR_STRAIN = column(CLOTH_NUMBERS)  # 0.0: it does not tear
 
 # PARTICLE
 column(PARTICLE, 3, "m")  # position
@@ -142,6 +145,9 @@ column(PARTICLE_SHIFT, 3, "m")  # displacement in the drift besides that of its 
 
 # INTERVAL_START
 column(INTERVAL_START, 3, "m")  # positions when the interval began
+
+# PARTICLE_WIND
+column(PARTICLE_WIND, 3, "m/s")
 
 # PARTICLE_BOUNDS, in a frame that moves with the cloths
 column(PARTICLE_BOUNDS, 6, "m")  # corners of a box that contains it as long as pairs remain valid
