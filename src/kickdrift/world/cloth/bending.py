@@ -10,8 +10,9 @@ and Grinspun, A quadratic bending model for inextensible surfaces, SGP 2006): at
 curvature c at rest and the normal n of the triangle. If c is zero, the force is linear in x with constant coefficients: that on
 each vertex is a sum over some 18 others (`kickdrift.world.cloth.couplings`). Otherwise -A D c H x . n is added, as |n| is one.
 
-Damping acts on the rate of H x in a frame that rotates with the cloth: at the angular velocity for which the dissipation is
-smallest, which conserves angular momentum. Parts that rotate relative to the rest of a bent cloth are damped for that, too.
+Damping acts on the change of H x in a part of a substep, in a frame that rotates with the cloth: at the angular velocity for
+which the dissipation is smallest, which conserves angular momentum. Parts that rotate relative to the rest of a bent cloth
+are damped for that, too.
 """
 
 from typing import Any
@@ -37,7 +38,6 @@ from kickdrift.world.cloth.layout import (
     LAST_PARTICLE,
     PLACES,
     PULLS,
-    SPEEDS,
     STENCIL,
 )
 from kickdrift.world.cloth.particle_lanes import add_force, field_size
@@ -66,19 +66,22 @@ _TURNS = 1e-12  # rad^2: total bending below which the rotation of a cloth is un
 
 
 @compiled
-def add_bending(world: int, cloth: int, share: float) -> None:
-    """Add `share` times the forces of bending to those on the particles of a cloth."""
+def add_bending(world: int, cloth: int, share: float, damped: float) -> None:
+    """Add `share` times the forces of bending to those on the particles of a cloth, and `damped` times those of damping.
+
+    These are by the change since the last time, over that time in s: `damped` is zero where that is not known.
+    """
     numbers, own = floats(world, CLOTH_NUMBERS), integers(world, CLOTH)
-    stiffness, damping = share * numbers[cloth, BENDING], numbers[cloth, BENDING_DAMPING]
+    stiffness, ahead = share * numbers[cloth, BENDING], damped / share * numbers[cloth, BENDING_DAMPING]
     if stiffness == 0.0:
         return
     fields, size = flat(world, PARTICLE_LANES), field_size(world)
     begin, end = own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]
     sums = carray(floats_on_stack(_SUMS), (_SUMS,))
     sums[:] = 0.0
-    _couple(world, cloth, stiffness, damping, sums)
-    if damping > 0.0:
-        x, y, z = _spin(sums, stiffness * damping)
+    _couple(world, cloth, stiffness, ahead, sums)
+    if ahead > 0.0:
+        x, y, z = _spin(sums, stiffness * ahead)
         for i in range(begin, end - WIDTH + 1, WIDTH):
             turn_lanes(fields, size, i, x, y, z)
         for i in range(end - (end - begin) % WIDTH, end):
@@ -91,8 +94,8 @@ def add_bending(world: int, cloth: int, share: float) -> None:
 
 
 @compiled
-def _couple(world: int, cloth: int, stiffness: float, damping: float, sums: Any) -> None:
-    """Add the elastic and damping forces between coupled particles.
+def _couple(world: int, cloth: int, stiffness: float, ahead: float, sums: Any) -> None:
+    """Add the forces between coupled particles, extrapolated by `ahead` times their last change, to those on them.
 
     Consecutive particles with the same couplings are processed eight at a time; those of the last eight that have been
     processed already are skipped. `sums` accumulate the sums of `_spin`, in lanes.
@@ -109,12 +112,12 @@ def _couple(world: int, cloth: int, stiffness: float, damping: float, sums: Any)
         first, last = start + first, start + last
         if after - i < WIDTH:
             for j in range(i, after):
-                _couple_one(world, j, first, last, stiffness, damping, begin, sums)
-        elif damping > 0.0:
+                _couple_one(world, j, first, last, stiffness, ahead, begin, sums)
+        elif ahead > 0.0:
             for k in range(i, after, WIDTH):
                 at = min(k, after - WIDTH)
                 couple_damped_lanes(
-                    fields, size, at, k - at, offsets, weights, first, last, stiffness, damping, begin, sums
+                    fields, size, at, k - at, offsets, weights, first, last, stiffness, ahead, begin, sums
                 )
         else:
             for k in range(i, after, WIDTH):
@@ -125,21 +128,19 @@ def _couple(world: int, cloth: int, stiffness: float, damping: float, sums: Any)
 
 @compiled
 def _couple_one(
-    world: int, i: int, first: int, last: int, stiffness: float, damping: float, begin: int, sums: Any
+    world: int, i: int, first: int, last: int, stiffness: float, ahead: float, begin: int, sums: Any
 ) -> None:
     """Do the same for a single particle."""
     offsets, weights = flat_integers(world, COUPLING), flat(world, COUPLING_NUMBERS)
     fields, size = flat(world, PARTICLE_LANES), field_size(world)
-    x, v = _vector(fields, size, PLACES, i), _vector(fields, size, SPEEDS, i)
-    p, q = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    x, p = _vector(fields, size, PLACES, i), (0.0, 0.0, 0.0)
     for row in range(first, last):
         j, w = i + offsets[row], weights[row]
         p = plus(p, times(w, minus(_vector(fields, size, PLACES, j), x)))
-        if damping > 0.0:
-            q = plus(q, times(w, minus(_vector(fields, size, SPEEDS, j), v)))
+    q = minus(p, _vector(fields, size, CURVES, i))
     for k in range(3):
         fields[(CURVES + k) * size + i] = p[k]
-        fields[(FORCES + k) * size + i] += stiffness * (p[k] + damping * q[k])
+        fields[(FORCES + k) * size + i] += stiffness * (p[k] + ahead * q[k])
     u = minus(x, _vector(fields, size, PLACES, begin))
     torque = cross(u, q)
     for k in range(3):
@@ -159,8 +160,8 @@ def _vector(fields: Any, size: int, field: int, i: int) -> Vector:
 def _spin(sums: Any, factor: float) -> Vector:
     """Return the angular velocity w of the frame that rotates with the cloth, times a factor.
 
-    With p = -H^T H x and its rate q = -H^T H v, the force is D (p + damping (q - w x p)). Its torque is zero for the w that
-    satisfies sum x x q = sum (x . p) w - p (x . w), which also minimises |H v - w x H x|: (tr S - S) w = torque, with S
+    With p = -H^T H x and its last change q, the force is D (p + ahead (q - w x p)). Its torque is zero for the w that
+    satisfies sum x x q = sum (x . p) w - p (x . w), which also minimises |H dx - w x H x|: (tr S - S) w = torque, with S
     negative definite. `sums` are the torque, and S as xx, yy, zz, xy, xz, yz, in lanes.
     """
     totals = carray(floats_on_stack(9), (9,))

@@ -53,16 +53,17 @@ Floats = NDArray[np.float64]
 
 
 @compiled
-def add_membrane(world: int, cloth: int, part: float, share: float, begins: bool) -> None:
-    """Add `share` times the membrane forces of a cloth to those on its particles.
+def add_membrane(world: int, cloth: int, share: float, damped: float) -> None:
+    """Add `share` times the membrane forces of a cloth and `damped` times its damping forces to those on its particles.
 
-    Damping uses the change of the strains in a part of a substep, s, and is left out where the substep begins.
+    Damping uses the change of the strains since the last evaluation, divided by the time since then, s; `damped` is zero if
+    there was none.
     """
     numbers, own, group = floats(world, CLOTH_NUMBERS), integers(world, CLOTH), integers(world, FACE_GROUP)
     fields, size = flat(world, PARTICLE_LANES), field_size(world)
     corners, rest, strain = flat_integers(world, FACE_GROUP), flat(world, GROUP_REST), flat(world, GROUP_STRAIN)
     stretch, shear = numbers[cloth, STRETCH], numbers[cloth, SHEAR]
-    ahead = 0.0 if begins else numbers[cloth, MEMBRANE_DAMPING] / part
+    ahead = damped * numbers[cloth, MEMBRANE_DAMPING]
     for g in range(own[cloth, FIRST_GROUP], own[cloth, LAST_GROUP]):
         begin, of, at = g * FACE_GROUP.width, group[g, RESTS] * GROUP_REST.width, g * GROUP_STRAIN.width
         if group[g, IN_ROWS] != 0:
