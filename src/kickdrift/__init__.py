@@ -61,6 +61,7 @@ if TYPE_CHECKING:
     from kickdrift.io.world_file import load_world
     from kickdrift.scale.ensemble import solve_ensemble
     from kickdrift.systems.symbolic import from_lagrangian, from_sympy
+    from kickdrift.world.gusts import gusts
     from kickdrift.world.joints.axis import Axis, Drive, Motor
     from kickdrift.world.part import Part
     from kickdrift.world.shapes.box import Box
@@ -116,6 +117,7 @@ __all__ = [
     "analysis",
     "from_lagrangian",
     "from_sympy",
+    "gusts",
     "load",
     "load_mesh",
     "load_robot",
@@ -144,6 +146,7 @@ def _later(module: str, name: str) -> Callable[..., Any]:
 _LATER = {
     **dict.fromkeys(("from_lagrangian", "from_sympy"), "kickdrift.systems.symbolic"),
     "World": "kickdrift.world.world",
+    "gusts": "kickdrift.world.gusts",
     "Part": "kickdrift.world.part",
     **dict.fromkeys(("Axis", "Drive", "Motor"), "kickdrift.world.joints.axis"),
     **{

@@ -16,6 +16,7 @@ from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.io.shapes import Catalogue, shapes_of
 from kickdrift.world.arguments import vector
 from kickdrift.world.cloth.layout import CLOTH_GENERATION
+from kickdrift.world.cloth.winds import force_or_wind_of
 from kickdrift.world.integrity import check
 from kickdrift.world.joints.layout import GENERATION, JOINT_KIND
 from kickdrift.world.joints.layout import REMOVED as REMOVED_JOINT
@@ -29,7 +30,7 @@ from kickdrift.world.tables import BODY, CLOTH, JOINT, LINK_NUMBERS, PLACE, SHAP
 from kickdrift.world.world import World
 
 _KIND, _TABLE = "kickdrift world ", "table "
-# What is made of the records of shapes and of the joints, and not of what a file says of it
+# Tables that are made from the records of shapes and joints, not read from the file
 MADE = ("SHAPE", "PLACE", "GEOMETRY", "ARTICULATION", "LINK", "GRAPH")
 _STORED: Mapping[str, Table] = {name: table for name, table in TABLES.items() if name not in MADE}
 _PART = 6  # row, shape, surface, body, whether it is only shown, state of the search
@@ -43,7 +44,7 @@ def save_world(world: World, path: str | Path) -> Path:
     world : World
         Forces added by users are functions; they are counted but not written, since a file holds no code.
     path : path
-        Where; ``.npz`` is appended where it is missing. The folder must exist.
+        ``.npz`` is appended if it is missing. The folder must exist.
 
     Returns
     -------
@@ -104,7 +105,7 @@ def load_world(path: str | Path, forces: Sequence[Function] = ()) -> World:
     ----------
     path : path
     forces : sequence of callable
-        The functions passed to `World.add_force`, in the same order: a file holds no code.
+        The functions passed to `World.add_force` and `World.add_wind`, in the same order: a file holds no code.
 
     Returns
     -------
@@ -136,12 +137,10 @@ def load_world(path: str | Path, forces: Sequence[Function] = ()) -> World:
     if len(forces) != count:
         raise ArgumentError(
             f"forces has {len(forces)} functions, but the world in path={str(path)!r} had {count}; give the functions"
-            " passed to add_force, in the same order."
+            " passed to add_force and add_wind, in the same order."
         )
     world = World(threads=threads)
-    for force in forces:
-        world.add_force(force)
-    world.restore(snapshot.with_forces(world.forces))
+    world.restore(snapshot.with_forces(force_or_wind_of(force) for force in forces))
     return world
 
 

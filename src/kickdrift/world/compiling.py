@@ -27,12 +27,12 @@ def compile_step(spelt: Word, kinds: Iterable[int], pairs: Iterable[tuple[int, i
 
 def all_jobs() -> list[Job]:
     """Return everything that any world may have to compile, except for users' forces."""
-    nothing = dict.fromkeys(Uses._fields[1:], False)
+    nothing = dict.fromkeys(Uses._fields[2:], False)
     everything = dict.fromkeys(nothing, True)
     words = (
-        word(Uses((), **nothing | {"many": True})),  # in batches, which most other features rule out
-        word(Uses((), **everything | {"threads": False, "many": False})),
-        word(Uses((), **everything)),
+        word(Uses((), (), **nothing | {"many": True})),  # in batches, which most other features rule out
+        word(Uses((), (), **everything | {"threads": False, "many": False})),
+        word(Uses((), (), **everything)),
     )
     rays = [(ray, RAY) for ray in RAYS.values()]
     return [*(job for spelt in words for job in _jobs(spelt, KINDS, PAIRS)), *rays]

@@ -1,6 +1,6 @@
-"""Forces that users write as Python functions, compiled into the step.
+"""Forces and winds that users write as Python functions, compiled into the step.
 
-A force names what it needs, and adds in place to the arrays `force` and `torque`:
+A force names what it needs, and adds in place to the arrays `force` and `torque`, a wind to `wind`:
 
 >>> def drag(velocity, force):
 ...     for body in range(len(force)):
@@ -13,7 +13,7 @@ such as closures over different numbers, are compiled once, and cached on disk a
 """
 
 import inspect
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from types import FunctionType
 from typing import Any, NamedTuple
@@ -36,6 +36,8 @@ from kickdrift.world.tables import (
     LOAD,
     MEMBER,
     MOTION,
+    PARTICLE,
+    PARTICLE_WIND,
     POSE,
     Tables,
     flat,
@@ -44,18 +46,40 @@ from kickdrift.world.tables import (
     rows,
 )
 
-# The arguments that a force may have, and the view of the tables that each is.
-_ARGUMENTS = {
-    "t": "t",
-    "position": "floats(world, POSE)[:count, 0:3]",
-    "orientation": "floats(world, POSE)[:count, 3:7]",
-    "velocity": "floats(world, MOTION)[:count, 0:3]",
-    "angular_velocity": "floats(world, MOTION)[:count, 3:6]",
-    "mass": f"floats(world, INERTIA)[:count, {MASS}]",
-    "force": "floats(world, FORCE)[:count, 0:3]",
-    "torque": "floats(world, FORCE)[:count, 3:6]",
-}
 
+class Sort(NamedTuple):
+    """What functions of a sort are called, what they may name, with views of the tables, and what they have to write to.
+
+    Attributes
+    ----------
+    name : str
+    arguments : mapping of str to str
+    outputs : tuple of str
+    rows : str
+        Whose rows these arrays have.
+    """
+
+    name: str
+    arguments: Mapping[str, str]
+    outputs: tuple[str, ...]
+    rows: str
+
+
+FORCES = Sort(
+    "force",
+    {
+        "t": "t",
+        "position": "floats(world, POSE)[:count, 0:3]",
+        "orientation": "floats(world, POSE)[:count, 3:7]",
+        "velocity": "floats(world, MOTION)[:count, 0:3]",
+        "angular_velocity": "floats(world, MOTION)[:count, 3:6]",
+        "mass": f"floats(world, INERTIA)[:count, {MASS}]",
+        "force": "floats(world, FORCE)[:count, 0:3]",
+        "torque": "floats(world, FORCE)[:count, 3:6]",
+    },
+    ("force", "torque"),
+    "body",
+)
 _LAZY = inspect.CO_GENERATOR | inspect.CO_COROUTINE | inspect.CO_ASYNC_GENERATOR
 _AROUND = (
     "Failed in",
@@ -74,14 +98,15 @@ def stage(t, h, world):
 
 
 class Force(NamedTuple):
-    """A user's force: the function, the stage of the step that calls it, and the numbers that the function captures."""
+    """A user's force or wind: the function, the stage of the step that calls it, the numbers that the function captures."""
 
     function: Function
     stage: Function
     numbers: NDArray[np.float64]
+    sort: Sort
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return force_of, (self.function,)
+        return force_of, (self.function, self.sort)
 
 
 @compiled
@@ -97,41 +122,44 @@ def begin_forces(t: float, h: float, world: int) -> None:
 
 
 def put_numbers(tables: Tables, forces: Sequence[Force]) -> None:
-    """Write the captured numbers of all forces, after a row that holds the offset to those of the next stage."""
-    numbers = np.concatenate([np.ones(1), *(force.numbers for force in forces)])
+    """Write the captured numbers of all forces, then of winds, after a row that holds the offset to those of the next stage."""
+    ordered = sorted(forces, key=lambda force: force.sort is not FORCES)
+    numbers = np.concatenate([np.ones(1), *(force.numbers for force in ordered)])
     tables.put(FORCE_NUMBERS, numbers[:, None])
 
 
-def force_of(function: Function) -> Force:
-    """Make a force from a user's function.
+def force_of(function: Function, sort: Sort = FORCES) -> Force:
+    """Make a force, or a wind, from a user's function.
 
     Raises
     ------
     ArgumentError
         If it is not a function, has an argument with an unknown name, has no output, or cannot be compiled.
     """
-    names = argument_names(function, "force", tuple(_ARGUMENTS), "capture numbers from the enclosing scope")
-    if "force" not in names and "torque" not in names:
+    names = argument_names(function, sort.name, tuple(sort.arguments), "capture numbers from the enclosing scope")
+    if not set(sort.outputs) & set(names):
+        wanted = " or ".join(f"`{name}`" for name in sort.outputs)
         raise ArgumentError(
-            f"force {_name(function)}({', '.join(names)}) has no output; take an argument `force` or `torque`, arrays"
-            " with one row per body, and add to them in place."
+            f"{sort.name} {_name(function)}({', '.join(names)}) has no output; take an argument {wanted},"
+            f" {'arrays' if len(sort.outputs) > 1 else 'an array'} with one row per {sort.rows}, and add to"
+            f" {'them' if len(sort.outputs) > 1 else 'it'} in place."
         )
     python = getattr(function, "py_func", function)
     if not isinstance(python, FunctionType) or python.__code__.co_flags & _LAZY:
         raise ArgumentError(
-            f"force={function!r} is a partial, a method, a generator or the like, which cannot be compiled; give a"
+            f"{sort.name}={function!r} is a partial, a method, a generator or the like, which cannot be compiled; give a"
             " function defined with def."
         )
     taken = taken_apart(function)
     numbers = {name: value for name, value in taken.numbers.items() if name not in names}
-    views = {name: _ARGUMENTS[name] for name in names} | number_views(numbers, "numbers[at:]", 0)
+    views = {name: sort.arguments[name] for name in names} | number_views(numbers, "numbers[at:]", 0)
     own = in_a_row(numbers)
     source = _TEMPLATE.format(size=own.size, views=", ".join(f"{name}={view}" for name, view in views.items()))
-    return Force(function, _stage(taken, source), own)
+    return Force(function, _stage(taken, source, sort.name), own, sort)
 
 
 @lru_cache(maxsize=128)
-def _stage(taken: Taken, source: str) -> Function:
+def _stage(taken: Taken, source: str, what: str) -> Function:
     """Compile the stage, once for all functions of the same code: memory for compiled code is never freed."""
     function = taken.function
     native = taken.snapshot(checked=True) if taken.known else function
@@ -141,7 +169,7 @@ def _stage(taken: Taken, source: str) -> Function:
     around = fingerprint(python)  # of the stage without the function
     python.__globals__["function"] = native
     if taken.known:
-        python.__qualname__ = f"force_{taken.digest(around)}"
+        python.__qualname__ = f"{what}_{taken.digest(around)}"
     stage: Any = compiled(cached=taken.known, users=True)(python)
     try:
         stage.compile(STAGE)
@@ -149,7 +177,7 @@ def _stage(taken: Taken, source: str) -> Function:
         lines = [line.strip() for line in str(error).splitlines() if line.strip()]
         reason = next((line for line in lines if not line.startswith(_AROUND)), type(error).__name__)
         raise ArgumentError(
-            f"force {_name(function)} cannot be compiled: {reason} Use loops and NumPy functions that Numba supports."
+            f"{what} {_name(function)} cannot be compiled: {reason} Use loops and NumPy functions that Numba supports."
         ) from error
     made: Function = stage
     return made
@@ -166,6 +194,8 @@ def _spelt(source: str) -> FunctionType:
         "INERTIA": INERTIA,
         "FORCE": FORCE,
         "FORCE_NUMBERS": FORCE_NUMBERS,
+        "PARTICLE": PARTICLE,
+        "PARTICLE_WIND": PARTICLE_WIND,
     }
     exec(source, scope)  # noqa: S102 - our own template, above
     stage: FunctionType = scope["stage"]

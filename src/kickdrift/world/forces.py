@@ -10,6 +10,7 @@ from kickdrift.world.arguments import vector
 from kickdrift.world.atomic import alone, undivided
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
+from kickdrift.world.cloth.winds import WINDS
 from kickdrift.world.force_stage import Force, force_of
 from kickdrift.world.tables import LOAD, POSE, Tables
 
@@ -17,7 +18,7 @@ Floats = NDArray[np.float64]
 
 
 class AppliesForces:
-    """The methods of a world that apply forces."""
+    """The methods of a world that apply forces, and let winds blow."""
 
     tables: Tables
     bodies: Bodies
@@ -103,6 +104,40 @@ class AppliesForces:
         -19.6
         """
         self._keep_force(force_of(force))  # Ctrl-C need not wait for the compiler
+
+    def add_wind(self, wind: Function) -> None:
+        """Let air move around cloths as a function of your own says, compiled into the step; it adds to that of `Cloth.wind`.
+
+        `kickdrift.gusts` makes such a function of a gusting wind. Cloths that sleep are not woken by it.
+
+        Parameters
+        ----------
+        wind : callable
+            Its argument names declare what it needs, in any order: `t`, s, `position`, m, and `velocity`, m/s, and `wind`,
+            m/s, to which it adds in place; arrays with one row per vertex of all cloths. What it gives has to depend on its
+            arguments alone. Numbers and arrays that it captures keep their present values.
+
+        Raises
+        ------
+        ArgumentError
+            If it is not a function, has an argument with an unknown name, has no output, or cannot be compiled.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import kickdrift as kd
+        >>> def storm(t, position, wind):
+        ...     for i in range(len(wind)):
+        ...         wind[i, 0] += 8.0 * np.tanh(position[i, 2]) * (1.0 - np.exp(-t))
+        >>> world = kd.World(gravity=(0, 0, 0))
+        >>> leaf = world.add_cloth_grid(size=(0.1, 0.1), vertices=(3, 3), position=(0, 0, 2), drag=1.2)
+        >>> leaf.position[:] = leaf.position[:, ::-1] + (0, 0, 2)
+        >>> world.add_wind(storm)
+        >>> world.advance(1 / 60, 300)
+        >>> bool(5.0 < leaf.velocity[:, 0].min() < 8.0)
+        True
+        """
+        self._keep_force(force_of(wind, WINDS))
 
     @undivided
     def _keep_force(self, force: Force) -> None:

@@ -10,6 +10,7 @@ from kickdrift.core.compilation import Function
 from kickdrift.world.cloth.contacts import find_cloth_contacts
 from kickdrift.world.cloth.motion import begin_cloths, move_cloths
 from kickdrift.world.cloth.sleeping import rest_cloths, wake_cloths
+from kickdrift.world.cloth.wind import calm
 from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.collision.contact_recycling import find_points
 from kickdrift.world.collision.missed import find_missed
@@ -52,6 +53,7 @@ class Uses(NamedTuple):
     """
 
     forces: Stages
+    winds: Stages
     bounces: bool
     is_fast: bool
     direct: bool
@@ -96,7 +98,7 @@ def word(uses: Uses) -> Word:
         *when(uses.joints, follow_joints),
         *when(uses.sequential, relax_in_turn),
         *when(direct, relax_islands),
-        *when(uses.cloths, find_cloth_contacts, move_cloths),
+        *when(uses.cloths, calm, *uses.winds, find_cloth_contacts, move_cloths),
     )
     if uses.threads:
         substep = tuple(THREADED.get(stage, stage) for stage in substep)

@@ -12,6 +12,7 @@ from kickdrift.core.threads import present
 from kickdrift.world import settings, step_status
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.cloth.registry import Cloths
+from kickdrift.world.cloth.winds import WINDS
 from kickdrift.world.collision.filters import part_joined
 from kickdrift.world.collision.search_state import TRIES
 from kickdrift.world.compiling import compile_step
@@ -20,7 +21,7 @@ from kickdrift.world.contacts.batching import FEW
 from kickdrift.world.contacts.layout import LANE_COUNT, SOLVE_EQUATIONS, WIDTH
 from kickdrift.world.direct.active_set import SOLVE_ISLAND, solve_island
 from kickdrift.world.direct.solve import solve_islands
-from kickdrift.world.force_stage import Force, put_numbers
+from kickdrift.world.force_stage import FORCES, Force, put_numbers
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.registry import Joints
 from kickdrift.world.recorder import Recorder
@@ -90,7 +91,7 @@ class DoesSteps:
                 except Exception as error:
                     self._go_back(step, LOAD)
                     raise KickdriftError(
-                        f"a force raised {type(error).__name__}: {error} in step {self.n_steps}; "
+                        f"a force or wind raised {type(error).__name__}: {error} in step {self.n_steps}; "
                         "all bodies are where they were before it."
                     ) from error
                 finally:
@@ -102,8 +103,7 @@ class DoesSteps:
                     program = self._ready(step)
                 else:
                     found, at = found | at, 0
-                    if self._breakable and (broken := self.joints.take_broken()):
-                        self.broken += broken
+                    if self._breakable and self._breaks():
                         program = self._ready(step)
                     if done < count:
                         chunk = next_chunk(done - before, time.perf_counter() - began)
@@ -121,7 +121,8 @@ class DoesSteps:
         fast, direct = self.tables.array(SETTINGS)[0, [settings.HAS_FAST, settings.HAS_DIRECT]].astype(bool).tolist()
         return word(
             Uses(
-                forces=tuple(force.stage for force in self.forces),
+                forces=tuple(force.stage for force in self.forces if force.sort is FORCES),
+                winds=tuple(force.stage for force in self.forces if force.sort is WINDS),
                 bounces=self.shape_rows.bouncing,
                 is_fast=fast,
                 direct=direct,
@@ -161,9 +162,19 @@ class DoesSteps:
         self.cloths.tune(step / self.substeps)
         self.tables.array(SETTINGS)[0, settings.STEP] = step
         self._program = compose(spelt, self._addresses, step, self.substeps)
-        self._program_step, self._threaded, self._breakable = step, threaded, self.joints.breakable
+        self._program_step, self._threaded, self._breakable = (
+            step,
+            threaded,
+            self.joints.breakable or self.cloths.tearable,
+        )
         self.tables.altered = False
         return self._program
+
+    def _breaks(self) -> bool:
+        """Take what a step has broken or torn out of the world; whether there was anything."""
+        broken = self.joints.take_broken()
+        self.broken += broken
+        return self.cloths.tear() or bool(broken)
 
     def _help(self, step: float, stage: int) -> int:
         """Serve the request of a stage, and return the index of the stage to resume at; raise an error if it reports one."""

@@ -28,6 +28,11 @@ class StreamedRecordingRows(RecordingRows):
     """
 
     def __init__(self, world: "World", store: ZarrStore) -> None:
+        if world.cloths.tearable:
+            raise ArgumentError(
+                f"a cloth can tear, and then has more vertices than save_to={str(store.path)!r} has room for; record into"
+                " memory, or set its tear_strain to 0."
+            )
         super().__init__(world, 1)
         self._store, self.saved_to = store, str(store.path)
         self._start: dict[str, Floats] = {}

@@ -23,7 +23,7 @@ class Scene:
     duration, step : float
         Of a run, s.
     what : str
-        What happens.
+        What is shown.
     """
 
     make: Callable[[], World]

@@ -49,7 +49,7 @@ class AddsCloths:
         name : str, optional
         **fabric
             Those of `density`, `thickness`, `stretch_stiffness`, `shear_stiffness`, `bending_stiffness`, `damping`,
-            `linear_damping`, `friction`, `drag`, `lift` and `air_density` in which it differs from
+            `linear_damping`, `friction`, `drag`, `lift`, `air_density` and `tear_strain` in which it differs from
             `kickdrift.world.cloth.fabric.Fabric`, which says what they are.
 
         Returns

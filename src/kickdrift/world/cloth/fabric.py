@@ -11,6 +11,7 @@ _POSITIVE = ("density", "thickness", "stretch_stiffness")
 _UNITS = {
     "density": "kg/m^2", "thickness": "m", "stretch_stiffness": "N/m", "shear_stiffness": "N/m", "bending_stiffness": "N m",
     "damping": "s", "linear_damping": "1/s", "friction": "1", "drag": "1", "lift": "1", "air_density": "kg/m^3",
+    "tear_strain": "1",
 }  # fmt: skip
 
 
@@ -42,6 +43,9 @@ class Fabric:
         Coefficients; see `kickdrift.world.cloth.wind.add_wind`. About 1.2 is that of a plate across the wind.
     air_density : float
         kg/m^3.
+    tear_strain : float
+        The largest strain around a vertex, in any direction, at which it comes apart there; zero if it does not tear. A strain
+        of one is twice the length.
 
     Raises
     ------
@@ -60,6 +64,7 @@ class Fabric:
     drag: float = 0.0
     lift: float = 0.0
     air_density: float = 1.2
+    tear_strain: float = 0.0
 
     def __post_init__(self) -> None:
         for name, unit in _UNITS.items():

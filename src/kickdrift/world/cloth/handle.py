@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kickdrift.world.arguments import number, vector
+from kickdrift.world.arguments import direction, number, vector
 from kickdrift.world.body import Body
 from kickdrift.world.handle import Handle
 
@@ -104,6 +104,46 @@ class Cloth(Handle):
     @friction.setter
     def friction(self, friction: float) -> None:
         self._cloths.set_numbers(self, "friction", number("friction", friction, "1"))
+
+    @property
+    def tear_strain(self) -> float:
+        """Strain at which it tears, 0.0 if it does not; may be given anew."""
+        return float(self._cloths.numbers(self, "tear_strain")[0])
+
+    @tear_strain.setter
+    def tear_strain(self, tear_strain: float) -> None:
+        self._cloths.set_numbers(self, "tear_strain", number("tear_strain", tear_strain, "1"))
+
+    def cut(self, point: ArrayLike, normal: ArrayLike) -> int:
+        """Cut it along the edges of its triangles that are nearest to a plane: each triangle goes with the side of its middle.
+
+        Vertices on the cut are split. Those that are new come after all others, with the velocities that these had, their
+        shares of the mass, and what they were pinned to; mass and momentum stay.
+
+        Parameters
+        ----------
+        point, normal : (3,) array_like
+            A point of the plane, m, and a direction across it.
+
+        Returns
+        -------
+        int
+            How many vertices it has more.
+
+        Raises
+        ------
+        ArgumentError
+            For numbers that are not finite, and a direction of length zero.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> sheet = world.add_cloth_grid(size=(1.0, 1.0), vertices=(5, 5))
+        >>> sheet.cut(point=(0, 0, 0), normal=(1, 0, 0))
+        5
+        """
+        return self._cloths.cut(self, vector("point", point, 3), direction("normal", normal))
 
     def pin(self, vertices: ArrayLike, body: Body | None = None) -> None:
         """Hold vertices where they are, or to where they are on a body.

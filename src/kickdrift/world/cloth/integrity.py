@@ -46,6 +46,7 @@ def check_cloths(rows: "Rows") -> None:
         rows.count(name, int(ends[-1]))
     _check_indices(rows, "FACE", c.CORNERS, 3, c.FIRST_FACE, c.FIRST_PARTICLE)
     _check_indices(rows, "CURVED_FACE", c.STENCIL, 6, c.FIRST_CURVED, c.FIRST_PARTICLE)
+    _check_parents(rows)
     _check_indices(rows, "PIN", c.PINNED_PARTICLE, 1, c.FIRST_PIN, c.FIRST_PARTICLE)
     _check_couplings(rows)
     kinds = rows["BODY"][:, BODY_KIND]
@@ -61,6 +62,13 @@ def _check_indices(rows: "Rows", name: str, first: int, size: int, own: int, of:
     cloth = np.repeat(np.arange(len(cloths)), cloths[:, own + 1] - cloths[:, own])
     least, most = cloths[cloth, of][:, None], cloths[cloth, of + 1][:, None]
     rows.holds(name, first, (values >= least) & (values < most))
+
+
+def _check_parents(rows: "Rows") -> None:
+    """Ask that vertices were split off vertices of the same cloth."""
+    counts = np.diff(rows["CLOTH"][:, [c.FIRST_PARTICLE, c.LAST_PARTICLE]], axis=1)[:, 0]
+    parents = rows["PARTICLE_REST"][:, c.SPLIT_FROM]
+    rows.holds("PARTICLE_REST", c.SPLIT_FROM, (parents >= 0) & (parents < np.repeat(counts, counts)))
 
 
 def _check_couplings(rows: "Rows") -> None:

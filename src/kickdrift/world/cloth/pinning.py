@@ -32,6 +32,15 @@ def remove_pins(tables: Tables, particles: Integers) -> None:
     _put(tables, tables.array(PIN)[keep], tables.array(PIN_NUMBERS)[keep])
 
 
+def copy_pins(tables: Tables, pinned_as: Integers, particles: Integers) -> None:
+    """Pin particles, (K,), which are pinned to none, to the bodies that others are pinned to, (K,), at the same points."""
+    pins, numbers = tables.array(PIN), tables.array(PIN_NUMBERS)
+    which, row = np.nonzero(pinned_as[:, None] == pins[:, c.PINNED_PARTICLE])
+    copied = pins[row].copy()
+    copied[:, c.PINNED_PARTICLE] = particles[which]
+    _put(tables, np.concatenate((pins, copied)), np.concatenate((numbers, numbers[row])))
+
+
 def _put(tables: Tables, pins: Integers, numbers: Floats) -> None:
     cloths = tables.array(CLOTH)
     of = np.searchsorted(cloths[:, c.LAST_PARTICLE], pins[:, c.PINNED_PARTICLE], side="right")

@@ -23,8 +23,10 @@ from kickdrift.world.cloth.mesh_tables import mesh_in, put_mesh
 from kickdrift.world.cloth.particle_tables import arrange
 from kickdrift.world.cloth.pinning import add_pins, remove_pins
 from kickdrift.world.cloth.ranges import add_range, remove_range, rows_of
+from kickdrift.world.cloth.splitting import Split, cut_by_plane, put_split
+from kickdrift.world.cloth.tearing import find_tears
 from kickdrift.world.cloth.tuning import softness, tune
-from kickdrift.world.cloth.vibration import membrane_rate
+from kickdrift.world.cloth.vibration import put_membrane_rate
 from kickdrift.world.names import Names
 from kickdrift.world.tables import CLOTH, CLOTH_NUMBERS, FACE, PARTICLE, PIN, Tables
 
@@ -56,8 +58,7 @@ class Cloths:
     def add(self, mesh: ClothMesh, fabric: Fabric, warp: Floats, name: str | None, self_collision: bool) -> Cloth:
         """Take rows for a cloth that lies as its mesh does, without any tension."""
         tables, name = self.tables, self.names.checked(name)
-        flat, axes = flattened(mesh, warp)
-        to_rest = inverse_edges(flat)
+        to_rest = inverse_edges(flattened(mesh, warp)[0])
         areas = 0.5 / np.abs(to_rest[:, 0] * to_rest[:, 3] - to_rest[:, 1] * to_rest[:, 2])
         masses = masses_of(mesh, fabric.density * areas)
         row = add_range(tables)
@@ -78,8 +79,8 @@ class Cloths:
         numbers[c.SKIN] = min(_OF_THICKNESS * fabric.thickness, _SKIN * math.sqrt(float(np.median(areas))))
         numbers[c.CLOTH_FRICTION], numbers[c.LINEAR_DAMPING] = fabric.friction, fabric.linear_damping
         numbers[c.DRAG], numbers[c.LIFT] = fabric.air_density * fabric.drag, fabric.air_density * fabric.lift
-        stiffness = areas[:, None] * np.array([fabric.stretch_stiffness, fabric.shear_stiffness])
-        numbers[c.MEMBRANE_RATE] = membrane_rate(mesh, axes, to_rest, stiffness, masses)
+        numbers[c.TEAR_STRAIN] = fabric.tear_strain
+        put_membrane_rate(tables, row, mesh)
         self.names.give(row, name)
         self._couple(row)
         self._bodies.wake()
@@ -94,7 +95,39 @@ class Cloths:
         remove_range(self.tables, row)
         names = self.names.all()
         self.names.replace({k - (k > row): name for k, name in names.items() if k != row})
-        self._arranged = -1
+        self._changed()
+
+    @undivided
+    def cut(self, cloth: Cloth, point: Floats, normal: Floats) -> int:
+        """Cut a cloth; see `Cloth.cut`."""
+        row = self.row(cloth)
+        return self._put_split(row, cut_by_plane(self.tables, row, point, normal))
+
+    @property
+    def tearable(self) -> bool:
+        """Whether a cloth can tear."""
+        return bool((self.tables.array(CLOTH_NUMBERS)[:, c.TEAR_STRAIN] > 0.0).any())
+
+    @undivided
+    def tear(self) -> bool:
+        """Tear the cloths that are stretched too far; whether there were any."""
+        torn = False
+        for row, own in enumerate(self.tables.array(CLOTH)[:, c.IS_ASLEEP].tolist()):
+            split = find_tears(self.tables, row) if own == 0 else None
+            torn = torn or split is not None
+            if split is not None:
+                self._put_split(row, split)
+        return torn
+
+    def _put_split(self, row: int, split: Split) -> int:
+        if split.parents.size:
+            put_split(self.tables, row, split)
+            self._changed()
+        return int(split.parents.size)
+
+    def _changed(self) -> None:
+        """Let all be made ready anew that depends on which vertices there are, and wake."""
+        self._arranged, self._substep = -1, 0.0
         self._bodies.wake()
         self.wake()
         self.tables.altered = True
@@ -170,6 +203,7 @@ class Cloths:
         """Give numbers of a name anew."""
         first, size = _COLUMNS[name]
         self.tables.array(CLOTH_NUMBERS)[self.row(cloth), first : first + size] = value
+        self.tables.altered = True  # of whether it can tear the loop of the steps depends
         self._bodies.wake()
         self.wake()
 
@@ -243,4 +277,4 @@ class Cloths:
 
 # The skin, of the thickness and of the size of triangles: with 0.2 of these, neighbours in a sheet would be pairs.
 _OF_THICKNESS, _SKIN = 0.5, 0.12
-_COLUMNS = {"wind": (c.WIND, 3), "friction": (c.CLOTH_FRICTION, 1)}
+_COLUMNS = {"wind": (c.WIND, 3), "friction": (c.CLOTH_FRICTION, 1), "tear_strain": (c.TEAR_STRAIN, 1)}

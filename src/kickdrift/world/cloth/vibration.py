@@ -7,8 +7,11 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import eigsh
 
+from kickdrift.world.cloth import layout as c
 from kickdrift.world.cloth.couplings import Bending
 from kickdrift.world.cloth.mesh import ClothMesh
+from kickdrift.world.cloth.ranges import rows_of
+from kickdrift.world.tables import CLOTH_NUMBERS, FACE_NUMBERS, PARTICLE, Tables
 
 Floats = NDArray[np.float64]
 
@@ -40,6 +43,18 @@ def membrane_rate(mesh: ClothMesh, axes: Floats, to_rest: Floats, stiffness: Flo
     scale = np.sqrt(stiffness[:, [0, 0, 1]])
     columns = 3 * mesh.triangles[:, :, None] + np.arange(3)
     return _highest(rows.reshape(-1, 3, 9) * scale[..., None], columns.reshape(-1, 9), np.repeat(masses, 3))
+
+
+def put_membrane_rate(tables: Tables, row: int, mesh: ClothMesh) -> None:
+    """Write the highest angular frequency of the membrane of a cloth, with the stiffness that was asked for."""
+    rest, numbers = rows_of(tables, row, c.FIRST_FACE, FACE_NUMBERS), tables.array(CLOTH_NUMBERS)[row]
+    to_rest, areas = rest[:, c.TO_REST : c.TO_REST + 4], rest[:, c.FACE_AREA]
+    corners = mesh.vertices[mesh.triangles]
+    p, q = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    axes = np.stack([to_rest[:, k, None] * p + to_rest[:, k + 1, None] * q for k in (0, 2)], axis=1)
+    stiffness = areas[:, None] * numbers[[c.ASKED, c.ASKED + 1]]
+    masses = rows_of(tables, row, c.FIRST_PARTICLE, PARTICLE)[:, c.PARTICLE_MASS]
+    numbers[c.MEMBRANE_RATE] = membrane_rate(mesh, axes, to_rest, stiffness, masses)
 
 
 def bending_rate(mesh: ClothMesh, bending: Bending, areas: Floats, masses: Floats) -> float:

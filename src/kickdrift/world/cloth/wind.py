@@ -18,7 +18,26 @@ from kickdrift.world.cloth.layout import (
 )
 from kickdrift.world.cloth.particle_lanes import add_force
 from kickdrift.world.columns import vector_at
-from kickdrift.world.tables import CLOTH, CLOTH_NUMBERS, FACE, FACE_NUMBERS, PARTICLE, floats, integers
+from kickdrift.world.tables import (
+    CLOTH,
+    CLOTH_NUMBERS,
+    FACE,
+    FACE_NUMBERS,
+    PARTICLE,
+    PARTICLE_WIND,
+    floats,
+    integers,
+    rows,
+)
+
+
+@compiled
+def calm(t: float, h: float, world: int) -> None:
+    """Begin with no wind beside those that cloths have, to which users' functions add."""
+    blows = floats(world, PARTICLE_WIND)
+    for i in range(rows(world, PARTICLE_WIND)):
+        for k in range(3):
+            blows[i, k] = 0.0
 
 
 @compiled
@@ -26,11 +45,11 @@ def add_wind(world: int, cloth: int, h: float, part: float) -> None:
     """Kick the particles of a cloth by the air; what is pinned gets a force that does as much in the first part, s.
 
     With the area A, the normal n and the wind w = s d, of speed s, that a triangle feels, drag is
-    rho C_d A s^2 |n . d| d / 2 and lift rho C_l A s^2 (n . d) (n - (n . d) d) / 2. Neither gives a triangle more
-    in a substep than the momentum of the wind that it feels, so that drag never turns it round.
+    rho C_d A s^2 |n . d| d / 2 and lift rho C_l A s^2 (n . d) (n - (n . d) d) / 2. In a substep drag takes no more than the
+    wind that a triangle feels, so that it never turns it round, and both together leave it no more, as lift only turns it.
     """
     numbers, face, own = floats(world, CLOTH_NUMBERS), integers(world, FACE), integers(world, CLOTH)
-    particle, rest = floats(world, PARTICLE), floats(world, FACE_NUMBERS)
+    particle, rest, blows = floats(world, PARTICLE), floats(world, FACE_NUMBERS), floats(world, PARTICLE_WIND)
     drag, lift, wind = numbers[cloth, DRAG], numbers[cloth, LIFT], vector_at(numbers, cloth, WIND)
     if drag == 0.0 and lift == 0.0:
         return
@@ -41,7 +60,8 @@ def add_wind(world: int, cloth: int, h: float, part: float) -> None:
         doubled = math.sqrt(dot(across, across))
         moves = plus(vector_at(particle, a, PARTICLE_VELOCITY), vector_at(particle, b, PARTICLE_VELOCITY))
         moves = times(1.0 / 3.0, plus(moves, vector_at(particle, c, PARTICLE_VELOCITY)))
-        felt = minus(wind, moves)
+        gust = plus(vector_at(blows, a, 0), plus(vector_at(blows, b, 0), vector_at(blows, c, 0)))
+        felt = plus(wind, minus(times(1.0 / 3.0, gust), moves))
         speed = math.sqrt(dot(felt, felt))
         if doubled == 0.0 or speed == 0.0:
             continue
@@ -51,7 +71,10 @@ def add_wind(world: int, cloth: int, h: float, part: float) -> None:
         mass = numbers[cloth, AREA_DENSITY] * rest[f, FACE_AREA]
         pull = min(h * drag * pressure * abs(facing), mass * speed)
         rise = min(h * lift * pressure * abs(facing), mass * speed)
-        impulse = plus(times(pull, d), times(math.copysign(rise, facing), minus(n, times(facing, d))))
+        up = times(math.copysign(rise, facing), minus(n, times(facing, d)))
+        left = minus(times(mass * speed - pull, d), up)
+        keep = min(mass * speed / max(math.sqrt(dot(left, left)), 1e-300), 1.0)
+        impulse = minus(times(mass * speed, d), times(keep, left))
         for corner in range(3):
             i = face[f, CORNERS + corner]
             inverse_mass = particle[i, PARTICLE_INVERSE_MASS]

@@ -1,0 +1,69 @@
+"""Tearing: where cloth is stretched too far, it comes apart across the direction in which it is stretched most."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.world.cloth import layout as c
+from kickdrift.world.cloth.mesh_tables import mesh_in
+from kickdrift.world.cloth.ranges import rows_of
+from kickdrift.world.cloth.splitting import Split, split_at
+from kickdrift.world.tables import CLOTH, CLOTH_NUMBERS, FACE, FACE_NUMBERS, PARTICLE, Tables
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+def principal_strains(tables: Tables, row: int) -> tuple[Floats, Floats]:
+    """Return the largest strain of each triangle of a cloth, (M,), and the direction that it has in space, (M, 3)."""
+    corners = rows_of(tables, row, c.FIRST_FACE, FACE)[:, c.CORNERS : c.CORNERS + 3]
+    rest, x = rows_of(tables, row, c.FIRST_FACE, FACE_NUMBERS), tables.array(PARTICLE)[corners, :3]
+    p, q = x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]
+    u1, u2, v1, v2 = (rest[:, c.TO_REST + k, None] for k in range(4))
+    u, v = u1 * p + u2 * q, v1 * p + v2 * q
+    uu, vv, uv = (u * u).sum(axis=1), (v * v).sum(axis=1), (u * v).sum(axis=1)
+    half = 0.5 * (uu - vv)
+    strain = np.sqrt(0.5 * (uu + vv) + np.hypot(half, uv)) - 1.0
+    angle = 0.5 * np.arctan2(uv, half)[:, None]
+    along = np.cos(angle) * u + np.sin(angle) * v
+    return strain, along / (1.0 + strain)[:, None]
+
+
+def find_tears(tables: Tables, row: int) -> Split | None:
+    """Find the vertices of a cloth at which it tears, none if it does not.
+
+    They are those around which triangles, weighted with their areas, have a strain above that at which it tears. Of
+    neighbours the one with the largest strain tears: the others are relieved by it.
+    """
+    limit = float(tables.array(CLOTH_NUMBERS)[row, c.TEAR_STRAIN])
+    strain, along = principal_strains(tables, row)
+    if not (limit > 0.0 and strain.max() > limit):
+        return None
+    first = int(tables.array(CLOTH)[row, c.FIRST_PARTICLE])
+    particles = rows_of(tables, row, c.FIRST_PARTICLE, PARTICLE)
+    corners = rows_of(tables, row, c.FIRST_FACE, FACE)[:, c.CORNERS : c.CORNERS + 3] - first
+    areas = rows_of(tables, row, c.FIRST_FACE, FACE_NUMBERS)[:, c.FACE_AREA]
+    of = np.bincount(corners.ravel(), weights=np.repeat(areas * strain, 3)) / np.bincount(
+        corners.ravel(), weights=np.repeat(areas, 3)
+    )
+    of[particles[:, c.PARTICLE_INVERSE_MASS] == 0.0] = 0.0
+    chosen = _apart(np.flatnonzero(of > limit), of, corners)
+    if not chosen.size:
+        return None
+    normals = np.empty((len(chosen), 3))
+    for k, vertex in enumerate(chosen):
+        around = np.flatnonzero((corners == vertex).any(axis=1))
+        pull = (areas * strain)[around, None] * along[around]
+        normals[k] = np.linalg.eigh(pull.T @ along[around])[1][:, -1]
+    found = split_at(mesh_in(tables, row), chosen, normals, particles[:, :3])
+    return found if found.parents.size else None
+
+
+def _apart(vertices: Integers, strain: Floats, corners: Integers) -> Integers:
+    """Return those of vertices, the most strained first, that have no triangle in common with one before."""
+    taken = np.zeros(len(strain), dtype=bool)
+    chosen = []
+    for vertex in vertices[np.argsort(-strain[vertices], kind="stable")].tolist():
+        if not taken[vertex]:
+            chosen.append(vertex)
+            taken[corners[(corners == vertex).any(axis=1)]] = True
+    return np.array(chosen, dtype=np.int64)

@@ -1,0 +1,32 @@
+"""Winds that users write as Python functions, as forces are; see `kickdrift.world.force_stage`."""
+
+import inspect
+
+from kickdrift.core.compilation import Function
+from kickdrift.world.cloth.layout import PARTICLE_VELOCITY
+from kickdrift.world.force_stage import FORCES, Force, Sort, force_of
+
+WINDS = Sort(
+    "wind",
+    {
+        "t": "t",
+        "position": "floats(world, PARTICLE)[:rows(world, PARTICLE), 0:3]",
+        "velocity": f"floats(world, PARTICLE)[:rows(world, PARTICLE), {PARTICLE_VELOCITY}:{PARTICLE_VELOCITY + 3}]",
+        "wind": "floats(world, PARTICLE_WIND)[:rows(world, PARTICLE), 0:3]",
+    },
+    ("wind",),
+    "vertex",
+)
+
+
+def force_or_wind_of(function: Function) -> Force:
+    """Make of a user's function what it is by the names of its arguments.
+
+    Raises
+    ------
+    ArgumentError
+        As `kickdrift.world.force_stage.force_of`.
+    """
+    code = getattr(inspect.unwrap(getattr(function, "py_func", function)), "__code__", None)
+    blows = code is not None and "wind" in code.co_varnames[: code.co_argcount]
+    return force_of(function, WINDS if blows else FORCES)
