@@ -66,7 +66,7 @@ COLLIDERS = Table(25, 16, whole=True)  # address of the function for each pair o
 # Trees of joints: see `kickdrift.world.joints.layout`
 ARTICULATION = Table(26, 8, whole=True)
 LINK = Table(46, 10, whole=True)  # a body of an articulation and its joint to the parent, parents first
-LINK_NUMBERS = Table(47, 224)  # no step reads what another has left there
+LINK_NUMBERS = Table(47, 232)  # no step reads what another has left there
 GRAPH = Table(51, 4, whole=True)  # one row
 # The direct solver: see `kickdrift.world.direct.layout`
 CONTACT_ROW = Table(48, 288)  # of contacts that are solved directly
