@@ -90,6 +90,21 @@ def test_bad_arguments(change, says):
         kd.solve(spring, **{**GOOD, **change})
 
 
+def test_a_stride_that_no_64_bits_hold_keeps_the_ends():
+    assert kd.solve(spring, **{**GOOD, "save_every": 2**63}).t.tolist() == list(GOOD["t_span"])
+
+
+@pytest.mark.filterwarnings("ignore::kickdrift.core.errors.InterpretedWarning")
+@pytest.mark.parametrize("compiled", [True, False])
+@pytest.mark.parametrize("x0", [1.0, [1.0]])
+def test_a_return_that_was_forgotten_is_said(x0, compiled):
+    def forgetful(x):
+        -x  # noqa: B018
+
+    with pytest.raises(ArgumentError, match="it returned None"):
+        kd.solve(forgetful, (0.0, 1.0), x0, np.zeros_like(x0), step=0.1, compile=compiled)
+
+
 @pytest.mark.parametrize(
     ("function", "says"),
     [
